@@ -1,0 +1,34 @@
+// Independent, exact check of a hull.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "cullhull/hull.hpp"
+#include "cullhull/options.hpp"
+#include "cullhull/point_view.hpp"
+
+namespace cullhull {
+
+struct Certificate {
+  bool valid = false;
+  /// Empty when valid, else one line: the first thing found wrong, with ids.
+  std::string reason;
+  std::uint64_t ridges_checked = 0;
+  std::uint64_t points_checked = 0;
+  /// Orientations that needed exact arithmetic.
+  std::uint64_t exact_decisions = 0;
+  explicit operator bool() const noexcept { return valid; }
+};
+
+/// Checks `hull` against `points` with exact predicates and none of the engine's code: every ridge
+/// is shared by exactly two facets and is locally convex, an interior point is beneath every facet
+/// and one ray meets one facet (Mehlhorn, Naeher, Seel, Seidel, Schilz, Schirra, Uhrig, "Checking
+/// geometric programs or verification of geometric structures", 1999), every input point is on or
+/// beneath the facet its ray meets. So a valid certificate proves that `hull` is the hull of
+/// `points`, that `vertices` are exactly the extreme points (lowest id of equal ones), and that
+/// `facets` are the maximal ones. Time O(n * walk + simplices * d^3).
+/// Options used: threads, stop, progress.
+Certificate certify(const PointView& points, const Hull& hull, const Options& options = {});
+
+}  // namespace cullhull

@@ -1,0 +1,31 @@
+// The filter alone, for use in front of any hull code.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cullhull/options.hpp"
+#include "cullhull/point_view.hpp"
+
+namespace cullhull {
+
+/// What a filter kept. `ids` are ascending. Every extreme point of the input, and every duplicate
+/// of one, is among them; a dropped point lies strictly inside the hull.
+struct Survivors {
+  std::vector<std::uint64_t> ids;
+  /// True when nothing was dropped; `ids` is then empty and stands for 0 ... count-1.
+  bool all = false;
+  /// What was used in the end: "gauge", "gauge x2", "none".
+  const char* method = "none";
+  double seconds = 0;
+
+  std::uint64_t size(std::uint64_t count) const noexcept { return all ? count : ids.size(); }
+};
+
+/// Drops points that provably lie strictly inside the hull.
+/// Time O(n), one or two passes over the input; memory O(survivors). Thread safe.
+/// Throws Error{not_finite} naming the first bad point if any coordinate is not finite.
+/// Source: docs/algorithm.md, "GaugeMap".
+Survivors cull(const PointView& points, const Options& options = {});
+
+}  // namespace cullhull

@@ -1,0 +1,12 @@
+// Everything: include this one, or the header of the one idea you need.
+#pragma once
+
+#include "cullhull/certify.hpp"
+#include "cullhull/cull.hpp"
+#include "cullhull/error.hpp"
+#include "cullhull/generate.hpp"
+#include "cullhull/hull.hpp"
+#include "cullhull/io.hpp"
+#include "cullhull/options.hpp"
+#include "cullhull/point_view.hpp"
+#include "cullhull/version.hpp"

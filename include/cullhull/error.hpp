@@ -1,0 +1,33 @@
+// Errors the library reports. The library never prints, exits or aborts: it throws `Error`.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace cullhull {
+
+/// What went wrong; the command line maps each code to one exit status (docs/formats.md).
+enum class ErrorCode {
+  invalid_argument,     ///< a caller's mistake: null data, zero dimension, an impossible option
+  not_finite,           ///< a NaN or an infinity among the coordinates; the message names the first
+  bad_file,             ///< a file that cannot be read as what it claims to be
+  io,                   ///< the operating system refused: missing file, no permission, disk full
+  out_of_budget,        ///< the result would exceed the memory budget or the engine's id range
+  backend_unavailable,  ///< the backend or engine asked for is not there
+  cancelled,            ///< the caller's stop token was triggered
+  not_exact,            ///< a foreign engine returned something that is not the exact hull
+  internal,             ///< a broken invariant of ours: always a bug, please report
+};
+
+/// The only exception type thrown on purpose (std::bad_alloc may pass through).
+/// `what()` is one line without a trailing full stop that says what to do where that is known.
+class Error : public std::runtime_error {
+ public:
+  Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+  ErrorCode code() const noexcept { return code_; }
+
+ private:
+  ErrorCode code_;
+};
+
+}  // namespace cullhull

@@ -1,0 +1,88 @@
+// The hull of a point set: exact, canonical (the same bits for every backend, filter and thread
+// count).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cullhull/cull.hpp"
+#include "cullhull/options.hpp"
+#include "cullhull/point_view.hpp"
+
+namespace cullhull {
+
+/// Lists of varying length, end to end: list i is items[offsets[i] .. offsets[i+1]).
+template <class T>
+struct Lists {
+  std::vector<std::uint64_t> offsets{0};
+  std::vector<T> items;
+  std::size_t size() const noexcept { return offsets.size() - 1; }
+};
+
+struct Statistics {
+  std::uint64_t survivors = 0;      ///< points the engine was given
+  const char* cull_method = "none"; ///< as in Survivors::method
+  const char* engine = "native";
+  const char* backend = "cpu";
+  unsigned threads = 1;
+  double cull_seconds = 0;
+  double hull_seconds = 0;          ///< engine and result together
+  double compute_seconds = 0;       ///< points in memory to complete result
+  /// Orientation decisions by rung of the ladder (docs/exactness.md): cached plane, filter, exact.
+  std::uint64_t rung_counts[3] = {0, 0, 0};
+};
+
+/// k below is `affine_dimension`: the dimension of the flat the points span (-1: no points, 0: all
+/// equal, ..., `dimension`: full). The hull is that of the points inside their flat.
+struct Hull {
+  std::uint32_t dimension = 0;
+  std::uint64_t point_count = 0;
+  ScalarType scalar = ScalarType::f64;
+  int affine_dimension = -1;
+
+  /// Extreme points (of equal points the lowest id), ascending; for k = 2 counter-clockwise from
+  /// the lowest id (in a flat: in the orientation described in docs/algorithm.md).
+  std::vector<std::uint64_t> vertices;
+
+  /// Maximal facets, coplanar pieces merged; facet i's vertex ids. k = 3: in cyclic order,
+  /// counter-clockwise from outside, from the lowest id. k = 2: the two ends, counter-clockwise.
+  /// Otherwise ascending. Facets are ordered by their first simplex.
+  Lists<std::uint64_t> facets;
+  /// Facets sharing a ridge with facet i. k = 3: entry j lies across the edge from vertex j to
+  /// vertex j + 1 (cyclic). k = 2: across vertex 1, across vertex 0, as for simplices. Otherwise
+  /// ascending.
+  Lists<std::uint32_t> facet_neighbours;
+  /// facets x (dimension + 1): outward unit normal, then offset; normal . x + offset <= 0 for every
+  /// point up to rounding. For a flat hull the normal lies in the directions of the flat.
+  std::vector<double> facet_planes;
+
+  /// simplices x k vertex ids: every facet triangulated by pulling from its lowest id (recursively),
+  /// simplices sorted. Each simplex is ascending, except that its last two ids are swapped where
+  /// that is needed to orient it outward (k = 1: none is needed).
+  std::vector<std::uint64_t> simplices;
+  /// simplices x k: entry j is the simplex across the ridge opposite to vertex j.
+  std::vector<std::uint32_t> simplex_neighbours;
+  /// The facet each simplex is part of.
+  std::vector<std::uint32_t> simplex_facets;
+
+  /// k-measure of the hull (length, area, volume, ...) and (k-1)-measure of its boundary (for
+  /// k = 1: 2, its end points), centroid in the units of the points. 0 and empty where undefined.
+  double volume = 0;
+  double area = 0;
+  std::vector<double> centroid;
+
+  Statistics statistics;
+
+  std::uint64_t facet_count() const noexcept { return facets.size(); }
+  std::uint64_t simplex_count() const noexcept { return simplex_facets.size(); }
+};
+
+/// The exact convex hull.
+/// Shapes: any count, any dimension >= 1. Errors: not_finite (names the first bad index),
+/// out_of_budget (before the work, with an estimate, or when growth exceeds the budget), cancelled,
+/// backend_unavailable, invalid_argument. Extra memory O(survivors + facets). Thread safe: calls
+/// share nothing.
+Hull convex_hull(const PointView& points, const Options& options = {});
+
+}  // namespace cullhull

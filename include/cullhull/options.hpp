@@ -1,0 +1,30 @@
+// What a caller may choose. No option changes the result, only how it is reached.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <stop_token>
+
+namespace cullhull {
+
+enum class Backend { automatic, cpu, cuda };
+enum class CullMethod { automatic, gauge, none };
+enum class Engine { native, qhull };
+
+/// Called from the calling thread now and then: a short phase name and the share done in [0, 1].
+/// It may throw; the exception passes through and nothing is left half-written.
+using Progress = std::function<void(const char* phase, double share)>;
+
+struct Options {
+  Backend backend = Backend::automatic;
+  CullMethod cull = CullMethod::automatic;
+  Engine engine = Engine::native;
+  /// Threads to use; 0 means all the machine offers.
+  unsigned threads = 0;
+  /// Bytes the library may allocate beyond the input; 0 means half of the machine's memory.
+  std::uint64_t memory_budget = 0;
+  Progress progress;
+  std::stop_token stop;
+};
+
+}  // namespace cullhull

@@ -1,0 +1,35 @@
+#include "parallel/parallel.hpp"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <thread>
+
+namespace cullhull::internal {
+
+unsigned resolve_threads(unsigned requested) {
+  if (requested > 0) return requested;
+  return static_cast<unsigned>(std::max(1, oneapi::tbb::this_task_arena::max_concurrency()));
+}
+
+void for_each_chunk(std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
+                    const std::function<void(std::uint64_t chunk, std::uint64_t begin,
+                                             std::uint64_t end)>& body) {
+  const std::uint64_t chunks = chunk_count(count, chunk_size);
+  const auto run = [&](std::uint64_t c) {
+    body(c, c * chunk_size, std::min(count, (c + 1) * chunk_size));
+  };
+  if (threads <= 1 || chunks <= 1) {
+    for (std::uint64_t c = 0; c < chunks; ++c) run(c);
+    return;
+  }
+  oneapi::tbb::task_arena arena(static_cast<int>(threads));
+  arena.execute([&] {
+    oneapi::tbb::parallel_for(std::uint64_t{0}, chunks, run,
+                              oneapi::tbb::simple_partitioner{});
+  });
+}
+
+}  // namespace cullhull::internal
