@@ -36,8 +36,8 @@ std::uint32_t hilbert_2d(std::uint32_t x, std::uint32_t y, unsigned bits) {
   return key;
 }
 
-/// Direction of y on the cube map: face, then a Hilbert curve on it; the six curves are laid so that
-/// the faces follow one another along shared edges.
+/// Direction of y on the cube map: face, then a Hilbert curve on it; the six curves are laid so
+/// that the faces follow one another along shared edges.
 std::uint32_t direction_key(const double* y) {
   constexpr unsigned bits = 12;
   constexpr double cells = 1U << bits;
