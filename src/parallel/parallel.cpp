@@ -14,9 +14,9 @@ unsigned resolve_threads(unsigned requested) {
   return static_cast<unsigned>(std::max(1, oneapi::tbb::this_task_arena::max_concurrency()));
 }
 
-void for_each_chunk(std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
-                    const std::function<void(std::uint64_t chunk, std::uint64_t begin,
-                                             std::uint64_t end)>& body) {
+void for_each_chunk(
+    std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
+    const std::function<void(std::uint64_t chunk, std::uint64_t begin, std::uint64_t end)>& body) {
   const std::uint64_t chunks = chunk_count(count, chunk_size);
   const auto run = [&](std::uint64_t c) {
     body(c, c * chunk_size, std::min(count, (c + 1) * chunk_size));
@@ -27,8 +27,7 @@ void for_each_chunk(std::uint64_t count, std::uint64_t chunk_size, unsigned thre
   }
   oneapi::tbb::task_arena arena(static_cast<int>(threads));
   arena.execute([&] {
-    oneapi::tbb::parallel_for(std::uint64_t{0}, chunks, run,
-                              oneapi::tbb::simple_partitioner{});
+    oneapi::tbb::parallel_for(std::uint64_t{0}, chunks, run, oneapi::tbb::simple_partitioner{});
   });
 }
 

@@ -12,9 +12,9 @@ unsigned resolve_threads(unsigned requested);
 
 /// Runs body(chunk, begin, end) for every chunk of `chunk_size` items of [0, count) on at most
 /// `threads` threads; serial and in order for threads == 1. Exceptions pass through.
-void for_each_chunk(std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
-                    const std::function<void(std::uint64_t chunk, std::uint64_t begin,
-                                             std::uint64_t end)>& body);
+void for_each_chunk(
+    std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
+    const std::function<void(std::uint64_t chunk, std::uint64_t begin, std::uint64_t end)>& body);
 
 inline std::uint64_t chunk_count(std::uint64_t count, std::uint64_t chunk_size) {
   return (count + chunk_size - 1) / chunk_size;

@@ -16,14 +16,19 @@ inline Sign sign_of(double v) {
 /// coordinates, (3) exact arithmetic.
 enum class Rung : std::uint8_t { plane = 0, filter = 1, exact = 2 };
 
-/// Sign of det [p1 - p0; p2 - p0; ...; pd - p0] (rows), for the d + 1 points p[0..d] of R^d, d >= 1.
-/// Any finite doubles. Swapping two points flips the sign. d = 2: positive means p0, p1, p2 turn
-/// left. d = 3: positive means p0 sees p1, p2, p3 counter-clockwise... (see orientation.cpp).
-/// `rung`, if given, receives the rung that decided (never Rung::plane).
+/// Sign of det [p1 - p0; p2 - p0; ...; pd - p0] (rows), for the d + 1 points p[0..d] of R^d, d
+/// >= 1. Any finite doubles. Swapping two points flips the sign. d = 2: positive means p0, p1, p2
+/// turn left. d = 3: positive means (p1 - p0) x (p2 - p0) points to p3's side. `rung`, if given,
+/// receives the rung that decided (never Rung::plane).
 Sign orientation(unsigned d, const double* const* p, Rung* rung = nullptr);
 
 /// The same, by exact arithmetic alone (integers scaled by powers of two).
 Sign orientation_exact(unsigned d, const double* const* p);
+
+/// Sign of det [p0 - o; ...; p(d-1) - o], exactly, where o is the centroid of the d + 1 points
+/// `simplex` (which need not be a double: the determinant is scaled by (d + 1)^d).
+Sign orientation_from_centroid_exact(unsigned d, const double* const* p,
+                                     const double* const* simplex);
 
 /// Rank of the differences p[i] - p[0], i = 1 .. count-1, in R^d: the affine dimension of the
 /// points, exactly. `columns`, if given, receives `rank` coordinate indices on which the projection
@@ -33,8 +38,9 @@ unsigned affine_rank_exact(unsigned d, const double* const* p, unsigned count,
 
 /// A hyperplane through d points of R^d, from exact arithmetic rounded at the end: normal (not
 /// normalised, scaled so that its largest component is in [0.5, 1]) each component within relative
-/// error 2^-50 of exact (an exact zero is zero). Orientation: normal . (x - p0) has the sign of
-/// orientation(p0, p1, ..., p(d-1), x). Returns false if the points are affinely dependent.
+/// error 2^-50 of exact (an exact zero is zero; below 2^-1022 it may underflow). Orientation:
+/// normal . (x - p0) has the sign of orientation(p0, p1, ..., p(d-1), x). Returns false if the
+/// points are affinely dependent.
 bool plane_exact(unsigned d, const double* const* p, double* normal);
 
 }  // namespace cullhull::internal

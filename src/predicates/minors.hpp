@@ -1,0 +1,81 @@
+// Determinants by expansion over column subsets: the one arithmetic that the filters, the cached
+// planes and the fixed-width exact rung share.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstddef>
+
+namespace cullhull::internal {
+
+/// Largest dimension the subset expansion serves (2^d minors); beyond, exact elimination is used.
+inline constexpr unsigned max_minor_dimension = 8;
+
+/// Unit roundoff of double.
+inline constexpr double unit_roundoff = 0x1p-53;
+
+/// Roundings met along any path of expand_minors over D x D differences: D differences, D - 1
+/// products, k - 1 additions at each level k. docs/exactness.md, "Expansion of minors".
+constexpr double minor_roundings(unsigned d) {
+  return static_cast<double>(d + (d - 1) + d * (d - 1) / 2);
+}
+
+/// All minors of the first `rows` rows of a matrix with D columns, expanded along the last row:
+/// det[mask] is the determinant of rows 0 .. popcount(mask)-1 on the columns in `mask`, with
+/// columns ascending. `perm`, if Permanent, receives the permanents of |entries|, computed by the
+/// same additions. T is double or a signed integer wide enough for the largest minor.
+template <unsigned D, bool Permanent, class T, class Entry>
+inline void expand_minors(const Entry (*m)[D], unsigned rows, T* det, T* perm) {
+  constexpr unsigned full = 1U << D;
+  det[0] = T(1);
+  if constexpr (Permanent) perm[0] = T(1);
+  for (unsigned mask = 1; mask < full; ++mask) {
+    const unsigned size = static_cast<unsigned>(std::popcount(mask));
+    if (size > rows) continue;
+    const Entry* row = m[size - 1];
+    T sum{}, bound{};
+    bool first = true;
+    bool negative = ((size - 1) & 1U) != 0;  // sign of the lowest column: (-1)^(size-1)
+    for (unsigned rest = mask; rest != 0; rest &= rest - 1) {
+      const unsigned j = static_cast<unsigned>(std::countr_zero(rest));
+      const T product = T(row[j]) * det[mask ^ (1U << j)];
+      if (first) {
+        sum = negative ? -product : product;
+      } else {
+        sum = negative ? sum - product : sum + product;
+      }
+      if constexpr (Permanent) {
+        const T magnitude = std::abs(T(row[j])) * perm[mask ^ (1U << j)];
+        bound = first ? magnitude : bound + magnitude;
+      }
+      first = false;
+      negative = !negative;
+    }
+    det[mask] = sum;
+    if constexpr (Permanent) perm[mask] = bound;
+  }
+}
+
+/// The same with a run-time dimension; m is row-major with d columns. Doubles only.
+inline void expand_minors(const double* m, unsigned d, unsigned rows, double* det, double* perm) {
+  det[0] = 1;
+  perm[0] = 1;
+  for (unsigned mask = 1; mask < (1U << d); ++mask) {
+    const auto size = static_cast<unsigned>(std::popcount(mask));
+    if (size > rows) continue;
+    const double* row = m + std::size_t{size - 1} * d;
+    double sum = 0, bound = 0;
+    bool negative = ((size - 1) & 1U) != 0;
+    for (unsigned rest = mask; rest != 0; rest &= rest - 1) {
+      const auto j = static_cast<unsigned>(std::countr_zero(rest));
+      const double product = row[j] * det[mask ^ (1U << j)];
+      sum = negative ? sum - product : sum + product;
+      bound += std::abs(row[j]) * perm[mask ^ (1U << j)];
+      negative = !negative;
+    }
+    det[mask] = sum;
+    perm[mask] = bound;
+  }
+}
+
+}  // namespace cullhull::internal
