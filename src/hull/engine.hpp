@@ -14,7 +14,8 @@ namespace cullhull::internal {
 /// vertices that are not extreme (inside a face) may occur: result/ merges and drops them.
 struct SimplicialHull {
   unsigned dimension = 0;
-  /// facets x d ids; orientation(v0, ..., v(d-1), x) is negative for x inside (the hull lies beneath).
+  /// facets x d ids; orientation(v0, ..., v(d-1), x) is negative for x inside (the hull lies
+  /// beneath).
   std::vector<std::uint32_t> vertices;
   /// facets x d: entry j is the facet across the ridge opposite to vertex j.
   std::vector<std::uint32_t> neighbours;

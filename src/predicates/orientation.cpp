@@ -124,17 +124,18 @@ class Pool {
   std::vector<mpz_ptr> pointers_;
 };
 
-/// Differences of points as exact integers, column j in units of 2^exponent(j).
-class IntegerDifferences {
+/// Coordinates of points as exact integers, column j in units of 2^exponent(j).
+class IntegerPoints {
  public:
-  IntegerDifferences(unsigned d, const double* const* p, unsigned rows)
-      : d_(d), rows_(rows), scaled_(std::size_t{rows + 1} * d), exponent_(d) {
-    narrow_ = true;
+  /// Points may be given as two runs: `count` at p, then `more_count` at more.
+  IntegerPoints(unsigned d, const double* const* p, unsigned count,
+                const double* const* more = nullptr, unsigned more_count = 0)
+      : d_(d), scaled_(std::size_t{count + more_count} * d), exponent_(d) {
     for (unsigned j = 0; j < d; ++j) {
       int low = 0, high = 0;
       bool any = false;
-      for (unsigned i = 0; i <= rows; ++i) {
-        const Scaled s = split(p[i][j]);
+      for (unsigned i = 0; i < count + more_count; ++i) {
+        const Scaled s = split(i < count ? p[i][j] : more[i - count][j]);
         scaled_[std::size_t{i} * d + j] = s;
         if (s.mantissa == 0) continue;
         const int top = s.exponent + bit_length(static_cast<std::uint64_t>(std::abs(s.mantissa)));
@@ -143,44 +144,91 @@ class IntegerDifferences {
         any = true;
       }
       exponent_[j] = low;
-      narrow_ = narrow_ && high - low <= 62;  // then a difference fits 64 bits
+      bits_ = std::max(bits_, high - low);
     }
   }
-  /// Every difference fits an int64_t.
-  bool narrow() const { return narrow_; }
+  unsigned dimension() const { return d_; }
+  /// Every coordinate is below 2^bits() in magnitude.
+  int bits() const { return bits_; }
   int exponent(unsigned j) const { return exponent_[j]; }
 
-  std::int64_t small(unsigned i, unsigned j) const { return shifted(i + 1, j) - shifted(0, j); }
-
-  void big(unsigned i, unsigned j, mpz_ptr out, mpz_ptr scratch) const {
-    set(i + 1, j, out);
-    set(0, j, scratch);
-    mpz_sub(out, out, scratch);
-  }
-  unsigned rows() const { return rows_; }
-  unsigned columns() const { return d_; }
-
- private:
-  std::int64_t shifted(unsigned i, unsigned j) const {
+  /// For bits() <= 62.
+  std::int64_t small(unsigned i, unsigned j) const {
     const Scaled& s = scaled_[std::size_t{i} * d_ + j];
     return s.mantissa == 0 ? 0 : s.mantissa * (std::int64_t{1} << (s.exponent - exponent_[j]));
   }
-  void set(unsigned i, unsigned j, mpz_ptr out) const {
+  void big(unsigned i, unsigned j, mpz_ptr out) const {
     const Scaled& s = scaled_[std::size_t{i} * d_ + j];
     mpz_set_si(out, s.mantissa);
     if (s.mantissa != 0)
       mpz_mul_2exp(out, out, static_cast<mp_bitcnt_t>(s.exponent - exponent_[j]));
   }
-  unsigned d_, rows_;
-  bool narrow_ = false;
+
+ private:
+  unsigned d_;
+  int bits_ = 0;
   std::vector<Scaled> scaled_;
   std::vector<int> exponent_;
 };
 
+/// Rows p[i] - p[0]: the matrix of an orientation.
+class Differences {
+ public:
+  Differences(unsigned d, const double* const* p, unsigned rows) : points_(d, p, rows + 1) {}
+  unsigned columns() const { return points_.dimension(); }
+  bool narrow() const { return points_.bits() <= 62; }  // then a difference fits 64 bits
+  int exponent(unsigned j) const { return points_.exponent(j); }
+  std::int64_t small(unsigned i, unsigned j) const {
+    return points_.small(i + 1, j) - points_.small(0, j);
+  }
+  void big(unsigned i, unsigned j, mpz_ptr out, mpz_ptr scratch) const {
+    points_.big(i + 1, j, out);
+    points_.big(0, j, scratch);
+    mpz_sub(out, out, scratch);
+  }
+
+ private:
+  IntegerPoints points_;
+};
+
+/// Rows (d + 1) p[i] - sum of the d + 1 points of a simplex.
+class CentroidDifferences {
+ public:
+  CentroidDifferences(unsigned d, const double* const* p, const double* const* simplex)
+      : points_(d, p, d, simplex, d + 1) {
+    // The sum of d + 1 coordinates and (d + 1) times one each stay below 2^61, so does not
+    // overflow.
+    narrow_ = points_.bits() + bit_length(d + 1) <= 61;
+    if (!narrow_) return;
+    sums_.assign(d, 0);
+    for (unsigned j = 0; j < d; ++j)
+      for (unsigned i = 0; i <= d; ++i) sums_[j] += points_.small(d + i, j);
+  }
+  unsigned columns() const { return points_.dimension(); }
+  bool narrow() const { return narrow_; }
+  std::int64_t small(unsigned i, unsigned j) const {
+    return static_cast<std::int64_t>(columns() + 1) * points_.small(i, j) - sums_[j];
+  }
+  void big(unsigned i, unsigned j, mpz_ptr out, mpz_ptr scratch) const {
+    const unsigned d = columns();
+    points_.big(i, j, out);
+    mpz_mul_ui(out, out, d + 1);
+    for (unsigned k = 0; k <= d; ++k) {
+      points_.big(d + k, j, scratch);
+      mpz_sub(out, out, scratch);
+    }
+  }
+
+ private:
+  IntegerPoints points_;
+  bool narrow_ = false;
+  std::vector<std::int64_t> sums_;
+};
+
 /// Determinant in 128 bits, if it provably fits: sum over columns of the bits of their largest
 /// entry, plus the bits of d!.
-template <unsigned D>
-bool determinant_128(const IntegerDifferences& a, Sign& sign) {
+template <unsigned D, class Rows>
+bool determinant_128(const Rows& a, Sign& sign) {
   std::int64_t m[D][D];
   int bits = 0;
   for (unsigned j = 0; j < D; ++j) {
@@ -200,7 +248,8 @@ bool determinant_128(const IntegerDifferences& a, Sign& sign) {
   return true;
 }
 
-bool determinant_128(const IntegerDifferences& a, Sign& sign) {
+template <class Rows>
+bool determinant_128(const Rows& a, Sign& sign) {
   if (!a.narrow()) return false;
   switch (a.columns()) {
     case 2:
@@ -254,8 +303,8 @@ int bareiss(mpz_ptr* a, unsigned n, mpz_ptr t) {
 }
 
 /// Determinant of the columns `columns[0..n)` of the first n rows; result in *out.
-void determinant_big(const IntegerDifferences& a, const unsigned* columns, unsigned n,
-                     mpz_ptr out) {
+template <class Rows>
+void determinant_big(const Rows& a, const unsigned* columns, unsigned n, mpz_ptr out) {
   if (n == 0) {
     mpz_set_ui(out, 1);
     return;
@@ -284,8 +333,11 @@ struct Big {
 
 }  // namespace
 
-Sign orientation_exact(unsigned d, const double* const* p) {
-  const IntegerDifferences a(d, p, d);
+namespace {
+
+template <class Rows>
+Sign determinant_sign(const Rows& a) {
+  const unsigned d = a.columns();
   Sign sign = Sign::zero;
   if (determinant_128(a, sign)) return sign;
   std::vector<unsigned> columns(d);
@@ -293,6 +345,17 @@ Sign orientation_exact(unsigned d, const double* const* p) {
   Big det;
   determinant_big(a, columns.data(), d, det.value);
   return static_cast<Sign>(mpz_sgn(det.value));
+}
+
+}  // namespace
+
+Sign orientation_exact(unsigned d, const double* const* p) {
+  return determinant_sign(Differences(d, p, d));
+}
+
+Sign orientation_from_centroid_exact(unsigned d, const double* const* p,
+                                     const double* const* simplex) {
+  return determinant_sign(CentroidDifferences(d, p, simplex));
 }
 
 Sign orientation(unsigned d, const double* const* p, Rung* rung) {
@@ -308,7 +371,7 @@ Sign orientation(unsigned d, const double* const* p, Rung* rung) {
 unsigned affine_rank_exact(unsigned d, const double* const* p, unsigned count, unsigned* columns) {
   if (count < 2) return 0;
   const unsigned rows = count - 1;
-  const IntegerDifferences a(d, p, rows);
+  const Differences a(d, p, rows);
   mpz_ptr* m = pool().take(std::size_t{rows} * d + 2);
   mpz_ptr t = m[std::size_t{rows} * d];
   mpz_ptr previous = m[std::size_t{rows} * d + 1];
@@ -341,7 +404,7 @@ unsigned affine_rank_exact(unsigned d, const double* const* p, unsigned count, u
 }
 
 bool plane_exact(unsigned d, const double* const* p, double* normal) {
-  const IntegerDifferences a(d, p, d - 1);
+  const Differences a(d, p, d - 1);
   std::vector<unsigned> columns(d > 0 ? d - 1 : 0);
   std::vector<long> exponents(d);
   Big det;

@@ -25,6 +25,11 @@ Sign orientation(unsigned d, const double* const* p, Rung* rung = nullptr);
 /// The same, by exact arithmetic alone (integers scaled by powers of two).
 Sign orientation_exact(unsigned d, const double* const* p);
 
+/// Sign of det [p0 - o; ...; p(d-1) - o], exactly, where o is the centroid of the d + 1 points
+/// `simplex` (which need not be a double: the determinant is scaled by (d + 1)^d).
+Sign orientation_from_centroid_exact(unsigned d, const double* const* p,
+                                     const double* const* simplex);
+
 /// Rank of the differences p[i] - p[0], i = 1 .. count-1, in R^d: the affine dimension of the
 /// points, exactly. `columns`, if given, receives `rank` coordinate indices on which the projection
 /// of the points keeps that rank (the flat projects onto them one to one), ascending.

@@ -11,8 +11,8 @@
 namespace cullhull::internal {
 
 struct ResultInput {
-  const PointView* view = nullptr;         ///< the caller's points (measures, planes)
-  const LocalPoints* local = nullptr;      ///< what the engine saw: k = local->dimension
+  const PointView* view = nullptr;     ///< the caller's points (measures, planes)
+  const LocalPoints* local = nullptr;  ///< what the engine saw: k = local->dimension
   /// Point id of local point i; ascending; nullptr: the identity.
   const std::uint64_t* ids = nullptr;
   /// The k coordinate axes of the view that the local points are the projection on, ascending.
@@ -21,8 +21,8 @@ struct ResultInput {
 
 /// Merges coplanar simplices (exactly), drops vertices that are not extreme, triangulates
 /// canonically, sorts, and measures. Consumes `boundary`. Fills every field of Hull but statistics
-/// (whose rung_counts it increases). Throws Error{not_exact} if the boundary is not weakly convex or
-/// not closed (only a foreign engine can do that).
+/// (whose rung_counts it increases). Throws Error{not_exact} if the boundary is not weakly convex
+/// or not closed (only a foreign engine can do that).
 void build_hull(const ResultInput& input, SimplicialHull&& boundary, const Control& control,
                 unsigned threads, Hull& hull);
 

@@ -141,6 +141,35 @@ TEST(Orientation, RungsAreThoseTheLadderPromises) {
   EXPECT_EQ(rung, Rung::exact);
 }
 
+TEST(OrientationFromCentroid, MatchesRationals) {
+  std::mt19937_64 rng(6);
+  std::normal_distribution<double> gauss;
+  for (unsigned d = 2; d <= 9; ++d)
+    for (int k = 0; k < 40; ++k) {
+      // Twice the same simplex size keeps the centroid a double, so the reference can use it.
+      std::vector<std::vector<double>> p(d, std::vector<double>(d)),
+          s(d + 1, std::vector<double>(d));
+      const bool grid = k % 2 == 0;
+      for (auto* list : {&p, &s})
+        for (auto& x : *list)
+          for (auto& c : x) c = grid ? static_cast<double>(rng() % 3) : gauss(rng);
+      std::vector<double> o(d);
+      for (unsigned j = 0; j < d; ++j) {
+        if (!grid)
+          for (auto& x : s) x[j] = std::ldexp(std::round(std::ldexp(x[j], 20)), -20);
+        double sum = 0;
+        for (unsigned i = 1; i <= d; ++i) sum += s[i][j];
+        s[0][j] = (d + 1) * std::round(sum) - sum;  // centroid: round(sum)
+        o[j] = std::round(sum);
+      }
+      std::vector<std::vector<double>> q = {o};
+      q.insert(q.end(), p.begin(), p.end());
+      EXPECT_EQ(orientation_from_centroid_exact(d, pointers(p).data(), pointers(s).data()),
+                reference(d, q))
+          << "d = " << d;
+    }
+}
+
 TEST(AffineRank, FindsFlatsAndTheirColumns) {
   unsigned columns[4];
   const std::vector<std::vector<double>> line = {{1, 2, 3}, {1, 4, 7}, {1, 3, 5}};

@@ -1,0 +1,20 @@
+// Copies chosen points of a view into packed doubles, the one place where scalar types end.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cullhull/point_view.hpp"
+#include "parallel/parallel.hpp"
+
+namespace cullhull::internal {
+
+/// Row-major doubles of the points `ids` (nullptr: all `count` points of the view). -0 becomes +0.
+/// Throws Error{not_finite} naming the lowest id with a NaN or an infinity; for ids ascending.
+std::vector<double> gather_points(const PointView& view, const std::uint64_t* ids,
+                                  std::uint64_t count, unsigned threads);
+
+/// Throws as gather_points does; ids: nullptr means all points. Memory O(threads).
+void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, unsigned threads);
+
+}  // namespace cullhull::internal
