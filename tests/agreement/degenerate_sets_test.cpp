@@ -19,7 +19,8 @@ TEST(DegenerateSets, FullGridsHaveTheirCorners) {
   const unsigned sides[] = {0, 0, 60, 15, 7, 4};
   for (unsigned d = 2; d <= 5; ++d)
     for (double shift : {0.0, far_away}) {
-      const Hull h = expect_everywhere(full_grid(d, sides[d], shift), full_grid_corners(d, sides[d]));
+      const Hull h =
+          expect_everywhere(full_grid(d, sides[d], shift), full_grid_corners(d, sides[d]));
       EXPECT_EQ(h.facet_count(), 2 * d);
       EXPECT_DOUBLE_EQ(h.volume, std::pow(sides[d] - 1, d));
     }
@@ -67,7 +68,8 @@ TEST(DegenerateSets, CyclicPolytopes) {
     const unsigned k = d / 2, m = d % 2 ? n - k - 1 : n - k;
     double binomial = 1;
     for (unsigned i = 0; i < k; ++i) binomial = binomial * (m - i) / (i + 1);
-    EXPECT_EQ(h.facet_count(), std::llround(d % 2 ? 2 * binomial : binomial * n / (n - k))) << s.name;
+    EXPECT_EQ(h.facet_count(), std::llround(d % 2 ? 2 * binomial : binomial * n / (n - k)))
+        << s.name;
   }
 }
 
@@ -90,8 +92,7 @@ TEST(DegenerateSets, ManyDuplicates) {
   for (unsigned d = 2; d <= 5; ++d) {
     PointSet s = random_grid(40, d, 3, 0, d);
     const std::vector<double> once = s.coordinates;
-    for (int k = 0; k < 5; ++k)
-      s.coordinates.insert(s.coordinates.end(), once.begin(), once.end());
+    for (int k = 0; k < 5; ++k) s.coordinates.insert(s.coordinates.end(), once.begin(), once.end());
     s.name += " six times";
     expect_exact(s);
     PointSet g = random_set("gauss", 40, d, d);

@@ -34,11 +34,11 @@ TEST_P(Rbox, VerticesAreExact) { expect_exact(rbox(CULLHULL_RBOX, GetParam())); 
 
 // The families of Qhull's manual (rbox.htm and the examples of qh-eg.htm), at sizes exact linear
 // programs can check.
-INSTANTIATE_TEST_SUITE_P(
-    Cubes, Rbox,
-    testing::Values("c", "c D2", "c D4", "c D5", "c G2", "10 c G1 t1", "c P0 P0 P0", "c O3",
-                    "c P0.1,0.2,0.3 D3", "c B3", "c d", "c d D4", "c d G3 D3", "50 c D4 t2",
-                    "c D3 W0.1 30 t3", "c G1e9 10 t4", "c D2 P0.5,0.5 P0.5,0.5 P0,0.5"));
+INSTANTIATE_TEST_SUITE_P(Cubes, Rbox,
+                         testing::Values("c", "c D2", "c D4", "c D5", "c G2", "10 c G1 t1",
+                                         "c P0 P0 P0", "c O3", "c P0.1,0.2,0.3 D3", "c B3", "c d",
+                                         "c d D4", "c d G3 D3", "50 c D4 t2", "c D3 W0.1 30 t3",
+                                         "c G1e9 10 t4", "c D2 P0.5,0.5 P0.5,0.5 P0,0.5"));
 INSTANTIATE_TEST_SUITE_P(Diamonds, Rbox,
                          testing::Values("d", "d D2", "d D4", "d D5", "d G3 O1", "40 d t5",
                                          "d D3 P0.25,0.25,0 P0,0,0"));
@@ -66,9 +66,9 @@ INSTANTIATE_TEST_SUITE_P(Lattices, Rbox,
                                          "100 M3,4 D2", "64 M3,4,5 O0.1", "64 M1,0,0.3"));
 INSTANTIATE_TEST_SUITE_P(Random, Rbox,
                          testing::Values("10 t1", "100 t2", "100 D2 t3", "60 D4 t4", "40 D5 t5",
-                                         "100 W0.1 t6", "100 W1e-12 D2 t7", "60 W0 t8",
-                                         "100 z t9", "100 D2 z B5 t10", "60 D4 z B2 t11",
-                                         "100 z B2 t12", "100 D3 B1e-9 t13", "100 D3 O1e9 t14"));
+                                         "100 W0.1 t6", "100 W1e-12 D2 t7", "60 W0 t8", "100 z t9",
+                                         "100 D2 z B5 t10", "60 D4 z B2 t11", "100 z B2 t12",
+                                         "100 D3 B1e-9 t13", "100 D3 O1e9 t14"));
 INSTANTIATE_TEST_SUITE_P(NearlyAdjacent, Rbox,
                          testing::Values("10 C3,1e-14,4 t1", "20 C5,1e-15,3 D2 t2",
                                          "15 D4 C2,1e-13 t3", "20 s C3,2e-16,5 t4",
