@@ -118,6 +118,8 @@ class Insertion {
   };
   std::vector<Id> visible_, stack_;
   std::vector<Ridge> horizon_;
+  /// 3D: the new facet on the horizon's edge that starts at a vertex; the horizon is a cycle.
+  std::vector<Id> ridge_from_;
   Scratch<double, D * D> matrix_;
   Scratch<double, minors> det_, perm_;
   Scratch<double, D> normal_, normal_error_;
@@ -163,6 +165,7 @@ void Insertion<D>::arrange(const Id* simplex) {
   for (std::size_t k = order_.size(); k-- > 0;)
     if (!std::binary_search(sorted.begin(), sorted.end(), order_[k])) order_[--out] = order_[k];
   std::copy(simplex, simplex + d + 1, order_.begin());
+  if constexpr (D == 3) ridge_from_.resize(order_.size());
   ordered_.reserve(order_.size() * d);
   for (std::size_t k = 0; k < order_.size(); ++k)
     std::copy_n(points_.row(order_[k]), d, ordered_.data() + k * d);
@@ -307,11 +310,12 @@ void Insertion<D>::compute_plane(Id f) {
     // |x - O| <= 2 a coordinate; offsets are off by at most (d + 5) u.
     const double a = sum * (d + 5) * unit_roundoff + 2 * total_error;
     const double b = a + (2.0 * d + 2) * unit_roundoff * sum;
-    const double bound = 1.0625 * (a + b + (2.0 * d + 4) * unit_roundoff * sum);
+    const double bound = 1.0625 * (a + b + (2.0 * d + 6) * unit_roundoff * sum);
     good = level > 0x1p-900 && level > 8 * bound;
     if (good) {
-      for (unsigned j = 0; j < d; ++j) out[j] = n[j] / level;
-      out[d] = bound / level * (1 + 0x1p-40);
+      const double scale = 1 / level;
+      for (unsigned j = 0; j < d; ++j) out[j] = n[j] * scale;
+      out[d] = bound * scale * (1 + 0x1p-40);
     }
   }
   if (!good) {
@@ -527,17 +531,33 @@ void Insertion<D>::replace_visible(Id point) {
     r.created = f;
     const Id* old_vertices = vertices(r.facet);
     Id* v = vertices(f);
-    for (unsigned i = 0; i < d; ++i) v[i] = old_vertices[i];
-    v[r.apex] = point;
+    if constexpr (D == 3) {
+      v[0] = point;  // turned, so that the ridge's ends are always at 1 and 2
+      v[1] = old_vertices[r.apex == 2 ? 0 : r.apex + 1];
+      v[2] = old_vertices[r.apex == 0 ? 2 : r.apex - 1];
+      neighbours(f)[0] = r.outside;
+      ridge_from_[v[1]] = f;
+    } else {
+      for (unsigned i = 0; i < d; ++i) v[i] = old_vertices[i];
+      v[r.apex] = point;
+      neighbours(f)[r.apex] = r.outside;
+      neighbours(r.facet)[r.apex] = f | horizon_tag;
+    }
     mark(f) = 0;
-    neighbours(f)[r.apex] = r.outside;
     Id* back = neighbours(r.outside);
     for (unsigned i = 0; i < d; ++i)
       if (back[i] == r.facet) back[i] = f;
-    neighbours(r.facet)[r.apex] = f | horizon_tag;
     compute_plane(f);
   }
-  for (const Ridge& r : horizon_) link(r.created, r.facet, r.apex);
+  for (const Ridge& r : horizon_) {
+    if constexpr (D == 3) {
+      const Id next = ridge_from_[vertices(r.created)[2]];
+      neighbours(r.created)[1] = next;
+      neighbours(next)[2] = r.created;
+    } else {
+      link(r.created, r.facet, r.apex);
+    }
+  }
   for (const Id f : visible_) {
     mark(f) = dead;
     free_.push_back(f);
