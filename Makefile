@@ -29,13 +29,13 @@ build:
 
 test:
 	@scripts/install-deps.sh build test
-	cmake --preset release -DCULLHULL_BUILD_TESTS=ON
+	cmake --preset release -DCULLHULL_BUILD_TESTS=ON -DCULLHULL_BUILD_BENCH=OFF
 	cmake --build build/release -j $(JOBS)
 	ctest --test-dir build/release -j 2 --output-on-failure
 
 bench:
 	@scripts/install-deps.sh build bench
-	cmake --preset release -DCULLHULL_BUILD_BENCH=ON
+	cmake --preset release -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=ON
 	cmake --build build/release -j $(JOBS)
 	@for b in build/release/bin/*_bench; do [ ! -x $$b ] || { echo "== $$b"; $$b || exit 1; }; done
 

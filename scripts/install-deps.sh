@@ -6,7 +6,7 @@
 set -euo pipefail
 
 build=(g++ cmake ninja-build ccache pkg-config libtbb-dev libhwy-dev libgmp-dev libqhull-dev
-  libcli11-dev libfmt-dev nlohmann-json3-dev libfast-float-dev libassimp-dev)
+  libcli11-dev libfmt-dev nlohmann-json3-dev libfast-float-dev)
 test=(libgtest-dev qhull-bin libcgal-dev libboost-dev libcdd-tools lrslib)
 bench=(libbenchmark-dev)
 docs=(doxygen)

@@ -38,10 +38,20 @@ bool ignored(int signal) {
   return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
 }
 
-void end_on_fault(int, siginfo_t*, void*) {
-  static constexpr char message[] =
-      "cullhull: an input file was cut short while it was being read\n";
-  (void)!::write(STDERR_FILENO, message, sizeof message - 1);
+void say(const char* text) { (void)!::write(STDERR_FILENO, text, std::strlen(text)); }
+
+// The kernel's word for a mapped file that has become shorter than it was. Any other SIGBUS is a
+// bug of ours and keeps its usual effect.
+void end_on_fault(int signal, siginfo_t* info, void*) {
+  const char* name = cullhull::describe_mapped_fault(info->si_addr);
+  if (name == nullptr) {
+    std::signal(signal, SIG_DFL);
+    return;  // the access is repeated
+  }
+  cullhull::remove_unfinished_files();
+  say("cullhull: ");
+  say(name);
+  say(": the file was cut short while it was being read\n");
   ::_exit(bad_input);
 }
 
