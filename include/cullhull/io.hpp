@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 
@@ -20,6 +21,10 @@ struct ReadOptions {
   /// Needed for raw input only.
   std::uint32_t raw_dimension = 0;
   std::optional<ScalarType> raw_scalar;
+  /// Threads that parse text; 0 means all the machine offers.
+  unsigned threads = 0;
+  /// Checked while text is parsed.
+  std::stop_token stop;
 };
 
 /// Points of a file: mapped (binary) or parsed (text, meshes). Movable; `points()` views its memory.
@@ -46,6 +51,11 @@ class PointFile {
 /// byte offset.
 PointFile open_points(const std::string& path, const ReadOptions& options = {});
 
+/// For a SIGBUS handler (async-signal-safe; the library installs none): the name of the open
+/// PointFile whose mapping holds `address`, or nullptr. The kernel sends SIGBUS when a mapped file
+/// shrinks under its reader. The name stays readable as long as the PointFile is open.
+const char* describe_mapped_fault(const void* address) noexcept;
+
 struct JsonExtras {
   double read_seconds = 0;
   std::vector<double> compute_seconds_all;
@@ -55,15 +65,25 @@ struct JsonExtras {
 };
 
 /// Writes `hull` in the format of the extension of `path` (.ply .obj .off .stl .json .txt) or
-/// `format`. The file appears whole or not at all (written beside, then renamed).
-/// Throws Error{invalid_argument} if the format cannot hold the hull's dimension.
+/// `format`: one of those words, or of the words of hull_to_qhull_text. The bytes depend on points
+/// and hull alone, so .json holds the result and no times. The file appears whole or not at all
+/// (written beside, then renamed); "-" and what is no regular file (a pipe, a device) are written
+/// directly. Throws Error{invalid_argument} if the format cannot hold the hull's dimension,
+/// Error{io} with the system's reason.
 void write_hull(const std::string& path, const PointView& points, const Hull& hull,
                 const std::string& format = "");
 
-/// All of the hull as JSON; the keys are listed in docs/formats.md.
+/// For a handler of SIGINT or SIGTERM (async-signal-safe): removes the temporary files of writers
+/// that have not finished.
+void remove_unfinished_files() noexcept;
+
+/// The run's report as JSON, with the lists of write_hull(".json") if `with_lists`; the keys are
+/// listed in docs/formats.md.
 std::string hull_to_json(const PointView& points, const Hull& hull, const JsonExtras& extras,
                          bool with_lists);
-/// Reads what write_hull(".json") wrote. Throws Error{bad_file}.
+/// Reads what write_hull(".json") or hull_to_json with lists wrote. Every size, offset and index is
+/// checked, so that the result can be handed to certify(); its statistics are not in the file.
+/// Throws Error{bad_file} or Error{io}.
 Hull hull_from_json(const std::string& path);
 
 /// Text as Qhull's `qconvex` prints it; `what` is one of Fx i o n p FV FS.

@@ -1,0 +1,351 @@
+// NumPy's .npy, versions 1 to 3 (numpy/lib/format.py documents it).
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "io/lines.hpp"
+#include "io/output_file.hpp"
+#include "io/source.hpp"
+#include "parallel/parallel.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+struct Header {
+  std::string descr;
+  bool fortran = false;
+  std::vector<std::uint64_t> shape;
+  std::uint64_t data_offset = 0;
+};
+
+/// The header is a Python dictionary: {'descr': '<f8', 'fortran_order': False, 'shape': (3, 2), }
+class HeaderParser {
+ public:
+  HeaderParser(const Source& source, std::uint64_t from, std::uint64_t to)
+      : source_(source), p_(from), end_(to) {}
+
+  Header parse() {
+    Header h;
+    bool seen[3] = {false, false, false};
+    expect('{');
+    while (!accept('}')) {
+      const std::string key = string();
+      expect(':');
+      const int which = key == "descr" ? 0 : key == "fortran_order" ? 1 : key == "shape" ? 2 : -1;
+      if (which < 0) fault("unknown key " + quoted_text(key));
+      if (std::exchange(seen[which], true)) fault("key " + quoted_text(key) + " twice");
+      if (which == 0) h.descr = descr();
+      if (which == 1) h.fortran = boolean();
+      if (which == 2) h.shape = tuple();
+      if (!accept(',')) {
+        expect('}');
+        break;
+      }
+    }
+    if (!seen[0] || !seen[1] || !seen[2]) fault("needs descr, fortran_order and shape");
+    return h;
+  }
+
+ private:
+  [[noreturn]] void fault(const std::string& message) const {
+    fail_at_byte(source_, p_, "npy header: " + message);
+  }
+  char peek() {
+    while (p_ < end_ && (is_blank(source_.data[p_]) || source_.data[p_] == '\n')) ++p_;
+    return p_ < end_ ? source_.data[p_] : '\0';
+  }
+  bool accept(char c) {
+    if (peek() != c) return false;
+    ++p_;
+    return true;
+  }
+  void expect(char c) {
+    if (!accept(c)) fault(std::string("expected '") + c + "'");
+  }
+  std::string string() {
+    const char quote = peek();
+    if (quote != '\'' && quote != '"') fault("expected a string");
+    const char* const begin = source_.data + ++p_;
+    const void* close = std::memchr(begin, quote, end_ - p_);
+    if (close == nullptr) fault("string without an end");
+    const std::string s(begin, static_cast<const char*>(close));
+    p_ += s.size() + 1;
+    return s;
+  }
+  std::string descr() {
+    if (peek() == '[' || peek() == '(')
+      fault("structured dtype; points need one plain number type");
+    return string();
+  }
+  bool boolean() {
+    for (const std::string_view word : {"True", "False"}) {
+      peek();
+      if (end_ - p_ >= word.size() &&
+          std::memcmp(source_.data + p_, word.data(), word.size()) == 0) {
+        p_ += word.size();
+        return word == "True";
+      }
+    }
+    fault("expected True or False");
+  }
+  std::vector<std::uint64_t> tuple() {
+    std::vector<std::uint64_t> values;
+    expect('(');
+    while (!accept(')')) {
+      if (values.size() == 64) fault("more than 64 axes");
+      peek();
+      std::uint64_t from = p_, value = 0;
+      while (p_ < end_ && is_digit(source_.data[p_])) ++p_;
+      if (!parse_unsigned({source_.data + from, p_ - from}, value))
+        fault("shape needs whole numbers that are not negative");
+      accept('L');  // Python 2
+      values.push_back(value);
+      if (!accept(',')) {
+        expect(')');
+        break;
+      }
+    }
+    return values;
+  }
+
+  const Source& source_;
+  std::uint64_t p_, end_;
+};
+
+Header parse_header(const Source& s) {
+  if (s.size < 10 || std::memcmp(s.data, "\x93NUMPY", 6) != 0)
+    fail_at_byte(s, 0, "does not begin as an .npy file does");
+  const auto byte = [&](std::size_t i) {
+    return static_cast<std::uint64_t>(static_cast<unsigned char>(s.data[i]));
+  };
+  if (byte(6) < 1 || byte(6) > 3)
+    fail_at_byte(s, 6, "npy version " + std::to_string(byte(6)) + "; 1 to 3 are known");
+  std::uint64_t from = 10, length = byte(8) | byte(9) << 8;
+  if (byte(6) >= 2) {
+    if (s.size < 12) fail_at_byte(s, s.size, "ends within the npy header");
+    length |= byte(10) << 16 | byte(11) << 24;
+    from = 12;
+  }
+  if (s.size - from < length)
+    fail_at_byte(s, 8,
+                 "npy header of " + std::to_string(length) + " bytes in a file of " +
+                     std::to_string(s.size));
+  Header h = HeaderParser(s, from, from + length).parse();
+  h.data_offset = from + length;
+  return h;
+}
+
+struct Dtype {
+  char kind = 0;  ///< 'f', 'i' or 'u'
+  std::uint64_t size = 0;
+  bool big_endian = false;
+};
+
+Dtype parse_dtype(const Source& s, const std::string& descr) {
+  Dtype t;
+  std::string_view word = descr;
+  if (!word.empty() && std::strchr("<>|=", word[0]) != nullptr) {
+    t.big_endian = word[0] == '>';
+    word.remove_prefix(1);
+  }
+  if (!word.empty()) t.kind = word[0];
+  const bool ok = word.size() == 2 && parse_unsigned(word.substr(1), t.size) &&
+                  ((t.kind == 'f' && (t.size == 4 || t.size == 8)) ||
+                   ((t.kind == 'i' || t.kind == 'u') &&
+                    (t.size == 1 || t.size == 2 || t.size == 4 || t.size == 8)));
+  if (!ok)
+    fail(s, "dtype " + quoted_text(descr) +
+                " cannot be read as points; convert to float64, float32 or an integer type");
+  return t;
+}
+
+ScalarType scalar_of(const Dtype& t) {
+  if (t.kind == 'f') return t.size == 4 ? ScalarType::f32 : ScalarType::f64;
+  const bool u = t.kind == 'u';
+  if (t.size == 1) return u ? ScalarType::u8 : ScalarType::i8;
+  if (t.size == 2) return u ? ScalarType::u16 : ScalarType::i16;
+  return u ? ScalarType::u32 : ScalarType::i32;
+}
+
+void copy_swapped(const char* from, std::uint64_t bytes, std::uint64_t size, std::byte* to,
+                  const ReadOptions& options) {
+  for_each_chunk(bytes / size, std::uint64_t{1} << 18, resolve_threads(options.threads),
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   check_stop(options);
+                   for (std::uint64_t i = begin * size; i < end * size; i += size)
+                     std::reverse_copy(from + i, from + i + size, reinterpret_cast<char*>(to) + i);
+                 });
+}
+
+/// The double of the same value, or false.
+template <class T>
+bool exact_double(T v, double& out) {
+  out = static_cast<double>(v);
+  // 2^63 and 2^64 are doubles that T cannot hold: converting them back would be undefined.
+  const double limit = std::ldexp(1.0, std::numeric_limits<T>::digits);
+  return out < limit && static_cast<T>(out) == v;
+}
+
+/// Memory order is kept. Returns the first element (in memory order) that is not exactly a double,
+/// or `count`.
+template <class T>
+std::uint64_t widen(const char* from, std::uint64_t count, bool swap, double* to,
+                    const ReadOptions& options) {
+  std::atomic<std::uint64_t> first{count};
+  for_each_chunk(count, std::uint64_t{1} << 18, resolve_threads(options.threads),
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   check_stop(options);
+                   for (std::uint64_t i = begin; i < end; ++i) {
+                     std::uint64_t bits;
+                     std::memcpy(&bits, from + 8 * i, 8);
+                     if (swap) bits = __builtin_bswap64(bits);
+                     if (exact_double(static_cast<T>(bits), to[i])) continue;
+                     std::uint64_t seen = first.load();
+                     while (i < seen && !first.compare_exchange_weak(seen, i)) {
+                     }
+                     return;
+                   }
+                 });
+  return first;
+}
+
+}  // namespace
+
+PointData read_npy(const Source& source, const ReadOptions& options) {
+  const Header h = parse_header(source);
+  const Dtype type = parse_dtype(source, h.descr);
+  if (h.shape.empty() || h.shape.size() > 2)
+    fail(source,
+         "array of " + std::to_string(h.shape.size()) + " axes; points need (n, d) or (n,)");
+  const std::uint64_t n = h.shape[0], d = h.shape.size() == 2 ? h.shape[1] : 1;
+  if (d == 0 || d > UINT32_MAX) fail(source, "points of dimension " + std::to_string(d));
+  std::uint64_t items = 0, bytes = 0;
+  const std::uint64_t have = source.size - h.data_offset;
+  if (!multiply(n, d, items) || !multiply(items, type.size, bytes) || bytes > have)
+    fail_at_byte(source, h.data_offset,
+                 "shape (" + std::to_string(n) + ", " + std::to_string(d) + ") of " +
+                     quoted_text(h.descr) + " needs more than the " + std::to_string(have) +
+                     " bytes that follow");
+  if (bytes < have)
+    fail_at_byte(source, h.data_offset + bytes,
+                 std::to_string(have - bytes) + " bytes after the array");
+
+  const char* const data = source.data + h.data_offset;
+  PointData result;
+  result.format = "npy";
+  const std::byte* base = reinterpret_cast<const std::byte*>(data);
+  std::uint64_t size = type.size;
+  if (type.kind != 'f' && type.size == 8) {
+    result.format += " (64-bit integers)";
+    result.storage = Buffer(bytes);
+    double* const to = result.storage.as<double>();
+    const std::uint64_t bad = type.kind == 'i'
+                                  ? widen<std::int64_t>(data, items, type.big_endian, to, options)
+                                  : widen<std::uint64_t>(data, items, type.big_endian, to, options);
+    if (bad < items)
+      fail(source, "value at index (" + std::to_string(h.fortran ? bad % n : bad / d) + ", " +
+                       std::to_string(h.fortran ? bad / n : bad % d) +
+                       ") is a 64-bit integer that no double equals");
+    base = result.storage.data();
+    result.view.scalar = ScalarType::f64;
+  } else {
+    result.view.scalar = scalar_of(type);
+    if (type.big_endian && size > 1) {
+      result.format += " (big-endian)";
+      result.storage = Buffer(bytes);
+      copy_swapped(data, bytes, size, result.storage.data(), options);
+      base = result.storage.data();
+    } else {
+      result.in_place = true;
+    }
+  }
+  result.view.data = base;
+  result.view.dimension = static_cast<std::uint32_t>(d);
+  result.view.count = n;
+  result.view.point_stride = static_cast<std::ptrdiff_t>(h.fortran ? size : size * d);
+  result.view.coordinate_stride = static_cast<std::ptrdiff_t>(h.fortran ? size * n : size);
+  return result;
+}
+
+namespace {
+
+std::string npy_header(const char* descr, std::initializer_list<std::uint64_t> shape) {
+  std::string dict = "{'descr': '";
+  dict.append(descr).append("', 'fortran_order': False, 'shape': (");
+  for (const std::uint64_t n : shape) {
+    dict.append(std::to_string(n)).append(1, ',');
+    if (shape.size() > 1) dict.append(1, ' ');
+  }
+  dict.append("), }");
+  // The data begin at a multiple of 64; the header ends with a newline.
+  const std::size_t total = (10 + dict.size() + 1 + 63) / 64 * 64;
+  dict.resize(total - 11, ' ');
+  dict += '\n';
+  std::string out("\x93NUMPY\x01\x00", 8);
+  out += static_cast<char>(dict.size() & 0xFF);
+  out += static_cast<char>(dict.size() >> 8);
+  return out + dict;
+}
+
+template <class T>
+void write_converted(OutputFile& out, const double* v, std::uint64_t count) {
+  for (std::uint64_t i = 0; i < count; ++i) {
+    bool ok = true;
+    if constexpr (std::is_same_v<T, float>)
+      ok = !std::isfinite(v[i]) || std::fabs(v[i]) < 0x1.ffffffp127;  // rounds to a float
+    else if constexpr (std::is_integral_v<T>)
+      ok = v[i] >= static_cast<double>(std::numeric_limits<T>::min()) &&
+           v[i] <= static_cast<double>(std::numeric_limits<T>::max()) && std::trunc(v[i]) == v[i];
+    if (!ok)
+      throw Error(ErrorCode::invalid_argument,
+                  "coordinate " + std::to_string(i) + " does not fit the scalar type asked for");
+    const T t = static_cast<T>(v[i]);
+    out.write({reinterpret_cast<const char*>(&t), sizeof t});
+  }
+}
+
+void write_values(OutputFile& out, const double* v, std::uint64_t count, ScalarType type) {
+  switch (type) {
+    case ScalarType::f32:
+      return write_converted<float>(out, v, count);
+    case ScalarType::f64:
+      return write_converted<double>(out, v, count);
+    case ScalarType::i8:
+      return write_converted<std::int8_t>(out, v, count);
+    case ScalarType::u8:
+      return write_converted<std::uint8_t>(out, v, count);
+    case ScalarType::i16:
+      return write_converted<std::int16_t>(out, v, count);
+    case ScalarType::u16:
+      return write_converted<std::uint16_t>(out, v, count);
+    case ScalarType::i32:
+      return write_converted<std::int32_t>(out, v, count);
+    case ScalarType::u32:
+      return write_converted<std::uint32_t>(out, v, count);
+  }
+}
+
+}  // namespace
+}  // namespace internal
+
+void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& ids) {
+  internal::OutputFile out(path);
+  out.write(internal::npy_header("<i8", {ids.size()}));
+  out.write({reinterpret_cast<const char*>(ids.data()), ids.size() * sizeof ids[0]});
+  out.commit();
+}
+
+void write_npy_points(const std::string& path, const double* coordinates, std::uint64_t count,
+                      std::uint32_t dimension, ScalarType type) {
+  std::string descr(1, scalar_size(type) == 1 ? '|' : '<');
+  descr.append(1, scalar_name(type)[0]).append(std::to_string(scalar_size(type)));
+  internal::OutputFile out(path);
+  out.write(internal::npy_header(descr.c_str(), {count, dimension}));
+  internal::write_values(out, coordinates, count * dimension, type);
+  out.commit();
+}
+
+}  // namespace cullhull

@@ -1,0 +1,157 @@
+#include "io/output_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <climits>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <system_error>
+
+#include "cullhull/error.hpp"
+#include "cullhull/io.hpp"
+#include "io/source.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+// Read by a signal handler, so: fixed size, no lock, no allocation.
+struct Unfinished {
+  enum State : int { empty, claimed, listed };
+  std::atomic<int> state{empty};
+  char path[PATH_MAX] = {};
+};
+
+constinit std::array<Unfinished, 32> unfinished;
+
+int list_unfinished(const std::string& path) {
+  for (std::size_t i = 0; i < unfinished.size(); ++i) {
+    int expected = Unfinished::empty;
+    if (!unfinished[i].state.compare_exchange_strong(expected, Unfinished::claimed)) continue;
+    std::memcpy(unfinished[i].path, path.c_str(), path.size() + 1);
+    unfinished[i].state.store(Unfinished::listed, std::memory_order_release);
+    return static_cast<int>(i);
+  }
+  return -1;
+}
+
+constexpr std::size_t buffer_size = std::size_t{1} << 20;
+
+}  // namespace
+
+OutputFile::OutputFile(const std::string& path)
+    : name_(path == "-" ? "standard output" : display_name(path)) {
+  buffer_.reserve(buffer_size);
+  if (path == "-") {
+    descriptor_ = STDOUT_FILENO;
+    return;
+  }
+  struct stat status {};
+  const bool exists = stat(path.c_str(), &status) == 0;
+  if (exists && S_ISDIR(status.st_mode)) refuse("cannot write", EISDIR);
+  if (exists && !S_ISREG(status.st_mode)) {
+    descriptor_ = open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    if (descriptor_ < 0) refuse("cannot open", errno);
+    return;
+  }
+  if (exists) {
+    if (access(path.c_str(), W_OK) != 0) refuse("cannot write", errno);
+    // Replace what a link points to, not the link.
+    const std::unique_ptr<char, decltype(&std::free)> real(realpath(path.c_str(), nullptr),
+                                                           &std::free);
+    if (!real) refuse("cannot write", errno);
+    target_ = real.get();
+  } else {
+    target_ = path;
+  }
+  open_beside(target_);
+  if (exists) (void)fchmod(descriptor_, status.st_mode & 07777);  // best effort, as `cp` does
+}
+
+void OutputFile::open_beside(const std::string& path) {
+  static std::atomic<unsigned> counter{0};
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    temporary_ = path + "." + std::to_string(getpid()) + "-" + std::to_string(counter++) + ".tmp";
+    if (temporary_.size() >= PATH_MAX) {
+      temporary_.clear();
+      refuse("cannot write", ENAMETOOLONG);
+    }
+    // Listed first: a signal between the two calls then removes a file that is not there.
+    slot_ = list_unfinished(temporary_);
+    descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ >= 0) return;
+    const int error = errno;
+    temporary_.clear();
+    abandon();
+    if (error != EEXIST) refuse("cannot write", error);
+  }
+  refuse("cannot write", EEXIST);
+}
+
+OutputFile::~OutputFile() { abandon(); }
+
+void OutputFile::abandon() noexcept {
+  if (descriptor_ >= 0 && descriptor_ != STDOUT_FILENO) close(descriptor_);
+  descriptor_ = -1;
+  if (!temporary_.empty()) unlink(temporary_.c_str());
+  temporary_.clear();
+  if (slot_ >= 0) unfinished[static_cast<std::size_t>(slot_)].state.store(Unfinished::empty);
+  slot_ = -1;
+}
+
+void OutputFile::refuse(const char* doing, int error) {
+  abandon();
+  throw Error(ErrorCode::io, name_ + ": " + doing + ": " + std::system_category().message(error));
+}
+
+void OutputFile::write(std::string_view bytes) {
+  if (buffer_.size() + bytes.size() <= buffer_size) {
+    buffer_.append(bytes);
+    return;
+  }
+  send(buffer_.data(), buffer_.size());
+  buffer_.clear();
+  if (bytes.size() >= buffer_size)
+    send(bytes.data(), bytes.size());
+  else
+    buffer_.append(bytes);
+}
+
+void OutputFile::send(const char* data, std::size_t size) {
+  while (size > 0) {
+    const ssize_t sent = ::write(descriptor_, data, size);
+    if (sent < 0 && errno == EINTR) continue;
+    if (sent < 0) refuse("cannot write", errno);
+    data += sent;
+    size -= static_cast<std::size_t>(sent);
+  }
+}
+
+void OutputFile::commit() {
+  send(buffer_.data(), buffer_.size());
+  buffer_.clear();
+  // Some file systems report a full disk only here.
+  if (descriptor_ != STDOUT_FILENO && close(std::exchange(descriptor_, -1)) != 0)
+    refuse("cannot write", errno);
+  if (!temporary_.empty()) {
+    if (rename(temporary_.c_str(), target_.c_str()) != 0) refuse("cannot rename to", errno);
+    temporary_.clear();
+  }
+  abandon();
+}
+
+}  // namespace internal
+
+void remove_unfinished_files() noexcept {
+  for (internal::Unfinished& u : internal::unfinished)
+    if (u.state.load(std::memory_order_acquire) == internal::Unfinished::listed) unlink(u.path);
+}
+
+}  // namespace cullhull

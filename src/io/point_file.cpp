@@ -1,0 +1,135 @@
+// Opening a file of points: which format it is, and who keeps the memory.
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+
+#include "io/mapped_file.hpp"
+#include "io/source.hpp"
+#include "io/text_scan.hpp"
+
+namespace cullhull {
+
+struct PointFile::Impl {
+  internal::MappedFile file;
+  internal::PointData data;
+  double seconds = 0;
+};
+
+PointFile::PointFile() : impl_(std::make_unique<Impl>()) {}
+PointFile::PointFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+PointFile::PointFile(PointFile&&) noexcept = default;
+PointFile& PointFile::operator=(PointFile&&) noexcept = default;
+PointFile::~PointFile() = default;
+
+const PointView& PointFile::points() const noexcept { return impl_->data.view; }
+const std::string& PointFile::format() const noexcept { return impl_->data.format; }
+bool PointFile::mapped() const noexcept { return impl_->data.in_place && impl_->file.mapped(); }
+double PointFile::read_seconds() const noexcept { return impl_->seconds; }
+
+namespace internal {
+namespace {
+
+bool begins(const Source& s, std::string_view magic) {
+  return s.size >= magic.size() && std::memcmp(s.data, magic.data(), magic.size()) == 0;
+}
+
+/// Binary STL has no magic: its size follows from its triangle count.
+bool looks_like_binary_stl(const Source& s) {
+  if (s.size < 84) return false;
+  std::uint32_t triangles;
+  std::memcpy(&triangles, s.data + 80, 4);
+  return s.size == 84 + std::uint64_t{50} * triangles;
+}
+
+std::string format_of_content(const Source& s) {
+  if (begins(s, "\x93NUMPY")) return "npy";
+  if (begins(s, "ply\n") || begins(s, "ply\r")) return "ply";
+  if (looks_like_binary_stl(s)) return "stl";
+  if (std::memchr(s.data, 0, std::min<std::size_t>(s.size, 4096)) != nullptr)
+    fail(s, "not a format known by its content; for raw numbers give dimension and scalar type");
+  LineScanner lines(s.data, s.data + s.size);
+  while (lines.next()) {
+    const std::string_view word = first_word(lines.begin(), lines.end());
+    if (word.empty() || is_comment(word.data(), lines.end())) continue;
+    if (word == "solid") return "stl";
+    if (word.ends_with("OFF")) return "off";
+    if (is_obj_keyword(word)) return "obj";
+    if (word.starts_with("{")) fail(s, "looks like JSON, which holds a hull and no points");
+    return "text";
+  }
+  return "text";
+}
+
+std::string choose_format(const Source& source, const ReadOptions& options) {
+  static constexpr std::string_view known[] = {"npy", "ply", "obj", "off", "stl",
+                                               "xyz", "txt", "csv", "raw"};
+  const auto is_known = [](const std::string& f) {
+    return std::find(std::begin(known), std::end(known), f) != std::end(known);
+  };
+  if (!options.format.empty()) {
+    if (!is_known(options.format))
+      throw Error(ErrorCode::invalid_argument,
+                  "unknown format " + quoted_text(options.format) +
+                      "; known are npy ply obj off stl xyz txt csv raw");
+    return options.format;
+  }
+  const std::string extension = extension_of(source.name);
+  if (is_known(extension)) return extension;
+  if (options.raw_dimension != 0 || options.raw_scalar) return "raw";
+  return format_of_content(source);
+}
+
+}  // namespace
+
+PointData read_points(const Source& source, const ReadOptions& options) {
+  if (source.size == 0) fail(source, "empty file");
+  const std::string format = choose_format(source, options);
+  if (format == "npy") return read_npy(source, options);
+  if (format == "ply") return read_ply(source, options);
+  if (format == "obj") return read_obj(source, options);
+  if (format == "off") return read_off(source, options);
+  if (format == "stl") return read_stl(source, options);
+  if (format == "raw") return read_raw(source, options);
+  PointData data = read_text(source, options, format == "csv");
+  if (format != "text") data.format = format;
+  return data;
+}
+
+PointData read_raw(const Source& source, const ReadOptions& options) {
+  if (options.raw_dimension == 0 || !options.raw_scalar)
+    throw Error(ErrorCode::invalid_argument,
+                source.name + ": raw input needs a dimension and a scalar type");
+  const std::uint64_t record =
+      std::uint64_t{options.raw_dimension} * scalar_size(*options.raw_scalar);
+  if (source.size % record != 0)
+    fail_at_byte(source, source.size - source.size % record,
+                 "ends within a point: one takes " + std::to_string(record) + " bytes");
+  PointData data;
+  data.format = "raw";
+  data.in_place = true;
+  data.view = {reinterpret_cast<const std::byte*>(source.data),
+               *options.raw_scalar,
+               options.raw_dimension,
+               source.size / record,
+               static_cast<std::ptrdiff_t>(record),
+               static_cast<std::ptrdiff_t>(scalar_size(*options.raw_scalar))};
+  return data;
+}
+
+}  // namespace internal
+
+PointFile open_points(const std::string& path, const ReadOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  auto impl = std::make_unique<PointFile::Impl>();
+  impl->file = internal::MappedFile(path);
+  impl->data = internal::read_points(impl->file.source(), options);
+  impl->file.check_size();
+  if (impl->data.in_place)
+    impl->file.prefault(options.threads);
+  else
+    impl->file = internal::MappedFile();  // parsed: the text need not stay
+  impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return PointFile(std::move(impl));
+}
+
+}  // namespace cullhull

@@ -1,0 +1,83 @@
+// What every reader takes and gives: named bytes in, points in place or copied out.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "cullhull/error.hpp"
+#include "cullhull/io.hpp"
+
+namespace cullhull::internal {
+
+/// The bytes of a file or of standard input. `name` is what messages call it.
+struct Source {
+  std::string name;
+  const char* data = nullptr;
+  std::size_t size = 0;
+};
+
+/// Uninitialised memory, on huge pages where it is large.
+class Buffer {
+ public:
+  Buffer() = default;
+  /// Throws std::bad_alloc.
+  explicit Buffer(std::size_t size);
+  std::byte* data() const noexcept { return data_.get(); }
+  template <class T>
+  T* as() const noexcept {
+    return reinterpret_cast<T*>(data_.get());
+  }
+
+ private:
+  struct Free {
+    void operator()(std::byte* p) const noexcept { std::free(p); }
+  };
+  std::unique_ptr<std::byte, Free> data_;
+};
+
+struct PointData {
+  PointView view;
+  std::string format;
+  Buffer storage;         ///< what `view` points into unless `in_place`
+  bool in_place = false;  ///< `view` points into the source
+};
+
+/// Readers, one file each. They throw Error{bad_file}; `options` gives threads and stop token.
+PointData read_npy(const Source& source, const ReadOptions& options);
+PointData read_ply(const Source& source, const ReadOptions& options);
+PointData read_obj(const Source& source, const ReadOptions& options);
+PointData read_off(const Source& source, const ReadOptions& options);
+PointData read_stl(const Source& source, const ReadOptions& options);
+/// `csv`: the first line may be words.
+PointData read_text(const Source& source, const ReadOptions& options, bool csv);
+PointData read_raw(const Source& source, const ReadOptions& options);
+
+/// The format options.format names, else that of the extension, else that of the content.
+PointData read_points(const Source& source, const ReadOptions& options);
+Hull read_hull_json(const Source& source);
+
+[[noreturn]] void fail(const Source& source, const std::string& message);
+[[noreturn]] void fail_at_line(const Source& source, std::uint64_t line,
+                               const std::string& message);
+[[noreturn]] void fail_at_byte(const Source& source, std::uint64_t offset,
+                               const std::string& message);
+
+/// A piece of a file for use in a message: one line, printable, not long, in quotes.
+std::string quoted_text(std::string_view text);
+/// A file name for use in a message: on one line.
+std::string display_name(const std::string& path);
+
+/// "OBJ" -> "obj"; the part after the last dot of the last component, "" without one.
+std::string extension_of(const std::string& path);
+
+/// count * size, or false on overflow.
+inline bool multiply(std::uint64_t a, std::uint64_t b, std::uint64_t& product) {
+  return !__builtin_mul_overflow(a, b, &product);
+}
+
+}  // namespace cullhull::internal
