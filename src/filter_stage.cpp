@@ -131,7 +131,7 @@ Filtered run_filter(const PointView& points, const Options& options, const Contr
   control.report("cull", 0.8);
   const PointView left = PointView::row_major(result.rows.data(), result.survivors.ids.size(), d);
   if (left.count < smallest_worth_refining(d)) return result;
-  map = map_of_sample(left, false, threads, control);
+  map = map_of_sample(left, true, threads, control);
   if (map == nullptr) return result;
   const std::vector<std::uint64_t> kept = map->survivors(left, threads, control);
   std::vector<std::uint64_t> ids(kept.size());

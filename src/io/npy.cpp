@@ -35,8 +35,8 @@ class HeaderParser {
       const std::string key = string();
       expect(':');
       const int which = key == "descr" ? 0 : key == "fortran_order" ? 1 : key == "shape" ? 2 : -1;
-      if (which < 0) fault("unknown key " + quoted(key));
-      if (std::exchange(seen[which], true)) fault("key " + quoted(key) + " twice");
+      if (which < 0) fault("unknown key " + quoted_text(key));
+      if (std::exchange(seen[which], true)) fault("key " + quoted_text(key) + " twice");
       if (which == 0) h.descr = descr();
       if (which == 1) h.fortran = boolean();
       if (which == 2) h.shape = tuple();
@@ -157,7 +157,7 @@ Dtype parse_dtype(const Source& s, const std::string& descr) {
                    ((t.kind == 'i' || t.kind == 'u') &&
                     (t.size == 1 || t.size == 2 || t.size == 4 || t.size == 8)));
   if (!ok)
-    fail(s, "dtype " + quoted(descr) +
+    fail(s, "dtype " + quoted_text(descr) +
                 " cannot be read as points; convert to float64, float32 or an integer type");
   return t;
 }
@@ -227,7 +227,7 @@ PointData read_npy(const Source& source, const ReadOptions& options) {
   if (!multiply(n, d, items) || !multiply(items, type.size, bytes) || bytes > have)
     fail_at_byte(source, h.data_offset,
                  "shape (" + std::to_string(n) + ", " + std::to_string(d) + ") of " +
-                     quoted(h.descr) + " needs more than the " + std::to_string(have) +
+                     quoted_text(h.descr) + " needs more than the " + std::to_string(have) +
                      " bytes that follow");
   if (bytes < have)
     fail_at_byte(source, h.data_offset + bytes,

@@ -61,7 +61,7 @@ PointData read_obj(const Source& source, const ReadOptions& options) {
       [&](const char* p, const char* end) {
         const std::string_view word = first_word(p, end);
         if (!word.empty() && word[0] != '#' && !is_obj_keyword(word) && !continues_line(source, p))
-          throw LineFault{quoted(word) + " is no keyword of .obj"};
+          throw LineFault{quoted_text(word) + " is no keyword of .obj"};
       });
   return data;
 }

@@ -58,7 +58,7 @@ OffHeader parse_off_header(const Source& source) {
     std::uint64_t value = 0;
     if (!parse_unsigned(words.front(), value))
       fail_at_line(source, scanner.number(),
-                   quoted(words.front()) + " is not the number of " + std::string(what));
+                   quoted_text(words.front()) + " is not the number of " + std::string(what));
     words.erase(words.begin());
     return value;
   };
@@ -74,7 +74,8 @@ OffHeader parse_off_header(const Source& source) {
   } else if (is_digit(words.front()[0])) {
     h.dimension = number("dimensions");  // as qconvex writes it
   } else {
-    fail_at_line(source, scanner.number(), quoted(words.front()) + " does not begin an OFF file");
+    fail_at_line(source, scanner.number(),
+                 quoted_text(words.front()) + " does not begin an OFF file");
   }
   if (h.dimension == 0 || h.dimension > source.size)
     fail_at_line(source, scanner.number(), "dimension " + std::to_string(h.dimension));
@@ -82,7 +83,7 @@ OffHeader parse_off_header(const Source& source) {
   h.faces = number("faces");
   if (!words.empty()) number("edges");  // of no use, and some leave it out
   if (!words.empty())
-    fail_at_line(source, scanner.number(), quoted(words.front()) + " after the counts");
+    fail_at_line(source, scanner.number(), quoted_text(words.front()) + " after the counts");
   h.body = scanner.rest();
   h.lines = scanner.number();
   return h;
@@ -112,7 +113,7 @@ PointData read_off(const Source& source, const ReadOptions& options) {
         if (line >= h.vertices) return;
         p = skip_blanks(parse_coordinates(p, end, d, out + line * d, "vertex"), end);
         if (!h.extra && p < end && *p != '#')
-          throw LineFault{quoted(first_word(p, end)) + " after the " + std::to_string(d) +
+          throw LineFault{quoted_text(first_word(p, end)) + " after the " + std::to_string(d) +
                           " coordinates of a vertex"};
       },
       ignore);

@@ -77,7 +77,7 @@ class PlyHeaderParser {
       } else if (words[0] == "property") {
         parse_property(words);
       } else {
-        fault(quoted(words[0]) + " is no keyword of a PLY header");
+        fault(quoted_text(words[0]) + " is no keyword of a PLY header");
       }
     }
     if (!format) fault("header without a 'format' line");
@@ -116,7 +116,7 @@ class PlyHeaderParser {
     else if (words[1] == "binary_big_endian")
       header_.encoding = Encoding::big;
     else
-      fault("unknown format " + quoted(words[1]));
+      fault("unknown format " + quoted_text(words[1]));
   }
   void parse_element(const std::vector<std::string_view>& words) {
     Element e;
@@ -125,7 +125,7 @@ class PlyHeaderParser {
     e.name = words[1];
     e.line = lines_.number();
     for (const Element& other : header_.elements)
-      if (other.name == e.name) fault("second element " + quoted(e.name));
+      if (other.name == e.name) fault("second element " + quoted_text(e.name));
     header_.elements.push_back(std::move(e));
   }
   void parse_property(const std::vector<std::string_view>& words) {
@@ -135,10 +135,10 @@ class PlyHeaderParser {
     p.list = words.size() == 5 && words[1] == "list";
     if (!p.list && words.size() != 3) fault("property needs a type and a name");
     if (!parse_type(words[words.size() - 2], p.type))
-      fault("unknown type " + quoted(words[words.size() - 2]));
+      fault("unknown type " + quoted_text(words[words.size() - 2]));
     if (p.list && (!parse_type(words[2], p.count_type) || p.count_type == ScalarType::f32 ||
                    p.count_type == ScalarType::f64))
-      fault(quoted(words[2]) + " cannot count a list");
+      fault(quoted_text(words[2]) + " cannot count a list");
     p.name = words.back();
     p.offset = e.min_size;
     e.min_size += scalar_size(p.list ? p.count_type : p.type);
@@ -151,20 +151,20 @@ class PlyHeaderParser {
     if (it == header_.elements.end()) fault("no element 'vertex'");
     for (const Element& e : header_.elements)
       if (e.properties.empty())
-        fail_at_line(source_, e.line, "element " + quoted(e.name) + " has no property");
+        fail_at_line(source_, e.line, "element " + quoted_text(e.name) + " has no property");
     header_.vertex = static_cast<std::size_t>(it - header_.elements.begin());
     for (const std::string_view name : {"x", "y", "z"}) {
       std::size_t found = it->properties.size();
       for (std::size_t j = 0; j < it->properties.size(); ++j) {
         if (it->properties[j].name != name) continue;
         if (found != it->properties.size() || it->properties[j].list)
-          fail_at_line(source_, it->line, "property " + quoted(name) + " must be one number");
+          fail_at_line(source_, it->line, "property " + quoted_text(name) + " must be one number");
         found = j;
       }
       if (found < it->properties.size())
         header_.xyz[header_.dimension++] = found;
       else if (name != "z")
-        fail_at_line(source_, it->line, "vertex has no property " + quoted(name));
+        fail_at_line(source_, it->line, "vertex has no property " + quoted_text(name));
     }
   }
 
@@ -202,7 +202,7 @@ class PlyBinary {
     std::uint64_t bytes = 0;
     if (!multiply(e.count, e.min_size, bytes) || bytes > source_.size - at)
       fail_at_byte(source_, at,
-                   std::to_string(e.count) + " records of " + quoted(e.name) +
+                   std::to_string(e.count) + " records of " + quoted_text(e.name) +
                        " need more than the " + std::to_string(source_.size - at) +
                        " bytes that follow");
   }
@@ -217,13 +217,13 @@ class PlyBinary {
     for (const Property& p : e.properties) {
       if (at_property != nullptr) *at_property++ = at;
       const std::uint64_t head = scalar_size(p.list ? p.count_type : p.type);
-      if (source_.size - at < head) fail_at_byte(source_, at, "ends within " + quoted(e.name));
+      if (source_.size - at < head) fail_at_byte(source_, at, "ends within " + quoted_text(e.name));
       if (p.list) {
         const double count = load(source_.data + at, p.count_type, swap_);
         const double room = static_cast<double>((source_.size - at - head) / scalar_size(p.type));
         if (count < 0 || count > room)
           fail_at_byte(source_, at,
-                       "list " + quoted(p.name) + " of " +
+                       "list " + quoted_text(p.name) + " of " +
                            std::to_string(static_cast<std::int64_t>(count)) +
                            " items does not fit the file");
         at += static_cast<std::uint64_t>(count) * scalar_size(p.type);
@@ -311,7 +311,7 @@ void parse_vertex(const PlyHeader& h, const char* p, const char* end, double* ou
     p = parse_coordinates(p, end, 1, &value, e.properties[j].name.c_str());
     if (e.properties[j].list) {
       if (!(value >= 0 && value <= static_cast<double>(end - p)))
-        throw LineFault{"list " + quoted(e.properties[j].name) + " does not fit its line"};
+        throw LineFault{"list " + quoted_text(e.properties[j].name) + " does not fit its line"};
       for (auto n = static_cast<std::uint64_t>(value); n > 0; --n) {
         double ignored;
         p = parse_coordinates(p, end, 1, &ignored, e.properties[j].name.c_str());
@@ -322,7 +322,7 @@ void parse_vertex(const PlyHeader& h, const char* p, const char* end, double* ou
       if (h.xyz[c] == j) out[c] = value;
   }
   p = skip_blanks(p, end);
-  if (p < end) throw LineFault{quoted(first_word(p, end)) + " after the last property"};
+  if (p < end) throw LineFault{quoted_text(first_word(p, end)) + " after the last property"};
 }
 
 PointData read_ascii(const Source& source, const PlyHeader& h, const ReadOptions& options) {

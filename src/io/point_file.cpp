@@ -69,7 +69,7 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
   if (!options.format.empty()) {
     if (!is_known(options.format))
       throw Error(ErrorCode::invalid_argument,
-                  "unknown format " + quoted(options.format) +
+                  "unknown format " + quoted_text(options.format) +
                       "; known are npy ply obj off stl xyz txt csv raw");
     return options.format;
   }

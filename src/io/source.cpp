@@ -33,7 +33,7 @@ void fail_at_byte(const Source& source, std::uint64_t offset, const std::string&
               source.name + ": byte " + std::to_string(offset) + ": " + message);
 }
 
-std::string quoted(std::string_view text) {
+std::string quoted_text(std::string_view text) {
   constexpr std::size_t limit = 40;
   std::string out = "'";
   for (const char c : text.substr(0, limit)) out += (c >= ' ' && c <= '~') ? c : '?';

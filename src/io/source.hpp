@@ -68,7 +68,7 @@ Hull read_hull_json(const Source& source);
                                const std::string& message);
 
 /// A piece of a file for use in a message: one line, printable, not long, in quotes.
-std::string quoted(std::string_view text);
+std::string quoted_text(std::string_view text);
 /// A file name for use in a message: on one line.
 std::string display_name(const std::string& path);
 

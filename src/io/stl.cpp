@@ -39,7 +39,7 @@ void check_keyword(const char* p, const char* end) {
                                                "endloop", "endfacet", "endsolid"};
   const std::string_view word = first_word(p, end);
   if (std::find(std::begin(known), std::end(known), word) == std::end(known))
-    throw LineFault{quoted(word) + " is no keyword of .stl"};
+    throw LineFault{quoted_text(word) + " is no keyword of .stl"};
 }
 
 /// The first word of the last line that is not blank.
@@ -60,7 +60,7 @@ PointData read_ascii(const Source& source, const ReadOptions& options) {
       [&](std::uint64_t point, const char* p, const char* end) {
         p = skip_blanks(p, end) + std::string_view("vertex").size();
         p = skip_blanks(parse_coordinates(p, end, 3, out + 3 * point, "vertex"), end);
-        if (p < end) throw LineFault{quoted(first_word(p, end)) + " after a vertex"};
+        if (p < end) throw LineFault{quoted_text(first_word(p, end)) + " after a vertex"};
       },
       check_keyword);
   if (last_keyword(source) != "endsolid")

@@ -12,9 +12,10 @@ const char* parse_coordinates(const char* p, const char* end, unsigned count, do
                       std::to_string(count)};
     const std::string_view word = first_word(p, end);
     const Scan scan = scan_number(p, end, out[j]);
-    if (scan == Scan::out_of_range) throw LineFault{quoted(word) + " exceeds the range of doubles"};
+    if (scan == Scan::out_of_range)
+      throw LineFault{quoted_text(word) + " exceeds the range of doubles"};
     if (scan != Scan::ok || (p < end && !is_blank(*p)))
-      throw LineFault{quoted(word) + " is not a number"};
+      throw LineFault{quoted_text(word) + " is not a number"};
   }
   return p;
 }
@@ -103,8 +104,8 @@ std::string explain(const char* p, const char* end, std::uint32_t dimension) {
   for (std::size_t j = 0; j < fields.list.size(); ++j) {
     const Field& f = fields.list[j];
     if (f.text.empty()) return "column " + std::to_string(j + 1) + " is empty";
-    if (f.scan == Scan::out_of_range) return quoted(f.text) + " exceeds the range of doubles";
-    if (f.scan != Scan::ok) return quoted(f.text) + " is not a number";
+    if (f.scan == Scan::out_of_range) return quoted_text(f.text) + " exceeds the range of doubles";
+    if (f.scan != Scan::ok) return quoted_text(f.text) + " is not a number";
   }
   return std::to_string(fields.list.size()) + " coordinates where the first point has " +
          std::to_string(dimension);

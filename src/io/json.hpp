@@ -1,0 +1,17 @@
+// The two JSON texts: the canonical result (a file), and the report of a run (times, threads, ...).
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "cullhull/hull.hpp"
+#include "cullhull/io.hpp"
+
+namespace cullhull::internal {
+
+using TextSink = std::function<void(const std::string&)>;
+
+/// The result alone: the same bytes for every thread count, filter and backend.
+void write_result_json(const PointView& points, const Hull& hull, const TextSink& sink);
+
+}  // namespace cullhull::internal
