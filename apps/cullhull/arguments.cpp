@@ -157,9 +157,10 @@ void InputArguments::add_to(CLI::App& command) {
       "list such as 0,2,5");
 }
 
-Input open_input(const InputArguments& arguments) {
+Input open_input(const InputArguments& arguments, unsigned threads) {
   Input input;
   cullhull::ReadOptions options;
+  options.threads = threads;
   options.format = arguments.format;
   options.raw_dimension = arguments.dimension;
   options.raw_scalar = scalar_type(arguments.type);

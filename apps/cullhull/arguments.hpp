@@ -35,7 +35,7 @@ struct Input {
   cullhull::PointView points;
 };
 
-Input open_input(const InputArguments& arguments);
+Input open_input(const InputArguments& arguments, unsigned threads = 0);
 
 /// How to run: everything that ends up in cullhull::Options.
 struct RunArguments {

@@ -35,7 +35,7 @@ struct CertifyArguments {
 };
 
 int run(const CertifyArguments& arguments) {
-  const Input input = open_input(arguments.input);
+  const Input input = open_input(arguments.input, arguments.run.threads);
   const cullhull::Hull hull = cullhull::hull_from_json(arguments.hull);
   cullhull::Certificate certificate;
   const Stopwatch watch;

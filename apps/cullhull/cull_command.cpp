@@ -96,7 +96,7 @@ std::string summary(const Input& input, const Outcome& outcome, double read_seco
 }
 
 int run(const CullArguments& arguments) {
-  const Input input = open_input(arguments.input);
+  const Input input = open_input(arguments.input, arguments.run.threads);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const Outcome outcome = compute(arguments, input.points);
   if (!arguments.output.empty()) {

@@ -169,7 +169,7 @@ void write_results(const HullArguments& arguments, const Input& input, const Out
 }
 
 int run(const HullArguments& arguments) {
-  const Input input = open_input(arguments.input);
+  const Input input = open_input(arguments.input, arguments.run.threads);
   check_outputs(arguments, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const Outcome outcome = compute(arguments, input.points);

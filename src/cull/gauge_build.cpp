@@ -9,8 +9,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace cullhull::internal {
 namespace {
@@ -32,7 +33,7 @@ struct Frame {
 };
 
 struct Bound {
-  double weight;    ///< sum of the mu, a lower bound of nothing and an upper bound with `residual`
+  double weight;    ///< at least the sum of the mu
   double residual;  ///< at least |v - sum mu q|_1
 };
 
@@ -60,6 +61,7 @@ class Builder {
     if (2 * D * face >= (std::uint64_t{1} << 23)) return false;  // the kernel's indices are floats
     t.nodes.resize(2 * D * face);
     fill_constants(t, face);
+    if (facet_count_ < t.nodes.size() / (2 * D)) invert_facets();
     fill_nodes(t, face);
     return true;
   }
@@ -167,7 +169,35 @@ class Builder {
     return det;
   }
 
+  /// Solves for the weights of v on the vertices of facet f, in or out of its cone.
   void weights(std::uint32_t f, const double* v, double (&mu)[D]) const {
+    if (!inverses_.empty()) {
+      const double* row = &inverses_[std::size_t{f} * D * D];
+      for (unsigned i = 0; i < D; ++i, row += D) {
+        mu[i] = 0;
+        for (unsigned j = 0; j < D; ++j) mu[i] += row[j] * v[j];
+      }
+      return;
+    }
+    solve(f, v, mu);
+  }
+
+  /// Pays when every facet is met many times.
+  void invert_facets() {
+    std::vector<double> inverses(std::size_t{facet_count_} * D * D);
+    for (std::uint32_t f = 0; f < facet_count_; ++f) {
+      for (unsigned j = 0; j < D; ++j) {
+        double unit[D] = {};
+        unit[j] = 1;
+        double column[D];
+        solve(f, unit, column);
+        for (unsigned i = 0; i < D; ++i) inverses[(std::size_t{f} * D + i) * D + j] = column[i];
+      }
+    }
+    inverses_ = std::move(inverses);
+  }
+
+  void solve(std::uint32_t f, const double* v, double (&mu)[D]) const {
     double a[D][D];
     const std::uint32_t* ids = facet(f);
     for (unsigned i = 0; i < D; ++i) {
@@ -344,7 +374,8 @@ class Builder {
   std::uint32_t facet_count_;
   unsigned step_limit_;
   Frame frame_{};
-  std::vector<double> q_;
+  std::vector<double> q_;         ///< vertices in the frame
+  std::vector<double> inverses_;  ///< empty, or of each facet's matrix of vertices
   double lipschitz_ = 0;
   double allowance_ = 0;
   std::uint64_t random_ = 88172645463325252U;

@@ -11,10 +11,12 @@
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "cull/gauge_kernel.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 HWY_BEFORE_NAMESPACE();
@@ -40,10 +42,8 @@ constexpr std::uint32_t integer_shift_bits = 0x4B000000U;
 // Below this the point is the centre for all purposes; keeps the reciprocal finite.
 constexpr float tiny = 0x1p-100F;
 
-/// Descending by key; carries the payload along. Min and Max would do for the keys, but a NaN must
-/// not make two of them out of one.
+/// Descending by key; carries the payload along.
 HWY_INLINE void order(VF& a, VF& b, VI& pa, VI& pb) {
-  const F f;
   const I i;
   const MF swap = hn::Lt(a, b);
   const VF hi = hn::IfThenElse(swap, b, a);
@@ -53,7 +53,6 @@ HWY_INLINE void order(VF& a, VF& b, VI& pa, VI& pb) {
   const VI phi = hn::IfThenElse(iswap, pb, pa);
   pb = hn::IfThenElse(iswap, pa, pb);
   pa = phi;
-  (void)f;
 }
 
 template <unsigned K>
@@ -133,26 +132,57 @@ HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, 
   return hn::Mul(norm, sum);
 }
 
-/// Appends the survivors of `count` points; `load(i, y)` fetches the vector of points from i on,
-/// zeros (the centre: inside) beyond `count`.
+/// Bit k of the little-endian words: point k survives.
+class SurvivorBits {
+ public:
+  HWY_INLINE void store(std::uint32_t k, MF survives) {
+    const F f;
+    if constexpr (hn::MaxLanes(F()) >= 8) {
+      hn::StoreMaskBits(f, survives, bits_ + k / 8);
+    } else {
+      std::uint8_t few[8] = {};
+      hn::StoreMaskBits(f, survives, few);
+      if (k % 8 == 0) bits_[k / 8] = 0;
+      bits_[k / 8] = static_cast<std::uint8_t>(bits_[k / 8] | few[0] << k % 8);
+    }
+  }
+  HWY_INLINE std::size_t list(std::uint32_t first, std::uint32_t count,
+                              std::uint32_t* HWY_RESTRICT ids) const {
+    std::size_t kept = 0;
+    for (std::uint32_t k = 0; k < count; k += 64) {
+      std::uint64_t word;
+      std::memcpy(&word, bits_ + k / 8, 8);
+      if (count - k < 64) word &= (std::uint64_t{1} << (count - k)) - 1;
+      for (; word != 0; word &= word - 1)
+        ids[kept++] = first + k + static_cast<std::uint32_t>(std::countr_zero(word));
+    }
+    return kept;
+  }
+
+ private:
+  static_assert(std::endian::native == std::endian::little);
+  alignas(8) std::uint8_t bits_[block_size / 8] = {};
+};
+
+/// Lists the survivors of `count` points; `load(i, y)` fetches the vector of points from i on.
+/// Bits are listed after the block, not a vector at a time: a branch on a fresh comparison, when
+/// mispredicted, costs the latency of the whole chain, and compressed stores are slow before
+/// AVX-512.
 template <unsigned D, class Load>
 HWY_INLINE std::size_t test_block(const GaugeTable& t, std::uint32_t first, std::uint32_t count,
                                   std::uint32_t* HWY_RESTRICT ids, const Load& load) {
   const F f;
-  const U u;
   const float* HWY_RESTRICT nodes = t.nodes.data();
   const VF threshold = hn::Set(f, t.threshold);
   const auto lanes = static_cast<std::uint32_t>(hn::Lanes(f));
-  std::size_t kept = 0;
+  SurvivorBits bits;
   for (std::uint32_t k = 0; k < count; k += lanes) {
     VF y[D];
     load(k, y);
     const auto inside = hn::Lt(gauge_bound<D>(t, nodes, y), threshold);  // false for NaN
-    if (hn::AllTrue(f, inside)) continue;
-    kept += hn::CompressStore(hn::Iota(u, first + k), hn::RebindMask(u, hn::Not(inside)), u,
-                              ids + kept);
+    bits.store(k, hn::Not(inside));
   }
-  return kept;
+  return bits.list(first, count, ids);
 }
 
 // ---------------------------------------------------------------- packed rows of f32 or f64
@@ -229,7 +259,11 @@ std::size_t survivors_rows(const GaugeTable& t, const T* data, const T* scale, c
   for (std::uint32_t b = 0; b < count; b += block_size) {
     const std::uint32_t n = std::min(block_size, count - b);
     convert_rows<D, T>(pattern, data + std::size_t{b} * D, n, rows);
+    // Converting a block reads memory, testing it does not: fetch the next block meanwhile.
+    const T* next = data + std::size_t{b + n} * D;
     kept += test_block<D>(t, b, n, ids + kept, [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
+      for (std::size_t e = 0; e < D * hn::Lanes(F()); e += 64 / sizeof(T))
+        hwy::Prefetch(next + std::size_t{k} * D + e);
       load_rows<D>(rows + std::size_t{k} * D, y);
     });
   }

@@ -34,7 +34,7 @@ std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, unsigned
   for_each_chunk(points.count, gauge_chunk, threads,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
                    control.check();
-                   std::array<std::uint32_t, gauge_chunk + gauge_padding> ids;
+                   std::array<std::uint32_t, gauge_chunk> ids;
                    const std::size_t n = gauge_survivors(*table_, points, begin, end, ids.data());
                    kept[c].assign(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(n));
                  });

@@ -37,11 +37,9 @@ struct GaugeTable {
 
 /// Points of one call of the kernel at most; the ids it writes are relative to `begin`.
 inline constexpr std::uint32_t gauge_chunk = 16384;
-/// Room for ids beyond the points of a call: the kernel stores whole vectors.
-inline constexpr std::uint32_t gauge_padding = 64;
 
 /// Writes begin-relative ids of the points of [begin, end) that are not provably inside, ascending,
-/// to `ids` (room for gauge_chunk + gauge_padding) and returns their number.
+/// to `ids` (room for all) and returns their number.
 std::size_t gauge_survivors(const GaugeTable& table, const PointView& points, std::uint64_t begin,
                             std::uint64_t end, std::uint32_t* ids);
 
