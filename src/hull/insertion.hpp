@@ -15,8 +15,8 @@
 
 #include "cullhull/error.hpp"
 #include "hull/engine.hpp"
-#include "hull/huge_vector.hpp"
 #include "hull/insertion_order.hpp"
+#include "parallel/raw_array.hpp"
 #include "predicates/minors.hpp"
 #include "predicates/orientation.hpp"
 
@@ -56,13 +56,15 @@ class Insertion {
     if constexpr (D > 0) return D;
     return dimension_;
   }
-  // Hot record: normal, error. Cold record: vertices, neighbours, mark.
-  std::size_t plane_stride() const { return dim() + 1; }
-  std::size_t cell_stride() const { return 2 * dim() + 1; }
-  double* plane(Id f) { return planes_.data() + f * plane_stride(); }
-  Id* vertices(Id f) { return cells_.data() + f * cell_stride(); }
+  /// A facet's record, in doubles: normal and error, then vertices, neighbours and mark as ids;
+  /// 64 bytes, a cache line, in 3D.
+  std::size_t stride() const { return (dim() + 1) + (2 * dim() + 2) / 2; }
+  double* plane(Id f) { return records_.data() + f * stride(); }
+  Id* vertices(Id f) { return reinterpret_cast<Id*>(plane(f) + dim() + 1); }
   Id* neighbours(Id f) { return vertices(f) + dim(); }
   Id& mark(Id f) { return vertices(f)[2 * dim()]; }
+  const double* row(Id p) const { return ordered_.data() + std::size_t{p} * dim(); }
+  const double* exact_row(Id p) const { return points_.exact_row(order_[p]); }
   double error(Id f) { return plane(f)[dim()]; }
   double gauge(Id f) {
     const double* n = plane(f);
@@ -71,6 +73,7 @@ class Insertion {
     return sum;
   }
 
+  void arrange(const Id* simplex);
   void build_simplex();
   Id new_facet();
   void grow();
@@ -97,10 +100,11 @@ class Insertion {
   const Control& control_;
   unsigned dimension_;
   std::uint64_t budget_;
-  std::vector<Id> simplex_;
   Scratch<double, D> centre_, simplex_sum_, offset_;
-  HugeVector<double> planes_;
-  HugeVector<Id> cells_;
+  RawArray<double> records_;
+  /// Points in insertion order: an id here is a position in `order_`. The simplex comes first.
+  std::vector<Id> order_;
+  RawArray<double> ordered_;
   std::size_t facet_slots_ = 0, facet_capacity_ = 0;
   std::vector<Id> free_;
   Id hint_ = 0;
@@ -114,6 +118,8 @@ class Insertion {
   };
   std::vector<Id> visible_, stack_;
   std::vector<Ridge> horizon_;
+  /// 3D: the new facet on the horizon's edge that starts at a vertex; the horizon is a cycle.
+  std::vector<Id> ridge_from_;
   Scratch<double, D * D> matrix_;
   Scratch<double, minors> det_, perm_;
   Scratch<double, D> normal_, normal_error_;
@@ -130,7 +136,6 @@ Insertion<D>::Insertion(const LocalPoints& points, const std::uint32_t* simplex,
       control_(control),
       dimension_(points.dimension),
       budget_(budget),
-      simplex_(simplex, simplex + points.dimension + 1),
       centre_(dimension_),
       simplex_sum_(dimension_),
       offset_(dimension_),
@@ -143,26 +148,38 @@ Insertion<D>::Insertion(const LocalPoints& points, const std::uint32_t* simplex,
       simplex_rows_(dimension_ + 1) {
   for (unsigned j = 0; j < dim(); ++j) {
     double sum = 0;
-    for (const Id v : simplex_) sum += points_.row(v)[j];
+    for (unsigned i = 0; i <= dim(); ++i) sum += points_.row(simplex[i])[j];
     simplex_sum_.data()[j] = sum;
     centre_.data()[j] = sum / (dim() + 1);
   }
+  arrange(simplex);
+}
+
+template <unsigned D>
+void Insertion<D>::arrange(const Id* simplex) {
+  const unsigned d = dim();
+  std::vector<Id> sorted(simplex, simplex + d + 1);
+  std::sort(sorted.begin(), sorted.end());
+  order_ = insertion_order(points_, centre_.data());
+  std::size_t out = order_.size();
+  for (std::size_t k = order_.size(); k-- > 0;)
+    if (!std::binary_search(sorted.begin(), sorted.end(), order_[k])) order_[--out] = order_[k];
+  std::copy(simplex, simplex + d + 1, order_.begin());
+  if constexpr (D == 3) ridge_from_.resize(order_.size());
+  ordered_.reserve(order_.size() * d);
+  for (std::size_t k = 0; k < order_.size(); ++k)
+    std::copy_n(points_.row(order_[k]), d, ordered_.data() + k * d);
 }
 
 template <unsigned D>
 SimplicialHull Insertion<D>::run() {
   build_simplex();
-  const std::vector<Id> order = insertion_order(points_, centre_.data());
-  std::vector<Id> start = simplex_;
-  std::sort(start.begin(), start.end());
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    if (k % 1024 == 0) {
+  for (Id point = dim() + 1; point < order_.size(); ++point) {
+    if (point % 1024 == 0) {
       control_.check();
-      if (k % 65536 == 0)
-        control_.report("hull", static_cast<double>(k) / static_cast<double>(order.size()));
+      if (point % 65536 == 0)
+        control_.report("hull", static_cast<double>(point) / static_cast<double>(order_.size()));
     }
-    const Id point = order[k];
-    if (std::binary_search(start.begin(), start.end(), point)) continue;
     const Id seed = locate(point);
     if (seed != none) insert(point, seed);
   }
@@ -178,12 +195,12 @@ void Insertion<D>::build_simplex() {
     Id* n = neighbours(f);
     for (unsigned k = 0, at = 0; k <= d; ++k) {
       if (k == i) continue;
-      v[at] = simplex_[k];
+      v[at] = k;
       n[at] = k;
       ++at;
     }
     mark(f) = 0;
-    if (side(f, simplex_[i]) == Sign::positive) {
+    if (side(f, i) == Sign::positive) {
       std::swap(v[0], v[1]);
       std::swap(n[0], n[1]);
     }
@@ -205,9 +222,9 @@ typename Insertion<D>::Id Insertion<D>::new_facet() {
 
 template <unsigned D>
 void Insertion<D>::grow() {
-  const std::uint64_t per_facet = plane_stride() * sizeof(double) + cell_stride() * sizeof(Id);
+  const std::uint64_t per_facet = stride() * sizeof(double);
   const std::uint64_t capacity = std::max<std::uint64_t>(1024, facet_capacity_ * 2);
-  // While a vector grows, old and new copies live side by side; the result needs as much again.
+  // The result needs about as much again.
   if (capacity >= horizon_tag || 2 * capacity * per_facet > budget_) {
     throw Error(ErrorCode::out_of_budget, "the hull has more than " + std::to_string(facet_slots_) +
                                               " facets in dimension " + std::to_string(dim()) +
@@ -216,8 +233,7 @@ void Insertion<D>::grow() {
                                               " MiB; raise the budget or use fewer dimensions");
   }
   control_.check();
-  planes_.resize(capacity * plane_stride());
-  cells_.resize(capacity * cell_stride());
+  records_.reserve(capacity * stride());
   facet_capacity_ = capacity;
 }
 
@@ -231,10 +247,10 @@ bool Insertion<D>::cofactors(const Id* v, double* normal, double* normal_error) 
   // Roundings of a (d-1)-minor of differences, one for the product with the constant, one to spare.
   const double factor = (minor_roundings(d - 1) + 2) * unit_roundoff;
   constexpr double underflow = 0x1p-1000;
-  const double* base = points_.row(v[0]);
+  const double* base = row(v[0]);
   if constexpr (D == 3) {
-    const double* p = points_.row(v[1]);
-    const double* q = points_.row(v[2]);
+    const double* p = row(v[1]);
+    const double* q = row(v[2]);
     const double ax = p[0] - base[0], ay = p[1] - base[1], az = p[2] - base[2];
     const double bx = q[0] - base[0], by = q[1] - base[1], bz = q[2] - base[2];
     const double yz = ay * bz, zy = az * by, zx = az * bx, xz = ax * bz, xy = ax * by, yx = ay * bx;
@@ -248,14 +264,14 @@ bool Insertion<D>::cofactors(const Id* v, double* normal, double* normal_error) 
   }
   if (d > 12) {
     const double** p = rows_.data();
-    for (unsigned i = 0; i < d; ++i) p[i] = points_.row(v[i]);
+    for (unsigned i = 0; i < d; ++i) p[i] = row(v[i]);
     if (!plane_exact(d, p, normal)) return false;  // dependent only after underflow in scaling
     for (unsigned j = 0; j < d; ++j) normal_error[j] = 0x1p-50 * std::abs(normal[j]) + underflow;
     return points_.exact == points_.coordinates;
   }
   double* m = matrix_.data();
   for (unsigned i = 1; i < d; ++i) {
-    const double* p = points_.row(v[i]);
+    const double* p = row(v[i]);
     for (unsigned j = 0; j < d; ++j) m[(i - 1) * d + j] = p[j] - base[j];
   }
   if constexpr (D > 0) {
@@ -285,7 +301,7 @@ void Insertion<D>::compute_plane(Id f) {
   bool good = cofactors(v, n, e);
   double sum = 0, total_error = 0, level = 0;
   if (good) {
-    const double* base = points_.row(v[0]);
+    const double* base = row(v[0]);
     for (unsigned j = 0; j < d; ++j) {
       sum += std::abs(n[j]);
       total_error += e[j];
@@ -294,11 +310,12 @@ void Insertion<D>::compute_plane(Id f) {
     // |x - O| <= 2 a coordinate; offsets are off by at most (d + 5) u.
     const double a = sum * (d + 5) * unit_roundoff + 2 * total_error;
     const double b = a + (2.0 * d + 2) * unit_roundoff * sum;
-    const double bound = 1.0625 * (a + b + (2.0 * d + 4) * unit_roundoff * sum);
+    const double bound = 1.0625 * (a + b + (2.0 * d + 6) * unit_roundoff * sum);
     good = level > 0x1p-900 && level > 8 * bound;
     if (good) {
-      for (unsigned j = 0; j < d; ++j) out[j] = n[j] / level;
-      out[d] = bound / level * (1 + 0x1p-40);
+      const double scale = 1 / level;
+      for (unsigned j = 0; j < d; ++j) out[j] = n[j] * scale;
+      out[d] = bound * scale * (1 + 0x1p-40);
     }
   }
   if (!good) {
@@ -311,7 +328,7 @@ void Insertion<D>::compute_plane(Id f) {
 
 template <unsigned D>
 void Insertion<D>::aim(Id point) {
-  const double* p = points_.row(point);
+  const double* p = row(point);
   for (unsigned j = 0; j < dim(); ++j) offset_.data()[j] = p[j] - centre_.data()[j];
 }
 
@@ -336,11 +353,11 @@ Sign Insertion<D>::side(Id f, Id point) {
   if constexpr (D > 0) {
     if (points_.small_lattice)
       return lattice_sign([&](unsigned i, unsigned j) {
-        return points_.row(i + 1 < D ? v[i + 1] : point)[j] - points_.row(v[0])[j];
+        return row(i + 1 < D ? v[i + 1] : point)[j] - row(v[0])[j];
       });
   }
-  for (unsigned i = 0; i < d; ++i) p[i] = points_.exact_row(v[i]);
-  p[d] = points_.exact_row(point);
+  for (unsigned i = 0; i < d; ++i) p[i] = exact_row(v[i]);
+  p[d] = exact_row(point);
   Rung rung = Rung::exact;
   const Sign s = orientation(d, p, &rung);
   ++result_.rung_counts[static_cast<unsigned>(rung)];
@@ -371,23 +388,23 @@ Sign Insertion<D>::cone_side(Id f, unsigned j, Id point) {
   if constexpr (D > 0) {
     if (points_.small_lattice)
       return outward(lattice_sign([&](unsigned i, unsigned c) {
-        return (D + 1) * points_.row(i == j ? point : v[i])[c] - simplex_sum_.data()[c];
+        return (D + 1) * row(i == j ? point : v[i])[c] - simplex_sum_.data()[c];
       }));
   }
-  for (unsigned i = 0; i < d; ++i) rows_.data()[i] = points_.exact_row(i == j ? point : v[i]);
-  for (unsigned i = 0; i <= d; ++i) simplex_rows_.data()[i] = points_.exact_row(simplex_[i]);
+  for (unsigned i = 0; i < d; ++i) rows_.data()[i] = exact_row(i == j ? point : v[i]);
+  for (unsigned i = 0; i <= d; ++i) simplex_rows_.data()[i] = exact_row(i);
   ++result_.rung_counts[static_cast<unsigned>(Rung::exact)];
   return outward(orientation_from_centroid_exact(d, rows_.data(), simplex_rows_.data()));
 }
 
 template <unsigned D>
 bool Insertion<D>::note_duplicate(Id f, Id point) {
-  const double* p = points_.exact_row(point);
+  const double* p = exact_row(point);
   for (unsigned i = 0; i < dim(); ++i) {
     const Id v = vertices(f)[i];
-    const double* q = points_.exact_row(v);
+    const double* q = exact_row(v);
     if (std::equal(p, p + dim(), q)) {
-      if (point < v) result_.duplicates.emplace_back(point, v);
+      if (order_[point] < order_[v]) result_.duplicates.emplace_back(order_[point], order_[v]);
       return true;
     }
   }
@@ -514,17 +531,33 @@ void Insertion<D>::replace_visible(Id point) {
     r.created = f;
     const Id* old_vertices = vertices(r.facet);
     Id* v = vertices(f);
-    for (unsigned i = 0; i < d; ++i) v[i] = old_vertices[i];
-    v[r.apex] = point;
+    if constexpr (D == 3) {
+      v[0] = point;  // turned, so that the ridge's ends are always at 1 and 2
+      v[1] = old_vertices[r.apex == 2 ? 0 : r.apex + 1];
+      v[2] = old_vertices[r.apex == 0 ? 2 : r.apex - 1];
+      neighbours(f)[0] = r.outside;
+      ridge_from_[v[1]] = f;
+    } else {
+      for (unsigned i = 0; i < d; ++i) v[i] = old_vertices[i];
+      v[r.apex] = point;
+      neighbours(f)[r.apex] = r.outside;
+      neighbours(r.facet)[r.apex] = f | horizon_tag;
+    }
     mark(f) = 0;
-    neighbours(f)[r.apex] = r.outside;
     Id* back = neighbours(r.outside);
     for (unsigned i = 0; i < d; ++i)
       if (back[i] == r.facet) back[i] = f;
-    neighbours(r.facet)[r.apex] = f | horizon_tag;
     compute_plane(f);
   }
-  for (const Ridge& r : horizon_) link(r.created, r.facet, r.apex);
+  for (const Ridge& r : horizon_) {
+    if constexpr (D == 3) {
+      const Id next = ridge_from_[vertices(r.created)[2]];
+      neighbours(r.created)[1] = next;
+      neighbours(next)[2] = r.created;
+    } else {
+      link(r.created, r.facet, r.apex);
+    }
+  }
   for (const Id f : visible_) {
     mark(f) = dead;
     free_.push_back(f);
@@ -570,12 +603,12 @@ SimplicialHull Insertion<D>::collect() {
   result_.dimension = d;
   result_.vertices.resize(std::size_t{count} * d);
   result_.neighbours.resize(std::size_t{count} * d);
-  HugeVector<double>().swap(planes_);
+  ordered_.release();
   for (Id f = 0; f < facet_slots_; ++f) {
     if (number[f] == none) continue;
     const std::size_t base = std::size_t{number[f]} * d;
     for (unsigned j = 0; j < d; ++j) {
-      result_.vertices[base + j] = vertices(f)[j];
+      result_.vertices[base + j] = order_[vertices(f)[j]];
       result_.neighbours[base + j] = number[neighbours(f)[j]];
     }
   }

@@ -18,7 +18,7 @@ void gather_rows(const PointView& view, const std::uint64_t* ids, std::uint64_t 
   const unsigned d = view.dimension;
   for (std::uint64_t i = begin; i < end; ++i) {
     const std::byte* p = view.address(ids != nullptr ? ids[i] : i, 0);
-    double* row = out + i * d;
+    double* row = out + (i - begin) * d;
     for (unsigned j = 0; j < d; ++j) {
       T v;
       std::memcpy(&v, p + static_cast<std::ptrdiff_t>(j) * view.coordinate_stride, sizeof v);
@@ -58,31 +58,66 @@ std::uint64_t first_bad(const double* values, std::uint64_t begin, std::uint64_t
   return begin;
 }
 
+[[noreturn]] void refuse(std::uint64_t point, unsigned coordinate, double value) {
+  throw Error(ErrorCode::not_finite, "point " + std::to_string(point) + ", coordinate " +
+                                         std::to_string(coordinate) + " is " +
+                                         (std::isnan(value) ? "NaN" : "infinite") +
+                                         "; remove or repair such points first");
+}
+
+/// The lowest of the values offered by several threads.
+class Lowest {
+ public:
+  void offer(std::uint64_t v) {
+    std::uint64_t now = value_.load();
+    while (v < now && !value_.compare_exchange_weak(now, v)) {
+    }
+  }
+  bool any() const { return value() != ~std::uint64_t{0}; }
+  std::uint64_t value() const { return value_.load(); }
+
+ private:
+  std::atomic<std::uint64_t> value_{~std::uint64_t{0}};
+};
+
 }  // namespace
 
 std::vector<double> gather_points(const PointView& view, const std::uint64_t* ids,
                                   std::uint64_t count, unsigned threads) {
   const unsigned d = view.dimension;
   std::vector<double> out(count * d);
-  std::atomic<std::uint64_t> bad{~std::uint64_t{0}};
+  Lowest bad;
   for_each_chunk(count, chunk_size, threads,
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   gather_rows(view, ids, begin, end, out.data());
+                   gather_rows(view, ids, begin, end, out.data() + begin * d);
                    const std::uint64_t b = first_bad(out.data(), begin * d, end * d);
-                   if (b == end * d) return;
-                   std::uint64_t lowest = bad.load();
-                   while (b < lowest && !bad.compare_exchange_weak(lowest, b)) {
-                   }
+                   if (b != end * d) bad.offer(b);
                  });
-  const std::uint64_t b = bad.load();
-  if (b != ~std::uint64_t{0}) {
-    const std::uint64_t point = ids != nullptr ? ids[b / d] : b / d;
-    const char* what = std::isnan(out[b]) ? "NaN" : "infinite";
-    throw Error(ErrorCode::not_finite, "point " + std::to_string(point) + ", coordinate " +
-                                           std::to_string(b % d) + " is " + what +
-                                           "; remove or repair such points first");
+  if (bad.any()) {
+    const std::uint64_t b = bad.value();
+    refuse(ids != nullptr ? ids[b / d] : b / d, static_cast<unsigned>(b % d), out[b]);
   }
   return out;
+}
+
+void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, unsigned threads) {
+  if (view.scalar != ScalarType::f32 && view.scalar != ScalarType::f64) return;
+  const unsigned d = view.dimension;
+  constexpr std::uint64_t block = 1 << 12;
+  Lowest bad;
+  for_each_chunk(ids != nullptr ? ids->size() : view.count, block, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   std::vector<double> rows((end - begin) * d);
+                   gather_rows(view, ids != nullptr ? ids->data() : nullptr, begin, end,
+                               rows.data());
+                   const std::uint64_t b = first_bad(rows.data(), 0, rows.size());
+                   if (b != rows.size()) bad.offer(begin * d + b);
+                 });
+  if (!bad.any()) return;
+  const std::uint64_t i = bad.value() / d;
+  const auto j = static_cast<unsigned>(bad.value() % d);
+  const std::uint64_t point = ids != nullptr ? (*ids)[i] : i;
+  refuse(point, j, view.at(point, j));
 }
 
 }  // namespace cullhull::internal

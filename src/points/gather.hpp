@@ -14,4 +14,7 @@ namespace cullhull::internal {
 std::vector<double> gather_points(const PointView& view, const std::uint64_t* ids,
                                   std::uint64_t count, unsigned threads);
 
+/// Throws as gather_points does; ids: nullptr means all points. Memory O(threads).
+void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, unsigned threads);
+
 }  // namespace cullhull::internal

@@ -1,0 +1,62 @@
+# A thin front: each target installs what it needs, builds, runs. The builds are described by
+# CMakePresets.json; everything lands in build/.
+JOBS ?= $(shell nproc)
+BIN := build/release/bin/cullhull
+FUZZ_SECONDS ?= 60
+
+.PHONY: help demo build test bench docs fuzz format clean
+.NOTPARALLEL:
+
+help:
+	@echo "make demo     the hull of a LiDAR scan, certified, as a mesh in build/demo/"
+	@echo "make build    $(BIN) and the libraries"
+	@echo "make test     build and run all tests"
+	@echo "make bench    build the benchmarks and run them beside Qhull"
+	@echo "make docs     reference and guides as HTML in build/docs/"
+	@echo "make fuzz     every fuzzer for FUZZ_SECONDS ($(FUZZ_SECONDS)) each"
+	@echo "make format   clang-format over our sources"
+	@echo "make clean    remove build/"
+
+demo: build
+	@mkdir -p build/demo
+	$(BIN) hull data/autzen-150k.ply --certify -o build/demo/hull.ply -o build/demo/hull.json
+	@echo "written: build/demo/hull.ply (a mesh), build/demo/hull.json (everything)"
+
+build:
+	@scripts/install-deps.sh build
+	cmake --preset release -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=OFF
+	cmake --build build/release -j $(JOBS) --target cullhull_app
+
+test:
+	@scripts/install-deps.sh build test
+	cmake --preset release -DCULLHULL_BUILD_TESTS=ON -DCULLHULL_BUILD_BENCH=OFF
+	cmake --build build/release -j $(JOBS)
+	ctest --test-dir build/release -j 2 --output-on-failure
+
+bench:
+	@scripts/install-deps.sh build bench
+	cmake --preset release -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=ON
+	cmake --build build/release -j $(JOBS)
+	@for b in build/release/bin/*_bench; do [ ! -x $$b ] || { echo "== $$b"; $$b || exit 1; }; done
+
+docs:
+	@scripts/install-deps.sh build docs
+	@mkdir -p build/docs
+	doxygen docs/Doxyfile
+	@echo "written: build/docs/html/index.html"
+
+fuzz:
+	@scripts/install-deps.sh build fuzz
+	cmake --preset fuzz
+	cmake --build build/fuzz -j $(JOBS)
+	@for f in build/fuzz/bin/*_fuzz; do [ ! -x $$f ] || { echo "== $$f"; \
+	  mkdir -p build/fuzz/corpus/$$(basename $$f); \
+	  $$f -max_total_time=$(FUZZ_SECONDS) -artifact_prefix=build/fuzz/ \
+	    build/fuzz/corpus/$$(basename $$f) || exit 1; }; done
+
+format:
+	@scripts/install-deps.sh format
+	git ls-files '*.cpp' '*.hpp' | xargs clang-format -i
+
+clean:
+	rm -rf build

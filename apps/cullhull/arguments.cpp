@@ -1,0 +1,211 @@
+#include "arguments.hpp"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "cullhull/error.hpp"
+#include "signals.hpp"
+
+namespace app {
+
+using cullhull::Error;
+using cullhull::ErrorCode;
+using cullhull::PointView;
+using cullhull::ScalarType;
+
+const char* const input_help =
+    "Input, by extension, else by content:\n"
+    "  .npy   NumPy array of n rows and d columns, either order; read in place\n"
+    "  .ply   vertices, binary (read in place) or ASCII      .obj .off .stl   vertices\n"
+    "  .xyz .txt .csv   a point a line, separated by blanks, commas or semicolons; Qhull's own\n"
+    "         header (dimension, then count) is understood\n"
+    "  raw    nothing but coordinates: say --input-format raw --dim D --type f64\n"
+    "  -      standard input\n"
+    "Floats and integers up to 32 bits are taken at their exact value.";
+
+namespace {
+
+const std::vector<std::string>& scalar_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> result;
+    for (int t = 0; t <= static_cast<int>(ScalarType::u32); ++t)
+      result.emplace_back(cullhull::scalar_name(static_cast<ScalarType>(t)));
+    return result;
+  }();
+  return names;
+}
+
+std::optional<ScalarType> scalar_type(const std::string& name) {
+  for (std::size_t t = 0; t < scalar_names().size(); ++t)
+    if (scalar_names()[t] == name) return static_cast<ScalarType>(t);
+  return std::nullopt;
+}
+
+[[noreturn]] void bad_columns(std::string_view text, const std::string& why) {
+  throw Error(ErrorCode::invalid_argument, "--columns " + std::string(text) + ": " + why);
+}
+
+std::uint32_t parse_column(std::string_view number, std::uint32_t missing, std::string_view text) {
+  if (number.empty()) return missing;
+  std::uint32_t value = 0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+  if (error != std::errc() || end != number.data() + number.size())
+    bad_columns(text, "write a range such as 0:3 or a list such as 0,2,5");
+  return value;
+}
+
+bool evenly_spaced(const std::vector<std::uint32_t>& columns) {
+  for (std::size_t j = 2; j < columns.size(); ++j)
+    if (std::int64_t{columns[j]} - columns[j - 1] != std::int64_t{columns[1]} - columns[0])
+      return false;
+  return true;
+}
+
+void select_columns(Input& input, const std::vector<std::uint32_t>& columns) {
+  PointView& view = input.points;
+  const auto d = static_cast<std::uint32_t>(columns.size());
+  if (evenly_spaced(columns)) {
+    view.data += static_cast<std::ptrdiff_t>(columns[0]) * view.coordinate_stride;
+    if (d > 1)
+      view.coordinate_stride *=
+          static_cast<std::ptrdiff_t>(columns[1]) - static_cast<std::ptrdiff_t>(columns[0]);
+    view.dimension = d;
+    return;
+  }
+  const std::size_t size = cullhull::scalar_size(view.scalar);
+  input.gathered.resize(view.count * d * size);
+  std::byte* out = input.gathered.data();
+  for (std::uint64_t i = 0; i < view.count; ++i)
+    for (const std::uint32_t j : columns) {
+      std::memcpy(out, view.address(i, j), size);
+      out += size;
+    }
+  view = {input.gathered.data(),
+          view.scalar,
+          d,
+          view.count,
+          static_cast<std::ptrdiff_t>(d * size),
+          static_cast<std::ptrdiff_t>(size)};
+}
+
+}  // namespace
+
+std::uint64_t parse_size(std::string_view text, std::string_view option) {
+  static constexpr struct {
+    std::string_view name;
+    double factor;
+  } units[] = {{"", 1},        {"k", 1e3},     {"m", 1e6},     {"g", 1e9},    {"t", 1e12},
+               {"ki", 0x1p10}, {"mi", 0x1p20}, {"gi", 0x1p30}, {"ti", 0x1p40}};
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  std::string unit(end, text.data() + text.size());
+  for (char& c : unit)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  if (!unit.empty() && unit.back() == 'b') unit.pop_back();
+  for (const auto& known : units) {
+    const double value = number * known.factor;
+    if (error != std::errc() || unit != known.name) continue;
+    if (!(value >= 0) || value >= 0x1p63 || value != std::floor(value)) break;
+    return static_cast<std::uint64_t>(value);
+  }
+  throw Error(ErrorCode::invalid_argument,
+              std::string(option) + " needs a whole number such as 500000, 8M or 2GiB, not '" +
+                  std::string(text) + "'");
+}
+
+std::vector<std::uint32_t> parse_columns(std::string_view text, std::uint32_t dimension) {
+  std::vector<std::uint32_t> columns;
+  std::vector<bool> taken(dimension);
+  std::string_view rest = text;
+  for (bool more = true; more;) {
+    const auto comma = rest.find(',');
+    const auto item = rest.substr(0, comma);
+    more = comma != std::string_view::npos;
+    if (more) rest.remove_prefix(comma + 1);
+    if (item.empty()) bad_columns(text, "write a range such as 0:3 or a list such as 0,2,5");
+    const auto colon = item.find(':');
+    const std::uint32_t first = parse_column(item.substr(0, colon), 0, text);
+    std::uint32_t last = first + 1;
+    if (colon != std::string_view::npos)
+      last = parse_column(item.substr(colon + 1), dimension, text);
+    if (first >= last) bad_columns(text, "the range '" + std::string(item) + "' is empty");
+    if (last > dimension)
+      bad_columns(text, "the points have coordinates 0 to " + std::to_string(dimension - 1));
+    for (std::uint32_t j = first; j < last; ++j) {
+      if (taken[j]) bad_columns(text, "coordinate " + std::to_string(j) + " is named twice");
+      taken[j] = true;
+      columns.push_back(j);
+    }
+  }
+  return columns;
+}
+
+void InputArguments::add_to(CLI::App& command) {
+  command.add_option("INPUT", path, "File of points, or - for standard input")->required();
+  command.add_option("--input-format", format, "Read INPUT as this, whatever its name and content")
+      ->check(CLI::IsMember({"npy", "ply", "obj", "off", "stl", "xyz", "txt", "csv", "raw"}));
+  command.add_option("--dim", dimension, "Coordinates of a point, for raw input")
+      ->check(CLI::Range(1U, 1U << 20));
+  command.add_option("--type", type, "Scalar type, for raw input")
+      ->check(CLI::IsMember(scalar_names()));
+  command.add_option(
+      "--columns", columns,
+      "Use only these coordinates of each point, counted from 0: a:b without b, or a "
+      "list such as 0,2,5");
+}
+
+Input open_input(const InputArguments& arguments, unsigned threads) {
+  Input input;
+  cullhull::ReadOptions options;
+  options.threads = threads;
+  options.format = arguments.format;
+  options.raw_dimension = arguments.dimension;
+  options.raw_scalar = scalar_type(arguments.type);
+  input.file = cullhull::open_points(arguments.path, options);
+  if ((arguments.dimension != 0 || !arguments.type.empty()) &&
+      input.file.format().rfind("raw", 0) != 0)
+    throw Error(ErrorCode::invalid_argument, "--dim and --type describe raw input, but " +
+                                                 arguments.path + " was read as " +
+                                                 input.file.format());
+  input.points = input.file.points();
+  if (!arguments.columns.empty())
+    select_columns(input, parse_columns(arguments.columns, input.points.dimension));
+  return input;
+}
+
+void RunArguments::add_to(CLI::App& command, bool filter) {
+  if (filter) {
+    command
+        .add_option("--cull", cull,
+                    "Filter in front of the hull: auto decides from a sample whether it pays")
+        ->check(CLI::IsMember({"auto", "gauge", "none"}))
+        ->capture_default_str();
+    command.add_option("--backend", backend, "Where to run; auto falls back to the CPU")
+        ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
+        ->capture_default_str();
+    command.add_option("--memory", memory,
+                       "Memory it may take beyond the input, e.g. 2G or 512MiB (default: half of "
+                       "the machine's); a result that needs more is refused with status 4");
+  }
+  command.add_option("--threads", threads, "Threads to use; 0: all the machine offers")
+      ->check(CLI::Range(0U, 1024U))
+      ->capture_default_str();
+  command.add_flag("-q,--quiet", quiet, "No summary and no progress");
+}
+
+cullhull::Options RunArguments::options() const {
+  cullhull::Options options;
+  if (cull == "gauge") options.cull = cullhull::CullMethod::gauge;
+  if (cull == "none") options.cull = cullhull::CullMethod::none;
+  if (backend == "cpu") options.backend = cullhull::Backend::cpu;
+  if (backend == "cuda") options.backend = cullhull::Backend::cuda;
+  options.threads = threads;
+  if (!memory.empty()) options.memory_budget = parse_size(memory, "--memory");
+  options.stop = stop_token();
+  return options;
+}
+
+}  // namespace app

@@ -1,0 +1,64 @@
+// Arguments that several subcommands share.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cullhull/io.hpp"
+#include "cullhull/options.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace app {
+
+/// Which points to read: a file, how, and which of its coordinates.
+struct InputArguments {
+  std::string path;
+  std::string format;
+  std::uint32_t dimension = 0;
+  std::string type;
+  std::string columns;
+
+  void add_to(CLI::App& command);
+};
+
+/// An open file and the view of it that was asked for.
+struct Input {
+  cullhull::PointFile file;
+  /// Holds the chosen columns where no stride describes them.
+  std::vector<std::byte> gathered;
+  cullhull::PointView points;
+};
+
+Input open_input(const InputArguments& arguments, unsigned threads = 0);
+
+/// How to run: everything that ends up in cullhull::Options.
+struct RunArguments {
+  std::string cull = "auto";
+  std::string backend = "auto";
+  unsigned threads = 0;
+  std::string memory;
+  bool quiet = false;
+
+  /// `filter`: with --cull and --backend, which checking a hull does not have.
+  void add_to(CLI::App& command, bool filter);
+  cullhull::Options options() const;
+};
+
+/// "800", "1.5M", "2GiB", "1e6": a whole number with an optional unit (k M G T powers of 1000; Ki
+/// Mi Gi Ti powers of 1024; a B may follow). Throws Error{invalid_argument} naming `option`.
+std::uint64_t parse_size(std::string_view text, std::string_view option);
+
+/// "0:3" (half open, either end may be missing), "0,2,5", or both: column numbers below
+/// `dimension`. Throws Error{invalid_argument}.
+std::vector<std::uint32_t> parse_columns(std::string_view text, std::uint32_t dimension);
+
+/// Appended to the help of every command that reads points.
+extern const char* const input_help;
+
+}  // namespace app

@@ -1,0 +1,137 @@
+// cullhull cull: the filter alone, for use in front of any other hull code.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <thread>
+
+#include "arguments.hpp"
+#include "commands.hpp"
+#include "cullhull/cull.hpp"
+#include "cullhull/version.hpp"
+#include "measure.hpp"
+#include "signals.hpp"
+#include "terminal.hpp"
+
+namespace app {
+namespace {
+
+constexpr const char* examples =
+    "Every extreme point, and every duplicate of one, is among the survivors; a dropped point "
+    "lies\n"
+    "strictly inside the hull. So any hull code gives the same hull for the survivors.\n"
+    "\n"
+    "Examples:\n"
+    "  cullhull cull big.npy -o ids.npy\n"
+    "  python3 -c \"import numpy, scipy.spatial as s; p = numpy.load('big.npy', mmap_mode='r');\n"
+    "    ids = numpy.load('ids.npy'); print(s.ConvexHull(p[ids]).volume)\"\n"
+    "\n"
+    "Exit status: 0 success; 1 bad input; 2 bad usage; 4 out of the memory budget; 5 backend not\n"
+    "available; 130 cancelled.";
+
+struct CullArguments {
+  InputArguments input;
+  RunArguments run;
+  std::string output;
+  std::string json;
+  unsigned repeat = 1;
+};
+
+struct Outcome {
+  cullhull::Survivors survivors;
+  std::vector<double> seconds;
+};
+
+Outcome compute(const CullArguments& arguments, const cullhull::PointView& points) {
+  Outcome outcome;
+  cullhull::Options options = arguments.run.options();
+  TerminalProgress progress(arguments.run.quiet);
+  options.progress = progress.callback();
+  cancellable([&] {
+    for (unsigned k = 0; k < arguments.repeat; ++k) {
+      outcome.survivors = cullhull::Survivors();
+      const Stopwatch watch;
+      outcome.survivors = cullhull::cull(points, options);
+      outcome.seconds.push_back(watch.seconds());
+    }
+  });
+  return outcome;
+}
+
+std::string report(const CullArguments& arguments, const Input& input, const Outcome& outcome,
+                   double read_seconds) {
+  const cullhull::PointView& points = input.points;
+  nlohmann::ordered_json json;
+  json["version"] = CULLHULL_VERSION;
+  json["points"] = {{"count", points.count},
+                    {"dimension", points.dimension},
+                    {"scalar", cullhull::scalar_name(points.scalar)}};
+  json["threads"] = arguments.run.threads != 0 ? arguments.run.threads
+                                               : std::max(1U, std::thread::hardware_concurrency());
+  json["backend"] = "cpu";
+  json["cull"] = {{"method", outcome.survivors.method},
+                  {"survivors", outcome.survivors.size(points.count)},
+                  {"seconds", median(outcome.seconds)}};
+  json["read_seconds"] = read_seconds;
+  json["compute_seconds"] = median(outcome.seconds);
+  json["compute_seconds_all"] = outcome.seconds;
+  json["peak_bytes"] = peak_bytes();
+  return json.dump(2) + '\n';
+}
+
+std::string summary(const Input& input, const Outcome& outcome, double read_seconds) {
+  const cullhull::PointView& points = input.points;
+  const std::uint64_t kept = outcome.survivors.size(points.count);
+  const double share = points.count == 0
+                           ? 100.0
+                           : 100.0 * static_cast<double>(kept) / static_cast<double>(points.count);
+  return fmt::format("points     {} x {} {}, {}{}\n", grouped(points.count), points.dimension,
+                     cullhull::scalar_name(points.scalar), input.file.format(),
+                     input.file.mapped() ? ", in place" : "") +
+         fmt::format("survivors  {} ({:.3g} %), cull: {}\n", grouped(kept), share,
+                     outcome.survivors.method) +
+         fmt::format("seconds    {:.6f}; reading {:.6f}\n", median(outcome.seconds), read_seconds);
+}
+
+int run(const CullArguments& arguments) {
+  const Input input = open_input(arguments.input, arguments.run.threads);
+  const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
+  const Outcome outcome = compute(arguments, input.points);
+  if (!arguments.output.empty()) {
+    std::vector<std::uint64_t> ids = outcome.survivors.ids;
+    if (outcome.survivors.all) {
+      ids.resize(input.points.count);
+      std::iota(ids.begin(), ids.end(), std::uint64_t{0});
+    }
+    cullhull::write_npy_ids(arguments.output, ids);
+  }
+  if (arguments.json == "-")
+    write_stdout(report(arguments, input, outcome, read_seconds));
+  else if (!arguments.json.empty())
+    write_text_file(arguments.json, report(arguments, input, outcome, read_seconds));
+  if (!arguments.run.quiet && arguments.json != "-")
+    write_stdout(summary(input, outcome, read_seconds));
+  return 0;
+}
+
+}  // namespace
+
+Command add_cull(CLI::App& parent) {
+  auto a = std::make_shared<CullArguments>();
+  CLI::App& command =
+      *parent.add_subcommand("cull", "The filter alone: ids of the points that may be extreme");
+  a->input.add_to(command);
+  command.add_option("-o,--output", a->output, "Write the ids of the survivors, int64 (.npy)");
+  command.add_option("--json", a->json,
+                     "Write counts and times as JSON, to standard output or --json=FILE");
+  a->run.add_to(command, true);
+  command.add_option("--repeat", a->repeat, "Compute K times and report the median time")
+      ->check(CLI::Range(1U, 1000000U))
+      ->capture_default_str();
+  command.footer(std::string(input_help) + "\n\n" + examples);
+  return [a] { return run(*a); };
+}
+
+}  // namespace app

@@ -1,0 +1,210 @@
+// cullhull hull: the exact hull of a file of points.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "arguments.hpp"
+#include "commands.hpp"
+#include "cullhull/cullhull.hpp"
+#include "measure.hpp"
+#include "signals.hpp"
+#include "terminal.hpp"
+
+namespace app {
+namespace {
+
+using cullhull::Certificate;
+using cullhull::Error;
+using cullhull::ErrorCode;
+using cullhull::Hull;
+
+constexpr const char* examples =
+    "Output (-o, by extension; may be given more than once):\n"
+    "  .ply .obj .off .stl   a mesh, for points of dimension 2 and 3\n"
+    "  .json                 everything: vertices, facets, planes, neighbours, simplices, "
+    "measures\n"
+    "  .txt                  text\n"
+    "  --vertices IDS.npy    ids of the extreme points, ascending, int64\n"
+    "  --format F            on standard output, as qconvex prints it: Fx extreme points, i "
+    "facets\n"
+    "                        by vertices, o OFF, n normals, p vertex coordinates, FV a point "
+    "inside,\n"
+    "                        FS area and volume\n"
+    "Every option reaches the same result, bit for bit; only --json tells how it was reached.\n"
+    "\n"
+    "Examples:\n"
+    "  cullhull hull scan.ply -o hull.ply                  the hull as a mesh\n"
+    "  cullhull hull big.npy --certify --json              counts, times, memory; result checked\n"
+    "  cullhull hull cloud.npy --columns 0:3               x y z of longer records\n"
+    "  rbox 1000 D4 | cullhull hull - --format Fx          in the place of qconvex\n"
+    "  cullhull hull big.npy --repeat 7 --threads 2        the median of seven runs\n"
+    "\n"
+    "Exit status: 0 success; 1 bad input; 2 bad usage; 3 not certified; 4 out of the memory "
+    "budget;\n"
+    "5 backend or engine not available; 130 cancelled.";
+
+struct HullArguments {
+  InputArguments input;
+  RunArguments run;
+  std::vector<std::string> outputs;
+  std::string vertices;
+  std::string json;
+  std::string format;
+  std::string engine = "native";
+  unsigned repeat = 1;
+  bool certify = false;
+
+  bool stdout_taken() const { return json == "-" || !format.empty(); }
+};
+
+struct Outcome {
+  Hull hull;
+  std::vector<double> seconds;
+  std::optional<Certificate> certificate;
+};
+
+// What cannot be written is refused before the work, not after it.
+void check_outputs(const HullArguments& arguments, std::uint32_t dimension) {
+  static const char* const meshes[] = {".ply", ".obj", ".off", ".stl"};
+  for (const std::string& path : arguments.outputs) {
+    const std::string extension = std::filesystem::path(path).extension().string();
+    const bool mesh = std::count(std::begin(meshes), std::end(meshes), extension) != 0;
+    if (!mesh && extension != ".json" && extension != ".txt")
+      throw Error(ErrorCode::invalid_argument,
+                  "-o " + path + ": the name must end in .ply .obj .off .stl .json or .txt");
+    if (mesh && dimension != 2 && dimension != 3)
+      throw Error(ErrorCode::invalid_argument, "-o " + path +
+                                                   ": a mesh needs points of dimension 2 "
+                                                   "or 3, not " +
+                                                   std::to_string(dimension) + "; write .json");
+  }
+  if (arguments.json == "-" && !arguments.format.empty())
+    throw Error(ErrorCode::invalid_argument,
+                "--json and --format both want standard output; give --json=FILE");
+}
+
+Outcome compute(const HullArguments& arguments, const cullhull::PointView& points) {
+  Outcome outcome;
+  cullhull::Options options = arguments.run.options();
+  if (arguments.engine == "qhull") options.engine = cullhull::Engine::qhull;
+  TerminalProgress progress(arguments.run.quiet);
+  options.progress = progress.callback();
+  std::vector<cullhull::Statistics> statistics;
+  cancellable([&] {
+    for (unsigned k = 0; k < arguments.repeat; ++k) {
+      outcome.hull = Hull();  // one result in memory at a time
+      const Stopwatch watch;
+      outcome.hull = cullhull::convex_hull(points, options);
+      outcome.seconds.push_back(watch.seconds());
+      statistics.push_back(outcome.hull.statistics);
+    }
+    if (arguments.certify) outcome.certificate = cullhull::certify(points, outcome.hull, options);
+  });
+  outcome.hull.statistics = statistics[median_run(outcome.seconds)];
+  outcome.hull.statistics.compute_seconds = median(outcome.seconds);
+  return outcome;
+}
+
+std::string summary(const Input& input, const Outcome& outcome, double read_seconds,
+                    std::uint64_t peak) {
+  const Hull& hull = outcome.hull;
+  const cullhull::Statistics& s = hull.statistics;
+  std::string text = fmt::format("points     {} x {} {}, {}{}\n", grouped(hull.point_count),
+                                 hull.dimension, cullhull::scalar_name(hull.scalar),
+                                 input.file.format(), input.file.mapped() ? ", in place" : "");
+  const double share = hull.point_count == 0 ? 100.0
+                                             : 100.0 * static_cast<double>(s.survivors) /
+                                                   static_cast<double>(hull.point_count);
+  text += fmt::format("survivors  {} ({:.3g} %), cull: {}\n", grouped(s.survivors), share,
+                      s.cull_method);
+  if (hull.affine_dimension != static_cast<int>(hull.dimension))
+    text += fmt::format("flat       the points span dimension {} only; the hull is taken there\n",
+                        hull.affine_dimension);
+  text +=
+      fmt::format("vertices   {}\nfacets     {} ({} simplices)\n", grouped(hull.vertices.size()),
+                  grouped(hull.facet_count()), grouped(hull.simplex_count()));
+  text += fmt::format("area       {}\nvolume     {}\n", hull.area, hull.volume);
+  text += fmt::format("seconds    {:.6f} = cull {:.6f} + hull {:.6f}; reading {:.6f}\n",
+                      s.compute_seconds, s.cull_seconds, s.hull_seconds, read_seconds);
+  if (outcome.seconds.size() > 1)
+    text += fmt::format("           the median of {} runs\n", outcome.seconds.size());
+  text +=
+      fmt::format("run        {} engine, {}, {} thread{}, peak memory {:.1f} MB\n", s.engine,
+                  s.backend, s.threads, s.threads == 1 ? "" : "s", static_cast<double>(peak) / 1e6);
+  if (outcome.certificate)
+    text += fmt::format("certified  {}\n", outcome.certificate->valid ? "yes" : "NO");
+  return text;
+}
+
+void write_results(const HullArguments& arguments, const Input& input, const Outcome& outcome,
+                   double read_seconds, std::uint64_t peak) {
+  const Hull& hull = outcome.hull;
+  for (const std::string& path : arguments.outputs) cullhull::write_hull(path, input.points, hull);
+  if (!arguments.vertices.empty()) {
+    std::vector<std::uint64_t> ids = hull.vertices;
+    std::sort(ids.begin(), ids.end());  // in 2D they come counter-clockwise
+    cullhull::write_npy_ids(arguments.vertices, ids);
+  }
+  if (!arguments.json.empty()) {
+    cullhull::JsonExtras extras;
+    extras.read_seconds = read_seconds;
+    extras.compute_seconds_all = outcome.seconds;
+    extras.peak_bytes = peak;
+    if (outcome.certificate) extras.certified = outcome.certificate->valid;
+    std::string text = cullhull::hull_to_json(input.points, hull, extras, false);
+    if (text.empty() || text.back() != '\n') text += '\n';
+    if (arguments.json == "-")
+      write_stdout(text);
+    else
+      write_text_file(arguments.json, text);
+  }
+  if (!arguments.format.empty())
+    write_stdout(cullhull::hull_to_qhull_text(input.points, hull, arguments.format));
+  if (!arguments.run.quiet && !arguments.stdout_taken())
+    write_stdout(summary(input, outcome, read_seconds, peak));
+}
+
+int run(const HullArguments& arguments) {
+  const Input input = open_input(arguments.input, arguments.run.threads);
+  check_outputs(arguments, input.points.dimension);
+  const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
+  const Outcome outcome = compute(arguments, input.points);
+  write_results(arguments, input, outcome, read_seconds, peak_bytes());
+  if (outcome.certificate && !outcome.certificate->valid) {
+    complain("not certified: " + outcome.certificate->reason);
+    return not_certified;
+  }
+  return 0;
+}
+
+}  // namespace
+
+Command add_hull(CLI::App& parent) {
+  auto a = std::make_shared<HullArguments>();
+  CLI::App& command = *parent.add_subcommand("hull", "The exact convex hull of a file of points");
+  a->input.add_to(command);
+  command.add_option("-o,--output", a->outputs, "Write the hull to this file")
+      ->allow_extra_args(false);
+  command.add_option("--vertices", a->vertices, "Write the ids of the extreme points (.npy)");
+  command.add_option("--json", a->json,
+                     "Write counts, times and measures as JSON, to standard output or --json=FILE");
+  command.add_option("--format", a->format, "Print the hull as qconvex does")
+      ->check(CLI::IsMember({"Fx", "i", "o", "n", "p", "FV", "FS"}));
+  a->run.add_to(command, true);
+  command.add_option("--engine", a->engine, "Hull code behind the filter")
+      ->check(CLI::IsMember({"native", "qhull"}))
+      ->capture_default_str();
+  command.add_option("--repeat", a->repeat, "Compute K times and report the median time")
+      ->check(CLI::Range(1U, 1000000U))
+      ->capture_default_str();
+  command.add_flag("--certify", a->certify,
+                   "Check the result with exact predicates and none of the engine's code");
+  command.footer(std::string(input_help) + "\n\n" + examples);
+  return [a] { return run(*a); };
+}
+
+}  // namespace app

@@ -1,0 +1,47 @@
+// Standard output and standard error, with every failure noticed.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "cullhull/options.hpp"
+
+namespace app {
+
+/// Where a standard stream was closed by the caller, /dev/null takes its number, so that no file
+/// opened later is mistaken for it; writing to a closed standard output still fails.
+void keep_standard_streams();
+
+/// Writes all of `text` or throws Error{io} (closed pipe, full disk).
+void write_stdout(std::string_view text);
+
+/// One line on standard error: "cullhull: message". Control characters become '?'.
+void complain(std::string_view message);
+
+/// Writes a small file whole; on failure removes what there is of it and throws Error{io}.
+void write_text_file(const std::string& path, std::string_view text);
+
+/// Shows a line of progress on standard error if that is a terminal, and nothing otherwise; the
+/// line is wiped when the object goes.
+class TerminalProgress {
+ public:
+  explicit TerminalProgress(bool quiet);
+  ~TerminalProgress();
+  TerminalProgress(const TerminalProgress&) = delete;
+  TerminalProgress& operator=(const TerminalProgress&) = delete;
+
+  /// Empty if there is nothing to show it on.
+  cullhull::Progress callback();
+
+ private:
+  void show(const char* phase, double share);
+  bool active_;
+  bool shown_ = false;
+  std::int64_t last_ = 0;
+};
+
+/// 1234567 as "1,234,567".
+std::string grouped(std::uint64_t number);
+
+}  // namespace app

@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# Installs the packages cullhull is built from: the one list there is (docs/dependencies.md says why
+# each). Debian 12, Ubuntu 24.04 and later. Usage: scripts/install-deps.sh [PART ...]
+# Parts: build (always included), test, bench, docs, fuzz, format. Does nothing where nothing is
+# missing; calls apt-get as root, or through sudo.
+set -euo pipefail
+
+build=(g++ cmake ninja-build ccache pkg-config libtbb-dev libhwy-dev libgmp-dev libqhull-dev
+  libcli11-dev libfmt-dev nlohmann-json3-dev libfast-float-dev)
+test=(libgtest-dev qhull-bin libcgal-dev libboost-dev libcdd-tools lrslib)
+bench=(libbenchmark-dev)
+docs=(doxygen)
+fuzz=(clang)
+format=(clang-format)
+
+wanted=("${build[@]}")
+for part in "$@"; do
+  case "$part" in
+    build) ;;
+    test) wanted+=("${test[@]}") ;;
+    bench) wanted+=("${bench[@]}") ;;
+    docs) wanted+=("${docs[@]}") ;;
+    fuzz) wanted+=("${fuzz[@]}") ;;
+    format) wanted+=("${format[@]}") ;;
+    *)
+      echo "install-deps: unknown part '$part'; known: build test bench docs fuzz format" >&2
+      exit 2
+      ;;
+  esac
+done
+
+if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
+  echo "install-deps: no apt-get here; make sure these (Debian names) are installed: ${wanted[*]}" >&2
+  exit 0
+fi
+
+missing=()
+for package in "${wanted[@]}"; do
+  status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
+  [[ $status == *installed* && $status != *not-installed* ]] || missing+=("$package")
+done
+[[ ${#missing[@]} -eq 0 ]] && exit 0
+
+if [[ $(id -u) -eq 0 ]]; then
+  as_root=(env)
+elif command -v sudo >/dev/null; then
+  as_root=(sudo env)
+else
+  echo "install-deps: not root and no sudo; ask for: apt-get install ${missing[*]}" >&2
+  exit 1
+fi
+as_root+=(DEBIAN_FRONTEND=noninteractive)
+install=(apt-get install -y --no-install-recommends "${missing[@]}")
+
+echo "install-deps: installing ${missing[*]}"
+# The package index of a fresh machine is empty, that of an old one may name files long gone.
+if ! "${as_root[@]}" apt-get install --dry-run --no-install-recommends "${missing[@]}" >/dev/null 2>&1 ||
+  ! "${as_root[@]}" "${install[@]}"; then
+  "${as_root[@]}" apt-get update
+  "${as_root[@]}" "${install[@]}"
+fi

@@ -1,0 +1,388 @@
+// The GaugeMap's SIMD kernel, compiled once per instruction set and chosen at run time.
+//
+// A block of points is translated, scaled and rounded to f32 into a buffer that stays in L1 (the
+// only step that knows the input's layout and type), then tested a vector at a time. Every target
+// performs the same IEEE operations per point, so all of them keep the same points. Products are
+// fused only where the product is exact.
+
+#include "cull/gauge_table.hpp"
+
+// Vectors are kept in arrays below, which sizeless types do not allow: NEON serves those machines.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "cull/gauge_kernel.cpp"
+#include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+HWY_BEFORE_NAMESPACE();
+namespace cullhull::internal::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using F = hn::ScalableTag<float>;
+using I = hn::RebindToSigned<F>;
+using U = hn::RebindToUnsigned<F>;
+using VF = hn::Vec<F>;
+using VI = hn::Vec<I>;
+using VU = hn::Vec<U>;
+using MF = hn::Mask<F>;
+
+constexpr std::uint32_t block_size = 256;
+static_assert(gauge_chunk % block_size == 0);
+
+// 2^23: adding it to an integer below 2^23 leaves that integer in the low bits of the float.
+constexpr float integer_shift = 8388608.0F;
+constexpr std::uint32_t integer_shift_bits = 0x4B000000U;
+// Below this the point is the centre for all purposes; keeps the reciprocal finite.
+constexpr float tiny = 0x1p-100F;
+
+/// Descending by key; carries the payload along.
+HWY_INLINE void order(VF& a, VF& b, VI& pa, VI& pb) {
+  const I i;
+  const MF swap = hn::Lt(a, b);
+  const VF hi = hn::IfThenElse(swap, b, a);
+  b = hn::IfThenElse(swap, a, b);
+  a = hi;
+  const auto iswap = hn::RebindMask(i, swap);
+  const VI phi = hn::IfThenElse(iswap, pb, pa);
+  pb = hn::IfThenElse(iswap, pa, pb);
+  pa = phi;
+}
+
+template <unsigned K>
+HWY_INLINE void sort_descending(VF (&key)[K], VI (&payload)[K]) {
+  const auto cmp = [&](unsigned i, unsigned j)
+                       HWY_ATTR { order(key[i], key[j], payload[i], payload[j]); };
+  if constexpr (K == 2) {
+    cmp(0, 1);
+  } else if constexpr (K == 3) {
+    cmp(0, 1), cmp(1, 2), cmp(0, 1);
+  } else if constexpr (K == 4) {
+    cmp(0, 1), cmp(2, 3), cmp(0, 2), cmp(1, 3), cmp(1, 2);
+  } else if constexpr (K == 5) {
+    cmp(0, 1), cmp(3, 4), cmp(2, 4), cmp(2, 3), cmp(1, 4);
+    cmp(0, 3), cmp(0, 2), cmp(1, 3), cmp(1, 2);
+  }
+}
+
+/// The bound of g(y) that the map gives; NaN or infinity where a coordinate is.
+template <unsigned D>
+HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, const VF (&y)[D]) {
+  const F f;
+  const I i;
+  const U u;
+
+  // Dominant axis. As integers the absolute values are ordered as the floats are, and an infinity
+  // or a NaN exceeds every number, so neither is lost in the maximum.
+  VI prefix[D];
+  prefix[0] = hn::BitCast(i, hn::Abs(y[0]));
+  for (unsigned k = 1; k < D; ++k)
+    prefix[k] = hn::Max(prefix[k - 1], hn::BitCast(i, hn::Abs(y[k])));
+  const VI top = prefix[D - 1];
+  const VF norm = hn::BitCast(f, top);
+
+  // With the first dominant axis j: grid axis k is axis k below j, k + 1 from j on.
+  VF other[D - 1];
+  VF dominant = y[D - 1];
+  VI axis = hn::Set(i, static_cast<std::int32_t>(D - 1));
+  for (unsigned k = D - 1; k-- > 0;) {
+    const auto reached = hn::Eq(prefix[k], top);
+    const MF at_or_after = hn::RebindMask(f, reached);
+    other[k] = hn::IfThenElse(at_or_after, y[k + 1], y[k]);
+    dominant = hn::IfThenElse(at_or_after, y[k], dominant);
+    axis = hn::Add(axis, hn::VecFromMask(i, reached));  // -1 where reached
+  }
+  const VI negative = hn::BitCast(i, hn::ShiftRight<31>(hn::BitCast(u, dominant)));
+  const VF face = hn::ConvertTo(f, hn::Add(hn::Add(axis, axis), negative));
+
+  // Cell and fractions. half_cells is shrunk so that 0 <= place < cells for every finite point.
+  const VF inverse = hn::Div(hn::Set(f, 1.0F), hn::Max(norm, hn::Set(f, tiny)));
+  const VF half_cells = hn::Set(f, t.half_cells);
+  const VF middle = hn::Set(f, t.middle);
+  VF fraction[D - 1];
+  VI step[D - 1];
+  VF corner = hn::MulAdd(face, hn::Set(f, t.face_stride), hn::Set(f, integer_shift));
+  for (unsigned k = 0; k < D - 1; ++k) {
+    const VF place = hn::Add(hn::Mul(hn::Mul(other[k], inverse), half_cells), middle);
+    const VF cell = hn::Floor(place);
+    fraction[k] = hn::Sub(place, cell);
+    corner = hn::MulAdd(cell, hn::Set(f, t.stride[k]), corner);  // integers: exact
+    step[k] = hn::Set(i, static_cast<std::int32_t>(t.stride[k]));
+  }
+  // For a point with a NaN the corner may be anything: as an unsigned minimum it stays a node.
+  const VU corner_node = hn::Min(hn::Sub(hn::BitCast(u, corner), hn::Set(u, integer_shift_bits)),
+                                 hn::Set(u, t.last_corner));
+
+  // Kuhn's simplex: from the lowest corner one step per axis, in the order of falling fractions.
+  sort_descending(fraction, step);
+  VI node = hn::BitCast(i, corner_node);
+  VF sum = hn::Mul(hn::Sub(hn::Set(f, 1.0F), fraction[0]), hn::GatherIndex(f, nodes, node));
+  for (unsigned k = 0; k < D - 1; ++k) {
+    node = hn::Add(node, step[k]);
+    const VF weight =
+        k + 1 < D - 1 ? hn::Sub(fraction[k], fraction[k + 1 < D - 1 ? k + 1 : k]) : fraction[k];
+    sum = hn::Add(sum, hn::Mul(weight, hn::GatherIndex(f, nodes, node)));
+  }
+  return hn::Mul(norm, sum);
+}
+
+/// Bit k of the little-endian words: point k survives.
+class SurvivorBits {
+ public:
+  HWY_INLINE void store(std::uint32_t k, MF survives) {
+    const F f;
+    if constexpr (hn::MaxLanes(F()) >= 8) {
+      hn::StoreMaskBits(f, survives, bits_ + k / 8);
+    } else {
+      std::uint8_t few[8] = {};
+      hn::StoreMaskBits(f, survives, few);
+      if (k % 8 == 0) bits_[k / 8] = 0;
+      bits_[k / 8] = static_cast<std::uint8_t>(bits_[k / 8] | few[0] << k % 8);
+    }
+  }
+  HWY_INLINE std::size_t list(std::uint32_t first, std::uint32_t count,
+                              std::uint32_t* HWY_RESTRICT ids) const {
+    std::size_t kept = 0;
+    for (std::uint32_t k = 0; k < count; k += 64) {
+      std::uint64_t word;
+      std::memcpy(&word, bits_ + k / 8, 8);
+      if (count - k < 64) word &= (std::uint64_t{1} << (count - k)) - 1;
+      for (; word != 0; word &= word - 1)
+        ids[kept++] = first + k + static_cast<std::uint32_t>(std::countr_zero(word));
+    }
+    return kept;
+  }
+
+ private:
+  static_assert(std::endian::native == std::endian::little);
+  alignas(8) std::uint8_t bits_[block_size / 8] = {};
+};
+
+/// Lists the survivors of `count` points; `load(i, y)` fetches the vector of points from i on.
+/// Bits are listed after the block, not a vector at a time: a branch on a fresh comparison, when
+/// mispredicted, costs the latency of the whole chain, and compressed stores are slow before
+/// AVX-512.
+template <unsigned D, class Load>
+HWY_INLINE std::size_t test_block(const GaugeTable& t, std::uint32_t first, std::uint32_t count,
+                                  std::uint32_t* HWY_RESTRICT ids, const Load& load) {
+  const F f;
+  const float* HWY_RESTRICT nodes = t.nodes.data();
+  const VF threshold = hn::Set(f, t.threshold);
+  const auto lanes = static_cast<std::uint32_t>(hn::Lanes(f));
+  SurvivorBits bits;
+  for (std::uint32_t k = 0; k < count; k += lanes) {
+    VF y[D];
+    load(k, y);
+    const auto inside = hn::Lt(gauge_bound<D>(t, nodes, y), threshold);  // false for NaN
+    bits.store(k, hn::Not(inside));
+  }
+  return bits.list(first, count, ids);
+}
+
+// ---------------------------------------------------------------- packed rows of f32 or f64
+
+/// scale and offset of the elements of D consecutive vectors of rows.
+template <unsigned D, class T>
+struct RowPattern {
+  static constexpr std::size_t lanes = hn::MaxLanes(hn::ScalableTag<T>());
+  HWY_ALIGN T scale[D * lanes];
+  HWY_ALIGN T offset[D * lanes];
+  RowPattern(const T* s, const T* o) {
+    for (std::size_t e = 0; e < D * lanes; ++e) scale[e] = s[e % D], offset[e] = o[e % D];
+  }
+};
+
+HWY_INLINE void store_f32(hn::ScalableTag<float> d, hn::Vec<hn::ScalableTag<float>> v, float* to) {
+  hn::StoreU(v, d, to);
+}
+#if HWY_HAVE_FLOAT64
+HWY_INLINE void store_f32(hn::ScalableTag<double> d, hn::Vec<hn::ScalableTag<double>> v,
+                          float* to) {
+  const hn::Rebind<float, decltype(d)> half;
+  hn::StoreU(hn::DemoteTo(half, v), half, to);
+}
+#endif
+
+/// `count` rows from `from` to `to`, translated, scaled, rounded to f32, zero-padded.
+template <unsigned D, class T>
+HWY_INLINE void convert_rows(const RowPattern<D, T>& pattern, const T* HWY_RESTRICT from,
+                             std::uint32_t count, float* HWY_RESTRICT to) {
+  std::size_t done = 0;
+#if HWY_HAVE_FLOAT64
+  const hn::ScalableTag<T> d;
+  const std::size_t lanes = hn::Lanes(d);
+  for (; done + lanes <= count; done += lanes) {
+    for (unsigned k = 0; k < D; ++k) {
+      const auto x = hn::LoadU(d, from + done * D + k * lanes);
+      // The product is exact, so fusing it changes nothing.
+      store_f32(d,
+                hn::MulSub(x, hn::Load(d, pattern.scale + k * lanes),
+                           hn::Load(d, pattern.offset + k * lanes)),
+                to + done * D + k * lanes);
+    }
+  }
+#endif
+  for (std::size_t e = done * D; e < std::size_t{count} * D; ++e)
+    to[e] = static_cast<float>(from[e] * pattern.scale[e % D] - pattern.offset[e % D]);
+  const std::size_t padded = (count + hn::Lanes(F()) - 1) / hn::Lanes(F()) * hn::Lanes(F());
+  std::fill(to + std::size_t{count} * D, to + padded * D, 0.0F);
+}
+
+template <unsigned D>
+HWY_INLINE void load_rows(const float* HWY_RESTRICT rows, VF (&y)[D]) {
+  const F f;
+  if constexpr (D == 2) {
+    hn::LoadInterleaved2(f, rows, y[0], y[1]);
+  } else if constexpr (D == 3) {
+    hn::LoadInterleaved3(f, rows, y[0], y[1], y[2]);
+  } else if constexpr (D == 4) {
+    hn::LoadInterleaved4(f, rows, y[0], y[1], y[2], y[3]);
+  } else {
+    const I i;
+    const VI row = hn::Mul(hn::Iota(i, 0), hn::Set(i, static_cast<std::int32_t>(D)));
+    for (unsigned k = 0; k < D; ++k) y[k] = hn::GatherIndex(f, rows + k, row);
+  }
+}
+
+template <unsigned D, class T>
+std::size_t survivors_rows(const GaugeTable& t, const T* data, const T* scale, const T* offset,
+                           std::uint32_t count, std::uint32_t* ids) {
+  const RowPattern<D, T> pattern(scale, offset);
+  HWY_ALIGN float rows[(block_size + hn::MaxLanes(F())) * D];
+  std::size_t kept = 0;
+  for (std::uint32_t b = 0; b < count; b += block_size) {
+    const std::uint32_t n = std::min(block_size, count - b);
+    convert_rows<D, T>(pattern, data + std::size_t{b} * D, n, rows);
+    // Converting a block reads memory, testing it does not: fetch the next block meanwhile.
+    const T* next = data + std::size_t{b + n} * D;
+    kept += test_block<D>(t, b, n, ids + kept, [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
+      for (std::size_t e = 0; e < D * hn::Lanes(F()); e += 64 / sizeof(T))
+        hwy::Prefetch(next + std::size_t{k} * D + e);
+      load_rows<D>(rows + std::size_t{k} * D, y);
+    });
+  }
+  return kept;
+}
+
+// ---------------------------------------------------------------- any layout, any scalar
+
+/// One coordinate of `count` points; computes in C, which holds T exactly.
+template <class C, class T>
+void convert_axis(const std::byte* from, std::ptrdiff_t stride, std::uint32_t count, C scale,
+                  C offset, float* HWY_RESTRICT to) {
+  const auto convert = [&](const std::byte* p) {
+    T value;
+    std::memcpy(&value, p, sizeof value);  // any alignment
+    return static_cast<float>(static_cast<C>(value) * scale - offset);
+  };
+  if (stride == static_cast<std::ptrdiff_t>(sizeof(T))) {
+    for (std::uint32_t k = 0; k < count; ++k) to[k] = convert(from + k * sizeof(T));
+  } else {
+    for (std::uint32_t k = 0; k < count; ++k)
+      to[k] = convert(from + static_cast<std::ptrdiff_t>(k) * stride);
+  }
+}
+
+void convert_axis(const GaugeTable& t, const PointView& v, std::uint64_t first, std::uint32_t count,
+                  unsigned axis, float* to) {
+  const std::byte* p = v.address(first, axis);
+  const double s = t.scale[axis];
+  const double o = t.offset[axis];
+  switch (v.scalar) {
+    case ScalarType::f64:
+      return convert_axis<double, double>(p, v.point_stride, count, s, o, to);
+    case ScalarType::f32:
+      if (t.single_precision)
+        return convert_axis<float, float>(p, v.point_stride, count, t.scale_f32[axis],
+                                          t.offset_f32[axis], to);
+      return convert_axis<double, float>(p, v.point_stride, count, s, o, to);
+    case ScalarType::i8:
+      return convert_axis<double, std::int8_t>(p, v.point_stride, count, s, o, to);
+    case ScalarType::u8:
+      return convert_axis<double, std::uint8_t>(p, v.point_stride, count, s, o, to);
+    case ScalarType::i16:
+      return convert_axis<double, std::int16_t>(p, v.point_stride, count, s, o, to);
+    case ScalarType::u16:
+      return convert_axis<double, std::uint16_t>(p, v.point_stride, count, s, o, to);
+    case ScalarType::i32:
+      return convert_axis<double, std::int32_t>(p, v.point_stride, count, s, o, to);
+    case ScalarType::u32:
+      return convert_axis<double, std::uint32_t>(p, v.point_stride, count, s, o, to);
+  }
+}
+
+template <unsigned D>
+std::size_t survivors_any(const GaugeTable& t, const PointView& v, std::uint64_t begin,
+                          std::uint32_t count, std::uint32_t* ids) {
+  constexpr std::size_t row = block_size + hn::MaxLanes(F());
+  HWY_ALIGN float columns[D * row];
+  std::size_t kept = 0;
+  for (std::uint32_t b = 0; b < count; b += block_size) {
+    const std::uint32_t n = std::min(block_size, count - b);
+    for (unsigned k = 0; k < D; ++k) {
+      float* column = columns + k * row;
+      convert_axis(t, v, begin + b, n, k, column);
+      std::fill(column + n, column + n + hn::Lanes(F()), 0.0F);
+    }
+    kept += test_block<D>(t, b, n, ids + kept, [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
+      for (unsigned j = 0; j < D; ++j) y[j] = hn::LoadU(F(), columns + j * row + k);
+    });
+  }
+  return kept;
+}
+
+template <unsigned D>
+std::size_t survivors_in(const GaugeTable& t, const PointView& v, std::uint64_t begin,
+                         std::uint32_t count, std::uint32_t* ids) {
+  const std::byte* p = v.address(begin, 0);
+  const auto aligned = [&](std::size_t a) { return reinterpret_cast<std::uintptr_t>(p) % a == 0; };
+  if (v.packed_rows() && v.scalar == ScalarType::f64 && aligned(alignof(double)))
+    return survivors_rows<D, double>(t, reinterpret_cast<const double*>(p), t.scale, t.offset,
+                                     count, ids);
+  if (v.packed_rows() && v.scalar == ScalarType::f32 && aligned(alignof(float)) &&
+      t.single_precision)
+    return survivors_rows<D, float>(t, reinterpret_cast<const float*>(p), t.scale_f32, t.offset_f32,
+                                    count, ids);
+  return survivors_any<D>(t, v, begin, count, ids);
+}
+
+}  // namespace
+
+std::size_t survivors(const GaugeTable& t, const PointView& v, std::uint64_t begin,
+                      std::uint64_t end, std::uint32_t* ids) {
+  const auto count = static_cast<std::uint32_t>(end - begin);
+  switch (t.dimension) {
+    case 2:
+      return survivors_in<2>(t, v, begin, count, ids);
+    case 3:
+      return survivors_in<3>(t, v, begin, count, ids);
+    case 4:
+      return survivors_in<4>(t, v, begin, count, ids);
+    case 5:
+      return survivors_in<5>(t, v, begin, count, ids);
+    default:
+      return survivors_in<6>(t, v, begin, count, ids);
+  }
+}
+
+}  // namespace cullhull::internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace cullhull::internal {
+
+HWY_EXPORT(survivors);
+
+std::size_t gauge_survivors(const GaugeTable& table, const PointView& points, std::uint64_t begin,
+                            std::uint64_t end, std::uint32_t* ids) {
+  return HWY_DYNAMIC_DISPATCH(survivors)(table, points, begin, end, ids);
+}
+
+}  // namespace cullhull::internal
+#endif

@@ -1,0 +1,56 @@
+#include "cull/gauge_map.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "cull/gauge_build.hpp"
+#include "cull/gauge_table.hpp"
+#include "cullhull/error.hpp"
+#include "parallel/parallel.hpp"
+
+namespace cullhull::internal {
+
+struct GaugeMap::Table : GaugeTable {};
+
+GaugeMap::GaugeMap(std::unique_ptr<Table> table) : table_(std::move(table)) {}
+GaugeMap::~GaugeMap() = default;
+
+std::unique_ptr<GaugeMap> GaugeMap::build(const InnerPolytope& polytope, unsigned resolution) {
+  auto table = std::make_unique<Table>();
+  if (!build_gauge_table(polytope, resolution, *table)) return nullptr;
+  return std::unique_ptr<GaugeMap>(new GaugeMap(std::move(table)));
+}
+
+std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, unsigned threads,
+                                               const Control& control) const {
+  if (points.dimension != table_->dimension)
+    throw Error(ErrorCode::internal, "the gauge map has another dimension than the points");
+
+  // Every chunk keeps its own list; their concatenation does not depend on who did which.
+  const std::uint64_t chunks = chunk_count(points.count, gauge_chunk);
+  std::vector<std::vector<std::uint16_t>> kept(chunks);
+  static_assert(gauge_chunk <= 65536);
+  for_each_chunk(points.count, gauge_chunk, threads,
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   std::array<std::uint32_t, gauge_chunk> ids;
+                   const std::size_t n = gauge_survivors(*table_, points, begin, end, ids.data());
+                   kept[c].assign(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(n));
+                 });
+
+  std::vector<std::uint64_t> offsets(chunks + 1, 0);
+  for (std::uint64_t c = 0; c < chunks; ++c) offsets[c + 1] = offsets[c] + kept[c].size();
+  std::vector<std::uint64_t> result(offsets[chunks]);
+  for_each_chunk(chunks, 64, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t c = begin; c < end; ++c) {
+      const std::uint64_t first = c * gauge_chunk;
+      std::transform(kept[c].begin(), kept[c].end(),
+                     result.begin() + static_cast<std::ptrdiff_t>(offsets[c]),
+                     [first](std::uint16_t i) { return first + i; });
+    }
+  });
+  return result;
+}
+
+}  // namespace cullhull::internal

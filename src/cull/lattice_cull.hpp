@@ -1,0 +1,17 @@
+// A filter for points on small integer lattices, where ties are the rule and planes full of points
+// make every other filter and engine slow.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace cullhull::internal {
+
+/// Of all points on one line parallel to an axis only the two ends can be extreme; of equal points
+/// only the first is kept. Applied along each axis in turn. Returns false, quickly, where the
+/// coordinates do not pack into 64 bits (then nothing is said); else `kept` are ascending indices.
+/// `rows`: count x d doubles. Time O(d) radix sorts; memory 24 bytes a point.
+bool lattice_cull(const std::vector<double>& rows, std::uint32_t count, unsigned d,
+                  std::vector<std::uint32_t>& kept);
+
+}  // namespace cullhull::internal

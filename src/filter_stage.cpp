@@ -1,0 +1,145 @@
+#include "filter_stage.hpp"
+
+#include <algorithm>
+#include <memory>
+
+#include "cull/gauge_map.hpp"
+#include "cull/planner.hpp"
+#include "hull/engine.hpp"
+#include "points/gather.hpp"
+#include "points/local_frame.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// `size` ids spread evenly over [0, count), each at a pseudo-random place in its stretch, so that
+/// no period of the input's order can hide points from the sample.
+std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
+  std::vector<std::uint64_t> ids(size);
+  std::uint64_t random = 0x9E3779B97F4A7C15ULL;
+  const double stretch = static_cast<double>(count) / static_cast<double>(size);
+  for (std::uint64_t i = 0; i < size; ++i) {
+    random ^= random << 13;
+    random ^= random >> 7;
+    random ^= random << 17;
+    const double at = (static_cast<double>(i) + static_cast<double>(random >> 11) * 0x1p-53) * stretch;
+    ids[i] = std::min(count - 1, static_cast<std::uint64_t>(at));
+  }
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
+/// The exact hull of some input points, as the filter wants it; dimension 0 if they lie in a flat.
+InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, const Control& control) {
+  InnerPolytope polytope;
+  const auto count = static_cast<std::uint32_t>(rows.size() / d);
+  const std::vector<double> original = rows;
+  const LocalFrame frame(std::move(rows), count, d);
+  if (frame.affine_dimension() != static_cast<int>(d)) return polytope;
+  constexpr std::uint64_t budget = std::uint64_t{1} << 30;
+  SimplicialHull hull =
+      d == 2   ? hull_2d(frame.points(), control)
+      : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), budget, control)
+               : hull_nd(frame.points(), frame.simplex().data(), budget, control);
+  // Renumber the vertices in use.
+  constexpr std::uint32_t unused = 0xFFFFFFFF;
+  std::vector<std::uint32_t> number(count, unused);
+  for (std::uint32_t& v : hull.vertices) {
+    if (number[v] == unused) {
+      number[v] = static_cast<std::uint32_t>(polytope.vertices.size() / d);
+      polytope.vertices.insert(polytope.vertices.end(), original.begin() + std::size_t{v} * d,
+                               original.begin() + (std::size_t{v} + 1) * d);
+    }
+    v = number[v];
+  }
+  polytope.dimension = d;
+  polytope.facets = std::move(hull.vertices);
+  polytope.neighbours = std::move(hull.neighbours);
+  return polytope;
+}
+
+struct Sampled {
+  InnerPolytope polytope;
+  std::uint64_t size = 0;
+  std::uint64_t extreme() const {
+    return polytope.dimension == 0 ? 0 : polytope.vertices.size() / polytope.dimension;
+  }
+};
+
+Sampled hull_of_sample(const PointView& points, std::uint64_t size, unsigned threads,
+                       const Control& control) {
+  const std::vector<std::uint64_t> ids = sample_ids(points.count, size);
+  Sampled s;
+  s.size = ids.size();
+  s.polytope = inner_polytope(gather_points(points, ids.data(), ids.size(), threads),
+                              points.dimension, control);
+  return s;
+}
+
+/// A map over `points` from a sample of them, or null where it would not pay.
+std::unique_ptr<GaugeMap> map_of_sample(const PointView& points, bool forced, unsigned threads,
+                                        const Control& control) {
+  const unsigned d = points.dimension;
+  const std::uint64_t probe_size = probe_sample_size(points.count, d);
+  Sampled sample = hull_of_sample(points, probe_size, threads, control);
+  if (sample.polytope.dimension == 0) return nullptr;
+  if (!forced && !cull_pays(points.count, d, sample.size, sample.extreme())) return nullptr;
+  const std::uint64_t size = map_sample_size(points.count, d, sample.size, sample.extreme());
+  if (size > sample.size) sample = hull_of_sample(points, size, threads, control);
+  if (sample.polytope.dimension == 0) return nullptr;
+  return GaugeMap::build(sample.polytope);
+}
+
+std::vector<double> pick_rows(const std::vector<double>& rows, unsigned d,
+                              const std::vector<std::uint64_t>& kept) {
+  std::vector<double> out(kept.size() * d);
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    std::copy_n(rows.data() + kept[i] * d, d, out.data() + i * d);
+  return out;
+}
+
+}  // namespace
+
+Filtered run_filter(const PointView& points, const Options& options, const Control& control,
+                    unsigned threads) {
+  Filtered result;
+  result.survivors.all = true;
+  const unsigned d = points.dimension;
+  const bool forced = options.cull == CullMethod::gauge;
+  if (options.cull == CullMethod::none || d < GaugeMap::min_dimension ||
+      d > GaugeMap::max_dimension || points.count <= d + 1 ||
+      (!forced && points.count < smallest_worth_culling(d)))
+    return result;
+
+  control.report("cull", 0);
+  std::unique_ptr<GaugeMap> map;
+  try {
+    map = map_of_sample(points, forced, threads, control);
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::not_finite) throw;
+    check_finite(points, nullptr, threads);  // names the first bad point, not the sample's
+  }
+  if (map == nullptr) return result;
+  result.survivors.ids = map->survivors(points, threads, control);
+  result.survivors.all = false;
+  result.survivors.method = "gauge";
+  map.reset();
+
+  // Survivors lie near the boundary, so a sample of them gives a much finer polytope.
+  result.rows =
+      gather_points(points, result.survivors.ids.data(), result.survivors.ids.size(), threads);
+  control.report("cull", 0.8);
+  const PointView left = PointView::row_major(result.rows.data(), result.survivors.ids.size(), d);
+  if (left.count < smallest_worth_refining(d)) return result;
+  map = map_of_sample(left, true, threads, control);
+  if (map == nullptr) return result;
+  const std::vector<std::uint64_t> kept = map->survivors(left, threads, control);
+  std::vector<std::uint64_t> ids(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) ids[i] = result.survivors.ids[kept[i]];
+  result.rows = pick_rows(result.rows, d, kept);
+  result.survivors.ids = std::move(ids);
+  result.survivors.method = "gauge x2";
+  return result;
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,23 @@
+// The filter as the pipeline runs it: a sample's exact hull becomes the map that culls the rest.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "control.hpp"
+#include "cullhull/cull.hpp"
+
+namespace cullhull::internal {
+
+/// Survivors of the whole input, with the coordinates of each when they are at hand already.
+struct Filtered {
+  Survivors survivors;
+  std::vector<double> rows;  ///< packed rows of the survivors; empty: not gathered yet
+};
+
+/// Runs the filter the options ask for. Points that are not finite always survive, so that the
+/// gathering of survivors reports them; `rows` has been checked.
+Filtered run_filter(const PointView& points, const Options& options, const Control& control,
+                    unsigned threads);
+
+}  // namespace cullhull::internal

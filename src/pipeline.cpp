@@ -1,0 +1,179 @@
+// THE FLOW: validate, cull, hull, result.
+#include <algorithm>
+#include <chrono>
+#include <string>
+
+#include "control.hpp"
+#include "cull/lattice_cull.hpp"
+#include "cullhull/cull.hpp"
+#include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
+#include "filter_stage.hpp"
+#include "hull/engine.hpp"
+#include "parallel/parallel.hpp"
+#include "points/gather.hpp"
+#include "points/local_frame.hpp"
+#include "points/memory.hpp"
+#include "result/build_hull.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void check_arguments(const PointView& points, const Options& options) {
+  if (points.dimension == 0)
+    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
+  if (points.data == nullptr && points.count > 0)
+    throw Error(ErrorCode::invalid_argument, "points.data is null");
+  if (options.backend == Backend::cuda)
+    throw Error(ErrorCode::backend_unavailable,
+                "this build has no CUDA backend; use the backend auto or cpu");
+  if (options.engine == Engine::qhull && !qhull_available())
+    throw Error(ErrorCode::backend_unavailable,
+                "this build has no Qhull engine; use the engine native");
+}
+
+/// The points the engine works on: survivors, thinned once more where they lie on a lattice.
+struct EngineInput {
+  std::vector<std::uint64_t> ids;  // empty and `all`: every point of the view
+  bool all = false;
+  std::vector<double> rows;
+  std::uint64_t count = 0;
+};
+
+void thin_lattice(EngineInput& input, unsigned d) {
+  // Below this many points the engine is done before the sorts are.
+  constexpr std::uint64_t worthwhile = 256;
+  std::vector<std::uint32_t> kept;
+  if (input.count < worthwhile ||
+      !lattice_cull(input.rows, static_cast<std::uint32_t>(input.count), d, kept) ||
+      kept.size() == input.count)
+    return;
+  std::vector<double> rows(kept.size() * d);
+  std::vector<std::uint64_t> ids(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    std::copy_n(input.rows.data() + std::size_t{kept[i]} * d, d, rows.data() + i * d);
+    ids[i] = input.all ? kept[i] : input.ids[kept[i]];
+  }
+  input.rows = std::move(rows);
+  input.ids = std::move(ids);
+  input.all = false;
+  input.count = kept.size();
+}
+
+EngineInput engine_input(const PointView& points, Filtered&& filtered, std::uint64_t budget,
+                         unsigned threads) {
+  EngineInput input;
+  input.all = filtered.survivors.all;
+  input.count = filtered.survivors.size(points.count);
+  const std::uint64_t bytes = input.count * points.dimension * sizeof(double);
+  if (input.count >= 0xFFFFFFFF)
+    throw Error(
+        ErrorCode::out_of_budget,
+        std::to_string(input.count) + " points survive the filter; an engine takes 2^32 - 2");
+  if (bytes > budget)
+    throw Error(ErrorCode::out_of_budget,
+                "the coordinates of " + std::to_string(input.count) + " surviving points need " +
+                    std::to_string(bytes >> 20) + " MiB, the memory budget is " +
+                    std::to_string(budget >> 20) + " MiB");
+  input.rows = std::move(filtered.rows);
+  if (input.rows.empty())
+    input.rows = gather_points(points, input.all ? nullptr : filtered.survivors.ids.data(),
+                               input.count, threads);
+  input.ids = std::move(filtered.survivors.ids);
+  thin_lattice(input, points.dimension);
+  return input;
+}
+
+SimplicialHull ends_of_line(const LocalPoints& points) {
+  std::uint32_t low = 0, high = 0;
+  for (std::uint32_t i = 1; i < points.count; ++i) {
+    if (points.row(i)[0] < points.row(low)[0]) low = i;
+    if (points.row(i)[0] > points.row(high)[0]) high = i;
+  }
+  SimplicialHull ends;
+  ends.dimension = 1;
+  ends.vertices = {low, high};
+  ends.neighbours = {1, 0};
+  return ends;
+}
+
+SimplicialHull run_engine(const LocalFrame& frame, Engine engine, std::uint64_t budget,
+                          const Control& control) {
+  const LocalPoints& points = frame.points();
+  if (points.dimension == 1) return ends_of_line(points);
+  if (engine == Engine::qhull) return hull_qhull(points, control);
+  if (points.dimension == 2) return hull_2d(points, control);
+  if (points.dimension == 3) return hull_3d(points, frame.simplex().data(), budget, control);
+  return hull_nd(points, frame.simplex().data(), budget, control);
+}
+
+}  // namespace
+}  // namespace internal
+
+using namespace internal;
+
+Survivors cull(const PointView& points, const Options& options) {
+  check_arguments(points, options);
+  const Control control(options);
+  const unsigned threads = resolve_threads(options.threads);
+  const auto start = Clock::now();
+  Filtered filtered = run_filter(points, options, control, threads);
+  Survivors& s = filtered.survivors;
+  // Gathering is what finds a NaN: here as in convex_hull, no bad point may pass.
+  if (filtered.rows.empty()) check_finite(points, s.all ? nullptr : &s.ids, threads);
+  s.seconds = seconds_since(start);
+  return std::move(s);
+}
+
+Hull convex_hull(const PointView& points, const Options& options) {
+  check_arguments(points, options);
+  const Control control(options);
+  const unsigned threads = resolve_threads(options.threads);
+  const std::uint64_t budget = resolve_budget(options.memory_budget);
+  const auto start = Clock::now();
+
+  Hull hull;
+  hull.dimension = points.dimension;
+  hull.point_count = points.count;
+  hull.scalar = points.scalar;
+  hull.statistics.threads = threads;
+  hull.statistics.engine = options.engine == Engine::qhull ? "qhull" : "native";
+  control.check();
+  if (points.count == 0) return hull;
+
+  Filtered filtered = run_filter(points, options, control, threads);
+  hull.statistics.survivors = filtered.survivors.size(points.count);
+  hull.statistics.cull_method = filtered.survivors.method;
+  hull.statistics.cull_seconds = seconds_since(start);
+
+  const auto hull_start = Clock::now();
+  EngineInput input = engine_input(points, std::move(filtered), budget, threads);
+  const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
+                         points.dimension);
+  control.check();
+  hull.affine_dimension = frame.affine_dimension();
+  if (hull.affine_dimension == 0) {
+    hull.vertices = {input.all ? 0 : input.ids[0]};
+    for (unsigned j = 0; j < points.dimension; ++j)
+      hull.centroid.push_back(points.at(hull.vertices[0], j));
+  } else {
+    SimplicialHull boundary = run_engine(frame, options.engine, budget, control);
+    for (unsigned r = 0; r < 3; ++r) hull.statistics.rung_counts[r] = boundary.rung_counts[r];
+    const ResultInput from{&points, &frame.points(), input.all ? nullptr : input.ids.data(),
+                           frame.axes().data()};
+    build_hull(from, std::move(boundary), control, threads, hull);
+  }
+  hull.statistics.hull_seconds = seconds_since(hull_start);
+  hull.statistics.compute_seconds = seconds_since(start);
+  control.report("done", 1);
+  return hull;
+}
+
+}  // namespace cullhull

@@ -1,0 +1,78 @@
+// Random numbers whose bits do not depend on the machine: only + - * / and sqrt, which IEEE 754
+// rounds the same everywhere (with contraction off), and no std:: distribution or libm function.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+namespace cullhull::internal {
+
+/// A bijection on 64 bits that leaves no visible pattern: SplitMix64's finaliser (Steele, Lea,
+/// Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014).
+constexpr std::uint64_t mix64(std::uint64_t z) {
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+  return z ^ (z >> 31);
+}
+
+/// Natural logarithm of a positive normal number to a few ulps: x = m 2^e with m near 1, and
+/// log m = 2 atanh((m - 1) / (m + 1)) by its series. |s| <= 0.172, so the first term left out is
+/// below 2e-19 of the sum.
+inline double portable_log(double x) {
+  int exponent = 0;
+  double m = std::frexp(x, &exponent);
+  if (m < 0.70710678118654752) {
+    m *= 2;
+    --exponent;
+  }
+  const double s = (m - 1) / (m + 1);
+  const double q = s * s;
+  double sum = 0;
+  for (int k = 23; k >= 1; k -= 2) sum = sum * q + 1.0 / k;
+  return 2 * s * sum + exponent * 0.69314718055994531;
+}
+
+/// An independent stream for every (seed, index): work cut into chunks draws the same numbers
+/// whichever thread runs a chunk.
+class RandomStream {
+ public:
+  RandomStream(std::uint64_t seed, std::uint64_t index)
+      : state_(mix64(mix64(seed + golden) ^ (index * 0xd1342543de82ef95ULL + golden))) {}
+
+  std::uint64_t bits() { return mix64(state_ += golden); }
+  /// [0, 1), a multiple of 2^-53.
+  double unit() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
+  /// [-1, 1), a multiple of 2^-52.
+  double symmetric() { return unit() * 2 - 1; }
+  /// [0, n) for 1 <= n <= 2^32, biased by less than n 2^-32.
+  std::uint64_t below(std::uint64_t n) { return ((bits() >> 32) * n) >> 32; }
+  /// Mean 1, never 0.
+  double exponential() {
+    return -portable_log((static_cast<double>(bits() >> 11) + 0.5) * 0x1p-53);
+  }
+  /// Mean 0, variance 1, by Marsaglia's polar method, which needs no sine.
+  double normal() {
+    if (have_spare_) {
+      have_spare_ = false;
+      return spare_;
+    }
+    double u = 0, v = 0, s = 0;
+    do {
+      u = symmetric();
+      v = symmetric();
+      s = u * u + v * v;
+    } while (s >= 1 || s == 0);
+    const double f = std::sqrt(-2 * portable_log(s) / s);
+    spare_ = v * f;
+    have_spare_ = true;
+    return u * f;
+  }
+
+ private:
+  static constexpr std::uint64_t golden = 0x9e3779b97f4a7c15ULL;
+  std::uint64_t state_;
+  double spare_ = 0;
+  bool have_spare_ = false;
+};
+
+}  // namespace cullhull::internal

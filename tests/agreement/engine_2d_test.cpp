@@ -1,0 +1,299 @@
+// hull_2d and hull_qhull against gift wrapping with exact orientations.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <set>
+
+#include "hull/engine.hpp"
+#include "predicates/orientation.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+using Points = std::vector<double>;
+
+Sign turn(const Points& p, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  const double* rows[] = {&p[2 * a], &p[2 * b], &p[2 * c]};
+  return orientation_exact(2, rows);
+}
+
+/// The corner of each step is the point with no other to the right of the line to it, the farthest
+/// of collinear ones, the lowest id of equal ones.
+std::vector<std::uint32_t> gift_wrap(const Points& p) {
+  const auto n = static_cast<std::uint32_t>(p.size() / 2);
+  const auto less = [&](std::uint32_t a, std::uint32_t b) {
+    return p[2 * a] != p[2 * b] ? p[2 * a] < p[2 * b] : p[2 * a + 1] < p[2 * b + 1];
+  };
+  std::uint32_t start = 0;
+  for (std::uint32_t i = 1; i < n; ++i)
+    if (less(i, start)) start = i;
+  std::vector<std::uint32_t> out;
+  for (std::uint32_t at = start;;) {
+    out.push_back(at);
+    std::uint32_t next = at;
+    for (std::uint32_t i = 0; i < n; ++i) {
+      if (!less(i, at) && !less(at, i)) continue;
+      if (next == at) {
+        next = i;
+        continue;
+      }
+      const Sign s = turn(p, at, next, i);
+      const bool farther = less(at, next) == less(next, i) && (less(next, i) || less(i, next));
+      if (s == Sign::negative || (s == Sign::zero && farther)) next = i;
+    }
+    at = next;
+    if (at == start) return out;
+  }
+}
+
+LocalPoints local(const Points& p, unsigned d = 2) {
+  LocalPoints l;
+  l.dimension = d;
+  l.count = static_cast<std::uint32_t>(p.size() / d);
+  l.coordinates = l.exact = p.data();
+  return l;
+}
+
+std::vector<std::uint32_t> canonical(std::vector<std::uint32_t> cycle) {
+  std::rotate(cycle.begin(), std::min_element(cycle.begin(), cycle.end()), cycle.end());
+  return cycle;
+}
+
+/// Follows the neighbours round, checking that they are what engine.hpp says.
+std::vector<std::uint32_t> cycle_of(const SimplicialHull& h) {
+  std::vector<std::uint32_t> out;
+  std::uint32_t facet = 0;
+  for (std::size_t i = 0; i < h.facet_count(); ++i) {
+    out.push_back(h.vertices[2 * facet + 1]);
+    const std::uint32_t next = h.neighbours[2 * facet + 1];
+    EXPECT_EQ(h.vertices[2 * next + 1], h.vertices[2 * facet]);
+    EXPECT_EQ(h.neighbours[2 * next], facet);
+    facet = next;
+  }
+  EXPECT_EQ(facet, 0u);
+  return out;
+}
+
+SimplicialHull run(const LocalPoints& points) {
+  const Options options;
+  return hull_2d(points, Control(options));
+}
+
+void expect_agreement(const Points& p, const char* what) {
+  const SimplicialHull h = run(local(p));
+  EXPECT_EQ(canonical(cycle_of(h)), canonical(gift_wrap(p))) << what;
+  EXPECT_TRUE(h.duplicates.empty());
+}
+
+TEST(Hull2d, SmallGridsWithDuplicates) {
+  for (unsigned seed = 1; seed <= 300; ++seed) {
+    std::mt19937_64 g(seed);
+    const int side = 2 + static_cast<int>(seed % 9);
+    Points p = {0, 0, 1, 0, 0, 1};
+    const unsigned n = static_cast<unsigned>(g() % 60);
+    for (unsigned i = 0; i < 2 * n; ++i) {
+      const double v = static_cast<double>(g() % static_cast<unsigned>(side)) / 16;
+      p.push_back(v == 0 && g() % 2 ? -0.0 : v);
+    }
+    // Against the order of ids as well: the triangle last.
+    Points q(p.begin() + 6, p.end());
+    q.insert(q.end(), p.begin(), p.begin() + 6);
+    expect_agreement(p, ("seed " + std::to_string(seed)).c_str());
+    expect_agreement(q, ("reversed, seed " + std::to_string(seed)).c_str());
+  }
+}
+
+TEST(Hull2d, NearlyCollinearNeedsExactArithmetic) {
+  for (unsigned seed = 1; seed <= 50; ++seed) {
+    std::mt19937_64 g(seed);
+    std::uniform_real_distribution<double> u(0, 1);
+    Points p = {0, 0, 0.5, 0.25, 0.25, 0.5};
+    for (int i = 0; i < 200; ++i) {
+      const double x = u(g) / 4;
+      p.push_back(x);
+      p.push_back(x * 2 + 0x1p-54 * static_cast<double>(static_cast<int>(g() % 3) - 1));
+    }
+    expect_agreement(p, ("seed " + std::to_string(seed)).c_str());
+  }
+  Points line;
+  for (int i = 0; i < 64; ++i) line.insert(line.end(), {i * 0.01, i * 0.01 * 3});
+  line.insert(line.end(), {0.0, 0.5});
+  const SimplicialHull h = run(local(line));
+  EXPECT_GT(h.rung_counts[2], 0u);
+}
+
+TEST(Hull2d, TinyAndHugeTogether) {
+  // What the pipeline makes of 1e308 beside 1e-308: scaled rows that underflowed, exact ones
+  // beside.
+  for (unsigned seed = 1; seed <= 100; ++seed) {
+    std::mt19937_64 g(seed);
+    Points exact, scaled;
+    for (int i = 0; i < 40; ++i) {
+      for (int j = 0; j < 2; ++j) {
+        const int e = static_cast<int>(g() % 2040) - 1022;
+        double v = std::ldexp(1.0 + static_cast<double>(g() % 8) / 8, e);
+        if (g() % 2) v = -v;
+        if (g() % 4 == 0) v = std::ldexp(static_cast<double>(g() % 5), -1074);
+        exact.push_back(v);
+        scaled.push_back(std::ldexp(v, -1023));
+      }
+    }
+    LocalPoints l = local(scaled);
+    l.exact = exact.data();
+    EXPECT_EQ(canonical(cycle_of(run(l))), canonical(gift_wrap(exact))) << "seed " << seed;
+  }
+}
+
+TEST(Hull2d, DiscardKeepsEveryVertex) {
+  // Large enough for the sampled discard; the oracle sees only points near the known hull.
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    std::mt19937_64 g(seed);
+    const unsigned n = 60000;
+    Points p;
+    for (unsigned i = 0; i < n; ++i) {
+      double x = std::ldexp(static_cast<double>(g()), -64),
+             y = std::ldexp(static_cast<double>(g()), -64);
+      if (seed == 2) x = std::floor(x * 100) / 128, y = std::floor(y * 100) / 128;
+      if (seed == 3) x = x * 2 - 1, y = (y * 2 - 1) * std::sqrt(1 - x * x);
+      if (seed == 4) x = std::floor(x * 2) / 2 + (y > 0.5 ? 0.25 : 0), y = std::floor(y * 64) / 64;
+      p.push_back(x);
+      p.push_back(y);
+    }
+    const SimplicialHull h = run(local(p));
+    const std::vector<std::uint32_t> cycle = cycle_of(h);
+    const std::size_t m = cycle.size();
+    for (std::size_t i = 0; i < m; ++i) {
+      const std::uint32_t a = cycle[i], b = cycle[(i + 1) % m], c = cycle[(i + 2) % m];
+      EXPECT_EQ(turn(p, a, b, c), Sign::positive) << "seed " << seed;
+      for (std::uint32_t x = 0; x < n; ++x) {
+        const double* rows[] = {&p[2 * a], &p[2 * b], &p[2 * x]};
+        ASSERT_NE(orientation(2, rows), Sign::negative) << "seed " << seed << " point " << x;
+        if (x < b) {
+          ASSERT_FALSE(p[2 * x] == p[2 * b] && p[2 * x + 1] == p[2 * b + 1]) << "lower id";
+        }
+      }
+    }
+  }
+}
+
+TEST(Hull2d, ManyOnACircleAndManyEqual) {
+  const unsigned n = 200000;
+  Points p;
+  for (unsigned i = 0; i < n; ++i) {
+    const double t = static_cast<double>((i * 7919ULL) % n) * (2 * 3.14159265358979 / n);
+    p.insert(p.end(), {std::cos(t), std::sin(t)});
+  }
+  const std::vector<std::uint32_t> cycle = cycle_of(run(local(p)));
+  EXPECT_GT(cycle.size(), n - n / 100);
+  for (std::size_t i = 0; i + 2 < cycle.size(); ++i)
+    ASSERT_EQ(turn(p, cycle[i], cycle[i + 1], cycle[i + 2]), Sign::positive);
+
+  Points equal;
+  for (unsigned i = 0; i < n; ++i) equal.insert(equal.end(), {0.5, 0.5});
+  equal.insert(equal.end(), {0.25, 0.25, 0.25, 0.5});
+  EXPECT_EQ(canonical(cycle_of(run(local(equal)))), (std::vector<std::uint32_t>{0, n + 1, n}));
+}
+
+TEST(Hull2d, LatticeDecidesWithoutExactArithmetic) {
+  Points p;
+  for (int i = 0; i < 1000; ++i) p.insert(p.end(), {(i % 31) / 32.0, (i % 29) / 32.0});
+  LocalPoints l = local(p);
+  l.small_lattice = true;
+  const SimplicialHull h = run(l);
+  EXPECT_EQ(h.rung_counts[2], 0u);
+  EXPECT_EQ(canonical(cycle_of(h)), canonical(gift_wrap(p)));
+}
+
+TEST(Hull2d, StopsWhenAsked) {
+  std::stop_source source;
+  source.request_stop();
+  Options options;
+  options.stop = source.get_token();
+  const Points p = {0, 0, 1, 0, 0, 1};
+  try {
+    hull_2d(local(p), Control(options));
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::cancelled);
+  }
+}
+
+TEST(HullQhull, ClosedConvexSurface) {
+  const Options options;
+  const Control control(options);
+  std::mt19937_64 g(5);
+  std::normal_distribution<double> normal(0, 0.1);
+  for (unsigned d = 2; d <= 6; ++d) {
+    Points p(200 * d);
+    for (double& v : p) v = normal(g);
+    const LocalPoints points = local(p, d);
+    if (!qhull_available()) {
+      try {
+        hull_qhull(points, control);
+        FAIL();
+      } catch (const Error& e) {
+        EXPECT_EQ(e.code(), ErrorCode::backend_unavailable);
+      }
+      continue;
+    }
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    const SimplicialHull h = hull_qhull(points, control);
+    EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+    ASSERT_GT(h.facet_count(), d);
+    std::vector<const double*> rows(d + 1);
+    for (std::size_t f = 0; f < h.facet_count(); ++f) {
+      for (unsigned j = 0; j < d; ++j) rows[j] = points.row(h.vertices[f * d + j]);
+      for (std::uint32_t x = 0; x < points.count; ++x) {
+        rows[d] = points.row(x);
+        ASSERT_NE(orientation(d, rows.data()), Sign::positive) << "d " << d << " point " << x;
+      }
+      for (unsigned j = 0; j < d; ++j) {
+        const std::uint32_t other = h.neighbours[f * d + j];
+        const auto* v = &h.vertices[std::size_t{other} * d];
+        for (unsigned i = 0; i < d; ++i) {
+          if (i == j) continue;
+          EXPECT_NE(std::find(v, v + d, h.vertices[f * d + i]), v + d);
+        }
+      }
+    }
+  }
+}
+
+TEST(HullQhull, LowestIdOfEqualPointsIsReported) {
+  if (!qhull_available()) return;
+  const Options options;
+  Points p;
+  for (int k = 0; k < 3; ++k)
+    for (int i = 0; i < 8; ++i)
+      p.insert(p.end(), {i & 1 ? 0.5 : -0.0, i & 2 ? 0.5 : 0, i & 4 ? 0.5 : 0.});
+  const SimplicialHull h = hull_qhull(local(p, 3), Control(options));
+  std::set<std::uint32_t> lowest;
+  for (std::uint32_t v : h.vertices) {
+    std::uint32_t low = v;
+    for (const auto& [duplicate, vertex] : h.duplicates)
+      if (vertex == v) low = std::min(low, duplicate);
+    lowest.insert(low);
+  }
+  EXPECT_EQ(lowest, (std::set<std::uint32_t>{0, 1, 2, 3, 4, 5, 6, 7}));
+}
+
+TEST(HullQhull, FailureIsAnErrorOfOneLine) {
+  if (!qhull_available()) return;
+  const Options options;
+  const Points flat = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0.5, 0.5, 0};
+  try {
+    hull_qhull(local(flat, 3), Control(options));
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::not_exact);
+    EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("QH6"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace cullhull::internal
