@@ -19,7 +19,7 @@ if [[ ${#targets[@]} -eq 0 ]]; then
 fi
 
 cmake --preset fuzz -DCULLHULL_BUILD_APPS=OFF -DCULLHULL_BUILD_EXAMPLES=OFF >/dev/null
-cmake --build --preset fuzz -j "${JOBS:-2}" --target "${targets[@]/%/_fuzz}"
+cmake --build --preset fuzz -j "${JOBS:-2}" --target "${targets[@]/#/fuzz_}"
 
 status=0
 for target in "${targets[@]}"; do
@@ -29,7 +29,7 @@ for target in "${targets[@]}"; do
   dictionary=()
   if [[ -f fuzz/$target.dict ]]; then dictionary=("-dict=fuzz/$target.dict"); fi
   echo "== $target: $seconds s"
-  if ! "build/fuzz/bin/${target}_fuzz" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 \
+  if ! "build/fuzz/bin/fuzz_$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 \
     -max_len=4096 -print_final_stats=1 -verbosity=0 -artifact_prefix="build/fuzz/$target-" \
     "${dictionary[@]}" "build/fuzz/corpus/$target" "${seeds[@]}" >"build/fuzz/$target.log" 2>&1; then
     tail -n 40 "build/fuzz/$target.log"
