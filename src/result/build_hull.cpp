@@ -238,7 +238,6 @@ void build_hull(const ResultInput& input, SimplicialHull&& boundary, const Contr
   hull.point_count = input.view->count;
   hull.scalar = input.view->scalar;
   hull.affine_dimension = static_cast<int>(boundary.dimension);
-  for (unsigned i = 0; i < 3; ++i) hull.statistics.rung_counts[i] += boundary.rung_counts[i];
 
   const LocalPoints& local = *input.local;
   Surface surface = make_surface(std::move(boundary), local, threads);
