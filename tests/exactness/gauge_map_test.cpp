@@ -135,13 +135,13 @@ std::vector<Shape> shapes(std::uint64_t seed) {
   all.push_back({"polygon 7", 2, polygon(7)});
   all.push_back({"polygon 200", 2, polygon(200)});
   for (unsigned d = 2; d <= 6; ++d) {
-    const std::string suffix = " " + std::to_string(d) + "D";
-    all.push_back({"simplex" + suffix, d, simplex(d)});
-    all.push_back({"cross polytope" + suffix, d, cross_polytope(d)});
-    if (d <= 4) all.push_back({"cube" + suffix, d, cube(d)});
+    const std::string dimension = std::to_string(d) + "D ";
+    all.push_back({dimension + "simplex", d, simplex(d)});
+    all.push_back({dimension + "cross polytope", d, cross_polytope(d)});
+    if (d <= 4) all.push_back({dimension + "cube", d, cube(d)});
     const unsigned n[] = {0, 0, 40, 60, 25, 16, 14};
-    all.push_back({"gauss" + suffix, d, gaussian(d, n[d], random, false)});
-    all.push_back({"sphere" + suffix, d, gaussian(d, n[d], random, true)});
+    all.push_back({dimension + "gauss", d, gaussian(d, n[d], random, false)});
+    all.push_back({dimension + "sphere", d, gaussian(d, n[d], random, true)});
   }
   return all;
 }

@@ -1,0 +1,87 @@
+#include "cull/planner.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cullhull::internal {
+namespace {
+
+/// Costs in nanoseconds on one thread, measured on balls (2.4 GHz Zen 3) and rounded: only their
+/// ratios matter. Wrong constants cost time, never correctness.
+struct Costs {
+  double sample_point;  ///< hulling a sample, a point of it, its facets included
+  double engine_point;  ///< what the engine spends on a point that turns out not to be extreme
+  double survivor;      ///< what a survivor of the first map costs the later stages
+  double pass;          ///< testing a point against the map
+  double build;         ///< laying the map
+  double excess;        ///< share the map keeps / share its polytope would keep
+  double largest_probe;
+  double largest_sample;
+};
+
+constexpr Costs costs_by_dimension[] = {
+    {50, 15, 10, 3, 1e5, 1.05, 1000, 50000},        // 2D
+    {200, 100, 40, 5, 7e5, 1.05, 1000, 50000},      // 3D
+    {2500, 500, 500, 7, 6e6, 1.15, 500, 40000},     // 4D
+    {3e4, 1500, 1000, 12, 14e6, 1.35, 200, 10000},  // 5D
+    {4e5, 4000, 2000, 15, 23e6, 1.35, 100, 4000},   // 6D
+};
+
+const Costs& costs_of(unsigned d) { return costs_by_dimension[std::clamp(d, 2U, 6U) - 2]; }
+
+/// Efron (1965): the expected share of the points that an m-sample's hull leaves outside is the
+/// expected share of an (m + 1)-sample's points that are extreme.
+double kept_share(std::uint64_t sample, std::uint64_t extreme) {
+  return static_cast<double>(std::max<std::uint64_t>(extreme, 1)) /
+         static_cast<double>(std::max<std::uint64_t>(sample, 1));
+}
+
+}  // namespace
+
+// Where even dropping every point would save less than the map costs.
+std::uint64_t smallest_worth_culling(unsigned d) {
+  const Costs& c = costs_of(d);
+  return static_cast<std::uint64_t>(c.build / (c.engine_point - c.pass));
+}
+
+// The second map drops about half of the survivors and is larger: four builds for each such point.
+std::uint64_t smallest_worth_refining(unsigned d) {
+  const Costs& c = costs_of(d);
+  return static_cast<std::uint64_t>(4 * c.build / (c.engine_point - c.pass));
+}
+
+// Where all points are extreme, hulling the probe takes at most its share of the whole: 1 / 128.
+// Below 8 d points a sample says nothing.
+std::uint64_t probe_sample_size(std::uint64_t count, unsigned d) {
+  const double size = std::min(static_cast<double>(count) / 128, costs_of(d).largest_probe);
+  return std::min(count, std::max(static_cast<std::uint64_t>(size), std::uint64_t{8} * d));
+}
+
+// A larger sample keeps fewer points where the density is smooth, but not where the points lie on a
+// surface, and the probe cannot tell: so no decay is assumed. On a surface extreme = sample.
+bool cull_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint64_t extreme) {
+  const Costs& c = costs_of(d);
+  const auto n = static_cast<double>(count);
+  const double kept = std::min(1.0, c.excess * kept_share(sample, extreme));
+  const auto size = static_cast<double>(map_sample_size(count, d, sample, extreme));
+  return n * (1 - kept) * c.engine_point > n * c.pass + size * c.sample_point + c.build;
+}
+
+// A smooth density leaves outside an m-sample's hull a share s(m) ~ m^-a, a = 2 / (d + 1) (Renyi
+// and Sulanke 1963, Barany 1989). The least of  sample_point m + survivor count s(m)  is at
+// m^(1 + a) = a (survivor / sample_point) count s m0^a, where the probe of m0 points gave s.
+// At most an eighth of the points: where the law does not hold the loss stays small.
+std::uint64_t map_sample_size(std::uint64_t count, unsigned d, std::uint64_t sample,
+                              std::uint64_t extreme) {
+  const Costs& c = costs_of(d);
+  const double a = 2.0 / (d + 1);
+  const double best =
+      std::pow(a * (c.survivor / c.sample_point) * static_cast<double>(count) *
+                   kept_share(sample, extreme) * std::pow(static_cast<double>(sample), a),
+               1 / (1 + a));
+  const double most = std::min(c.largest_sample, static_cast<double>(count) / 8);
+  const auto size = static_cast<std::uint64_t>(std::min(best, most));
+  return std::min(count, std::max(size, sample));
+}
+
+}  // namespace cullhull::internal
