@@ -33,16 +33,23 @@ TEST(DegenerateSets, LargeGridsThatTheFilterThins) {
   }
 }
 
-TEST(DegenerateSets, CubeCornersWithCentres) {
-  for (unsigned d = 2; d <= 8; ++d) {
-    const PointSet s = cube_with_centres(d);
-    Ids corners;
-    for (std::uint64_t i = 2 * d + 1; i < s.count(); ++i) corners.push_back(i);
-    const Hull h = expect_everywhere(s, corners);
-    EXPECT_EQ(h.facet_count(), 2 * d) << s.name;
-    EXPECT_DOUBLE_EQ(h.volume, std::ldexp(1, static_cast<int>(d))) << s.name;
-  }
+class CubeCorners : public testing::TestWithParam<unsigned> {};
+
+TEST_P(CubeCorners, WithCentres) {
+  const unsigned d = GetParam();
+  const PointSet s = cube_with_centres(d);
+  Ids corners;
+  for (std::uint64_t i = 2 * d + 1; i < s.count(); ++i) corners.push_back(i);
+  // 7! and 8! simplices a facet pair: seconds a hull.
+  const Hull h = expect_everywhere(s, corners,
+                                   d < 7    ? Paths::all
+                                   : d == 7 ? Paths::few
+                                            : Paths::reference);
+  EXPECT_EQ(h.facet_count(), 2 * d);
+  EXPECT_DOUBLE_EQ(h.volume, std::ldexp(1, static_cast<int>(d)));
 }
+
+INSTANTIATE_TEST_SUITE_P(DegenerateSets, CubeCorners, testing::Range(2U, 9U));
 
 TEST(DegenerateSets, CrossPolytopesWithEdgeMiddles) {
   double factorial = 1;

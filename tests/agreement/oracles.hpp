@@ -233,28 +233,38 @@ inline PointSet rbox(const std::string& program, const std::string& arguments) {
   return s;
 }
 
-/// The rows between "begin" and "end" of lrslib's format without the first line.
+/// The rows between the last "begin" and "end" of lrslib's format without the size: lrs begins
+/// anew, header and all, when its integers overflow.
 inline std::vector<std::string> lrs_rows(const std::string& text) {
   std::istringstream in(text);
   std::string line;
   std::vector<std::string> rows;
-  while (std::getline(in, line) && line.rfind("begin", 0) != 0) {
+  bool begun = false, ended = false;
+  while (!ended && std::getline(in, line)) {
+    if (line.rfind("begin", 0) == 0) {
+      begun = true;
+      rows.clear();
+      std::getline(in, line);
+    } else if (line.rfind("end", 0) == 0) {
+      ended = true;
+    } else if (begun) {
+      rows.push_back(line);
+    }
   }
-  std::getline(in, line);
-  while (std::getline(in, line) && line.rfind("end", 0) != 0) rows.push_back(line);
-  if (line.rfind("end", 0) != 0) throw std::runtime_error("lrslib's answer has no end");
+  if (!ended) throw std::runtime_error("lrslib's answer has no end");
   return rows;
 }
 
 inline std::string as_lrs_text(const IntegerSet& s, unsigned d) {
-  std::string out = "cullhull\nV-representation\nbegin\n" + std::to_string(s.rows.size()) + " " +
-                    std::to_string(d + 1) + " integer\n";
+  std::ostringstream out;
+  out << "cullhull\nV-representation\nbegin\n" << s.rows.size() << ' ' << d + 1 << " integer\n";
   for (const IntegerRow& row : s.rows) {
-    out += "1";
-    for (const mpz_class& v : row) out += " " + v.get_str();
-    out += "\n";
+    out << '1';
+    for (const mpz_class& v : row) out << ' ' << v.get_str();
+    out << '\n';
   }
-  return out + "end\n";
+  out << "end\n";
+  return out.str();
 }
 
 /// The number of facets of a full-dimensional hull, by lrs: exact, by reverse search.
@@ -270,7 +280,7 @@ inline Ids lrs_extreme_points(const std::string& lrs, const PointSet& s) {
   std::map<std::string, std::uint64_t> id_of;
   for (std::size_t i = 0; i < integers.rows.size(); ++i) {
     std::string key;
-    for (const mpz_class& v : integers.rows[i]) key += " " + v.get_str();
+    for (const mpz_class& v : integers.rows[i]) key.append(" ").append(v.get_str());
     id_of[key] = integers.ids[i];
   }
   Ids ids;
@@ -279,7 +289,7 @@ inline Ids lrs_extreme_points(const std::string& lrs, const PointSet& s) {
     std::istringstream in(row);
     std::string word, key;
     in >> word;
-    while (in >> word) key += " " + word;
+    while (in >> word) key.append(" ").append(word);
     ids.push_back(id_of.at(key));
   }
   std::sort(ids.begin(), ids.end());
