@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cullhull/certify.hpp"
+#include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
 #include "tests/agreement/canonical_hash.hpp"
 

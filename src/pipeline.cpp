@@ -94,8 +94,8 @@ EngineInput engine_input(const PointView& points, Filtered&& filtered, std::uint
 SimplicialHull ends_of_line(const LocalPoints& points) {
   std::uint32_t low = 0, high = 0;
   for (std::uint32_t i = 1; i < points.count; ++i) {
-    if (points.row(i)[0] < points.row(low)[0]) low = i;
-    if (points.row(i)[0] > points.row(high)[0]) high = i;
+    if (points.exact_row(i)[0] < points.exact_row(low)[0]) low = i;
+    if (points.exact_row(i)[0] > points.exact_row(high)[0]) high = i;
   }
   SimplicialHull ends;
   ends.dimension = 1;

@@ -143,23 +143,36 @@ std::vector<std::uint32_t> parse_columns(std::string_view text, std::uint32_t di
   return columns;
 }
 
-void InputArguments::add_to(CLI::App& command) {
-  command.add_option("INPUT", path, "File of points, or - for standard input")->required();
-  command.add_option("--input-format", format, "Read INPUT as this, whatever its name and content")
-      ->check(CLI::IsMember({"npy", "ply", "obj", "off", "stl", "xyz", "txt", "csv", "raw"}));
-  command.add_option("--dim", dimension, "Coordinates of a point, for raw input")
-      ->check(CLI::Range(1U, 1U << 20));
-  command.add_option("--type", type, "Scalar type, for raw input")
-      ->check(CLI::IsMember(scalar_names()));
-  command.add_option(
-      "--columns", columns,
-      "Use only these coordinates of each point, counted from 0: a:b without b, or a "
-      "list such as 0,2,5");
+void allow_words(CLI::Option& option, const std::vector<std::string>& words) {
+  std::string joined;
+  for (const std::string& word : words) joined += (joined.empty() ? "" : "|") + word;
+  option.type_name(joined)->check(CLI::IsMember(words).description(""));
 }
 
-Input open_input(const InputArguments& arguments) {
+void allow_range(CLI::Option& option, std::uint32_t least, std::uint32_t greatest) {
+  option.type_name("N")->check(CLI::Range(least, greatest).description(""));
+}
+
+void InputArguments::add_to(CLI::App& command) {
+  command.add_option("INPUT", path, "File of points, or - for standard input")
+      ->type_name("")
+      ->required();
+  allow_words(*command.add_option("--input-format", format,
+                                  "Read INPUT as this, whatever its name and content"),
+              {"npy", "ply", "obj", "off", "stl", "xyz", "txt", "csv", "raw"});
+  allow_range(*command.add_option("--dim", dimension, "Coordinates of a point, for raw input"), 1,
+              1U << 20);
+  allow_words(*command.add_option("--type", type, "Scalar type, for raw input"), scalar_names());
+  command
+      .add_option("--columns", columns,
+                  "Coordinates of each point to use, from 0: a:b without b, or 0,2,5")
+      ->type_name("COLUMNS");
+}
+
+Input open_input(const InputArguments& arguments, unsigned threads) {
   Input input;
   cullhull::ReadOptions options;
+  options.threads = threads;
   options.format = arguments.format;
   options.raw_dimension = arguments.dimension;
   options.raw_scalar = scalar_type(arguments.type);
@@ -177,21 +190,18 @@ Input open_input(const InputArguments& arguments) {
 
 void RunArguments::add_to(CLI::App& command, bool filter) {
   if (filter) {
+    auto& method = *command.add_option("--cull", cull, "Filter; auto sees on a sample if it pays");
+    allow_words(method, {"auto", "gauge", "none"});
+    auto& where = *command.add_option("--backend", backend, "Where to run; auto may take the CPU");
+    allow_words(where, {"auto", "cpu", "cuda"});
     command
-        .add_option("--cull", cull,
-                    "Filter in front of the hull: auto decides from a sample whether it pays")
-        ->check(CLI::IsMember({"auto", "gauge", "none"}))
-        ->capture_default_str();
-    command.add_option("--backend", backend, "Where to run; auto falls back to the CPU")
-        ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
-        ->capture_default_str();
-    command.add_option("--memory", memory,
-                       "Memory it may take beyond the input, e.g. 2G or 512MiB (default: half of "
-                       "the machine's); a result that needs more is refused with status 4");
+        .add_option("--memory", memory,
+                    "Most it may take beyond the input, e.g. 2G or 512MiB; else half of\n"
+                    "the machine's. A result that needs more is refused, status 4")
+        ->type_name("BYTES");
   }
-  command.add_option("--threads", threads, "Threads to use; 0: all the machine offers")
-      ->check(CLI::Range(0U, 1024U))
-      ->capture_default_str();
+  auto& count = *command.add_option("--threads", threads, "Threads; 0: all the machine offers");
+  allow_range(count, 0, 1024);
   command.add_flag("-q,--quiet", quiet, "No summary and no progress");
 }
 

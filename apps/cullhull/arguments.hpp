@@ -12,7 +12,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace app {
 
@@ -35,7 +36,7 @@ struct Input {
   cullhull::PointView points;
 };
 
-Input open_input(const InputArguments& arguments);
+Input open_input(const InputArguments& arguments, unsigned threads = 0);
 
 /// How to run: everything that ends up in cullhull::Options.
 struct RunArguments {
@@ -57,6 +58,11 @@ std::uint64_t parse_size(std::string_view text, std::string_view option);
 /// "0:3" (half open, either end may be missing), "0,2,5", or both: column numbers below
 /// `dimension`. Throws Error{invalid_argument}.
 std::vector<std::uint32_t> parse_columns(std::string_view text, std::uint32_t dimension);
+
+/// Limits an option to some words or to a range, and says so in the help without the parser's
+/// jargon.
+void allow_words(CLI::Option& option, const std::vector<std::string>& words);
+void allow_range(CLI::Option& option, std::uint32_t least, std::uint32_t greatest);
 
 /// Appended to the help of every command that reads points.
 extern const char* const input_help;

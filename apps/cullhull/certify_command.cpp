@@ -35,7 +35,7 @@ struct CertifyArguments {
 };
 
 int run(const CertifyArguments& arguments) {
-  const Input input = open_input(arguments.input);
+  const Input input = open_input(arguments.input, arguments.run.threads);
   const cullhull::Hull hull = cullhull::hull_from_json(arguments.hull);
   cullhull::Certificate certificate;
   const Stopwatch watch;
@@ -64,7 +64,9 @@ Command add_certify(CLI::App& parent) {
   auto a = std::make_shared<CertifyArguments>();
   CLI::App& command = *parent.add_subcommand("certify", "Check a hull against its points, exactly");
   a->input.add_to(command);
-  command.add_option("HULL", a->hull, "What 'cullhull hull INPUT -o HULL.json' wrote")->required();
+  command.add_option("HULL", a->hull, "What 'cullhull hull INPUT -o HULL.json' wrote")
+      ->type_name("")
+      ->required();
   a->run.add_to(command, false);
   command.footer(std::string(input_help) + "\n\n" + examples);
   return [a] { return run(*a); };

@@ -96,7 +96,7 @@ std::string summary(const Input& input, const Outcome& outcome, double read_seco
 }
 
 int run(const CullArguments& arguments) {
-  const Input input = open_input(arguments.input);
+  const Input input = open_input(arguments.input, arguments.run.threads);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const Outcome outcome = compute(arguments, input.points);
   if (!arguments.output.empty()) {
@@ -122,14 +122,14 @@ Command add_cull(CLI::App& parent) {
   auto a = std::make_shared<CullArguments>();
   CLI::App& command =
       *parent.add_subcommand("cull", "The filter alone: ids of the points that may be extreme");
-  a->input.add_to(command);
-  command.add_option("-o,--output", a->output, "Write the ids of the survivors, int64 (.npy)");
-  command.add_option("--json", a->json,
-                     "Write counts and times as JSON, to standard output or --json=FILE");
+  command.add_option("-o,--output", a->output, "Write the ids of the survivors, int64")
+      ->type_name("SURVIVORS.npy");
+  command.add_option("--json", a->json, "Counts and times as JSON, on standard output or to FILE")
+      ->type_name("[=FILE]");
   a->run.add_to(command, true);
-  command.add_option("--repeat", a->repeat, "Compute K times and report the median time")
-      ->check(CLI::Range(1U, 1000000U))
-      ->capture_default_str();
+  allow_range(*command.add_option("--repeat", a->repeat, "Compute N times, report the median"), 1,
+              1000000);
+  a->input.add_to(command);
   command.footer(std::string(input_help) + "\n\n" + examples);
   return [a] { return run(*a); };
 }

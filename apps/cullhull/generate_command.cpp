@@ -62,15 +62,18 @@ int run(const GenerateArguments& arguments) {
 Command add_generate(CLI::App& parent) {
   auto a = std::make_shared<GenerateArguments>();
   CLI::App& command = *parent.add_subcommand("generate", "Make a seeded set of points");
-  command.add_option("SHAPE", a->shape, "One of those below")->required();
-  command.add_option("-n,--count", a->count, "How many points, e.g. 100000 or 8M")->required();
-  command.add_option("-d,--dim", a->dimension, "Dimension (default 3; disk and circle: 2)")
-      ->check(CLI::Range(1U, 1U << 20));
-  command.add_option("--seed", a->seed, "Another seed, another set")->capture_default_str();
-  command.add_option("--type", a->type, "Scalar type to write")
-      ->check(CLI::IsMember({"f32", "f64"}))
-      ->capture_default_str();
-  command.add_option("-o,--output", a->output, "File to write (.npy)")->required();
+  command.add_option("SHAPE", a->shape, "One of those below")->type_name("")->required();
+  command.add_option("-n,--count", a->count, "How many points, e.g. 100000 or 8M")
+      ->type_name("N")
+      ->required();
+  allow_range(*command.add_option("-d,--dim", a->dimension,
+                                  "Dimension; 3 if not given, 2 for disk and circle"),
+              1, 1U << 20);
+  command.add_option("--seed", a->seed, "Another seed, another set; 1 if not given")
+      ->type_name("S");
+  allow_words(*command.add_option("--type", a->type, "Scalar type to write; f64 if not given"),
+              {"f32", "f64"});
+  command.add_option("-o,--output", a->output, "File to write")->type_name("FILE.npy")->required();
   command.footer(footer());
   return [a] { return run(*a); };
 }

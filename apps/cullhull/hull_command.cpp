@@ -27,7 +27,7 @@ constexpr const char* examples =
     "  .ply .obj .off .stl   a mesh, for points of dimension 2 and 3\n"
     "  .json                 everything: vertices, facets, planes, neighbours, simplices, "
     "measures\n"
-    "  .txt                  text\n"
+    "  .txt                  the coordinates of the vertices\n"
     "  --vertices IDS.npy    ids of the extreme points, ascending, int64\n"
     "  --format F            on standard output, as qconvex prints it: Fx extreme points, i "
     "facets\n"
@@ -71,7 +71,8 @@ struct Outcome {
 void check_outputs(const HullArguments& arguments, std::uint32_t dimension) {
   static const char* const meshes[] = {".ply", ".obj", ".off", ".stl"};
   for (const std::string& path : arguments.outputs) {
-    const std::string extension = std::filesystem::path(path).extension().string();
+    std::string extension = std::filesystem::path(path).extension().string();
+    for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     const bool mesh = std::count(std::begin(meshes), std::end(meshes), extension) != 0;
     if (!mesh && extension != ".json" && extension != ".txt")
       throw Error(ErrorCode::invalid_argument,
@@ -169,7 +170,7 @@ void write_results(const HullArguments& arguments, const Input& input, const Out
 }
 
 int run(const HullArguments& arguments) {
-  const Input input = open_input(arguments.input);
+  const Input input = open_input(arguments.input, arguments.run.threads);
   check_outputs(arguments, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const Outcome outcome = compute(arguments, input.points);
@@ -186,23 +187,25 @@ int run(const HullArguments& arguments) {
 Command add_hull(CLI::App& parent) {
   auto a = std::make_shared<HullArguments>();
   CLI::App& command = *parent.add_subcommand("hull", "The exact convex hull of a file of points");
-  a->input.add_to(command);
   command.add_option("-o,--output", a->outputs, "Write the hull to this file")
-      ->allow_extra_args(false);
-  command.add_option("--vertices", a->vertices, "Write the ids of the extreme points (.npy)");
-  command.add_option("--json", a->json,
-                     "Write counts, times and measures as JSON, to standard output or --json=FILE");
-  command.add_option("--format", a->format, "Print the hull as qconvex does")
-      ->check(CLI::IsMember({"Fx", "i", "o", "n", "p", "FV", "FS"}));
+      ->allow_extra_args(false)
+      ->type_name("FILE");
+  command.add_option("--vertices", a->vertices, "Write the ids of the extreme points")
+      ->type_name("IDS.npy");
+  command
+      .add_option("--json", a->json,
+                  "Counts, times and measures as JSON, on standard output or to FILE")
+      ->type_name("[=FILE]");
+  allow_words(*command.add_option("--format", a->format, "Print the hull as qconvex does"),
+              {"Fx", "i", "o", "n", "p", "FV", "FS"});
   a->run.add_to(command, true);
-  command.add_option("--engine", a->engine, "Hull code behind the filter")
-      ->check(CLI::IsMember({"native", "qhull"}))
-      ->capture_default_str();
-  command.add_option("--repeat", a->repeat, "Compute K times and report the median time")
-      ->check(CLI::Range(1U, 1000000U))
-      ->capture_default_str();
+  allow_words(*command.add_option("--engine", a->engine, "Hull code behind the filter"),
+              {"native", "qhull"});
+  allow_range(*command.add_option("--repeat", a->repeat, "Compute N times, report the median"), 1,
+              1000000);
   command.add_flag("--certify", a->certify,
-                   "Check the result with exact predicates and none of the engine's code");
+                   "Check the result exactly, by none of the engine's code");
+  a->input.add_to(command);
   command.footer(std::string(input_help) + "\n\n" + examples);
   return [a] { return run(*a); };
 }

@@ -1,5 +1,6 @@
 // cullhull: exact convex hulls of very large point sets.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <new>
 #include <sstream>
 #include <string>
@@ -88,7 +89,9 @@ int run(int argc, char** argv) {
     }
     std::ostringstream text, unused;
     parser.exit(e, text, unused);  // help or version
-    app::write_stdout(text.str());
+    std::string shown = text.str();
+    if (!shown.ends_with('\n')) shown += '\n';
+    app::write_stdout(shown);
     return 0;
   }
   for (const Registered& registered : commands)

@@ -17,6 +17,8 @@ double warm_pages(const cullhull::PointView& points) {
                              points.address(points.count - 1, points.dimension - 1)};
   const auto [first, last] = std::minmax_element(std::begin(ends), std::end(ends));
   const auto page = static_cast<std::ptrdiff_t>(::sysconf(_SC_PAGESIZE));
+  // What does not fit beside the work would be pushed out again before it is used.
+  if ((*last - *first) / page > ::sysconf(_SC_PHYS_PAGES) / 2) return 0;
   unsigned sum = 0;
   for (std::ptrdiff_t offset = 0; offset < *last - *first; offset += page)
     sum += static_cast<unsigned>((*first)[offset]);

@@ -21,7 +21,7 @@ class Stopwatch {
 };
 
 /// Brings every page of a mapped input into memory; returns the seconds that took, which are
-/// reading, not computing.
+/// reading, not computing. Leaves alone what would fill more than half of the memory.
 double warm_pages(const cullhull::PointView& points);
 
 /// Largest resident set of this process so far, mapped input included.

@@ -140,8 +140,9 @@ class HullReader final : public nlohmann::json_sax<json> {
            field_ == Field::simplex_neighbours;
   }
   [[noreturn]] void fault(const std::string& message) const {
-    fail(source_, std::string(depth_ == 0 ? "JSON" : field_names[static_cast<int>(field_)]) + ": " +
-                      message);
+    fail(source_,
+         std::string(field_ == Field::ignored ? "JSON" : field_names[static_cast<int>(field_)]) +
+             ": " + message);
   }
   /// Fine where nobody reads it.
   bool unexpected() const {

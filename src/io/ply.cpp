@@ -14,6 +14,7 @@ enum class Encoding { ascii, little, big };
 
 struct Property {
   std::string name;
+  std::string label;  ///< for messages
   ScalarType type{};
   bool list = false;
   ScalarType count_type{};   ///< of a list
@@ -140,6 +141,7 @@ class PlyHeaderParser {
                    p.count_type == ScalarType::f64))
       fault(quoted_text(words[2]) + " cannot count a list");
     p.name = words.back();
+    p.label = "property " + quoted_text(p.name);
     p.offset = e.min_size;
     e.min_size += scalar_size(p.list ? p.count_type : p.type);
     e.has_list = e.has_list || p.list;
@@ -308,13 +310,13 @@ void parse_vertex(const PlyHeader& h, const char* p, const char* end, double* ou
   const Element& e = h.elements[h.vertex];
   for (std::size_t j = 0; j < e.properties.size(); ++j) {
     double value;
-    p = parse_coordinates(p, end, 1, &value, e.properties[j].name.c_str());
+    p = parse_coordinates(p, end, 1, &value, e.properties[j].label.c_str());
     if (e.properties[j].list) {
       if (!(value >= 0 && value <= static_cast<double>(end - p)))
         throw LineFault{"list " + quoted_text(e.properties[j].name) + " does not fit its line"};
       for (auto n = static_cast<std::uint64_t>(value); n > 0; --n) {
         double ignored;
-        p = parse_coordinates(p, end, 1, &ignored, e.properties[j].name.c_str());
+        p = parse_coordinates(p, end, 1, &ignored, e.properties[j].label.c_str());
       }
       continue;
     }

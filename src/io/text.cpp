@@ -8,8 +8,9 @@ const char* parse_coordinates(const char* p, const char* end, unsigned count, do
   for (unsigned j = 0; j < count; ++j) {
     p = skip_blanks(p, end);
     if (p == end)
-      throw LineFault{std::string(what) + " has " + std::to_string(j) + " coordinates, not " +
-                      std::to_string(count)};
+      throw LineFault{count == 1 ? std::string(what) + " needs a number"
+                                 : std::string(what) + " has " + std::to_string(j) +
+                                       " coordinates, not " + std::to_string(count)};
     const std::string_view word = first_word(p, end);
     const Scan scan = scan_number(p, end, out[j]);
     if (scan == Scan::out_of_range)

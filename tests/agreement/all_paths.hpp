@@ -10,6 +10,7 @@
 
 #include "canonical_hash.hpp"
 #include "cullhull/certify.hpp"
+#include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
 #include "oracles.hpp"
 

@@ -11,6 +11,19 @@ TEST(Magnitudes, AllInOneSet) {
       expect_exact(all_magnitudes(d < 4 ? 40 : 18, d, seed));
 }
 
+TEST(Magnitudes, TheTinyEndOfALine) {
+  // Beside 1e308 the two upper ends underflow to one number.
+  for (unsigned d = 1; d <= 4; ++d) {
+    PointSet s = named("tiny end of a line", d);
+    for (double v : {-1e308, 0.0, 5e-324, -1e307}) {
+      std::vector<double> p(d, 7.0);
+      p[d - 1] = v;
+      s.add(p);
+    }
+    expect_everywhere(s, {0, 2});
+  }
+}
+
 TEST(Magnitudes, AxesOfDifferentUnits) {
   for (unsigned d = 2; d <= 5; ++d) {
     PointSet s = random_grid(80, d, 4, 0, d);

@@ -1,0 +1,81 @@
+// The parts of certify(): each throws Fault at the first thing it finds wrong.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "control.hpp"
+#include "cullhull/certify.hpp"
+#include "predicates/orientation.hpp"
+
+namespace cullhull::internal {
+
+struct Fault {
+  std::string reason;
+};
+
+template <class... Parts>
+[[noreturn]] void fault(Parts&&... parts) {
+  std::string text;
+  const auto append = [&](auto&& part) {
+    if constexpr (std::is_integral_v<std::decay_t<decltype(part)>>)
+      text += std::to_string(part);
+    else
+      text += part;
+  };
+  (append(parts), ...);
+  throw Fault{std::move(text)};
+}
+
+/// The hull under test, with what has been established about it so far.
+struct Subject {
+  const PointView& points;
+  const Hull& hull;
+  const Control& control;
+  unsigned threads;
+  unsigned k = 0;
+
+  std::vector<std::uint64_t> ids;    ///< the hull's vertices, ascending
+  std::vector<double> full;          ///< their coordinates
+  std::vector<unsigned> axes;        ///< the flat projects one to one on these
+  std::vector<double> rows;          ///< vertex coordinates on the axes
+  std::vector<std::uint32_t> index;  ///< simplices x k: positions in `ids`
+  std::vector<std::uint32_t> basis;  ///< k + 1 affinely independent vertices
+  std::vector<double> centre;        ///< the interior point, if one was found among the doubles
+  mutable std::atomic<std::uint64_t> exact_decisions{0};
+
+  Subject(const PointView& p, const Hull& h, const Control& c, unsigned t)
+      : points(p), hull(h), control(c), threads(t) {}
+
+  std::uint32_t simplex_count() const { return static_cast<std::uint32_t>(index.size() / k); }
+  const std::uint32_t* simplex(std::uint32_t f) const { return index.data() + std::size_t{f} * k; }
+  const double* row(std::uint32_t v) const { return rows.data() + std::size_t{v} * k; }
+  std::uint32_t neighbour(std::uint32_t f, unsigned j) const {
+    return hull.simplex_neighbours[std::size_t{f} * k + j];
+  }
+  std::uint64_t position(std::uint64_t id) const;  ///< in `ids`; ids.size() if it is no vertex
+
+  /// On which side of simplex f the point x lies; positive is outside. scratch: k + 1 pointers.
+  Sign side(std::uint32_t f, const double* x, const double** scratch) const;
+  /// Orientation of (rows[0], ..., rows[k-1], interior point); rows has room for k + 1.
+  Sign seen(const double** rows) const;
+  /// The simplex whose closed cone from the interior point contains x. Walks from `start`.
+  std::uint32_t locate(const double* x, std::uint32_t start, const double** scratch) const;
+  bool in_cone(std::uint32_t f, const double* x, const double** scratch) const;
+};
+
+/// for_each_chunk, but the fault of the first chunk that has one is thrown at the end.
+void check_chunks(const Subject& s, std::uint64_t count, std::uint64_t chunk_size,
+                  const std::function<void(std::uint64_t begin, std::uint64_t end)>& body);
+
+void check_shape(Subject& s);                  // sizes, ranges, order; fills ids, full, index
+void check_flat(Subject& s);                   // fills basis, axes, rows
+std::uint64_t check_ridges(const Subject& s);  // pairing, orientation, convexity; their number
+void check_interior(Subject& s);               // interior point and the one ray; fills centre
+void check_facets(const Subject& s);  // merged facets, extreme vertices, canonical triangulation
+void check_points(const Subject& s);  // every input point
+void check_numbers(const Subject& s);
+
+}  // namespace cullhull::internal

@@ -1,0 +1,288 @@
+// Every input point against a surface that is known to bound a convex polytope P.
+#include <algorithm>
+#include <cmath>
+
+#include "result/certificate.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+constexpr std::uint64_t chunk = std::uint64_t{1} << 14;
+
+/// Points outside the flat of the basis: along every other axis the basis and the point, on the
+/// chosen axes and that one, must have zero volume.
+class FlatCheck {
+ public:
+  explicit FlatCheck(const Subject& s) : s_(s) {
+    const unsigned d = s.hull.dimension;
+    for (unsigned c = 0; c < d; ++c) {
+      if (std::binary_search(s.axes.begin(), s.axes.end(), c)) continue;
+      Column column{c, true, at(s.basis[0])[c], {}};
+      for (const std::uint32_t v : s.basis) {
+        column.constant &= at(v)[c] == column.value;
+        for (const unsigned a : s.axes) column.rows.push_back(at(v)[a]);
+        column.rows.push_back(at(v)[c]);
+      }
+      columns_.push_back(std::move(column));
+    }
+  }
+  bool contains(const double* x) const {
+    const unsigned k = s_.k;
+    std::vector<double> row(k + 1);
+    std::vector<const double*> rows(k + 2);
+    for (const Column& column : columns_) {
+      if (column.constant) {
+        if (x[column.axis] != column.value) return false;
+        continue;
+      }
+      for (unsigned j = 0; j < k; ++j) row[j] = x[s_.axes[j]];
+      row[k] = x[column.axis];
+      for (unsigned i = 0; i <= k; ++i) rows[i] = column.rows.data() + std::size_t{i} * (k + 1);
+      rows[k + 1] = row.data();
+      Rung rung = Rung::filter;
+      const Sign sign = orientation(k + 1, rows.data(), &rung);
+      if (rung == Rung::exact) s_.exact_decisions.fetch_add(1, std::memory_order_relaxed);
+      if (sign != Sign::zero) return false;
+    }
+    return true;
+  }
+
+ private:
+  struct Column {
+    unsigned axis;
+    bool constant;
+    double value;
+    std::vector<double> rows;
+  };
+  const double* at(std::uint32_t v) const {
+    return s_.full.data() + std::size_t{v} * s_.hull.dimension;
+  }
+  const Subject& s_;
+  std::vector<Column> columns_;
+};
+
+/// Discards most points that are strictly inside: a grid on the cube of directions around the
+/// centre, a radius for each cell. docs/exactness.md, "Certificate", has the proof.
+class InnerFilter {
+ public:
+  InnerFilter(const Subject& s, std::uint64_t points) : s_(s), k_(s.k) {
+    if (s.centre.empty() || k_ < 2 || k_ > 6) return;
+    for (resolution_ = 256; resolution_ >= 2; resolution_ /= 2)
+      if (nodes() * 16 <= points && nodes() <= 60000) break;
+    if (resolution_ < 2 || !scale_axes() || !find_box()) return;
+    probe_nodes();
+  }
+
+  /// True only if x (on the axes) is strictly inside. `hint` receives a simplex near its ray.
+  bool strictly_inside(const double* x, std::uint32_t& hint) const {
+    if (limits_.empty()) return false;
+    double y[6];
+    double radius = 0;
+    unsigned face = 0;
+    for (unsigned j = 0; j < k_; ++j) {
+      y[j] = (x[j] - s_.centre[j]) * scale_[j];
+      if (std::fabs(y[j]) > radius) {
+        radius = std::fabs(y[j]);
+        face = j;
+      }
+    }
+    if (!(radius <= 0x1p300)) return false;
+    if (radius < 0x1p-300) return radius < tiny_;
+    std::uint64_t cell = 2 * face + (y[face] < 0);
+    for (unsigned j = 0; j < k_; ++j) {
+      if (j == face) continue;
+      const auto c = static_cast<int>((y[j] / radius + 1) * (0.5 * resolution_));
+      cell = cell * resolution_ + static_cast<unsigned>(std::min<int>(c, resolution_ - 1));
+    }
+    hint = hints_[cell];
+    return radius < limits_[cell];
+  }
+
+ private:
+  std::uint64_t nodes() const {
+    return static_cast<std::uint64_t>(2.0 * k_ * std::pow(resolution_ + 1.0, k_ - 1.0));
+  }
+
+  /// Powers of two that make every half extent lie in [1/2, 1) or so.
+  bool scale_axes() {
+    for (unsigned j = 0; j < k_; ++j) {
+      double extent = 0, largest = std::fabs(s_.centre[j]);
+      for (std::uint32_t v = 0; v < s_.ids.size(); ++v) {
+        extent = std::max(extent, std::fabs(s_.row(v)[j] - s_.centre[j]));
+        largest = std::max(largest, std::fabs(s_.row(v)[j]));
+      }
+      if (!(extent > 0x1p-500 && extent < 0x1p500)) return false;
+      scale_.push_back(std::exp2(-std::ilogb(extent) - 1));
+      magnitude_ = std::max(magnitude_, largest * scale_[j]);
+    }
+    return true;
+  }
+
+  /// Whether centre + t * direction, rounded, is in P. f: start of the walk and the facet reached.
+  bool inside(const double* direction, double t, std::uint32_t& f, const double** scratch) const {
+    double x[6];
+    for (unsigned j = 0; j < k_; ++j) x[j] = s_.centre[j] + t * direction[j] / scale_[j];
+    f = s_.locate(x, f, scratch);
+    return s_.side(f, x, scratch) != Sign::positive;
+  }
+
+  /// A box around the centre with all corners in P.
+  bool find_box() {
+    const double* scratch[7];
+    for (double r = 0.5; r >= 0x1p-12; r /= 2) {
+      bool all = true;
+      std::uint32_t f = 0;
+      for (unsigned corner = 0; corner < (1U << k_) && all; ++corner) {
+        double direction[6];
+        for (unsigned j = 0; j < k_; ++j) direction[j] = (corner >> j & 1U) ? 1 : -1;
+        all = inside(direction, r, f, scratch);
+      }
+      if (!all) continue;
+      const double u = 0x1p-53;
+      // The corners are off by 2u (magnitude + r) at most; the box keeps half its size if that is
+      // below r / 2. Then `slack` is the eta of the proof.
+      const double rounding = 2 * u * (magnitude_ + 2);
+      if (!(rounding < r / 2)) return false;
+      tiny_ = r / 4;
+      slack_ = 2 * (rounding + 8 * u * 2) / (r / 2);
+      return slack_ < 0.125;
+    }
+    return false;
+  }
+
+  void probe_nodes() {
+    const unsigned per_face_dims = k_ - 1;
+    std::uint64_t face_nodes = 1, face_cells = 1;
+    for (unsigned j = 0; j < per_face_dims; ++j) {
+      face_nodes *= resolution_ + 1;
+      face_cells *= resolution_;
+    }
+    std::vector<double> radius(2 * k_ * face_nodes);
+    std::vector<std::uint32_t> simplex(radius.size());
+    check_chunks(s_, radius.size(), 512, [&](std::uint64_t begin, std::uint64_t end) {
+      const double* scratch[7];
+      std::uint32_t f = 0;
+      for (std::uint64_t n = begin; n < end; ++n) {
+        double direction[6];
+        node_direction(n / face_nodes, n % face_nodes, direction);
+        double low = 0, high = 2;
+        for (unsigned step = 0; step < 10; ++step) {
+          const double t = 0.5 * (low + high);
+          (inside(direction, t, f, scratch) ? low : high) = t;
+        }
+        radius[n] = low;
+        simplex[n] = f;
+      }
+    });
+    hints_.resize(2 * k_ * face_cells);
+    std::vector<double> limits(hints_.size());
+    for (std::uint64_t c = 0; c < limits.size(); ++c) {
+      double least = 2;
+      for (unsigned corner = 0; corner < (1U << per_face_dims); ++corner) {
+        std::uint64_t rest = c % face_cells, stride = 1, node = 0;
+        for (unsigned j = 0; j < per_face_dims; ++j) {  // last coordinate varies fastest
+          node += (rest % resolution_ + (corner >> j & 1U)) * stride;
+          rest /= resolution_;
+          stride *= resolution_ + 1;
+        }
+        node += c / face_cells * face_nodes;
+        least = std::min(least, radius[node]);
+        hints_[c] = simplex[node];
+      }
+      limits[c] = least * (1 - slack_) * (1 - 0x1p-50);
+    }
+    limits_ = std::move(limits);
+  }
+
+  void node_direction(std::uint64_t face, std::uint64_t node, double* direction) const {
+    const auto axis = static_cast<unsigned>(face / 2);
+    direction[axis] = face % 2 ? -1 : 1;
+    for (unsigned j = k_; j-- > 0;) {
+      if (j == axis) continue;
+      direction[j] = 2.0 * static_cast<double>(node % (resolution_ + 1)) / resolution_ - 1;
+      node /= resolution_ + 1;
+    }
+  }
+
+  const Subject& s_;
+  const unsigned k_;
+  unsigned resolution_ = 0;
+  double magnitude_ = 0, slack_ = 0, tiny_ = 0;
+  std::vector<double> scale_, limits_;
+  std::vector<std::uint32_t> hints_;
+};
+
+[[noreturn]] void outside(std::uint64_t i) { fault("point ", i, " lies outside the hull"); }
+
+class Scan {
+ public:
+  explicit Scan(const Subject& s) : s_(s), flat_(s), filter_(s, s.points.count - s.ids.size()) {
+    if (s.k == 1) low_ = s.row(0)[0] < s.row(1)[0] ? 0 : 1;
+  }
+
+  void range(std::uint64_t begin, std::uint64_t end) const {
+    const unsigned d = s_.hull.dimension, k = s_.k;
+    std::vector<double> x(d), on_axes(k);
+    std::vector<const double*> scratch(k + 1);
+    auto vertex = std::lower_bound(s_.ids.begin(), s_.ids.end(), begin);
+    std::uint32_t f = 0;
+    for (std::uint64_t i = begin; i < end; ++i) {
+      for (unsigned j = 0; j < d; ++j) {
+        x[j] = s_.points.at(i, j);
+        if (!std::isfinite(x[j])) fault("point ", i, " is not finite");
+      }
+      const bool is_vertex = vertex != s_.ids.end() && *vertex == i;
+      if (k < d && !flat_.contains(x.data()))
+        fault("point ", i, " is not in the flat of the vertices: affine dimension ", k,
+              " is too low");
+      if (is_vertex) {
+        ++vertex;
+        continue;
+      }
+      for (unsigned j = 0; j < k; ++j) on_axes[j] = x[s_.axes[j]];
+      if (k == 1)
+        check_on_segment(i, on_axes[0]);
+      else if (!filter_.strictly_inside(on_axes.data(), f))
+        check_by_ray(i, on_axes.data(), f, scratch.data());
+    }
+  }
+
+ private:
+  void check_on_segment(std::uint64_t i, double x) const {
+    const double low = s_.row(low_)[0], high = s_.row(1 - low_)[0];
+    if (x < low || x > high) outside(i);
+    for (std::uint32_t v = 0; v < 2; ++v)
+      if (x == s_.row(v)[0] && i < s_.ids[v]) equals(i, v);
+  }
+
+  void check_by_ray(std::uint64_t i, const double* x, std::uint32_t& f,
+                    const double** scratch) const {
+    f = s_.locate(x, f, scratch);
+    const Sign side = s_.side(f, x, scratch);
+    if (side == Sign::positive) outside(i);
+    if (side == Sign::negative) return;
+    for (unsigned j = 0; j < s_.k; ++j) {
+      const std::uint32_t v = s_.simplex(f)[j];
+      if (i < s_.ids[v] && std::equal(x, x + s_.k, s_.row(v))) equals(i, v);
+    }
+  }
+
+  [[noreturn]] void equals(std::uint64_t i, std::uint32_t v) const {
+    fault("point ", i, " equals vertex ", s_.ids[v], " and has the lower id");
+  }
+
+  const Subject& s_;
+  const FlatCheck flat_;
+  const InnerFilter filter_;
+  unsigned low_ = 0;
+};
+
+}  // namespace
+
+void check_points(const Subject& s) {
+  const Scan scan(s);
+  check_chunks(s, s.points.count, chunk,
+               [&](std::uint64_t begin, std::uint64_t end) { scan.range(begin, end); });
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,57 @@
+// Unevaluated sums of two doubles: about 104 bits, for sums and for ill-conditioned facets.
+#pragma once
+
+#include <cmath>
+
+namespace cullhull::internal {
+
+struct DoubleDouble {
+  double high = 0, low = 0;
+
+  DoubleDouble() = default;
+  DoubleDouble(double v) : high(v) {}  // NOLINT: every double is one
+  DoubleDouble(double h, double l) : high(h), low(l) {}
+  double value() const { return high + low; }
+
+  /// a + b exactly (Knuth).
+  static DoubleDouble sum(double a, double b) {
+    const double s = a + b;
+    const double t = s - a;
+    return {s, (a - (s - t)) + (b - t)};
+  }
+  /// a * b exactly (Dekker, Veltkamp), barring overflow and underflow.
+  static DoubleDouble product(double a, double b) {
+    const double p = a * b;
+    const double ta = 134217729.0 * a, tb = 134217729.0 * b;
+    const double ah = ta - (ta - a), bh = tb - (tb - b);
+    const double al = a - ah, bl = b - bh;
+    return {p, ((ah * bh - p) + ah * bl + al * bh) + al * bl};
+  }
+  DoubleDouble operator-() const { return {-high, -low}; }
+  friend DoubleDouble operator+(DoubleDouble a, DoubleDouble b) {
+    DoubleDouble s = sum(a.high, b.high);
+    const DoubleDouble t = sum(a.low, b.low);
+    s = quick(s.high, s.low + t.high);
+    return quick(s.high, s.low + t.low);
+  }
+  friend DoubleDouble operator-(DoubleDouble a, DoubleDouble b) { return a + -b; }
+  friend DoubleDouble operator*(DoubleDouble a, DoubleDouble b) {
+    const DoubleDouble p = product(a.high, b.high);
+    return quick(p.high, p.low + (a.high * b.low + a.low * b.high));
+  }
+  friend DoubleDouble operator/(DoubleDouble a, DoubleDouble b) {
+    const double q1 = a.high / b.high;
+    DoubleDouble rest = a - b * DoubleDouble(q1);
+    const double q2 = rest.high / b.high;
+    rest = rest - b * DoubleDouble(q2);
+    return quick(q1, q2) + DoubleDouble(rest.high / b.high);
+  }
+
+ private:
+  static DoubleDouble quick(double a, double b) {
+    const double s = a + b;
+    return {s, b - (s - a)};
+  }
+};
+
+}  // namespace cullhull::internal

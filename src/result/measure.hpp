@@ -1,0 +1,17 @@
+// Volume, area, centroid and facet planes of a hull whose combinatorics are final.
+#pragma once
+
+#include "control.hpp"
+#include "cullhull/hull.hpp"
+
+namespace cullhull::internal {
+
+/// Fills volume, area, centroid and facet_planes from the other fields. `axes`: k coordinate axes
+/// on which the points' flat projects one to one. Sums run in canonical order over chunks of fixed
+/// size, so the bits do not depend on `threads`. `vertex_index[i * k + j]`: position, in ascending
+/// order of ids, of vertex j of simplex i; `vertices`: those ids.
+void measure(const PointView& points, const std::vector<std::uint64_t>& vertices,
+             const std::vector<std::uint32_t>& vertex_index, const unsigned* axes, unsigned threads,
+             const Control& control, Hull& hull);
+
+}  // namespace cullhull::internal

@@ -1,0 +1,337 @@
+#include "result/merge.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "predicates/orientation.hpp"
+#include "result/pulling.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+constexpr std::uint32_t none = 0xFFFFFFFFU;
+
+std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+/// A ridge on the border of a merged facet: simplex, slot.
+struct Border {
+  std::uint32_t simplex;
+  unsigned slot;
+};
+
+class Merger {
+ public:
+  Merger(Surface&& surface, const LocalPoints& points, const Control& control)
+      : old_(std::move(surface)), points_(points), control_(control), k_(old_.k) {}
+
+  Facets run(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) {
+    number_facets(pairs);
+    keep_singles();
+    drop_flat_vertices();
+    for (std::uint32_t m = 0; m < merged_count(); ++m) {
+      if (m % 1024 == 0) control_.check();
+      triangulate(m);
+    }
+    match_new_ridges();
+    return std::move(out_);
+  }
+
+ private:
+  std::uint32_t merged_count() const { return static_cast<std::uint32_t>(starts_.size()) - 1; }
+
+  /// facet_[f]: singles first in order of their simplex, then merged ones in order of their first.
+  void number_facets(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) {
+    const std::size_t n = old_.count();
+    facet_.resize(n);
+    std::iota(facet_.begin(), facet_.end(), 0U);
+    std::vector<std::uint8_t> merged(n, 0);
+    for (const auto& [a, b] : pairs) {
+      merged[a] = merged[b] = 1;
+      const std::uint32_t ra = find_root(facet_, a), rb = find_root(facet_, b);
+      facet_[std::max(ra, rb)] = std::min(ra, rb);  // a root is the lowest of its set
+    }
+    for (std::uint32_t f = 0; f < n; ++f) facet_[f] = find_root(facet_, f);
+    singles_ = static_cast<std::uint32_t>(std::count(merged.begin(), merged.end(), 0));
+    std::uint32_t single = 0;
+    std::uint32_t next = singles_;
+    for (std::uint32_t f = 0; f < n; ++f)
+      facet_[f] = !merged[f] ? single++ : facet_[f] == f ? next++ : facet_[facet_[f]];
+    starts_.assign(next - singles_ + 1, 0);
+    for (std::uint32_t f = 0; f < n; ++f)
+      if (merged[f]) ++starts_[facet_[f] - singles_ + 1];
+    std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+    members_.resize(starts_.back());
+    std::vector<std::uint32_t> at(starts_.begin(), starts_.end() - 1);
+    for (std::uint32_t f = 0; f < n; ++f)
+      if (merged[f]) members_[at[facet_[f] - singles_]++] = f;
+  }
+
+  void keep_singles() {
+    Surface& s = out_.surface;
+    s.k = k_;
+    out_.singles = singles_;
+    for (std::uint32_t f = 0; f < old_.count(); ++f) {
+      if (facet_[f] >= singles_) continue;
+      s.odd.push_back(old_.odd[f]);
+      for (unsigned i = 0; i < k_; ++i) {
+        s.ids.push_back(old_.simplex(f)[i]);
+        const std::uint32_t g = facet_[old_.neighbours[std::size_t{f} * k_ + i]];
+        s.neighbours.push_back(g < singles_ ? g : none);  // facet g < singles_ is simplex g
+      }
+    }
+    out_.facet.resize(singles_);
+    std::iota(out_.facet.begin(), out_.facet.end(), 0U);
+  }
+
+  /// A vertex is extreme iff it is the only one on all the facets it is on. Vertices on no merged
+  /// facet are corners of a simplex facet, so extreme.
+  void drop_flat_vertices() {
+    std::vector<std::uint8_t> candidate(points_.count, 0);
+    for (const std::uint32_t f : members_)
+      for (unsigned i = 0; i < k_; ++i) candidate[old_.simplex(f)[i]] = 1;
+    for (std::uint32_t f = 0; f < old_.count(); ++f)
+      for (unsigned i = 0; i < k_; ++i)
+        if (candidate[old_.simplex(f)[i]]) incidence_.emplace_back(old_.simplex(f)[i], facet_[f]);
+    std::sort(incidence_.begin(), incidence_.end());
+    incidence_.erase(std::unique(incidence_.begin(), incidence_.end()), incidence_.end());
+
+    first_.assign(points_.count, 0);
+    on_facet_.assign(merged_count(), {});
+    flat_.assign(points_.count, 0);
+    for (std::size_t i = 0; i < incidence_.size(); ++i) {
+      const auto [v, facet] = incidence_[i];
+      if (i == 0 || incidence_[i - 1].first != v) first_[v] = i;
+      if (facet >= singles_) on_facet_[facet - singles_].push_back(v);
+    }
+    for (std::size_t i = 0; i < incidence_.size();) {
+      const std::uint32_t v = incidence_[i].first;
+      std::size_t end = i;
+      while (end < incidence_.size() && incidence_[end].first == v) ++end;
+      flat_[v] = !extreme(i, end);
+      i = end;
+    }
+    for (VertexSet& set : on_facet_)
+      set.erase(std::remove_if(set.begin(), set.end(), [&](auto v) { return flat_[v] != 0; }),
+                set.end());
+  }
+
+  /// Whether the vertex of incidences [begin, end) is extreme.
+  bool extreme(std::size_t begin, std::size_t end) const {
+    if (end - begin < k_) return false;
+    if (k_ <= 3) return true;
+    std::uint32_t smallest = none;
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t facet = incidence_[i].second;
+      if (facet < singles_) return true;
+      if (smallest == none ||
+          on_facet_[facet - singles_].size() < on_facet_[smallest - singles_].size())
+        smallest = facet;
+    }
+    const auto& others = on_facet_[smallest - singles_];
+    return std::none_of(others.begin(), others.end(), [&](std::uint32_t w) {
+      return w != incidence_[begin].first && on_all(w, begin, end);
+    });
+  }
+
+  /// Whether w lies on every facet of incidences [begin, end).
+  bool on_all(std::uint32_t w, std::size_t begin, std::size_t end) const {
+    std::size_t j = first_[w];
+    for (std::size_t i = begin; i < end; ++i) {
+      while (j < incidence_.size() && incidence_[j].first == w &&
+             incidence_[j].second < incidence_[i].second)
+        ++j;
+      if (j == incidence_.size() || incidence_[j] != std::pair{w, incidence_[i].second})
+        return false;
+    }
+    return true;
+  }
+
+  void triangulate(std::uint32_t m) {
+    borders_.clear();
+    for (std::uint32_t i = starts_[m]; i < starts_[m + 1]; ++i)
+      for (unsigned j = 0; j < k_; ++j)
+        if (neighbour_facet({members_[i], j}) != singles_ + m) borders_.push_back({members_[i], j});
+    if (on_facet_[m].size() < k_ || borders_.empty()) fail_not_exact("a facet has too few corners");
+    if (k_ == 2)
+      segment(m);
+    else if (k_ == 3)
+      polygon(m);
+    else
+      pull_facet(m);
+    out_.vertices.offsets.push_back(out_.vertices.items.size());
+    out_.neighbours.offsets.push_back(out_.neighbours.items.size());
+  }
+
+  std::uint32_t neighbour_facet(const Border& b) const {
+    return facet_[old_.neighbours[std::size_t{b.simplex} * k_ + b.slot]];
+  }
+
+  void add_simplex(std::uint32_t m, bool odd) {  // its ids have been appended
+    out_.surface.odd.push_back(odd);
+    out_.surface.neighbours.insert(out_.surface.neighbours.end(), k_, none);
+    out_.facet.push_back(singles_ + m);
+  }
+
+  /// k = 2: a chain of edges, clockwise as the engines orient them (docs/algorithm.md).
+  void segment(std::uint32_t m) {
+    if (borders_.size() != 2) fail_not_exact("an edge has not two ends");
+    std::uint32_t end[2], across[2];
+    for (const Border& b : borders_) {
+      const unsigned head = old_.stored_slot(b.simplex, b.slot) == 0;  // tail omitted: head left
+      end[head] = old_.simplex(b.simplex)[1 - b.slot];
+      across[head] = neighbour_facet(b);
+    }
+    out_.surface.ids.push_back(std::min(end[0], end[1]));
+    out_.surface.ids.push_back(std::max(end[0], end[1]));
+    add_simplex(m, end[0] > end[1]);
+    out_.vertices.items.insert(out_.vertices.items.end(), {end[1], end[0]});
+    out_.neighbours.items.insert(out_.neighbours.items.end(), {across[0], across[1]});
+  }
+
+  struct Edge {
+    std::uint32_t from, to, across;
+    bool operator<(const Edge& o) const { return from < o.from; }
+  };
+
+  void polygon(std::uint32_t m) {
+    std::vector<Edge>& edges = edges_;
+    edges.clear();
+    for (const Border& b : borders_) {
+      const std::uint32_t* v = old_.simplex(b.simplex);
+      std::uint32_t from = v[(b.slot + 1) % 3], to = v[(b.slot + 2) % 3];
+      if (old_.odd[b.simplex]) std::swap(from, to);
+      edges.push_back({from, to, neighbour_facet(b)});
+    }
+    std::sort(edges.begin(), edges.end());
+    const std::uint32_t start = on_facet_[m][0];
+    const std::size_t first = out_.vertices.items.size();
+    std::uint32_t v = start;
+    std::size_t steps = 0;
+    do {
+      const auto it = std::lower_bound(edges.begin(), edges.end(), Edge{v, 0, 0});
+      if (it == edges.end() || it->from != v || ++steps > edges.size())
+        fail_not_exact("a facet's border is not one cycle");
+      if (!flat_[v]) {
+        out_.vertices.items.push_back(v);
+        out_.neighbours.items.push_back(it->across);
+      }
+      v = it->to;
+    } while (v != start);
+    if (steps != edges.size()) fail_not_exact("a facet's border is not one cycle");
+    const std::size_t corners = out_.vertices.items.size() - first;
+    for (std::size_t i = 1; i + 1 < corners; ++i) {
+      const std::uint32_t a = out_.vertices.items[first + i];
+      const std::uint32_t b = out_.vertices.items[first + i + 1];
+      out_.surface.ids.insert(out_.surface.ids.end(), {start, std::min(a, b), std::max(a, b)});
+      add_simplex(m, a > b);
+    }
+  }
+
+  void pull_facet(std::uint32_t m) {
+    // The ridge towards a neighbour has the corners of the old simplices between the two.
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> corners;  // (neighbour, corner)
+    for (const Border& b : borders_)
+      for (unsigned i = 0; i < k_; ++i) {
+        const std::uint32_t v = old_.simplex(b.simplex)[i];
+        if (i != b.slot && !flat_[v]) corners.emplace_back(neighbour_facet(b), v);
+      }
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    std::vector<VertexSet> ridges;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      if (i == 0 || corners[i - 1].first != corners[i].first) {
+        ridges.emplace_back();
+        out_.neighbours.items.push_back(corners[i].first);
+      }
+      ridges.back().push_back(corners[i].second);
+    }
+    const VertexSet& vertices = on_facet_[m];
+    out_.vertices.items.insert(out_.vertices.items.end(), vertices.begin(), vertices.end());
+    std::vector<std::uint32_t>& ids = out_.surface.ids;
+    const std::size_t first = ids.size();
+    pull(vertices, k_ - 1, ridges, ids);
+    const std::uint32_t beneath = vertex_beneath(borders_[0]);
+    std::vector<const double*> rows(k_ + 1);
+    rows[k_] = points_.exact_row(beneath);
+    for (std::size_t i = first; i < ids.size(); i += k_) {
+      for (unsigned j = 0; j < k_; ++j) rows[j] = points_.exact_row(ids[i + j]);
+      const Sign sign = orientation(k_, rows.data());
+      if (sign == Sign::zero) fail_not_exact("a facet's corners are degenerate");
+      add_simplex(m, sign == Sign::positive);
+    }
+  }
+
+  /// The vertex of the neighbour across a border that is not on it: strictly beneath the facet.
+  std::uint32_t vertex_beneath(const Border& b) const {
+    const std::uint32_t g = old_.neighbours[std::size_t{b.simplex} * k_ + b.slot];
+    const std::uint32_t* v = old_.simplex(b.simplex);
+    for (unsigned i = 0; i < k_; ++i) {
+      const std::uint32_t w = old_.simplex(g)[i];
+      if (std::find(v, v + k_, w) == v + k_) return w;
+    }
+    fail_not_exact("two facets have the same corners");
+  }
+
+  /// Ridges with a new simplex on a side meet by their ids.
+  void match_new_ridges() {
+    Surface& s = out_.surface;
+    struct Slot {
+      std::uint32_t simplex, slot;
+    };
+    std::vector<Slot> open;
+    for (std::uint32_t f = 0; f < s.count(); ++f)
+      for (unsigned j = 0; j < k_; ++j)
+        if (s.neighbours[std::size_t{f} * k_ + j] == none) open.push_back({f, j});
+    const auto compare = [&](const Slot& a, const Slot& b) {
+      const std::uint32_t* x = s.simplex(a.simplex);
+      const std::uint32_t* y = s.simplex(b.simplex);
+      for (unsigned c = 0; c + 1 < k_; ++c) {
+        const std::uint32_t p = x[c + (c >= a.slot)], q = y[c + (c >= b.slot)];
+        if (p != q) return p < q ? -1 : 1;
+      }
+      return 0;
+    };
+    std::sort(open.begin(), open.end(),
+              [&](const Slot& a, const Slot& b) { return compare(a, b) < 0; });
+    for (std::size_t i = 0; i < open.size(); i += 2) {
+      if (i + 1 == open.size() || compare(open[i], open[i + 1]) != 0)
+        fail_not_exact("facets do not fit together");
+      s.neighbours[std::size_t{open[i].simplex} * k_ + open[i].slot] = open[i + 1].simplex;
+      s.neighbours[std::size_t{open[i + 1].simplex} * k_ + open[i + 1].slot] = open[i].simplex;
+    }
+  }
+
+  Surface old_;
+  const LocalPoints& points_;
+  const Control& control_;
+  const unsigned k_;
+  Facets out_;
+  std::uint32_t singles_ = 0;
+  std::vector<std::uint32_t> facet_;             // of each old simplex
+  std::vector<std::uint32_t> starts_, members_;  // old simplices of each merged facet
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> incidence_;  // (vertex, facet), sorted
+  std::vector<std::size_t> first_;                                  // first incidence of a vertex
+  std::vector<VertexSet> on_facet_;                                 // vertices of each merged facet
+  std::vector<std::uint8_t> flat_;                                  // vertices that are not extreme
+  std::vector<Border> borders_;
+  std::vector<Edge> edges_;
+};
+
+}  // namespace
+
+Facets merge_coplanar(Surface&& surface,
+                      const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs,
+                      const LocalPoints& points, const Control& control) {
+  if (pairs.empty()) {
+    Facets out;
+    out.singles = surface.count();
+    out.surface = std::move(surface);
+    return out;
+  }
+  return Merger(std::move(surface), points, control).run(pairs);
+}
+
+}  // namespace cullhull::internal

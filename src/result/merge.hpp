@@ -1,0 +1,27 @@
+// Coplanar simplices become one facet; facets are triangulated again, canonically.
+#pragma once
+
+#include "cullhull/hull.hpp"
+#include "result/surface.hpp"
+
+namespace cullhull::internal {
+
+/// The facets before they are put in order. Simplex i < singles is a facet of its own, facet i;
+/// facet singles + m is merged list m.
+struct Facets {
+  Surface surface;
+  std::vector<std::uint32_t> facet;  ///< facet of each simplex; empty: simplex i is facet i
+  std::size_t singles = 0;
+  /// k = 2: the two ends, counter-clockwise. k = 3: cyclic, counter-clockwise from outside, from
+  /// the lowest id. Otherwise ascending.
+  Lists<std::uint32_t> vertices;
+  /// k = 2: across vertex 1, across vertex 0. k = 3: across the edge that starts at that vertex.
+  /// Otherwise every facet across a ridge, once.
+  Lists<std::uint32_t> neighbours;
+};
+
+Facets merge_coplanar(Surface&& surface,
+                      const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs,
+                      const LocalPoints& points, const Control& control);
+
+}  // namespace cullhull::internal

@@ -1,0 +1,237 @@
+#include "result/surface.hpp"
+
+#include <numeric>
+#include <string>
+
+#include "parallel/parallel.hpp"
+#include "predicates/orientation.hpp"
+#include "result/cofactors.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// Insertion sort of one simplex and its neighbours; true where the permutation was odd.
+template <unsigned K>
+bool sort_simplex(std::uint32_t* ids, std::uint32_t* neighbours, unsigned dynamic_k) {
+  const unsigned k = K ? K : dynamic_k;
+  bool odd = false;
+  for (unsigned i = 1; i < k; ++i)
+    for (unsigned j = i; j > 0 && ids[j - 1] > ids[j]; --j) {
+      std::swap(ids[j - 1], ids[j]);
+      std::swap(neighbours[j - 1], neighbours[j]);
+      odd = !odd;
+    }
+  return odd;
+}
+
+struct ChunkResult {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  std::uint64_t ridges = 0;
+  std::uint64_t rungs[3] = {0, 0, 0};
+};
+
+class RidgeScan {
+ public:
+  RidgeScan(const Surface& surface, const LocalPoints& points)
+      : surface_(surface), points_(points), filter_(points.coordinates == points.exact) {}
+
+  template <unsigned K>
+  void chunk(std::uint64_t begin, std::uint64_t end, ChunkResult& out) const {
+    const unsigned k = K ? K : surface_.k;
+    for (std::uint64_t f = begin; f < end; ++f) {
+      const std::uint32_t* ids = surface_.simplex(f);
+      for (unsigned i = 1; i < k; ++i)
+        if (ids[i - 1] == ids[i]) fail_not_exact("a simplex uses a point twice");
+      Plane<K> plane;
+      if constexpr (K != 0) plane.set(points_, ids);
+      bool coplanar = false;
+      for (unsigned i = 0; i < k; ++i) {
+        const std::uint32_t g = surface_.neighbours[f * k + i];
+        if (g >= surface_.count() || g == f) fail_not_exact("a ridge has no second facet");
+        if (g < f) continue;
+        const unsigned j = opposite_slot<K>(static_cast<std::uint32_t>(f), i, g);
+        ++out.ridges;
+        const Sign side = this->template side<K>(f, plane, surface_.simplex(g)[j], out);
+        if (side == Sign::positive) fail_not_exact("a ridge is not convex");
+        if (side == Sign::zero) {
+          out.pairs.emplace_back(static_cast<std::uint32_t>(f), g);
+          coplanar = true;
+          if (degenerate(g)) fail_not_exact("a facet is degenerate");
+        }
+      }
+      if (coplanar && degenerate(f)) fail_not_exact("a facet is degenerate");
+    }
+  }
+
+ private:
+  template <unsigned K>
+  struct Plane {
+    double normal[K];
+    double reach;  // prod of the rows' largest entries, times the error constant
+    void set(const LocalPoints& points, const std::uint32_t* ids) {
+      double edges[K > 1 ? K - 1 : 1][K];
+      const double* origin = points.row(ids[0]);
+      reach = determinant_error(K);
+      for (unsigned i = 1; i < K; ++i) {
+        const double* p = points.row(ids[i]);
+        double largest = 0;
+        for (unsigned c = 0; c < K; ++c) {
+          edges[i - 1][c] = p[c] - origin[c];
+          largest = std::max(largest, std::fabs(edges[i - 1][c]));
+        }
+        reach *= largest;
+      }
+      cofactors<K>(edges, normal);
+    }
+  };
+
+  /// The slot of g opposite to the ridge it shares with f; checks ids and orientations.
+  template <unsigned K>
+  unsigned opposite_slot(std::uint32_t f, unsigned i, std::uint32_t g) const {
+    const unsigned k = K ? K : surface_.k;
+    const std::uint32_t* a = surface_.simplex(f);
+    const std::uint32_t* b = surface_.simplex(g);
+    for (unsigned j = 0; j < k; ++j) {
+      if (surface_.neighbours[std::size_t{g} * k + j] != f) continue;
+      bool same = true;
+      for (unsigned c = 0; c + 1 < k; ++c) same &= a[c + (c >= i)] == b[c + (c >= j)];
+      if (!same) continue;
+      if (((i + j + surface_.odd[f] + surface_.odd[g]) & 1U) == 0)
+        fail_not_exact("neighbouring facets are oriented differently");
+      return j;
+    }
+    fail_not_exact("neighbouring facets do not share their ridge");
+  }
+
+  template <unsigned K>
+  Sign side(std::uint64_t f, const Plane<K>& plane, std::uint32_t x, ChunkResult& out) const {
+    Sign sign = Sign::zero;
+    bool known = false;
+    if constexpr (K != 0) {
+      if (filter_) {
+        const double* origin = points_.row(surface_.simplex(f)[0]);
+        const double* p = points_.row(x);
+        double value = 0;
+        double largest = 0;
+        for (unsigned c = 0; c < K; ++c) {
+          const double d = p[c] - origin[c];
+          value = value + plane.normal[c] * d;
+          largest = std::max(largest, std::fabs(d));
+        }
+        known =
+            points_.small_lattice || std::fabs(value) > plane.reach * largest + determinant_tiny;
+        sign = sign_of(value);
+        out.rungs[0] += known;
+      }
+    }
+    if (!known) sign = exact_side(f, x, out);
+    return surface_.odd[f] ? -sign : sign;
+  }
+
+  Sign exact_side(std::uint64_t f, std::uint32_t x, ChunkResult& out) const {
+    const unsigned k = surface_.k;
+    std::vector<const double*> rows(k + 1);
+    for (unsigned i = 0; i < k; ++i) rows[i] = points_.exact_row(surface_.simplex(f)[i]);
+    rows[k] = points_.exact_row(x);
+    Rung rung = Rung::exact;
+    const Sign sign = orientation(k, rows.data(), &rung);
+    ++out.rungs[static_cast<unsigned>(rung)];
+    return sign;
+  }
+
+  /// A degenerate simplex has a vertex in the span of the opposite ridge, so one of its ridges
+  /// always looks coplanar: only those simplices need this test.
+  bool degenerate(std::uint64_t f) const {
+    const unsigned k = surface_.k;
+    std::vector<const double*> rows(k);
+    for (unsigned i = 0; i < k; ++i) rows[i] = points_.exact_row(surface_.simplex(f)[i]);
+    return affine_rank_exact(k, rows.data(), k) + 1 < k;
+  }
+
+  const Surface& surface_;
+  const LocalPoints& points_;
+  bool filter_;
+};
+
+template <>
+struct RidgeScan::Plane<0> {};
+
+template <unsigned K>
+void scan_chunk(const RidgeScan& scan, std::uint64_t b, std::uint64_t e, ChunkResult& out) {
+  scan.chunk<K>(b, e, out);
+}
+
+}  // namespace
+
+void fail_not_exact(const char* what) {
+  throw Error(ErrorCode::not_exact,
+              std::string("the engine's boundary is not that of the exact hull: ") + what);
+}
+
+Surface make_surface(SimplicialHull&& boundary, const LocalPoints& points, unsigned threads) {
+  Surface s;
+  s.k = boundary.dimension;
+  const std::size_t count = boundary.facet_count();
+  s.ids = std::move(boundary.vertices);
+  s.neighbours = std::move(boundary.neighbours);
+  if (count < s.k + std::size_t{1} || s.ids.size() != count * s.k ||
+      s.neighbours.size() != s.ids.size())
+    fail_not_exact("too few facets");
+  std::vector<std::uint32_t> lowest;
+  if (!boundary.duplicates.empty()) {
+    lowest.resize(points.count);
+    std::iota(lowest.begin(), lowest.end(), 0U);
+    for (const auto& [duplicate, vertex] : boundary.duplicates)
+      lowest[vertex] = std::min(lowest[vertex], duplicate);
+  }
+  if (s.k == 1) {  // two ends, each the other's neighbour
+    if (count != 2) fail_not_exact("a segment has two ends");
+    s.neighbours = {1, 0};
+  }
+  s.odd.resize(count);
+  for_each_chunk(count, simplex_chunk, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   for (std::uint64_t f = begin; f < end; ++f) {
+                     std::uint32_t* ids = s.ids.data() + f * s.k;
+                     std::uint32_t* neighbours = s.neighbours.data() + f * s.k;
+                     for (unsigned i = 0; i < s.k; ++i) {
+                       if (ids[i] >= points.count) fail_not_exact("an id is out of range");
+                       if (!lowest.empty()) ids[i] = lowest[ids[i]];
+                     }
+                     s.odd[f] = s.k == 3 ? sort_simplex<3>(ids, neighbours, 3)
+                                         : sort_simplex<0>(ids, neighbours, s.k);
+                   }
+                 });
+  return s;
+}
+
+std::vector<std::pair<std::uint32_t, std::uint32_t>> coplanar_pairs(const Surface& surface,
+                                                                    const LocalPoints& points,
+                                                                    unsigned threads,
+                                                                    const Control& control,
+                                                                    std::uint64_t* rung_counts) {
+  using Scan = void (*)(const RidgeScan&, std::uint64_t, std::uint64_t, ChunkResult&);
+  static constexpr Scan scans[] = {scan_chunk<0>, scan_chunk<0>, scan_chunk<2>,
+                                   scan_chunk<3>, scan_chunk<4>, scan_chunk<5>,
+                                   scan_chunk<6>, scan_chunk<7>, scan_chunk<8>};
+  const Scan scan = scans[surface.k <= 8 ? surface.k : 0];
+  const RidgeScan ridge_scan(surface, points);
+  std::vector<ChunkResult> results(chunk_count(surface.count(), simplex_chunk));
+  for_each_chunk(surface.count(), simplex_chunk, threads,
+                 [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   scan(ridge_scan, begin, end, results[chunk]);
+                 });
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  std::uint64_t ridges = 0;
+  for (const ChunkResult& r : results) {
+    pairs.insert(pairs.end(), r.pairs.begin(), r.pairs.end());
+    ridges += r.ridges;
+    for (unsigned i = 0; i < 3; ++i) rung_counts[i] += r.rungs[i];
+  }
+  // Each ridge was matched from its lower simplex to one slot of the higher: half of all slots.
+  if (2 * ridges != surface.ids.size()) fail_not_exact("a ridge is not shared by two facets");
+  return pairs;
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,46 @@
+// The boundary on its way to the canonical result: simplices with ascending ids, checked ridges.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "control.hpp"
+#include "hull/engine.hpp"
+
+namespace cullhull::internal {
+
+inline constexpr std::uint64_t simplex_chunk = std::uint64_t{1} << 14;
+
+/// Simplices of k ascending local ids. `odd[f]` is set where the last two ids must be swapped to
+/// orient simplex f outward. Entry j of a simplex's neighbours lies across the ridge without id j.
+struct Surface {
+  unsigned k = 0;
+  std::vector<std::uint32_t> ids;
+  std::vector<std::uint32_t> neighbours;
+  std::vector<std::uint8_t> odd;
+
+  std::size_t count() const { return odd.size(); }
+  const std::uint32_t* simplex(std::size_t f) const { return ids.data() + f * k; }
+  /// Id j of the outward oriented simplex.
+  std::uint32_t stored(std::size_t f, unsigned j) const { return simplex(f)[stored_slot(f, j)]; }
+  unsigned stored_slot(std::size_t f, unsigned j) const {
+    return odd[f] && j + 2 >= k ? 2 * k - 3 - j : j;
+  }
+};
+
+/// Takes the engine's simplices over: of equal points the lowest id stands in, ids ascend.
+Surface make_surface(SimplicialHull&& boundary, const LocalPoints& points, unsigned threads);
+
+/// The pairs of simplices that lie in one hyperplane, in a fixed order. Throws Error{not_exact}
+/// unless every ridge is shared by two coherently oriented simplices, is weakly convex, and no
+/// simplex is degenerate. Adds to `rung_counts`.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> coplanar_pairs(const Surface& surface,
+                                                                    const LocalPoints& points,
+                                                                    unsigned threads,
+                                                                    const Control& control,
+                                                                    std::uint64_t* rung_counts);
+
+[[noreturn]] void fail_not_exact(const char* what);
+
+}  // namespace cullhull::internal

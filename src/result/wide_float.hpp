@@ -1,0 +1,64 @@
+// Floats of 4352 bits with an exponent that cannot overflow here: any difference of doubles is
+// exact, and determinants keep hundreds of bits however thin a hull is.
+#pragma once
+
+#include <gmp.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace cullhull::internal {
+
+class Wide {
+ public:
+  static constexpr mp_bitcnt_t bits = 4352;
+
+  Wide(double v = 0) {  // NOLINT: every finite double is one
+    mpf_init2(v_, bits);
+    mpf_set_d(v_, v);
+  }
+  Wide(const Wide& o) {
+    mpf_init2(v_, bits);
+    mpf_set(v_, o.v_);
+  }
+  Wide& operator=(const Wide& o) {
+    mpf_set(v_, o.v_);
+    return *this;
+  }
+  ~Wide() { mpf_clear(v_); }
+
+  friend Wide operator+(const Wide& a, const Wide& b) { return apply(mpf_add, a, b); }
+  friend Wide operator-(const Wide& a, const Wide& b) { return apply(mpf_sub, a, b); }
+  friend Wide operator*(const Wide& a, const Wide& b) { return apply(mpf_mul, a, b); }
+  friend Wide operator/(const Wide& a, const Wide& b) { return apply(mpf_div, a, b); }
+  Wide operator-() const { return Wide() - *this; }
+  friend bool operator>(const Wide& a, const Wide& b) { return mpf_cmp(a.v_, b.v_) > 0; }
+  bool zero() const { return mpf_sgn(v_) == 0; }
+  Wide magnitude() const {
+    Wide r;
+    mpf_abs(r.v_, v_);
+    return r;
+  }
+  Wide root() const {
+    Wide r;
+    mpf_sqrt(r.v_, v_);
+    return r;
+  }
+  /// value * 2^shift, with infinity on overflow.
+  double to_double(long shift = 0) const {
+    long exponent = 0;
+    const double mantissa = mpf_get_d_2exp(&exponent, v_);
+    return std::ldexp(mantissa, static_cast<int>(std::clamp(exponent + shift, -5000L, 5000L)));
+  }
+
+ private:
+  static Wide apply(void (*op)(mpf_ptr, mpf_srcptr, mpf_srcptr), const Wide& a, const Wide& b) {
+    Wide r;
+    op(r.v_, a.v_, b.v_);
+    return r;
+  }
+  mpf_t v_;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,407 @@
+// The command line: exit statuses, one-line errors, the same bytes by every path, and no half
+// files.
+#include <sys/ioctl.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "agreement/run_app.hpp"
+#include "cullhull/generate.hpp"
+#include "cullhull/io.hpp"
+
+namespace cullhull {
+namespace {
+
+using testing::Folder;
+using testing::one_line;
+using testing::Ran;
+using testing::read_file;
+using testing::run_app;
+using testing::start_app;
+using testing::wait_for;
+using testing::write_file;
+
+void write_points(const std::string& path, const char* shape, std::uint64_t n, std::uint32_t d,
+                  ScalarType type = ScalarType::f64) {
+  write_npy_points(path, generate(shape, n, d, 3).data(), n, d, type);
+}
+
+void expect_error(const std::vector<std::string>& arguments, int status, const std::string& part) {
+  const Ran ran = run_app(arguments);
+  std::string line;
+  for (const std::string& a : arguments) line += " " + a;
+  EXPECT_EQ(ran.status, status) << line << "\n" << ran.err;
+  EXPECT_TRUE(one_line(ran.err)) << line;
+  EXPECT_NE(ran.err.find(part), std::string::npos) << line << "\n" << ran.err;
+  EXPECT_EQ(ran.out, "") << line;
+}
+
+TEST(Cli, HelpTeaches) {
+  const Ran main = run_app({"--help"});
+  EXPECT_EQ(main.status, 0);
+  for (const std::string command : {"hull", "cull", "certify", "generate", "info"}) {
+    EXPECT_NE(main.out.find("\n  " + command), std::string::npos) << main.out;
+    const Ran ran = run_app({command, "--help"});
+    EXPECT_EQ(ran.status, 0) << command;
+    EXPECT_EQ(ran.err, "") << command;
+    EXPECT_NE(ran.out.find("Exit status"), std::string::npos) << command;
+  }
+  EXPECT_NE(run_app({"hull", "--help"}).out.find("--certify"), std::string::npos);
+  EXPECT_NE(run_app({"generate", "--help"}).out.find("octahedron"), std::string::npos);
+  EXPECT_EQ(run_app({"--version"}).out, "0.1.0\n");
+}
+
+TEST(Cli, BadUsageIsStatusTwo) {
+  const Folder f;
+  write_points(f / "p.npy", "ball", 100, 3);
+  const std::string p = f / "p.npy";
+  expect_error({}, 2, "subcommand");
+  expect_error({"track", p}, 2, "track");
+  expect_error({"hull"}, 2, "INPUT");
+  expect_error({"hull", p, "--bogus"}, 2, "--bogus");
+  expect_error({"hull", p, "--cull", "magic"}, 2, "magic");
+  expect_error({"hull", p, "--engine", "magic"}, 2, "magic");
+  expect_error({"hull", p, "--threads", "-1"}, 2, "threads");
+  expect_error({"hull", p, "--repeat", "0"}, 2, "repeat");
+  expect_error({"hull", p, "--format", "Qx"}, 2, "Qx");
+  expect_error({"hull", p, "--memory", "lots"}, 2, "lots");
+  expect_error({"hull", p, "--json", "--format", "i"}, 2, "standard output");
+  expect_error({"hull", p, "-o", f / "hull.docx"}, 2, "hull.docx");
+  expect_error({"hull", p, "--columns", "0:4"}, 2, "0 to 2");
+  expect_error({"hull", p, "--columns", "2:1"}, 2, "empty");
+  expect_error({"hull", p, "--columns", "0,0"}, 2, "twice");
+  expect_error({"hull", p, "--columns", "0,"}, 2, "0:3");
+  expect_error({"hull", p, "--columns", "x"}, 2, "0:3");
+  expect_error({"hull", p, "--dim", "3"}, 2, "raw");
+  expect_error({"generate", "potato", "-n", "10", "-o", f / "g.npy"}, 2, "potato");
+  expect_error({"generate", "ball", "-n", "ten", "-o", f / "g.npy"}, 2, "ten");
+  expect_error({"generate", "ball", "-n", "10", "-o", f / "g.docx"}, 2, ".npy");
+  EXPECT_EQ(f.entries(), 1U);
+}
+
+TEST(Cli, MeshesNeedTwoOrThreeDimensions) {
+  const Folder f;
+  write_points(f / "p.npy", "ball", 100, 4);
+  expect_error({"hull", f / "p.npy", "-o", f / "hull.ply"}, 2, "dimension");
+  EXPECT_EQ(f.entries(), 1U);
+}
+
+TEST(Cli, BadInputIsStatusOne) {
+  const Folder f;
+  expect_error({"hull", f / "absent.npy"}, 1, "absent.npy");
+  expect_error({"hull", f / ""}, 1, "");
+  write_file(f / "empty.npy", "");
+  expect_error({"hull", f / "empty.npy"}, 1, "empty.npy");
+  write_file(f / "empty.txt", "");
+  expect_error({"hull", f / "empty.txt"}, 1, "empty.txt");
+  write_points(f / "whole.npy", "ball", 100, 3);
+  const std::string whole = read_file(f / "whole.npy");
+  write_file(f / "short.npy", whole.substr(0, whole.size() - 5));
+  expect_error({"hull", f / "short.npy"}, 1, "short.npy");
+  std::string strings = whole;
+  strings.replace(strings.find("<f8"), 3, "<U8");
+  write_file(f / "strings.npy", strings);
+  expect_error({"hull", f / "strings.npy"}, 1, "strings.npy");
+  write_file(f / "word.txt", "0 0 0\n1 0 0\n0 potato 0\n");
+  expect_error({"hull", f / "word.txt"}, 1, "3");
+  write_file(f / "mixed.txt", "0 0 0\n1 0 0\n0 1\n");
+  expect_error({"hull", f / "mixed.txt"}, 1, "3");
+  expect_error({"info", f / "short.npy"}, 1, "short.npy");
+  expect_error({"cull", f / "short.npy", "-o", f / "ids.npy"}, 1, "short.npy");
+  expect_error({"certify", f / "whole.npy", f / "absent.json"}, 1, "absent.json");
+  write_file(f / "junk.json", "{\"version\": ");
+  expect_error({"certify", f / "whole.npy", f / "junk.json"}, 1, "junk.json");
+}
+
+TEST(Cli, TheFirstPointThatIsNotFiniteIsNamed) {
+  const Folder f;
+  auto points = generate("ball", 5000, 3, 3);
+  points[3 * 4321 + 2] = std::numeric_limits<double>::infinity();
+  points[3 * 1234 + 1] = std::numeric_limits<double>::quiet_NaN();
+  write_npy_points(f / "nan.npy", points.data(), 5000, 3, ScalarType::f64);
+  for (const std::string cull : {"none", "gauge", "auto"})
+    expect_error({"hull", f / "nan.npy", "--cull", cull}, 1, "1234");
+  expect_error({"cull", f / "nan.npy", "-o", f / "ids.npy"}, 1, "1234");
+  EXPECT_NE(run_app({"info", f / "nan.npy"}).out.find("1234"), std::string::npos);
+  EXPECT_EQ(f.entries(), 1U);
+}
+
+TEST(Cli, CudaIsNotThere) {
+  const Folder f;
+  write_points(f / "p.npy", "ball", 100, 3);
+  expect_error({"hull", f / "p.npy", "--backend", "cuda"}, 5, "CUDA");
+}
+
+TEST(Cli, BeyondTheMemoryBudgetIsStatusFour) {
+  const Folder f;
+  write_points(f / "p.npy", "sphere", 2000, 6);
+  expect_error({"hull", f / "p.npy", "--memory", "4MiB"}, 4, "");
+}
+
+TEST(Cli, EveryPathWritesTheSameBytes) {
+  const Folder f;
+  struct Case {
+    const char* shape;
+    std::uint32_t dimension;
+    std::vector<std::string> extensions;
+  };
+  const std::vector<Case> cases = {{"ball", 3, {".ply", ".off", ".obj", ".stl", ".json"}},
+                                   {"grid:8", 3, {".ply", ".json"}},
+                                   {"disk", 2, {".ply", ".txt", ".json"}},
+                                   {"ball", 4, {".txt", ".json"}}};
+  for (const Case& c : cases) {
+    write_points(f / "p.npy", c.shape, 20000, c.dimension);
+    std::vector<std::string> first;
+    for (const std::string cull : {"none", "gauge", "auto"})
+      for (const std::string threads : {"1", "2"}) {
+        std::vector<std::string> arguments = {"hull",      f / "p.npy", "--cull",     cull,
+                                              "--threads", threads,     "--vertices", f / "v.npy"};
+        for (const std::string& e : c.extensions)
+          arguments.insert(arguments.end(), {"-o", f / ("hull" + e)});
+        const Ran ran = run_app(arguments);
+        ASSERT_EQ(ran.status, 0) << c.shape << ran.err;
+        std::vector<std::string> bytes{read_file(f / "v.npy")};
+        for (const std::string& e : c.extensions) bytes.push_back(read_file(f / ("hull" + e)));
+        for (const std::string format : {"Fx", "i", "n", "FS"})
+          bytes.push_back(run_app({"hull", f / "p.npy", "--cull", cull, "--threads", threads,
+                                   "--format", format})
+                              .out);
+        for (const std::string& b : bytes) EXPECT_FALSE(b.empty()) << c.shape;
+        if (first.empty()) first = bytes;
+        EXPECT_EQ(first == bytes, true) << c.shape << " cull " << cull << " threads " << threads;
+      }
+  }
+}
+
+TEST(Cli, ReportHasTheKeysChecksRelyOn) {
+  const Folder f;
+  write_points(f / "p.npy", "ball", 20000, 3, ScalarType::f32);
+  const Ran ran = run_app({"hull", f / "p.npy", "--json", "--certify", "--repeat", "3"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(ran.err, "");  // no progress where there is no terminal
+  const auto json = nlohmann::json::parse(ran.out);
+  for (const char* key :
+       {"version", "points", "threads", "backend", "cull", "hull", "affine_dimension",
+        "vertex_count", "facet_count", "simplex_count", "area", "volume", "read_seconds",
+        "compute_seconds", "compute_seconds_all", "peak_bytes", "certified"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  EXPECT_EQ(json["points"]["count"], 20000);
+  EXPECT_EQ(json["points"]["dimension"], 3);
+  EXPECT_EQ(json["points"]["scalar"], "f32");
+  EXPECT_EQ(json["compute_seconds_all"].size(), 3U);
+  auto times = json["compute_seconds_all"].get<std::vector<double>>();
+  std::sort(times.begin(), times.end());
+  EXPECT_EQ(json["compute_seconds"].get<double>(), times[1]);
+  EXPECT_EQ(json["certified"], true);
+  EXPECT_EQ(json["simplex_count"].get<int>(), 2 * json["vertex_count"].get<int>() - 4);
+  ASSERT_EQ(run_app({"hull", f / "p.npy", "--json=" + (f / "r.json"), "-q"}).status, 0);
+  EXPECT_EQ(nlohmann::json::parse(read_file(f / "r.json"))["volume"], json["volume"]);
+}
+
+TEST(Cli, CertifyAcceptsOurHullAndRefusesAnother) {
+  const Folder f;
+  write_points(f / "p.npy", "ball", 3000, 3);
+  ASSERT_EQ(run_app({"hull", f / "p.npy", "-o", f / "hull.json"}).status, 0);
+  const Ran good = run_app({"certify", f / "p.npy", f / "hull.json"});
+  EXPECT_EQ(good.status, 0) << good.err;
+  EXPECT_NE(good.out.find("certified"), std::string::npos);
+  write_npy_points(f / "q.npy", generate("ball", 3000, 3, 4).data(), 3000, 3, ScalarType::f64);
+  expect_error({"certify", f / "q.npy", f / "hull.json"}, 3, "not certified");
+}
+
+TEST(Cli, CullKeepsEveryVertex) {
+  const Folder f;
+  write_points(f / "p.npy", "ball", 50000, 3);
+  ASSERT_EQ(run_app({"cull", f / "p.npy", "-o", f / "ids.npy"}).status, 0);
+  ASSERT_EQ(run_app({"hull", f / "p.npy", "--vertices", f / "v.npy"}).status, 0);
+  const auto ids = [](const std::string& path) {
+    const std::string bytes = read_file(path);
+    const std::size_t begin = bytes.find('\n') + 1;
+    EXPECT_NE(bytes.find("'<i8'"), std::string::npos);
+    std::vector<std::int64_t> list((bytes.size() - begin) / 8);
+    std::memcpy(list.data(), bytes.data() + begin, list.size() * 8);
+    return list;
+  };
+  const auto kept = ids(f / "ids.npy");
+  const auto vertices = ids(f / "v.npy");
+  EXPECT_GT(vertices.size(), 100U);
+  EXPECT_LT(kept.size(), 50000U);
+  EXPECT_TRUE(std::is_sorted(kept.begin(), kept.end()));
+  EXPECT_TRUE(std::includes(kept.begin(), kept.end(), vertices.begin(), vertices.end()));
+  const auto json = nlohmann::json::parse(run_app({"cull", f / "p.npy", "--json"}).out);
+  EXPECT_EQ(json["cull"]["survivors"], kept.size());
+}
+
+TEST(Cli, ColumnsAreTakenFromLongerRecords) {
+  const Folder f;
+  const auto points = generate("ball", 2000, 3, 3);
+  std::vector<double> wide(2000 * 5, 7.0), spread(2000 * 5, 7.0), swapped(2000 * 4, 7.0);
+  for (std::size_t i = 0; i < 2000; ++i)
+    for (std::size_t j = 0; j < 3; ++j) {
+      wide[i * 5 + 1 + j] = points[i * 3 + j];
+      spread[i * 5 + 2 * j] = points[i * 3 + j];
+      swapped[i * 4 + (j == 2 ? 3 : j)] = points[i * 3 + j];
+    }
+  write_npy_points(f / "p.npy", points.data(), 2000, 3, ScalarType::f64);
+  write_npy_points(f / "wide.npy", wide.data(), 2000, 5, ScalarType::f64);
+  write_npy_points(f / "spread.npy", spread.data(), 2000, 5, ScalarType::f64);
+  write_npy_points(f / "swapped.npy", swapped.data(), 2000, 4, ScalarType::f64);
+  const std::string expected = run_app({"hull", f / "p.npy", "--format", "i"}).out;
+  EXPECT_FALSE(expected.empty());
+  EXPECT_EQ(run_app({"hull", f / "wide.npy", "--columns", "1:4", "--format", "i"}).out, expected);
+  EXPECT_EQ(run_app({"hull", f / "spread.npy", "--columns", "0,2,4", "--format", "i"}).out,
+            expected);
+  EXPECT_EQ(run_app({"hull", f / "swapped.npy", "--columns", ":2,3", "--format", "i"}).out,
+            expected);
+}
+
+TEST(Cli, ReadsRawAndStandardInput) {
+  const Folder f;
+  const auto points = generate("ball", 500, 3, 3);
+  write_npy_points(f / "p.npy", points.data(), 500, 3, ScalarType::f64);
+  write_file(f / "p.raw", std::string(reinterpret_cast<const char*>(points.data()),
+                                      points.size() * sizeof(double)));
+  const std::string expected = run_app({"hull", f / "p.npy", "--format", "Fx"}).out;
+  const Ran raw = run_app(
+      {"hull", "-", "--input-format", "raw", "--dim", "3", "--type", "f64", "--format", "Fx"},
+      f / "p.raw");
+  EXPECT_EQ(raw.out, expected) << raw.err;
+  const Ran stream = run_app({"hull", "-", "--format", "Fx"}, f / "p.npy");
+  EXPECT_EQ(stream.out, expected) << stream.err;
+}
+
+TEST(Cli, GenerateIsReproducible) {
+  const Folder f;
+  ASSERT_EQ(run_app({"generate", "grid:9", "-n", "2k", "-d", "4", "--seed", "5", "-o", f / "a.npy"})
+                .status,
+            0);
+  ASSERT_EQ(
+      run_app({"generate", "grid:9", "-n", "2000", "-d", "4", "--seed", "5", "-o", f / "b.npy"})
+          .status,
+      0);
+  EXPECT_EQ(read_file(f / "a.npy"), read_file(f / "b.npy"));
+  const PointFile file = open_points(f / "a.npy");
+  EXPECT_EQ(file.points().count, 2000U);
+  EXPECT_EQ(file.points().dimension, 4U);
+  ASSERT_EQ(run_app({"generate", "disk", "-n", "7", "--type", "f32", "-o", f / "c.npy"}).status, 0);
+  const PointFile disk = open_points(f / "c.npy");
+  EXPECT_EQ(disk.points().dimension, 2U);
+  EXPECT_EQ(disk.points().scalar, ScalarType::f32);
+  ASSERT_EQ(run_app({"generate", "cyclic", "-n", "40", "-d", "4", "-o", f / "d.npy"}).status, 0);
+  const auto json = nlohmann::json::parse(run_app({"hull", f / "d.npy", "--json"}).out);
+  EXPECT_EQ(json["vertex_count"], 40);
+  EXPECT_EQ(json["facet_count"], 40 * 37 / 2);  // n (n - 3) / 2
+}
+
+TEST(Cli, OutputThatCannotBeWrittenIsOneLine) {
+  const Folder f;
+  write_points(f / "p.npy", "ball", 5000, 3);
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"hull", f / "p.npy"},
+                                                    {"hull", f / "p.npy", "--json"},
+                                                    {"hull", f / "p.npy", "--format", "n"},
+                                                    {"info", f / "p.npy"},
+                                                    {"--help"}}) {
+    const Ran full = run_app(arguments, "/dev/null", "/dev/full");
+    EXPECT_EQ(full.status, 1) << arguments[0];
+    EXPECT_TRUE(one_line(full.err));
+    // A pipe nobody reads, and no standard output at all.
+    int pipe_ends[2] = {};
+    ASSERT_EQ(::pipe2(pipe_ends, O_CLOEXEC), 0);
+    ::close(pipe_ends[0]);
+    for (const int out : {pipe_ends[1], -1}) {
+      const int err = ::open((f / "err").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+      const int status = wait_for(start_app(arguments, 0, out, err));
+      ::close(err);
+      EXPECT_EQ(status, 1) << arguments[0];
+      EXPECT_TRUE(one_line(read_file(f / "err")));
+    }
+    ::close(pipe_ends[1]);
+  }
+  expect_error({"hull", f / "p.npy", "-q", "-o", f / "absent/hull.ply"}, 1, "absent/hull.ply");
+  expect_error({"hull", f / "p.npy", "-q", "--vertices", f / "absent/v.npy"}, 1, "absent/v.npy");
+  expect_error({"hull", f / "p.npy", "-q", "--json=" + (f / "absent/r.json")}, 1, "absent/r.json");
+}
+
+// A program whose standard error is a terminal, so that it tells when it is at work.
+class OnTerminal {
+ public:
+  explicit OnTerminal(const std::vector<std::string>& arguments) {
+    int terminal = -1;
+    if (::openpty(&master_, &terminal, nullptr, nullptr, nullptr) != 0) std::abort();
+    ::fcntl(master_, F_SETFD, FD_CLOEXEC);
+    const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+    child_ = start_app(arguments, null, null, terminal);
+    ::close(terminal);
+    ::close(null);
+  }
+  ~OnTerminal() { ::close(master_); }
+  OnTerminal(const OnTerminal&) = delete;
+  OnTerminal& operator=(const OnTerminal&) = delete;
+
+  /// Waits for the first word of progress.
+  bool at_work() { return read_some(); }
+  void signal(int number) const { ::kill(child_, number); }
+  int wait() {
+    while (read_some()) {
+    }
+    return wait_for(child_);
+  }
+  const std::string& shown() const { return shown_; }
+
+ private:
+  bool read_some() {
+    char buffer[4096];
+    const ssize_t n = ::read(master_, buffer, sizeof buffer);  // fails once the program is gone
+    if (n > 0) shown_.append(buffer, static_cast<std::size_t>(n));
+    return n > 0;
+  }
+  int master_ = -1;
+  pid_t child_ = -1;
+  std::string shown_;
+};
+
+TEST(Cli, InterruptedWorkLeavesNoFile) {
+  const Folder f;
+  write_points(f / "p.npy", "sphere", 20000, 6);  // seconds of work
+  for (const int number : {SIGINT, SIGTERM}) {
+    OnTerminal app({"hull", f / "p.npy", "-o", f / "hull.json", "--vertices", f / "v.npy"});
+    ASSERT_TRUE(app.at_work());
+    app.signal(number);
+    EXPECT_EQ(app.wait(), 130) << app.shown();
+    EXPECT_NE(app.shown().find("cancelled"), std::string::npos) << app.shown();
+    EXPECT_EQ(f.entries(), 1U);
+  }
+}
+
+TEST(Cli, InterruptedReadingEndsAtOnce) {
+  const Folder f;
+  int ends[2] = {};
+  ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
+  const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+  const pid_t child = start_app({"hull", "-", "-o", f / "hull.ply"}, ends[0], null, null);
+  ASSERT_EQ(::write(ends[1], "0 0 0\n", 6), 6);
+  // Signals are arranged before the first byte is taken: wait until the pipe is empty.
+  for (int unread = 1; unread != 0; ::usleep(1000))
+    ASSERT_EQ(::ioctl(ends[0], FIONREAD, &unread), 0);
+  ::kill(child, SIGINT);
+  EXPECT_EQ(wait_for(child), 130);
+  for (const int fd : {ends[0], ends[1], null}) ::close(fd);
+  EXPECT_EQ(f.entries(), 0U);
+}
+
+TEST(Cli, AnInputCutShortUnderItsReaderIsOneLine) {
+  const Folder f;
+  write_points(f / "p.npy", "sphere", 4000, 6);
+  OnTerminal app({"hull", f / "p.npy", "--certify", "-o", f / "hull.json"});
+  ASSERT_TRUE(app.at_work());
+  std::filesystem::resize_file(f / "p.npy", 100);
+  EXPECT_EQ(app.wait(), 1);
+  EXPECT_NE(app.shown().find("cullhull: "), std::string::npos) << app.shown();
+  EXPECT_NE(app.shown().find("p.npy"), std::string::npos) << app.shown();
+  EXPECT_EQ(f.entries(), 1U);
+}
+
+}  // namespace
+}  // namespace cullhull

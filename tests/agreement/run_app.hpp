@@ -1,0 +1,117 @@
+// Starts the program as a user would and looks at what comes back.
+#pragma once
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <pty.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+extern char** environ;
+
+namespace cullhull::testing {
+
+/// A folder of its own, removed with everything in it.
+class Folder {
+ public:
+  Folder() {
+    std::string pattern = std::filesystem::temp_directory_path() / "cullhull-test-XXXXXX";
+    if (::mkdtemp(pattern.data()) == nullptr) std::abort();
+    path_ = pattern;
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  std::string operator/(const std::string& name) const { return path_ / name; }
+  std::size_t entries() const {
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline void write_file(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+inline std::string read_file(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream out;
+  out << in.rdbuf();
+  return out.str();
+}
+
+/// How a program ended: its exit status, or 1000 + the signal that killed it.
+inline int wait_for(pid_t child) {
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0)
+    if (errno != EINTR) return -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+}
+
+/// A running program. Standard streams: the given descriptors, -1 for a closed one.
+inline pid_t start_app(const std::vector<std::string>& arguments, int in, int out, int err) {
+  std::vector<char*> argv{const_cast<char*>(CULLHULL_APP)};
+  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  const int wanted[] = {in, out, err};
+  for (int fd = 0; fd < 3; ++fd) {
+    if (wanted[fd] < 0)
+      posix_spawn_file_actions_addclose(&actions, fd);
+    else
+      posix_spawn_file_actions_adddup2(&actions, wanted[fd], fd);
+  }
+  pid_t child = -1;
+  const int error = ::posix_spawn(&child, CULLHULL_APP, &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  EXPECT_EQ(error, 0) << "cannot start " << CULLHULL_APP;
+  return child;
+}
+
+struct Ran {
+  int status = -1;
+  std::string out, err;
+};
+
+/// Runs to the end with standard input from a file, output and errors captured.
+inline Ran run_app(const std::vector<std::string>& arguments,
+                   const std::string& input = "/dev/null", const std::string& output = "") {
+  const Folder folder;
+  const std::string out = output.empty() ? folder / "out" : output;
+  const std::string err = folder / "err";
+  const int fds[] = {::open(input.c_str(), O_RDONLY | O_CLOEXEC),
+                     ::open(out.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600),
+                     ::open(err.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600)};
+  Ran ran;
+  ran.status = wait_for(start_app(arguments, fds[0], fds[1], fds[2]));
+  for (const int fd : fds) ::close(fd);
+  if (output.empty()) ran.out = read_file(out);
+  ran.err = read_file(err);
+  return ran;
+}
+
+/// Standard error is one line that begins with the program's name.
+inline ::testing::AssertionResult one_line(const std::string& err) {
+  if (err.rfind("cullhull: ", 0) == 0 && err.find('\n') + 1 == err.size())
+    return ::testing::AssertionSuccess();
+  return ::testing::AssertionFailure() << "not one line from cullhull: [" << err << "]";
+}
+
+}  // namespace cullhull::testing

@@ -1,0 +1,214 @@
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "tests/io_fixtures.hpp"
+
+namespace cullhull::testing {
+namespace {
+
+using nlohmann::json;
+
+Hull read(const std::string& text) {
+  return internal::read_hull_json({"F", text.data(), text.size()});
+}
+
+std::string result_text(const Example& e) {
+  const TemporaryFolder folder;
+  write_hull(folder.file("a.json"), e.view(), e.hull);
+  return slurp(folder.file("a.json"));
+}
+
+void expect_equal(const Hull& a, const Hull& b) {
+  EXPECT_EQ(a.dimension, b.dimension);
+  EXPECT_EQ(a.point_count, b.point_count);
+  EXPECT_EQ(a.scalar, b.scalar);
+  EXPECT_EQ(a.affine_dimension, b.affine_dimension);
+  EXPECT_EQ(a.vertices, b.vertices);
+  EXPECT_EQ(a.facets.offsets, b.facets.offsets);
+  EXPECT_EQ(a.facets.items, b.facets.items);
+  EXPECT_EQ(a.facet_neighbours.offsets, b.facet_neighbours.offsets);
+  EXPECT_EQ(a.facet_neighbours.items, b.facet_neighbours.items);
+  EXPECT_EQ(a.facet_planes, b.facet_planes);
+  EXPECT_EQ(a.simplices, b.simplices);
+  EXPECT_EQ(a.simplex_neighbours, b.simplex_neighbours);
+  EXPECT_EQ(a.simplex_facets, b.simplex_facets);
+  EXPECT_EQ(a.volume, b.volume);
+  EXPECT_EQ(a.area, b.area);
+  EXPECT_EQ(a.centroid, b.centroid);
+}
+
+TEST(Json, ResultRoundTrip) {
+  for (Example e : {cube(), square()}) {
+    e.hull.volume = 0.1;
+    e.hull.area = 1e22;
+    e.hull.scalar = ScalarType::u16;
+    e.hull.facet_planes[0] = 5e-324;
+    e.hull.facet_planes[1] = -1.7976931348623157e308;
+    e.hull.facet_planes[2] = 9223372036854775808.0;
+    expect_equal(read(result_text(e)), e.hull);
+    expect_equal(read(hull_to_json(e.view(), e.hull, {}, true)), e.hull);
+  }
+}
+
+TEST(Json, NegativeZeroAndWhatIsNotFinite) {
+  Example e = cube();
+  e.hull.facet_planes[0] = -0.0;
+  e.hull.volume = INFINITY;
+  const Hull h = read(result_text(e));
+  EXPECT_TRUE(std::signbit(h.facet_planes[0]));
+  EXPECT_TRUE(std::isnan(h.volume));
+}
+
+TEST(Json, HullsWithoutFacets) {
+  Example e;
+  e.hull.dimension = 3;
+  expect_equal(read(result_text(e)), e.hull);
+  e.hull.point_count = 2;
+  e.coordinates = {1, 2, 3, 1, 2, 3};
+  e.hull.affine_dimension = 0;
+  e.hull.vertices = {0};
+  expect_equal(read(result_text(e)), e.hull);
+}
+
+TEST(Json, TheFileHoldsTheResultAndNothingOfTheRun) {
+  Example a = cube(), b = cube();
+  b.hull.statistics.threads = 7;
+  b.hull.statistics.cull_method = "gauge";
+  b.hull.statistics.backend = "cuda";
+  b.hull.statistics.compute_seconds = 3;
+  b.hull.statistics.survivors = 8;
+  EXPECT_EQ(result_text(a), result_text(b));
+  std::set<std::string> keys;
+  const json parsed = json::parse(result_text(a));
+  for (const auto& [key, value] : parsed.items()) keys.insert(key);
+  EXPECT_EQ(keys, (std::set<std::string>{"version", "points", "affine_dimension", "vertex_count",
+                                         "facet_count", "simplex_count", "area", "volume",
+                                         "centroid", "vertices", "vertex_coordinates", "facets",
+                                         "facet_neighbours", "facet_planes", "simplices",
+                                         "simplex_neighbours", "simplex_facets"}));
+}
+
+TEST(Json, TheReportHasTheKeysOfTheContract) {
+  Example e = cube();
+  Statistics& s = e.hull.statistics;
+  s.threads = 2;
+  s.cull_method = "gauge x2";
+  s.survivors = 8;
+  s.cull_seconds = 0.25;
+  s.hull_seconds = 0.5;
+  JsonExtras extras;
+  extras.read_seconds = 0.125;
+  extras.compute_seconds_all = {3, 1, 2, 8};
+  extras.peak_bytes = 12345;
+  extras.certified = true;
+  const json j = json::parse(hull_to_json(e.view(), e.hull, extras, false));
+  EXPECT_EQ(j, (json{{"version", "0.1.0"},
+                     {"points", {{"count", 9}, {"dimension", 3}, {"scalar", "f64"}}},
+                     {"threads", 2},
+                     {"backend", "cpu"},
+                     {"cull", {{"method", "gauge x2"}, {"survivors", 8}, {"seconds", 0.25}}},
+                     {"hull", {{"engine", "native"}, {"seconds", 0.5}}},
+                     {"affine_dimension", 3},
+                     {"vertex_count", 8},
+                     {"facet_count", 6},
+                     {"simplex_count", 12},
+                     {"area", 6},
+                     {"volume", 1},
+                     {"centroid", {0.5, 0.5, 0.5}},
+                     {"read_seconds", 0.125},
+                     {"compute_seconds", 2.5},
+                     {"compute_seconds_all", {3, 1, 2, 8}},
+                     {"peak_bytes", 12345},
+                     {"certified", true}}));
+  e.hull.statistics.compute_seconds = 7;
+  const json plain = json::parse(hull_to_json(e.view(), e.hull, {}, true));
+  EXPECT_EQ(plain["certified"], nullptr);
+  EXPECT_EQ(plain["compute_seconds"], 7);
+  EXPECT_EQ(plain["compute_seconds_all"], json{7});
+  EXPECT_EQ(plain["facets"][0], (json{1, 2, 6, 5}));
+  EXPECT_EQ(plain["vertex_coordinates"][7], (json{1, 1, 1}));
+}
+
+TEST(Json, HostileFilesAreRefused) {
+  const json good = json::parse(result_text(cube()));
+  const auto refused = [&](const char* key, const json& value) {
+    json bad = good;
+    bad[key] = value;
+    const std::string text = bad.dump();
+    return error_of(ErrorCode::bad_file, [&] { read(text); });
+  };
+  const auto changed = [&](const char* key, std::initializer_list<std::size_t> path,
+                           const json& v) {
+    json value = good[key];
+    json* at = &value;
+    for (const std::size_t i : path) at = &(*at)[i];
+    *at = v;
+    return refused(key, value);
+  };
+  EXPECT_EQ(changed("vertices", {3}, 9), "F: vertices: item 3 is 9, but must be below 9");
+  EXPECT_EQ(changed("facets", {1, 2}, 9), "F: facets: item 6 is 9, but must be below 9");
+  EXPECT_EQ(changed("simplices", {0, 0}, 900), "F: simplices: item 0 is 900, but must be below 9");
+  EXPECT_EQ(changed("facet_neighbours", {0, 0}, 6),
+            "F: facet_neighbours: item 0 is 6, but must be below 6");
+  EXPECT_EQ(changed("simplex_neighbours", {0, 0}, 12),
+            "F: simplex_neighbours: item 0 is 12, but must be below 12");
+  EXPECT_EQ(changed("simplex_facets", {0}, 6),
+            "F: simplex_facets: item 0 is 6, but must be below 6");
+  EXPECT_EQ(changed("facet_neighbours", {0, 0}, 4294967296UL),
+            "F: facet_neighbours: 4294967296 is no index");
+  EXPECT_EQ(changed("simplices", {4}, {1, 2}), "F: simplices: entry 4 needs 3 items");
+  EXPECT_EQ(changed("facet_planes", {4}, {1, 2, 3}), "F: facet_planes: entry 4 needs 4 items");
+  EXPECT_EQ(changed("facets", {0}, {1, 2}), "F: facets: entry 0 has 2 vertices");
+  EXPECT_EQ(changed("facet_neighbours", {0}, {1, 2}), "F: facet_neighbours: entry 0 needs 4 items");
+  EXPECT_EQ(changed("vertices", {0}, -1), "F: vertices: a value of the wrong kind");
+  EXPECT_EQ(changed("vertices", {0}, 1.5), "F: vertices: a value of the wrong kind");
+  EXPECT_EQ(changed("vertices", {0}, {1}), "F: vertices: a value of the wrong kind");
+  EXPECT_EQ(changed("facets", {0}, 1), "F: facets: a value of the wrong kind");
+  EXPECT_EQ(refused("vertex_count", 7), "F: vertices: has 8 entries instead of 7");
+  EXPECT_EQ(refused("facet_count", 5), "F: facets: has 6 entries instead of 5");
+  EXPECT_EQ(refused("simplex_count", 13), "F: simplex_facets: has 12 entries instead of 13");
+  EXPECT_EQ(refused("affine_dimension", 4), "F: affine_dimension: 4 in dimension 3");
+  EXPECT_EQ(refused("affine_dimension", -2), "F: affine_dimension: -2 in dimension 3");
+  EXPECT_EQ(refused("affine_dimension", 0), "F: vertices: 8 cannot span affine dimension 0");
+  EXPECT_EQ(refused("affine_dimension", 2), "F: simplices: entry 0 needs 2 items");
+  EXPECT_EQ(refused("points", {{"count", 9}, {"dimension", 0}, {"scalar", "f64"}}),
+            "F: points: dimension 0");
+  EXPECT_EQ(refused("points", {{"count", 9}, {"dimension", 3}, {"scalar", "f16"}}),
+            "F: points: unknown scalar 'f16'");
+  EXPECT_EQ(refused("points", {{"count", 9}, {"dimension", 3}}),
+            "F: points: needs count, dimension and scalar");
+  EXPECT_EQ(refused("points", 3), "F: points: a value of the wrong kind");
+  EXPECT_EQ(refused("volume", "big"), "F: volume: a value of the wrong kind");
+  EXPECT_EQ(refused("centroid", {1, 2}), "F: centroid: needs one number for each dimension");
+  for (const auto& [key, value] : good.items()) {
+    if (key == "version" || key == "vertex_coordinates") continue;
+    json bad = good;
+    bad.erase(key);
+    const std::string text = bad.dump();
+    EXPECT_NE(error_of(ErrorCode::bad_file, [&] { read(text); }).find("F: " + key + ": missing"),
+              std::string::npos);
+  }
+}
+
+TEST(Json, BrokenSyntaxNamesTheByte) {
+  const std::string good = result_text(square());
+  for (std::size_t cut = 0; cut < good.size() - 2; cut += 7) {
+    const std::string text = good.substr(0, cut);
+    EXPECT_EQ(error_of(ErrorCode::bad_file, [&] { read(text); }).find("F: byte "), 0U) << cut;
+  }
+  const auto refused = [](const std::string& text) {
+    return error_of(ErrorCode::bad_file, [&] { read(text); });
+  };
+  EXPECT_EQ(refused(good + "x").find("F: byte "), 0U);
+  EXPECT_EQ(refused("[1, 2]"), "F: JSON: the text is a list, not a hull");
+  EXPECT_EQ(refused("3"), "F: JSON: a value of the wrong kind");
+  EXPECT_EQ(refused("{\"area\": 1, \"area\": 2}"), "F: area: given twice");
+  EXPECT_EQ(refused("{\"area\": 1e999}").find("F: byte "), 0U);
+  EXPECT_EQ(refused(std::string(100000, '[')).find("F: "), 0U);
+  EXPECT_EQ(refused("{\"other\": " + std::string(100000, '[')).find("F: byte "), 0U);
+}
+
+}  // namespace
+}  // namespace cullhull::testing

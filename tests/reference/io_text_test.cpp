@@ -1,0 +1,147 @@
+#include <cmath>
+
+#include "tests/io_fixtures.hpp"
+
+namespace cullhull::testing {
+namespace {
+
+TEST(Text, SeparatorsCommentsAndLineEnds) {
+  const Rows want{{1, -2.5}, {3, 4e-3}};
+  for (const char* text :
+       {"1 -2.5\n3 4e-3\n", "1,-2.5\n3,4e-3", "1 ; -2.5\r\n3;4e-3\r\n", "\t1\t-2.5\n\n3 .004\n\n",
+        "# head\n// too\n1 -2.5 # tail\n3 4e-3// tail\n", "\xEF\xBB\xBF+1 -2.5\n3. 4E-3"}) {
+    EXPECT_EQ(rows_of(parse(text, "txt").view), want) << text;
+    EXPECT_EQ(rows_of(parse(text, "xyz").view), want) << text;
+    EXPECT_EQ(rows_of(parse(text, "csv").view), want) << text;
+    EXPECT_EQ(rows_of(parse(text, "").view), want) << text;
+  }
+}
+
+TEST(Text, NumbersAreRoundedOnce) {
+  const auto p = parse("0.1 9007199254740993 1e-400 2.4703282292062328e-324 4.9e-324\n", "txt");
+  EXPECT_EQ(rows_of(p.view), (Rows{{0.1, 9007199254740992, 0, 5e-324, 5e-324}}));
+}
+
+TEST(Text, NotFiniteValuesPass) {
+  const auto p = parse("nan inf\n-INF NaN\n", "txt");
+  EXPECT_TRUE(std::isnan(p.view.at(0, 0)));
+  EXPECT_EQ(p.view.at(0, 1), INFINITY);
+  EXPECT_EQ(p.view.at(1, 0), -INFINITY);
+  EXPECT_TRUE(std::isnan(p.view.at(1, 1)));
+}
+
+TEST(Text, ColumnNames) {
+  const Rows want{{1, 2}};
+  EXPECT_EQ(rows_of(parse("# c\n\"x\", \"y\"\n1,2\n", "csv").view), want);
+  EXPECT_EQ(rows_of(parse("x y\n1 2\n", "csv").view), want);
+  EXPECT_EQ(rows_of(parse("x;y\n1;2\n", "").view), want);
+  EXPECT_EQ(refusal("x y\n1 2\n", "txt"), "F:1: 'x' is not a number");
+  EXPECT_EQ(refusal("x,y\nz,w\n1,2\n", "csv"), "F:2: 'z' is not a number");
+  EXPECT_EQ(refusal("x,y\n", "csv"), "F: no points after the line of column names");
+}
+
+TEST(Text, QhullsHeader) {
+  const Rows want{{1, 2, 3}, {4, 5, 6}};
+  for (const char* text : {"3 rbox 2 D3\n2\n1 2 3\n4 5 6\n", "3\n2\n1 2 3\n4 5 6\n"}) {
+    const auto p = parse(text, "txt");
+    EXPECT_EQ(p.format, "txt");
+    EXPECT_EQ(rows_of(p.view), want);
+    EXPECT_EQ(parse(text, "").format, "text (Qhull)");
+  }
+  EXPECT_EQ(rows_of(parse("1 words\n2\n5\n6\n", "txt").view), (Rows{{5}, {6}}));
+  // Without words, and one number a line, nothing tells a header from points.
+  EXPECT_EQ(rows_of(parse("3\n2\n7\n", "txt").view), (Rows{{3}, {2}, {7}}));
+  EXPECT_EQ(parse("3 rbox 0 D3\n0\n", "txt").view.count, 0U);
+  EXPECT_EQ(parse("3 rbox 0 D3\n0\n", "txt").view.dimension, 3U);
+  EXPECT_EQ(refusal("3 rbox 4 D3\n4\n1 2 3\n4 5 6\n", "txt"),
+            "F:2: promises 4 points, but 2 lines follow");
+  EXPECT_EQ(refusal("3 rbox 2 D3\n2\n1 2 3\n4 5\n", "txt"),
+            "F:4: 2 coordinates where the first point has 3");
+  EXPECT_EQ(refusal("0 none\n2\n1\n2\n", "txt"), "F:1: dimension 0");
+  EXPECT_EQ(refusal("4294967295 many\n2\n1\n2\n", "txt").find("F:3: 1 coordinates"), 0U);
+  EXPECT_EQ(refusal("3 apples\nand pears\n", "txt"), "F:1: 'apples' is not a number");
+}
+
+TEST(Text, RefusalsNameTheLine) {
+  EXPECT_EQ(refusal("1 2\n\n3 4 5\n", "txt"), "F:3: 3 coordinates where the first point has 2");
+  EXPECT_EQ(refusal("1 2\n# c\n3 word\n", "txt"), "F:3: 'word' is not a number");
+  EXPECT_EQ(refusal("1 2\n3 4x\n", "txt"), "F:2: '4x' is not a number");
+  EXPECT_EQ(refusal("1 2\n3 0x10\n", "txt"), "F:2: '0x10' is not a number");
+  EXPECT_EQ(refusal("1 2\n3 +-4\n", "txt"), "F:2: '+-4' is not a number");
+  EXPECT_EQ(refusal("1 2\n3 1d5\n", "txt"), "F:2: '1d5' is not a number");
+  EXPECT_EQ(refusal("1 2\n3 -1e999\n", "txt"), "F:2: '-1e999' exceeds the range of doubles");
+  EXPECT_EQ(refusal("1,2\n3,,4\n", "csv"), "F:2: column 2 is empty");
+  EXPECT_EQ(refusal("1,2\n3,4,\n", "csv"), "F:2: column 3 is empty");
+  EXPECT_EQ(refusal("1,2\n,3\n", "csv"), "F:2: column 1 is empty");
+  EXPECT_EQ(refusal("1,5;2,5\n", "csv").find("F:1: both ',' and ';'"), 0U);
+  EXPECT_EQ(refusal("1;5;2\n1;2,5\n", "csv").find("F:2: both ',' and ';'"), 0U);
+  EXPECT_EQ(refusal("# nothing\n\n", "txt"), "F: no points");
+  EXPECT_EQ(refusal("", "txt"), "F: empty file");
+  EXPECT_EQ(refusal(std::string_view("1 2\n3 \0\n", 8), "txt"), "F:2: '?' is not a number");
+}
+
+/// Lines of varying length across many chunks of the parallel parser.
+std::string long_text(std::size_t lines, Rows& want) {
+  std::string text = "# head\n";
+  std::uint64_t state = 1;
+  for (std::size_t i = 0; i < lines; ++i) {
+    std::vector<double> row;
+    for (int j = 0; j < 3; ++j) {
+      state = state * 6364136223846793005ULL + 1442695040888963407ULL;
+      row.push_back(std::ldexp(static_cast<double>(state >> 20), -static_cast<int>(state % 50)));
+      char number[40];
+      std::snprintf(number, sizeof number, "%.17g ", row.back());
+      text += number;
+    }
+    want.push_back(row);
+    text += i % 7 == 0 ? "# note\n\n" : "\n";
+  }
+  return text;
+}
+
+TEST(Text, ChunksKeepOrderAndLineNumbers) {
+  Rows want;
+  std::string text = long_text(60000, want);
+  ASSERT_GT(text.size(), 3U << 20);
+  for (const unsigned threads : {1U, 2U, 5U}) {
+    ReadOptions options;
+    options.threads = threads;
+    EXPECT_EQ(rows_of(parse(text, "txt", options).view), want);
+  }
+  const auto line_of = [&](std::size_t at) {
+    return std::to_string(std::count(text.begin(), text.begin() + static_cast<long>(at), '\n') + 1);
+  };
+  for (const double share : {0.3, 0.62, 0.98}) {
+    std::string bad = text;
+    const std::size_t at =
+        bad.find("\n", static_cast<std::size_t>(share * static_cast<double>(bad.size()))) + 1;
+    bad[at] = 'w';
+    if (text[at] == '\n') continue;
+    // A second fault further on must not win.
+    bad += "1 2\n";
+    const std::string message = refusal(bad, "txt");
+    EXPECT_EQ(message.substr(0, message.find(' ')), std::string("F:").append(line_of(at)) += ':');
+  }
+}
+
+TEST(Text, OneLongLine) {
+  std::string text;
+  for (int i = 0; i < 700000; ++i) text += std::to_string(i % 10) + ' ';
+  const auto p = parse(text, "txt");
+  EXPECT_EQ(p.view.count, 1U);
+  EXPECT_EQ(p.view.dimension, 700000U);
+  EXPECT_EQ(p.view.at(0, 699999), 9);
+  EXPECT_EQ(refusal(text + "\n1\n2\n", "txt"),
+            "F:2: 1 coordinates where the first point has 700000");
+}
+
+TEST(Text, StopsWhenAsked) {
+  std::stop_source source;
+  source.request_stop();
+  ReadOptions options;
+  options.stop = source.get_token();
+  error_of(ErrorCode::cancelled, [&] { parse("1 2\n", "txt", options); });
+}
+
+}  // namespace
+}  // namespace cullhull::testing
