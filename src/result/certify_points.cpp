@@ -144,7 +144,7 @@ class InnerFilter {
       const double rounding = 2 * u * (magnitude_ + 2);
       if (!(rounding < r / 2)) return false;
       tiny_ = r / 4;
-      slack_ = 2 * (rounding + 8 * u * 2) / (r / 2);
+      slack_ = 2 * (rounding + 16 * u) / (r / 2);
       return slack_ < 0.125;
     }
     return false;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
 #include "predicates/orientation.hpp"
 #include "result/cofactors.hpp"
@@ -160,7 +161,7 @@ Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vert
   f.k = k;
   f.axes = axes;
   const unsigned d = f.dimension;
-  f.raw.resize(vertices.size() * d);
+  resize_big(f.raw, vertices.size() * d);
   for_each_chunk(vertices.size(), measure_chunk, threads,
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                    for (std::uint64_t i = begin; i < end; ++i)
@@ -169,7 +170,7 @@ Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vert
   double largest = 0;
   for (const double v : f.raw) largest = std::max(largest, std::fabs(v));
   if (largest > 0) f.exponent = std::ilogb(largest) + 1;
-  f.scaled.resize(f.raw.size());
+  resize_big(f.scaled, f.raw.size());
   for (std::size_t i = 0; i < f.raw.size(); ++i) f.scaled[i] = scale_by(f.raw[i], -f.exponent);
   // A product of k extents must stay far above the smallest double.
   double narrowest = 1;
@@ -311,7 +312,7 @@ class Measurer {
     // The usual case: every facet is one simplex, whose plane and share of the sums need the same
     // normal. Reading the corners is what costs here.
     fused_ = !frame_.wild && hull_.facet_count() == count_;
-    hull_.facet_planes.resize(hull_.facet_count() * (std::size_t{frame_.dimension} + 1));
+    resize_big(hull_.facet_planes, hull_.facet_count() * (std::size_t{frame_.dimension} + 1));
     sum();
     if (!fused_) planes();
   }
