@@ -37,7 +37,8 @@ bench:
 	@scripts/install-deps.sh build bench
 	cmake --preset release -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=ON
 	cmake --build build/release -j $(JOBS)
-	@for b in build/release/bin/*_bench; do [ ! -x $$b ] || { echo "== $$b"; $$b || exit 1; }; done
+	build/release/bin/gauge_map_bench
+	build/release/bin/rivals_bench
 
 docs:
 	@scripts/install-deps.sh build docs
@@ -47,12 +48,7 @@ docs:
 
 fuzz:
 	@scripts/install-deps.sh build fuzz
-	cmake --preset fuzz
-	cmake --build build/fuzz -j $(JOBS)
-	@for f in build/fuzz/bin/*_fuzz; do [ ! -x $$f ] || { echo "== $$f"; \
-	  mkdir -p build/fuzz/corpus/$$(basename $$f); \
-	  $$f -max_total_time=$(FUZZ_SECONDS) -artifact_prefix=build/fuzz/ \
-	    build/fuzz/corpus/$$(basename $$f) || exit 1; }; done
+	@scripts/fuzz.sh $(FUZZ_SECONDS)
 
 format:
 	@scripts/install-deps.sh format

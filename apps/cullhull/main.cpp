@@ -62,6 +62,15 @@ std::vector<std::string> spell_out(int argc, char** argv) {
   return words;
 }
 
+std::string unknown_command(const CLI::App& parser, const std::vector<std::string>& words) {
+  if (words.empty() || words[0].empty() || words[0][0] == '-') return "";
+  const auto known = parser.get_subcommands([](const CLI::App*) { return true; });
+  const bool found = std::any_of(known.begin(), known.end(), [&](const CLI::App* command) {
+    return command->get_name() == words[0];
+  });
+  return found ? "" : words[0];
+}
+
 struct Registered {
   CLI::App* parser;
   app::Command command;
@@ -78,8 +87,12 @@ int run(int argc, char** argv) {
     app::Command command = add(parser);
     commands.push_back({parser.get_subcommands({}).back(), std::move(command)});
   }
+  auto words = spell_out(argc, argv);
+  if (const std::string word = unknown_command(parser, words); !word.empty()) {
+    app::complain("unknown command '" + word + "' (see cullhull --help)");
+    return app::bad_usage;
+  }
   try {
-    auto words = spell_out(argc, argv);
     std::reverse(words.begin(), words.end());  // the parser takes words from the back
     parser.parse(std::move(words));
   } catch (const CLI::ParseError& e) {

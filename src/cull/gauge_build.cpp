@@ -299,8 +299,8 @@ class Builder {
     static constexpr Rule rules[] = {{16, 512, 16384},
                                      {6, 1536, 65536},
                                      {1, 5832, 65536},
-                                     {0.25, 6250, 65536},
-                                     {0.1, 12288, 65536}};
+                                     {0.6, 6250, 65536},
+                                     {0.25, 12288, 65536}};
     const Rule& rule = rules[D - 2];
     const double nodes = std::clamp(rule.per_facet * facet_count_, rule.least, rule.most);
     const double edge = std::pow(nodes / (2 * D), 1.0 / (D - 1));

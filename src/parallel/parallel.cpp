@@ -25,7 +25,9 @@ void for_each_chunk(
     for (std::uint64_t c = 0; c < chunks; ++c) run(c);
     return;
   }
-  oneapi::tbb::task_arena arena(static_cast<int>(threads));
+  // oneTBB warns on standard error about arenas wider than the machine; the library never prints.
+  const int machine = oneapi::tbb::this_task_arena::max_concurrency();
+  oneapi::tbb::task_arena arena(std::min(static_cast<int>(threads), std::max(1, machine)));
   arena.execute([&] {
     oneapi::tbb::parallel_for(std::uint64_t{0}, chunks, run, oneapi::tbb::simple_partitioner{});
   });

@@ -119,6 +119,7 @@ class Assembler {
     for_each_chunk(count_, simplex_chunk, threads_,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                      for (std::uint64_t i = begin; i < end; ++i) {
+                       prefetch(i);
                        const std::uint32_t f = order_[i];
                        const std::uint32_t* ids = surface_.simplex(f);
                        const std::uint32_t* next = surface_.neighbours.data() + std::size_t{f} * k_;
@@ -130,6 +131,20 @@ class Assembler {
                        }
                      }
                    });
+  }
+
+  /// The old order knows nothing of the new: two steps of prefetching, records then what they name.
+  void prefetch(std::uint64_t i) const {
+    if (i + 32 >= count_) return;
+    const std::size_t far = std::size_t{order_[i + 32]} * k_,
+                      near = std::size_t{order_[i + 16]} * k_;
+    __builtin_prefetch(surface_.ids.data() + far);
+    __builtin_prefetch(surface_.neighbours.data() + far);
+    __builtin_prefetch(surface_.odd.data() + order_[i + 32]);
+    for (unsigned j = 0; j < k_; ++j) {
+      __builtin_prefetch(position_.data() + surface_.ids[near + j]);
+      __builtin_prefetch(rank_.data() + surface_.neighbours[near + j]);
+    }
   }
 
   void write_facets() {

@@ -1,6 +1,7 @@
 #include "result/measure.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <type_traits>
@@ -30,6 +31,13 @@ bool is_zero(const Wide& v) { return v.zero(); }
 double magnitude(double v) { return std::fabs(v); }
 double magnitude(const DoubleDouble& v) { return std::fabs(v.high); }
 Wide magnitude(const Wide& v) { return v.magnitude(); }
+
+/// v * 2^e; a multiplication where 2^e is a normal double.
+double scale_by(double v, int e) {
+  return e > -1022 && e < 1023
+             ? v * std::bit_cast<double>(static_cast<std::uint64_t>(e + 1023) << 52)
+             : std::ldexp(v, e);
+}
 
 /// The hull's vertices, in units that keep products within the doubles' range, and the map from
 /// the coordinate axes of the projection to the flat.
@@ -162,7 +170,7 @@ Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vert
   for (const double v : f.raw) largest = std::max(largest, std::fabs(v));
   if (largest > 0) f.exponent = std::ilogb(largest) + 1;
   f.scaled.resize(f.raw.size());
-  for (std::size_t i = 0; i < f.raw.size(); ++i) f.scaled[i] = std::ldexp(f.raw[i], -f.exponent);
+  for (std::size_t i = 0; i < f.raw.size(); ++i) f.scaled[i] = scale_by(f.raw[i], -f.exponent);
   // A product of k extents must stay far above the smallest double.
   double narrowest = 1;
   for (unsigned c = 0; c < k; ++c) {
@@ -300,6 +308,16 @@ class Measurer {
         count_(index.size() / k_) {}
 
   void run() {
+    // The usual case: every facet is one simplex, whose plane and share of the sums need the same
+    // normal. Reading the corners is what costs here.
+    fused_ = !frame_.wild && hull_.facet_count() == count_;
+    hull_.facet_planes.resize(hull_.facet_count() * (std::size_t{frame_.dimension} + 1));
+    sum();
+    if (!fused_) planes();
+  }
+
+ private:
+  void sum() {
     const double tolerance = 0x1p-42;
     if (!frame_.wild) {
       Totals<DoubleDouble> t = totals<double, DoubleDouble>();
@@ -315,7 +333,6 @@ class Measurer {
 
   void planes() {
     const unsigned d = frame_.dimension;
-    hull_.facet_planes.resize(hull_.facet_count() * (std::size_t{d} + 1));
     const std::vector<std::uint32_t> best = widest_simplices();
     for_each_chunk(hull_.facet_count(), measure_chunk, threads_,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
@@ -326,7 +343,13 @@ class Measurer {
                    });
   }
 
- private:
+  static constexpr std::uint64_t ahead = 12;
+  /// Corners lie anywhere in memory where ids do: ask for them early.
+  void prefetch(std::uint64_t i) const {
+    if (i >= count_) return;
+    for (unsigned j = 0; j < k_; ++j) __builtin_prefetch(frame_.at(simplex(i)[j]));
+  }
+
   void run_wide() { finish(totals<Wide, Wide>(), 0); }
 
   const std::uint32_t* simplex(std::uint64_t i) const { return index_.data() + i * k_; }
@@ -379,6 +402,7 @@ class Measurer {
     for (unsigned c = 0; c < d; ++c) moment[c] = 0;
     for (std::uint64_t i = begin; i < end; ++i) {
       const std::uint32_t* v = simplex(i);
+      prefetch(i + ahead);
       bool reliable = true;
       double size = 0;
       if constexpr (std::is_same_v<Real, double>) {
@@ -406,6 +430,9 @@ class Measurer {
         }
         moment[c] = moment[c] + height * sum;
       }
+      if constexpr (std::is_same_v<Real, double>)
+        if (fused_)
+          write_plane(i, n, reliable, hull_.facet_planes.data() + i * (d + std::uint64_t{1}));
     }
     out.volume = out.volume + Sum(volume);
     out.area = out.area + Sum(area);
@@ -486,17 +513,24 @@ class Measurer {
   }
 
   void plane(std::uint64_t i, double* out) const {
-    const unsigned d = frame_.dimension;
     double few[K ? K : 1];
     std::vector<double> many(K ? 0 : k_), scratch;
     double* n = K ? few : many.data();
     bool reliable = false;
     if (!frame_.wild) normal(i, n, scratch, &reliable);
+    write_plane(i, n, reliable, out);
+  }
+
+  /// From the normal of simplex i, which is overwritten.
+  void write_plane(std::uint64_t i, double* n, bool reliable, double* out) const {
+    const unsigned d = frame_.dimension;
     if (!reliable) exact_normal(i, n);
     double largest = 0;
     for (unsigned c = 0; c < k_; ++c) largest = std::max(largest, std::fabs(n[c]));
-    const int e = largest > 0 ? std::ilogb(largest) : 0;
-    for (unsigned c = 0; c < k_; ++c) n[c] = std::ldexp(n[c], -e);
+    if (!(largest > 0x1p-400 && largest < 0x1p400)) {
+      const int e = largest > 0 ? std::ilogb(largest) : 0;
+      for (unsigned c = 0; c < k_; ++c) n[c] = std::ldexp(n[c], -e);
+    }
     if (frame_.flat()) {
       std::fill(out, out + d, 0.0);
       for (unsigned r = 0; r < k_; ++r) {
@@ -515,7 +549,7 @@ class Measurer {
       out[c] /= l;
       offset -= out[c] * p[c];
     }
-    out[d] = std::ldexp(offset, frame_.exponent);
+    out[d] = scale_by(offset, frame_.exponent);
   }
 
   void exact_normal(std::uint64_t i, double* n) const {
@@ -536,6 +570,7 @@ class Measurer {
   Hull& hull_;
   const unsigned k_;
   const std::uint64_t count_;
+  bool fused_ = false;
 };
 
 template <unsigned K>
@@ -543,7 +578,6 @@ void measure_all(const Frame& frame, const std::vector<std::uint32_t>& index, un
                  const Control& control, Hull& hull) {
   Measurer<K> m(frame, index, threads, control, hull);
   m.run();
-  m.planes();
 }
 
 /// k = 1: the two simplices are the ends, which no orientation tells apart.

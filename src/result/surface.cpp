@@ -39,6 +39,7 @@ class RidgeScan {
   void chunk(std::uint64_t begin, std::uint64_t end, ChunkResult& out) const {
     const unsigned k = K ? K : surface_.k;
     for (std::uint64_t f = begin; f < end; ++f) {
+      prefetch(f + 8, k);
       const std::uint32_t* ids = surface_.simplex(f);
       for (unsigned i = 1; i < k; ++i)
         if (ids[i - 1] == ids[i]) fail_not_exact("a simplex uses a point twice");
@@ -64,6 +65,16 @@ class RidgeScan {
   }
 
  private:
+  void prefetch(std::uint64_t f, unsigned k) const {
+    if (f + 8 >= surface_.count()) return;
+    for (unsigned i = 0; i < k; ++i) {
+      const std::size_t g = surface_.neighbours[(f + 8) * k + i];
+      __builtin_prefetch(surface_.ids.data() + g * k);
+      __builtin_prefetch(surface_.neighbours.data() + g * k);
+      __builtin_prefetch(points_.row(surface_.ids[f * k + i]));
+    }
+  }
+
   template <unsigned K>
   struct Plane {
     double normal[K];

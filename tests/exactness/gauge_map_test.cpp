@@ -216,7 +216,7 @@ TEST_P(GaugeMapSeeds, DropsOnlyWhatIsStrictlyInside) {
       const SlowHull hull(affine(shape.vertices, shape.d, image.scale, image.shift), shape.d);
       if (hull.affine_dimension() < static_cast<int>(shape.d)) continue;  // rounded flat
       const auto rows = adversarial(hull, random, shape.d <= 3 ? 40 : 12);
-      for (const unsigned resolution : {0U, 2U, 5U}) {
+      for (const unsigned resolution : {0U, 3U}) {
         const auto map = GaugeMap::build(polytope_of(hull), resolution);
         if (!map) continue;
         expect_sound(hull, rows, survivors(*map, rows, shape.d), what);
@@ -226,7 +226,7 @@ TEST_P(GaugeMapSeeds, DropsOnlyWhatIsStrictlyInside) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, GaugeMapSeeds, ::testing::Values(1, 2, 3));
+INSTANTIATE_TEST_SUITE_P(Seeds, GaugeMapSeeds, ::testing::Values(1, 2));
 
 // A map that keeps everything would be sound too: at half the way to the boundary all must go,
 // near it most, and this under every scaling of the axes.
