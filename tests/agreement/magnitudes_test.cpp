@@ -24,6 +24,26 @@ TEST(Magnitudes, TheTinyEndOfALine) {
   }
 }
 
+TEST(Magnitudes, ThinnerThanTheSmallestVolume) {
+  // The volume underflows; the centroid does not. Found by the fuzzer.
+  PointSet s = named("one denormal thick", 4);
+  s.coordinates = {0, 0, 0, 0, 5e-324, 0, 0, 0, 0, 0, 0, 1, 1, 0, 1, 0};
+  const Hull h = expect_everywhere(s, {0, 1, 2, 3});
+  EXPECT_EQ(h.centroid, (std::vector<double>{0.25, 0, 0.25, 0.25}));
+}
+
+TEST(Magnitudes, UnitNormalsOfALongTriangle) {
+  // A flat triangle whose sides are 1e304 to 1. Found by the fuzzer.
+  for (unsigned d = 3; d <= 5; ++d) {
+    PointSet s = named("long triangle", d);
+    s.coordinates.assign(std::size_t{3} * d, 0.0);
+    s.coordinates[1] = 1;
+    s.coordinates[2] = -0x1.c00fc144286ep+1011;
+    s.coordinates[2 * d] = 1;
+    expect_everywhere(s, {0, 1, 2});
+  }
+}
+
 TEST(Magnitudes, AxesOfDifferentUnits) {
   for (unsigned d = 2; d <= 5; ++d) {
     PointSet s = random_grid(80, d, 4, 0, d);
