@@ -5,6 +5,7 @@
 
 #include "control.hpp"
 #include "cull/lattice_cull.hpp"
+#include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
@@ -114,6 +115,14 @@ SimplicialHull run_engine(const LocalFrame& frame, Engine engine, std::uint64_t 
   return hull_nd(points, frame.simplex().data(), budget, control);
 }
 
+/// Qhull decides with tolerances, so what it found must be proven before it is called the hull.
+void insist_on_proof(const PointView& points, const Hull& hull, const Options& options) {
+  const Certificate certificate = certify(points, hull, options);
+  if (!certificate.valid)
+    throw Error(ErrorCode::not_exact, "Qhull's result is not the exact hull (" +
+                                          certificate.reason + "); use the engine native");
+}
+
 }  // namespace
 }  // namespace internal
 
@@ -170,6 +179,7 @@ Hull convex_hull(const PointView& points, const Options& options) {
                            frame.axes().data()};
     build_hull(from, std::move(boundary), control, threads, hull);
   }
+  if (options.engine == Engine::qhull) insist_on_proof(points, hull, options);
   hull.statistics.hull_seconds = seconds_since(hull_start);
   hull.statistics.compute_seconds = seconds_since(start);
   control.report("done", 1);

@@ -386,7 +386,7 @@ Sign Insertion<D>::cone_side(Id f, unsigned j, Id point) {
   // An outward facet has orientation (-1)^(d+1) seen from O.
   const auto outward = [d](Sign s) { return d % 2 == 1 ? s : -s; };
   if constexpr (D > 0) {
-    if (points_.small_lattice)
+    if (points_.centroid_lattice)
       return outward(lattice_sign([&](unsigned i, unsigned c) {
         return (D + 1) * row(i == j ? point : v[i])[c] - simplex_sum_.data()[c];
       }));

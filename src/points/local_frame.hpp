@@ -38,7 +38,7 @@ class LocalFrame {
   bool independent(std::uint32_t candidate);
   std::uint32_t independent_by_scan();
   void keep_axes(std::vector<double>& rows) const;
-  bool on_small_lattice() const;
+  void detect_lattice();
 
   std::vector<double> raw_, scaled_;
   std::uint32_t count_;
