@@ -19,19 +19,20 @@ std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser: a fixed pseudo-
   return x ^ (x >> 31);
 }
 
-/// Position along a 2D Hilbert curve of 2^bits x 2^bits cells.
+/// Position along a 2D Hilbert curve of 2^bits x 2^bits cells. Without branches: they would be
+/// taken at random.
 std::uint32_t hilbert_2d(std::uint32_t x, std::uint32_t y, unsigned bits) {
   std::uint32_t key = 0;
-  for (std::uint32_t s = 1U << (bits - 1); s > 0; s >>= 1) {
-    const std::uint32_t rx = (x & s) != 0, ry = (y & s) != 0;
+  for (unsigned b = bits; b-- > 0;) {
+    const std::uint32_t rx = (x >> b) & 1U, ry = (y >> b) & 1U;
     key = (key << 2) | ((3 * rx) ^ ry);
-    if (ry == 0) {
-      if (rx == 1) {
-        x = ~x;
-        y = ~y;
-      }
-      std::swap(x, y);
-    }
+    const std::uint32_t turn = ry - 1;  // all ones where ry == 0
+    const std::uint32_t flip = turn & (0 - rx);
+    x ^= flip;
+    y ^= flip;
+    const std::uint32_t swap = (x ^ y) & turn;
+    x ^= swap;
+    y ^= swap;
   }
   return key;
 }
