@@ -458,7 +458,8 @@ typename Insertion<D>::Id Insertion<D>::locate_exactly(Id start, Id point) {
   // A visibility walk on the projection of the hull from O. The projection is a regular subdivision
   // but for its coplanar pieces, so a walk that picks the ridge at random ends with probability 1
   // (Devillers, Pion, Teillaud 2002).
-  for (;;) {
+  for (std::uint32_t step = 1;; ++step) {
+    if (step % 1024 == 0) control_.check();
     random_ ^= random_ << 13;
     random_ ^= random_ >> 7;
     random_ ^= random_ << 17;

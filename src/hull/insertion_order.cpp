@@ -53,7 +53,7 @@ std::uint32_t direction_key(const double* y) {
     axis = 2;
     m = az;
   }
-  if (!(m > 0)) return 0;
+  if (!(m > 0x1p-900)) return 0;  // the scale below must be finite
   const double scale = 0.5 * cells / m;
   const unsigned ua = axis == 0 ? 1 : 0, va = axis == 2 ? 1 : 2;
   const auto cell = [&](double c) {

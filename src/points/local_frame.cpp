@@ -24,8 +24,13 @@ int lowest_bit_exponent(double v) {
 
 }  // namespace
 
-LocalFrame::LocalFrame(std::vector<double>&& rows, std::uint32_t count, unsigned dimension)
-    : raw_(std::move(rows)), count_(count), dimension_(dimension), frame_(dimension) {
+LocalFrame::LocalFrame(std::vector<double>&& rows, std::uint32_t count, unsigned dimension,
+                       const Control& control)
+    : control_(control),
+      raw_(std::move(rows)),
+      count_(count),
+      dimension_(dimension),
+      frame_(dimension) {
   if (count == 0) return;
   measure_axes();
   const bool exact =
@@ -114,6 +119,7 @@ void LocalFrame::find_simplex(const std::vector<double>& scaled) {
   simplex_ = {first};
   std::vector<double> basis;  // orthonormal directions, row-major
   while (simplex_.size() - 1 < varying) {
+    control_.check();
     const auto rank = static_cast<unsigned>(simplex_.size() - 1);
     std::uint32_t next = farthest(scaled, basis, rank, std::max(1U, count_ / simplex_sample));
     if (!independent(next)) {
@@ -203,6 +209,7 @@ std::uint32_t LocalFrame::independent_by_scan() {
     };
     for (unsigned i = 0; i <= rank; ++i) project(flat[i], i);
     for (std::uint32_t i = 0; i < count_; ++i) {
+      if (i % 1024 == 0) control_.check();
       project(raw_.data() + std::size_t{i} * d, rank + 1);
       if (orientation(rank + 1, p.data()) != Sign::zero) return i;
     }
