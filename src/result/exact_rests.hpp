@@ -34,4 +34,17 @@ class ExactRests {
   std::vector<mpz_class> rests_;   // rows x d; row i times minors_[i]
 };
 
+/// The same measures for k = d, from the simplex's normal: each axis keeps its own unit, so the
+/// integers stay short where axes differ in magnitude, and Gram matrices would double them.
+class ExactNormal {
+ public:
+  /// The facet p[0], ..., p[d - 1], affinely independent, and an apex p[d].
+  ExactNormal(unsigned d, const double* const* p);
+  const Wide& area() const { return area_; }      ///< of the facet's parallelotope
+  const Wide& volume() const { return volume_; }  ///< with the apex
+
+ private:
+  Wide area_, volume_;
+};
+
 }  // namespace cullhull::internal

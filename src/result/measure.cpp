@@ -344,9 +344,16 @@ class Measurer {
     std::vector<const double*> corners;
     for (unsigned j = 0; j < k_; ++j) corners.push_back(frame_.raw_at(simplex(i)[j]));
     corners.push_back(frame_.raw_at(0));
-    const ExactRests rests(frame_.dimension, corners.data(), k_);
-    out.area = out.area + rests.measure(k_ - 1);
-    const Wide volume = rests.measure(k_);
+    Wide volume;
+    if (frame_.flat()) {
+      const ExactRests rests(frame_.dimension, corners.data(), k_);
+      out.area = out.area + rests.measure(k_ - 1);
+      volume = rests.measure(k_);
+    } else {
+      const ExactNormal normal(k_, corners.data());
+      out.area = out.area + normal.area();
+      volume = normal.volume();
+    }
     if (volume.zero()) return;
     out.volume = out.volume + volume;
     for (unsigned c = 0; c < frame_.dimension; ++c) {
