@@ -33,6 +33,12 @@ std::uint64_t Subject::position(std::uint64_t id) const {
 Sign Subject::side(std::uint32_t f, const double* x, const double** scratch) const {
   for (unsigned j = 0; j < k; ++j) scratch[j] = row(simplex(f)[j]);
   scratch[k] = x;
+  // A facet at right angles to an axis: equality tells that x is in its plane, as grids have many.
+  for (unsigned c = 0; c < k; ++c) {
+    bool level = true;
+    for (unsigned j = 0; j < k && level; ++j) level = scratch[j][c] == x[c];
+    if (level) return Sign::zero;
+  }
   Rung rung = Rung::filter;
   const Sign sign = orientation(k, scratch, &rung);
   if (rung == Rung::exact) exact_decisions.fetch_add(1, std::memory_order_relaxed);
