@@ -94,6 +94,8 @@ TEST(Certify, EmptyAndSingle) {
   h.point_count = 2;
   h.affine_dimension = 0;
   h.vertices = {0};
+  EXPECT_EQ(reason(same, h), "the centroid is not the only point");
+  h.centroid = {1, 2, 3};
   EXPECT_EQ(reason(same, h), "");
   expect_fault(
       same, h, [](Hull& b) { b.vertices = {1}; }, "vertex should be point 0");
