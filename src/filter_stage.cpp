@@ -5,6 +5,7 @@
 
 #include "cull/gauge_map.hpp"
 #include "cull/planner.hpp"
+#include "cull/pseudo_hull.hpp"
 #include "hull/engine.hpp"
 #include "points/gather.hpp"
 #include "points/local_frame.hpp"
@@ -98,6 +99,43 @@ std::vector<double> pick_rows(const std::vector<double>& rows, unsigned d,
   return out;
 }
 
+/// Leaves of the survivors those with the given positions among them.
+void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept) {
+  std::vector<std::uint64_t> ids(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) ids[i] = result.survivors.ids[kept[i]];
+  result.rows = pick_rows(result.rows, d, kept);
+  result.survivors.ids = std::move(ids);
+}
+
+PointView view_of_rows(const Filtered& result, unsigned d) {
+  return PointView::row_major(result.rows.data(), result.survivors.ids.size(), d);
+}
+
+/// The paper's two levels: the subsets' pseudo-hulls, then one of all that they left.
+Filtered run_pseudo_hull(const PointView& points, const Control& control, unsigned threads) {
+  const unsigned d = points.dimension;
+  Filtered result;
+  control.report("cull", 0);
+  const PseudoHullSettings by_subsets;
+  result.survivors.ids = pseudo_hull_survivors(points, by_subsets, threads, control);
+  result.survivors.method = "pseudo-hull";
+  if (result.survivors.ids.size() == points.count) {
+    result.survivors.ids = {};
+    result.survivors.all = true;
+    return result;
+  }
+  result.rows =
+      gather_points(points, result.survivors.ids.data(), result.survivors.ids.size(), threads);
+  control.report("cull", 0.8);
+  // What one pseudo-hull's 32-bit numbers cannot hold stays as it is.
+  if (result.survivors.ids.size() > pseudo_hull_most_points) return result;
+  PseudoHullSettings whole;
+  whole.subsets = 1;
+  keep_of_survivors(result, d,
+                    pseudo_hull_survivors(view_of_rows(result, d), whole, threads, control));
+  return result;
+}
+
 }  // namespace
 
 Filtered run_filter(const PointView& points, const Options& options, const Control& control,
@@ -105,9 +143,12 @@ Filtered run_filter(const PointView& points, const Options& options, const Contr
   Filtered result;
   result.survivors.all = true;
   const unsigned d = points.dimension;
+  if (options.cull == CullMethod::pseudo_hull && d >= pseudo_hull_min_dimension &&
+      d <= pseudo_hull_max_dimension && points.count > d + 1)
+    return run_pseudo_hull(points, control, threads);
   const bool forced = options.cull == CullMethod::gauge;
-  if (options.cull == CullMethod::none || d < GaugeMap::min_dimension ||
-      d > GaugeMap::max_dimension || points.count <= d + 1 ||
+  if (options.cull == CullMethod::none || options.cull == CullMethod::pseudo_hull ||
+      d < GaugeMap::min_dimension || d > GaugeMap::max_dimension || points.count <= d + 1 ||
       (!forced && points.count < smallest_worth_culling(d)))
     return result;
 
@@ -129,15 +170,11 @@ Filtered run_filter(const PointView& points, const Options& options, const Contr
   result.rows =
       gather_points(points, result.survivors.ids.data(), result.survivors.ids.size(), threads);
   control.report("cull", 0.8);
-  const PointView left = PointView::row_major(result.rows.data(), result.survivors.ids.size(), d);
+  const PointView left = view_of_rows(result, d);
   if (left.count < smallest_worth_refining(d)) return result;
   map = map_of_sample(left, true, threads, control);
   if (map == nullptr) return result;
-  const std::vector<std::uint64_t> kept = map->survivors(left, threads, control);
-  std::vector<std::uint64_t> ids(kept.size());
-  for (std::size_t i = 0; i < kept.size(); ++i) ids[i] = result.survivors.ids[kept[i]];
-  result.rows = pick_rows(result.rows, d, kept);
-  result.survivors.ids = std::move(ids);
+  keep_of_survivors(result, d, map->survivors(left, threads, control));
   result.survivors.method = "gauge x2";
   return result;
 }

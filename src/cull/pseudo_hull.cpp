@@ -86,7 +86,7 @@ void filter_subset(const PointView& view, const Subset& subset, unsigned max_rou
                    const Control& control, std::vector<PseudoHullRound>& rounds,
                    std::vector<std::uint64_t>& kept) {
   const std::uint64_t size = subset.size();
-  if (size >= place_uncertain / D)
+  if (size > pseudo_hull_most_points)
     throw Error(ErrorCode::out_of_budget, std::to_string(size) +
                                               " points are too many for one pseudo-hull; "
                                               "use more subsets");

@@ -26,6 +26,9 @@ struct PseudoHullSettings {
   unsigned max_rounds = 1000;
 };
 
+/// The largest subset: cells of the facet stream have 32-bit numbers.
+inline constexpr std::uint64_t pseudo_hull_most_points = std::uint64_t{1} << 28;
+
 inline constexpr unsigned pseudo_hull_min_dimension = 2, pseudo_hull_max_dimension = 8;
 
 /// Ids (ascending, indices into `points`) of all points that are not provably strictly inside the
