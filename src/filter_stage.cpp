@@ -23,7 +23,8 @@ std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
     random ^= random << 13;
     random ^= random >> 7;
     random ^= random << 17;
-    const double at = (static_cast<double>(i) + static_cast<double>(random >> 11) * 0x1p-53) * stretch;
+    const double at =
+        (static_cast<double>(i) + static_cast<double>(random >> 11) * 0x1p-53) * stretch;
     ids[i] = std::min(count - 1, static_cast<std::uint64_t>(at));
   }
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
@@ -38,10 +39,9 @@ InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, const Contr
   const LocalFrame frame(std::move(rows), count, d);
   if (frame.affine_dimension() != static_cast<int>(d)) return polytope;
   constexpr std::uint64_t budget = std::uint64_t{1} << 30;
-  SimplicialHull hull =
-      d == 2   ? hull_2d(frame.points(), control)
-      : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), budget, control)
-               : hull_nd(frame.points(), frame.simplex().data(), budget, control);
+  SimplicialHull hull = d == 2   ? hull_2d(frame.points(), control)
+                        : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), budget, control)
+                                 : hull_nd(frame.points(), frame.simplex().data(), budget, control);
   // Renumber the vertices in use.
   constexpr std::uint32_t unused = 0xFFFFFFFF;
   std::vector<std::uint32_t> number(count, unused);

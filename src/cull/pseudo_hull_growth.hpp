@@ -1,13 +1,17 @@
-// One pseudo-hull, grown round by round over the data-parallel primitives (the paper's Algorithm 1).
+// One pseudo-hull, grown round by round over the data-parallel primitives (the paper's Algorithm
+// 1).
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "control.hpp"
 #include "cull/pseudo_hull.hpp"
 #include "cull/pseudo_hull_math.hpp"
 #include "cull/pseudo_hull_start.hpp"
+#include "parallel/big_array.hpp"
 #include "parallel/primitives.hpp"
 
 namespace cullhull::internal {
@@ -29,8 +33,14 @@ class PseudoHullGrowth {
   /// every coordinate.
   double* rows(std::uint32_t count) {
     count_ = count;
-    if (rows_.size() < std::size_t{count} * D) rows_.resize(std::size_t{count} * D);
-    return rows_.data();
+    if (capacity_ < count) {
+      rows_ = BigArray<double>(std::size_t{count} * D);
+      points_ = BigArray<ExteriorPoint>(count);
+      next_points_ = BigArray<ExteriorPoint>(count);
+      place_ = BigArray<std::uint32_t>(count);
+      capacity_ = count;
+    }
+    return rows_.get();
   }
 
   /// Grows to the end; afterwards culled()[i] tells whether row i is strictly inside. `rounds`
@@ -38,7 +48,7 @@ class PseudoHullGrowth {
   void run(unsigned max_rounds, const Control& control, std::vector<PseudoHullRound>& rounds) {
     culled_.assign(count_, 0);
     if (!start(rounds)) return;
-    for (unsigned r = 1; r <= max_rounds && !points_.empty(); ++r) {
+    for (unsigned r = 1; r <= max_rounds && exterior_ != 0; ++r) {
       control.check();
       round(at(rounds, r));
     }
@@ -47,13 +57,14 @@ class PseudoHullGrowth {
 
   // What the tests look at.
   const std::vector<PseudoFacet<D>>& facets() const { return facets_; }
-  const std::vector<ExteriorPoint>& exterior_points() const { return points_; }
+  std::uint32_t exterior_count() const { return exterior_; }
+  const ExteriorPoint& exterior_point(std::uint32_t i) const { return points_[i]; }
   const double* vertex(std::uint32_t v) const { return vertices_.data() + std::size_t{v} * D; }
 
   /// Algorithm 1's first part: the simplex and the exterior sets of its facets. False if there is
   /// no simplex; then nothing is culled.
   bool start(std::vector<PseudoHullRound>& rounds) {
-    points_.clear();
+    exterior_ = 0;
     facets_.clear();
     vertices_.clear();
     double scale[D];
@@ -64,7 +75,7 @@ class PseudoHullGrowth {
       for (std::size_t i = std::size_t{b} * block; i < std::min(count_, (b + 1) * block); ++i)
         for (unsigned k = 0; k < D; ++k) rows_[i * D + k] *= scale[k];
     });
-    if (!choose_simplex(rows_.data(), count_, e, executor_, simplex)) return false;
+    if (!choose_simplex(rows_.get(), count_, e, executor_, simplex)) return false;
     for (const std::uint32_t v : simplex) vertices_.insert(vertices_.end(), row(v), row(v) + D);
     if (!first_facets()) return false;
     assign_first(at(rounds, 0));
@@ -75,14 +86,13 @@ class PseudoHullGrowth {
   /// Every facet with an exterior set is replaced by the D facets through its apex.
   void round(PseudoHullRound& report) {
     const auto facets = static_cast<std::uint32_t>(facets_.size());
-    const auto count = static_cast<std::uint32_t>(points_.size());
     apex_.resize(facets);
     executor_.segmented_argmax(
-        count, facets, [&](std::uint32_t i) { return points_[i].facet; },
+        exterior_, facets, [&](std::uint32_t i) { return points_[i].facet; },
         [&](std::uint32_t i) { return points_[i].distance; }, apex_.data());
     const std::uint32_t first_apex = replace_facets();
     reassign(first_apex, facets);
-    tally(count, report);
+    tally(report);
     report.facets += facets;
     compact(facets * D);
   }
@@ -95,13 +105,13 @@ class PseudoHullGrowth {
     return rounds[r];
   }
   std::uint32_t blocks() const { return static_cast<std::uint32_t>(chunk_count(count_, block)); }
-  const double* row(std::uint32_t i) const { return rows_.data() + std::size_t{i} * D; }
+  const double* row(std::uint32_t i) const { return rows_.get() + std::size_t{i} * D; }
 
   AxisExtremes<D> extremes() const {
     return executor_.reduce(
         blocks(), AxisExtremes<D>{},
         [&](std::uint32_t b) {
-          return axis_extremes<D>(rows_.data(), b * block, std::min(count_, (b + 1) * block));
+          return axis_extremes<D>(rows_.get(), b * block, std::min(count_, (b + 1) * block));
         },
         [](AxisExtremes<D> a, const AxisExtremes<D>& b) {
           a.take(b);
@@ -125,21 +135,24 @@ class PseudoHullGrowth {
 
   /// All rows become exterior points of the simplex for a moment; compact() leaves those that are.
   void assign_first(PseudoHullRound& report) {
-    points_.resize(count_);
-    place_.resize(count_);
+    exterior_ = count_;
+    PseudoFacet<D> facet[D + 1];  // copies, and so known not to change in the loop
+    double base[D + 1][D];
+    for (unsigned f = 0; f <= D; ++f) {
+      facet[f] = facets_[f];
+      std::copy_n(vertex(facet[f].vertex[0]), D, base[f]);
+    }
     executor_.for_each(count_, [&](std::uint32_t i) {
       const double* x = row(i);
       PlaceSearch search;
       for (unsigned f = 0; f <= D; ++f)
-        search.offer(
-            f, pseudo_distance<D>(facets_[f].normal, vertex(facets_[f].vertex[0]), x),
-            facets_[f].error);
+        search.offer(f, pseudo_distance<D>(facet[f].normal, base[f], x), facet[f].error);
       const Place place = search.result();
       points_[i] = {i, 0, place.distance};
       place_[i] = place.facet;
       culled_[i] = place.facet == place_inside;
     });
-    tally(count_, report);
+    tally(report);
   }
 
   /// The apexes become vertices, the facet stream grows to D cells a facet. Returns the vertex of
@@ -172,8 +185,7 @@ class PseudoHullGrowth {
 
   /// Each exterior point of a facet moves to the nearest of the new ones it is outside of.
   void reassign(std::uint32_t first_apex, std::uint32_t facets) {
-    place_.resize(points_.size());
-    executor_.for_each(static_cast<std::uint32_t>(points_.size()), [&](std::uint32_t i) {
+    executor_.for_each(exterior_, [&](std::uint32_t i) {
       ExteriorPoint& p = points_[i];
       const double* x = row(p.row);
       const double* apex = vertex(first_apex + p.facet);
@@ -190,53 +202,55 @@ class PseudoHullGrowth {
     });
   }
 
-  void tally(std::uint32_t count, PseudoHullRound& report) {
+  void tally(PseudoHullRound& report) {
     struct Sum {
       std::uint64_t culled, kept;
     };
     const Sum sum = executor_.reduce(
-        count, Sum{0, 0},
+        exterior_, Sum{0, 0},
         [&](std::uint32_t i) {
           return Sum{place_[i] == place_inside ? 1U : 0U, place_[i] == place_uncertain ? 1U : 0U};
         },
-        [](const Sum& a, const Sum& b) { return Sum{a.culled + b.culled, a.kept + b.kept}; });
-    report.exterior += count;
+        [](const Sum& a, const Sum& b) {
+          return Sum{a.culled + b.culled, a.kept + b.kept};
+        });
+    report.exterior += exterior_;
     report.culled += sum.culled;
     report.kept += sum.kept;
   }
 
   /// Removes the null cells of the facet stream and the points that have found their place.
   void compact(std::uint32_t cells) {
-    const auto count = static_cast<std::uint32_t>(points_.size());
-    number_.assign(cells, 0);
-    executor_.for_each(count, [&](std::uint32_t i) {
-      if (place_[i] < place_uncertain) mark(number_[place_[i]]);
-    });
+    // The cell after the last stands for all points that have found their place.
+    number_.assign(std::size_t{cells} + 1, 0);
+    executor_.for_each(exterior_,
+                       [&](std::uint32_t i) { mark(number_[std::min(place_[i], cells)]); });
     const auto facets = executor_.exclusive_scan(number_.data(), cells);
+    number_[cells] = facets;
     next_facets_.resize(facets);
     executor_.for_each(cells, [&](std::uint32_t c) {
-      const std::uint32_t end = c + 1 < cells ? number_[c + 1] : facets;
-      if (number_[c] != end) next_facets_[number_[c]] = facets_[c];
+      if (number_[c] != number_[c + 1]) next_facets_[number_[c]] = facets_[c];
     });
     facets_.swap(next_facets_);
 
-    next_points_.resize(count);
-    const std::uint32_t left = executor_.select(
-        count, [&](std::uint32_t i) { return place_[i] < place_uncertain; },
+    exterior_ = executor_.select(
+        exterior_, [&](std::uint32_t i) { return place_[i] < cells; },
         [&](std::uint32_t i, std::uint32_t k) {
-          next_points_[k] = {points_[i].row, number_[place_[i]], points_[i].distance};
+          next_points_[k] = {points_[i].row, number_[std::min(place_[i], cells)],
+                             points_[i].distance};
         });
-    next_points_.resize(left);
-    points_.swap(next_points_);
+    std::swap(points_, next_points_);
   }
 
   Executor executor_;
-  std::uint32_t count_ = 0;
-  std::vector<double> rows_, vertices_;
+  std::uint32_t count_ = 0, capacity_ = 0, exterior_ = 0;
+  BigArray<double> rows_;
+  BigArray<ExteriorPoint> points_, next_points_;
+  BigArray<std::uint32_t> place_;
+  std::vector<double> vertices_;
   std::vector<char> culled_;
   std::vector<PseudoFacet<D>> facets_, next_facets_;
-  std::vector<ExteriorPoint> points_, next_points_;
-  std::vector<std::uint32_t> apex_, place_, number_;
+  std::vector<std::uint32_t> apex_, number_;
 };
 
 }  // namespace cullhull::internal

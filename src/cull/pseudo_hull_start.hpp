@@ -112,9 +112,9 @@ class Flat {
 };
 
 /// D + 1 rows that span a simplex: two of the axes' extreme points farthest from one another, then
-/// each time the one farthest from the flat of those before; where the extreme points lie in a flat,
-/// the farthest of all points. False if the points lie in a flat, or so nearly that doubles cannot
-/// tell.
+/// each time the one farthest from the flat of those before; where the extreme points lie in a
+/// flat, the farthest of all points. False if the points lie in a flat, or so nearly that doubles
+/// cannot tell.
 template <unsigned D, class Executor>
 bool choose_simplex(const double* rows, std::uint32_t count, const AxisExtremes<D>& e,
                     const Executor& executor, std::uint32_t* simplex) {

@@ -36,13 +36,17 @@ class SerialExecutor {
     return identity;
   }
 
-  /// Stable compaction: emit(i, k) for the k-th i (from 0) with keep(i); returns how many there are.
-  /// `keep` may be asked twice and must answer alike.
+  /// Stable compaction: emit(i, k) for the k-th i (from 0) with keep(i); returns how many there
+  /// are. `keep` may be asked twice and must answer alike. An executor may emit an item that is not
+  /// kept to a place k < count that is overwritten or beyond the end: it spares an unpredictable
+  /// branch.
   template <class Keep, class Emit>
   std::uint32_t select(std::uint32_t count, Keep&& keep, Emit&& emit) const {
     std::uint32_t k = 0;
-    for (std::uint32_t i = 0; i < count; ++i)
-      if (keep(i)) emit(i, k++);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      emit(i, k);
+      k += static_cast<std::uint32_t>(keep(i));
+    }
     return k;
   }
 
@@ -57,8 +61,8 @@ class SerialExecutor {
     return sum;
   }
 
-  /// winner[s] becomes the item i of segment(i) == s with the largest value(i) >= 0, the lowest i of
-  /// equal ones; no_item for a segment without items. Items need not be grouped.
+  /// winner[s] becomes the item i of segment(i) == s with the largest value(i) >= 0, the lowest i
+  /// of equal ones; no_item for a segment without items. Items need not be grouped.
   template <class Segment, class Value>
   void segmented_argmax(std::uint32_t count, std::uint32_t segments, Segment&& segment,
                         Value&& value, std::uint32_t* winner) {
@@ -118,8 +122,8 @@ class TbbExecutor {
                        kept += keep(static_cast<std::uint32_t>(i)) ? 1 : 0;
                      offsets[c] = kept;
                    });
-    const std::uint32_t total = serial_.exclusive_scan(
-        offsets.data(), static_cast<std::uint32_t>(offsets.size()));
+    const std::uint32_t total =
+        serial_.exclusive_scan(offsets.data(), static_cast<std::uint32_t>(offsets.size()));
     for_each_chunk(count, chunk, threads_,
                    [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
                      std::uint32_t k = offsets[c];
@@ -138,8 +142,8 @@ class TbbExecutor {
                      for (std::uint64_t i = begin; i < end; ++i) sum += values[i];
                      offsets[c] = sum;
                    });
-    const std::uint32_t total = serial_.exclusive_scan(
-        offsets.data(), static_cast<std::uint32_t>(offsets.size()));
+    const std::uint32_t total =
+        serial_.exclusive_scan(offsets.data(), static_cast<std::uint32_t>(offsets.size()));
     for_each_chunk(count, chunk, threads_,
                    [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
                      std::uint32_t sum = offsets[c];
@@ -160,9 +164,7 @@ class TbbExecutor {
     best_.assign(segments, 0);
     for (std::uint32_t s = 0; s < segments; ++s) winner[s] = no_item;
     const auto bits = [&](std::uint32_t i) { return std::bit_cast<std::uint64_t>(value(i) + 0.0); };
-    for_each(count, [&](std::uint32_t i) {
-      raise(best_[segment(i)], bits(i));
-    });
+    for_each(count, [&](std::uint32_t i) { raise(best_[segment(i)], bits(i)); });
     for_each(count, [&](std::uint32_t i) {
       if (bits(i) == best_[segment(i)]) lower(winner[segment(i)], i);
     });

@@ -77,8 +77,8 @@ class AllPaths {
         compare(view_of(set_), cull, 2, "rows of f64");
       return reference;
     }
-    for (CullMethod cull : {CullMethod::none, CullMethod::gauge, CullMethod::pseudo_hull,
-                            CullMethod::automatic})
+    for (CullMethod cull :
+         {CullMethod::none, CullMethod::gauge, CullMethod::pseudo_hull, CullMethod::automatic})
       for (unsigned threads : {1U, 2U}) compare(view_of(set_), cull, threads, "rows of f64");
     layouts(set_.coordinates, "f64");
     scalar<float>("f32");

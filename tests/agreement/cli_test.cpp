@@ -237,8 +237,8 @@ TEST(Cli, CullKeepsEveryVertex) {
 TEST(Cli, CullByThePapersFilter) {
   const Folder f;
   write_points(f / "p.npy", "ball", 50000, 3);
-  const auto json = nlohmann::json::parse(
-      run_app({"cull", f / "p.npy", "--cull", "pseudo-hull", "--json"}).out);
+  const auto json =
+      nlohmann::json::parse(run_app({"cull", f / "p.npy", "--cull", "pseudo-hull", "--json"}).out);
   EXPECT_EQ(json["cull"]["method"], "pseudo-hull");
   EXPECT_LT(json["cull"]["survivors"], 50000 / 10);
 }
