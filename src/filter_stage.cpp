@@ -127,12 +127,11 @@ Filtered run_pseudo_hull(const PointView& points, const Control& control, unsign
   result.rows =
       gather_points(points, result.survivors.ids.data(), result.survivors.ids.size(), threads);
   control.report("cull", 0.8);
-  // What one pseudo-hull's 32-bit numbers cannot hold stays as it is.
-  if (result.survivors.ids.size() > pseudo_hull_most_points) return result;
-  PseudoHullSettings whole;
-  whole.subsets = 1;
+  // One pseudo-hull of all of them, unless its points and facets would take a gigabyte or more.
+  PseudoHullSettings second;
+  second.subsets = result.survivors.ids.size() <= (std::uint64_t{1} << 23) / d ? 1 : 0;
   keep_of_survivors(result, d,
-                    pseudo_hull_survivors(view_of_rows(result, d), whole, threads, control));
+                    pseudo_hull_survivors(view_of_rows(result, d), second, threads, control));
   return result;
 }
 

@@ -61,7 +61,7 @@ AxisExtremes<D> axis_extremes(const double* rows, std::uint32_t begin, std::uint
   return e;
 }
 
-/// Powers of two that bring the extent of every axis to at most 1, and above 1/2 unless it is below
+/// Powers of two that bring the extent of every axis into [1/2, 1], or below where it is less than
 /// 2^-1000. False if an axis has no extent: the points lie in a flat.
 template <unsigned D>
 bool axis_scales(const AxisExtremes<D>& e, double* scale) {
