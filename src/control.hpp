@@ -9,7 +9,6 @@ namespace cullhull::internal {
 class Control {
  public:
   explicit Control(const Options& options) : progress_(&options.progress), stop_(options.stop) {}
-  bool cancelled() const { return stop_.stop_requested(); }
   /// Throws Error{cancelled} if the caller asked to stop. Cheap: call it every few thousand steps.
   void check() const {
     if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");

@@ -9,6 +9,7 @@
 #include "hull/engine.hpp"
 #include "points/gather.hpp"
 #include "points/local_frame.hpp"
+#include "points/memory.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -31,17 +32,24 @@ std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
   return ids;
 }
 
-/// The exact hull of some input points, as the filter wants it; dimension 0 if they lie in a flat.
-InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, const Control& control) {
+/// The exact hull of some input points, as the filter wants it; dimension 0 if they lie in a flat
+/// or the hull would exceed the budget.
+InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, std::uint64_t budget,
+                             const Control& control) {
   InnerPolytope polytope;
   const auto count = static_cast<std::uint32_t>(rows.size() / d);
   const std::vector<double> original = rows;
-  const LocalFrame frame(std::move(rows), count, d);
+  const LocalFrame frame(std::move(rows), count, d, control);
   if (frame.affine_dimension() != static_cast<int>(d)) return polytope;
-  constexpr std::uint64_t budget = std::uint64_t{1} << 30;
-  SimplicialHull hull = d == 2   ? hull_2d(frame.points(), control)
-                        : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), budget, control)
-                                 : hull_nd(frame.points(), frame.simplex().data(), budget, control);
+  SimplicialHull hull;
+  try {
+    hull = d == 2   ? hull_2d(frame.points(), control)
+           : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), budget, control)
+                    : hull_nd(frame.points(), frame.simplex().data(), budget, control);
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::out_of_budget) throw;
+    return polytope;  // the filter is a help, not a need
+  }
   // Renumber the vertices in use.
   constexpr std::uint32_t unused = 0xFFFFFFFF;
   std::vector<std::uint32_t> number(count, unused);
@@ -68,25 +76,25 @@ struct Sampled {
 };
 
 Sampled hull_of_sample(const PointView& points, std::uint64_t size, unsigned threads,
-                       const Control& control) {
+                       std::uint64_t budget, const Control& control) {
   const std::vector<std::uint64_t> ids = sample_ids(points.count, size);
   Sampled s;
   s.size = ids.size();
   s.polytope = inner_polytope(gather_points(points, ids.data(), ids.size(), threads),
-                              points.dimension, control);
+                              points.dimension, budget, control);
   return s;
 }
 
 /// A map over `points` from a sample of them, or null where it would not pay.
 std::unique_ptr<GaugeMap> map_of_sample(const PointView& points, bool forced, unsigned threads,
-                                        const Control& control) {
+                                        std::uint64_t budget, const Control& control) {
   const unsigned d = points.dimension;
   const std::uint64_t probe_size = probe_sample_size(points.count, d);
-  Sampled sample = hull_of_sample(points, probe_size, threads, control);
+  Sampled sample = hull_of_sample(points, probe_size, threads, budget, control);
   if (sample.polytope.dimension == 0) return nullptr;
   if (!forced && !cull_pays(points.count, d, sample.size, sample.extreme())) return nullptr;
   const std::uint64_t size = map_sample_size(points.count, d, sample.size, sample.extreme());
-  if (size > sample.size) sample = hull_of_sample(points, size, threads, control);
+  if (size > sample.size) sample = hull_of_sample(points, size, threads, budget, control);
   if (sample.polytope.dimension == 0) return nullptr;
   return GaugeMap::build(sample.polytope);
 }
@@ -112,7 +120,8 @@ PointView view_of_rows(const Filtered& result, unsigned d) {
 }
 
 /// The paper's two levels: the subsets' pseudo-hulls, then one of all that they left.
-Filtered run_pseudo_hull(const PointView& points, const Control& control, unsigned threads) {
+Filtered run_pseudo_hull(const PointView& points, const Control& control, unsigned threads,
+                         std::uint64_t budget) {
   const unsigned d = points.dimension;
   Filtered result;
   control.report("cull", 0);
@@ -124,12 +133,17 @@ Filtered run_pseudo_hull(const PointView& points, const Control& control, unsign
     result.survivors.all = true;
     return result;
   }
+  const std::uint64_t left = result.survivors.ids.size();
+  require_budget(budget, left * (d + 2) * sizeof(double),
+                 std::to_string(left) + " points that survive the filter");
   result.rows =
       gather_points(points, result.survivors.ids.data(), result.survivors.ids.size(), threads);
   control.report("cull", 0.8);
-  // One pseudo-hull of all of them, unless its points and facets would take a gigabyte or more.
+  // One pseudo-hull of all of them, unless it would be large: a point takes 45 bytes and its
+  // coordinates, and there are at most half as many facets, each with d cells and d more to be.
+  const std::uint64_t bytes = left * (8 * d + 45 + d * (12 * d + 8));
   PseudoHullSettings second;
-  second.subsets = result.survivors.ids.size() <= (std::uint64_t{1} << 23) / d ? 1 : 0;
+  second.subsets = bytes <= std::min(budget / 2, std::uint64_t{1} << 30) ? 1 : 0;
   keep_of_survivors(result, d,
                     pseudo_hull_survivors(view_of_rows(result, d), second, threads, control));
   return result;
@@ -138,13 +152,13 @@ Filtered run_pseudo_hull(const PointView& points, const Control& control, unsign
 }  // namespace
 
 Filtered run_filter(const PointView& points, const Options& options, const Control& control,
-                    unsigned threads) {
+                    unsigned threads, std::uint64_t budget) {
   Filtered result;
   result.survivors.all = true;
   const unsigned d = points.dimension;
   if (options.cull == CullMethod::pseudo_hull && d >= pseudo_hull_min_dimension &&
       d <= pseudo_hull_max_dimension && points.count > d + 1)
-    return run_pseudo_hull(points, control, threads);
+    return run_pseudo_hull(points, control, threads, budget);
   const bool forced = options.cull == CullMethod::gauge;
   if (options.cull == CullMethod::none || options.cull == CullMethod::pseudo_hull ||
       d < GaugeMap::min_dimension || d > GaugeMap::max_dimension || points.count <= d + 1 ||
@@ -154,7 +168,7 @@ Filtered run_filter(const PointView& points, const Options& options, const Contr
   control.report("cull", 0);
   std::unique_ptr<GaugeMap> map;
   try {
-    map = map_of_sample(points, forced, threads, control);
+    map = map_of_sample(points, forced, threads, budget, control);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::not_finite) throw;
     check_finite(points, nullptr, threads);  // names the first bad point, not the sample's
@@ -165,13 +179,15 @@ Filtered run_filter(const PointView& points, const Options& options, const Contr
   result.survivors.method = "gauge";
   map.reset();
 
+  require_budget(budget, result.survivors.ids.size() * (d + 2) * sizeof(double),
+                 std::to_string(result.survivors.ids.size()) + " points that survive the filter");
   // Survivors lie near the boundary, so a sample of them gives a much finer polytope.
   result.rows =
       gather_points(points, result.survivors.ids.data(), result.survivors.ids.size(), threads);
   control.report("cull", 0.8);
   const PointView left = view_of_rows(result, d);
   if (left.count < smallest_worth_refining(d)) return result;
-  map = map_of_sample(left, true, threads, control);
+  map = map_of_sample(left, true, threads, budget, control);
   if (map == nullptr) return result;
   keep_of_survivors(result, d, map->survivors(left, threads, control));
   result.survivors.method = "gauge x2";

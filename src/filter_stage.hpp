@@ -16,8 +16,9 @@ struct Filtered {
 };
 
 /// Runs the filter the options ask for. Points that are not finite always survive, so that the
-/// gathering of survivors reports them; `rows` has been checked.
+/// gathering of survivors reports them; `rows` has been checked. A sample whose hull would exceed
+/// the budget gives no map; survivors that exceed it are Error{out_of_budget}.
 Filtered run_filter(const PointView& points, const Options& options, const Control& control,
-                    unsigned threads);
+                    unsigned threads, std::uint64_t budget);
 
 }  // namespace cullhull::internal

@@ -5,6 +5,7 @@
 
 #include "control.hpp"
 #include "cull/lattice_cull.hpp"
+#include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
@@ -72,16 +73,13 @@ EngineInput engine_input(const PointView& points, Filtered&& filtered, std::uint
   EngineInput input;
   input.all = filtered.survivors.all;
   input.count = filtered.survivors.size(points.count);
-  const std::uint64_t bytes = input.count * points.dimension * sizeof(double);
   if (input.count >= 0xFFFFFFFF)
     throw Error(
         ErrorCode::out_of_budget,
         std::to_string(input.count) + " points survive the filter; an engine takes 2^32 - 2");
-  if (bytes > budget)
-    throw Error(ErrorCode::out_of_budget,
-                "the coordinates of " + std::to_string(input.count) + " surviving points need " +
-                    std::to_string(bytes >> 20) + " MiB, the memory budget is " +
-                    std::to_string(budget >> 20) + " MiB");
+  // Coordinates, a copy in the engine's order, keys and ids to sort them by.
+  require_budget(budget, input.count * (2 * points.dimension * sizeof(double) + 24),
+                 std::to_string(input.count) + " points that survive the filter");
   input.rows = std::move(filtered.rows);
   if (input.rows.empty())
     input.rows = gather_points(points, input.all ? nullptr : filtered.survivors.ids.data(),
@@ -114,6 +112,14 @@ SimplicialHull run_engine(const LocalFrame& frame, Engine engine, std::uint64_t 
   return hull_nd(points, frame.simplex().data(), budget, control);
 }
 
+/// Qhull decides with tolerances, so what it found must be proven before it is called the hull.
+void insist_on_proof(const PointView& points, const Hull& hull, const Options& options) {
+  const Certificate certificate = certify(points, hull, options);
+  if (!certificate.valid)
+    throw Error(ErrorCode::not_exact, "Qhull's result is not the exact hull (" +
+                                          certificate.reason + "); use the engine native");
+}
+
 }  // namespace
 }  // namespace internal
 
@@ -123,8 +129,9 @@ Survivors cull(const PointView& points, const Options& options) {
   check_arguments(points, options);
   const Control control(options);
   const unsigned threads = resolve_threads(options.threads);
+  const std::uint64_t budget = resolve_budget(options.memory_budget);
   const auto start = Clock::now();
-  Filtered filtered = run_filter(points, options, control, threads);
+  Filtered filtered = run_filter(points, options, control, threads, budget);
   Survivors& s = filtered.survivors;
   // Gathering is what finds a NaN: here as in convex_hull, no bad point may pass.
   if (filtered.rows.empty()) check_finite(points, s.all ? nullptr : &s.ids, threads);
@@ -148,7 +155,7 @@ Hull convex_hull(const PointView& points, const Options& options) {
   control.check();
   if (points.count == 0) return hull;
 
-  Filtered filtered = run_filter(points, options, control, threads);
+  Filtered filtered = run_filter(points, options, control, threads, budget);
   hull.statistics.survivors = filtered.survivors.size(points.count);
   hull.statistics.cull_method = filtered.survivors.method;
   hull.statistics.cull_seconds = seconds_since(start);
@@ -156,7 +163,7 @@ Hull convex_hull(const PointView& points, const Options& options) {
   const auto hull_start = Clock::now();
   EngineInput input = engine_input(points, std::move(filtered), budget, threads);
   const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
-                         points.dimension);
+                         points.dimension, control);
   control.check();
   hull.affine_dimension = frame.affine_dimension();
   if (hull.affine_dimension == 0) {
@@ -166,10 +173,14 @@ Hull convex_hull(const PointView& points, const Options& options) {
   } else {
     SimplicialHull boundary = run_engine(frame, options.engine, budget, control);
     for (unsigned r = 0; r < 3; ++r) hull.statistics.rung_counts[r] = boundary.rung_counts[r];
+    const std::uint64_t k = boundary.dimension;
+    require_budget(budget, boundary.facet_count() * (24 * k + 8 * points.dimension + 32),
+                   std::to_string(boundary.facet_count()) + " facets");
     const ResultInput from{&points, &frame.points(), input.all ? nullptr : input.ids.data(),
                            frame.axes().data()};
     build_hull(from, std::move(boundary), control, threads, hull);
   }
+  if (options.engine == Engine::qhull) insist_on_proof(points, hull, options);
   hull.statistics.hull_seconds = seconds_since(hull_start);
   hull.statistics.compute_seconds = seconds_since(start);
   control.report("done", 1);

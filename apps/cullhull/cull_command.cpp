@@ -10,6 +10,7 @@
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "cullhull/cull.hpp"
+#include "cullhull/error.hpp"
 #include "cullhull/version.hpp"
 #include "measure.hpp"
 #include "signals.hpp"
@@ -96,6 +97,9 @@ std::string summary(const Input& input, const Outcome& outcome, double read_seco
 }
 
 int run(const CullArguments& arguments) {
+  if (arguments.output == "-" && arguments.json == "-")
+    throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                          "only one of -o - and --json can go to standard output");
   const Input input = open_input(arguments.input, arguments.run.threads);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const Outcome outcome = compute(arguments, input.points);
@@ -110,8 +114,8 @@ int run(const CullArguments& arguments) {
   if (arguments.json == "-")
     write_stdout(report(arguments, input, outcome, read_seconds));
   else if (!arguments.json.empty())
-    write_text_file(arguments.json, report(arguments, input, outcome, read_seconds));
-  if (!arguments.run.quiet && arguments.json != "-")
+    cullhull::write_text(arguments.json, report(arguments, input, outcome, read_seconds));
+  if (!arguments.run.quiet && arguments.json != "-" && arguments.output != "-")
     write_stdout(summary(input, outcome, read_seconds));
   return 0;
 }

@@ -58,7 +58,11 @@ struct HullArguments {
   unsigned repeat = 1;
   bool certify = false;
 
-  bool stdout_taken() const { return json == "-" || !format.empty(); }
+  /// How many outputs go to standard output.
+  int stdout_users() const {
+    const auto written = std::count(outputs.begin(), outputs.end(), "-");
+    return static_cast<int>(written) + (vertices == "-") + (json == "-") + !format.empty();
+  }
 };
 
 struct Outcome {
@@ -69,6 +73,9 @@ struct Outcome {
 
 // What cannot be written is refused before the work, not after it.
 void check_outputs(const HullArguments& arguments, std::uint32_t dimension) {
+  if (arguments.stdout_users() > 1)
+    throw Error(ErrorCode::invalid_argument,
+                "only one of --vertices -, --json and --format can go to standard output");
   static const char* const meshes[] = {".ply", ".obj", ".off", ".stl"};
   for (const std::string& path : arguments.outputs) {
     std::string extension = std::filesystem::path(path).extension().string();
@@ -161,11 +168,11 @@ void write_results(const HullArguments& arguments, const Input& input, const Out
     if (arguments.json == "-")
       write_stdout(text);
     else
-      write_text_file(arguments.json, text);
+      cullhull::write_text(arguments.json, text);
   }
   if (!arguments.format.empty())
     write_stdout(cullhull::hull_to_qhull_text(input.points, hull, arguments.format));
-  if (!arguments.run.quiet && !arguments.stdout_taken())
+  if (!arguments.run.quiet && arguments.stdout_users() == 0)
     write_stdout(summary(input, outcome, read_seconds, peak));
 }
 

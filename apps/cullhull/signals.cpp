@@ -21,7 +21,10 @@ std::stop_source& source() {
   return instance;
 }
 
-[[noreturn]] void end_at_once() { ::_exit(cancelled); }
+[[noreturn]] void end_at_once() {
+  cullhull::remove_unfinished_files();
+  ::_exit(cancelled);
+}
 
 // A thread of its own may lock and allocate, which a signal handler must not.
 void watch(sigset_t signals) {

@@ -57,19 +57,6 @@ void complain(std::string_view message) {
   (void)write_all(STDERR_FILENO, line);
 }
 
-void write_text_file(const std::string& path, std::string_view text) {
-  const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  int error = fd < 0 ? errno : write_all(fd, text);
-  if (fd >= 0) {
-    struct stat status = {};
-    const bool regular = ::fstat(fd, &status) == 0 && S_ISREG(status.st_mode);
-    if (::close(fd) != 0 && error == 0) error = errno;
-    if (error != 0 && regular) ::unlink(path.c_str());
-  }
-  if (error != 0)
-    throw cullhull::Error(cullhull::ErrorCode::io, "cannot write " + path + ": " + reason(error));
-}
-
 TerminalProgress::TerminalProgress(bool quiet) : active_(!quiet && ::isatty(STDERR_FILENO) == 1) {}
 
 TerminalProgress::~TerminalProgress() {

@@ -19,9 +19,6 @@ void write_stdout(std::string_view text);
 /// One line on standard error: "cullhull: message". Control characters become '?'.
 void complain(std::string_view message);
 
-/// Writes a small file whole; on failure removes what there is of it and throws Error{io}.
-void write_text_file(const std::string& path, std::string_view text);
-
 /// Shows a line of progress on standard error if that is a terminal, and nothing otherwise; the
 /// line is wiped when the object goes.
 class TerminalProgress {

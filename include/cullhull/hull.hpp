@@ -21,14 +21,14 @@ struct Lists {
 };
 
 struct Statistics {
-  std::uint64_t survivors = 0;      ///< points the engine was given
-  const char* cull_method = "none"; ///< as in Survivors::method
+  std::uint64_t survivors = 0;       ///< points the filter kept (lattices are thinned once more)
+  const char* cull_method = "none";  ///< as in Survivors::method
   const char* engine = "native";
   const char* backend = "cpu";
   unsigned threads = 1;
   double cull_seconds = 0;
-  double hull_seconds = 0;          ///< engine and result together
-  double compute_seconds = 0;       ///< points in memory to complete result
+  double hull_seconds = 0;     ///< engine and result together
+  double compute_seconds = 0;  ///< points in memory to complete result
   /// Orientation decisions by rung of the ladder (docs/exactness.md): cached plane, filter, exact.
   std::uint64_t rung_counts[3] = {0, 0, 0};
 };
@@ -57,9 +57,9 @@ struct Hull {
   /// point up to rounding. For a flat hull the normal lies in the directions of the flat.
   std::vector<double> facet_planes;
 
-  /// simplices x k vertex ids: every facet triangulated by pulling from its lowest id (recursively),
-  /// simplices sorted. Each simplex is ascending, except that its last two ids are swapped where
-  /// that is needed to orient it outward (k = 1: none is needed).
+  /// simplices x k vertex ids: every facet triangulated by pulling from its lowest id
+  /// (recursively), simplices sorted. Each simplex is ascending, except that its last two ids are
+  /// swapped where that is needed to orient it outward (k = 1: none is needed).
   std::vector<std::uint64_t> simplices;
   /// simplices x k: entry j is the simplex across the ridge opposite to vertex j.
   std::vector<std::uint32_t> simplex_neighbours;
@@ -80,9 +80,9 @@ struct Hull {
 
 /// The exact convex hull.
 /// Shapes: any count, any dimension >= 1. Errors: not_finite (names the first bad index),
-/// out_of_budget (before the work, with an estimate, or when growth exceeds the budget), cancelled,
-/// backend_unavailable, invalid_argument. Extra memory O(survivors + facets). Thread safe: calls
-/// share nothing.
+/// out_of_budget (before the work where counts tell, else when growth exceeds the budget),
+/// cancelled, backend_unavailable, invalid_argument. Extra memory O(survivors + facets). Thread
+/// safe: calls share nothing.
 Hull convex_hull(const PointView& points, const Options& options = {});
 
 }  // namespace cullhull

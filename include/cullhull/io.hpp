@@ -27,7 +27,8 @@ struct ReadOptions {
   std::stop_token stop;
 };
 
-/// Points of a file: mapped (binary) or parsed (text, meshes). Movable; `points()` views its memory.
+/// Points of a file: mapped (binary) or parsed (text, meshes). Movable; `points()` views its
+/// memory.
 class PointFile {
  public:
   PointFile();
@@ -88,6 +89,9 @@ Hull hull_from_json(const std::string& path);
 
 /// Text as Qhull's `qconvex` prints it; `what` is one of Fx i o n p FV FS.
 std::string hull_to_qhull_text(const PointView& points, const Hull& hull, std::string_view what);
+
+/// Writes a text as write_hull writes its files: whole or not at all.
+void write_text(const std::string& path, std::string_view text);
 
 /// (n) int64, or (n, d) arrays in NumPy's format.
 void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& ids);

@@ -43,8 +43,8 @@ constexpr ScalarType scalar_type_of() noexcept {
 
 /// Non-owning, trivially copyable; the memory must outlive every call it is passed to and must not
 /// change meanwhile. Coordinate j of point i lies at
-/// `data + i * point_stride + j * coordinate_stride` (bytes, any sign, any alignment), so row-major,
-/// column-major and strided records (a PLY vertex, say) are all read where they are.
+/// `data + i * point_stride + j * coordinate_stride` (bytes, any sign, any alignment), so
+/// row-major, column-major and strided records (a PLY vertex, say) are all read where they are.
 struct PointView {
   const std::byte* data = nullptr;
   ScalarType scalar = ScalarType::f64;
@@ -56,14 +56,22 @@ struct PointView {
   /// Points one after another: x0 y0 z0 x1 y1 z1 ...
   template <class T>
   static PointView row_major(const T* p, std::uint64_t n, std::uint32_t d) noexcept {
-    return {reinterpret_cast<const std::byte*>(p), scalar_type_of<T>(), d, n,
-            static_cast<std::ptrdiff_t>(d * sizeof(T)), static_cast<std::ptrdiff_t>(sizeof(T))};
+    return {reinterpret_cast<const std::byte*>(p),
+            scalar_type_of<T>(),
+            d,
+            n,
+            static_cast<std::ptrdiff_t>(d * sizeof(T)),
+            static_cast<std::ptrdiff_t>(sizeof(T))};
   }
   /// Coordinates one after another: x0 x1 ... y0 y1 ...
   template <class T>
   static PointView column_major(const T* p, std::uint64_t n, std::uint32_t d) noexcept {
-    return {reinterpret_cast<const std::byte*>(p), scalar_type_of<T>(), d, n,
-            static_cast<std::ptrdiff_t>(sizeof(T)), static_cast<std::ptrdiff_t>(n * sizeof(T))};
+    return {reinterpret_cast<const std::byte*>(p),
+            scalar_type_of<T>(),
+            d,
+            n,
+            static_cast<std::ptrdiff_t>(sizeof(T)),
+            static_cast<std::ptrdiff_t>(n * sizeof(T))};
   }
 
   const std::byte* address(std::uint64_t point, std::uint32_t coordinate) const noexcept {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
+#include <numeric>
 
 namespace cullhull::internal {
 namespace {
@@ -13,61 +13,88 @@ struct Keyed {
   std::uint32_t id;
 };
 
-struct Axis {
-  double low = 0, high = 0;
-  int unit = 0;        // exponent of the lattice spacing
-  double inverse = 0;  // 1 / spacing
-  unsigned bits = 0;   // of (value - low) / spacing
+/// The rank of each distinct value of one axis: all that "between" needs to know of coordinates.
+class Ranks {
+ public:
+  /// False, early, if there are more than `most` distinct values.
+  bool collect(const std::vector<double>& rows, std::uint32_t count, unsigned d, unsigned axis,
+               std::size_t most) {
+    slots_.assign(1024, Slot{});
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const double v = rows[std::size_t{i} * d + axis];
+      Slot& s = slots_[find(v)];
+      if (s.used) continue;
+      if (values_.size() == most) return false;
+      s = {v, 0, true};
+      values_.push_back(v);
+      if (2 * values_.size() > slots_.size()) grow();
+    }
+    std::sort(values_.begin(), values_.end());
+    for (std::size_t r = 0; r < values_.size(); ++r)
+      slots_[find(values_[r])].rank = static_cast<std::uint32_t>(r);
+    return true;
+  }
+  unsigned bits() const { return static_cast<unsigned>(std::bit_width(values_.size() - 1)); }
+  std::uint32_t of(double v) const { return slots_[find(v)].rank; }
+
+ private:
+  struct Slot {
+    double value = 0;
+    std::uint32_t rank = 0;
+    bool used = false;
+  };
+  std::size_t find(double v) const {
+    // 0 and -0 are equal, so they must hash alike.
+    std::uint64_t h = std::bit_cast<std::uint64_t>(v + 0.0) * 0x9E3779B97F4A7C15ULL;
+    h ^= h >> 32;
+    std::size_t at = h & (slots_.size() - 1);
+    while (slots_[at].used && slots_[at].value != v) at = (at + 1) & (slots_.size() - 1);
+    return at;
+  }
+  void grow() {
+    slots_.assign(2 * slots_.size(), Slot{});
+    for (const double v : values_) slots_[find(v)] = {v, 0, true};
+  }
+  std::vector<Slot> slots_;
+  std::vector<double> values_;
 };
 
-int lowest_bit_exponent(double v) {
-  int e = 0;
-  const double m = std::frexp(v, &e);
-  const auto integer = static_cast<std::int64_t>(std::ldexp(m, 53));
-  return e - 53 + std::countr_zero(static_cast<std::uint64_t>(integer));
+/// Points share a line along an axis only if they agree on all others, so at most one axis may have
+/// as many values as points. Told from a sample.
+bool looks_like_a_lattice(const std::vector<double>& rows, std::uint32_t count, unsigned d) {
+  constexpr std::uint32_t sample = 1024;
+  const std::uint32_t step = std::max(1U, count / sample);
+  unsigned all_distinct = 0;
+  std::vector<double> values;
+  for (unsigned j = 0; j < d; ++j) {
+    values.clear();
+    for (std::uint64_t i = 0; i < count; i += step) values.push_back(rows[i * d + j]);
+    std::sort(values.begin(), values.end());
+    const auto distinct = std::unique(values.begin(), values.end()) - values.begin();
+    if (10 * static_cast<std::size_t>(distinct) > 9 * values.size() && ++all_distinct > 1)
+      return false;
+  }
+  return true;
 }
 
-/// False if the axes need more than 64 bits together.
-bool measure(const std::vector<double>& rows, std::uint32_t count, unsigned d,
-             std::vector<Axis>& axes) {
-  const auto total_bits = [&] {
-    unsigned sum = 0;
-    for (Axis& a : axes) {
-      if (a.low == a.high) {
-        a.bits = 0;
-        continue;
-      }
-      // Both ends are multiples of the spacing; beyond 2^52 spacings the difference may round.
-      const double cells = std::ldexp(a.high - a.low, -a.unit);
-      if (!(cells < 0x1p52)) return 65U;
-      a.bits = static_cast<unsigned>(std::bit_width(static_cast<std::uint64_t>(cells)));
-      sum += a.bits;
-    }
-    return sum;
-  };
+/// Keys with axis d - 1 lowest; false if they need more than 64 bits.
+bool make_keys(const std::vector<double>& rows, std::uint32_t count, unsigned d,
+               std::vector<unsigned>& bits, std::vector<Keyed>& points) {
+  points.resize(count);
+  for (std::uint32_t i = 0; i < count; ++i) points[i] = {0, i};
+  unsigned total = 0;
   for (unsigned j = 0; j < d; ++j) {
-    axes[j].low = axes[j].high = rows[j];
-    axes[j].unit = 1000;
-    axes[j].inverse = 0x1p-1000;
+    const unsigned left = 64 - total;
+    const std::size_t most = left >= 32 ? std::size_t{1} << 32 : std::size_t{1} << left;
+    Ranks ranks;
+    if (!ranks.collect(rows, count, d, j, most)) return false;
+    bits[j] = ranks.bits();
+    total += bits[j];
+    for (std::uint32_t i = 0; i < count; ++i)
+      points[i].key =
+          (bits[j] < 64 ? points[i].key << bits[j] : 0) | ranks.of(rows[std::size_t{i} * d + j]);
   }
-  constexpr std::uint32_t first_look = 64;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    for (unsigned j = 0; j < d; ++j) {
-      const double v = rows[std::size_t{i} * d + j];
-      Axis& a = axes[j];
-      a.low = std::min(a.low, v);
-      a.high = std::max(a.high, v);
-      if (v == 0) continue;
-      const double t = v * a.inverse;
-      if (std::abs(t) < 0x1p62 && static_cast<double>(static_cast<std::int64_t>(t)) == t) continue;
-      const int unit = lowest_bit_exponent(v);
-      if (unit < -1000 || unit > 1000) return false;  // then scaling by the spacing may round
-      a.unit = std::min(a.unit, unit);
-      a.inverse = std::ldexp(1.0, -a.unit);
-    }
-    if (i == first_look && total_bits() > 64) return false;
-  }
-  return total_bits() <= 64;
+  return true;
 }
 
 /// Stable sort by key, least significant digit first; passes over constant digits are skipped.
@@ -96,24 +123,14 @@ void radix_sort(std::vector<Keyed>& a, std::vector<Keyed>& scratch) {
 bool lattice_cull(const std::vector<double>& rows, std::uint32_t count, unsigned d,
                   std::vector<std::uint32_t>& kept) {
   if (count == 0) return false;
-  std::vector<Axis> axes(d);
-  if (!measure(rows, count, d, axes)) return false;
-  std::vector<Keyed> points(count), scratch;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    std::uint64_t key = 0;
-    for (unsigned j = 0; j < d; ++j) {
-      const Axis& a = axes[j];
-      if (a.bits == 0) continue;
-      const double cell = (rows[std::size_t{i} * d + j] - a.low) * a.inverse;
-      key = (a.bits == 64 ? 0 : key << a.bits) | static_cast<std::uint64_t>(cell);
-    }
-    points[i] = {key, i};
-  }
-  unsigned total = 0;
-  for (const Axis& a : axes) total += a.bits;
+  if (!looks_like_a_lattice(rows, count, d)) return false;
+  std::vector<unsigned> axis_bits(d);
+  std::vector<Keyed> points, scratch;
+  if (!make_keys(rows, count, d, axis_bits, points)) return false;
+  const unsigned total = std::accumulate(axis_bits.begin(), axis_bits.end(), 0U);
   // The axis to scan along is the lowest in the key; rotating the key brings up the next one.
   for (unsigned j = d; j-- > 0;) {
-    const unsigned bits = axes[j].bits;
+    const unsigned bits = axis_bits[j];
     if (bits == 0 && !(j == 0 && total == 0)) continue;
     radix_sort(points, scratch);
     const auto line = [bits](const Keyed& k) { return bits == 64 ? 0 : k.key >> bits; };

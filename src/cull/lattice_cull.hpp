@@ -8,9 +8,12 @@
 namespace cullhull::internal {
 
 /// Of all points on one line parallel to an axis only the two ends can be extreme; of equal points
-/// only the first is kept. Applied along each axis in turn. Returns false, quickly, where the
-/// coordinates do not pack into 64 bits (then nothing is said); else `kept` are ascending indices.
-/// `rows`: count x d doubles. Time O(d) radix sorts; memory 24 bytes a point.
+/// only the first is kept. Applied along each axis in turn. Coordinates are replaced by their ranks
+/// among the axis's values, so any grid will do, not only integers. Returns false where a sample
+/// shows that few points share coordinates, or where the ranks do not pack into 64 bits (then
+/// nothing is said); else `kept` are ascending indices.
+/// `rows`: count x d finite doubles. Time O(d (count + radix sort)); memory 32 bytes a point, and
+/// up to 48 a distinct value of one axis.
 bool lattice_cull(const std::vector<double>& rows, std::uint32_t count, unsigned d,
                   std::vector<std::uint32_t>& kept);
 

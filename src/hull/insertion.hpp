@@ -224,8 +224,8 @@ template <unsigned D>
 void Insertion<D>::grow() {
   const std::uint64_t per_facet = stride() * sizeof(double);
   const std::uint64_t capacity = std::max<std::uint64_t>(1024, facet_capacity_ * 2);
-  // The result needs about as much again.
-  if (capacity >= horizon_tag || 2 * capacity * per_facet > budget_) {
+  // The result takes about twice as much beside the records (a sphere of 1M points: 450 MB in all).
+  if (capacity >= horizon_tag || 3 * capacity * per_facet > budget_) {
     throw Error(ErrorCode::out_of_budget, "the hull has more than " + std::to_string(facet_slots_) +
                                               " facets in dimension " + std::to_string(dim()) +
                                               ", which exceeds the memory budget of " +
@@ -386,7 +386,7 @@ Sign Insertion<D>::cone_side(Id f, unsigned j, Id point) {
   // An outward facet has orientation (-1)^(d+1) seen from O.
   const auto outward = [d](Sign s) { return d % 2 == 1 ? s : -s; };
   if constexpr (D > 0) {
-    if (points_.small_lattice)
+    if (points_.centroid_lattice)
       return outward(lattice_sign([&](unsigned i, unsigned c) {
         return (D + 1) * row(i == j ? point : v[i])[c] - simplex_sum_.data()[c];
       }));
@@ -458,7 +458,8 @@ typename Insertion<D>::Id Insertion<D>::locate_exactly(Id start, Id point) {
   // A visibility walk on the projection of the hull from O. The projection is a regular subdivision
   // but for its coplanar pieces, so a walk that picks the ridge at random ends with probability 1
   // (Devillers, Pion, Teillaud 2002).
-  for (;;) {
+  for (std::uint32_t step = 1;; ++step) {
+    if (step % 1024 == 0) control_.check();
     random_ ^= random_ << 13;
     random_ ^= random_ >> 7;
     random_ ^= random_ << 17;

@@ -19,19 +19,20 @@ std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser: a fixed pseudo-
   return x ^ (x >> 31);
 }
 
-/// Position along a 2D Hilbert curve of 2^bits x 2^bits cells.
+/// Position along a 2D Hilbert curve of 2^bits x 2^bits cells. Without branches: they would be
+/// taken at random.
 std::uint32_t hilbert_2d(std::uint32_t x, std::uint32_t y, unsigned bits) {
   std::uint32_t key = 0;
-  for (std::uint32_t s = 1U << (bits - 1); s > 0; s >>= 1) {
-    const std::uint32_t rx = (x & s) != 0, ry = (y & s) != 0;
+  for (unsigned b = bits; b-- > 0;) {
+    const std::uint32_t rx = (x >> b) & 1U, ry = (y >> b) & 1U;
     key = (key << 2) | ((3 * rx) ^ ry);
-    if (ry == 0) {
-      if (rx == 1) {
-        x = ~x;
-        y = ~y;
-      }
-      std::swap(x, y);
-    }
+    const std::uint32_t turn = ry - 1;  // all ones where ry == 0
+    const std::uint32_t flip = turn & (0 - rx);
+    x ^= flip;
+    y ^= flip;
+    const std::uint32_t swap = (x ^ y) & turn;
+    x ^= swap;
+    y ^= swap;
   }
   return key;
 }
@@ -52,7 +53,7 @@ std::uint32_t direction_key(const double* y) {
     axis = 2;
     m = az;
   }
-  if (!(m > 0)) return 0;
+  if (!(m > 0x1p-900)) return 0;  // the scale below must be finite
   const double scale = 0.5 * cells / m;
   const unsigned ua = axis == 0 ? 1 : 0, va = axis == 2 ? 1 : 2;
   const auto cell = [&](double c) {

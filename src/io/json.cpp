@@ -92,7 +92,10 @@ class JsonWriter {
   void value(std::uint32_t v) { append_number(text_, std::uint64_t{v}); }
   void value(int v) { text_ += std::to_string(v); }
   void value(double v) {
-    if (!std::isfinite(v))
+    if (std::isinf(v))
+      text_ +=
+          v > 0 ? "\"inf\"" : "\"-inf\"";  // a volume beyond the doubles; JSON has no such number
+    else if (std::isnan(v))
       text_ += "null";
     else if (v == 0 && std::signbit(v))
       text_ += "-0.0";  // "-0" would read back as an integer, which has no sign

@@ -66,7 +66,7 @@ class HullReader final : public nlohmann::json_sax<json> {
  public:
   HullReader(const Source& source, RawHull& raw) : source_(source), raw_(raw) {}
 
-  bool null() override { return real(std::numeric_limits<double>::quiet_NaN(), false); }
+  bool null() override { return unexpected(); }
   bool boolean(bool) override { return unexpected(); }
   bool number_integer(std::int64_t v) override {
     if (top_level() && field_ == Field::affine_dimension) {
@@ -78,6 +78,9 @@ class HullReader final : public nlohmann::json_sax<json> {
   bool number_unsigned(std::uint64_t v) override { return whole(v); }
   bool number_float(double v, const std::string&) override { return real(v, true); }
   bool string(std::string& v) override {
+    // A measure or an offset beyond the doubles.
+    if (v == "inf") return real(std::numeric_limits<double>::infinity(), false);
+    if (v == "-inf") return real(-std::numeric_limits<double>::infinity(), false);
     if (!in_points() || inner_ != "scalar") return unexpected();
     for (int t = 0; t <= static_cast<int>(ScalarType::u32); ++t)
       if (v == scalar_name(static_cast<ScalarType>(t))) {

@@ -155,3 +155,13 @@ void remove_unfinished_files() noexcept {
 }
 
 }  // namespace cullhull
+
+namespace cullhull {
+
+void write_text(const std::string& path, std::string_view text) {
+  internal::OutputFile file(path);
+  file.write(text);
+  file.commit();
+}
+
+}  // namespace cullhull

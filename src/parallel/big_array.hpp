@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <new>
 #include <type_traits>
+#include <vector>
 
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -43,5 +45,18 @@ class BigArray {
   };
   std::unique_ptr<T, Free> data_;
 };
+
+/// v.resize(count) for a large result: the pages are asked to be huge before they are touched.
+template <class T>
+void resize_big(std::vector<T>& v, std::size_t count) {
+  v.reserve(count);
+#if defined(__linux__)
+  constexpr std::uintptr_t page = std::uintptr_t{2} << 20;
+  const auto begin = (reinterpret_cast<std::uintptr_t>(v.data()) + page - 1) / page * page;
+  const auto end = reinterpret_cast<std::uintptr_t>(v.data() + count) / page * page;
+  if (end > begin) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+#endif
+  v.resize(count);
+}
 
 }  // namespace cullhull::internal

@@ -10,8 +10,9 @@
 namespace cullhull::internal {
 
 unsigned resolve_threads(unsigned requested) {
-  if (requested > 0) return requested;
-  return static_cast<unsigned>(std::max(1, oneapi::tbb::this_task_arena::max_concurrency()));
+  const auto machine =
+      static_cast<unsigned>(std::max(1, oneapi::tbb::this_task_arena::max_concurrency()));
+  return requested > 0 ? std::min(requested, 1024U) : machine;
 }
 
 void for_each_chunk(

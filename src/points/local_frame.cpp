@@ -24,8 +24,13 @@ int lowest_bit_exponent(double v) {
 
 }  // namespace
 
-LocalFrame::LocalFrame(std::vector<double>&& rows, std::uint32_t count, unsigned dimension)
-    : raw_(std::move(rows)), count_(count), dimension_(dimension), frame_(dimension) {
+LocalFrame::LocalFrame(std::vector<double>&& rows, std::uint32_t count, unsigned dimension,
+                       const Control& control)
+    : control_(control),
+      raw_(std::move(rows)),
+      count_(count),
+      dimension_(dimension),
+      frame_(dimension) {
   if (count == 0) return;
   measure_axes();
   const bool exact =
@@ -45,7 +50,7 @@ LocalFrame::LocalFrame(std::vector<double>&& rows, std::uint32_t count, unsigned
   points_.count = count_;
   points_.exact = raw_.data();
   points_.coordinates = exact ? raw_.data() : scaled_.data();
-  points_.small_lattice = exact && on_small_lattice();
+  if (exact) detect_lattice();
 }
 
 void LocalFrame::measure_axes() {
@@ -114,6 +119,7 @@ void LocalFrame::find_simplex(const std::vector<double>& scaled) {
   simplex_ = {first};
   std::vector<double> basis;  // orthonormal directions, row-major
   while (simplex_.size() - 1 < varying) {
+    control_.check();
     const auto rank = static_cast<unsigned>(simplex_.size() - 1);
     std::uint32_t next = farthest(scaled, basis, rank, std::max(1U, count_ / simplex_sample));
     if (!independent(next)) {
@@ -203,6 +209,7 @@ std::uint32_t LocalFrame::independent_by_scan() {
     };
     for (unsigned i = 0; i <= rank; ++i) project(flat[i], i);
     for (std::uint32_t i = 0; i < count_; ++i) {
+      if (i % 1024 == 0) control_.check();
       project(raw_.data() + std::size_t{i} * d, rank + 1);
       if (orientation(rank + 1, p.data()) != Sign::zero) return i;
     }
@@ -220,27 +227,28 @@ void LocalFrame::keep_axes(std::vector<double>& rows) const {
   rows.shrink_to_fit();
 }
 
-/// docs/exactness.md, "Small lattices": a determinant of differences, seen from a point or from the
-/// centroid of d + 1 points scaled by d + 1, whose every intermediate fits 53 bits.
-bool LocalFrame::on_small_lattice() const {
+/// docs/exactness.md, "Small lattices": whether doubles compute determinants without rounding.
+void LocalFrame::detect_lattice() {
   const auto k = static_cast<unsigned>(affine_dimension_);
-  if (k < 2 || k > 8) return false;
+  if (k < 2 || k > 8) return;
   constexpr int factorial_bits[] = {0, 0, 1, 3, 5, 7, 10, 13, 16};
-  const int centroid_bits = std::bit_width(k + 1) + 1;
   const int allowed = 53 - factorial_bits[k];
+  // |x| <= 1, so differences on a lattice of spacing 2^l are at most 2^(1 - l) spacings.
   std::vector<int> bits(k, 0);
-  int sum = static_cast<int>(k) * centroid_bits;
+  int sum = 0;
   for (std::uint32_t i = 0; i < count_; ++i)
     for (unsigned j = 0; j < k; ++j) {
       const double v = raw_[std::size_t{i} * k + j];
       if (v == 0) continue;
-      const int b = 1 - lowest_bit_exponent(v);  // |v| <= 1, so integers of at most this many bits
+      const int b = 1 - lowest_bit_exponent(v);
       if (b <= bits[j]) continue;
       sum += b - bits[j];
       bits[j] = b;
-      if (sum > allowed) return false;
+      if (sum > allowed) return;
     }
-  return true;
+  points_.small_lattice = true;
+  // Rows scaled by k + 1, seen from a sum of k + 1 points, are larger by that factor.
+  points_.centroid_lattice = sum + static_cast<int>(k * std::bit_width(k)) <= allowed;
 }
 
 }  // namespace cullhull::internal

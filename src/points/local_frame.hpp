@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "control.hpp"
 #include "points/local_points.hpp"
 
 namespace cullhull::internal {
@@ -14,7 +15,8 @@ class LocalFrame {
   /// `rows`: count x dimension finite doubles; taken over. Finds the affine dimension exactly,
   /// projects onto as many axes as it has (one to one on the flat) and scales.
   /// Time O(n d^2); memory: rows, and a second copy where scaling is not exact or axes are dropped.
-  LocalFrame(std::vector<double>&& rows, std::uint32_t count, unsigned dimension);
+  LocalFrame(std::vector<double>&& rows, std::uint32_t count, unsigned dimension,
+             const Control& control);
 
   int affine_dimension() const { return affine_dimension_; }
   /// The axes kept, ascending; as many as the affine dimension.
@@ -38,8 +40,9 @@ class LocalFrame {
   bool independent(std::uint32_t candidate);
   std::uint32_t independent_by_scan();
   void keep_axes(std::vector<double>& rows) const;
-  bool on_small_lattice() const;
+  void detect_lattice();
 
+  const Control& control_;
   std::vector<double> raw_, scaled_;
   std::uint32_t count_;
   unsigned dimension_;

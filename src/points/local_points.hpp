@@ -20,6 +20,8 @@ struct LocalPoints {
   const double* exact = nullptr;
   /// Every double operation of a d x d determinant of differences is exact (small integer grids).
   bool small_lattice = false;
+  /// So is that of rows (d + 1) p - sum of d + 1 points.
+  bool centroid_lattice = false;
 
   const double* row(std::uint32_t i) const { return coordinates + std::size_t{i} * dimension; }
   const double* exact_row(std::uint32_t i) const { return exact + std::size_t{i} * dimension; }

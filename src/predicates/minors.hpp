@@ -8,9 +8,6 @@
 
 namespace cullhull::internal {
 
-/// Largest dimension the subset expansion serves (2^d minors); beyond, exact elimination is used.
-inline constexpr unsigned max_minor_dimension = 8;
-
 /// Unit roundoff of double.
 inline constexpr double unit_roundoff = 0x1p-53;
 

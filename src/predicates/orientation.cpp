@@ -331,10 +331,6 @@ struct Big {
   mpz_t value;
 };
 
-}  // namespace
-
-namespace {
-
 template <class Rows>
 Sign determinant_sign(const Rows& a) {
   const unsigned d = a.columns();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
 #include "result/measure.hpp"
 #include "result/merge.hpp"
@@ -55,7 +56,7 @@ class Assembler {
       for (unsigned j = 0; j < k_; ++j) position_[surface_.simplex(f)[j]] = 1;
     }
     std::partial_sum(start.begin(), start.end(), start.begin());
-    std::vector<Key> keys(count_);
+    BigArray<Key> keys(count_);
     for (std::size_t f = 0; f < count_; ++f) {
       const std::uint64_t second = k_ > 1 ? surface_.stored(f, 1) : 0;
       const std::uint64_t third = k_ > 2 ? surface_.stored(f, 2) : 0;
@@ -74,11 +75,11 @@ class Assembler {
                      for (std::uint64_t v = begin; v < end; ++v) {
                        const std::uint32_t from = v == 0 ? 0 : start[v - 1];
                        if (start[v] - from > 1)
-                         std::sort(keys.begin() + from, keys.begin() + start[v], less);
+                         std::sort(keys.get() + from, keys.get() + start[v], less);
                      }
                    });
-    order_.resize(count_);
-    rank_.resize(count_);
+    resize_big(order_, count_);
+    resize_big(rank_, count_);
     for (std::uint32_t i = 0; i < count_; ++i) {
       order_[i] = keys[i].simplex;
       rank_[keys[i].simplex] = i;
@@ -96,7 +97,7 @@ class Assembler {
 
   /// By the first simplex in canonical order. Without merging, facet i is simplex i.
   void number_facets() {
-    hull_.simplex_facets.resize(count_);
+    resize_big(hull_.simplex_facets, count_);
     if (facets_.facet.empty()) {
       std::iota(hull_.simplex_facets.begin(), hull_.simplex_facets.end(), 0U);
       return;
@@ -113,9 +114,9 @@ class Assembler {
   }
 
   void write_simplices() {
-    hull_.simplices.resize(count_ * k_);
-    hull_.simplex_neighbours.resize(count_ * k_);
-    vertex_index_.resize(count_ * k_);
+    resize_big(hull_.simplices, count_ * k_);
+    resize_big(hull_.simplex_neighbours, count_ * k_);
+    resize_big(vertex_index_, count_ * k_);
     for_each_chunk(count_, simplex_chunk, threads_,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                      for (std::uint64_t i = begin; i < end; ++i) {
@@ -183,11 +184,12 @@ class Assembler {
   }
 
   void write_simplicial_facets() {
-    hull_.facets.offsets.resize(count_ + 1);
+    resize_big(hull_.facets.offsets, count_ + 1);
     for (std::size_t i = 0; i <= count_; ++i) hull_.facets.offsets[i] = i * k_;
+    resize_big(hull_.facet_neighbours.offsets, count_ + 1);
     hull_.facet_neighbours.offsets = hull_.facets.offsets;
-    hull_.facets.items.resize(count_ * k_);
-    hull_.facet_neighbours.items.resize(count_ * k_);
+    resize_big(hull_.facets.items, count_ * k_);
+    resize_big(hull_.facet_neighbours.items, count_ * k_);
     for_each_chunk(count_, simplex_chunk, threads_,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                      for (std::uint64_t i = begin; i < end; ++i)

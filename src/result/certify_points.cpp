@@ -1,5 +1,7 @@
 // Every input point against a surface that is known to bound a convex polytope P.
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
 #include "result/certificate.hpp"
@@ -144,7 +146,7 @@ class InnerFilter {
       const double rounding = 2 * u * (magnitude_ + 2);
       if (!(rounding < r / 2)) return false;
       tiny_ = r / 4;
-      slack_ = 2 * (rounding + 8 * u * 2) / (r / 2);
+      slack_ = 2 * (rounding + 16 * u) / (r / 2);
       return slack_ < 0.125;
     }
     return false;
@@ -212,6 +214,23 @@ class InnerFilter {
   std::vector<std::uint32_t> hints_;
 };
 
+/// Vertices that points were found to equal: a copy of one is in the hull by that alone, and
+/// without this each would cost a walk and a degenerate orientation.
+class VertexCache {
+ public:
+  explicit VertexCache(const Subject& s) : k_(s.k) { entries_.fill(0xFFFFFFFFU); }
+  std::uint32_t& entry(const double* x) {
+    std::uint64_t hash = 0;
+    for (unsigned j = 0; j < k_; ++j)  // adding zero makes equal numbers equal bits
+      hash = (std::rotl(hash, 5) ^ std::bit_cast<std::uint64_t>(x[j] + 0.0)) * 0x9E3779B97F4A7C15U;
+    return entries_[hash >> 56];
+  }
+
+ private:
+  unsigned k_;
+  std::array<std::uint32_t, 256> entries_;
+};
+
 [[noreturn]] void outside(std::uint64_t i) { fault("point ", i, " lies outside the hull"); }
 
 class Scan {
@@ -226,6 +245,7 @@ class Scan {
     std::vector<const double*> scratch(k + 1);
     auto vertex = std::lower_bound(s_.ids.begin(), s_.ids.end(), begin);
     std::uint32_t f = 0;
+    VertexCache cache(s_);
     for (std::uint64_t i = begin; i < end; ++i) {
       for (unsigned j = 0; j < d; ++j) {
         x[j] = s_.points.at(i, j);
@@ -243,7 +263,7 @@ class Scan {
       if (k == 1)
         check_on_segment(i, on_axes[0]);
       else if (!filter_.strictly_inside(on_axes.data(), f))
-        check_by_ray(i, on_axes.data(), f, scratch.data());
+        check_by_ray(i, on_axes.data(), f, scratch.data(), cache);
     }
   }
 
@@ -255,15 +275,22 @@ class Scan {
       if (x == s_.row(v)[0] && i < s_.ids[v]) equals(i, v);
   }
 
-  void check_by_ray(std::uint64_t i, const double* x, std::uint32_t& f,
-                    const double** scratch) const {
+  void check_by_ray(std::uint64_t i, const double* x, std::uint32_t& f, const double** scratch,
+                    VertexCache& cache) const {
+    std::uint32_t& known = cache.entry(x);
+    if (known < s_.ids.size() && std::equal(x, x + s_.k, s_.row(known))) {
+      if (i < s_.ids[known]) equals(i, known);
+      return;
+    }
     f = s_.locate(x, f, scratch);
     const Sign side = s_.side(f, x, scratch);
     if (side == Sign::positive) outside(i);
     if (side == Sign::negative) return;
     for (unsigned j = 0; j < s_.k; ++j) {
       const std::uint32_t v = s_.simplex(f)[j];
-      if (i < s_.ids[v] && std::equal(x, x + s_.k, s_.row(v))) equals(i, v);
+      if (!std::equal(x, x + s_.k, s_.row(v))) continue;
+      if (i < s_.ids[v]) equals(i, v);
+      known = v;
     }
   }
 

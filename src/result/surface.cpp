@@ -11,9 +11,7 @@ namespace cullhull::internal {
 namespace {
 
 /// Insertion sort of one simplex and its neighbours; true where the permutation was odd.
-template <unsigned K>
-bool sort_simplex(std::uint32_t* ids, std::uint32_t* neighbours, unsigned dynamic_k) {
-  const unsigned k = K ? K : dynamic_k;
+bool sort_simplex(std::uint32_t* ids, std::uint32_t* neighbours, unsigned k) {
   bool odd = false;
   for (unsigned i = 1; i < k; ++i)
     for (unsigned j = i; j > 0 && ids[j - 1] > ids[j]; --j) {
@@ -21,6 +19,29 @@ bool sort_simplex(std::uint32_t* ids, std::uint32_t* neighbours, unsigned dynami
       std::swap(neighbours[j - 1], neighbours[j]);
       odd = !odd;
     }
+  return odd;
+}
+
+/// The same for triangles without a branch: the order of ids is as good as random.
+bool sort_triangle(std::uint32_t* ids, std::uint32_t* neighbours) {
+  std::uint64_t a = std::uint64_t{ids[0]} << 32 | neighbours[0];
+  std::uint64_t b = std::uint64_t{ids[1]} << 32 | neighbours[1];
+  std::uint64_t c = std::uint64_t{ids[2]} << 32 | neighbours[2];
+  bool odd = false;
+  const auto order = [&odd](std::uint64_t& x, std::uint64_t& y) {
+    odd ^= y < x;
+    const std::uint64_t low = std::min(x, y);
+    y = std::max(x, y);
+    x = low;
+  };
+  order(a, b);
+  order(b, c);
+  order(a, b);
+  unsigned i = 0;
+  for (const std::uint64_t v : {a, b, c}) {
+    ids[i] = static_cast<std::uint32_t>(v >> 32);
+    neighbours[i++] = static_cast<std::uint32_t>(v);
+  }
   return odd;
 }
 
@@ -200,19 +221,18 @@ Surface make_surface(SimplicialHull&& boundary, const LocalPoints& points, unsig
     s.neighbours = {1, 0};
   }
   s.odd.resize(count);
-  for_each_chunk(count, simplex_chunk, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint64_t f = begin; f < end; ++f) {
-                     std::uint32_t* ids = s.ids.data() + f * s.k;
-                     std::uint32_t* neighbours = s.neighbours.data() + f * s.k;
-                     for (unsigned i = 0; i < s.k; ++i) {
-                       if (ids[i] >= points.count) fail_not_exact("an id is out of range");
-                       if (!lowest.empty()) ids[i] = lowest[ids[i]];
-                     }
-                     s.odd[f] = s.k == 3 ? sort_simplex<3>(ids, neighbours, 3)
-                                         : sort_simplex<0>(ids, neighbours, s.k);
-                   }
-                 });
+  for_each_chunk(
+      count, simplex_chunk, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+        for (std::uint64_t f = begin; f < end; ++f) {
+          std::uint32_t* ids = s.ids.data() + f * s.k;
+          std::uint32_t* neighbours = s.neighbours.data() + f * s.k;
+          for (unsigned i = 0; i < s.k; ++i) {
+            if (ids[i] >= points.count) fail_not_exact("an id is out of range");
+            if (!lowest.empty()) ids[i] = lowest[ids[i]];
+          }
+          s.odd[f] = s.k == 3 ? sort_triangle(ids, neighbours) : sort_simplex(ids, neighbours, s.k);
+        }
+      });
   return s;
 }
 

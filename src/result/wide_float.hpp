@@ -1,8 +1,8 @@
-// Floats of 4352 bits with an exponent that cannot overflow here: any difference of doubles is
-// exact, and determinants keep hundreds of bits however thin a hull is.
+// Floats of 4352 bits with an exponent that cannot overflow here: any difference of doubles and any
+// product of two such differences is exact.
 #pragma once
 
-#include <gmp.h>
+#include <gmpxx.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +17,10 @@ class Wide {
   Wide(double v = 0) {  // NOLINT: every finite double is one
     mpf_init2(v_, bits);
     mpf_set_d(v_, v);
+  }
+  explicit Wide(const mpz_class& v) {
+    mpf_init2(v_, bits);
+    mpf_set_z(v_, v.get_mpz_t());
   }
   Wide(const Wide& o) {
     mpf_init2(v_, bits);
@@ -45,10 +49,23 @@ class Wide {
     mpf_sqrt(r.v_, v_);
     return r;
   }
-  /// value * 2^shift, with infinity on overflow.
+  Wide times_power_of_two(long e) const {
+    Wide r;
+    if (e >= 0)
+      mpf_mul_2exp(r.v_, v_, static_cast<mp_bitcnt_t>(e));
+    else
+      mpf_div_2exp(r.v_, v_, static_cast<mp_bitcnt_t>(-e));
+    return r;
+  }
+  /// value * 2^shift, rounded to nearest, with infinity on overflow.
   double to_double(long shift = 0) const {
-    long exponent = 0;
-    const double mantissa = mpf_get_d_2exp(&exponent, v_);
+    long exponent = 0, rest_exponent = 0;
+    double mantissa = mpf_get_d_2exp(&exponent, v_);  // truncated
+    const Wide rest = *this - Wide(mantissa).times_power_of_two(exponent);
+    if (!rest.zero()) {
+      const double r = mpf_get_d_2exp(&rest_exponent, rest.v_);
+      mantissa += std::ldexp(r, static_cast<int>(std::max(rest_exponent - exponent, -500L)));
+    }
     return std::ldexp(mantissa, static_cast<int>(std::clamp(exponent + shift, -5000L, 5000L)));
   }
 

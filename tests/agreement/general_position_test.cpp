@@ -26,7 +26,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, GeneralPosition,
 TEST(GeneralPositionLarge, BallsThatTheFilterThins) {
   // Enough points for the filter to work, more than one chunk, and a second map.
   for (unsigned d = 2; d <= 4; ++d) {
-    const PointSet s = random_set("ball", d == 4 ? 60000 : 300000, d, d);
+    const PointSet s = random_set("ball", 300000, d, d);
     Options options;
     options.threads = 1;
     options.cull = CullMethod::none;

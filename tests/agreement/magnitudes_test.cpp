@@ -1,4 +1,6 @@
 // Coordinates from 1e-308 to 1e308 in one set, denormals, zeros of both signs.
+#include <numeric>
+
 #include "all_paths.hpp"
 #include "point_sets.hpp"
 
@@ -22,6 +24,86 @@ TEST(Magnitudes, TheTinyEndOfALine) {
     }
     expect_everywhere(s, {0, 2});
   }
+}
+
+TEST(Magnitudes, ThinnerThanTheSmallestVolume) {
+  // The volume underflows; the centroid does not. Found by the fuzzer.
+  PointSet s = named("one denormal thick", 4);
+  s.coordinates = {0, 0, 0, 0, 5e-324, 0, 0, 0, 0, 0, 0, 1, 1, 0, 1, 0};
+  const Hull h = expect_everywhere(s, {0, 1, 2, 3});
+  EXPECT_EQ(h.centroid, (std::vector<double>{0.25, 0, 0.25, 0.25}));
+}
+
+TEST(Magnitudes, UnitNormalsOfALongTriangle) {
+  // A flat triangle whose sides are 1e304 to 1. Found by the fuzzer.
+  for (unsigned d = 3; d <= 5; ++d) {
+    PointSet s = named("long triangle", d);
+    s.coordinates.assign(std::size_t{3} * d, 0.0);
+    s.coordinates[1] = 1;
+    s.coordinates[2] = -0x1.c00fc144286ep+1011;
+    s.coordinates[2 * d] = 1;
+    expect_everywhere(s, {0, 1, 2});
+  }
+}
+
+/// A simplex with legs `legs` along the first axes of R^d, its corner at 0.
+PointSet right_simplex(unsigned d, const std::vector<double>& legs) {
+  PointSet s = named("right simplex", d);
+  s.coordinates.assign(d, 0.0);
+  for (unsigned i = 0; i < legs.size(); ++i) {
+    s.coordinates.resize(s.coordinates.size() + d, 0.0);
+    s.coordinates[s.coordinates.size() - d + i] = legs[i];
+  }
+  return s;
+}
+
+TEST(Magnitudes, RightSimplicesOfAnyProportions) {
+  // Volume and centroid are known; the volume may overflow to infinity, but is a number.
+  const double sizes[] = {5e-324, 0x1p-600, 1, 0x1p600, 0x1p1023};
+  Random r(77);
+  for (unsigned d = 1; d <= 6; ++d)
+    for (unsigned k = 1; k <= d; ++k)
+      for (unsigned repeat = 0; repeat < (d < 4 ? 8U : 3U); ++repeat) {
+        std::vector<double> legs;
+        long exponent = 0, factorial = 1;
+        for (unsigned i = 0; i < k; ++i) {
+          legs.push_back(sizes[r.integer(0, 4)]);
+          exponent += std::ilogb(legs.back());
+          factorial *= i + 1;
+        }
+        const PointSet s = right_simplex(d, legs);
+        Ids all(k + 1);
+        std::iota(all.begin(), all.end(), 0U);
+        const Hull h = expect_everywhere(s, all, Paths::few);
+        SCOPED_TRACE("d " + std::to_string(d) + ", k " + std::to_string(k) + ", repeat " +
+                     std::to_string(repeat));
+        EXPECT_FALSE(std::isnan(h.area));
+        EXPECT_DOUBLE_EQ(
+            h.volume, std::ldexp(1.0 / static_cast<double>(factorial), static_cast<int>(exponent)));
+        ASSERT_EQ(h.centroid.size(), d);
+        for (unsigned c = 0; c < d; ++c)
+          EXPECT_DOUBLE_EQ(h.centroid[c], c < k ? legs[c] / (k + 1) : 0.0);
+        for (const double v : h.facet_planes) EXPECT_FALSE(std::isnan(v));
+      }
+}
+
+TEST(Magnitudes, FlatsThatAreNearlyUpright) {
+  // Triangles and tetrahedra whose first axes see next to nothing of them.
+  for (unsigned d = 3; d <= 6; ++d)
+    for (unsigned k = 2; k < d && k <= 3; ++k)
+      for (const double lean : {1e-3, 1e-20, 1e-300}) {
+        PointSet s = right_simplex(d, {});
+        s.name = "nearly upright";
+        for (unsigned i = 0; i < k; ++i) {
+          std::vector<double> p(d, 0.0);
+          p[i] = lean;
+          p[d - 1 - i] += 1;
+          s.add(p);
+        }
+        Ids all(k + 1);
+        std::iota(all.begin(), all.end(), 0U);
+        expect_everywhere(s, all, Paths::few);
+      }
 }
 
 TEST(Magnitudes, AxesOfDifferentUnits) {

@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 #include <set>
+
+#include "cullhull/cullhull.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -69,7 +72,50 @@ TEST(LatticeCull, DeclinesWhatDoesNotPack) {
   for (double& v : rows) v = u(rng);
   std::vector<std::uint32_t> kept;
   EXPECT_FALSE(lattice_cull(rows, 1000, 3, kept));
-  EXPECT_FALSE(lattice_cull({1e308, 0, -1e308, 1e-308}, 2, 2, kept));
+  for (double& v : rows) v *= 1e-25;  // too small to be told apart by a fixed spacing
+  EXPECT_FALSE(lattice_cull(rows, 1000, 3, kept));
+}
+
+TEST(LatticeCull, IsBlindToScale) {
+  // The same grid at every magnitude, spacing that no double holds exactly, uneven spacing.
+  std::mt19937_64 rng(3);
+  std::vector<double> grid(3 * 400);
+  for (double& v : grid) v = static_cast<double>(rng() % 6);
+  std::vector<std::uint32_t> want, kept;
+  ASSERT_TRUE(lattice_cull(grid, 400, 3, want));
+  EXPECT_LT(want.size(), 400U);
+  const auto expect_same = [&](const auto& map) {
+    std::vector<double> rows = grid;
+    for (double& v : rows) v = map(v);
+    ASSERT_TRUE(lattice_cull(rows, 400, 3, kept));
+    EXPECT_EQ(kept, want);
+  };
+  for (int e = -1074; e <= 1020; e += 61) expect_same([e](double v) { return std::ldexp(v, e); });
+  expect_same([](double v) { return 0.1 * v - 0.2; });
+  const double uneven[] = {-1e308, -1, -5e-324, 0, 1e-300, 1e308};
+  expect_same([&](double v) { return uneven[static_cast<int>(v)]; });
+}
+
+TEST(LatticeCull, ThePipelineKeepsTinyPoints) {
+  // Enough points for the thinning to run, one axis far below the others.
+  std::mt19937_64 rng(4);
+  std::normal_distribution<double> gauss;
+  for (const double scale : {1e-22, 1e-25, 1e-300}) {
+    std::vector<double> cloud(3 * 400), plate(3 * 400);
+    for (double& v : cloud) v = gauss(rng) * scale;
+    for (std::size_t i = 0; i < 400; ++i) {
+      plate[3 * i] = static_cast<double>(rng() % 10);
+      plate[3 * i + 1] = static_cast<double>(rng() % 10);
+      plate[3 * i + 2] = gauss(rng) * scale;
+    }
+    for (const auto& p : {cloud, plate}) {
+      const PointView v = PointView::row_major(p.data(), 400, 3);
+      const Hull hull = convex_hull(v);
+      EXPECT_EQ(hull.affine_dimension, 3);
+      const Certificate c = certify(v, hull);
+      EXPECT_TRUE(c.valid) << c.reason;
+    }
+  }
 }
 
 TEST(LatticeCull, EqualPointsLeaveTheFirst) {
