@@ -139,8 +139,9 @@ Filtered run_pseudo_hull(const PointView& points, const Control& control, unsign
   result.rows =
       gather_points(points, result.survivors.ids.data(), result.survivors.ids.size(), threads);
   control.report("cull", 0.8);
-  // One pseudo-hull of all of them, unless it would be large: a point takes 45 bytes and its
-  // coordinates, and there are at most half as many facets, each with d cells and d more to be.
+  // One pseudo-hull of all of them, unless it would be large. A point takes 45 bytes and its
+  // coordinates. A sphere, all extreme, has a fifth as many facets as points in its largest round;
+  // half are allowed for, each with d cells in each of two arrays.
   const std::uint64_t bytes = left * (8 * d + 45 + d * (12 * d + 8));
   PseudoHullSettings second;
   second.subsets = bytes <= std::min(budget / 2, std::uint64_t{1} << 30) ? 1 : 0;
