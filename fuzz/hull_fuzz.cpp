@@ -73,6 +73,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const Hull by_column = convex_hull(PointView::column_major(columns.data(), n, d), options);
     const auto hash = testing_support::canonical_hash(hull);
     if (testing_support::canonical_hash(filtered) != hash) fail("differs", "cull gauge");
+    options.cull = CullMethod::pseudo_hull;
+    if (testing_support::canonical_hash(convex_hull(by_row, options)) != hash)
+      fail("differs", "cull pseudo-hull");
     if (testing_support::canonical_hash(by_column) != hash) fail("differs", "columns");
   } catch (const Error& e) {
     if (e.code() != ErrorCode::out_of_budget) fail("error", e.what());

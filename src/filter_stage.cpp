@@ -5,6 +5,7 @@
 
 #include "cull/gauge_map.hpp"
 #include "cull/planner.hpp"
+#include "cull/pseudo_hull.hpp"
 #include "hull/engine.hpp"
 #include "points/gather.hpp"
 #include "points/local_frame.hpp"
@@ -106,6 +107,49 @@ std::vector<double> pick_rows(const std::vector<double>& rows, unsigned d,
   return out;
 }
 
+/// Leaves of the survivors those with the given positions among them.
+void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept) {
+  std::vector<std::uint64_t> ids(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) ids[i] = result.survivors.ids[kept[i]];
+  result.rows = pick_rows(result.rows, d, kept);
+  result.survivors.ids = std::move(ids);
+}
+
+PointView view_of_rows(const Filtered& result, unsigned d) {
+  return PointView::row_major(result.rows.data(), result.survivors.ids.size(), d);
+}
+
+/// The paper's two levels: the subsets' pseudo-hulls, then one of all that they left.
+Filtered run_pseudo_hull(const PointView& points, const Control& control, unsigned threads,
+                         std::uint64_t budget) {
+  const unsigned d = points.dimension;
+  Filtered result;
+  control.report("cull", 0);
+  const PseudoHullSettings by_subsets;
+  result.survivors.ids = pseudo_hull_survivors(points, by_subsets, threads, control);
+  result.survivors.method = "pseudo-hull";
+  if (result.survivors.ids.size() == points.count) {
+    result.survivors.ids = {};
+    result.survivors.all = true;
+    return result;
+  }
+  const std::uint64_t left = result.survivors.ids.size();
+  require_budget(budget, left * (d + 2) * sizeof(double),
+                 std::to_string(left) + " points that survive the filter");
+  result.rows =
+      gather_points(points, result.survivors.ids.data(), result.survivors.ids.size(), threads);
+  control.report("cull", 0.8);
+  // One pseudo-hull of all of them, unless it would be large. A point takes 45 bytes and its
+  // coordinates. A sphere, all extreme, has a fifth as many facets as points in its largest round;
+  // half are allowed for, each with d cells in each of two arrays.
+  const std::uint64_t bytes = left * (8 * d + 45 + d * (12 * d + 8));
+  PseudoHullSettings second;
+  second.subsets = bytes <= std::min(budget / 2, std::uint64_t{1} << 30) ? 1 : 0;
+  keep_of_survivors(result, d,
+                    pseudo_hull_survivors(view_of_rows(result, d), second, threads, control));
+  return result;
+}
+
 }  // namespace
 
 Filtered run_filter(const PointView& points, const Options& options, const Control& control,
@@ -113,9 +157,12 @@ Filtered run_filter(const PointView& points, const Options& options, const Contr
   Filtered result;
   result.survivors.all = true;
   const unsigned d = points.dimension;
+  if (options.cull == CullMethod::pseudo_hull && d >= pseudo_hull_min_dimension &&
+      d <= pseudo_hull_max_dimension && points.count > d + 1)
+    return run_pseudo_hull(points, control, threads, budget);
   const bool forced = options.cull == CullMethod::gauge;
-  if (options.cull == CullMethod::none || d < GaugeMap::min_dimension ||
-      d > GaugeMap::max_dimension || points.count <= d + 1 ||
+  if (options.cull == CullMethod::none || options.cull == CullMethod::pseudo_hull ||
+      d < GaugeMap::min_dimension || d > GaugeMap::max_dimension || points.count <= d + 1 ||
       (!forced && points.count < smallest_worth_culling(d)))
     return result;
 
@@ -139,15 +186,11 @@ Filtered run_filter(const PointView& points, const Options& options, const Contr
   result.rows =
       gather_points(points, result.survivors.ids.data(), result.survivors.ids.size(), threads);
   control.report("cull", 0.8);
-  const PointView left = PointView::row_major(result.rows.data(), result.survivors.ids.size(), d);
+  const PointView left = view_of_rows(result, d);
   if (left.count < smallest_worth_refining(d)) return result;
   map = map_of_sample(left, true, threads, budget, control);
   if (map == nullptr) return result;
-  const std::vector<std::uint64_t> kept = map->survivors(left, threads, control);
-  std::vector<std::uint64_t> ids(kept.size());
-  for (std::size_t i = 0; i < kept.size(); ++i) ids[i] = result.survivors.ids[kept[i]];
-  result.rows = pick_rows(result.rows, d, kept);
-  result.survivors.ids = std::move(ids);
+  keep_of_survivors(result, d, map->survivors(left, threads, control));
   result.survivors.method = "gauge x2";
   return result;
 }

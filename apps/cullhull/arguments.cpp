@@ -191,7 +191,7 @@ Input open_input(const InputArguments& arguments, unsigned threads) {
 void RunArguments::add_to(CLI::App& command, bool filter) {
   if (filter) {
     auto& method = *command.add_option("--cull", cull, "Filter; auto sees on a sample if it pays");
-    allow_words(method, {"auto", "gauge", "none"});
+    allow_words(method, {"auto", "gauge", "pseudo-hull", "none"});
     auto& where = *command.add_option("--backend", backend, "Where to run; auto may take the CPU");
     allow_words(where, {"auto", "cpu", "cuda"});
     command
@@ -208,6 +208,7 @@ void RunArguments::add_to(CLI::App& command, bool filter) {
 cullhull::Options RunArguments::options() const {
   cullhull::Options options;
   if (cull == "gauge") options.cull = cullhull::CullMethod::gauge;
+  if (cull == "pseudo-hull") options.cull = cullhull::CullMethod::pseudo_hull;
   if (cull == "none") options.cull = cullhull::CullMethod::none;
   if (backend == "cpu") options.backend = cullhull::Backend::cpu;
   if (backend == "cuda") options.backend = cullhull::Backend::cuda;

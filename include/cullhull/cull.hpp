@@ -15,7 +15,7 @@ struct Survivors {
   std::vector<std::uint64_t> ids;
   /// True when nothing was dropped; `ids` is then empty and stands for 0 ... count-1.
   bool all = false;
-  /// What was used in the end: "gauge", "gauge x2", "none".
+  /// What was used in the end: "gauge", "gauge x2", "pseudo-hull", "none".
   const char* method = "none";
   double seconds = 0;
 
@@ -25,7 +25,7 @@ struct Survivors {
 /// Drops points that provably lie strictly inside the hull.
 /// Time O(n), one or two passes over the input; memory O(survivors). Thread safe.
 /// Throws Error{not_finite} naming the first bad point if any coordinate is not finite.
-/// Source: docs/algorithm.md, "GaugeMap".
+/// Source: docs/algorithm.md, "GaugeMap" and "PseudoHull".
 Survivors cull(const PointView& points, const Options& options = {});
 
 }  // namespace cullhull

@@ -8,7 +8,8 @@
 namespace cullhull {
 
 enum class Backend { automatic, cpu, cuda };
-enum class CullMethod { automatic, gauge, none };
+/// The filters: docs/algorithm.md. `automatic` sees on a sample whether the gauge map pays.
+enum class CullMethod { automatic, gauge, pseudo_hull, none };
 enum class Engine { native, qhull };
 
 /// Called from the calling thread now and then: a short phase name and the share done in [0, 1].

@@ -73,10 +73,12 @@ class AllPaths {
     certified(view_of(set_), reference, "reference");
     if (paths_ == Paths::reference) return reference;
     if (paths_ == Paths::few) {
-      compare(view_of(set_), CullMethod::gauge, 2, "rows of f64");
+      for (CullMethod cull : {CullMethod::gauge, CullMethod::pseudo_hull})
+        compare(view_of(set_), cull, 2, "rows of f64");
       return reference;
     }
-    for (CullMethod cull : {CullMethod::none, CullMethod::gauge, CullMethod::automatic})
+    for (CullMethod cull :
+         {CullMethod::none, CullMethod::gauge, CullMethod::pseudo_hull, CullMethod::automatic})
       for (unsigned threads : {1U, 2U}) compare(view_of(set_), cull, threads, "rows of f64");
     layouts(set_.coordinates, "f64");
     scalar<float>("f32");
@@ -111,6 +113,7 @@ class AllPaths {
     const std::vector<T> columns = transposed(rows, d);
     const auto by_column = PointView::column_major(columns.data(), set_.count(), d);
     compare(by_column, CullMethod::gauge, 2, "columns of " + path);
+    compare(by_column, CullMethod::pseudo_hull, 3, "columns of " + path);
     // Records of d scalars and three bytes, from an odd address.
     const std::size_t record = d * sizeof(T) + 3;
     std::vector<std::byte> bytes(set_.count() * record + 1);
@@ -121,6 +124,7 @@ class AllPaths {
         sizeof(T)};
     compare(strided, CullMethod::none, 2, "records of " + path);
     compare(strided, CullMethod::gauge, 1, "records of " + path);
+    compare(strided, CullMethod::pseudo_hull, 1, "records of " + path);
   }
   template <class T>
   void scalar(const std::string& path) {
@@ -129,6 +133,7 @@ class AllPaths {
     const auto view = PointView::row_major(rows.data(), set_.count(), set_.dimension);
     compare(view, CullMethod::none, 1, "rows of " + path);
     compare(view, CullMethod::gauge, 2, "rows of " + path);
+    compare(view, CullMethod::pseudo_hull, 2, "rows of " + path);
     layouts(rows, path);
     certified(view, convex_hull(view), path);
   }

@@ -121,7 +121,7 @@ TEST(Cli, TheFirstPointThatIsNotFiniteIsNamed) {
   points[3 * 4321 + 2] = std::numeric_limits<double>::infinity();
   points[3 * 1234 + 1] = std::numeric_limits<double>::quiet_NaN();
   write_npy_points(f / "nan.npy", points.data(), 5000, 3, ScalarType::f64);
-  for (const std::string cull : {"none", "gauge", "auto"})
+  for (const std::string cull : {"none", "gauge", "pseudo-hull", "auto"})
     expect_error({"hull", f / "nan.npy", "--cull", cull}, 1, "1234");
   expect_error({"cull", f / "nan.npy", "-o", f / "ids.npy"}, 1, "1234");
   EXPECT_NE(run_app({"info", f / "nan.npy"}).out.find("1234"), std::string::npos);
@@ -154,7 +154,7 @@ TEST(Cli, EveryPathWritesTheSameBytes) {
   for (const Case& c : cases) {
     write_points(f / "p.npy", c.shape, 6000, c.dimension);
     std::vector<std::string> first;
-    for (const std::string cull : {"none", "gauge", "auto"})
+    for (const std::string cull : {"none", "gauge", "pseudo-hull", "auto"})
       for (const std::string threads : {"1", "2"}) {
         std::vector<std::string> arguments = {"hull",      f / "p.npy", "--cull",     cull,
                                               "--threads", threads,     "--vertices", f / "v.npy"};
@@ -232,6 +232,15 @@ TEST(Cli, CullKeepsEveryVertex) {
   EXPECT_TRUE(std::includes(kept.begin(), kept.end(), vertices.begin(), vertices.end()));
   const auto json = nlohmann::json::parse(run_app({"cull", f / "p.npy", "--json"}).out);
   EXPECT_EQ(json["cull"]["survivors"], kept.size());
+}
+
+TEST(Cli, CullByThePapersFilter) {
+  const Folder f;
+  write_points(f / "p.npy", "ball", 50000, 3);
+  const auto json =
+      nlohmann::json::parse(run_app({"cull", f / "p.npy", "--cull", "pseudo-hull", "--json"}).out);
+  EXPECT_EQ(json["cull"]["method"], "pseudo-hull");
+  EXPECT_LT(json["cull"]["survivors"], 50000 / 10);
 }
 
 TEST(Cli, ColumnsAreTakenFromLongerRecords) {

@@ -57,7 +57,7 @@ TEST(FlatSets, AMillionEqualPoints) {
       expected.push_back(s.count());
       s.add(p);
     }
-    for (CullMethod cull : {CullMethod::none, CullMethod::gauge}) {
+    for (CullMethod cull : {CullMethod::none, CullMethod::gauge, CullMethod::pseudo_hull}) {
       options.cull = cull;
       const Hull simplex = convex_hull(view_of(s), options);
       EXPECT_EQ(sorted_vertices(simplex), expected);

@@ -1,0 +1,220 @@
+#include "cull/pseudo_hull.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "cull/pseudo_hull_growth.hpp"
+#include "cullhull/error.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// Subset s of M holds the blocks s, s + M, s + 2 M, ... of the points: a fair sample even where
+/// neighbours in memory are neighbours in space.
+constexpr std::uint64_t block_size = 512;
+
+struct Subset {
+  std::uint64_t total, index, subsets;
+
+  std::uint64_t point(std::uint64_t local) const {
+    return (local / block_size * subsets + index) * block_size + local % block_size;
+  }
+  std::uint64_t size() const {
+    const std::uint64_t blocks = chunk_count(total, block_size);
+    if (index >= blocks) return 0;
+    const std::uint64_t mine = (blocks - index + subsets - 1) / subsets;
+    const bool has_last = (blocks - 1) % subsets == index;
+    return mine * block_size - (has_last ? blocks * block_size - total : 0);
+  }
+};
+
+template <class T, unsigned D>
+void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t count, double* out) {
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const std::byte* p = view.address(begin + i, 0);
+    for (unsigned k = 0; k < D; ++k) {
+      T v;
+      std::memcpy(&v, p + static_cast<std::ptrdiff_t>(k) * view.coordinate_stride, sizeof v);
+      out[i * D + k] = static_cast<double>(v);
+    }
+  }
+}
+
+template <unsigned D>
+void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t count, double* out) {
+  switch (view.scalar) {
+    case ScalarType::f32:
+      return load_rows<float, D>(view, begin, count, out);
+    case ScalarType::f64:
+      return load_rows<double, D>(view, begin, count, out);
+    case ScalarType::i8:
+      return load_rows<std::int8_t, D>(view, begin, count, out);
+    case ScalarType::u8:
+      return load_rows<std::uint8_t, D>(view, begin, count, out);
+    case ScalarType::i16:
+      return load_rows<std::int16_t, D>(view, begin, count, out);
+    case ScalarType::u16:
+      return load_rows<std::uint16_t, D>(view, begin, count, out);
+    case ScalarType::i32:
+      return load_rows<std::int32_t, D>(view, begin, count, out);
+    case ScalarType::u32:
+      return load_rows<std::uint32_t, D>(view, begin, count, out);
+  }
+}
+
+/// A point with a NaN or an infinity becomes NaN in every coordinate, so that no comparison holds.
+template <unsigned D>
+void blot_out(double* rows, std::uint64_t count) {
+  double sum = 0;  // x * 0 is NaN exactly for NaN and infinities
+  for (std::uint64_t i = 0; i < count * D; ++i) sum += rows[i] * 0.0;
+  if (sum == 0) return;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    double* row = rows + i * D;
+    if (!std::all_of(row, row + D, [](double v) { return std::isfinite(v); }))
+      std::fill_n(row, D, std::numeric_limits<double>::quiet_NaN());
+  }
+}
+
+/// Loads the points of a subset, grows its pseudo-hull and lists the ids that are left, ascending.
+template <unsigned D, class Executor>
+void filter_subset(const PointView& view, const Subset& subset, unsigned max_rounds,
+                   const Executor& loader, PseudoHullGrowth<D, Executor>& growth,
+                   const Control& control, std::vector<PseudoHullRound>& rounds,
+                   std::vector<std::uint64_t>& kept) {
+  const std::uint64_t size = subset.size();
+  if (size > pseudo_hull_most_points)
+    throw Error(ErrorCode::out_of_budget, std::to_string(size) +
+                                              " points are too many for one pseudo-hull; "
+                                              "use more subsets");
+  double* rows = growth.rows(static_cast<std::uint32_t>(size));
+  loader.for_each(static_cast<std::uint32_t>(chunk_count(size, block_size)), [&](std::uint32_t b) {
+    const std::uint64_t begin = b * block_size, count = std::min(block_size, size - begin);
+    load_rows<D>(view, subset.point(begin), count, rows + begin * D);
+    blot_out<D>(rows + begin * D, count);
+  });
+  growth.run(max_rounds, control, rounds);
+  const std::vector<char>& culled = growth.culled();
+  kept.reserve(static_cast<std::size_t>(std::count(culled.begin(), culled.end(), 0)));
+  for (std::uint64_t i = 0; i < size; ++i)
+    if (culled[i] == 0) kept.push_back(subset.point(i));
+}
+
+/// Scratch memory for as many subsets as are worked on at once.
+template <class T>
+class Pool {
+ public:
+  std::unique_ptr<T> take() {
+    const std::lock_guard lock(mutex_);
+    if (free_.empty()) return nullptr;
+    std::unique_ptr<T> item = std::move(free_.back());
+    free_.pop_back();
+    return item;
+  }
+  void give(std::unique_ptr<T> item) {
+    const std::lock_guard lock(mutex_);
+    free_.push_back(std::move(item));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<T>> free_;
+};
+
+void add(std::vector<PseudoHullRound>& sum, const std::vector<PseudoHullRound>& rounds) {
+  if (sum.size() < rounds.size()) sum.resize(rounds.size());
+  for (std::size_t r = 0; r < rounds.size(); ++r) {
+    sum[r].facets += rounds[r].facets;
+    sum[r].exterior += rounds[r].exterior;
+    sum[r].culled += rounds[r].culled;
+    sum[r].kept += rounds[r].kept;
+  }
+}
+
+/// Ids of the subsets, block by block in turn: ascending.
+std::vector<std::uint64_t> merged(const std::vector<std::vector<std::uint64_t>>& kept) {
+  std::size_t total = 0;
+  for (const auto& list : kept) total += list.size();
+  std::vector<std::uint64_t> ids;
+  ids.reserve(total);
+  std::vector<std::size_t> next(kept.size(), 0);
+  for (std::uint64_t round_end = block_size * kept.size(); ids.size() < total;
+       round_end += block_size * kept.size()) {
+    for (std::size_t s = 0; s < kept.size(); ++s)
+      while (next[s] < kept[s].size() && kept[s][next[s]] < round_end)
+        ids.push_back(kept[s][next[s]++]);
+  }
+  return ids;
+}
+
+template <unsigned D>
+std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subsets,
+                                        unsigned max_rounds, unsigned threads,
+                                        const Control& control,
+                                        std::vector<PseudoHullRound>& rounds) {
+  std::vector<std::vector<std::uint64_t>> kept(subsets);
+  if (subsets == 1 && threads > 1) {
+    const TbbExecutor executor(threads);
+    PseudoHullGrowth<D, TbbExecutor> growth(executor);
+    filter_subset<D>(points, {points.count, 0, 1}, max_rounds, executor, growth, control, rounds,
+                     kept[0]);
+    return std::move(kept[0]);
+  }
+  using Growth = PseudoHullGrowth<D, SerialExecutor>;
+  Pool<Growth> pool;
+  std::vector<std::vector<PseudoHullRound>> reports(subsets);
+  for_each_chunk(subsets, 1, threads, [&](std::uint64_t s, std::uint64_t, std::uint64_t) {
+    control.check();
+    std::unique_ptr<Growth> growth = pool.take();
+    if (growth == nullptr) growth = std::make_unique<Growth>(SerialExecutor{});
+    filter_subset<D>(points, {points.count, s, subsets}, max_rounds, SerialExecutor{}, *growth,
+                     control, reports[s], kept[s]);
+    pool.give(std::move(growth));
+  });
+  for (const auto& r : reports) add(rounds, r);
+  return merged(kept);
+}
+
+/// The paper's 64 for the sizes the paper has: a subset of more than 2^17 points leaves the cache,
+/// one of fewer than 2^12 keeps too many.
+unsigned subset_count(std::uint64_t points) {
+  const std::uint64_t most = std::max<std::uint64_t>(1, points >> 12);
+  return static_cast<unsigned>(
+      std::min(most, std::clamp<std::uint64_t>(points >> 17, 64, 1U << 20)));
+}
+
+}  // namespace
+
+std::vector<std::uint64_t> pseudo_hull_survivors(const PointView& points,
+                                                 const PseudoHullSettings& settings,
+                                                 unsigned threads, const Control& control,
+                                                 std::vector<PseudoHullRound>* rounds) {
+  std::vector<PseudoHullRound> unread;
+  std::vector<PseudoHullRound>& report = rounds != nullptr ? *rounds : unread;
+  report.clear();
+  const unsigned subsets = settings.subsets != 0 ? settings.subsets : subset_count(points.count);
+  const unsigned most = settings.max_rounds;
+  switch (points.dimension) {
+    case 2:
+      return survivors_of<2>(points, subsets, most, threads, control, report);
+    case 3:
+      return survivors_of<3>(points, subsets, most, threads, control, report);
+    case 4:
+      return survivors_of<4>(points, subsets, most, threads, control, report);
+    case 5:
+      return survivors_of<5>(points, subsets, most, threads, control, report);
+    case 6:
+      return survivors_of<6>(points, subsets, most, threads, control, report);
+    case 7:
+      return survivors_of<7>(points, subsets, most, threads, control, report);
+    case 8:
+      return survivors_of<8>(points, subsets, most, threads, control, report);
+    default:
+      throw Error(ErrorCode::invalid_argument, "the pseudo-hull filter is for 2 to 8 dimensions");
+  }
+}
+
+}  // namespace cullhull::internal
