@@ -384,6 +384,18 @@ TEST(Cli, InterruptedWorkLeavesNoFile) {
   }
 }
 
+TEST(Cli, InterruptedWritingLeavesNoFile) {
+  const Folder f;
+  const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+  const pid_t child =
+      start_app({"generate", "ball", "-n", "8M", "-o", f / "big.npy"}, null, null, null);
+  while (f.entries() == 0) ::usleep(100);  // the temporary beside the target
+  ::kill(child, SIGTERM);
+  EXPECT_EQ(wait_for(child), 130);
+  ::close(null);
+  EXPECT_EQ(f.entries(), 0U);
+}
+
 TEST(Cli, InterruptedReadingEndsAtOnce) {
   const Folder f;
   int ends[2] = {};
