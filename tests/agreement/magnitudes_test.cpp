@@ -34,6 +34,15 @@ TEST(Magnitudes, ThinnerThanTheSmallestVolume) {
   EXPECT_EQ(h.centroid, (std::vector<double>{0.25, 0, 0.25, 0.25}));
 }
 
+TEST(Magnitudes, AThinTriangleOfInfiniteArea) {
+  // 1e140 times as long as it is thick, yet its area is beyond the doubles. Found by the fuzzer.
+  PointSet s = named("thin and infinite", 2);
+  s.coordinates = {7.454161766632727e-308, -3.5376697029559833e+108, -3.0654017248057606e+248,
+                   4.034280573063184e+195, 2.113821014380367e-307,   4.53307e-318};
+  const Hull h = expect_everywhere(s, {0, 2, 1});
+  EXPECT_EQ(h.volume, std::numeric_limits<double>::infinity());
+}
+
 TEST(Magnitudes, UnitNormalsOfALongTriangle) {
   // A flat triangle whose sides are 1e304 to 1. Found by the fuzzer.
   for (unsigned d = 3; d <= 5; ++d) {
