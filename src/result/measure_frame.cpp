@@ -171,7 +171,19 @@ Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vert
     }
     narrowest = std::min(narrowest, high - low);
   }
-  f.wild = !(narrowest > std::exp2(-400.0 / k)) || !(f.stretch > 0 && Wide(0x1p40) > f.stretch);
+  // In a flat, so must the centroid's other coordinates.
+  bool lost = false;
+  for (unsigned c = 0; c < d && !f.raw.empty(); ++c) {
+    double low = f.raw[c], high = low;
+    for (std::size_t i = c; i < f.raw.size(); i += d) {
+      low = std::min(low, f.raw[i]);
+      high = std::max(high, f.raw[i]);
+    }
+    const double extent = scale_by(high, -f.exponent) - scale_by(low, -f.exponent);
+    lost = lost || (low != high && !(extent > 0x1p-400));
+  }
+  f.wild =
+      lost || !(narrowest > std::exp2(-400.0 / k)) || !(f.stretch > 0 && Wide(0x1p40) > f.stretch);
   return f;
 }
 

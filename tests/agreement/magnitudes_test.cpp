@@ -43,6 +43,17 @@ TEST(Magnitudes, AThinTriangleOfInfiniteArea) {
   EXPECT_EQ(h.volume, std::numeric_limits<double>::infinity());
 }
 
+TEST(Magnitudes, CentroidOfAFlatWithTinyAndHugeAxes) {
+  // Two axes 1e480 times smaller than the others. Found by the fuzzer.
+  PointSet s = named("tiny and huge axes", 4);
+  s.coordinates = {2.0279106256126465e-304, 9.220110800955372e-212,  -1.306712965271115e-270,
+                   -3.826520040177059e-280, -7.480089288414401e-220, 1.0610002235e-314,
+                   7.301631366187919e-184,  -2.460063180362194e+260, 2.5124504766443e-310,
+                   3.421955758886039e+270,  2.5597041069920914e-308, 6.3e-322};
+  const Hull h = expect_everywhere(s, {0, 1, 2});
+  EXPECT_NEAR(h.centroid[0], -7.480089288414401e-220 / 3, 1e-234);
+}
+
 TEST(Magnitudes, UnitNormalsOfALongTriangle) {
   // A flat triangle whose sides are 1e304 to 1. Found by the fuzzer.
   for (unsigned d = 3; d <= 5; ++d) {
