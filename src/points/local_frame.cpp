@@ -22,6 +22,20 @@ int lowest_bit_exponent(double v) {
   return (biased != 0 ? biased - 1075 : -1074) + std::countr_zero(m);
 }
 
+/// Takes from r its components along the first `rank` of the orthonormal rows of `basis`; the
+/// square of what is left.
+double remove_components(std::vector<double>& r, const std::vector<double>& basis, unsigned rank) {
+  const std::size_t d = r.size();
+  for (unsigned b = 0; b < rank; ++b) {
+    double dot = 0;
+    for (std::size_t j = 0; j < d; ++j) dot += r[j] * basis[b * d + j];
+    for (std::size_t j = 0; j < d; ++j) r[j] -= dot * basis[b * d + j];
+  }
+  double square = 0;
+  for (const double v : r) square += v * v;
+  return square;
+}
+
 }  // namespace
 
 LocalFrame::LocalFrame(std::vector<double>&& rows, std::uint32_t count, unsigned dimension,
@@ -134,15 +148,8 @@ void LocalFrame::find_simplex(const std::vector<double>& scaled) {
     std::vector<double> r(d);
     for (unsigned j = 0; j < d; ++j)
       r[j] = scaled[std::size_t{next} * d + j] - scaled[std::size_t{first} * d + j];
-    for (int pass = 0; pass < 2; ++pass)
-      for (unsigned b = 0; b < rank; ++b) {
-        double dot = 0;
-        for (unsigned j = 0; j < d; ++j) dot += r[j] * basis[b * d + j];
-        for (unsigned j = 0; j < d; ++j) r[j] -= dot * basis[b * d + j];
-      }
-    double norm = 0;
-    for (unsigned j = 0; j < d; ++j) norm += r[j] * r[j];
-    norm = std::sqrt(norm);
+    remove_components(r, basis, rank);
+    const double norm = std::sqrt(remove_components(r, basis, rank));
     for (unsigned j = 0; j < d; ++j) basis.push_back(norm > 0 ? r[j] / norm : 0);
   }
   affine_dimension_ = static_cast<int>(simplex_.size()) - 1;
@@ -164,15 +171,9 @@ std::uint32_t LocalFrame::farthest(const std::vector<double>& scaled,
   for (std::uint64_t i = 0; i < count_; i += stride) {
     const double* p = scaled.data() + i * d;
     for (unsigned j = 0; j < d; ++j) r[j] = p[j] - origin[j];
-    for (unsigned b = 0; b < rank; ++b) {
-      double dot = 0;
-      for (unsigned j = 0; j < d; ++j) dot += r[j] * basis[b * d + j];
-      for (unsigned j = 0; j < d; ++j) r[j] -= dot * basis[b * d + j];
-    }
-    double norm = 0;
-    for (unsigned j = 0; j < d; ++j) norm += r[j] * r[j];
-    if (norm > best) {
-      best = norm;
+    const double square = remove_components(r, basis, rank);
+    if (square > best) {
+      best = square;
       best_point = static_cast<std::uint32_t>(i);
     }
   }
