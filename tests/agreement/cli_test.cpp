@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "agreement/run_app.hpp"
 #include "cullhull/generate.hpp"
@@ -338,7 +339,8 @@ class OnTerminal {
  public:
   explicit OnTerminal(const std::vector<std::string>& arguments) {
     int terminal = -1;
-    if (::openpty(&master_, &terminal, nullptr, nullptr, nullptr) != 0) std::abort();
+    if (::openpty(&master_, &terminal, nullptr, nullptr, nullptr) != 0)
+      throw std::runtime_error("no terminal to be had: is /dev/pts mounted?");
     ::fcntl(master_, F_SETFD, FD_CLOEXEC);
     const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
     child_ = start_app(arguments, null, null, terminal);
