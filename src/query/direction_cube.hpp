@@ -21,7 +21,8 @@ class DirectionCube {
   bool empty() const { return resolution_ == 0; }
   std::size_t size() const { return 2 * k_ * per_face_; }
 
-  /// Face 2 j + (x_j < 0), then row-major on the other axes. Any x; the zero vector is in some cell.
+  /// Face 2 j + (x_j < 0), then row-major on the other axes. Any x; the zero vector is in some
+  /// cell.
   std::size_t cell(const double* x) const {
     unsigned axis = 0;
     for (unsigned j = 1; j < k_; ++j)

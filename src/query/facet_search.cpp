@@ -88,9 +88,9 @@ QueryPoints make_query_points(const PointView& points, const Hull& hull) {
   if (q.k > 0) {
     const auto first = hull.facets.items.begin();
     const auto last = first + static_cast<std::ptrdiff_t>(hull.facets.offsets[1]);
-    const auto off =
-        std::find_if(q.ids.begin(), q.ids.end(),
-                     [&](std::uint64_t id) { return std::find(first, last, id) == last; });
+    const auto off = std::find_if(q.ids.begin(), q.ids.end(), [&](std::uint64_t id) {
+      return std::find(first, last, id) == last;
+    });
     rows.push_back(q.full.data() + (off - q.ids.begin()) * static_cast<std::ptrdiff_t>(d));
     affine_rank_exact(d, rows.data(), static_cast<unsigned>(rows.size()), q.axes.data());
   }
@@ -158,8 +158,8 @@ void FacetSearch::choose_simplices(const Hull& hull) {
   }
 }
 
-/// With M = max|v0 - c| <= 2, reach as in plane_of and b the computed N . (v0 - c), positive inside:
-/// |b - exact| <= reach M. Dividing N by b first costs one more rounding a product, so
+/// With M = max|v0 - c| <= 2, reach as in plane_of and b the computed N . (v0 - c), positive
+/// inside: |b - exact| <= reach M. Dividing N by b first costs one more rounding a product, so
 /// |value - exact| <= e (1.5 max|x| + 2 |exact|), e = reach / b, and for e <= 1/8 at most
 /// 3.03 e (max|x| + |value|) + value_tiny.
 void FacetSearch::set_plane(std::uint32_t f, const std::uint32_t* corners) {

@@ -26,8 +26,8 @@ struct QueryPoints {
 
 QueryPoints make_query_points(const PointView& points, const Hull& hull);
 
-/// Facets as linear functions that are 1 on the facet and less than 1 beneath it, seen from a centre
-/// inside, and the graph of neighbours to climb on. k >= 2.
+/// Facets as linear functions that are 1 on the facet and less than 1 beneath it, seen from a
+/// centre inside, and the graph of neighbours to climb on. k >= 2.
 ///
 /// value(f, x) = N . x / N . (v0 - c) for x = q - c, where N is the cofactor normal; q is outside
 /// exactly if the largest value exceeds 1. The value is a linear objective on the vertices of the

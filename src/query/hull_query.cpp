@@ -1,6 +1,4 @@
 // HullQuery: the questions, one by one and in batches.
-#include "cullhull/query.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +9,7 @@
 #include "control.hpp"
 #include "cull/gauge_map.hpp"
 #include "cullhull/error.hpp"
+#include "cullhull/query.hpp"
 #include "parallel/parallel.hpp"
 #include "points/gather.hpp"
 #include "predicates/orientation.hpp"
@@ -101,8 +100,8 @@ using namespace internal;
 struct HullQuery::State {
   State(const PointView& view, const Hull& hull)
       : points(make_query_points(view, hull)),
-        flat(points, points.k < points.dimension ? flat_basis(points, hull)
-                                                 : std::vector<std::uint32_t>{}),
+        flat(points,
+             points.k < points.dimension ? flat_basis(points, hull) : std::vector<std::uint32_t>{}),
         vertices(points, hull),
         planes(hull.facet_planes),
         facet_start(hull.facets.offsets) {
@@ -151,10 +150,9 @@ struct HullQuery::State {
   RayHit ray(const double* origin, const double* direction) const;
   void check_dimension(const PointView& view) const {
     if (view.dimension != points.dimension)
-      throw Error(ErrorCode::invalid_argument, "points of dimension " +
-                                                   std::to_string(view.dimension) +
-                                                   " asked of a hull in dimension " +
-                                                   std::to_string(points.dimension));
+      throw Error(ErrorCode::invalid_argument,
+                  "points of dimension " + std::to_string(view.dimension) +
+                      " asked of a hull in dimension " + std::to_string(points.dimension));
   }
   template <class Body>
   void each(const PointView& view, const Options& options, Body&& body) const;
@@ -251,8 +249,7 @@ RayHit HullQuery::State::ray(const double* origin, const double* direction) cons
     double t[2] = {(points.low[0] - origin[0]) / direction[0],
                    (points.high[0] - origin[0]) / direction[0]};
     const auto end_at = [&](double v) {
-      return static_cast<std::uint32_t>(
-          points.full[facet_vertices[0]] == v ? 0 : 1);
+      return static_cast<std::uint32_t>(points.full[facet_vertices[0]] == v ? 0 : 1);
     };
     hit = {true, t[0], t[1], end_at(points.low[0]), end_at(points.high[0])};
     if (t[0] > t[1]) {
@@ -291,8 +288,7 @@ RayHit HullQuery::State::ray(const double* origin, const double* direction) cons
     double enter = -std::numeric_limits<double>::infinity(), exit = -enter;
     for (std::uint32_t f = 0; f + 1 < facet_start.size(); ++f) {
       double rise = 0;
-      for (unsigned j = 0; j < d; ++j)
-        rise += planes[std::size_t{f} * (d + 1) + j] * direction[j];
+      for (unsigned j = 0; j < d; ++j) rise += planes[std::size_t{f} * (d + 1) + j] * direction[j];
       const double height = plane_value(f, origin);
       if (rise == 0 && height > 0) return hit;
       if (rise == 0) continue;

@@ -25,8 +25,7 @@ VertexSearch::VertexSearch(const QueryPoints& points, const Hull& hull) : points
   factor_.resize(d);
   for (unsigned j = 0; j < d; ++j) {
     int exponent = 0;
-    factor_[j] =
-        power_for(std::max(std::fabs(points.low[j]), std::fabs(points.high[j])), exponent);
+    factor_[j] = power_for(std::max(std::fabs(points.low[j]), std::fabs(points.high[j])), exponent);
   }
   scaled_.resize(points.full.size());
   for (std::size_t i = 0; i < scaled_.size(); ++i) scaled_[i] = points.full[i] * factor_[i % d];
@@ -257,8 +256,8 @@ VertexSearch::Nearest VertexSearch::nearest(const double* q) const {
   const unsigned d = points_->dimension;
   double largest = 0;
   for (unsigned j = 0; j < d; ++j)
-    largest = std::max({largest, std::fabs(points_->low[j]), std::fabs(points_->high[j]),
-                        std::fabs(q[j])});
+    largest = std::max(
+        {largest, std::fabs(points_->low[j]), std::fabs(points_->high[j]), std::fabs(q[j])});
   int exponent = 0;
   const double unit = power_for(largest, exponent) / 4;  // differences stay below 1
   const auto row = [&](std::uint32_t v, double* p) {

@@ -82,8 +82,8 @@ struct Subject {
   std::vector<unsigned> axes;
 };
 
-/// Points at all the awkward places: vertices, middles, their neighbours by one ulp, the inside, near
-/// and far outside.
+/// Points at all the awkward places: vertices, middles, their neighbours by one ulp, the inside,
+/// near and far outside.
 std::vector<double> awkward_points(const Subject& s, unsigned count, std::uint64_t seed) {
   Random r(seed);
   const std::uint64_t n = s.hull.point_count;
@@ -99,9 +99,9 @@ std::vector<double> awkward_points(const Subject& s, unsigned count, std::uint64
     std::vector<double> q(s.d);
     const double *a = any(), *b = any(), *v = vertex(), *w = vertex();
     const std::size_t f =
-        s.k > 0 ? static_cast<std::size_t>(
-                      r.integer(0, static_cast<int>(s.hull.simplex_count()) - 1))
-                : 0;
+        s.k > 0
+            ? static_cast<std::size_t>(r.integer(0, static_cast<int>(s.hull.simplex_count()) - 1))
+            : 0;
     for (unsigned j = 0; j < s.d; ++j) switch (i % 8) {
         case 0:
           q[j] = v[j];
@@ -451,9 +451,7 @@ TEST(HullQuery, refuses_what_makes_no_sense) {
     EXPECT_EQ(e.code(), ErrorCode::not_finite);
     EXPECT_NE(std::string(e.what()).find("7001"), std::string::npos) << e.what();
   }
-  EXPECT_EQ(code_of([&] {
-              query.contains(PointView::row_major(many.data(), 10, 2), out.data());
-            }),
+  EXPECT_EQ(code_of([&] { query.contains(PointView::row_major(many.data(), 10, 2), out.data()); }),
             invalid);
   std::stop_source stop;
   stop.request_stop();
