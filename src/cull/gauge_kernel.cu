@@ -168,9 +168,11 @@ __global__ void gather_kernel(const __grid_constant__ DevicePointView points,
                               T* __restrict__ rows) {
   const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
   for (std::uint64_t e = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; e < values;
-       e += step)
-    rows[e] = coordinate<T>(points, ids[e / points.dimension],
+       e += step) {
+    const std::uint64_t row = e / points.dimension;
+    rows[e] = coordinate<T>(points, ids != nullptr ? ids[row] : row,
                             static_cast<unsigned>(e % points.dimension));
+  }
 }
 
 __global__ void gather_ids_kernel(const std::uint64_t* __restrict__ of,
