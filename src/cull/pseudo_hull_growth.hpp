@@ -125,7 +125,7 @@ class PseudoHullGrowth {
   void regroup(std::uint32_t cells, const ExteriorPoint* from, std::uint32_t culled,
                PseudoHullRound& report) {
     const std::uint32_t before = exterior_;
-    executor_.reserve(number_, cells);
+    executor_.reserve(number_, std::size_t{cells} + 1);
     facets_ = executor_.enumerate(cells, CellHasPoints{best_.data()}, number_.data());
     executor_.reserve(facet_, facets_);
     executor_.reserve(apex_, facets_);

@@ -104,7 +104,7 @@ class SerialExecutor : public HostMemory {
     return k;
   }
 
-  /// number[i] becomes how many of the items [0, i) are kept; returns how many are in all.
+  /// number[i] becomes how many of the items [0, i) are kept, i = 0 ... count; returns the last.
   template <class Keep>
   std::uint32_t enumerate(std::uint32_t count, Keep&& keep, std::uint32_t* number) const {
     std::uint32_t sum = 0;
@@ -112,6 +112,7 @@ class SerialExecutor : public HostMemory {
       number[i] = sum;
       sum += static_cast<std::uint32_t>(keep(i));
     }
+    number[count] = sum;
     return sum;
   }
 
@@ -192,7 +193,7 @@ class TbbExecutor : public HostMemory {
                        k += static_cast<std::uint32_t>(keep(static_cast<std::uint32_t>(i)));
                      }
                    });
-    return offsets.back();
+    return number[count] = offsets.back();
   }
 
   template <class Body>

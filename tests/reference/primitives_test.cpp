@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <numeric>
+#include <algorithm>
 #include <random>
+
+#include "reference/emulated_executor.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -41,12 +43,13 @@ void expect_as_plain_loops(Executor executor) {
     got.resize(kept);
     EXPECT_EQ(got, wanted);
 
-    std::vector<std::uint32_t> numbers(n), sums(n);
+    std::vector<std::uint32_t> numbers(n + 1), sums(n + 1);
     std::uint32_t sum = 0;
     for (std::uint32_t i = 0; i < n; ++i) {
       sums[i] = sum;
       sum += v[i] >= 2 ? 1 : 0;
     }
+    sums[n] = sum;
     EXPECT_EQ(executor.enumerate(
                   n, [&](std::uint32_t i) { return v[i] >= 2; }, numbers.data()),
               sum);
@@ -79,6 +82,26 @@ TEST(Primitives, SerialEqualsPlainLoops) { expect_as_plain_loops(SerialExecutor{
 
 TEST(Primitives, TbbEqualsPlainLoops) {
   for (const unsigned threads : {1U, 2U, 3U}) expect_as_plain_loops(TbbExecutor(threads));
+}
+
+TEST(Primitives, KernelBodiesEqualPlainLoops) {
+  for (const std::uint32_t blocks : {1U, 3U, 200U})
+    for (const std::uint32_t size : {1U, 32U, 256U})
+      expect_as_plain_loops(EmulatedExecutor(blocks, size));
+}
+
+// More cells than a block's table holds: offers go to the cells at once.
+TEST(Primitives, ScatterMaxWithAndWithoutTables) {
+  for (const std::uint32_t cells : {1U, 2047U, 2048U, 2049U, 9000U}) {
+    const auto offer = [&](std::uint32_t i) {
+      const std::uint32_t c = i * 2654435761U % (cells + 1);
+      return c < cells ? Offer{c, std::uint64_t{i} * 40503 % 65521 + 1} : Offer{no_item, 0};
+    };
+    std::vector<std::uint64_t> wanted(cells), got(cells, 5);
+    const auto none = SerialExecutor{}.scatter_max(30000, cells, offer, wanted.data());
+    EXPECT_EQ(EmulatedExecutor{}.scatter_max(30000, cells, offer, got.data()), none);
+    EXPECT_EQ(got, wanted) << cells;
+  }
 }
 
 TEST(Primitives, ExceptionsPassThrough) {
