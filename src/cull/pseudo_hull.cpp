@@ -125,22 +125,6 @@ void add(std::vector<PseudoHullRound>& sum, const std::vector<PseudoHullRound>& 
   }
 }
 
-/// Ids of the subsets, block by block in turn: ascending.
-std::vector<std::uint64_t> merged(const std::vector<std::vector<std::uint64_t>>& kept) {
-  std::size_t total = 0;
-  for (const auto& list : kept) total += list.size();
-  std::vector<std::uint64_t> ids;
-  ids.reserve(total);
-  std::vector<std::size_t> next(kept.size(), 0);
-  for (std::uint64_t round_end = block_size * kept.size(); ids.size() < total;
-       round_end += block_size * kept.size()) {
-    for (std::size_t s = 0; s < kept.size(); ++s)
-      while (next[s] < kept[s].size() && kept[s][next[s]] < round_end)
-        ids.push_back(kept[s][next[s]++]);
-  }
-  return ids;
-}
-
 template <unsigned D>
 std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subsets,
                                         unsigned max_rounds, unsigned threads,
@@ -150,7 +134,7 @@ std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subset
   if (subsets == 1 && threads > 1) {
     Worker<D, TbbExecutor> worker{TbbExecutor(threads)};
     filter_subset<D>(points, {points.count, 0, 1}, max_rounds, worker, control, rounds, kept[0]);
-    return std::move(kept[0]);
+    return merge_subsets(std::move(kept));
   }
   using Serial = Worker<D, SerialExecutor>;
   Pool<Serial> pool;
@@ -164,7 +148,7 @@ std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subset
     pool.give(std::move(worker));
   });
   for (const auto& r : reports) add(rounds, r);
-  return merged(kept);
+  return merge_subsets(std::move(kept));
 }
 
 /// The paper's 64 for the sizes the paper has: a subset of more than 2^17 points leaves the cache,
@@ -176,6 +160,22 @@ unsigned subset_count(std::uint64_t points) {
 }
 
 }  // namespace
+
+std::vector<std::uint64_t> merge_subsets(std::vector<std::vector<std::uint64_t>> kept) {
+  if (kept.size() == 1) return std::move(kept[0]);
+  std::size_t total = 0;
+  for (const auto& list : kept) total += list.size();
+  std::vector<std::uint64_t> ids;
+  ids.reserve(total);
+  std::vector<std::size_t> next(kept.size(), 0);
+  for (std::uint64_t round_end = block_size * kept.size(); ids.size() < total;
+       round_end += block_size * kept.size()) {
+    for (std::size_t s = 0; s < kept.size(); ++s)
+      while (next[s] < kept[s].size() && kept[s][next[s]] < round_end)
+        ids.push_back(kept[s][next[s]++]);
+  }
+  return ids;
+}
 
 std::vector<std::uint64_t> pseudo_hull_survivors(const PointView& points,
                                                  const PseudoHullSettings& settings,

@@ -35,6 +35,8 @@ class PseudoHullGrowth {
       round(at(rounds, r));
     }
   }
+  /// How many rows are not culled.
+  std::uint32_t left() const { return left_; }
   /// In the executor's memory.
   const unsigned char* culled() const { return culled_.data(); }
   Executor& executor() { return executor_; }
@@ -48,7 +50,7 @@ class PseudoHullGrowth {
   /// no simplex; then nothing is culled.
   bool start(const Rows& rows, std::uint32_t count, std::vector<PseudoHullRound>& rounds) {
     rows_ = rows;
-    count_ = count;
+    count_ = left_ = count;
     exterior_ = facets_ = 0;
     constexpr std::uint32_t grain = Executor::grain;
     const AxisExtremes<D> e =
@@ -140,6 +142,7 @@ class PseudoHullGrowth {
     std::swap(points_, next_points_);
     report.exterior += before;
     report.culled += culled;
+    left_ -= culled;
     report.kept += before - culled - exterior_;
   }
 
@@ -148,7 +151,7 @@ class PseudoHullGrowth {
 
   Executor executor_;
   Rows rows_{};
-  std::uint32_t count_ = 0, exterior_ = 0, facets_ = 0;
+  std::uint32_t count_ = 0, left_ = 0, exterior_ = 0, facets_ = 0;
   Array<ExteriorPoint> points_, next_points_;
   Array<std::uint32_t> place_, apex_, number_;
   Array<double> distance_;

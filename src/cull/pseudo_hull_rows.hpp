@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "cullhull/point_view.hpp"
 #include "parallel/host_device.hpp"
@@ -29,6 +30,9 @@ struct PseudoSubset {
     return mine * block - (has_last ? blocks * block - total : 0);
   }
 };
+
+/// Ids of the points of all subsets, one ascending list each, as one ascending list.
+std::vector<std::uint64_t> merge_subsets(std::vector<std::vector<std::uint64_t>> kept);
 
 /// Rows of doubles one after another, which are scaled once, in place. A row that must survive is
 /// NaN in every coordinate.

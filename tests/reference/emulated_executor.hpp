@@ -26,16 +26,16 @@ class EmulatedExecutor : public HostMemory {
 
   template <class T, class Map, class Combine>
   T reduce(std::uint32_t count, T identity, Map map, Combine combine) const {
-    // As a tree of devices' blocks may: pairs from both ends, each the other way round.
-    std::vector<T> items(count, identity);
-    for (std::uint32_t i = 0; i < count; ++i) items[i] = map(i);
-    while (items.size() > 1) {
-      const std::size_t half = (items.size() + 1) / 2;
-      for (std::size_t i = half; i < items.size(); ++i)
-        items[i - half] = combine(items[i], items[i - half]);
-      items.resize(half);
-    }
-    return items.empty() ? identity : combine(items[0], identity);
+    std::vector<T> partial(blocks_, identity);
+    const ReduceKernel<T, Map, Combine> kernel{map, combine, identity, count, partial.data()};
+    std::vector<std::vector<T>> tables(blocks_, std::vector<T>(block_size_, identity));
+    const auto table = [&](const GridThread& at) { return tables[at.block].data(); };
+    for_threads([&](const GridThread& at) { kernel.collect(at, table(at)); });
+    for (std::uint32_t width = block_size_ / 2; width > 0; width /= 2)
+      for_threads([&](const GridThread& at) { kernel.fold(at, width, table(at)); });
+    for_threads([&](const GridThread& at) { kernel.finish(at, table(at)); });
+    for (const T& p : partial) identity = combine(identity, p);
+    return identity;
   }
 
   template <class Keep, class Emit>
@@ -55,18 +55,12 @@ class EmulatedExecutor : public HostMemory {
   template <class Body>
   std::uint32_t scatter_max(std::uint32_t count, std::uint32_t cells, Body body,
                             std::uint64_t* best) const {
-    std::fill_n(best, cells, 0);
-    const ScatterMaxKernel<Body> kernel{body, count, cells, best};
-    std::vector<std::vector<std::uint64_t>> tables(
-        blocks_, std::vector<std::uint64_t>(kernel.has_table() ? cells : 0, 77));
+    const std::uint32_t copies = scatter_copies(cells);
+    std::vector<std::uint64_t> copied(std::size_t{copies} * cells, 0);
+    const ScatterMaxKernel<Body> kernel{body, count, cells, copies, copied.data()};
     std::uint32_t none = 0;
-    if (kernel.has_table())
-      for_threads([&](const GridThread& at) { kernel.clear(at, tables[at.block].data()); });
-    for_threads([&](const GridThread& at) {
-      none += kernel.collect(at, kernel.has_table() ? tables[at.block].data() : best);
-    });
-    if (kernel.has_table())
-      for_threads([&](const GridThread& at) { kernel.flush(at, tables[at.block].data()); });
+    for_threads([&](const GridThread& at) { none += kernel.run(at); });
+    for_each(cells, FoldCopies{copied.data(), cells, copies, best});
     return none;
   }
 

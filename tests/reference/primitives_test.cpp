@@ -90,16 +90,18 @@ TEST(Primitives, KernelBodiesEqualPlainLoops) {
       expect_as_plain_loops(EmulatedExecutor(blocks, size));
 }
 
-// More cells than a block's table holds: offers go to the cells at once.
-TEST(Primitives, ScatterMaxWithAndWithoutTables) {
-  for (const std::uint32_t cells : {1U, 2047U, 2048U, 2049U, 9000U}) {
+TEST(Primitives, ScatterMaxWithAnyNumberOfCopies) {
+  EXPECT_EQ(scatter_copies(4), 64U);
+  EXPECT_EQ(scatter_copies(1U << 15), 4U);
+  EXPECT_EQ(scatter_copies(3U << 29), 1U);
+  for (const std::uint32_t cells : {1U, 2047U, 2049U, 40000U, 200000U}) {
     const auto offer = [&](std::uint32_t i) {
       const std::uint32_t c = i * 2654435761U % (cells + 1);
       return c < cells ? Offer{c, std::uint64_t{i} * 40503 % 65521 + 1} : Offer{no_item, 0};
     };
     std::vector<std::uint64_t> wanted(cells), got(cells, 5);
     const auto none = SerialExecutor{}.scatter_max(30000, cells, offer, wanted.data());
-    EXPECT_EQ(EmulatedExecutor{}.scatter_max(30000, cells, offer, got.data()), none);
+    EXPECT_EQ(EmulatedExecutor(99, 8).scatter_max(30000, cells, offer, got.data()), none);
     EXPECT_EQ(got, wanted) << cells;
   }
 }

@@ -1,0 +1,91 @@
+#include <algorithm>
+
+#include "cull/pseudo_hull_cuda.hpp"
+#include "cull/pseudo_hull_growth.hpp"
+#include "cullhull/error.hpp"
+#include "parallel/cuda_executor.cuh"
+
+namespace cullhull::internal {
+namespace {
+
+struct NotCulled {
+  const unsigned char* culled;
+  CULLHULL_HD bool operator()(std::uint32_t i) const { return culled[i] == 0; }
+};
+struct EmitId {
+  PseudoSubset subset;
+  std::uint64_t* ids;
+  CULLHULL_HD void operator()(std::uint32_t i, std::uint32_t k) const { ids[k] = subset.point(i); }
+};
+
+template <unsigned D, class T>
+std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subsets,
+                                        unsigned max_rounds, cudaStream_t stream,
+                                        const Control& control,
+                                        std::vector<PseudoHullRound>& rounds) {
+  PseudoHullGrowth<D, CudaExecutor, RowsInPlace<D, T>> growth{CudaExecutor(stream)};
+  CudaArray<std::uint64_t> ids;
+  std::vector<std::vector<std::uint64_t>> kept(subsets);
+  for (unsigned s = 0; s < subsets; ++s) {
+    control.check();
+    const PseudoSubset subset{points.count, s, subsets};
+    const auto size = static_cast<std::uint32_t>(subset.size());
+    growth.run(rows_in_place<D, T>(points, subset), size, max_rounds, control, rounds);
+    CudaExecutor& executor = growth.executor();
+    const std::uint64_t left = growth.left();
+    kept[s].resize(left);
+    const std::uint32_t listed = executor.select(size, NotCulled{growth.culled()},
+                                                 EmitId{subset, executor.reserve(ids, left)});
+    if (listed != left) throw Error(ErrorCode::internal, "the device lost count of the survivors");
+    if (left != 0) executor.fetch(ids.data(), left, kept[s].data());
+  }
+  return merge_subsets(std::move(kept));
+}
+
+template <unsigned D>
+std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subsets,
+                                        unsigned max_rounds, cudaStream_t stream,
+                                        const Control& control,
+                                        std::vector<PseudoHullRound>& rounds) {
+  if (points.scalar == ScalarType::f32)
+    return survivors_of<D, float>(points, subsets, max_rounds, stream, control, rounds);
+  if (points.scalar == ScalarType::f64)
+    return survivors_of<D, double>(points, subsets, max_rounds, stream, control, rounds);
+  throw Error(ErrorCode::invalid_argument,
+              "the pseudo-hull filter on a device is for f32 and f64 points");
+}
+
+}  // namespace
+
+std::vector<std::uint64_t> pseudo_hull_survivors_cuda(const PointView& points,
+                                                      const PseudoHullSettings& settings,
+                                                      cudaStream_t stream, const Control& control,
+                                                      std::vector<PseudoHullRound>* rounds) {
+  std::vector<PseudoHullRound> unread;
+  std::vector<PseudoHullRound>& report = rounds != nullptr ? *rounds : unread;
+  report.clear();
+  const auto needed = static_cast<unsigned>(
+      std::max<std::uint64_t>(1, chunk_count(points.count, pseudo_hull_most_points)));
+  const unsigned subsets = settings.subsets != 0 ? settings.subsets : needed;
+  if (subsets < needed)
+    throw Error(ErrorCode::out_of_budget,
+                "too many points for so few pseudo-hulls; use more subsets");
+  const unsigned most = settings.max_rounds;
+  switch (points.dimension) {
+    case 2:
+      return survivors_of<2>(points, subsets, most, stream, control, report);
+    case 3:
+      return survivors_of<3>(points, subsets, most, stream, control, report);
+    case 4:
+      return survivors_of<4>(points, subsets, most, stream, control, report);
+    case 5:
+      return survivors_of<5>(points, subsets, most, stream, control, report);
+    case 6:
+      return survivors_of<6>(points, subsets, most, stream, control, report);
+    default:
+      throw Error(ErrorCode::invalid_argument,
+                  "the pseudo-hull filter on a device is for 2 to 6 dimensions");
+  }
+}
+
+}  // namespace cullhull::internal
