@@ -11,6 +11,7 @@
 #include "cullhull/hull.hpp"
 #include "filter_stage.hpp"
 #include "hull/engine.hpp"
+#include "parallel/backend.hpp"
 #include "parallel/parallel.hpp"
 #include "points/gather.hpp"
 #include "points/local_frame.hpp"
@@ -32,9 +33,7 @@ void check_arguments(const PointView& points, const Options& options) {
     throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
   if (points.data == nullptr && points.count > 0)
     throw Error(ErrorCode::invalid_argument, "points.data is null");
-  if (options.backend == Backend::cuda)
-    throw Error(ErrorCode::backend_unavailable,
-                "this build has no CUDA backend; use the backend auto or cpu");
+  if (options.backend == Backend::cuda) require_cuda();
   if (options.engine == Engine::qhull && !qhull_available())
     throw Error(ErrorCode::backend_unavailable,
                 "this build has no Qhull engine; use the engine native");

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <memory>
 
+#include "cullhull/device_points.hpp"
 #include "cullhull/error.hpp"
 #include "parallel/big_array.hpp"
 #endif
@@ -93,14 +94,9 @@ DeviceRates rates_of_device(std::uint64_t bytes, unsigned passes, const Progress
 std::optional<DeviceRates> measure_device(std::uint64_t bytes, unsigned passes,
                                           const Progress& progress, const std::stop_token& stop,
                                           std::string& reason) {
-  int devices = 0;
-  if (const cudaError_t error = cudaGetDeviceCount(&devices); error != cudaSuccess) {
-    (void)cudaGetLastError();
-    reason = cudaGetErrorString(error);
-    return std::nullopt;
-  }
-  if (devices == 0) {
-    reason = "no CUDA device";
+  const CudaStatus status = cuda_status();
+  if (!status.available) {
+    reason = status.reason;
     return std::nullopt;
   }
   return rates_of_device(bytes, passes, progress, stop);

@@ -19,18 +19,24 @@ struct EmitId {
 };
 
 template <unsigned D, class T>
-std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subsets,
-                                        unsigned max_rounds, cudaStream_t stream,
-                                        const Control& control,
+std::vector<std::uint64_t> survivors_of(const DevicePointView& points, unsigned subsets,
+                                        unsigned max_rounds, const Control& control,
                                         std::vector<PseudoHullRound>& rounds) {
-  PseudoHullGrowth<D, CudaExecutor, RowsInPlace<D, T>> growth{CudaExecutor(stream)};
+  PseudoHullGrowth<D, CudaExecutor, RowsInPlace<D, T>> growth{
+      CudaExecutor(static_cast<cudaStream_t>(points.stream))};
   CudaArray<std::uint64_t> ids;
+  const PointView view{static_cast<const std::byte*>(points.data),
+                       points.scalar,
+                       D,
+                       points.count,
+                       points.point_stride,
+                       points.coordinate_stride};
   std::vector<std::vector<std::uint64_t>> kept(subsets);
   for (unsigned s = 0; s < subsets; ++s) {
     control.check();
     const PseudoSubset subset{points.count, s, subsets};
     const auto size = static_cast<std::uint32_t>(subset.size());
-    growth.run(rows_in_place<D, T>(points, subset), size, max_rounds, control, rounds);
+    growth.run(rows_in_place<D, T>(view, subset), size, max_rounds, control, rounds);
     CudaExecutor& executor = growth.executor();
     const std::uint64_t left = growth.left();
     kept[s].resize(left);
@@ -43,23 +49,22 @@ std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subset
 }
 
 template <unsigned D>
-std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subsets,
-                                        unsigned max_rounds, cudaStream_t stream,
-                                        const Control& control,
+std::vector<std::uint64_t> survivors_of(const DevicePointView& points, unsigned subsets,
+                                        unsigned max_rounds, const Control& control,
                                         std::vector<PseudoHullRound>& rounds) {
   if (points.scalar == ScalarType::f32)
-    return survivors_of<D, float>(points, subsets, max_rounds, stream, control, rounds);
+    return survivors_of<D, float>(points, subsets, max_rounds, control, rounds);
   if (points.scalar == ScalarType::f64)
-    return survivors_of<D, double>(points, subsets, max_rounds, stream, control, rounds);
+    return survivors_of<D, double>(points, subsets, max_rounds, control, rounds);
   throw Error(ErrorCode::invalid_argument,
               "the pseudo-hull filter on a device is for f32 and f64 points");
 }
 
 }  // namespace
 
-std::vector<std::uint64_t> pseudo_hull_survivors_cuda(const PointView& points,
+std::vector<std::uint64_t> pseudo_hull_survivors_cuda(const DevicePointView& points,
                                                       const PseudoHullSettings& settings,
-                                                      cudaStream_t stream, const Control& control,
+                                                      const Control& control,
                                                       std::vector<PseudoHullRound>* rounds) {
   std::vector<PseudoHullRound> unread;
   std::vector<PseudoHullRound>& report = rounds != nullptr ? *rounds : unread;
@@ -73,15 +78,15 @@ std::vector<std::uint64_t> pseudo_hull_survivors_cuda(const PointView& points,
   const unsigned most = settings.max_rounds;
   switch (points.dimension) {
     case 2:
-      return survivors_of<2>(points, subsets, most, stream, control, report);
+      return survivors_of<2>(points, subsets, most, control, report);
     case 3:
-      return survivors_of<3>(points, subsets, most, stream, control, report);
+      return survivors_of<3>(points, subsets, most, control, report);
     case 4:
-      return survivors_of<4>(points, subsets, most, stream, control, report);
+      return survivors_of<4>(points, subsets, most, control, report);
     case 5:
-      return survivors_of<5>(points, subsets, most, stream, control, report);
+      return survivors_of<5>(points, subsets, most, control, report);
     case 6:
-      return survivors_of<6>(points, subsets, most, stream, control, report);
+      return survivors_of<6>(points, subsets, most, control, report);
     default:
       throw Error(ErrorCode::invalid_argument,
                   "the pseudo-hull filter on a device is for 2 to 6 dimensions");

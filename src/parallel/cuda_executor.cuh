@@ -77,6 +77,25 @@ struct EmitSelected {
 
 }  // namespace cuda_kernels
 
+/// Device memory that grows and does not keep its contents when it does.
+template <class T>
+class CudaArray {
+ public:
+  T* reserve(std::size_t count, cudaStream_t stream) {
+    if (count > items_.size()) {
+      // Facets grow round by round: some more than asked for, or every round would allocate.
+      const std::size_t more = items_.size() == 0 ? count : count + count / 4;
+      items_ = {};  // first, so that both are never held
+      items_ = cuda::DeviceArray<T>(more, stream);
+    }
+    return items_.data();
+  }
+  T* data() const { return items_.data(); }
+
+ private:
+  cuda::DeviceArray<T> items_;
+};
+
 class CudaExecutor {
  public:
   template <class T>
@@ -84,7 +103,8 @@ class CudaExecutor {
   /// Neighbouring threads read neighbouring items.
   static constexpr std::uint32_t grain = 1;
 
-  explicit CudaExecutor(cudaStream_t stream) : stream_(stream), processors_(cuda_processors()) {}
+  explicit CudaExecutor(cudaStream_t stream)
+      : stream_(stream), processors_(cuda::device().multiprocessors) {}
 
   cudaStream_t stream() const { return stream_; }
 
@@ -95,21 +115,16 @@ class CudaExecutor {
   /// Waits: afterwards `to` is there, and whatever failed before has been thrown.
   template <class T>
   void fetch(const T* from, std::size_t count, T* to) {
-    cuda_check(cudaMemcpyAsync(to, from, count * sizeof(T), cudaMemcpyDeviceToHost, stream_),
-               "copying from the device");
-    cuda_check(cudaStreamSynchronize(stream_), "waiting for the device");
+    cuda::download(to, from, count, stream_);
   }
-  /// Waits, because `from` may go when it returns.
   template <class T>
   void upload(const T* from, std::size_t count, T* to) {
-    cuda_check(cudaMemcpyAsync(to, from, count * sizeof(T), cudaMemcpyHostToDevice, stream_),
-               "copying to the device");
-    cuda_check(cudaStreamSynchronize(stream_), "waiting for the device");
+    cuda::upload(to, from, count, stream_);
   }
   template <class T>
   void zero(T* items, std::size_t count) {
     if (count == 0) return;
-    cuda_check(cudaMemsetAsync(items, 0, count * sizeof(T), stream_), "clearing device memory");
+    cuda::check(cudaMemsetAsync(items, 0, count * sizeof(T), stream_), "clearing device memory");
   }
 
   template <class Body>
@@ -194,7 +209,7 @@ class CudaExecutor {
     const std::uint64_t wanted = chunk_count(count, size);
     return static_cast<unsigned>(std::min<std::uint64_t>(wanted, std::uint64_t{processors_} * 8));
   }
-  static void launched() { cuda_check(cudaGetLastError(), "starting a kernel"); }
+  static void launched() { cuda::check(cudaGetLastError(), "starting a kernel"); }
 
   std::uint32_t word(const std::uint32_t* from) {
     std::uint32_t value = 0;
@@ -206,9 +221,9 @@ class CudaExecutor {
   template <class Call>
   void with_scratch(const Call& call) {
     std::size_t bytes = 0;
-    cuda_check(call(nullptr, bytes), "preparing a scan");
+    cuda::check(call(nullptr, bytes), "preparing a scan");
     std::uint64_t* scratch = reserve(scratch_, bytes / 8 + 1);
-    cuda_check(call(scratch, bytes), "starting a scan");
+    cuda::check(call(scratch, bytes), "starting a scan");
   }
 
   cudaStream_t stream_;

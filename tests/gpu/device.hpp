@@ -9,19 +9,15 @@
 #include <string>
 #include <vector>
 
+#include "cullhull/device_points.hpp"
 #include "cullhull/point_view.hpp"
 
 namespace cullhull::testing {
 
 /// Empty if there is a device; else why there is none.
 inline std::string no_device() {
-  int devices = 0;
-  const cudaError_t error = cudaGetDeviceCount(&devices);
-  if (error != cudaSuccess) {
-    (void)cudaGetLastError();
-    return cudaGetErrorString(error);
-  }
-  return devices > 0 ? "" : "no CUDA device";
+  const CudaStatus status = cuda_status();
+  return status.available ? "" : status.reason;
 }
 
 /// The first line of every test of a device.
@@ -61,9 +57,14 @@ class OnDevice {
   OnDevice& operator=(const OnDevice&) = delete;
 
   /// The same view, over the copy.
-  PointView view(PointView of_host) const {
-    of_host.data = static_cast<const std::byte*>(data_) + (of_host.data - host_);
-    return of_host;
+  DevicePointView view(const PointView& of_host, cudaStream_t stream) const {
+    return {static_cast<const std::byte*>(data_) + (of_host.data - host_),
+            of_host.scalar,
+            of_host.dimension,
+            of_host.count,
+            of_host.point_stride,
+            of_host.coordinate_stride,
+            stream};
   }
   template <class T>
   T* data() const {

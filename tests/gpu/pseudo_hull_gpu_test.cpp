@@ -33,11 +33,11 @@ std::vector<T> normal_points(std::size_t n, unsigned d, std::uint64_t seed, doub
   return v;
 }
 
-void expect_as_on_the_host(const PointView& host, const PointView& device, unsigned subsets,
+void expect_as_on_the_host(const PointView& host, const OnDevice& device, unsigned subsets,
                            unsigned max_rounds, const std::string& name) {
   const Stream stream;
   std::vector<PseudoHullRound> rounds, expected;
-  const auto got = pseudo_hull_survivors_cuda(device, {subsets, max_rounds}, stream,
+  const auto got = pseudo_hull_survivors_cuda(device.view(host, stream), {subsets, max_rounds},
                                               Control(Options{}), &rounds);
   EXPECT_EQ(got,
             pseudo_hull_survivors(host, {subsets, max_rounds}, 0, Control(Options{}), &expected))
@@ -58,7 +58,7 @@ void expect_as_on_the_host(const std::vector<T>& points, const PointView& host,
   const OnDevice device(points);
   for (const unsigned subsets : {1U, 3U})
     for (const unsigned max_rounds : {0U, 2U, 100U})
-      expect_as_on_the_host(host, device.view(host), subsets, max_rounds, name);
+      expect_as_on_the_host(host, device, subsets, max_rounds, name);
 }
 
 template <class T>
@@ -126,7 +126,7 @@ TEST(PseudoHullGpu, WhatItDropsIsStrictlyInsideExactly) {
       const OnDevice device(p);
       const Stream stream;
       const auto kept =
-          pseudo_hull_survivors_cuda(device.view(view), {}, stream, Control(Options{}));
+          pseudo_hull_survivors_cuda(device.view(view, stream), {}, Control(Options{}));
       EXPECT_LT(kept.size(), n);
       for (std::uint64_t i = 0, k = 0; i < n; ++i) {
         if (k < kept.size() && kept[k] == i)
@@ -144,7 +144,7 @@ TEST(PseudoHullGpu, RefusesWhatItCannotDo) {
   const Stream stream;
   const auto refused = [&](const PointView& view) {
     try {
-      pseudo_hull_survivors_cuda(device.view(view), {}, stream, Control(Options{}));
+      pseudo_hull_survivors_cuda(device.view(view, stream), {}, Control(Options{}));
     } catch (const Error& e) {
       return e.code() == ErrorCode::invalid_argument;
     }
@@ -171,7 +171,7 @@ TEST(PseudoHullGpuLarge, EqualsTheHost) {
     const PointView view = PointView::row_major(p.data(), c.n, c.d);
     const OnDevice device(p);
     for (const unsigned subsets : {1U, 4U})
-      expect_as_on_the_host(view, device.view(view), subsets, 100, "large");
+      expect_as_on_the_host(view, device, subsets, 100, "large");
   }
 }
 
