@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <cstdlib>
+#include <cstring>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -24,6 +26,12 @@ inline std::string no_device() {
 #define CULLHULL_NEEDS_DEVICE()                                             \
   if (const std::string why = cullhull::testing::no_device(); !why.empty()) \
   GTEST_SKIP() << "needs a CUDA device: " << why
+
+/// Under a checker of memory accesses every launch takes milliseconds: fewer and smaller cases.
+inline bool short_run() {
+  const char* wanted = std::getenv("CULLHULL_GPU_TESTS");
+  return wanted != nullptr && std::strcmp(wanted, "short") == 0;
+}
 
 inline void check(cudaError_t error) {
   if (error != cudaSuccess) throw std::runtime_error(cudaGetErrorString(error));
