@@ -49,8 +49,7 @@ CULLHULL_HD constexpr std::uint32_t child_address(std::uint32_t facets, std::uin
 
 /// normal . (x - base), each operation rounded once.
 template <unsigned D>
-CULLHULL_HD inline double pseudo_distance(const double* normal, const double* base,
-                                          const double* x) {
+CULLHULL_HD double pseudo_distance(const double* normal, const double* base, const double* x) {
   double sum = normal[0] * (x[0] - base[0]);
   for (unsigned k = 1; k < D; ++k) sum += normal[k] * (x[k] - base[k]);
   return sum;
@@ -62,7 +61,7 @@ CULLHULL_HD constexpr double minor_path(unsigned rows) {
 }
 
 template <unsigned D>
-CULLHULL_HD inline void set_uncertain(PseudoPlane<D>& plane) {
+CULLHULL_HD void set_uncertain(PseudoPlane<D>& plane) {
   for (unsigned k = 0; k < D; ++k) plane.normal[k] = 0;
   plane.error = std::numeric_limits<double>::infinity();
 }
@@ -70,8 +69,8 @@ CULLHULL_HD inline void set_uncertain(PseudoPlane<D>& plane) {
 /// The plane through the D points corner[0 .. D), outward where `inner` is on the inner side.
 /// False, and the plane uncertain, where rounding could have the side wrong.
 template <unsigned D>
-CULLHULL_HD inline bool make_plane(const double* const* corner, const double* inner,
-                                   PseudoPlane<D>& plane) {
+CULLHULL_HD bool make_plane(const double* const* corner, const double* inner,
+                            PseudoPlane<D>& plane) {
   double rows[D][D], minor[1U << D], permanent[1U << D];
   for (unsigned i = 1; i < D; ++i)
     for (unsigned k = 0; k < D; ++k) rows[i - 1][k] = corner[i][k] - corner[0][k];

@@ -1,8 +1,8 @@
-// Marks what host and device share: the compiler of device code sees it twice, all others once.
+// Marks functions that run on both sides: inline text for the host compiler, device code for nvcc.
 #pragma once
 
-#if defined(__CUDACC__)
-#define CULLHULL_HD __host__ __device__
+#ifdef __CUDACC__
+#define CULLHULL_HD __host__ __device__ __forceinline__
 #else
 #define CULLHULL_HD
 #endif
