@@ -18,10 +18,22 @@ struct EmitId {
   CULLHULL_HD void operator()(std::uint32_t i, std::uint32_t k) const { ids[k] = subset.point(i); }
 };
 
+/// A load that is not aligned would end the device's context.
+template <class T>
+void require_aligned(const DevicePointView& points) {
+  const auto bits = reinterpret_cast<std::uintptr_t>(points.data) |
+                    static_cast<std::uintptr_t>(points.point_stride) |
+                    static_cast<std::uintptr_t>(points.coordinate_stride);
+  if (bits % alignof(T) != 0)
+    throw Error(ErrorCode::invalid_argument,
+                "points on a device must be aligned to their scalar type");
+}
+
 template <unsigned D, class T>
 std::vector<std::uint64_t> survivors_of(const DevicePointView& points, unsigned subsets,
                                         unsigned max_rounds, const Control& control,
                                         std::vector<PseudoHullRound>& rounds) {
+  require_aligned<T>(points);
   PseudoHullGrowth<D, CudaExecutor, RowsInPlace<D, T>> growth{
       CudaExecutor(static_cast<cudaStream_t>(points.stream))};
   CudaArray<std::uint64_t> ids;
@@ -60,36 +72,50 @@ std::vector<std::uint64_t> survivors_of(const DevicePointView& points, unsigned 
               "the pseudo-hull filter on a device is for f32 and f64 points");
 }
 
+std::vector<std::uint64_t> survivors_of(const DevicePointView& points, unsigned subsets,
+                                        unsigned max_rounds, const Control& control,
+                                        std::vector<PseudoHullRound>& rounds) {
+  rounds.clear();
+  switch (points.dimension) {
+    case 2:
+      return survivors_of<2>(points, subsets, max_rounds, control, rounds);
+    case 3:
+      return survivors_of<3>(points, subsets, max_rounds, control, rounds);
+    case 4:
+      return survivors_of<4>(points, subsets, max_rounds, control, rounds);
+    case 5:
+      return survivors_of<5>(points, subsets, max_rounds, control, rounds);
+    case 6:
+      return survivors_of<6>(points, subsets, max_rounds, control, rounds);
+    default:
+      throw Error(ErrorCode::invalid_argument,
+                  "the pseudo-hull filter on a device is for 2 to 6 dimensions");
+  }
+}
+
 }  // namespace
 
 std::vector<std::uint64_t> pseudo_hull_survivors_cuda(const DevicePointView& points,
                                                       const PseudoHullSettings& settings,
                                                       const Control& control,
                                                       std::vector<PseudoHullRound>* rounds) {
+  // A subset smaller than this is not worth a device's rounds.
+  constexpr std::uint64_t least_points = std::uint64_t{1} << 17;
   std::vector<PseudoHullRound> unread;
   std::vector<PseudoHullRound>& report = rounds != nullptr ? *rounds : unread;
-  report.clear();
-  const auto needed = static_cast<unsigned>(
-      std::max<std::uint64_t>(1, chunk_count(points.count, pseudo_hull_most_points)));
-  const unsigned subsets = settings.subsets != 0 ? settings.subsets : needed;
-  if (subsets < needed)
+  const std::uint64_t needed =
+      std::max<std::uint64_t>(1, chunk_count(points.count, pseudo_hull_most_points));
+  if (needed > (settings.subsets != 0 ? settings.subsets : 1U << 20))
     throw Error(ErrorCode::out_of_budget,
                 "too many points for so few pseudo-hulls; use more subsets");
-  const unsigned most = settings.max_rounds;
-  switch (points.dimension) {
-    case 2:
-      return survivors_of<2>(points, subsets, most, control, report);
-    case 3:
-      return survivors_of<3>(points, subsets, most, control, report);
-    case 4:
-      return survivors_of<4>(points, subsets, most, control, report);
-    case 5:
-      return survivors_of<5>(points, subsets, most, control, report);
-    case 6:
-      return survivors_of<6>(points, subsets, most, control, report);
-    default:
-      throw Error(ErrorCode::invalid_argument,
-                  "the pseudo-hull filter on a device is for 2 to 6 dimensions");
+  if (settings.subsets != 0)
+    return survivors_of(points, settings.subsets, settings.max_rounds, control, report);
+  for (auto subsets = static_cast<unsigned>(needed);; subsets *= 4) {
+    try {
+      return survivors_of(points, subsets, settings.max_rounds, control, report);
+    } catch (const cuda::OutOfMemory&) {
+      if (points.count / subsets < 4 * least_points) throw;
+    }
   }
 }
 

@@ -153,6 +153,9 @@ TEST(PseudoHullGpu, RefusesWhatItCannotDo) {
   };
   EXPECT_TRUE(refused(PointView::row_major(p.data(), 10, 3)));
   EXPECT_TRUE(refused(PointView::row_major(reinterpret_cast<const float*>(p.data()), 10, 7)));
+  PointView crooked = PointView::row_major(reinterpret_cast<const float*>(p.data()), 10, 3);
+  crooked.data += 2;
+  EXPECT_TRUE(refused(crooked));
   // The device works as before.
   const std::vector<float> good = normal_points<float>(300, 3, 1, 0);
   expect_as_on_the_host(good, PointView::row_major(good.data(), 300, 3), "after an error");
