@@ -157,6 +157,8 @@ Hull convex_hull(const PointView& points, const Options& options) {
   Filtered filtered = run_filter(points, options, control, threads, budget);
   hull.statistics.survivors = filtered.survivors.size(points.count);
   hull.statistics.cull_method = filtered.survivors.method;
+  hull.statistics.cull_reason = filtered.survivors.reason;
+  hull.statistics.backend = filtered.survivors.backend;
   hull.statistics.cull_seconds = seconds_since(start);
 
   const auto hull_start = Clock::now();

@@ -3,6 +3,7 @@
 
 #include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
+#include "cullhull/device_points.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"

@@ -78,4 +78,15 @@ struct CudaStatus {
 /// of a device.
 CudaStatus cuda_status();
 
+/// As cull(PointView): drops points that provably lie strictly inside the hull. They are tested
+/// where they lie; only samples and survivors cross the bus. `Backend::cpu` copies all to the host.
+/// Extra device memory: a bit a point, and the survivors; half a megabyte if there is no more.
+/// Throws what cull(PointView) throws, and Error{backend_unavailable} without a device,
+/// Error{invalid_argument} for memory or scalars it does not take, Error{out_of_budget} where the
+/// device's memory is full.
+Survivors cull(const DevicePointView& points, const Options& options = {});
+
+/// The exact convex hull, the same bit for bit as convex_hull(PointView) of the same points.
+Hull convex_hull(const DevicePointView& points, const Options& options = {});
+
 }  // namespace cullhull

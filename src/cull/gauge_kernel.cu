@@ -168,9 +168,11 @@ __global__ void gather_kernel(const __grid_constant__ DevicePointView points,
                               T* __restrict__ rows) {
   const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
   for (std::uint64_t e = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; e < values;
-       e += step)
-    rows[e] = coordinate<T>(points, ids[e / points.dimension],
+       e += step) {
+    const std::uint64_t row = e / points.dimension;
+    rows[e] = coordinate<T>(points, ids != nullptr ? ids[row] : row,
                             static_cast<unsigned>(e % points.dimension));
+  }
 }
 
 __global__ void gather_ids_kernel(const std::uint64_t* __restrict__ of,
@@ -223,12 +225,11 @@ cudaError_t gauge_mask(const GaugeTable& table, const float* nodes, const Device
   with_types(table, points.scalar, [&]<unsigned D, class T, class C>() {
     with_layout<D, T>(points.data, points.point_stride, points.coordinate_stride,
                       [&]<class Layout>(const Layout& layout) {
-                        status = shared ? launch_mask<true, Layout, C>(table, nodes, layout,
-                                                                       points.count, mask, device,
-                                                                       stream)
-                                        : launch_mask<false, Layout, C>(table, nodes, layout,
-                                                                        points.count, mask, device,
-                                                                        stream);
+                        status =
+                            shared ? launch_mask<true, Layout, C>(
+                                         table, nodes, layout, points.count, mask, device, stream)
+                                   : launch_mask<false, Layout, C>(
+                                         table, nodes, layout, points.count, mask, device, stream);
                       });
   });
   return status;
@@ -277,7 +278,8 @@ cudaError_t first_not_finite(const DevicePointView& points, unsigned long long* 
                              cudaStream_t stream) {
   if (points.count == 0) return cudaSuccess;
   if (points.scalar == ScalarType::f64)
-    not_finite_kernel<double><<<blocks_for(points.count), plain_threads, 0, stream>>>(points, first);
+    not_finite_kernel<double>
+        <<<blocks_for(points.count), plain_threads, 0, stream>>>(points, first);
   else
     not_finite_kernel<float><<<blocks_for(points.count), plain_threads, 0, stream>>>(points, first);
   return cudaGetLastError();

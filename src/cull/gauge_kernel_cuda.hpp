@@ -40,7 +40,7 @@ cudaError_t sum_counts(void* scratch, std::size_t& scratch_bytes, const std::uin
 cudaError_t list_bits(const std::uint32_t* mask, std::uint64_t words, const std::uint64_t* offsets,
                       std::uint64_t* ids, cudaStream_t stream);
 
-/// rows[i] = point ids[i], packed, in the points' scalar.
+/// rows[i] = point ids[i] (`ids` null: point i), packed, in the points' scalar.
 cudaError_t gather_rows(const DevicePointView& points, const std::uint64_t* ids,
                         std::uint64_t count, void* rows, cudaStream_t stream);
 /// out[i] = of[at[i]].

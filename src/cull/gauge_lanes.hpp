@@ -33,8 +33,8 @@ struct GaugeConstants {
   C offset[D];
   float half_cells;
   float middle;
-  float face_base[D];    ///< first node of the axis's positive face, plus 2^23
-  float stride[D - 1];   ///< as floats, for the corner
+  float face_base[D];        ///< first node of the axis's positive face, plus 2^23
+  float stride[D - 1];       ///< as floats, for the corner
   std::int32_t step[D - 1];  ///< the same as integers, for the walk to the other nodes
   std::int32_t all_steps;
   float face_stride;
@@ -92,9 +92,14 @@ CULLHULL_HD float floor_and_shift(float v) {
 #endif
 }
 
+/// 1 / v, correctly rounded for 2^-100 <= v < 2^126. The device's approximation and one Newton step
+/// are what __frcp_rn takes in that range, without its branch to a slow path. For larger numbers
+/// the device gives 0, for an infinity or NaN a NaN: such points survive anyway.
 CULLHULL_HD float reciprocal(float v) {
 #ifdef __CUDA_ARCH__
-  return __frcp_rn(v);
+  float r;
+  asm("rcp.approx.ftz.f32 %0, %1;" : "=f"(r) : "f"(v));
+  return __fmaf_rn(r, __fmaf_rn(-v, r, 1.0F), r);
 #else
   return 1.0F / v;
 #endif
@@ -212,10 +217,11 @@ struct PackedRows {
   CULLHULL_HD static std::uint64_t point(std::uint64_t group, unsigned lane, unsigned k) {
     return group * group_points + std::uint64_t{lane} * lane_points + k;
   }
+  template <bool Whole>
   CULLHULL_HD void read(std::uint64_t group, unsigned lane, std::uint64_t count,
                         T (&x)[lane_points][D]) const {
     const std::uint64_t first = point(group, lane, 0);
-    if (first + lane_points <= count) {
+    if constexpr (Whole) {
 #ifdef __CUDA_ARCH__
       using Vector = std::conditional_t<sizeof(T) == 4, float4, double2>;
       union {
@@ -229,10 +235,11 @@ struct PackedRows {
 #else
       std::memcpy(x, data + first * D, sizeof x);
 #endif
-      return;
+    } else {
+      for (unsigned k = 0; k < lane_points; ++k)
+        for (unsigned j = 0; j < D; ++j)
+          x[k][j] = first + k < count ? data[(first + k) * D + j] : T{};
     }
-    for (unsigned k = 0; k < lane_points; ++k)
-      for (unsigned j = 0; j < D; ++j) x[k][j] = first + k < count ? data[(first + k) * D + j] : T{};
   }
 };
 
@@ -250,26 +257,28 @@ struct AnyStrides {
   CULLHULL_HD static std::uint64_t point(std::uint64_t group, unsigned lane, unsigned k) {
     return group * group_points + k * warp_lanes + lane;
   }
+  template <bool Whole>
   CULLHULL_HD void read(std::uint64_t group, unsigned lane, std::uint64_t count,
                         T (&x)[lane_points][D]) const {
     for (unsigned k = 0; k < lane_points; ++k) {
       const std::uint64_t i = point(group, lane, k);
       const std::byte* row = data + static_cast<std::ptrdiff_t>(i) * point_stride;
       for (unsigned j = 0; j < D; ++j)
-        x[k][j] = i < count ? *reinterpret_cast<const T*>(
-                                  row + static_cast<std::ptrdiff_t>(j) * coordinate_stride)
-                            : T{};
+        x[k][j] = Whole || i < count ? *reinterpret_cast<const T*>(
+                                           row + static_cast<std::ptrdiff_t>(j) * coordinate_stride)
+                                     : T{};
     }
   }
 };
 
-/// Bit k: the lane's k-th point of the group exists and survives.
-template <class Layout, class C, class Nodes>
+/// Bit k: the lane's k-th point of the group exists and survives. Whole: all of the group's points
+/// exist.
+template <bool Whole, class Layout, class C, class Nodes>
 CULLHULL_HD std::uint32_t lane_survivors(const GaugeConstants<Layout::D, C>& t, const Nodes& nodes,
                                          const Layout& layout, std::uint64_t group, unsigned lane,
                                          std::uint64_t count) {
   typename Layout::T x[Layout::lane_points][Layout::D];
-  layout.read(group, lane, count, x);
+  layout.template read<Whole>(group, lane, count, x);
   std::uint32_t bits = 0;
 #ifdef __CUDA_ARCH__
 #pragma unroll
@@ -278,11 +287,21 @@ CULLHULL_HD std::uint32_t lane_survivors(const GaugeConstants<Layout::D, C>& t, 
     float y[Layout::D];
     for (unsigned j = 0; j < Layout::D; ++j)
       y[j] = lanes::centred(static_cast<C>(x[k][j]), t.scale[j], t.offset[j]);
-    const bool survives =
-        layout.point(group, lane, k) < count && !gauge_inside(t, nodes, y);
+    bool survives = !gauge_inside(t, nodes, y);
+    if constexpr (!Whole) survives &= Layout::point(group, lane, k) < count;
     bits |= static_cast<std::uint32_t>(survives) << k;
   }
   return bits;
+}
+
+/// The same, for whole groups and the last one.
+template <class Layout, class C, class Nodes>
+CULLHULL_HD std::uint32_t lane_survivors(const GaugeConstants<Layout::D, C>& t, const Nodes& nodes,
+                                         const Layout& layout, std::uint64_t group, unsigned lane,
+                                         std::uint64_t count) {
+  if ((group + 1) * Layout::group_points <= count)  // all lanes of a warp agree
+    return lane_survivors<true>(t, nodes, layout, group, lane, count);
+  return lane_survivors<false>(t, nodes, layout, group, lane, count);
 }
 
 /// Groups a count of points makes.
