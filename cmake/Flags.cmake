@@ -6,7 +6,7 @@ set(_cxx "$<COMPILE_LANGUAGE:CXX>")
 set(_cuda "$<COMPILE_LANGUAGE:CUDA>")
 target_compile_options(cullhull_flags INTERFACE
   "$<${_cxx}:-ffp-contract=off;-fno-fast-math>"
-  "$<${_cuda}:-fmad=false;-Xcompiler=-ffp-contract=off,-fno-fast-math>")
+  "$<${_cuda}:-fmad=false;--expt-relaxed-constexpr;-Xcompiler=-ffp-contract=off,-fno-fast-math>")
 target_compile_options(cullhull_flags INTERFACE
   "$<${_cxx}:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion>"
   "$<${_cuda}:-Xcompiler=-Wall,-Wextra;-Wno-deprecated-gpu-targets>")
