@@ -130,6 +130,7 @@ class FirstPass {
     question.dimension = points_.dimension;
     question.point_bytes = points_.dimension * scalar_size(points_.scalar);
     question.threads = threads_;
+    question.device_started = cuda_started();
     const Placement place = choose_place(question, options.machine);
     reason_ = place.reason;
     device_ = place.device;
