@@ -1,6 +1,7 @@
 // Everything: include this one, or the header of the one idea you need.
 #pragma once
 
+#include "cullhull/array.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
