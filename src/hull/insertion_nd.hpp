@@ -358,10 +358,15 @@ void InsertionNd<D>::settle() {
         free_.pop_back();
       }
     }
-    for (std::size_t k = s.horizon.size(); k < s.visible.size(); ++k) free_.push_back(s.visible[k]);
     live_ += s.horizon.size();
     live_ -= s.visible.size();
     recent_ = s.visible[0];
+  }
+  // Slots given up now are read until all cavities are replaced: they serve from the next batch on.
+  for (const Id i : batch_) {
+    const Stream& s = streams_[i];
+    if (!s.accepted) continue;
+    for (std::size_t k = s.horizon.size(); k < s.visible.size(); ++k) free_.push_back(s.visible[k]);
   }
 }
 
