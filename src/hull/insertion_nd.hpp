@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -50,12 +51,19 @@ class InsertionNd {
   const double* row(Id p) const { return ordered_.data() + std::size_t{p} * dim(); }
   const double* exact_row(Id p) const { return points_.exact_row(order_[p]); }
   float error(Id f) const { return store_.plane(f)[dim()]; }
-  float gauge(const Lane& lane, Id f) const {
+  float gauge(const float* y, Id f) const {
     const float* n = store_.plane(f);
-    const float* y = lane.offset.data();
     float sum = n[0] * y[0];
     for (unsigned j = 1; j < dim(); ++j) sum += n[j] * y[j];
     return sum;
+  }
+  float gauge(const Lane& lane, Id f) const { return gauge(lane.offset.data(), f); }
+  /// Where x is among the dim() distinct items, of which it is one. Without branches: nothing
+  /// predicts it.
+  unsigned index_of(const Id* items, Id x) const {
+    unsigned at = 0;
+    for (unsigned i = 1; i < dim(); ++i) at = items[i] == x ? i : at;
+    return at;
   }
 
   void arrange(const Id* simplex);
@@ -85,7 +93,8 @@ class InsertionNd {
   void find_cavity(Stream& s, Lane& lane, Id seed) const;
 
   void replace(Stream& s, Lane& lane);
-  void link(const Stream& s, Lane& lane, std::size_t k) const;
+  void link(const Stream& s, Lane& lane) const;
+  Id turn(const Stream& s, std::size_t k, unsigned i) const;
   SimplicialHull collect();
 
   const LocalPoints& points_;
@@ -114,6 +123,10 @@ class InsertionNd {
   double width_ = 2;  ///< streams that conflict seldom enough
   std::uint64_t batch_facets_ = 0;
   SimplicialHull result_;
+#ifdef NDBG
+  unsigned long long created_ = 0, tried_ = 0, refused_ = 0;
+  mutable std::atomic<unsigned long long> steps_{0};
+#endif
 };
 
 // -------------------------------------------------------------------------------- construction
@@ -298,6 +311,9 @@ void InsertionNd<D>::insert_round(Id begin, Id end) {
     batch_.resize(left);
   }
   adapt(tried, refused);
+#ifdef NDBG
+  tried_ += tried; refused_ += refused;
+#endif
   control_.report("hull", static_cast<double>(end) / static_cast<double>(order_.size()));
 }
 
@@ -343,6 +359,9 @@ void InsertionNd<D>::settle() {
     claim(s);
     ++s.next;
     batch_facets_ += s.horizon.size();
+#ifdef NDBG
+    created_ += s.horizon.size();
+#endif
     if (s.horizon.size() > s.visible.size()) fresh += s.horizon.size() - s.visible.size();
   }
   reserve(facet_slots_ + fresh);
@@ -433,8 +452,8 @@ Sign InsertionNd<D>::side(Lane& lane, Id f, Id point) const {
 template <unsigned D>
 bool InsertionNd<D>::sees(Lane& lane, Id f, Id point) const {
   const float g = gauge(lane, f), e = error(f);
-  if (g > 1 + e) return true;
-  if (g < 1 - e) return false;
+  const bool above = g > 1 + e, beneath = g < 1 - e;
+  if (above != beneath) return above;  // nearly always
   return side(lane, f, point) == Sign::positive;
 }
 
@@ -491,18 +510,16 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate(Lane& lane, Id start, Id poin
       return f;
     }
     const Id* n = store_.neighbours(f);
-    Id best = none;
-    float best_gauge = g, highest = -std::numeric_limits<float>::infinity();
     for (unsigned j = 0; j < dim(); ++j) store_.prefetch(n[j]);
+    Id best = f;
+    float best_gauge = g, highest = -std::numeric_limits<float>::infinity();
     for (unsigned j = 0; j < dim(); ++j) {
       const float h = gauge(lane, n[j]);
       highest = std::max(highest, h + error(n[j]));
-      if (h > best_gauge) {
-        best_gauge = h;
-        best = n[j];
-      }
+      best = h > best_gauge ? n[j] : best;
+      best_gauge = std::max(best_gauge, h);
     }
-    if (best == none) {
+    if (best == f) {
       end = f;
       const float e = error(f);
       // A strict maximum beyond the bounds: the ray from O to the point leaves through f, and the
@@ -515,6 +532,9 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate(Lane& lane, Id start, Id poin
     }
     f = best;
     g = best_gauge;
+#ifdef NDBG
+    ++steps_;
+#endif
   }
 }
 
@@ -555,35 +575,45 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate_exactly(Lane& lane, Id start,
 
 template <unsigned D>
 void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
-  s.visible.assign(1, seed);
-  s.horizon.clear();
-  Visited& visited = lane.visited;
-  visited.clear();
-  visited.set(visited.find(seed), Visited::seen);
-  for (std::size_t k = 0; k < s.visible.size(); ++k) {
+  const unsigned d = dim();
+  if (lane.visited.size() < facet_slots_) lane.visited.resize(facet_capacity_);
+  std::uint8_t* visited = lane.visited.data();
+  std::size_t visible = 1, ridges = 0;
+  s.visible.resize(std::max<std::size_t>(s.visible.size(), 64));
+  s.horizon.resize(std::max<std::size_t>(s.horizon.size(), 64));
+  s.visible[0] = seed;
+  visited[seed] = 1;
+  for (std::size_t k = 0; k < visible; ++k) {
+    if (visible + d > s.visible.size()) s.visible.resize(2 * s.visible.size() + d);
+    if (ridges + d > s.horizon.size()) s.horizon.resize(2 * s.horizon.size() + d);
     if (k % 4096 == 4095) control_.check();
-    const Id f = s.visible[k];
+    Id* const list = s.visible.data();
+    HorizonRidge* const horizon = s.horizon.data();
+    const Id f = list[k];
     const Id* n = store_.neighbours(f);
-    for (unsigned j = 0; j < dim(); ++j) {
+    // Which neighbours are visible is as good as random: no branch on it. A facet beyond the horizon
+    // is tested once for each of its ridges, which costs less than remembering it.
+    for (unsigned j = 0; j < d; ++j) {
       const Id other = n[j];
-      auto& slot = visited.find(other);
-      Visited::State state = visited.state(slot);
-      if (state == Visited::unknown) {
-        state = sees(lane, other, s.next) ? Visited::seen : Visited::unseen;
-        visited.set(slot, state);
-        if (state == Visited::seen) {
-          s.visible.push_back(other);
-          const Id* next = store_.neighbours(other);
-          for (unsigned i = 0; i < dim(); ++i) store_.prefetch(next[i]);
-        }
-      }
-      if (state == Visited::seen) continue;
-      const Id* back = store_.neighbours(other);
-      unsigned at = 0;
-      while (back[at] != f) ++at;
-      s.horizon.push_back({f, other, static_cast<std::uint8_t>(j), static_cast<std::uint8_t>(at)});
+      const bool seen = sees(lane, other, s.next);
+      const bool fresh = seen && visited[other] == 0;
+      visited[other] |= static_cast<std::uint8_t>(seen);
+      list[visible] = other;
+      visible += fresh;
+      horizon[ridges] = {f, other, static_cast<std::uint8_t>(j), 0};
+      ridges += !seen;
+    }
+    // What is at the end of the list comes last: time to fetch it.
+    if (k + 2 < visible) {
+      const Id* next = store_.neighbours(list[k + 2]);
+      for (unsigned j = 0; j < d; ++j) store_.prefetch(next[j]);
     }
   }
+  s.visible.resize(visible);
+  s.horizon.resize(ridges);
+  for (const Id f : s.visible) visited[f] = 0;
+  for (HorizonRidge& r : s.horizon)
+    r.back = static_cast<std::uint8_t>(index_of(store_.neighbours(r.outside), r.facet));
 }
 
 /// A new facet on every horizon ridge, in the slots of the visible ones as far as they go: what is
@@ -594,7 +624,7 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
   const std::size_t count = s.horizon.size();
   const Id point = s.next - 1;
   lane.vertices.resize(count * d);
-  lane.neighbours.assign(count * d, none);
+  lane.neighbours.resize(count * d);
   lane.apex.resize(count);
   lane.planes.resize(count * (d + 1));
   for (std::size_t k = 0; k < count; ++k) {
@@ -603,10 +633,9 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
     std::copy_n(store_.vertices(r.facet), d, v);
     v[r.apex] = point;
     lane.apex[k] = r.apex;
-    lane.neighbours[k * d + r.apex] = r.outside;
     store_.neighbours(r.facet)[r.apex] = static_cast<Id>(k) | horizon_tag;
   }
-  for (std::size_t k = 0; k < count; ++k) link(s, lane, k);
+  link(s, lane);
   control_.check();
   facet_planes(frame_, point, lane.vertices.data(), lane.apex.data(), count, lane.planes.data());
   const std::size_t reused = std::min(count, s.visible.size());
@@ -625,36 +654,66 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
   s.hint = s.visible[0];
 }
 
-/// Finds the other new facets around new facet k: across its ridge opposite to vertex i lies the one
-/// reached by turning through visible facets about what it shares with its old facet without
-/// vertex i. Each pair is found once.
+/// Finds the other new facets around the new facets, into lane.neighbours.
+///
+/// Every ridge through the point belongs to two of them. Each adds one and its number to the table
+/// slot that the ridge's vertices hash to; where a slot counts two, they are the two facets of one
+/// ridge whatever the hash is worth, and the sum tells the other from the one. Where it counts more,
+/// the other one is found by turning.
 template <unsigned D>
-void InsertionNd<D>::link(const Stream& s, Lane& lane, std::size_t k) const {
+void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
   const unsigned d = dim();
-  const HorizonRidge& r = s.horizon[k];
-  Id* mine = lane.neighbours.data() + k * d;
-  for (unsigned i = 0; i < d; ++i) {
-    if (mine[i] != none) continue;
-    Id at = r.facet;
-    unsigned exit = i, kept = r.apex;
-    for (;;) {
-      const Id next = store_.neighbours(at)[exit];
-      if ((next & horizon_tag) != 0) {
-        const Id other = next & ~horizon_tag;
-        mine[i] = other;
-        lane.neighbours[std::size_t{other} * d + kept] = static_cast<Id>(k);
-        break;
-      }
-      const Id kept_vertex = store_.vertices(at)[kept];
-      const Id* v = store_.vertices(next);
-      const Id* n = store_.neighbours(next);
-      unsigned enter = 0;
-      while (n[enter] != at) ++enter;
-      exit = 0;
-      while (v[exit] != kept_vertex) ++exit;
-      kept = enter;
-      at = next;
+  constexpr unsigned sum_bits = 42;
+  const std::size_t count = s.horizon.size();
+  if (count * d >= std::size_t{1} << 20) {  // sums might reach the counts
+    for (std::size_t k = 0; k < count; ++k)
+      for (unsigned i = 0; i < d; ++i)
+        if (i != lane.apex[k]) lane.neighbours[k * d + i] = turn(s, k, i);
+    return;
+  }
+  const auto bits = static_cast<unsigned>(std::bit_width(count * d));
+  lane.table.assign(std::size_t{1} << (bits + 1), 0);
+  lane.ridges.resize(count * d);
+  std::uint64_t* const table = lane.table.data();
+  const std::uint32_t shift = 32 - (bits + 1);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Id* v = lane.vertices.data() + k * d;
+    Id* ridge = lane.ridges.data() + k * d;
+    std::uint32_t whole = 0;
+    for (unsigned i = 0; i < d; ++i) {
+      std::uint32_t h = v[i] * 0x9E3779B1U;
+      h ^= h >> 15;
+      ridge[i] = h;
+      whole += h;
     }
+    const std::uint64_t entry = (std::uint64_t{1} << sum_bits) | k;
+    for (unsigned i = 0; i < d; ++i) {
+      ridge[i] = ((whole - ridge[i]) * 0x85EBCA6BU) >> shift;
+      table[ridge[i]] += i == lane.apex[k] ? 0 : entry;
+    }
+  }
+  for (std::size_t k = 0; k < count; ++k)
+    for (unsigned i = 0; i < d; ++i) {
+      const std::uint64_t entry = table[lane.ridges[k * d + i]];
+      lane.neighbours[k * d + i] =
+          static_cast<Id>(entry & ((std::uint64_t{1} << sum_bits) - 1)) - static_cast<Id>(k);
+      if (entry >> sum_bits != 2 && i != lane.apex[k]) lane.neighbours[k * d + i] = turn(s, k, i);
+    }
+}
+
+/// The other new facet at the ridge of new facet k opposite to vertex i: reached by turning, through
+/// visible facets, about what facet k shares with its old one without vertex i.
+template <unsigned D>
+typename InsertionNd<D>::Id InsertionNd<D>::turn(const Stream& s, std::size_t k, unsigned i) const {
+  Id at = s.horizon[k].facet, kept_vertex = store_.vertices(at)[s.horizon[k].apex];
+  unsigned exit = i;
+  for (;;) {
+    const Id next = store_.neighbours(at)[exit];
+    if ((next & horizon_tag) != 0) return next & ~horizon_tag;
+    const Id* v = store_.vertices(next);
+    exit = index_of(v, kept_vertex);
+    kept_vertex = v[index_of(store_.neighbours(next), at)];
+    at = next;
   }
 }
 
@@ -668,6 +727,9 @@ SimplicialHull InsertionNd<D>::collect() {
   Id count = 0;
   for (Id f = 0; f < facet_slots_; ++f)
     if (store_.alive(f)) number[f] = count++;
+#ifdef NDBG
+  std::printf("slots %zu live %zu created %llu (%.2f) batches %u tried %llu refused %llu width %g steps %llu\n", facet_slots_, live_, created_, double(created_)/live_, batch_number_, tried_, refused_, width_, steps_.load());
+#endif
   result_.dimension = d;
   result_.vertices.resize(std::size_t{count} * d);
   result_.neighbours.resize(std::size_t{count} * d);

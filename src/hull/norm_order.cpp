@@ -162,7 +162,7 @@ InsertionRounds norm_order(const LocalPoints& points) {
     }
     rounds.starts.push_back(end);
     begin = end;
-    end = n - end < end ? n : 2 * end;
+    end = n - end < end / 2 ? n : end + end / 2;
   }
   rounds.order.resize(n);
   for (std::uint32_t i = 0; i < n; ++i) rounds.order[i] = keyed[i].id;
