@@ -25,6 +25,7 @@
 #include "hull/facet_store.hpp"
 #include "hull/norm_order.hpp"
 #include "parallel/crew.hpp"
+#include "parallel/parallel.hpp"
 #include "predicates/minors.hpp"
 #include "predicates/orientation.hpp"
 
@@ -66,7 +67,7 @@ class InsertionNd {
     return at;
   }
 
-  void arrange(const Id* simplex);
+  void arrange(const Id* simplex, unsigned threads);
   void choose_centre();
   bool centre_inside(const std::vector<double>& centre) const;
   void build_simplex();
@@ -79,7 +80,7 @@ class InsertionNd {
   void claim(Stream& s);
   void adapt(std::size_t tried, std::size_t refused);
   template <class Body>
-  void in_parallel(bool worthwhile, const Body& body);
+  void in_parallel(const Body& body);
 
   void aim(Lane& lane, Id point) const;
   Id locate(Lane& lane, Id start, Id point, Id& end) const;
@@ -144,18 +145,18 @@ InsertionNd<D>::InsertionNd(const LocalPoints& points, const std::uint32_t* simp
       // A few hundred points are done before another thread is awake.
       crew_(points.count < 512 && points.dimension < 6 ? 1 : threads),
       lanes_(crew_.lanes(), Lane(dimension_)) {
-  arrange(simplex);
+  arrange(simplex, threads);
   choose_centre();
   frame_ = {dim(), ordered_.data(), centre_.data(), reach_.data(),
             points_.exact == points_.coordinates};
 }
 
 template <unsigned D>
-void InsertionNd<D>::arrange(const Id* simplex) {
+void InsertionNd<D>::arrange(const Id* simplex, unsigned threads) {
   const unsigned d = dim();
   std::vector<Id> sorted(simplex, simplex + d + 1);
   std::sort(sorted.begin(), sorted.end());
-  InsertionRounds rounds = norm_order(points_);
+  InsertionRounds rounds = norm_order(points_, threads);
   order_.assign(simplex, simplex + d + 1);
   order_.reserve(points_.count);
   for (std::size_t r = 0; r + 1 < rounds.starts.size(); ++r) {
@@ -166,8 +167,11 @@ void InsertionNd<D>::arrange(const Id* simplex) {
   }
   starts_.push_back(static_cast<Id>(order_.size()));
   ordered_.reserve(order_.size() * d);
-  for (std::size_t k = 0; k < order_.size(); ++k)
-    std::copy_n(points_.row(order_[k]), d, ordered_.data() + k * d);
+  for_each_chunk(order_.size(), 8192, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   for (std::uint64_t k = begin; k < end; ++k)
+                     std::copy_n(points_.row(order_[k]), d, ordered_.data() + k * d);
+                 });
 }
 
 /// O: the simplex's centroid, rounded to as few bits as leave it strictly inside, so that exact
@@ -193,12 +197,10 @@ void InsertionNd<D>::choose_centre() {
       centre_exact_ = centre_inside(centre_);
     }
   }
-  for (unsigned j = 0; j < d; ++j) {
-    double far = 0;
-    for (std::size_t k = 0; k < order_.size(); ++k)
-      far = std::max(far, std::abs(ordered_[k * d + j] - centre_[j]));
-    reach_[j] = far * (1 + 0x1p-30) + 0x1p-40;
-  }
+  for (std::size_t k = 0; k < order_.size(); ++k)
+    for (unsigned j = 0; j < d; ++j)
+      reach_[j] = std::max(reach_[j], std::abs(row(static_cast<Id>(k))[j] - centre_[j]));
+  for (double& r : reach_) r = r * (1 + 0x1p-30) + 0x1p-40;
 }
 
 template <unsigned D>
@@ -218,7 +220,9 @@ bool InsertionNd<D>::centre_inside(const std::vector<double>& centre) const {
 template <unsigned D>
 SimplicialHull InsertionNd<D>::run() {
   build_simplex();
-  for (std::size_t r = 0; r + 1 < starts_.size(); ++r) insert_round(starts_[r], starts_[r + 1]);
+  crew_.session([this] {
+    for (std::size_t r = 0; r + 1 < starts_.size(); ++r) insert_round(starts_[r], starts_[r + 1]);
+  });
   return collect();
 }
 
@@ -269,15 +273,14 @@ void InsertionNd<D>::reserve(std::size_t facets) {
 
 template <unsigned D>
 template <class Body>
-void InsertionNd<D>::in_parallel(bool worthwhile, const Body& body) {
-  if (!worthwhile || lanes_.size() == 1) {
+void InsertionNd<D>::in_parallel(const Body& body) {
+  // Below some tens of microseconds waking nobody is faster.
+  if (batch_facets_ < 100 || lanes_.size() == 1) {
     for (const Id s : batch_) body(streams_[s], lanes_[0]);
     return;
   }
-  std::atomic<std::size_t> next{0};
-  crew_.run([&](unsigned lane) {
-    for (std::size_t i = next++; i < batch_.size(); i = next++)
-      body(streams_[batch_[i]], lanes_[lane]);
+  crew_.run(static_cast<std::uint32_t>(batch_.size()), [&](std::uint32_t i, unsigned lane) {
+    body(streams_[batch_[i]], lanes_[lane]);
   });
 }
 
@@ -296,10 +299,9 @@ void InsertionNd<D>::insert_round(Id begin, Id end) {
   std::size_t tried = 0, refused = 0;
   while (!batch_.empty()) {
     control_.check();
-    const bool worthwhile = batch_facets_ > 400;  // tens of microseconds
-    in_parallel(worthwhile, [this](Stream& s, Lane& lane) { advance(s, lane); });
+    in_parallel([this](Stream& s, Lane& lane) { advance(s, lane); });
     settle();
-    in_parallel(worthwhile, [this](Stream& s, Lane& lane) {
+    in_parallel([this](Stream& s, Lane& lane) {
       if (s.accepted) replace(s, lane);
     });
     std::size_t left = 0;

@@ -5,10 +5,13 @@
 #include <bit>
 #include <cmath>
 
+#include "parallel/parallel.hpp"
+
 namespace cullhull::internal {
 namespace {
 
 constexpr std::uint32_t first_round = 64;
+constexpr std::uint64_t chunk = 8192;
 /// Points that the covariance is taken from.
 constexpr std::uint32_t covariance_sample = 4096;
 
@@ -137,27 +140,31 @@ class Norm {
 
 }  // namespace
 
-InsertionRounds norm_order(const LocalPoints& points) {
+InsertionRounds norm_order(const LocalPoints& points, unsigned threads) {
   const std::uint32_t n = points.count;
   const unsigned d = points.dimension;
   const Norm norm(points);
-  std::vector<double> y(d);
   std::vector<Keyed> keyed(n), scratch;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    // Floats that are not negative are ordered as their bits; the hash breaks ties.
-    const auto v = static_cast<float>(std::min(norm.of(points.row(i), y.data()), 1e30));
-    const std::uint32_t bits = std::bit_cast<std::uint32_t>(v);
-    const auto tie = static_cast<std::uint32_t>(mix(i) & 0xFFU);
-    keyed[i] = {~((bits & ~0xFFU) | tie), i};
-  }
+  for_each_chunk(n, chunk, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+    std::vector<double> y(d);
+    for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+      // Floats that are not negative are ordered as their bits; the hash breaks ties.
+      const auto v = static_cast<float>(std::min(norm.of(points.row(i), y.data()), 1e30));
+      const auto tie = static_cast<std::uint32_t>(mix(i) & 0xFFU);
+      keyed[i] = {~((std::bit_cast<std::uint32_t>(v) & ~0xFFU) | tie), i};
+    }
+  });
   radix_sort(keyed.data(), n, scratch);
   InsertionRounds rounds;
   rounds.starts = {0};
   const unsigned bits = std::clamp(32U / d, 1U, 10U);
   for (std::uint32_t begin = 0, end = std::min(n, first_round); begin < n;) {
     if (begin > 0) {
-      for (std::uint32_t i = begin; i < end; ++i)
-        keyed[i].key = position_key(points.row(keyed[i].id), d, bits);
+      for_each_chunk(end - begin, chunk, threads,
+                     [&](std::uint64_t, std::uint64_t from, std::uint64_t to) {
+                       for (std::uint64_t i = begin + from; i < begin + to; ++i)
+                         keyed[i].key = position_key(points.row(keyed[i].id), d, bits);
+                     });
       radix_sort(keyed.data() + begin, end - begin, scratch);
     }
     rounds.starts.push_back(end);

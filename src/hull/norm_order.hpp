@@ -18,6 +18,6 @@ struct InsertionRounds {
 /// rounds, each half as large as all before it together, and within a round along a Hilbert curve, so
 /// that neighbours in the order are neighbours in space. Points of equal norm come in
 /// pseudo-random order. Deterministic. Time O(n d^2).
-InsertionRounds norm_order(const LocalPoints& points);
+InsertionRounds norm_order(const LocalPoints& points, unsigned threads);
 
 }  // namespace cullhull::internal
