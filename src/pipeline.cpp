@@ -109,7 +109,7 @@ SimplicialHull run_engine(const LocalFrame& frame, Engine engine, std::uint64_t 
   if (engine == Engine::qhull) return hull_qhull(points, control);
   if (points.dimension == 2) return hull_2d(points, threads, control);
   if (points.dimension == 3) return hull_3d(points, frame.simplex().data(), budget, control);
-  return hull_nd(points, frame.simplex().data(), budget, control);
+  return hull_nd(points, frame.simplex().data(), budget, threads, control);
 }
 
 /// Qhull decides with tolerances, so what it found must be proven before it is called the hull.
