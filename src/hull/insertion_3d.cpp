@@ -84,6 +84,10 @@ class Inserter {
       }
       const Id p = positions != nullptr ? positions[k] : k;
       const Id next = k + 1 == end ? p : positions != nullptr ? positions[k + 1] : k + 1;
+      // Chosen points may lie far apart.
+      if (positions != nullptr && (k == begin || p / Entries3D::block !=
+                                                     positions[k - 1] / Entries3D::block))
+        enter(p);
       if (!insert(p, next)) piece_.deferred.push_back(p);
     }
   }
@@ -223,17 +227,25 @@ class Inserter {
     return inside;
   }
 
+  /// Begins the walk to p where the surface, when it was cut, was nearest; false where that is not
+  /// known to be ours now.
+  bool enter(Id p) {
+    if (piece_.entries.entries == nullptr) return false;
+    const Entries3D::Entry& e =
+        piece_.entries.entries[p / Entries3D::block - piece_.entries.first_block];
+    // The slot of a facet that was another's is not ours to read.
+    if (!piece_.owns(e.owner) || !piece_.owns(facets_[e.facet])) return false;
+    piece_.hint = e.facet;
+    return true;
+  }
+
   /// False if the point concerns facets of other pieces; then nothing has changed.
   bool insert(Id p, Id next) {
     offset(s_.row(p), y_);
     Id seed = locate(p);
     if (HWY_UNLIKELY(seed == foreign)) {
       // The way may be barred though the goal is ours.
-      const Entries3D& entries = piece_.entries;
-      if (entries.facets == nullptr) return false;
-      const Id entry = entries.facets[p / Entries3D::block - entries.first_position];
-      if (!facets_[entry].live() || !piece_.owns(facets_[entry])) return false;
-      piece_.hint = entry;
+      if (!enter(p)) return false;
       seed = locate(p);
       if (seed == foreign) return false;
     }

@@ -48,11 +48,14 @@ struct Shared3D {
   const double* row(std::uint32_t p) const { return rows + std::size_t{p} * row_stride; }
 };
 
-/// A facet to begin a walk at, known for every block of points when the surface was cut.
+/// Facets to begin walks at, known for every block of points when the surface was cut.
 struct Entries3D {
   static constexpr std::uint32_t block = 256;
-  const std::uint32_t* facets = nullptr;  // of positions / block; null: none
-  std::uint32_t first_position = 0;
+  struct Entry {
+    std::uint32_t facet, owner;  // at that time
+  };
+  const Entry* entries = nullptr;  // of positions / block - first_block
+  std::uint32_t first_block = 0;
 };
 
 /// What one thread works with. Aligned so that no two threads write to the same lines.
@@ -70,7 +73,8 @@ struct alignas(256) Piece3D {
   std::uint64_t steps = 0;
   Entries3D entries;
 
-  bool owns(const Facet3D& f) const { return f.owner - first_owner < owner_count; }
+  bool owns(std::uint32_t owner) const { return owner - first_owner < owner_count; }
+  bool owns(const Facet3D& f) const { return owns(f.owner); }
 
   // Scratch: the visible facets, and the horizon edges in cyclic order.
   struct Crossing {
