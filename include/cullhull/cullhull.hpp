@@ -4,6 +4,7 @@
 #include "cullhull/array.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
+#include "cullhull/device_points.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"

@@ -24,8 +24,9 @@ struct Lists {
 struct Statistics {
   std::uint64_t survivors = 0;       ///< points the filter kept (lattices are thinned once more)
   const char* cull_method = "none";  ///< as in Survivors::method
+  std::string cull_reason;           ///< as in Survivors::reason
   const char* engine = "native";
-  const char* backend = "cpu";
+  const char* backend = "cpu";  ///< as in Survivors::backend; engines run on the CPU
   unsigned threads = 1;
   double cull_seconds = 0;
   double hull_seconds = 0;     ///< engine and result together

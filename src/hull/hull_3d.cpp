@@ -371,7 +371,7 @@ std::vector<Engine3D::Work> Engine3D::join_pieces() {
 }  // namespace
 
 SimplicialHull hull_3d(const LocalPoints& points, const std::uint32_t* simplex,
-                       std::uint64_t budget, const Control& control, unsigned threads) {
+                       std::uint64_t budget, unsigned threads, const Control& control) {
   return Engine3D(points, simplex, budget, control, threads).run();
 }
 

@@ -214,6 +214,7 @@ std::string hull_to_json(const PointView& points, const Hull& hull, const JsonEx
   w.inner("method", s.cull_method);
   w.inner("survivors", s.survivors);
   w.inner("seconds", s.cull_seconds);
+  w.inner("reason", s.cull_reason.c_str());
   w.end_object();
   w.object("hull");
   w.inner("engine", s.engine);
