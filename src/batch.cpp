@@ -112,7 +112,7 @@ class Joiner {
         out.*member, [member](HullBatch & b) -> auto& { return b.*member; });
   }
   /// Offsets that begin at 0 in every part.
-  void join_starts(std::vector<std::uint64_t>& out, const auto& of) const {
+  void join_starts(auto& out, const auto& of) const {
     const auto at = places([&](HullBatch& b) { return of(b).size() - 1; });
     const auto base = places([&](HullBatch& b) { return of(b).back(); });
     resize_big(out, at.back() + 1);
