@@ -15,7 +15,8 @@ if(CULLHULL_WERROR)
     "$<${_cxx}:-Werror>" "$<${_cuda}:-Werror=all-warnings>")
 endif()
 if(CULLHULL_SANITIZE)
-  add_compile_options("$<$<NOT:${_cuda}>:-fsanitize=${CULLHULL_SANITIZE};-fno-omit-frame-pointer;-fno-sanitize-recover=all>"
-    "$<${_cuda}:-Xcompiler=-fsanitize=${CULLHULL_SANITIZE},-fno-omit-frame-pointer,-fno-sanitize-recover=all>")
-  add_link_options("$<$<NOT:$<LINK_LANGUAGE:CUDA>>:-fsanitize=${CULLHULL_SANITIZE}>")
+  # Host code of .cu files only launches kernels: nvcc would need other words for these flags.
+  add_compile_options("$<$<NOT:${_cuda}>:-fsanitize=${CULLHULL_SANITIZE}>"
+    "$<$<NOT:${_cuda}>:-fno-omit-frame-pointer>" "$<$<NOT:${_cuda}>:-fno-sanitize-recover=all>")
+  add_link_options(-fsanitize=${CULLHULL_SANITIZE})
 endif()

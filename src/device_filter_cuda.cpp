@@ -174,6 +174,7 @@ class DeviceFilter {
       const SampledMap finer =
           map_of_sample(finite_sample(view), Insist::late, cuda::most_gauge_nodes(cuda::device()),
                         budget_, control_);
+      result.survivors.reason += "; a second map: " + finer.reason;
       if (finer.map != nullptr) {
         const cuda::DeviceIds kept = cuda::survivors_of_device_points(finer.map->table(), view);
         cuda::DeviceIds ids;

@@ -212,6 +212,7 @@ void refine_survivors(Filtered& result, unsigned d, const Control& control, unsi
   if (left.count < smallest_worth_refining(d)) return;
   const SampledMap sampled =
       map_of_sample(host_points(left, threads), Insist::late, 0, budget, control);
+  result.survivors.reason += "; a second map: " + sampled.reason;
   if (sampled.map == nullptr) return;
   keep_of_survivors(result, d, sampled.map->survivors(left, threads, control));
   result.survivors.method = "gauge x2";

@@ -31,11 +31,13 @@ Poison& poison() {
   return p;
 }
 
-/// An error that stays: even asking an idle stream repeats it.
+/// An error that stays: even asking a stream repeats it. (With hardly any memory left the question
+/// itself may fail for want of it.)
 bool sticky() {
   (void)cudaGetLastError();
   const cudaError_t again = cudaStreamQuery(nullptr);
-  return again != cudaSuccess && again != cudaErrorNotReady;
+  (void)cudaGetLastError();
+  return again != cudaSuccess && again != cudaErrorNotReady && again != cudaErrorMemoryAllocation;
 }
 
 /// A pool of ours, so that the caller's is left as it is. What was freed stays with the pool up to
