@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "cull/gauge_cuda.hpp"
+#include "cull/gauge_kernel_cuda.hpp"
 #include "cull/pseudo_hull_cuda.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/device_points.hpp"
@@ -20,6 +22,7 @@
 #include "machine.hpp"
 #include "parallel/cuda_runtime.hpp"
 #include "qhull.hpp"
+#include "sample_map.hpp"
 
 namespace {
 
@@ -141,6 +144,34 @@ ordered_json row(const char* name, std::uint64_t n, unsigned d, const std::vecto
   return json;
 }
 
+/// The gauge map's pass over the points alone: the map is made before.
+ordered_json gauge_pass(const Settings& s, const char* name, std::uint64_t n, unsigned d,
+                        const DevicePointView& view, const cullhull::internal::Control& control,
+                        double copy_rate) {
+  const cullhull::internal::SampledPoints sample{n, d, [&](const std::vector<std::uint64_t>& ids) {
+                                                   return cuda::download_points(
+                                                       view, ids.data(), ids.size(), control);
+                                                 }};
+  const auto sampled = cullhull::internal::map_of_sample(sample, cullhull::internal::Insist::yes,
+                                                         cuda::most_gauge_nodes(cuda::device()),
+                                                         std::uint64_t{8} << 30, control);
+  if (sampled.map == nullptr)
+    throw cullhull::Error(cullhull::ErrorCode::invalid_argument, "no map: " + sampled.reason);
+  std::uint64_t kept = n;
+  ordered_json json = row(name, n, d, timed(s.repeat, [&] {
+                            kept =
+                                cuda::survivors_of_device_points(sampled.map->table(), view).count;
+                          }));
+  json["filter"] = "gauge, its pass alone";
+  json["kept"] = static_cast<double>(kept) / static_cast<double>(n);
+  json["share_of_copy"] = json["points_per_second"].get<double>() * d * sizeof(float) / copy_rate;
+  std::printf("%-18s gauge, pass  %9.3f ms %8.2f G points/s  kept %7.4f %%, %.1f %% of copy\n",
+              name, json["seconds"].get<double>() * 1e3,
+              json["points_per_second"].get<double>() / 1e9, 100 * json["kept"].get<double>(),
+              100 * json["share_of_copy"].get<double>());
+  return json;
+}
+
 /// Both filters alone. Of the gauge map the share of the copy bandwidth that its reading, 12 bytes
 /// a point, makes up.
 ordered_json filters(const Settings& s, double copy_rate) {
@@ -171,7 +202,9 @@ ordered_json filters(const Settings& s, double copy_rate) {
                 100 * gauge["share_of_copy"].get<double>());
     rows.push_back(gauge);
 
-    const cullhull::internal::Control control{cullhull::Options{}};
+    const cullhull::Options defaults;
+    const cullhull::internal::Control control(defaults);
+    rows.push_back(gauge_pass(s, c.name, n, c.d, points.view(), control, copy_rate));
     std::vector<std::uint64_t> kept;
     std::vector<cullhull::internal::PseudoHullRound> rounds;
     ordered_json pseudo = row(c.name, n, c.d, timed(s.repeat, [&] {

@@ -5,6 +5,7 @@
 #include "cull/gauge_cuda.hpp"
 #include "cull/gauge_kernel_cuda.hpp"
 #include "cull/planner.hpp"
+#include "cull/pseudo_hull_cuda.hpp"
 #include "device_filter.hpp"
 #include "parallel/cuda_runtime.hpp"
 #include "points/gather.hpp"
@@ -54,6 +55,11 @@ class DeviceFilter {
   Filtered cull_there_or_here() {
     Filtered result;
     result.survivors.all = true;
+    if (options_.cull == CullMethod::pseudo_hull && options_.backend != Backend::cpu &&
+        d_ >= pseudo_hull_min_dimension && d_ <= pseudo_hull_cuda_max_dimension &&
+        points_.count > d_ + 1)
+      return pseudo_hull_there();
+    if (options_.cull == CullMethod::pseudo_hull) return culled_on_host("");
     result.survivors.reason = why_no_filter(options_.cull, points_.count, d_);
     if (!result.survivors.reason.empty()) return all_points(std::move(result));
     if (options_.backend == Backend::cpu) return culled_on_host("");
@@ -78,6 +84,22 @@ class DeviceFilter {
       result.survivors.reason += "; its memory is nearly full";
     }
     cull_by_pieces(sampled.map->table(), result);
+    return result;
+  }
+
+  /// One pseudo-hull of all points where they lie, so that no second level is needed.
+  Filtered pseudo_hull_there() const {
+    control_.report("cull", 0);
+    Filtered result;
+    std::vector<std::uint64_t> ids = pseudo_hull_survivors_cuda(points_, {}, control_);
+    require_room(ids.size());
+    result.rows = cuda::download_points(points_, ids.data(), ids.size(), control_);
+    check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), threads_);
+    result.survivors.all = ids.size() == points_.count;
+    if (!result.survivors.all) result.survivors.ids = std::move(ids);
+    result.survivors.method = "pseudo-hull";
+    result.survivors.backend = "cuda";
+    result.survivors.reason = "filter as asked; the points are on the device";
     return result;
   }
 
