@@ -138,11 +138,16 @@ class Simplicial {
     return true;
   }
 
-  /// A ridge towards a higher simplex, and its vertex across.
+  /// A ridge towards a higher simplex; first that simplex, then its vertex off the ridge.
   struct Ridge {
-    std::uint32_t simplex, across;
+    std::uint32_t simplex, across, slot;
   };
   static constexpr unsigned batch = 8 * lanes;
+
+  static void fetch_to_write(const Record<K>* r) {
+    for (std::size_t byte = 0; byte < sizeof *r; byte += 64)
+      __builtin_prefetch(reinterpret_cast<const char*>(r) + byte, 1);
+  }
 
   /// Batches that are looked through twice: first for what they refer to, which is asked for, then
   /// to compute with it.
@@ -150,14 +155,14 @@ class Simplicial {
     FacetBlock<K> block;
     for (unsigned c = 0; c < K; ++c) std::fill_n(block.origin[c], lanes, frame_.at(0)[c]);
     std::uint32_t corners[lanes][K];
-    Ridge ridges[batch * K];
+    Ridge ridges[batch * K + 1];
     for (std::uint64_t f = begin; f < std::min(end, begin + batch); ++f) prefetch(f);
     for (std::uint64_t from = begin; from < end; from += batch) {
       if (coplanar_.load(std::memory_order_relaxed)) return;
       const std::uint64_t to = std::min<std::uint64_t>(end, from + batch);
       const unsigned ridge_count = find_ridges(from, to, ridges);
       out.ridges += ridge_count;
-      unsigned r = 0;
+      unsigned ridge = 0;
       for (std::uint64_t first = from; first < to; first += lanes) {
         const auto n = static_cast<unsigned>(std::min<std::uint64_t>(lanes, to - first));
         for (unsigned lane = 0; lane < lanes; ++lane) {
@@ -170,11 +175,14 @@ class Simplicial {
           }
         }
         facet_block(block);
-        for (; r < ridge_count && ridges[r].simplex < first + n; ++r)
-          check_convex(ridges[r], block, static_cast<unsigned>(ridges[r].simplex - first), out);
-        for (unsigned lane = 0; lane < n; ++lane)
-          write_record(first + lane, corners[lane], block, lane,
-                       records_[next[corners[lane][0] >> shift_]++]);
+        for (; ridge < ridge_count && ridges[ridge].simplex < first + n; ++ridge)
+          check_convex(ridges[ridge], block, static_cast<unsigned>(ridges[ridge].simplex - first),
+                       out);
+        for (unsigned lane = 0; lane < n; ++lane) {
+          Record<K>* r = &records_[next[corners[lane][0] >> shift_]++];
+          write_record(first + lane, corners[lane], block, lane, *r);
+          fetch_to_write(r + 1);  // stores wait in line for those that miss
+        }
       }
     }
   }
@@ -193,22 +201,27 @@ class Simplicial {
   }
 
   /// The ridges of simplices [begin, end) towards higher ones; each must be shared by two simplices
-  /// that are oriented alike.
+  /// that are oriented alike. Which of two simplices is the higher is as good as random: no branch.
   unsigned find_ridges(std::uint64_t begin, std::uint64_t end, Ridge* ridges) const {
     unsigned count = 0;
+    bool twice = false, open = false;
     for (std::uint64_t f = begin; f < end; ++f) {
       const std::uint32_t* ids = surface_.simplex(f);
-      for (unsigned i = 1; i < K; ++i)
-        if (ids[i - 1] == ids[i]) fail_not_exact("a simplex uses a point twice");
+      for (unsigned i = 1; i < K; ++i) twice |= ids[i - 1] == ids[i];
       for (unsigned i = 0; i < K; ++i) {
         const std::uint32_t g = surface_.neighbours[f * K + i];
-        if (g >= count_ || g == f) fail_not_exact("a ridge has no second facet");
-        if (g < f) continue;
-        const unsigned j = opposite_slot<K>(surface_, static_cast<std::uint32_t>(f), i, g);
-        const std::uint32_t x = surface_.simplex(g)[j];
-        __builtin_prefetch(frame_.at(vertices_.position(x)));
-        ridges[count++] = {static_cast<std::uint32_t>(f), x};
+        open |= g >= count_ || g == f;
+        ridges[count] = {static_cast<std::uint32_t>(f), g, i};
+        count += g > f;
       }
+    }
+    if (twice) fail_not_exact("a simplex uses a point twice");
+    if (open) fail_not_exact("a ridge has no second facet");
+    for (unsigned r = 0; r < count; ++r) {
+      const std::uint32_t g = ridges[r].across;
+      const unsigned j = opposite_slot<K>(surface_, ridges[r].simplex, ridges[r].slot, g);
+      ridges[r].across = surface_.simplex(g)[j];
+      __builtin_prefetch(frame_.at(vertices_.position(ridges[r].across)));
     }
     return count;
   }
@@ -310,7 +323,7 @@ class Simplicial {
   }
 
   /// Counting sort on the lowest vertex, then by the others.
-  void sort(std::uint32_t b, Scratch& scratch) const {
+  void sort(std::uint32_t b, Scratch& scratch) {
     const std::uint32_t base = b << shift_;
     const std::uint32_t begin = bucket_start_[b], end = bucket_start_[b + 1];
     scratch.start.assign((std::size_t{1} << shift_) + 1, 0);
@@ -320,6 +333,7 @@ class Simplicial {
     for (std::size_t v = 1; v < scratch.start.size(); ++v) start[v] += start[v - 1];
     for (std::uint32_t i = begin; i < end; ++i) {
       const Record<K>& r = records_[i];
+      __builtin_prefetch(&rank_[r.simplex], 1);
       const std::uint64_t second = r.vertex[1], third = K > 2 ? r.vertex[K > 2 ? 2 : 0] : 0;
       scratch.keys[start[r.vertex[0] - base]++] = {second << 32 | third, i};
     }  // start[v] is now the end of vertex v's keys
