@@ -4,6 +4,7 @@
 #include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
+#include "cullhull/extreme_points.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/io.hpp"
