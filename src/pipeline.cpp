@@ -8,7 +8,9 @@
 #include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
+#include "cullhull/extreme_points.hpp"
 #include "cullhull/hull.hpp"
+#include "extreme/extreme_ids.hpp"
 #include "filter_stage.hpp"
 #include "hull/engine.hpp"
 #include "parallel/backend.hpp"
@@ -186,6 +188,43 @@ Hull convex_hull(const PointView& points, const Options& options) {
   hull.statistics.compute_seconds = seconds_since(start);
   control.report("done", 1);
   return hull;
+}
+
+ExtremePoints extreme_points(const PointView& points, const Options& options) {
+  check_arguments(points, options);
+  const Control control(options);
+  const unsigned threads = resolve_threads(options.threads);
+  const std::uint64_t budget = resolve_budget(options.memory_budget);
+  const auto start = Clock::now();
+
+  ExtremePoints result;
+  Statistics& statistics = result.statistics;
+  statistics.threads = threads;
+  control.check();
+  if (points.count == 0) return result;
+  Filtered filtered = run_filter(points, options, control, threads, budget);
+  statistics.survivors = filtered.survivors.size(points.count);
+  statistics.cull_method = filtered.survivors.method;
+  statistics.cull_seconds = seconds_since(start);
+
+  const auto search_start = Clock::now();
+  EngineInput input = engine_input(points, std::move(filtered), budget, threads);
+  const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
+                         points.dimension, control);
+  result.affine_dimension = frame.affine_dimension();
+  if (result.affine_dimension <= 3) {
+    Options plain = options;
+    plain.engine = Engine::native;
+    result.ids = convex_hull(points, plain).vertices;
+    std::sort(result.ids.begin(), result.ids.end());
+  } else {
+    for (const std::uint32_t i : extreme_ids(frame.points(), threads, control))
+      result.ids.push_back(input.all ? i : input.ids[i]);
+  }
+  statistics.hull_seconds = seconds_since(search_start);
+  statistics.compute_seconds = seconds_since(start);
+  control.report("done", 1);
+  return result;
 }
 
 }  // namespace cullhull

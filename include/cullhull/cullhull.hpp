@@ -6,6 +6,7 @@
 #include "cullhull/cull.hpp"
 #include "cullhull/device_points.hpp"
 #include "cullhull/error.hpp"
+#include "cullhull/extreme_points.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/io.hpp"
