@@ -143,7 +143,7 @@ class DeviceFilter {
   }
 
   SampledPoints sampled(const DevicePointView& points) const {
-    return {points.count, d_, [this, points](const std::vector<std::uint64_t>& ids) {
+    return {points.count, d_, threads_, [this, points](const std::vector<std::uint64_t>& ids) {
               std::vector<double> rows =
                   cuda::download_points(points, ids.data(), ids.size(), control_);
               // -0 becomes +0, and what is not finite is refused, as everywhere before an engine.

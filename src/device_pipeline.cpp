@@ -49,8 +49,12 @@ Filtered filter(const DevicePointView& points, const Options& options) {
 /// From positions among the survivors to ids. Survivors ascend, so whatever was ordered by position
 /// is ordered by id.
 void rename(Hull& hull, const std::vector<std::uint64_t>& ids) {
-  for (std::vector<std::uint64_t>* list : {&hull.vertices, &hull.facets.items, &hull.simplices})
-    for (std::uint64_t& v : *list) v = ids[v];
+  const auto rename_list = [&](auto& list) {
+    for (std::uint64_t& v : list) v = ids[v];
+  };
+  rename_list(hull.vertices);
+  rename_list(hull.facets.items);
+  rename_list(hull.simplices);
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ Filtered run_pseudo_hull(const PointView& points, const Control& control, unsign
 
 /// Fetches samples of points in the host's memory.
 SampledPoints host_points(const PointView& points, unsigned threads) {
-  return {points.count, points.dimension,
+  return {points.count, points.dimension, threads,
           [&points, threads](const std::vector<std::uint64_t>& ids) {
             return gather_points(points, ids.data(), ids.size(), threads);
           }};

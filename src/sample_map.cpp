@@ -31,8 +31,8 @@ std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
 
 /// The exact hull of some input points, as the filter wants it; dimension 0 if they lie in a flat
 /// or the hull would exceed the budget.
-InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, std::uint64_t budget,
-                             const Control& control) {
+InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, unsigned threads,
+                             std::uint64_t budget, const Control& control) {
   InnerPolytope polytope;
   const auto count = static_cast<std::uint32_t>(rows.size() / d);
   const std::vector<double> original = rows;
@@ -40,9 +40,9 @@ InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, std::uint64
   if (frame.affine_dimension() != static_cast<int>(d)) return polytope;
   SimplicialHull hull;
   try {
-    hull = d == 2   ? hull_2d(frame.points(), control)
-           : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), budget, control)
-                    : hull_nd(frame.points(), frame.simplex().data(), budget, control);
+    hull = d == 2   ? hull_2d(frame.points(), threads, control)
+           : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), budget, threads, control)
+                    : hull_nd(frame.points(), frame.simplex().data(), budget, threads, control);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::out_of_budget) throw;
     return polytope;  // the filter is a help, not a need
@@ -77,7 +77,7 @@ Sampled hull_of_sample(const SampledPoints& points, std::uint64_t size, std::uin
   const std::vector<std::uint64_t> ids = sample_ids(points.count, size);
   Sampled s;
   s.size = ids.size();
-  s.polytope = inner_polytope(points.gather(ids), points.dimension, budget, control);
+  s.polytope = inner_polytope(points.gather(ids), points.dimension, points.threads, budget, control);
   return s;
 }
 

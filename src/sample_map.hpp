@@ -16,6 +16,7 @@ namespace cullhull::internal {
 struct SampledPoints {
   std::uint64_t count = 0;
   unsigned dimension = 0;
+  unsigned threads = 1;  ///< for the hull of the sample
   /// Packed rows of the points with these ids, which ascend.
   std::function<std::vector<double>(const std::vector<std::uint64_t>& ids)> gather;
 };
