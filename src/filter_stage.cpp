@@ -43,7 +43,7 @@ InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, unsigned th
   if (frame.affine_dimension() != static_cast<int>(d)) return polytope;
   SimplicialHull hull;
   try {
-    hull = d == 2   ? hull_2d(frame.points(), control)
+    hull = d == 2   ? hull_2d(frame.points(), threads, control)
            : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), budget, control)
                     : hull_nd(frame.points(), frame.simplex().data(), budget, threads, control);
   } catch (const Error& e) {
