@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "extreme/rational.hpp"
 #include "predicates/minors.hpp"
+#include "predicates/orientation.hpp"
 
 namespace cullhull::internal {
 
@@ -200,6 +202,19 @@ bool HullMembership::nearest_in_flat() {
 bool HullMembership::certain_inside(std::uint32_t point) const {
   const std::size_t n = corral_.size(), rows = d_ + 1;
   if (n == 0) return false;
+  if (n == rows && d_ <= 8) {
+    // A simplex: the point replaces each corner in turn and must not turn it over.
+    std::vector<const double*> q(n);
+    for (std::size_t i = 0; i < n; ++i) q[i] = points_.exact_row(corral_[i]);
+    const Sign whole = orientation(d_, q.data());
+    bool within = whole != Sign::zero;
+    for (std::size_t i = 0; i < n && within; ++i) {
+      const double* corner = std::exchange(q[i], points_.exact_row(point));
+      within = orientation(d_, q.data()) != -whole;
+      q[i] = corner;
+    }
+    return within;
+  }
   RationalMatrix a(rows, n + 1);
   Rational t;
   const double* p = points_.exact_row(point);
