@@ -84,8 +84,9 @@ std::string hull_to_json(const PointView& points, const Hull& hull, const JsonEx
                          bool with_lists);
 /// Reads what write_hull(".json") or hull_to_json with lists wrote. Every size, offset and index is
 /// checked, so that the result can be handed to certify(); its statistics are not in the file.
+/// `vertex_coordinates`, if given, takes the rows of that key, in the order of `vertices`.
 /// Throws Error{bad_file} or Error{io}.
-Hull hull_from_json(const std::string& path);
+Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates = nullptr);
 
 /// Text as Qhull's `qconvex` prints it; `what` is one of Fx i o n p FV FS.
 std::string hull_to_qhull_text(const PointView& points, const Hull& hull, std::string_view what);

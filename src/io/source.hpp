@@ -59,7 +59,7 @@ PointData read_raw(const Source& source, const ReadOptions& options);
 
 /// The format options.format names, else that of the extension, else that of the content.
 PointData read_points(const Source& source, const ReadOptions& options);
-Hull read_hull_json(const Source& source);
+Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinates = nullptr);
 
 [[noreturn]] void fail(const Source& source, const std::string& message);
 [[noreturn]] void fail_at_line(const Source& source, std::uint64_t line,
