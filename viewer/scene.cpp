@@ -202,7 +202,7 @@ std::string result_figures(const std::string& report) {
   for (const char* key : {"threads", "backend", "cull", "hull", "read_seconds", "compute_seconds",
                           "compute_seconds_all", "peak_bytes", "certified"})
     figures.erase(key);
-  return figures.dump(1);
+  return figures.dump(1) + "\n";
 }
 
 }  // namespace cullhull::viewer

@@ -42,7 +42,7 @@ class Scene {
   std::string page() const;
 
   /// At most so many frames have room for something to look at.
-  static constexpr std::uint64_t most_frames = 240;
+  static constexpr std::uint64_t most_frames = 120;
 
  private:
   struct Rows;

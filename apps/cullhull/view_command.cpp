@@ -1,5 +1,6 @@
 // cullhull view: points and their hull as one HTML page.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
@@ -22,6 +23,9 @@ using cullhull::viewer::SceneFrame;
 constexpr const char* help =
     "INPUT may also be HULL.json, as 'cullhull hull -o' writes it: the page then shows the hull "
     "alone.\n"
+    "Or moving points: an .npy array (frames, n, d), or a folder of files, a frame each; the page "
+    "has\n"
+    "a slider, and at most 120 of the frames, evenly chosen.\n"
     "\n"
     "The page is one file that needs no network. 3D sets are turned, moved and zoomed; 2D sets are "
     "a\n"
@@ -52,6 +56,14 @@ bool is_hull_file(const InputArguments& input) {
   return input.format.empty() && std::filesystem::path(input.path).extension() == ".json";
 }
 
+/// A folder, or an array that may have three axes.
+bool may_be_sequence(const InputArguments& input) {
+  if (input.path == "-" || input.dimension != 0 || !input.type.empty()) return false;
+  std::error_code ignored;
+  return std::filesystem::is_directory(input.path, ignored) || input.format == "npy" ||
+         (input.format.empty() && std::filesystem::path(input.path).extension() == ".npy");
+}
+
 /// Hull and survivors of one set of points, and what --json says of the run.
 struct Computed {
   cullhull::Hull hull;
@@ -77,12 +89,12 @@ Computed compute(const cullhull::PointView& points, double read_seconds,
   return result;
 }
 
-std::string view_points(const ViewArguments& arguments, const cullhull::Options& options,
-                        Scene& scene) {
-  const Input input = open_input(arguments.input, arguments.run.threads);
-  const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
-  const Computed computed = compute(input.points, read_seconds, options);
+std::string add_frame(const Input& input, std::uint64_t index, double read_seconds,
+                      const cullhull::Options& options, Scene& scene) {
+  const double seconds = read_seconds + warm_pages(input.points);
+  const Computed computed = compute(input.points, seconds, options);
   SceneFrame frame;
+  frame.index = index;
   frame.hull = &computed.hull;
   frame.vertex_rows = cullhull::viewer::vertex_rows(input.points, computed.hull);
   frame.points = input.points;
@@ -92,34 +104,73 @@ std::string view_points(const ViewArguments& arguments, const cullhull::Options&
   return computed.report;
 }
 
-std::string view_hull(const ViewArguments& arguments, Scene& scene) {
+/// What goes into a file: the page, and the figures in it.
+struct Written {
+  std::string page, report;
+};
+
+Written view_points(const ViewArguments& arguments, const cullhull::Options& options) {
+  const Input input = open_input(arguments.input, arguments.run.threads);
+  Scene scene(title_of(arguments.input.path), 1, 1);
+  const std::string report = add_frame(input, 0, input.file.read_seconds(), options, scene);
+  return {scene.page(), report};
+}
+
+Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
+                      TerminalProgress& progress) {
+  cullhull::ReadOptions reading = read_options(arguments.input, arguments.run.threads);
+  reading.stop = options.stop;
+  cullhull::PointSequence sequence = cullhull::open_sequence({arguments.input.path}, reading);
+  const std::uint64_t frames = sequence.frames();
+  if (frames == 0)
+    throw Error(ErrorCode::bad_file, arguments.input.path + ": a sequence without frames");
+  const std::uint64_t shown = std::min(frames, Scene::most_frames);
+  Scene scene(title_of(arguments.input.path), frames, shown);
+  std::string reports;
+  std::uint64_t added = 0;
+  if (frames > 1) options.progress = nullptr;  // frames are counted instead
+  while (sequence.next()) {
+    if (sequence.index() != added * frames / shown) continue;
+    if (const auto show = progress.callback(); show && frames > 1)
+      show("frames", static_cast<double>(added) / static_cast<double>(shown));
+    Input input;
+    input.points = sequence.points();
+    choose_columns(arguments.input, input);
+    if (added++ > 0) reports += ",\n";
+    reports += add_frame(input, sequence.index(), sequence.read_seconds(), options, scene);
+  }
+  return {scene.page(), frames > 1 ? "[\n" + reports + "]\n" : reports};
+}
+
+Written view_hull(const ViewArguments& arguments) {
   SceneFrame frame;
   const cullhull::Hull hull = cullhull::hull_from_json(arguments.input.path, &frame.vertex_rows);
   frame.hull = &hull;
   frame.report = cullhull::viewer::result_figures(cullhull::hull_to_json({}, hull, {}, false));
+  Scene scene(title_of(arguments.input.path), 1, 1);
   scene.add(frame);
-  return frame.report;
+  return {scene.page(), frame.report};
 }
 
 int run(const ViewArguments& arguments) {
   if (!cullhull::viewer::available()) Scene("", 1, 1).page();  // says why, before the work
   if (arguments.output == "-" && arguments.json == "-")
     throw Error(ErrorCode::invalid_argument, "the page and --json both want standard output");
-  Scene scene(title_of(arguments.input.path), 1, 1);
   cullhull::Options options = arguments.run.options();
-  TerminalProgress progress(arguments.run.quiet);
-  options.progress = progress.callback();
-  std::string report;
-  std::string page;
-  cancellable([&] {
-    report = is_hull_file(arguments.input) ? view_hull(arguments, scene)
-                                           : view_points(arguments, options, scene);
-    page = scene.page();
-  });
-  cullhull::write_text(arguments.output, page);
-  if (arguments.json == "-") write_stdout(report);
+  Written written;
+  {
+    TerminalProgress progress(arguments.run.quiet);
+    options.progress = progress.callback();
+    cancellable([&] {
+      written = is_hull_file(arguments.input)      ? view_hull(arguments)
+                : may_be_sequence(arguments.input) ? view_sequence(arguments, options, progress)
+                                                   : view_points(arguments, options);
+    });
+  }
+  cullhull::write_text(arguments.output, written.page);
+  if (arguments.json == "-") write_stdout(written.report);
   if (!arguments.json.empty() && arguments.json != "-")
-    cullhull::write_text(arguments.json, report);
+    cullhull::write_text(arguments.json, written.report);
   return 0;
 }
 
