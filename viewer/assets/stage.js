@@ -111,7 +111,7 @@ class Stage {
     dot(p.vertices, ease(vertices, 30, 10000, 8, 2.4), 1);
     dot(p.farVertices, p.vertices.userData.size, this.solid ? ease(vertices, 300, 10000, 0.35, 0.1) : 1);
     const lines = edges.length / 2;
-    p.edges.material.opacity = affine_dimension > 3 ? ease(lines, 100, 60000, 0.6, 0.06) : ease(lines, 1000, 40000, 0.9, 0.16);
+    p.edges.material.opacity = affine_dimension > 3 ? ease(lines, 100, 100000, 0.6, 0.03) : ease(lines, 1000, 40000, 0.9, 0.16);
     p.farEdges.material.opacity = this.solid ? ease(lines, 300, 30000, 0.3, 0.05) : p.edges.material.opacity;
     p.front.material.opacity = this.flat ? 0.18 : 0.28;
     p.back.material.opacity = 0.2;
