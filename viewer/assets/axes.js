@@ -35,12 +35,10 @@ class Overlay {
     this.width = width;
     this.height = height;
     this.colours = colours;
-    if (this.canvas.width !== Math.round(width * ratio) || this.canvas.height !== Math.round(height * ratio)) {
-      this.canvas.width = Math.round(width * ratio);
-      this.canvas.height = Math.round(height * ratio);
-    }
+    // Setting the size empties the canvas; a canvas merely cleared was seen to stay on the screen.
+    this.canvas.width = Math.round(width * ratio);
+    this.canvas.height = Math.round(height * ratio);
     this.pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    this.pen.clearRect(0, 0, width, height);
     this.pen.font = "12px system-ui, 'Segoe UI', 'Liberation Sans', sans-serif";
     this.pen.lineWidth = 1;
     this.taken = [];
