@@ -43,7 +43,8 @@ void expect_error(const std::vector<std::string>& arguments, int status, const s
 TEST(Cli, HelpTeaches) {
   const Ran main = run_app({"--help"});
   EXPECT_EQ(main.status, 0);
-  for (const std::string command : {"hull", "cull", "certify", "generate", "info", "bench"}) {
+  for (const std::string command :
+       {"hull", "cull", "certify", "generate", "info", "view", "bench"}) {
     EXPECT_NE(main.out.find("\n  " + command), std::string::npos) << main.out;
     const Ran ran = run_app({command, "--help"});
     EXPECT_EQ(ran.status, 0) << command;
