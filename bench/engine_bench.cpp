@@ -74,7 +74,8 @@ Rows cospherical_integers() {
       const int z = static_cast<int>(std::lround(std::sqrt(rest)));
       if (z * z != rest) continue;
       for (int s = 0; s < 8; ++s)
-        rows.insert(rows.end(), {double(s & 1 ? -x : x), double(s & 2 ? -y : y), double(s & 4 ? -z : z)});
+        rows.insert(rows.end(),
+                    {double(s & 1 ? -x : x), double(s & 2 ? -y : y), double(s & 4 ? -z : z)});
     }
   return rows;
 }
@@ -142,15 +143,17 @@ void engine_alone(const std::string& name, const Rows& rows, unsigned threads, u
   for (unsigned k = 0; k < repeat; ++k) {
     hull = {};
     const double start = now();
-    hull = hull_3d(frame.points(), frame.simplex().data(), std::uint64_t{8} << 30, control, threads);
+    hull =
+        hull_3d(frame.points(), frame.simplex().data(), std::uint64_t{8} << 30, control, threads);
     times.push_back(now() - start);
   }
   std::sort(times.begin(), times.end());
-  std::printf("%-22s %8zu points %u threads: %9.1f ms, median %9.1f; %zu simplices, rungs %llu %llu %llu\n",
-              name.c_str(), rows.size() / 3, threads, times[0], times[times.size() / 2],
-              hull.facet_count(), static_cast<unsigned long long>(hull.rung_counts[0]),
-              static_cast<unsigned long long>(hull.rung_counts[1]),
-              static_cast<unsigned long long>(hull.rung_counts[2]));
+  std::printf(
+      "%-22s %8zu points %u threads: %9.1f ms, median %9.1f; %zu simplices, rungs %llu %llu %llu\n",
+      name.c_str(), rows.size() / 3, threads, times[0], times[times.size() / 2], hull.facet_count(),
+      static_cast<unsigned long long>(hull.rung_counts[0]),
+      static_cast<unsigned long long>(hull.rung_counts[1]),
+      static_cast<unsigned long long>(hull.rung_counts[2]));
   std::fflush(stdout);
 }
 
@@ -167,9 +170,10 @@ void certified(const std::string& name, const Rows& rows, unsigned threads) {
   for (const auto v : hull.vertices) add(v);
   for (const auto v : hull.simplices) add(v);
   const Certificate c = certify(view, hull, options);
-  std::printf("%-22s %8zu points %u threads: %9.1f ms, certify %9.1f ms, %zu vertices, hash %016llx: %s\n",
-              name.c_str(), rows.size() / 3, threads, end - start, now() - end, hull.vertices.size(),
-              static_cast<unsigned long long>(hash), c.valid ? "certified" : c.reason.c_str());
+  std::printf(
+      "%-22s %8zu points %u threads: %9.1f ms, certify %9.1f ms, %zu vertices, hash %016llx: %s\n",
+      name.c_str(), rows.size() / 3, threads, end - start, now() - end, hull.vertices.size(),
+      static_cast<unsigned long long>(hash), c.valid ? "certified" : c.reason.c_str());
   std::fflush(stdout);
   if (!c.valid) std::exit(1);
 }

@@ -52,9 +52,9 @@ HWY_INLINE void planes_around(const double* HWY_RESTRICT x, const double* HWY_RE
     const V sum = hn::Add(hn::Add(hn::Abs(n0), hn::Abs(n1)), hn::Abs(n2));
     const V second = hn::Add(hn::Add(hn::Abs(zy), hn::Abs(xz)), hn::Abs(yx));
     const V level = hn::MulAdd(n0, y0x, hn::MulAdd(n1, y0y, hn::Mul(n2, y0z)));
-    const V bound = hn::MulAdd(
-        sum, hn::Set(d, 70 * unit_roundoff),
-        hn::MulAdd(second, hn::Set(d, 60 * unit_roundoff), hn::Set(d, 0x1p-990)));
+    const V bound =
+        hn::MulAdd(sum, hn::Set(d, 70 * unit_roundoff),
+                   hn::MulAdd(second, hn::Set(d, 60 * unit_roundoff), hn::Set(d, 0x1p-990)));
     const auto good = hn::And(hn::Gt(level, hn::Set(d, 0x1p-900)),
                               hn::Gt(level, hn::Mul(bound, hn::Set(d, 8.0))));
     const V scale = hn::Div(hn::Set(d, 1.0), hn::IfThenElse(good, level, hn::Set(d, 1.0)));
@@ -65,6 +65,10 @@ HWY_INLINE void planes_around(const double* HWY_RESTRICT x, const double* HWY_RE
     hn::StoreInterleaved4(s0, s1, s2, error, d, planes + 4 * i);
     hn::StoreU(hn::MulAdd(s0, nx, hn::MulAdd(s1, ny, hn::Mul(s2, nz))), d, gauges + i);
   }
+}
+
+HWY_INLINE double gauge_of(const Facet3D& f, const double* y) {
+  return f.normal[0] * y[0] + f.normal[1] * y[1] + f.normal[2] * y[2];
 }
 
 class Inserter {
@@ -85,30 +89,10 @@ class Inserter {
       const Id p = positions != nullptr ? positions[k] : k;
       const Id next = k + 1 == end ? p : positions != nullptr ? positions[k + 1] : k + 1;
       // Chosen points may lie far apart.
-      if (positions != nullptr && (k == begin || p / Entries3D::block !=
-                                                     positions[k - 1] / Entries3D::block))
+      if (positions != nullptr &&
+          (k == begin || p / Entries3D::block != positions[k - 1] / Entries3D::block))
         enter(p);
       if (!insert(p, next)) piece_.deferred.push_back(p);
-    }
-  }
-
-  /// Only reads.
-  Id climb_from(Id f, const double* p) {
-    offset(p, y_);
-    double g = gauge(f, y_);
-    for (;;) {
-      if (g > 1 + facets_[f].error) return f;
-      const Id* n = facets_[f].neighbours;
-      Id best = f;
-      for (unsigned j = 0; j < 3; ++j) {
-        const double h = gauge(n[j], y_);
-        if (h > g) {
-          g = h;
-          best = n[j];
-        }
-      }
-      if (best == f) return f;
-      f = best;
     }
   }
 
@@ -116,10 +100,7 @@ class Inserter {
   HWY_INLINE void offset(const double* p, double* y) const {
     for (unsigned j = 0; j < 3; ++j) y[j] = p[j] - centre_[j];
   }
-  HWY_INLINE double gauge(Id f, const double* y) const {
-    const double* n = facets_[f].normal;
-    return n[0] * y[0] + n[1] * y[1] + n[2] * y[2];
-  }
+  HWY_INLINE double gauge(Id f, const double* y) const { return gauge_of(facets_[f], y); }
   Orientation3D::Point point(Id p) const { return {s_.row(p), s_.order[p]}; }
 
   Sign side(Id f, Id p) {
@@ -400,8 +381,22 @@ void insert_points_in(const Shared3D& shared, Piece3D& piece, const std::uint32_
 }
 
 std::uint32_t climb_in(const Shared3D& shared, std::uint32_t start, const double* p) {
-  Piece3D none;
-  return Inserter(shared, none).climb_from(start, p);
+  const double* centre = shared.predicates->centre();
+  const double y[3] = {p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]};
+  const Facet3D* facets = shared.facets;
+  Id f = start;
+  double g = gauge_of(facets[f], y);
+  while (g <= 1 + facets[f].error) {
+    Id best = f;
+    for (const Id n : facets[f].neighbours) {
+      const double h = gauge_of(facets[n], y);
+      best = h > g ? n : best;
+      g = std::max(g, h);
+    }
+    if (best == f) break;
+    f = best;
+  }
+  return f;
 }
 
 void compute_plane_in(const Shared3D& shared, Facet3D& facet) {

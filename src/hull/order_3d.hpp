@@ -18,6 +18,12 @@ struct InsertionOrder3D {
   unsigned key_bits = 0;
 };
 
+struct Keyed {
+  std::uint32_t key, id;
+};
+/// Stable, by the lowest `bits` bits of the keys; `scratch` has room for n as well.
+void radix_sort(Keyed*& items, Keyed*& scratch, std::uint32_t n, unsigned bits, unsigned threads);
+
 /// The four points of `simplex` come first, as a round of their own; the round after it is small
 /// and not sorted. Deterministic, whatever the number of threads.
 InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKey& key,
