@@ -144,7 +144,7 @@ void engine_alone(const std::string& name, const Rows& rows, unsigned threads, u
     hull = {};
     const double start = now();
     hull =
-        hull_3d(frame.points(), frame.simplex().data(), std::uint64_t{8} << 30, control, threads);
+        hull_3d(frame.points(), frame.simplex().data(), std::uint64_t{8} << 30, threads, control);
     times.push_back(now() - start);
   }
   std::sort(times.begin(), times.end());

@@ -44,7 +44,7 @@ InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, unsigned th
   SimplicialHull hull;
   try {
     hull = d == 2   ? hull_2d(frame.points(), threads, control)
-           : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), budget, control)
+           : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), budget, threads, control)
                     : hull_nd(frame.points(), frame.simplex().data(), budget, control);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::out_of_budget) throw;

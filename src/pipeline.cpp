@@ -108,7 +108,8 @@ SimplicialHull run_engine(const LocalFrame& frame, Engine engine, std::uint64_t 
   if (points.dimension == 1) return ends_of_line(points);
   if (engine == Engine::qhull) return hull_qhull(points, control);
   if (points.dimension == 2) return hull_2d(points, threads, control);
-  if (points.dimension == 3) return hull_3d(points, frame.simplex().data(), budget, control);
+  if (points.dimension == 3)
+    return hull_3d(points, frame.simplex().data(), budget, threads, control);
   return hull_nd(points, frame.simplex().data(), budget, control);
 }
 

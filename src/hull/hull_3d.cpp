@@ -231,7 +231,7 @@ SimplicialHull Engine3D::collect() {
 }
 
 SimplicialHull hull_3d(const LocalPoints& points, const std::uint32_t* simplex,
-                       std::uint64_t budget, const Control& control, unsigned threads) {
+                       std::uint64_t budget, unsigned threads, const Control& control) {
   return Engine3D(points, Start(points, simplex).simplex, budget, control, threads).run();
 }
 
