@@ -201,13 +201,17 @@ SimplicialHull Engine3D::collect() {
     first[c + 1] = count;
   });
   for (std::size_t c = 0; c < runs.size(); ++c) first[c + 1] += first[c];
-  each_run([&](std::uint64_t c, Id begin, Id end) {  // the mark becomes the number
-    Id count = first[c];
-    for (Id f = begin; f < end; ++f) {
-      facets_[f].mark = count;
-      count += static_cast<Id>(facets_[f].live());
-    }
-  });
+  // Where every point is extreme no slot is free, and a facet's number is its slot.
+  const bool dense = first.back() == slots_;
+  BigArray<Id> number(dense ? 0 : slots_);
+  if (!dense)
+    each_run([&](std::uint64_t c, Id begin, Id end) {
+      Id count = first[c];
+      for (Id f = begin; f < end; ++f) {
+        number[f] = count;
+        count += static_cast<Id>(facets_[f].live());
+      }
+    });
   SimplicialHull hull;
   hull.dimension = 3;
   resize_big(hull.vertices, std::size_t{first.back()} * 3);
@@ -218,8 +222,9 @@ SimplicialHull Engine3D::collect() {
       const Facet3D& facet = facets_[f];
       if (!facet.live()) continue;
       for (unsigned j = 0; j < 3; ++j, ++at) {
+        const Id n = facet.neighbours[j];
         hull.vertices[at] = order_.ids[facet.vertices[j]];
-        hull.neighbours[at] = facets_[facet.neighbours[j]].mark;
+        hull.neighbours[at] = dense ? n : number[n];
       }
     }
   });

@@ -81,7 +81,7 @@ struct alignas(256) Piece3D {
   };
   std::vector<std::uint32_t> visible;
   std::vector<Crossing> stack;
-  std::uint32_t ring_capacity = 0;
+  std::uint32_t visible_capacity = 0, ring_capacity = 0;
   std::vector<std::uint32_t> ring_start, ring_outside, ring_back, created;
   std::vector<double> ring_x, ring_y, ring_z, planes, gauges;
 };

@@ -27,6 +27,12 @@ std::uint64_t sort_chunk(std::uint32_t n) { return std::max<std::uint64_t>(1 << 
 
 // Least significant digit first, in chunks: the counts of all chunks give each chunk its places.
 void radix_sort(Keyed*& items, Keyed*& scratch, std::uint32_t n, unsigned bits, unsigned threads) {
+  if (n < 1024) {  // counting would cost more; ids ascend, so this is stable as well
+    std::sort(items, items + n, [](const Keyed& a, const Keyed& b) {
+      return a.key < b.key || (a.key == b.key && a.id < b.id);
+    });
+    return;
+  }
   const unsigned passes = (bits + 11) / 12;
   const unsigned digit_bits = (bits + passes - 1) / passes, buckets = 1U << digit_bits;
   const std::uint64_t chunk_size = sort_chunk(n), chunks = chunk_count(n, chunk_size);
