@@ -130,12 +130,20 @@ void LocalFrame::find_simplex(const std::vector<double>& scaled) {
                                      scaled.data() + std::size_t{first} * d + d))
       first = i;
   }
+  // Nearly always the farthest points of a sample are a simplex, as one orientation tells.
+  const std::uint32_t stride = std::max(1U, count_ / simplex_sample);
+  if (varying == d && grow_simplex(scaled, first, stride)) {
+    affine_dimension_ = static_cast<int>(d);
+    axes_.resize(d);
+    for (unsigned j = 0; j < d; ++j) axes_[j] = j;
+    return;
+  }
   simplex_ = {first};
   std::vector<double> basis;  // orthonormal directions, row-major
   while (simplex_.size() - 1 < varying) {
     control_.check();
     const auto rank = static_cast<unsigned>(simplex_.size() - 1);
-    std::uint32_t next = farthest(scaled, basis, rank, std::max(1U, count_ / simplex_sample));
+    std::uint32_t next = farthest(scaled, basis, rank, stride);
     if (!independent(next)) {
       next = farthest(scaled, basis, rank, 1);
       if (!independent(next)) {
@@ -144,19 +152,44 @@ void LocalFrame::find_simplex(const std::vector<double>& scaled) {
       }
     }
     simplex_.push_back(next);
-    // Gram-Schmidt, twice: rounding here costs quality of the choice, never correctness.
-    std::vector<double> r(d);
-    for (unsigned j = 0; j < d; ++j)
-      r[j] = scaled[std::size_t{next} * d + j] - scaled[std::size_t{first} * d + j];
-    remove_components(r, basis, rank);
-    const double norm = std::sqrt(remove_components(r, basis, rank));
-    for (unsigned j = 0; j < d; ++j) basis.push_back(norm > 0 ? r[j] / norm : 0);
+    add_direction(scaled, basis);
   }
   affine_dimension_ = static_cast<int>(simplex_.size()) - 1;
   std::vector<const double*> p;
   for (const std::uint32_t v : simplex_) p.push_back(raw_.data() + std::size_t{v} * d);
   axes_.resize(static_cast<std::size_t>(affine_dimension_));
   affine_rank_exact(d, p.data(), static_cast<unsigned>(p.size()), axes_.data());
+}
+
+/// Makes simplex_ of `first` and the points (every `stride`-th) each farthest from the flat of
+/// those before it; false if they are affinely dependent.
+bool LocalFrame::grow_simplex(const std::vector<double>& scaled, std::uint32_t first,
+                              std::uint32_t stride) {
+  const unsigned d = dimension_;
+  simplex_ = {first};
+  std::vector<double> basis;
+  while (simplex_.size() <= d) {
+    simplex_.push_back(
+        farthest(scaled, basis, static_cast<unsigned>(simplex_.size() - 1), stride));
+    add_direction(scaled, basis);
+  }
+  std::vector<const double*> p;
+  for (const std::uint32_t v : simplex_) p.push_back(raw_.data() + std::size_t{v} * d);
+  return orientation(d, p.data()) != Sign::zero;
+}
+
+/// Appends to the basis the direction of the simplex's last point.
+void LocalFrame::add_direction(const std::vector<double>& scaled,
+                               std::vector<double>& basis) const {
+  const unsigned d = dimension_;
+  const auto rank = static_cast<unsigned>(simplex_.size() - 2);
+  // Gram-Schmidt, twice: rounding here costs quality of the choice, never correctness.
+  std::vector<double> r(d);
+  for (unsigned j = 0; j < d; ++j)
+    r[j] = scaled[std::size_t{simplex_.back()} * d + j] - scaled[std::size_t{simplex_[0]} * d + j];
+  remove_components(r, basis, rank);
+  const double norm = std::sqrt(remove_components(r, basis, rank));
+  for (unsigned j = 0; j < d; ++j) basis.push_back(norm > 0 ? r[j] / norm : 0);
 }
 
 /// The point (every `stride`-th of them) farthest from the flat through simplex_[0] along `basis`.
