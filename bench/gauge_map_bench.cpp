@@ -72,7 +72,7 @@ const InnerPolytope& polytope(unsigned d) {
   const Control control(options);
   std::vector<std::uint32_t> simplex(d + 1);
   std::iota(simplex.begin(), simplex.end(), 0U);  // independent: the points are random
-  const SimplicialHull h = d == 2 ? hull_2d(points, control)
+  const SimplicialHull h = d == 2 ? hull_2d(points, 1, control)
                            : d == 3
                                ? hull_3d(points, simplex.data(), std::uint64_t{1} << 32, control)
                                : hull_nd(points, simplex.data(), std::uint64_t{1} << 32, control);

@@ -112,7 +112,7 @@ void run(const char* shape, unsigned d, std::uint64_t n, unsigned repeats) {
   const LocalPoints& local = frame.points();
   const std::uint64_t budget = ~std::uint64_t{0};
   const SimplicialHull boundary =
-      d == 2   ? hull_2d(local, control)
+      d == 2   ? hull_2d(local, 2, control)
       : d == 3 ? hull_3d(local, frame.simplex().data(), budget, control)
                : hull_nd(local, frame.simplex().data(), budget, control);
   const std::size_t facets = boundary.facet_count();

@@ -34,8 +34,8 @@ std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
 
 /// The exact hull of some input points, as the filter wants it; dimension 0 if they lie in a flat
 /// or the hull would exceed the budget.
-InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, std::uint64_t budget,
-                             const Control& control) {
+InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, unsigned threads,
+                             std::uint64_t budget, const Control& control) {
   InnerPolytope polytope;
   const auto count = static_cast<std::uint32_t>(rows.size() / d);
   const std::vector<double> original = rows;
@@ -43,7 +43,7 @@ InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, std::uint64
   if (frame.affine_dimension() != static_cast<int>(d)) return polytope;
   SimplicialHull hull;
   try {
-    hull = d == 2   ? hull_2d(frame.points(), control)
+    hull = d == 2   ? hull_2d(frame.points(), threads, control)
            : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), budget, control)
                     : hull_nd(frame.points(), frame.simplex().data(), budget, control);
   } catch (const Error& e) {
@@ -81,7 +81,7 @@ Sampled hull_of_sample(const PointView& points, std::uint64_t size, unsigned thr
   Sampled s;
   s.size = ids.size();
   s.polytope = inner_polytope(gather_points(points, ids.data(), ids.size(), threads),
-                              points.dimension, budget, control);
+                              points.dimension, threads, budget, control);
   return s;
 }
 

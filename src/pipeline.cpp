@@ -103,11 +103,11 @@ SimplicialHull ends_of_line(const LocalPoints& points) {
 }
 
 SimplicialHull run_engine(const LocalFrame& frame, Engine engine, std::uint64_t budget,
-                          const Control& control) {
+                          unsigned threads, const Control& control) {
   const LocalPoints& points = frame.points();
   if (points.dimension == 1) return ends_of_line(points);
   if (engine == Engine::qhull) return hull_qhull(points, control);
-  if (points.dimension == 2) return hull_2d(points, control);
+  if (points.dimension == 2) return hull_2d(points, threads, control);
   if (points.dimension == 3) return hull_3d(points, frame.simplex().data(), budget, control);
   return hull_nd(points, frame.simplex().data(), budget, control);
 }
@@ -171,7 +171,7 @@ Hull convex_hull(const PointView& points, const Options& options) {
     for (unsigned j = 0; j < points.dimension; ++j)
       hull.centroid.push_back(points.at(hull.vertices[0], j));
   } else {
-    SimplicialHull boundary = run_engine(frame, options.engine, budget, control);
+    SimplicialHull boundary = run_engine(frame, options.engine, budget, threads, control);
     for (unsigned r = 0; r < 3; ++r) hull.statistics.rung_counts[r] = boundary.rung_counts[r];
     const std::uint64_t k = boundary.dimension;
     require_budget(budget, boundary.facet_count() * (24 * k + 8 * points.dimension + 32),

@@ -29,7 +29,7 @@ struct SimplicialHull {
 
 /// points.dimension >= 2. `simplex`: d + 1 affinely independent points to start from (exactly).
 /// `budget`: bytes the engine may take before it throws Error{out_of_budget}.
-SimplicialHull hull_2d(const LocalPoints& points, const Control& control);
+SimplicialHull hull_2d(const LocalPoints& points, unsigned threads, const Control& control);
 SimplicialHull hull_3d(const LocalPoints& points, const std::uint32_t* simplex,
                        std::uint64_t budget, const Control& control);
 SimplicialHull hull_nd(const LocalPoints& points, const std::uint32_t* simplex,

@@ -37,8 +37,6 @@ class LocalFrame {
   void find_simplex(const std::vector<double>& scaled);
   std::uint32_t farthest(const std::vector<double>& scaled, const std::vector<double>& basis,
                          unsigned rank, std::uint32_t stride) const;
-  bool grow_simplex(const std::vector<double>& scaled, std::uint32_t first, std::uint32_t stride);
-  void add_direction(const std::vector<double>& scaled, std::vector<double>& basis) const;
   bool independent(std::uint32_t candidate);
   std::uint32_t independent_by_scan();
   void keep_axes(std::vector<double>& rows) const;
