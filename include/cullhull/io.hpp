@@ -94,6 +94,7 @@ const char* describe_mapped_fault(const void* address) noexcept;
 
 struct JsonExtras {
   double read_seconds = 0;
+  /// One time a run, where there were several; the one that counts is in the hull's statistics.
   std::vector<double> compute_seconds_all;
   std::uint64_t peak_bytes = 0;
   /// Set when a certificate was asked for.

@@ -104,6 +104,7 @@ TEST(Json, TheReportHasTheKeysOfTheContract) {
   JsonExtras extras;
   extras.read_seconds = 0.125;
   extras.compute_seconds_all = {3, 1, 2, 8};
+  e.hull.statistics.compute_seconds = 2.5;
   extras.peak_bytes = 12345;
   extras.certified = true;
   const json j = json::parse(hull_to_json(e.view(), e.hull, extras, false));
