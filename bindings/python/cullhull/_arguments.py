@@ -29,8 +29,7 @@ def as_points(points: Any, what: str = "points", *, axes: int = 2) -> npt.NDArra
     """
     array = points if type(points) is np.ndarray else _from_anything(points, what)
     if array.ndim != axes:
-        shape = "a 2-D array (points, coordinates)" if axes == 2 else f"a {axes}-D array"
-        raise InvalidArgument(f"`{what}` should be {shape}, not {array.ndim}-D")
+        raise InvalidArgument(f"`{what}` should be a {axes}D array, not {array.ndim}D")
     dtype = array.dtype
     if dtype.char in IN_PLACE and dtype.isnative:
         return array

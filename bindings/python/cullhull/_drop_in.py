@@ -358,9 +358,9 @@ class HalfspaceIntersection(_Incremental):
             self.__dict__.pop(name, None)
 
     def add_halfspaces(self, halfspaces: Any, restart: bool = False) -> None:
-        """Adds (m, d + 1) rows. The result does not depend on `restart`."""
+        """Adds (m, d + 1) rows, or one (d + 1,). The result does not depend on `restart`."""
         self._require_open()
-        array = as_points(halfspaces, "halfspaces")
+        array = as_points(np.atleast_2d(halfspaces), "halfspaces")
         if array.shape[1] != self.ndim + 1:
             raise InvalidArgument(f"`halfspaces` should have {self.ndim + 1} columns")
         everything = np.concatenate([self._array, array], dtype=np.float64)

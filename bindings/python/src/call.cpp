@@ -151,6 +151,20 @@ void translate(const std::exception_ptr& e, void*) {
   }
 }
 
+// A callback may hold what holds these settings (a traceback, say): the collector must see it.
+int visit_progress(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  if (nb::inst_ready(self)) Py_VISIT(nb::inst_ptr<Settings>(self)->progress.ptr());
+  return 0;
+}
+int clear_progress(PyObject* self) {
+  nb::inst_ptr<Settings>(self)->progress = nb::none();
+  return 0;
+}
+PyType_Slot settings_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(visit_progress)},
+                                {Py_tp_clear, reinterpret_cast<void*>(clear_progress)},
+                                {0, nullptr}};
+
 }  // namespace
 
 void run(const Settings& settings, bool brief, const std::function<void(const Options&)>& work) {
@@ -168,7 +182,8 @@ bool is_brief(const cullhull::PointView& points) noexcept {
 
 void bind_call(nb::module_& m) {
   nb::register_exception_translator(translate);
-  nb::class_<Settings>(m, "Settings", "How to compute; no setting changes a result.")
+  nb::class_<Settings>(m, "Settings", "How to compute; no setting changes a result.",
+                         nb::type_slots(settings_slots))
       .def(
           "__init__",
           [](Settings* self, const std::string& backend, const std::string& cull, unsigned threads,
