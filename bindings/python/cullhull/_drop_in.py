@@ -289,7 +289,8 @@ class HalfspaceIntersection(_Incremental):
 
     Attributes
     ----------
-    ndim, nineq : int: d and m
+    ndim, nineq, npoints : int: d, m, m
+    min_bound, max_bound : (d + 1,) float64: of the rows of halfspaces
     halfspaces : (m, d + 1) float64
     interior_point : (d,) float64
     intersections : (v, d) float64: the vertices of the polyhedron, one a dual facet; not finite
@@ -369,6 +370,20 @@ class HalfspaceIntersection(_Incremental):
     @property
     def nineq(self) -> int:
         return len(self._array)
+
+    @property
+    def npoints(self) -> int:
+        return len(self._array)
+
+    @property
+    def min_bound(self) -> npt.NDArray[np.float64]:
+        bound: npt.NDArray[np.float64] = self.halfspaces.min(axis=0)
+        return bound
+
+    @property
+    def max_bound(self) -> npt.NDArray[np.float64]:
+        bound: npt.NDArray[np.float64] = self.halfspaces.max(axis=0)
+        return bound
 
     @cached_property
     def halfspaces(self) -> npt.NDArray[np.float64]:
