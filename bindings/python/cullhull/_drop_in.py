@@ -297,7 +297,7 @@ class HalfspaceIntersection(_Incremental):
         where the polyhedron is unbounded and has no such vertex
     dual_points : (m, d) float64
     dual_facets : list of lists of int: the dual hull's facets, coplanar pieces merged
-    dual_vertices : int32: halfspaces that bound the polyhedron
+    dual_vertices : (w,) int64, ascending: halfspaces that bound the polyhedron
     dual_equations : (v, d + 1) float64
     dual_area, dual_volume : float
     is_bounded : bool
@@ -395,7 +395,7 @@ class HalfspaceIntersection(_Incremental):
 
     @cached_property
     def dual_vertices(self) -> npt.NDArray[Any]:
-        return _int32(np.sort(self.dual.vertices))
+        return np.sort(self.dual.vertices)
 
     @property
     def dual_equations(self) -> npt.NDArray[np.float64]:

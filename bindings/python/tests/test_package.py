@@ -94,3 +94,19 @@ def test_types(tmp_path):
         cwd=tmp_path,
     )
     assert wrong.returncode == 1 and "user.py:7" in wrong.stdout and "user.py:8" in wrong.stdout
+
+
+def test_source_archive_is_complete(tmp_path):
+    pytest.importorskip("scikit_build_core")
+    import tarfile
+
+    run("-c", f"from scikit_build_core.build import build_sdist; build_sdist({str(tmp_path)!r})", cwd=ROOT)
+    (archive,) = tmp_path.glob("*.tar.gz")
+    with tarfile.open(archive) as tar:
+        names = {name.split("/", 1)[1] for name in tar.getnames() if "/" in name}
+    for folder in ("src", "include", "apps", "cmake", "bindings/python/src", "bindings/python/cullhull"):
+        for path in (ROOT / folder).rglob("*"):
+            if path.is_file() and path.suffix not in (".pyc", ".so"):
+                assert str(path.relative_to(ROOT)) in names
+    assert {"CMakeLists.txt", "LICENSE", "README.md", "pyproject.toml"} <= names
+    assert not any(name.startswith(("build/", "data/")) for name in names)
