@@ -33,7 +33,7 @@ for name in ("requires", "dependencies", *sys.argv[1:]):
     print(*strings(name), sep="\n")
 PY
 )
-"$folder/venv/bin/pip" install --quiet --disable-pip-version-check cmake ninja "${needs[@]}" ||
+"$folder/venv/bin/pip" install --quiet --disable-pip-version-check "${needs[@]}" ||
   give_up "PyPI has not given ${needs[*]}"
 
 settings=()
