@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ._core import __version__
+from ._core import version as __version__
 from ._drop_in import ConvexHull, HalfspaceIntersection
 from ._errors import (
     BackendUnavailable,

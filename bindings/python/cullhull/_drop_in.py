@@ -99,7 +99,7 @@ class ConvexHull(_Incremental):
         if array.shape[0] == 0:
             raise InvalidArgument("No points given")
         self._options: QhullOptions = parse(qhull_options)
-        self._choices = {
+        self._choices: dict[str, Any] = {
             "backend": backend,
             "cull": cull,
             "threads": threads,
@@ -330,7 +330,7 @@ class HalfspaceIntersection(_Incremental):
         options = parse(qhull_options)
         if options != QhullOptions():
             raise InvalidArgument("Qc, Qi and QGn have no meaning for halfspaces")
-        self._choices = {
+        self._choices: dict[str, Any] = {
             "threads": threads,
             "memory_budget": memory_budget,
             "progress": progress,

@@ -57,7 +57,9 @@ def qhull_error() -> type[Exception]:
     if _qhull_error is None:
         base: Any = RuntimeError
         try:
-            from scipy.spatial import QhullError as base
+            import scipy.spatial
+
+            base = scipy.spatial.QhullError
         except ImportError:
             pass
         _qhull_error = type(

@@ -42,8 +42,8 @@ def plot(hull: Hull, ax: Any, style: dict[str, Any]) -> Any:
         ax = plt.figure().add_subplot(projection="3d" if hull.dimension == 3 else None)
     corners = hull.vertex_points
     if hull.affine_dimension >= 2:
-        kind = Poly3DCollection if hull.dimension == 3 else PolyCollection
-        look = {"facecolor": "tab:blue", "edgecolor": "black", "linewidth": 0.5, "alpha": 0.4}
+        kind: Any = Poly3DCollection if hull.dimension == 3 else PolyCollection
+        look: dict[str, Any] = {"facecolor": "tab:blue", "edgecolor": "black", "linewidth": 0.5, "alpha": 0.4}
         ax.add_collection(kind(polygons(hull), **(look | style)))
     else:
         ax.plot(*corners.T, color="tab:blue", marker="o")

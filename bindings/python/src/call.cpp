@@ -183,7 +183,7 @@ bool is_brief(const cullhull::PointView& points) noexcept {
 void bind_call(nb::module_& m) {
   nb::register_exception_translator(translate);
   nb::class_<Settings>(m, "Settings", "How to compute; no setting changes a result.",
-                         nb::type_slots(settings_slots))
+                       nb::type_slots(settings_slots))
       .def(
           "__init__",
           [](Settings* self, const std::string& backend, const std::string& cull, unsigned threads,

@@ -1,12 +1,15 @@
 // Intersections of halfspaces.
+#include "cullhull/halfspaces.hpp"
+
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
 
 #include <memory>
+#include <tuple>
 #include <vector>
 
 #include "arrays.hpp"
-#include "cullhull/halfspaces.hpp"
 #include "points.hpp"
 #include "solid.hpp"
 
@@ -17,8 +20,12 @@ using cullhull::Options;
 
 namespace {
 
-/// (interior_point, dual_points, dual Solid, bounded, vertices); `interior`: None or one row.
-nb::object intersect(nb::handle array, nb::handle interior, const Settings& settings) {
+/// (interior_point, dual_points, dual, bounded, vertices)
+using Intersection =
+    std::tuple<ListView<double>, RowView<double>, std::unique_ptr<Solid>, bool, RowView<double>>;
+
+/// `interior`: None or one row.
+Intersection intersect(nb::handle array, nb::handle interior, const Settings& settings) {
   const Points halfspaces(array);
   std::vector<double> centre;
   if (!interior.is_none()) {
@@ -38,19 +45,18 @@ nb::object intersect(nb::handle array, nb::handle interior, const Settings& sett
   const std::size_t d = result->dimension, facets = dual->hull().facet_count();
   const bool bounded = result->bounded;
   HalfspaceIntersection* const raw = result.release();
-  const nb::capsule owner(
-      raw, [](void* p) noexcept { delete static_cast<HalfspaceIntersection*>(p); });
-  return nb::make_tuple(
-      list_of(raw->interior_point.data(), d, owner),
-      rows_of(raw->dual_points.data(), raw->dual_points.size() / d, d, owner),
-      std::move(dual), bounded, rows_of(raw->vertices.data(), facets, d, owner));
+  const nb::capsule owner(raw,
+                          [](void* p) noexcept { delete static_cast<HalfspaceIntersection*>(p); });
+  return Intersection(list_of(raw->interior_point.data(), d, owner),
+                      rows_of(raw->dual_points.data(), raw->dual_points.size() / d, d, owner),
+                      std::move(dual), bounded, rows_of(raw->vertices.data(), facets, d, owner));
 }
 
 }  // namespace
 
 void bind_halfspaces(nb::module_& m) {
-  m.def("intersect_halfspaces", intersect, nb::arg("halfspaces"),
-        nb::arg("interior_point").none(), nb::arg("settings"));
+  m.def("intersect_halfspaces", intersect, nb::arg("halfspaces"), nb::arg("interior_point").none(),
+        nb::arg("settings"));
 }
 
 }  // namespace binding

@@ -1,7 +1,7 @@
 // convex_hull, cull, certify and the result's arrays.
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
 
 #include <algorithm>
 #include <cstring>
@@ -58,7 +58,7 @@ Certificate certify(nb::handle array, const Solid& solid, const Settings& settin
 }
 
 Array<double> generate(const std::string& shape, std::uint64_t count, std::uint32_t dimension,
-                    std::uint64_t seed) {
+                       std::uint64_t seed) {
   std::optional<Output<double>> out;
   {
     const nb::gil_scoped_release release;
@@ -69,8 +69,8 @@ Array<double> generate(const std::string& shape, std::uint64_t count, std::uint3
   return std::move(*out).to_array();
 }
 
-nb::dict shapes() {
-  nb::dict all;
+nb::typed<nb::dict, nb::str, nb::str> shapes() {
+  nb::typed<nb::dict, nb::str, nb::str> all;
   for (const cullhull::Shape& shape : cullhull::shapes()) all[shape.name] = shape.description;
   return all;
 }
@@ -92,9 +92,9 @@ void save(const std::string& path, const Solid& solid, nb::handle array,
       format);
 }
 
-nb::dict statistics(const Solid& solid) {
+nb::typed<nb::dict, nb::str, nb::any> statistics(const Solid& solid) {
   const cullhull::Statistics& s = solid.hull().statistics;
-  nb::dict all;
+  nb::typed<nb::dict, nb::str, nb::any> all;
   all["survivors"] = s.survivors;
   all["cull_method"] = s.cull_method;
   all["engine"] = s.engine;
@@ -216,7 +216,7 @@ void bind_hull(nb::module_& m) {
       .def("__bool__", [](const Certificate& found) { return found.valid; })
       .def("__repr__", [](const Certificate& found) {
         return found.valid ? std::string("<Certificate: valid>")
-                       : "<Certificate: not valid: " + found.reason + ">";
+                           : "<Certificate: not valid: " + found.reason + ">";
       });
 
   m.def("convex_hull", convex_hull, nb::arg("points"), nb::arg("settings"));

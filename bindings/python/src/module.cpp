@@ -7,7 +7,7 @@
 #include "solid.hpp"
 
 NB_MODULE(_core, m) {
-  m.attr("__version__") = CULLHULL_VERSION;
+  m.attr("version") = CULLHULL_VERSION;
   binding::bind_call(m);
   binding::bind_hull(m);
   binding::bind_many(m);

@@ -1,13 +1,16 @@
 // Questions to a hull, one array of them at a time.
+#include "cullhull/query.hpp"
+
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/tuple.h>
 
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "arrays.hpp"
 #include "cullhull/error.hpp"
-#include "cullhull/query.hpp"
 #include "points.hpp"
 #include "solid.hpp"
 
@@ -72,7 +75,8 @@ Array<double> distances(const Solid& solid, nb::handle array, const Settings& se
   return std::move(out).to_array();
 }
 
-nb::object nearest_facets(const Solid& solid, nb::handle array, const Settings& settings) {
+std::tuple<Array<std::int64_t>, Array<double>> nearest_facets(const Solid& solid, nb::handle array,
+                                                              const Settings& settings) {
   const Points points(array);
   const std::size_t n = points.view().count;
   Output<std::int64_t> facets(n);
@@ -86,7 +90,7 @@ nb::object nearest_facets(const Solid& solid, nb::handle array, const Settings& 
               distance.data()[i] = nearest[i].distance;
             }
           });
-  return nb::make_tuple(std::move(facets).to_array(), std::move(distance).to_array());
+  return std::make_tuple(std::move(facets).to_array(), std::move(distance).to_array());
 }
 
 Array<std::int64_t> supports(const Solid& solid, nb::handle array, const Settings& settings) {
@@ -118,8 +122,10 @@ Array<std::int64_t> visible_facets(const Solid& solid, nb::handle array, const S
 }
 
 /// (hit, enter, exit, enter_facet, exit_facet), one array each; no facet is -1.
-nb::object rays(const Solid& solid, nb::handle origin_array, nb::handle direction_array,
-                const Settings& settings) {
+using Rays =
+    std::tuple<Array<bool>, Array<double>, Array<double>, Array<std::int64_t>, Array<std::int64_t>>;
+Rays rays(const Solid& solid, nb::handle origin_array, nb::handle direction_array,
+          const Settings& settings) {
   const Points origins(origin_array), directions(direction_array);
   require_same_dimension(solid, directions.view());
   if (origins.view().count != directions.view().count)
@@ -144,9 +150,9 @@ nb::object rays(const Solid& solid, nb::handle origin_array, nb::handle directio
               exit_facet.data()[i] = number(hits[i].exit_facet);
             }
           });
-  return nb::make_tuple(std::move(hit).to_array<bool>(), std::move(enter).to_array(),
-                        std::move(exit).to_array(), std::move(enter_facet).to_array(),
-                        std::move(exit_facet).to_array());
+  return Rays(std::move(hit).to_array<bool>(), std::move(enter).to_array(),
+              std::move(exit).to_array(), std::move(enter_facet).to_array(),
+              std::move(exit_facet).to_array());
 }
 
 }  // namespace

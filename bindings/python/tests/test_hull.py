@@ -7,11 +7,11 @@ import reference
 import cullhull
 
 
-@pytest.mark.parametrize("dimension, count", [(2, 14), (3, 12), (4, 10)])
+@pytest.mark.parametrize("dimension, count", [(2, 14), (3, 10), (4, 8)])
 @pytest.mark.parametrize("grid", [None, 3])
 def test_facets_and_vertices_are_those_of_the_reference(dimension, count, grid):
     rng = np.random.default_rng(dimension * 10 + (grid or 0))
-    for _ in range(5):
+    for _ in range(4):
         points = rng.integers(0, grid, (count, dimension)) if grid else rng.random((count, dimension))
         hull = cullhull.convex_hull(points, certify=True)
         if hull.affine_dimension < dimension:
