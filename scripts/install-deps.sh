@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the packages cullhull is built from: the one list there is (docs/dependencies.md says why
 # each). Debian 12, Ubuntu 24.04 and later. Usage: scripts/install-deps.sh [PART ...]
-# Parts: build (always included), test, bench, docs, fuzz, format. Does nothing where nothing is
+# Parts: build (always included), test, bench, docs, fuzz, format, python. Does nothing where nothing is
 # missing; calls apt-get as root, or through sudo.
 set -euo pipefail
 
@@ -16,6 +16,7 @@ bench=(libbenchmark-dev)
 docs=(doxygen)
 fuzz=(clang)
 format=(clang-format)
+python=(python3 python3-dev python3-venv python3-pip)
 
 wanted=("${build[@]}")
 for part in "$@"; do
@@ -26,8 +27,9 @@ for part in "$@"; do
     docs) wanted+=("${docs[@]}") ;;
     fuzz) wanted+=("${fuzz[@]}") ;;
     format) wanted+=("${format[@]}") ;;
+    python) wanted+=("${python[@]}") ;;
     *)
-      echo "install-deps: unknown part '$part'; known: build test bench docs fuzz format" >&2
+      echo "install-deps: unknown part '$part'; known: build test bench docs fuzz format python" >&2
       exit 2
       ;;
   esac

@@ -197,32 +197,40 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
   const std::uint64_t chunks = chunk_count(set_count, chunk);
   std::vector<HullBatch> parts(chunks);
   std::vector<std::optional<Error>> errors(chunks);
-  for_each_chunk(set_count, chunk, threads,
-                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   Options one = options;
-                   one.threads = 1;
-                   one.progress = nullptr;
-                   parts[c].dimension = points.dimension;
-                   for (std::uint64_t i = begin; i < end; ++i) {
-                     PointView set = points;
-                     set.count = offsets[i + 1] - offsets[i];
-                     set.data += static_cast<std::ptrdiff_t>(offsets[i]) * points.point_stride;
-                     try {
-                       append(parts[c], convex_hull(set, one));
-                     } catch (const Error& e) {
-                       if (e.code() == ErrorCode::cancelled) throw;
-                       errors[c].emplace(e.code(), "set " + std::to_string(i) + ": " + e.what());
-                       return;
-                     }
-                   }
-                 });
+  const auto hulls_of_chunk = [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    control.check();
+    Options one = options;
+    one.threads = 1;
+    one.progress = nullptr;
+    parts[c].dimension = points.dimension;
+    for (std::uint64_t i = begin; i < end; ++i) {
+      PointView set = points;
+      set.count = offsets[i + 1] - offsets[i];
+      set.data += static_cast<std::ptrdiff_t>(offsets[i]) * points.point_stride;
+      try {
+        append(parts[c], convex_hull(set, one));
+      } catch (const Error& e) {
+        if (e.code() == ErrorCode::cancelled) throw;
+        errors[c].emplace(e.code(), "set " + std::to_string(i) + ": " + e.what());
+        return;
+      }
+    }
+  };
+  constexpr std::uint64_t block = 64 * chunk;  // between two reports
+  for (std::uint64_t first = 0; first < set_count; first += block) {
+    control.report("hulls", static_cast<double>(first) / static_cast<double>(set_count));
+    for_each_chunk(std::min(block, set_count - first), chunk, threads,
+                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                     hulls_of_chunk(first / chunk + c, first + begin, first + end);
+                   });
+  }
   for (const std::optional<Error>& e : errors)
     if (e) throw *e;
   HullBatch all;
   all.dimension = points.dimension;
   all.scalar = points.scalar;
   Joiner(parts, threads).run(all);
+  control.report("done", 1);
   return all;
 }
 

@@ -51,6 +51,7 @@ GrowingHull::GrowingHull(GrowingHull&&) noexcept = default;
 GrowingHull& GrowingHull::operator=(GrowingHull&&) noexcept = default;
 
 const Hull& GrowingHull::hull() const noexcept { return state_->hull; }
+const std::vector<double>& GrowingHull::vertex_coordinates() const noexcept { return state_->rows; }
 
 std::uint64_t GrowingHull::add(const PointView& points, const Options& options) {
   State& s = *state_;
