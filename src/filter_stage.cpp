@@ -9,7 +9,6 @@
 #include "hull/engine.hpp"
 #include "points/gather.hpp"
 #include "points/local_frame.hpp"
-#include "points/memory.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -32,20 +31,87 @@ std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
   return ids;
 }
 
-/// The exact hull of some input points, as the filter wants it; dimension 0 if they lie in a flat
-/// or the hull would exceed the budget.
-InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, std::uint64_t budget,
-                             const Control& control) {
+struct Sampled {
+  InnerPolytope polytope;
+  std::uint64_t size = 0;
+  std::uint64_t extreme() const {
+    return polytope.dimension == 0 ? 0 : polytope.vertices.size() / polytope.dimension;
+  }
+};
+
+Sampled hull_of_sample(const PointView& points, std::uint64_t size, const Run& run) {
+  const std::vector<std::uint64_t> ids = sample_ids(points.count, size);
+  Sampled s;
+  s.size = ids.size();
+  s.polytope = inner_polytope(gather_points(points, ids.data(), ids.size(), run.threads),
+                              points.dimension, run);
+  return s;
+}
+
+/// A map over `points` from a sample of them, or null where it would not pay.
+std::unique_ptr<GaugeMap> map_of_sample(const PointView& points, bool forced, const Run& run) {
+  const unsigned d = points.dimension;
+  const std::uint64_t probe_size = probe_sample_size(points.count, d);
+  Sampled sample = hull_of_sample(points, probe_size, run);
+  if (sample.polytope.dimension == 0) return nullptr;
+  if (!forced && !cull_pays(points.count, d, sample.size, sample.extreme())) return nullptr;
+  const std::uint64_t size = map_sample_size(points.count, d, sample.size, sample.extreme());
+  if (size > sample.size) sample = hull_of_sample(points, size, run);
+  if (sample.polytope.dimension == 0) return nullptr;
+  return GaugeMap::build(std::move(sample.polytope), {.threads = run.threads});
+}
+
+std::vector<double> pick_rows(const std::vector<double>& rows, unsigned d,
+                              const std::vector<std::uint64_t>& kept) {
+  std::vector<double> out(kept.size() * d);
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    std::copy_n(rows.data() + kept[i] * d, d, out.data() + i * d);
+  return out;
+}
+
+PointView view_of_rows(const Filtered& result, unsigned d) {
+  return PointView::row_major(result.rows.data(), result.survivors.ids.size(), d);
+}
+
+/// The paper's two levels: the subsets' pseudo-hulls, then one of all that they left.
+Filtered run_pseudo_hull(const PointView& points, const Run& run) {
+  const unsigned d = points.dimension;
+  Filtered result;
+  run.control.report("cull", 0);
+  const PseudoHullSettings by_subsets;
+  result.survivors.ids = pseudo_hull_survivors(points, by_subsets, run.threads, run.control);
+  result.survivors.method = "pseudo-hull";
+  if (result.survivors.ids.size() == points.count) {
+    result.survivors.ids = {};
+    result.survivors.all = true;
+    return result;
+  }
+  gather_survivors(points, result, run);
+  const std::uint64_t left = result.first_pass;
+  // One pseudo-hull of all of them, unless it would be large. A point takes 45 bytes and its
+  // coordinates. A sphere, all extreme, has a fifth as many facets as points in its largest round;
+  // half are allowed for, each with d cells in each of two arrays.
+  const std::uint64_t bytes = left * (8 * d + 45 + d * (12 * d + 8));
+  PseudoHullSettings second;
+  second.subsets = bytes <= std::min(run.budget / 2, std::uint64_t{1} << 30) ? 1 : 0;
+  keep_of_survivors(result, d,
+                    pseudo_hull_survivors(view_of_rows(result, d), second, run.threads, run.control));
+  return result;
+}
+
+}  // namespace
+
+InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, const Run& run) {
   InnerPolytope polytope;
   const auto count = static_cast<std::uint32_t>(rows.size() / d);
   const std::vector<double> original = rows;
-  const LocalFrame frame(std::move(rows), count, d, control);
+  const LocalFrame frame(std::move(rows), count, d, run.control);
   if (frame.affine_dimension() != static_cast<int>(d)) return polytope;
   SimplicialHull hull;
   try {
-    hull = d == 2   ? hull_2d(frame.points(), control)
-           : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), budget, control)
-                    : hull_nd(frame.points(), frame.simplex().data(), budget, control);
+    hull = d == 2   ? hull_2d(frame.points(), run.control)
+           : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), run.budget, run.control)
+                    : hull_nd(frame.points(), frame.simplex().data(), run.budget, run.control);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::out_of_budget) throw;
     return polytope;  // the filter is a help, not a need
@@ -67,47 +133,6 @@ InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, std::uint64
   return polytope;
 }
 
-struct Sampled {
-  InnerPolytope polytope;
-  std::uint64_t size = 0;
-  std::uint64_t extreme() const {
-    return polytope.dimension == 0 ? 0 : polytope.vertices.size() / polytope.dimension;
-  }
-};
-
-Sampled hull_of_sample(const PointView& points, std::uint64_t size, unsigned threads,
-                       std::uint64_t budget, const Control& control) {
-  const std::vector<std::uint64_t> ids = sample_ids(points.count, size);
-  Sampled s;
-  s.size = ids.size();
-  s.polytope = inner_polytope(gather_points(points, ids.data(), ids.size(), threads),
-                              points.dimension, budget, control);
-  return s;
-}
-
-/// A map over `points` from a sample of them, or null where it would not pay.
-std::unique_ptr<GaugeMap> map_of_sample(const PointView& points, bool forced, unsigned threads,
-                                        std::uint64_t budget, const Control& control) {
-  const unsigned d = points.dimension;
-  const std::uint64_t probe_size = probe_sample_size(points.count, d);
-  Sampled sample = hull_of_sample(points, probe_size, threads, budget, control);
-  if (sample.polytope.dimension == 0) return nullptr;
-  if (!forced && !cull_pays(points.count, d, sample.size, sample.extreme())) return nullptr;
-  const std::uint64_t size = map_sample_size(points.count, d, sample.size, sample.extreme());
-  if (size > sample.size) sample = hull_of_sample(points, size, threads, budget, control);
-  if (sample.polytope.dimension == 0) return nullptr;
-  return GaugeMap::build(sample.polytope);
-}
-
-std::vector<double> pick_rows(const std::vector<double>& rows, unsigned d,
-                              const std::vector<std::uint64_t>& kept) {
-  std::vector<double> out(kept.size() * d);
-  for (std::size_t i = 0; i < kept.size(); ++i)
-    std::copy_n(rows.data() + kept[i] * d, d, out.data() + i * d);
-  return out;
-}
-
-/// Leaves of the survivors those with the given positions among them.
 void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept) {
   std::vector<std::uint64_t> ids(kept.size());
   for (std::size_t i = 0; i < kept.size(); ++i) ids[i] = result.survivors.ids[kept[i]];
@@ -115,83 +140,55 @@ void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint
   result.survivors.ids = std::move(ids);
 }
 
-PointView view_of_rows(const Filtered& result, unsigned d) {
-  return PointView::row_major(result.rows.data(), result.survivors.ids.size(), d);
-}
-
-/// The paper's two levels: the subsets' pseudo-hulls, then one of all that they left.
-Filtered run_pseudo_hull(const PointView& points, const Control& control, unsigned threads,
-                         std::uint64_t budget) {
-  const unsigned d = points.dimension;
-  Filtered result;
-  control.report("cull", 0);
-  const PseudoHullSettings by_subsets;
-  result.survivors.ids = pseudo_hull_survivors(points, by_subsets, threads, control);
-  result.survivors.method = "pseudo-hull";
-  if (result.survivors.ids.size() == points.count) {
-    result.survivors.ids = {};
-    result.survivors.all = true;
-    return result;
-  }
+void gather_survivors(const PointView& points, Filtered& result, const Run& run) {
   const std::uint64_t left = result.survivors.ids.size();
-  require_budget(budget, left * (d + 2) * sizeof(double),
+  result.first_pass = left;
+  require_budget(run.budget, left * (points.dimension + 2) * sizeof(double),
                  std::to_string(left) + " points that survive the filter");
-  result.rows =
-      gather_points(points, result.survivors.ids.data(), result.survivors.ids.size(), threads);
-  control.report("cull", 0.8);
-  // One pseudo-hull of all of them, unless it would be large. A point takes 45 bytes and its
-  // coordinates. A sphere, all extreme, has a fifth as many facets as points in its largest round;
-  // half are allowed for, each with d cells in each of two arrays.
-  const std::uint64_t bytes = left * (8 * d + 45 + d * (12 * d + 8));
-  PseudoHullSettings second;
-  second.subsets = bytes <= std::min(budget / 2, std::uint64_t{1} << 30) ? 1 : 0;
-  keep_of_survivors(result, d,
-                    pseudo_hull_survivors(view_of_rows(result, d), second, threads, control));
-  return result;
+  result.rows = gather_points(points, result.survivors.ids.data(), left, run.threads);
+  run.control.report("cull", 0.8);
 }
 
-}  // namespace
+void refine_by_sample(Filtered& result, unsigned d, const Run& run) {
+  const PointView left = view_of_rows(result, d);
+  if (left.count < smallest_worth_refining(d)) return;
+  const std::unique_ptr<GaugeMap> map = map_of_sample(left, true, run);
+  if (map == nullptr) return;
+  keep_of_survivors(result, d, map->survivors(left, run.threads, run.control));
+  result.survivors.method = "gauge x2";
+}
 
-Filtered run_filter(const PointView& points, const Options& options, const Control& control,
-                    unsigned threads, std::uint64_t budget) {
+Filtered run_filter(const PointView& points, const Run& run) {
   Filtered result;
   result.survivors.all = true;
+  result.first_pass = points.count;
   const unsigned d = points.dimension;
-  if (options.cull == CullMethod::pseudo_hull && d >= pseudo_hull_min_dimension &&
+  const CullMethod method = run.options.cull;
+  if (method == CullMethod::pseudo_hull && d >= pseudo_hull_min_dimension &&
       d <= pseudo_hull_max_dimension && points.count > d + 1)
-    return run_pseudo_hull(points, control, threads, budget);
-  const bool forced = options.cull == CullMethod::gauge;
-  if (options.cull == CullMethod::none || options.cull == CullMethod::pseudo_hull ||
+    return run_pseudo_hull(points, run);
+  const bool forced = method == CullMethod::gauge;
+  if (method == CullMethod::none || method == CullMethod::pseudo_hull ||
       d < GaugeMap::min_dimension || d > GaugeMap::max_dimension || points.count <= d + 1 ||
       (!forced && points.count < smallest_worth_culling(d)))
     return result;
 
-  control.report("cull", 0);
+  run.control.report("cull", 0);
   std::unique_ptr<GaugeMap> map;
   try {
-    map = map_of_sample(points, forced, threads, budget, control);
+    map = map_of_sample(points, forced, run);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::not_finite) throw;
-    check_finite(points, nullptr, threads);  // names the first bad point, not the sample's
+    check_finite(points, nullptr, run.threads);  // names the first bad point, not the sample's
   }
   if (map == nullptr) return result;
-  result.survivors.ids = map->survivors(points, threads, control);
+  result.survivors.ids = map->survivors(points, run.threads, run.control);
   result.survivors.all = false;
   result.survivors.method = "gauge";
   map.reset();
-
-  require_budget(budget, result.survivors.ids.size() * (d + 2) * sizeof(double),
-                 std::to_string(result.survivors.ids.size()) + " points that survive the filter");
+  gather_survivors(points, result, run);
   // Survivors lie near the boundary, so a sample of them gives a much finer polytope.
-  result.rows =
-      gather_points(points, result.survivors.ids.data(), result.survivors.ids.size(), threads);
-  control.report("cull", 0.8);
-  const PointView left = view_of_rows(result, d);
-  if (left.count < smallest_worth_refining(d)) return result;
-  map = map_of_sample(left, true, threads, budget, control);
-  if (map == nullptr) return result;
-  keep_of_survivors(result, d, map->survivors(left, threads, control));
-  result.survivors.method = "gauge x2";
+  refine_by_sample(result, d, run);
   return result;
 }
 

@@ -9,4 +9,5 @@
 #include "cullhull/io.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
+#include "cullhull/track.hpp"
 #include "cullhull/version.hpp"

@@ -21,20 +21,36 @@ struct InnerPolytope {
   std::vector<std::uint32_t> neighbours;
 };
 
+struct GaugeSettings {
+  /// Cells along an edge of the cube map; 0 chooses from the facet count,
+  unsigned resolution = 0;
+  double share = 1;  ///< times this.
+  /// Keeps the polytope, so that outside_cones() can be asked.
+  bool cones = false;
+  unsigned threads = 1;
+};
+
 /// Immutable after construction; safe to share between threads.
 class GaugeMap {
  public:
   static constexpr unsigned min_dimension = 2, max_dimension = 6;
 
-  /// `resolution`: cells along an edge of the cube map; 0 chooses from the facet count.
   /// Returns null when no useful map exists (the centre is not strictly inside in floating point,
-  /// coordinates too extreme, ...): the caller then culls nothing.
-  static std::unique_ptr<GaugeMap> build(const InnerPolytope& polytope, unsigned resolution = 0);
+  /// coordinates too extreme, ...): the caller then culls nothing. The map does not depend on the
+  /// number of threads.
+  static std::unique_ptr<GaugeMap> build(InnerPolytope polytope,
+                                         const GaugeSettings& settings = {});
 
   /// Ids (ascending, indices into `points`) of all points that are not provably strictly inside the
   /// polytope; a point with a NaN or an infinity is always among them.
   std::vector<std::uint64_t> survivors(const PointView& points, unsigned threads,
                                        const Control& control) const;
+
+  /// Of packed rows of finite points those that are not provably strictly inside the polytope, by
+  /// the facet each one's ray leaves by: a slower test than survivors(), but exact up to rounding.
+  /// Positions, ascending. Needs a map built with cones.
+  std::vector<std::uint64_t> outside_cones(const std::vector<double>& rows, unsigned threads,
+                                           const Control& control) const;
 
   ~GaugeMap();
 

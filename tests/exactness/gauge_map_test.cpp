@@ -217,7 +217,7 @@ TEST_P(GaugeMapSeeds, DropsOnlyWhatIsStrictlyInside) {
       if (hull.affine_dimension() < static_cast<int>(shape.d)) continue;  // rounded flat
       const auto rows = adversarial(hull, random, shape.d <= 3 ? 40 : 12);
       for (const unsigned resolution : {0U, 3U}) {
-        const auto map = GaugeMap::build(polytope_of(hull), resolution);
+        const auto map = GaugeMap::build(polytope_of(hull), {.resolution = resolution});
         if (!map) continue;
         expect_sound(hull, rows, survivors(*map, rows, shape.d), what);
         if (HasFatalFailure()) return;
