@@ -43,8 +43,9 @@ class Builder final : public GaugeCones {
     t.nodes.resize(2 * D * face_);
     fill_constants(t, face_);
     // Pays when every facet is met many times.
-    if (settings.cones || walk_.facet_count() < t.nodes.size() / (2 * D))
-      walk_.invert_facets(settings.threads);
+    if ((settings.cones || walk_.facet_count() < t.nodes.size() / (2 * D)) &&
+        !walk_.invert_facets(settings.threads) && !settings.convex)
+      return false;
     if (settings.cones) hints_.resize(t.nodes.size());
     // Each face by itself, so that no value depends on who fills what.
     for_each_chunk(2 * D, 1, t.nodes.size() < least_parallel ? 1 : settings.threads,

@@ -27,6 +27,7 @@ std::unique_ptr<GaugeMap> GaugeMap::build(InnerPolytope polytope, const GaugeSet
 }
 
 std::vector<std::uint64_t> GaugeMap::outside_cones(const std::vector<double>& rows,
+                                                   const std::vector<char>& certain,
                                                    unsigned threads,
                                                    const Control& control) const {
   if (table_->cones == nullptr)
@@ -42,7 +43,7 @@ std::vector<std::uint64_t> GaugeMap::outside_cones(const std::vector<double>& ro
                    std::uint64_t k = begin;
                    for (std::uint64_t i = begin; i < end; ++i) {
                      kept[k] = i;
-                     k += table_->cones->inside(&rows[i * d]) ? 0 : 1;
+                     k += certain[i] == 0 && table_->cones->inside(&rows[i * d]) ? 0 : 1;
                    }
                    sizes[c] = k - begin;
                  });

@@ -27,6 +27,10 @@ struct GaugeSettings {
   double share = 1;  ///< times this.
   /// Keeps the polytope, so that outside_cones() can be asked.
   bool cones = false;
+  /// False: the facets are only near those of a convex polytope, a surface that has moved, say. They
+  /// are used where each direction from the centre meets one of them; else there is no map. Needs
+  /// cones.
+  bool convex = true;
   unsigned threads = 1;
 };
 
@@ -48,8 +52,10 @@ class GaugeMap {
 
   /// Of packed rows of finite points those that are not provably strictly inside the polytope, by
   /// the facet each one's ray leaves by: a slower test than survivors(), but exact up to rounding.
-  /// Positions, ascending. Needs a map built with cones.
-  std::vector<std::uint64_t> outside_cones(const std::vector<double>& rows, unsigned threads,
+  /// Positions, ascending; those `certain` are among them without being asked about. Needs a map
+  /// built with cones.
+  std::vector<std::uint64_t> outside_cones(const std::vector<double>& rows,
+                                           const std::vector<char>& certain, unsigned threads,
                                            const Control& control) const;
 
   ~GaugeMap();

@@ -47,6 +47,8 @@ class PseudoHullGrowth {
   /// gets longer where needed and is added to.
   void run(unsigned max_rounds, const Control& control, std::vector<PseudoHullRound>& rounds) {
     culled_.assign(count_, 0);
+    if (recording_) simplex_of_.assign(count_, no_item);
+    corners_.clear();
     if (!start(rounds)) return;
     for (unsigned r = 1; r <= max_rounds && exterior_ != 0; ++r) {
       control.check();
@@ -54,6 +56,12 @@ class PseudoHullGrowth {
     }
   }
   const std::vector<char>& culled() const { return culled_; }
+
+  /// From now on each run remembers which simplex culled a row: simplex_of()[row], no_item if none
+  /// did; simplex s has the rows corners()[s (D + 1) ... (s + 1) (D + 1)).
+  void record() { recording_ = true; }
+  const std::vector<std::uint32_t>& simplex_of() const { return simplex_of_; }
+  const std::vector<std::uint32_t>& corners() const { return corners_; }
 
   // What the tests look at.
   const std::vector<PseudoFacet<D>>& facets() const { return facets_; }
@@ -67,6 +75,7 @@ class PseudoHullGrowth {
     exterior_ = 0;
     facets_.clear();
     vertices_.clear();
+    vertex_rows_.clear();
     double scale[D];
     std::uint32_t simplex[D + 1];
     const AxisExtremes<D> e = extremes();
@@ -78,6 +87,10 @@ class PseudoHullGrowth {
     if (!choose_simplex(rows_.get(), count_, e, executor_, simplex)) return false;
     for (const std::uint32_t v : simplex) vertices_.insert(vertices_.end(), row(v), row(v) + D);
     if (!first_facets()) return false;
+    if (recording_) {
+      vertex_rows_.assign(simplex, simplex + D + 1);
+      corners_ = vertex_rows_;
+    }
     assign_first(at(rounds, 0));
     compact(D + 1);
     return true;
@@ -90,8 +103,10 @@ class PseudoHullGrowth {
     executor_.segmented_argmax(
         exterior_, facets, [&](std::uint32_t i) { return points_[i].facet; },
         [&](std::uint32_t i) { return points_[i].distance; }, apex_.data());
+    const auto first_simplex = static_cast<std::uint32_t>(corners_.size() / (D + 1));
+    if (recording_) record_simplices();
     const std::uint32_t first_apex = replace_facets();
-    reassign(first_apex, facets);
+    reassign(first_apex, facets, first_simplex);
     tally(report);
     report.facets += facets;
     compact(facets * D);
@@ -151,8 +166,22 @@ class PseudoHullGrowth {
       points_[i] = {i, 0, place.distance};
       place_[i] = place.facet;
       culled_[i] = place.facet == place_inside;
+      if (recording_ && place.facet == place_inside) simplex_of_[i] = 0;
     });
     tally(report);
+  }
+
+  /// Each facet with its apex is a simplex; those of a round lie one after another.
+  void record_simplices() {
+    const auto facets = static_cast<std::uint32_t>(facets_.size());
+    const std::size_t first = corners_.size(), first_vertex = vertex_rows_.size();
+    corners_.resize(first + std::size_t{facets} * (D + 1));
+    vertex_rows_.resize(first_vertex + facets);
+    executor_.for_each(facets, [&](std::uint32_t j) {
+      std::uint32_t* corner = corners_.data() + first + std::size_t{j} * (D + 1);
+      for (unsigned k = 0; k < D; ++k) corner[k] = vertex_rows_[facets_[j].vertex[k]];
+      corner[D] = vertex_rows_[first_vertex + j] = points_[apex_[j]].row;
+    });
   }
 
   /// The apexes become vertices, the facet stream grows to D cells a facet. Returns the vertex of
@@ -184,7 +213,7 @@ class PseudoHullGrowth {
   }
 
   /// Each exterior point of a facet moves to the nearest of the new ones it is outside of.
-  void reassign(std::uint32_t first_apex, std::uint32_t facets) {
+  void reassign(std::uint32_t first_apex, std::uint32_t facets, std::uint32_t first_simplex) {
     executor_.for_each(exterior_, [&](std::uint32_t i) {
       ExteriorPoint& p = points_[i];
       const double* x = row(p.row);
@@ -199,6 +228,7 @@ class PseudoHullGrowth {
       p.distance = place.distance;
       place_[i] = place.facet;
       culled_[p.row] = place.facet == place_inside;
+      if (recording_ && place.facet == place_inside) simplex_of_[p.row] = first_simplex + p.facet;
     });
   }
 
@@ -249,6 +279,8 @@ class PseudoHullGrowth {
   BigArray<std::uint32_t> place_;
   std::vector<double> vertices_;
   std::vector<char> culled_;
+  bool recording_ = false;
+  std::vector<std::uint32_t> simplex_of_, corners_, vertex_rows_;
   std::vector<PseudoFacet<D>> facets_, next_facets_;
   std::vector<std::uint32_t> apex_, number_;
 };

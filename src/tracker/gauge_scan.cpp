@@ -1,5 +1,6 @@
 #include "tracker/gauge_scan.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -18,10 +19,41 @@ constexpr double coherent_share = 1.0 / 3;
 /// hull, so a coarser map keeps hardly more, and the cones decide what it leaves in doubt.
 constexpr double map_share = 0.5;
 
+/// Marks the survivors that are leaders; both lists ascend.
+std::vector<char> mark_leaders(const std::vector<std::uint64_t>& survivors,
+                               const std::vector<std::uint64_t>& leaders) {
+  std::vector<char> marks(survivors.size(), 0);
+  auto leader = leaders.begin();
+  for (std::size_t i = 0; i < survivors.size() && leader != leaders.end(); ++i) {
+    while (leader != leaders.end() && *leader < survivors[i]) ++leader;
+    marks[i] = leader != leaders.end() && *leader == survivors[i];
+  }
+  return marks;
+}
+
+/// The last hull's surface with its vertices (leader i is vertex i) at their new places.
+InnerPolytope moved_surface(const Hull& hull, const std::vector<std::uint64_t>& leaders,
+                            std::vector<double>&& rows, const Run& run) {
+  InnerPolytope p;
+  p.dimension = hull.dimension;
+  p.vertices = std::move(rows);
+  p.neighbours = hull.simplex_neighbours;
+  p.facets.resize(hull.simplices.size());
+  for_each_chunk(hull.simplices.size(), 8192, run.threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   for (std::uint64_t i = begin; i < end; ++i)
+                     p.facets[i] = static_cast<std::uint32_t>(
+                         std::lower_bound(leaders.begin(), leaders.end(), hull.simplices[i]) -
+                         leaders.begin());
+                 });
+  return p;
+}
+
 }  // namespace
 
-bool filter_by_leaders(const PointView& points, const std::vector<std::uint64_t>& leaders,
-                       const Run& run, Filtered& result, double& scan_seconds) {
+bool filter_by_leaders(const PointView& points, const Hull& last,
+                       const std::vector<std::uint64_t>& leaders, const Run& run, Filtered& result,
+                       double& scan_seconds) {
   const auto start = Clock::now();
   const unsigned d = points.dimension;
   std::vector<double> rows;
@@ -33,11 +65,17 @@ bool filter_by_leaders(const PointView& points, const std::vector<std::uint64_t>
     throw;
   }
   run.control.report("scan", 0);
-  InnerPolytope polytope = inner_polytope(std::move(rows), d, run);
-  if (polytope.dimension == 0) return false;
-  const std::unique_ptr<GaugeMap> map = GaugeMap::build(
-      std::move(polytope), {.share = map_share, .cones = true, .threads = run.threads});
-  if (map == nullptr) return false;
+  GaugeSettings settings{.share = map_share, .cones = true, .convex = false, .threads = run.threads};
+  std::unique_ptr<GaugeMap> map;
+  if (last.affine_dimension == static_cast<int>(d))
+    map = GaugeMap::build(moved_surface(last, leaders, std::vector<double>(rows), run), settings);
+  if (map == nullptr) {
+    settings.convex = true;
+    InnerPolytope polytope = inner_polytope(std::move(rows), d, run);
+    if (polytope.dimension == 0) return false;
+    map = GaugeMap::build(std::move(polytope), settings);
+    if (map == nullptr) return false;
+  }
   result.survivors.ids = map->survivors(points, run.threads, run.control);
   result.survivors.all = false;
   result.survivors.method = "gauge";
@@ -45,7 +83,7 @@ bool filter_by_leaders(const PointView& points, const std::vector<std::uint64_t>
   gather_survivors(points, result, run);
   const auto left = static_cast<double>(result.first_pass);
   if (left <= coherent_share * static_cast<double>(points.count))
-    keep_of_survivors(result, d, map->outside_cones(result.rows, run.threads, run.control));
+    keep_of_survivors(result, d, map->outside_cones(result.rows, mark_leaders(result.survivors.ids, leaders), run.threads, run.control));
   refine_by_sample(result, d, run);
   return true;
 }

@@ -9,6 +9,7 @@
 #include "pipeline.hpp"
 #include "tracker/changes.hpp"
 #include "tracker/gauge_scan.hpp"
+#include "tracker/simplex_memory.hpp"
 
 namespace cullhull {
 
@@ -24,6 +25,7 @@ struct HullTracker::Impl {
   /// Frames that go the static way before coherence is tried again, and how many the next failure
   /// would cost.
   std::uint64_t pause = 0, penalty = 1;
+  SimplexMemory simplices;
 
   /// Whether the last frame helps with this one.
   bool follows(const PointView& points) const {
@@ -41,9 +43,17 @@ struct HullTracker::Impl {
   }
 
   Filtered filter(const PointView& points, const Run& run, FrameReport& now) {
+    if (options.cull == CullMethod::pseudo_hull && points.dimension >= pseudo_hull_min_dimension &&
+        points.dimension <= pseudo_hull_max_dimension && points.count > points.dimension + 1) {
+      bool led = false;
+      if (!follows(points)) simplices.clear();
+      Filtered filtered = simplices.filter(points, run, led, now.scan_seconds);
+      if (led) now.method = "pseudo-hull";
+      return filtered;
+    }
     Filtered filtered;
     if (follows(points) && wants_gauge(points) &&
-        filter_by_leaders(points, leaders, run, filtered, now.scan_seconds)) {
+        filter_by_leaders(points, hull, leaders, run, filtered, now.scan_seconds)) {
       now.method = "gauge";
       // Leaders that no longer lead cost a pass: for some frames do without.
       if (filtered.first_pass > points.count / 3) {
@@ -109,6 +119,7 @@ void HullTracker::reset() noexcept {
   impl_->frame = 0;
   impl_->pause = 0;
   impl_->penalty = 1;
+  impl_->simplices.clear();
 }
 
 }  // namespace cullhull
