@@ -203,7 +203,9 @@ std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subset
     for (SubsetRecord& p : parts) p.simplex_of = &record->simplex_of;
   }
   const auto part = [&](std::uint64_t s) { return record != nullptr ? &parts[s] : nullptr; };
-  if (subsets == 1 && threads > 1) {
+  // Waking threads takes longer than a small set does on one.
+  constexpr std::uint64_t least_parallel = 1 << 14;
+  if (subsets == 1 && threads > 1 && points.count >= least_parallel) {
     const TbbExecutor executor(threads);
     PseudoHullGrowth<D, TbbExecutor> growth(executor);
     filter_subset<D>(points, {points.count, 0, 1}, max_rounds, executor, growth, control, rounds,
