@@ -37,9 +37,8 @@ double qhull_seconds(const std::vector<double>& rows, unsigned d, std::uint64_t&
   qh_zero(&q, nowhere);
   char command[] = "qhull Qt";
   const auto start = std::chrono::steady_clock::now();
-  const int code =
-      qh_new_qhull(&q, static_cast<int>(d), static_cast<int>(rows.size() / d),
-                   const_cast<double*>(rows.data()), 0, command, nowhere, nowhere);
+  const int code = qh_new_qhull(&q, static_cast<int>(d), static_cast<int>(rows.size() / d),
+                                const_cast<double*>(rows.data()), 0, command, nowhere, nowhere);
   const double seconds = seconds_since(start);
   vertices = code == 0 ? static_cast<std::uint64_t>(q.num_vertices) : 0;
   qh_freeqhull(&q, !qh_ALL);
@@ -67,8 +66,7 @@ void run(const std::string& path, const Settings& s) {
     const cullhull::PointView& seen = sequence.points();
     rows.resize(seen.count * seen.dimension);
     for (std::uint64_t i = 0; i < seen.count; ++i)
-      for (unsigned j = 0; j < seen.dimension; ++j)
-        rows[i * seen.dimension + j] = seen.at(i, j);
+      for (unsigned j = 0; j < seen.dimension; ++j) rows[i * seen.dimension + j] = seen.at(i, j);
     const auto points = cullhull::PointView::row_major(rows.data(), seen.count, seen.dimension);
     double best = 1e300, best_fixed = 1e300;
     cullhull::Hull reference;
@@ -104,27 +102,31 @@ void run(const std::string& path, const Settings& s) {
       ++rival_frames;
     }
     if (s.frames)
-      std::printf("  %4llu %-11s %8.3f ms (scan %.3f cull %.3f hull %.3f)  static %8.3f  Qhull %9.2f  "
-                  "scan %6.2f %%  left %6.3f %%  vertices %zu +%llu -%llu%s\n",
-                  static_cast<unsigned long long>(report.index), report.method, best * 1e3,
-                  report.scan_seconds * 1e3, report.cull_seconds * 1e3, report.hull_seconds * 1e3,
-                  best_fixed * 1e3, rival * 1e3, 100 * static_cast<double>(report.scan_survivors) / n,
-                  100 * static_cast<double>(report.survivors) / n, hull.vertices.size(),
-                  static_cast<unsigned long long>(report.vertices_came),
-                  static_cast<unsigned long long>(report.vertices_went),
-                  rival > 0 && rival_vertices != hull.vertices.size() ? "  Qhull differs" : "");
+      std::printf(
+          "  %4llu %-11s %8.3f ms (scan %.3f cull %.3f hull %.3f)  static %8.3f  Qhull %9.2f  "
+          "scan %6.2f %%  left %6.3f %%  vertices %zu +%llu -%llu%s\n",
+          static_cast<unsigned long long>(report.index), report.method, best * 1e3,
+          report.scan_seconds * 1e3, report.cull_seconds * 1e3, report.hull_seconds * 1e3,
+          best_fixed * 1e3, rival * 1e3, 100 * static_cast<double>(report.scan_survivors) / n,
+          100 * static_cast<double>(report.survivors) / n, hull.vertices.size(),
+          static_cast<unsigned long long>(report.vertices_came),
+          static_cast<unsigned long long>(report.vertices_went),
+          rival > 0 && rival_vertices != hull.vertices.size() ? "  Qhull differs" : "");
     ++frames;
   }
-  const auto mean = [](double sum, std::uint64_t k) { return k > 0 ? sum / static_cast<double>(k) : 0; };
+  const auto mean = [](double sum, std::uint64_t k) {
+    return k > 0 ? sum / static_cast<double>(k) : 0;
+  };
   std::printf("%s: %llu frames, mean ms: ours %.3f (first %.2f), static %.3f (%.2fx)", path.c_str(),
               static_cast<unsigned long long>(frames), 1e3 * mean(ours, frames), 1e3 * first,
               1e3 * mean(fixed, frames), fixed / ours);
   if (rival_frames > 0)
     std::printf(", Qhull %.1f on %llu frames (%.1fx)", 1e3 * mean(qhull, rival_frames),
                 static_cast<unsigned long long>(rival_frames), qhull / ours_on_rival);
-  std::printf("; scan %.3f ms keeps %.2f %%, cull %.3f ms keeps %.2f %%; %llu frames differ from static\n",
-              1e3 * mean(scan, led), 100 * mean(scan_share, led), 1e3 * mean(cull, led),
-              100 * mean(share, led), static_cast<unsigned long long>(differ));
+  std::printf(
+      "; scan %.3f ms keeps %.2f %%, cull %.3f ms keeps %.2f %%; %llu frames differ from static\n",
+      1e3 * mean(scan, led), 100 * mean(scan_share, led), 1e3 * mean(cull, led),
+      100 * mean(share, led), static_cast<unsigned long long>(differ));
   std::fflush(stdout);
 }
 

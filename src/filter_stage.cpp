@@ -94,8 +94,8 @@ Filtered run_pseudo_hull(const PointView& points, const Run& run) {
   const std::uint64_t bytes = left * (8 * d + 45 + d * (12 * d + 8));
   PseudoHullSettings second;
   second.subsets = bytes <= std::min(run.budget / 2, std::uint64_t{1} << 30) ? 1 : 0;
-  keep_of_survivors(result, d,
-                    pseudo_hull_survivors(view_of_rows(result, d), second, run.threads, run.control));
+  keep_of_survivors(
+      result, d, pseudo_hull_survivors(view_of_rows(result, d), second, run.threads, run.control));
   return result;
 }
 

@@ -1,4 +1,6 @@
 // THE FLOW: validate, cull, hull, result.
+#include "pipeline.hpp"
+
 #include <algorithm>
 #include <string>
 
@@ -10,7 +12,6 @@
 #include "cullhull/hull.hpp"
 #include "filter_stage.hpp"
 #include "hull/engine.hpp"
-#include "pipeline.hpp"
 #include "points/gather.hpp"
 #include "points/local_frame.hpp"
 #include "result/build_hull.hpp"

@@ -82,7 +82,7 @@ class FrameNames {
 
   void check(std::uint32_t dimension) const {
     if (!wanted() || folder_) return;
-    std::string extension = std::filesystem::path(after_).extension().string();
+    std::string extension = std::filesystem::path("x" + after_).extension().string();
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     if (extension == ".json" || extension == ".txt") return;
     if (extension != ".ply" && extension != ".obj" && extension != ".off" && extension != ".stl")
@@ -155,9 +155,7 @@ struct Outcome {
   double share(std::uint64_t part) const {
     return points == 0 ? 0 : static_cast<double>(part) / static_cast<double>(points);
   }
-  double frames_per_second() const {
-    return compute > 0 ? static_cast<double>(done) / compute : 0;
-  }
+  double frames_per_second() const { return compute > 0 ? static_cast<double>(done) / compute : 0; }
 };
 
 Json frame_record(std::uint64_t index, const FrameReport& r, const Hull& h, double read_seconds) {
@@ -229,8 +227,8 @@ Outcome track(const TrackArguments& arguments, cullhull::PointSequence& sequence
       track_frame(arguments, names, sequence, tracker, options, outcome);
       if (!report) continue;
       const auto done = static_cast<double>(sequence.index() + 1);
-      report(fmt::format("frame {} of {}, {:.3g} frames/s", sequence.index() + 1,
-                         sequence.frames(), done / watch.seconds())
+      report(fmt::format("frame {} of {}, {:.3g} frames/s", sequence.index() + 1, sequence.frames(),
+                         done / watch.seconds())
                  .c_str(),
              done / total);
     }
@@ -240,43 +238,46 @@ Outcome track(const TrackArguments& arguments, cullhull::PointSequence& sequence
 
 std::string report_of(const TrackArguments& arguments, const cullhull::PointSequence& sequence,
                       Outcome&& o) {
-  Json report = {
-      {"version", CULLHULL_VERSION},
-      {"points",
-       {{"count", o.count}, {"dimension", o.dimension}, {"scalar", cullhull::scalar_name(o.scalar)}}},
-      {"format", sequence.format()},
-      {"threads", o.threads},
-      {"backend", "cpu"},
-      {"cull", arguments.run.cull},
-      {"frames", std::move(o.frames)},
-      {"totals",
-       {{"frames", sequence.frames()},
-        {"failed_frames", o.failed},
-        {"led_frames", o.led},
-        {"scan_share", o.share(o.scan_survivors)},
-        {"survivor_share", o.share(o.survivors)},
-        {"read_seconds", o.read},
-        {"scan_seconds", o.scan},
-        {"cull_seconds", o.cull},
-        {"hull_seconds", o.hull},
-        {"compute_seconds", o.compute},
-        {"frames_per_second", o.frames_per_second()}}},
-      {"peak_bytes", peak_bytes()}};
+  Json report = {{"version", CULLHULL_VERSION},
+                 {"points",
+                  {{"count", o.count},
+                   {"dimension", o.dimension},
+                   {"scalar", cullhull::scalar_name(o.scalar)}}},
+                 {"format", sequence.format()},
+                 {"threads", o.threads},
+                 {"backend", "cpu"},
+                 {"cull", arguments.run.cull},
+                 {"frames", std::move(o.frames)},
+                 {"totals",
+                  {{"frames", sequence.frames()},
+                   {"failed_frames", o.failed},
+                   {"led_frames", o.led},
+                   {"scan_share", o.share(o.scan_survivors)},
+                   {"survivor_share", o.share(o.survivors)},
+                   {"read_seconds", o.read},
+                   {"scan_seconds", o.scan},
+                   {"cull_seconds", o.cull},
+                   {"hull_seconds", o.hull},
+                   {"compute_seconds", o.compute},
+                   {"frames_per_second", o.frames_per_second()}}},
+                 {"peak_bytes", peak_bytes()}};
   if (o.certified) report["certified"] = *o.certified;
   return report.dump(1) + "\n";
 }
 
 std::string summary(const cullhull::PointSequence& sequence, const Outcome& o) {
-  std::string text = fmt::format("frames     {}, {}\n", grouped(sequence.frames()), sequence.format());
+  std::string text =
+      fmt::format("frames     {}, {}\n", grouped(sequence.frames()), sequence.format());
   if (o.done > 0) {
     text += fmt::format("points     {} x {}, {}\n", grouped(o.count), o.dimension,
                         cullhull::scalar_name(o.scalar));
-    text += fmt::format("led        {} frames by the one before; of their points {:.3g} % survive "
-                        "the scan, {:.3g} % growth\n",
-                        grouped(o.led), 100 * o.share(o.scan_survivors), 100 * o.share(o.survivors));
+    text += fmt::format(
+        "led        {} frames by the one before; of their points {:.3g} % survive "
+        "the scan, {:.3g} % growth\n",
+        grouped(o.led), 100 * o.share(o.scan_survivors), 100 * o.share(o.survivors));
     text += fmt::format("vertices   {} to {}\n", grouped(o.fewest), grouped(o.most));
-    text += fmt::format("seconds    {:.6f} = cull {:.6f} + hull {:.6f}; reading {:.6f}\n", o.compute,
-                        o.cull, o.hull, o.read);
+    text += fmt::format("seconds    {:.6f} = cull {:.6f} + hull {:.6f}; reading {:.6f}\n",
+                        o.compute, o.cull, o.hull, o.read);
     text += fmt::format("mean       {:.6f} a frame, {:.4g} frames/s\n",
                         o.compute / static_cast<double>(o.done), o.frames_per_second());
   }
@@ -318,7 +319,8 @@ Command add_track(CLI::App& parent) {
   auto a = std::make_shared<TrackArguments>();
   CLI::App& command =
       *parent.add_subcommand("track", "The exact convex hulls of moving points, frame by frame");
-  command.add_option("SEQUENCE", a->inputs, "An array (frames, n, d), or files, a folder, a pattern")
+  command
+      .add_option("SEQUENCE", a->inputs, "An array (frames, n, d), or files, a folder, a pattern")
       ->type_name("")
       ->required();
   allow_words(*command.add_option("--input-format", a->format,
@@ -327,13 +329,15 @@ Command add_track(CLI::App& parent) {
   command.add_option("-o,--output", a->output, "Write each frame's hull")
       ->type_name("PATTERN|FOLDER");
   command
-      .add_option("--json", a->json, "What happened in each frame as JSON, on standard output or to FILE")
+      .add_option("--json", a->json,
+                  "What happened in each frame as JSON, on standard output or to FILE")
       ->type_name("[=FILE]");
   a->run.add_to(command, true);
   command.add_flag("--certify", a->certify,
                    "Check each hull exactly, by none of the engine's code");
-  command.add_flag("--keep-going", a->keep_going,
-                   "Go on after frames with points that are not finite; the exit status is still 1");
+  command.add_flag(
+      "--keep-going", a->keep_going,
+      "Go on after frames with points that are not finite; the exit status is still 1");
   command.footer(footer);
   return [a] { return run(*a); };
 }

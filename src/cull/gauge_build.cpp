@@ -30,8 +30,7 @@ class Builder final : public GaugeCones {
   bool build(const GaugeSettings& settings, GaugeTable& t) {
     if (!walk_.prepare()) return false;
     // cells x interpolation error: see docs/exactness.md. Beyond a quarter nothing would be culled.
-    const double allowance =
-        (1 + 0x1p-40) * walk_.lipschitz() * ((D - 1) * 0x1p-19 + D * 0x1p-23);
+    const double allowance = (1 + 0x1p-40) * walk_.lipschitz() * ((D - 1) * 0x1p-19 + D * 0x1p-23);
     if (!(allowance < 0.25)) return false;
     allowance_ = allowance;
 
@@ -111,7 +110,8 @@ class Builder final : public GaugeCones {
                                      {0.6, 6250, 65536},
                                      {0.25, 12288, 65536}};
     const Rule& rule = rules[D - 2];
-    const double nodes = std::clamp(share * rule.per_facet * walk_.facet_count(), rule.least, rule.most);
+    const double nodes =
+        std::clamp(share * rule.per_facet * walk_.facet_count(), rule.least, rule.most);
     const double edge = std::pow(nodes / (2 * D), 1.0 / (D - 1));
     return std::max(2U, static_cast<unsigned>(edge + 0.5) - 1);
   }

@@ -28,8 +28,7 @@ std::unique_ptr<GaugeMap> GaugeMap::build(InnerPolytope polytope, const GaugeSet
 
 std::vector<std::uint64_t> GaugeMap::outside_cones(const std::vector<double>& rows,
                                                    const std::vector<char>& certain,
-                                                   unsigned threads,
-                                                   const Control& control) const {
+                                                   unsigned threads, const Control& control) const {
   if (table_->cones == nullptr)
     throw Error(ErrorCode::internal, "the gauge map was built without cones");
   constexpr std::uint64_t block = 2048;

@@ -27,9 +27,9 @@ struct GaugeSettings {
   double share = 1;  ///< times this.
   /// Keeps the polytope, so that outside_cones() can be asked.
   bool cones = false;
-  /// False: the facets are only near those of a convex polytope, a surface that has moved, say. They
-  /// are used where each direction from the centre meets one of them; else there is no map. Needs
-  /// cones.
+  /// False: the facets are only near those of a convex polytope, a surface that has moved, say.
+  /// They are used where each direction from the centre meets one of them; else there is no map.
+  /// Needs cones.
   bool convex = true;
   unsigned threads = 1;
 };

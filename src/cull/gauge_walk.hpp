@@ -1,5 +1,5 @@
-// A polytope seen from a point inside: the cones over its facets, and the walk from cone to cone that
-// bounds the gauge of any direction (docs/exactness.md, G1 and G2).
+// A polytope seen from a point inside: the cones over its facets, and the walk from cone to cone
+// that bounds the gauge of any direction (docs/exactness.md, G1 and G2).
 #pragma once
 
 #include <algorithm>
@@ -23,8 +23,8 @@ struct GaugeBound {
 
 /// The frame is y = (x - centre) * scale, scale powers of two, |y| <= 1 on the polytope.
 ///
-/// Nothing here trusts a facet. Whatever weights mu >= 0 on input points q are found for a direction
-/// v, the residual r = v - sum mu q is bounded, and
+/// Nothing here trusts a facet. Whatever weights mu >= 0 on input points q are found for a
+/// direction v, the residual r = v - sum mu q is bounded, and
 ///   g(v) <= sum mu + L |r|_1,   L >= max g(+-e_j),
 /// holds for the gauge of the hull of those points. The facets only lead to good weights.
 template <unsigned D>
@@ -216,8 +216,7 @@ class ConeWalk {
     for (unsigned j = 0; j < D; ++j) {
       if (volume > 0) centre_[j] += shift[j] / volume / scale_[j];
       const double single = static_cast<float>(centre_[j]);
-      if (std::abs(single - centre_[j]) * scale_[j] <= 0x1p-7)
-        centre_[j] = single;
+      if (std::abs(single - centre_[j]) * scale_[j] <= 0x1p-7) centre_[j] = single;
     }
     return apply_centre();
   }

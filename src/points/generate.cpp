@@ -144,8 +144,8 @@ void bumpy_point(const Job& job, RandomStream& random, std::uint64_t, double* ro
     const double q = 1 - (1 - s) / bump.width;
     if (q > 0) radius *= 1 + bump.height * q * q * q;
   }
-  // Fine relief, like scales or a fleece: without it a seventh of the points would be extreme, which
-  // no scanned body shows.
+  // Fine relief, like scales or a fleece: without it a seventh of the points would be extreme,
+  // which no scanned body shows.
   double relief = 1;
   for (std::uint32_t j = 0; j < std::min(job.dimension, 3U); ++j)
     relief *= internal::turn_by(10 * row[j] + 0.1 * j).sine;

@@ -226,8 +226,8 @@ void MovingPoints::frame(std::uint64_t index, double* out) const {
     m.teleport(index, out);
     return;
   }
-  const double time = m.frames > 1 ? static_cast<double>(index) / static_cast<double>(m.frames - 1)
-                                   : 0;
+  const double time =
+      m.frames > 1 ? static_cast<double>(index) / static_cast<double>(m.frames - 1) : 0;
   internal::for_each_chunk(m.count, 4096, internal::resolve_threads(0),
                            [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                              for (std::uint64_t i = begin; i < end; ++i) {

@@ -19,7 +19,9 @@ class FacetCursor {
     // Facets are numbered by their first simplices: the first one not numbered lower is facet_'s.
   }
   std::strong_ordering compare(const FacetCursor& b) const {
-    const auto row = [](const FacetCursor& c) { return c.hull_.simplices.data() + c.simplex_ * c.k_; };
+    const auto row = [](const FacetCursor& c) {
+      return c.hull_.simplices.data() + c.simplex_ * c.k_;
+    };
     return std::lexicographical_compare_three_way(row(*this), row(*this) + k_, row(b),
                                                   row(b) + b.k_);
   }
@@ -50,7 +52,8 @@ std::vector<std::uint64_t> ascending_vertices(const Hull& hull) {
 }
 
 void count_changes(const Hull& before, const Hull& after, FrameReport& report) {
-  const std::vector<std::uint64_t> old = ascending_vertices(before), now = ascending_vertices(after);
+  const std::vector<std::uint64_t> old = ascending_vertices(before),
+                                   now = ascending_vertices(after);
   std::uint64_t stayed = 0;
   for (auto a = old.begin(), b = now.begin(); a != old.end() && b != now.end();) {
     if (*a == *b) {

@@ -65,7 +65,8 @@ bool filter_by_leaders(const PointView& points, const Hull& last,
     throw;
   }
   run.control.report("scan", 0);
-  GaugeSettings settings{.share = map_share, .cones = true, .convex = false, .threads = run.threads};
+  GaugeSettings settings{
+      .share = map_share, .cones = true, .convex = false, .threads = run.threads};
   std::unique_ptr<GaugeMap> map;
   if (last.affine_dimension == static_cast<int>(d))
     map = GaugeMap::build(moved_surface(last, leaders, std::vector<double>(rows), run), settings);
@@ -83,7 +84,9 @@ bool filter_by_leaders(const PointView& points, const Hull& last,
   gather_survivors(points, result, run);
   const auto left = static_cast<double>(result.first_pass);
   if (left <= coherent_share * static_cast<double>(points.count))
-    keep_of_survivors(result, d, map->outside_cones(result.rows, mark_leaders(result.survivors.ids, leaders), run.threads, run.control));
+    keep_of_survivors(result, d,
+                      map->outside_cones(result.rows, mark_leaders(result.survivors.ids, leaders),
+                                         run.threads, run.control));
   refine_by_sample(result, d, run);
   return true;
 }

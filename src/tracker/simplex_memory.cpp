@@ -159,7 +159,8 @@ Filtered SimplexMemory::filter(const PointView& points, const Run& run, bool& le
     clear();
     dimension_ = points.dimension;
     SimplexRecord found;
-    result.survivors.ids = pseudo_hull_survivors(points, {}, run.threads, run.control, nullptr, &found);
+    result.survivors.ids =
+        pseudo_hull_survivors(points, {}, run.threads, run.control, nullptr, &found);
     remember(found, nullptr, points.count);
   }
   scan_seconds = led ? seconds_since(start) : 0;

@@ -47,8 +47,8 @@ namespace {
 using testing_support::canonical_hash;
 using Rows = std::vector<double>;
 
-constexpr CullMethod methods[] = {CullMethod::automatic, CullMethod::gauge,
-                                  CullMethod::pseudo_hull, CullMethod::none};
+constexpr CullMethod methods[] = {CullMethod::automatic, CullMethod::gauge, CullMethod::pseudo_hull,
+                                  CullMethod::none};
 
 std::uint64_t static_hash(const PointView& points) {
   Options options;
@@ -141,9 +141,8 @@ TEST(HullTracker, BodiesThroughOneAnotherAndPointsThatLeave) {
   const Rows rest = generate("bumpy", 16000, 3, 5);
   std::vector<Rows> passing, leaving;
   for (int f = 0; f <= 6; ++f) {
-    passing.push_back(mapped(rest, 3, [&](std::uint64_t i, double* x) {
-      x[0] += (i % 2 == 0 ? 1 : -1) * (f - 3.0);
-    }));
+    passing.push_back(mapped(
+        rest, 3, [&](std::uint64_t i, double* x) { x[0] += (i % 2 == 0 ? 1 : -1) * (f - 3.0); }));
     leaving.push_back(mapped(rest, 3, [&](std::uint64_t i, double* x) {
       if (i % 97 == 0)
         for (int j = 0; j < 3; ++j) x[j] *= 1 + 0.5 * std::abs(f % 4 - 2);
@@ -259,8 +258,7 @@ TEST(HullTracker, ReportsWhatCameAndWent) {
     for (int j = 0; j < 3; ++j) rows[3 * gone + static_cast<std::uint64_t>(j)] = 0;
     const Hull& last = tracker.update(rows_of(rows, 3));
     EXPECT_EQ(tracker.report().vertices_went, 1U);
-    EXPECT_EQ(last.vertices.size(),
-              first.vertices.size() - 1 + tracker.report().vertices_came);
+    EXPECT_EQ(last.vertices.size(), first.vertices.size() - 1 + tracker.report().vertices_came);
     EXPECT_GT(tracker.report().facets_went, 2U);
     EXPECT_LT(tracker.report().facets_went, first.facet_count() / 4);
   }

@@ -1,6 +1,5 @@
 // The cull is sound: a point is dropped only if it lies strictly inside the polytope, exactly.
 #include "cull/gauge_map.hpp"
-#include "predicates/orientation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,6 +9,7 @@
 #include <string>
 
 #include "cullhull/options.hpp"
+#include "predicates/orientation.hpp"
 #include "tests/reference/slow_hull.hpp"
 
 namespace cullhull::internal {
