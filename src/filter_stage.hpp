@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
-#include "cull/gauge_map.hpp"
+#include "control.hpp"
 #include "cullhull/cull.hpp"
-#include "run.hpp"
 
 namespace cullhull::internal {
 
@@ -20,23 +20,22 @@ struct Filtered {
 /// Runs the filter the options ask for. Points that are not finite always survive, so that the
 /// gathering of survivors reports them; `rows` has been checked. A sample whose hull would exceed
 /// the budget gives no map; survivors that exceed it are Error{out_of_budget}.
-Filtered run_filter(const PointView& points, const Run& run);
+Filtered run_filter(const PointView& points, const Options& options, const Control& control,
+                    unsigned threads, std::uint64_t budget);
 
-// Its parts, for filters that begin otherwise.
+/// Why the gauge map is not even tried; empty if it is.
+std::string why_no_filter(CullMethod method, std::uint64_t count, unsigned d);
 
-/// The exact hull of some input points, as the filter wants it; dimension 0 if they lie in a flat
-/// or the hull would exceed the budget.
-InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, const Run& run);
+/// Culls the survivors of a first map, whose rows are there, by a second one if it pays.
+void refine_survivors(Filtered& result, unsigned d, const Control& control, unsigned threads,
+                      std::uint64_t budget);
 
 /// Fetches the coordinates of survivors of a first pass. Throws Error{not_finite} for the first bad
 /// point.
-void gather_survivors(const PointView& points, Filtered& result, const Run& run);
+void gather_survivors(const PointView& points, Filtered& result, const Control& control,
+                      unsigned threads, std::uint64_t budget);
 
 /// Leaves of the survivors those with the given positions among them.
 void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept);
-
-/// A second pass over survivors that are at hand, with a map from a sample of them, if there are
-/// enough of them to be worth it.
-void refine_by_sample(Filtered& result, unsigned d, const Run& run);
 
 }  // namespace cullhull::internal

@@ -35,7 +35,7 @@ class Builder final : public GaugeCones {
     allowance_ = allowance;
 
     t.dimension = D;
-    t.cells = settings.resolution != 0 ? settings.resolution : automatic_cells(settings.share);
+    t.cells = settings.resolution != 0 ? settings.resolution : automatic_cells(settings);
     cells_ = t.cells;
     face_ = power(t.cells + 1, D - 1);
     if (2 * D * face_ >= (std::uint64_t{1} << 23)) return false;  // the kernel's indices are floats
@@ -99,7 +99,7 @@ class Builder final : public GaugeCones {
 
   /// Nodes in proportion to facets, the fewest where more would keep hardly fewer points
   /// (measured on balls), the most a share of L2.
-  unsigned automatic_cells(double share) const {
+  unsigned automatic_cells(const GaugeSettings& settings) const {
     struct Rule {
       double per_facet;
       double least, most;
@@ -110,10 +110,14 @@ class Builder final : public GaugeCones {
                                      {0.6, 6250, 65536},
                                      {0.25, 12288, 65536}};
     const Rule& rule = rules[D - 2];
-    const double nodes =
-        std::clamp(share * rule.per_facet * walk_.facet_count(), rule.least, rule.most);
+    const std::uint32_t most_nodes = settings.most_nodes;
+    const double most = most_nodes > 0 ? std::min<double>(most_nodes, rule.most) : rule.most;
+    const double nodes = std::clamp(settings.share * rule.per_facet * walk_.facet_count(),
+                                    rule.least, std::max(rule.least, most));
     const double edge = std::pow(nodes / (2 * D), 1.0 / (D - 1));
-    return std::max(2U, static_cast<unsigned>(edge + 0.5) - 1);
+    unsigned cells = std::max(2U, static_cast<unsigned>(edge + 0.5) - 1);
+    while (most_nodes > 0 && cells > 2 && 2 * D * power(cells + 1, D - 1) > most_nodes) --cells;
+    return cells;
   }
 
   void fill_constants(GaugeTable& t, std::uint64_t face) const {

@@ -18,6 +18,8 @@ struct GaugeMap::Table : GaugeTable {
 GaugeMap::GaugeMap(std::unique_ptr<Table> table) : table_(std::move(table)) {}
 GaugeMap::~GaugeMap() = default;
 
+const GaugeTable& GaugeMap::table() const noexcept { return *table_; }
+
 std::unique_ptr<GaugeMap> GaugeMap::build(InnerPolytope polytope, const GaugeSettings& settings) {
   auto table = std::make_unique<Table>();
   if (!build_gauge_table(std::move(polytope), settings, *table,

@@ -21,4 +21,8 @@ void load_row(const PointView& view, std::uint64_t point, double* out);
 /// Throws as gather_points does; ids: nullptr means all points. Memory O(threads).
 void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, unsigned threads);
 
+/// The same for packed rows that are copies of points: row i is point names[i], or i if null.
+void check_rows_finite(const double* rows, std::uint64_t count, unsigned dimension,
+                       const std::uint64_t* names, unsigned threads);
+
 }  // namespace cullhull::internal

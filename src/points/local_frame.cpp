@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "predicates/orientation.hpp"
 
@@ -23,17 +25,71 @@ int lowest_bit_exponent(double v) {
 }
 
 /// Takes from r its components along the first `rank` of the orthonormal rows of `basis`; the
-/// square of what is left.
-double remove_components(std::vector<double>& r, const std::vector<double>& basis, unsigned rank) {
-  const std::size_t d = r.size();
+/// square of what is left. D: the dimension where it is known early, else 0.
+template <unsigned D>
+double remove_components(double* r, unsigned dimension, const double* basis, unsigned rank) {
+  const unsigned d = D ? D : dimension;
   for (unsigned b = 0; b < rank; ++b) {
     double dot = 0;
-    for (std::size_t j = 0; j < d; ++j) dot += r[j] * basis[b * d + j];
-    for (std::size_t j = 0; j < d; ++j) r[j] -= dot * basis[b * d + j];
+    for (unsigned j = 0; j < d; ++j) dot += r[j] * basis[b * d + j];
+    for (unsigned j = 0; j < d; ++j) r[j] -= dot * basis[b * d + j];
   }
   double square = 0;
-  for (const double v : r) square += v * v;
+  for (unsigned j = 0; j < d; ++j) square += r[j] * r[j];
   return square;
+}
+
+/// The point (every `stride`-th of them) farthest from the flat through `origin` along `basis`.
+template <unsigned D>
+std::uint32_t farthest_row(const double* rows, std::uint32_t count, unsigned dimension,
+                           std::uint32_t origin, const double* basis, unsigned rank,
+                           std::uint32_t stride) {
+  const unsigned d = D ? D : dimension;
+  const double* o = rows + std::size_t{origin} * d;
+  double few[D ? D : 1];
+  std::vector<double> many(D ? 0 : d);
+  double* r = D ? few : many.data();
+  double best = -1;
+  std::uint32_t best_point = origin;
+  for (std::uint64_t i = 0; i < count; i += stride) {
+    const double* p = rows + i * d;
+    for (unsigned j = 0; j < d; ++j) r[j] = p[j] - o[j];
+    const double square = remove_components<D>(r, d, basis, rank);
+    if (square > best) {
+      best = square;
+      best_point = static_cast<std::uint32_t>(i);
+    }
+  }
+  return best_point;
+}
+
+/// Whether doubles and `orientation` can tell that p[1 .. rank] - p[0] are independent: on the axes
+/// that elimination in doubles chooses they must have a determinant. False means nothing.
+bool surely_independent(unsigned d, const double* const* p, unsigned rank) {
+  std::vector<double> m(std::size_t{rank} * d);
+  for (unsigned i = 0; i < rank; ++i)
+    for (unsigned j = 0; j < d; ++j) m[std::size_t{i} * d + j] = p[i + 1][j] - p[0][j];
+  std::vector<unsigned> axes(d);
+  for (unsigned j = 0; j < d; ++j) axes[j] = j;
+  for (unsigned r = 0; r < rank && rank < d; ++r) {
+    double* row = m.data() + std::size_t{r} * d;
+    for (unsigned j = r + 1; j < d; ++j)
+      if (std::abs(row[axes[j]]) > std::abs(row[axes[r]])) std::swap(axes[j], axes[r]);
+    const double pivot = row[axes[r]];
+    if (!(std::abs(pivot) > 0)) return false;
+    for (unsigned i = r + 1; i < rank; ++i) {
+      double* other = m.data() + std::size_t{i} * d;
+      const double factor = other[axes[r]] / pivot;
+      for (unsigned j = r; j < d; ++j) other[axes[j]] -= factor * row[axes[j]];
+    }
+  }
+  std::vector<double> packed(std::size_t{rank + 1} * rank);
+  std::vector<const double*> rows(rank + 1);
+  for (unsigned i = 0; i <= rank; ++i) {
+    rows[i] = packed.data() + std::size_t{i} * rank;
+    for (unsigned j = 0; j < rank; ++j) packed[std::size_t{i} * rank + j] = p[i][axes[j]];
+  }
+  return orientation(rank, rows.data()) != Sign::zero;
 }
 
 }  // namespace
@@ -148,36 +204,38 @@ void LocalFrame::find_simplex(const std::vector<double>& scaled) {
     std::vector<double> r(d);
     for (unsigned j = 0; j < d; ++j)
       r[j] = scaled[std::size_t{next} * d + j] - scaled[std::size_t{first} * d + j];
-    remove_components(r, basis, rank);
-    const double norm = std::sqrt(remove_components(r, basis, rank));
+    remove_components<0>(r.data(), d, basis.data(), rank);
+    const double norm = std::sqrt(remove_components<0>(r.data(), d, basis.data(), rank));
     for (unsigned j = 0; j < d; ++j) basis.push_back(norm > 0 ? r[j] / norm : 0);
   }
   affine_dimension_ = static_cast<int>(simplex_.size()) - 1;
+  if (affine_dimension_ == static_cast<int>(d)) {
+    axes_.resize(d);
+    std::iota(axes_.begin(), axes_.end(), 0U);
+    return;
+  }
   std::vector<const double*> p;
   for (const std::uint32_t v : simplex_) p.push_back(raw_.data() + std::size_t{v} * d);
   axes_.resize(static_cast<std::size_t>(affine_dimension_));
   affine_rank_exact(d, p.data(), static_cast<unsigned>(p.size()), axes_.data());
 }
 
-/// The point (every `stride`-th of them) farthest from the flat through simplex_[0] along `basis`.
 std::uint32_t LocalFrame::farthest(const std::vector<double>& scaled,
                                    const std::vector<double>& basis, unsigned rank,
                                    std::uint32_t stride) const {
-  const unsigned d = dimension_;
-  const double* origin = scaled.data() + std::size_t{simplex_[0]} * d;
-  std::vector<double> r(d);
-  double best = -1;
-  std::uint32_t best_point = simplex_[0];
-  for (std::uint64_t i = 0; i < count_; i += stride) {
-    const double* p = scaled.data() + i * d;
-    for (unsigned j = 0; j < d; ++j) r[j] = p[j] - origin[j];
-    const double square = remove_components(r, basis, rank);
-    if (square > best) {
-      best = square;
-      best_point = static_cast<std::uint32_t>(i);
-    }
+  const auto run = [&](auto search) {
+    return search(scaled.data(), count_, dimension_, simplex_[0], basis.data(), rank, stride);
+  };
+  switch (dimension_) {
+    case 2:
+      return run(farthest_row<2>);
+    case 3:
+      return run(farthest_row<3>);
+    case 4:
+      return run(farthest_row<4>);
+    default:
+      return run(farthest_row<0>);
   }
-  return best_point;
 }
 
 bool LocalFrame::independent(std::uint32_t candidate) {
@@ -185,7 +243,8 @@ bool LocalFrame::independent(std::uint32_t candidate) {
   for (const std::uint32_t v : simplex_) p.push_back(raw_.data() + std::size_t{v} * dimension_);
   p.push_back(raw_.data() + std::size_t{candidate} * dimension_);
   const auto n = static_cast<unsigned>(p.size());
-  return affine_rank_exact(dimension_, p.data(), n) == n - 1;
+  return surely_independent(dimension_, p.data(), n - 1) ||
+         affine_rank_exact(dimension_, p.data(), n) == n - 1;
 }
 
 /// Some point off the flat of simplex_, or count_ if there is none: exact for every point.

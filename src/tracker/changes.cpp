@@ -46,7 +46,7 @@ class FacetCursor {
 }  // namespace
 
 std::vector<std::uint64_t> ascending_vertices(const Hull& hull) {
-  std::vector<std::uint64_t> ids = hull.vertices;
+  std::vector<std::uint64_t> ids(hull.vertices.begin(), hull.vertices.end());
   if (hull.affine_dimension == 2) std::sort(ids.begin(), ids.end());
   return ids;
 }

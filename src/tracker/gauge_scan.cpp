@@ -7,6 +7,7 @@
 #include "cull/gauge_map.hpp"
 #include "pipeline.hpp"
 #include "points/gather.hpp"
+#include "sample_map.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -37,7 +38,7 @@ InnerPolytope moved_surface(const Hull& hull, const std::vector<std::uint64_t>& 
   InnerPolytope p;
   p.dimension = hull.dimension;
   p.vertices = std::move(rows);
-  p.neighbours = hull.simplex_neighbours;
+  p.neighbours.assign(hull.simplex_neighbours.begin(), hull.simplex_neighbours.end());
   p.facets.resize(hull.simplices.size());
   for_each_chunk(hull.simplices.size(), 8192, run.threads,
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
@@ -72,7 +73,8 @@ bool filter_by_leaders(const PointView& points, const Hull& last,
     map = GaugeMap::build(moved_surface(last, leaders, std::vector<double>(rows), run), settings);
   if (map == nullptr) {
     settings.convex = true;
-    InnerPolytope polytope = inner_polytope(std::move(rows), d, run);
+    InnerPolytope polytope =
+        inner_polytope(std::move(rows), d, run.threads, run.budget, run.control);
     if (polytope.dimension == 0) return false;
     map = GaugeMap::build(std::move(polytope), settings);
     if (map == nullptr) return false;
@@ -80,14 +82,15 @@ bool filter_by_leaders(const PointView& points, const Hull& last,
   result.survivors.ids = map->survivors(points, run.threads, run.control);
   result.survivors.all = false;
   result.survivors.method = "gauge";
+  result.survivors.reason = "led by the last frame's vertices";
   scan_seconds = seconds_since(start);
-  gather_survivors(points, result, run);
+  gather_survivors(points, result, run.control, run.threads, run.budget);
   const auto left = static_cast<double>(result.first_pass);
   if (left <= coherent_share * static_cast<double>(points.count))
     keep_of_survivors(result, d,
                       map->outside_cones(result.rows, mark_leaders(result.survivors.ids, leaders),
                                          run.threads, run.control));
-  refine_by_sample(result, d, run);
+  refine_survivors(result, d, run.control, run.threads, run.budget);
   return true;
 }
 

@@ -6,6 +6,7 @@
 
 #include "cullhull/hull.hpp"
 #include "filter_stage.hpp"
+#include "run.hpp"
 
 namespace cullhull::internal {
 

@@ -24,7 +24,11 @@ class MovedSimplices {
   /// lie in a flat: no simplex then proves anything.
   bool build(std::vector<double>& corners, unsigned threads) {
     const auto rows = static_cast<std::uint32_t>(corners.size() / D);
-    box_ = axis_extremes<D>(corners.data(), 0, rows);
+    for (std::uint32_t i = 0; i < rows; ++i)
+      for (unsigned k = 0; k < D; ++k) {
+        box_.low[k] = std::min(box_.low[k], corners[std::size_t{i} * D + k]);
+        box_.high[k] = std::max(box_.high[k], corners[std::size_t{i} * D + k]);
+      }
     if (!axis_scales(box_, scale_)) return false;
     simplices_.resize(rows / (D + 1));
     for_each_chunk(simplices_.size(), 512, threads,
@@ -68,7 +72,7 @@ class MovedSimplices {
       const double* corner[D];
       for (unsigned i = 0, at = 0; i <= D; ++i)
         if (i != f) corner[at++] = corners + i * D;
-      PseudoFacet<D> facet;
+      PseudoPlane<D> facet;
       make_plane<D>(corner, corners + f * D, facet);  // an uncertain plane has an infinite error
       std::copy_n(facet.normal, D, simplex.normal[f]);
       simplex.error[f] = facet.error;
@@ -149,6 +153,7 @@ Filtered SimplexMemory::filter(const PointView& points, const Run& run, bool& le
   run.control.report("scan", 0);
   Filtered result;
   result.survivors.method = "pseudo-hull";
+  result.survivors.reason = "filter as asked; the pseudo-hull runs on the CPU";
   led = dimension_ == points.dimension && simplex_of_.size() == points.count && !corners_.empty();
   if (led) {
     result.survivors.ids = scan(points, run);
@@ -164,7 +169,7 @@ Filtered SimplexMemory::filter(const PointView& points, const Run& run, bool& le
     remember(found, nullptr, points.count);
   }
   scan_seconds = led ? seconds_since(start) : 0;
-  gather_survivors(points, result, run);
+  gather_survivors(points, result, run.control, run.threads, run.budget);
   grow(points, result, run);
   return result;
 }

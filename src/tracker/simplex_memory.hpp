@@ -6,6 +6,7 @@
 
 #include "cull/pseudo_hull.hpp"
 #include "filter_stage.hpp"
+#include "run.hpp"
 
 namespace cullhull::internal {
 

@@ -3,7 +3,9 @@
 #include <string>
 #include <utility>
 
+#include "cull/gauge_map.hpp"
 #include "cull/planner.hpp"
+#include "cull/pseudo_hull.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/track.hpp"
 #include "pipeline.hpp"
@@ -65,7 +67,7 @@ struct HullTracker::Impl {
       return filtered;
     }
     if (pause > 0) --pause;
-    return run_filter(points, run);
+    return run_filter(points, run.options, run.control, run.threads, run.budget);
   }
 
   void compute(const PointView& points, std::uint64_t index) {

@@ -1,0 +1,47 @@
+// Many small hulls in one call.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cullhull/hull.hpp"
+#include "cullhull/options.hpp"
+#include "cullhull/point_view.hpp"
+
+namespace cullhull {
+
+/// The hulls of many sets, end to end. Every list holds what the member of the same name in Hull
+/// holds, for one set after another; ids count from the set's first point, facet and simplex
+/// numbers from the set's first facet and simplex.
+struct HullBatch {
+  std::uint32_t dimension = 0;
+  ScalarType scalar = ScalarType::f64;
+  std::vector<std::uint64_t> point_counts;
+  std::vector<std::int32_t> affine_dimensions;
+  std::vector<double> volumes, areas;
+  std::vector<double> centroids;  ///< sets x dimension; zeros for an empty set
+
+  Lists<std::uint64_t> vertices;               ///< one list a set
+  std::vector<std::uint64_t> facet_starts{0};  ///< set i: facets [facet_starts[i], ...[i + 1])
+  Lists<std::uint64_t> facets;                 ///< one list a facet
+  Lists<std::uint32_t> facet_neighbours;       ///< one list a facet
+  std::vector<double> facet_planes;            ///< facets x (dimension + 1)
+  Lists<std::uint64_t> simplices;              ///< one list a set, affine dimension ids a simplex
+  Lists<std::uint32_t> simplex_neighbours;     ///< as `simplices`
+  Lists<std::uint32_t> simplex_facets;         ///< one list a set
+
+  std::size_t size() const noexcept { return point_counts.size(); }
+  /// Set i alone, as convex_hull gives it but for `statistics`. Throws std::out_of_range.
+  Hull hull(std::size_t i) const;
+};
+
+/// The exact hulls of the sets [offsets[i], offsets[i + 1]) of `points`, i < set_count: the same
+/// results as one convex_hull a set, whatever the number of threads. offsets has set_count + 1
+/// entries, ascending, at most points.count; else Error{invalid_argument}. Errors of a set name it
+/// (the first set with one) and the point within it. options.cull and options.backend are for large
+/// sets; small ones are not filtered. Sets are spread over all cores, so this pays for many small
+/// ones: for a few large ones, convex_hull on each uses the cores better.
+HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
+                       std::uint64_t set_count, const Options& options = {});
+
+}  // namespace cullhull

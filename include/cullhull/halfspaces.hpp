@@ -1,0 +1,44 @@
+// The intersection of halfspaces, by the hull of its dual points.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cullhull/hull.hpp"
+#include "cullhull/options.hpp"
+#include "cullhull/point_view.hpp"
+
+namespace cullhull {
+
+/// A polyhedron given by halfspaces a . x + b <= 0, row i being (a_1, ..., a_d, b).
+struct HalfspaceIntersection {
+  std::uint32_t dimension = 0;
+  /// The centre of duality, strictly inside every halfspace.
+  std::vector<double> interior_point;
+  /// -a / (a . interior_point + b) for every halfspace.
+  std::vector<double> dual_points;
+  /// The exact hull of `dual_points`. Its vertices are the halfspaces that bound the polyhedron
+  /// (if it is bounded: all others are redundant), its facets are the polyhedron's vertices.
+  Hull dual;
+  /// False where the polyhedron goes on for ever: the interior point is then not inside `dual`.
+  bool bounded = false;
+  /// Row f is the vertex dual to facet f of `dual`; NaN for a facet that the polyhedron has no
+  /// vertex for (only where it is not bounded).
+  std::vector<double> vertices;
+};
+
+/// `halfspaces`: a view of d + 1 columns (so dimension d + 1), d >= 1. `interior_point`: d doubles
+/// strictly inside, or null: then the centre of a largest inscribed ball is found by linear
+/// programming (any point of it where balls grow for ever).
+///
+/// The dual points are rounded to doubles, a few units in the last place each; of these rounded
+/// halfspaces the combinatorics are exact. Errors: not_finite; invalid_argument where the point
+/// given is not strictly inside all halfspaces, where none could be found (the intersection is
+/// empty, or too thin for doubles), or where a row has a = 0. Cost: that of convex_hull of as many
+/// points; the linear program takes O(d) passes over the rows or so. Source: Preparata and Shamos,
+/// Computational Geometry, 1985, section 7.3 (duality); the centre by the dual simplex method.
+HalfspaceIntersection intersect_halfspaces(const PointView& halfspaces,
+                                           const double* interior_point = nullptr,
+                                           const Options& options = {});
+
+}  // namespace cullhull

@@ -1,0 +1,59 @@
+// Cells of directions: a grid on the faces of the cube around the origin.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace cullhull::internal {
+
+class DirectionCube {
+ public:
+  DirectionCube() = default;
+  /// About `cells` cells in R^k; none (empty()) where that leaves fewer than two along an edge.
+  DirectionCube(unsigned k, double cells) : k_(k) {
+    if (k < 2) return;
+    const double r = std::pow(cells / (2.0 * k), 1.0 / (k - 1));
+    resolution_ = r < 2 ? 0 : static_cast<unsigned>(r);
+    per_face_ = 1;
+    for (unsigned j = 1; j < k; ++j) per_face_ *= resolution_;
+  }
+  bool empty() const { return resolution_ == 0; }
+  std::size_t size() const { return 2 * k_ * per_face_; }
+
+  /// Face 2 j + (x_j < 0), then row-major on the other axes. Any x; the zero vector is in some
+  /// cell.
+  std::size_t cell(const double* x) const {
+    unsigned axis = 0;
+    for (unsigned j = 1; j < k_; ++j)
+      if (std::fabs(x[j]) > std::fabs(x[axis])) axis = j;
+    const double half = 0.5 * resolution_, scale = half / std::fabs(x[axis]);
+    std::size_t cell = 2 * axis + (x[axis] < 0);
+    for (unsigned j = 0; j < k_; ++j) {
+      if (j == axis) continue;
+      // Comparisons first: a NaN (0 times infinity) becomes 0.
+      const double at = x[j] * scale + half;
+      const double top = resolution_ - 1.0;
+      cell = cell * resolution_ + static_cast<std::size_t>(at > 0 ? std::min(at, top) : 0.0);
+    }
+    return cell;
+  }
+
+  void centre(std::size_t cell, double* x) const {
+    const std::size_t face = cell / per_face_;
+    const auto axis = static_cast<unsigned>(face / 2);
+    x[axis] = face % 2 ? -1 : 1;
+    std::size_t rest = cell % per_face_;
+    for (unsigned j = k_; j-- > 0;) {
+      if (j == axis) continue;
+      x[j] = (2.0 * static_cast<double>(rest % resolution_) + 1) / resolution_ - 1;
+      rest /= resolution_;
+    }
+  }
+
+ private:
+  unsigned k_ = 0, resolution_ = 0;
+  std::size_t per_face_ = 0;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,405 @@
+#include "query/facet_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "cullhull/error.hpp"
+#include "predicates/orientation.hpp"
+#include "result/cofactors.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Cofactor normal of the simplex `corners` and a bound for its rounding: the computed N . d is off
+/// by at most reach * max|d| + determinant_tiny.
+template <unsigned K>
+void plane_of(const double* points, const std::uint32_t* corners, double* normal, double& reach) {
+  double edges[K > 1 ? K - 1 : 1][K], out[K];
+  const double* origin = points + std::size_t{corners[0]} * K;
+  reach = determinant_error(K);
+  for (unsigned i = 1; i < K; ++i) {
+    const double* p = points + std::size_t{corners[i]} * K;
+    double largest = 0;
+    for (unsigned c = 0; c < K; ++c) {
+      edges[i - 1][c] = p[c] - origin[c];
+      largest = std::max(largest, std::fabs(edges[i - 1][c]));
+    }
+    reach *= largest;
+  }
+  cofactors<K>(edges, out);
+  std::copy(out, out + K, normal);
+}
+
+using PlaneOf = void (*)(const double*, const std::uint32_t*, double*, double&);
+constexpr PlaneOf planes_of[] = {nullptr,     nullptr,     plane_of<2>, plane_of<3>, plane_of<4>,
+                                 plane_of<5>, plane_of<6>, plane_of<7>, plane_of<8>};
+
+/// What underflow may do to a value: determinant_tiny over the least denominator allowed, and more.
+constexpr double least_denominator = 0x1p-900, value_tiny = 0x1p-90;
+
+double largest_of(const double* x, unsigned k) {
+  double m = 0;
+  for (unsigned j = 0; j < k; ++j) m = std::max(m, std::fabs(x[j]));
+  return m;
+}
+
+}  // namespace
+
+std::uint32_t QueryPoints::index_of(std::uint64_t id) const {
+  const auto at = std::lower_bound(ids.begin(), ids.end(), id);
+  return static_cast<std::uint32_t>(at - ids.begin());
+}
+
+QueryPoints make_query_points(const PointView& points, const Hull& hull) {
+  if (hull.affine_dimension < 0)
+    throw Error(ErrorCode::invalid_argument, "an empty hull answers no questions");
+  if (points.dimension != hull.dimension || points.count != hull.point_count)
+    throw Error(ErrorCode::invalid_argument, "these are not the points the hull was computed from");
+  QueryPoints q;
+  q.dimension = hull.dimension;
+  q.k = static_cast<unsigned>(hull.affine_dimension);
+  q.ids = hull.vertices;
+  std::sort(q.ids.begin(), q.ids.end());
+  const unsigned d = q.dimension;
+  q.full.resize(q.ids.size() * d);
+  for (std::size_t i = 0; i < q.ids.size(); ++i)
+    for (unsigned j = 0; j < d; ++j) q.full[i * d + j] = points.at(q.ids[i], j) + 0.0;
+  q.low.assign(q.full.begin(), q.full.begin() + d);
+  q.high = q.low;
+  for (std::size_t i = 0; i < q.full.size(); ++i) {
+    q.low[i % d] = std::min(q.low[i % d], q.full[i]);
+    q.high[i % d] = std::max(q.high[i % d], q.full[i]);
+  }
+  // A simplex of the boundary and a vertex off its facet span the flat.
+  q.axes.resize(q.k);
+  if (q.k == d) {
+    for (unsigned j = 0; j < d; ++j) q.axes[j] = j;
+    q.on_axes = q.full;
+    return q;
+  }
+  std::vector<const double*> rows;
+  for (unsigned i = 0; i < q.k; ++i)
+    rows.push_back(q.full.data() + std::size_t{q.index_of(hull.simplices[i])} * d);
+  if (q.k > 0) {
+    const auto first = hull.facets.items.begin();
+    const auto last = first + static_cast<std::ptrdiff_t>(hull.facets.offsets[1]);
+    const auto off = std::find_if(q.ids.begin(), q.ids.end(), [&](std::uint64_t id) {
+      return std::find(first, last, id) == last;
+    });
+    rows.push_back(q.full.data() + (off - q.ids.begin()) * static_cast<std::ptrdiff_t>(d));
+    affine_rank_exact(d, rows.data(), static_cast<unsigned>(rows.size()), q.axes.data());
+  }
+  q.on_axes.resize(q.ids.size() * q.k);
+  for (std::size_t i = 0; i < q.ids.size(); ++i)
+    for (unsigned j = 0; j < q.k; ++j) q.on_axes[i * q.k + j] = q.full[i * d + q.axes[j]];
+  return q;
+}
+
+FacetSearch::FacetSearch(const QueryPoints& points, const Hull& hull)
+    : points_(&points), k_(points.k) {
+  scale_points();
+  copy_neighbours(hull);
+  choose_simplices(hull);
+  exhaustive_ = k_ > 8 || !centre_inside();
+  if (!exhaustive_) fill_hints();
+}
+
+void FacetSearch::scale_points() {
+  const std::size_t n = points_->count();
+  factor_.resize(k_);
+  centre_.assign(k_, 0);
+  scaled_.resize(n * k_);
+  for (unsigned j = 0; j < k_; ++j) {
+    const unsigned a = points_->axes[j];
+    int exponent = 0;
+    std::frexp(std::max(std::fabs(points_->low[a]), std::fabs(points_->high[a])), &exponent);
+    factor_[j] = std::ldexp(1.0, std::min(-exponent, 1023));
+    double sum = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double v = points_->on_axes[i * k_ + j];
+      scaled_[i * k_ + j] = v * factor_[j];
+      scaled_exactly_ = scaled_exactly_ && scaled_[i * k_ + j] / factor_[j] == v;
+      sum += scaled_[i * k_ + j];
+    }
+    centre_[j] = sum / static_cast<double>(n);
+  }
+}
+
+void FacetSearch::copy_neighbours(const Hull& hull) {
+  neighbour_start_.assign(hull.facet_neighbours.offsets.begin(),
+                          hull.facet_neighbours.offsets.end());
+  neighbours_.assign(hull.facet_neighbours.items.begin(), hull.facet_neighbours.items.end());
+}
+
+/// Of each facet's simplices the one whose plane is known best.
+void FacetSearch::choose_simplices(const Hull& hull) {
+  corners_.resize(count() * k_);
+  planes_.assign(count() * stride(), 0);
+  std::vector<std::uint8_t> seen(count(), 0);
+  std::vector<std::uint32_t> corners(k_);
+  std::vector<double> before(stride());
+  for (std::size_t s = 0; s < hull.simplex_count(); ++s) {
+    const std::uint32_t f = hull.simplex_facets[s];
+    for (unsigned i = 0; i < k_; ++i) corners[i] = points_->index_of(hull.simplices[s * k_ + i]);
+    double* plane = planes_.data() + f * stride();
+    std::copy(plane, plane + stride(), before.begin());
+    set_plane(f, corners.data());
+    if (!seen[f] || plane[k_] < before[k_])
+      std::copy(corners.begin(), corners.end(),
+                corners_.begin() + static_cast<std::ptrdiff_t>(std::size_t{f} * k_));
+    else
+      std::copy(before.begin(), before.end(), plane);
+    seen[f] = 1;
+  }
+}
+
+/// With M = max|v0 - c| <= 2, reach as in plane_of and b the computed N . (v0 - c), positive
+/// inside: |b - exact| <= reach M. Dividing N by b first costs one more rounding a product, so
+/// |value - exact| <= e (1.5 max|x| + 2 |exact|), e = reach / b, and for e <= 1/8 at most
+/// 3.03 e (max|x| + |value|) + value_tiny.
+void FacetSearch::set_plane(std::uint32_t f, const std::uint32_t* corners) {
+  double* plane = planes_.data() + f * stride();
+  std::fill(plane, plane + k_, 0.0);
+  plane[k_] = infinity;
+  if (k_ > 8) return;
+  double normal[8], reach = 0;
+  planes_of[k_](scaled_.data(), corners, normal, reach);
+  const double* origin = scaled_.data() + std::size_t{corners[0]} * k_;
+  // The stored orientation is negative inside, so N . (v0 - c) is positive.
+  double b = 0;
+  for (unsigned j = 0; j < k_; ++j) b += normal[j] * (origin[j] - centre_[j]);
+  if (!(b >= least_denominator) || !(reach <= b / 8)) return;
+  for (unsigned j = 0; j < k_; ++j) plane[j] = normal[j] / b;
+  plane[k_] = 3.03 * (reach / b);
+}
+
+/// Facets whose plane doubles know have the centre beneath them; the others are asked exactly.
+bool FacetSearch::centre_inside() const {
+  std::vector<const double*> rows(k_ + 1);
+  for (std::uint32_t f = 0; f < count(); ++f) {
+    if (slack(f) < infinity) continue;
+    if (!scaled_exactly_) return false;
+    for (unsigned i = 0; i < k_; ++i)
+      rows[i] = scaled_.data() + std::size_t{corners_[std::size_t{f} * k_ + i]} * k_;
+    rows[k_] = centre_.data();
+    if (orientation(k_, rows.data()) != Sign::negative) return false;
+  }
+  return true;
+}
+
+bool FacetSearch::localise(const double* q, double* x) const {
+  bool finite = true;
+  for (unsigned j = 0; j < k_; ++j) {
+    x[j] = q[j] * factor_[j] - centre_[j];
+    finite &= std::fabs(x[j]) < 0x1p500;
+  }
+  return finite;
+}
+
+void FacetSearch::localise_direction(const double* direction, double* x) const {
+  for (unsigned j = 0; j < k_; ++j) x[j] = direction[j] * factor_[j];
+}
+
+// ------------------------------------------------------------------------------ where to start
+
+std::uint32_t FacetSearch::hint(const double* x) const {
+  return hints_.empty() ? 0 : hints_[cube_.cell(x)];
+}
+
+void FacetSearch::fill_hints() {
+  constexpr double most_cells = 1 << 17;
+  cube_ = DirectionCube(k_, std::min(most_cells, 2.0 * static_cast<double>(count())));
+  if (cube_.empty()) return;
+  std::vector<std::uint32_t> hints(cube_.size());
+  std::vector<double> x(k_);
+  std::uint32_t last = 0;
+  for (std::size_t cell = 0; cell < hints.size(); ++cell) {
+    cube_.centre(cell, x.data());
+    hints[cell] = last = climb(last, x.data());
+  }
+  hints_ = std::move(hints);
+}
+
+// ------------------------------------------------------------------------------------- climbing
+
+template <unsigned K>
+std::uint32_t FacetSearch::climb_as(std::uint32_t f, const double* x) const {
+  double best = value<K>(f, x);
+  for (;;) {
+    std::uint32_t next = f;
+    for (std::uint32_t i = neighbour_start_[f]; i < neighbour_start_[f + 1]; ++i) {
+      const double v = value<K>(neighbours_[i], x);
+      if (v > best) {
+        best = v;
+        next = neighbours_[i];
+      }
+    }
+    if (next == f) return f;
+    f = next;
+  }
+}
+
+std::uint32_t FacetSearch::climb(std::uint32_t start, const double* x) const {
+  switch (k_) {
+    case 2:
+      return climb_as<2>(start, x);
+    case 3:
+      return climb_as<3>(start, x);
+    case 4:
+      return climb_as<4>(start, x);
+    default:
+      return climb_as<0>(start, x);
+  }
+}
+
+/// Collects the facets that doubles cannot tell from the largest and cannot tell to be above x.
+/// False if some facet is certainly below x (then it is doubt.certain).
+template <unsigned K>
+bool FacetSearch::explore(const double* x, Doubt& doubt) const {
+  const unsigned k = K ? K : k_;
+  const double reach = largest_of(x, k);
+  const auto error = [&](std::uint32_t f, double v) {
+    return slack(f) * (reach + std::fabs(v)) + value_tiny;
+  };
+  // Steepest ascent, stopping at the first facet that sees x.
+  std::uint32_t f = hint(x);
+  double best = value<K>(f, x), rival = 0;  // the largest that a neighbour of f may have
+  for (;;) {
+    if (best > 1 && best - error(f, best) > 1) {
+      doubt.certain = f;
+      return false;
+    }
+    std::uint32_t next = f;
+    rival = 0;
+    for (std::uint32_t i = neighbour_start_[f]; i < neighbour_start_[f + 1]; ++i) {
+      const double v = value<K>(neighbours_[i], x);
+      rival = std::max(rival, v + error(neighbours_[i], v));
+      if (v > best) {
+        best = v;
+        next = neighbours_[i];
+      }
+    }
+    if (next == f) break;
+    f = next;
+  }
+  // The largest is connected to f through facets that may be at least as large as f.
+  const double floor = best - error(f, best);
+  if (rival < floor) {
+    if (!(best + error(f, best) < 1)) doubt.facets.push_back(f);
+    return true;
+  }
+  std::vector<std::uint32_t>& found = doubt.facets;
+  std::vector<std::uint32_t> ring{f};
+  std::vector<std::uint32_t> seen{f};
+  while (!ring.empty()) {
+    const std::uint32_t g = ring.back();
+    ring.pop_back();
+    const double v = value<K>(g, x), e = error(g, v);
+    if (v - e > 1) {
+      doubt.certain = g;
+      return false;
+    }
+    if (!(v + e < 1)) found.push_back(g);
+    for (std::uint32_t i = neighbour_start_[g]; i < neighbour_start_[g + 1]; ++i) {
+      const std::uint32_t h = neighbours_[i];
+      const double w = value<K>(h, x);
+      if (w + error(h, w) < floor) continue;
+      const auto at = std::lower_bound(seen.begin(), seen.end(), h);
+      if (at != seen.end() && *at == h) continue;
+      seen.insert(at, h);
+      ring.push_back(h);
+    }
+  }
+  return true;
+}
+
+bool FacetSearch::gather_doubt(const double* q, Doubt& doubt) const {
+  std::array<double, 8> x;
+  if (!localise(q, x.data())) {
+    // So far away that a facet's doubles say nothing: every facet must be asked.
+    doubt.facets.resize(count());
+    for (std::uint32_t f = 0; f < count(); ++f) doubt.facets[f] = f;
+    return true;
+  }
+  switch (k_) {
+    case 2:
+      return explore<2>(x.data(), doubt);
+    case 3:
+      return explore<3>(x.data(), doubt);
+    case 4:
+      return explore<4>(x.data(), doubt);
+    default:
+      return explore<0>(x.data(), doubt);
+  }
+}
+
+Side FacetSearch::exact_side(std::uint32_t f, const double* q) const {
+  std::array<const double*, 9> few;
+  std::vector<const double*> many;
+  const double** rows = few.data();
+  if (k_ > 8) {
+    many.resize(k_ + 1);
+    rows = many.data();
+  }
+  for (unsigned i = 0; i < k_; ++i) rows[i] = points_->row(corners_[std::size_t{f} * k_ + i]);
+  rows[k_] = q;
+  return static_cast<Side>(static_cast<int>(orientation(k_, rows)));
+}
+
+Side FacetSearch::side_of_all(const double* q) const {
+  Side side = Side::inside;
+  for (std::uint32_t f = 0; f < count() && side != Side::outside; ++f)
+    side = std::max(side, exact_side(f, q));
+  return side;
+}
+
+Side FacetSearch::side(const double* q) const {
+  if (exhaustive_) return side_of_all(q);
+  Doubt doubt;
+  if (!gather_doubt(q, doubt)) return Side::outside;
+  Side side = Side::inside;
+  for (const std::uint32_t f : doubt.facets) {
+    side = std::max(side, exact_side(f, q));
+    if (side == Side::outside) break;
+  }
+  return side;
+}
+
+std::vector<std::uint32_t> FacetSearch::visible(const double* q) const {
+  std::vector<std::uint32_t> out;
+  if (exhaustive_) {
+    for (std::uint32_t f = 0; f < count(); ++f)
+      if (exact_side(f, q) == Side::outside) out.push_back(f);
+    return out;
+  }
+  Doubt doubt;
+  std::uint32_t first = none;
+  if (!gather_doubt(q, doubt)) first = doubt.certain;
+  for (std::size_t i = 0; i < doubt.facets.size() && first == none; ++i)
+    if (exact_side(doubt.facets[i], q) == Side::outside) first = doubt.facets[i];
+  if (first == none) return out;
+  // What a point sees is connected.
+  std::vector<std::uint8_t> seen(count(), 0);
+  std::vector<std::uint32_t> stack{first};
+  seen[first] = 1;
+  while (!stack.empty()) {
+    const std::uint32_t f = stack.back();
+    stack.pop_back();
+    out.push_back(f);
+    for (std::uint32_t i = neighbour_start_[f]; i < neighbour_start_[f + 1]; ++i) {
+      const std::uint32_t g = neighbours_[i];
+      if (seen[g]) continue;
+      seen[g] = 1;
+      if (exact_side(g, q) == Side::outside) stack.push_back(g);
+    }
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,106 @@
+// Which facet a ray from the centre leaves by, and on which side of it a point is.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cullhull/hull.hpp"
+#include "cullhull/query.hpp"
+#include "query/direction_cube.hpp"
+
+namespace cullhull::internal {
+
+/// The hull's vertices on k axes on which its flat projects one to one.
+struct QueryPoints {
+  unsigned dimension = 0, k = 0;
+  std::vector<unsigned> axes;
+  std::vector<std::uint64_t> ids;  // ascending
+  std::vector<double> full;        // vertices x dimension, exact
+  std::vector<double> on_axes;     // vertices x k, exact
+  std::vector<double> low, high;   // of every axis of `full`
+
+  std::size_t count() const { return ids.size(); }
+  const double* row(std::uint32_t v) const { return on_axes.data() + std::size_t{v} * k; }
+  std::uint32_t index_of(std::uint64_t id) const;
+};
+
+QueryPoints make_query_points(const PointView& points, const Hull& hull);
+
+/// Facets as linear functions that are 1 on the facet and less than 1 beneath it, seen from a
+/// centre inside, and the graph of neighbours to climb on. k >= 2.
+///
+/// value(f, x) = N . x / N . (v0 - c) for x = q - c, where N is the cofactor normal; q is outside
+/// exactly if the largest value exceeds 1. The value is a linear objective on the vertices of the
+/// dual polytope, whose vertices above any level are connected. So from some facet, all facets that
+/// might still be the largest, given their error bounds, are found by going to neighbours only.
+class FacetSearch {
+ public:
+  FacetSearch(const QueryPoints& points, const Hull& hull);
+
+  /// `q`: k coordinates on the axes, within the box of the vertices.
+  Side side(const double* q) const;
+  /// All facets strictly below q, ascending; q anywhere (on the axes).
+  std::vector<std::uint32_t> visible(const double* q) const;
+  /// True where doubles found no point inside: every facet is asked, and values mean nothing.
+  bool exhaustive() const { return exhaustive_; }
+
+  std::size_t count() const { return neighbour_start_.size() - 1; }
+  unsigned k() const { return k_; }
+  /// Scaled and seen from the centre. False where that overflows.
+  bool localise(const double* q, double* x) const;
+  void localise_direction(const double* direction, double* x) const;
+  /// The function of facet f on localised points.
+  template <unsigned K>
+  double value(std::uint32_t f, const double* x) const;
+  /// A facet to climb from.
+  std::uint32_t start(const double* x) const { return hint(x); }
+  /// The facet of largest value at x, up to rounding, from `start`, by steepest ascent.
+  std::uint32_t climb(std::uint32_t start, const double* x) const;
+
+ private:
+  struct Doubt {
+    std::vector<std::uint32_t> facets;  // that may be above or through the point
+    std::uint32_t certain = none;       // one that certainly is below it
+  };
+  static constexpr std::uint32_t none = 0xFFFFFFFF;
+
+  std::size_t stride() const { return std::size_t{k_} + 1; }
+  double slack(std::uint32_t f) const { return planes_[f * stride() + k_]; }
+  void scale_points();
+  void choose_simplices(const Hull& hull);
+  void set_plane(std::uint32_t f, const std::uint32_t* corners);
+  bool centre_inside() const;
+  void copy_neighbours(const Hull& hull);
+  void fill_hints();
+  std::uint32_t hint(const double* x) const;
+  template <unsigned K>
+  std::uint32_t climb_as(std::uint32_t f, const double* x) const;
+  template <unsigned K>
+  bool explore(const double* x, Doubt& doubt) const;
+  Side exact_side(std::uint32_t f, const double* q) const;
+  Side side_of_all(const double* q) const;
+  bool gather_doubt(const double* q, Doubt& doubt) const;
+
+  const QueryPoints* points_;
+  unsigned k_;
+  bool exhaustive_ = false;
+  bool scaled_exactly_ = true;
+  std::vector<double> factor_, centre_;
+  std::vector<double> scaled_;          // vertices x k, in [-1, 1]
+  std::vector<std::uint32_t> corners_;  // facets x k: the simplex the plane was taken from
+  std::vector<double> planes_;          // facets x (k normal, error factor)
+  std::vector<std::uint32_t> neighbour_start_, neighbours_;
+  DirectionCube cube_;
+  std::vector<std::uint32_t> hints_;  // by cell: a facet near it
+};
+
+template <unsigned K>
+inline double FacetSearch::value(std::uint32_t f, const double* x) const {
+  const unsigned k = K ? K : k_;
+  const double* n = planes_.data() + std::size_t{f} * (k + 1);
+  double sum = n[0] * x[0];
+  for (unsigned j = 1; j < k; ++j) sum += n[j] * x[j];
+  return sum;
+}
+
+}  // namespace cullhull::internal

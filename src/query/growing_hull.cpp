@@ -1,0 +1,116 @@
+#include "cullhull/growing_hull.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cullhull/error.hpp"
+#include "cullhull/query.hpp"
+
+namespace cullhull {
+
+struct GrowingHull::State {
+  Hull hull;
+  std::vector<double> rows;  // the vertices, by ascending id
+  std::optional<HullQuery> query;
+
+  PointView view(const std::vector<double>& of) const {
+    return PointView::row_major(of.data(), of.size() / hull.dimension, hull.dimension);
+  }
+};
+
+namespace {
+
+/// Replaces every vertex id. Where `of` ascends, every canonical order stays as it is.
+template <class Of>
+void rename(Hull& hull, Of&& of) {
+  for (std::uint64_t& v : hull.vertices) v = of(v);
+  for (auto* list : {&hull.facets.items, &hull.simplices})
+    for (std::uint64_t& v : *list) v = of(v);
+}
+
+/// The same hull over its vertices alone, in order of their ids (`ids`).
+Hull by_place(Hull hull, const std::vector<std::uint64_t>& ids) {
+  rename(hull, [&](std::uint64_t id) {
+    return static_cast<std::uint64_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
+  });
+  hull.point_count = ids.size();
+  return hull;
+}
+
+}  // namespace
+
+GrowingHull::GrowingHull(std::uint32_t dimension) : state_(std::make_unique<State>()) {
+  if (dimension == 0)
+    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
+  state_->hull.dimension = dimension;
+}
+GrowingHull::~GrowingHull() = default;
+GrowingHull::GrowingHull(GrowingHull&&) noexcept = default;
+GrowingHull& GrowingHull::operator=(GrowingHull&&) noexcept = default;
+
+const Hull& GrowingHull::hull() const noexcept { return state_->hull; }
+
+std::uint64_t GrowingHull::add(const PointView& points, const Options& options) {
+  State& s = *state_;
+  const std::uint32_t d = s.hull.dimension;
+  if (points.dimension != d)
+    throw Error(ErrorCode::invalid_argument,
+                "points of dimension " + std::to_string(points.dimension) +
+                    " added to a hull in dimension " + std::to_string(d));
+  if (points.count == 0) return 0;
+  const std::uint64_t before = s.hull.point_count;
+
+  // Candidates: the vertices so far, then what is outside of them.
+  std::vector<std::uint64_t> ids = s.hull.vertices;
+  std::sort(ids.begin(), ids.end());
+  std::vector<double> rows = s.rows;
+  std::uint64_t outside = 0;
+  Hull next;
+  if (before == 0) {
+    next = convex_hull(points, options);
+    outside = points.count;
+  } else {
+    if (!s.query) s.query.emplace(s.view(s.rows), by_place(s.hull, ids));
+    std::vector<std::uint8_t> contained(points.count);
+    s.query->contains(points, contained.data(), options);
+    for (std::uint64_t i = 0; i < points.count; ++i) {
+      if (contained[i]) continue;
+      ++outside;
+      ids.push_back(before + i);
+      for (unsigned j = 0; j < d; ++j) rows.push_back(points.at(i, j));
+    }
+    if (outside > 0) {
+      next = convex_hull(s.view(rows), options);
+      rename(next, [&](std::uint64_t row) { return ids[row]; });
+      next.scalar = s.hull.scalar == points.scalar ? points.scalar : ScalarType::f64;
+    }
+  }
+  if (outside == 0) {
+    s.hull.point_count = before + points.count;
+    if (s.hull.scalar != points.scalar) s.hull.scalar = ScalarType::f64;
+    return 0;
+  }
+  next.point_count = before + points.count;
+  std::vector<std::uint64_t> kept = next.vertices;
+  std::sort(kept.begin(), kept.end());
+  std::vector<double> coordinates;
+  coordinates.reserve(kept.size() * d);
+  for (const std::uint64_t id : kept) {
+    if (before == 0) {
+      for (unsigned j = 0; j < d; ++j) coordinates.push_back(points.at(id, j));
+      continue;
+    }
+    const auto at =
+        static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
+    coordinates.insert(coordinates.end(), rows.begin() + static_cast<std::ptrdiff_t>(at * d),
+                       rows.begin() + static_cast<std::ptrdiff_t>((at + 1) * d));
+  }
+  s.rows = std::move(coordinates);
+  s.hull = std::move(next);
+  s.query.reset();
+  return outside;
+}
+
+}  // namespace cullhull

@@ -1,0 +1,469 @@
+// HullQuery: the questions, one by one and in batches.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "control.hpp"
+#include "cull/gauge_map.hpp"
+#include "cullhull/error.hpp"
+#include "cullhull/query.hpp"
+#include "parallel/parallel.hpp"
+#include "points/gather.hpp"
+#include "predicates/orientation.hpp"
+#include "query/facet_search.hpp"
+#include "query/plane_tree.hpp"
+#include "query/vertex_search.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+constexpr std::uint64_t chunk = std::uint64_t{1} << 12;
+
+/// Whether points lie in the flat of a flat hull: the basis and the point, seen on the flat's axes
+/// and any other one, must have no volume.
+class FlatTest {
+ public:
+  FlatTest(const QueryPoints& points, const std::vector<std::uint32_t>& basis) : points_(points) {
+    const unsigned d = points.dimension, k = points.k;
+    for (unsigned c = 0; c < d && k < d; ++c) {
+      if (std::find(points.axes.begin(), points.axes.end(), c) != points.axes.end()) continue;
+      others_.push_back(c);
+      for (const std::uint32_t v : basis) {
+        const double* p = points.full.data() + std::size_t{v} * d;
+        for (const unsigned a : points.axes) rows_.push_back(p[a]);
+        rows_.push_back(p[c]);
+      }
+    }
+  }
+  bool contains(const double* q) const {
+    const unsigned k = points_.k;
+    std::vector<double> row(k + 1);
+    std::vector<const double*> rows(k + 2);
+    for (std::size_t o = 0; o < others_.size(); ++o) {
+      const double* block = rows_.data() + o * (k + 1) * (k + 1);
+      for (unsigned j = 0; j < k; ++j) row[j] = q[points_.axes[j]];
+      row[k] = q[others_[o]];
+      for (unsigned i = 0; i <= k; ++i) rows[i] = block + std::size_t{i} * (k + 1);
+      rows[k + 1] = row.data();
+      if (orientation(k + 1, rows.data()) != Sign::zero) return false;
+    }
+    return true;
+  }
+
+ private:
+  const QueryPoints& points_;
+  std::vector<unsigned> others_;
+  std::vector<double> rows_;
+};
+
+/// k + 1 vertices that span the flat: a simplex of the boundary and a vertex off its facet.
+std::vector<std::uint32_t> flat_basis(const QueryPoints& points, const Hull& hull) {
+  if (points.k == 0) return {0};
+  std::vector<std::uint32_t> basis;
+  for (unsigned i = 0; i < points.k; ++i) basis.push_back(points.index_of(hull.simplices[i]));
+  const auto first = hull.facets.items.begin();
+  const auto last = first + static_cast<std::ptrdiff_t>(hull.facets.offsets[1]);
+  for (std::uint32_t v = 0; v < points.count(); ++v)
+    if (std::find(first, last, points.ids[v]) == last) {
+      basis.push_back(v);
+      return basis;
+    }
+  throw Error(ErrorCode::invalid_argument, "all vertices of the hull are on one facet");
+}
+
+/// The hull as the gauge map takes it.
+InnerPolytope polytope_of(const QueryPoints& points, const Hull& hull) {
+  InnerPolytope p;
+  p.dimension = points.dimension;
+  p.vertices = points.full;
+  for (const std::uint64_t id : hull.simplices) p.facets.push_back(points.index_of(id));
+  p.neighbours.assign(hull.simplex_neighbours.begin(), hull.simplex_neighbours.end());
+  return p;
+}
+
+void refuse_non_finite(const double* p, unsigned d) {
+  for (unsigned j = 0; j < d; ++j)
+    if (!std::isfinite(p[j]))
+      throw Error(ErrorCode::not_finite, "coordinate " + std::to_string(j) + " is " +
+                                             (std::isnan(p[j]) ? "NaN" : "infinite"));
+}
+
+}  // namespace
+}  // namespace internal
+
+using namespace internal;
+
+struct HullQuery::State {
+  State(const PointView& view, const Hull& hull)
+      : points(make_query_points(view, hull)),
+        flat(points,
+             points.k < points.dimension ? flat_basis(points, hull) : std::vector<std::uint32_t>{}),
+        vertices(points, hull),
+        planes(hull.facet_planes.begin(), hull.facet_planes.end()),
+        facet_start(hull.facets.offsets.begin(), hull.facets.offsets.end()) {
+    if (points.k >= 2) facets.emplace(points, hull);
+    if (points.k >= 1) tree.emplace(planes, points.dimension);
+    for (const std::uint64_t id : hull.facets.items) facet_vertices.push_back(points.index_of(id));
+    // The lists of facets at a vertex.
+    vertex_start.assign(points.count() + 1, 0);
+    for (const std::uint32_t v : facet_vertices) ++vertex_start[v + 1];
+    for (std::size_t v = 0; v < points.count(); ++v) vertex_start[v + 1] += vertex_start[v];
+    vertex_facets.resize(facet_vertices.size());
+    std::vector<std::uint64_t> at(vertex_start.begin(), vertex_start.end() - 1);
+    for (std::uint32_t f = 0; f + 1 < facet_start.size(); ++f)
+      for (std::uint64_t i = facet_start[f]; i < facet_start[f + 1]; ++i)
+        vertex_facets[at[facet_vertices[i]]++] = f;
+    if (points.k == points.dimension && points.dimension >= GaugeMap::min_dimension &&
+        points.dimension <= GaugeMap::max_dimension)
+      polytope = polytope_of(points, hull);
+  }
+
+  bool in_box(const double* p) const {
+    for (unsigned j = 0; j < points.dimension; ++j)
+      if (p[j] < points.low[j] || p[j] > points.high[j]) return false;
+    return true;
+  }
+  void on_axes(const double* p, double* q) const {
+    for (unsigned j = 0; j < points.k; ++j) q[j] = p[points.axes[j]];
+  }
+  Side side(const double* p) const;
+  double plane_value(std::uint32_t f, const double* p) const {
+    const unsigned d = points.dimension;
+    const double* plane = planes.data() + std::size_t{f} * (d + 1);
+    double sum = plane[d];
+    for (unsigned j = 0; j < d; ++j) sum += plane[j] * p[j];
+    return sum;
+  }
+  NearestFacet nearest(const double* p) const;
+  std::uint32_t facet_of(const std::vector<std::uint32_t>& corners, const double* p) const;
+  /// The map over the whole hull, made when first asked for; null where there is none.
+  const GaugeMap* map() const {
+    std::call_once(map_once, [this] {
+      if (polytope.dimension != 0) gauge_map = GaugeMap::build(polytope);
+    });
+    return gauge_map.get();
+  }
+  RayHit ray(const double* origin, const double* direction) const;
+  void check_dimension(const PointView& view) const {
+    if (view.dimension != points.dimension)
+      throw Error(ErrorCode::invalid_argument,
+                  "points of dimension " + std::to_string(view.dimension) +
+                      " asked of a hull in dimension " + std::to_string(points.dimension));
+  }
+  template <class Body>
+  void each(const PointView& view, const Options& options, Body&& body) const;
+  template <class Out, class Of>
+  void sides(const PointView& view, Out* out, const Options& options, Of&& of) const;
+
+  QueryPoints points;
+  FlatTest flat;
+  std::optional<FacetSearch> facets;
+  VertexSearch vertices;
+  std::vector<double> planes;
+  std::optional<PlaneTree> tree;
+  std::vector<std::uint64_t> facet_start, vertex_start;
+  std::vector<std::uint32_t> facet_vertices, vertex_facets;
+  InnerPolytope polytope;
+  mutable std::once_flag map_once;
+  mutable std::unique_ptr<GaugeMap> gauge_map;
+};
+
+Side HullQuery::State::side(const double* p) const {
+  if (!in_box(p)) return Side::outside;
+  if (points.k == 0) return Side::boundary;  // the box is the point
+  if (points.k < points.dimension && !flat.contains(p)) return Side::outside;
+  if (points.k == 1) {
+    const unsigned a = points.axes[0];
+    return p[a] > points.low[a] && p[a] < points.high[a] ? Side::inside : Side::boundary;
+  }
+  if (points.k == points.dimension) return facets->side(p);
+  std::vector<double> q(points.k);
+  on_axes(p, q.data());
+  return facets->side(q.data());
+}
+
+/// Of the facets through all corners the one that faces p most.
+std::uint32_t HullQuery::State::facet_of(const std::vector<std::uint32_t>& corners,
+                                         const double* p) const {
+  std::uint32_t best = RayHit::no_facet;
+  double best_value = 0;
+  const std::uint32_t v = corners[0];
+  for (std::uint64_t i = vertex_start[v]; i < vertex_start[v + 1]; ++i) {
+    const std::uint32_t f = vertex_facets[i];
+    const auto first = facet_vertices.begin() + static_cast<std::ptrdiff_t>(facet_start[f]);
+    const auto last = facet_vertices.begin() + static_cast<std::ptrdiff_t>(facet_start[f + 1]);
+    const bool all = std::all_of(corners.begin(), corners.end(), [&](std::uint32_t c) {
+      return std::find(first, last, c) != last;
+    });
+    const double value = plane_value(f, p);
+    if (all && (best == RayHit::no_facet || value > best_value)) {
+      best = f;
+      best_value = value;
+    }
+  }
+  return best;
+}
+
+NearestFacet HullQuery::State::nearest(const double* p) const {
+  constexpr double least = std::numeric_limits<double>::denorm_min();
+  const Side where = side(p);
+  NearestFacet out;
+  if (where == Side::outside) {
+    const VertexSearch::Nearest near = vertices.nearest(p);
+    out.distance = std::max(near.distance, least);  // rounding must not contradict the side
+    if (points.k == 0) return out;
+    const std::uint32_t f = facet_of(near.corners, p);
+    if (f != RayHit::no_facet) {
+      out.facet = f;
+      return out;
+    }
+    // Rounding chose corners that no facet joins: the facet that p is farthest above.
+    double value = 0;
+    out.facet = tree->largest(p, 0, value);
+    return out;
+  }
+  if (points.k == 0) return out;
+  double value = 0;
+  out.facet = tree->largest(p, 0, value);
+  out.distance = where == Side::boundary ? 0 : std::min(value, -least);
+  return out;
+}
+
+// G(t) = max over facets of value(f, x(t)) - 1 is convex and piecewise linear. Newton's steps from
+// beyond the last zero come down to it; if they cross a piece that rises the other way first, the
+// line misses.
+RayHit HullQuery::State::ray(const double* origin, const double* direction) const {
+  const unsigned d = points.dimension;
+  RayHit hit;
+  if (points.k < d)
+    throw Error(ErrorCode::invalid_argument,
+                "rays need a full-dimensional hull; this one lies in a flat of dimension " +
+                    std::to_string(points.k));
+  if (std::all_of(direction, direction + d, [](double v) { return v == 0; }))
+    throw Error(ErrorCode::invalid_argument, "a ray needs a direction that is not zero");
+  if (d == 1) {
+    double t[2] = {(points.low[0] - origin[0]) / direction[0],
+                   (points.high[0] - origin[0]) / direction[0]};
+    const auto end_at = [&](double v) {
+      return static_cast<std::uint32_t>(points.full[facet_vertices[0]] == v ? 0 : 1);
+    };
+    hit = {true, t[0], t[1], end_at(points.low[0]), end_at(points.high[0])};
+    if (t[0] > t[1]) {
+      std::swap(hit.enter, hit.exit);
+      std::swap(hit.enter_facet, hit.exit_facet);
+    }
+    return hit;
+  }
+  std::vector<double> x(d), u(d), at(d);
+  if (!facets->localise(origin, x.data()))
+    throw Error(ErrorCode::invalid_argument, "a ray begins more than 2^500 extents away");
+  facets->localise_direction(direction, u.data());
+  const auto end_of_line = [&](double sign, std::uint32_t& facet) {
+    const auto dot = [&](std::uint32_t f, const double* v) {
+      return sign * facets->value<0>(f, v);
+    };
+    std::vector<double> towards(d);
+    for (unsigned j = 0; j < d; ++j) towards[j] = sign * u[j];
+    facet = facets->climb(facets->start(towards.data()), towards.data());
+    double slope = dot(facet, u.data());
+    double t = (1 - facets->value<0>(facet, x.data())) / slope;
+    for (;;) {
+      for (unsigned j = 0; j < d; ++j) at[j] = x[j] + t * sign * u[j];
+      const std::uint32_t next = facets->climb(facet, at.data());
+      if (next == facet) return t;
+      slope = dot(next, u.data());
+      if (!(slope > 0)) return std::numeric_limits<double>::quiet_NaN();
+      const double step = (1 - facets->value<0>(next, x.data())) / slope;
+      if (!(step < t)) return t;
+      t = step;
+      facet = next;
+    }
+  };
+  // Exact planes are not needed here: parameters are doubles.
+  if (facets->exhaustive()) {
+    double enter = -std::numeric_limits<double>::infinity(), exit = -enter;
+    for (std::uint32_t f = 0; f + 1 < facet_start.size(); ++f) {
+      double rise = 0;
+      for (unsigned j = 0; j < d; ++j) rise += planes[std::size_t{f} * (d + 1) + j] * direction[j];
+      const double height = plane_value(f, origin);
+      if (rise == 0 && height > 0) return hit;
+      if (rise == 0) continue;
+      const double t = -height / rise;
+      if (rise > 0 && t < exit) exit = t, hit.exit_facet = f;
+      if (rise < 0 && t > enter) enter = t, hit.enter_facet = f;
+    }
+    hit.hit = enter <= exit;
+    hit.enter = enter;
+    hit.exit = exit;
+  } else {
+    hit.exit = end_of_line(1, hit.exit_facet);
+    if (!std::isnan(hit.exit)) hit.enter = -end_of_line(-1, hit.enter_facet);
+    hit.hit = !std::isnan(hit.exit) && !std::isnan(hit.enter) && hit.enter <= hit.exit;
+  }
+  if (!hit.hit) return RayHit{};
+  return hit;
+}
+
+/// body(i, coordinates) for every point, in parallel; they are finite.
+template <class Body>
+void HullQuery::State::each(const PointView& view, const Options& options, Body&& body) const {
+  check_dimension(view);
+  const Control control(options);
+  const unsigned threads = resolve_threads(options.threads), d = points.dimension;
+  check_finite(view, nullptr, threads);
+  for_each_chunk(view.count, chunk, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   std::vector<double> p(d);
+                   for (std::uint64_t i = begin; i < end; ++i) {
+                     for (unsigned j = 0; j < d; ++j) p[j] = view.at(i, j) + 0.0;
+                     body(i, p.data());
+                   }
+                 });
+}
+
+/// Blocks, so that what the map leaves in doubt stays in the cache; `of` turns a side into an
+/// answer.
+template <class Out, class Of>
+void HullQuery::State::sides(const PointView& view, Out* out, const Options& options,
+                             Of&& of) const {
+  check_dimension(view);
+  constexpr std::uint64_t worth_a_map = 2048, block = std::uint64_t{1} << 20;
+  const Control control(options);
+  const unsigned threads = resolve_threads(options.threads), d = points.dimension;
+  const GaugeMap* inner = view.count >= worth_a_map ? map() : nullptr;
+  std::uint64_t bad = view.count;
+  for (std::uint64_t begin = 0; begin < view.count; begin += block) {
+    control.report("query", static_cast<double>(begin) / static_cast<double>(view.count));
+    PointView part = view;
+    part.count = std::min(block, view.count - begin);
+    part.data += static_cast<std::ptrdiff_t>(begin) * view.point_stride;
+    std::vector<std::uint64_t> doubtful;
+    if (inner != nullptr) {
+      doubtful = inner->survivors(part, threads, control);
+      std::fill(out + begin, out + begin + part.count, of(Side::inside));
+    }
+    const std::uint64_t count = inner != nullptr ? doubtful.size() : part.count;
+    std::vector<std::uint64_t> first_bad(chunk_count(count, chunk), part.count);
+    for_each_chunk(count, chunk, threads,
+                   [&](std::uint64_t c, std::uint64_t from, std::uint64_t to) {
+                     control.check();
+                     std::vector<double> p(d);
+                     for (std::uint64_t i = from; i < to; ++i) {
+                       const std::uint64_t id = inner != nullptr ? doubtful[i] : i;
+                       bool finite = true;
+                       for (unsigned j = 0; j < d; ++j) {
+                         p[j] = part.at(id, j) + 0.0;
+                         finite &= std::isfinite(p[j]);
+                       }
+                       if (!finite) {
+                         first_bad[c] = std::min(first_bad[c], id);
+                         return;
+                       }
+                       out[begin + id] = of(side(p.data()));
+                     }
+                   });
+    for (const std::uint64_t id : first_bad)
+      if (id < part.count) bad = std::min(bad, begin + id);
+    if (bad < view.count) {
+      const std::vector<std::uint64_t> ids{bad};
+      check_finite(view, &ids, 1);  // says which coordinate, and throws
+    }
+  }
+}
+
+// ------------------------------------------------------------------------------ the public face
+
+HullQuery::HullQuery(const PointView& points, const Hull& hull, const Options& options) {
+  Control(options).check();
+  state_ = std::make_unique<State>(points, hull);
+}
+HullQuery::~HullQuery() = default;
+HullQuery::HullQuery(HullQuery&&) noexcept = default;
+HullQuery& HullQuery::operator=(HullQuery&&) noexcept = default;
+
+Side HullQuery::side(const double* point) const {
+  refuse_non_finite(point, state_->points.dimension);
+  return state_->side(point);
+}
+
+std::vector<std::uint32_t> HullQuery::visible_facets(const double* point) const {
+  const State& s = *state_;
+  refuse_non_finite(point, s.points.dimension);
+  if (s.points.k == 0) return {};
+  if (s.points.k < s.points.dimension && !s.flat.contains(point)) return {};
+  if (s.points.k == 1) {  // the two ends
+    const unsigned a = s.points.axes[0];
+    const auto at = [&](std::uint32_t f) { return s.points.row(s.facet_vertices[f])[0]; };
+    if (point[a] < s.points.low[a]) return {at(0) == s.points.low[a] ? 0U : 1U};
+    if (point[a] > s.points.high[a]) return {at(0) == s.points.high[a] ? 0U : 1U};
+    return {};
+  }
+  std::vector<double> q(s.points.k);
+  s.on_axes(point, q.data());
+  return s.facets->visible(q.data());
+}
+
+std::uint64_t HullQuery::support(const double* direction) const {
+  refuse_non_finite(direction, state_->points.dimension);
+  return state_->points.ids[state_->vertices.support(direction)];
+}
+
+NearestFacet HullQuery::nearest_facet(const double* point) const {
+  refuse_non_finite(point, state_->points.dimension);
+  return state_->nearest(point);
+}
+
+RayHit HullQuery::ray(const double* origin, const double* direction) const {
+  refuse_non_finite(origin, state_->points.dimension);
+  refuse_non_finite(direction, state_->points.dimension);
+  return state_->ray(origin, direction);
+}
+
+void HullQuery::contains(const PointView& points, std::uint8_t* out, const Options& options) const {
+  state_->sides(points, out, options,
+                [](Side s) { return static_cast<std::uint8_t>(s != Side::outside); });
+}
+
+void HullQuery::sides(const PointView& points, Side* out, const Options& options) const {
+  state_->sides(points, out, options, [](Side s) { return s; });
+}
+
+void HullQuery::supports(const PointView& directions, std::uint64_t* out,
+                         const Options& options) const {
+  state_->each(directions, options, [&](std::uint64_t i, const double* p) {
+    out[i] = state_->points.ids[state_->vertices.support(p)];
+  });
+}
+
+void HullQuery::nearest_facets(const PointView& points, NearestFacet* out,
+                               const Options& options) const {
+  state_->each(points, options,
+               [&](std::uint64_t i, const double* p) { out[i] = state_->nearest(p); });
+}
+
+void HullQuery::signed_distances(const PointView& points, double* out,
+                                 const Options& options) const {
+  state_->each(points, options,
+               [&](std::uint64_t i, const double* p) { out[i] = state_->nearest(p).distance; });
+}
+
+void HullQuery::rays(const PointView& origins, const PointView& directions, RayHit* out,
+                     const Options& options) const {
+  state_->check_dimension(directions);
+  if (origins.count != directions.count)
+    throw Error(ErrorCode::invalid_argument, "there must be as many directions as origins");
+  check_finite(directions, nullptr, resolve_threads(options.threads));
+  const unsigned d = state_->points.dimension;
+  state_->each(origins, options, [&](std::uint64_t i, const double* p) {
+    std::vector<double> u(d);
+    for (unsigned j = 0; j < d; ++j) u[j] = directions.at(i, j);
+    out[i] = state_->ray(p, u.data());
+  });
+}
+
+}  // namespace cullhull

@@ -1,0 +1,37 @@
+// The plane with the largest value at a point: for distances from inside.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace cullhull::internal {
+
+/// Planes n . x + o in a tree of boxes over their coefficients; a box bounds the value from above.
+/// Which facet is nearest is no linear program (its cells are those of the medial axis), so this
+/// branches and bounds.
+class PlaneTree {
+ public:
+  /// `planes`: count x (d + 1), as in Hull::facet_planes; copied.
+  PlaneTree(const std::vector<double>& planes, unsigned d);
+
+  /// Index of a plane with the largest value at x, and the value. `start`: a guess.
+  std::uint32_t largest(const double* x, std::uint32_t start, double& value) const;
+
+ private:
+  static constexpr std::uint32_t leaf = 8;
+  struct Node {
+    std::uint32_t begin, end, right;  // right child, 0 for a leaf; the left one comes next
+  };
+  std::uint32_t grow(std::uint32_t begin, std::uint32_t end);
+  double plane_value(std::uint32_t i, const double* x) const;
+  double bound(std::uint32_t node, const double* x) const;
+  void search(std::uint32_t node, const double* x, std::uint32_t& best, double& value) const;
+
+  unsigned d_;
+  std::vector<double> planes_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Node> nodes_;
+  std::vector<double> boxes_;  // nodes x 2 x (d + 1): low, high
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,44 @@
+// The vertex extreme in a direction, and the point of the hull nearest to one outside.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "query/direction_cube.hpp"
+#include "query/facet_search.hpp"
+
+namespace cullhull::internal {
+
+/// Vertices and their neighbours on the boundary. Those whose scalar product with a direction is
+/// above some level are connected, so climbing finds the largest.
+class VertexSearch {
+ public:
+  VertexSearch(const QueryPoints& points, const Hull& hull);
+
+  /// Vertex index with the exactly largest product; of several the lowest.
+  std::uint32_t support(const double* direction) const;
+
+  struct Nearest {
+    double distance = 0;
+    /// Vertices of a simplex of the boundary that holds the nearest point.
+    std::vector<std::uint32_t> corners;
+  };
+  /// For q outside. Wolfe 1976, "Finding the nearest point in a polytope".
+  Nearest nearest(const double* q) const;
+
+ private:
+  double product(std::uint32_t v, const double* u) const;
+  std::uint32_t climb(std::uint32_t from, const double* u) const;
+  void join_neighbours(const Hull& hull);
+  /// The sign of (vertex a - vertex b) . direction, exactly.
+  int compare(std::uint32_t a, std::uint32_t b, const double* direction) const;
+
+  const QueryPoints* points_;
+  std::vector<double> factor_;  // powers of two that bring each axis into [-1, 1]
+  std::vector<double> scaled_;  // vertices x dimension
+  std::vector<std::uint32_t> start_, neighbours_;
+  DirectionCube cube_;
+  std::vector<std::uint32_t> hints_;
+};
+
+}  // namespace cullhull::internal

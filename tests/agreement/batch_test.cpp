@@ -1,0 +1,106 @@
+// Many hulls in one call against one call each.
+#include "cullhull/batch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "agreement/canonical_hash.hpp"
+#include "agreement/point_sets.hpp"
+#include "cullhull/error.hpp"
+
+namespace cullhull {
+namespace {
+
+using namespace testing_support;
+
+struct Sets {
+  std::vector<double> coordinates;
+  std::vector<std::uint64_t> offsets{0};
+  unsigned d;
+  explicit Sets(unsigned dimension) : d(dimension) {}
+  void add(const PointSet& s) {
+    coordinates.insert(coordinates.end(), s.coordinates.begin(), s.coordinates.end());
+    offsets.push_back(coordinates.size() / d);
+  }
+  PointView view() const { return PointView::row_major(coordinates.data(), offsets.back(), d); }
+  PointView set(std::size_t i) const {
+    return PointView::row_major(coordinates.data() + offsets[i] * d, offsets[i + 1] - offsets[i],
+                                d);
+  }
+  std::size_t size() const { return offsets.size() - 1; }
+};
+
+Sets mixed(unsigned d) {
+  Sets sets(d);
+  PointSet nothing = named("nothing", d);
+  for (unsigned i = 0; i < 100; ++i) {
+    sets.add(random_set("gauss", 5 + i, d, i));
+    sets.add(random_grid(20, d, 3, 0, i));
+    sets.add(full_grid(d, 3, 0.5));
+    if (d > 1) sets.add(flat(20, d - 1, d, 5, i));
+    PointSet same = named("equal points", d);
+    for (int j = 0; j < 4; ++j) same.add(std::vector<double>(d, i + 0.1));
+    sets.add(same);
+    if (i % 7 == 0) sets.add(nothing);
+  }
+  return sets;
+}
+
+TEST(Batch, equals_one_call_a_set_for_any_number_of_threads) {
+  for (unsigned d = 1; d <= 4; ++d) {
+    const Sets sets = mixed(d);
+    for (const unsigned threads : {1U, 3U}) {
+      Options options;
+      options.threads = threads;
+      const HullBatch batch = convex_hulls(sets.view(), sets.offsets.data(), sets.size(), options);
+      ASSERT_EQ(batch.size(), sets.size());
+      for (std::size_t i = 0; i < sets.size(); ++i)
+        ASSERT_EQ(canonical_hash(batch.hull(i)), canonical_hash(convex_hull(sets.set(i))))
+            << d << "D, set " << i;
+    }
+  }
+}
+
+TEST(Batch, sets_may_leave_points_out_and_may_be_none) {
+  const Sets sets = mixed(2);
+  const std::uint64_t offsets[] = {7, 30, 30, 41};
+  const HullBatch batch = convex_hulls(sets.view(), offsets, 3);
+  EXPECT_EQ(batch.hull(0).point_count, 23U);
+  EXPECT_EQ(batch.hull(1).affine_dimension, -1);
+  EXPECT_EQ(batch.vertices.size(), 3U);
+  EXPECT_EQ(convex_hulls(sets.view(), offsets, 0).size(), 0U);
+  EXPECT_THROW(batch.hull(3), std::out_of_range);
+}
+
+TEST(Batch, errors_name_the_first_bad_set) {
+  Sets sets = mixed(3);
+  sets.coordinates[(sets.offsets[300] + 2) * 3] = std::numeric_limits<double>::quiet_NaN();
+  sets.coordinates[(sets.offsets[20] + 1) * 3] = std::numeric_limits<double>::infinity();
+  try {
+    convex_hulls(sets.view(), sets.offsets.data(), sets.size());
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::not_finite);
+    EXPECT_NE(std::string(e.what()).find("set 20: point 1, coordinate 0"), std::string::npos)
+        << e.what();
+  }
+  const std::uint64_t descending[] = {5, 3}, beyond[] = {0, 1U << 30};
+  EXPECT_THROW(convex_hulls(sets.view(), descending, 1), Error);
+  EXPECT_THROW(convex_hulls(sets.view(), beyond, 1), Error);
+  EXPECT_THROW(convex_hulls(sets.view(), nullptr, 0), Error);
+  std::stop_source stop;
+  stop.request_stop();
+  Options options;
+  options.stop = stop.get_token();
+  try {
+    convex_hulls(sets.view(), sets.offsets.data(), sets.size(), options);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::cancelled);
+  }
+}
+
+}  // namespace
+}  // namespace cullhull
