@@ -74,8 +74,7 @@ int run(const GenerateArguments& arguments) {
   const std::uint64_t count = parse_size(arguments.count, "-n");
   std::uint32_t dimension = arguments.dimension;
   if (dimension == 0) dimension = arguments.shape == "disk" || arguments.shape == "circle" ? 2 : 3;
-  const auto type =
-      arguments.type == "f32" ? cullhull::ScalarType::f32 : cullhull::ScalarType::f64;
+  const auto type = arguments.type == "f32" ? cullhull::ScalarType::f32 : cullhull::ScalarType::f64;
   if (arguments.frames.empty() != arguments.motion.empty())
     throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
                           "--frames and --motion need one another");

@@ -217,8 +217,7 @@ const Source& FileWindow::move_to(std::uint64_t offset, std::size_t length) {
 #ifdef MAP_POPULATE
   flags |= MAP_POPULATE;
 #endif
-  void* address =
-      mmap(nullptr, mapped_, PROT_READ, flags, descriptor_, static_cast<off_t>(begin));
+  void* address = mmap(nullptr, mapped_, PROT_READ, flags, descriptor_, static_cast<off_t>(begin));
   if (address == MAP_FAILED) refuse(source_.name, "cannot map", errno);
   address_ = address;
   source_.data = static_cast<const char*>(address) + (offset - begin);

@@ -299,8 +299,9 @@ bool NpyFrames::read_header(const Source& head, std::uint64_t file_size) {
   if (h.shape.size() != 3) return false;
   const Dtype type = parse_dtype(head, h.descr);
   if (h.fortran)
-    fail(head, "array of 3 axes in Fortran order, which scatters each frame over the whole file; "
-               "save it in C order (numpy.ascontiguousarray)");
+    fail(head,
+         "array of 3 axes in Fortran order, which scatters each frame over the whole file; "
+         "save it in C order (numpy.ascontiguousarray)");
   if (h.shape[2] == 0 || h.shape[2] > UINT32_MAX)
     fail(head, "points of dimension " + std::to_string(h.shape[2]));
   check_extent(head, h, type, file_size);

@@ -129,7 +129,8 @@ std::vector<std::string> list_files(const std::vector<std::string>& paths) {
 /// True if `path` holds an array (frames, n, d); `impl` then reads from it.
 bool open_array(const std::string& path, PointSequence::Impl& impl) {
   const std::string& format = impl.options.format;
-  if (!(format.empty() ? path == "-" || extension_of(path) == "npy" : format == "npy")) return false;
+  if (!(format.empty() ? path == "-" || extension_of(path) == "npy" : format == "npy"))
+    return false;
   impl.window = FileWindow(path);
   if (!impl.window.is_open()) {
     impl.stream = MappedFile(path);
@@ -167,7 +168,9 @@ PointSequence::~PointSequence() = default;
 
 std::uint64_t PointSequence::frames() const noexcept { return impl_->frames(); }
 const PointView& PointSequence::points() const noexcept { return impl_->view; }
-std::uint64_t PointSequence::index() const noexcept { return impl_->next > 0 ? impl_->next - 1 : 0; }
+std::uint64_t PointSequence::index() const noexcept {
+  return impl_->next > 0 ? impl_->next - 1 : 0;
+}
 const std::string& PointSequence::name() const noexcept { return impl_->name; }
 const std::string& PointSequence::format() const noexcept { return impl_->format; }
 double PointSequence::read_seconds() const noexcept { return impl_->seconds; }

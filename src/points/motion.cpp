@@ -9,41 +9,15 @@
 #include "cullhull/generate.hpp"
 #include "parallel/parallel.hpp"
 #include "points/random_stream.hpp"
+#include "points/turn.hpp"
 
 namespace cullhull {
 namespace {
 
 using internal::mix64;
 using internal::RandomStream;
-
-struct Turn {
-  double cosine, sine;
-};
-
-/// Cosine and sine of `turns` full turns, with the same bits on every machine: reduced to an eighth
-/// of a turn, then Taylor's series; the first terms left out are below 2^-53.
-Turn turn_by(double turns) {
-  const double rest = turns - std::floor(turns + 0.5);
-  const double quarter = std::floor(4 * rest + 0.5);
-  const double a = (rest - quarter / 4) * 6.283185307179586477;
-  const double q = -a * a;
-  double c = 1, s = 1;
-  for (int k = 16; k >= 2; k -= 2) {
-    c = 1 + c * q / (k * (k - 1));
-    s = 1 + s * q / (k * (k + 1));
-  }
-  s *= a;
-  switch (static_cast<int>(quarter)) {
-    case 0:
-      return {c, s};
-    case 1:
-      return {-s, c};
-    case -1:
-      return {s, -c};
-    default:
-      return {-c, -s};
-  }
-}
+using internal::Turn;
+using internal::turn_by;
 
 void rotate(const Turn& turn, double& x, double& y) {
   const double turned = turn.cosine * x - turn.sine * y;
@@ -252,8 +226,8 @@ void MovingPoints::frame(std::uint64_t index, double* out) const {
     m.teleport(index, out);
     return;
   }
-  const double time = m.frames > 1 ? static_cast<double>(index) / static_cast<double>(m.frames - 1)
-                                   : 0;
+  const double time =
+      m.frames > 1 ? static_cast<double>(index) / static_cast<double>(m.frames - 1) : 0;
   internal::for_each_chunk(m.count, 4096, internal::resolve_threads(0),
                            [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                              for (std::uint64_t i = begin; i < end; ++i) {
