@@ -123,6 +123,7 @@ void Engine3D::run_pieces(const std::vector<Work>& work, Id begin, Id end) {
         control_.report("hull", (begin + share * (end - begin)) / points_.count);
     };
     if (piece.hint == none) {  // no facet of its own
+      piece.deferred = w.positions;
       for (Id p = w.begin; p < w.end; ++p) piece.deferred.push_back(p);
     } else if (w.positions.empty()) {
       insert_points(shared_, piece, nullptr, w.begin, w.end, &progress);
