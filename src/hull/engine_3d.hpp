@@ -31,6 +31,7 @@ class Engine3D {
   void build_simplex();
   void reserve(std::uint64_t slots);
   void insert_round(Id begin, Id end);
+  void give_slots(Id points);
   void take_back_slots();
   /// The slots in use (their facets need not be live), in runs of at most `length`.
   std::vector<std::pair<Id, Id>> used_slots(Id length) const;
@@ -43,6 +44,7 @@ class Engine3D {
     Id begin = 0, end = 0;
   };
   void insert_in_pieces(Id begin, Id end);
+  void screen_and_insert(Id begin, Id end);
   void cut(const std::vector<Work>& work);
   std::vector<std::uint32_t> splitters(const std::vector<Work>& work) const;
   void own_facets(const std::vector<std::uint32_t>& splitters);
@@ -69,6 +71,7 @@ class Engine3D {
   Id slots_ = 0;             // in use, or a piece's
   bool by_normals_ = false;  // the order of the points that are left, and how the surface is cut
   BigArray<Id> rank_;        // of facets by their normals, when the round began
+  bool few_seen_ = false;    // of the last round's points saw the surface
   std::vector<Piece3D> pieces_;
   std::vector<Entries3D::Entry> entries_;
 };

@@ -125,35 +125,47 @@ SimplicialHull Engine3D::run() {
   for (std::size_t r = 0; r + 1 < ends.size(); ++r) {
     control_.check();
     control_.report("hull", static_cast<double>(ends[r]) / points_.count);
-    const std::uint64_t steps = pieces_[0].steps;
+    const std::uint64_t steps = pieces_[0].steps, inserted = pieces_[0].inserted;
     if (by_normals_) sort_by_normals(r);
     insert_round(ends[r], ends[r + 1]);
     // Long walks: facets are slivers, along which directions are no help.
-    if (ends[r + 1] - ends[r] >= 1024 && pieces_[0].steps - steps > 3 * (ends[r + 1] - ends[r]))
-      by_normals_ = true;
+    const Id size = ends[r + 1] - ends[r];
+    if (size >= 1024 && pieces_[0].steps - steps > 3 * std::uint64_t{size}) by_normals_ = true;
+    few_seen_ = pieces_[0].inserted - inserted < size / 8;
   }
   return collect();
 }
 
 void Engine3D::insert_round(Id begin, Id end) {
-  Piece3D& all = pieces_[0];
+  const bool large = threads_ > 1 && end - begin >= smallest_parallel_round;
+  if (large && few_seen_) {
+    screen_and_insert(begin, end);
+    return;
+  }
   // An insertion adds two facets, but for a moment it has used at most two more.
-  const std::uint64_t bound = slots_ + 2 * std::uint64_t{end - begin + all.deferred.size()} + 64;
-  const std::uint64_t allowed = std::min<std::uint64_t>(budget_ / bytes_per_facet, none - 1);
-  if (threads_ > 1 && end - begin >= smallest_parallel_round && bound <= allowed) {
-    reserve(bound + 64 * threads_);
+  const std::uint64_t bound =
+      slots_ + 2 * std::uint64_t{end - begin} + 64 * std::uint64_t{threads_};
+  if (large && bound <= std::min<std::uint64_t>(budget_ / bytes_per_facet, none - 1)) {
+    reserve(bound);
     insert_in_pieces(begin, end);
     return;
   }
-  const std::uint64_t slots = std::max<std::uint64_t>(slots_, std::min(bound, allowed));
-  reserve(slots);
-  all.spare.emplace_back(slots_, static_cast<Id>(slots));
-  slots_ = static_cast<Id>(slots);
+  give_slots(end - begin);
   const std::function<void(double)> progress = [&](double share) {
     control_.report("hull", (begin + share * (end - begin)) / points_.count);
   };
-  insert_points(shared_, all, nullptr, begin, end, &progress);
+  insert_points(shared_, pieces_[0], nullptr, begin, end, &progress);
   take_back_slots();
+}
+
+/// As many to the only piece as it can use and the budget allows.
+void Engine3D::give_slots(Id points) {
+  const std::uint64_t allowed = std::min<std::uint64_t>(budget_ / bytes_per_facet, none - 1);
+  const std::uint64_t bound = slots_ + 2 * std::uint64_t{points} + 64;
+  const std::uint64_t slots = std::max<std::uint64_t>(slots_, std::min(bound, allowed));
+  reserve(slots);
+  pieces_[0].spare.emplace_back(slots_, static_cast<Id>(slots));
+  slots_ = static_cast<Id>(slots);
 }
 
 /// Slots that were never used, at the end, are nobody's; `spare` keeps the others for later.

@@ -98,6 +98,14 @@ class Inserter {
     }
   }
 
+  void screen_all(Id begin, Id end) {
+    for (Id p = begin; p < end; ++p) {
+      if ((p - begin) % 256 == 255) s_.control->check();
+      offset(s_.row(p), y_);
+      if (locate(p) != inside) piece_.deferred.push_back(p);
+    }
+  }
+
  private:
   HWY_INLINE void offset(const double* p, double* y) const {
     for (unsigned j = 0; j < 3; ++j) y[j] = p[j] - centre_[j];
@@ -234,6 +242,7 @@ class Inserter {
     }
     if (seed == inside) return true;
     ++piece_.rungs[static_cast<unsigned>(Rung::plane)];
+    ++piece_.inserted;
     if (!find_cavity(p, seed)) {
       piece_.hint = seed;
       return false;
@@ -410,6 +419,11 @@ void insert_points_in(const Shared3D& shared, Piece3D& piece, const std::uint32_
   Inserter(shared, piece).insert_all(positions, begin, end, progress);
 }
 
+void screen_points_in(const Shared3D& shared, Piece3D& piece, std::uint32_t begin,
+                      std::uint32_t end) {
+  Inserter(shared, piece).screen_all(begin, end);
+}
+
 std::uint32_t climb_in(const Shared3D& shared, std::uint32_t start, const double* p) {
   const double* centre = shared.predicates->centre();
   const double y[3] = {p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]};
@@ -454,6 +468,7 @@ HWY_AFTER_NAMESPACE();
 namespace cullhull::internal {
 
 HWY_EXPORT(insert_points_in);
+HWY_EXPORT(screen_points_in);
 HWY_EXPORT(climb_in);
 HWY_EXPORT(compute_plane_in);
 
@@ -461,6 +476,10 @@ void insert_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* 
                    std::uint32_t begin, std::uint32_t end,
                    const std::function<void(double)>* progress) {
   HWY_DYNAMIC_DISPATCH(insert_points_in)(shared, piece, positions, begin, end, progress);
+}
+
+void screen_points(const Shared3D& shared, Piece3D& piece, std::uint32_t begin, std::uint32_t end) {
+  HWY_DYNAMIC_DISPATCH(screen_points_in)(shared, piece, begin, end);
 }
 
 std::uint32_t climb(const Shared3D& shared, std::uint32_t start, const double* p) {

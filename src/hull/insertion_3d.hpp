@@ -69,7 +69,7 @@ struct alignas(256) Piece3D {
   std::vector<std::uint32_t> deferred;  // points that concern other pieces' facets, ascending
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
   std::uint64_t rungs[3] = {0, 0, 0};
-  std::uint64_t steps = 0;
+  std::uint64_t steps = 0, inserted = 0;
   Entries3D entries;
 
   bool owns(std::uint32_t owner) const { return owner - first_owner < owner_count; }
@@ -92,6 +92,10 @@ struct alignas(256) Piece3D {
 void insert_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
                    std::uint32_t begin, std::uint32_t end,
                    const std::function<void(double)>* progress);
+
+/// Appends those of the points [begin, end) that see the surface to piece.deferred; the others are
+/// inside for good. Only reads the surface, all of which the piece must own.
+void screen_points(const Shared3D& shared, Piece3D& piece, std::uint32_t begin, std::uint32_t end);
 
 /// The facet that the ray from O through p leaves by, as well as doubles can tell, or one that p
 /// sees; climbing from `start` and only reading.

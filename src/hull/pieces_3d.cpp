@@ -7,6 +7,31 @@
 
 namespace cullhull::internal {
 
+/// Where few points see the surface: all threads look for those, one inserts them.
+void Engine3D::screen_and_insert(Id begin, Id end) {
+  constexpr std::uint64_t chunk = 1 << 13;
+  std::vector<Piece3D> readers(chunk_count(end - begin, chunk));
+  const Id start = live_facet();
+  for_each_chunk(end - begin, chunk, threads_,
+                 [&](std::uint64_t c, std::uint64_t first, std::uint64_t last) {
+                   readers[c].owner_count = none;  // all
+                   readers[c].hint = start;
+                   screen_points(shared_, readers[c], static_cast<Id>(begin + first),
+                                 static_cast<Id>(begin + last));
+                 });
+  Piece3D& all = pieces_[0];
+  std::vector<Id> seen;
+  for (Piece3D& r : readers) {
+    seen.insert(seen.end(), r.deferred.begin(), r.deferred.end());
+    all.duplicates.insert(all.duplicates.end(), r.duplicates.begin(), r.duplicates.end());
+    for (unsigned k = 0; k < 3; ++k) all.rungs[k] += r.rungs[k];
+    all.steps += r.steps;
+  }
+  give_slots(static_cast<Id>(seen.size()));
+  insert_points(shared_, all, seen.data(), 0, static_cast<Id>(seen.size()), nullptr);
+  take_back_slots();
+}
+
 /// Cuts the surface into pieces of about equally many new points, fills them side by side, and
 /// joins neighbouring pieces two by two until the points at the last border are in.
 void Engine3D::insert_in_pieces(Id begin, Id end) {
@@ -123,6 +148,7 @@ void Engine3D::run_pieces(const std::vector<Work>& work, Id begin, Id end) {
         control_.report("hull", (begin + share * (end - begin)) / points_.count);
     };
     if (piece.hint == none) {  // no facet of its own
+      piece.deferred = w.positions;
       for (Id p = w.begin; p < w.end; ++p) piece.deferred.push_back(p);
     } else if (w.positions.empty()) {
       insert_points(shared_, piece, nullptr, w.begin, w.end, &progress);
@@ -152,6 +178,7 @@ std::vector<Engine3D::Work> Engine3D::join_pieces() {
       a.duplicates.insert(a.duplicates.end(), b.duplicates.begin(), b.duplicates.end());
       for (unsigned r = 0; r < 3; ++r) a.rungs[r] += b.rungs[r];
       a.steps += b.steps;
+      a.inserted += b.inserted;
     }
     work[k].positions.swap(a.deferred);
     if (k > 0) pieces_[k] = std::move(a);

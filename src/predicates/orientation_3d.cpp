@@ -39,7 +39,7 @@ Pair add(Pair a, Pair b) {
   return fast_two_sum(v.high, v.low + t.low);
 }
 Pair negated(Pair a) { return {-a.high, -a.low}; }
-/// Within 5 u^2, barring underflow.
+/// Within 7 u^2, barring underflow.
 Pair multiply(Pair a, Pair b) {
   const Pair p = two_product(a.high, b.high);
   return fast_two_sum(p.high, p.low + (a.high * b.low + a.low * b.high));
