@@ -13,6 +13,7 @@
 #include "extreme/extreme_ids.hpp"
 #include "filter_stage.hpp"
 #include "hull/engine.hpp"
+#include "parallel/backend.hpp"
 #include "parallel/parallel.hpp"
 #include "points/gather.hpp"
 #include "points/local_frame.hpp"
@@ -34,9 +35,7 @@ void check_arguments(const PointView& points, const Options& options) {
     throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
   if (points.data == nullptr && points.count > 0)
     throw Error(ErrorCode::invalid_argument, "points.data is null");
-  if (options.backend == Backend::cuda)
-    throw Error(ErrorCode::backend_unavailable,
-                "this build has no CUDA backend; use the backend auto or cpu");
+  if (options.backend == Backend::cuda) require_cuda();
   if (options.engine == Engine::qhull && !qhull_available())
     throw Error(ErrorCode::backend_unavailable,
                 "this build has no Qhull engine; use the engine native");
@@ -110,7 +109,7 @@ SimplicialHull run_engine(const LocalFrame& frame, Engine engine, std::uint64_t 
   if (points.dimension == 1) return ends_of_line(points);
   if (engine == Engine::qhull) return hull_qhull(points, control);
   if (points.dimension == 2) return hull_2d(points, threads, control);
-  if (points.dimension == 3) return hull_3d(points, frame.simplex().data(), budget, control);
+  if (points.dimension == 3) return hull_3d(points, frame.simplex().data(), budget, threads, control);
   return hull_nd(points, frame.simplex().data(), budget, threads, control);
 }
 
@@ -160,6 +159,8 @@ Hull convex_hull(const PointView& points, const Options& options) {
   Filtered filtered = run_filter(points, options, control, threads, budget);
   hull.statistics.survivors = filtered.survivors.size(points.count);
   hull.statistics.cull_method = filtered.survivors.method;
+  hull.statistics.cull_reason = filtered.survivors.reason;
+  hull.statistics.backend = filtered.survivors.backend;
   hull.statistics.cull_seconds = seconds_since(start);
 
   const auto hull_start = Clock::now();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace cullhull::internal {
 namespace {
@@ -36,6 +37,22 @@ double kept_share(std::uint64_t sample, std::uint64_t extreme) {
          static_cast<double>(std::max<std::uint64_t>(sample, 1));
 }
 
+/// Starting the driver and making its context; seconds.
+constexpr double device_start = 0.25;
+/// Launches, and waiting for the few words that come back: seconds a call.
+constexpr double device_call = 100e-6;
+
+std::string seconds_text(double seconds) {
+  char text[32];
+  if (seconds < 1e-3)
+    std::snprintf(text, sizeof text, "%.3g us", seconds * 1e6);
+  else if (seconds < 1)
+    std::snprintf(text, sizeof text, "%.3g ms", seconds * 1e3);
+  else
+    std::snprintf(text, sizeof text, "%.3g s", seconds);
+  return text;
+}
+
 }  // namespace
 
 // Where even dropping every point would save less than the map costs.
@@ -65,6 +82,41 @@ bool cull_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint6
   const double kept = std::min(1.0, c.excess * kept_share(sample, extreme));
   const auto size = static_cast<double>(map_sample_size(count, d, sample, extreme));
   return n * (1 - kept) * c.engine_point > n * c.pass + size * c.sample_point + c.build;
+}
+
+bool map_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint64_t extreme) {
+  const Costs& c = costs_of(d);
+  const auto n = static_cast<double>(count);
+  const double kept = std::min(1.0, c.excess * kept_share(sample, extreme));
+  return n * (1 - kept) * c.engine_point > n * c.pass + c.build;
+}
+
+std::string sample_finding(std::uint64_t sample, std::uint64_t extreme) {
+  return std::to_string(extreme) + " of " + std::to_string(sample) + " sampled points are extreme";
+}
+
+// A pass on the host costs the larger of reading and testing. To a device the points are copied
+// into pinned memory while the piece before is on the link: the larger of those two, again; the
+// kernel is hidden behind both. A device that holds the points reads them at half of its copying
+// rate at least (docs/gpu.md), a copy moving two bytes for one.
+Placement choose_place(const PlaceQuestion& q, const MachineConstants& m) {
+  const auto n = static_cast<double>(q.count);
+  const double bytes = n * static_cast<double>(q.point_bytes);
+  const unsigned threads = m.cores > 0 ? std::min(q.threads, m.cores) : q.threads;
+  const double host_pass = std::max(bytes / m.host_read_bytes_per_second,
+                                    n * costs_of(q.dimension).pass * 1e-9 / std::max(1U, threads));
+  const double link = bytes / m.link_bytes_per_second;
+  const double start = q.device_started || q.on_device ? 0 : device_start;
+  const double host = q.on_device ? link + host_pass : host_pass;
+  const double device = start + device_call +
+                        (q.on_device ? bytes / (m.device_copy_bytes_per_second / 2)
+                                     : std::max(link, bytes / m.host_copy_bytes_per_second));
+  Placement p;
+  p.device = device < host;
+  p.reason = std::string("points on the ") + (q.on_device ? "device" : "host") +
+             ": a pass takes about " + seconds_text(host) + " on the CPU, " + seconds_text(device) +
+             " on a CUDA device";
+  return p;
 }
 
 // A smooth density leaves outside an m-sample's hull a share s(m) ~ m^-a, a = 2 / (d + 1) (Renyi
