@@ -222,10 +222,10 @@ std::string extreme_json(const cullhull::PointView& view, const Extreme& found, 
       "  \"peak_bytes\": {},\n"
       "  \"vertices\": [{}]\n"
       "}}\n",
-      CULLHULL_VERSION, view.count, view.dimension, cullhull::scalar_name(view.scalar),
-      s.threads, s.backend, s.cull_method, s.survivors, s.cull_seconds,
-      found.points.affine_dimension, found.points.ids.size(), read_seconds, s.compute_seconds,
-      fmt::join(found.seconds, ", "), peak, fmt::join(found.points.ids, ", "));
+      CULLHULL_VERSION, view.count, view.dimension, cullhull::scalar_name(view.scalar), s.threads,
+      s.backend, s.cull_method, s.survivors, s.cull_seconds, found.points.affine_dimension,
+      found.points.ids.size(), read_seconds, s.compute_seconds, fmt::join(found.seconds, ", "),
+      peak, fmt::join(found.points.ids, ", "));
 }
 
 int run_vertices_only(const HullArguments& arguments) {
@@ -240,8 +240,7 @@ int run_vertices_only(const HullArguments& arguments) {
   const Input input = open_input(arguments.input, arguments.run.threads);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const Extreme found = find_extreme(arguments, input.points);
-  if (!arguments.vertices.empty())
-    cullhull::write_npy_ids(arguments.vertices, found.points.ids);
+  if (!arguments.vertices.empty()) cullhull::write_npy_ids(arguments.vertices, found.points.ids);
   if (!arguments.json.empty()) {
     const std::string text = extreme_json(input.points, found, read_seconds, peak_bytes());
     if (arguments.json == "-")
@@ -251,14 +250,14 @@ int run_vertices_only(const HullArguments& arguments) {
   }
   if (arguments.run.quiet || arguments.stdout_users() > 0) return 0;
   const cullhull::Statistics& s = found.points.statistics;
-  write_stdout(fmt::format("points     {} x {} {}, {}\n"
-                           "survivors  {}, cull: {}\n"
-                           "vertices   {}\n"
-                           "seconds    {:.6f}\n",
-                           grouped(input.points.count), input.points.dimension,
-                           cullhull::scalar_name(input.points.scalar), input.file.format(),
-                           grouped(s.survivors), s.cull_method, grouped(found.points.ids.size()),
-                           s.compute_seconds));
+  write_stdout(fmt::format(
+      "points     {} x {} {}, {}\n"
+      "survivors  {}, cull: {}\n"
+      "vertices   {}\n"
+      "seconds    {:.6f}\n",
+      grouped(input.points.count), input.points.dimension,
+      cullhull::scalar_name(input.points.scalar), input.file.format(), grouped(s.survivors),
+      s.cull_method, grouped(found.points.ids.size()), s.compute_seconds));
   return 0;
 }
 

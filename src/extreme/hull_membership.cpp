@@ -133,8 +133,7 @@ void HullMembership::move_to_nearest() {
     for (std::size_t i = 0; i < corral_.size(); ++i)
       if (flat_[i] <= 0 && weights_[i] > flat_[i])
         share = std::min(share, weights_[i] / (weights_[i] - flat_[i]));
-    const bool arrived =
-        std::all_of(flat_.begin(), flat_.end(), [](double v) { return v > 0; });
+    const bool arrived = std::all_of(flat_.begin(), flat_.end(), [](double v) { return v > 0; });
     if (arrived) {
       weights_ = flat_;
       return;

@@ -21,8 +21,8 @@
 namespace cullhull::internal {
 namespace {
 
-/// Facets per vertex of random points on a sphere: in the limit (limit), and for V = 20, 40, ... 640
-/// points how far from it (limit / value - 1). Measured.
+/// Facets per vertex of random points on a sphere: in the limit (limit), and for V = 20, 40, ...
+/// 640 points how far from it (limit / value - 1). Measured.
 constexpr unsigned table_size = 6;
 struct Sphere {
   double limit;
@@ -33,7 +33,7 @@ constexpr Sphere spheres[] = {
     {32, {2.7, 1.34, 0.74, 0.48, 0.31, 0.197}},      // 5D
     {187, {9.2, 3.9, 2.1, 1.28, 0.82, 0.556}},       // 6D
     {1296, {39, 11.9, 5.25, 3.04, 1.87, 1.23}},      // 7D
-    {10262, {177, 37.2, 15, 7.4, 4.08, 2.59}},         // 8D
+    {10262, {177, 37.2, 15, 7.4, 4.08, 2.59}},       // 8D
 };
 
 /// Between the measured sizes along a power law, beyond them along the theory's, a little steeper.
@@ -107,8 +107,7 @@ double extreme_among(const LocalPoints& points, const std::vector<std::uint32_t>
     for_each_chunk(count, 4, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       HullMembership membership(points, control);
       for (std::uint64_t i = begin; i < end; ++i)
-        extreme[i] =
-            !membership.inside(others[size - 1 - tested - i], others, working, useful[c]);
+        extreme[i] = !membership.inside(others[size - 1 - tested - i], others, working, useful[c]);
     });
     found += static_cast<std::uint32_t>(std::count(extreme.begin(), extreme.end(), 1));
     tested += count;
@@ -175,8 +174,8 @@ void check_facets(const LocalPoints& points, std::uint64_t budget, std::uint64_t
   if (e.facets <= affordable) return;
   const auto rounded = [](double v) {  // two digits: it is an estimate
     const double unit = std::pow(10.0, std::max(0.0, std::floor(std::log10(std::max(v, 1.0))) - 1));
-    std::string digits = std::to_string(static_cast<std::uint64_t>(
-        std::min(std::round(v / unit) * unit, 1e18)));
+    std::string digits =
+        std::to_string(static_cast<std::uint64_t>(std::min(std::round(v / unit) * unit, 1e18)));
     for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
     return digits;
   };

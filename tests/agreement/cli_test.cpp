@@ -243,6 +243,22 @@ TEST(Cli, CertifyAcceptsOurHullAndRefusesAnother) {
   expect_error({"certify", f / "q.npy", f / "hull.json"}, 3, "not certified");
 }
 
+TEST(Cli, OnlyVerticesWritesTheHullsIds) {
+  const Folder f;
+  write_points(f / "p.npy", "gauss", 2000, 5);
+  const std::string p = f / "p.npy";
+  EXPECT_EQ(run_app({"hull", p, "--vertices", f / "hull.npy"}).status, 0);
+  const Ran ran =
+      run_app({"hull", p, "--only", "vertices", "--vertices", f / "only.npy", "--json"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(read_file(f / "only.npy"), read_file(f / "hull.npy"));
+  const auto json = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(json["affine_dimension"], 5);
+  EXPECT_EQ(json["vertices"].size(), json["vertex_count"]);
+  expect_error({"hull", p, "--only", "vertices", "--certify"}, 2, "finds no facets");
+  expect_error({"hull", p, "--only", "facets"}, 2, "--only");
+}
+
 TEST(Cli, CullKeepsEveryVertex) {
   const Folder f;
   write_points(f / "p.npy", "ball", 50000, 3);

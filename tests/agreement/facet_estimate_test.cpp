@@ -1,4 +1,6 @@
 // The estimate of the number of facets against hulls that were built, and what is refused.
+#include "hull/facet_estimate.hpp"
+
 #include <gtest/gtest.h>
 
 #include <string>
@@ -7,7 +9,6 @@
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
-#include "hull/facet_estimate.hpp"
 #include "points/local_frame.hpp"
 
 namespace cullhull {
@@ -58,10 +59,10 @@ TEST(FacetEstimateTest, RefusedBeforeTheWork) {
 }
 
 TEST(FacetEstimateTest, UpperBoundTheorem) {
-  EXPECT_EQ(internal::most_facets(5, 4), 5);    // the simplex
-  EXPECT_EQ(internal::most_facets(8, 4), 20);   // cyclic: n (n - 3) / 2
+  EXPECT_EQ(internal::most_facets(5, 4), 5);   // the simplex
+  EXPECT_EQ(internal::most_facets(8, 4), 20);  // cyclic: n (n - 3) / 2
   EXPECT_EQ(internal::most_facets(10, 6), 50);
-  EXPECT_EQ(internal::most_facets(7, 3), 10);   // 2 n - 4
+  EXPECT_EQ(internal::most_facets(7, 3), 10);  // 2 n - 4
   EXPECT_EQ(internal::most_facets(4, 4), 0);
 }
 

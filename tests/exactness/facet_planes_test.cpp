@@ -1,5 +1,7 @@
-// Searches for violations of the error bound stored with a facet's plane: |g~ - g| <= E max(1, |g|),
-// against rational arithmetic, on regular, thin, tiny, far and nearly degenerate facets.
+// Searches for violations of the error bound stored with a facet's plane: |g~ - g| <= E max(1,
+// |g|), against rational arithmetic, on regular, thin, tiny, far and nearly degenerate facets.
+#include "hull/facet_planes.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,7 +11,6 @@
 
 #include "agreement/point_sets.hpp"
 #include "extreme/rational.hpp"
-#include "hull/facet_planes.hpp"
 
 namespace cullhull::internal {
 namespace {
