@@ -11,6 +11,7 @@
 #include "cullhull/hull.hpp"
 #include "filter_stage.hpp"
 #include "hull/engine.hpp"
+#include "parallel/pages.hpp"
 #include "parallel/parallel.hpp"
 #include "points/gather.hpp"
 #include "points/local_frame.hpp"
@@ -144,6 +145,7 @@ Hull convex_hull(const PointView& points, const Options& options) {
   const Control control(options);
   const unsigned threads = resolve_threads(options.threads);
   const std::uint64_t budget = resolve_budget(options.memory_budget);
+  const PageScope pages;
   const auto start = Clock::now();
 
   Hull hull;
@@ -174,7 +176,7 @@ Hull convex_hull(const PointView& points, const Options& options) {
     SimplicialHull boundary = run_engine(frame, options.engine, budget, threads, control);
     for (unsigned r = 0; r < 3; ++r) hull.statistics.rung_counts[r] = boundary.rung_counts[r];
     const std::uint64_t k = boundary.dimension;
-    require_budget(budget, boundary.facet_count() * (24 * k + 8 * points.dimension + 32),
+    require_budget(budget, boundary.facet_count() * (48 * k + 8 * points.dimension + 44),
                    std::to_string(boundary.facet_count()) + " facets");
     const ResultInput from{&points, &frame.points(), input.all ? nullptr : input.ids.data(),
                            frame.axes().data()};
