@@ -15,6 +15,7 @@
 #include "filter_stage.hpp"
 #include "hull/engine.hpp"
 #include "parallel/backend.hpp"
+#include "parallel/pages.hpp"
 #include "points/gather.hpp"
 #include "points/local_frame.hpp"
 #include "result/build_hull.hpp"
@@ -145,7 +146,7 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
         run_engine(frame, run.options.engine, run.budget, run.threads, run.control);
     for (unsigned r = 0; r < 3; ++r) hull.statistics.rung_counts[r] = boundary.rung_counts[r];
     const std::uint64_t k = boundary.dimension;
-    require_budget(run.budget, boundary.facet_count() * (24 * k + 8 * points.dimension + 32),
+    require_budget(run.budget, boundary.facet_count() * (48 * k + 8 * points.dimension + 44),
                    std::to_string(boundary.facet_count()) + " facets");
     const ResultInput from{&points, &frame.points(), input.all ? nullptr : input.ids.data(),
                            frame.axes().data()};
@@ -177,6 +178,7 @@ Survivors cull(const PointView& points, const Options& options) {
 Hull convex_hull(const PointView& points, const Options& options) {
   check_arguments(points, options);
   const Run run(options);
+  const PageScope pages;
   const auto start = Clock::now();
   run.control.check();
   Filtered filtered = run_filter(points, options, run.control, run.threads, run.budget);
@@ -193,6 +195,7 @@ ExtremePoints extreme_points(const PointView& points, const Options& options) {
   const Control control(options);
   const unsigned threads = resolve_threads(options.threads);
   const std::uint64_t budget = resolve_budget(options.memory_budget);
+  const PageScope pages;
   const auto start = Clock::now();
 
   ExtremePoints result;

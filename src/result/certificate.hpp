@@ -58,7 +58,7 @@ struct Subject {
     return hull.simplex_neighbours[std::size_t{f} * k + j];
   }
   std::uint64_t position(std::uint64_t id) const;  ///< in `ids`; ids.size() if it is no vertex
-  void index_ids();                                ///< makes `position` quick; call when ids are set
+  void index_ids();  ///< makes `position` quick; call when ids are set
 
   /// Asks for what simplices soon after f refer to: it lies anywhere in memory.
   void prefetch(std::uint64_t f) const {

@@ -378,8 +378,7 @@ bool finish_quickly(const Frame& frame, const Totals<DoubleDouble>& sums, Hull& 
     // The vertex is in units of 2^exponent here, which changes no digit of a normal double.
     const DoubleDouble origin(frame.at(0)[c]);
     if (origin.high != 0 && std::fabs(origin.high) < 0x1p-900) return false;
-    const double error =
-        double_double_error * (std::fabs(shift.high) + std::fabs(origin.high));
+    const double error = double_double_error * (std::fabs(shift.high) + std::fabs(origin.high));
     if (!round_surely(origin + shift, error, frame.exponent, hull.centroid[c])) return false;
   }
   return true;
