@@ -374,7 +374,8 @@ Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinate
   HullReader reader(source, raw);
   json::sax_parse(source.data, source.data + source.size, &reader);
   Hull hull = HullChecker(source, raw).check();
-  if (vertex_coordinates != nullptr) *vertex_coordinates = std::move(raw.coordinates.items);
+  if (vertex_coordinates != nullptr)
+    vertex_coordinates->assign(raw.coordinates.items.begin(), raw.coordinates.items.end());
   return hull;
 }
 
