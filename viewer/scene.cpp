@@ -93,7 +93,7 @@ Scene::Rows Scene::choose_rows(const SceneFrame& frame, std::uint64_t row_bytes)
   const std::uint64_t used = rows.shape.vertices.size() * row_bytes +
                              4 * (rows.shape.edges.size() + rows.shape.triangles.size());
   const std::uint64_t room = (frame_bytes_ - std::min(used, frame_bytes_)) / row_bytes;
-  std::vector<std::uint64_t> vertices = hull.vertices;
+  std::vector<std::uint64_t> vertices(hull.vertices.begin(), hull.vertices.end());
   std::sort(vertices.begin(), vertices.end());
   const Survivors& survivors = *frame.survivors;
   rows.all_survivors = survivors.size(n) - vertices.size();
