@@ -8,6 +8,7 @@
 
 #include "control.hpp"
 #include "cullhull/error.hpp"
+#include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull {
@@ -15,20 +16,22 @@ namespace {
 
 using namespace internal;
 
-template <class T>
-void append(std::vector<T>& to, const std::vector<T>& items) {
+template <class To, class Items>
+  requires requires(To& to, const Items& items) { to.insert(to.end(), items.begin(), items.end()); }
+void append(To& to, const Items& items) {
   to.insert(to.end(), items.begin(), items.end());
 }
 
 /// One more list.
-template <class T>
-void append_list(Lists<T>& to, const std::vector<T>& items) {
+template <class T, class Items>
+void append_list(Lists<T>& to, const Items& items) {
   append(to.items, items);
   to.offsets.push_back(to.items.size());
 }
 
 /// Offsets that begin at 0, moved on by what is there.
-void append_offsets(std::vector<std::uint64_t>& to, const std::vector<std::uint64_t>& offsets) {
+template <class To, class Offsets>
+void append_offsets(To& to, const Offsets& offsets) {
   const std::uint64_t base = to.back();
   for (std::size_t i = 1; i < offsets.size(); ++i) to.push_back(base + offsets[i]);
 }
@@ -56,21 +59,78 @@ void append(HullBatch& b, const Hull& h) {
   append_list(b.simplex_facets, h.simplex_facets);
 }
 
-void append(HullBatch& b, const HullBatch& more) {
-  append(b.point_counts, more.point_counts);
-  append(b.affine_dimensions, more.affine_dimensions);
-  append(b.volumes, more.volumes);
-  append(b.areas, more.areas);
-  append(b.centroids, more.centroids);
-  append_lists(b.vertices, more.vertices);
-  append_offsets(b.facet_starts, more.facet_starts);
-  append_lists(b.facets, more.facets);
-  append_lists(b.facet_neighbours, more.facet_neighbours);
-  append(b.facet_planes, more.facet_planes);
-  append_lists(b.simplices, more.simplices);
-  append_lists(b.simplex_neighbours, more.simplex_neighbours);
-  append_lists(b.simplex_facets, more.simplex_facets);
-}
+/// Parts end to end. Every list is sized first, then all parts are copied at once.
+class Joiner {
+ public:
+  Joiner(std::vector<HullBatch>& parts, unsigned threads) : parts_(parts), threads_(threads) {}
+
+  void run(HullBatch& out) {
+    join(out, &HullBatch::point_counts);
+    join(out, &HullBatch::affine_dimensions);
+    join(out, &HullBatch::volumes);
+    join(out, &HullBatch::areas);
+    join(out, &HullBatch::centroids);
+    join_lists(out, &HullBatch::vertices);
+    join_starts(
+        out.facet_starts, [](HullBatch & b) -> auto& { return b.facet_starts; });
+    join_lists(out, &HullBatch::facets);
+    join_lists(out, &HullBatch::facet_neighbours);
+    join(out, &HullBatch::facet_planes);
+    join_lists(out, &HullBatch::simplices);
+    join_lists(out, &HullBatch::simplex_neighbours);
+    join_lists(out, &HullBatch::simplex_facets);
+  }
+
+ private:
+  /// Where each part begins in the whole, and the whole's size.
+  template <class Size>
+  std::vector<std::uint64_t> places(Size&& size) const {
+    std::vector<std::uint64_t> at(parts_.size() + 1, 0);
+    for (std::size_t p = 0; p < parts_.size(); ++p) at[p + 1] = at[p] + size(parts_[p]);
+    return at;
+  }
+  template <class Copy>
+  void each(Copy&& copy) const {
+    for_each_chunk(parts_.size(), 8, threads_,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     for (std::uint64_t p = begin; p < end; ++p) copy(p);
+                   });
+  }
+  template <class Vector>
+  void join_items(Vector& out, const auto& of) const {
+    const auto at = places([&](HullBatch& b) { return of(b).size(); });
+    resize_big(out, at.back());
+    each([&](std::uint64_t p) {
+      Vector& items = of(parts_[p]);
+      std::copy(items.begin(), items.end(), out.begin() + static_cast<std::ptrdiff_t>(at[p]));
+      items = {};
+    });
+  }
+  template <class T>
+  void join(HullBatch& out, std::vector<T> HullBatch::*member) const {
+    join_items(
+        out.*member, [member](HullBatch & b) -> auto& { return b.*member; });
+  }
+  /// Offsets that begin at 0 in every part.
+  void join_starts(auto& out, const auto& of) const {
+    const auto at = places([&](HullBatch& b) { return of(b).size() - 1; });
+    const auto base = places([&](HullBatch& b) { return of(b).back(); });
+    resize_big(out, at.back() + 1);
+    each([&](std::uint64_t p) {
+      const auto& offsets = of(parts_[p]);
+      for (std::size_t i = 1; i < offsets.size(); ++i) out[at[p] + i] = base[p] + offsets[i];
+    });
+  }
+  template <class T>
+  void join_lists(HullBatch& out, Lists<T> HullBatch::*member) const {
+    join_starts(
+        (out.*member).offsets, [member](HullBatch & b) -> auto& { return (b.*member).offsets; });
+    join_items((out.*member).items, [member](HullBatch & b) -> auto& { return (b.*member).items; });
+  }
+
+  std::vector<HullBatch>& parts_;
+  unsigned threads_;
+};
 
 void check_offsets(const PointView& points, const std::uint64_t* offsets, std::uint64_t sets) {
   if (offsets == nullptr) throw Error(ErrorCode::invalid_argument, "offsets is null");
@@ -82,10 +142,10 @@ void check_offsets(const PointView& points, const std::uint64_t* offsets, std::u
                                                    std::to_string(points.count) + " points");
 }
 
-template <class T>
-std::vector<T> list(const Lists<T>& lists, std::size_t i) {
-  return {lists.items.begin() + static_cast<std::ptrdiff_t>(lists.offsets[i]),
-          lists.items.begin() + static_cast<std::ptrdiff_t>(lists.offsets[i + 1])};
+template <class T, class To>
+void copy_list(const Lists<T>& lists, std::size_t i, To& to) {
+  to.assign(lists.items.begin() + static_cast<std::ptrdiff_t>(lists.offsets[i]),
+            lists.items.begin() + static_cast<std::ptrdiff_t>(lists.offsets[i + 1]));
 }
 
 /// Lists [begin, end), their offsets from 0.
@@ -114,16 +174,16 @@ Hull HullBatch::hull(std::size_t i) const {
     const auto c = centroids.begin() + static_cast<std::ptrdiff_t>(i * dimension);
     h.centroid.assign(c, c + dimension);
   }
-  h.vertices = list(vertices, i);
+  copy_list(vertices, i, h.vertices);
   const std::uint64_t begin = facet_starts[i], end = facet_starts[i + 1];
   h.facets = run(facets, begin, end);
   h.facet_neighbours = run(facet_neighbours, begin, end);
   const std::uint64_t width = dimension + std::uint64_t{1};
   h.facet_planes.assign(facet_planes.begin() + static_cast<std::ptrdiff_t>(begin * width),
                         facet_planes.begin() + static_cast<std::ptrdiff_t>(end * width));
-  h.simplices = list(simplices, i);
-  h.simplex_neighbours = list(simplex_neighbours, i);
-  h.simplex_facets = list(simplex_facets, i);
+  copy_list(simplices, i, h.simplices);
+  copy_list(simplex_neighbours, i, h.simplex_neighbours);
+  copy_list(simplex_facets, i, h.simplex_facets);
   return h;
 }
 
@@ -169,10 +229,7 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
   HullBatch all;
   all.dimension = points.dimension;
   all.scalar = points.scalar;
-  for (HullBatch& part : parts) {
-    append(all, part);
-    part = {};
-  }
+  Joiner(parts, threads).run(all);
   control.report("done", 1);
   return all;
 }

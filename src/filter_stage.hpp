@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "control.hpp"
@@ -20,5 +21,12 @@ struct Filtered {
 /// the budget gives no map; survivors that exceed it are Error{out_of_budget}.
 Filtered run_filter(const PointView& points, const Options& options, const Control& control,
                     unsigned threads, std::uint64_t budget);
+
+/// Why the gauge map is not even tried; empty if it is.
+std::string why_no_filter(CullMethod method, std::uint64_t count, unsigned d);
+
+/// Culls the survivors of a first map, whose rows are there, by a second one if it pays.
+void refine_survivors(Filtered& result, unsigned d, const Control& control, unsigned threads,
+                      std::uint64_t budget);
 
 }  // namespace cullhull::internal

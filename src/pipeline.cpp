@@ -8,9 +8,12 @@
 #include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
+#include "cullhull/extreme_points.hpp"
 #include "cullhull/hull.hpp"
+#include "extreme/extreme_ids.hpp"
 #include "filter_stage.hpp"
 #include "hull/engine.hpp"
+#include "parallel/backend.hpp"
 #include "parallel/parallel.hpp"
 #include "points/gather.hpp"
 #include "points/local_frame.hpp"
@@ -32,9 +35,7 @@ void check_arguments(const PointView& points, const Options& options) {
     throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
   if (points.data == nullptr && points.count > 0)
     throw Error(ErrorCode::invalid_argument, "points.data is null");
-  if (options.backend == Backend::cuda)
-    throw Error(ErrorCode::backend_unavailable,
-                "this build has no CUDA backend; use the backend auto or cpu");
+  if (options.backend == Backend::cuda) require_cuda();
   if (options.engine == Engine::qhull && !qhull_available())
     throw Error(ErrorCode::backend_unavailable,
                 "this build has no Qhull engine; use the engine native");
@@ -103,13 +104,13 @@ SimplicialHull ends_of_line(const LocalPoints& points) {
 }
 
 SimplicialHull run_engine(const LocalFrame& frame, Engine engine, std::uint64_t budget,
-                          const Control& control) {
+                          unsigned threads, const Control& control) {
   const LocalPoints& points = frame.points();
   if (points.dimension == 1) return ends_of_line(points);
   if (engine == Engine::qhull) return hull_qhull(points, control);
-  if (points.dimension == 2) return hull_2d(points, control);
-  if (points.dimension == 3) return hull_3d(points, frame.simplex().data(), budget, control);
-  return hull_nd(points, frame.simplex().data(), budget, control);
+  if (points.dimension == 2) return hull_2d(points, threads, control);
+  if (points.dimension == 3) return hull_3d(points, frame.simplex().data(), budget, threads, control);
+  return hull_nd(points, frame.simplex().data(), budget, threads, control);
 }
 
 /// Qhull decides with tolerances, so what it found must be proven before it is called the hull.
@@ -158,6 +159,8 @@ Hull convex_hull(const PointView& points, const Options& options) {
   Filtered filtered = run_filter(points, options, control, threads, budget);
   hull.statistics.survivors = filtered.survivors.size(points.count);
   hull.statistics.cull_method = filtered.survivors.method;
+  hull.statistics.cull_reason = filtered.survivors.reason;
+  hull.statistics.backend = filtered.survivors.backend;
   hull.statistics.cull_seconds = seconds_since(start);
 
   const auto hull_start = Clock::now();
@@ -171,7 +174,7 @@ Hull convex_hull(const PointView& points, const Options& options) {
     for (unsigned j = 0; j < points.dimension; ++j)
       hull.centroid.push_back(points.at(hull.vertices[0], j));
   } else {
-    SimplicialHull boundary = run_engine(frame, options.engine, budget, control);
+    SimplicialHull boundary = run_engine(frame, options.engine, budget, threads, control);
     for (unsigned r = 0; r < 3; ++r) hull.statistics.rung_counts[r] = boundary.rung_counts[r];
     const std::uint64_t k = boundary.dimension;
     require_budget(budget, boundary.facet_count() * (24 * k + 8 * points.dimension + 32),
@@ -185,6 +188,43 @@ Hull convex_hull(const PointView& points, const Options& options) {
   hull.statistics.compute_seconds = seconds_since(start);
   control.report("done", 1);
   return hull;
+}
+
+ExtremePoints extreme_points(const PointView& points, const Options& options) {
+  check_arguments(points, options);
+  const Control control(options);
+  const unsigned threads = resolve_threads(options.threads);
+  const std::uint64_t budget = resolve_budget(options.memory_budget);
+  const auto start = Clock::now();
+
+  ExtremePoints result;
+  Statistics& statistics = result.statistics;
+  statistics.threads = threads;
+  control.check();
+  if (points.count == 0) return result;
+  Filtered filtered = run_filter(points, options, control, threads, budget);
+  statistics.survivors = filtered.survivors.size(points.count);
+  statistics.cull_method = filtered.survivors.method;
+  statistics.cull_seconds = seconds_since(start);
+
+  const auto search_start = Clock::now();
+  EngineInput input = engine_input(points, std::move(filtered), budget, threads);
+  const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
+                         points.dimension, control);
+  result.affine_dimension = frame.affine_dimension();
+  if (result.affine_dimension <= 3) {
+    Options plain = options;
+    plain.engine = Engine::native;
+    result.ids = convex_hull(points, plain).vertices;
+    std::sort(result.ids.begin(), result.ids.end());
+  } else {
+    for (const std::uint32_t i : extreme_ids(frame.points(), threads, control))
+      result.ids.push_back(input.all ? i : input.ids[i]);
+  }
+  statistics.hull_seconds = seconds_since(search_start);
+  statistics.compute_seconds = seconds_since(start);
+  control.report("done", 1);
+  return result;
 }
 
 }  // namespace cullhull

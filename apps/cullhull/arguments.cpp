@@ -3,7 +3,9 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <optional>
 
 #include "cullhull/error.hpp"
@@ -205,6 +207,27 @@ void RunArguments::add_to(CLI::App& command, bool filter) {
   command.add_flag("-q,--quiet", quiet, "No summary and no progress");
 }
 
+std::string machine_file() {
+  if (const char* named = std::getenv("CULLHULL_MACHINE"); named != nullptr && *named != 0)
+    return named;
+  const char* home = std::getenv("HOME");
+  return home == nullptr || *home == 0 ? "" : std::string(home) + "/.config/cullhull/machine.json";
+}
+
+namespace {
+
+// The file is read only where somebody weighs: a broken one must not stop `--backend cpu`.
+cullhull::MachineConstants machine_constants() {
+  const std::string path = machine_file();
+  const char* named = std::getenv("CULLHULL_MACHINE");
+  const bool asked_for = named != nullptr && *named != 0;
+  std::error_code unreadable;
+  if (path.empty() || (!asked_for && !std::filesystem::exists(path, unreadable))) return {};
+  return cullhull::machine_from_json(path);
+}
+
+}  // namespace
+
 cullhull::Options RunArguments::options() const {
   cullhull::Options options;
   if (cull == "gauge") options.cull = cullhull::CullMethod::gauge;
@@ -212,6 +235,7 @@ cullhull::Options RunArguments::options() const {
   if (cull == "none") options.cull = cullhull::CullMethod::none;
   if (backend == "cpu") options.backend = cullhull::Backend::cpu;
   if (backend == "cuda") options.backend = cullhull::Backend::cuda;
+  if (options.backend == cullhull::Backend::automatic) options.machine = machine_constants();
   options.threads = threads;
   if (!memory.empty()) options.memory_budget = parse_size(memory, "--memory");
   options.stop = stop_token();

@@ -51,6 +51,10 @@ struct RunArguments {
   cullhull::Options options() const;
 };
 
+/// Where the machine's constants are: $CULLHULL_MACHINE, else ~/.config/cullhull/machine.json;
+/// empty without a home.
+std::string machine_file();
+
 /// "800", "1.5M", "2GiB", "1e6": a whole number with an optional unit (k M G T powers of 1000; Ki
 /// Mi Gi Ti powers of 1024; a B may follow). Throws Error{invalid_argument} naming `option`.
 std::uint64_t parse_size(std::string_view text, std::string_view option);

@@ -10,6 +10,7 @@
 
 #include "cullhull/certify.hpp"
 #include "cullhull/hull.hpp"
+#include "cullhull/machine.hpp"
 #include "cullhull/point_view.hpp"
 
 namespace cullhull {
@@ -86,6 +87,10 @@ std::string hull_to_json(const PointView& points, const Hull& hull, const JsonEx
 /// checked, so that the result can be handed to certify(); its statistics are not in the file.
 /// Throws Error{bad_file} or Error{io}.
 Hull hull_from_json(const std::string& path);
+
+/// Reads what `cullhull bench machine` wrote: an object with the members of MachineConstants. The
+/// rates of link and device may be missing or null. Throws Error{bad_file} or Error{io}.
+MachineConstants machine_from_json(const std::string& path);
 
 /// Text as Qhull's `qconvex` prints it; `what` is one of Fx i o n p FV FS.
 std::string hull_to_qhull_text(const PointView& points, const Hull& hull, std::string_view what);

@@ -46,7 +46,7 @@ class Builder {
         facet_count_(static_cast<std::uint32_t>(p.facets.size() / D)),
         step_limit_(256 + static_cast<unsigned>(16 * std::pow(facet_count_, 1.0 / (D - 1)))) {}
 
-  bool build(unsigned resolution, GaugeTable& t) {
+  bool build(unsigned resolution, std::uint32_t most_nodes, GaugeTable& t) {
     if (vertex_count_ < D + 1 || facet_count_ < D + 1) return false;
     if (!choose_frame()) return false;
     if (!bound_axes()) return false;
@@ -56,7 +56,7 @@ class Builder {
     allowance_ = allowance;
 
     t.dimension = D;
-    t.cells = resolution ? resolution : automatic_cells();
+    t.cells = resolution ? resolution : automatic_cells(most_nodes);
     const std::uint64_t face = power(t.cells + 1, D - 1);
     if (2 * D * face >= (std::uint64_t{1} << 23)) return false;  // the kernel's indices are floats
     t.nodes.resize(2 * D * face);
@@ -291,7 +291,7 @@ class Builder {
 
   /// Nodes in proportion to facets, the fewest where more would keep hardly fewer points
   /// (measured on balls), the most a share of L2.
-  unsigned automatic_cells() const {
+  unsigned automatic_cells(std::uint32_t most_nodes) const {
     struct Rule {
       double per_facet;
       double least, most;
@@ -302,9 +302,13 @@ class Builder {
                                      {0.6, 6250, 65536},
                                      {0.25, 12288, 65536}};
     const Rule& rule = rules[D - 2];
-    const double nodes = std::clamp(rule.per_facet * facet_count_, rule.least, rule.most);
+    const double most = most_nodes > 0 ? std::min<double>(most_nodes, rule.most) : rule.most;
+    const double nodes =
+        std::clamp(rule.per_facet * facet_count_, rule.least, std::max(rule.least, most));
     const double edge = std::pow(nodes / (2 * D), 1.0 / (D - 1));
-    return std::max(2U, static_cast<unsigned>(edge + 0.5) - 1);
+    unsigned cells = std::max(2U, static_cast<unsigned>(edge + 0.5) - 1);
+    while (most_nodes > 0 && cells > 2 && 2 * D * power(cells + 1, D - 1) > most_nodes) --cells;
+    return cells;
   }
 
   void fill_constants(GaugeTable& t, std::uint64_t face) const {
@@ -383,18 +387,19 @@ class Builder {
 
 }  // namespace
 
-bool build_gauge_table(const InnerPolytope& polytope, unsigned resolution, GaugeTable& table) {
+bool build_gauge_table(const InnerPolytope& polytope, unsigned resolution, std::uint32_t most_nodes,
+                       GaugeTable& table) {
   switch (polytope.dimension) {
     case 2:
-      return Builder<2>(polytope).build(resolution, table);
+      return Builder<2>(polytope).build(resolution, most_nodes, table);
     case 3:
-      return Builder<3>(polytope).build(resolution, table);
+      return Builder<3>(polytope).build(resolution, most_nodes, table);
     case 4:
-      return Builder<4>(polytope).build(resolution, table);
+      return Builder<4>(polytope).build(resolution, most_nodes, table);
     case 5:
-      return Builder<5>(polytope).build(resolution, table);
+      return Builder<5>(polytope).build(resolution, most_nodes, table);
     case 6:
-      return Builder<6>(polytope).build(resolution, table);
+      return Builder<6>(polytope).build(resolution, most_nodes, table);
     default:
       return false;
   }

@@ -7,6 +7,7 @@
 namespace cullhull::internal {
 
 /// Fills `table`; false when no useful map exists. See GaugeMap::build.
-bool build_gauge_table(const InnerPolytope& polytope, unsigned resolution, GaugeTable& table);
+bool build_gauge_table(const InnerPolytope& polytope, unsigned resolution, std::uint32_t most_nodes,
+                       GaugeTable& table);
 
 }  // namespace cullhull::internal

@@ -16,9 +16,12 @@ struct GaugeMap::Table : GaugeTable {};
 GaugeMap::GaugeMap(std::unique_ptr<Table> table) : table_(std::move(table)) {}
 GaugeMap::~GaugeMap() = default;
 
-std::unique_ptr<GaugeMap> GaugeMap::build(const InnerPolytope& polytope, unsigned resolution) {
+const GaugeTable& GaugeMap::table() const noexcept { return *table_; }
+
+std::unique_ptr<GaugeMap> GaugeMap::build(const InnerPolytope& polytope, unsigned resolution,
+                                          std::uint32_t most_nodes) {
   auto table = std::make_unique<Table>();
-  if (!build_gauge_table(polytope, resolution, *table)) return nullptr;
+  if (!build_gauge_table(polytope, resolution, most_nodes, *table)) return nullptr;
   return std::unique_ptr<GaugeMap>(new GaugeMap(std::move(table)));
 }
 

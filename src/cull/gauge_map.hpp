@@ -10,6 +10,8 @@
 
 namespace cullhull::internal {
 
+struct GaugeTable;
+
 /// A convex polytope whose vertices are input points: the pipeline hands it to the filter.
 struct InnerPolytope {
   unsigned dimension = 0;
@@ -26,15 +28,20 @@ class GaugeMap {
  public:
   static constexpr unsigned min_dimension = 2, max_dimension = 6;
 
-  /// `resolution`: cells along an edge of the cube map; 0 chooses from the facet count.
-  /// Returns null when no useful map exists (the centre is not strictly inside in floating point,
-  /// coordinates too extreme, ...): the caller then culls nothing.
-  static std::unique_ptr<GaugeMap> build(const InnerPolytope& polytope, unsigned resolution = 0);
+  /// `resolution`: cells along an edge of the cube map; 0 chooses from the facet count, with at
+  /// most `most_nodes` nodes (0: what a CPU's cache takes). Returns null when no useful map exists
+  /// (the centre is not strictly inside in floating point, coordinates too extreme, ...): the
+  /// caller then culls nothing.
+  static std::unique_ptr<GaugeMap> build(const InnerPolytope& polytope, unsigned resolution = 0,
+                                         std::uint32_t most_nodes = 0);
 
   /// Ids (ascending, indices into `points`) of all points that are not provably strictly inside the
   /// polytope; a point with a NaN or an infinity is always among them.
   std::vector<std::uint64_t> survivors(const PointView& points, unsigned threads,
                                        const Control& control) const;
+
+  /// What the kernels read.
+  const GaugeTable& table() const noexcept;
 
   ~GaugeMap();
 

@@ -13,24 +13,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// Subset s of M holds the blocks s, s + M, s + 2 M, ... of the points: a fair sample even where
-/// neighbours in memory are neighbours in space.
-constexpr std::uint64_t block_size = 512;
-
-struct Subset {
-  std::uint64_t total, index, subsets;
-
-  std::uint64_t point(std::uint64_t local) const {
-    return (local / block_size * subsets + index) * block_size + local % block_size;
-  }
-  std::uint64_t size() const {
-    const std::uint64_t blocks = chunk_count(total, block_size);
-    if (index >= blocks) return 0;
-    const std::uint64_t mine = (blocks - index + subsets - 1) / subsets;
-    const bool has_last = (blocks - 1) % subsets == index;
-    return mine * block_size - (has_last ? blocks * block_size - total : 0);
-  }
-};
+constexpr std::uint64_t block_size = PseudoSubset::block;
 
 template <class T, unsigned D>
 void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t count, double* out) {
@@ -79,26 +62,34 @@ void blot_out(double* rows, std::uint64_t count) {
   }
 }
 
+template <unsigned D, class Executor>
+struct Worker {
+  explicit Worker(const Executor& e) : executor(e), growth(e) {}
+  Executor executor;
+  HostArray<double> rows;
+  PseudoHullGrowth<D, Executor, StoredRows<D>> growth;
+};
+
 /// Loads the points of a subset, grows its pseudo-hull and lists the ids that are left, ascending.
 template <unsigned D, class Executor>
-void filter_subset(const PointView& view, const Subset& subset, unsigned max_rounds,
-                   const Executor& loader, PseudoHullGrowth<D, Executor>& growth,
-                   const Control& control, std::vector<PseudoHullRound>& rounds,
-                   std::vector<std::uint64_t>& kept) {
+void filter_subset(const PointView& view, const PseudoSubset& subset, unsigned max_rounds,
+                   Worker<D, Executor>& worker, const Control& control,
+                   std::vector<PseudoHullRound>& rounds, std::vector<std::uint64_t>& kept) {
   const std::uint64_t size = subset.size();
   if (size > pseudo_hull_most_points)
     throw Error(ErrorCode::out_of_budget, std::to_string(size) +
                                               " points are too many for one pseudo-hull; "
                                               "use more subsets");
-  double* rows = growth.rows(static_cast<std::uint32_t>(size));
-  loader.for_each(static_cast<std::uint32_t>(chunk_count(size, block_size)), [&](std::uint32_t b) {
-    const std::uint64_t begin = b * block_size, count = std::min(block_size, size - begin);
-    load_rows<D>(view, subset.point(begin), count, rows + begin * D);
-    blot_out<D>(rows + begin * D, count);
-  });
-  growth.run(max_rounds, control, rounds);
-  const std::vector<char>& culled = growth.culled();
-  kept.reserve(static_cast<std::size_t>(std::count(culled.begin(), culled.end(), 0)));
+  double* rows = worker.rows.reserve(size * D);
+  worker.executor.for_each(
+      static_cast<std::uint32_t>(chunk_count(size, block_size)), [&](std::uint32_t b) {
+        const std::uint64_t begin = b * block_size, count = std::min(block_size, size - begin);
+        load_rows<D>(view, subset.point(begin), count, rows + begin * D);
+        blot_out<D>(rows + begin * D, count);
+      });
+  worker.growth.run({rows}, static_cast<std::uint32_t>(size), max_rounds, control, rounds);
+  const unsigned char* culled = worker.growth.culled();
+  kept.reserve(static_cast<std::size_t>(std::count(culled, culled + size, 0)));
   for (std::uint64_t i = 0; i < size; ++i)
     if (culled[i] == 0) kept.push_back(subset.point(i));
 }
@@ -134,8 +125,44 @@ void add(std::vector<PseudoHullRound>& sum, const std::vector<PseudoHullRound>& 
   }
 }
 
-/// Ids of the subsets, block by block in turn: ascending.
-std::vector<std::uint64_t> merged(const std::vector<std::vector<std::uint64_t>>& kept) {
+template <unsigned D>
+std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subsets,
+                                        unsigned max_rounds, unsigned threads,
+                                        const Control& control,
+                                        std::vector<PseudoHullRound>& rounds) {
+  std::vector<std::vector<std::uint64_t>> kept(subsets);
+  if (subsets == 1 && threads > 1) {
+    Worker<D, TbbExecutor> worker{TbbExecutor(threads)};
+    filter_subset<D>(points, {points.count, 0, 1}, max_rounds, worker, control, rounds, kept[0]);
+    return merge_subsets(std::move(kept));
+  }
+  using Serial = Worker<D, SerialExecutor>;
+  Pool<Serial> pool;
+  std::vector<std::vector<PseudoHullRound>> reports(subsets);
+  for_each_chunk(subsets, 1, threads, [&](std::uint64_t s, std::uint64_t, std::uint64_t) {
+    control.check();
+    std::unique_ptr<Serial> worker = pool.take();
+    if (worker == nullptr) worker = std::make_unique<Serial>(SerialExecutor{});
+    filter_subset<D>(points, {points.count, s, subsets}, max_rounds, *worker, control, reports[s],
+                     kept[s]);
+    pool.give(std::move(worker));
+  });
+  for (const auto& r : reports) add(rounds, r);
+  return merge_subsets(std::move(kept));
+}
+
+/// The paper's 64 for the sizes the paper has: a subset of more than 2^17 points leaves the cache,
+/// one of fewer than 2^12 keeps too many.
+unsigned subset_count(std::uint64_t points) {
+  const std::uint64_t most = std::max<std::uint64_t>(1, points >> 12);
+  return static_cast<unsigned>(
+      std::min(most, std::clamp<std::uint64_t>(points >> 17, 64, 1U << 20)));
+}
+
+}  // namespace
+
+std::vector<std::uint64_t> merge_subsets(std::vector<std::vector<std::uint64_t>> kept) {
+  if (kept.size() == 1) return std::move(kept[0]);
   std::size_t total = 0;
   for (const auto& list : kept) total += list.size();
   std::vector<std::uint64_t> ids;
@@ -149,44 +176,6 @@ std::vector<std::uint64_t> merged(const std::vector<std::vector<std::uint64_t>>&
   }
   return ids;
 }
-
-template <unsigned D>
-std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subsets,
-                                        unsigned max_rounds, unsigned threads,
-                                        const Control& control,
-                                        std::vector<PseudoHullRound>& rounds) {
-  std::vector<std::vector<std::uint64_t>> kept(subsets);
-  if (subsets == 1 && threads > 1) {
-    const TbbExecutor executor(threads);
-    PseudoHullGrowth<D, TbbExecutor> growth(executor);
-    filter_subset<D>(points, {points.count, 0, 1}, max_rounds, executor, growth, control, rounds,
-                     kept[0]);
-    return std::move(kept[0]);
-  }
-  using Growth = PseudoHullGrowth<D, SerialExecutor>;
-  Pool<Growth> pool;
-  std::vector<std::vector<PseudoHullRound>> reports(subsets);
-  for_each_chunk(subsets, 1, threads, [&](std::uint64_t s, std::uint64_t, std::uint64_t) {
-    control.check();
-    std::unique_ptr<Growth> growth = pool.take();
-    if (growth == nullptr) growth = std::make_unique<Growth>(SerialExecutor{});
-    filter_subset<D>(points, {points.count, s, subsets}, max_rounds, SerialExecutor{}, *growth,
-                     control, reports[s], kept[s]);
-    pool.give(std::move(growth));
-  });
-  for (const auto& r : reports) add(rounds, r);
-  return merged(kept);
-}
-
-/// The paper's 64 for the sizes the paper has: a subset of more than 2^17 points leaves the cache,
-/// one of fewer than 2^12 keeps too many.
-unsigned subset_count(std::uint64_t points) {
-  const std::uint64_t most = std::max<std::uint64_t>(1, points >> 12);
-  return static_cast<unsigned>(
-      std::min(most, std::clamp<std::uint64_t>(points >> 17, 64, 1U << 20)));
-}
-
-}  // namespace
 
 std::vector<std::uint64_t> pseudo_hull_survivors(const PointView& points,
                                                  const PseudoHullSettings& settings,

@@ -11,6 +11,7 @@
 
 #include "hull/engine.hpp"
 #include "parallel/big_array.hpp"
+#include "parallel/parallel.hpp"
 #include "predicates/orientation.hpp"
 
 namespace cullhull::internal {
@@ -21,8 +22,13 @@ struct Point {
 };
 
 constexpr std::uint32_t block = 1024;  // points between two looks at the stop token
-constexpr unsigned digit_bits = 11;    // 2048 counters stay in the first-level cache
 constexpr std::uint32_t sample_size = 1U << 16, discard_from = 1U << 14;
+
+/// A point at its exact coordinates, with the local id and a key that ascends with x.
+struct Entry {
+  double x, y;
+  std::uint32_t id, key;
+};
 
 /// Sign of the turn a, b, c: rungs 2 and 3.
 class Turn {
@@ -35,7 +41,7 @@ class Turn {
   /// subtraction and the evaluation of the bound itself by 1 + u each: (3 + 16u) u (|l| + |r|)
   /// covers them (Shewchuk 1997, ccwerrboundA); the doubled second term covers the sum with `tiny`.
   /// |coordinates| <= 1 excludes overflow. A product may underflow by 2^-1075: `tiny` is far above.
-  int operator()(const Point& a, const Point& b, const Point& c) {
+  int operator()(const Entry& a, const Entry& b, const Entry& c) {
     constexpr double u = 0x1p-53, bound = (3 + 32 * u) * u, tiny = 0x1p-1060;
     if (!scaled_) {
       const double l = (a.x - c.x) * (b.y - c.y);
@@ -51,9 +57,12 @@ class Turn {
   }
 
   const std::uint64_t* counts() const { return counts_; }
+  void add_counts(const Turn& other) {
+    for (int i = 0; i < 3; ++i) counts_[i] += other.counts_[i];
+  }
 
  private:
-  int slow(const Point& a, const Point& b, const Point& c) {
+  int slow(const Entry& a, const Entry& b, const Entry& c) {
     const double* p[3] = {&a.x, &b.x, &c.x};
     Rung rung = Rung::exact;
     const Sign s = scaled_ ? orientation(2, p, &rung) : orientation_exact(2, p);
@@ -65,124 +74,175 @@ class Turn {
   std::uint64_t counts_[3] = {0, 0, 0};
 };
 
-/// Points in lexicographic order (x, then y, then id), at their exact coordinates.
+bool before(const Entry& a, const Entry& b) {
+  return a.x < b.x || (a.x == b.x && (a.y < b.y || (a.y == b.y && a.id < b.id)));
+}
+bool equal(const Entry& a, const Entry& b) { return a.x == b.x && a.y == b.y; }
+
+/// Points in lexicographic order (x, then y, then id).
 struct Sorted {
   std::uint32_t count = 0;
-  BigArray<std::uint64_t> keys;  // low half: local id
-  BigArray<std::byte> room;      // of the points; before them, of the sort's second buffer
-  Point* points = nullptr;
+  BigArray<Entry> entries;
 
-  std::uint32_t id(std::uint32_t i) const { return static_cast<std::uint32_t>(keys[i]); }
+  const Entry& operator[](std::uint32_t i) const { return entries[i]; }
 };
 
-bool before(const Point& a, const Point& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }
-bool equal(const Point& a, const Point& b) { return a.x == b.x && a.y == b.y; }
+/// Sorts points by x quantised to 32 bits (a monotone map, so ties alone need a comparison): one
+/// pass deals them to buckets by the leading bits, then every bucket, now in the cache, is dealt
+/// out by further bits and finished by comparisons.
+class Sorter {
+ public:
+  /// `ids` ascending; nullptr: all points.
+  Sorter(const LocalPoints& points, const std::uint32_t* ids, std::uint32_t count, unsigned threads,
+         const Control& control)
+      : points_(points), ids_(ids), count_(count), threads_(threads), control_(control) {}
 
-/// Stable radix sort of the high halves: `passes` digits from bit 32 up. The sorted keys end in
-/// `keys`; `spare` is as large.
-void radix_sort(BigArray<std::uint64_t>& keys, std::uint64_t* spare, std::uint32_t count,
-                unsigned passes) {
-  constexpr std::uint32_t radix = 1U << digit_bits;
-  std::vector<std::uint32_t> histogram(std::size_t{radix} * passes, 0);
-  for (std::uint32_t i = 0; i < count; ++i)
-    for (unsigned p = 0; p < passes; ++p)
-      ++histogram[p * radix + (keys[i] >> (32 + p * digit_bits)) % radix];
-  std::uint64_t* from = keys.get();
-  std::uint64_t* to = spare;
-  for (unsigned p = 0; p < passes; ++p) {
-    std::uint32_t* next = &histogram[p * radix];
-    std::uint32_t sum = 0;
-    for (std::uint32_t d = 0; d < radix; ++d) sum += std::exchange(next[d], sum);
-    for (std::uint32_t i = 0; i < count; ++i)
-      to[next[(from[i] >> (32 + p * digit_bits)) % radix]++] = from[i];
-    std::swap(from, to);
-  }
-  if (from != keys.get()) std::copy(from, from + count, keys.get());
-}
-
-/// Puts a run of equal keys in order by the coordinates themselves.
-void sort_run(Sorted& s, std::uint32_t begin, std::uint32_t end,
-              std::vector<std::pair<Point, std::uint64_t>>& scratch) {
-  const auto less = [](const auto& a, const auto& b) {
-    return before(a.first, b.first) || (equal(a.first, b.first) && a.second < b.second);
-  };
-  // Ids ascend already, so equal points are in order.
-  bool sorted = true;
-  for (std::uint32_t i = begin + 1; sorted && i < end; ++i)
-    sorted = !before(s.points[i], s.points[i - 1]);
-  if (sorted) return;
-  if (end - begin == 2) {
-    std::swap(s.points[begin], s.points[begin + 1]);
-    std::swap(s.keys[begin], s.keys[begin + 1]);
-    return;
-  }
-  scratch.clear();
-  for (std::uint32_t i = begin; i < end; ++i) scratch.emplace_back(s.points[i], s.keys[i]);
-  std::sort(scratch.begin(), scratch.end(), less);
-  for (std::uint32_t i = begin; i < end; ++i) {
-    s.points[i] = scratch[i - begin].first;
-    s.keys[i] = scratch[i - begin].second;
-  }
-}
-
-/// Least and greatest x, by four independent chains of comparisons.
-std::pair<double, double> range_of_x(const LocalPoints& points, const std::uint32_t* ids,
-                                     std::uint32_t count) {
-  double low[4], high[4];
-  std::fill(low, low + 4, points.row(ids ? ids[0] : 0)[0]);
-  std::copy(low, low + 4, high);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const double x = points.row(ids ? ids[i] : i)[0];
-    low[i % 4] = std::min(low[i % 4], x);
-    high[i % 4] = std::max(high[i % 4], x);
-  }
-  return {*std::min_element(low, low + 4), *std::max_element(high, high + 4)};
-}
-
-/// Lexicographic order of the points `ids` (ascending; nullptr: all). The radix sort is on x
-/// quantised by a monotone map, so only points with equal keys remain to be compared.
-Sorted sort_points(const LocalPoints& points, const std::uint32_t* ids, std::uint32_t count,
-                   const Control& control) {
-  Sorted s;
-  s.count = count;
-  s.keys = BigArray<std::uint64_t>(count);
-  s.room = BigArray<std::byte>(std::size_t{count} * sizeof(Point));
-  const auto id_of = [&](std::uint32_t i) { return ids ? ids[i] : i; };
-
-  const auto [low, high] = range_of_x(points, ids, count);
-  // With more bits than the count has, few keys are equal; the third digit is short of 32.
-  const unsigned passes = count <= (1U << (digit_bits - 2))       ? 1
-                          : count <= (1U << (2 * digit_bits - 2)) ? 2
-                                                                  : 3;
-  const double top = std::ldexp(1.0, static_cast<int>(std::min(32U, passes * digit_bits))) - 1;
-  const double range = high - low;
-  const double scale = range > 0x1p-900 ? top / range : 0;  // 0: one run, still sorted exactly
-  control.check();
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint32_t id = id_of(i);
-    const double q = std::min((points.row(id)[0] - low) * scale, top);
-    s.keys[i] = static_cast<std::uint64_t>(static_cast<std::int64_t>(q)) << 32 | id;
-  }
-  control.check();
-  radix_sort(s.keys, reinterpret_cast<std::uint64_t*>(s.room.get()), count, passes);
-  control.check();
-  s.points = reinterpret_cast<Point*>(s.room.get());
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const double* p = points.exact_row(s.id(i));
-    s.points[i] = {p[0], p[1]};
-  }
-  std::vector<std::pair<Point, std::uint64_t>> scratch;
-  for (std::uint32_t i = 0; i < count;) {
-    std::uint32_t end = i + 1;
-    while (end < count && s.keys[end] >> 32 == s.keys[i] >> 32) ++end;
-    if (end - i > 1) {
-      sort_run(s, i, end, scratch);
-      if (end - i > block) control.check();
+  Sorted run() {
+    Sorted s;
+    s.count = count_;
+    s.entries = BigArray<Entry>(count_);
+    if (count_ <= few) {
+      for (std::uint32_t i = 0; i < count_; ++i) s.entries[i] = entry(id(i), 0);
+      std::sort(s.entries.get(), s.entries.get() + count_, before);
+      return s;
     }
-    i = end;
+    measure();
+    bits_ = std::min(max_bits, static_cast<unsigned>(std::bit_width(count_ / bucket_size)));
+    deal(s.entries.get());
+    for_each_chunk(std::uint64_t{1} << bits_, 16, threads_,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     control_.check();
+                     std::vector<Entry> scratch;
+                     std::vector<std::uint32_t> next;
+                     for (std::uint64_t b = begin; b < end; ++b)
+                       sort_bucket(s.entries.get() + start_[b], s.entries.get() + start_[b + 1],
+                                   scratch, next);
+                   });
+    return s;
   }
-  return s;
-}
+
+ private:
+  static constexpr std::uint32_t few = 128, bucket_size = 1024;
+  static constexpr unsigned max_bits = 12;
+  static constexpr std::uint64_t chunk = std::uint64_t{1} << 16;
+
+  std::uint32_t id(std::uint64_t i) const {
+    return ids_ != nullptr ? ids_[i] : static_cast<std::uint32_t>(i);
+  }
+  Entry entry(std::uint32_t id, std::uint32_t key) const {
+    const double* p = points_.exact_row(id);
+    return {p[0], p[1], id, key};
+  }
+
+  void measure() {
+    const std::uint64_t chunks = chunk_count(count_, chunk);
+    std::vector<std::pair<double, double>> ranges(chunks);
+    for_each_chunk(
+        count_, chunk, threads_, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+          control_.check();
+          // Four chains of comparisons, so that none waits for the other.
+          double low[4], high[4];
+          std::fill(low, low + 4, points_.row(id(begin))[0]);
+          std::copy(low, low + 4, high);
+          for (std::uint64_t i = begin; i < end; ++i) {
+            const double x = points_.row(id(i))[0];
+            low[i % 4] = std::min(low[i % 4], x);
+            high[i % 4] = std::max(high[i % 4], x);
+          }
+          ranges[c] = {*std::min_element(low, low + 4), *std::max_element(high, high + 4)};
+        });
+    low_ = ranges[0].first;
+    double high = ranges[0].second;
+    for (const auto& [l, h] : ranges) {
+      low_ = std::min(low_, l);
+      high = std::max(high, h);
+    }
+    const double range = high - low_;
+    scale_ = range > 0x1p-900 ? top / range : 0;  // 0: one run, still sorted exactly
+  }
+
+  std::uint32_t key(std::uint32_t id) const {
+    const double q = std::min((points_.row(id)[0] - low_) * scale_, top);
+    return static_cast<std::uint32_t>(static_cast<std::int64_t>(q));
+  }
+
+  /// Stable: within a bucket points keep their order, so ids ascend.
+  void deal(Entry* out) {
+    const std::size_t buckets = std::size_t{1} << bits_;
+    const std::uint64_t chunks = chunk_count(count_, chunk);
+    std::vector<std::uint32_t> next(chunks * buckets, 0);
+    const unsigned shift = 32 - bits_;
+    for_each_chunk(count_, chunk, threads_,
+                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                     control_.check();
+                     std::uint32_t* counts = next.data() + c * buckets;
+                     for (std::uint64_t i = begin; i < end; ++i)
+                       ++counts[std::uint64_t{key(id(i))} >> shift];
+                   });
+    start_.resize(buckets + 1);
+    std::uint32_t sum = 0;
+    for (std::size_t b = 0; b < buckets; ++b) {
+      start_[b] = sum;
+      for (std::uint64_t c = 0; c < chunks; ++c) sum += std::exchange(next[c * buckets + b], sum);
+    }
+    start_[buckets] = sum;
+    for_each_chunk(count_, chunk, threads_,
+                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                     control_.check();
+                     std::uint32_t* at = next.data() + c * buckets;
+                     for (std::uint64_t i = begin; i < end; ++i) {
+                       const std::uint32_t p = id(i), k = key(p);
+                       out[at[std::uint64_t{k} >> shift]++] = entry(p, k);
+                     }
+                   });
+  }
+
+  /// Once more by the bits that follow, about one point a cell, then the cells by comparison.
+  void sort_bucket(Entry* begin, Entry* end, std::vector<Entry>& scratch,
+                   std::vector<std::uint32_t>& next) const {
+    const auto n = static_cast<std::size_t>(end - begin);
+    if (n < 2) return;
+    if (n > 16) {
+      const auto cell_bits = std::min(32 - bits_, static_cast<unsigned>(std::bit_width(n - 1)));
+      const unsigned shift = 32 - bits_ - cell_bits;
+      const std::uint32_t mask = static_cast<std::uint32_t>((std::uint64_t{1} << cell_bits) - 1);
+      scratch.assign(begin, end);
+      next.assign((std::size_t{1} << cell_bits), 0);
+      for (const Entry& e : scratch) ++next[(e.key >> shift) & mask];
+      std::uint32_t sum = 0;
+      for (std::uint32_t& c : next) sum += std::exchange(c, sum);
+      for (const Entry& e : scratch) begin[next[(e.key >> shift) & mask]++] = e;
+    }
+    // Keys ascend now but for their last bits; runs of equal cells are short unless x repeats.
+    for (std::size_t i = 0; i < n;) {
+      std::size_t last = i + 1;
+      if (n > 16) {
+        const unsigned shift = cell_shift(n);
+        while (last < n && begin[last].key >> shift == begin[i].key >> shift) ++last;
+      } else {
+        last = n;
+      }
+      if (last - i > 1 && !std::is_sorted(begin + i, begin + last, before)) {
+        if (last - i > block) control_.check();
+        std::sort(begin + i, begin + last, before);
+      }
+      i = last;
+    }
+  }
+  unsigned cell_shift(std::size_t n) const {
+    return 32 - bits_ - std::min(32 - bits_, static_cast<unsigned>(std::bit_width(n - 1)));
+  }
+
+  static constexpr double top = 0x1p32 - 1;
+  const LocalPoints& points_;
+  const std::uint32_t* ids_;
+  const std::uint32_t count_;
+  const unsigned threads_;
+  const Control& control_;
+  double low_ = 0, scale_ = 0;
+  unsigned bits_ = 0;
+  std::vector<std::uint32_t> start_;  // of the buckets
+};
 
 /// Positions (in a Sorted) of the strictly convex chains from the first point to the last.
 struct Chains {
@@ -190,52 +250,88 @@ struct Chains {
 };
 
 /// Adds point i to a chain that turns `side` at every vertex (+1 left, -1 right).
-void extend(const Point* p, std::vector<std::uint32_t>& chain, std::uint32_t i, int side,
+void extend(const Sorted& s, std::vector<std::uint32_t>& chain, std::uint32_t i, int side,
             Turn& turn) {
   while (chain.size() >= 2) {
     const std::size_t m = chain.size();
-    if (turn(p[chain[m - 2]], p[chain[m - 1]], p[i]) * side > 0) break;
+    if (turn(s[chain[m - 2]], s[chain[m - 1]], s[i]) * side > 0) break;
     chain.pop_back();
   }
   chain.push_back(i);
 }
 
-/// Both chains in one sweep over the sorted points. The points of a block are first divided by the
-/// chord from the first point to the last, without branches, since in general nothing predicts the
-/// side; a point too near the chord to tell goes to both, which is always right.
-Chains scan(const Sorted& s, Turn& turn, const Control& control) {
+/// The same for a whole chain to the right of it: from where a point stays on the one before it,
+/// the rest follows as it is.
+void join(const Sorted& s, std::vector<std::uint32_t>& chain,
+          const std::vector<std::uint32_t>& more, int side, Turn& turn) {
+  for (std::size_t i = 0; i < more.size(); ++i) {
+    extend(s, chain, more[i], side, turn);
+    const std::size_t m = chain.size();
+    if (i == 0 || chain[m - 2] != more[i - 1]) continue;
+    chain.insert(chain.end(), more.begin() + static_cast<std::ptrdiff_t>(i) + 1, more.end());
+    return;
+  }
+}
+
+/// Chains of the points [begin, end) that may be on them. A block's points are first divided by the
+/// chord from the first point of all to the last, without branches, since in general nothing
+/// predicts the side; a point too near the chord to tell goes to both, which is always right.
+Chains scan_run(const Sorted& s, std::uint32_t begin, std::uint32_t run_end, Turn& turn,
+                const Control& control) {
   Chains chains;
-  const Point* p = s.points;
-  const std::uint32_t last = s.count - 1;
-  const Point a = p[0], b = p[last];
-  chains.lower.push_back(0);
-  chains.upper.push_back(0);
+  const Entry a = s[0], b = s[s.count - 1];
   std::uint32_t low[block], high[block];
-  for (std::uint32_t begin = 1; begin < last; begin += std::min(block, last - begin)) {
+  for (; begin < run_end; begin += std::min(block, run_end - begin)) {
     control.check();
-    if (begin / block % 1024 == 1) control.report("hull", double(begin) / s.count);
-    const std::uint32_t end = begin + std::min(block, last - begin);
+    const std::uint32_t end = begin + std::min(block, run_end - begin);
     std::uint32_t lows = 0, highs = 0;
     for (std::uint32_t i = begin; i < end; ++i) {
-      const double l = (a.x - p[i].x) * (b.y - p[i].y);
-      const double r = (a.y - p[i].y) * (b.x - p[i].x);
+      const Entry& p = s[i];
+      const double l = (a.x - p.x) * (b.y - p.y);
+      const double r = (a.y - p.y) * (b.x - p.x);
       // As in Turn, rounded up; where coordinates are not in [-1, 1] a NaN or infinity may come of
       // overflow, and both comparisons are false then.
       const double error = 0x1p-51 * (std::fabs(l) + std::fabs(r)) + 0x1p-1060;
-      const bool above = l - r > error, below = r - l > error, fresh = !equal(p[i - 1], p[i]);
+      const bool above = l - r > error, below = r - l > error, fresh = !equal(s[i - 1], p);
       low[lows] = i;
       lows += fresh && !above;
       high[highs] = i;
       highs += fresh && !below;
     }
-    for (std::uint32_t i = 0; i < lows; ++i) extend(p, chains.lower, low[i], 1, turn);
-    for (std::uint32_t i = 0; i < highs; ++i) extend(p, chains.upper, high[i], -1, turn);
+    for (std::uint32_t i = 0; i < lows; ++i) extend(s, chains.lower, low[i], 1, turn);
+    for (std::uint32_t i = 0; i < highs; ++i) extend(s, chains.upper, high[i], -1, turn);
+  }
+  return chains;
+}
+
+/// Both chains: runs of fixed length each by itself, then joined from left to right.
+Chains scan(const Sorted& s, Turn& turn, unsigned threads, const Control& control) {
+  constexpr std::uint64_t run = std::uint64_t{1} << 16;
+  const std::uint32_t last = s.count - 1;
+  const std::uint64_t runs = chunk_count(last - 1, run);
+  std::vector<Chains> parts(runs);
+  std::vector<Turn> turns(runs, turn);
+  for_each_chunk(last - 1, run, threads,
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   parts[c] = scan_run(s, static_cast<std::uint32_t>(begin) + 1,
+                                       static_cast<std::uint32_t>(end) + 1, turns[c], control);
+                 });
+  Chains chains;
+  chains.lower = {0};
+  chains.upper = {0};
+  for (std::uint64_t c = 0; c < runs; ++c) {
+    control.check();
+    control.report("hull", static_cast<double>(c) / static_cast<double>(runs));
+    join(s, chains.lower, parts[c].lower, 1, turn);
+    join(s, chains.upper, parts[c].upper, -1, turn);
+    parts[c] = {};
+    turn.add_counts(turns[c]);
   }
   // Of points equal to the last the lowest id, which the sweep met first, must be the vertex.
   std::uint32_t end = last;
-  while (end > 0 && equal(p[end - 1], b)) --end;
-  if (chains.lower.back() != end) extend(p, chains.lower, end, 1, turn);
-  if (chains.upper.back() != end) extend(p, chains.upper, end, -1, turn);
+  while (end > 0 && equal(s[end - 1], s[last])) --end;
+  if (chains.lower.back() != end) extend(s, chains.lower, end, 1, turn);
+  if (chains.upper.back() != end) extend(s, chains.upper, end, -1, turn);
   return chains;
 }
 
@@ -250,7 +346,7 @@ class Strip {
     const auto gather = [&](const std::vector<std::uint32_t>& chain) {
       std::vector<Point> out;
       for (std::uint32_t i : chain) {
-        const double* p = points.row(s.id(i));
+        const double* p = points.row(s[i].id);
         // Without vertical pieces: of points with one x the innermost counts, which is the later at
         // the left end and the earlier at the right one.
         if (!out.empty() && out.back().x == p[0]) {
@@ -308,67 +404,76 @@ class Strip {
 };
 
 /// Ids of the points that may be extreme, or nothing where a sample says that it does not pay.
-std::vector<std::uint32_t> discard(const LocalPoints& points, Turn& turn, const Control& control) {
-  std::vector<std::uint32_t> ids;
+std::vector<std::uint32_t> discard(const LocalPoints& points, Turn& turn, unsigned threads,
+                                   const Control& control) {
   // Where scaling lost bits the sample's chains are known only up to them.
-  if (points.count < discard_from || points.coordinates != points.exact) return ids;
+  if (points.count < discard_from || points.coordinates != points.exact) return {};
   const std::uint32_t m = std::min(sample_size, points.count / 32);
   std::vector<std::uint32_t> sample(m);
   for (std::uint32_t i = 0; i < m; ++i)
     sample[i] = static_cast<std::uint32_t>(std::uint64_t{points.count} * i / m);
-  const Sorted sorted = sort_points(points, sample.data(), m, control);
-  const Chains chains = scan(sorted, turn, control);
+  const Sorted sorted = Sorter(points, sample.data(), m, threads, control).run();
+  const Chains chains = scan(sorted, turn, threads, control);
   // Efron 1965: the share of points outside a sample's hull is about its vertices' share of it.
-  if (chains.lower.size() + chains.upper.size() > m / 2) return ids;
+  if (chains.lower.size() + chains.upper.size() > m / 2) return {};
   const auto strip = std::make_unique<Strip>();
-  if (!strip->build(points, sorted, chains)) return ids;
+  if (!strip->build(points, sorted, chains)) return {};
 
-  std::uint32_t kept[block];
-  for (std::uint32_t begin = 0; begin < points.count;
-       begin += std::min(block, points.count - begin)) {
-    control.check();
-    const std::uint32_t end = begin + std::min(block, points.count - begin);
-    std::uint32_t k = 0;
-    for (std::uint32_t i = begin; i < end; ++i) {
-      const double* p = points.row(i);
-      kept[k] = i;
-      k += !strip->contains(p[0], p[1]);
-    }
-    ids.insert(ids.end(), kept, kept + k);
-  }
+  constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
+  std::vector<std::vector<std::uint32_t>> kept(chunk_count(points.count, chunk));
+  for_each_chunk(points.count, chunk, threads,
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   std::vector<std::uint32_t> list(end - begin);
+                   std::size_t k = 0;
+                   for (std::uint64_t i = begin; i < end; ++i) {
+                     const double* p = points.row(static_cast<std::uint32_t>(i));
+                     list[k] = static_cast<std::uint32_t>(i);
+                     k += !strip->contains(p[0], p[1]);
+                   }
+                   kept[c].assign(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(k));
+                 });
+  std::vector<std::uint32_t> ids;
+  for (const auto& list : kept) ids.insert(ids.end(), list.begin(), list.end());
   return ids;
 }
 
 }  // namespace
 
-SimplicialHull hull_2d(const LocalPoints& points, const Control& control) {
+SimplicialHull hull_2d(const LocalPoints& points, unsigned threads, const Control& control) {
   Turn turn(points);
-  const std::vector<std::uint32_t> ids = discard(points, turn, control);
-  const Sorted sorted = ids.empty() ? sort_points(points, nullptr, points.count, control)
-                                    : sort_points(points, ids.data(),
-                                                  static_cast<std::uint32_t>(ids.size()), control);
-  const Chains chains = scan(sorted, turn, control);
+  const std::vector<std::uint32_t> ids = discard(points, turn, threads, control);
+  const bool all = ids.empty();
+  const Sorted sorted =
+      Sorter(points, all ? nullptr : ids.data(),
+             all ? points.count : static_cast<std::uint32_t>(ids.size()), threads, control)
+          .run();
+  const Chains chains = scan(sorted, turn, threads, control);
   // Both chains hold the first and the last point.
   const std::size_t n = chains.lower.size() + chains.upper.size() - 2;
   if (n < 3) throw Error(ErrorCode::internal, "hull_2d was given collinear points");
 
   SimplicialHull hull;
   hull.dimension = 2;
-  hull.vertices.reserve(2 * n);
-  hull.neighbours.reserve(2 * n);
+  resize_big(hull.vertices, 2 * n);
+  resize_big(hull.neighbours, 2 * n);
   // Counter-clockwise: the lower chain forwards, the upper one backwards. Edge i runs from corner i
   // to corner i + 1; it is written end first, so that the inside has negative orientation.
   const std::size_t m = chains.lower.size(), last = chains.upper.size() - 1;
   const auto corner = [&](std::size_t i) {
-    return sorted.id(i < m ? chains.lower[i] : chains.upper[last - (i - m) - 1]);
+    return sorted[i < m ? chains.lower[i] : chains.upper[last - (i - m) - 1]].id;
   };
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t previous = i == 0 ? n - 1 : i - 1, next = i + 1 == n ? 0 : i + 1;
-    hull.vertices.push_back(corner(next));
-    hull.vertices.push_back(corner(i));
-    hull.neighbours.push_back(static_cast<std::uint32_t>(previous));
-    hull.neighbours.push_back(static_cast<std::uint32_t>(next));
-  }
+  for_each_chunk(n, std::uint64_t{1} << 15, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   for (std::uint64_t i = begin; i < end; ++i) {
+                     const std::uint64_t previous = i == 0 ? n - 1 : i - 1;
+                     const std::uint64_t next = i + 1 == n ? 0 : i + 1;
+                     hull.vertices[2 * i] = corner(next);
+                     hull.vertices[2 * i + 1] = corner(i);
+                     hull.neighbours[2 * i] = static_cast<std::uint32_t>(previous);
+                     hull.neighbours[2 * i + 1] = static_cast<std::uint32_t>(next);
+                   }
+                 });
   std::copy(turn.counts(), turn.counts() + 3, hull.rung_counts);
   return hull;
 }

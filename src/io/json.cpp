@@ -51,8 +51,8 @@ class JsonWriter {
   void end_object() { text_ += '}'; }
 
   /// [a, b, ...] of items [from, to).
-  template <class T>
-  void list(const std::vector<T>& items, std::uint64_t from, std::uint64_t to) {
+  template <class Items>
+  void list(const Items& items, std::uint64_t from, std::uint64_t to) {
     text_ += '[';
     for (std::uint64_t i = from; i < to; ++i) {
       if (i > from) text_ += ',';
@@ -61,8 +61,8 @@ class JsonWriter {
     }
     text_ += ']';
   }
-  template <class T>
-  void flat(const char* name, const std::vector<T>& items) {
+  template <class Items>
+  void flat(const char* name, const Items& items) {
     key(name);
     list(items, 0, items.size());
   }
@@ -71,8 +71,8 @@ class JsonWriter {
     rows(name, lists.size(),
          [&](std::uint64_t i) { list(lists.items, lists.offsets[i], lists.offsets[i + 1]); });
   }
-  template <class T>
-  void nested(const char* name, const std::vector<T>& items, std::uint64_t width) {
+  template <class Items>
+  void nested(const char* name, const Items& items, std::uint64_t width) {
     rows(name, width > 0 ? items.size() / width : 0,
          [&](std::uint64_t i) { list(items, i * width, (i + 1) * width); });
   }
@@ -214,6 +214,7 @@ std::string hull_to_json(const PointView& points, const Hull& hull, const JsonEx
   w.inner("method", s.cull_method);
   w.inner("survivors", s.survivors);
   w.inner("seconds", s.cull_seconds);
+  w.inner("reason", s.cull_reason.c_str());
   w.end_object();
   w.object("hull");
   w.inner("engine", s.engine);

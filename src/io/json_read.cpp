@@ -317,8 +317,8 @@ class HullChecker {
     if (have != want)
       fault(field, "has " + std::to_string(have) + " entries instead of " + std::to_string(want));
   }
-  template <class T>
-  void below(const char* field, const std::vector<T>& items, std::uint64_t limit) const {
+  template <class Items>
+  void below(const char* field, const Items& items, std::uint64_t limit) const {
     for (std::uint64_t i = 0; i < items.size(); ++i)
       if (items[i] >= limit)
         fault(field, "item " + std::to_string(i) + " is " + std::to_string(items[i]) +

@@ -35,16 +35,7 @@ class RawArray {
     if (n <= capacity()) return;
     if (n > (~std::size_t{0} - page) / sizeof(T)) throw std::bad_alloc();
     const std::size_t bytes = (n * sizeof(T) + page - 1) / page * page;
-#ifdef __linux__
-    void* p = data_ == nullptr
-                  ? mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)
-                  : mremap(data_, bytes_, bytes, MREMAP_MAYMOVE);
-    if (p == MAP_FAILED) throw std::bad_alloc();
-    if (bytes >= huge_page) madvise(p, bytes, MADV_HUGEPAGE);  // a wish: failure costs speed only
-#else
-    void* p = std::realloc(data_, bytes);
-    if (p == nullptr) throw std::bad_alloc();
-#endif
+    void* p = mapped(bytes_) ? remap(bytes) : move_to(bytes);
     data_ = static_cast<T*>(p);
     bytes_ = bytes;
   }
@@ -52,16 +43,54 @@ class RawArray {
   void release() {
     if (data_ == nullptr) return;
 #ifdef __linux__
-    munmap(data_, bytes_);
-#else
-    std::free(data_);
+    if (mapped(bytes_))
+      munmap(data_, bytes_);
+    else
 #endif
+      std::free(data_);
     data_ = nullptr;
     bytes_ = 0;
   }
 
  private:
-  static constexpr std::size_t page = 4096, huge_page = std::size_t{2} << 20;
+  // Many small hulls at once: a system call for each would be most of their time.
+  static constexpr std::size_t page = 4096, small = std::size_t{256} << 10,
+                               huge_page = std::size_t{2} << 20;
+
+  static bool mapped([[maybe_unused]] std::size_t bytes) {
+#ifdef __linux__
+    return bytes > small;
+#else
+    return false;
+#endif
+  }
+
+#ifdef __linux__
+  static void* checked(void* p, std::size_t bytes) {
+    if (p == MAP_FAILED) throw std::bad_alloc();
+    if (bytes >= huge_page) madvise(p, bytes, MADV_HUGEPAGE);  // a wish: failure costs speed only
+    return p;
+  }
+  static void* allocate_pages(std::size_t bytes) {
+    return checked(mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0),
+                   bytes);
+  }
+  void* remap(std::size_t bytes) {
+    return checked(mremap(data_, bytes_, bytes, MREMAP_MAYMOVE), bytes);
+  }
+#else
+  static void* allocate_pages(std::size_t) { return nullptr; }
+  void* remap(std::size_t) { return nullptr; }
+#endif
+
+  void* move_to(std::size_t bytes) {
+    void* p = mapped(bytes) ? allocate_pages(bytes) : std::aligned_alloc(64, bytes);
+    if (p == nullptr) throw std::bad_alloc();
+    if (data_ != nullptr) std::memcpy(p, static_cast<const void*>(data_), bytes_);
+    std::free(data_);
+    return p;
+  }
+
   T* data_ = nullptr;
   std::size_t bytes_ = 0;
 };

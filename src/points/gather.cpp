@@ -100,6 +100,20 @@ std::vector<double> gather_points(const PointView& view, const std::uint64_t* id
   return out;
 }
 
+void check_rows_finite(const double* rows, std::uint64_t count, unsigned dimension,
+                       const std::uint64_t* names, unsigned threads) {
+  Lowest bad;
+  for_each_chunk(count, chunk_size, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   const std::uint64_t b = first_bad(rows, begin * dimension, end * dimension);
+                   if (b != end * dimension) bad.offer(b);
+                 });
+  if (!bad.any()) return;
+  const std::uint64_t i = bad.value() / dimension;
+  refuse(names != nullptr ? names[i] : i, static_cast<unsigned>(bad.value() % dimension),
+         rows[bad.value()]);
+}
+
 void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, unsigned threads) {
   if (view.scalar != ScalarType::f32 && view.scalar != ScalarType::f64) return;
   const unsigned d = view.dimension;

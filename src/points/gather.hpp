@@ -17,4 +17,8 @@ std::vector<double> gather_points(const PointView& view, const std::uint64_t* id
 /// Throws as gather_points does; ids: nullptr means all points. Memory O(threads).
 void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, unsigned threads);
 
+/// The same for packed rows that are copies of points: row i is point names[i], or i if null.
+void check_rows_finite(const double* rows, std::uint64_t count, unsigned dimension,
+                       const std::uint64_t* names, unsigned threads);
+
 }  // namespace cullhull::internal

@@ -81,7 +81,7 @@ InnerPolytope polytope_of(const QueryPoints& points, const Hull& hull) {
   p.dimension = points.dimension;
   p.vertices = points.full;
   for (const std::uint64_t id : hull.simplices) p.facets.push_back(points.index_of(id));
-  p.neighbours = hull.simplex_neighbours;
+  p.neighbours.assign(hull.simplex_neighbours.begin(), hull.simplex_neighbours.end());
   return p;
 }
 
@@ -103,8 +103,8 @@ struct HullQuery::State {
         flat(points,
              points.k < points.dimension ? flat_basis(points, hull) : std::vector<std::uint32_t>{}),
         vertices(points, hull),
-        planes(hull.facet_planes),
-        facet_start(hull.facets.offsets) {
+        planes(hull.facet_planes.begin(), hull.facet_planes.end()),
+        facet_start(hull.facets.offsets.begin(), hull.facets.offsets.end()) {
     if (points.k >= 2) facets.emplace(points, hull);
     if (points.k >= 1) tree.emplace(planes, points.dimension);
     for (const std::uint64_t id : hull.facets.items) facet_vertices.push_back(points.index_of(id));

@@ -4,14 +4,28 @@
 #include <numeric>
 
 #include "parallel/big_array.hpp"
+#include "parallel/pages.hpp"
 #include "parallel/parallel.hpp"
 #include "result/measure.hpp"
 #include "result/merge.hpp"
+#include "result/simplicial.hpp"
+#include "result/vertex_list.hpp"
 
 namespace cullhull::internal {
 namespace {
 
 constexpr std::uint32_t none = 0xFFFFFFFFU;
+
+/// k = 2: vertices counter-clockwise from the lowest id. Facet i runs from its vertex 0 to its
+/// vertex 1; the vertices ascend before.
+void wind_vertices(Hull& hull) {
+  std::uint32_t facet = 0;
+  while (hull.facets.items[2 * std::size_t{facet}] != hull.vertices[0]) ++facet;
+  for (std::uint64_t& v : hull.vertices) {
+    v = hull.facets.items[2 * std::size_t{facet}];
+    facet = hull.facet_neighbours.items[2 * std::size_t{facet}];
+  }
+}
 
 /// Canonical order of the simplices and everything that follows from it.
 class Assembler {
@@ -34,7 +48,7 @@ class Assembler {
     write_simplices();
     control_.check();
     write_facets();
-    if (k_ == 2) wind_vertices();
+    if (k_ == 2) wind_vertices(hull_);
   }
 
   const std::vector<std::uint64_t>& ascending_vertices() const { return ascending_; }
@@ -222,16 +236,6 @@ class Assembler {
     if (k_ > 3) std::sort(across, out);
   }
 
-  /// k = 2: counter-clockwise from the lowest id. Facet i runs from its vertex 0 to its vertex 1.
-  void wind_vertices() {
-    std::uint32_t facet = 0;
-    while (hull_.facets.items[2 * std::size_t{facet}] != ascending_[0]) ++facet;
-    for (std::uint64_t& v : hull_.vertices) {
-      v = hull_.facets.items[2 * std::size_t{facet}];
-      facet = hull_.facet_neighbours.items[2 * std::size_t{facet}];
-    }
-  }
-
   const ResultInput& input_;
   Facets facets_;
   const Surface& surface_;
@@ -256,14 +260,26 @@ void build_hull(const ResultInput& input, SimplicialHull&& boundary, const Contr
   hull.scalar = input.view->scalar;
   hull.affine_dimension = static_cast<int>(boundary.dimension);
 
+  const PageScope pages;
   const LocalPoints& local = *input.local;
+  control.report("surface", 0);
   Surface surface = make_surface(std::move(boundary), local, threads);
+  if (surface.k > 1) {
+    VertexList vertices = list_vertices(surface, local.count, input.ids, threads);
+    if (build_simplicial(input, surface, vertices, threads, control, hull)) {
+      hull.vertices = std::move(vertices.ids);
+      if (surface.k == 2) wind_vertices(hull);
+      return;
+    }
+  }
+  control.report("merge", 0);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   if (surface.k > 1)
     pairs = coplanar_pairs(surface, local, threads, control, hull.statistics.rung_counts);
   Assembler assembler(input, merge_coplanar(std::move(surface), pairs, local, control), threads,
                       control, hull);
   assembler.run();
+  control.report("measures", 0);
   measure(*input.view, assembler.ascending_vertices(), assembler.take_vertex_index(), input.axes,
           threads, control, hull);
 }

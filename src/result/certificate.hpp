@@ -45,6 +45,8 @@ struct Subject {
   std::vector<std::uint32_t> basis;  ///< k + 1 affinely independent vertices
   std::vector<double> centre;        ///< the interior point, if one was found among the doubles
   mutable std::atomic<std::uint64_t> exact_decisions{0};
+  unsigned id_shift = 0;                 ///< ids are looked up by their high bits:
+  std::vector<std::uint32_t> id_bucket;  ///< the first with those, in `ids`
 
   Subject(const PointView& p, const Hull& h, const Control& c, unsigned t)
       : points(p), hull(h), control(c), threads(t) {}
@@ -56,6 +58,7 @@ struct Subject {
     return hull.simplex_neighbours[std::size_t{f} * k + j];
   }
   std::uint64_t position(std::uint64_t id) const;  ///< in `ids`; ids.size() if it is no vertex
+  void index_ids();                                ///< makes `position` quick; call when ids are set
 
   /// On which side of simplex f the point x lies; positive is outside. scratch: k + 1 pointers.
   Sign side(std::uint32_t f, const double* x, const double** scratch) const;

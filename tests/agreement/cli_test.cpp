@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "agreement/run_app.hpp"
+#include "cullhull/device_points.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
 
@@ -42,7 +43,7 @@ void expect_error(const std::vector<std::string>& arguments, int status, const s
 TEST(Cli, HelpTeaches) {
   const Ran main = run_app({"--help"});
   EXPECT_EQ(main.status, 0);
-  for (const std::string command : {"hull", "cull", "certify", "generate", "info"}) {
+  for (const std::string command : {"hull", "cull", "certify", "generate", "info", "bench"}) {
     EXPECT_NE(main.out.find("\n  " + command), std::string::npos) << main.out;
     const Ran ran = run_app({command, "--help"});
     EXPECT_EQ(ran.status, 0) << command;
@@ -132,7 +133,35 @@ TEST(Cli, TheFirstPointThatIsNotFiniteIsNamed) {
 TEST(Cli, CudaIsNotThere) {
   const Folder f;
   write_points(f / "p.npy", "ball", 100, 3);
-  expect_error({"hull", f / "p.npy", "--backend", "cuda"}, 5, "CUDA");
+  if (cuda_status().available) GTEST_SKIP() << "there is a CUDA device";
+  expect_error({"hull", f / "p.npy", "--backend", "cuda"}, 5, cuda_status().reason);
+}
+
+// What `bench machine` measured is read from a file, and a broken file is named.
+TEST(Cli, MachineConstantsAreRead) {
+  const Folder f;
+  write_points(f / "p.npy", "ball", 1000, 3);
+  const auto machine = [&](const std::string& text) {
+    write_file(f / "machine.json", text);
+    ::setenv("CULLHULL_MACHINE", (f / "machine.json").c_str(), 1);
+    const Ran ran = run_app({"hull", f / "p.npy", "--json"});
+    ::unsetenv("CULLHULL_MACHINE");
+    return ran;
+  };
+  const Ran good = machine(
+      R"({"host_read_bytes_per_second": 3e10, "host_copy_bytes_per_second": 1e10, "cores": 2,
+          "link_bytes_per_second": null, "date": "2026-01-01"})");
+  EXPECT_EQ(good.status, 0);
+  EXPECT_EQ(nlohmann::json::parse(good.out)["cull"]["reason"],
+            "1000 points are hulled sooner than a map is laid");
+  for (const std::string bad :
+       {"{", "[]", "{}", R"({"host_read_bytes_per_second": -1, "host_copy_bytes_per_second": 1})",
+        R"({"host_read_bytes_per_second": 1, "host_copy_bytes_per_second": 1, "cores": 1.5})"}) {
+    const Ran ran = machine(bad);
+    EXPECT_EQ(ran.status, 1) << bad;
+    EXPECT_TRUE(one_line(ran.err)) << ran.err;
+    EXPECT_NE(ran.err.find("machine.json"), std::string::npos) << ran.err;
+  }
 }
 
 TEST(Cli, BeyondTheMemoryBudgetIsStatusFour) {

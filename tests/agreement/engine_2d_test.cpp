@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 #include <set>
+#include <tuple>
 
 #include "hull/engine.hpp"
 #include "predicates/orientation.hpp"
@@ -76,9 +78,9 @@ std::vector<std::uint32_t> cycle_of(const SimplicialHull& h) {
   return out;
 }
 
-SimplicialHull run(const LocalPoints& points) {
+SimplicialHull run(const LocalPoints& points, unsigned threads = 1) {
   const Options options;
-  return hull_2d(points, Control(options));
+  return hull_2d(points, threads, Control(options));
 }
 
 void expect_agreement(const Points& p, const char* what) {
@@ -213,7 +215,7 @@ TEST(Hull2d, StopsWhenAsked) {
   options.stop = source.get_token();
   const Points p = {0, 0, 1, 0, 0, 1};
   try {
-    hull_2d(local(p), Control(options));
+    hull_2d(local(p), 1, Control(options));
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::cancelled);
@@ -292,6 +294,57 @@ TEST(HullQhull, FailureIsAnErrorOfOneLine) {
     EXPECT_EQ(e.code(), ErrorCode::not_exact);
     EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
     EXPECT_NE(std::string(e.what()).find("QH6"), std::string::npos) << e.what();
+  }
+}
+
+/// Andrew's monotone chain over a comparison sort, every turn by exact arithmetic.
+std::vector<std::uint32_t> monotone_chain(const Points& p) {
+  std::vector<std::uint32_t> order(p.size() / 2);
+  std::iota(order.begin(), order.end(), 0U);
+  const auto key = [&](std::uint32_t i) { return std::make_tuple(p[2 * i], p[2 * i + 1], i); };
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return key(a) < key(b); });
+  order.erase(std::unique(order.begin(), order.end(),
+                          [&](auto a, auto b) {
+                            return p[2 * a] == p[2 * b] && p[2 * a + 1] == p[2 * b + 1];
+                          }),
+              order.end());
+  std::vector<std::uint32_t> hull;
+  for (int pass = 0; pass < 2; ++pass) {
+    const std::size_t base = hull.size();
+    for (const std::uint32_t i : order) {
+      while (hull.size() >= base + 2) {
+        const double* rows[] = {&p[2 * hull[hull.size() - 2]], &p[2 * hull.back()], &p[2 * i]};
+        if (orientation_exact(2, rows) == Sign::positive) break;
+        hull.pop_back();
+      }
+      hull.push_back(i);
+    }
+    hull.pop_back();
+    std::reverse(order.begin(), order.end());
+  }
+  return hull;
+}
+
+TEST(Hull2d, ManyPointsOnAnyNumberOfThreads) {
+  constexpr std::uint32_t n = 150'000;
+  std::mt19937_64 g(7);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  Points circle, columns, line, clusters;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const double a = 3.14159265358979 * unit(g);
+    circle.insert(circle.end(), {std::cos(a), std::sin(a)});
+    columns.insert(columns.end(), {static_cast<double>(g() % 20) / 32, unit(g)});
+    // All on one line but a few; all but a few in two places.
+    const double t = unit(g);
+    line.insert(line.end(), {t, i % 50'000 == 7 ? unit(g) : t / 2});
+    const double side = i % 2 ? 0.75 : -0.75;
+    clusters.insert(clusters.end(),
+                    {side + 0x1p-30 * unit(g), i % 10'000 == 3 ? unit(g) : 0x1p-40 * unit(g)});
+  }
+  for (const Points* p : {&circle, &columns, &line, &clusters}) {
+    const std::vector<std::uint32_t> expected = canonical(monotone_chain(*p));
+    for (const unsigned threads : {1U, 2U, 5U})
+      EXPECT_EQ(canonical(cycle_of(run(local(*p), threads))), expected) << threads;
   }
 }
 

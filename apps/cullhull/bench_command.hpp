@@ -1,0 +1,10 @@
+// The suites of `cullhull bench`, one file each.
+#pragma once
+
+#include "commands.hpp"
+
+namespace app {
+
+Command add_bench_machine(CLI::App& bench);
+
+}  // namespace app
