@@ -58,7 +58,7 @@ fuzz:
 
 format:
 	@scripts/install-deps.sh format
-	git ls-files '*.cpp' '*.hpp' | xargs clang-format -i
+	git ls-files '*.cpp' '*.hpp' '*.cu' '*.cuh' | xargs clang-format -i
 
 clean:
 	rm -rf build

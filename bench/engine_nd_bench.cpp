@@ -1,4 +1,5 @@
-// Where the time goes in dimensions 4 and up: engine_nd_bench [--threads N] [--repeat K] [SHAPE-Dd-N...]
+// Where the time goes in dimensions 4 and up: engine_nd_bench [--threads N] [--repeat K]
+// [SHAPE-Dd-N...]
 //
 // A workload is named by a shape of `cullhull generate`, a dimension and a count: ball-5d-1000000.
 // For each it prints the survivors, the facets, and milliseconds (minimum of K runs): the filter,
@@ -28,10 +29,10 @@ struct Workload {
   std::uint64_t count;
 };
 
-constexpr const char* standard[] = {"ball-4d-8000000",  "gauss-4d-1000000", "ball-5d-1000000",
-                                    "ball-6d-100000",   "sphere-4d-100000", "sphere-5d-10000",
-                                    "gauss-5d-1000000", "ball-7d-3000",     "ball-8d-500",
-                                    "cube-4d-1000000",  "grid-4d-200000",   "cube_surface-4d-50000"};
+constexpr const char* standard[] = {
+    "ball-4d-8000000",  "gauss-4d-1000000", "ball-5d-1000000",  "ball-6d-100000",
+    "sphere-4d-100000", "sphere-5d-10000",  "gauss-5d-1000000", "ball-7d-3000",
+    "ball-8d-500",      "cube-4d-1000000",  "grid-4d-200000",   "cube_surface-4d-50000"};
 
 double milliseconds(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -71,8 +72,7 @@ void run(const std::string& name, unsigned threads, int repeat) {
   } else {
     coordinates = cullhull::generate(w.shape, w.count, w.dimension);
   }
-  const auto points =
-      cullhull::PointView::row_major(coordinates.data(), w.count, w.dimension);
+  const auto points = cullhull::PointView::row_major(coordinates.data(), w.count, w.dimension);
   cullhull::Options options;
   options.threads = threads;
   double whole = 1e300, filter = 1e300, engine = 1e300;
@@ -99,12 +99,13 @@ void run(const std::string& name, unsigned threads, int repeat) {
     engine = std::min(engine, milliseconds(start));
     std::copy_n(hull.rung_counts, 3, rungs);
   }
-  std::printf("%-24s %u thr  survivors %8llu  facets %8llu (%8llu)  filter %8.1f  engine %8.1f  whole "
-              "%8.1f ms  rungs %llu %llu %llu\n",
-              name.c_str(), threads, static_cast<unsigned long long>(survivors),
-              static_cast<unsigned long long>(facets), static_cast<unsigned long long>(simplices),
-              filter, engine, whole, static_cast<unsigned long long>(rungs[0]),
-              static_cast<unsigned long long>(rungs[1]), static_cast<unsigned long long>(rungs[2]));
+  std::printf(
+      "%-24s %u thr  survivors %8llu  facets %8llu (%8llu)  filter %8.1f  engine %8.1f  whole "
+      "%8.1f ms  rungs %llu %llu %llu\n",
+      name.c_str(), threads, static_cast<unsigned long long>(survivors),
+      static_cast<unsigned long long>(facets), static_cast<unsigned long long>(simplices), filter,
+      engine, whole, static_cast<unsigned long long>(rungs[0]),
+      static_cast<unsigned long long>(rungs[1]), static_cast<unsigned long long>(rungs[2]));
   std::fflush(stdout);
 }
 

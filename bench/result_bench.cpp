@@ -2,8 +2,11 @@
 //
 //   bench/result_bench [repeats] [shape dimension count]...
 //
-// Shapes: sphere, ball. Prints the best time of build_hull in ms with one and two threads, the least
-// CPU time, the time by phase for the best run, nanoseconds per facet, bytes of the result per facet and a hash of it.
+// Shapes: sphere, ball. Prints the best time of build_hull in ms with one and two threads, the
+// least CPU time, the time by phase for the best run, nanoseconds per facet, bytes of the result
+// per facet and a hash of it.
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -13,8 +16,6 @@
 #include <random>
 #include <string>
 #include <vector>
-
-#include <sys/resource.h>
 
 #include "cullhull/certify.hpp"
 #include "cullhull/options.hpp"
@@ -147,11 +148,12 @@ void run(const char* shape, unsigned d, std::uint64_t n, unsigned repeats) {
       }
       last = std::move(hull);
     }
-    std::printf("  threads %u: %.2f ms, CPU %.1f + %.1f system, %.1f ns and %.0f bytes a facet, "
-                "hash %016llx;%s\n",
-                threads, best, user, system, 1e6 * best / static_cast<double>(facets),
-                static_cast<double>(bytes(last)) / static_cast<double>(facets),
-                static_cast<unsigned long long>(hash(last)), phases.c_str());
+    std::printf(
+        "  threads %u: %.2f ms, CPU %.1f + %.1f system, %.1f ns and %.0f bytes a facet, "
+        "hash %016llx;%s\n",
+        threads, best, user, system, 1e6 * best / static_cast<double>(facets),
+        static_cast<double>(bytes(last)) / static_cast<double>(facets),
+        static_cast<unsigned long long>(hash(last)), phases.c_str());
     if (std::getenv("CERTIFY") == nullptr) continue;
     options.threads = threads;
     const auto begin = Clock::now();

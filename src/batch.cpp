@@ -17,10 +17,8 @@ namespace {
 using namespace internal;
 
 template <class To, class Items>
-  requires requires(To& to, const Items& items) { to.insert(to.end(), items.begin(), items.end()); }
-void append(To& to, const Items& items) {
-  to.insert(to.end(), items.begin(), items.end());
-}
+requires requires(To& to, const Items& items) { to.insert(to.end(), items.begin(), items.end()); }
+void append(To& to, const Items& items) { to.insert(to.end(), items.begin(), items.end()); }
 
 /// One more list.
 template <class T, class Items>

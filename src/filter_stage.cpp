@@ -27,14 +27,6 @@ std::vector<double> pick_rows(const std::vector<double>& rows, unsigned d,
   return out;
 }
 
-/// Leaves of the survivors those with the given positions among them.
-void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept) {
-  std::vector<std::uint64_t> ids(kept.size());
-  for (std::size_t i = 0; i < kept.size(); ++i) ids[i] = result.survivors.ids[kept[i]];
-  result.rows = pick_rows(result.rows, d, kept);
-  result.survivors.ids = std::move(ids);
-}
-
 PointView view_of_rows(const Filtered& result, unsigned d) {
   return PointView::row_major(result.rows.data(), result.survivors.ids.size(), d);
 }
@@ -54,12 +46,8 @@ Filtered run_pseudo_hull(const PointView& points, const Control& control, unsign
     result.survivors.all = true;
     return result;
   }
-  const std::uint64_t left = result.survivors.ids.size();
-  require_budget(budget, left * (d + 2) * sizeof(double),
-                 std::to_string(left) + " points that survive the filter");
-  result.rows =
-      gather_points(points, result.survivors.ids.data(), result.survivors.ids.size(), threads);
-  control.report("cull", 0.8);
+  gather_survivors(points, result, control, threads, budget);
+  const std::uint64_t left = result.first_pass;
   // One pseudo-hull of all of them, unless it would be large. A point takes 45 bytes and its
   // coordinates. A sphere, all extreme, has a fifth as many facets as points in its largest round;
   // half are allowed for, each with d cells in each of two arrays.
@@ -130,6 +118,7 @@ class FirstPass {
     question.dimension = points_.dimension;
     question.point_bytes = points_.dimension * scalar_size(points_.scalar);
     question.threads = threads_;
+    question.device_started = cuda_started();
     const Placement place = choose_place(question, options.machine);
     reason_ = place.reason;
     device_ = place.device;
@@ -155,6 +144,23 @@ class FirstPass {
 
 }  // namespace
 
+void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept) {
+  std::vector<std::uint64_t> ids(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) ids[i] = result.survivors.ids[kept[i]];
+  result.rows = pick_rows(result.rows, d, kept);
+  result.survivors.ids = std::move(ids);
+}
+
+void gather_survivors(const PointView& points, Filtered& result, const Control& control,
+                      unsigned threads, std::uint64_t budget) {
+  const std::uint64_t left = result.survivors.ids.size();
+  result.first_pass = left;
+  require_budget(budget, left * (points.dimension + 2) * sizeof(double),
+                 std::to_string(left) + " points that survive the filter");
+  result.rows = gather_points(points, result.survivors.ids.data(), left, threads);
+  control.report("cull", 0.8);
+}
+
 std::string why_no_filter(CullMethod method, std::uint64_t count, unsigned d) {
   if (method == CullMethod::none) return "no filter, as asked";
   if (method == CullMethod::pseudo_hull) return "the pseudo-hull is for 2D to 8D";
@@ -169,6 +175,7 @@ Filtered run_filter(const PointView& points, const Options& options, const Contr
                     unsigned threads, std::uint64_t budget) {
   Filtered result;
   result.survivors.all = true;
+  result.first_pass = points.count;
   const unsigned d = points.dimension;
   if (options.cull == CullMethod::pseudo_hull && d >= pseudo_hull_min_dimension &&
       d <= pseudo_hull_max_dimension && points.count > d + 1)
@@ -196,11 +203,7 @@ Filtered run_filter(const PointView& points, const Options& options, const Contr
   result.survivors.reason += "; " + pass.reason();
   sampled.map.reset();
 
-  require_budget(budget, result.survivors.ids.size() * (d + 2) * sizeof(double),
-                 std::to_string(result.survivors.ids.size()) + " points that survive the filter");
-  result.rows =
-      gather_points(points, result.survivors.ids.data(), result.survivors.ids.size(), threads);
-  control.report("cull", 0.8);
+  gather_survivors(points, result, control, threads, budget);
   refine_survivors(result, d, control, threads, budget);
   return result;
 }

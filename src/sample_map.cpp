@@ -9,28 +9,7 @@
 #include "points/local_frame.hpp"
 
 namespace cullhull::internal {
-namespace {
 
-/// `size` ids spread evenly over [0, count), each at a pseudo-random place in its stretch, so that
-/// no period of the input's order can hide points from the sample.
-std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
-  std::vector<std::uint64_t> ids(size);
-  std::uint64_t random = 0x9E3779B97F4A7C15ULL;
-  const double stretch = static_cast<double>(count) / static_cast<double>(size);
-  for (std::uint64_t i = 0; i < size; ++i) {
-    random ^= random << 13;
-    random ^= random >> 7;
-    random ^= random << 17;
-    const double at =
-        (static_cast<double>(i) + static_cast<double>(random >> 11) * 0x1p-53) * stretch;
-    ids[i] = std::min(count - 1, static_cast<std::uint64_t>(at));
-  }
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  return ids;
-}
-
-/// The exact hull of some input points, as the filter wants it; dimension 0 if they lie in a flat
-/// or the hull would exceed the budget.
 InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, unsigned threads,
                              std::uint64_t budget, const Control& control) {
   InnerPolytope polytope;
@@ -64,6 +43,26 @@ InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, unsigned th
   return polytope;
 }
 
+namespace {
+
+/// `size` ids spread evenly over [0, count), each at a pseudo-random place in its stretch, so that
+/// no period of the input's order can hide points from the sample.
+std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
+  std::vector<std::uint64_t> ids(size);
+  std::uint64_t random = 0x9E3779B97F4A7C15ULL;
+  const double stretch = static_cast<double>(count) / static_cast<double>(size);
+  for (std::uint64_t i = 0; i < size; ++i) {
+    random ^= random << 13;
+    random ^= random >> 7;
+    random ^= random << 17;
+    const double at =
+        (static_cast<double>(i) + static_cast<double>(random >> 11) * 0x1p-53) * stretch;
+    ids[i] = std::min(count - 1, static_cast<std::uint64_t>(at));
+  }
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
 struct Sampled {
   InnerPolytope polytope;
   std::uint64_t size = 0;
@@ -77,7 +76,8 @@ Sampled hull_of_sample(const SampledPoints& points, std::uint64_t size, std::uin
   const std::vector<std::uint64_t> ids = sample_ids(points.count, size);
   Sampled s;
   s.size = ids.size();
-  s.polytope = inner_polytope(points.gather(ids), points.dimension, points.threads, budget, control);
+  s.polytope =
+      inner_polytope(points.gather(ids), points.dimension, points.threads, budget, control);
   return s;
 }
 

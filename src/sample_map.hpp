@@ -13,6 +13,11 @@
 
 namespace cullhull::internal {
 
+/// The exact hull of some input points, as the filter wants it; dimension 0 if they lie in a flat
+/// or the hull would exceed the budget.
+InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, unsigned threads,
+                             std::uint64_t budget, const Control& control);
+
 struct SampledPoints {
   std::uint64_t count = 0;
   unsigned dimension = 0;

@@ -171,22 +171,30 @@ void InputArguments::add_to(CLI::App& command) {
       ->type_name("COLUMNS");
 }
 
-Input open_input(const InputArguments& arguments, unsigned threads) {
-  Input input;
+cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads) {
   cullhull::ReadOptions options;
   options.threads = threads;
   options.format = arguments.format;
   options.raw_dimension = arguments.dimension;
   options.raw_scalar = scalar_type(arguments.type);
-  input.file = cullhull::open_points(arguments.path, options);
+  return options;
+}
+
+void choose_columns(const InputArguments& arguments, Input& input) {
+  if (!arguments.columns.empty())
+    select_columns(input, parse_columns(arguments.columns, input.points.dimension));
+}
+
+Input open_input(const InputArguments& arguments, unsigned threads) {
+  Input input;
+  input.file = cullhull::open_points(arguments.path, read_options(arguments, threads));
   if ((arguments.dimension != 0 || !arguments.type.empty()) &&
       input.file.format().rfind("raw", 0) != 0)
     throw Error(ErrorCode::invalid_argument, "--dim and --type describe raw input, but " +
                                                  arguments.path + " was read as " +
                                                  input.file.format());
   input.points = input.file.points();
-  if (!arguments.columns.empty())
-    select_columns(input, parse_columns(arguments.columns, input.points.dimension));
+  choose_columns(arguments, input);
   return input;
 }
 

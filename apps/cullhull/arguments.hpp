@@ -38,6 +38,12 @@ struct Input {
 
 Input open_input(const InputArguments& arguments, unsigned threads = 0);
 
+/// How open_input would open it.
+cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads);
+
+/// Makes input.points the view of the columns asked for, all if none were.
+void choose_columns(const InputArguments& arguments, Input& input);
+
 /// How to run: everything that ends up in cullhull::Options.
 struct RunArguments {
   std::string cull = "auto";

@@ -6,5 +6,7 @@
 namespace app {
 
 Command add_bench_machine(CLI::App& bench);
+Command add_bench_paper(CLI::App& bench);
+Command add_bench_rivals(CLI::App& bench);
 
 }  // namespace app

@@ -12,4 +12,5 @@
 #include "cullhull/io.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
+#include "cullhull/track.hpp"
 #include "cullhull/version.hpp"

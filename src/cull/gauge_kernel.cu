@@ -5,6 +5,7 @@
 // order depends on the race, so it must be sorted. The mask is a bit a point, 1 % of what is read,
 // and its order is the points'. No kernel here uses atomics to place anything.
 
+#include <algorithm>
 #include <cub/block/block_reduce.cuh>
 #include <cub/block/block_scan.cuh>
 #include <cub/device/device_scan.cuh>
@@ -91,6 +92,13 @@ cudaError_t launch_mask(const GaugeTable& table, const float* nodes, const Layou
   if (Shared)
     status = cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
                                   static_cast<int>(shared));
+  // Of the memory that shared memory and cache divide between them: enough for two blocks, each
+  // with the KiB that the system takes. A wish; blocks beside each other decide.
+  const std::size_t percent = (200 * (shared + 1024) + device.shared_per_multiprocessor - 1) /
+                              std::max<std::size_t>(device.shared_per_multiprocessor, 1);
+  if (Shared && status == cudaSuccess)
+    status = cudaFuncSetAttribute(kernel, cudaFuncAttributePreferredSharedMemoryCarveout,
+                                  static_cast<int>(std::min<std::size_t>(percent, 100)));
   int blocks = 0;
   if (status == cudaSuccess)
     status = cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, mask_threads, shared);

@@ -66,7 +66,7 @@ GaugeConstants<D, C> gauge_constants(const GaugeTable& t) {
 
 namespace lanes {
 
-CULLHULL_HD std::uint32_t bits_of(float v) {
+CULLHULL_HD_INLINE std::uint32_t bits_of(float v) {
 #ifdef __CUDA_ARCH__
   return __float_as_uint(v);
 #else
@@ -75,7 +75,7 @@ CULLHULL_HD std::uint32_t bits_of(float v) {
 }
 
 /// The larger; of a number and a NaN the number.
-CULLHULL_HD float larger(float a, float b) {
+CULLHULL_HD_INLINE float larger(float a, float b) {
 #ifdef __CUDA_ARCH__
   return fmaxf(a, b);
 #else
@@ -84,7 +84,7 @@ CULLHULL_HD float larger(float a, float b) {
 }
 
 /// floor(v) + 2^23, for 0 <= v < 2^23; NaN for NaN.
-CULLHULL_HD float floor_and_shift(float v) {
+CULLHULL_HD_INLINE float floor_and_shift(float v) {
 #ifdef __CUDA_ARCH__
   return __fadd_rd(v, 0x1p23F);
 #else
@@ -95,7 +95,7 @@ CULLHULL_HD float floor_and_shift(float v) {
 /// 1 / v, correctly rounded for 2^-100 <= v < 2^126. The device's approximation and one Newton step
 /// are what __frcp_rn takes in that range, without its branch to a slow path. For larger numbers
 /// the device gives 0, for an infinity or NaN a NaN: such points survive anyway.
-CULLHULL_HD float reciprocal(float v) {
+CULLHULL_HD_INLINE float reciprocal(float v) {
 #ifdef __CUDA_ARCH__
   float r;
   asm("rcp.approx.ftz.f32 %0, %1;" : "=f"(r) : "f"(v));
@@ -106,14 +106,14 @@ CULLHULL_HD float reciprocal(float v) {
 }
 
 /// The product is exact, so fusing it changes nothing.
-CULLHULL_HD float centred(float x, float scale, float offset) {
+CULLHULL_HD_INLINE float centred(float x, float scale, float offset) {
 #ifdef __CUDA_ARCH__
   return __fmaf_rn(x, scale, -offset);
 #else
   return x * scale - offset;
 #endif
 }
-CULLHULL_HD float centred(double x, double scale, double offset) {
+CULLHULL_HD_INLINE float centred(double x, double scale, double offset) {
 #ifdef __CUDA_ARCH__
   return __double2float_rn(__fma_rn(x, scale, -offset));
 #else

@@ -41,6 +41,13 @@ class PseudoHullGrowth {
   const unsigned char* culled() const { return culled_.data(); }
   Executor& executor() { return executor_; }
 
+  /// From now on each run remembers which simplex culled a row: simplex_of()[row], no_item if none
+  /// did; simplex s has the rows corners()[s (D + 1) ... (s + 1) (D + 1)). For executors whose
+  /// memory is the host's.
+  void record() { recording_ = true; }
+  const std::vector<std::uint32_t>& simplex_of() const { return simplex_of_; }
+  const std::vector<std::uint32_t>& corners() const { return corners_; }
+
   // What the tests look at.
   std::vector<PseudoFacet<D>> facets() { return fetched(facet_.data(), facets_); }
   std::vector<std::uint32_t> apexes() { return fetched(apex_.data(), facets_); }
@@ -52,6 +59,8 @@ class PseudoHullGrowth {
     rows_ = rows;
     count_ = left_ = count;
     exterior_ = facets_ = 0;
+    corners_.clear();
+    if (recording_) simplex_of_.assign(count, no_item);
     constexpr std::uint32_t grain = Executor::grain;
     const AxisExtremes<D> e =
         executor_.reduce(static_cast<std::uint32_t>(chunk_count(count, grain)), AxisExtremes<D>{},
@@ -63,6 +72,7 @@ class PseudoHullGrowth {
     if (!choose_simplex(executor_, reader_, rows_, count, e, simplex)) return false;
     StartFacets<D> first;
     if (!first_facets(simplex, first)) return false;
+    if (recording_) corners_.assign(simplex.row, simplex.row + D + 1);
     assign_first(first, at(rounds, 0));
     return true;
   }
@@ -78,6 +88,7 @@ class PseudoHullGrowth {
         exterior_, cells, Reassign<D, Rows>{rows_, facets_, points_.data(), fan_.data(), arrays()},
         executor_.reserve(best_, cells));
     report.facets += facets_;
+    if (recording_) record_round();
     regroup(cells, points_.data(), culled, report);
   }
 
@@ -119,6 +130,9 @@ class PseudoHullGrowth {
     const std::uint32_t culled =
         executor_.scatter_max(count_, D + 1, AssignFirst<D, Rows>{rows_, first, arrays()},
                               executor_.reserve(best_, D + 1));
+    if (recording_)
+      for (std::uint32_t i = 0; i < count_; ++i)
+        if (culled_.data()[i] != 0) simplex_of_[i] = 0;
     regroup(D + 1, nullptr, culled, report);
   }
 
@@ -146,6 +160,19 @@ class PseudoHullGrowth {
     report.kept += before - culled - exterior_;
   }
 
+  /// Each facet with its apex is a simplex; those of a round lie one after another.
+  void record_round() {
+    const auto first = static_cast<std::uint32_t>(corners_.size() / (D + 1));
+    for (std::uint32_t j = 0; j < facets_; ++j) {
+      const std::uint32_t* vertex = facet_.data()[j].vertex;
+      corners_.insert(corners_.end(), vertex, vertex + D);
+      corners_.push_back(apex_.data()[j]);
+    }
+    for (std::uint32_t i = 0; i < exterior_; ++i)
+      if (place_.data()[i] == place_inside)
+        simplex_of_[points_.data()[i].row] = first + points_.data()[i].facet;
+  }
+
   template <class T>
   using Array = typename Executor::template Array<T>;
 
@@ -160,6 +187,8 @@ class PseudoHullGrowth {
   Array<PseudoFacet<D>> facet_, cell_;
   Array<PseudoFan<D>> fan_;
   RowReader<D, Rows, Executor> reader_;
+  bool recording_ = false;
+  std::vector<std::uint32_t> simplex_of_, corners_;
 };
 
 }  // namespace cullhull::internal

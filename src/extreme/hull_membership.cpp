@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "extreme/rational.hpp"
 #include "predicates/minors.hpp"
+#include "predicates/orientation.hpp"
 
 namespace cullhull::internal {
 
@@ -131,8 +133,7 @@ void HullMembership::move_to_nearest() {
     for (std::size_t i = 0; i < corral_.size(); ++i)
       if (flat_[i] <= 0 && weights_[i] > flat_[i])
         share = std::min(share, weights_[i] / (weights_[i] - flat_[i]));
-    const bool arrived =
-        std::all_of(flat_.begin(), flat_.end(), [](double v) { return v > 0; });
+    const bool arrived = std::all_of(flat_.begin(), flat_.end(), [](double v) { return v > 0; });
     if (arrived) {
       weights_ = flat_;
       return;
@@ -200,6 +201,19 @@ bool HullMembership::nearest_in_flat() {
 bool HullMembership::certain_inside(std::uint32_t point) const {
   const std::size_t n = corral_.size(), rows = d_ + 1;
   if (n == 0) return false;
+  if (n == rows && d_ <= 8) {
+    // A simplex: the point replaces each corner in turn and must not turn it over.
+    std::vector<const double*> q(n);
+    for (std::size_t i = 0; i < n; ++i) q[i] = points_.exact_row(corral_[i]);
+    const Sign whole = orientation(d_, q.data());
+    bool within = whole != Sign::zero;
+    for (std::size_t i = 0; i < n && within; ++i) {
+      const double* corner = std::exchange(q[i], points_.exact_row(point));
+      within = orientation(d_, q.data()) != -whole;
+      q[i] = corner;
+    }
+    return within;
+  }
   RationalMatrix a(rows, n + 1);
   Rational t;
   const double* p = points_.exact_row(point);

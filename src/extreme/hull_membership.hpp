@@ -1,5 +1,5 @@
-// Whether a point is in the convex hull of others, without the hull: linear programming, in floating
-// point with exactly checked certificates, else in rational numbers.
+// Whether a point is in the convex hull of others, without the hull: linear programming, in
+// floating point with exactly checked certificates, else in rational numbers.
 #pragma once
 
 #include <cstdint>

@@ -60,8 +60,7 @@ class Simplex {
     for (std::size_t j = 0; j < rows_; ++j) {
       mpq_set_si(prices_.at(0, j), 0, 1);
       for (std::size_t i = 0; i < rows_; ++i)
-        if (artificial(basis_[i]))
-          mpq_add(prices_.at(0, j), prices_.at(0, j), inverse_.at(i, j));
+        if (artificial(basis_[i])) mpq_add(prices_.at(0, j), prices_.at(0, j), inverse_.at(i, j));
       rounded_[j] = mpq_get_d(prices_.at(0, j));  // towards zero: within 2u
       rounded_size_ += std::abs(rounded_[j]);
     }

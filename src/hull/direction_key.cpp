@@ -29,7 +29,8 @@ void cells(const DirectionKey::Map& map, const double* x, const double* y, const
     return hn::MulAdd(hn::Set(d, row[0]), a,
                       hn::MulAdd(hn::Set(d, row[1]), b, hn::Mul(hn::Set(d, row[2]), c)));
   };
-  for (std::uint32_t i = 0; i < DirectionKey::block; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
+  for (std::uint32_t i = 0; i < DirectionKey::block;
+       i += static_cast<std::uint32_t>(hn::Lanes(d))) {
     const V a = hn::Sub(hn::LoadU(d, x + i), hn::Set(d, map.centre[0]));
     const V b = hn::Sub(hn::LoadU(d, y + i), hn::Set(d, map.centre[1]));
     const V c = hn::Sub(hn::LoadU(d, z + i), hn::Set(d, map.centre[2]));
@@ -41,8 +42,9 @@ void cells(const DirectionKey::Map& map, const double* x, const double* y, const
     const V s = hn::IfThenElse(on_p, q, p), t = hn::IfThenElse(on_r, q, r);
     const V w = hn::IfThenElse(on_p, p, hn::IfThenElse(on_r, r, q));
     V number = hn::IfThenElseZero(hn::Lt(w, hn::Zero(d)), hn::Set(d, 3.0));
-    number = hn::Add(number, hn::IfThenElse(on_p, hn::Zero(d),
-                                            hn::IfThenElse(on_r, hn::Set(d, 2.0), hn::Set(d, 1.0))));
+    number = hn::Add(
+        number,
+        hn::IfThenElse(on_p, hn::Zero(d), hn::IfThenElse(on_r, hn::Set(d, 2.0), hn::Set(d, 1.0))));
     // A direction that is zero gets some cell.
     const V scale = hn::Div(half, hn::Max(m, hn::Set(d, 0x1p-900)));
     const auto place = [&](V k) HWY_ATTR {
@@ -54,17 +56,26 @@ void cells(const DirectionKey::Map& map, const double* x, const double* y, const
   }
 }
 
+HWY_INLINE hn::Vec<hn::ScalableTag<std::uint32_t>> load(hn::ScalableTag<std::uint32_t>,
+                                                        const std::int32_t* from) {
+  return hn::LoadU(hn::ScalableTag<std::uint32_t>(), reinterpret_cast<const std::uint32_t*>(from));
+}
+HWY_INLINE hn::Vec<hn::ScalableTag<std::uint64_t>> load(hn::ScalableTag<std::uint64_t> d,
+                                                        const std::int32_t* from) {
+  const hn::Rebind<std::int32_t, decltype(d)> i32;
+  return hn::BitCast(d, hn::PromoteTo(hn::RebindToSigned<decltype(d)>(), hn::LoadU(i32, from)));
+}
+
 /// Position on the Hilbert curve of a face's cells: no branches, they would be taken at random.
+template <class Key>
 void curve(const std::int32_t* face, const std::int32_t* u, const std::int32_t* v, unsigned bits,
-           std::uint32_t* keys) {
-  using U = hn::ScalableTag<std::uint32_t>;
-  using V = hn::Vec<U>;
-  const U d;
-  const V one = hn::Set(d, 1U);
-  for (std::uint32_t i = 0; i < DirectionKey::block; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
-    V key = hn::LoadU(d, reinterpret_cast<const std::uint32_t*>(face) + i);
-    V x = hn::LoadU(d, reinterpret_cast<const std::uint32_t*>(u) + i);
-    V y = hn::LoadU(d, reinterpret_cast<const std::uint32_t*>(v) + i);
+           Key* keys) {
+  const hn::ScalableTag<Key> d;
+  using V = hn::Vec<decltype(d)>;
+  const V one = hn::Set(d, Key{1});
+  for (std::uint32_t i = 0; i < DirectionKey::block;
+       i += static_cast<std::uint32_t>(hn::Lanes(d))) {
+    V key = load(d, face + i), x = load(d, u + i), y = load(d, v + i);
     for (unsigned digit = bits; digit-- > 0;) {
       const V rx = hn::And(hn::ShiftRightSame(x, static_cast<int>(digit)), one);
       const V ry = hn::And(hn::ShiftRightSame(y, static_cast<int>(digit)), one);
@@ -82,11 +93,22 @@ void curve(const std::int32_t* face, const std::int32_t* u, const std::int32_t* 
   }
 }
 
-void direction_keys(const DirectionKey::Map& map, const double* x, const double* y, const double* z,
-                    unsigned bits, std::uint32_t* keys) {
+template <class Key>
+void keys_of(const DirectionKey::Map& map, const double* x, const double* y, const double* z,
+             unsigned bits, Key* keys) {
   HWY_ALIGN std::int32_t face[DirectionKey::block], u[DirectionKey::block], v[DirectionKey::block];
   cells(map, x, y, z, static_cast<double>(1U << bits), face, u, v);
   curve(face, u, v, bits, keys);
+}
+
+void direction_keys(const DirectionKey::Map& map, const double* x, const double* y, const double* z,
+                    unsigned bits, std::uint32_t* keys) {
+  keys_of(map, x, y, z, bits, keys);
+}
+
+void fine_direction_keys(const DirectionKey::Map& map, const double* x, const double* y,
+                         const double* z, std::uint64_t* keys) {
+  keys_of(map, x, y, z, 24, keys);
 }
 
 }  // namespace cullhull::internal::HWY_NAMESPACE
@@ -96,10 +118,16 @@ HWY_AFTER_NAMESPACE();
 namespace cullhull::internal {
 
 HWY_EXPORT(direction_keys);
+HWY_EXPORT(fine_direction_keys);
 
 void DirectionKey::keys(const double* x, const double* y, const double* z, unsigned bits,
                         std::uint32_t* keys) const {
   HWY_DYNAMIC_DISPATCH(direction_keys)(map_, x, y, z, bits, keys);
+}
+
+void DirectionKey::fine_keys(const double* x, const double* y, const double* z,
+                             std::uint64_t* keys) const {
+  HWY_DYNAMIC_DISPATCH(fine_direction_keys)(map_, x, y, z, keys);
 }
 
 namespace {
@@ -169,6 +197,15 @@ DirectionKey::DirectionKey(const LocalPoints& points, const double* centre,
       for (unsigned k = 0; k < i; ++k) s -= l[i][k] * map_.linear[k][j];
       map_.linear[i][j] = s / l[i][i];
     }
+}
+
+DirectionKey DirectionKey::for_normals() const {
+  DirectionKey key;
+  key.map_ = {{0, 0, 0}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  double inverse[3][3];  // of the transpose: the rows are taken as columns
+  if (invert(map_.linear, inverse))
+    std::copy(&inverse[0][0], &inverse[0][0] + 9, &key.map_.linear[0][0]);
+  return key;
 }
 
 }  // namespace cullhull::internal

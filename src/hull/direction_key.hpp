@@ -11,14 +11,18 @@ namespace cullhull::internal {
 /// points round: a thin body's directions would crowd.
 class DirectionKey {
  public:
-  static constexpr unsigned max_bits = 12;   // an axis of a cube face
   static constexpr std::uint32_t block = 64;
 
   DirectionKey(const LocalPoints& points, const double* centre, const std::uint32_t* simplex);
 
-  /// keys[i] in [0, 6 * 4^bits) of the positions (x[i], y[i], z[i]), i < block.
+  /// The same for normals of planes, which such a map moves by its inverse's transpose.
+  DirectionKey for_normals() const;
+
+  /// keys[i] in [0, 6 * 4^bits) of the positions (x[i], y[i], z[i]), i < block; bits <= 14.
   void keys(const double* x, const double* y, const double* z, unsigned bits,
             std::uint32_t* keys) const;
+  /// The same with 24 bits an axis.
+  void fine_keys(const double* x, const double* y, const double* z, std::uint64_t* keys) const;
 
   struct Map {
     double centre[3];
@@ -26,6 +30,7 @@ class DirectionKey {
   };
 
  private:
+  DirectionKey() = default;
   Map map_;
 };
 

@@ -44,9 +44,8 @@ HWY_INLINE VF term(VF acc, VF x, VF y) {
 template <unsigned D, unsigned size, unsigned rank, unsigned... k>
 HWY_INLINE VF expand(const VF* row, const VF* smaller, std::integer_sequence<unsigned, k...>) {
   VF sum = hn::Zero(F());
-  ((sum = term<k == 0, ((size - 1 + k) & 1U) != 0>(
-        sum, row[Subsets<D>::member(size, rank, k)],
-        smaller[Subsets<D>::without(size, rank, k)])),
+  ((sum = term<k == 0, ((size - 1 + k) & 1U) != 0>(sum, row[Subsets<D>::member(size, rank, k)],
+                                                   smaller[Subsets<D>::without(size, rank, k)])),
    ...);
   return sum;
 }
@@ -66,9 +65,8 @@ HWY_INLINE void all_minors(const VF (*rows)[D], VF* out) {
   } else {
     VF smaller[Subsets<D>::count(size - 1)];
     all_minors<D, size - 1>(rows, smaller);
-    next_minors<D, size>(
-        rows[size - 1], smaller, out,
-        std::make_integer_sequence<unsigned, Subsets<D>::count(size)>());
+    next_minors<D, size>(rows[size - 1], smaller, out,
+                         std::make_integer_sequence<unsigned, Subsets<D>::count(size)>());
   }
 }
 
@@ -76,7 +74,7 @@ template <unsigned D, unsigned j, unsigned... k>
 HWY_INLINE VF laplace(const VF* top, const VF* bottom, std::integer_sequence<unsigned, k...>) {
   VF sum = hn::Zero(F());
   ((sum = term<k == 0, Laplace<D>::split(j, k).negative>(sum, top[Laplace<D>::split(j, k).top],
-                                                          bottom[Laplace<D>::split(j, k).bottom])),
+                                                         bottom[Laplace<D>::split(j, k).bottom])),
    ...);
   return sum;
 }
@@ -87,8 +85,8 @@ HWY_INLINE void cofactors(const VF (*rows)[D], VF* normal, std::integer_sequence
   VF bottom[Subsets<D>::count(Laplace<D>::bottom_rows)];
   all_minors<D, Laplace<D>::top_rows>(rows, top);
   all_minors<D, Laplace<D>::bottom_rows>(rows + Laplace<D>::top_rows, bottom);
-  ((normal[j] = laplace<D, j>(top, bottom,
-                              std::make_integer_sequence<unsigned, Laplace<D>::splits>())),
+  ((normal[j] =
+        laplace<D, j>(top, bottom, std::make_integer_sequence<unsigned, Laplace<D>::splits>())),
    ...);
 }
 
@@ -121,22 +119,22 @@ void planes_of_group(const PlaneFrame& frame, const double* apex, const double* 
   const VF bound = hn::MulAdd(size, hn::Set(f, PlaneBounds<D>::per_size), wrong);
   const VF scale = hn::Div(hn::Set(f, 1.0), level);
   const VF absolute = hn::Abs(scale);
-  const VF error = hn::MulAdd(
-      hn::Mul(bound, absolute), hn::Set(f, 1 + 0x1p-40),
-      hn::MulAdd(hn::Mul(reached, absolute), hn::Set(f, PlaneBounds<D>::per_reach),
-                 hn::Set(f, 0x1p-120)));
-  const auto good = hn::And(
-      hn::And(hn::Gt(magnitude, hn::Set(f, 0x1p-900)),
-              hn::Gt(magnitude, hn::Mul(bound, hn::Set(f, 8.0)))),
-      hn::And(hn::Le(error, hn::Set(f, 0.5)),
-              hn::Lt(hn::Mul(size, absolute), hn::Set(f, 0x1p100))));
+  const VF error =
+      hn::MulAdd(hn::Mul(bound, absolute), hn::Set(f, 1 + 0x1p-40),
+                 hn::MulAdd(hn::Mul(reached, absolute), hn::Set(f, PlaneBounds<D>::per_reach),
+                            hn::Set(f, 0x1p-120)));
+  const auto good = hn::And(hn::And(hn::Gt(magnitude, hn::Set(f, 0x1p-900)),
+                                    hn::Gt(magnitude, hn::Mul(bound, hn::Set(f, 8.0)))),
+                            hn::And(hn::Le(error, hn::Set(f, 0.5)),
+                                    hn::Lt(hn::Mul(size, absolute), hn::Set(f, 0x1p100))));
   HWY_ALIGN double out[(D + 1) * hn::MaxLanes(F())];
   for (unsigned j = 0; j < D; ++j)
     hn::Store(hn::IfThenElseZero(good, hn::Mul(normal[j], scale)), f, out + j * lanes);
   hn::Store(hn::IfThenElse(good, error, hn::Set(f, std::numeric_limits<double>::infinity())), f,
             out + D * lanes);
   for (std::size_t k = 0; k < used; ++k) {
-    for (unsigned j = 0; j < D; ++j) planes[k * (D + 1) + j] = static_cast<float>(out[j * lanes + k]);
+    for (unsigned j = 0; j < D; ++j)
+      planes[k * (D + 1) + j] = static_cast<float>(out[j * lanes + k]);
     // Rounding to nearest may go down: a factor of two roundings of f32 goes up in any case.
     planes[k * (D + 1) + D] = static_cast<float>(out[D * lanes + k] * (1 + 0x1p-22));
   }

@@ -27,8 +27,8 @@ class AnyPlanes {
   void plane(const std::uint32_t* v, float* out) {
     for (unsigned i = 0; i < d_; ++i) rows_[i] = frame_.rows + std::size_t{v[i]} * d_;
     double total_error = 0;
-    const bool known = d_ > largest_expansion ? exact_cofactors(total_error)
-                                              : expanded_cofactors(total_error);
+    const bool known =
+        d_ > largest_expansion ? exact_cofactors(total_error) : expanded_cofactors(total_error);
     if (!known || !scaled(total_error, out)) {
       for (unsigned j = 0; j < d_; ++j) out[j] = 0;
       out[d_] = std::numeric_limits<float>::infinity();

@@ -1,9 +1,15 @@
+#include <algorithm>
+
+#include "hull/facet_estimate.hpp"
 #include "hull/insertion_nd.hpp"
 
 namespace cullhull::internal {
 
 SimplicialHull hull_nd(const LocalPoints& points, const std::uint32_t* simplex,
                        std::uint64_t budget, unsigned threads, const Control& control) {
+  // Records, twice while they are copied out; or what the result takes.
+  const std::uint64_t d = points.dimension;
+  check_facets(points, budget, std::max(2 * (12 * d + 16), 32 * d + 32), threads, control);
   switch (points.dimension) {
     case 4:
       return InsertionNd<4>(points, simplex, budget, threads, control).run();

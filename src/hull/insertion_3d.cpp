@@ -7,6 +7,7 @@
   (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV | HWY_SSSE3 | HWY_SSE4)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "hull/insertion_3d.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -52,9 +53,9 @@ HWY_INLINE void planes_around(const double* HWY_RESTRICT x, const double* HWY_RE
     const V sum = hn::Add(hn::Add(hn::Abs(n0), hn::Abs(n1)), hn::Abs(n2));
     const V second = hn::Add(hn::Add(hn::Abs(zy), hn::Abs(xz)), hn::Abs(yx));
     const V level = hn::MulAdd(n0, y0x, hn::MulAdd(n1, y0y, hn::Mul(n2, y0z)));
-    const V bound = hn::MulAdd(
-        sum, hn::Set(d, 70 * unit_roundoff),
-        hn::MulAdd(second, hn::Set(d, 60 * unit_roundoff), hn::Set(d, 0x1p-990)));
+    const V bound =
+        hn::MulAdd(sum, hn::Set(d, 70 * unit_roundoff),
+                   hn::MulAdd(second, hn::Set(d, 60 * unit_roundoff), hn::Set(d, 0x1p-990)));
     const auto good = hn::And(hn::Gt(level, hn::Set(d, 0x1p-900)),
                               hn::Gt(level, hn::Mul(bound, hn::Set(d, 8.0))));
     const V scale = hn::Div(hn::Set(d, 1.0), hn::IfThenElse(good, level, hn::Set(d, 1.0)));
@@ -67,11 +68,16 @@ HWY_INLINE void planes_around(const double* HWY_RESTRICT x, const double* HWY_RE
   }
 }
 
+HWY_INLINE double gauge_of(const Facet3D& f, const double* y) {
+  return f.normal[0] * y[0] + f.normal[1] * y[1] + f.normal[2] * y[2];
+}
+
 class Inserter {
  public:
   Inserter(const Shared3D& shared, Piece3D& piece)
       : s_(shared), piece_(piece), facets_(shared.facets), predicates_(*shared.predicates) {
     std::copy_n(predicates_.centre(), 3, centre_);
+    use_scratch();
   }
 
   void insert_all(const Id* positions, Id begin, Id end,
@@ -85,30 +91,18 @@ class Inserter {
       const Id p = positions != nullptr ? positions[k] : k;
       const Id next = k + 1 == end ? p : positions != nullptr ? positions[k + 1] : k + 1;
       // Chosen points may lie far apart.
-      if (positions != nullptr && (k == begin || p / Entries3D::block !=
-                                                     positions[k - 1] / Entries3D::block))
+      if (positions != nullptr &&
+          (k == begin || p / Entries3D::block != positions[k - 1] / Entries3D::block))
         enter(p);
       if (!insert(p, next)) piece_.deferred.push_back(p);
     }
   }
 
-  /// Only reads.
-  Id climb_from(Id f, const double* p) {
-    offset(p, y_);
-    double g = gauge(f, y_);
-    for (;;) {
-      if (g > 1 + facets_[f].error) return f;
-      const Id* n = facets_[f].neighbours;
-      Id best = f;
-      for (unsigned j = 0; j < 3; ++j) {
-        const double h = gauge(n[j], y_);
-        if (h > g) {
-          g = h;
-          best = n[j];
-        }
-      }
-      if (best == f) return f;
-      f = best;
+  void screen_all(Id begin, Id end) {
+    for (Id p = begin; p < end; ++p) {
+      if ((p - begin) % 256 == 255) s_.control->check();
+      offset(s_.row(p), y_);
+      if (locate(p) != inside) piece_.deferred.push_back(p);
     }
   }
 
@@ -116,10 +110,7 @@ class Inserter {
   HWY_INLINE void offset(const double* p, double* y) const {
     for (unsigned j = 0; j < 3; ++j) y[j] = p[j] - centre_[j];
   }
-  HWY_INLINE double gauge(Id f, const double* y) const {
-    const double* n = facets_[f].normal;
-    return n[0] * y[0] + n[1] * y[1] + n[2] * y[2];
-  }
+  HWY_INLINE double gauge(Id f, const double* y) const { return gauge_of(facets_[f], y); }
   Orientation3D::Point point(Id p) const { return {s_.row(p), s_.order[p]}; }
 
   Sign side(Id f, Id p) {
@@ -251,6 +242,7 @@ class Inserter {
     }
     if (seed == inside) return true;
     ++piece_.rungs[static_cast<unsigned>(Rung::plane)];
+    ++piece_.inserted;
     if (!find_cavity(p, seed)) {
       piece_.hint = seed;
       return false;
@@ -260,69 +252,88 @@ class Inserter {
   }
 
   HWY_NOINLINE void grow_ring() {
-    const std::size_t n = std::max<std::size_t>(64, 2 * std::size_t{piece_.ring_capacity});
+    piece_.ring_capacity = std::max<Id>(64, 2 * piece_.ring_capacity);
     // A sentinel, and a vector's worth of padding.
-    const std::size_t room = n + 16;
-    piece_.ring_start.resize(room);
-    piece_.ring_outside.resize(room);
-    piece_.ring_back.resize(room);
-    piece_.created.resize(room);
-    piece_.ring_x.resize(room);
-    piece_.ring_y.resize(room);
-    piece_.ring_z.resize(room);
+    const std::size_t room = piece_.ring_capacity + std::size_t{16};
+    for (auto* ids : {&piece_.ring_start, &piece_.ring_outside, &piece_.ring_back, &piece_.created})
+      ids->resize(room);
+    for (auto* values : {&piece_.ring_x, &piece_.ring_y, &piece_.ring_z, &piece_.gauges})
+      values->resize(room);
     piece_.planes.resize(4 * room);
-    piece_.gauges.resize(room);
-    piece_.ring_capacity = static_cast<std::uint32_t>(n);
+    use_scratch();
+  }
+  HWY_NOINLINE void grow_visible() {
+    piece_.visible_capacity = std::max<Id>(64, 2 * piece_.visible_capacity);
+    piece_.visible.resize(piece_.visible_capacity);
+    // One edge of each visible facet waits, and one more of the first.
+    piece_.stack.resize(piece_.visible_capacity + std::size_t{1});
+    use_scratch();
+  }
+  void use_scratch() {
+    start_ = piece_.ring_start.data();
+    outside_ = piece_.ring_outside.data();
+    back_ = piece_.ring_back.data();
+    created_ = piece_.created.data();
+    x_ = piece_.ring_x.data();
+    y_ring_ = piece_.ring_y.data();
+    z_ = piece_.ring_z.data();
+    visible_ = piece_.visible.data();
+    stack_ = piece_.stack.data();
   }
 
   /// Depth first over the visible facets, edges counter-clockwise: the horizon comes out in order.
   bool find_cavity(Id p, Id seed) {
-    const Id epoch = ++piece_.epoch;
-    const double* x = s_.row(p);
-    auto& stack = piece_.stack;
-    auto& visible = piece_.visible;
-    stack.clear();
-    visible.clear();
-    ring_ = 0;
+    const Id epoch = ++piece_.epoch, first_owner = piece_.first_owner, owners = piece_.owner_count;
+    const double* point = s_.row(p);
+    const double px = point[0], py = point[1], pz = point[2];
+    Id ring = 0, visible = 1, waiting = 2;
+    if (HWY_UNLIKELY(piece_.visible_capacity == 0)) grow_visible();
     facets_[seed].mark = epoch;
-    visible.push_back(seed);
-    stack.push_back({seed, 2});
-    stack.push_back({seed, 1});
+    hwy::Prefetch(&facets_[facets_[seed].neighbours[1]]);
+    hwy::Prefetch(&facets_[facets_[seed].neighbours[2]]);
+    visible_[0] = seed;
+    stack_[0] = {seed, 2};
+    stack_[1] = {seed, 1};
     Id f = seed;
     unsigned edge = 0;
     for (;;) {
-      const Facet3D& facet = facets_[f];
-      const Id g = facet.neighbours[edge];
+      const Id g = facets_[f].neighbours[edge];
       Facet3D& other = facets_[g];
       // The foreign facet's mark is not ours to read.
-      if (HWY_UNLIKELY(!piece_.owns(other))) return false;
-      const unsigned back = static_cast<unsigned>(other.neighbours[1] == f) +
-                            2 * static_cast<unsigned>(other.neighbours[2] == f);
+      if (HWY_UNLIKELY(other.owner - first_owner >= owners)) return false;
       if (other.mark != epoch) {
+        const unsigned back = static_cast<unsigned>(other.neighbours[1] == f) +
+                              2 * static_cast<unsigned>(other.neighbours[2] == f);
         if (sees(g, p)) {
           other.mark = epoch;
-          visible.push_back(g);
-          stack.push_back({g, back == 0 ? 2 : back - 1});
+          if (HWY_UNLIKELY(visible == piece_.visible_capacity)) grow_visible();
+          visible_[visible++] = g;
+          const unsigned later = back == 0 ? 2 : back - 1;
+          stack_[waiting++] = {g, later};
+          hwy::Prefetch(&facets_[other.neighbours[later]]);
           f = g;
           edge = back == 2 ? 0 : back + 1;
           continue;
         }
-        if (HWY_UNLIKELY(ring_ == piece_.ring_capacity)) grow_ring();
-        const Id start = facet.vertices[edge == 2 ? 0 : edge + 1];
+        if (HWY_UNLIKELY(ring == piece_.ring_capacity)) grow_ring();
+        const Id start = facets_[f].vertices[edge == 2 ? 0 : edge + 1];
         const double* v = s_.row(start);
-        piece_.ring_start[ring_] = start;
-        piece_.ring_outside[ring_] = g;
-        piece_.ring_back[ring_] = back;
-        piece_.ring_x[ring_] = v[0] - x[0];
-        piece_.ring_y[ring_] = v[1] - x[1];
-        piece_.ring_z[ring_] = v[2] - x[2];
-        ++ring_;
+        start_[ring] = start;
+        outside_[ring] = g;
+        back_[ring] = back;
+        x_[ring] = v[0] - px;
+        y_ring_[ring] = v[1] - py;
+        z_[ring] = v[2] - pz;
+        ++ring;
       }
-      if (stack.empty()) return true;
-      f = stack.back().facet;
-      edge = stack.back().edge;
-      stack.pop_back();
+      if (waiting == 0) break;
+      --waiting;
+      f = stack_[waiting].facet;
+      edge = stack_[waiting].edge;
     }
+    ring_ = ring;
+    visible_count_ = visible;
+    return true;
   }
 
   Id new_slot() {
@@ -345,41 +356,45 @@ class Inserter {
   /// A new facet on each horizon edge, in the slots of the visible ones.
   void replace_cavity(Id p, Id next) {
     const Id count = ring_;
-    auto& visible = piece_.visible;
-    Id* HWY_RESTRICT created = piece_.created.data();
-    piece_.ring_x[count] = piece_.ring_x[0];
-    piece_.ring_y[count] = piece_.ring_y[0];
-    piece_.ring_z[count] = piece_.ring_z[0];
-    piece_.ring_start[count] = piece_.ring_start[0];
-    const auto reused = static_cast<Id>(std::min<std::size_t>(count, visible.size()));
-    std::copy_n(visible.data(), reused, created);
-    for (Id i = reused; i < count; ++i) created[i] = new_slot();
-    for (std::size_t i = reused; i < visible.size(); ++i) {
-      facets_[visible[i]].owner = Facet3D::none;
-      piece_.free.push_back(visible[i]);
+    x_[count] = x_[0];
+    y_ring_[count] = y_ring_[0];
+    z_[count] = z_[0];
+    start_[count] = start_[0];
+    const Id reused = std::min(count, visible_count_);
+    std::copy_n(visible_, reused, created_);
+    for (Id i = reused; i < count; ++i) created_[i] = new_slot();
+    for (Id i = reused; i < visible_count_; ++i) {
+      facets_[visible_[i]].owner = Facet3D::none;
+      piece_.free.push_back(visible_[i]);
     }
     double next_offset[3];
     offset(s_.row(next), next_offset);
-    planes_around(piece_.ring_x.data(), piece_.ring_y.data(), piece_.ring_z.data(), count, y_,
-                  next_offset, piece_.planes.data(), piece_.gauges.data());
-    Id best = 0;
-    double best_gauge = piece_.gauges[0];
+    const double* planes = piece_.planes.data();
+    const double* gauges = piece_.gauges.data();
+    planes_around(x_, y_ring_, z_, count, y_, next_offset, piece_.planes.data(),
+                  piece_.gauges.data());
+    const Id owner = piece_.first_owner;
+    Id best = created_[0], previous = created_[count - 1];
+    double best_gauge = gauges[0];
+    created_[count] = best;
     for (Id i = 0; i < count; ++i) {
-      Facet3D& f = facets_[created[i]];
-      std::memcpy(f.normal, piece_.planes.data() + 4 * i, 32);
+      const Id created = created_[i];
+      Facet3D& f = facets_[created];
+      std::memcpy(f.normal, planes + 4 * i, 32);
       f.vertices[0] = p;
-      f.vertices[1] = piece_.ring_start[i];
-      f.vertices[2] = piece_.ring_start[i + 1];
-      f.neighbours[0] = piece_.ring_outside[i];
-      f.neighbours[1] = created[i + 1 == count ? 0 : i + 1];
-      f.neighbours[2] = created[i == 0 ? count - 1 : i - 1];
+      f.vertices[1] = start_[i];
+      f.vertices[2] = start_[i + 1];
+      f.neighbours[0] = outside_[i];
+      f.neighbours[1] = created_[i + 1];
+      f.neighbours[2] = previous;
       f.mark = 0;
-      f.owner = piece_.first_owner;
-      facets_[piece_.ring_outside[i]].neighbours[piece_.ring_back[i]] = created[i];
-      best = piece_.gauges[i] > best_gauge ? i : best;
-      best_gauge = std::max(best_gauge, piece_.gauges[i]);
+      f.owner = owner;
+      facets_[outside_[i]].neighbours[back_[i]] = created;
+      best = gauges[i] > best_gauge ? created : best;
+      best_gauge = std::max(best_gauge, gauges[i]);
+      previous = created;
     }
-    piece_.hint = created[best];
+    piece_.hint = best;
   }
 
   const Shared3D& s_;
@@ -388,7 +403,12 @@ class Inserter {
   const Orientation3D& predicates_;
   double centre_[3];
   double y_[3];  // the point being inserted, relative to O
-  Id ring_ = 0;
+  Id ring_ = 0, visible_count_ = 0;
+  // Of the piece's scratch.
+  Id *start_ = nullptr, *outside_ = nullptr, *back_ = nullptr, *created_ = nullptr;
+  double *x_ = nullptr, *y_ring_ = nullptr, *z_ = nullptr;
+  Id* visible_ = nullptr;
+  Piece3D::Crossing* stack_ = nullptr;
 };
 
 }  // namespace
@@ -399,9 +419,28 @@ void insert_points_in(const Shared3D& shared, Piece3D& piece, const std::uint32_
   Inserter(shared, piece).insert_all(positions, begin, end, progress);
 }
 
+void screen_points_in(const Shared3D& shared, Piece3D& piece, std::uint32_t begin,
+                      std::uint32_t end) {
+  Inserter(shared, piece).screen_all(begin, end);
+}
+
 std::uint32_t climb_in(const Shared3D& shared, std::uint32_t start, const double* p) {
-  Piece3D none;
-  return Inserter(shared, none).climb_from(start, p);
+  const double* centre = shared.predicates->centre();
+  const double y[3] = {p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]};
+  const Facet3D* facets = shared.facets;
+  Id f = start;
+  double g = gauge_of(facets[f], y);
+  while (g <= 1 + facets[f].error) {
+    Id best = f;
+    for (const Id n : facets[f].neighbours) {
+      const double h = gauge_of(facets[n], y);
+      best = h > g ? n : best;
+      g = std::max(g, h);
+    }
+    if (best == f) break;
+    f = best;
+  }
+  return f;
 }
 
 void compute_plane_in(const Shared3D& shared, Facet3D& facet) {
@@ -429,6 +468,7 @@ HWY_AFTER_NAMESPACE();
 namespace cullhull::internal {
 
 HWY_EXPORT(insert_points_in);
+HWY_EXPORT(screen_points_in);
 HWY_EXPORT(climb_in);
 HWY_EXPORT(compute_plane_in);
 
@@ -436,6 +476,10 @@ void insert_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* 
                    std::uint32_t begin, std::uint32_t end,
                    const std::function<void(double)>* progress) {
   HWY_DYNAMIC_DISPATCH(insert_points_in)(shared, piece, positions, begin, end, progress);
+}
+
+void screen_points(const Shared3D& shared, Piece3D& piece, std::uint32_t begin, std::uint32_t end) {
+  HWY_DYNAMIC_DISPATCH(screen_points_in)(shared, piece, begin, end);
 }
 
 std::uint32_t climb(const Shared3D& shared, std::uint32_t start, const double* p) {

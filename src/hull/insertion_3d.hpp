@@ -43,7 +43,6 @@ struct Shared3D {
   const std::uint32_t* order = nullptr;  // local ids
   const double* rows = nullptr;
   Facet3D* facets = nullptr;
-  std::uint32_t point_count = 0;
 
   const double* row(std::uint32_t p) const { return rows + std::size_t{p} * row_stride; }
 };
@@ -64,13 +63,13 @@ struct alignas(256) Piece3D {
   std::uint32_t epoch = 0;
   std::uint32_t hint = 0;
   std::uint64_t random = 0x9E3779B97F4A7C15ULL;
-  std::uint32_t next_slot = 0, end_slot = 0;  // slots never used
-  std::vector<std::uint32_t> free;            // slots used before
+  std::uint32_t next_slot = 0, end_slot = 0;                   // slots never used
+  std::vector<std::uint32_t> free;                             // slots used before
   std::vector<std::pair<std::uint32_t, std::uint32_t>> spare;  // ranges of slots never used
   std::vector<std::uint32_t> deferred;  // points that concern other pieces' facets, ascending
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
   std::uint64_t rungs[3] = {0, 0, 0};
-  std::uint64_t steps = 0;
+  std::uint64_t steps = 0, inserted = 0;
   Entries3D entries;
 
   bool owns(std::uint32_t owner) const { return owner - first_owner < owner_count; }
@@ -82,7 +81,7 @@ struct alignas(256) Piece3D {
   };
   std::vector<std::uint32_t> visible;
   std::vector<Crossing> stack;
-  std::uint32_t ring_capacity = 0;
+  std::uint32_t visible_capacity = 0, ring_capacity = 0;
   std::vector<std::uint32_t> ring_start, ring_outside, ring_back, created;
   std::vector<double> ring_x, ring_y, ring_z, planes, gauges;
 };
@@ -93,6 +92,10 @@ struct alignas(256) Piece3D {
 void insert_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
                    std::uint32_t begin, std::uint32_t end,
                    const std::function<void(double)>* progress);
+
+/// Appends those of the points [begin, end) that see the surface to piece.deferred; the others are
+/// inside for good. Only reads the surface, all of which the piece must own.
+void screen_points(const Shared3D& shared, Piece3D& piece, std::uint32_t begin, std::uint32_t end);
 
 /// The facet that the ray from O through p leaves by, as well as doubles can tell, or one that p
 /// sees; climbing from `start` and only reading.

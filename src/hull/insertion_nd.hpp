@@ -279,9 +279,8 @@ void InsertionNd<D>::in_parallel(const Body& body) {
     for (const Id s : batch_) body(streams_[s], lanes_[0]);
     return;
   }
-  crew_.run(static_cast<std::uint32_t>(batch_.size()), [&](std::uint32_t i, unsigned lane) {
-    body(streams_[batch_[i]], lanes_[lane]);
-  });
+  crew_.run(static_cast<std::uint32_t>(batch_.size()),
+            [&](std::uint32_t i, unsigned lane) { body(streams_[batch_[i]], lanes_[lane]); });
 }
 
 template <unsigned D>
@@ -314,7 +313,8 @@ void InsertionNd<D>::insert_round(Id begin, Id end) {
   }
   adapt(tried, refused);
 #ifdef NDBG
-  tried_ += tried; refused_ += refused;
+  tried_ += tried;
+  refused_ += refused;
 #endif
   control_.report("hull", static_cast<double>(end) / static_cast<double>(order_.size()));
 }
@@ -593,8 +593,8 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
     HorizonRidge* const horizon = s.horizon.data();
     const Id f = list[k];
     const Id* n = store_.neighbours(f);
-    // Which neighbours are visible is as good as random: no branch on it. A facet beyond the horizon
-    // is tested once for each of its ridges, which costs less than remembering it.
+    // Which neighbours are visible is as good as random: no branch on it. A facet beyond the
+    // horizon is tested once for each of its ridges, which costs less than remembering it.
     for (unsigned j = 0; j < d; ++j) {
       const Id other = n[j];
       const bool seen = sees(lane, other, s.next);
@@ -660,8 +660,8 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
 ///
 /// Every ridge through the point belongs to two of them. Each adds one and its number to the table
 /// slot that the ridge's vertices hash to; where a slot counts two, they are the two facets of one
-/// ridge whatever the hash is worth, and the sum tells the other from the one. Where it counts more,
-/// the other one is found by turning.
+/// ridge whatever the hash is worth, and the sum tells the other from the one. Where it counts
+/// more, the other one is found by turning.
 template <unsigned D>
 void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
   const unsigned d = dim();
@@ -703,8 +703,8 @@ void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
     }
 }
 
-/// The other new facet at the ridge of new facet k opposite to vertex i: reached by turning, through
-/// visible facets, about what facet k shares with its old one without vertex i.
+/// The other new facet at the ridge of new facet k opposite to vertex i: reached by turning,
+/// through visible facets, about what facet k shares with its old one without vertex i.
 template <unsigned D>
 typename InsertionNd<D>::Id InsertionNd<D>::turn(const Stream& s, std::size_t k, unsigned i) const {
   Id at = s.horizon[k].facet, kept_vertex = store_.vertices(at)[s.horizon[k].apex];
@@ -730,7 +730,11 @@ SimplicialHull InsertionNd<D>::collect() {
   for (Id f = 0; f < facet_slots_; ++f)
     if (store_.alive(f)) number[f] = count++;
 #ifdef NDBG
-  std::printf("slots %zu live %zu created %llu (%.2f) batches %u tried %llu refused %llu width %g steps %llu\n", facet_slots_, live_, created_, double(created_)/live_, batch_number_, tried_, refused_, width_, steps_.load());
+  std::printf(
+      "slots %zu live %zu created %llu (%.2f) batches %u tried %llu refused %llu width %g steps "
+      "%llu\n",
+      facet_slots_, live_, created_, double(created_) / live_, batch_number_, tried_, refused_,
+      width_, steps_.load());
 #endif
   result_.dimension = d;
   result_.vertices.resize(std::size_t{count} * d);

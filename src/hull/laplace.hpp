@@ -83,9 +83,8 @@ struct PlaneBounds {
     constexpr double a = Laplace<D>::top_rows, b = Laplace<D>::bottom_rows;
     return (D - 1) + (a - 1) + a * (a - 1) / 2 + (b - 1) + b * (b - 1) / 2 + Laplace<D>::splits;
   }
-  /// Error of a cofactor in units of the product of the rows' 1-norms; D (D - 1) roundings of that
-  /// product, and two to spare.
-  static constexpr double per_cofactor = (roundings() + D * (D - 1) + 2) * unit_roundoff;
+  /// Error of a cofactor in units of the product of the rows' 1-norms.
+  static constexpr double per_cofactor = (roundings() + 2) * unit_roundoff;
   /// a + b + (2 D + 6) u S = 4 T + (2 (D + 5) + (2 D + 2) + (2 D + 6)) u S with T = D per_cofactor.
   static constexpr double per_norm = 1.0625 * 4 * D * per_cofactor;
   static constexpr double per_size = 1.0625 * (6.0 * D + 18) * unit_roundoff;

@@ -20,17 +20,22 @@ std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser: a fixed pseudo-
   return x ^ (x >> 31);
 }
 
-struct Keyed {
-  std::uint32_t key, id;
-};
+/// Few chunks, as each has counts of its own.
+std::uint64_t sort_chunk(std::uint32_t n) { return std::max<std::uint64_t>(1 << 16, n / 64); }
 
-/// Least significant digit first, stable, in chunks: counts of all chunks give each chunk its
-/// places.
-void radix_sort(BigArray<Keyed>& a, BigArray<Keyed>& scratch, std::uint32_t n, unsigned bits,
-                std::uint64_t chunk_size, unsigned threads) {
+}  // namespace
+
+// Least significant digit first, in chunks: the counts of all chunks give each chunk its places.
+void radix_sort(Keyed*& items, Keyed*& scratch, std::uint32_t n, unsigned bits, unsigned threads) {
+  if (n < 1024) {  // counting would cost more; ids ascend, so this is stable as well
+    std::sort(items, items + n, [](const Keyed& a, const Keyed& b) {
+      return a.key < b.key || (a.key == b.key && a.id < b.id);
+    });
+    return;
+  }
   const unsigned passes = (bits + 11) / 12;
   const unsigned digit_bits = (bits + passes - 1) / passes, buckets = 1U << digit_bits;
-  const std::uint64_t chunks = chunk_count(n, chunk_size);
+  const std::uint64_t chunk_size = sort_chunk(n), chunks = chunk_count(n, chunk_size);
   std::vector<std::uint32_t> places(chunks * buckets);
   for (unsigned pass = 0; pass < passes; ++pass) {
     const unsigned shift = pass * digit_bits;
@@ -39,7 +44,7 @@ void radix_sort(BigArray<Keyed>& a, BigArray<Keyed>& scratch, std::uint32_t n, u
     for_each_chunk(n, chunk_size, threads,
                    [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
                      std::uint32_t* counts = places.data() + c * buckets;
-                     for (std::uint64_t i = begin; i < end; ++i) ++counts[digit(a[i])];
+                     for (std::uint64_t i = begin; i < end; ++i) ++counts[digit(items[i])];
                    });
     std::uint32_t sum = 0;
     for (unsigned b = 0; b < buckets; ++b)
@@ -51,13 +56,12 @@ void radix_sort(BigArray<Keyed>& a, BigArray<Keyed>& scratch, std::uint32_t n, u
     for_each_chunk(n, chunk_size, threads,
                    [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
                      std::uint32_t* place = places.data() + c * buckets;
-                     for (std::uint64_t i = begin; i < end; ++i) scratch[place[digit(a[i])]++] = a[i];
+                     for (std::uint64_t i = begin; i < end; ++i)
+                       scratch[place[digit(items[i])]++] = items[i];
                    });
-    std::swap(a, scratch);
+    std::swap(items, scratch);
   }
 }
-
-}  // namespace
 
 InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKey& key,
                                     const std::uint32_t* simplex, unsigned threads) {
@@ -66,41 +70,42 @@ InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKe
   unsigned rounds = 1;
   for (std::uint64_t size = first_round; size < n; size <<= round_bits) ++rounds;
   // About as many cells as points.
-  order.key_bits = std::clamp((static_cast<unsigned>(std::bit_width(n)) + 1) / 2, 2U,
-                              DirectionKey::max_bits);
+  order.key_bits = std::clamp((static_cast<unsigned>(std::bit_width(n)) + 1) / 2, 2U, 12U);
   const unsigned key_width = 2 * order.key_bits + 3;
   const auto width = key_width + static_cast<unsigned>(std::bit_width(rounds));
-  BigArray<Keyed> keyed(n), scratch(n);
-  const std::uint64_t chunk_size = std::max<std::uint64_t>(1 << 16, n / 64);
+  BigArray<Keyed> memory(2 * std::size_t{n});
+  Keyed *keyed = memory.get(), *scratch = memory.get() + n;
+  const std::uint64_t chunk_size = sort_chunk(n);
   std::vector<std::array<std::uint32_t, 16>> sizes(chunk_count(n, chunk_size));
-  for_each_chunk(n, chunk_size, threads,
-                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-    constexpr std::uint32_t block = DirectionKey::block;
-    double x[block] = {}, y[block] = {}, z[block] = {};
-    std::uint32_t keys[block];
-    std::array<std::uint32_t, 16> count{};
-    for (std::uint64_t at = begin; at < end; at += block) {
-      const auto size = static_cast<std::uint32_t>(std::min<std::uint64_t>(block, end - at));
-      for (std::uint32_t i = 0; i < size; ++i) {
-        const double* p = points.row(static_cast<std::uint32_t>(at + i));
-        x[i] = p[0];
-        y[i] = p[1];
-        z[i] = p[2];
-      }
-      key.keys(x, y, z, order.key_bits, keys);
-      for (std::uint32_t i = 0; i < size; ++i) {
-        // Round r > 1 has a share (1 - 1/ratio) ratio^(r - rounds) of the points; 0 is the simplex.
-        const auto id = static_cast<std::uint32_t>(at + i);
-        const auto back = static_cast<unsigned>(std::countr_zero(mix(id))) / round_bits;
-        unsigned r = back < rounds ? rounds - back : 1;
-        if (id == simplex[0] || id == simplex[1] || id == simplex[2] || id == simplex[3]) r = 0;
-        keyed[id] = {(r << key_width) | (r > 1 ? keys[i] : 0), id};
-        ++count[r];
-      }
-    }
-    sizes[c] = count;
-  });
-  radix_sort(keyed, scratch, n, width, chunk_size, threads);
+  for_each_chunk(
+      n, chunk_size, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+        constexpr std::uint32_t block = DirectionKey::block;
+        double x[block] = {}, y[block] = {}, z[block] = {};
+        std::uint32_t keys[block];
+        std::array<std::uint32_t, 16> count{};
+        for (std::uint64_t at = begin; at < end; at += block) {
+          const auto size = static_cast<std::uint32_t>(std::min<std::uint64_t>(block, end - at));
+          for (std::uint32_t i = 0; i < size; ++i) {
+            const double* p = points.row(static_cast<std::uint32_t>(at + i));
+            x[i] = p[0];
+            y[i] = p[1];
+            z[i] = p[2];
+          }
+          key.keys(x, y, z, order.key_bits, keys);
+          for (std::uint32_t i = 0; i < size; ++i) {
+            // Round r > 1 has a share (1 - 1/ratio) ratio^(r - rounds) of the points; 0 is the
+            // simplex.
+            const auto id = static_cast<std::uint32_t>(at + i);
+            const auto back = static_cast<unsigned>(std::countr_zero(mix(id))) / round_bits;
+            unsigned r = back < rounds ? rounds - back : 1;
+            if (id == simplex[0] || id == simplex[1] || id == simplex[2] || id == simplex[3]) r = 0;
+            keyed[id] = {(r << key_width) | (r > 1 ? keys[i] : 0), id};
+            ++count[r];
+          }
+        }
+        sizes[c] = count;
+      });
+  radix_sort(keyed, scratch, n, width, threads);
   order.ids = BigArray<std::uint32_t>(n);
   for_each_chunk(n, chunk_size, threads,
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {

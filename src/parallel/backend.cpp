@@ -10,11 +10,13 @@ namespace internal {
 
 #ifdef CULLHULL_HAVE_CUDA
 void require_cuda() { (void)cuda::device(); }
+bool cuda_started() noexcept { return cuda::started(); }
 #else
 void require_cuda() {
   throw Error(ErrorCode::backend_unavailable,
               "this build has no CUDA backend; use the backend auto or cpu");
 }
+bool cuda_started() noexcept { return false; }
 #endif
 
 }  // namespace internal

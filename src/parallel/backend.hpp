@@ -14,4 +14,7 @@ inline constexpr bool cuda_compiled = false;
 /// Throws Error{backend_unavailable} with the reason unless `Backend::cuda` can be used.
 void require_cuda();
 
+/// Whether a device has been used in this process already, so that asking for it costs no time.
+bool cuda_started() noexcept;
+
 }  // namespace cullhull::internal

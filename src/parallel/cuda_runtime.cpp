@@ -1,5 +1,6 @@
 #include "parallel/cuda_runtime.hpp"
 
+#include <atomic>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -39,6 +40,8 @@ bool sticky() {
   (void)cudaGetLastError();
   return again != cudaSuccess && again != cudaErrorNotReady && again != cudaErrorMemoryAllocation;
 }
+
+std::atomic<bool> found_one{false};
 
 /// A pool of ours, so that the caller's is left as it is. What was freed stays with the pool up to
 /// this size: the next call need not ask the driver.
@@ -98,6 +101,7 @@ Device query(int ordinal) {
   d.shared_per_block =
       static_cast<std::size_t>(attribute(cudaDevAttrMaxSharedMemoryPerBlockOptin, ordinal));
   d.pool = make_pool(ordinal);
+  found_one = true;
   return d;
 }
 
@@ -138,6 +142,8 @@ const Device& device() {
   }
   return device(ordinal);
 }
+
+bool started() noexcept { return found_one; }
 
 DeviceScope::DeviceScope(int ordinal) {
   check(cudaGetDevice(&before_), "asking for the current device");

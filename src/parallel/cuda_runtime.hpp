@@ -48,6 +48,9 @@ const Device& device();
 /// The same of the device with this number.
 const Device& device(int ordinal);
 
+/// Whether some device has been found usable before.
+bool started() noexcept;
+
 /// Makes a device current, and the former one again at the end.
 class DeviceScope {
  public:

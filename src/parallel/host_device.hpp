@@ -3,6 +3,8 @@
 
 #ifdef __CUDACC__
 #define CULLHULL_HD __host__ __device__ __forceinline__
+#define CULLHULL_HD_INLINE CULLHULL_HD
 #else
 #define CULLHULL_HD
+#define CULLHULL_HD_INLINE inline  // for functions at namespace scope that are no templates
 #endif

@@ -1,5 +1,6 @@
 #include "parallel/pages.hpp"
 
+#include <atomic>
 #include <cstdint>
 #include <iterator>
 #include <map>
@@ -37,15 +38,14 @@ char* map_pages(std::size_t bytes) {
 /// Ranges of whole pages that nobody uses now, joined where they touch.
 class FreePages {
  public:
-  void open() {
-    const std::lock_guard lock(mutex_);
-    ++scopes_;
-  }
+  void open() { ++scopes_; }
   void close() {
+    if (--scopes_ > 0) return;
     std::map<char*, std::size_t> left;
     {
       const std::lock_guard lock(mutex_);
-      if (--scopes_ == 0) left.swap(ranges_);
+      // What `give` kept before the count fell is here; after that it keeps nothing.
+      if (scopes_ == 0) left.swap(ranges_);
     }
     for (const auto& [start, bytes] : left) munmap(start, bytes);
   }
@@ -88,7 +88,7 @@ class FreePages {
 
  private:
   std::mutex mutex_;
-  unsigned scopes_ = 0;
+  std::atomic<unsigned> scopes_{0};
   std::map<char*, std::size_t> ranges_;
 };
 

@@ -82,6 +82,10 @@ class Lowest {
 
 }  // namespace
 
+void load_row(const PointView& view, std::uint64_t point, double* out) {
+  gather_rows(view, nullptr, point, point + 1, out);
+}
+
 std::vector<double> gather_points(const PointView& view, const std::uint64_t* ids,
                                   std::uint64_t count, unsigned threads) {
   const unsigned d = view.dimension;

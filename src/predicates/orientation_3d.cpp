@@ -39,7 +39,7 @@ Pair add(Pair a, Pair b) {
   return fast_two_sum(v.high, v.low + t.low);
 }
 Pair negated(Pair a) { return {-a.high, -a.low}; }
-/// Within 5 u^2, barring underflow.
+/// Within 7 u^2, barring underflow.
 Pair multiply(Pair a, Pair b) {
   const Pair p = two_product(a.high, b.high);
   return fast_two_sum(p.high, p.low + (a.high * b.low + a.low * b.high));
@@ -93,8 +93,8 @@ Orientation3D::Orientation3D(const LocalPoints& points, const std::uint32_t* sim
 }
 
 /// Coordinates are multiples of 2^l, |x| <= 1: differences are at most 2^(1 - l) of these, and a
-/// determinant at most 3! times a product of three; that of cone_side has 4 a - (sum of four points)
-/// in the first row, at most four times as much. All must stay below 2^127.
+/// determinant at most 3! times a product of three; that of cone_side has 4 a - (sum of four
+/// points) in the first row, at most four times as much. All must stay below 2^127.
 void Orientation3D::find_lattice() {
   if (points_.exact != points_.coordinates) return;
   int bits[3] = {1, 1, 1}, sum = 3;
@@ -155,7 +155,8 @@ Sign Orientation3D::side_hard(Point a, Point b, Point c, Point p, std::uint64_t*
 }
 
 Sign Orientation3D::cone_side(Point a, Point b, Point p, std::uint64_t* rungs) const {
-  // det [a - O; b - a; p - a]: only the first row depends on O, and the bound shrinks with the edge.
+  // det [a - O; b - a; p - a]: only the first row depends on O, and the bound shrinks with the
+  // edge.
   Pair m[3][3];
   double h[3][3], length[3] = {0, 0, 0};
   for (unsigned j = 0; j < 3; ++j) {

@@ -72,8 +72,10 @@ class Numbers {
       Sums& out = parts[begin / chunk];
       out.moment.assign(d_, 0);
       std::vector<Long> rows(std::size_t{k_} * d_);
-      for (std::uint64_t i = begin; i < end; ++i)
+      for (std::uint64_t i = begin; i < end; ++i) {
+        s_.prefetch_corners(i);
         add(static_cast<std::uint32_t>(i), rows.data(), out);
+      }
     });
     Sums all;
     all.moment.assign(d_, 0);
@@ -159,8 +161,10 @@ class Numbers {
                          std::numeric_limits<double>::min();
     check_chunks(s_, s_.simplex_count(), std::uint64_t{1} << 13,
                  [&](std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint64_t i = begin; i < end; ++i)
+                   for (std::uint64_t i = begin; i < end; ++i) {
+                     s_.prefetch(i);
                      check_plane(static_cast<std::uint32_t>(i), allowed);
+                   }
                  });
   }
 

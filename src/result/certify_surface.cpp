@@ -133,6 +133,7 @@ bool beneath_all(const Subject& s) {
     check_chunks(s, count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
       std::vector<const double*> scratch(s.k + 1);
       for (std::uint64_t f = begin; f < end; ++f) {
+        s.prefetch_corners(f);
         for (unsigned j = 0; j < s.k; ++j)
           scratch[j] = s.row(s.simplex(static_cast<std::uint32_t>(f))[j]);
         if (s.seen(scratch.data()) != Sign::negative)
@@ -277,6 +278,7 @@ std::uint64_t check_ridges(const Subject& s) {
     std::vector<std::uint32_t> order;
     for (std::uint64_t wide = begin; wide < end; ++wide) {
       const auto f = static_cast<std::uint32_t>(wide);
+      s.prefetch(f);
       for (unsigned i = 0; i < s.k; ++i) {
         const std::uint32_t g = s.neighbour(f, i);
         const unsigned j = opposite_slot(s, f, i, g);

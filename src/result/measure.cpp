@@ -342,7 +342,52 @@ void finish_measures(const Frame& frame, const Wide& volume, const Wide& area,
   }
 }
 
+namespace {
+
+/// v, known to within `error`, times 2^shift as a double, if that is beyond doubt and far from the
+/// ends of the doubles' range: then it is what any longer arithmetic gives.
+bool round_surely(const DoubleDouble& v, double error, long shift, double& out) {
+  const double low = v.high + (v.low - error), high = v.high + (v.low + error);
+  if (low != high || !(std::fabs(low) > 0x1p-400 && std::fabs(low) < 0x1p400) || shift < -400 ||
+      shift > 400)
+    return false;
+  out = scale_by(low, static_cast<int>(shift));
+  return true;
+}
+
+/// Quotients and sums of double-doubles are off by a few units of 2^-104; this leaves room.
+constexpr double double_double_error = 0x1p-96;
+
+/// The measures in double-doubles; false if a rounding is in doubt.
+bool finish_quickly(const Frame& frame, const Totals<DoubleDouble>& sums, Hull& hull) {
+  const unsigned k = frame.k;
+  if (frame.flat() || k > 8 || frame.exponent < -40 || frame.exponent > 40) return false;
+  double factorial = 1;
+  for (unsigned i = 2; i < k; ++i) factorial *= i;
+  const auto round = [](const DoubleDouble& v, long shift, double& out) {
+    return round_surely(v, double_double_error * std::fabs(v.high), shift, out);
+  };
+  if (!round(sums.area / DoubleDouble(factorial), frame.exponent * (k - 1L), hull.area) ||
+      !round(sums.volume / DoubleDouble(factorial * k), frame.exponent * static_cast<long>(k),
+             hull.volume))
+    return false;
+  hull.centroid.resize(frame.dimension);
+  const DoubleDouble weight = sums.volume * DoubleDouble(k + 1.0);
+  for (unsigned c = 0; c < frame.dimension; ++c) {
+    const DoubleDouble shift = sums.moment[c] / weight;
+    // The vertex is in units of 2^exponent here, which changes no digit of a normal double.
+    const DoubleDouble origin(frame.at(0)[c]);
+    if (origin.high != 0 && std::fabs(origin.high) < 0x1p-900) return false;
+    const double error = double_double_error * (std::fabs(shift.high) + std::fabs(origin.high));
+    if (!round_surely(origin + shift, error, frame.exponent, hull.centroid[c])) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 void finish_measures(const Frame& frame, const Totals<DoubleDouble>& sums, Hull& hull) {
+  if (finish_quickly(frame, sums, hull)) return;
   const Wide volume = widened(sums.volume) * frame.stretch;
   std::vector<Wide> moment;
   for (const DoubleDouble& v : sums.moment) moment.push_back(widened(v) * frame.stretch);

@@ -73,5 +73,59 @@ TEST(BenchMachine, BadUsage) {
   }
 }
 
+/// Every row has values that are times or shares, and says how it was checked.
+void expect_sound(const nlohmann::json& report) {
+  ASSERT_FALSE(report["figures"].empty());
+  for (const auto& figure : report["figures"]) {
+    ASSERT_FALSE(figure["rows"].empty()) << figure["id"];
+    for (const auto& row : figure["rows"]) {
+      EXPECT_FALSE(row["values"].empty()) << row["name"];
+      for (const auto& [name, value] : row["values"].items())
+        EXPECT_TRUE(value.is_null() || value.get<double>() >= 0) << row["name"] << ' ' << name;
+      EXPECT_TRUE(row["agrees"].get<bool>()) << row["name"] << ' ' << row["check"];
+      EXPECT_NE(row["check"], "");
+    }
+  }
+  for (const char* key : {"processor", "cores", "memory"}) EXPECT_NE(report["machine"][key], "");
+}
+
+TEST(BenchPaper, EveryFigureAtASmallScale) {
+  const Folder f;
+  const std::string file = f / "report.json";
+  const Ran ran =
+      run_app({"bench", "paper", "--scale", "0.0005", "--repeat", "1", "--json=" + file});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.out.find("figure-12"), std::string::npos);
+  const auto report = nlohmann::json::parse(read_file(file));
+  EXPECT_EQ(report["suite"], "paper");
+  EXPECT_EQ(report["scale"], 0.0005);
+  expect_sound(report);
+  EXPECT_GE(report["figures"].size(), 6U);
+
+  const Ran one = run_app(
+      {"bench", "paper", "--scale", "0.0005", "--repeat", "1", "--figure", "threads", "--json"});
+  ASSERT_EQ(one.status, 0) << one.err;
+  EXPECT_EQ(nlohmann::json::parse(one.out)["figures"].size(), 1U);
+  EXPECT_EQ(run_app({"bench", "paper", "--figure", "figure-99"}).status, 2);
+  EXPECT_EQ(run_app({"bench", "paper", "--scale", "0"}).status, 2);
+}
+
+TEST(BenchRivals, MarksWhereARivalIsFaster) {
+  const Ran ran = run_app({"bench", "rivals", "--scale", "0.001", "--repeat", "1", "--workload",
+                           "ball-3d-8M", "--workload", "sphere-4d-100k", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto report = nlohmann::json::parse(ran.out);
+  expect_sound(report);
+  const auto& all = report["figures"].back();
+  ASSERT_EQ(all["rows"].size(), 2U);
+  EXPECT_EQ(all["rows"][0]["name"], "ball-3d-8k");
+  std::size_t lost = 0;
+  for (const auto& row : all["rows"])
+    lost += !row["ratio"].is_null() && row["ratio"].get<double>() < 1;
+  EXPECT_EQ(report["figures"].size(), lost > 0 ? 2U : 1U);
+  EXPECT_EQ(report["figures"][0]["rows"].size(), lost > 0 ? lost : 2);
+  EXPECT_EQ(run_app({"bench", "rivals", "--workload", "nothing"}).status, 2);
+}
+
 }  // namespace
 }  // namespace cullhull

@@ -1,12 +1,13 @@
 // Extreme points by linear programs against the vertices of the hull, and against rational
 // arithmetic alone.
+#include "cullhull/extreme_points.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "all_paths.hpp"
 #include "control.hpp"
-#include "cullhull/extreme_points.hpp"
 #include "cullhull/generate.hpp"
 #include "extreme/hull_membership.hpp"
 #include "point_sets.hpp"
@@ -24,8 +25,8 @@ void expect_hull_vertices(const PointSet& set) {
   for (const unsigned threads : {1U, 2U, 3U}) {
     options.threads = threads;
     const ExtremePoints found = extreme_points(view, options);
-    EXPECT_EQ(found.ids, expected) << set.name << " in dimension " << set.dimension << ", "
-                                   << threads << " threads";
+    EXPECT_EQ(found.ids, expected)
+        << set.name << " in dimension " << set.dimension << ", " << threads << " threads";
   }
 }
 

@@ -12,15 +12,18 @@
 #include "cull/gauge_map.hpp"
 #include "cullhull/cullhull.hpp"
 #include "tests/agreement/canonical_hash.hpp"
-#include "tests/gpu/device_memory.hpp"
+#include "tests/gpu/device.hpp"
 
 namespace cullhull::internal {
 namespace {
 
+using cullhull::testing::OnDevice;
 using testing_support::canonical_hash;
-using testing_support::OnDevice;
 
-class CudaGauge : public testing_support::GpuTest {};
+class CudaGauge : public ::testing::Test {
+ protected:
+  void SetUp() override { CULLHULL_NEEDS_DEVICE(); }
+};
 
 /// The cross polytope with half axes `radius`, around `centre`.
 InnerPolytope cross_polytope(unsigned d, double centre, double radius) {
@@ -71,25 +74,25 @@ void expect_same_survivors(const GaugeMap& map, const std::vector<T>& rows, std:
       std::to_string(d) + "D " + scalar_name(view.scalar) + " " + std::to_string(n) + " points";
   EXPECT_EQ(cuda::survivors_of_host_points(map.table(), view, 2, control), expected) << what;
 
-  const OnDevice<T> there(rows.data(), n * d);
-  const auto packed = DevicePointView::row_major(there.data(), n, d);
+  const OnDevice there(rows);
+  const auto packed = DevicePointView::row_major(there.data<T>(), n, d);
   EXPECT_EQ(on_host(cuda::survivors_of_device_points(map.table(), packed)), expected) << what;
   EXPECT_EQ(cuda::survivors_by_pieces(map.table(), packed, control), expected) << what;
 
   // One scalar off the alignment of vectors, and columns.
   std::vector<T> shifted(1 + n * d);
   std::copy_n(rows.data(), n * d, shifted.data() + 1);
-  const OnDevice<T> odd(shifted.data(), shifted.size());
+  const OnDevice odd(shifted);
   EXPECT_EQ(on_host(cuda::survivors_of_device_points(
-                map.table(), DevicePointView::row_major(odd.data() + 1, n, d))),
+                map.table(), DevicePointView::row_major(odd.data<T>() + 1, n, d))),
             expected)
       << what;
   std::vector<T> columns(n * d);
   for (std::size_t i = 0; i < n; ++i)
     for (unsigned j = 0; j < d; ++j) columns[j * n + i] = rows[i * d + j];
-  const OnDevice<T> turned(columns.data(), columns.size());
+  const OnDevice turned(columns);
   EXPECT_EQ(on_host(cuda::survivors_of_device_points(
-                map.table(), DevicePointView::column_major(turned.data(), n, d))),
+                map.table(), DevicePointView::column_major(turned.data<T>(), n, d))),
             expected)
       << what;
 }
@@ -168,8 +171,8 @@ void expect_same_hull(const std::vector<T>& rows, std::size_t n, unsigned d,
   plain.backend = Backend::cpu;
   const auto view = PointView::row_major(rows.data(), n, d);
   const std::uint64_t expected = canonical_hash(convex_hull(view, plain));
-  const OnDevice<T> there(rows.data(), rows.size());
-  const auto device = DevicePointView::row_major(there.data(), n, d);
+  const OnDevice there(rows);
+  const auto device = DevicePointView::row_major(there.data<T>(), n, d);
   for (const CullMethod method : {CullMethod::automatic, CullMethod::gauge, CullMethod::none}) {
     for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::cuda}) {
       Options options;
@@ -208,14 +211,14 @@ TEST_F(CudaGauge, TheFirstPointThatIsNotFiniteIsNamed) {
   for (const std::size_t bad : {std::size_t{0}, std::size_t{123456}, n - 1}) {
     auto rows = ball(3, n, 1.0 / 3, 5);
     for (std::size_t i = bad; i < n; i += 1000) rows[3 * i + 1] = NAN;
-    const OnDevice<float> there(rows.data(), rows.size());
+    const OnDevice there(rows);
     for (const CullMethod method : {CullMethod::automatic, CullMethod::gauge, CullMethod::none}) {
       Options options;
       options.cull = method;
       options.backend = Backend::cuda;
       for (const bool whole : {false, true}) {
         try {
-          const auto view = DevicePointView::row_major(there.data(), n, 3);
+          const auto view = DevicePointView::row_major(there.data<float>(), n, 3);
           if (whole)
             convex_hull(view, options);
           else
@@ -234,8 +237,8 @@ TEST_F(CudaGauge, TheFirstPointThatIsNotFiniteIsNamed) {
 
 TEST_F(CudaGauge, ViewsThatNoDeviceReadsAreRefused) {
   const std::vector<float> host(300, 0.0F);
-  const OnDevice<float> there(host.data(), host.size());
-  DevicePointView odd = DevicePointView::row_major(there.data(), 90, 3);
+  const OnDevice there(host);
+  DevicePointView odd = DevicePointView::row_major(there.data<float>(), 90, 3);
   odd.point_stride = 13;
   for (const DevicePointView& view : {DevicePointView::row_major(host.data(), 100, 3), odd}) {
     try {
@@ -252,16 +255,16 @@ TEST_F(CudaGauge, WorkIsOrderedBehindTheStream) {
   const std::size_t n = 1000000;
   const auto rows = ball(3, n, 1.0 / 3, 6);
   const cuda::Stream stream;
-  const OnDevice<float> there(rows.size());
+  const OnDevice there(std::vector<float>(rows.size()));
   cuda::PinnedArray<float> pinned(rows.size());
   std::copy(rows.begin(), rows.end(), pinned.data());
-  cuda::check(cudaMemcpyAsync(there.data(), pinned.data(), rows.size() * sizeof(float),
+  cuda::check(cudaMemcpyAsync(there.data<float>(), pinned.data(), rows.size() * sizeof(float),
                               cudaMemcpyHostToDevice, stream.get()),
               "copying");
   Options options;
   options.backend = Backend::cuda;
   const Hull hull =
-      convex_hull(DevicePointView::row_major(there.data(), n, 3, stream.get()), options);
+      convex_hull(DevicePointView::row_major(there.data<float>(), n, 3, stream.get()), options);
   EXPECT_STREQ(hull.statistics.backend, "cuda");
   EXPECT_EQ(canonical_hash(hull),
             canonical_hash(convex_hull(PointView::row_major(rows.data(), n, 3))));

@@ -1,0 +1,79 @@
+// The 3D engine: rounds of sorted insertion, the large ones on several pieces of the surface side
+// by side. docs/algorithm.md, "The engine in 3D".
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "hull/engine.hpp"
+#include "hull/insertion_3d.hpp"
+#include "hull/order_3d.hpp"
+#include "parallel/big_array.hpp"
+#include "parallel/raw_array.hpp"
+
+namespace cullhull::internal {
+
+class Engine3D {
+ public:
+  /// `simplex`: four independent points; the deeper inside their centroid, the better.
+  Engine3D(const LocalPoints& points, const std::uint32_t* simplex, std::uint64_t budget,
+           const Control& control, unsigned threads);
+  SimplicialHull run();
+
+ private:
+  using Id = std::uint32_t;
+  static constexpr Id none = Facet3D::none;
+  /// Below this many points a round is not worth cutting.
+  static constexpr Id smallest_parallel_round = 8192;
+
+  void copy_rows();
+  void build_simplex();
+  void reserve(std::uint64_t slots);
+  void insert_round(Id begin, Id end);
+  void give_slots(Id points);
+  void take_back_slots();
+  /// The slots in use (their facets need not be live), in runs of at most `length`.
+  std::vector<std::pair<Id, Id>> used_slots(Id length) const;
+  Id live_facet() const;
+  SimplicialHull collect();
+
+  // pieces_3d.cpp
+  struct Work {  // of one piece: positions, or a range of them
+    std::vector<Id> positions;
+    Id begin = 0, end = 0;
+  };
+  void insert_in_pieces(Id begin, Id end);
+  void screen_and_insert(Id begin, Id end);
+  void cut(const std::vector<Work>& work);
+  std::vector<std::uint32_t> splitters(const std::vector<Work>& work) const;
+  void own_facets(const std::vector<std::uint32_t>& splitters);
+  void find_entries(Id begin, Id end);
+  void run_pieces(const std::vector<Work>& work, Id begin, Id end);
+  std::vector<Work> join_pieces();
+
+  // normals_3d.cpp
+  void sort_by_normals(std::size_t round);
+  void rank_facets();
+  double way_across(Id f, const double* p) const;
+  void permute(Id begin, const Keyed* order);
+
+  const LocalPoints& points_;
+  const Control& control_;
+  const std::uint64_t budget_;
+  const unsigned threads_;
+  const Orientation3D predicates_;
+  const DirectionKey key_, normal_key_;
+  InsertionOrder3D order_;
+  BigArray<double> rows_;
+  RawArray<Facet3D> facets_;
+  Shared3D shared_;
+  Id slots_ = 0;             // in use, or a piece's
+  bool by_normals_ = false;  // the order of the points that are left, and how the surface is cut
+  BigArray<Id> rank_;        // of facets by their normals, when the round began
+  bool few_seen_ = false;    // of the last round's points saw the surface
+  std::vector<Piece3D> pieces_;
+  std::vector<Entries3D::Entry> entries_;
+};
+
+}  // namespace cullhull::internal
