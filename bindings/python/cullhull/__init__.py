@@ -17,6 +17,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ._core import version as __version__
+from ._device import cuda_status
 from ._drop_in import ConvexHull, HalfspaceIntersection
 from ._errors import (
     BackendUnavailable,
@@ -75,6 +76,7 @@ __all__ = [
     "certify",
     "convex_hull",
     "convex_hulls",
+    "cuda_status",
     "cull",
     "generate",
     "shapes",
