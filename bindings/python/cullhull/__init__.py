@@ -44,6 +44,7 @@ from ._hull import (
 )
 from ._lists import Lists
 from ._many import GrowingHull, HullBatch, convex_hulls
+from ._tracker import HullTracker
 
 if TYPE_CHECKING:
 
@@ -63,6 +64,7 @@ __all__ = [
     "HalfspaceIntersection",
     "Hull",
     "HullBatch",
+    "HullTracker",
     "InternalError",
     "InvalidArgument",
     "Lists",

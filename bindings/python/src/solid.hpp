@@ -58,5 +58,6 @@ void bind_query(nanobind::class_<Solid>& c);
 void bind_many(nanobind::module_& m);
 void bind_halfspaces(nanobind::module_& m);
 void bind_device(nanobind::module_& m);
+void bind_tracker(nanobind::module_& m);
 
 }  // namespace binding
