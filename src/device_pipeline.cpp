@@ -69,7 +69,8 @@ Survivors cull(const DevicePointView& points, const Options& options) {
   return std::move(filtered.survivors);
 }
 
-Hull convex_hull(const DevicePointView& points, const Options& options) {
+Hull convex_hull(const DevicePointView& points, const Options& options,
+                 std::vector<double>* vertex_coordinates) {
   const auto start = Clock::now();
   const Filtered filtered = filter(points, options);
   const double cull_seconds = seconds_since(start);
@@ -81,6 +82,13 @@ Hull convex_hull(const DevicePointView& points, const Options& options) {
   rest.cull = CullMethod::none;
   Hull hull =
       convex_hull(PointView::row_major(filtered.rows.data(), count, points.dimension), rest);
+  if (vertex_coordinates != nullptr) {
+    vertex_coordinates->clear();
+    for (const std::uint64_t v : hull.vertices) {
+      const auto row = filtered.rows.begin() + static_cast<std::ptrdiff_t>(v * points.dimension);
+      vertex_coordinates->insert(vertex_coordinates->end(), row, row + points.dimension);
+    }
+  }
   if (!s.all) rename(hull, s.ids);
   hull.point_count = points.count;
   hull.scalar = points.scalar;

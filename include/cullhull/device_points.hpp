@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include "cullhull/cull.hpp"
 #include "cullhull/hull.hpp"
@@ -87,6 +88,8 @@ CudaStatus cuda_status();
 Survivors cull(const DevicePointView& points, const Options& options = {});
 
 /// The exact convex hull, the same bit for bit as convex_hull(PointView) of the same points.
-Hull convex_hull(const DevicePointView& points, const Options& options = {});
+/// `vertex_coordinates`, where given, receives those of Hull::vertices, a row each, in their order.
+Hull convex_hull(const DevicePointView& points, const Options& options = {},
+                 std::vector<double>* vertex_coordinates = nullptr);
 
 }  // namespace cullhull

@@ -17,6 +17,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ._core import version as __version__
+from ._device import cuda_status
 from ._drop_in import ConvexHull, HalfspaceIntersection
 from ._errors import (
     BackendUnavailable,
@@ -43,6 +44,7 @@ from ._hull import (
 )
 from ._lists import Lists
 from ._many import GrowingHull, HullBatch, convex_hulls
+from ._tracker import HullTracker
 
 if TYPE_CHECKING:
 
@@ -62,6 +64,7 @@ __all__ = [
     "HalfspaceIntersection",
     "Hull",
     "HullBatch",
+    "HullTracker",
     "InternalError",
     "InvalidArgument",
     "Lists",
@@ -75,6 +78,7 @@ __all__ = [
     "certify",
     "convex_hull",
     "convex_hulls",
+    "cuda_status",
     "cull",
     "generate",
     "shapes",

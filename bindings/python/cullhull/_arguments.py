@@ -56,7 +56,7 @@ def _from_anything(points: Any, what: str) -> npt.NDArray[Any]:
 
 def _device_memory(what: str) -> BackendUnavailable:
     return BackendUnavailable(
-        f"`{what}` is in a device's memory and this build has no CUDA backend; "
+        f"`{what}` is in a device's memory, which only convex_hull and cull read; "
         "copy it to the host first (cupy.asnumpy(x), x.cpu())"
     )
 

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from . import _core, _show
 from ._arguments import Progress, as_points, as_questions, settings
+from ._device import as_device_points
 from ._errors import InvalidArgument, NotCertified
 from ._lists import Lists, ids
 
@@ -270,6 +271,15 @@ class Hull:
         """
         return _show.plot(self, ax, style)
 
+    def view(self, points: Any = None, path: Any = None, *, show: bool = True) -> str:
+        """Writes an interactive HTML page of the hull and opens it in a browser.
+
+        points : the points the hull was computed from, to be drawn too (a sample of many).
+        path : where to write; a temporary file if not given. Returns the path.
+        show : False only writes the page.
+        """
+        return _show.view(self, points, path, show)
+
     def _repr_html_(self) -> str:
         return _show.html(self)
 
@@ -302,7 +312,8 @@ def convex_hull(
     points : (n, d) array
         Read in place, without a copy, for float32, float64, booleans and integers up to 32 bits
         of any strides (slices, Fortran order, memory maps, fields of records), and for DLPack
-        arrays on the host. Other real types are converted to doubles if that is exact. It must not
+        arrays on the host. Arrays in a CUDA device's memory (``__cuda_array_interface__``, DLPack)
+        are culled there, and only survivors are copied. Other real types are converted to doubles if that is exact. It must not
         change during the call.
     backend : 'auto', 'cpu' or 'cuda'
     cull : 'auto', 'gauge', 'pseudo-hull' or 'none'
@@ -323,7 +334,6 @@ def convex_hull(
         For a NaN or an infinity; names the first bad point.
     OutOfBudget (a MemoryError), BackendUnavailable (a RuntimeError), KeyboardInterrupt
     """
-    array = as_points(points)
     chosen = settings(
         backend=backend,
         cull=cull,
@@ -331,6 +341,12 @@ def convex_hull(
         memory_budget=memory_budget,
         progress=progress,
     )
+    device = as_device_points(points)
+    if device is not None:
+        if certify:
+            raise InvalidArgument("certify=True needs points on the host")
+        return Hull._of(_core.convex_hull_of_device_points(device, chosen))
+    array = as_points(points)
     hull = Hull._of(_core.convex_hull(array, chosen))
     if certify:
         hull.certificate = _core.certify(array, hull._solid, chosen)
@@ -363,6 +379,9 @@ def cull(
         memory_budget=memory_budget,
         progress=progress,
     )
+    device = as_device_points(points)
+    if device is not None:
+        return ids(_core.cull_device_points(device, chosen))
     return ids(_core.cull(as_points(points), chosen))
 
 

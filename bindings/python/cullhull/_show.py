@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import html as markup
+import os
+import subprocess
+import tempfile
+import webbrowser
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ._errors import InvalidArgument
+from ._arguments import as_points
+from ._errors import BackendUnavailable, Error, InvalidArgument
 
 if TYPE_CHECKING:
     from ._hull import Hull
@@ -52,6 +58,34 @@ def plot(hull: Hull, ax: Any, style: dict[str, Any]) -> Any:
         ax.autoscale_view()
     ax.set_aspect("equal")
     return ax
+
+
+def view(hull: Hull, points: Any, path: Any, show: bool) -> str:
+    """By the command line's own viewer, which reads files."""
+    from .__main__ import program
+
+    if path is None:
+        handle, page = tempfile.mkstemp(prefix="hull-", suffix=".html")
+        os.close(handle)
+    else:
+        page = os.path.abspath(os.fspath(path))
+    with tempfile.TemporaryDirectory() as folder:
+        if points is None:
+            source = os.path.join(folder, "hull.json")
+            hull.save(source)
+        else:
+            source = os.path.join(folder, "points.npy")
+            np.save(source, as_points(points))
+        done = subprocess.run(
+            [program(), "view", source, "-o", page], capture_output=True, text=True, check=False
+        )
+    if done.returncode == 5:
+        raise BackendUnavailable(done.stderr.strip())
+    if done.returncode != 0:
+        raise Error(done.stderr.strip())
+    if show:
+        webbrowser.open(Path(page).as_uri())
+    return page
 
 
 def html(hull: Hull) -> str:

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <vector>
+#include <type_traits>
 
 namespace binding {
 
@@ -32,14 +32,17 @@ RowView<T> rows_of(const T* data, std::size_t rows, std::size_t width, nb::handl
 }
 
 /// Ids and offsets are below 2^63; NumPy's users want them signed, so that differences are too.
-inline const std::int64_t* signed_ids(const std::vector<std::uint64_t>& ids) {
+template <class Ids>
+const std::int64_t* signed_ids(const Ids& ids) {
+  static_assert(std::is_same_v<typename Ids::value_type, std::uint64_t>);
   return reinterpret_cast<const std::int64_t*>(ids.data());
 }
 
 /// Numbers of facets or simplices. NumPy sees int32; more than 2^31 - 1 of them would need more
 /// memory for their planes than any machine has, but a wrong sign must never pass.
-inline const std::int32_t* signed_numbers(const std::vector<std::uint32_t>& numbers,
-                                          std::size_t count) {
+template <class Numbers>
+const std::int32_t* signed_numbers(const Numbers& numbers, std::size_t count) {
+  static_assert(std::is_same_v<typename Numbers::value_type, std::uint32_t>);
   if (count > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
     throw nb::builtin_exception(nb::exception_type::runtime_error,
                                 "more facets than int32 can number");

@@ -110,8 +110,7 @@ nb::typed<nb::dict, nb::str, nb::any> statistics(const Solid& solid) {
 /// The same hull, of points among which one more has this id and no part in the hull.
 std::unique_ptr<Solid> skipping(const Solid& solid, std::uint64_t id) {
   Hull hull = solid.hull();
-  for (auto* list : {&hull.vertices, &hull.facets.items, &hull.simplices})
-    for (std::uint64_t& v : *list) v += v >= id ? 1 : 0;
+  rename(hull, [id](std::uint64_t v) { return v >= id ? v + 1 : v; });
   ++hull.point_count;
   return std::make_unique<Solid>(std::move(hull), solid.vertex_rows());
 }

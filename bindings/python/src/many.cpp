@@ -78,8 +78,8 @@ std::unique_ptr<Batch> convex_hulls(nb::handle array, nb::handle offset_array,
 using Self = nb::handle_t<Batch>;
 const Batch& batch_in(Self self) { return *nb::inst_ptr<Batch>(self); }
 
-template <class T>
-ListView<T> values(Self self, const std::vector<T>& list) {
+template <class Values>
+ListView<typename Values::value_type> values(Self self, const Values& list) {
   return list_of(list.data(), list.size(), self);
 }
 

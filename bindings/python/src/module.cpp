@@ -12,4 +12,6 @@ NB_MODULE(_core, m) {
   binding::bind_hull(m);
   binding::bind_many(m);
   binding::bind_halfspaces(m);
+  binding::bind_device(m);
+  binding::bind_tracker(m);
 }

@@ -51,8 +51,7 @@ const HullQuery& Solid::query() const {
 
 Hull Solid::by_place() const {
   Hull local = hull_;
-  for (auto* list : {&local.vertices, &local.facets.items, &local.simplices})
-    for (std::uint64_t& v : *list) v = place_of(ids_, v);
+  rename(local, [this](std::uint64_t id) { return place_of(ids_, id); });
   local.point_count = ids_.size();
   return local;
 }

@@ -107,16 +107,59 @@ class Dlpack:
 
 def test_dlpack():
     assert cullhull.convex_hull(Dlpack(CUBE.astype(np.float32))).volume == 1
-    with pytest.raises(cullhull.BackendUnavailable, match="device"):
-        cullhull.convex_hull(Dlpack(CUBE, device=(2, 0)))
 
 
-def test_cuda_array_is_refused_where_there_is_no_cuda():
-    class Device:
-        __cuda_array_interface__ = {"shape": (8, 3), "typestr": "<f4", "data": (0, True), "version": 3}
+class Device:
+    """Says that it is in a device's memory."""
 
-    with pytest.raises(RuntimeError, match="device"):
-        cullhull.convex_hull(Device())
+    def __init__(self, **changes):
+        self.__cuda_array_interface__ = {
+            "shape": (8, 3),
+            "typestr": "<f4",
+            "data": (1 << 20, True),
+            "version": 3,
+            **changes,
+        }
+
+
+@pytest.mark.skipif(cullhull.cuda_status()["available"], reason="there is a device")
+def test_device_arrays_without_a_device():
+    assert cullhull.cuda_status()["reason"]
+    for points in (Device(), Dlpack(CUBE.astype(np.float32), device=(2, 0))):
+        for function in (cullhull.convex_hull, cullhull.cull, cullhull.ConvexHull):
+            with pytest.raises(cullhull.BackendUnavailable):
+                function(points)
+    with pytest.raises(cullhull.BackendUnavailable):
+        cullhull.convex_hull(CUBE, backend="cuda")
+
+
+def test_device_arrays_that_are_refused():
+    for changes, error in (
+        ({"shape": (8,)}, ValueError),
+        ({"shape": (2, 2, 2)}, ValueError),
+        ({"typestr": "<i4"}, TypeError),
+        ({"typestr": ">f4"}, TypeError),
+        ({"mask": object()}, ValueError),
+    ):
+        with pytest.raises(error):
+            cullhull.convex_hull(Device(**changes))
+    with pytest.raises(ValueError, match="certify"):
+        cullhull.convex_hull(Device(), certify=True)
+
+
+@pytest.mark.skipif(not cullhull.cuda_status()["available"], reason="needs a CUDA device")
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_device_arrays(dtype):
+    cupy = pytest.importorskip("cupy")
+    points = cullhull.generate("ball", 300_000, 3).astype(dtype)
+    expected = cullhull.convex_hull(points)
+    there = cupy.asarray(points)
+    for array in (there, cupy.asfortranarray(there), Dlpack(there, device=(2, 0))):
+        hull = cullhull.convex_hull(array)
+        assert np.array_equal(hull.simplices, expected.simplices)
+        assert np.array_equal(hull.vertex_points, expected.vertex_points)
+        assert hull.volume == expected.volume and hull.statistics["backend"] == "cuda"
+        assert np.isin(expected.vertices, cullhull.cull(array)).all()
 
 
 @pytest.mark.parametrize(

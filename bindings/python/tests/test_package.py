@@ -105,7 +105,7 @@ def test_source_archive_is_complete(tmp_path):
     (archive,) = tmp_path.glob("*.tar.gz")
     with tarfile.open(archive) as tar:
         names = {name.split("/", 1)[1] for name in tar.getnames() if "/" in name}
-    for folder in ("src", "include", "apps", "cmake", "bindings/python/src", "bindings/python/cullhull"):
+    for folder in ("src", "include", "apps", "cmake", "viewer", "bindings/python/src", "bindings/python/cullhull"):
         for path in (ROOT / folder).rglob("*"):
             if path.is_file() and path.suffix not in (".pyc", ".so"):
                 assert str(path.relative_to(ROOT)) in names

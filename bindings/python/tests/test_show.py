@@ -105,3 +105,20 @@ def test_command_line(tmp_path):
     missing = command("hull", "absent.npy", cwd=tmp_path)
     assert missing.returncode == 1 and "absent.npy" in missing.stderr
     assert command("nonsense").returncode == 2
+
+
+def test_view(tmp_path, monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    points = cullhull.generate("ball", 500, 3)
+    hull = cullhull.convex_hull(points)
+    try:
+        page = hull.view(path=tmp_path / "hull.html", show=False)
+    except cullhull.BackendUnavailable as error:
+        pytest.skip(str(error))  # built without three.js
+    assert not opened and page == str(tmp_path / "hull.html")
+    assert "<html" in (tmp_path / "hull.html").read_text()
+    temporary = hull.view(points)
+    assert opened == ["file://" + temporary]
+    with pytest.raises(cullhull.Error):
+        hull.view(path=tmp_path / "no" / "folder.html")
