@@ -4,7 +4,7 @@ JOBS ?= $(shell nproc)
 BIN := build/release/bin/cullhull
 FUZZ_SECONDS ?= 60
 
-.PHONY: help demo build test bench docs fuzz format clean
+.PHONY: help demo build test bench docs fuzz format python clean
 .NOTPARALLEL:
 
 help:
@@ -13,6 +13,7 @@ help:
 	@echo "make test     build and run all tests"
 	@echo "make bench    build the benchmarks and run them beside Qhull"
 	@echo "make docs     reference and guides as HTML in build/docs/"
+	@echo "make python   the Python package, installed into build/python/venv"
 	@echo "make fuzz     every fuzzer for FUZZ_SECONDS ($(FUZZ_SECONDS)) each"
 	@echo "make format   clang-format over our sources"
 	@echo "make clean    remove build/"
@@ -28,7 +29,7 @@ build:
 	cmake --build build/release -j $(JOBS) --target cullhull_app
 
 test:
-	@scripts/install-deps.sh build test
+	@scripts/install-deps.sh build test python
 	cmake --preset release -DCULLHULL_BUILD_TESTS=ON -DCULLHULL_BUILD_BENCH=OFF
 	cmake --build build/release -j $(JOBS)
 	ctest --test-dir build/release -j 2 --output-on-failure
@@ -46,13 +47,18 @@ docs:
 	doxygen docs/Doxyfile
 	@echo "written: build/docs/html/index.html"
 
+python:
+	@scripts/install-deps.sh build python
+	scripts/python-venv.sh build/python
+	@echo "try: build/python/venv/bin/python -m cullhull --help"
+
 fuzz:
 	@scripts/install-deps.sh build fuzz
 	@scripts/fuzz.sh $(FUZZ_SECONDS)
 
 format:
 	@scripts/install-deps.sh format
-	git ls-files '*.cpp' '*.hpp' | xargs clang-format -i
+	git ls-files '*.cpp' '*.hpp' '*.cu' '*.cuh' | xargs clang-format -i
 
 clean:
 	rm -rf build

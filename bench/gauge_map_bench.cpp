@@ -75,7 +75,7 @@ const InnerPolytope& polytope(unsigned d) {
   const SimplicialHull h = d == 2 ? hull_2d(points, 1, control)
                            : d == 3
                                ? hull_3d(points, simplex.data(), std::uint64_t{1} << 32, 1, control)
-                               : hull_nd(points, simplex.data(), std::uint64_t{1} << 32, control);
+                               : hull_nd(points, simplex.data(), std::uint64_t{1} << 32, 1, control);
   std::vector<std::uint32_t> local(points.count, ~0U);
   for (const std::uint32_t v : h.vertices) {
     if (local[v] == ~0U) {

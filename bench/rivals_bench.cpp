@@ -4,10 +4,7 @@
 // Points lie in a mapped .npy with its pages warm; ours starts with them in memory and ends with
 // the complete result. Qhull gets the same doubles (options Qt, as SciPy calls it) and is timed for
 // its hull alone, single-threaded as it is. Medians; a ratio above 1 means we are faster.
-#include <libqhull_r/qhull_ra.h>
-
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -16,6 +13,7 @@
 #include <vector>
 
 #include "cullhull/cullhull.hpp"
+#include "qhull.hpp"
 
 namespace {
 
@@ -45,55 +43,12 @@ constexpr Workload workloads[] = {
 };
 
 struct Settings {
-  int repeat = 7, qhull_repeat = 1;
-  unsigned threads = 0;
+  int repeat = 7;
+  unsigned qhull_repeat = 1, threads = 0;
   double scale = 1;
   std::string folder = "build/bench-data";
   std::vector<std::string> names;
 };
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double median(std::vector<double> v) {
-  std::sort(v.begin(), v.end());
-  return v[v.size() / 2];
-}
-
-struct Rival {
-  double seconds = 0, volume = 0;
-  std::uint64_t vertices = 0;
-};
-
-Rival run_qhull(const cullhull::PointView& points, int repeat) {
-  Rival rival;
-  std::vector<double> times;
-  std::FILE* nowhere = std::fopen("/dev/null", "w");
-  for (int k = 0; k < repeat; ++k) {
-    qhT q;
-    qh_zero(&q, nowhere);
-    char command[] = "qhull Qt";
-    // Qhull reads the points where they are and does not change them without QJ or Qz.
-    auto* data = reinterpret_cast<coordT*>(const_cast<std::byte*>(points.data));
-    const auto start = std::chrono::steady_clock::now();
-    const int code =
-        qh_new_qhull(&q, static_cast<int>(points.dimension), static_cast<int>(points.count), data,
-                     0, command, nowhere, nowhere);
-    times.push_back(seconds_since(start));
-    if (code == 0) {
-      qh_getarea(&q, q.facet_list);
-      rival.volume = q.totvol;
-      rival.vertices = static_cast<std::uint64_t>(q.num_vertices);
-    }
-    qh_freeqhull(&q, !qh_ALL);
-    int short_memory = 0, long_memory = 0;
-    qh_memfreeshort(&q, &short_memory, &long_memory);
-  }
-  std::fclose(nowhere);
-  rival.seconds = median(times);
-  return rival;
-}
 
 void run(const Workload& w, const Settings& s) {
   const auto n = static_cast<std::uint64_t>(std::llround(static_cast<double>(w.count) * s.scale));
@@ -116,8 +71,9 @@ void run(const Workload& w, const Settings& s) {
     hull = cullhull::convex_hull(points, options);
     times.push_back(hull.statistics.compute_seconds);
   }
-  const double ours = median(times);
-  const Rival rival = run_qhull(points, s.qhull_repeat);
+  const double ours = cullhull::bench::median(times);
+  const auto ran = cullhull::bench::run_qhull(points, s.qhull_repeat);
+  const cullhull::bench::QhullRun rival = ran ? *ran : cullhull::bench::QhullRun{};
   const char* agrees = rival.vertices == hull.vertices.size() ? "same vertices" : "VERTICES DIFFER";
   std::printf("%-18s %9.2f %10.1f %8.1fx  %8.3f%% %9zu %10llu  %s, volume %+.1e\n", w.name,
               ours * 1e3, rival.seconds * 1e3, rival.seconds / ours,
@@ -141,7 +97,7 @@ Settings parse(int argc, char** argv) {
     if (a == "--repeat") {
       s.repeat = std::max(1, std::atoi(value()));
     } else if (a == "--qhull-repeat") {
-      s.qhull_repeat = std::max(1, std::atoi(value()));
+      s.qhull_repeat = static_cast<unsigned>(std::max(1, std::atoi(value())));
     } else if (a == "--threads") {
       s.threads = static_cast<unsigned>(std::atoi(value()));
     } else if (a == "--scale") {

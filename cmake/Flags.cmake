@@ -1,14 +1,22 @@
 # Floating-point policy and warnings, on one interface target that all our code links privately.
 add_library(cullhull_flags INTERFACE)
 # Error-free transformations and derived bounds need every operation rounded once, as written.
-target_compile_options(cullhull_flags INTERFACE -ffp-contract=off -fno-fast-math)
-target_compile_options(cullhull_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-  -Wno-sign-conversion)
+# For device code that is -fmad=false; division, roots and subnormal numbers are exact by default.
+set(_cxx "$<COMPILE_LANGUAGE:CXX>")
+set(_cuda "$<COMPILE_LANGUAGE:CUDA>")
+target_compile_options(cullhull_flags INTERFACE
+  "$<${_cxx}:-ffp-contract=off;-fno-fast-math>"
+  "$<${_cuda}:-fmad=false;--expt-relaxed-constexpr;-Xcompiler=-ffp-contract=off,-fno-fast-math>")
+target_compile_options(cullhull_flags INTERFACE
+  "$<${_cxx}:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion>"
+  "$<${_cuda}:-Xcompiler=-Wall,-Wextra;-Wno-deprecated-gpu-targets>")
 if(CULLHULL_WERROR)
-  target_compile_options(cullhull_flags INTERFACE -Werror)
+  target_compile_options(cullhull_flags INTERFACE
+    "$<${_cxx}:-Werror>" "$<${_cuda}:-Werror=all-warnings>")
 endif()
 if(CULLHULL_SANITIZE)
-  add_compile_options(-fsanitize=${CULLHULL_SANITIZE} -fno-omit-frame-pointer
-    -fno-sanitize-recover=all)
+  # Host code of .cu files only launches kernels: nvcc would need other words for these flags.
+  add_compile_options("$<$<NOT:${_cuda}>:-fsanitize=${CULLHULL_SANITIZE}>"
+    "$<$<NOT:${_cuda}>:-fno-omit-frame-pointer>" "$<$<NOT:${_cuda}>:-fno-sanitize-recover=all>")
   add_link_options(-fsanitize=${CULLHULL_SANITIZE})
 endif()

@@ -1,17 +1,22 @@
 #!/usr/bin/env bash
 # Installs the packages cullhull is built from: the one list there is (docs/dependencies.md says why
 # each). Debian 12, Ubuntu 24.04 and later. Usage: scripts/install-deps.sh [PART ...]
-# Parts: build (always included), test, bench, docs, fuzz, format. Does nothing where nothing is
+# Parts: build (always included), test, bench, docs, fuzz, format, python. Does nothing where nothing is
 # missing; calls apt-get as root, or through sudo.
 set -euo pipefail
 
 build=(g++ cmake ninja-build ccache pkg-config libtbb-dev libhwy-dev libgmp-dev libqhull-dev
-  libcli11-dev libfmt-dev nlohmann-json3-dev libfast-float-dev)
+  libcli11-dev libfmt-dev nlohmann-json3-dev libfast-float-dev libjs-three)
 test=(libgtest-dev qhull-bin libcgal-dev libboost-dev libcdd-tools lrslib)
+# Ubuntu's chromium is a snap, which has no package; there the viewer's browser test is skipped.
+if grep -qx 'ID=debian' /etc/os-release 2>/dev/null; then
+  test+=(chromium chromium-driver python3-selenium python3-pil)
+fi
 bench=(libbenchmark-dev)
 docs=(doxygen)
 fuzz=(clang)
 format=(clang-format)
+python=(python3 python3-dev python3-venv python3-pip)
 
 wanted=("${build[@]}")
 for part in "$@"; do
@@ -22,8 +27,9 @@ for part in "$@"; do
     docs) wanted+=("${docs[@]}") ;;
     fuzz) wanted+=("${fuzz[@]}") ;;
     format) wanted+=("${format[@]}") ;;
+    python) wanted+=("${python[@]}") ;;
     *)
-      echo "install-deps: unknown part '$part'; known: build test bench docs fuzz format" >&2
+      echo "install-deps: unknown part '$part'; known: build test bench docs fuzz format python" >&2
       exit 2
       ;;
   esac

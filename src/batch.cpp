@@ -16,20 +16,20 @@ namespace {
 
 using namespace internal;
 
-template <class T>
-void append(std::vector<T>& to, const std::vector<T>& items) {
-  to.insert(to.end(), items.begin(), items.end());
-}
+template <class To, class Items>
+requires requires(To& to, const Items& items) { to.insert(to.end(), items.begin(), items.end()); }
+void append(To& to, const Items& items) { to.insert(to.end(), items.begin(), items.end()); }
 
 /// One more list.
-template <class T>
-void append_list(Lists<T>& to, const std::vector<T>& items) {
+template <class T, class Items>
+void append_list(Lists<T>& to, const Items& items) {
   append(to.items, items);
   to.offsets.push_back(to.items.size());
 }
 
 /// Offsets that begin at 0, moved on by what is there.
-void append_offsets(std::vector<std::uint64_t>& to, const std::vector<std::uint64_t>& offsets) {
+template <class To, class Offsets>
+void append_offsets(To& to, const Offsets& offsets) {
   const std::uint64_t base = to.back();
   for (std::size_t i = 1; i < offsets.size(); ++i) to.push_back(base + offsets[i]);
 }
@@ -110,7 +110,7 @@ class Joiner {
         out.*member, [member](HullBatch & b) -> auto& { return b.*member; });
   }
   /// Offsets that begin at 0 in every part.
-  void join_starts(std::vector<std::uint64_t>& out, const auto& of) const {
+  void join_starts(auto& out, const auto& of) const {
     const auto at = places([&](HullBatch& b) { return of(b).size() - 1; });
     const auto base = places([&](HullBatch& b) { return of(b).back(); });
     resize_big(out, at.back() + 1);
@@ -140,10 +140,10 @@ void check_offsets(const PointView& points, const std::uint64_t* offsets, std::u
                                                    std::to_string(points.count) + " points");
 }
 
-template <class T>
-std::vector<T> list(const Lists<T>& lists, std::size_t i) {
-  return {lists.items.begin() + static_cast<std::ptrdiff_t>(lists.offsets[i]),
-          lists.items.begin() + static_cast<std::ptrdiff_t>(lists.offsets[i + 1])};
+template <class T, class To>
+void copy_list(const Lists<T>& lists, std::size_t i, To& to) {
+  to.assign(lists.items.begin() + static_cast<std::ptrdiff_t>(lists.offsets[i]),
+            lists.items.begin() + static_cast<std::ptrdiff_t>(lists.offsets[i + 1]));
 }
 
 /// Lists [begin, end), their offsets from 0.
@@ -172,16 +172,16 @@ Hull HullBatch::hull(std::size_t i) const {
     const auto c = centroids.begin() + static_cast<std::ptrdiff_t>(i * dimension);
     h.centroid.assign(c, c + dimension);
   }
-  h.vertices = list(vertices, i);
+  copy_list(vertices, i, h.vertices);
   const std::uint64_t begin = facet_starts[i], end = facet_starts[i + 1];
   h.facets = run(facets, begin, end);
   h.facet_neighbours = run(facet_neighbours, begin, end);
   const std::uint64_t width = dimension + std::uint64_t{1};
   h.facet_planes.assign(facet_planes.begin() + static_cast<std::ptrdiff_t>(begin * width),
                         facet_planes.begin() + static_cast<std::ptrdiff_t>(end * width));
-  h.simplices = list(simplices, i);
-  h.simplex_neighbours = list(simplex_neighbours, i);
-  h.simplex_facets = list(simplex_facets, i);
+  copy_list(simplices, i, h.simplices);
+  copy_list(simplex_neighbours, i, h.simplex_neighbours);
+  copy_list(simplex_facets, i, h.simplex_facets);
   return h;
 }
 
@@ -195,32 +195,40 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
   const std::uint64_t chunks = chunk_count(set_count, chunk);
   std::vector<HullBatch> parts(chunks);
   std::vector<std::optional<Error>> errors(chunks);
-  for_each_chunk(set_count, chunk, threads,
-                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   Options one = options;
-                   one.threads = 1;
-                   one.progress = nullptr;
-                   parts[c].dimension = points.dimension;
-                   for (std::uint64_t i = begin; i < end; ++i) {
-                     PointView set = points;
-                     set.count = offsets[i + 1] - offsets[i];
-                     set.data += static_cast<std::ptrdiff_t>(offsets[i]) * points.point_stride;
-                     try {
-                       append(parts[c], convex_hull(set, one));
-                     } catch (const Error& e) {
-                       if (e.code() == ErrorCode::cancelled) throw;
-                       errors[c].emplace(e.code(), "set " + std::to_string(i) + ": " + e.what());
-                       return;
-                     }
-                   }
-                 });
+  const auto hulls_of_chunk = [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    control.check();
+    Options one = options;
+    one.threads = 1;
+    one.progress = nullptr;
+    parts[c].dimension = points.dimension;
+    for (std::uint64_t i = begin; i < end; ++i) {
+      PointView set = points;
+      set.count = offsets[i + 1] - offsets[i];
+      set.data += static_cast<std::ptrdiff_t>(offsets[i]) * points.point_stride;
+      try {
+        append(parts[c], convex_hull(set, one));
+      } catch (const Error& e) {
+        if (e.code() == ErrorCode::cancelled) throw;
+        errors[c].emplace(e.code(), "set " + std::to_string(i) + ": " + e.what());
+        return;
+      }
+    }
+  };
+  constexpr std::uint64_t block = 64 * chunk;  // between two reports
+  for (std::uint64_t first = 0; first < set_count; first += block) {
+    control.report("hulls", static_cast<double>(first) / static_cast<double>(set_count));
+    for_each_chunk(std::min(block, set_count - first), chunk, threads,
+                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                     hulls_of_chunk(first / chunk + c, first + begin, first + end);
+                   });
+  }
   for (const std::optional<Error>& e : errors)
     if (e) throw *e;
   HullBatch all;
   all.dimension = points.dimension;
   all.scalar = points.scalar;
   Joiner(parts, threads).run(all);
+  control.report("done", 1);
   return all;
 }
 

@@ -6,98 +6,18 @@
 #include "cull/gauge_map.hpp"
 #include "cull/planner.hpp"
 #include "cull/pseudo_hull.hpp"
-#include "hull/engine.hpp"
+#include "parallel/backend.hpp"
 #include "points/gather.hpp"
-#include "points/local_frame.hpp"
 #include "points/memory.hpp"
+#include "sample_map.hpp"
+#ifdef CULLHULL_HAVE_CUDA
+#include "cull/gauge_cuda.hpp"
+#include "cull/gauge_kernel_cuda.hpp"
+#include "parallel/cuda_runtime.hpp"
+#endif
 
 namespace cullhull::internal {
 namespace {
-
-/// `size` ids spread evenly over [0, count), each at a pseudo-random place in its stretch, so that
-/// no period of the input's order can hide points from the sample.
-std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
-  std::vector<std::uint64_t> ids(size);
-  std::uint64_t random = 0x9E3779B97F4A7C15ULL;
-  const double stretch = static_cast<double>(count) / static_cast<double>(size);
-  for (std::uint64_t i = 0; i < size; ++i) {
-    random ^= random << 13;
-    random ^= random >> 7;
-    random ^= random << 17;
-    const double at =
-        (static_cast<double>(i) + static_cast<double>(random >> 11) * 0x1p-53) * stretch;
-    ids[i] = std::min(count - 1, static_cast<std::uint64_t>(at));
-  }
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  return ids;
-}
-
-/// The exact hull of some input points, as the filter wants it; dimension 0 if they lie in a flat
-/// or the hull would exceed the budget.
-InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, unsigned threads,
-                             std::uint64_t budget, const Control& control) {
-  InnerPolytope polytope;
-  const auto count = static_cast<std::uint32_t>(rows.size() / d);
-  const std::vector<double> original = rows;
-  const LocalFrame frame(std::move(rows), count, d, control);
-  if (frame.affine_dimension() != static_cast<int>(d)) return polytope;
-  SimplicialHull hull;
-  try {
-    hull = d == 2   ? hull_2d(frame.points(), threads, control)
-           : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), budget, threads, control)
-                    : hull_nd(frame.points(), frame.simplex().data(), budget, control);
-  } catch (const Error& e) {
-    if (e.code() != ErrorCode::out_of_budget) throw;
-    return polytope;  // the filter is a help, not a need
-  }
-  // Renumber the vertices in use.
-  constexpr std::uint32_t unused = 0xFFFFFFFF;
-  std::vector<std::uint32_t> number(count, unused);
-  for (std::uint32_t& v : hull.vertices) {
-    if (number[v] == unused) {
-      number[v] = static_cast<std::uint32_t>(polytope.vertices.size() / d);
-      polytope.vertices.insert(polytope.vertices.end(), original.begin() + std::size_t{v} * d,
-                               original.begin() + (std::size_t{v} + 1) * d);
-    }
-    v = number[v];
-  }
-  polytope.dimension = d;
-  polytope.facets = std::move(hull.vertices);
-  polytope.neighbours = std::move(hull.neighbours);
-  return polytope;
-}
-
-struct Sampled {
-  InnerPolytope polytope;
-  std::uint64_t size = 0;
-  std::uint64_t extreme() const {
-    return polytope.dimension == 0 ? 0 : polytope.vertices.size() / polytope.dimension;
-  }
-};
-
-Sampled hull_of_sample(const PointView& points, std::uint64_t size, unsigned threads,
-                       std::uint64_t budget, const Control& control) {
-  const std::vector<std::uint64_t> ids = sample_ids(points.count, size);
-  Sampled s;
-  s.size = ids.size();
-  s.polytope = inner_polytope(gather_points(points, ids.data(), ids.size(), threads),
-                              points.dimension, threads, budget, control);
-  return s;
-}
-
-/// A map over `points` from a sample of them, or null where it would not pay.
-std::unique_ptr<GaugeMap> map_of_sample(const PointView& points, bool forced, unsigned threads,
-                                        std::uint64_t budget, const Control& control) {
-  const unsigned d = points.dimension;
-  const std::uint64_t probe_size = probe_sample_size(points.count, d);
-  Sampled sample = hull_of_sample(points, probe_size, threads, budget, control);
-  if (sample.polytope.dimension == 0) return nullptr;
-  if (!forced && !cull_pays(points.count, d, sample.size, sample.extreme())) return nullptr;
-  const std::uint64_t size = map_sample_size(points.count, d, sample.size, sample.extreme());
-  if (size > sample.size) sample = hull_of_sample(points, size, threads, budget, control);
-  if (sample.polytope.dimension == 0) return nullptr;
-  return GaugeMap::build(sample.polytope);
-}
 
 std::vector<double> pick_rows(const std::vector<double>& rows, unsigned d,
                               const std::vector<std::uint64_t>& kept) {
@@ -105,14 +25,6 @@ std::vector<double> pick_rows(const std::vector<double>& rows, unsigned d,
   for (std::size_t i = 0; i < kept.size(); ++i)
     std::copy_n(rows.data() + kept[i] * d, d, out.data() + i * d);
   return out;
-}
-
-/// Leaves of the survivors those with the given positions among them.
-void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept) {
-  std::vector<std::uint64_t> ids(kept.size());
-  for (std::size_t i = 0; i < kept.size(); ++i) ids[i] = result.survivors.ids[kept[i]];
-  result.rows = pick_rows(result.rows, d, kept);
-  result.survivors.ids = std::move(ids);
 }
 
 PointView view_of_rows(const Filtered& result, unsigned d) {
@@ -128,17 +40,14 @@ Filtered run_pseudo_hull(const PointView& points, const Control& control, unsign
   const PseudoHullSettings by_subsets;
   result.survivors.ids = pseudo_hull_survivors(points, by_subsets, threads, control);
   result.survivors.method = "pseudo-hull";
+  result.survivors.reason = "filter as asked; the pseudo-hull runs on the CPU";
   if (result.survivors.ids.size() == points.count) {
     result.survivors.ids = {};
     result.survivors.all = true;
     return result;
   }
-  const std::uint64_t left = result.survivors.ids.size();
-  require_budget(budget, left * (d + 2) * sizeof(double),
-                 std::to_string(left) + " points that survive the filter");
-  result.rows =
-      gather_points(points, result.survivors.ids.data(), result.survivors.ids.size(), threads);
-  control.report("cull", 0.8);
+  gather_survivors(points, result, control, threads, budget);
+  const std::uint64_t left = result.first_pass;
   // One pseudo-hull of all of them, unless it would be large. A point takes 45 bytes and its
   // coordinates. A sphere, all extreme, has a fifth as many facets as points in its largest round;
   // half are allowed for, each with d cells in each of two arrays.
@@ -150,49 +59,166 @@ Filtered run_pseudo_hull(const PointView& points, const Control& control, unsign
   return result;
 }
 
+/// Fetches samples of points in the host's memory.
+SampledPoints host_points(const PointView& points, unsigned threads) {
+  return {points.count, points.dimension, threads,
+          [&points, threads](const std::vector<std::uint64_t>& ids) {
+            return gather_points(points, ids.data(), ids.size(), threads);
+          }};
+}
+
+/// Where the first pass runs. A device that was asked for has been required before; one that the
+/// planner chose may turn out not to be there, which is no error.
+class FirstPass {
+ public:
+  FirstPass(const PointView& points, const Options& options, unsigned threads)
+      : points_(points), threads_(threads), insists_(options.backend == Backend::cuda) {
+    if (options.backend == Backend::cpu) {
+      reason_ = "CPU as asked";
+    } else if (insists_) {
+      device_ = true;
+      reason_ = "CUDA device as asked";
+    } else {
+      ask_planner(options);
+    }
+  }
+
+  /// Nodes of a map the pass can hold close by; 0: the CPU's choice.
+  std::uint32_t most_nodes() const {
+#ifdef CULLHULL_HAVE_CUDA
+    if (device_) return cuda::most_gauge_nodes(cuda::device());
+#endif
+    return 0;
+  }
+
+  std::vector<std::uint64_t> survivors(const GaugeMap& map, const Control& control) {
+#ifdef CULLHULL_HAVE_CUDA
+    if (device_) {
+      try {
+        return cuda::survivors_of_host_points(map.table(), points_, threads_, control);
+      } catch (const cuda::OutOfMemory& e) {
+        if (insists_) throw;
+        fall_back(e);
+      } catch (const cuda::Failure& e) {
+        if (insists_) throw;
+        fall_back(e);
+      }
+    }
+#endif
+    return map.survivors(points_, threads_, control);
+  }
+
+  const char* backend() const { return device_ ? "cuda" : "cpu"; }
+  const std::string& reason() const { return reason_; }
+
+ private:
+  void ask_planner(const Options& options) {
+    PlaceQuestion question;
+    question.count = points_.count;
+    question.dimension = points_.dimension;
+    question.point_bytes = points_.dimension * scalar_size(points_.scalar);
+    question.threads = threads_;
+    question.device_started = cuda_started();
+    const Placement place = choose_place(question, options.machine);
+    reason_ = place.reason;
+    device_ = place.device;
+    if (!device_) return;
+    try {
+      require_cuda();
+    } catch (const Error& e) {
+      fall_back(e);
+    }
+  }
+
+  void fall_back(const Error& e) {
+    device_ = false;
+    reason_ += std::string(", but ") + e.what();
+  }
+
+  const PointView& points_;
+  unsigned threads_;
+  bool insists_;
+  bool device_ = false;
+  std::string reason_;
+};
+
 }  // namespace
+
+void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept) {
+  std::vector<std::uint64_t> ids(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) ids[i] = result.survivors.ids[kept[i]];
+  result.rows = pick_rows(result.rows, d, kept);
+  result.survivors.ids = std::move(ids);
+}
+
+void gather_survivors(const PointView& points, Filtered& result, const Control& control,
+                      unsigned threads, std::uint64_t budget) {
+  const std::uint64_t left = result.survivors.ids.size();
+  result.first_pass = left;
+  require_budget(budget, left * (points.dimension + 2) * sizeof(double),
+                 std::to_string(left) + " points that survive the filter");
+  result.rows = gather_points(points, result.survivors.ids.data(), left, threads);
+  control.report("cull", 0.8);
+}
+
+std::string why_no_filter(CullMethod method, std::uint64_t count, unsigned d) {
+  if (method == CullMethod::none) return "no filter, as asked";
+  if (method == CullMethod::pseudo_hull) return "the pseudo-hull is for 2D to 8D";
+  if (d < GaugeMap::min_dimension || d > GaugeMap::max_dimension)
+    return "the gauge map is for 2D to 6D";
+  if (count <= d + 1 || (method == CullMethod::automatic && count < smallest_worth_culling(d)))
+    return std::to_string(count) + " points are hulled sooner than a map is laid";
+  return "";
+}
 
 Filtered run_filter(const PointView& points, const Options& options, const Control& control,
                     unsigned threads, std::uint64_t budget) {
   Filtered result;
   result.survivors.all = true;
+  result.first_pass = points.count;
   const unsigned d = points.dimension;
   if (options.cull == CullMethod::pseudo_hull && d >= pseudo_hull_min_dimension &&
       d <= pseudo_hull_max_dimension && points.count > d + 1)
     return run_pseudo_hull(points, control, threads, budget);
   const bool forced = options.cull == CullMethod::gauge;
-  if (options.cull == CullMethod::none || options.cull == CullMethod::pseudo_hull ||
-      d < GaugeMap::min_dimension || d > GaugeMap::max_dimension || points.count <= d + 1 ||
-      (!forced && points.count < smallest_worth_culling(d)))
-    return result;
+  result.survivors.reason = why_no_filter(options.cull, points.count, d);
+  if (!result.survivors.reason.empty()) return result;
 
   control.report("cull", 0);
-  std::unique_ptr<GaugeMap> map;
+  FirstPass pass(points, options, threads);
+  SampledMap sampled;
   try {
-    map = map_of_sample(points, forced, threads, budget, control);
+    sampled = map_of_sample(host_points(points, threads), forced ? Insist::yes : Insist::no,
+                            pass.most_nodes(), budget, control);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::not_finite) throw;
     check_finite(points, nullptr, threads);  // names the first bad point, not the sample's
   }
-  if (map == nullptr) return result;
-  result.survivors.ids = map->survivors(points, threads, control);
+  result.survivors.reason = sampled.reason;
+  if (sampled.map == nullptr) return result;
+  result.survivors.ids = pass.survivors(*sampled.map, control);
   result.survivors.all = false;
   result.survivors.method = "gauge";
-  map.reset();
+  result.survivors.backend = pass.backend();
+  result.survivors.reason += "; " + pass.reason();
+  sampled.map.reset();
 
-  require_budget(budget, result.survivors.ids.size() * (d + 2) * sizeof(double),
-                 std::to_string(result.survivors.ids.size()) + " points that survive the filter");
-  // Survivors lie near the boundary, so a sample of them gives a much finer polytope.
-  result.rows =
-      gather_points(points, result.survivors.ids.data(), result.survivors.ids.size(), threads);
-  control.report("cull", 0.8);
-  const PointView left = view_of_rows(result, d);
-  if (left.count < smallest_worth_refining(d)) return result;
-  map = map_of_sample(left, true, threads, budget, control);
-  if (map == nullptr) return result;
-  keep_of_survivors(result, d, map->survivors(left, threads, control));
-  result.survivors.method = "gauge x2";
+  gather_survivors(points, result, control, threads, budget);
+  refine_survivors(result, d, control, threads, budget);
   return result;
+}
+
+// Survivors lie near the boundary, so a sample of them gives a much finer polytope.
+void refine_survivors(Filtered& result, unsigned d, const Control& control, unsigned threads,
+                      std::uint64_t budget) {
+  const PointView left = view_of_rows(result, d);
+  if (left.count < smallest_worth_refining(d)) return;
+  const SampledMap sampled =
+      map_of_sample(host_points(left, threads), Insist::late, 0, budget, control);
+  result.survivors.reason += "; a second map: " + sampled.reason;
+  if (sampled.map == nullptr) return;
+  keep_of_survivors(result, d, sampled.map->survivors(left, threads, control));
+  result.survivors.method = "gauge x2";
 }
 
 }  // namespace cullhull::internal

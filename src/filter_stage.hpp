@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "control.hpp"
@@ -12,7 +13,8 @@ namespace cullhull::internal {
 /// Survivors of the whole input, with the coordinates of each when they are at hand already.
 struct Filtered {
   Survivors survivors;
-  std::vector<double> rows;  ///< packed rows of the survivors; empty: not gathered yet
+  std::vector<double> rows;      ///< packed rows of the survivors; empty: not gathered yet
+  std::uint64_t first_pass = 0;  ///< how many the pass over the whole input left
 };
 
 /// Runs the filter the options ask for. Points that are not finite always survive, so that the
@@ -20,5 +22,20 @@ struct Filtered {
 /// the budget gives no map; survivors that exceed it are Error{out_of_budget}.
 Filtered run_filter(const PointView& points, const Options& options, const Control& control,
                     unsigned threads, std::uint64_t budget);
+
+/// Why the gauge map is not even tried; empty if it is.
+std::string why_no_filter(CullMethod method, std::uint64_t count, unsigned d);
+
+/// Culls the survivors of a first map, whose rows are there, by a second one if it pays.
+void refine_survivors(Filtered& result, unsigned d, const Control& control, unsigned threads,
+                      std::uint64_t budget);
+
+/// Fetches the coordinates of survivors of a first pass. Throws Error{not_finite} for the first bad
+/// point.
+void gather_survivors(const PointView& points, Filtered& result, const Control& control,
+                      unsigned threads, std::uint64_t budget);
+
+/// Leaves of the survivors those with the given positions among them.
+void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept);
 
 }  // namespace cullhull::internal

@@ -1,6 +1,7 @@
 // THE FLOW: validate, cull, hull, result.
+#include "pipeline.hpp"
+
 #include <algorithm>
-#include <chrono>
 #include <string>
 
 #include "control.hpp"
@@ -8,37 +9,20 @@
 #include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
+#include "cullhull/extreme_points.hpp"
 #include "cullhull/hull.hpp"
+#include "extreme/extreme_ids.hpp"
 #include "filter_stage.hpp"
 #include "hull/engine.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/backend.hpp"
+#include "parallel/pages.hpp"
 #include "points/gather.hpp"
 #include "points/local_frame.hpp"
-#include "points/memory.hpp"
 #include "result/build_hull.hpp"
 
 namespace cullhull {
 namespace internal {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-void check_arguments(const PointView& points, const Options& options) {
-  if (points.dimension == 0)
-    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
-  if (points.data == nullptr && points.count > 0)
-    throw Error(ErrorCode::invalid_argument, "points.data is null");
-  if (options.backend == Backend::cuda)
-    throw Error(ErrorCode::backend_unavailable,
-                "this build has no CUDA backend; use the backend auto or cpu");
-  if (options.engine == Engine::qhull && !qhull_available())
-    throw Error(ErrorCode::backend_unavailable,
-                "this build has no Qhull engine; use the engine native");
-}
 
 /// The points the engine works on: survivors, thinned once more where they lie on a lattice.
 struct EngineInput {
@@ -110,7 +94,7 @@ SimplicialHull run_engine(const LocalFrame& frame, Engine engine, std::uint64_t 
   if (points.dimension == 2) return hull_2d(points, threads, control);
   if (points.dimension == 3)
     return hull_3d(points, frame.simplex().data(), budget, threads, control);
-  return hull_nd(points, frame.simplex().data(), budget, control);
+  return hull_nd(points, frame.simplex().data(), budget, threads, control);
 }
 
 /// Qhull decides with tolerances, so what it found must be proven before it is called the hull.
@@ -122,6 +106,57 @@ void insist_on_proof(const PointView& points, const Hull& hull, const Options& o
 }
 
 }  // namespace
+
+void check_arguments(const PointView& points, const Options& options) {
+  if (points.dimension == 0)
+    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
+  if (points.data == nullptr && points.count > 0)
+    throw Error(ErrorCode::invalid_argument, "points.data is null");
+  if (options.backend == Backend::cuda) require_cuda();
+  if (options.engine == Engine::qhull && !qhull_available())
+    throw Error(ErrorCode::backend_unavailable,
+                "this build has no Qhull engine; use the engine native");
+}
+
+Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run) {
+  const Clock::time_point start = Clock::now();
+  Hull hull;
+  hull.dimension = points.dimension;
+  hull.point_count = points.count;
+  hull.scalar = points.scalar;
+  hull.statistics.threads = run.threads;
+  hull.statistics.engine = run.options.engine == Engine::qhull ? "qhull" : "native";
+  hull.statistics.survivors = filtered.survivors.size(points.count);
+  hull.statistics.cull_method = filtered.survivors.method;
+  hull.statistics.cull_reason = filtered.survivors.reason;
+  hull.statistics.backend = filtered.survivors.backend;
+  if (points.count == 0) return hull;
+
+  EngineInput input = engine_input(points, std::move(filtered), run.budget, run.threads);
+  const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
+                         points.dimension, run.control);
+  run.control.check();
+  hull.affine_dimension = frame.affine_dimension();
+  if (hull.affine_dimension == 0) {
+    hull.vertices = {input.all ? 0 : input.ids[0]};
+    for (unsigned j = 0; j < points.dimension; ++j)
+      hull.centroid.push_back(points.at(hull.vertices[0], j));
+  } else {
+    SimplicialHull boundary =
+        run_engine(frame, run.options.engine, run.budget, run.threads, run.control);
+    for (unsigned r = 0; r < 3; ++r) hull.statistics.rung_counts[r] = boundary.rung_counts[r];
+    const std::uint64_t k = boundary.dimension;
+    require_budget(run.budget, boundary.facet_count() * (48 * k + 8 * points.dimension + 44),
+                   std::to_string(boundary.facet_count()) + " facets");
+    const ResultInput from{&points, &frame.points(), input.all ? nullptr : input.ids.data(),
+                           frame.axes().data()};
+    build_hull(from, std::move(boundary), run.control, run.threads, hull);
+  }
+  if (run.options.engine == Engine::qhull) insist_on_proof(points, hull, run.options);
+  hull.statistics.hull_seconds = seconds_since(start);
+  return hull;
+}
+
 }  // namespace internal
 
 using namespace internal;
@@ -142,50 +177,55 @@ Survivors cull(const PointView& points, const Options& options) {
 
 Hull convex_hull(const PointView& points, const Options& options) {
   check_arguments(points, options);
+  const Run run(options);
+  const PageScope pages;
+  const auto start = Clock::now();
+  run.control.check();
+  Filtered filtered = run_filter(points, options, run.control, run.threads, run.budget);
+  const double cull_seconds = seconds_since(start);
+  Hull hull = hull_of_survivors(points, std::move(filtered), run);
+  hull.statistics.cull_seconds = cull_seconds;
+  hull.statistics.compute_seconds = seconds_since(start);
+  run.control.report("done", 1);
+  return hull;
+}
+
+ExtremePoints extreme_points(const PointView& points, const Options& options) {
+  check_arguments(points, options);
   const Control control(options);
   const unsigned threads = resolve_threads(options.threads);
   const std::uint64_t budget = resolve_budget(options.memory_budget);
+  const PageScope pages;
   const auto start = Clock::now();
 
-  Hull hull;
-  hull.dimension = points.dimension;
-  hull.point_count = points.count;
-  hull.scalar = points.scalar;
-  hull.statistics.threads = threads;
-  hull.statistics.engine = options.engine == Engine::qhull ? "qhull" : "native";
+  ExtremePoints result;
+  Statistics& statistics = result.statistics;
+  statistics.threads = threads;
   control.check();
-  if (points.count == 0) return hull;
-
+  if (points.count == 0) return result;
   Filtered filtered = run_filter(points, options, control, threads, budget);
-  hull.statistics.survivors = filtered.survivors.size(points.count);
-  hull.statistics.cull_method = filtered.survivors.method;
-  hull.statistics.cull_seconds = seconds_since(start);
+  statistics.survivors = filtered.survivors.size(points.count);
+  statistics.cull_method = filtered.survivors.method;
+  statistics.cull_seconds = seconds_since(start);
 
-  const auto hull_start = Clock::now();
+  const auto search_start = Clock::now();
   EngineInput input = engine_input(points, std::move(filtered), budget, threads);
   const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
                          points.dimension, control);
-  control.check();
-  hull.affine_dimension = frame.affine_dimension();
-  if (hull.affine_dimension == 0) {
-    hull.vertices = {input.all ? 0 : input.ids[0]};
-    for (unsigned j = 0; j < points.dimension; ++j)
-      hull.centroid.push_back(points.at(hull.vertices[0], j));
+  result.affine_dimension = frame.affine_dimension();
+  if (result.affine_dimension <= 3) {
+    Options plain = options;
+    plain.engine = Engine::native;
+    result.ids = convex_hull(points, plain).vertices;
+    std::sort(result.ids.begin(), result.ids.end());
   } else {
-    SimplicialHull boundary = run_engine(frame, options.engine, budget, threads, control);
-    for (unsigned r = 0; r < 3; ++r) hull.statistics.rung_counts[r] = boundary.rung_counts[r];
-    const std::uint64_t k = boundary.dimension;
-    require_budget(budget, boundary.facet_count() * (24 * k + 8 * points.dimension + 32),
-                   std::to_string(boundary.facet_count()) + " facets");
-    const ResultInput from{&points, &frame.points(), input.all ? nullptr : input.ids.data(),
-                           frame.axes().data()};
-    build_hull(from, std::move(boundary), control, threads, hull);
+    for (const std::uint32_t i : extreme_ids(frame.points(), threads, control))
+      result.ids.push_back(input.all ? i : input.ids[i]);
   }
-  if (options.engine == Engine::qhull) insist_on_proof(points, hull, options);
-  hull.statistics.hull_seconds = seconds_since(hull_start);
-  hull.statistics.compute_seconds = seconds_since(start);
+  statistics.hull_seconds = seconds_since(search_start);
+  statistics.compute_seconds = seconds_since(start);
   control.report("done", 1);
-  return hull;
+  return result;
 }
 
 }  // namespace cullhull

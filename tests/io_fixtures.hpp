@@ -119,7 +119,7 @@ inline Hull hull_from_polygons(const std::vector<std::vector<std::uint64_t>>& fa
   h.affine_dimension = 3;
   h.point_count = point_count;
   h.vertices = vertices;
-  h.facet_planes = planes;
+  h.facet_planes.assign(planes.begin(), planes.end());
   for (std::uint32_t f = 0; f < facets.size(); ++f) {
     const auto& p = facets[f];
     h.facets.items.insert(h.facets.items.end(), p.begin(), p.end());

@@ -3,7 +3,9 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <optional>
 
 #include "cullhull/error.hpp"
@@ -169,22 +171,30 @@ void InputArguments::add_to(CLI::App& command) {
       ->type_name("COLUMNS");
 }
 
-Input open_input(const InputArguments& arguments, unsigned threads) {
-  Input input;
+cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads) {
   cullhull::ReadOptions options;
   options.threads = threads;
   options.format = arguments.format;
   options.raw_dimension = arguments.dimension;
   options.raw_scalar = scalar_type(arguments.type);
-  input.file = cullhull::open_points(arguments.path, options);
+  return options;
+}
+
+void choose_columns(const InputArguments& arguments, Input& input) {
+  if (!arguments.columns.empty())
+    select_columns(input, parse_columns(arguments.columns, input.points.dimension));
+}
+
+Input open_input(const InputArguments& arguments, unsigned threads) {
+  Input input;
+  input.file = cullhull::open_points(arguments.path, read_options(arguments, threads));
   if ((arguments.dimension != 0 || !arguments.type.empty()) &&
       input.file.format().rfind("raw", 0) != 0)
     throw Error(ErrorCode::invalid_argument, "--dim and --type describe raw input, but " +
                                                  arguments.path + " was read as " +
                                                  input.file.format());
   input.points = input.file.points();
-  if (!arguments.columns.empty())
-    select_columns(input, parse_columns(arguments.columns, input.points.dimension));
+  choose_columns(arguments, input);
   return input;
 }
 
@@ -205,6 +215,27 @@ void RunArguments::add_to(CLI::App& command, bool filter) {
   command.add_flag("-q,--quiet", quiet, "No summary and no progress");
 }
 
+std::string machine_file() {
+  if (const char* named = std::getenv("CULLHULL_MACHINE"); named != nullptr && *named != 0)
+    return named;
+  const char* home = std::getenv("HOME");
+  return home == nullptr || *home == 0 ? "" : std::string(home) + "/.config/cullhull/machine.json";
+}
+
+namespace {
+
+// The file is read only where somebody weighs: a broken one must not stop `--backend cpu`.
+cullhull::MachineConstants machine_constants() {
+  const std::string path = machine_file();
+  const char* named = std::getenv("CULLHULL_MACHINE");
+  const bool asked_for = named != nullptr && *named != 0;
+  std::error_code unreadable;
+  if (path.empty() || (!asked_for && !std::filesystem::exists(path, unreadable))) return {};
+  return cullhull::machine_from_json(path);
+}
+
+}  // namespace
+
 cullhull::Options RunArguments::options() const {
   cullhull::Options options;
   if (cull == "gauge") options.cull = cullhull::CullMethod::gauge;
@@ -212,6 +243,7 @@ cullhull::Options RunArguments::options() const {
   if (cull == "none") options.cull = cullhull::CullMethod::none;
   if (backend == "cpu") options.backend = cullhull::Backend::cpu;
   if (backend == "cuda") options.backend = cullhull::Backend::cuda;
+  if (options.backend == cullhull::Backend::automatic) options.machine = machine_constants();
   options.threads = threads;
   if (!memory.empty()) options.memory_budget = parse_size(memory, "--memory");
   options.stop = stop_token();

@@ -38,6 +38,12 @@ struct Input {
 
 Input open_input(const InputArguments& arguments, unsigned threads = 0);
 
+/// How open_input would open it.
+cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads);
+
+/// Makes input.points the view of the columns asked for, all if none were.
+void choose_columns(const InputArguments& arguments, Input& input);
+
 /// How to run: everything that ends up in cullhull::Options.
 struct RunArguments {
   std::string cull = "auto";
@@ -50,6 +56,10 @@ struct RunArguments {
   void add_to(CLI::App& command, bool filter);
   cullhull::Options options() const;
 };
+
+/// Where the machine's constants are: $CULLHULL_MACHINE, else ~/.config/cullhull/machine.json;
+/// empty without a home.
+std::string machine_file();
 
 /// "800", "1.5M", "2GiB", "1e6": a whole number with an optional unit (k M G T powers of 1000; Ki
 /// Mi Gi Ti powers of 1024; a B may follow). Throws Error{invalid_argument} naming `option`.

@@ -71,10 +71,11 @@ std::string report(const CullArguments& arguments, const Input& input, const Out
                     {"scalar", cullhull::scalar_name(points.scalar)}};
   json["threads"] = arguments.run.threads != 0 ? arguments.run.threads
                                                : std::max(1U, std::thread::hardware_concurrency());
-  json["backend"] = "cpu";
+  json["backend"] = outcome.survivors.backend;
   json["cull"] = {{"method", outcome.survivors.method},
                   {"survivors", outcome.survivors.size(points.count)},
-                  {"seconds", median(outcome.seconds)}};
+                  {"seconds", median(outcome.seconds)},
+                  {"reason", outcome.survivors.reason}};
   json["read_seconds"] = read_seconds;
   json["compute_seconds"] = median(outcome.seconds);
   json["compute_seconds_all"] = outcome.seconds;

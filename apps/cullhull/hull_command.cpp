@@ -1,5 +1,6 @@
 // cullhull hull: the exact hull of a file of points.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -41,6 +42,7 @@ constexpr const char* examples =
     "  cullhull hull big.npy --certify --json              counts, times, memory; result checked\n"
     "  cullhull hull cloud.npy --columns 0:3               x y z of longer records\n"
     "  rbox 1000 D4 | cullhull hull - --format Fx          in the place of qconvex\n"
+    "  cullhull hull wide.npy --only vertices --vertices ids.npy   9 dimensions, say: no facets\n"
     "  cullhull hull big.npy --repeat 7 --threads 2        the median of seven runs\n"
     "\n"
     "Exit status: 0 success; 1 bad input; 2 bad usage; 3 not certified; 4 out of the memory "
@@ -55,6 +57,7 @@ struct HullArguments {
   std::string json;
   std::string format;
   std::string engine = "native";
+  std::string only;
   unsigned repeat = 1;
   bool certify = false;
 
@@ -176,7 +179,90 @@ void write_results(const HullArguments& arguments, const Input& input, const Out
     write_stdout(summary(input, outcome, read_seconds, peak));
 }
 
+// ---------------------------------------------------------------------------- --only vertices
+
+struct Extreme {
+  cullhull::ExtremePoints points;
+  std::vector<double> seconds;
+};
+
+Extreme find_extreme(const HullArguments& arguments, const cullhull::PointView& points) {
+  Extreme found;
+  cullhull::Options options = arguments.run.options();
+  TerminalProgress progress(arguments.run.quiet);
+  options.progress = progress.callback();
+  cancellable([&] {
+    for (unsigned k = 0; k < arguments.repeat; ++k) {
+      const Stopwatch watch;
+      found.points = cullhull::extreme_points(points, options);
+      found.seconds.push_back(watch.seconds());
+    }
+  });
+  found.points.statistics.compute_seconds = median(found.seconds);
+  return found;
+}
+
+/// The keys of a hull's JSON that mean something without facets.
+std::string extreme_json(const cullhull::PointView& view, const Extreme& found, double read_seconds,
+                         std::uint64_t peak) {
+  const cullhull::Statistics& s = found.points.statistics;
+  return fmt::format(
+      "{{\n"
+      "  \"version\": \"{}\",\n"
+      "  \"points\": {{\"count\": {}, \"dimension\": {}, \"scalar\": \"{}\"}},\n"
+      "  \"threads\": {},\n"
+      "  \"backend\": \"{}\",\n"
+      "  \"cull\": {{\"method\": \"{}\", \"survivors\": {}, \"seconds\": {}}},\n"
+      "  \"only\": \"vertices\",\n"
+      "  \"affine_dimension\": {},\n"
+      "  \"vertex_count\": {},\n"
+      "  \"read_seconds\": {},\n"
+      "  \"compute_seconds\": {},\n"
+      "  \"compute_seconds_all\": [{}],\n"
+      "  \"peak_bytes\": {},\n"
+      "  \"vertices\": [{}]\n"
+      "}}\n",
+      CULLHULL_VERSION, view.count, view.dimension, cullhull::scalar_name(view.scalar), s.threads,
+      s.backend, s.cull_method, s.survivors, s.cull_seconds, found.points.affine_dimension,
+      found.points.ids.size(), read_seconds, s.compute_seconds, fmt::join(found.seconds, ", "),
+      peak, fmt::join(found.points.ids, ", "));
+}
+
+int run_vertices_only(const HullArguments& arguments) {
+  if (!arguments.outputs.empty() || !arguments.format.empty() || arguments.certify ||
+      arguments.engine != "native")
+    throw Error(ErrorCode::invalid_argument,
+                "--only vertices finds no facets: it goes with --vertices and --json, not with -o, "
+                "--format, --certify or --engine qhull");
+  if (arguments.stdout_users() > 1)
+    throw Error(ErrorCode::invalid_argument,
+                "only one of --vertices - and --json can go to standard output");
+  const Input input = open_input(arguments.input, arguments.run.threads);
+  const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
+  const Extreme found = find_extreme(arguments, input.points);
+  if (!arguments.vertices.empty()) cullhull::write_npy_ids(arguments.vertices, found.points.ids);
+  if (!arguments.json.empty()) {
+    const std::string text = extreme_json(input.points, found, read_seconds, peak_bytes());
+    if (arguments.json == "-")
+      write_stdout(text);
+    else
+      cullhull::write_text(arguments.json, text);
+  }
+  if (arguments.run.quiet || arguments.stdout_users() > 0) return 0;
+  const cullhull::Statistics& s = found.points.statistics;
+  write_stdout(fmt::format(
+      "points     {} x {} {}, {}\n"
+      "survivors  {}, cull: {}\n"
+      "vertices   {}\n"
+      "seconds    {:.6f}\n",
+      grouped(input.points.count), input.points.dimension,
+      cullhull::scalar_name(input.points.scalar), input.file.format(), grouped(s.survivors),
+      s.cull_method, grouped(found.points.ids.size()), s.compute_seconds));
+  return 0;
+}
+
 int run(const HullArguments& arguments) {
+  if (!arguments.only.empty()) return run_vertices_only(arguments);
   const Input input = open_input(arguments.input, arguments.run.threads);
   check_outputs(arguments, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
@@ -208,6 +294,10 @@ Command add_hull(CLI::App& parent) {
   a->run.add_to(command, true);
   allow_words(*command.add_option("--engine", a->engine, "Hull code behind the filter"),
               {"native", "qhull"});
+  allow_words(*command.add_option("--only", a->only,
+                                  "vertices: which points are extreme, without facets (for high "
+                                  "dimensions)"),
+              {"vertices"});
   allow_range(*command.add_option("--repeat", a->repeat, "Compute N times, report the median"), 1,
               1000000);
   command.add_flag("--certify", a->certify,

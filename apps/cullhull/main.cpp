@@ -24,6 +24,7 @@ constexpr const char* footer =
     "Examples:\n"
     "  cullhull generate ball -n 1M -d 3 -o ball.npy    make a million points\n"
     "  cullhull hull ball.npy -o hull.ply --certify     their hull, checked, as a mesh\n"
+    "  cullhull track frames.npy --json                 hulls of moving points, frame by frame\n"
     "  cullhull info ball.npy                           what is in a file\n"
     "\n"
     "Exit status: 0 success; 1 bad input or the system refused; 2 bad usage; 3 not certified;\n"
@@ -83,7 +84,8 @@ int run(int argc, char** argv) {
   parser.require_subcommand(1);
   std::vector<Registered> commands;
   for (const auto add :
-       {app::add_hull, app::add_cull, app::add_certify, app::add_generate, app::add_info}) {
+       {app::add_hull, app::add_cull, app::add_track, app::add_certify, app::add_generate,
+        app::add_info, app::add_view, app::add_bench}) {
     app::Command command = add(parser);
     commands.push_back({parser.get_subcommands({}).back(), std::move(command)});
   }

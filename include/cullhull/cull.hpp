@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "cullhull/options.hpp"
@@ -17,6 +18,10 @@ struct Survivors {
   bool all = false;
   /// What was used in the end: "gauge", "gauge x2", "pseudo-hull", "none".
   const char* method = "none";
+  /// Where the points were culled: "cpu" or "cuda".
+  const char* backend = "cpu";
+  /// One line: why there and why by this method.
+  std::string reason;
   double seconds = 0;
 
   std::uint64_t size(std::uint64_t count) const noexcept { return all ? count : ids.size(); }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,5 +22,32 @@ const std::vector<Shape>& shapes();
 /// dimension the shape does not have.
 std::vector<double> generate(std::string_view shape, std::uint64_t count, std::uint32_t dimension,
                              std::uint64_t seed = 1);
+
+/// The motions MovingPoints knows, in the order a help text should list them.
+const std::vector<Shape>& motions();
+
+/// A shape that moves, frame by frame: frame 0 is the shape itself (under teleport in another
+/// order), and point i stays point i. One frame needs one buffer, so a sequence of any length can
+/// be written frame after frame.
+class MovingPoints {
+ public:
+  /// Throws Error{invalid_argument} for an unknown shape or motion, or a dimension that either
+  /// does not have.
+  MovingPoints(std::string_view shape, std::string_view motion, std::uint64_t count,
+               std::uint32_t dimension, std::uint64_t frames, std::uint64_t seed = 1);
+  MovingPoints(MovingPoints&&) noexcept;
+  MovingPoints& operator=(MovingPoints&&) noexcept;
+  ~MovingPoints();
+
+  /// Writes frame `index` < frames, row-major, to `out` (count x dimension). The same arguments
+  /// give the same bits on every machine and thread count, in whatever order frames are asked for.
+  void frame(std::uint64_t index, double* out) const;
+
+ private:
+  friend const std::vector<Shape>& motions();
+  static std::vector<Shape> list();
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace cullhull

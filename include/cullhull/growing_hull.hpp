@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "cullhull/hull.hpp"
 #include "cullhull/options.hpp"
@@ -32,6 +33,8 @@ class GrowingHull {
   /// The same as convex_hull of all points at once, bit for bit, but for `statistics`, which are
   /// those of the last change. (`scalar` is f64 as soon as two added views differ.)
   const Hull& hull() const noexcept;
+  /// The coordinates of the vertices, a row each, by ascending id.
+  const std::vector<double>& vertex_coordinates() const noexcept;
 
  private:
   struct State;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cullhull/array.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
@@ -15,16 +16,17 @@ namespace cullhull {
 /// Lists of varying length, end to end: list i is items[offsets[i] .. offsets[i+1]).
 template <class T>
 struct Lists {
-  std::vector<std::uint64_t> offsets{0};
-  std::vector<T> items;
+  Array<std::uint64_t> offsets{0};
+  Array<T> items;
   std::size_t size() const noexcept { return offsets.size() - 1; }
 };
 
 struct Statistics {
   std::uint64_t survivors = 0;       ///< points the filter kept (lattices are thinned once more)
   const char* cull_method = "none";  ///< as in Survivors::method
+  std::string cull_reason;           ///< as in Survivors::reason
   const char* engine = "native";
-  const char* backend = "cpu";
+  const char* backend = "cpu";  ///< as in Survivors::backend; engines run on the CPU
   unsigned threads = 1;
   double cull_seconds = 0;
   double hull_seconds = 0;     ///< engine and result together
@@ -55,16 +57,16 @@ struct Hull {
   Lists<std::uint32_t> facet_neighbours;
   /// facets x (dimension + 1): outward unit normal, then offset; normal . x + offset <= 0 for every
   /// point up to rounding. For a flat hull the normal lies in the directions of the flat.
-  std::vector<double> facet_planes;
+  Array<double> facet_planes;
 
   /// simplices x k vertex ids: every facet triangulated by pulling from its lowest id
   /// (recursively), simplices sorted. Each simplex is ascending, except that its last two ids are
   /// swapped where that is needed to orient it outward (k = 1: none is needed).
-  std::vector<std::uint64_t> simplices;
+  Array<std::uint64_t> simplices;
   /// simplices x k: entry j is the simplex across the ridge opposite to vertex j.
-  std::vector<std::uint32_t> simplex_neighbours;
+  Array<std::uint32_t> simplex_neighbours;
   /// The facet each simplex is part of.
-  std::vector<std::uint32_t> simplex_facets;
+  Array<std::uint32_t> simplex_facets;
 
   /// k-measure of the hull (length, area, volume, ...) and (k-1)-measure of its boundary (for
   /// k = 1: 2, its end points), centroid in the units of the points. 0 and empty where undefined.

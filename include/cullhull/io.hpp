@@ -7,9 +7,11 @@
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cullhull/certify.hpp"
 #include "cullhull/hull.hpp"
+#include "cullhull/machine.hpp"
 #include "cullhull/point_view.hpp"
 
 namespace cullhull {
@@ -52,6 +54,39 @@ class PointFile {
 /// byte offset.
 PointFile open_points(const std::string& path, const ReadOptions& options = {});
 
+/// Moving points, frame after frame: an array (frames, n, d) in an .npy file, of which only one
+/// frame is mapped at a time (so a sequence may exceed memory), or one file of points a frame.
+class PointSequence {
+ public:
+  PointSequence();
+  PointSequence(PointSequence&&) noexcept;
+  PointSequence& operator=(PointSequence&&) noexcept;
+  ~PointSequence();
+
+  std::uint64_t frames() const noexcept;
+  /// Makes the next frame the current one; false after the last. The view of the frame before is
+  /// then void. Throws as open_points does.
+  bool next();
+  /// The current frame. Before next() it is empty.
+  const PointView& points() const noexcept;
+  /// Its index from 0, and the file it comes from.
+  std::uint64_t index() const noexcept;
+  const std::string& name() const noexcept;
+  const std::string& format() const noexcept;
+  double read_seconds() const noexcept;  ///< of the current frame
+
+  struct Impl;
+  explicit PointSequence(std::unique_ptr<Impl> impl);
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Each of `paths` is a file, a folder (its files but hidden ones) or a pattern with * ? [ ]. Files
+/// of folders and patterns are ordered by name, numbers in names by value (2 before 10). An .npy
+/// array (frames, n, d) has to stand alone. Throws Error{io}, Error{bad_file}.
+PointSequence open_sequence(const std::vector<std::string>& paths, const ReadOptions& options = {});
+
 /// For a SIGBUS handler (async-signal-safe; the library installs none): the name of the open
 /// PointFile whose mapping holds `address`, or nullptr. The kernel sends SIGBUS when a mapped file
 /// shrinks under its reader. The name stays readable as long as the PointFile is open.
@@ -59,6 +94,7 @@ const char* describe_mapped_fault(const void* address) noexcept;
 
 struct JsonExtras {
   double read_seconds = 0;
+  /// One time a run, where there were several; the one that counts is in the hull's statistics.
   std::vector<double> compute_seconds_all;
   std::uint64_t peak_bytes = 0;
   /// Set when a certificate was asked for.
@@ -84,8 +120,13 @@ std::string hull_to_json(const PointView& points, const Hull& hull, const JsonEx
                          bool with_lists);
 /// Reads what write_hull(".json") or hull_to_json with lists wrote. Every size, offset and index is
 /// checked, so that the result can be handed to certify(); its statistics are not in the file.
+/// `vertex_coordinates`, if given, takes the rows of that key, in the order of `vertices`.
 /// Throws Error{bad_file} or Error{io}.
-Hull hull_from_json(const std::string& path);
+Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates = nullptr);
+
+/// Reads what `cullhull bench machine` wrote: an object with the members of MachineConstants. The
+/// rates of link and device may be missing or null. Throws Error{bad_file} or Error{io}.
+MachineConstants machine_from_json(const std::string& path);
 
 /// Text as Qhull's `qconvex` prints it; `what` is one of Fx i o n p FV FS.
 std::string hull_to_qhull_text(const PointView& points, const Hull& hull, std::string_view what);
@@ -97,5 +138,20 @@ void write_text(const std::string& path, std::string_view text);
 void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& ids);
 void write_npy_points(const std::string& path, const double* coordinates, std::uint64_t count,
                       std::uint32_t dimension, ScalarType type);
+
+/// An array (frames, count, dimension) written frame by frame; the file appears when the last one
+/// has been written. Throws as the other writers do.
+class NpySequenceWriter {
+ public:
+  NpySequenceWriter(const std::string& path, std::uint64_t frames, std::uint64_t count,
+                    std::uint32_t dimension, ScalarType type);
+  ~NpySequenceWriter();
+  /// count x dimension doubles.
+  void write(const double* coordinates);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace cullhull

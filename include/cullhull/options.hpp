@@ -5,6 +5,8 @@
 #include <functional>
 #include <stop_token>
 
+#include "cullhull/machine.hpp"
+
 namespace cullhull {
 
 enum class Backend { automatic, cpu, cuda };
@@ -24,6 +26,8 @@ struct Options {
   unsigned threads = 0;
   /// Bytes the library may allocate beyond the input; 0 means half of the machine's memory.
   std::uint64_t memory_budget = 0;
+  /// What `Backend::automatic` weighs.
+  MachineConstants machine;
   Progress progress;
   std::stop_token stop;
 };

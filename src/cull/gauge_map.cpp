@@ -11,15 +11,51 @@
 
 namespace cullhull::internal {
 
-struct GaugeMap::Table : GaugeTable {};
+struct GaugeMap::Table : GaugeTable {
+  std::unique_ptr<GaugeCones> cones;
+};
 
 GaugeMap::GaugeMap(std::unique_ptr<Table> table) : table_(std::move(table)) {}
 GaugeMap::~GaugeMap() = default;
 
-std::unique_ptr<GaugeMap> GaugeMap::build(const InnerPolytope& polytope, unsigned resolution) {
+const GaugeTable& GaugeMap::table() const noexcept { return *table_; }
+
+std::unique_ptr<GaugeMap> GaugeMap::build(InnerPolytope polytope, const GaugeSettings& settings) {
   auto table = std::make_unique<Table>();
-  if (!build_gauge_table(polytope, resolution, *table)) return nullptr;
+  if (!build_gauge_table(std::move(polytope), settings, *table,
+                         settings.cones ? &table->cones : nullptr))
+    return nullptr;
   return std::unique_ptr<GaugeMap>(new GaugeMap(std::move(table)));
+}
+
+std::vector<std::uint64_t> GaugeMap::outside_cones(const std::vector<double>& rows,
+                                                   const std::vector<char>& certain,
+                                                   unsigned threads, const Control& control) const {
+  if (table_->cones == nullptr)
+    throw Error(ErrorCode::internal, "the gauge map was built without cones");
+  constexpr std::uint64_t block = 2048;
+  const unsigned d = table_->dimension;
+  const std::uint64_t count = rows.size() / d;
+  std::vector<std::uint64_t> kept(count);  // each block writes to its own stretch
+  std::vector<std::uint64_t> sizes(chunk_count(count, block));
+  for_each_chunk(count, block, threads,
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   std::uint64_t k = begin;
+                   for (std::uint64_t i = begin; i < end; ++i) {
+                     kept[k] = i;
+                     k += certain[i] == 0 && table_->cones->inside(&rows[i * d]) ? 0 : 1;
+                   }
+                   sizes[c] = k - begin;
+                 });
+  std::uint64_t total = 0;
+  for (std::uint64_t c = 0; c < sizes.size(); ++c) {
+    std::copy_n(kept.begin() + static_cast<std::ptrdiff_t>(c * block), sizes[c],
+                kept.begin() + static_cast<std::ptrdiff_t>(total));
+    total += sizes[c];
+  }
+  kept.resize(total);
+  return kept;
 }
 
 std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, unsigned threads,

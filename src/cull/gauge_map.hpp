@@ -3,12 +3,15 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "control.hpp"
 #include "cullhull/point_view.hpp"
 
 namespace cullhull::internal {
+
+struct GaugeTable;
 
 /// A convex polytope whose vertices are input points: the pipeline hands it to the filter.
 struct InnerPolytope {
@@ -21,20 +24,50 @@ struct InnerPolytope {
   std::vector<std::uint32_t> neighbours;
 };
 
+struct GaugeSettings {
+  /// Cells along an edge of the cube map; 0 chooses from the facet count,
+  unsigned resolution = 0;
+  double share = 1;              ///< times this, with at most
+  std::uint32_t most_nodes = 0;  ///< so many nodes (0: what a CPU's cache takes).
+  /// Keeps the polytope, so that outside_cones() can be asked.
+  bool cones = false;
+  /// False: the facets are only near those of a convex polytope, a surface that has moved, say.
+  /// They are used where each direction from the centre meets one of them; else there is no map.
+  /// Needs cones.
+  bool convex = true;
+  unsigned threads = 1;
+};
+
 /// Immutable after construction; safe to share between threads.
 class GaugeMap {
  public:
   static constexpr unsigned min_dimension = 2, max_dimension = 6;
 
-  /// `resolution`: cells along an edge of the cube map; 0 chooses from the facet count.
   /// Returns null when no useful map exists (the centre is not strictly inside in floating point,
-  /// coordinates too extreme, ...): the caller then culls nothing.
-  static std::unique_ptr<GaugeMap> build(const InnerPolytope& polytope, unsigned resolution = 0);
+  /// coordinates too extreme, ...): the caller then culls nothing. The map does not depend on the
+  /// number of threads.
+  static std::unique_ptr<GaugeMap> build(InnerPolytope polytope, const GaugeSettings& settings);
+  static std::unique_ptr<GaugeMap> build(InnerPolytope polytope, unsigned resolution = 0,
+                                         std::uint32_t most_nodes = 0) {
+    return build(std::move(polytope),
+                 GaugeSettings{.resolution = resolution, .most_nodes = most_nodes});
+  }
 
   /// Ids (ascending, indices into `points`) of all points that are not provably strictly inside the
   /// polytope; a point with a NaN or an infinity is always among them.
   std::vector<std::uint64_t> survivors(const PointView& points, unsigned threads,
                                        const Control& control) const;
+
+  /// Of packed rows of finite points those that are not provably strictly inside the polytope, by
+  /// the facet each one's ray leaves by: a slower test than survivors(), but exact up to rounding.
+  /// Positions, ascending; those `certain` are among them without being asked about. Needs a map
+  /// built with cones.
+  std::vector<std::uint64_t> outside_cones(const std::vector<double>& rows,
+                                           const std::vector<char>& certain, unsigned threads,
+                                           const Control& control) const;
+
+  /// What the kernels read.
+  const GaugeTable& table() const noexcept;
 
   ~GaugeMap();
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace cullhull::internal {
 namespace {
@@ -20,11 +21,11 @@ struct Costs {
 };
 
 constexpr Costs costs_by_dimension[] = {
-    {50, 15, 10, 3, 1e5, 1.05, 1000, 50000},        // 2D
-    {200, 100, 40, 5, 7e5, 1.05, 1000, 50000},      // 3D
-    {2500, 500, 500, 7, 6e6, 1.15, 500, 40000},     // 4D
-    {3e4, 1500, 1000, 12, 14e6, 1.35, 200, 10000},  // 5D
-    {4e5, 4000, 2000, 15, 23e6, 1.35, 100, 4000},   // 6D
+    {50, 15, 10, 3, 1e5, 1.05, 1000, 50000},          // 2D
+    {200, 100, 40, 5, 7e5, 1.05, 1000, 50000},        // 3D
+    {1500, 500, 500, 7, 6e6, 1.15, 500, 40000},       // 4D
+    {6000, 1500, 1000, 12, 14e6, 1.35, 1000, 30000},  // 5D
+    {3e4, 4000, 2000, 15, 23e6, 1.35, 500, 10000},    // 6D
 };
 
 const Costs& costs_of(unsigned d) { return costs_by_dimension[std::clamp(d, 2U, 6U) - 2]; }
@@ -34,6 +35,22 @@ const Costs& costs_of(unsigned d) { return costs_by_dimension[std::clamp(d, 2U, 
 double kept_share(std::uint64_t sample, std::uint64_t extreme) {
   return static_cast<double>(std::max<std::uint64_t>(extreme, 1)) /
          static_cast<double>(std::max<std::uint64_t>(sample, 1));
+}
+
+/// Starting the driver and making its context; seconds.
+constexpr double device_start = 0.25;
+/// Launches, and waiting for the few words that come back: seconds a call.
+constexpr double device_call = 100e-6;
+
+std::string seconds_text(double seconds) {
+  char text[32];
+  if (seconds < 1e-3)
+    std::snprintf(text, sizeof text, "%.3g us", seconds * 1e6);
+  else if (seconds < 1)
+    std::snprintf(text, sizeof text, "%.3g ms", seconds * 1e3);
+  else
+    std::snprintf(text, sizeof text, "%.3g s", seconds);
+  return text;
 }
 
 }  // namespace
@@ -65,6 +82,41 @@ bool cull_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint6
   const double kept = std::min(1.0, c.excess * kept_share(sample, extreme));
   const auto size = static_cast<double>(map_sample_size(count, d, sample, extreme));
   return n * (1 - kept) * c.engine_point > n * c.pass + size * c.sample_point + c.build;
+}
+
+bool map_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint64_t extreme) {
+  const Costs& c = costs_of(d);
+  const auto n = static_cast<double>(count);
+  const double kept = std::min(1.0, c.excess * kept_share(sample, extreme));
+  return n * (1 - kept) * c.engine_point > n * c.pass + c.build;
+}
+
+std::string sample_finding(std::uint64_t sample, std::uint64_t extreme) {
+  return std::to_string(extreme) + " of " + std::to_string(sample) + " sampled points are extreme";
+}
+
+// A pass on the host costs the larger of reading and testing. To a device the points are copied
+// into pinned memory while the piece before is on the link: the larger of those two, again; the
+// kernel is hidden behind both. A device that holds the points reads them at half of its copying
+// rate at least (docs/gpu.md), a copy moving two bytes for one.
+Placement choose_place(const PlaceQuestion& q, const MachineConstants& m) {
+  const auto n = static_cast<double>(q.count);
+  const double bytes = n * static_cast<double>(q.point_bytes);
+  const unsigned threads = m.cores > 0 ? std::min(q.threads, m.cores) : q.threads;
+  const double host_pass = std::max(bytes / m.host_read_bytes_per_second,
+                                    n * costs_of(q.dimension).pass * 1e-9 / std::max(1U, threads));
+  const double link = bytes / m.link_bytes_per_second;
+  const double start = q.device_started || q.on_device ? 0 : device_start;
+  const double host = q.on_device ? link + host_pass : host_pass;
+  const double device = start + device_call +
+                        (q.on_device ? bytes / (m.device_copy_bytes_per_second / 2)
+                                     : std::max(link, bytes / m.host_copy_bytes_per_second));
+  Placement p;
+  p.device = device < host;
+  p.reason = std::string("points on the ") + (q.on_device ? "device" : "host") +
+             ": a pass takes about " + seconds_text(host) + " on the CPU, " + seconds_text(device) +
+             " on a CUDA device";
+  return p;
 }
 
 // A smooth density leaves outside an m-sample's hull a share s(m) ~ m^-a, a = 2 / (d + 1) (Renyi

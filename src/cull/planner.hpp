@@ -1,7 +1,11 @@
-// When the filter pays, and how large its samples should be. Pure functions of counts.
+// When the filter pays, how large its samples should be, and where the points are culled. Pure
+// functions of counts and rates.
 #pragma once
 
 #include <cstdint>
+#include <string>
+
+#include "cullhull/machine.hpp"
 
 namespace cullhull::internal {
 
@@ -21,5 +25,28 @@ bool cull_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint6
 /// where the count allows it.
 std::uint64_t map_sample_size(std::uint64_t count, unsigned d, std::uint64_t sample,
                               std::uint64_t extreme);
+
+/// The same question once the sample of the map itself is hulled: its hull is paid for, so only
+/// laying the map and the pass count. `extreme` of its `sample` points are vertices.
+bool map_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint64_t extreme);
+
+/// "132 of 1000 sampled points are extreme".
+std::string sample_finding(std::uint64_t sample, std::uint64_t extreme);
+
+/// Where a pass over points costs how much.
+struct PlaceQuestion {
+  std::uint64_t count = 0;
+  unsigned dimension = 0;
+  std::uint64_t point_bytes = 0;
+  unsigned threads = 1;
+  bool on_device = false;       ///< where the points are
+  bool device_started = false;  ///< the driver has been used in this process
+};
+struct Placement {
+  bool device = false;
+  std::string reason;  ///< with the estimates of both
+};
+/// Whether the device would have culled the points sooner; whether there is one is not asked.
+Placement choose_place(const PlaceQuestion& question, const MachineConstants& machine);
 
 }  // namespace cullhull::internal

@@ -13,24 +13,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// Subset s of M holds the blocks s, s + M, s + 2 M, ... of the points: a fair sample even where
-/// neighbours in memory are neighbours in space.
-constexpr std::uint64_t block_size = 512;
-
-struct Subset {
-  std::uint64_t total, index, subsets;
-
-  std::uint64_t point(std::uint64_t local) const {
-    return (local / block_size * subsets + index) * block_size + local % block_size;
-  }
-  std::uint64_t size() const {
-    const std::uint64_t blocks = chunk_count(total, block_size);
-    if (index >= blocks) return 0;
-    const std::uint64_t mine = (blocks - index + subsets - 1) / subsets;
-    const bool has_last = (blocks - 1) % subsets == index;
-    return mine * block_size - (has_last ? blocks * block_size - total : 0);
-  }
-};
+constexpr std::uint64_t block_size = PseudoSubset::block;
 
 template <class T, unsigned D>
 void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t count, double* out) {
@@ -79,26 +62,74 @@ void blot_out(double* rows, std::uint64_t count) {
   }
 }
 
+template <unsigned D, class Executor>
+struct Worker {
+  explicit Worker(const Executor& e) : executor(e), growth(e) {}
+  Executor executor;
+  HostArray<double> rows;
+  PseudoHullGrowth<D, Executor, StoredRows<D>> growth;
+};
+
+/// What culled the points of one subset: simplices numbered within it.
+struct SubsetRecord {
+  std::vector<std::uint64_t> corners;
+  std::vector<std::uint32_t>* simplex_of = nullptr;  ///< of all points, shared by all subsets
+
+  template <class Growth>
+  void take(const Growth& growth, const PseudoSubset& subset) {
+    corners.resize(growth.corners().size());
+    std::transform(growth.corners().begin(), growth.corners().end(), corners.begin(),
+                   [&](std::uint32_t row) { return subset.point(row); });
+    for (std::uint64_t i = 0; i < growth.simplex_of().size(); ++i)
+      (*simplex_of)[subset.point(i)] = growth.simplex_of()[i];
+  }
+};
+
+/// Numbers the simplices of all subsets in turn.
+void join(std::vector<SubsetRecord>& parts, unsigned corners_each, std::uint64_t points,
+          unsigned threads, SimplexRecord& record) {
+  std::uint64_t total = 0;
+  for (const SubsetRecord& p : parts) total += p.corners.size();
+  if (total / corners_each >= no_item)
+    throw Error(ErrorCode::out_of_budget, "more simplices than 32-bit numbers tell apart");
+  record.corners.reserve(total);
+  std::vector<std::uint32_t> base;
+  for (SubsetRecord& p : parts) {
+    base.push_back(static_cast<std::uint32_t>(record.corners.size() / corners_each));
+    record.corners.insert(record.corners.end(), p.corners.begin(), p.corners.end());
+    p.corners = {};
+  }
+  for_each_chunk(points, block_size * 32, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   for (std::uint64_t i = begin; i < end; ++i)
+                     if (record.simplex_of[i] != no_item)
+                       record.simplex_of[i] += base[i / block_size % parts.size()];
+                 });
+}
+
 /// Loads the points of a subset, grows its pseudo-hull and lists the ids that are left, ascending.
 template <unsigned D, class Executor>
-void filter_subset(const PointView& view, const Subset& subset, unsigned max_rounds,
-                   const Executor& loader, PseudoHullGrowth<D, Executor>& growth,
-                   const Control& control, std::vector<PseudoHullRound>& rounds,
-                   std::vector<std::uint64_t>& kept) {
+void filter_subset(const PointView& view, const PseudoSubset& subset, unsigned max_rounds,
+                   Worker<D, Executor>& worker, const Control& control,
+                   std::vector<PseudoHullRound>& rounds, std::vector<std::uint64_t>& kept,
+                   SubsetRecord* record) {
   const std::uint64_t size = subset.size();
   if (size > pseudo_hull_most_points)
     throw Error(ErrorCode::out_of_budget, std::to_string(size) +
                                               " points are too many for one pseudo-hull; "
                                               "use more subsets");
-  double* rows = growth.rows(static_cast<std::uint32_t>(size));
-  loader.for_each(static_cast<std::uint32_t>(chunk_count(size, block_size)), [&](std::uint32_t b) {
-    const std::uint64_t begin = b * block_size, count = std::min(block_size, size - begin);
-    load_rows<D>(view, subset.point(begin), count, rows + begin * D);
-    blot_out<D>(rows + begin * D, count);
-  });
-  growth.run(max_rounds, control, rounds);
-  const std::vector<char>& culled = growth.culled();
-  kept.reserve(static_cast<std::size_t>(std::count(culled.begin(), culled.end(), 0)));
+  double* rows = worker.rows.reserve(size * D);
+  worker.executor.for_each(
+      static_cast<std::uint32_t>(chunk_count(size, block_size)), [&](std::uint32_t b) {
+        const std::uint64_t begin = b * block_size, count = std::min(block_size, size - begin);
+        load_rows<D>(view, subset.point(begin), count, rows + begin * D);
+        blot_out<D>(rows + begin * D, count);
+      });
+  if (record != nullptr) worker.growth.record();
+  worker.growth.run({rows}, static_cast<std::uint32_t>(size), max_rounds, control, rounds);
+  if (record != nullptr) record->take(worker.growth, subset);
+  const unsigned char* culled = worker.growth.culled();
+  kept.reserve(static_cast<std::size_t>(std::count(culled, culled + size, 0)));
   for (std::uint64_t i = 0; i < size; ++i)
     if (culled[i] == 0) kept.push_back(subset.point(i));
 }
@@ -134,8 +165,57 @@ void add(std::vector<PseudoHullRound>& sum, const std::vector<PseudoHullRound>& 
   }
 }
 
-/// Ids of the subsets, block by block in turn: ascending.
-std::vector<std::uint64_t> merged(const std::vector<std::vector<std::uint64_t>>& kept) {
+template <unsigned D>
+std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subsets,
+                                        unsigned max_rounds, unsigned threads,
+                                        const Control& control,
+                                        std::vector<PseudoHullRound>& rounds,
+                                        SimplexRecord* record) {
+  std::vector<std::vector<std::uint64_t>> kept(subsets);
+  std::vector<SubsetRecord> parts(record != nullptr ? subsets : 0);
+  if (record != nullptr) {
+    record->corners.clear();
+    record->simplex_of.assign(points.count, no_item);
+    for (SubsetRecord& p : parts) p.simplex_of = &record->simplex_of;
+  }
+  const auto part = [&](std::uint64_t s) { return record != nullptr ? &parts[s] : nullptr; };
+  // Waking threads takes longer than a small set does on one.
+  constexpr std::uint64_t least_parallel = 1 << 14;
+  if (subsets == 1 && threads > 1 && points.count >= least_parallel) {
+    Worker<D, TbbExecutor> worker{TbbExecutor(threads)};
+    filter_subset<D>(points, {points.count, 0, 1}, max_rounds, worker, control, rounds, kept[0],
+                     part(0));
+    if (record != nullptr) join(parts, D + 1, points.count, threads, *record);
+    return merge_subsets(std::move(kept));
+  }
+  using Serial = Worker<D, SerialExecutor>;
+  Pool<Serial> pool;
+  std::vector<std::vector<PseudoHullRound>> reports(subsets);
+  for_each_chunk(subsets, 1, threads, [&](std::uint64_t s, std::uint64_t, std::uint64_t) {
+    control.check();
+    std::unique_ptr<Serial> worker = pool.take();
+    if (worker == nullptr) worker = std::make_unique<Serial>(SerialExecutor{});
+    filter_subset<D>(points, {points.count, s, subsets}, max_rounds, *worker, control, reports[s],
+                     kept[s], part(s));
+    pool.give(std::move(worker));
+  });
+  for (const auto& r : reports) add(rounds, r);
+  if (record != nullptr) join(parts, D + 1, points.count, threads, *record);
+  return merge_subsets(std::move(kept));
+}
+
+/// The paper's 64 for the sizes the paper has: a subset of more than 2^17 points leaves the cache,
+/// one of fewer than 2^12 keeps too many.
+unsigned subset_count(std::uint64_t points) {
+  const std::uint64_t most = std::max<std::uint64_t>(1, points >> 12);
+  return static_cast<unsigned>(
+      std::min(most, std::clamp<std::uint64_t>(points >> 17, 64, 1U << 20)));
+}
+
+}  // namespace
+
+std::vector<std::uint64_t> merge_subsets(std::vector<std::vector<std::uint64_t>> kept) {
+  if (kept.size() == 1) return std::move(kept[0]);
   std::size_t total = 0;
   for (const auto& list : kept) total += list.size();
   std::vector<std::uint64_t> ids;
@@ -150,48 +230,11 @@ std::vector<std::uint64_t> merged(const std::vector<std::vector<std::uint64_t>>&
   return ids;
 }
 
-template <unsigned D>
-std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subsets,
-                                        unsigned max_rounds, unsigned threads,
-                                        const Control& control,
-                                        std::vector<PseudoHullRound>& rounds) {
-  std::vector<std::vector<std::uint64_t>> kept(subsets);
-  if (subsets == 1 && threads > 1) {
-    const TbbExecutor executor(threads);
-    PseudoHullGrowth<D, TbbExecutor> growth(executor);
-    filter_subset<D>(points, {points.count, 0, 1}, max_rounds, executor, growth, control, rounds,
-                     kept[0]);
-    return std::move(kept[0]);
-  }
-  using Growth = PseudoHullGrowth<D, SerialExecutor>;
-  Pool<Growth> pool;
-  std::vector<std::vector<PseudoHullRound>> reports(subsets);
-  for_each_chunk(subsets, 1, threads, [&](std::uint64_t s, std::uint64_t, std::uint64_t) {
-    control.check();
-    std::unique_ptr<Growth> growth = pool.take();
-    if (growth == nullptr) growth = std::make_unique<Growth>(SerialExecutor{});
-    filter_subset<D>(points, {points.count, s, subsets}, max_rounds, SerialExecutor{}, *growth,
-                     control, reports[s], kept[s]);
-    pool.give(std::move(growth));
-  });
-  for (const auto& r : reports) add(rounds, r);
-  return merged(kept);
-}
-
-/// The paper's 64 for the sizes the paper has: a subset of more than 2^17 points leaves the cache,
-/// one of fewer than 2^12 keeps too many.
-unsigned subset_count(std::uint64_t points) {
-  const std::uint64_t most = std::max<std::uint64_t>(1, points >> 12);
-  return static_cast<unsigned>(
-      std::min(most, std::clamp<std::uint64_t>(points >> 17, 64, 1U << 20)));
-}
-
-}  // namespace
-
 std::vector<std::uint64_t> pseudo_hull_survivors(const PointView& points,
                                                  const PseudoHullSettings& settings,
                                                  unsigned threads, const Control& control,
-                                                 std::vector<PseudoHullRound>* rounds) {
+                                                 std::vector<PseudoHullRound>* rounds,
+                                                 SimplexRecord* record) {
   std::vector<PseudoHullRound> unread;
   std::vector<PseudoHullRound>& report = rounds != nullptr ? *rounds : unread;
   report.clear();
@@ -199,19 +242,19 @@ std::vector<std::uint64_t> pseudo_hull_survivors(const PointView& points,
   const unsigned most = settings.max_rounds;
   switch (points.dimension) {
     case 2:
-      return survivors_of<2>(points, subsets, most, threads, control, report);
+      return survivors_of<2>(points, subsets, most, threads, control, report, record);
     case 3:
-      return survivors_of<3>(points, subsets, most, threads, control, report);
+      return survivors_of<3>(points, subsets, most, threads, control, report, record);
     case 4:
-      return survivors_of<4>(points, subsets, most, threads, control, report);
+      return survivors_of<4>(points, subsets, most, threads, control, report, record);
     case 5:
-      return survivors_of<5>(points, subsets, most, threads, control, report);
+      return survivors_of<5>(points, subsets, most, threads, control, report, record);
     case 6:
-      return survivors_of<6>(points, subsets, most, threads, control, report);
+      return survivors_of<6>(points, subsets, most, threads, control, report, record);
     case 7:
-      return survivors_of<7>(points, subsets, most, threads, control, report);
+      return survivors_of<7>(points, subsets, most, threads, control, report, record);
     case 8:
-      return survivors_of<8>(points, subsets, most, threads, control, report);
+      return survivors_of<8>(points, subsets, most, threads, control, report, record);
     default:
       throw Error(ErrorCode::invalid_argument, "the pseudo-hull filter is for 2 to 8 dimensions");
   }

@@ -27,6 +27,12 @@ struct PseudoHullSettings {
   unsigned max_rounds = 100;
 };
 
+/// Which simplex of points culled each point: it lies strictly inside of that.
+struct SimplexRecord {
+  std::vector<std::uint32_t> simplex_of;  ///< by point; no_item (primitives.hpp) if it survived
+  std::vector<std::uint64_t> corners;     ///< simplices x (d + 1) points
+};
+
 /// The largest subset: cells of the facet stream have 32-bit numbers.
 inline constexpr std::uint64_t pseudo_hull_most_points = std::uint64_t{1} << 28;
 
@@ -34,11 +40,13 @@ inline constexpr unsigned pseudo_hull_min_dimension = 2, pseudo_hull_max_dimensi
 
 /// Ids (ascending, indices into `points`) of all points that are not provably strictly inside the
 /// hull; a point with a NaN or an infinity is always among them. `rounds`, if given, receives one
-/// entry for the first simplex and one for each round. Neither depends on `threads`.
+/// entry for the first simplex and one for each round, `record` what culled each point. None of
+/// them depends on `threads`.
 /// Time O(n d^2) a round for the points left, memory O(threads n / subsets + survivors).
 std::vector<std::uint64_t> pseudo_hull_survivors(const PointView& points,
                                                  const PseudoHullSettings& settings,
                                                  unsigned threads, const Control& control,
-                                                 std::vector<PseudoHullRound>* rounds = nullptr);
+                                                 std::vector<PseudoHullRound>* rounds = nullptr,
+                                                 SimplexRecord* record = nullptr);
 
 }  // namespace cullhull::internal

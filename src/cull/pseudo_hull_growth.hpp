@@ -1,5 +1,5 @@
 // One pseudo-hull, grown round by round over the data-parallel primitives (the paper's Algorithm
-// 1).
+// 1). The same text for every executor and for rows wherever they lie.
 #pragma once
 
 #include <algorithm>
@@ -11,246 +11,184 @@
 #include "cull/pseudo_hull.hpp"
 #include "cull/pseudo_hull_math.hpp"
 #include "cull/pseudo_hull_start.hpp"
-#include "parallel/big_array.hpp"
+#include "cull/pseudo_hull_steps.hpp"
 #include "parallel/primitives.hpp"
 
 namespace cullhull::internal {
 
-/// An exterior point: a row, the facet it is assigned to, and how far outside of it it lies.
-struct ExteriorPoint {
-  std::uint32_t row;
-  std::uint32_t facet;
-  double distance;
-};
-
 /// Reusable: memory is kept from one subset to the next.
-template <unsigned D, class Executor>
+template <unsigned D, class Executor, class Rows>
 class PseudoHullGrowth {
  public:
   explicit PseudoHullGrowth(Executor executor) : executor_(std::move(executor)) {}
 
-  /// Room for `count` rows, which the caller fills before `run`. A row that must survive is NaN in
-  /// every coordinate.
-  double* rows(std::uint32_t count) {
-    count_ = count;
-    if (capacity_ < count) {
-      rows_ = BigArray<double>(std::size_t{count} * D);
-      points_ = BigArray<ExteriorPoint>(count);
-      next_points_ = BigArray<ExteriorPoint>(count);
-      place_ = BigArray<std::uint32_t>(count);
-      capacity_ = count;
+  /// Grows to the end; afterwards culled()[i] is 1 where row i is strictly inside, else 0.
+  /// `rounds` gets longer where needed and is added to.
+  void run(const Rows& rows, std::uint32_t count, unsigned max_rounds, const Control& control,
+           std::vector<PseudoHullRound>& rounds) {
+    if (!start(rows, count, rounds)) {
+      executor_.zero(executor_.reserve(culled_, count), count);
+      return;
     }
-    return rows_.get();
-  }
-
-  /// Grows to the end; afterwards culled()[i] tells whether row i is strictly inside. `rounds`
-  /// gets longer where needed and is added to.
-  void run(unsigned max_rounds, const Control& control, std::vector<PseudoHullRound>& rounds) {
-    culled_.assign(count_, 0);
-    if (!start(rounds)) return;
     for (unsigned r = 1; r <= max_rounds && exterior_ != 0; ++r) {
       control.check();
       round(at(rounds, r));
     }
   }
-  const std::vector<char>& culled() const { return culled_; }
+  /// How many rows are not culled.
+  std::uint32_t left() const { return left_; }
+  /// In the executor's memory.
+  const unsigned char* culled() const { return culled_.data(); }
+  Executor& executor() { return executor_; }
+
+  /// From now on each run remembers which simplex culled a row: simplex_of()[row], no_item if none
+  /// did; simplex s has the rows corners()[s (D + 1) ... (s + 1) (D + 1)). For executors whose
+  /// memory is the host's.
+  void record() { recording_ = true; }
+  const std::vector<std::uint32_t>& simplex_of() const { return simplex_of_; }
+  const std::vector<std::uint32_t>& corners() const { return corners_; }
 
   // What the tests look at.
-  const std::vector<PseudoFacet<D>>& facets() const { return facets_; }
-  std::uint32_t exterior_count() const { return exterior_; }
-  const ExteriorPoint& exterior_point(std::uint32_t i) const { return points_[i]; }
-  const double* vertex(std::uint32_t v) const { return vertices_.data() + std::size_t{v} * D; }
+  std::vector<PseudoFacet<D>> facets() { return fetched(facet_.data(), facets_); }
+  std::vector<std::uint32_t> apexes() { return fetched(apex_.data(), facets_); }
+  std::vector<ExteriorPoint> exterior() { return fetched(points_.data(), exterior_); }
 
   /// Algorithm 1's first part: the simplex and the exterior sets of its facets. False if there is
   /// no simplex; then nothing is culled.
-  bool start(std::vector<PseudoHullRound>& rounds) {
-    exterior_ = 0;
-    facets_.clear();
-    vertices_.clear();
+  bool start(const Rows& rows, std::uint32_t count, std::vector<PseudoHullRound>& rounds) {
+    rows_ = rows;
+    count_ = left_ = count;
+    exterior_ = facets_ = 0;
+    corners_.clear();
+    if (recording_) simplex_of_.assign(count, no_item);
+    constexpr std::uint32_t grain = Executor::grain;
+    const AxisExtremes<D> e =
+        executor_.reduce(static_cast<std::uint32_t>(chunk_count(count, grain)), AxisExtremes<D>{},
+                         ExtremesOfStep<D, Rows>{rows_, count, grain}, TakeExtremes<D>{});
     double scale[D];
-    std::uint32_t simplex[D + 1];
-    const AxisExtremes<D> e = extremes();
     if (!axis_scales(e, scale)) return false;
-    executor_.for_each(blocks(), [&](std::uint32_t b) {
-      for (std::size_t i = std::size_t{b} * block; i < std::min(count_, (b + 1) * block); ++i)
-        for (unsigned k = 0; k < D; ++k) rows_[i * D + k] *= scale[k];
-    });
-    if (!choose_simplex(rows_.get(), count_, e, executor_, simplex)) return false;
-    for (const std::uint32_t v : simplex) vertices_.insert(vertices_.end(), row(v), row(v) + D);
-    if (!first_facets()) return false;
-    assign_first(at(rounds, 0));
-    compact(D + 1);
+    rows_.rescale(executor_, count, scale);
+    StartSimplex<D> simplex;
+    if (!choose_simplex(executor_, reader_, rows_, count, e, simplex)) return false;
+    StartFacets<D> first;
+    if (!first_facets(simplex, first)) return false;
+    if (recording_) corners_.assign(simplex.row, simplex.row + D + 1);
+    assign_first(first, at(rounds, 0));
     return true;
   }
 
-  /// Every facet with an exterior set is replaced by the D facets through its apex.
+  /// Every facet, each of which has an exterior set, is replaced by the D facets through its apex.
   void round(PseudoHullRound& report) {
-    const auto facets = static_cast<std::uint32_t>(facets_.size());
-    apex_.resize(facets);
-    executor_.segmented_argmax(
-        exterior_, facets, [&](std::uint32_t i) { return points_[i].facet; },
-        [&](std::uint32_t i) { return points_[i].distance; }, apex_.data());
-    const std::uint32_t first_apex = replace_facets();
-    reassign(first_apex, facets);
-    tally(report);
-    report.facets += facets;
-    compact(facets * D);
+    const std::uint32_t cells = facets_ * D;
+    executor_.reserve(fan_, facets_);
+    executor_.reserve(cell_, cells);
+    executor_.for_each(facets_, ReplaceFacet<D, Rows>{rows_, facets_, facet_.data(), apex_.data(),
+                                                      fan_.data(), cell_.data()});
+    const std::uint32_t culled = executor_.scatter_max(
+        exterior_, cells, Reassign<D, Rows>{rows_, facets_, points_.data(), fan_.data(), arrays()},
+        executor_.reserve(best_, cells));
+    report.facets += facets_;
+    if (recording_) record_round();
+    regroup(cells, points_.data(), culled, report);
   }
 
  private:
-  static constexpr std::uint32_t block = 512;
-
   static PseudoHullRound& at(std::vector<PseudoHullRound>& rounds, std::size_t r) {
     if (rounds.size() <= r) rounds.resize(r + 1);
     return rounds[r];
   }
-  std::uint32_t blocks() const { return static_cast<std::uint32_t>(chunk_count(count_, block)); }
-  const double* row(std::uint32_t i) const { return rows_.get() + std::size_t{i} * D; }
-
-  AxisExtremes<D> extremes() const {
-    return executor_.reduce(
-        blocks(), AxisExtremes<D>{},
-        [&](std::uint32_t b) {
-          return axis_extremes<D>(rows_.get(), b * block, std::min(count_, (b + 1) * block));
-        },
-        [](AxisExtremes<D> a, const AxisExtremes<D>& b) {
-          a.take(b);
-          return a;
-        });
+  template <class T>
+  std::vector<T> fetched(const T* from, std::size_t count) {
+    std::vector<T> items(count);
+    if (count != 0) executor_.fetch(from, count, items.data());
+    return items;
   }
+  PlaceArrays arrays() { return {place_.data(), distance_.data(), culled_.data()}; }
 
-  bool first_facets() {
-    facets_.resize(D + 1);
+  /// The D + 1 facets of the simplex, into the facet stream and with their planes.
+  bool first_facets(const StartSimplex<D>& simplex, StartFacets<D>& first) {
+    PseudoFacet<D> facet[D + 1];
     for (unsigned f = 0; f <= D; ++f) {
       const double* corner[D];
       for (unsigned k = 0, v = 0; v <= D; ++v) {
         if (v == f) continue;
-        facets_[f].vertex[k] = v;
-        corner[k++] = vertex(v);
+        facet[f].vertex[k] = simplex.row[v];
+        corner[k++] = simplex.corner[v];
       }
-      if (!make_plane<D>(corner, vertex(f), facets_[f])) return false;
+      std::copy_n(corner[0], D, first.base[f]);
+      if (!make_plane<D>(corner, simplex.corner[f], first.plane[f])) return false;
     }
+    executor_.upload(facet, D + 1, executor_.reserve(cell_, D + 1));
     return true;
   }
 
-  /// All rows become exterior points of the simplex for a moment; compact() leaves those that are.
-  void assign_first(PseudoHullRound& report) {
-    exterior_ = count_;
-    PseudoFacet<D> facet[D + 1];  // copies, and so known not to change in the loop
-    double base[D + 1][D];
-    for (unsigned f = 0; f <= D; ++f) {
-      facet[f] = facets_[f];
-      std::copy_n(vertex(facet[f].vertex[0]), D, base[f]);
-    }
-    executor_.for_each(count_, [&](std::uint32_t i) {
-      const double* x = row(i);
-      PlaceSearch search;
-      for (unsigned f = 0; f <= D; ++f)
-        search.offer(f, pseudo_distance<D>(facet[f].normal, base[f], x), facet[f].error);
-      const Place place = search.result();
-      points_[i] = {i, 0, place.distance};
-      place_[i] = place.facet;
-      culled_[i] = place.facet == place_inside;
-    });
-    tally(report);
+  void assign_first(const StartFacets<D>& first, PseudoHullRound& report) {
+    executor_.reserve(place_, count_);
+    executor_.reserve(distance_, count_);
+    executor_.reserve(culled_, count_);
+    exterior_ = count_;  // all rows, for a moment
+    const std::uint32_t culled =
+        executor_.scatter_max(count_, D + 1, AssignFirst<D, Rows>{rows_, first, arrays()},
+                              executor_.reserve(best_, D + 1));
+    if (recording_)
+      for (std::uint32_t i = 0; i < count_; ++i)
+        if (culled_.data()[i] != 0) simplex_of_[i] = 0;
+    regroup(D + 1, nullptr, culled, report);
   }
 
-  /// The apexes become vertices, the facet stream grows to D cells a facet. Returns the vertex of
-  /// facet 0's apex; the others follow.
-  std::uint32_t replace_facets() {
-    const auto facets = static_cast<std::uint32_t>(facets_.size());
-    const auto first_apex = static_cast<std::uint32_t>(vertices_.size() / D);
-    vertices_.resize(vertices_.size() + std::size_t{facets} * D);
-    facets_.resize(std::size_t{facets} * D);
-    executor_.for_each(facets, [&](std::uint32_t j) {
-      const std::uint32_t v = first_apex + j;
-      const double* apex = row(points_[apex_[j]].row);
-      for (unsigned k = 0; k < D; ++k) vertices_[std::size_t{v} * D + k] = apex[k];
-      const PseudoFacet<D> parent = facets_[j];
-      for (unsigned i = 0; i < D; ++i) {
-        // Facet i: the apex in the place of vertex i, which is on the inner side.
-        PseudoFacet<D>& child = facets_[child_address<D>(facets, j, i)];
-        const double* corner[D] = {apex};
-        child.vertex[0] = v;
-        for (unsigned k = 0, at = 1; k < D; ++k) {
-          if (k == i) continue;
-          child.vertex[at] = parent.vertex[k];
-          corner[at++] = vertex(parent.vertex[k]);
-        }
-        make_plane<D>(corner, vertex(parent.vertex[i]), child);
-      }
-    });
-    return first_apex;
-  }
-
-  /// Each exterior point of a facet moves to the nearest of the new ones it is outside of.
-  void reassign(std::uint32_t first_apex, std::uint32_t facets) {
-    executor_.for_each(exterior_, [&](std::uint32_t i) {
-      ExteriorPoint& p = points_[i];
-      const double* x = row(p.row);
-      const double* apex = vertex(first_apex + p.facet);
-      PlaceSearch search;
-      for (unsigned c = 0; c < D; ++c) {
-        const std::uint32_t address = child_address<D>(facets, p.facet, c);
-        const PseudoFacet<D>& f = facets_[address];
-        search.offer(address, pseudo_distance<D>(f.normal, apex, x), f.error);
-      }
-      const Place place = search.result();
-      p.distance = place.distance;
-      place_[i] = place.facet;
-      culled_[p.row] = place.facet == place_inside;
-    });
-  }
-
-  void tally(PseudoHullRound& report) {
-    struct Sum {
-      std::uint64_t culled, kept;
-    };
-    const Sum sum = executor_.reduce(
-        exterior_, Sum{0, 0},
-        [&](std::uint32_t i) {
-          return Sum{place_[i] == place_inside ? 1U : 0U, place_[i] == place_uncertain ? 1U : 0U};
-        },
-        [](const Sum& a, const Sum& b) {
-          return Sum{a.culled + b.culled, a.kept + b.kept};
-        });
-    report.exterior += exterior_;
-    report.culled += sum.culled;
-    report.kept += sum.kept;
-  }
-
-  /// Removes the null cells of the facet stream and the points that have found their place.
-  void compact(std::uint32_t cells) {
-    // The cell after the last stands for all points that have found their place.
-    number_.assign(std::size_t{cells} + 1, 0);
-    executor_.for_each(exterior_,
-                       [&](std::uint32_t i) { mark(number_[std::min(place_[i], cells)]); });
-    const auto facets = executor_.exclusive_scan(number_.data(), cells);
-    number_[cells] = facets;
-    next_facets_.resize(facets);
-    executor_.for_each(cells, [&](std::uint32_t c) {
-      if (number_[c] != number_[c + 1]) next_facets_[number_[c]] = facets_[c];
-    });
-    facets_.swap(next_facets_);
-
+  /// Removes the null cells of the facet stream and the points that have found their place, and
+  /// finds each facet's apex.
+  void regroup(std::uint32_t cells, const ExteriorPoint* from, std::uint32_t culled,
+               PseudoHullRound& report) {
+    const std::uint32_t before = exterior_;
+    executor_.reserve(number_, std::size_t{cells} + 1);
+    facets_ = executor_.enumerate(cells, CellHasPoints{best_.data()}, number_.data());
+    executor_.reserve(facet_, facets_);
+    executor_.reserve(apex_, facets_);
+    executor_.for_each(cells, MoveFacet<D>{best_.data(), number_.data(), cell_.data(),
+                                           facet_.data(), apex_.data()});
+    // One more, where an executor may put what is not kept.
+    executor_.reserve(next_points_, std::size_t{before} - culled + 1);
     exterior_ = executor_.select(
-        exterior_, [&](std::uint32_t i) { return place_[i] < cells; },
-        [&](std::uint32_t i, std::uint32_t k) {
-          next_points_[k] = {points_[i].row, number_[std::min(place_[i], cells)],
-                             points_[i].distance};
-        });
+        before, HasFacet{place_.data()},
+        MovePoint<Executor>{cells, best_.data(), number_.data(), place_.data(), distance_.data(),
+                            from, next_points_.data(), apex_.data()});
     std::swap(points_, next_points_);
+    report.exterior += before;
+    report.culled += culled;
+    left_ -= culled;
+    report.kept += before - culled - exterior_;
   }
+
+  /// Each facet with its apex is a simplex; those of a round lie one after another.
+  void record_round() {
+    const auto first = static_cast<std::uint32_t>(corners_.size() / (D + 1));
+    for (std::uint32_t j = 0; j < facets_; ++j) {
+      const std::uint32_t* vertex = facet_.data()[j].vertex;
+      corners_.insert(corners_.end(), vertex, vertex + D);
+      corners_.push_back(apex_.data()[j]);
+    }
+    for (std::uint32_t i = 0; i < exterior_; ++i)
+      if (place_.data()[i] == place_inside)
+        simplex_of_[points_.data()[i].row] = first + points_.data()[i].facet;
+  }
+
+  template <class T>
+  using Array = typename Executor::template Array<T>;
 
   Executor executor_;
-  std::uint32_t count_ = 0, capacity_ = 0, exterior_ = 0;
-  BigArray<double> rows_;
-  BigArray<ExteriorPoint> points_, next_points_;
-  BigArray<std::uint32_t> place_;
-  std::vector<double> vertices_;
-  std::vector<char> culled_;
-  std::vector<PseudoFacet<D>> facets_, next_facets_;
-  std::vector<std::uint32_t> apex_, number_;
+  Rows rows_{};
+  std::uint32_t count_ = 0, left_ = 0, exterior_ = 0, facets_ = 0;
+  Array<ExteriorPoint> points_, next_points_;
+  Array<std::uint32_t> place_, apex_, number_;
+  Array<double> distance_;
+  Array<unsigned char> culled_;
+  Array<std::uint64_t> best_;
+  Array<PseudoFacet<D>> facet_, cell_;
+  Array<PseudoFan<D>> fan_;
+  RowReader<D, Rows, Executor> reader_;
+  bool recording_ = false;
+  std::vector<std::uint32_t> simplex_of_, corners_;
 };
 
 }  // namespace cullhull::internal

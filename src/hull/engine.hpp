@@ -33,7 +33,7 @@ SimplicialHull hull_2d(const LocalPoints& points, unsigned threads, const Contro
 SimplicialHull hull_3d(const LocalPoints& points, const std::uint32_t* simplex,
                        std::uint64_t budget, unsigned threads, const Control& control);
 SimplicialHull hull_nd(const LocalPoints& points, const std::uint32_t* simplex,
-                       std::uint64_t budget, const Control& control);
+                       std::uint64_t budget, unsigned threads, const Control& control);
 /// Qhull's answer, or Error{backend_unavailable} when built without libqhull_r, or
 /// Error{not_exact} when Qhull fails or its facets are no closed simplicial surface.
 SimplicialHull hull_qhull(const LocalPoints& points, const Control& control);

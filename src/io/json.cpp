@@ -51,8 +51,8 @@ class JsonWriter {
   void end_object() { text_ += '}'; }
 
   /// [a, b, ...] of items [from, to).
-  template <class T>
-  void list(const std::vector<T>& items, std::uint64_t from, std::uint64_t to) {
+  template <class Items>
+  void list(const Items& items, std::uint64_t from, std::uint64_t to) {
     text_ += '[';
     for (std::uint64_t i = from; i < to; ++i) {
       if (i > from) text_ += ',';
@@ -61,8 +61,8 @@ class JsonWriter {
     }
     text_ += ']';
   }
-  template <class T>
-  void flat(const char* name, const std::vector<T>& items) {
+  template <class Items>
+  void flat(const char* name, const Items& items) {
     key(name);
     list(items, 0, items.size());
   }
@@ -71,8 +71,8 @@ class JsonWriter {
     rows(name, lists.size(),
          [&](std::uint64_t i) { list(lists.items, lists.offsets[i], lists.offsets[i + 1]); });
   }
-  template <class T>
-  void nested(const char* name, const std::vector<T>& items, std::uint64_t width) {
+  template <class Items>
+  void nested(const char* name, const Items& items, std::uint64_t width) {
     rows(name, width > 0 ? items.size() / width : 0,
          [&](std::uint64_t i) { list(items, i * width, (i + 1) * width); });
   }
@@ -165,19 +165,13 @@ void write_lists(JsonWriter& w, const PointView& points, const Hull& hull) {
   w.flat("simplex_facets", hull.simplex_facets);
 }
 
-double median(std::vector<double> v) {
-  std::sort(v.begin(), v.end());
-  const std::size_t h = v.size() / 2;
-  return v.size() % 2 == 1 ? v[h] : (v[h - 1] + v[h]) / 2;
-}
-
 void write_run(JsonWriter& w, const Hull& hull, const JsonExtras& extras) {
   const Statistics& s = hull.statistics;
   const std::vector<double> all = extras.compute_seconds_all.empty()
                                       ? std::vector<double>{s.compute_seconds}
                                       : extras.compute_seconds_all;
   w.member("read_seconds", extras.read_seconds);
-  w.member("compute_seconds", median(all));
+  w.member("compute_seconds", s.compute_seconds);
   w.flat("compute_seconds_all", all);
   w.member("peak_bytes", extras.peak_bytes);
   w.key("certified");
@@ -214,6 +208,7 @@ std::string hull_to_json(const PointView& points, const Hull& hull, const JsonEx
   w.inner("method", s.cull_method);
   w.inner("survivors", s.survivors);
   w.inner("seconds", s.cull_seconds);
+  w.inner("reason", s.cull_reason.c_str());
   w.end_object();
   w.object("hull");
   w.inner("engine", s.engine);

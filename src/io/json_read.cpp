@@ -24,6 +24,7 @@ enum class Field {
   volume,
   centroid,
   vertices,
+  vertex_coordinates,
   facets,
   facet_neighbours,
   facet_planes,
@@ -41,6 +42,7 @@ constexpr const char* field_names[] = {"",
                                        "volume",
                                        "centroid",
                                        "vertices",
+                                       "vertex_coordinates",
                                        "facets",
                                        "facet_neighbours",
                                        "facet_planes",
@@ -57,6 +59,8 @@ struct RawHull {
   std::int64_t affine_dimension = 0;
   bool has_count = false, has_dimension = false, has_scalar = false;
   Lists<double> planes;
+  Lists<double> coordinates;
+  bool want_coordinates = false;  ///< otherwise they are passed over
   Lists<std::uint64_t> simplices;
   Lists<std::uint32_t> simplex_neighbours;
   bool seen[field_total] = {};
@@ -107,6 +111,7 @@ class HullReader final : public nlohmann::json_sax<json> {
       field_ = Field::ignored;
       for (std::size_t i = 1; i < field_total; ++i)
         if (name == field_names[i]) field_ = static_cast<Field>(i);
+      if (field_ == Field::vertex_coordinates && !raw_.want_coordinates) field_ = Field::ignored;
       if (field_ != Field::ignored && std::exchange(raw_.seen[static_cast<int>(field_)], true))
         fault("given twice");
     } else if (in_points()) {
@@ -140,7 +145,7 @@ class HullReader final : public nlohmann::json_sax<json> {
   bool is_nested() const {
     return field_ == Field::facets || field_ == Field::facet_neighbours ||
            field_ == Field::facet_planes || field_ == Field::simplices ||
-           field_ == Field::simplex_neighbours;
+           field_ == Field::simplex_neighbours || field_ == Field::vertex_coordinates;
   }
   [[noreturn]] void fault(const std::string& message) const {
     fail(source_,
@@ -164,6 +169,9 @@ class HullReader final : public nlohmann::json_sax<json> {
         break;
       case Field::facet_planes:
         raw_.planes.offsets.push_back(raw_.planes.items.size());
+        break;
+      case Field::vertex_coordinates:
+        raw_.coordinates.offsets.push_back(raw_.coordinates.items.size());
         break;
       case Field::simplices:
         raw_.simplices.offsets.push_back(raw_.simplices.items.size());
@@ -241,6 +249,8 @@ class HullReader final : public nlohmann::json_sax<json> {
       raw_.hull.centroid.push_back(v);
     else if (depth_ == 3 && field_ == Field::facet_planes)
       raw_.planes.items.push_back(v);
+    else if (depth_ == 3 && field_ == Field::vertex_coordinates && std::isfinite(v))
+      raw_.coordinates.items.push_back(v);
     else
       return unexpected();
     return true;
@@ -262,6 +272,10 @@ class HullChecker {
     const auto k = static_cast<std::uint64_t>(std::max<std::int64_t>(raw_.affine_dimension, 0));
     const std::uint64_t facets = hull_.facets.size(), simplices = hull_.simplex_facets.size();
     equal("vertices", hull_.vertices.size(), raw_.vertex_count);
+    if (raw_.want_coordinates) {
+      equal("vertex_coordinates", raw_.coordinates.size(), raw_.vertex_count);
+      widths("vertex_coordinates", raw_.coordinates, raw_.dimension);
+    }
     equal("facets", facets, raw_.facet_count);
     equal("facet_neighbours", hull_.facet_neighbours.size(), facets);
     equal("facet_planes", raw_.planes.size(), facets);
@@ -295,8 +309,11 @@ class HullChecker {
     fail(source_, field + ": " + message);
   }
   void check_header() {
-    for (std::size_t i = 1; i < field_total; ++i)
+    for (std::size_t i = 1; i < field_total; ++i) {
+      if (i == static_cast<std::size_t>(Field::vertex_coordinates) && !raw_.want_coordinates)
+        continue;
       if (!raw_.seen[i]) fault(field_names[i], "missing, so this is no hull with its lists");
+    }
     if (!raw_.has_count || !raw_.has_dimension || !raw_.has_scalar)
       fault("points", "needs count, dimension and scalar");
     if (raw_.dimension == 0 || raw_.dimension >= std::numeric_limits<std::uint32_t>::max())
@@ -317,8 +334,8 @@ class HullChecker {
     if (have != want)
       fault(field, "has " + std::to_string(have) + " entries instead of " + std::to_string(want));
   }
-  template <class T>
-  void below(const char* field, const std::vector<T>& items, std::uint64_t limit) const {
+  template <class Items>
+  void below(const char* field, const Items& items, std::uint64_t limit) const {
     for (std::uint64_t i = 0; i < items.size(); ++i)
       if (items[i] >= limit)
         fault(field, "item " + std::to_string(i) + " is " + std::to_string(items[i]) +
@@ -351,18 +368,22 @@ class HullChecker {
 
 }  // namespace
 
-Hull read_hull_json(const Source& source) {
+Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinates) {
   RawHull raw;
+  raw.want_coordinates = vertex_coordinates != nullptr;
   HullReader reader(source, raw);
   json::sax_parse(source.data, source.data + source.size, &reader);
-  return HullChecker(source, raw).check();
+  Hull hull = HullChecker(source, raw).check();
+  if (vertex_coordinates != nullptr)
+    vertex_coordinates->assign(raw.coordinates.items.begin(), raw.coordinates.items.end());
+  return hull;
 }
 
 }  // namespace internal
 
-Hull hull_from_json(const std::string& path) {
+Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates) {
   const internal::MappedFile file(path);
-  Hull hull = internal::read_hull_json(file.source());
+  Hull hull = internal::read_hull_json(file.source(), vertex_coordinates);
   file.check_size();
   return hull;
 }

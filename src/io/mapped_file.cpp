@@ -163,6 +163,78 @@ void MappedFile::prefault(unsigned threads) const {
 #endif
 }
 
+FileWindow::FileWindow(const std::string& path) {
+  source_.name = display_name(path);
+  if (path == "-") return;
+  descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor_ < 0) refuse(source_.name, "cannot open", errno);
+  struct stat status {};
+  if (fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0) {
+    size_ = static_cast<std::uint64_t>(status.st_size);
+    return;
+  }
+  close(descriptor_);
+  descriptor_ = -1;
+}
+
+FileWindow::FileWindow(FileWindow&& other) noexcept { *this = std::move(other); }
+
+FileWindow& FileWindow::operator=(FileWindow&& other) noexcept {
+  std::swap(source_, other.source_);
+  std::swap(address_, other.address_);
+  std::swap(mapped_, other.mapped_);
+  std::swap(size_, other.size_);
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(slot_, other.slot_);
+  return *this;
+}
+
+FileWindow::~FileWindow() {
+  unmap();
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+void FileWindow::unmap() noexcept {
+  if (slot_ >= 0) slots[static_cast<std::size_t>(slot_)].state.store(Slot::empty);
+  slot_ = -1;
+  if (address_ != nullptr) munmap(address_, mapped_);
+  address_ = nullptr;
+}
+
+const Source& FileWindow::move_to(std::uint64_t offset, std::size_t length) {
+  unmap();
+  source_.data = nullptr;
+  source_.size = length;
+  if (length == 0) return source_;
+  struct stat status {};
+  if (fstat(descriptor_, &status) != 0) refuse(source_.name, "cannot read", errno);
+  if (static_cast<std::uint64_t>(status.st_size) < offset + length)
+    throw Error(ErrorCode::io, source_.name + ": shrank while it was being read");
+  const auto page = static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  const std::uint64_t begin = offset / page * page;
+  mapped_ = static_cast<std::size_t>(offset - begin) + length;
+  int flags = MAP_PRIVATE;
+#ifdef MAP_POPULATE
+  flags |= MAP_POPULATE;
+#endif
+  void* address = mmap(nullptr, mapped_, PROT_READ, flags, descriptor_, static_cast<off_t>(begin));
+  if (address == MAP_FAILED) refuse(source_.name, "cannot map", errno);
+  address_ = address;
+  source_.data = static_cast<const char*>(address) + (offset - begin);
+  slot_ = list_mapping(source_);
+  return source_;
+}
+
+void FileWindow::expect(std::uint64_t offset, std::size_t length) const {
+#ifdef POSIX_FADV_WILLNEED
+  // A hint: whether it is taken changes nothing but time.
+  (void)posix_fadvise(descriptor_, static_cast<off_t>(offset), static_cast<off_t>(length),
+                      POSIX_FADV_WILLNEED);
+#else
+  (void)offset, (void)length;
+#endif
+}
+
 }  // namespace internal
 
 const char* describe_mapped_fault(const void* address) noexcept {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 
 #include "io/source.hpp"
@@ -36,6 +37,36 @@ class MappedFile {
   int descriptor_ = -1;
   int slot_ = -1;
   bool mapped_ = false;
+};
+
+/// A regular file of any size, seen through one mapped window at a time: neither address space nor
+/// memory need hold more. The window is listed for describe_mapped_fault().
+class FileWindow {
+ public:
+  FileWindow() = default;
+  /// Leaves the object closed if `path` is no regular file with content.
+  explicit FileWindow(const std::string& path);
+  FileWindow(FileWindow&& other) noexcept;
+  FileWindow& operator=(FileWindow&& other) noexcept;
+  ~FileWindow();
+
+  bool is_open() const noexcept { return descriptor_ >= 0; }
+  std::uint64_t size() const noexcept { return size_; }
+  /// Moves the window to [offset, offset + length) and brings its pages in; what it held is gone.
+  /// Throws Error{io} if the file has shrunk.
+  const Source& move_to(std::uint64_t offset, std::size_t length);
+  /// Tells the system what will be asked for next.
+  void expect(std::uint64_t offset, std::size_t length) const;
+
+ private:
+  void unmap() noexcept;
+
+  Source source_;
+  void* address_ = nullptr;
+  std::size_t mapped_ = 0;
+  std::uint64_t size_ = 0;
+  int descriptor_ = -1;
+  int slot_ = -1;
 };
 
 }  // namespace cullhull::internal

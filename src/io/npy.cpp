@@ -214,30 +214,16 @@ std::uint64_t widen(const char* from, std::uint64_t count, bool swap, double* to
 
 }  // namespace
 
-PointData read_npy(const Source& source, const ReadOptions& options) {
-  const Header h = parse_header(source);
-  const Dtype type = parse_dtype(source, h.descr);
-  if (h.shape.empty() || h.shape.size() > 2)
-    fail(source,
-         "array of " + std::to_string(h.shape.size()) + " axes; points need (n, d) or (n,)");
-  const std::uint64_t n = h.shape[0], d = h.shape.size() == 2 ? h.shape[1] : 1;
-  if (d == 0 || d > UINT32_MAX) fail(source, "points of dimension " + std::to_string(d));
-  std::uint64_t items = 0, bytes = 0;
-  const std::uint64_t have = source.size - h.data_offset;
-  if (!multiply(n, d, items) || !multiply(items, type.size, bytes) || bytes > have)
-    fail_at_byte(source, h.data_offset,
-                 "shape (" + std::to_string(n) + ", " + std::to_string(d) + ") of " +
-                     quoted_text(h.descr) + " needs more than the " + std::to_string(have) +
-                     " bytes that follow");
-  if (bytes < have)
-    fail_at_byte(source, h.data_offset + bytes,
-                 std::to_string(have - bytes) + " bytes after the array");
+namespace {
 
-  const char* const data = source.data + h.data_offset;
+/// n x d numbers at `data` as points; in place where they can be.
+PointData points_of_array(const Source& source, const char* data, std::uint64_t n, std::uint64_t d,
+                          const Dtype& type, bool fortran, const ReadOptions& options) {
+  const std::uint64_t items = n * d, bytes = items * type.size;
   PointData result;
   result.format = "npy";
   const std::byte* base = reinterpret_cast<const std::byte*>(data);
-  std::uint64_t size = type.size;
+  const std::uint64_t size = type.size;
   if (type.kind != 'f' && type.size == 8) {
     result.format += " (64-bit integers)";
     result.storage = Buffer(bytes);
@@ -246,8 +232,8 @@ PointData read_npy(const Source& source, const ReadOptions& options) {
                                   ? widen<std::int64_t>(data, items, type.big_endian, to, options)
                                   : widen<std::uint64_t>(data, items, type.big_endian, to, options);
     if (bad < items)
-      fail(source, "value at index (" + std::to_string(h.fortran ? bad % n : bad / d) + ", " +
-                       std::to_string(h.fortran ? bad / n : bad % d) +
+      fail(source, "value at index (" + std::to_string(fortran ? bad % n : bad / d) + ", " +
+                       std::to_string(fortran ? bad / n : bad % d) +
                        ") is a 64-bit integer that no double equals");
     base = result.storage.data();
     result.view.scalar = ScalarType::f64;
@@ -265,9 +251,72 @@ PointData read_npy(const Source& source, const ReadOptions& options) {
   result.view.data = base;
   result.view.dimension = static_cast<std::uint32_t>(d);
   result.view.count = n;
-  result.view.point_stride = static_cast<std::ptrdiff_t>(h.fortran ? size : size * d);
-  result.view.coordinate_stride = static_cast<std::ptrdiff_t>(h.fortran ? size * n : size);
+  result.view.point_stride = static_cast<std::ptrdiff_t>(fortran ? size : size * d);
+  result.view.coordinate_stride = static_cast<std::ptrdiff_t>(fortran ? size * n : size);
   return result;
+}
+
+/// Error{bad_file} unless the array fills the file from the header to the end.
+void check_extent(const Source& source, const Header& h, const Dtype& type,
+                  std::uint64_t file_size) {
+  std::uint64_t bytes = type.size;
+  std::string shape;
+  bool fits = true, empty = false;
+  for (const std::uint64_t n : h.shape) {
+    shape.append(shape.empty() ? "" : ", ").append(std::to_string(n));
+    empty = empty || n == 0;
+    fits = fits && multiply(bytes, std::max<std::uint64_t>(n, 1), bytes);
+  }
+  if (empty) bytes = 0;
+  const std::uint64_t have = file_size - h.data_offset;
+  if (!fits || bytes > have)
+    fail_at_byte(source, h.data_offset,
+                 "shape (" + shape + ") of " + quoted_text(h.descr) + " needs more than the " +
+                     std::to_string(have) + " bytes that follow");
+  if (bytes < have)
+    fail_at_byte(source, h.data_offset + bytes,
+                 std::to_string(have - bytes) + " bytes after the array");
+}
+
+}  // namespace
+
+PointData read_npy(const Source& source, const ReadOptions& options) {
+  const Header h = parse_header(source);
+  const Dtype type = parse_dtype(source, h.descr);
+  if (h.shape.size() == 3)
+    fail(source, "array of 3 axes (frames, n, d): moving points, for the command track");
+  if (h.shape.empty() || h.shape.size() > 2)
+    fail(source,
+         "array of " + std::to_string(h.shape.size()) + " axes; points need (n, d) or (n,)");
+  const std::uint64_t n = h.shape[0], d = h.shape.size() == 2 ? h.shape[1] : 1;
+  if (d == 0 || d > UINT32_MAX) fail(source, "points of dimension " + std::to_string(d));
+  check_extent(source, h, type, source.size);
+  return points_of_array(source, source.data + h.data_offset, n, d, type, h.fortran, options);
+}
+
+bool NpyFrames::read_header(const Source& head, std::uint64_t file_size) {
+  const Header h = parse_header(head);
+  if (h.shape.size() != 3) return false;
+  const Dtype type = parse_dtype(head, h.descr);
+  if (h.fortran)
+    fail(head,
+         "array of 3 axes in Fortran order, which scatters each frame over the whole file; "
+         "save it in C order (numpy.ascontiguousarray)");
+  if (h.shape[2] == 0 || h.shape[2] > UINT32_MAX)
+    fail(head, "points of dimension " + std::to_string(h.shape[2]));
+  check_extent(head, h, type, file_size);
+  frames = h.shape[0];
+  count = h.shape[1];
+  dimension = static_cast<std::uint32_t>(h.shape[2]);
+  data_offset = h.data_offset;
+  frame_bytes = count * dimension * type.size;
+  descr = h.descr;
+  return true;
+}
+
+PointData NpyFrames::frame(const Source& bytes, const ReadOptions& options) const {
+  return points_of_array(bytes, bytes.data, count, dimension, parse_dtype(bytes, descr), false,
+                         options);
 }
 
 namespace {
@@ -292,6 +341,8 @@ std::string npy_header(const char* descr, std::initializer_list<std::uint64_t> s
 
 template <class T>
 void write_converted(OutputFile& out, const double* v, std::uint64_t count) {
+  constexpr std::uint64_t block = 4096;
+  T converted[block];
   for (std::uint64_t i = 0; i < count; ++i) {
     bool ok = true;
     if constexpr (std::is_same_v<T, float>)
@@ -302,8 +353,9 @@ void write_converted(OutputFile& out, const double* v, std::uint64_t count) {
     if (!ok)
       throw Error(ErrorCode::invalid_argument,
                   "coordinate " + std::to_string(i) + " does not fit the scalar type asked for");
-    const T t = static_cast<T>(v[i]);
-    out.write({reinterpret_cast<const char*>(&t), sizeof t});
+    converted[i % block] = static_cast<T>(v[i]);
+    if (i % block == block - 1 || i + 1 == count)
+      out.write({reinterpret_cast<const char*>(converted), (i % block + 1) * sizeof(T)});
   }
 }
 
@@ -338,14 +390,42 @@ void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& id
   out.commit();
 }
 
+namespace {
+
+std::string descr_of(ScalarType type) {
+  std::string descr(1, scalar_size(type) == 1 ? '|' : '<');
+  return descr.append(1, scalar_name(type)[0]).append(std::to_string(scalar_size(type)));
+}
+
+}  // namespace
+
 void write_npy_points(const std::string& path, const double* coordinates, std::uint64_t count,
                       std::uint32_t dimension, ScalarType type) {
-  std::string descr(1, scalar_size(type) == 1 ? '|' : '<');
-  descr.append(1, scalar_name(type)[0]).append(std::to_string(scalar_size(type)));
   internal::OutputFile out(path);
-  out.write(internal::npy_header(descr.c_str(), {count, dimension}));
+  out.write(internal::npy_header(descr_of(type).c_str(), {count, dimension}));
   internal::write_values(out, coordinates, count * dimension, type);
   out.commit();
+}
+
+struct NpySequenceWriter::Impl {
+  internal::OutputFile out;
+  std::uint64_t frames, values;
+  ScalarType type;
+};
+
+NpySequenceWriter::NpySequenceWriter(const std::string& path, std::uint64_t frames,
+                                     std::uint64_t count, std::uint32_t dimension, ScalarType type)
+    : impl_(new Impl{internal::OutputFile(path), frames, count * dimension, type}) {
+  impl_->out.write(internal::npy_header(descr_of(type).c_str(), {frames, count, dimension}));
+  if (frames == 0) impl_->out.commit();
+}
+NpySequenceWriter::~NpySequenceWriter() = default;
+
+void NpySequenceWriter::write(const double* coordinates) {
+  if (impl_->frames == 0)
+    throw Error(ErrorCode::invalid_argument, "more frames written than were announced");
+  internal::write_values(impl_->out, coordinates, impl_->values, impl_->type);
+  if (--impl_->frames == 0) impl_->out.commit();
 }
 
 }  // namespace cullhull

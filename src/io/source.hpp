@@ -57,9 +57,21 @@ PointData read_stl(const Source& source, const ReadOptions& options);
 PointData read_text(const Source& source, const ReadOptions& options, bool csv);
 PointData read_raw(const Source& source, const ReadOptions& options);
 
+/// Moving points in one array (frames, n, d), frame after frame.
+struct NpyFrames {
+  std::uint64_t frames = 0, count = 0, data_offset = 0, frame_bytes = 0;
+  std::uint32_t dimension = 0;
+  std::string descr;
+
+  /// `head`: the beginning of a file of `file_size` bytes. False for an array that has not 3 axes.
+  bool read_header(const Source& head, std::uint64_t file_size);
+  /// `bytes`: those of one frame.
+  PointData frame(const Source& bytes, const ReadOptions& options) const;
+};
+
 /// The format options.format names, else that of the extension, else that of the content.
 PointData read_points(const Source& source, const ReadOptions& options);
-Hull read_hull_json(const Source& source);
+Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinates = nullptr);
 
 [[noreturn]] void fail(const Source& source, const std::string& message);
 [[noreturn]] void fail_at_line(const Source& source, std::uint64_t line,

@@ -1,16 +1,18 @@
-// Large scratch arrays: uninitialised, and on huge pages where the system grants them (first touch
-// and random access to tens of megabytes cost a third less so).
+// Large scratch arrays: uninitialised, on huge pages, and reused from step to step (pages.hpp).
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <memory>
-#include <new>
 #include <type_traits>
+#include <utility>
 #include <vector>
+
+#include "parallel/pages.hpp"
 
 #if defined(__linux__)
 #include <sys/mman.h>
+
+#include <cstdint>
 #endif
 
 namespace cullhull::internal {
@@ -19,19 +21,11 @@ namespace cullhull::internal {
 template <class T>
 class BigArray {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
-  static constexpr std::size_t page = std::size_t{2} << 20;
 
  public:
   BigArray() = default;
-  explicit BigArray(std::size_t count) {
-    const bool big = count * sizeof(T) >= 2 * page;
-    const std::align_val_t alignment{big ? page : alignof(std::max_align_t)};
-    data_ = {static_cast<T*>(::operator new(count * sizeof(T), alignment)), Free{alignment}};
-#if defined(__linux__)
-    // Advice: whether it is taken changes nothing but time.
-    if (big) madvise(data_.get(), count * sizeof(T) / page * page, MADV_HUGEPAGE);
-#endif
-  }
+  explicit BigArray(std::size_t count)
+      : data_(ArrayAllocator<T>().allocate(count), Free{count}) {}
 
   T* get() { return data_.get(); }
   const T* get() const { return data_.get(); }
@@ -40,8 +34,8 @@ class BigArray {
 
  private:
   struct Free {
-    std::align_val_t alignment{};
-    void operator()(T* p) const { ::operator delete(p, alignment); }
+    std::size_t count = 0;
+    void operator()(T* p) const { ArrayAllocator<T>().deallocate(p, count); }
   };
   std::unique_ptr<T, Free> data_;
 };
@@ -56,6 +50,11 @@ void resize_big(std::vector<T>& v, std::size_t count) {
   const auto end = reinterpret_cast<std::uintptr_t>(v.data() + count) / page * page;
   if (end > begin) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
 #endif
+  v.resize(count);
+}
+/// An Array asks for itself.
+template <class T>
+void resize_big(Array<T>& v, std::size_t count) {
   v.resize(count);
 }
 

@@ -1,26 +1,80 @@
 // The data-parallel primitives that algorithms with more than one executor are written over. Every
-// executor gives the same answers, bit for bit: ties go to the lowest index, partial results are
-// combined in index order, compaction is stable.
+// executor gives the same answers, bit for bit: ties are broken by index or value, never by the
+// order of work, and compaction is stable.
+//
+// What an executor runs are small functors over plain pointers, marked CULLHULL_HD, so that the
+// same text is a loop body here and a kernel body on a device. Memory that they touch comes from
+// the executor (`Array`, `reserve`) and is copied by it (`fetch`, `upload`).
 #pragma once
 
+#include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cstdint>
 #include <vector>
 
+#include "parallel/big_array.hpp"
+#include "parallel/host_device.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull::internal {
 
 inline constexpr std::uint32_t no_item = 0xFFFFFFFF;
 
-/// Sets a flag that other threads may set to the same value at the same time.
-inline void mark(std::uint32_t& flag) {
-  std::atomic_ref<std::uint32_t>(flag).store(1, std::memory_order_relaxed);
-}
+/// What an item offers to a cell; to be one of no cell, the value is 0.
+struct Offer {
+  std::uint32_t cell;
+  std::uint64_t value;
+};
+
+/// Memory of an executor on the host. It grows and does not keep its contents when it does.
+template <class T>
+class HostArray {
+ public:
+  T* reserve(std::size_t count) {
+    if (count > capacity_) {
+      items_ = {};  // first, so that both are never held
+      capacity_ = 0;
+      items_ = BigArray<T>(count);
+      capacity_ = count;
+    }
+    return items_.get();
+  }
+  T* data() { return items_.get(); }
+  const T* data() const { return items_.get(); }
+
+ private:
+  BigArray<T> items_;
+  std::size_t capacity_ = 0;
+};
+
+/// What executors on the host have in common.
+struct HostMemory {
+  template <class T>
+  using Array = HostArray<T>;
+  /// Items that one step of a reduction should take together.
+  static constexpr std::uint32_t grain = 512;
+
+  /// Room for `count` items, whose values are undefined.
+  template <class T>
+  static T* reserve(Array<T>& array, std::size_t count) {
+    return array.reserve(count);
+  }
+  template <class T>
+  static void fetch(const T* from, std::size_t count, T* to) {
+    std::copy_n(from, count, to);
+  }
+  template <class T>
+  static void upload(const T* from, std::size_t count, T* to) {
+    std::copy_n(from, count, to);
+  }
+  template <class T>
+  static void zero(T* items, std::size_t count) {
+    std::fill_n(items, count, T{});
+  }
+};
 
 /// The reference: loops in order.
-class SerialExecutor {
+class SerialExecutor : public HostMemory {
  public:
   /// body(i) for every i of [0, count).
   template <class Body>
@@ -28,8 +82,8 @@ class SerialExecutor {
     for (std::uint32_t i = 0; i < count; ++i) body(i);
   }
 
-  /// combine(... combine(combine(identity, map(0)), map(1)) ..., map(count - 1)), where `combine`
-  /// is associative and `identity` is neutral.
+  /// All of identity, map(0) ... map(count - 1), combined. `combine` must be associative and
+  /// commutative, exactly, and `identity` neutral.
   template <class T, class Map, class Combine>
   T reduce(std::uint32_t count, T identity, Map&& map, Combine&& combine) const {
     for (std::uint32_t i = 0; i < count; ++i) identity = combine(identity, map(i));
@@ -37,9 +91,9 @@ class SerialExecutor {
   }
 
   /// Stable compaction: emit(i, k) for the k-th i (from 0) with keep(i); returns how many there
-  /// are. `keep` may be asked twice and must answer alike. An executor may emit an item that is not
-  /// kept to a place k < count that is overwritten or beyond the end: it spares an unpredictable
-  /// branch.
+  /// are. `keep` may be asked twice and must answer alike. An executor may also emit an item that
+  /// is not kept, to the place of the next that is or the one after the last: it spares an
+  /// unpredictable branch.
   template <class Keep, class Emit>
   std::uint32_t select(std::uint32_t count, Keep&& keep, Emit&& emit) const {
     std::uint32_t k = 0;
@@ -50,40 +104,43 @@ class SerialExecutor {
     return k;
   }
 
-  /// values[i] becomes the sum of values[0 .. i); returns the sum of all.
-  std::uint32_t exclusive_scan(std::uint32_t* values, std::uint32_t count) const {
+  /// number[i] becomes how many of the items [0, i) are kept, i = 0 ... count; returns the last.
+  template <class Keep>
+  std::uint32_t enumerate(std::uint32_t count, Keep&& keep, std::uint32_t* number) const {
     std::uint32_t sum = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
-      const std::uint32_t v = values[i];
-      values[i] = sum;
-      sum += v;
+      number[i] = sum;
+      sum += static_cast<std::uint32_t>(keep(i));
     }
+    number[count] = sum;
     return sum;
   }
 
-  /// winner[s] becomes the item i of segment(i) == s with the largest value(i) >= 0, the lowest i
-  /// of equal ones; no_item for a segment without items. Items need not be grouped.
-  template <class Segment, class Value>
-  void segmented_argmax(std::uint32_t count, std::uint32_t segments, Segment&& segment,
-                        Value&& value, std::uint32_t* winner) {
-    best_.assign(segments, -1.0);
-    for (std::uint32_t s = 0; s < segments; ++s) winner[s] = no_item;
+  /// body(i) for every item, which returns an Offer; best[c] becomes the largest value offered to
+  /// cell c of [0, cells), 0 if there is none. Returns how many offers were to no_item. There is
+  /// at least one cell.
+  template <class Body>
+  std::uint32_t scatter_max(std::uint32_t count, std::uint32_t cells, Body&& body,
+                            std::uint64_t* best) const {
+    std::fill_n(best, cells, 0);
+    std::uint32_t none = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
-      const std::uint32_t s = segment(i);
-      const double v = value(i);
-      if (v > best_[s]) {
-        best_[s] = v;
-        winner[s] = i;
-      }
+      const Offer offer = body(i);
+      none += static_cast<std::uint32_t>(offer.cell == no_item);
+      std::uint64_t& b = best[std::min(offer.cell, cells - 1)];
+      if (offer.value > b) b = offer.value;
     }
+    return none;
   }
 
- private:
-  std::vector<double> best_;
+  /// For bodies, at any time: target becomes the less of target and value.
+  CULLHULL_HD static void lower(std::uint32_t& target, std::uint32_t value) {
+    if (value < target) target = value;
+  }
 };
 
 /// The same on the threads of oneTBB.
-class TbbExecutor {
+class TbbExecutor : public HostMemory {
  public:
   explicit TbbExecutor(unsigned threads) : threads_(threads) {}
 
@@ -114,16 +171,7 @@ class TbbExecutor {
 
   template <class Keep, class Emit>
   std::uint32_t select(std::uint32_t count, Keep&& keep, Emit&& emit) const {
-    std::vector<std::uint32_t> offsets(chunk_count(count, chunk));
-    for_each_chunk(count, chunk, threads_,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     std::uint32_t kept = 0;
-                     for (std::uint64_t i = begin; i < end; ++i)
-                       kept += keep(static_cast<std::uint32_t>(i)) ? 1 : 0;
-                     offsets[c] = kept;
-                   });
-    const std::uint32_t total =
-        serial_.exclusive_scan(offsets.data(), static_cast<std::uint32_t>(offsets.size()));
+    const std::vector<std::uint32_t> offsets = kept_before_chunks(count, keep);
     for_each_chunk(count, chunk, threads_,
                    [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
                      std::uint32_t k = offsets[c];
@@ -131,54 +179,41 @@ class TbbExecutor {
                        if (keep(static_cast<std::uint32_t>(i)))
                          emit(static_cast<std::uint32_t>(i), k++);
                    });
-    return total;
+    return offsets.back();
   }
 
-  std::uint32_t exclusive_scan(std::uint32_t* values, std::uint32_t count) const {
-    std::vector<std::uint32_t> offsets(chunk_count(count, chunk));
+  template <class Keep>
+  std::uint32_t enumerate(std::uint32_t count, Keep&& keep, std::uint32_t* number) const {
+    const std::vector<std::uint32_t> offsets = kept_before_chunks(count, keep);
     for_each_chunk(count, chunk, threads_,
                    [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     std::uint32_t sum = 0;
-                     for (std::uint64_t i = begin; i < end; ++i) sum += values[i];
-                     offsets[c] = sum;
-                   });
-    const std::uint32_t total =
-        serial_.exclusive_scan(offsets.data(), static_cast<std::uint32_t>(offsets.size()));
-    for_each_chunk(count, chunk, threads_,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     std::uint32_t sum = offsets[c];
+                     std::uint32_t k = offsets[c];
                      for (std::uint64_t i = begin; i < end; ++i) {
-                       const std::uint32_t v = values[i];
-                       values[i] = sum;
-                       sum += v;
+                       number[i] = k;
+                       k += static_cast<std::uint32_t>(keep(static_cast<std::uint32_t>(i)));
                      }
                    });
-    return total;
+    return number[count] = offsets.back();
   }
 
-  // Values that are not negative are ordered as their bits are: first the largest, then the lowest
-  // item that has it. Both are independent of the order of the threads.
-  template <class Segment, class Value>
-  void segmented_argmax(std::uint32_t count, std::uint32_t segments, Segment&& segment,
-                        Value&& value, std::uint32_t* winner) {
-    best_.assign(segments, 0);
-    for (std::uint32_t s = 0; s < segments; ++s) winner[s] = no_item;
-    const auto bits = [&](std::uint32_t i) { return std::bit_cast<std::uint64_t>(value(i) + 0.0); };
-    for_each(count, [&](std::uint32_t i) { raise(best_[segment(i)], bits(i)); });
-    for_each(count, [&](std::uint32_t i) {
-      if (bits(i) == best_[segment(i)]) lower(winner[segment(i)], i);
-    });
+  template <class Body>
+  std::uint32_t scatter_max(std::uint32_t count, std::uint32_t cells, Body&& body,
+                            std::uint64_t* best) const {
+    for_each(cells, [&](std::uint32_t c) { best[c] = 0; });
+    std::atomic<std::uint32_t> none{0};
+    for_each_chunk(count, chunk, threads_,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     std::uint32_t mine = 0;
+                     for (std::uint64_t i = begin; i < end; ++i) {
+                       const Offer offer = body(static_cast<std::uint32_t>(i));
+                       mine += static_cast<std::uint32_t>(offer.cell == no_item);
+                       raise(best[std::min(offer.cell, cells - 1)], offer.value);
+                     }
+                     none += mine;
+                   });
+    return none;
   }
 
- private:
-  static constexpr std::uint64_t chunk = 4096;
-
-  static void raise(std::uint64_t& target, std::uint64_t v) {
-    std::atomic_ref<std::uint64_t> t(target);
-    std::uint64_t now = t.load(std::memory_order_relaxed);
-    while (v > now && !t.compare_exchange_weak(now, v, std::memory_order_relaxed)) {
-    }
-  }
   static void lower(std::uint32_t& target, std::uint32_t v) {
     std::atomic_ref<std::uint32_t> t(target);
     std::uint32_t now = t.load(std::memory_order_relaxed);
@@ -186,9 +221,32 @@ class TbbExecutor {
     }
   }
 
+ private:
+  static constexpr std::uint64_t chunk = 4096;
+
+  /// For each chunk how many items before it are kept, and at the end how many are in all.
+  template <class Keep>
+  std::vector<std::uint32_t> kept_before_chunks(std::uint32_t count, Keep&& keep) const {
+    std::vector<std::uint32_t> offsets(chunk_count(count, chunk) + 1, 0);
+    for_each_chunk(count, chunk, threads_,
+                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                     std::uint32_t kept = 0;
+                     for (std::uint64_t i = begin; i < end; ++i)
+                       kept += keep(static_cast<std::uint32_t>(i)) ? 1 : 0;
+                     offsets[c + 1] = kept;
+                   });
+    for (std::size_t c = 1; c < offsets.size(); ++c) offsets[c] += offsets[c - 1];
+    return offsets;
+  }
+
+  static void raise(std::uint64_t& target, std::uint64_t v) {
+    std::atomic_ref<std::uint64_t> t(target);
+    std::uint64_t now = t.load(std::memory_order_relaxed);
+    while (v > now && !t.compare_exchange_weak(now, v, std::memory_order_relaxed)) {
+    }
+  }
+
   unsigned threads_;
-  SerialExecutor serial_;
-  std::vector<std::uint64_t> best_;
 };
 
 }  // namespace cullhull::internal

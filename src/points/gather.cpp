@@ -82,6 +82,10 @@ class Lowest {
 
 }  // namespace
 
+void load_row(const PointView& view, std::uint64_t point, double* out) {
+  gather_rows(view, nullptr, point, point + 1, out);
+}
+
 std::vector<double> gather_points(const PointView& view, const std::uint64_t* ids,
                                   std::uint64_t count, unsigned threads) {
   const unsigned d = view.dimension;
@@ -98,6 +102,20 @@ std::vector<double> gather_points(const PointView& view, const std::uint64_t* id
     refuse(ids != nullptr ? ids[b / d] : b / d, static_cast<unsigned>(b % d), out[b]);
   }
   return out;
+}
+
+void check_rows_finite(const double* rows, std::uint64_t count, unsigned dimension,
+                       const std::uint64_t* names, unsigned threads) {
+  Lowest bad;
+  for_each_chunk(count, chunk_size, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   const std::uint64_t b = first_bad(rows, begin * dimension, end * dimension);
+                   if (b != end * dimension) bad.offer(b);
+                 });
+  if (!bad.any()) return;
+  const std::uint64_t i = bad.value() / dimension;
+  refuse(names != nullptr ? names[i] : i, static_cast<unsigned>(bad.value() % dimension),
+         rows[bad.value()]);
 }
 
 void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, unsigned threads) {

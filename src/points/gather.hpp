@@ -14,7 +14,15 @@ namespace cullhull::internal {
 std::vector<double> gather_points(const PointView& view, const std::uint64_t* ids,
                                   std::uint64_t count, unsigned threads);
 
+/// The exact coordinates of one point, finite or not. For loops over many: about as fast as
+/// gather_points where the scalar type stays the same.
+void load_row(const PointView& view, std::uint64_t point, double* out);
+
 /// Throws as gather_points does; ids: nullptr means all points. Memory O(threads).
 void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, unsigned threads);
+
+/// The same for packed rows that are copies of points: row i is point names[i], or i if null.
+void check_rows_finite(const double* rows, std::uint64_t count, unsigned dimension,
+                       const std::uint64_t* names, unsigned threads);
 
 }  // namespace cullhull::internal

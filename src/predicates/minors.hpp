@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "parallel/host_device.hpp"
+
 namespace cullhull::internal {
 
 /// Unit roundoff of double.
@@ -22,7 +24,7 @@ constexpr double minor_roundings(unsigned d) {
 /// columns ascending. `perm`, if Permanent, receives the permanents of |entries|, computed by the
 /// same additions. T is double or a signed integer wide enough for the largest minor.
 template <unsigned D, bool Permanent, class T, class Entry>
-inline void expand_minors(const Entry (*m)[D], unsigned rows, T* det, T* perm) {
+CULLHULL_HD void expand_minors(const Entry (*m)[D], unsigned rows, T* det, T* perm) {
   constexpr unsigned full = 1U << D;
   det[0] = T(1);
   if constexpr (Permanent) perm[0] = T(1);

@@ -133,7 +133,7 @@ void FacetSearch::scale_points() {
 void FacetSearch::copy_neighbours(const Hull& hull) {
   neighbour_start_.assign(hull.facet_neighbours.offsets.begin(),
                           hull.facet_neighbours.offsets.end());
-  neighbours_ = hull.facet_neighbours.items;
+  neighbours_.assign(hull.facet_neighbours.items.begin(), hull.facet_neighbours.items.end());
 }
 
 /// Of each facet's simplices the one whose plane is known best.

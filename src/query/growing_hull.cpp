@@ -25,7 +25,8 @@ namespace {
 /// Replaces every vertex id. Where `of` ascends, every canonical order stays as it is.
 template <class Of>
 void rename(Hull& hull, Of&& of) {
-  for (auto* list : {&hull.vertices, &hull.facets.items, &hull.simplices})
+  for (std::uint64_t& v : hull.vertices) v = of(v);
+  for (auto* list : {&hull.facets.items, &hull.simplices})
     for (std::uint64_t& v : *list) v = of(v);
 }
 
@@ -50,6 +51,7 @@ GrowingHull::GrowingHull(GrowingHull&&) noexcept = default;
 GrowingHull& GrowingHull::operator=(GrowingHull&&) noexcept = default;
 
 const Hull& GrowingHull::hull() const noexcept { return state_->hull; }
+const std::vector<double>& GrowingHull::vertex_coordinates() const noexcept { return state_->rows; }
 
 std::uint64_t GrowingHull::add(const PointView& points, const Options& options) {
   State& s = *state_;

@@ -81,7 +81,7 @@ InnerPolytope polytope_of(const QueryPoints& points, const Hull& hull) {
   p.dimension = points.dimension;
   p.vertices = points.full;
   for (const std::uint64_t id : hull.simplices) p.facets.push_back(points.index_of(id));
-  p.neighbours = hull.simplex_neighbours;
+  p.neighbours.assign(hull.simplex_neighbours.begin(), hull.simplex_neighbours.end());
   return p;
 }
 
@@ -103,8 +103,8 @@ struct HullQuery::State {
         flat(points,
              points.k < points.dimension ? flat_basis(points, hull) : std::vector<std::uint32_t>{}),
         vertices(points, hull),
-        planes(hull.facet_planes),
-        facet_start(hull.facets.offsets) {
+        planes(hull.facet_planes.begin(), hull.facet_planes.end()),
+        facet_start(hull.facets.offsets.begin(), hull.facets.offsets.end()) {
     if (points.k >= 2) facets.emplace(points, hull);
     if (points.k >= 1) tree.emplace(planes, points.dimension);
     for (const std::uint64_t id : hull.facets.items) facet_vertices.push_back(points.index_of(id));
@@ -315,15 +315,19 @@ void HullQuery::State::each(const PointView& view, const Options& options, Body&
   const Control control(options);
   const unsigned threads = resolve_threads(options.threads), d = points.dimension;
   check_finite(view, nullptr, threads);
-  for_each_chunk(view.count, chunk, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   std::vector<double> p(d);
-                   for (std::uint64_t i = begin; i < end; ++i) {
-                     for (unsigned j = 0; j < d; ++j) p[j] = view.at(i, j) + 0.0;
-                     body(i, p.data());
-                   }
-                 });
+  constexpr std::uint64_t block = std::uint64_t{1} << 18;  // between two reports
+  for (std::uint64_t first = 0; first < view.count; first += block) {
+    control.report("query", static_cast<double>(first) / static_cast<double>(view.count));
+    for_each_chunk(std::min(block, view.count - first), chunk, threads,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     control.check();
+                     std::vector<double> p(d);
+                     for (std::uint64_t i = first + begin; i < first + end; ++i) {
+                       for (unsigned j = 0; j < d; ++j) p[j] = view.at(i, j) + 0.0;
+                       body(i, p.data());
+                     }
+                   });
+  }
 }
 
 /// Blocks, so that what the map leaves in doubt stays in the cache; `of` turns a side into an

@@ -1,17 +1,63 @@
 #include "result/build_hull.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 
 #include "parallel/big_array.hpp"
+#include "parallel/pages.hpp"
 #include "parallel/parallel.hpp"
 #include "result/measure.hpp"
 #include "result/merge.hpp"
+#include "result/simplicial.hpp"
+#include "result/vertex_list.hpp"
 
 namespace cullhull::internal {
 namespace {
 
 constexpr std::uint32_t none = 0xFFFFFFFFU;
+
+/// k = 2: vertices counter-clockwise from the lowest id. Facet i runs from its vertex 0 to its
+/// vertex 1; the vertices ascend before.
+void wind_vertices(Hull& hull) {
+  std::uint32_t facet = 0;
+  while (hull.facets.items[2 * std::size_t{facet}] != hull.vertices[0]) ++facet;
+  for (std::uint64_t& v : hull.vertices) {
+    v = hull.facets.items[2 * std::size_t{facet}];
+    facet = hull.facet_neighbours.items[2 * std::size_t{facet}];
+  }
+}
+
+/// The same for edges that follow one another as the engine left them, which is seldom otherwise;
+/// false if they do not. Walking the facets misses the cache at every step.
+bool wind_along(const Surface& surface, const std::uint64_t* ids, unsigned threads, Hull& hull) {
+  const std::uint64_t n = surface.count();
+  // Outward edges run clockwise: from their second stored end, if seen counter-clockwise.
+  const auto from = [&](std::uint64_t f) { return surface.stored(f, 1); };
+  const auto to = [&](std::uint64_t f) { return surface.stored(f, 0); };
+  const bool forward = to(0) == from(1);
+  std::atomic<bool> broken{false};
+  std::atomic<std::uint64_t> first{0};
+  const std::uint64_t lowest = hull.vertices[0];
+  for_each_chunk(n, simplex_chunk, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   for (std::uint64_t f = begin; f < end; ++f) {
+                     const std::uint64_t g = f + 1 < n ? f + 1 : 0;
+                     if (forward ? to(f) != from(g) : from(f) != to(g)) broken = true;
+                     if ((ids ? ids[from(f)] : from(f)) == lowest) first = f;
+                   }
+                 });
+  if (broken) return false;
+  for_each_chunk(n, simplex_chunk, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   for (std::uint64_t i = begin; i < end; ++i) {
+                     std::uint64_t f = forward ? first + i : first + n - i;
+                     if (f >= n) f -= n;
+                     hull.vertices[i] = ids ? ids[from(f)] : from(f);
+                   }
+                 });
+  return true;
+}
 
 /// Canonical order of the simplices and everything that follows from it.
 class Assembler {
@@ -34,7 +80,7 @@ class Assembler {
     write_simplices();
     control_.check();
     write_facets();
-    if (k_ == 2) wind_vertices();
+    if (k_ == 2) wind_vertices(hull_);
   }
 
   const std::vector<std::uint64_t>& ascending_vertices() const { return ascending_; }
@@ -222,16 +268,6 @@ class Assembler {
     if (k_ > 3) std::sort(across, out);
   }
 
-  /// k = 2: counter-clockwise from the lowest id. Facet i runs from its vertex 0 to its vertex 1.
-  void wind_vertices() {
-    std::uint32_t facet = 0;
-    while (hull_.facets.items[2 * std::size_t{facet}] != ascending_[0]) ++facet;
-    for (std::uint64_t& v : hull_.vertices) {
-      v = hull_.facets.items[2 * std::size_t{facet}];
-      facet = hull_.facet_neighbours.items[2 * std::size_t{facet}];
-    }
-  }
-
   const ResultInput& input_;
   Facets facets_;
   const Surface& surface_;
@@ -256,14 +292,26 @@ void build_hull(const ResultInput& input, SimplicialHull&& boundary, const Contr
   hull.scalar = input.view->scalar;
   hull.affine_dimension = static_cast<int>(boundary.dimension);
 
+  const PageScope pages;
   const LocalPoints& local = *input.local;
+  control.report("surface", 0);
   Surface surface = make_surface(std::move(boundary), local, threads);
+  if (surface.k > 1) {
+    VertexList vertices = list_vertices(surface, local.count, input.ids, threads);
+    if (build_simplicial(input, surface, vertices, threads, control, hull)) {
+      hull.vertices = std::move(vertices.ids);
+      if (surface.k == 2 && !wind_along(surface, input.ids, threads, hull)) wind_vertices(hull);
+      return;
+    }
+  }
+  control.report("merge", 0);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   if (surface.k > 1)
     pairs = coplanar_pairs(surface, local, threads, control, hull.statistics.rung_counts);
   Assembler assembler(input, merge_coplanar(std::move(surface), pairs, local, control), threads,
                       control, hull);
   assembler.run();
+  control.report("measures", 0);
   measure(*input.view, assembler.ascending_vertices(), assembler.take_vertex_index(), input.axes,
           threads, control, hull);
 }

@@ -45,6 +45,8 @@ struct Subject {
   std::vector<std::uint32_t> basis;  ///< k + 1 affinely independent vertices
   std::vector<double> centre;        ///< the interior point, if one was found among the doubles
   mutable std::atomic<std::uint64_t> exact_decisions{0};
+  unsigned id_shift = 0;                 ///< ids are looked up by their high bits:
+  std::vector<std::uint32_t> id_bucket;  ///< the first with those, in `ids`
 
   Subject(const PointView& p, const Hull& h, const Control& c, unsigned t)
       : points(p), hull(h), control(c), threads(t) {}
@@ -56,6 +58,31 @@ struct Subject {
     return hull.simplex_neighbours[std::size_t{f} * k + j];
   }
   std::uint64_t position(std::uint64_t id) const;  ///< in `ids`; ids.size() if it is no vertex
+  void index_ids();  ///< makes `position` quick; call when ids are set
+
+  /// Asks for what simplices soon after f refer to: it lies anywhere in memory.
+  void prefetch(std::uint64_t f) const {
+    constexpr std::uint64_t far = 24, near = 12;
+    if (f + far < simplex_count())
+      for (unsigned j = 0; j < k; ++j) {
+        const std::size_t g = hull.simplex_neighbours[(f + far) * k + j];
+        __builtin_prefetch(index.data() + g * k);
+        __builtin_prefetch(hull.simplex_neighbours.data() + g * k);
+        __builtin_prefetch(hull.simplex_facets.data() + g);
+        __builtin_prefetch(row(index[(f + far) * k + j]));
+      }
+    if (f + near < simplex_count())
+      for (unsigned j = 0; j < k; ++j) {
+        const std::uint32_t g = neighbour(static_cast<std::uint32_t>(f + near), j);
+        for (unsigned c = 0; c < k; ++c) __builtin_prefetch(row(simplex(g)[c]));
+      }
+  }
+
+  void prefetch_corners(std::uint64_t f) const {
+    constexpr std::uint64_t ahead = 16;
+    if (f + ahead < simplex_count())
+      for (unsigned j = 0; j < k; ++j) __builtin_prefetch(row(index[(f + ahead) * k + j]));
+  }
 
   /// On which side of simplex f the point x lies; positive is outside. scratch: k + 1 pointers.
   Sign side(std::uint32_t f, const double* x, const double** scratch) const;

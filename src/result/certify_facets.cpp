@@ -46,6 +46,8 @@ class FacetCheck {
                      check_lists(static_cast<std::uint32_t>(f));
                  });
     if (k_ == 2) check_winding();
+    // A corner of a facet that is a simplex is extreme, and such a facet needs no triangulation.
+    if (k_ > 1 && h_.facets.size() == s_.simplex_count()) return;
     index_incidence();
     check_extreme();
     if (k_ > 3) check_pulled();
@@ -62,6 +64,7 @@ class FacetCheck {
     std::vector<std::uint8_t> reached(s_.simplex_count(), 0);
     std::vector<std::uint32_t> stack;
     for (std::uint32_t f = 0; f < h_.facets.size(); ++f) {
+      if (members_.start[f + 1] - members_.start[f] == 1) continue;
       stack.push_back(members_.simplices[members_.start[f]]);
       reached[stack.back()] = 1;
       std::uint32_t count = 0;
@@ -84,6 +87,7 @@ class FacetCheck {
   void check_lists(std::uint32_t f) const {
     const std::uint32_t* begin = members_.simplices.data() + members_.start[f];
     const std::uint32_t* end = members_.simplices.data() + members_.start[f + 1];
+    if (k_ > 2 && end - begin == 1) return check_simplex(f, *begin);
     Set corners;
     for (const auto* i = begin; i != end; ++i)
       corners.insert(corners.end(), s_.simplex(*i), s_.simplex(*i) + k_);
@@ -102,6 +106,37 @@ class FacetCheck {
       check_polygon(f, begin, end, corners[0]);
     else
       check_sets(f, begin, end, corners);
+  }
+
+  /// A facet that is simplex i: the usual case, without the sets that others need.
+  void check_simplex(std::uint32_t f, std::uint32_t i) const {
+    const auto [first, last] = list(f);
+    const std::uint64_t* v = h_.simplices.data() + std::size_t{i} * k_;
+    // Its ids ascend, but for k > 3 its last two may have to be exchanged.
+    const bool swap = k_ > 3 && v[k_ - 2] > v[k_ - 1];
+    bool same = last - first == static_cast<std::ptrdiff_t>(k_);
+    for (unsigned j = 0; j < k_ && same; ++j)
+      same = first[j] == v[swap && j + 2 >= k_ ? 2 * k_ - 3 - j : j];
+    if (!same) fault("facet ", f, " is not its simplex");
+    const std::uint64_t at = h_.facet_neighbours.offsets[f];
+    const std::uint32_t* across = h_.facet_neighbours.items.data() + at;
+    bool right = h_.facet_neighbours.offsets[f + 1] - at <= k_;
+    if (k_ == 3) {
+      right = right && h_.facet_neighbours.offsets[f + 1] - at == 3;
+      for (unsigned j = 0; j < 3 && right; ++j)
+        right = across[j] == h_.simplex_facets[s_.neighbour(i, (j + 2) % 3)];
+    } else if (right) {
+      // A list that strictly ascends and has every neighbour and nothing else.
+      const std::uint32_t* end = across + (h_.facet_neighbours.offsets[f + 1] - at);
+      for (const std::uint32_t* n = across; n != end && right; ++n) {
+        bool met = false;
+        for (unsigned j = 0; j < k_; ++j) met |= h_.simplex_facets[s_.neighbour(i, j)] == *n;
+        right = met && (n == across || n[-1] < *n);
+      }
+      for (unsigned j = 0; j < k_ && right; ++j)
+        right = std::find(across, end, h_.simplex_facets[s_.neighbour(i, j)]) != end;
+    }
+    if (!right) fault("the neighbours of facet ", f, " are wrong");
   }
 
   void check_edge(std::uint32_t f, std::uint32_t i, std::uint32_t simplices) const {
@@ -182,11 +217,13 @@ class FacetCheck {
 
   void index_incidence() {
     start_.assign(s_.ids.size() + 1, 0);
-    listed_.reserve(h_.facets.items.size());
-    for (const std::uint64_t v : h_.facets.items) {
-      listed_.push_back(static_cast<std::uint32_t>(s_.position(v)));
-      ++start_[listed_.back() + std::size_t{1}];
-    }
+    listed_.resize(h_.facets.items.size());
+    check_chunks(s_, listed_.size(), std::uint64_t{1} << 14,
+                 [&](std::uint64_t begin, std::uint64_t end) {
+                   for (std::uint64_t i = begin; i < end; ++i)
+                     listed_[i] = static_cast<std::uint32_t>(s_.position(h_.facets.items[i]));
+                 });
+    for (const std::uint32_t v : listed_) ++start_[v + std::size_t{1}];
     std::partial_sum(start_.begin(), start_.end(), start_.begin());
     on_.resize(listed_.size());
     std::vector<std::uint64_t> at(start_.begin(), start_.end() - 1);

@@ -14,29 +14,32 @@ using Long = long double;
 /// Far above what either side rounds, far below any mistake worth the name.
 constexpr double relative_tolerance = 1e-9;
 
-/// m-measure of the parallelotope of m rows of R^d (consumed), by Gram-Schmidt; `size` receives the
-/// product of the rows' lengths, in units of which rounding shows.
-Long parallelotope(std::vector<std::vector<Long>>& rows, unsigned m, Long& size) {
-  Long measure = 1;
-  size = 1;
-  for (unsigned i = 0; i < m; ++i) {
-    auto& row = rows[i];
+/// The measure of a parallelotope, and the product of its edges' lengths, in units of which
+/// rounding shows.
+struct Measure {
+  Long value = 1, size = 1;
+};
+
+/// Row m of a parallelotope in R^d joins the rows before it, which are orthonormal, by
+/// Gram-Schmidt; the row is replaced.
+void add_row(Long* rows, unsigned m, unsigned d, Measure& measure) {
+  Long* row = rows + std::size_t{m} * d;
+  const auto norm = [&] {
     Long square = 0;
-    for (const Long v : row) square += v * v;
-    size *= std::sqrt(square);
-    for (unsigned r = 0; r < i; ++r) {
-      Long dot = 0;
-      for (std::size_t c = 0; c < row.size(); ++c) dot += row[c] * rows[r][c];
-      for (std::size_t c = 0; c < row.size(); ++c) row[c] -= dot * rows[r][c];
-    }
-    square = 0;
-    for (const Long v : row) square += v * v;
-    const Long norm = std::sqrt(square);
-    measure *= norm;
-    if (norm > 0)
-      for (Long& v : row) v /= norm;
+    for (unsigned c = 0; c < d; ++c) square += row[c] * row[c];
+    return std::sqrt(square);
+  };
+  measure.size *= norm();
+  for (unsigned r = 0; r < m; ++r) {
+    const Long* unit = rows + std::size_t{r} * d;
+    Long dot = 0;
+    for (unsigned c = 0; c < d; ++c) dot += row[c] * unit[c];
+    for (unsigned c = 0; c < d; ++c) row[c] -= dot * unit[c];
   }
-  return measure;
+  const Long rest = norm();
+  measure.value *= rest;
+  if (rest > 0)
+    for (unsigned c = 0; c < d; ++c) row[c] /= rest;
 }
 
 struct Sums {
@@ -68,8 +71,11 @@ class Numbers {
     check_chunks(s_, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
       Sums& out = parts[begin / chunk];
       out.moment.assign(d_, 0);
-      std::vector<std::vector<Long>> rows(k_, std::vector<Long>(d_));
-      for (std::uint64_t i = begin; i < end; ++i) add(static_cast<std::uint32_t>(i), rows, out);
+      std::vector<Long> rows(std::size_t{k_} * d_);
+      for (std::uint64_t i = begin; i < end; ++i) {
+        s_.prefetch_corners(i);
+        add(static_cast<std::uint32_t>(i), rows.data(), out);
+      }
     });
     Sums all;
     all.moment.assign(d_, 0);
@@ -84,24 +90,26 @@ class Numbers {
   }
 
   /// The simplex with the first vertex as apex: its base's edges, then the step to the apex.
-  void add(std::uint32_t i, std::vector<std::vector<Long>>& rows, Sums& out) const {
+  void add(std::uint32_t i, Long* rows, Sums& out) const {
     const std::uint32_t* v = s_.simplex(i);
     const double* base = at(v[0]);
     const double* origin = at(0);
-    for (unsigned r = 1; r < k_; ++r)
-      for (unsigned c = 0; c < d_; ++c) rows[r - 1][c] = Long{at(v[r])[c]} - base[c];
-    for (unsigned c = 0; c < d_; ++c) rows[k_ - 1][c] = Long{origin[c]} - base[c];
-    auto edges = rows;
-    Long size = 1;
-    out.area += parallelotope(edges, k_ - 1, size);
-    out.area_error += size;
-    const Long volume = parallelotope(rows, k_, size);
-    out.volume += volume;
-    out.volume_error += size;
+    Measure measure;
+    for (unsigned r = 0; r < k_; ++r) {
+      const double* to = r + 1 < k_ ? at(v[r + 1]) : origin;
+      if (r + 1 == k_) {
+        out.area += measure.value;
+        out.area_error += measure.size;
+      }
+      for (unsigned c = 0; c < d_; ++c) rows[std::size_t{r} * d_ + c] = Long{to[c]} - base[c];
+      add_row(rows, r, d_, measure);
+    }
+    out.volume += measure.value;
+    out.volume_error += measure.size;
     for (unsigned c = 0; c < d_; ++c) {
       Long sum = 0;
       for (unsigned j = 0; j < k_; ++j) sum += Long{at(v[j])[c]} - origin[c];
-      out.moment[c] += volume * sum;
+      out.moment[c] += measure.value * sum;
     }
   }
 
@@ -153,8 +161,10 @@ class Numbers {
                          std::numeric_limits<double>::min();
     check_chunks(s_, s_.simplex_count(), std::uint64_t{1} << 13,
                  [&](std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint64_t i = begin; i < end; ++i)
+                   for (std::uint64_t i = begin; i < end; ++i) {
+                     s_.prefetch(i);
                      check_plane(static_cast<std::uint32_t>(i), allowed);
+                   }
                  });
   }
 
@@ -174,13 +184,13 @@ class Numbers {
     for (unsigned j = 0; j < k_; ++j) {
       if (!(std::fabs(value(s_.simplex(i)[j])) <= allowed))
         fault("the plane of facet ", f, " misses vertex ", s_.ids[s_.simplex(i)[j]]);
-      const std::uint32_t g = s_.neighbour(i, j);
+      // Of a neighbour's corners all but one are corners of this simplex.
+      const std::uint32_t* g = s_.simplex(s_.neighbour(i, j));
+      const std::uint32_t* v = s_.simplex(i);
       for (unsigned c = 0; c < k_; ++c)
-        if (!(value(s_.simplex(g)[c]) <= allowed))
-          fault("the plane of facet ", f, " leaves vertex ", s_.ids[s_.simplex(g)[c]], " outside");
+        if (std::find(v, v + k_, g[c]) == v + k_ && !(value(g[c]) <= allowed))
+          fault("the plane of facet ", f, " leaves vertex ", s_.ids[g[c]], " outside");
     }
-    Long lowest = 0;
-    for (const std::uint32_t v : s_.basis) lowest = std::min(lowest, value(v));
     // Some corner of the basis is off the facet by more than rounding, unless the hull is thin.
     Long highest = 0;
     for (const std::uint32_t v : s_.basis) highest = std::max(highest, value(v));

@@ -48,13 +48,16 @@ void read_vertices(Subject& s) {
     if (s.ids[i] >= s.points.count) fault("vertex ", s.ids[i], " is out of range");
     if (i > 0 && s.ids[i - 1] >= s.ids[i]) fault("vertices are not in ascending order");
   }
+  s.index_ids();
   const unsigned d = h.dimension;
   s.full.resize(s.ids.size() * d);
-  for (std::size_t i = 0; i < s.ids.size(); ++i)
-    for (unsigned j = 0; j < d; ++j) {
-      s.full[i * d + j] = s.points.at(s.ids[i], j);
-      if (!std::isfinite(s.full[i * d + j])) fault("point ", s.ids[i], " is not finite");
-    }
+  check_chunks(s, s.ids.size(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i)
+      for (unsigned j = 0; j < d; ++j) {
+        s.full[i * d + j] = s.points.at(s.ids[i], j);
+        if (!std::isfinite(s.full[i * d + j])) fault("point ", s.ids[i], " is not finite");
+      }
+  });
 }
 
 void read_simplices(Subject& s) {
@@ -108,9 +111,10 @@ unsigned opposite_slot(const Subject& s, std::uint32_t f, unsigned i, std::uint3
 
 /// Whether replacing vertex i of f by vertex j of g reverses the orientation, as it must where the
 /// two lie side by side: the permutation from f's order to g's, with one for the other, is odd.
-bool coherent(const Subject& s, std::uint32_t f, unsigned i, std::uint32_t g, unsigned j) {
+bool coherent(const Subject& s, std::uint32_t f, unsigned i, std::uint32_t g, unsigned j,
+              std::vector<std::uint32_t>& order) {
   const std::uint32_t* b = s.simplex(g);
-  std::vector<std::uint32_t> order(s.simplex(f), s.simplex(f) + s.k);
+  order.assign(s.simplex(f), s.simplex(f) + s.k);
   order[i] = b[j];
   bool odd = false;
   for (unsigned c = 0; c < s.k; ++c) {
@@ -129,6 +133,7 @@ bool beneath_all(const Subject& s) {
     check_chunks(s, count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
       std::vector<const double*> scratch(s.k + 1);
       for (std::uint64_t f = begin; f < end; ++f) {
+        s.prefetch_corners(f);
         for (unsigned j = 0; j < s.k; ++j)
           scratch[j] = s.row(s.simplex(static_cast<std::uint32_t>(f))[j]);
         if (s.seen(scratch.data()) != Sign::negative)
@@ -270,13 +275,15 @@ std::uint64_t check_ridges(const Subject& s) {
   }
   check_chunks(s, s.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
     std::vector<const double*> scratch(s.k + 1);
+    std::vector<std::uint32_t> order;
     for (std::uint64_t wide = begin; wide < end; ++wide) {
       const auto f = static_cast<std::uint32_t>(wide);
+      s.prefetch(f);
       for (unsigned i = 0; i < s.k; ++i) {
         const std::uint32_t g = s.neighbour(f, i);
         const unsigned j = opposite_slot(s, f, i, g);
         if (g < f) continue;
-        if (!coherent(s, f, i, g, j))
+        if (!coherent(s, f, i, g, j, order))
           fault("simplices ", f, " and ", g, " are oriented differently");
         const Sign side = s.side(f, s.row(s.simplex(g)[j]), scratch.data());
         const bool same = h.simplex_facets[f] == h.simplex_facets[g];

@@ -2,33 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
-#include "predicates/orientation.hpp"
-#include "result/cofactors.hpp"
-#include "result/double_double.hpp"
 #include "result/exact_rests.hpp"
-#include "result/measure_frame.hpp"
+#include "result/facet_plane.hpp"
+#include "result/totals.hpp"
 
 namespace cullhull::internal {
 namespace {
 
-constexpr std::uint64_t measure_chunk = std::uint64_t{1} << 13;
-template <class Real>
-Real difference(double a, double b) {
-  if constexpr (std::is_same_v<Real, double>) return a - b;
-  if constexpr (std::is_same_v<Real, DoubleDouble>) return DoubleDouble::sum(a, -b);
-}
-double value(double v) { return v; }
-double value(const DoubleDouble& v) { return v.value(); }
 bool is_zero(double v) { return v == 0; }
 bool is_zero(const DoubleDouble& v) { return v.high == 0; }
 double magnitude(double v) { return std::fabs(v); }
 double magnitude(const DoubleDouble& v) { return std::fabs(v.high); }
 
-/// Normal of a simplex by elimination with complete pivoting, for k beyond `cofactors`.
+}  // namespace
+
 template <class Real>
 void eliminate_normal(std::vector<Real>& m, unsigned k, Real* normal) {
   std::vector<unsigned> column(k);
@@ -72,64 +62,10 @@ void eliminate_normal(std::vector<Real>& m, unsigned k, Real* normal) {
   }
 }
 
-/// Cofactor normal (outward) of the simplex with vertices v[0..k), in the frame's axes. Returns the
-/// product of its edges' lengths from v[0], which the normal's length cannot exceed.
-template <unsigned K, class Real>
-double simplex_normal(const Frame& frame, const std::uint32_t* v, Real* normal,
-                      std::vector<Real>& scratch) {
-  const unsigned k = K ? K : frame.k;
-  const double* origin = frame.at(v[0]);
-  double lengths = 1;
-  const auto fill = [&](unsigned i, Real* row) {
-    const double* p = frame.at(v[i]);
-    double square = 0;
-    for (unsigned c = 0; c < k; ++c) {
-      const unsigned a = frame.axes[c];
-      row[c] = difference<Real>(p[a], origin[a]);
-      square += value(row[c]) * value(row[c]);
-    }
-    lengths *= std::sqrt(square);
-  };
-  if constexpr (K != 0) {
-    Real edges[K > 1 ? K - 1 : 1][K];
-    for (unsigned i = 1; i < K; ++i) fill(i, edges[i - 1]);
-    Real out[K];
-    cofactors<K, Real>(edges, out);
-    for (unsigned c = 0; c < K; ++c) normal[c] = out[c];
-  } else {
-    scratch.resize(std::size_t{k - 1} * k);
-    for (unsigned i = 1; i < k; ++i) fill(i, scratch.data() + std::size_t{i - 1} * k);
-    eliminate_normal(scratch, k, normal);
-  }
-  return lengths;
-}
+template void eliminate_normal(std::vector<double>&, unsigned, double*);
+template void eliminate_normal(std::vector<DoubleDouble>&, unsigned, DoubleDouble*);
 
-double length(const double* v, unsigned n) {
-  double square = 0;
-  for (unsigned c = 0; c < n; ++c) square += v[c] * v[c];
-  return std::sqrt(square);
-}
-
-/// Sums over a run of simplices. `error` and `area_error` bound, up to a modest constant and in
-/// units of the last place, what rounding may have done to `volume` and `area`.
-template <class Sum>
-struct Totals {
-  Sum volume = 0, area = 0;
-  std::vector<Sum> moment;
-  double error = 0, area_error = 0;
-  explicit Totals(unsigned d) : moment(d, Sum(0)) {}
-  void add(const Totals& o) {
-    volume = volume + o.volume;
-    area = area + o.area;
-    for (std::size_t c = 0; c < moment.size(); ++c) moment[c] = moment[c] + o.moment[c];
-    error += o.error;
-    area_error += o.area_error;
-  }
-};
-
-/// A normal shorter than this share of its edges' product is computed again with more bits, so its
-/// direction is good to about 2^-38 of a right angle at worst, and usually far better.
-constexpr double conditioned = 0x1p-12;
+namespace {
 
 template <unsigned K>
 class Measurer {
@@ -142,7 +78,8 @@ class Measurer {
         control_(control),
         hull_(hull),
         k_(K ? K : frame.k),
-        count_(index.size() / k_) {}
+        count_(index.size() / k_),
+        plane_(frame) {}
 
   void run() {
     // The usual case: every facet is one simplex, whose plane and share of the sums need the same
@@ -161,15 +98,7 @@ class Measurer {
       t = totals<DoubleDouble>();
       if (!settled(t, 0x1p-102)) return sum_exactly();
     }
-    finish(t, frame_.exponent);
-  }
-
-  /// Whether rounding by `unit` and underflow (below 2^-1022 for each product) are harmless.
-  static bool settled(const Totals<DoubleDouble>& t, double unit) {
-    constexpr double tolerance = 0x1p-42, far_from_underflow = 0x1p-900;
-    const double volume = t.volume.value(), area = t.area.value();
-    return t.error * unit <= tolerance * volume && t.area_error * unit <= tolerance * area &&
-           volume > far_from_underflow && area > far_from_underflow;
+    finish_measures(frame_, t, hull_);
   }
 
   void planes() {
@@ -193,25 +122,6 @@ class Measurer {
 
   const std::uint32_t* simplex(std::uint64_t i) const { return index_.data() + i * k_; }
 
-  /// Normal in doubles; where badly conditioned, by way of double-doubles. Returns its length, and
-  /// in `reliable` whether that was enough. `error`: what rounding may have done to the normal, up
-  /// to a modest constant, in units of 2^-53.
-  double normal(std::uint64_t i, double* n, std::vector<double>& scratch, bool* reliable,
-                double* error) const {
-    const double lengths = simplex_normal<K, double>(frame_, simplex(i), n, scratch);
-    double l = length(n, k_);
-    *reliable = true;
-    *error = l;
-    if (l > conditioned * lengths) return l;
-    std::vector<DoubleDouble> wide(k_), wide_scratch;
-    simplex_normal<K, DoubleDouble>(frame_, simplex(i), wide.data(), wide_scratch);
-    for (unsigned c = 0; c < k_; ++c) n[c] = wide[c].value();
-    l = length(n, k_);
-    *error = l + 0x1p-49 * lengths;
-    *reliable = l > 0x1p-52 * lengths && l > 0x1p-450;  // far from underflow of its square
-    return l;
-  }
-
   template <class Real>
   Totals<DoubleDouble> totals() const {
     const unsigned d = frame_.dimension;
@@ -221,9 +131,8 @@ class Measurer {
                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
                      control_.check();
                      // Short runs in plain arithmetic, then into the wider sum.
-                     constexpr std::uint64_t run_length = 32;
-                     for (std::uint64_t b = begin; b < end; b += run_length)
-                       add_run<Real>(b, std::min(b + run_length, end), parts[chunk]);
+                     for (std::uint64_t b = begin; b < end; b += measure_run)
+                       add_run<Real>(b, std::min(b + measure_run, end), parts[chunk]);
                    });
     Totals<DoubleDouble> all(d);
     for (const auto& p : parts) all.add(p);
@@ -249,7 +158,7 @@ class Measurer {
       bool reliable = true;
       double size = 0, error = 0;
       if constexpr (std::is_same_v<Real, double>)
-        size = normal(i, n, scratch, &reliable, &error);
+        size = plane_.normal(v, n, scratch, &reliable, &error);
       else
         error = simplex_normal<K, Real>(frame_, v, n, scratch);
       const double* p = frame_.at(v[0]);
@@ -274,7 +183,7 @@ class Measurer {
       }
       if constexpr (std::is_same_v<Real, double>)
         if (fused_)
-          write_plane(i, n, reliable, hull_.facet_planes.data() + i * (d + std::uint64_t{1}));
+          plane_.write(v, n, reliable, hull_.facet_planes.data() + i * (d + std::uint64_t{1}));
     }
     out.volume = out.volume + DoubleDouble(volume);
     out.area = out.area + DoubleDouble(area);
@@ -297,29 +206,6 @@ class Measurer {
     return std::sqrt(square);
   }
 
-  static Wide widened(const DoubleDouble& v) { return Wide(v.high) + Wide(v.low); }
-
-  /// Sums are in units of 2^exponent per coordinate, on the frame's axes.
-  void finish(const Totals<DoubleDouble>& t, long exponent) {
-    const Wide volume = widened(t.volume) * frame_.stretch;
-    std::vector<Wide> moment;
-    for (const DoubleDouble& v : t.moment) moment.push_back(widened(v) * frame_.stretch);
-    finish(volume, widened(t.area) * frame_.stretch, moment, exponent);
-  }
-
-  void finish(const Wide& volume, const Wide& area, const std::vector<Wide>& moment,
-              long exponent) {
-    Wide factorial = 1;
-    for (unsigned i = 2; i < k_; ++i) factorial = factorial * Wide(i);
-    hull_.area = (area / factorial).to_double(exponent * (k_ - 1L));
-    hull_.volume = (volume / (factorial * Wide(k_))).to_double(exponent * static_cast<long>(k_));
-    for (unsigned c = 0; c < frame_.dimension; ++c) {
-      const Wide shift = moment[c] / (volume * Wide(k_ + 1.0));
-      const Wide origin = Wide(frame_.raw_at(0)[c]);
-      hull_.centroid.push_back((origin + shift.times_power_of_two(exponent)).to_double());
-    }
-  }
-
   /// The last rung: every simplex's measures from exact integers, for hulls so thin or of such
   /// proportions that doubles of any number lose them. All volumes count positive, seen from
   /// vertex 0.
@@ -337,7 +223,7 @@ class Measurer {
     Totals<Wide> all(d);
     for (const auto& p : parts) all.add(p);
     if (all.volume.zero()) throw Error(ErrorCode::internal, "the hull has no volume");
-    finish(all.volume, all.area, all.moment, 0);
+    finish_measures(frame_, all.volume, all.area, all.moment, 0, hull_);
   }
 
   void add_exactly(std::uint64_t i, Totals<Wide>& out) const {
@@ -374,7 +260,7 @@ class Measurer {
     for (std::uint32_t i = 0; i < count_; ++i) {
       bool reliable = false;
       double error = 0;
-      const double l = normal(i, n.data(), scratch, &reliable, &error);
+      const double l = plane_.normal(simplex(i), n.data(), scratch, &reliable, &error);
       const std::uint32_t f = hull_.simplex_facets[i];
       if (l > longest[f]) {
         longest[f] = l;
@@ -390,75 +276,8 @@ class Measurer {
     double* n = K ? few : many.data();
     bool reliable = false;
     double error = 0;
-    if (!frame_.wild) normal(i, n, scratch, &reliable, &error);
-    write_plane(i, n, reliable, out);
-  }
-
-  /// From the normal of simplex i, which is overwritten.
-  void write_plane(std::uint64_t i, double* n, bool reliable, double* out) const {
-    const unsigned d = frame_.dimension;
-    if (frame_.wild && frame_.flat()) return write_flat_plane(i, out);
-    if (!reliable) exact_normal(i, n);
-    double largest = 0;
-    for (unsigned c = 0; c < k_; ++c) largest = std::max(largest, std::fabs(n[c]));
-    if (!(largest > 0x1p-400 && largest < 0x1p400)) {
-      const int e = largest > 0 ? std::ilogb(largest) : 0;
-      for (unsigned c = 0; c < k_; ++c) n[c] = std::ldexp(n[c], -e);
-    }
-    if (frame_.flat()) {
-      std::fill(out, out + d, 0.0);
-      for (unsigned r = 0; r < k_; ++r) {
-        const double* row = frame_.basis.data() + std::size_t{r} * d;
-        double t = 0;
-        for (unsigned c = 0; c < k_; ++c) t += row[frame_.axes[c]] * n[c];
-        for (unsigned c = 0; c < d; ++c) out[c] += t * row[c];
-      }
-    } else {
-      std::copy(n, n + k_, out);
-    }
-    const double l = length(out, d);
-    const double* p = frame_.at(simplex(i)[0]);
-    double offset = 0;
-    for (unsigned c = 0; c < d; ++c) {
-      out[c] /= l;
-      offset -= out[c] * p[c];
-    }
-    out[d] = frame_.wild ? wide_offset(i, out) : scale_by(offset, frame_.exponent);
-  }
-
-  double wide_offset(std::uint64_t i, const double* normal) const {
-    Wide offset;
-    for (unsigned c = 0; c < frame_.dimension; ++c)
-      offset = offset - Wide(normal[c]) * Wide(frame_.raw_at(simplex(i)[0])[c]);
-    return offset.to_double();
-  }
-
-  /// Away from a vertex that is off the facet, at right angles to the facet.
-  void write_flat_plane(std::uint64_t i, double* out) const {
-    std::vector<const double*> corners;
-    for (unsigned j = 0; j < k_; ++j) corners.push_back(frame_.raw_at(simplex(i)[j]));
-    corners.push_back(nullptr);
-    for (const std::uint32_t v : frame_.spanning) {
-      corners[k_] = frame_.raw_at(v);
-      const std::vector<Wide> inward =
-          ExactRests(frame_.dimension, corners.data(), k_).direction(k_ - 1);
-      if (inward.empty()) continue;
-      for (unsigned c = 0; c < frame_.dimension; ++c) out[c] = (-inward[c]).to_double();
-      out[frame_.dimension] = wide_offset(i, out);
-      return;
-    }
-    throw Error(ErrorCode::internal, "a facet of the hull contains all of it");
-  }
-
-  void exact_normal(std::uint64_t i, double* n) const {
-    std::vector<double> packed;
-    for (unsigned j = 0; j < k_; ++j)
-      for (unsigned c = 0; c < k_; ++c)
-        packed.push_back(frame_.raw_at(simplex(i)[j])[frame_.axes[c]]);
-    std::vector<const double*> rows;
-    for (unsigned j = 0; j < k_; ++j) rows.push_back(packed.data() + std::size_t{j} * k_);
-    if (!plane_exact(k_, rows.data(), n))
-      throw Error(ErrorCode::internal, "a simplex of the hull is degenerate");
+    if (!frame_.wild) plane_.normal(simplex(i), n, scratch, &reliable, &error);
+    plane_.write(simplex(i), n, reliable, out);
   }
 
   const Frame& frame_;
@@ -468,6 +287,7 @@ class Measurer {
   Hull& hull_;
   const unsigned k_;
   const std::uint64_t count_;
+  const FacetPlane<K> plane_;
   bool fused_ = false;
 };
 
@@ -503,7 +323,76 @@ void measure_segment(const Frame& frame, const std::vector<std::uint32_t>& index
     hull.centroid.push_back((Wide(frame.raw_at(index[0])[c]) + step[c] / Wide(2)).to_double());
 }
 
+Wide widened(const DoubleDouble& v) { return Wide(v.high) + Wide(v.low); }
+
 }  // namespace
+
+void finish_measures(const Frame& frame, const Wide& volume, const Wide& area,
+                     const std::vector<Wide>& moment, long exponent, Hull& hull) {
+  const unsigned k = frame.k;
+  Wide factorial = 1;
+  for (unsigned i = 2; i < k; ++i) factorial = factorial * Wide(i);
+  hull.area = (area / factorial).to_double(exponent * (k - 1L));
+  hull.volume = (volume / (factorial * Wide(k))).to_double(exponent * static_cast<long>(k));
+  hull.centroid.clear();
+  for (unsigned c = 0; c < frame.dimension; ++c) {
+    const Wide shift = moment[c] / (volume * Wide(k + 1.0));
+    const Wide origin = Wide(frame.raw_at(0)[c]);
+    hull.centroid.push_back((origin + shift.times_power_of_two(exponent)).to_double());
+  }
+}
+
+namespace {
+
+/// v, known to within `error`, times 2^shift as a double, if that is beyond doubt and far from the
+/// ends of the doubles' range: then it is what any longer arithmetic gives.
+bool round_surely(const DoubleDouble& v, double error, long shift, double& out) {
+  const double low = v.high + (v.low - error), high = v.high + (v.low + error);
+  if (low != high || !(std::fabs(low) > 0x1p-400 && std::fabs(low) < 0x1p400) || shift < -400 ||
+      shift > 400)
+    return false;
+  out = scale_by(low, static_cast<int>(shift));
+  return true;
+}
+
+/// Quotients and sums of double-doubles are off by a few units of 2^-104; this leaves room.
+constexpr double double_double_error = 0x1p-96;
+
+/// The measures in double-doubles; false if a rounding is in doubt.
+bool finish_quickly(const Frame& frame, const Totals<DoubleDouble>& sums, Hull& hull) {
+  const unsigned k = frame.k;
+  if (frame.flat() || k > 8 || frame.exponent < -40 || frame.exponent > 40) return false;
+  double factorial = 1;
+  for (unsigned i = 2; i < k; ++i) factorial *= i;
+  const auto round = [](const DoubleDouble& v, long shift, double& out) {
+    return round_surely(v, double_double_error * std::fabs(v.high), shift, out);
+  };
+  if (!round(sums.area / DoubleDouble(factorial), frame.exponent * (k - 1L), hull.area) ||
+      !round(sums.volume / DoubleDouble(factorial * k), frame.exponent * static_cast<long>(k),
+             hull.volume))
+    return false;
+  hull.centroid.resize(frame.dimension);
+  const DoubleDouble weight = sums.volume * DoubleDouble(k + 1.0);
+  for (unsigned c = 0; c < frame.dimension; ++c) {
+    const DoubleDouble shift = sums.moment[c] / weight;
+    // The vertex is in units of 2^exponent here, which changes no digit of a normal double.
+    const DoubleDouble origin(frame.at(0)[c]);
+    if (origin.high != 0 && std::fabs(origin.high) < 0x1p-900) return false;
+    const double error = double_double_error * (std::fabs(shift.high) + std::fabs(origin.high));
+    if (!round_surely(origin + shift, error, frame.exponent, hull.centroid[c])) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void finish_measures(const Frame& frame, const Totals<DoubleDouble>& sums, Hull& hull) {
+  if (finish_quickly(frame, sums, hull)) return;
+  const Wide volume = widened(sums.volume) * frame.stretch;
+  std::vector<Wide> moment;
+  for (const DoubleDouble& v : sums.moment) moment.push_back(widened(v) * frame.stretch);
+  finish_measures(frame, volume, widened(sums.area) * frame.stretch, moment, frame.exponent, hull);
+}
 
 void measure(const PointView& points, const std::vector<std::uint64_t>& vertices,
              const std::vector<std::uint32_t>& vertex_index, const unsigned* axes, unsigned threads,

@@ -1,9 +1,9 @@
 #include "result/measure_frame.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "cullhull/error.hpp"
-#include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
 #include "predicates/orientation.hpp"
 #include "result/exact_rests.hpp"
@@ -16,7 +16,7 @@ constexpr std::uint64_t gather_chunk = std::uint64_t{1} << 13;
 /// k + 1 affinely independent vertices: greedily the farthest from the span so far, in doubles;
 /// where rounding spoils that, the first that raise the exact rank.
 std::vector<std::uint32_t> spanning_vertices(const Frame& frame, bool exactly) {
-  const auto count = static_cast<std::uint32_t>(frame.raw.size() / frame.dimension);
+  const auto count = static_cast<std::uint32_t>(frame.scaled.size() / frame.dimension);
   const unsigned d = frame.dimension;
   std::vector<std::uint32_t> chosen{0};
   if (exactly) {
@@ -140,7 +140,90 @@ void span_flat(Frame& frame) {
   if (!det.zero()) frame.stretch = Wide(1) / det;
 }
 
+struct Range {
+  double low, high;
+};
+
+/// Coordinate rows of the vertices; the range of each coordinate goes to ranges[0 .. d).
+template <class T>
+void gather(const PointView& points, const std::vector<std::uint64_t>& ids, std::uint64_t begin,
+            std::uint64_t end, double* out, Range* ranges) {
+  const unsigned d = points.dimension;
+  for (std::uint64_t i = begin; i < end; ++i) {
+    const std::byte* p = points.address(ids[i], 0);
+    for (unsigned c = 0; c < d; ++c) {
+      T v;
+      std::memcpy(&v, p + static_cast<std::ptrdiff_t>(c) * points.coordinate_stride, sizeof v);
+      const auto x = static_cast<double>(v);
+      *out++ = x;
+      Range& r = ranges[c];
+      if (i == begin) r = {x, x};
+      r.low = std::min(r.low, x);
+      r.high = std::max(r.high, x);
+    }
+  }
+}
+
+void gather(const PointView& points, const std::vector<std::uint64_t>& ids, std::uint64_t begin,
+            std::uint64_t end, double* out, Range* ranges) {
+  switch (points.scalar) {
+    case ScalarType::f32:
+      return gather<float>(points, ids, begin, end, out, ranges);
+    case ScalarType::f64:
+      return gather<double>(points, ids, begin, end, out, ranges);
+    case ScalarType::i8:
+      return gather<std::int8_t>(points, ids, begin, end, out, ranges);
+    case ScalarType::u8:
+      return gather<std::uint8_t>(points, ids, begin, end, out, ranges);
+    case ScalarType::i16:
+      return gather<std::int16_t>(points, ids, begin, end, out, ranges);
+    case ScalarType::u16:
+      return gather<std::uint16_t>(points, ids, begin, end, out, ranges);
+    case ScalarType::i32:
+      return gather<std::int32_t>(points, ids, begin, end, out, ranges);
+    case ScalarType::u32:
+      return gather<std::uint32_t>(points, ids, begin, end, out, ranges);
+  }
+}
+
+/// Fills `scaled` and `exponent`; the range of each coordinate as given.
+std::vector<Range> gather_scaled(Frame& f, unsigned threads) {
+  const std::vector<std::uint64_t>& ids = *f.vertices;
+  const unsigned d = f.dimension;
+  f.scaled.resize(ids.size() * d);
+  std::vector<Range> parts(chunk_count(ids.size(), gather_chunk) * d);
+  for_each_chunk(ids.size(), gather_chunk, threads,
+                 [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+                   gather(*f.points, ids, begin, end, f.scaled.data() + begin * d,
+                          parts.data() + chunk * d);
+                 });
+  std::vector<Range> ranges(parts.begin(), parts.begin() + d);
+  double largest = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    Range& r = ranges[i % d];
+    r = {std::min(r.low, parts[i].low), std::max(r.high, parts[i].high)};
+    largest = std::max({largest, std::fabs(r.low), std::fabs(r.high)});
+  }
+  if (largest > 0) f.exponent = std::ilogb(largest) + 1;
+  if (f.exponent != 0)
+    for_each_chunk(f.scaled.size(), gather_chunk * 4, threads,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     for (std::uint64_t i = begin; i < end; ++i)
+                       f.scaled[i] = scale_by(f.scaled[i], -f.exponent);
+                   });
+  return ranges;
+}
+
 }  // namespace
+
+const double* Frame::raw_at(std::uint32_t v) const {
+  std::call_once(raw_->gathered, [&] {
+    raw_->rows.resize(scaled.size());
+    std::vector<Range> ranges(dimension);
+    gather(*points, *vertices, 0, vertices->size(), raw_->rows.data(), ranges.data());
+  });
+  return raw_->rows.data() + std::size_t{v} * dimension;
+}
 
 Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vertices,
                  const unsigned* axes, unsigned k, unsigned threads) {
@@ -148,40 +231,20 @@ Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vert
   f.dimension = points.dimension;
   f.k = k;
   f.axes.assign(axes, axes + k);
-  const unsigned d = f.dimension;
-  resize_big(f.raw, vertices.size() * d);
-  for_each_chunk(vertices.size(), gather_chunk, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint64_t i = begin; i < end; ++i)
-                     for (unsigned c = 0; c < d; ++c) f.raw[i * d + c] = points.at(vertices[i], c);
-                 });
-  double largest = 0;
-  for (const double v : f.raw) largest = std::max(largest, std::fabs(v));
-  if (largest > 0) f.exponent = std::ilogb(largest) + 1;
-  resize_big(f.scaled, f.raw.size());
-  for (std::size_t i = 0; i < f.raw.size(); ++i) f.scaled[i] = scale_by(f.raw[i], -f.exponent);
+  f.points = &points;
+  f.vertices = &vertices;
+  const std::vector<Range> ranges = gather_scaled(f, threads);
+  const auto extent = [&](unsigned c) {
+    return scale_by(ranges[c].high, -f.exponent) - scale_by(ranges[c].low, -f.exponent);
+  };
   if (f.flat()) span_flat(f);
   // A product of k extents must stay far above the smallest double.
   double narrowest = 1;
-  for (unsigned c = 0; c < k; ++c) {
-    double low = f.scaled[f.axes[c]], high = low;
-    for (std::size_t i = f.axes[c]; i < f.scaled.size(); i += d) {
-      low = std::min(low, f.scaled[i]);
-      high = std::max(high, f.scaled[i]);
-    }
-    narrowest = std::min(narrowest, high - low);
-  }
+  for (const unsigned a : f.axes) narrowest = std::min(narrowest, extent(a));
   // In a flat, so must the centroid's other coordinates.
   bool lost = false;
-  for (unsigned c = 0; c < d && !f.raw.empty(); ++c) {
-    double low = f.raw[c], high = low;
-    for (std::size_t i = c; i < f.raw.size(); i += d) {
-      low = std::min(low, f.raw[i]);
-      high = std::max(high, f.raw[i]);
-    }
-    const double extent = scale_by(high, -f.exponent) - scale_by(low, -f.exponent);
-    lost = lost || (low != high && !(extent > 0x1p-400));
-  }
+  for (unsigned c = 0; c < f.dimension; ++c)
+    lost = lost || (ranges[c].low != ranges[c].high && !(extent(c) > 0x1p-400));
   f.wild =
       lost || !(narrowest > std::exp2(-400.0 / k)) || !(f.stretch > 0 && Wide(0x1p40) > f.stretch);
   return f;

@@ -5,8 +5,11 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <vector>
 
+#include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
 #include "result/wide_float.hpp"
 
@@ -24,7 +27,7 @@ inline double scale_by(double v, int e) {
 struct Frame {
   unsigned dimension = 0, k = 0;
   std::vector<unsigned> axes;       // on which the flat projects one to one
-  std::vector<double> raw, scaled;  // vertices x dimension; scaled = raw 2^-exponent
+  Array<double> scaled;        // vertices x dimension, in units of 2^exponent
   int exponent = 0;
   bool wild = false;  // spans too many powers of two for scaled doubles
   /// Flat hulls: k + 1 affinely independent vertices, k orthonormal rows that span the flat, and
@@ -35,11 +38,23 @@ struct Frame {
 
   bool flat() const { return k < dimension; }
   const double* at(std::uint32_t v) const { return scaled.data() + std::size_t{v} * dimension; }
-  const double* raw_at(std::uint32_t v) const { return raw.data() + std::size_t{v} * dimension; }
+  /// The coordinates as given. Gathered when first asked for: few hulls need them.
+  const double* raw_at(std::uint32_t v) const;
+
+  const PointView* points = nullptr;
+  const std::vector<std::uint64_t>* vertices = nullptr;
+
+ private:
+  struct Raw {
+    std::once_flag gathered;
+    std::vector<double> rows;
+  };
+  std::unique_ptr<Raw> raw_ = std::make_unique<Raw>();
 };
 
 /// `axes`: any k coordinate axes on which the flat projects one to one. The frame's own axes keep
-/// the orientation of the projection, but are chosen so that it shrinks the flat little.
+/// the orientation of the projection, but are chosen so that it shrinks the flat little. The frame
+/// refers to `points` and `vertices`.
 Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vertices,
                  const unsigned* axes, unsigned k, unsigned threads);
 

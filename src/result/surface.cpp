@@ -71,7 +71,7 @@ class RidgeScan {
         const std::uint32_t g = surface_.neighbours[f * k + i];
         if (g >= surface_.count() || g == f) fail_not_exact("a ridge has no second facet");
         if (g < f) continue;
-        const unsigned j = opposite_slot<K>(static_cast<std::uint32_t>(f), i, g);
+        const unsigned j = opposite_slot<K>(surface_, static_cast<std::uint32_t>(f), i, g);
         ++out.ridges;
         const Sign side = this->template side<K>(f, plane, surface_.simplex(g)[j], out);
         if (side == Sign::positive) fail_not_exact("a ridge is not convex");
@@ -116,24 +116,6 @@ class RidgeScan {
       cofactors<K>(edges, normal);
     }
   };
-
-  /// The slot of g opposite to the ridge it shares with f; checks ids and orientations.
-  template <unsigned K>
-  unsigned opposite_slot(std::uint32_t f, unsigned i, std::uint32_t g) const {
-    const unsigned k = K ? K : surface_.k;
-    const std::uint32_t* a = surface_.simplex(f);
-    const std::uint32_t* b = surface_.simplex(g);
-    for (unsigned j = 0; j < k; ++j) {
-      if (surface_.neighbours[std::size_t{g} * k + j] != f) continue;
-      bool same = true;
-      for (unsigned c = 0; c + 1 < k; ++c) same &= a[c + (c >= i)] == b[c + (c >= j)];
-      if (!same) continue;
-      if (((i + j + surface_.odd[f] + surface_.odd[g]) & 1U) == 0)
-        fail_not_exact("neighbouring facets are oriented differently");
-      return j;
-    }
-    fail_not_exact("neighbouring facets do not share their ridge");
-  }
 
   template <unsigned K>
   Sign side(std::uint64_t f, const Plane<K>& plane, std::uint32_t x, ChunkResult& out) const {

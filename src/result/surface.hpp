@@ -43,4 +43,26 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> coplanar_pairs(const Surfac
 
 [[noreturn]] void fail_not_exact(const char* what);
 
+/// The slot of g opposite to the ridge it shares with f across slot i; checks ids and orientations.
+/// K: surface.k, or 0 if that is not known to the compiler.
+template <unsigned K>
+inline unsigned opposite_slot(const Surface& surface, std::uint32_t f, unsigned i, std::uint32_t g) {
+  const unsigned k = K ? K : surface.k;
+  const std::uint32_t* a = surface.simplex(f);
+  const std::uint32_t* b = surface.simplex(g);
+  const std::uint32_t* across = surface.neighbours.data() + std::size_t{g} * k;
+  unsigned first = 0;
+  for (unsigned j = k; j-- > 0;) first = across[j] == f ? j : first;
+  for (unsigned j = first; j < k; ++j) {
+    if (across[j] != f) continue;
+    bool same = true;
+    for (unsigned c = 0; c + 1 < k; ++c) same &= a[c + (c >= i)] == b[c + (c >= j)];
+    if (!same) continue;
+    if (((i + j + surface.odd[f] + surface.odd[g]) & 1U) == 0)
+      fail_not_exact("neighbouring facets are oriented differently");
+    return j;
+  }
+  fail_not_exact("neighbouring facets do not share their ridge");
+}
+
 }  // namespace cullhull::internal

@@ -19,11 +19,12 @@ class Fnv {
     }
   }
   void add(double v) { word(std::bit_cast<std::uint64_t>(v)); }
-  template <class T>
-  void add(const std::vector<T>& list) {
+  template <class List>
+    requires requires(const List& list) { list.size(); }
+  void add(const List& list) {
     word(list.size());
-    for (const T& v : list) {
-      if constexpr (std::is_same_v<T, double>)
+    for (const auto& v : list) {
+      if constexpr (std::is_same_v<typename List::value_type, double>)
         add(v);
       else
         word(v);

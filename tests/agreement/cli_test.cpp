@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "agreement/run_app.hpp"
+#include "cullhull/device_points.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
 
@@ -42,7 +44,8 @@ void expect_error(const std::vector<std::string>& arguments, int status, const s
 TEST(Cli, HelpTeaches) {
   const Ran main = run_app({"--help"});
   EXPECT_EQ(main.status, 0);
-  for (const std::string command : {"hull", "cull", "certify", "generate", "info"}) {
+  for (const std::string command :
+       {"hull", "cull", "track", "certify", "generate", "info", "view", "bench"}) {
     EXPECT_NE(main.out.find("\n  " + command), std::string::npos) << main.out;
     const Ran ran = run_app({command, "--help"});
     EXPECT_EQ(ran.status, 0) << command;
@@ -59,7 +62,7 @@ TEST(Cli, BadUsageIsStatusTwo) {
   write_points(f / "p.npy", "ball", 100, 3);
   const std::string p = f / "p.npy";
   expect_error({}, 2, "subcommand");
-  expect_error({"track", p}, 2, "track");
+  expect_error({"fly", p}, 2, "fly");
   expect_error({"hull"}, 2, "INPUT");
   expect_error({"hull", p, "--bogus"}, 2, "--bogus");
   expect_error({"hull", p, "--cull", "magic"}, 2, "magic");
@@ -132,7 +135,35 @@ TEST(Cli, TheFirstPointThatIsNotFiniteIsNamed) {
 TEST(Cli, CudaIsNotThere) {
   const Folder f;
   write_points(f / "p.npy", "ball", 100, 3);
-  expect_error({"hull", f / "p.npy", "--backend", "cuda"}, 5, "CUDA");
+  if (cuda_status().available) GTEST_SKIP() << "there is a CUDA device";
+  expect_error({"hull", f / "p.npy", "--backend", "cuda"}, 5, cuda_status().reason);
+}
+
+// What `bench machine` measured is read from a file, and a broken file is named.
+TEST(Cli, MachineConstantsAreRead) {
+  const Folder f;
+  write_points(f / "p.npy", "ball", 1000, 3);
+  const auto machine = [&](const std::string& text) {
+    write_file(f / "machine.json", text);
+    ::setenv("CULLHULL_MACHINE", (f / "machine.json").c_str(), 1);
+    const Ran ran = run_app({"hull", f / "p.npy", "--json"});
+    ::unsetenv("CULLHULL_MACHINE");
+    return ran;
+  };
+  const Ran good = machine(
+      R"({"host_read_bytes_per_second": 3e10, "host_copy_bytes_per_second": 1e10, "cores": 2,
+          "link_bytes_per_second": null, "date": "2026-01-01"})");
+  EXPECT_EQ(good.status, 0);
+  EXPECT_EQ(nlohmann::json::parse(good.out)["cull"]["reason"],
+            "1000 points are hulled sooner than a map is laid");
+  for (const std::string bad :
+       {"{", "[]", "{}", R"({"host_read_bytes_per_second": -1, "host_copy_bytes_per_second": 1})",
+        R"({"host_read_bytes_per_second": 1, "host_copy_bytes_per_second": 1, "cores": 1.5})"}) {
+    const Ran ran = machine(bad);
+    EXPECT_EQ(ran.status, 1) << bad;
+    EXPECT_TRUE(one_line(ran.err)) << ran.err;
+    EXPECT_NE(ran.err.find("machine.json"), std::string::npos) << ran.err;
+  }
 }
 
 TEST(Cli, BeyondTheMemoryBudgetIsStatusFour) {
@@ -210,6 +241,22 @@ TEST(Cli, CertifyAcceptsOurHullAndRefusesAnother) {
   EXPECT_NE(good.out.find("certified"), std::string::npos);
   write_npy_points(f / "q.npy", generate("ball", 3000, 3, 4).data(), 3000, 3, ScalarType::f64);
   expect_error({"certify", f / "q.npy", f / "hull.json"}, 3, "not certified");
+}
+
+TEST(Cli, OnlyVerticesWritesTheHullsIds) {
+  const Folder f;
+  write_points(f / "p.npy", "gauss", 2000, 5);
+  const std::string p = f / "p.npy";
+  EXPECT_EQ(run_app({"hull", p, "--vertices", f / "hull.npy"}).status, 0);
+  const Ran ran =
+      run_app({"hull", p, "--only", "vertices", "--vertices", f / "only.npy", "--json"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(read_file(f / "only.npy"), read_file(f / "hull.npy"));
+  const auto json = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(json["affine_dimension"], 5);
+  EXPECT_EQ(json["vertices"].size(), json["vertex_count"]);
+  expect_error({"hull", p, "--only", "vertices", "--certify"}, 2, "finds no facets");
+  expect_error({"hull", p, "--only", "facets"}, 2, "--only");
 }
 
 TEST(Cli, CullKeepsEveryVertex) {
@@ -424,6 +471,96 @@ TEST(Cli, AnInputCutShortUnderItsReaderIsOneLine) {
   EXPECT_NE(app.shown().find("cullhull: "), std::string::npos) << app.shown();
   EXPECT_NE(app.shown().find("p.npy"), std::string::npos) << app.shown();
   EXPECT_EQ(f.entries(), 1U);
+}
+
+// The frames' hulls are those of the frames by themselves, byte for byte.
+TEST(Cli, TrackWritesWhatHullWrites) {
+  const Folder f;
+  ASSERT_EQ(run_app({"generate", "bumpy", "-n", "9000", "--frames", "4", "--motion", "fracture",
+                     "-o", f / "s.npy"})
+                .status,
+            0);
+  const MovingPoints moving("bumpy", "fracture", 9000, 3, 4, 1);
+  std::vector<double> frame(27000);
+  std::vector<std::string> hulls;
+  for (std::uint64_t k = 0; k < 4; ++k) {
+    moving.frame(k, frame.data());
+    write_npy_points(f / "one.npy", frame.data(), 9000, 3, ScalarType::f64);
+    ASSERT_EQ(run_app({"hull", f / "one.npy", "-o", f / "one.json"}).status, 0);
+    hulls.push_back(read_file(f / "one.json"));
+  }
+  for (const std::string cull : {"auto", "gauge", "pseudo-hull", "none"}) {
+    const Ran ran = run_app({"track", f / "s.npy", "--cull", cull, "--certify", "-o",
+                             f / ("h" + cull + "-%03d.json"), "--json"});
+    ASSERT_EQ(ran.status, 0) << ran.err;
+    const auto report = nlohmann::json::parse(ran.out);
+    ASSERT_EQ(report.at("frames").size(), 4U);
+    EXPECT_EQ(report.at("certified"), true);
+    EXPECT_EQ(report.at("totals").at("frames"), 4);
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_EQ(read_file(f / ("h" + cull + "-00" + std::to_string(k) + ".json")), hulls[k])
+          << cull << ", frame " << k;
+      const auto& r = report.at("frames")[k];
+      const auto h = nlohmann::json::parse(hulls[k]);
+      for (const char* key : {"vertex_count", "facet_count", "volume", "area"})
+        EXPECT_EQ(r.at(key), h.at(key)) << key;
+      EXPECT_EQ(r.at("index"), k);
+      EXPECT_LE(r.at("survivors"), r.at("scan_survivors"));
+      EXPECT_LE(r.at("vertex_count"), r.at("survivors"));
+      for (const char* key : {"scan_seconds", "cull_seconds", "hull_seconds"})
+        EXPECT_LE(r.at(key), r.at("compute_seconds")) << key;
+      // A fracture in four frames is too fast for the simplices, not for the leaders.
+      EXPECT_TRUE(cull != "gauge" || r.at("method") == (k > 0 ? "gauge" : "static")) << k;
+      EXPECT_TRUE(cull != "none" || r.at("survivors") == 9000);
+    }
+  }
+}
+
+TEST(Cli, TrackReadsFoldersAndRefusesWhatItMust) {
+  const Folder f;
+  std::filesystem::create_directories(f / "in");
+  for (const int k : {2, 10, 1})
+    write_points(f / ("in/f" + std::to_string(k) + ".npy"), "ball", 200 + static_cast<unsigned>(k),
+                 3);
+  const Ran ran = run_app({"track", f / "in", "-o", f / "out/", "--json=" + (f / "r.json")});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.out.find("frames     3"), std::string::npos) << ran.out;
+  EXPECT_EQ(nlohmann::json::parse(read_file(f / "r.json")).at("points").at("count"), 210);
+  EXPECT_EQ(run_app({"hull", f / "in/f2.npy", "-o", f / "two.ply"}).status, 0);
+  EXPECT_EQ(read_file(f / "out/frame-000001.ply"), read_file(f / "two.ply"));
+  EXPECT_EQ(run_app({"track", f / "in/f*.npy", "-q"}).status, 0);
+
+  expect_error({"track", f / "in", "-o", f / "x.ply"}, 2, "%04d");
+  expect_error({"track", f / "in", "-o", f / "%s.ply"}, 2, "%d");
+  expect_error({"track", f / "in", "-o", f / "%d.doc"}, 2, "must end in");
+  expect_error({"track", f / "none"}, 1, "none");
+  expect_error({"generate", "ball", "-n", "5", "--frames", "3", "-o", f / "y.npy"}, 2, "--motion");
+}
+
+TEST(Cli, TrackNamesTheFrameWithANan) {
+  const Folder f;
+  const MovingPoints moving("ball", "spin", 8000, 3, 10, 1);
+  std::vector<double> frame(24000);
+  {
+    NpySequenceWriter writer(f / "s.npy", 10, 8000, 3, ScalarType::f64);
+    for (std::uint64_t k = 0; k < 10; ++k) {
+      moving.frame(k, frame.data());
+      if (k == 7) frame[3 * 77 + 2] = std::numeric_limits<double>::quiet_NaN();
+      writer.write(frame.data());
+    }
+  }
+  expect_error({"hull", f / "s.npy"}, 1, "track");
+  for (const std::string cull : {"auto", "gauge", "pseudo-hull", "none"}) {
+    expect_error({"track", f / "s.npy", "--cull", cull}, 1, "frame 7: point 77, coordinate 2");
+    const Ran ran = run_app({"track", f / "s.npy", "--cull", cull, "--keep-going", "--json"});
+    EXPECT_EQ(ran.status, 1);
+    EXPECT_TRUE(one_line(ran.err));
+    const auto report = nlohmann::json::parse(ran.out);
+    ASSERT_EQ(report.at("frames").size(), 10U);
+    EXPECT_TRUE(report.at("frames")[7].contains("error"));
+    EXPECT_TRUE(report.at("frames")[8].contains("volume"));
+    EXPECT_EQ(report.at("totals").at("failed_frames"), 1);
+  }
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "cullhull/options.hpp"
+#include "predicates/orientation.hpp"
 #include "tests/reference/slow_hull.hpp"
 
 namespace cullhull::internal {
@@ -193,6 +194,55 @@ std::vector<double> adversarial(const SlowHull& hull, std::mt19937_64& random, u
   return rows;
 }
 
+std::vector<std::uint64_t> outside_cones(const GaugeMap& map, const std::vector<double>& rows,
+                                         unsigned d) {
+  const Options options;
+  return map.outside_cones(rows, std::vector<char>(rows.size() / d, 0), 2, Control(options));
+}
+
+/// All facets positive as seen from the vertices' mean.
+InnerPolytope oriented(InnerPolytope p) {
+  const unsigned d = p.dimension;
+  std::vector<double> mean(d, 0);
+  for (std::size_t i = 0; i < p.vertices.size(); ++i)
+    mean[i % d] += p.vertices[i] * d / static_cast<double>(p.vertices.size());
+  for (std::size_t f = 0; f < p.facets.size(); f += d) {
+    std::vector<const double*> simplex;
+    for (unsigned i = 0; i < d; ++i) simplex.push_back(&p.vertices[p.facets[f + i] * d]);
+    simplex.push_back(mean.data());
+    if (orientation(d, simplex.data()) != Sign::positive) continue;
+    std::swap(p.facets[f], p.facets[f + 1]);
+    std::swap(p.neighbours[f], p.neighbours[f + 1]);
+  }
+  return p;
+}
+
+// A surface that has moved is no convex polytope any more; what its cones prove must still hold for
+// the hull of its vertices.
+TEST(GaugeMap, ADentedSurfaceProvesNothingFalse) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> noise(-0.1, 0.1);
+  unsigned maps = 0, dropped = 0;
+  for (const Shape& shape : shapes(3)) {
+    const SlowHull round(shape.vertices, shape.d);
+    InnerPolytope dented = oriented(polytope_of(round));
+    for (double& x : dented.vertices) x += noise(random) * std::abs(x);
+    const SlowHull hull(dented.vertices, shape.d);
+    if (hull.affine_dimension() < static_cast<int>(shape.d)) continue;
+    const auto rows = adversarial(hull, random, shape.d <= 3 ? 200 : 30);
+    const auto map = GaugeMap::build(dented, {.cones = true, .convex = false});
+    if (!map) continue;
+    ++maps;
+    expect_sound(hull, rows, survivors(*map, rows, shape.d), shape.name + ", dented");
+    const auto kept = outside_cones(*map, rows, shape.d);
+    expect_sound(hull, rows, kept, shape.name + ", dented, cones");
+    dropped += kept.size() < rows.size() / shape.d;
+    if (::testing::Test::HasFatalFailure()) return;
+  }
+  EXPECT_GE(maps, 3U);
+  EXPECT_GE(dropped, 3U);
+}
+
 class GaugeMapSeeds : public ::testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(GaugeMapSeeds, DropsOnlyWhatIsStrictlyInside) {
@@ -217,9 +267,15 @@ TEST_P(GaugeMapSeeds, DropsOnlyWhatIsStrictlyInside) {
       if (hull.affine_dimension() < static_cast<int>(shape.d)) continue;  // rounded flat
       const auto rows = adversarial(hull, random, shape.d <= 3 ? 40 : 12);
       for (const unsigned resolution : {0U, 3U}) {
-        const auto map = GaugeMap::build(polytope_of(hull), resolution);
+        const auto map = GaugeMap::build(polytope_of(hull), {.resolution = resolution});
         if (!map) continue;
         expect_sound(hull, rows, survivors(*map, rows, shape.d), what);
+        if (HasFatalFailure()) return;
+        const auto cones = GaugeMap::build(polytope_of(hull),
+                                           {.resolution = resolution, .cones = true, .threads = 2});
+        ASSERT_TRUE(cones) << what;
+        EXPECT_EQ(survivors(*cones, rows, shape.d), survivors(*map, rows, shape.d)) << what;
+        expect_sound(hull, rows, outside_cones(*cones, rows, shape.d), what + ", cones");
         if (HasFatalFailure()) return;
       }
     }

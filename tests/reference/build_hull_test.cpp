@@ -47,8 +47,8 @@ TEST(BuildHull, TetrahedronIsSortedAndOutward) {
   const std::vector<double> rows{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
   const Hull h = canonical(rows, 3);
   EXPECT_EQ(h.vertices, (Ids{0, 1, 2, 3}));
-  EXPECT_EQ(h.simplices, (Ids{0, 1, 3, 0, 2, 1, 0, 3, 2, 1, 2, 3}));
-  EXPECT_EQ(h.simplex_neighbours, (std::vector<std::uint32_t>{3, 2, 1, 3, 0, 2, 3, 1, 0, 2, 0, 1}));
+  EXPECT_EQ(h.simplices, (Array<std::uint64_t>{0, 1, 3, 0, 2, 1, 0, 3, 2, 1, 2, 3}));
+  EXPECT_EQ(h.simplex_neighbours, (Array<std::uint32_t>{3, 2, 1, 3, 0, 2, 3, 1, 0, 2, 0, 1}));
   EXPECT_EQ(h.facets.items, h.simplices);
   EXPECT_DOUBLE_EQ(h.volume, 1.0 / 6);
   EXPECT_DOUBLE_EQ(h.area, 1.5 + std::sqrt(3.0) / 2);
@@ -297,7 +297,7 @@ TEST(BuildHull, SegmentInSpace) {
   Hull h;
   internal::build_hull({&view, &local, nullptr, axes}, std::move(ends), control, 1, h);
   EXPECT_EQ(h.vertices, (Ids{0, 1}));
-  EXPECT_EQ(h.simplices, (Ids{0, 1}));
+  EXPECT_EQ(h.simplices, (Array<std::uint64_t>{0, 1}));
   EXPECT_DOUBLE_EQ(h.volume, 5);
   EXPECT_DOUBLE_EQ(h.area, 2);
   EXPECT_DOUBLE_EQ(h.centroid[1], 3);

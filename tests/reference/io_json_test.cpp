@@ -97,33 +97,38 @@ TEST(Json, TheReportHasTheKeysOfTheContract) {
   Statistics& s = e.hull.statistics;
   s.threads = 2;
   s.cull_method = "gauge x2";
+  s.cull_reason = "because";
   s.survivors = 8;
   s.cull_seconds = 0.25;
   s.hull_seconds = 0.5;
   JsonExtras extras;
   extras.read_seconds = 0.125;
   extras.compute_seconds_all = {3, 1, 2, 8};
+  e.hull.statistics.compute_seconds = 2.5;
   extras.peak_bytes = 12345;
   extras.certified = true;
   const json j = json::parse(hull_to_json(e.view(), e.hull, extras, false));
-  EXPECT_EQ(j, (json{{"version", "0.1.0"},
-                     {"points", {{"count", 9}, {"dimension", 3}, {"scalar", "f64"}}},
-                     {"threads", 2},
-                     {"backend", "cpu"},
-                     {"cull", {{"method", "gauge x2"}, {"survivors", 8}, {"seconds", 0.25}}},
-                     {"hull", {{"engine", "native"}, {"seconds", 0.5}}},
-                     {"affine_dimension", 3},
-                     {"vertex_count", 8},
-                     {"facet_count", 6},
-                     {"simplex_count", 12},
-                     {"area", 6},
-                     {"volume", 1},
-                     {"centroid", {0.5, 0.5, 0.5}},
-                     {"read_seconds", 0.125},
-                     {"compute_seconds", 2.5},
-                     {"compute_seconds_all", {3, 1, 2, 8}},
-                     {"peak_bytes", 12345},
-                     {"certified", true}}));
+  EXPECT_EQ(
+      j,
+      (json{{"version", "0.1.0"},
+            {"points", {{"count", 9}, {"dimension", 3}, {"scalar", "f64"}}},
+            {"threads", 2},
+            {"backend", "cpu"},
+            {"cull",
+             {{"method", "gauge x2"}, {"survivors", 8}, {"seconds", 0.25}, {"reason", "because"}}},
+            {"hull", {{"engine", "native"}, {"seconds", 0.5}}},
+            {"affine_dimension", 3},
+            {"vertex_count", 8},
+            {"facet_count", 6},
+            {"simplex_count", 12},
+            {"area", 6},
+            {"volume", 1},
+            {"centroid", {0.5, 0.5, 0.5}},
+            {"read_seconds", 0.125},
+            {"compute_seconds", 2.5},
+            {"compute_seconds_all", {3, 1, 2, 8}},
+            {"peak_bytes", 12345},
+            {"certified", true}}));
   e.hull.statistics.compute_seconds = 7;
   const json plain = json::parse(hull_to_json(e.view(), e.hull, {}, true));
   EXPECT_EQ(plain["certified"], nullptr);

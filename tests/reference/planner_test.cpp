@@ -58,5 +58,79 @@ TEST(Planner, SamplesGrowSlowerThanPoints) {
   }
 }
 
+// Once the map's own sample is hulled only the pass and the laying of the map are left to pay.
+TEST(Planner, MapsAreWeighedAgain) {
+  for (unsigned d = 2; d <= 6; ++d) {
+    EXPECT_FALSE(map_pays(1000000, d, 1000, 1000)) << d;  // all would be kept
+    EXPECT_FALSE(map_pays(smallest_worth_culling(d), d, 1000, 100)) << d;
+    EXPECT_TRUE(map_pays(100 * smallest_worth_culling(d), d, 1000, 100)) << d;
+  }
+}
+
+PlaceQuestion hundred_million(bool on_device, unsigned threads) {
+  PlaceQuestion q;
+  q.count = 100000000;
+  q.dimension = 3;
+  q.point_bytes = 12;
+  q.threads = threads;
+  q.on_device = on_device;
+  return q;
+}
+
+// 64 cores read faster than any link; one core does not; points on a device stay there; on a device
+// with a slow link and a small memory bus they still do.
+TEST(Planner, PointsAreCulledWhereThatIsSooner) {
+  MachineConstants large;
+  large.host_read_bytes_per_second = 300e9;
+  large.host_copy_bytes_per_second = 100e9;
+  large.link_bytes_per_second = 50e9;
+  large.device_copy_bytes_per_second = 4e12;
+  MachineConstants small;  // the defaults
+  struct Case {
+    const char* what;
+    const MachineConstants* machine;
+    bool on_device;
+    unsigned threads;
+    bool started;
+    bool expected;
+  };
+  const Case cases[] = {
+      {"many cores", &large, false, 64, false, false},
+      {"many cores, driver started", &large, false, 64, true, false},
+      {"one core, driver to be started", &large, false, 1, false, true},
+      {"one core of a small machine, driver started", &small, false, 1, true, true},
+      {"on the device", &large, true, 64, true, true},
+      {"on a small device", &small, true, 2, true, true},
+  };
+  for (const Case& c : cases) {
+    PlaceQuestion q = hundred_million(c.on_device, c.threads);
+    q.device_started = c.started;
+    const Placement p = choose_place(q, *c.machine);
+    EXPECT_EQ(p.device, c.expected) << c.what << ": " << p.reason;
+    EXPECT_NE(p.reason.find(c.on_device ? "on the device" : "on the host"), std::string::npos);
+  }
+}
+
+// Starting the driver is only worth it for long passes; the machine's cores limit the threads.
+TEST(Planner, PlacesDependOnCountsAndCores) {
+  MachineConstants m;
+  PlaceQuestion q = hundred_million(false, 1);
+  m.link_bytes_per_second = m.host_copy_bytes_per_second = 50e9;
+  EXPECT_TRUE(choose_place(q, m).device);
+  q.count = 10000000;
+  EXPECT_FALSE(choose_place(q, m).device);
+  q.device_started = true;
+  EXPECT_TRUE(choose_place(q, m).device);
+  q.threads = 64;
+  m.host_read_bytes_per_second = 300e9;
+  EXPECT_FALSE(choose_place(q, m).device);
+  m.cores = 1;
+  EXPECT_TRUE(choose_place(q, m).device);
+}
+
+TEST(Planner, FindingsAreSaid) {
+  EXPECT_EQ(sample_finding(1000, 132), "132 of 1000 sampled points are extreme");
+}
+
 }  // namespace
 }  // namespace cullhull::internal

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <numeric>
+#include <algorithm>
 #include <random>
+
+#include "reference/emulated_executor.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -22,15 +24,15 @@ void expect_as_plain_loops(Executor executor) {
     executor.for_each(n, [&](std::uint32_t i) { touched[i] += i + 1; });
     for (std::uint32_t i = 0; i < n; ++i) ASSERT_EQ(touched[i], i + 1);
 
-    // Not commutative: the order of items matters.
-    using Pair = std::pair<std::uint32_t, std::uint32_t>;  // x -> a x + b, composed
-    const auto compose = [](const Pair& f, const Pair& g) {
-      return Pair{f.first * g.first, f.second * g.first + g.second};
+    // The largest value and the first item that has it.
+    using Best = std::pair<std::uint32_t, std::uint32_t>;
+    const auto better = [](const Best& a, const Best& b) {
+      return b.first > a.first || (b.first == a.first && b.second < a.second) ? b : a;
     };
-    const auto map = [&](std::uint32_t i) { return Pair{2 * v[i] + 1, i}; };
-    Pair expected{1, 0};
-    for (std::uint32_t i = 0; i < n; ++i) expected = compose(expected, map(i));
-    EXPECT_EQ(executor.reduce(n, Pair{1, 0}, map, compose), expected);
+    const auto map = [&](std::uint32_t i) { return Best{v[i] + 1, i}; };
+    Best expected{0, no_item};
+    for (std::uint32_t i = 0; i < n; ++i) expected = better(expected, map(i));
+    EXPECT_EQ(executor.reduce(n, Best{0, no_item}, map, better), expected);
 
     std::vector<std::uint32_t> wanted, got(n);
     for (std::uint32_t i = 0; i < n; ++i)
@@ -41,21 +43,38 @@ void expect_as_plain_loops(Executor executor) {
     got.resize(kept);
     EXPECT_EQ(got, wanted);
 
-    std::vector<std::uint32_t> scanned = v, sums(n);
-    std::exclusive_scan(v.begin(), v.end(), sums.begin(), 0U);
-    EXPECT_EQ(executor.exclusive_scan(scanned.data(), n), std::accumulate(v.begin(), v.end(), 0U));
-    EXPECT_EQ(scanned, sums);
-
-    // Segment 4 of 6 is empty; few values, so that ties are the rule.
-    const auto segment = [&](std::uint32_t i) { return v[i] == 4 ? 5 : v[i]; };
-    const auto value = [&](std::uint32_t i) { return i % 7 == 0 ? 0.0 : 0.25 * (i % 3); };
-    std::vector<std::uint32_t> winner(6, 77), best(6, no_item);
+    std::vector<std::uint32_t> numbers(n + 1), sums(n + 1);
+    std::uint32_t sum = 0;
     for (std::uint32_t i = 0; i < n; ++i) {
-      std::uint32_t& b = best[segment(i)];
-      if (b == no_item || value(i) > value(b)) b = i;
+      sums[i] = sum;
+      sum += v[i] >= 2 ? 1 : 0;
     }
-    executor.segmented_argmax(n, 6, segment, value, winner.data());
-    EXPECT_EQ(winner, best);
+    sums[n] = sum;
+    EXPECT_EQ(executor.enumerate(
+                  n, [&](std::uint32_t i) { return v[i] >= 2; }, numbers.data()),
+              sum);
+    EXPECT_EQ(numbers, sums);
+
+    // Cells 1 and 5 of 6 get nothing; some offers are to no cell.
+    const auto offer = [&](std::uint32_t i) {
+      if (i % 11 == 3) return Offer{no_item, 0};
+      if (i % 11 == 7) return Offer{no_item - 1, 0};
+      return Offer{v[i] == 1 ? 0 : v[i], 1 + i % 7 * (std::uint64_t{1} << 40)};
+    };
+    std::vector<std::uint64_t> best(6, 77), most(6, 0);
+    std::uint32_t none = 0;
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const Offer o = offer(i);
+      none += o.cell == no_item ? 1 : 0;
+      if (o.cell < 6) most[o.cell] = std::max(most[o.cell], o.value);
+    }
+    EXPECT_EQ(executor.scatter_max(n, 6, offer, best.data()), none);
+    EXPECT_EQ(best, most);
+
+    std::vector<std::uint32_t> least(5, no_item), lowest(5, no_item);
+    executor.for_each(n, [&](std::uint32_t i) { Executor::lower(least[v[i]], i ^ 21U); });
+    for (std::uint32_t i = 0; i < n; ++i) lowest[v[i]] = std::min(lowest[v[i]], i ^ 21U);
+    EXPECT_EQ(least, lowest);
   }
 }
 
@@ -63,6 +82,28 @@ TEST(Primitives, SerialEqualsPlainLoops) { expect_as_plain_loops(SerialExecutor{
 
 TEST(Primitives, TbbEqualsPlainLoops) {
   for (const unsigned threads : {1U, 2U, 3U}) expect_as_plain_loops(TbbExecutor(threads));
+}
+
+TEST(Primitives, KernelBodiesEqualPlainLoops) {
+  for (const std::uint32_t blocks : {1U, 3U, 200U})
+    for (const std::uint32_t size : {1U, 32U, 256U})
+      expect_as_plain_loops(EmulatedExecutor(blocks, size));
+}
+
+TEST(Primitives, ScatterMaxWithAnyNumberOfCopies) {
+  EXPECT_EQ(scatter_copies(4), 64U);
+  EXPECT_EQ(scatter_copies(1U << 15), 4U);
+  EXPECT_EQ(scatter_copies(3U << 29), 1U);
+  for (const std::uint32_t cells : {1U, 2047U, 2049U, 40000U, 200000U}) {
+    const auto offer = [&](std::uint32_t i) {
+      const std::uint32_t c = i * 2654435761U % (cells + 1);
+      return c < cells ? Offer{c, std::uint64_t{i} * 40503 % 65521 + 1} : Offer{no_item, 0};
+    };
+    std::vector<std::uint64_t> wanted(cells), got(cells, 5);
+    const auto none = SerialExecutor{}.scatter_max(30000, cells, offer, wanted.data());
+    EXPECT_EQ(EmulatedExecutor(99, 8).scatter_max(30000, cells, offer, got.data()), none);
+    EXPECT_EQ(got, wanted) << cells;
+  }
 }
 
 TEST(Primitives, ExceptionsPassThrough) {

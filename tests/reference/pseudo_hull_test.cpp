@@ -56,7 +56,7 @@ TEST(FacetStream, EveryCellIsWrittenOnce) {
 TEST(PseudoHullMath, PlaneOfAnEdgeAndOfATriangle) {
   const double a[] = {0, 0}, b[] = {0.5, 0}, above[] = {0.25, 0.5};
   const double* edge[] = {a, b};
-  PseudoFacet<2> f;
+  PseudoPlane<2> f;
   ASSERT_TRUE(make_plane<2>(edge, above, f));
   EXPECT_EQ(f.normal[0], 0);
   EXPECT_EQ(f.normal[1], -1);
@@ -66,7 +66,7 @@ TEST(PseudoHullMath, PlaneOfAnEdgeAndOfATriangle) {
 
   const double o[] = {0, 0, 0.25}, x[] = {1, 0, 0.25}, y[] = {0, 1, 0.25}, below[] = {0, 0, 0};
   const double* triangle[] = {o, x, y};
-  PseudoFacet<3> t;
+  PseudoPlane<3> t;
   ASSERT_TRUE(make_plane<3>(triangle, below, t));
   EXPECT_EQ(t.normal[2], 1);
   const double up[] = {0.5, 0.5, 0.75};
@@ -76,7 +76,7 @@ TEST(PseudoHullMath, PlaneOfAnEdgeAndOfATriangle) {
 TEST(PseudoHullMath, UncertainPlanesProveNothing) {
   const double a[] = {0.1, 0.1}, b[] = {0.2, 0.2}, on[] = {0.3, 0.3}, far[] = {-5, 5};
   const double* edge[] = {a, b};
-  PseudoFacet<2> f;
+  PseudoPlane<2> f;
   EXPECT_FALSE(make_plane<2>(edge, on, f));
   PlaceSearch search;
   search.offer(0, pseudo_distance<2>(f.normal, a, far), f.error);
@@ -109,53 +109,50 @@ TEST(PseudoHullMath, APointGoesToTheNearestFacetItIsOutsideOf) {
 class ByHand : public testing::Test {
  protected:
   static constexpr double points[][2] = {
-      {-8, 0},  {8, 0}, {0, -8},             // the simplex: lowest and highest x, lowest y
-      {0, 8},                                // 3: highest y, farthest above the edge (0 1)
-      {0, -1},                               // 4: in the simplex
-      {0, 4},                                // 5: above the edge (0 1), below its two successors
-      {5, 5},                                // 6: above (0 1) and above (3 1)
-      {-5, -5},                              // 7: beyond the edge (0 2)
-      {-4, -4},                              // 8: on that edge
-      {6, -1},                               // 9: in the simplex
-      {5, -4},  {4, -5}};                    // 10, 11: equally far beyond the edge (1 2)
-  static constexpr double scale = 1.0 / 32;  // 16 squares wide
+      {-8, 0},  {8, 0}, {0, -8},  // the simplex: lowest and highest x, lowest y
+      {0, 8},                     // 3: highest y, farthest above the edge (0 1)
+      {0, -1},                    // 4: in the simplex
+      {0, 4},                     // 5: above the edge (0 1), below its two successors
+      {5, 5},                     // 6: above (0 1) and above (3 1)
+      {-5, -5},                   // 7: beyond the edge (0 2)
+      {-4, -4},                   // 8: on that edge
+      {6, -1},                    // 9: in the simplex
+      {5, -4},  {4, -5}};         // 10, 11: equally far beyond the edge (1 2)
 
-  void SetUp() override {
-    double* rows = growth_.rows(12);
-    for (const auto& p : points) rows = std::copy_n(p, 2, rows);
+  void run(unsigned rounds) {
+    rows_.assign(&points[0][0], &points[0][0] + 24);
+    growth_.run({rows_.data()}, 12, rounds, Control(Options{}), rounds_);
   }
-  void expect_at(std::uint32_t v, unsigned point) {
-    EXPECT_EQ(growth_.vertex(v)[0], points[point][0] * scale);
-    EXPECT_EQ(growth_.vertex(v)[1], points[point][1] * scale);
+  void expect_facet(std::uint32_t f, unsigned a, unsigned b, unsigned apex) {
+    EXPECT_EQ(growth_.facets().at(f).vertex[0], a);
+    EXPECT_EQ(growth_.facets().at(f).vertex[1], b);
+    EXPECT_EQ(growth_.apexes().at(f), apex);
   }
-  void expect_facet(std::uint32_t f, unsigned a, unsigned b) {
-    expect_at(growth_.facets().at(f).vertex[0], a);
-    expect_at(growth_.facets().at(f).vertex[1], b);
-  }
-  void expect_exterior(std::uint32_t i, std::uint32_t row, std::uint32_t facet, double squares) {
-    EXPECT_EQ(growth_.exterior_point(i).row, row);
-    EXPECT_EQ(growth_.exterior_point(i).facet, facet) << "of point " << row;
-    EXPECT_NEAR(growth_.exterior_point(i).distance, squares * scale, 1e-14) << "of point " << row;
+  void expect_exterior(std::uint32_t i, std::uint32_t row, std::uint32_t facet) {
+    EXPECT_EQ(growth_.exterior().at(i).row, row);
+    EXPECT_EQ(growth_.exterior().at(i).facet, facet) << "of point " << row;
   }
 
-  PseudoHullGrowth<2, SerialExecutor> growth_{SerialExecutor{}};
+  std::vector<double> rows_;
+  PseudoHullGrowth<2, SerialExecutor, StoredRows<2>> growth_{SerialExecutor{}};
   std::vector<PseudoHullRound> rounds_;
 };
 
 TEST_F(ByHand, TheStartIsASimplexWithExteriorSets) {
-  growth_.run(0, Control(Options{}), rounds_);
+  run(0);
+  // 16 squares wide: scaled by 1/32.
+  for (unsigned i = 0; i < 12; ++i) EXPECT_EQ(rows_[2 * i], points[i][0] / 32);
   ASSERT_EQ(growth_.facets().size(), 3U);
-  expect_facet(0, 1, 2);
-  expect_facet(1, 0, 2);
-  expect_facet(2, 0, 1);
-  ASSERT_EQ(growth_.exterior_count(), 6U);
-  const double r = std::sqrt(0.5);
-  expect_exterior(0, 3, 2, 8);
-  expect_exterior(1, 5, 2, 4);
-  expect_exterior(2, 6, 2, 5);
-  expect_exterior(3, 7, 1, 2 * r);
-  expect_exterior(4, 10, 0, r);
-  expect_exterior(5, 11, 0, r);
+  expect_facet(0, 1, 2, 10);  // of equally far ones the first
+  expect_facet(1, 0, 2, 7);
+  expect_facet(2, 0, 1, 3);
+  ASSERT_EQ(growth_.exterior().size(), 6U);
+  expect_exterior(0, 3, 2);
+  expect_exterior(1, 5, 2);
+  expect_exterior(2, 6, 2);
+  expect_exterior(3, 7, 1);
+  expect_exterior(4, 10, 0);
+  expect_exterior(5, 11, 0);
   ASSERT_EQ(rounds_.size(), 1U);
   EXPECT_EQ(rounds_[0].exterior, 12U);
   EXPECT_EQ(rounds_[0].culled, 2U);  // 4 and 9
@@ -163,15 +160,15 @@ TEST_F(ByHand, TheStartIsASimplexWithExteriorSets) {
 }
 
 TEST_F(ByHand, ARoundReplacesEveryFacetThroughItsFarthestPoint) {
-  growth_.run(1, Control(Options{}), rounds_);
-  // Apexes 10 (of equal ones the first), 7 and 3. Cells: facet 0 -> 0 3, 1 -> 1 4, 2 -> 2 5. Point
+  run(1);
+  // Apexes 10, 7 and 3. Cells: facet 0 -> 0 3, 1 -> 1 4, 2 -> 2 5. Point
   // 11 is beyond (10 2) in cell 0, point 6 beyond (3 1) in cell 2: the other cells are null.
   ASSERT_EQ(growth_.facets().size(), 2U);
-  expect_facet(0, 10, 2);
-  expect_facet(1, 3, 1);
-  ASSERT_EQ(growth_.exterior_count(), 2U);
-  expect_exterior(0, 6, 1, 2 * std::sqrt(0.5));
-  expect_exterior(1, 11, 0, 1 / std::sqrt(41));  // 5 y - 4 x = -40, at (4, -5): -41
+  expect_facet(0, 10, 2, 11);  // 5 y - 4 x = -40, at (4, -5): -41
+  expect_facet(1, 3, 1, 6);
+  ASSERT_EQ(growth_.exterior().size(), 2U);
+  expect_exterior(0, 6, 1);
+  expect_exterior(1, 11, 0);
   ASSERT_EQ(rounds_.size(), 2U);
   EXPECT_EQ(rounds_[1].facets, 3U);
   EXPECT_EQ(rounds_[1].exterior, 6U);
@@ -180,14 +177,14 @@ TEST_F(ByHand, ARoundReplacesEveryFacetThroughItsFarthestPoint) {
 }
 
 TEST_F(ByHand, ItEndsWhenNoPointIsOutside) {
-  growth_.run(100, Control(Options{}), rounds_);
-  EXPECT_EQ(growth_.exterior_count(), 0U);
+  run(100);
+  EXPECT_TRUE(growth_.exterior().empty());
   EXPECT_TRUE(growth_.facets().empty());
   ASSERT_EQ(rounds_.size(), 3U);
   EXPECT_EQ(rounds_[2].facets, 2U);
   EXPECT_EQ(rounds_[2].kept, 2U);
-  const std::vector<char> expected = {0, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0, 0};
-  EXPECT_EQ(growth_.culled(), expected);
+  const std::vector<unsigned char> expected = {0, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0, 0};
+  EXPECT_EQ(std::vector<unsigned char>(growth_.culled(), growth_.culled() + 12), expected);
 }
 
 TEST_F(ByHand, TheSameThroughTheFilterAndItsReport) {
@@ -209,22 +206,22 @@ TEST_F(ByHand, TheSameThroughTheFilterAndItsReport) {
 template <unsigned D, class Executor>
 void expect_stream_order(Executor executor) {
   constexpr std::uint32_t n = 3000;
-  PseudoHullGrowth<D, Executor> growth(std::move(executor));
-  double* rows = growth.rows(n);
+  std::vector<double> rows(n * D);
   std::mt19937_64 random(D);
-  for (std::uint32_t i = 0; i < n * D; ++i) rows[i] = static_cast<double>(random() >> 11) * 0x1p-53;
+  for (double& v : rows) v = static_cast<double>(random() >> 11) * 0x1p-53;
+  PseudoHullGrowth<D, Executor, StoredRows<D>> growth(std::move(executor));
   std::vector<PseudoHullRound> rounds;
-  growth.run(1, Control(Options{}), rounds);
+  growth.run({rows.data()}, n, 1, Control(Options{}), rounds);
   const auto before = growth.facets();
+  const auto apexes = growth.apexes();
   const auto facets = static_cast<std::uint32_t>(before.size());
   PseudoHullRound report;
   growth.round(report);
-  const std::uint32_t first_apex =
-      D + 1 + static_cast<std::uint32_t>(rounds[1].facets);  // after those of round 1
   ASSERT_GT(growth.facets().size(), D);
   std::uint32_t next = 0;
   for (const auto& f : growth.facets()) {
-    const std::uint32_t j = f.vertex[0] - first_apex;
+    const auto j = static_cast<std::uint32_t>(std::find(apexes.begin(), apexes.end(), f.vertex[0]) -
+                                              apexes.begin());
     ASSERT_LT(j, facets);
     unsigned missing = D;
     for (unsigned i = 0; i < D; ++i)
@@ -236,8 +233,7 @@ void expect_stream_order(Executor executor) {
   }
   // Every facet left has an exterior point, and every exterior point a facet.
   std::set<std::uint32_t> used;
-  for (std::uint32_t i = 0; i < growth.exterior_count(); ++i)
-    used.insert(growth.exterior_point(i).facet);
+  for (const ExteriorPoint& p : growth.exterior()) used.insert(p.facet);
   EXPECT_EQ(used.size(), growth.facets().size());
   EXPECT_EQ(*used.rbegin() + 1, growth.facets().size());
 }

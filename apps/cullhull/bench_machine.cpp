@@ -1,0 +1,78 @@
+// cullhull bench machine: rates of memory and link, for reports and for the planner.
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <system_error>
+
+#include "arguments.hpp"
+#include "bench_command.hpp"
+#include "cullhull/error.hpp"
+#include "cullhull/io.hpp"
+#include "machine.hpp"
+#include "signals.hpp"
+#include "terminal.hpp"
+
+namespace app {
+namespace {
+
+constexpr const char* examples =
+    "--save keeps what the planner uses to decide where to run, in $CULLHULL_MACHINE, or else in\n"
+    "~/.config/cullhull/machine.json. Without it the planner goes by defaults.\n"
+    "\n"
+    "Exit status: 0 success; 1 the system refused; 2 bad usage; 4 out of memory; 130 cancelled.";
+
+struct MachineArguments {
+  std::string json, bytes;
+  unsigned passes = 9;
+  bool save = false, quiet = false;
+};
+
+void save_constants(const cullhull::bench::MachineRates& rates) {
+  const std::string path = cullhull::bench::planner_constants_path();
+  std::error_code error;
+  if (const auto folder = std::filesystem::path(path).parent_path(); !folder.empty())
+    std::filesystem::create_directories(folder, error);
+  if (error) throw cullhull::Error(cullhull::ErrorCode::io, path + ": " + error.message());
+  cullhull::write_text(path, cullhull::bench::planner_constants(rates));
+}
+
+int run(const MachineArguments& arguments) {
+  cullhull::bench::MachineSettings settings;
+  if (!arguments.bytes.empty()) settings.bytes = parse_size(arguments.bytes, "--bytes");
+  settings.passes = arguments.passes;
+  cullhull::bench::MachineRates rates;
+  {
+    TerminalProgress progress(arguments.quiet);
+    cancellable([&] {
+      rates = cullhull::bench::measure_machine(settings, progress.callback(), stop_token());
+    });
+  }
+  if (arguments.save) save_constants(rates);
+  if (arguments.json == "-")
+    write_stdout(cullhull::bench::machine_json(rates));
+  else if (!arguments.json.empty())
+    cullhull::write_text(arguments.json, cullhull::bench::machine_json(rates));
+  if (!arguments.quiet && arguments.json != "-")
+    write_stdout(cullhull::bench::machine_table(rates));
+  return 0;
+}
+
+}  // namespace
+
+Command add_bench_machine(CLI::App& bench) {
+  auto a = std::make_shared<MachineArguments>();
+  CLI::App& command = *bench.add_subcommand(
+      "machine", "Bandwidth of memory, of the link to the device, of the device");
+  command.add_option("--json", a->json, "The rates as JSON, on standard output or to FILE")
+      ->type_name("[=FILE]");
+  command.add_flag("--save", a->save, "Keep the rates for the planner");
+  command.add_option("--bytes", a->bytes, "Size of the arrays, e.g. 512MiB")->type_name("SIZE");
+  allow_range(*command.add_option("--passes", a->passes, "Passes over them; the best counts"), 1,
+              1000);
+  command.add_flag("-q,--quiet", a->quiet, "No table and no progress");
+  command.footer(examples);
+  return [a] { return run(*a); };
+}
+
+}  // namespace app

@@ -1,0 +1,345 @@
+// cullhull track: the hulls of moving points, frame by frame.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "arguments.hpp"
+#include "commands.hpp"
+#include "cullhull/cullhull.hpp"
+#include "measure.hpp"
+#include "signals.hpp"
+#include "terminal.hpp"
+
+namespace app {
+namespace {
+
+using cullhull::Error;
+using cullhull::ErrorCode;
+using cullhull::FrameReport;
+using cullhull::Hull;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* footer =
+    "SEQUENCE is an .npy array (frames, n, d), of which one frame is mapped at a time, so that it\n"
+    "may be larger than memory; or a folder, a pattern in quotes, or several files of points, one\n"
+    "for each frame, ordered by name with numbers in names by value (2 before 10). Point i of a\n"
+    "frame is point i of the next. Where count or dimension change, tracking starts afresh.\n"
+    "\n"
+    "Output:\n"
+    "  -o out-%04d.ply    a hull for each frame, named by its number from 0; .ply .obj .off .stl\n"
+    "                     for points of dimension 2 and 3, .json and .txt for all\n"
+    "  -o FOLDER          the same as FOLDER/frame-%06d.ply (.json beyond 3 dimensions)\n"
+    "  --json             for each frame counts, times, measures, what came and went; then totals\n"
+    "Every hull is the one 'cullhull hull' gives for that frame, bit for bit.\n"
+    "\n"
+    "Examples:\n"
+    "  cullhull track twist.npy --json=report.json         hulls of an array (frames, n, d)\n"
+    "  cullhull track scans/ -o hulls/ --certify           a folder of files, each hull checked\n"
+    "  cullhull track 'f*.xyz' --cull pseudo-hull          the filter of Tang et al. 2012\n"
+    "\n"
+    "Exit status: 0 success; 1 bad input; 2 bad usage; 3 not certified; 4 out of the memory "
+    "budget;\n"
+    "5 backend not available; 130 cancelled.";
+
+struct TrackArguments {
+  std::vector<std::string> inputs;
+  std::string format;
+  RunArguments run;
+  std::string output;
+  std::string json;
+  bool certify = false;
+  bool keep_going = false;
+};
+
+/// Names of the files of -o: text around a frame number padded with zeros.
+class FrameNames {
+ public:
+  explicit FrameNames(std::string pattern) : pattern_(std::move(pattern)) {
+    if (pattern_.empty()) return;
+    std::error_code ignored;
+    folder_ = pattern_.back() == '/' || std::filesystem::is_directory(pattern_, ignored);
+    if (folder_)
+      std::filesystem::create_directories(pattern_);
+    else
+      split();
+  }
+
+  bool wanted() const { return !pattern_.empty(); }
+
+  std::string of(std::uint64_t frame, std::uint32_t dimension) const {
+    if (folder_)
+      return (std::filesystem::path(pattern_) /
+              fmt::format("frame-{:06}{}", frame, dimension <= 3 ? ".ply" : ".json"))
+          .string();
+    return fmt::format("{}{:0{}}{}", before_, frame, width_, after_);
+  }
+
+  void check(std::uint32_t dimension) const {
+    if (!wanted() || folder_) return;
+    std::string extension = std::filesystem::path("x" + after_).extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (extension == ".json" || extension == ".txt") return;
+    if (extension != ".ply" && extension != ".obj" && extension != ".off" && extension != ".stl")
+      refuse("the name must end in .ply .obj .off .stl .json or .txt");
+    if (dimension != 2 && dimension != 3)
+      refuse("a mesh needs points of dimension 2 or 3; write .json");
+  }
+
+ private:
+  [[noreturn]] void refuse(const char* reason) const {
+    throw Error(ErrorCode::invalid_argument, "-o " + pattern_ + ": " + reason);
+  }
+
+  void split() {
+    const auto percent = pattern_.find('%');
+    if (percent == std::string::npos)
+      refuse("needs a place for the frame's number, such as %04d, or a folder");
+    std::size_t at = percent + 1;
+    std::string width;
+    while (at < pattern_.size() && std::isdigit(static_cast<unsigned char>(pattern_[at])) != 0)
+      width += pattern_[at++];
+    if (at >= pattern_.size() || pattern_[at] != 'd' || width.size() > 3 || width == "0" ||
+        (!width.empty() && width[0] != '0') || pattern_.find('%', at) != std::string::npos)
+      refuse("needs one place for the frame's number, %d or such as %04d");
+    width_ = width.empty() ? 1 : std::stoi(width);
+    before_ = pattern_.substr(0, percent);
+    after_ = pattern_.substr(at + 1);
+  }
+
+  std::string pattern_, before_, after_;
+  int width_ = 1;
+  bool folder_ = false;
+};
+
+/// Sums over the frames, and a record of each if there is to be a report.
+struct Outcome {
+  Json frames = Json::array();
+  std::uint64_t done = 0, led = 0, failed = 0;
+  std::uint64_t points = 0, scan_survivors = 0, survivors = 0;  ///< of the led frames
+  std::uint64_t fewest = ~std::uint64_t{0}, most = 0;           ///< vertices
+  double read = 0, scan = 0, cull = 0, hull = 0, compute = 0;
+  std::uint64_t count = 0;
+  std::uint32_t dimension = 0;
+  cullhull::ScalarType scalar = cullhull::ScalarType::f64;
+  unsigned threads = 0;
+  std::string error;  ///< the first frame that failed
+  std::optional<bool> certified;
+  std::string not_certified;
+
+  void add(const FrameReport& r, const Hull& h, double read_seconds) {
+    ++done;
+    if (std::string_view(r.method) != "static") {
+      ++led;
+      points += h.point_count;
+      scan_survivors += r.scan_survivors;
+      survivors += r.survivors;
+    }
+    fewest = std::min<std::uint64_t>(fewest, h.vertices.size());
+    most = std::max<std::uint64_t>(most, h.vertices.size());
+    read += read_seconds;
+    scan += r.scan_seconds;
+    cull += r.cull_seconds;
+    hull += r.hull_seconds;
+    compute += r.compute_seconds;
+    count = h.point_count;
+    dimension = h.dimension;
+    scalar = h.scalar;
+    threads = h.statistics.threads;
+  }
+  double share(std::uint64_t part) const {
+    return points == 0 ? 0 : static_cast<double>(part) / static_cast<double>(points);
+  }
+  double frames_per_second() const { return compute > 0 ? static_cast<double>(done) / compute : 0; }
+};
+
+Json frame_record(std::uint64_t index, const FrameReport& r, const Hull& h, double read_seconds) {
+  return {{"index", index},
+          {"method", r.method},
+          {"affine_dimension", h.affine_dimension},
+          {"vertex_count", h.vertices.size()},
+          {"facet_count", h.facet_count()},
+          {"scan_survivors", r.scan_survivors},
+          {"survivors", r.survivors},
+          {"vertices_came", r.vertices_came},
+          {"vertices_went", r.vertices_went},
+          {"facets_came", r.facets_came},
+          {"facets_went", r.facets_went},
+          {"read_seconds", read_seconds},
+          {"scan_seconds", r.scan_seconds},
+          {"cull_seconds", r.cull_seconds},
+          {"hull_seconds", r.hull_seconds},
+          {"compute_seconds", r.compute_seconds},
+          {"volume", h.volume},
+          {"area", h.area}};
+}
+
+/// One frame; false if its points have no hull and the others are wanted all the same.
+bool track_frame(const TrackArguments& arguments, const FrameNames& names,
+                 const cullhull::PointSequence& sequence, cullhull::HullTracker& tracker,
+                 const cullhull::Options& options, Outcome& outcome) {
+  const cullhull::PointView& points = sequence.points();
+  names.check(points.dimension);
+  try {
+    tracker.update(points);
+  } catch (const Error& e) {
+    if (!arguments.keep_going || e.code() != ErrorCode::not_finite) throw;
+    ++outcome.failed;
+    if (outcome.error.empty()) outcome.error = e.what();
+    if (!arguments.json.empty())
+      outcome.frames.push_back({{"index", sequence.index()}, {"error", e.what()}});
+    return false;
+  }
+  const Hull& hull = tracker.hull();
+  outcome.add(tracker.report(), hull, sequence.read_seconds());
+  if (!arguments.json.empty())
+    outcome.frames.push_back(
+        frame_record(sequence.index(), tracker.report(), hull, sequence.read_seconds()));
+  if (arguments.certify) {
+    const cullhull::Certificate c = cullhull::certify(points, hull, options);
+    outcome.certified = outcome.certified.value_or(true) && c.valid;
+    if (!arguments.json.empty()) outcome.frames.back()["certified"] = c.valid;
+    if (!c.valid && outcome.not_certified.empty())
+      outcome.not_certified = fmt::format("frame {}: {}", sequence.index(), c.reason);
+  }
+  if (names.wanted())
+    cullhull::write_hull(names.of(sequence.index(), points.dimension), points, hull);
+  return true;
+}
+
+Outcome track(const TrackArguments& arguments, cullhull::PointSequence& sequence) {
+  Outcome outcome;
+  const FrameNames names(arguments.output);
+  const cullhull::Options options = arguments.run.options();
+  cullhull::HullTracker tracker(options);
+  TerminalProgress progress(arguments.run.quiet);
+  const cullhull::Progress report = progress.callback();
+  const Stopwatch watch;
+  const auto total = static_cast<double>(sequence.frames());
+  cancellable([&] {
+    while (sequence.next()) {
+      if (stop_token().stop_requested()) return;
+      track_frame(arguments, names, sequence, tracker, options, outcome);
+      if (!report) continue;
+      const auto done = static_cast<double>(sequence.index() + 1);
+      report(fmt::format("frame {} of {}, {:.3g} frames/s", sequence.index() + 1, sequence.frames(),
+                         done / watch.seconds())
+                 .c_str(),
+             done / total);
+    }
+  });
+  return outcome;
+}
+
+std::string report_of(const TrackArguments& arguments, const cullhull::PointSequence& sequence,
+                      Outcome&& o) {
+  Json report = {{"version", CULLHULL_VERSION},
+                 {"points",
+                  {{"count", o.count},
+                   {"dimension", o.dimension},
+                   {"scalar", cullhull::scalar_name(o.scalar)}}},
+                 {"format", sequence.format()},
+                 {"threads", o.threads},
+                 {"backend", "cpu"},
+                 {"cull", arguments.run.cull},
+                 {"frames", std::move(o.frames)},
+                 {"totals",
+                  {{"frames", sequence.frames()},
+                   {"failed_frames", o.failed},
+                   {"led_frames", o.led},
+                   {"scan_share", o.share(o.scan_survivors)},
+                   {"survivor_share", o.share(o.survivors)},
+                   {"read_seconds", o.read},
+                   {"scan_seconds", o.scan},
+                   {"cull_seconds", o.cull},
+                   {"hull_seconds", o.hull},
+                   {"compute_seconds", o.compute},
+                   {"frames_per_second", o.frames_per_second()}}},
+                 {"peak_bytes", peak_bytes()}};
+  if (o.certified) report["certified"] = *o.certified;
+  return report.dump(1) + "\n";
+}
+
+std::string summary(const cullhull::PointSequence& sequence, const Outcome& o) {
+  std::string text =
+      fmt::format("frames     {}, {}\n", grouped(sequence.frames()), sequence.format());
+  if (o.done > 0) {
+    text += fmt::format("points     {} x {}, {}\n", grouped(o.count), o.dimension,
+                        cullhull::scalar_name(o.scalar));
+    text += fmt::format(
+        "led        {} frames by the one before; of their points {:.3g} % survive "
+        "the scan, {:.3g} % growth\n",
+        grouped(o.led), 100 * o.share(o.scan_survivors), 100 * o.share(o.survivors));
+    text += fmt::format("vertices   {} to {}\n", grouped(o.fewest), grouped(o.most));
+    text += fmt::format("seconds    {:.6f} = cull {:.6f} + hull {:.6f}; reading {:.6f}\n",
+                        o.compute, o.cull, o.hull, o.read);
+    text += fmt::format("mean       {:.6f} a frame, {:.4g} frames/s\n",
+                        o.compute / static_cast<double>(o.done), o.frames_per_second());
+  }
+  if (o.certified) text += fmt::format("certified  {}\n", *o.certified ? "all frames" : "NO");
+  return text;
+}
+
+int run(const TrackArguments& arguments) {
+  cullhull::ReadOptions read;
+  read.format = arguments.format;
+  read.threads = arguments.run.threads;
+  read.stop = stop_token();
+  cullhull::PointSequence sequence = cullhull::open_sequence(arguments.inputs, read);
+  Outcome outcome = track(arguments, sequence);
+  const std::string failed = outcome.error, not_proved = outcome.not_certified;
+  const std::string text = summary(sequence, outcome);
+  if (!arguments.json.empty()) {
+    const std::string report = report_of(arguments, sequence, std::move(outcome));
+    if (arguments.json == "-")
+      write_stdout(report);
+    else
+      cullhull::write_text(arguments.json, report);
+  }
+  if (!arguments.run.quiet && arguments.json != "-") write_stdout(text);
+  if (!not_proved.empty()) {
+    complain("not certified: " + not_proved);
+    return not_certified;
+  }
+  if (!failed.empty()) {
+    complain(failed);
+    return bad_input;
+  }
+  return 0;
+}
+
+}  // namespace
+
+Command add_track(CLI::App& parent) {
+  auto a = std::make_shared<TrackArguments>();
+  CLI::App& command =
+      *parent.add_subcommand("track", "The exact convex hulls of moving points, frame by frame");
+  command
+      .add_option("SEQUENCE", a->inputs, "An array (frames, n, d), or files, a folder, a pattern")
+      ->type_name("")
+      ->required();
+  allow_words(*command.add_option("--input-format", a->format,
+                                  "Read each file as this, whatever its name and content"),
+              {"npy", "ply", "obj", "off", "stl", "xyz", "txt", "csv"});
+  command.add_option("-o,--output", a->output, "Write each frame's hull")
+      ->type_name("PATTERN|FOLDER");
+  command
+      .add_option("--json", a->json,
+                  "What happened in each frame as JSON, on standard output or to FILE")
+      ->type_name("[=FILE]");
+  a->run.add_to(command, true);
+  command.add_flag("--certify", a->certify,
+                   "Check each hull exactly, by none of the engine's code");
+  command.add_flag(
+      "--keep-going", a->keep_going,
+      "Go on after frames with points that are not finite; the exit status is still 1");
+  command.footer(footer);
+  return [a] { return run(*a); };
+}
+
+}  // namespace app

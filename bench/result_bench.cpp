@@ -1,0 +1,183 @@
+// What follows the engine: an engine runs once, build_hull many times, certify once.
+//
+//   bench/result_bench [repeats] [shape dimension count]...
+//
+// Shapes: sphere, ball. Prints the best time of build_hull in ms with one and two threads, the
+// least CPU time, the time by phase for the best run, nanoseconds per facet, bytes of the result
+// per facet and a hash of it.
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "cullhull/certify.hpp"
+#include "cullhull/options.hpp"
+#include "hull/engine.hpp"
+#include "parallel/parallel.hpp"
+#include "points/local_frame.hpp"
+#include "result/build_hull.hpp"
+
+namespace {
+
+using namespace cullhull;
+using namespace cullhull::internal;
+using Clock = std::chrono::steady_clock;
+
+double milliseconds(Clock::time_point from, Clock::time_point to) {
+  return std::chrono::duration<double, std::milli>(to - from).count();
+}
+
+/// CPU seconds of all threads, ours and the system's on our behalf, in ms.
+std::pair<double, double> cpu() {
+  rusage r{};
+  getrusage(RUSAGE_SELF, &r);
+  const auto ms = [](const timeval& t) {
+    return 1e3 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_usec);
+  };
+  return {ms(r.ru_utime), ms(r.ru_stime)};
+}
+
+std::vector<double> make_points(bool surface, unsigned d, std::uint64_t n) {
+  std::mt19937_64 random(d);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<double> rows(n * d);
+  for (std::uint64_t i = 0; i < n; ++i) {
+    double square = 0;
+    for (unsigned j = 0; j < d; ++j) {
+      rows[i * d + j] = normal(random);
+      square += rows[i * d + j] * rows[i * d + j];
+    }
+    const double r = surface ? 1 : std::pow(unit(random), 1.0 / d);
+    for (unsigned j = 0; j < d; ++j) rows[i * d + j] *= r / std::sqrt(square);
+  }
+  return rows;
+}
+
+class Hash {
+ public:
+  template <class List>
+  void add(const List& list) {
+    for (const auto& v : list) {
+      std::uint64_t bits = 0;
+      std::memcpy(&bits, &v, sizeof v);
+      hash_ = (hash_ ^ bits) * 0x9E3779B97F4A7C15U;
+      hash_ ^= hash_ >> 29;
+    }
+  }
+  std::uint64_t value() const { return hash_; }
+
+ private:
+  std::uint64_t hash_ = 1;
+};
+
+std::uint64_t hash(const Hull& h) {
+  Hash x;
+  x.add(h.vertices);
+  x.add(h.facets.offsets);
+  x.add(h.facets.items);
+  x.add(h.facet_neighbours.offsets);
+  x.add(h.facet_neighbours.items);
+  x.add(h.facet_planes);
+  x.add(h.simplices);
+  x.add(h.simplex_neighbours);
+  x.add(h.simplex_facets);
+  x.add(h.centroid);
+  x.add(std::vector<double>{h.area, h.volume});
+  return x.value();
+}
+
+std::uint64_t bytes(const Hull& h) {
+  return 8 * (h.facets.offsets.size() + h.facets.items.size() + h.facet_neighbours.offsets.size() +
+              h.facet_planes.size() + h.simplices.size()) +
+         4 * (h.facet_neighbours.items.size() + h.simplex_neighbours.size() +
+              h.simplex_facets.size());
+}
+
+void run(const char* shape, unsigned d, std::uint64_t n, unsigned repeats) {
+  const std::vector<double> rows = make_points(std::strcmp(shape, "sphere") == 0, d, n);
+  const PointView view = PointView::row_major(rows.data(), n, d);
+  Options options;
+  std::vector<std::pair<std::string, Clock::time_point>> marks;
+  options.progress = [&](const char* phase, double) { marks.emplace_back(phase, Clock::now()); };
+  const Control control(options);
+  const LocalFrame frame(std::vector<double>(rows), static_cast<std::uint32_t>(n), d, control);
+  const auto start = Clock::now();
+  const LocalPoints& local = frame.points();
+  const std::uint64_t budget = ~std::uint64_t{0};
+  const SimplicialHull boundary =
+      d == 2   ? hull_2d(local, 1, control)
+      : d == 3 ? hull_3d(local, frame.simplex().data(), budget, 1, control)
+               : hull_nd(local, frame.simplex().data(), budget, 1, control);
+  const std::size_t facets = boundary.facet_count();
+  std::printf("%s %uD %llu points, %zu facets; engine %.1f ms\n", shape, d,
+              static_cast<unsigned long long>(n), facets, milliseconds(start, Clock::now()));
+  for (const unsigned threads : {1U, 2U}) {
+    double best = 1e300, user = 1e300, system = 1e300;
+    std::string phases;
+    Hull last;
+    for (unsigned r = 0; r < repeats; ++r) {
+      SimplicialHull copy = boundary;
+      Hull hull;
+      marks.clear();
+      const auto cpu_begin = cpu();
+      const auto begin = Clock::now();
+      build_hull({&view, &local, nullptr, frame.axes().data()}, std::move(copy), control, threads,
+                 hull);
+      const auto end = Clock::now();
+      const auto cpu_end = cpu();
+      user = std::min(user, cpu_end.first - cpu_begin.first);
+      system = std::min(system, cpu_end.second - cpu_begin.second);
+      if (milliseconds(begin, end) < best) {
+        best = milliseconds(begin, end);
+        phases.clear();
+        marks.emplace_back("", end);
+        for (std::size_t i = 0; i + 1 < marks.size(); ++i) {
+          char text[64];
+          std::snprintf(text, sizeof text, " %s %.1f", marks[i].first.c_str(),
+                        milliseconds(marks[i].second, marks[i + 1].second));
+          phases += text;
+        }
+      }
+      last = std::move(hull);
+    }
+    std::printf(
+        "  threads %u: %.2f ms, CPU %.1f + %.1f system, %.1f ns and %.0f bytes a facet, "
+        "hash %016llx;%s\n",
+        threads, best, user, system, 1e6 * best / static_cast<double>(facets),
+        static_cast<double>(bytes(last)) / static_cast<double>(facets),
+        static_cast<unsigned long long>(hash(last)), phases.c_str());
+    if (std::getenv("CERTIFY") == nullptr) continue;
+    options.threads = threads;
+    const auto begin = Clock::now();
+    marks.clear();
+    const Certificate c = certify(view, last, options);
+    std::printf("    certify %.1f ms: %s;", milliseconds(begin, Clock::now()),
+                c.valid ? "valid" : c.reason.c_str());
+    for (std::size_t i = 0; i + 1 < marks.size(); ++i)
+      std::printf(" %.1f", milliseconds(marks[i].second, marks[i + 1].second));
+    std::printf("\n");
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const unsigned repeats = argc > 1 ? static_cast<unsigned>(std::atoi(argv[1])) : 5;
+  if (argc < 5) {
+    run("sphere", 3, 1'000'000, repeats);
+    run("sphere", 2, 1'000'000, repeats);
+    run("ball", 4, 1'000'000, repeats);
+    return 0;
+  }
+  for (int i = 2; i + 2 < argc; i += 3)
+    run(argv[i], static_cast<unsigned>(std::atoi(argv[i + 1])),
+        static_cast<std::uint64_t>(std::atoll(argv[i + 2])), repeats);
+}

@@ -1,0 +1,195 @@
+#include "machine.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+#include "cullhull/error.hpp"
+#include "cullhull/version.hpp"
+#include "parallel/big_array.hpp"
+#include "parallel/parallel.hpp"
+
+namespace cullhull::bench {
+namespace {
+
+constexpr std::uint64_t mebibyte = 1U << 20;
+/// Read or copied by one core at a time.
+constexpr std::uint64_t piece = 4 * mebibyte / sizeof(std::uint64_t);
+
+/// Eight sums, so that additions do not wait for one another.
+std::uint64_t sum_of(const std::uint64_t* p, std::uint64_t count) {
+  std::uint64_t sum[8] = {};
+  std::uint64_t i = 0;
+  for (; i + 8 <= count; i += 8)
+    for (unsigned k = 0; k < 8; ++k) sum[k] += p[i + k];
+  for (; i < count; ++i) sum[0] += p[i];
+  for (unsigned k = 1; k < 8; ++k) sum[0] += sum[k];
+  return sum[0];
+}
+
+template <class Work>
+double best_rate(unsigned passes, double bytes, const std::stop_token& stop, const Work& work) {
+  double best = 0;
+  for (unsigned pass = 0; pass < passes; ++pass) {
+    if (stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    best = std::max(best, bytes / std::max(took.count(), 1e-9));
+  }
+  return best;
+}
+
+HostRates measure_host(const MachineSettings& settings, unsigned cores, const Progress& progress,
+                       const std::stop_token& stop) {
+  const std::uint64_t words = settings.bytes / sizeof(std::uint64_t);
+  const auto size = static_cast<double>(words * sizeof(std::uint64_t));
+  internal::BigArray<std::uint64_t> from(words), to(words);
+  // Pages are touched by the threads that use them later, more or less.
+  internal::for_each_chunk(words, piece, cores,
+                           [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                             std::fill(from.get() + begin, from.get() + end, begin);
+                             std::fill(to.get() + begin, to.get() + end, end);
+                           });
+  [[maybe_unused]] static volatile std::uint64_t sink;
+  const auto read = [&](unsigned threads) {
+    internal::for_each_chunk(words, piece, threads,
+                             [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                               sink = sum_of(from.get() + begin, end - begin);
+                             });
+  };
+  const auto copy = [&](unsigned threads) {
+    internal::for_each_chunk(
+        words, piece, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+          std::memcpy(to.get() + begin, from.get() + begin, (end - begin) * sizeof(std::uint64_t));
+        });
+  };
+  const auto report = [&](double share) {
+    if (progress) progress("host memory", share);
+  };
+  HostRates rates;
+  report(0);
+  rates.read_one = best_rate(settings.passes, size, stop, [&] { read(1); });
+  report(0.25);
+  rates.copy_one = best_rate(settings.passes, 2 * size, stop, [&] { copy(1); });
+  report(0.5);
+  rates.read_all = best_rate(settings.passes, size, stop, [&] { read(cores); });
+  report(0.75);
+  rates.copy_all = best_rate(settings.passes, 2 * size, stop, [&] { copy(cores); });
+  report(1);
+  return rates;
+}
+
+std::uint64_t default_bytes() {
+  const long pages = ::sysconf(_SC_PHYS_PAGES), page = ::sysconf(_SC_PAGESIZE);
+  const std::uint64_t memory =
+      pages > 0 && page > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page)
+                            : 1024 * mebibyte;
+  return std::clamp(memory / 16, 16 * mebibyte, 512 * mebibyte);
+}
+
+std::string row(const char* what, double rate) {
+  return fmt::format("{:<34}{:>9.2f} GB/s\n", what, rate / 1e9);
+}
+
+}  // namespace
+
+std::string date_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts = {};
+  ::gmtime_r(&now, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text;
+}
+
+MachineRates measure_machine(const MachineSettings& settings, const Progress& progress,
+                             const std::stop_token& stop) {
+  MachineSettings resolved = settings;
+  if (resolved.bytes == 0) resolved.bytes = default_bytes();
+  resolved.bytes = std::max<std::uint64_t>(resolved.bytes, mebibyte);
+  MachineRates rates;
+  rates.bytes = resolved.bytes;
+  rates.cores = internal::resolve_threads(0);
+  rates.date = date_now();
+  rates.host = measure_host(resolved, rates.cores, progress, stop);
+  rates.device = measure_device(resolved.bytes, resolved.passes, progress, stop, rates.no_device);
+  return rates;
+}
+
+std::string machine_table(const MachineRates& rates) {
+  std::string text = fmt::format("cores                             {:>9}\n", rates.cores) +
+                     row("host memory, read, one core", rates.host.read_one) +
+                     row("host memory, read, all cores", rates.host.read_all) +
+                     row("host memory, copy, one core", rates.host.copy_one) +
+                     row("host memory, copy, all cores", rates.host.copy_all);
+  if (rates.device)
+    text += row("to the device, pinned memory", rates.device->link_pinned) +
+            row("to the device, pageable memory", rates.device->link_pageable) +
+            row("device memory, copy", rates.device->copy) +
+            fmt::format("device  {}\n", rates.device->name);
+  else
+    text += fmt::format("device  none: {}\n", rates.no_device);
+  return text + fmt::format(
+                    "arrays of {} MiB, best of the passes; a copy counts reading and "
+                    "writing; {}\n",
+                    rates.bytes / mebibyte, rates.date);
+}
+
+std::string machine_json(const MachineRates& rates) {
+  nlohmann::ordered_json json;
+  json["version"] = CULLHULL_VERSION;
+  json["suite"] = "machine";
+  json["date"] = rates.date;
+  json["cores"] = rates.cores;
+  json["bytes"] = rates.bytes;
+  json["host"] = {{"read_one_core_bytes_per_second", rates.host.read_one},
+                  {"read_bytes_per_second", rates.host.read_all},
+                  {"copy_one_core_bytes_per_second", rates.host.copy_one},
+                  {"copy_bytes_per_second", rates.host.copy_all}};
+  if (rates.device) {
+    json["device"] = {{"name", rates.device->name},
+                      {"link_bytes_per_second", rates.device->link_pinned},
+                      {"link_pageable_bytes_per_second", rates.device->link_pageable},
+                      {"copy_bytes_per_second", rates.device->copy}};
+  } else {
+    json["device"] = nullptr;
+    json["no_device"] = rates.no_device;
+  }
+  return json.dump(2) + '\n';
+}
+
+std::string planner_constants(const MachineRates& rates) {
+  nlohmann::ordered_json json;
+  json["host_read_bytes_per_second"] = rates.host.read_all;
+  json["host_copy_bytes_per_second"] = rates.host.copy_all;
+  if (rates.device) {
+    json["link_bytes_per_second"] = rates.device->link_pinned;
+    json["device_copy_bytes_per_second"] = rates.device->copy;
+  }
+  json["cores"] = rates.cores;
+  json["date"] = rates.date;
+  return json.dump(2) + '\n';
+}
+
+std::string planner_constants_path() {
+  const auto set = [](const char* name) -> std::string {
+    const char* value = std::getenv(name);
+    return value == nullptr ? "" : value;
+  };
+  if (const std::string file = set("CULLHULL_MACHINE"); !file.empty()) return file;
+  if (const std::string folder = set("XDG_CONFIG_HOME"); !folder.empty())
+    return folder + "/cullhull/machine.json";
+  if (const std::string home = set("HOME"); !home.empty())
+    return home + "/.config/cullhull/machine.json";
+  throw Error(ErrorCode::io,
+              "no place for the planner's constants: set CULLHULL_MACHINE to a file name");
+}
+
+}  // namespace cullhull::bench

@@ -1,0 +1,30 @@
+// Suite `paper`: the evaluation of Tang, Zhao, Tong, Manocha, "GPU accelerated Convex Hull
+// Computation", Computers & Graphics 36(5), 2012, section 5, on this machine.
+#pragma once
+
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "cullhull/options.hpp"
+#include "report.hpp"
+
+namespace cullhull::bench {
+
+struct PaperSettings {
+  double scale = 1;                  ///< of every size; at least 1000 points a set are left
+  unsigned repeat = 5;               ///< ours: the median of so many runs; Qhull runs once
+  unsigned threads = 0;              ///< 0: all
+  std::vector<std::string> figures;  ///< ids; empty: all
+};
+
+/// The ids run_paper knows, in its order.
+const std::vector<std::string>& paper_figures();
+
+/// Minutes at scale 1. Qhull runs on one core on the same points in the same run; every row says
+/// whether both found the same vertices. Throws Error{cancelled} between runs, and
+/// Error{invalid_argument} for an unknown figure.
+Report run_paper(const PaperSettings& settings, const Progress& progress,
+                 const std::stop_token& stop);
+
+}  // namespace cullhull::bench

@@ -1,0 +1,97 @@
+"""Exact convex hulls of very large point sets, in any dimension.
+
+>>> import cullhull
+>>> points = cullhull.generate("ball", 100_000, 3)
+>>> hull = cullhull.convex_hull(points)
+>>> hull.affine_dimension
+3
+>>> bool(hull.contains(points).all())
+True
+
+`convex_hull` is the native function; `ConvexHull` and `HalfspaceIntersection` stand in for SciPy's
+classes of the same names. docs/python.md in the source tree tells the rest.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ._core import version as __version__
+from ._device import cuda_status
+from ._drop_in import ConvexHull, HalfspaceIntersection
+from ._errors import (
+    BackendUnavailable,
+    BadFile,
+    Cancelled,
+    Error,
+    FileError,
+    InternalError,
+    InvalidArgument,
+    NotCertified,
+    NotFinite,
+    OutOfBudget,
+)
+from ._hull import (
+    Certificate,
+    Hull,
+    NearestFacets,
+    Rays,
+    certify,
+    convex_hull,
+    cull,
+    generate,
+    shapes,
+)
+from ._lists import Lists
+from ._many import GrowingHull, HullBatch, convex_hulls
+from ._tracker import HullTracker
+
+if TYPE_CHECKING:
+
+    class QhullError(Error, RuntimeError):
+        """What SciPy reports with its error of the same name; a subclass of it where installed."""
+
+
+__all__ = [
+    "BackendUnavailable",
+    "BadFile",
+    "Cancelled",
+    "Certificate",
+    "ConvexHull",
+    "Error",
+    "FileError",
+    "GrowingHull",
+    "HalfspaceIntersection",
+    "Hull",
+    "HullBatch",
+    "HullTracker",
+    "InternalError",
+    "InvalidArgument",
+    "Lists",
+    "NearestFacets",
+    "NotCertified",
+    "NotFinite",
+    "OutOfBudget",
+    "QhullError",
+    "Rays",
+    "__version__",
+    "certify",
+    "convex_hull",
+    "convex_hulls",
+    "cuda_status",
+    "cull",
+    "generate",
+    "shapes",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "QhullError":  # importing SciPy for it takes longer than most hulls
+        from ._errors import qhull_error
+
+        return qhull_error()
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,220 @@
+"""Many small hulls in one call, and hulls that take more points as they come."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterator, Sequence
+from typing import Any, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._arguments import Progress, as_points, settings
+from ._errors import InvalidArgument
+from ._hull import Hull
+from ._lists import Lists, ids
+
+
+class HullBatch(Sequence[Hull]):
+    """The hulls of many sets, from `convex_hulls`: a sequence of `Hull`, and arrays over all.
+
+    Below, b is the number of sets and d the dimension. Vertex indices count from a set's first
+    point. Arrays are read-only views.
+    """
+
+    __slots__ = ("_batch",)
+
+    _batch: _core.Batch
+
+    def __init__(self) -> None:
+        raise TypeError("batches are made by cullhull.convex_hulls")
+
+    @classmethod
+    def _of(cls, batch: _core.Batch) -> HullBatch:
+        result = object.__new__(cls)
+        result._batch = batch
+        return result
+
+    def __len__(self) -> int:
+        return len(self._batch)
+
+    @overload
+    def __getitem__(self, i: int) -> Hull: ...
+    @overload
+    def __getitem__(self, i: slice) -> list[Hull]: ...
+    def __getitem__(self, i: int | slice) -> Hull | list[Hull]:
+        if isinstance(i, slice):
+            return [self[j] for j in range(*i.indices(len(self)))]
+        at = operator.index(i)
+        if at < 0:
+            at += len(self)
+        if not 0 <= at < len(self):
+            raise IndexError(f"set {i} of {len(self)}")
+        return Hull._of(self._batch.solid(at))
+
+    def __iter__(self) -> Iterator[Hull]:
+        return (self[i] for i in range(len(self)))
+
+    @property
+    def dimension(self) -> int:
+        """d, the number of coordinates of a point."""
+        return self._batch.dimension
+
+    @property
+    def point_counts(self) -> npt.NDArray[np.int64]:
+        """(b,) int64: number of points of each set."""
+        return ids(self._batch.point_counts)
+
+    @property
+    def affine_dimensions(self) -> npt.NDArray[np.int32]:
+        """(b,) int32: dimension of the flat each set spans, -1 for an empty one."""
+        return self._batch.affine_dimensions
+
+    @property
+    def volumes(self) -> npt.NDArray[np.float64]:
+        """(b,) float64: see `Hull.volume`."""
+        return self._batch.volumes
+
+    @property
+    def areas(self) -> npt.NDArray[np.float64]:
+        """(b,) float64: see `Hull.area`."""
+        return self._batch.areas
+
+    @property
+    def centroids(self) -> npt.NDArray[np.float64]:
+        """(b, d) float64; zeros for an empty set."""
+        return self._batch.centroids
+
+    @property
+    def vertices(self) -> Lists:
+        """For each set the indices of its vertices: see `Hull.vertices`."""
+        return Lists(ids(self._batch.vertex_offsets), ids(self._batch.vertices))
+
+    @property
+    def vertex_points(self) -> npt.NDArray[np.float64]:
+        """(vertices of all sets, d) float64: their coordinates, end to end as in `vertices`."""
+        return self._batch.vertex_points
+
+    @property
+    def facet_counts(self) -> npt.NDArray[np.int64]:
+        """(b,) int64: number of facets of each set."""
+        return np.diff(ids(self._batch.facet_starts))
+
+    @property
+    def facet_planes(self) -> npt.NDArray[np.float64]:
+        """(facets of all sets, d + 1) float64, end to end: see `Hull.facet_planes`."""
+        return self._batch.facet_planes
+
+    @property
+    def simplices(self) -> Lists:
+        """For each set its simplices, k indices each, end to end."""
+        return Lists(ids(self._batch.simplex_offsets), ids(self._batch.simplices))
+
+    def __repr__(self) -> str:
+        return f"<HullBatch of {len(self)} hulls in {self.dimension}D>"
+
+
+def convex_hulls(
+    points: Any,
+    offsets: Any = None,
+    *,
+    threads: int | None = None,
+    memory_budget: int | None = None,
+    progress: Progress = None,
+) -> HullBatch:
+    """The exact hulls of many sets in one call, spread over all cores.
+
+    Parameters
+    ----------
+    points : (n, d) array, with `offsets`; or (b, m, d) array; or a list of (n_i, d) arrays
+        The first two are read in place; a list is copied end to end.
+    offsets : (b + 1,) integers, ascending
+        Set i is ``points[offsets[i]:offsets[i + 1]]``.
+    threads, memory_budget, progress : as in `convex_hull`
+
+    Errors name the set and the point within it.
+    """
+    if offsets is None:
+        array, starts = _end_to_end(points)
+    else:
+        array = as_points(points)
+        starts = np.asarray(offsets)
+        if starts.ndim != 1 or starts.dtype.kind not in "iu" or starts.size == 0:
+            raise InvalidArgument("`offsets` should be a list of at least one integer")
+        if starts.size and int(starts.min()) < 0:
+            raise InvalidArgument("`offsets` must not be negative")
+    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+    return HullBatch._of(
+        _core.convex_hulls(array, np.ascontiguousarray(starts, dtype=np.int64), chosen)
+    )
+
+
+def _end_to_end(points: Any) -> tuple[npt.NDArray[Any], npt.NDArray[np.int64]]:
+    if isinstance(points, np.ndarray):
+        array = as_points(points, axes=3)
+        sets, size, dimension = array.shape
+        # A view wherever the sets follow one another at equal steps.
+        return (
+            array.reshape(sets * size, dimension),
+            np.arange(sets + 1, dtype=np.int64) * size,
+        )
+    parts = [as_points(part, f"points[{i}]") for i, part in enumerate(points)]
+    if not parts:
+        raise InvalidArgument("an empty list has no dimension; pass points and offsets")
+    for i, part in enumerate(parts):
+        if part.shape[1] != parts[0].shape[1]:
+            raise InvalidArgument(
+                f"points[{i}] has {part.shape[1]} coordinates, points[0] has {parts[0].shape[1]}"
+            )
+    starts = np.zeros(len(parts) + 1, dtype=np.int64)
+    np.cumsum([len(part) for part in parts], out=starts[1:])
+    if any(part.dtype != parts[0].dtype for part in parts):
+        parts = [part.astype(np.float64) for part in parts]  # exact for all that as_points gives
+    return np.concatenate(parts), starts
+
+
+class GrowingHull:
+    """The hull of points added batch by batch, which need not be kept: only vertices are.
+
+    Indices number the points in the order in which they were added. The result is the same, bit for
+    bit, as that of `convex_hull` of all points at once. One thread at a time may use it.
+    """
+
+    __slots__ = ("_grower", "_hull")
+
+    def __init__(self, dimension: int) -> None:
+        self._grower = _core.Grower(operator.index(dimension))
+        self._hull: Hull | None = None
+
+    def add(
+        self,
+        points: Any,
+        *,
+        threads: int | None = None,
+        memory_budget: int | None = None,
+        progress: Progress = None,
+    ) -> int:
+        """Adds (n, d) points; returns how many of them lay outside the hull before.
+
+        A call that fails or is interrupted changes nothing.
+        """
+        chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+        outside: int = self._grower.add(as_points(points), chosen)
+        self._hull = None
+        return outside
+
+    @property
+    def dimension(self) -> int:
+        """d, the number of coordinates of a point."""
+        return self._grower.dimension
+
+    @property
+    def hull(self) -> Hull:
+        """The hull of all points so far; what is added later does not change it."""
+        if self._hull is None:
+            self._hull = Hull._of(self._grower.solid())
+        return self._hull
+
+    def __repr__(self) -> str:
+        return f"<GrowingHull: {self.hull!r}>"

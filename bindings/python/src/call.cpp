@@ -1,0 +1,202 @@
+#include "call.hpp"
+
+#include <nanobind/stl/string.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "cullhull/error.hpp"
+
+namespace binding {
+
+namespace nb = nanobind;
+using cullhull::Error;
+using cullhull::ErrorCode;
+using cullhull::Options;
+
+namespace {
+
+constexpr std::chrono::milliseconds signal_interval{50};
+
+/// What the working thread has to say to the waiting one.
+class Mailbox {
+ public:
+  struct News {
+    std::vector<std::pair<std::string, double>> reports;
+    bool done = false;
+  };
+
+  /// Of reports nobody has fetched yet, the last of each phase is kept.
+  void report(const char* phase, double share) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!news_.reports.empty() && news_.reports.back().first == phase)
+        news_.reports.back().second = share;
+      else
+        news_.reports.emplace_back(phase, share);
+    }
+    changed_.notify_one();
+  }
+  void finish() {
+    const std::lock_guard lock(mutex_);
+    news_.done = true;
+    changed_.notify_one();
+  }
+  News wait() {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, signal_interval,
+                      [this] { return news_.done || !news_.reports.empty(); });
+    return {std::exchange(news_.reports, {}), news_.done};
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  News news_;
+};
+
+/// Runs the caller's Python code, if any: progress callbacks and signal handlers.
+void attend(const Mailbox::News& news, const nb::object& progress) {
+  for (const auto& [phase, share] : news.reports) progress(phase, share);
+  if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
+void run_on_thread(const Settings& settings, const std::function<void(const Options&)>& work) {
+  std::stop_source stop;
+  Mailbox mailbox;
+  std::exception_ptr failure;
+  std::optional<nb::python_error> interruption;
+  Options options = settings.options;
+  options.stop = stop.get_token();
+  if (!settings.progress.is_none())
+    options.progress = [&mailbox](const char* phase, double share) {
+      mailbox.report(phase, share);
+    };
+  {
+    const nb::gil_scoped_release release;
+    std::jthread worker([&] {
+      try {
+        work(options);
+      } catch (...) {
+        failure = std::current_exception();
+      }
+      mailbox.finish();
+    });
+    for (bool done = false; !done;) {
+      const Mailbox::News news = mailbox.wait();
+      done = news.done;
+      if (interruption) continue;  // it was asked to stop, and will
+      const nb::gil_scoped_acquire acquire;
+      try {
+        attend(news, settings.progress);
+      } catch (nb::python_error& e) {
+        interruption.emplace(std::move(e));
+        stop.request_stop();
+      }
+    }
+  }
+  if (interruption) throw std::move(*interruption);
+  if (failure) std::rethrow_exception(failure);
+}
+
+cullhull::Backend backend_of(const std::string& name) {
+  if (name == "auto") return cullhull::Backend::automatic;
+  if (name == "cpu") return cullhull::Backend::cpu;
+  if (name == "cuda") return cullhull::Backend::cuda;
+  throw nb::value_error(("backend must be 'auto', 'cpu' or 'cuda', not '" + name + "'").c_str());
+}
+
+cullhull::CullMethod method_of(const std::string& name) {
+  if (name == "auto") return cullhull::CullMethod::automatic;
+  if (name == "gauge") return cullhull::CullMethod::gauge;
+  if (name == "pseudo-hull") return cullhull::CullMethod::pseudo_hull;
+  if (name == "none") return cullhull::CullMethod::none;
+  throw nb::value_error(
+      ("cull must be 'auto', 'gauge', 'pseudo-hull' or 'none', not '" + name + "'").c_str());
+}
+
+const char* class_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::invalid_argument:
+      return "InvalidArgument";
+    case ErrorCode::not_finite:
+      return "NotFinite";
+    case ErrorCode::bad_file:
+      return "BadFile";
+    case ErrorCode::io:
+      return "FileError";
+    case ErrorCode::out_of_budget:
+      return "OutOfBudget";
+    case ErrorCode::backend_unavailable:
+      return "BackendUnavailable";
+    case ErrorCode::cancelled:
+      return "Cancelled";
+    default:
+      return "InternalError";
+  }
+}
+
+void translate(const std::exception_ptr& e, void*) {
+  try {
+    std::rethrow_exception(e);
+  } catch (const Error& error) {
+    const nb::object type = nb::module_::import_("cullhull._errors").attr(class_of(error.code()));
+    PyErr_SetString(type.ptr(), error.what());
+  }
+}
+
+// A callback may hold what holds these settings (a traceback, say): the collector must see it.
+int visit_progress(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  if (nb::inst_ready(self)) Py_VISIT(nb::inst_ptr<Settings>(self)->progress.ptr());
+  return 0;
+}
+int clear_progress(PyObject* self) {
+  nb::inst_ptr<Settings>(self)->progress = nb::none();
+  return 0;
+}
+PyType_Slot settings_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(visit_progress)},
+                                {Py_tp_clear, reinterpret_cast<void*>(clear_progress)},
+                                {0, nullptr}};
+
+}  // namespace
+
+void run(const Settings& settings, bool brief, const std::function<void(const Options&)>& work) {
+  if (!brief || !settings.progress.is_none()) {
+    run_on_thread(settings, work);
+    return;
+  }
+  const nb::gil_scoped_release release;
+  work(settings.options);
+}
+
+bool is_brief(const cullhull::PointView& points) noexcept {
+  return points.dimension <= 4 && points.count <= 2000;
+}
+
+void bind_call(nb::module_& m) {
+  nb::register_exception_translator(translate);
+  nb::class_<Settings>(m, "Settings", "How to compute; no setting changes a result.",
+                       nb::type_slots(settings_slots))
+      .def(
+          "__init__",
+          [](Settings* self, const std::string& backend, const std::string& cull, unsigned threads,
+             std::uint64_t memory_budget, nb::object progress) {
+            new (self) Settings{};
+            self->options.backend = backend_of(backend);
+            self->options.cull = method_of(cull);
+            self->options.threads = threads;
+            self->options.memory_budget = memory_budget;
+            self->progress = std::move(progress);
+          },
+          nb::arg("backend") = "auto", nb::arg("cull") = "auto", nb::arg("threads") = 0,
+          nb::arg("memory_budget") = 0, nb::arg("progress").none() = nb::none());
+}
+
+}  // namespace binding

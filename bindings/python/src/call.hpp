@@ -1,0 +1,32 @@
+// How a call from Python runs: options, the GIL, progress, Ctrl-C, exceptions.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <functional>
+#include <string>
+
+#include "cullhull/options.hpp"
+#include "cullhull/point_view.hpp"
+
+namespace binding {
+
+/// What every long function takes besides its own arguments; built once a call by the Python side.
+struct Settings {
+  cullhull::Options options;
+  nanobind::object progress;  ///< None, or called as progress(phase, share) on the calling thread
+};
+
+/// Runs `work` without the GIL. Long work runs on a thread of its own while this one waits, calls
+/// `progress` and looks for signals: an exception from either (KeyboardInterrupt, say) stops the
+/// work and is thrown when it has stopped. `brief` work (see is_brief) is not worth a thread and
+/// runs right here.
+void run(const Settings& settings, bool brief,
+         const std::function<void(const cullhull::Options&)>& work);
+
+/// Whether a hull of these points takes a few milliseconds at most, so that nobody waits for it.
+bool is_brief(const cullhull::PointView& points) noexcept;
+
+void bind_call(nanobind::module_& m);
+
+}  // namespace binding

@@ -1,0 +1,115 @@
+// Points in a device's memory: __cuda_array_interface__ and DLPack.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "cullhull/device_points.hpp"
+#include "solid.hpp"
+
+namespace binding {
+
+using cullhull::CudaStatus;
+using cullhull::DevicePointView;
+using cullhull::Hull;
+using cullhull::Options;
+using cullhull::ScalarType;
+using cullhull::Survivors;
+
+namespace {
+
+/// A view and the Python object whose memory it is of.
+struct DevicePoints {
+  DevicePointView view;
+  nb::object owner;
+};
+
+/// The fields of the interface; strides and all in bytes.
+DevicePoints from_interface(std::uintptr_t data, std::uint64_t count, std::uint32_t dimension,
+                            std::ptrdiff_t point_stride, std::ptrdiff_t coordinate_stride,
+                            bool is_double, std::uintptr_t stream, nb::object owner) {
+  DevicePoints points;
+  points.view.data = reinterpret_cast<const void*>(data);
+  points.view.scalar = is_double ? ScalarType::f64 : ScalarType::f32;
+  points.view.count = count;
+  points.view.dimension = dimension;
+  points.view.point_stride = point_stride;
+  points.view.coordinate_stride = coordinate_stride;
+  points.view.stream = reinterpret_cast<void*>(stream);
+  points.owner = std::move(owner);
+  return points;
+}
+
+/// DLPack orders the producer's work before the default stream, which is the view's.
+DevicePoints from_dlpack(const nb::ndarray<nb::ro, nb::ndim<2>>& array) {
+  const bool is_double = array.dtype() == nb::dtype<double>();
+  if (!is_double && array.dtype() != nb::dtype<float>())
+    throw nb::builtin_exception(nb::exception_type::type_error,
+                                "points on a device must be float32 or float64");
+  const auto size = static_cast<std::ptrdiff_t>(is_double ? sizeof(double) : sizeof(float));
+  return from_interface(reinterpret_cast<std::uintptr_t>(array.data()), array.shape(0),
+                        static_cast<std::uint32_t>(array.shape(1)), array.stride(0) * size,
+                        array.stride(1) * size, is_double, 0, nb::cast(array));
+}
+
+std::unique_ptr<Solid> convex_hull(const DevicePoints& points, const Settings& settings) {
+  std::unique_ptr<Solid> solid;
+  run(settings, false, [&](const Options& options) {
+    std::vector<double> rows;
+    Hull hull = cullhull::convex_hull(points.view, options, &rows);
+    solid = std::make_unique<Solid>(std::move(hull), std::move(rows));
+  });
+  return solid;
+}
+
+Array<std::int64_t> cull(const DevicePoints& points, const Settings& settings) {
+  std::optional<Output<std::int64_t>> ids;
+  run(settings, false, [&](const Options& options) {
+    const Survivors survivors = cullhull::cull(points.view, options);
+    const std::uint64_t count = survivors.size(points.view.count);
+    ids.emplace(count);
+    for (std::uint64_t i = 0; i < count; ++i)
+      ids->data()[i] = static_cast<std::int64_t>(survivors.all ? i : survivors.ids[i]);
+  });
+  return std::move(*ids).to_array();
+}
+
+nb::typed<nb::dict, nb::str, nb::any> cuda_status() {
+  CudaStatus status;
+  {
+    const nb::gil_scoped_release release;
+    status = cullhull::cuda_status();
+  }
+  nb::typed<nb::dict, nb::str, nb::any> all;
+  all["compiled"] = status.compiled;
+  all["available"] = status.available;
+  all["reason"] = status.reason;
+  all["device"] = status.device;
+  all["compute_capability"] = status.compute_capability;
+  all["driver_version"] = status.driver_version;
+  all["runtime_version"] = status.runtime_version;
+  all["memory_bytes"] = status.memory_bytes;
+  return all;
+}
+
+}  // namespace
+
+void bind_device(nb::module_& m) {
+  nb::class_<DevicePoints>(m, "DevicePoints", "Points in a device's memory, and their owner.")
+      .def_static("from_interface", from_interface, nb::arg("data"), nb::arg("count"),
+                  nb::arg("dimension"), nb::arg("point_stride"), nb::arg("coordinate_stride"),
+                  nb::arg("is_double"), nb::arg("stream"), nb::arg("owner"))
+      .def_static("from_dlpack", from_dlpack, nb::arg("array"));
+  m.def("convex_hull_of_device_points", convex_hull, nb::arg("points"), nb::arg("settings"));
+  m.def("cull_device_points", cull, nb::arg("points"), nb::arg("settings"));
+  m.def("cuda_status", cuda_status);
+}
+
+}  // namespace binding

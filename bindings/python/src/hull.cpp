@@ -1,0 +1,231 @@
+// convex_hull, cull, certify and the result's arrays.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <optional>
+
+#include "arrays.hpp"
+#include "cullhull/certify.hpp"
+#include "cullhull/cull.hpp"
+#include "cullhull/generate.hpp"
+#include "cullhull/io.hpp"
+#include "points.hpp"
+#include "solid.hpp"
+
+namespace binding {
+
+using cullhull::Certificate;
+using cullhull::Hull;
+using cullhull::Options;
+using cullhull::Survivors;
+
+namespace {
+
+std::unique_ptr<Solid> convex_hull(nb::handle array, const Settings& settings) {
+  const Points points(array);
+  std::unique_ptr<Solid> solid;
+  run(settings, is_brief(points.view()), [&](const Options& options) {
+    solid = std::make_unique<Solid>(cullhull::convex_hull(points.view(), options), points.view());
+  });
+  return solid;
+}
+
+Array<std::int64_t> cull(nb::handle array, const Settings& settings) {
+  const Points points(array);
+  const std::uint64_t count = points.view().count;
+  Survivors survivors;
+  std::optional<Output<std::int64_t>> ids;
+  run(settings, is_brief(points.view()), [&](const Options& options) {
+    survivors = cullhull::cull(points.view(), options);
+    ids.emplace(survivors.size(count));
+    for (std::uint64_t i = 0; i < survivors.size(count); ++i)
+      ids->data()[i] = static_cast<std::int64_t>(survivors.all ? i : survivors.ids[i]);
+  });
+  return std::move(*ids).to_array();
+}
+
+Certificate certify(nb::handle array, const Solid& solid, const Settings& settings) {
+  const Points points(array);
+  Certificate certificate;
+  run(settings, is_brief(points.view()), [&](const Options& options) {
+    certificate = cullhull::certify(points.view(), solid.hull(), options);
+  });
+  return certificate;
+}
+
+Array<double> generate(const std::string& shape, std::uint64_t count, std::uint32_t dimension,
+                       std::uint64_t seed) {
+  std::optional<Output<double>> out;
+  {
+    const nb::gil_scoped_release release;
+    const std::vector<double> points = cullhull::generate(shape, count, dimension, seed);
+    out.emplace(points.size());
+    std::copy(points.begin(), points.end(), out->data());
+  }
+  return std::move(*out).to_array();
+}
+
+nb::typed<nb::dict, nb::str, nb::str> shapes() {
+  nb::typed<nb::dict, nb::str, nb::str> all;
+  for (const cullhull::Shape& shape : cullhull::shapes()) all[shape.name] = shape.description;
+  return all;
+}
+
+/// A file of `solid` over `array`, or, for None, over its own vertices, numbered by their place.
+void save(const std::string& path, const Solid& solid, nb::handle array,
+          const std::string& format) {
+  if (!array.is_none()) {
+    const Points points(array);
+    const nb::gil_scoped_release release;
+    cullhull::write_hull(path, points.view(), solid.hull(), format);
+    return;
+  }
+  const nb::gil_scoped_release release;
+  const std::vector<double> rows = solid.rows_by_place();
+  const Hull hull = solid.by_place();
+  cullhull::write_hull(
+      path, cullhull::PointView::row_major(rows.data(), hull.point_count, hull.dimension), hull,
+      format);
+}
+
+nb::typed<nb::dict, nb::str, nb::any> statistics(const Solid& solid) {
+  const cullhull::Statistics& s = solid.hull().statistics;
+  nb::typed<nb::dict, nb::str, nb::any> all;
+  all["survivors"] = s.survivors;
+  all["cull_method"] = s.cull_method;
+  all["engine"] = s.engine;
+  all["backend"] = s.backend;
+  all["threads"] = s.threads;
+  all["cull_seconds"] = s.cull_seconds;
+  all["hull_seconds"] = s.hull_seconds;
+  all["compute_seconds"] = s.compute_seconds;
+  all["rung_counts"] = nb::make_tuple(s.rung_counts[0], s.rung_counts[1], s.rung_counts[2]);
+  return all;
+}
+
+/// The same hull, of points among which one more has this id and no part in the hull.
+std::unique_ptr<Solid> skipping(const Solid& solid, std::uint64_t id) {
+  Hull hull = solid.hull();
+  rename(hull, [id](std::uint64_t v) { return v >= id ? v + 1 : v; });
+  ++hull.point_count;
+  return std::make_unique<Solid>(std::move(hull), solid.vertex_rows());
+}
+
+using Self = nb::handle_t<Solid>;
+
+const Hull& hull_in(Self self) { return nb::inst_ptr<Solid>(self)->hull(); }
+
+/// Points of a simplex: none where the hull is empty or a single point.
+std::size_t simplex_width(const Hull& h) {
+  return static_cast<std::size_t>(std::max(h.affine_dimension, 0));
+}
+
+void bind_arrays(nb::class_<Solid>& c) {
+  c.def_prop_ro("vertices",
+                [](Self self) {
+                  const Hull& h = hull_in(self);
+                  return list_of(signed_ids(h.vertices), h.vertices.size(), self);
+                })
+      .def_prop_ro("vertex_points",
+                   [](Self self) {
+                     const Hull& h = hull_in(self);
+                     return rows_of(nb::inst_ptr<Solid>(self)->vertex_rows().data(),
+                                    h.vertices.size(), h.dimension, self);
+                   })
+      .def_prop_ro("facet_offsets",
+                   [](Self self) {
+                     const Hull& h = hull_in(self);
+                     return list_of(signed_ids(h.facets.offsets), h.facets.offsets.size(), self);
+                   })
+      .def_prop_ro("facet_vertices",
+                   [](Self self) {
+                     const Hull& h = hull_in(self);
+                     return list_of(signed_ids(h.facets.items), h.facets.items.size(), self);
+                   })
+      .def_prop_ro("facet_neighbour_offsets",
+                   [](Self self) {
+                     const auto& lists = hull_in(self).facet_neighbours;
+                     return list_of(signed_ids(lists.offsets), lists.offsets.size(), self);
+                   })
+      .def_prop_ro("facet_neighbours",
+                   [](Self self) {
+                     const Hull& h = hull_in(self);
+                     const auto& items = h.facet_neighbours.items;
+                     return list_of(signed_numbers(items, h.facet_count()), items.size(), self);
+                   })
+      .def_prop_ro("facet_planes",
+                   [](Self self) {
+                     const Hull& h = hull_in(self);
+                     return rows_of(h.facet_planes.data(), h.facet_count(),
+                                    std::size_t{h.dimension} + 1, self);
+                   })
+      .def_prop_ro("simplices",
+                   [](Self self) {
+                     const Hull& h = hull_in(self);
+                     return rows_of(signed_ids(h.simplices), h.simplex_count(), simplex_width(h),
+                                    self);
+                   })
+      .def_prop_ro("simplex_neighbours",
+                   [](Self self) {
+                     const Hull& h = hull_in(self);
+                     return rows_of(signed_numbers(h.simplex_neighbours, h.simplex_count()),
+                                    h.simplex_count(), simplex_width(h), self);
+                   })
+      .def_prop_ro("simplex_facets",
+                   [](Self self) {
+                     const Hull& h = hull_in(self);
+                     return list_of(signed_numbers(h.simplex_facets, h.facet_count()),
+                                    h.simplex_count(), self);
+                   })
+      .def_prop_ro("centroid", [](Self self) {
+        const Hull& h = hull_in(self);
+        return list_of(h.centroid.data(), h.centroid.size(), self);
+      });
+}
+
+}  // namespace
+
+void bind_hull(nb::module_& m) {
+  nb::class_<Solid> c(m, "Solid", "A hull: cullhull.Hull wraps it.");
+  c.def_prop_ro("dimension", [](const Solid& s) { return s.hull().dimension; })
+      .def_prop_ro("point_count", [](const Solid& s) { return s.hull().point_count; })
+      .def_prop_ro("scalar", [](const Solid& s) { return cullhull::scalar_name(s.hull().scalar); })
+      .def_prop_ro("affine_dimension", [](const Solid& s) { return s.hull().affine_dimension; })
+      .def_prop_ro("facet_count", [](const Solid& s) { return s.hull().facet_count(); })
+      .def_prop_ro("simplex_count", [](const Solid& s) { return s.hull().simplex_count(); })
+      .def_prop_ro("volume", [](const Solid& s) { return s.hull().volume; })
+      .def_prop_ro("area", [](const Solid& s) { return s.hull().area; })
+      .def_prop_ro("statistics", statistics);
+  c.def("skipping", skipping, nb::arg("id"));
+  bind_arrays(c);
+  bind_query(c);
+
+  nb::class_<Certificate>(m, "Certificate",
+                          "What certify() found: true if the hull is proven, else `reason` names "
+                          "the first thing wrong.")
+      .def_ro("valid", &Certificate::valid)
+      .def_ro("reason", &Certificate::reason)
+      .def_ro("ridges_checked", &Certificate::ridges_checked)
+      .def_ro("points_checked", &Certificate::points_checked)
+      .def_ro("exact_decisions", &Certificate::exact_decisions)
+      .def("__bool__", [](const Certificate& found) { return found.valid; })
+      .def("__repr__", [](const Certificate& found) {
+        return found.valid ? std::string("<Certificate: valid>")
+                           : "<Certificate: not valid: " + found.reason + ">";
+      });
+
+  m.def("convex_hull", convex_hull, nb::arg("points"), nb::arg("settings"));
+  m.def("cull", cull, nb::arg("points"), nb::arg("settings"));
+  m.def("certify", certify, nb::arg("points"), nb::arg("solid"), nb::arg("settings"));
+  m.def("generate", generate, nb::arg("shape"), nb::arg("count"), nb::arg("dimension"),
+        nb::arg("seed"));
+  m.def("shapes", shapes);
+  m.def("save", save, nb::arg("path"), nb::arg("solid"), nb::arg("points").none(),
+        nb::arg("format"));
+}
+
+}  // namespace binding

@@ -1,0 +1,170 @@
+// Questions to a hull, one array of them at a time.
+#include "cullhull/query.hpp"
+
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/tuple.h>
+
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "arrays.hpp"
+#include "cullhull/error.hpp"
+#include "points.hpp"
+#include "solid.hpp"
+
+namespace binding {
+
+using cullhull::HullQuery;
+using cullhull::NearestFacet;
+using cullhull::Options;
+using cullhull::PointView;
+using cullhull::RayHit;
+using cullhull::Side;
+
+namespace {
+
+void require_same_dimension(const Solid& solid, const PointView& points) {
+  if (points.dimension != solid.hull().dimension)
+    throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                          "the hull has dimension " + std::to_string(solid.hull().dimension) +
+                              ", what is asked about has " + std::to_string(points.dimension));
+}
+
+/// Few questions to a small hull are answered before a thread has started.
+bool brief_question(const Solid& solid, const PointView& points) {
+  return is_brief(points) && solid.hull().dimension <= 4 && solid.hull().simplex_count() <= 4000;
+}
+
+/// Calls ask(query, view, options) under run().
+template <class Ask>
+void ask_all(const Solid& solid, const PointView& view, const Settings& settings, Ask&& ask) {
+  require_same_dimension(solid, view);
+  run(settings, brief_question(solid, view),
+      [&](const Options& options) { ask(solid.query(), view, options); });
+}
+
+Array<bool> contains(const Solid& solid, nb::handle array, const Settings& settings) {
+  const Points points(array);
+  Output<std::uint8_t> out(points.view().count);
+  ask_all(solid, points.view(), settings,
+          [&](const HullQuery& query, const PointView& view, const Options& options) {
+            query.contains(view, out.data(), options);
+          });
+  return std::move(out).to_array<bool>();
+}
+
+Array<std::int8_t> sides(const Solid& solid, nb::handle array, const Settings& settings) {
+  const Points points(array);
+  Output<std::int8_t> out(points.view().count);
+  ask_all(solid, points.view(), settings,
+          [&](const HullQuery& query, const PointView& view, const Options& options) {
+            query.sides(view, reinterpret_cast<Side*>(out.data()), options);
+          });
+  return std::move(out).to_array();
+}
+
+Array<double> distances(const Solid& solid, nb::handle array, const Settings& settings) {
+  const Points points(array);
+  Output<double> out(points.view().count);
+  ask_all(solid, points.view(), settings,
+          [&](const HullQuery& query, const PointView& view, const Options& options) {
+            query.signed_distances(view, out.data(), options);
+          });
+  return std::move(out).to_array();
+}
+
+std::tuple<Array<std::int64_t>, Array<double>> nearest_facets(const Solid& solid, nb::handle array,
+                                                              const Settings& settings) {
+  const Points points(array);
+  const std::size_t n = points.view().count;
+  Output<std::int64_t> facets(n);
+  Output<double> distance(n);
+  ask_all(solid, points.view(), settings,
+          [&](const HullQuery& query, const PointView& view, const Options& options) {
+            std::vector<NearestFacet> nearest(n);
+            query.nearest_facets(view, nearest.data(), options);
+            for (std::size_t i = 0; i < n; ++i) {
+              facets.data()[i] = nearest[i].facet;
+              distance.data()[i] = nearest[i].distance;
+            }
+          });
+  return std::make_tuple(std::move(facets).to_array(), std::move(distance).to_array());
+}
+
+Array<std::int64_t> supports(const Solid& solid, nb::handle array, const Settings& settings) {
+  const Points directions(array);
+  const std::size_t n = directions.view().count;
+  Output<std::int64_t> out(n);
+  ask_all(solid, directions.view(), settings,
+          [&](const HullQuery& query, const PointView& view, const Options& options) {
+            std::vector<std::uint64_t> places(n);
+            query.supports(view, places.data(), options);
+            for (std::size_t i = 0; i < n; ++i)
+              out.data()[i] = static_cast<std::int64_t>(solid.id_of(places[i]));
+          });
+  return std::move(out).to_array();
+}
+
+Array<std::int64_t> visible_facets(const Solid& solid, nb::handle array, const Settings& settings) {
+  const Points points(array);
+  std::vector<std::uint32_t> visible;
+  ask_all(solid, points.view(), settings,
+          [&](const HullQuery& query, const PointView& view, const Options&) {
+            std::vector<double> point(view.dimension);
+            for (std::uint32_t j = 0; j < view.dimension; ++j) point[j] = view.at(0, j);
+            visible = query.visible_facets(point.data());
+          });
+  Output<std::int64_t> out(visible.size());
+  std::copy(visible.begin(), visible.end(), out.data());
+  return std::move(out).to_array();
+}
+
+/// (hit, enter, exit, enter_facet, exit_facet), one array each; no facet is -1.
+using Rays =
+    std::tuple<Array<bool>, Array<double>, Array<double>, Array<std::int64_t>, Array<std::int64_t>>;
+Rays rays(const Solid& solid, nb::handle origin_array, nb::handle direction_array,
+          const Settings& settings) {
+  const Points origins(origin_array), directions(direction_array);
+  require_same_dimension(solid, directions.view());
+  if (origins.view().count != directions.view().count)
+    throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                          "as many origins as directions are needed");
+  const std::size_t n = origins.view().count;
+  Output<std::uint8_t> hit(n);
+  Output<double> enter(n), exit(n);
+  Output<std::int64_t> enter_facet(n), exit_facet(n);
+  const auto number = [](std::uint32_t facet) {
+    return facet == RayHit::no_facet ? std::int64_t{-1} : std::int64_t{facet};
+  };
+  ask_all(solid, origins.view(), settings,
+          [&](const HullQuery& query, const PointView& view, const Options& options) {
+            std::vector<RayHit> hits(n);
+            query.rays(view, directions.view(), hits.data(), options);
+            for (std::size_t i = 0; i < n; ++i) {
+              hit.data()[i] = hits[i].hit;
+              enter.data()[i] = hits[i].enter;
+              exit.data()[i] = hits[i].exit;
+              enter_facet.data()[i] = number(hits[i].enter_facet);
+              exit_facet.data()[i] = number(hits[i].exit_facet);
+            }
+          });
+  return Rays(std::move(hit).to_array<bool>(), std::move(enter).to_array(),
+              std::move(exit).to_array(), std::move(enter_facet).to_array(),
+              std::move(exit_facet).to_array());
+}
+
+}  // namespace
+
+void bind_query(nb::class_<Solid>& c) {
+  c.def("contains", contains, nb::arg("points"), nb::arg("settings"))
+      .def("sides", sides, nb::arg("points"), nb::arg("settings"))
+      .def("distances", distances, nb::arg("points"), nb::arg("settings"))
+      .def("nearest_facets", nearest_facets, nb::arg("points"), nb::arg("settings"))
+      .def("supports", supports, nb::arg("directions"), nb::arg("settings"))
+      .def("visible_facets", visible_facets, nb::arg("points"), nb::arg("settings"))
+      .def("rays", rays, nb::arg("origins"), nb::arg("directions"), nb::arg("settings"));
+}
+
+}  // namespace binding

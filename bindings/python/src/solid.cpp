@@ -1,0 +1,68 @@
+#include "solid.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace binding {
+
+using cullhull::Hull;
+using cullhull::HullQuery;
+using cullhull::PointView;
+
+namespace {
+
+std::vector<double> gather(const PointView& points, const std::vector<std::uint64_t>& ids) {
+  std::vector<double> rows;
+  rows.reserve(ids.size() * points.dimension);
+  for (const std::uint64_t id : ids)
+    for (std::uint32_t j = 0; j < points.dimension; ++j) rows.push_back(points.at(id, j));
+  return rows;
+}
+
+std::uint64_t place_of(const std::vector<std::uint64_t>& ids, std::uint64_t id) {
+  return static_cast<std::uint64_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
+}
+
+}  // namespace
+
+Solid::Solid(Hull hull, const PointView& points)
+    : hull_(std::move(hull)), vertex_rows_(gather(points, hull_.vertices)) {
+  sort_ids();
+}
+
+Solid::Solid(Hull hull, std::vector<double> vertex_rows)
+    : hull_(std::move(hull)), vertex_rows_(std::move(vertex_rows)) {
+  sort_ids();
+}
+
+void Solid::sort_ids() {
+  ids_ = hull_.vertices;
+  std::sort(ids_.begin(), ids_.end());  // already so but for polygons, which go round
+}
+
+const HullQuery& Solid::query() const {
+  std::call_once(once_, [this] {
+    const std::vector<double> rows = rows_by_place();
+    query_ = std::make_unique<HullQuery>(
+        PointView::row_major(rows.data(), ids_.size(), hull_.dimension), by_place());
+  });
+  return *query_;
+}
+
+Hull Solid::by_place() const {
+  Hull local = hull_;
+  rename(local, [this](std::uint64_t id) { return place_of(ids_, id); });
+  local.point_count = ids_.size();
+  return local;
+}
+
+std::vector<double> Solid::rows_by_place() const {
+  const std::size_t d = hull_.dimension;
+  std::vector<double> rows(vertex_rows_.size());
+  for (std::size_t i = 0; i < hull_.vertices.size(); ++i)
+    std::copy_n(vertex_rows_.data() + i * d, d,
+                rows.data() + place_of(ids_, hull_.vertices[i]) * d);
+  return rows;
+}
+
+}  // namespace binding

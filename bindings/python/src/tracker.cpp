@@ -1,0 +1,115 @@
+// Moving points.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/unique_ptr.h>
+
+#include <atomic>
+#include <memory>
+#include <stop_token>
+#include <utility>
+
+#include "arrays.hpp"
+#include "cullhull/error.hpp"
+#include "cullhull/track.hpp"
+#include "points.hpp"
+#include "solid.hpp"
+
+namespace binding {
+
+using cullhull::FrameReport;
+using cullhull::HullTracker;
+using cullhull::Options;
+
+namespace {
+
+/// A tracker keeps the options of its construction; here each update may be stopped and watched by
+/// itself. A stop that was requested cannot be taken back, so an interrupted tracker starts afresh.
+class Tracker {
+ public:
+  explicit Tracker(const Settings& settings) : options_(settings.options) { start(); }
+  Tracker(const Tracker&) = delete;
+  Tracker& operator=(const Tracker&) = delete;
+
+  std::unique_ptr<Solid> update(nb::handle array, const Settings& settings) {
+    const Points points(array);
+    const Busy busy(busy_);
+    std::unique_ptr<Solid> solid;
+    try {
+      run(settings, is_brief(points.view()), [&](const Options& call) {
+        const std::stop_callback pass_on(call.stop, [this] { stop_.request_stop(); });
+        progress_ = &call.progress;
+        solid = std::make_unique<Solid>(tracker_->update(points.view()), points.view());
+      });
+    } catch (...) {
+      ++frames_;
+      if (stop_.stop_requested()) start();
+      throw;
+    }
+    frame_ = frames_++;
+    return solid;
+  }
+  void reset() {
+    const Busy busy(busy_);
+    start();
+    frames_ = frame_ = 0;
+  }
+  /// Of the last update that succeeded.
+  nb::typed<nb::dict, nb::str, nb::any> report() const {
+    const FrameReport& r = tracker_->report();
+    nb::typed<nb::dict, nb::str, nb::any> all;
+    all["index"] = frame_;
+    all["method"] = r.method;
+    all["scan_survivors"] = r.scan_survivors;
+    all["survivors"] = r.survivors;
+    all["vertices_came"] = r.vertices_came;
+    all["vertices_went"] = r.vertices_went;
+    all["facets_came"] = r.facets_came;
+    all["facets_went"] = r.facets_went;
+    all["scan_seconds"] = r.scan_seconds;
+    all["cull_seconds"] = r.cull_seconds;
+    all["hull_seconds"] = r.hull_seconds;
+    all["compute_seconds"] = r.compute_seconds;
+    return all;
+  }
+
+ private:
+  struct Busy {
+    explicit Busy(std::atomic<bool>& flag) : busy(flag) {
+      if (busy.exchange(true))
+        throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                              "another thread is updating this tracker");
+    }
+    ~Busy() { busy = false; }
+    Busy(const Busy&) = delete;
+    Busy& operator=(const Busy&) = delete;
+    std::atomic<bool>& busy;
+  };
+
+  void start() {
+    stop_ = std::stop_source();
+    Options options = options_;
+    options.stop = stop_.get_token();
+    options.progress = [this](const char* phase, double share) {
+      if (*progress_) (*progress_)(phase, share);
+    };
+    tracker_ = std::make_unique<HullTracker>(std::move(options));
+  }
+
+  Options options_;
+  std::stop_source stop_;
+  const cullhull::Progress* progress_ = nullptr;  // of the present update
+  std::unique_ptr<HullTracker> tracker_;
+  std::uint64_t frames_ = 0, frame_ = 0;
+  std::atomic<bool> busy_{false};
+};
+
+}  // namespace
+
+void bind_tracker(nb::module_& m) {
+  nb::class_<Tracker>(m, "Tracker", "Hulls of moving points: cullhull.HullTracker wraps it.")
+      .def(nb::init<const Settings&>(), nb::arg("settings"))
+      .def("update", &Tracker::update, nb::arg("points"), nb::arg("settings"))
+      .def("reset", &Tracker::reset)
+      .def_prop_ro("report", &Tracker::report);
+}
+
+}  // namespace binding

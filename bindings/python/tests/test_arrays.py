@@ -1,0 +1,262 @@
+"""What arrays are taken, that they are read in place, and what is refused how."""
+
+import gc
+import mmap
+
+import numpy as np
+import pytest
+
+import cullhull
+
+CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+
+
+def in_place(array):
+    from cullhull._arguments import as_points
+
+    return np.shares_memory(as_points(array), array)
+
+
+@pytest.mark.parametrize("dtype", ["?", "i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8"])
+def test_types_read_in_place(dtype):
+    points = CUBE.astype(dtype)
+    assert in_place(points)
+    hull = cullhull.convex_hull(points)
+    assert hull.volume == 1 and hull.facet_count == 6 and len(hull.vertices) == 8
+
+
+@pytest.mark.parametrize("dtype", ["i8", "u8", ">f8", ">i4", "f2", "longdouble"])
+def test_types_converted_exactly(dtype):
+    assert cullhull.convex_hull(CUBE.astype(dtype)).volume == 1
+
+
+def test_values_no_double_holds_are_refused():
+    big = CUBE.astype(np.int64) * 2**60
+    assert cullhull.convex_hull(big).volume == 2.0**180
+    big[3, 1] += 1
+    with pytest.raises(ValueError, match="no double holds"):
+        cullhull.convex_hull(big)
+    unsigned = CUBE.astype(np.uint64) * (2**64 - 1)
+    with pytest.raises(ValueError, match="no double holds"):
+        cullhull.convex_hull(unsigned)
+    if np.finfo(np.longdouble).nmant > 52:
+        with pytest.raises(ValueError, match="no double holds"):
+            cullhull.convex_hull(CUBE + np.longdouble(2) ** -60)
+
+
+def layouts():
+    """Names and arrays of the same points, differently laid out."""
+    base = cullhull.generate("ball", 5000, 3)
+    wide = np.zeros((5000, 7))
+    wide[:, 1:7:2] = base
+    record = np.zeros(5000, dtype=np.dtype([("tag", "u1"), ("xyz", "f8", 3)]))
+    record["xyz"] = base
+    read_only = base.copy()
+    read_only.flags.writeable = False
+    yield "c", base
+    yield "fortran", np.asfortranarray(base)
+    yield "columns", wide[:, 1:7:2]
+    yield "reversed", base[::-1].copy()[::-1]
+    yield "reversed columns", base[:, ::-1].copy()[:, ::-1]
+    yield "every second", np.repeat(base, 2, axis=0)[::2]
+    yield "packed records", record["xyz"]
+    yield "read only", read_only
+    yield "transposed", np.ascontiguousarray(base.T).T
+
+
+@pytest.mark.parametrize("points", [pytest.param(points, id=name) for name, points in layouts()])
+def test_layouts(points):
+    assert in_place(points)
+    expected = cullhull.convex_hull(cullhull.generate("ball", 5000, 3))
+    hull = cullhull.convex_hull(points)
+    assert np.array_equal(hull.simplices, expected.simplices)
+    assert hull.volume == expected.volume
+    assert hull.contains(points).all()
+
+
+def test_broadcast_and_subclass():
+    assert cullhull.convex_hull(np.broadcast_to(np.float32(2), (100, 3))).affine_dimension == 0
+
+    class Special(np.ndarray):
+        pass
+
+    special = CUBE.astype(float).view(Special)
+    assert cullhull.convex_hull(special).volume == 1 and in_place(special)
+
+
+def test_memory_map(tmp_path):
+    points = cullhull.generate("ball", 20_000, 3)
+    np.save(tmp_path / "points.npy", points)
+    mapped = np.load(tmp_path / "points.npy", mmap_mode="r")
+    assert in_place(mapped)
+    assert cullhull.convex_hull(mapped).volume == cullhull.convex_hull(points).volume
+
+
+class Dlpack:
+    """An array that speaks DLPack alone."""
+
+    def __init__(self, array, device=(1, 0)):
+        self.array, self.device = array, device
+
+    def __dlpack__(self, **arguments):
+        return self.array.__dlpack__(**arguments)
+
+    def __dlpack_device__(self):
+        return self.device
+
+
+def test_dlpack():
+    assert cullhull.convex_hull(Dlpack(CUBE.astype(np.float32))).volume == 1
+
+
+class Device:
+    """Says that it is in a device's memory."""
+
+    def __init__(self, **changes):
+        self.__cuda_array_interface__ = {
+            "shape": (8, 3),
+            "typestr": "<f4",
+            "data": (1 << 20, True),
+            "version": 3,
+            **changes,
+        }
+
+
+@pytest.mark.skipif(cullhull.cuda_status()["available"], reason="there is a device")
+def test_device_arrays_without_a_device():
+    assert cullhull.cuda_status()["reason"]
+    for points in (Device(), Dlpack(CUBE.astype(np.float32), device=(2, 0))):
+        for function in (cullhull.convex_hull, cullhull.cull, cullhull.ConvexHull):
+            with pytest.raises(cullhull.BackendUnavailable):
+                function(points)
+    with pytest.raises(cullhull.BackendUnavailable):
+        cullhull.convex_hull(CUBE, backend="cuda")
+
+
+def test_device_arrays_that_are_refused():
+    for changes, error in (
+        ({"shape": (8,)}, ValueError),
+        ({"shape": (2, 2, 2)}, ValueError),
+        ({"typestr": "<i4"}, TypeError),
+        ({"typestr": ">f4"}, TypeError),
+        ({"mask": object()}, ValueError),
+    ):
+        with pytest.raises(error):
+            cullhull.convex_hull(Device(**changes))
+    with pytest.raises(ValueError, match="certify"):
+        cullhull.convex_hull(Device(), certify=True)
+
+
+@pytest.mark.skipif(not cullhull.cuda_status()["available"], reason="needs a CUDA device")
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_device_arrays(dtype):
+    cupy = pytest.importorskip("cupy")
+    points = cullhull.generate("ball", 300_000, 3).astype(dtype)
+    expected = cullhull.convex_hull(points)
+    there = cupy.asarray(points)
+    for array in (there, cupy.asfortranarray(there), Dlpack(there, device=(2, 0))):
+        hull = cullhull.convex_hull(array)
+        assert np.array_equal(hull.simplices, expected.simplices)
+        assert np.array_equal(hull.vertex_points, expected.vertex_points)
+        assert hull.volume == expected.volume and hull.statistics["backend"] == "cuda"
+        assert np.isin(expected.vertices, cullhull.cull(array)).all()
+
+
+@pytest.mark.parametrize(
+    "bad, error",
+    [
+        (CUBE.astype(object), TypeError),
+        (CUBE.astype(complex), TypeError),
+        (np.array([["a", "b"], ["c", "d"]]), TypeError),
+        (np.zeros((3, 2), dtype="M8[s]"), TypeError),
+        (np.zeros(4, dtype=[("x", "f8"), ("y", "f8")]).reshape(2, 2), TypeError),
+        ([[None, 1], [2, 3]], TypeError),
+        ({"a": 1}, ValueError),
+        (None, ValueError),
+        ("points", ValueError),
+        (np.zeros(5), ValueError),
+        (np.zeros((2, 2, 2)), ValueError),
+        (np.float64(3), ValueError),
+        ([[1, 2], [3]], ValueError),
+        (np.zeros((5, 0)), ValueError),
+        (np.ma.masked_all((4, 2)), ValueError),
+    ],
+)
+def test_what_is_refused(bad, error):
+    for function in (cullhull.convex_hull, cullhull.cull, cullhull.ConvexHull):
+        with pytest.raises(error):
+            function(bad)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_not_finite(value, dtype):
+    points = cullhull.generate("ball", 10_000, 3).astype(dtype)
+    points[4321, 1] = value
+    for function in (cullhull.convex_hull, cullhull.cull, cullhull.ConvexHull):
+        with pytest.raises(cullhull.NotFinite, match="4321") as caught:
+            function(points)
+        assert isinstance(caught.value, ValueError)
+    hull = cullhull.convex_hull(CUBE)
+    for question in (hull.contains, hull.distance, hull.support, hull.visible_from):
+        with pytest.raises(ValueError):
+            question([0.0, value, 0.0])
+
+
+def test_zero_rows():
+    empty = np.empty((0, 3))
+    assert cullhull.convex_hull(empty).affine_dimension == -1
+    assert len(cullhull.cull(empty)) == 0
+    hull = cullhull.convex_hull(CUBE)
+    assert hull.contains(empty).shape == (0,) and hull.support(empty).shape == (0,)
+    assert hull.rays(empty, [1.0, 0, 0]).hit.shape == (0,)
+    with pytest.raises(ValueError, match="No points"):
+        cullhull.ConvexHull(empty)
+
+
+def test_questions_of_another_dimension():
+    hull = cullhull.convex_hull(CUBE)
+    for question in (hull.contains, hull.sides, hull.distance, hull.support, hull.visible_from):
+        with pytest.raises(ValueError, match="dimension 3"):
+            question([0.0, 1.0])
+    with pytest.raises(ValueError, match="one point"):
+        hull.visible_from([[0.0, 1.0, 2.0], [0.0, 0.0, 0.0]])
+    with pytest.raises(ValueError, match="as many"):
+        hull.rays(np.zeros((2, 3)), np.ones((3, 3)))
+
+
+def test_buffer_cannot_be_freed_during_a_call():
+    memory = bytearray(cullhull.generate("ball", 30_000, 3).tobytes())
+    points = np.frombuffer(memory, dtype=np.float64).reshape(-1, 3)
+    attempts = []
+
+    def free(phase, share):
+        try:
+            memory.clear()
+        except BufferError as error:
+            attempts.append(error)
+
+    expected = cullhull.convex_hull(points.copy()).volume
+    assert cullhull.convex_hull(points, progress=free).volume == expected
+    assert attempts
+    mapping = mmap.mmap(-1, len(memory))
+    mapping[:] = bytes(memory)
+    mapped = np.frombuffer(mapping, dtype=np.float64).reshape(-1, 3)
+    with pytest.raises(BufferError):
+        mapping.close()
+    assert cullhull.convex_hull(mapped).volume == expected
+
+
+def test_buffers_are_released():
+    memory = bytearray(CUBE.astype(np.float64).tobytes())
+    points = np.frombuffer(memory, dtype=np.float64).reshape(-1, 3)
+    hull = cullhull.convex_hull(points)
+    hull.contains(points)
+    with pytest.raises(ValueError):
+        cullhull.convex_hull(points[0:0, 0:0])
+    with pytest.raises(BufferError):
+        memory.clear()
+    del points
+    gc.collect()
+    memory.clear()
+    assert hull.volume == 1

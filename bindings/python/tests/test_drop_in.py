@@ -1,0 +1,268 @@
+"""ConvexHull and HalfspaceIntersection against SciPy's, attribute by attribute."""
+
+import inspect
+import pickle
+
+import numpy as np
+import pytest
+
+import cullhull
+from cullhull import _qhull_options
+
+spatial = pytest.importorskip("scipy.spatial")
+
+GRID = np.array([[x, y, z] for x in range(3) for y in range(3) for z in range(3)], dtype=float)
+
+
+def rows_by_corners(simplices):
+    return {frozenset(row): i for i, row in enumerate(simplices.tolist())}
+
+
+def assert_same_hull(ours, theirs):
+    """The same simplices in any order, and all that belongs to each."""
+    mine, other = rows_by_corners(ours.simplices), rows_by_corners(theirs.simplices)
+    assert set(mine) == set(other)
+    order = np.array([mine[key] for key in other])
+    assert np.allclose(ours.equations[order], theirs.equations, atol=1e-9)
+    back = np.argsort(order)
+    for place, row in enumerate(order):
+        our_ridge = dict(zip(ours.simplices[row].tolist(), back[ours.neighbors[row]].tolist()))
+        their_ridge = dict(zip(theirs.simplices[place].tolist(), theirs.neighbors[place].tolist()))
+        assert our_ridge == their_ridge
+
+
+@pytest.mark.parametrize("dimension", [2, 3, 4, 5])
+@pytest.mark.parametrize("shape", ["ball", "sphere"])
+def test_every_attribute(dimension, shape):
+    points = cullhull.generate(shape, 300 if dimension < 5 else 60, dimension)
+    ours, theirs = cullhull.ConvexHull(points), spatial.ConvexHull(points)
+    assert_same_hull(ours, theirs)
+    assert np.array_equal(np.sort(ours.vertices), np.sort(theirs.vertices))
+    if dimension == 2:
+        start = theirs.vertices.tolist().index(ours.vertices[0])
+        assert np.array_equal(ours.vertices, np.roll(theirs.vertices, -start))
+    else:
+        assert np.array_equal(ours.vertices, theirs.vertices)
+    assert np.isclose(ours.area, theirs.area) and np.isclose(ours.volume, theirs.volume)
+    assert np.array_equal(ours.min_bound, theirs.min_bound)
+    assert np.array_equal(ours.max_bound, theirs.max_bound)
+    assert ours.points is points and ours.good is theirs.good is None
+    for name in ("ndim", "npoints", "nsimplex"):
+        assert getattr(ours, name) == getattr(theirs, name)
+    for name in ("vertices", "simplices", "neighbors", "equations", "coplanar", "points"):
+        a, b = getattr(ours, name), getattr(theirs, name)
+        assert (a.dtype, a.shape) == (b.dtype, b.shape), name
+        assert getattr(ours, name) is a
+    assert (points @ ours.equations[:, :-1].T + ours.equations[:, -1]).max() < 1e-12
+
+
+def test_the_same_names_and_arguments():
+    for name in ("ConvexHull", "HalfspaceIntersection"):
+        theirs, ours = getattr(spatial, name), getattr(cullhull, name)
+        members = {m for m in dir(theirs) if not m.startswith("_")}
+        assert members <= set(dir(ours)), members - set(dir(ours))
+        arguments = list(inspect.signature(ours).parameters)
+        their_arguments = list(inspect.signature(theirs).parameters)
+        assert arguments[: len(their_arguments)] == their_arguments
+    one, other = cullhull.ConvexHull(GRID), spatial.ConvexHull(GRID)
+    assert {a for a in vars(other) if not a.startswith("_")} <= set(dir(one))
+    halfspaces = np.array([[-1.0, 0, 0], [0, -1, 0], [1, 1, -1]])
+    inside = np.array([0.25, 0.25])
+    one = cullhull.HalfspaceIntersection(halfspaces, inside)
+    other = spatial.HalfspaceIntersection(halfspaces, inside)
+    assert {a for a in vars(other) if not a.startswith("_")} <= set(dir(one))
+
+
+def test_orientation_is_outward():
+    points = cullhull.generate("ball", 500, 3)
+    hull = cullhull.ConvexHull(points)
+    a, b, c = (points[hull.simplices[:, j]] for j in range(3))
+    assert (np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) > 0).all()
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.int16, int])
+def test_points_are_doubles_as_scipys(dtype):
+    points = (cullhull.generate("ball", 100, 3) * 100).astype(dtype)
+    ours, theirs = cullhull.ConvexHull(points), spatial.ConvexHull(points)
+    assert ours.points.dtype == np.float64 and np.array_equal(ours.points, theirs.points)
+    assert np.array_equal(ours.vertices, theirs.vertices)
+
+
+def test_incremental():
+    points = cullhull.generate("ball", 600, 3)
+    ours = cullhull.ConvexHull(points[:100], incremental=True)
+    theirs = spatial.ConvexHull(points[:100], incremental=True)
+    for restart, part in ((False, points[100:400]), (True, points[400:500]), (False, points[500:])):
+        ours.add_points(part, restart=restart)
+        theirs.add_points(part, restart=restart)
+        assert_same_hull(ours, theirs)
+        assert np.array_equal(ours.points, theirs.points)
+        assert np.array_equal(ours.vertices, theirs.vertices)
+        assert np.array_equal(ours.max_bound, theirs.max_bound)
+    for hull, error in ((ours, RuntimeError), (theirs, RuntimeError)):
+        with pytest.raises(ValueError):
+            hull.add_points(np.zeros((3, 2)))
+        hull.close()
+        with pytest.raises(error):
+            hull.add_points(points[:3])
+    for kind in (cullhull.ConvexHull, spatial.ConvexHull):
+        with pytest.raises(RuntimeError):
+            kind(points).add_points(points[:3])
+    assert ours.npoints == 600 and ours.hull.contains([0, 0, 0])
+
+
+def test_incremental_use_keeps_a_copy_and_survives_errors():
+    points = cullhull.generate("ball", 100, 3)
+    hull = cullhull.ConvexHull(points, incremental=True)
+    before = hull.simplices
+    with pytest.raises(cullhull.NotFinite):
+        hull.add_points([[np.nan, 0, 0]])
+    assert hull.npoints == 100 and hull.simplices is before
+    points[:] = 0
+    hull.add_points([[3.0, 0, 0]])
+    assert hull.volume > 1 and hull.points[100, 0] == 3 and len(hull.points) == 101
+
+
+def test_flat_input():
+    flat = np.column_stack([cullhull.generate("ball", 50, 2), np.ones(50)])
+    hull = cullhull.ConvexHull(flat)
+    plane = cullhull.ConvexHull(flat[:, :2])
+    assert np.array_equal(hull.simplices, plane.simplices)
+    assert np.array_equal(hull.neighbors, plane.neighbors)
+    assert np.isclose(hull.volume, plane.volume) and np.isclose(hull.area, plane.area)
+    assert hull.equations.shape == (hull.nsimplex, 4)
+    with pytest.raises(spatial.QhullError) as theirs:
+        spatial.ConvexHull(flat)
+    for points in (flat, flat[:3], np.eye(4)[:2]):
+        with pytest.raises(spatial.QhullError) as ours:
+            cullhull.ConvexHull(points, strict=True)
+        assert isinstance(ours.value, cullhull.QhullError)
+        assert isinstance(ours.value, type(theirs.value))
+        assert isinstance(ours.value, (cullhull.Error, RuntimeError))
+    assert pickle.loads(pickle.dumps(ours.value)).args == ours.value.args
+    assert cullhull.ConvexHull(GRID, strict=True).volume == 8
+    growing = cullhull.ConvexHull(GRID, incremental=True, strict=True)
+    growing.add_points([[9, 9, 9]])
+    assert growing.npoints == 28
+
+
+@pytest.mark.parametrize("options", ["Qc", "Qi", "Qc Qi"])
+def test_coplanar(options):
+    rng = np.random.default_rng(4)
+    points = np.vstack([GRID, rng.random((20, 3)) * 1.5 + 0.25])
+    ours = cullhull.ConvexHull(points, qhull_options=options)
+    theirs = spatial.ConvexHull(points, qhull_options="Qt " + options)
+    assert np.array_equal(ours.vertices, theirs.vertices)
+    assert ours.coplanar.dtype == theirs.coplanar.dtype
+    assert len(set(ours.coplanar[:, 0])) == len(ours.coplanar)
+    assert set(ours.coplanar[:, 0]) == set(theirs.coplanar[:, 0])
+    for point, simplex, vertex in ours.coplanar:
+        assert vertex in ours.simplices[simplex]
+        away = ours.equations @ np.append(points[point], 1)
+        assert np.isclose(away[simplex], away.max())
+        corners = np.unique(ours.simplices[np.isclose(away, away[simplex])])
+        nearest = np.linalg.norm(points[corners] - points[point], axis=1).min()
+        on_facet = np.unique(
+            ours.simplices[(ours.equations == ours.equations[simplex]).all(axis=1)]
+        )
+        assert np.isclose(
+            np.linalg.norm(points[vertex] - points[point]),
+            np.linalg.norm(points[on_facet] - points[point], axis=1).min(),
+        )
+        assert nearest <= np.linalg.norm(points[vertex] - points[point]) + 1e-12
+
+
+def test_duplicates_are_coplanar_points():
+    points = np.vstack([GRID, GRID])
+    ours = cullhull.ConvexHull(points, qhull_options="Qc")
+    assert set(ours.coplanar[:, 0]) == set(range(54)) - {13, 40} - set(ours.vertices)
+
+
+@pytest.mark.parametrize("sign", ["", "-"])
+@pytest.mark.parametrize("dimension", [2, 3, 4])
+def test_good(dimension, sign):
+    points = cullhull.generate("ball", 60, dimension)
+    for point in range(12):
+        option = f"QG{sign}{point}"
+        ours = cullhull.ConvexHull(points, qhull_options=option)
+        theirs = spatial.ConvexHull(points, qhull_options=option)
+        assert_same_hull(ours, theirs)
+        their_good = dict(zip(map(frozenset, theirs.simplices.tolist()), theirs.good.tolist()))
+        our_good = dict(zip(map(frozenset, ours.simplices.tolist()), ours.good.tolist()))
+        assert our_good == their_good and ours.good.dtype == theirs.good.dtype
+        assert ours.npoints == 60 and np.array_equal(ours.max_bound, theirs.max_bound)
+    with pytest.raises(ValueError, match="QG60"):
+        cullhull.ConvexHull(points, qhull_options="QG60")
+
+
+def test_options_without_effect():
+    points = cullhull.generate("ball", 200, 3)
+    expected = cullhull.ConvexHull(points)
+    for options in (
+        *("Qt", "Qx", "QbB Pp Qt", "Qbb", "Q12", "Qs Qf Qv Qw Qa", "C-0", "C0.01", "A-0.99"),
+        *("E1e-12", "R1e-9", "U0", "V0", "W1e-3", "Tv", "T4", "PF", b"Qt", "", None),
+    ):
+        hull = cullhull.ConvexHull(points, qhull_options=options)
+        assert np.array_equal(hull.simplices, expected.simplices) and hull.volume == expected.volume
+
+
+def test_options_that_raise():
+    for option in (
+        *("QJ", "QJ1e-9", "Qu", "Qz", "Qg", "Qm", "Qr", "QV3", "QR0", "Qb0:0", "QB1:2", "Pd0:0.5"),
+        *("PD1", "PG", "Fx", "Q", "Qy", "hello", "QG", "QGx", "QG--1", "PP", "C1x", "-"),
+    ):
+        with pytest.raises(ValueError, match=option):
+            cullhull.ConvexHull(GRID, qhull_options="Qt " + option)
+    with pytest.raises(TypeError):
+        cullhull.ConvexHull(GRID, qhull_options=3)
+    with pytest.raises(ValueError):
+        cullhull.HalfspaceIntersection([[1, 0, -1]], [0, 0], qhull_options="Qc")
+    assert _qhull_options.parse("QG-7 Qc") == _qhull_options.QhullOptions(True, False, 7, False)
+
+
+@pytest.mark.parametrize("dimension", [2, 3, 4])
+def test_halfspaces(dimension):
+    normals = cullhull.generate("sphere", 40, dimension)
+    inside = np.full(dimension, 0.1)
+    halfspaces = np.column_stack([normals, -1 - np.abs(normals[:, 0])])
+    ours = cullhull.HalfspaceIntersection(halfspaces, inside)
+    theirs = spatial.HalfspaceIntersection(halfspaces, inside)
+    assert ours.ndim == theirs.ndim and ours.nineq == theirs.nineq
+    assert ours.is_bounded and ours.npoints == theirs.npoints
+    assert np.allclose(ours.min_bound, theirs.min_bound)
+    assert np.allclose(ours.max_bound, theirs.max_bound)
+    assert np.allclose(ours.dual_points, theirs.dual_points)
+    assert np.array_equal(ours.dual_vertices, theirs.dual_vertices)
+    places = {frozenset(f): i for i, f in enumerate(ours.dual_facets)}
+    assert set(places) == set(map(frozenset, theirs.dual_facets))
+    order = [places[frozenset(f)] for f in theirs.dual_facets]
+    assert np.allclose(ours.intersections[order], theirs.intersections)
+    assert np.allclose(ours.dual_equations[order], theirs.dual_equations)
+    assert np.isclose(ours.dual_area, theirs.dual_area)
+    assert np.isclose(ours.dual_volume, theirs.dual_volume)
+    assert np.array_equal(ours.interior_point, inside)
+    for name in ("dual_vertices", "dual_points", "intersections", "halfspaces", "dual_equations"):
+        a, b = getattr(ours, name), getattr(theirs, name)
+        assert (a.dtype, a.shape) == (b.dtype, b.shape), name
+    found = cullhull.HalfspaceIntersection(halfspaces)
+    assert (halfspaces[:, :-1] @ found.interior_point + halfspaces[:, -1]).max() < 0
+    assert np.allclose(
+        cullhull.ConvexHull(found.intersections).volume, spatial.ConvexHull(theirs.intersections).volume
+    )
+
+
+def test_halfspaces_errors():
+    square = np.array([[1.0, 0, -1], [0, 1, -1], [-1, 0, -1], [0, -1, -1]])
+    with pytest.raises(spatial.QhullError, match="feasible"):
+        cullhull.HalfspaceIntersection(square, [1.0, 0.0])
+    with pytest.raises(RuntimeError):
+        cullhull.HalfspaceIntersection(square, [0.0, 0.0]).add_halfspaces(square)
+    for bad in (np.zeros((0, 3)), np.zeros(3), square[:, :2], np.full((3, 3), np.nan)):
+        with pytest.raises(ValueError):
+            cullhull.HalfspaceIntersection(bad, [0.0, 0.0])
+    with pytest.raises(ValueError):
+        cullhull.HalfspaceIntersection(square, [np.nan, 0.0])
+    with pytest.raises(ValueError, match="no interior point"):
+        cullhull.HalfspaceIntersection(np.vstack([square, [1.0, 0, 3]]))
+    unbounded = cullhull.HalfspaceIntersection(square[:2], [0.0, 0.0])
+    assert not unbounded.is_bounded

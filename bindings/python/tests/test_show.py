@@ -1,0 +1,124 @@
+"""Pictures and the command line."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import cullhull
+
+
+def parsed(html):
+    import xml.dom.minidom
+
+    return xml.dom.minidom.parseString(html)
+
+
+@pytest.mark.parametrize("dimension", [1, 2, 3, 5])
+@pytest.mark.parametrize("flat", [False, True])
+def test_notebook(dimension, flat):
+    points = cullhull.generate("cube", 60, dimension)
+    if flat:
+        points[:, -1] = 0.5
+    hull = cullhull.convex_hull(points, certify=True)
+    page = parsed(hull._repr_html_())
+    assert f"{len(hull.vertices)}" in page.toxml() and repr(hull).startswith("<Hull of 60 points")
+    drawn = len(page.getElementsByTagName("polygon"))
+    if dimension == 3 and not flat:
+        towards = hull.facet_planes[:, :3] @ [-0.433, -0.75, -0.5]
+        assert drawn == (towards > 0).sum() and 0 < drawn < hull.facet_count
+    elif hull.affine_dimension == 2 and dimension in (2, 3):
+        assert drawn == 1 or dimension == 2
+    else:
+        assert drawn == 0
+
+
+def test_notebook_of_nothing():
+    parsed(cullhull.convex_hull(np.empty((0, 3)))._repr_html_())
+
+
+@pytest.mark.parametrize("dimension, k", [(2, 2), (2, 1), (2, 0), (3, 3), (3, 2), (3, 1), (3, -1)])
+def test_plot(dimension, k):
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    rng = np.random.default_rng(0)
+    points = rng.integers(0, 9, (20, max(k, 0))) @ rng.integers(0, 9, (max(k, 0), dimension)) + 1
+    if k < 0:
+        points = points[:0]
+    elif k == dimension:
+        points = rng.random((20, dimension))
+    hull = cullhull.convex_hull(points)
+    axes = hull.plot(facecolor="red") if k >= 2 else hull.plot()
+    assert len(axes.collections) == (k >= 2)
+    axes.figure.canvas.draw()
+    low, high = axes.get_xlim()
+    assert k < 0 or (low <= points[:, 0].min() and points[:, 0].max() <= high)
+    assert hull.plot(axes) is axes
+    plt.close("all")
+
+
+def test_plot_of_other_dimensions():
+    with pytest.raises(ValueError, match="4D"):
+        cullhull.convex_hull(np.eye(4)).plot()
+
+
+def test_save(tmp_path):
+    points = cullhull.generate("ball", 1000, 3)
+    hull = cullhull.convex_hull(points)
+    hull.save(tmp_path / "all.json", points)
+    written = json.loads((tmp_path / "all.json").read_text())
+    assert written["vertices"] == hull.vertices.tolist()
+    assert written["points"]["count"] == 1000
+    hull.save(str(tmp_path / "alone.json"))
+    written = json.loads((tmp_path / "alone.json").read_text())
+    assert written["points"]["count"] == len(hull.vertices)
+    hull.save(tmp_path / "mesh.ply")
+    assert cullhull.convex_hull(np.eye(3)).save(tmp_path / "mesh.off") is None
+    with pytest.raises(OSError):
+        hull.save(tmp_path / "no" / "such" / "folder.ply")
+    with pytest.raises(ValueError):
+        hull.save(tmp_path / "file.docx")
+    with pytest.raises(ValueError):
+        cullhull.convex_hull(np.eye(5)).save(tmp_path / "mesh.ply")
+
+
+def command(*words, **options):
+    return subprocess.run(
+        [sys.executable, "-m", "cullhull", *words], capture_output=True, text=True, **options
+    )
+
+
+def test_command_line(tmp_path):
+    points = cullhull.generate("ball", 5000, 3)
+    np.save(tmp_path / "points.npy", points)
+    done = command("hull", "points.npy", "--vertices", "ids.npy", "--json", cwd=tmp_path)
+    hull = cullhull.convex_hull(points)
+    assert done.returncode == 0 and json.loads(done.stdout)["volume"] == hull.volume
+    assert np.array_equal(np.load(tmp_path / "ids.npy"), np.sort(hull.vertices))
+    hull.save(tmp_path / "hull.json", points)
+    assert command("certify", "points.npy", "hull.json", cwd=tmp_path).returncode == 0
+    assert command("--version").stdout.strip() == cullhull.__version__
+    missing = command("hull", "absent.npy", cwd=tmp_path)
+    assert missing.returncode == 1 and "absent.npy" in missing.stderr
+    assert command("nonsense").returncode == 2
+
+
+def test_view(tmp_path, monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    points = cullhull.generate("ball", 500, 3)
+    hull = cullhull.convex_hull(points)
+    try:
+        page = hull.view(path=tmp_path / "hull.html", show=False)
+    except cullhull.BackendUnavailable as error:
+        pytest.skip(str(error))  # built without three.js
+    assert not opened and page == str(tmp_path / "hull.html")
+    assert "<html" in (tmp_path / "hull.html").read_text()
+    temporary = hull.view(points)
+    assert opened == ["file://" + temporary]
+    with pytest.raises(cullhull.Error):
+        hull.view(path=tmp_path / "no" / "folder.html")

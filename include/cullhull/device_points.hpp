@@ -1,0 +1,95 @@
+// Points in a CUDA device's memory, and whether there is a device. No CUDA header is needed: a
+// build without the CUDA backend has the same functions, which then say that it is not there.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "cullhull/cull.hpp"
+#include "cullhull/hull.hpp"
+#include "cullhull/options.hpp"
+#include "cullhull/point_view.hpp"
+
+namespace cullhull {
+
+/// Non-owning view of points that a device can read (device or managed memory), like PointView:
+/// coordinate j of point i lies at `data + i * point_stride + j * coordinate_stride` (bytes, any
+/// sign), aligned to the scalar. The memory must not change during a call. Work is ordered behind
+/// what `stream` (a cudaStream_t; null: the default stream) holds when the call begins, so the
+/// points may still be being computed there; the call returns when all of it is done.
+struct DevicePointView {
+  const void* data = nullptr;
+  ScalarType scalar = ScalarType::f32;  ///< f32 or f64
+  std::uint32_t dimension = 0;
+  std::uint64_t count = 0;
+  std::ptrdiff_t point_stride = 0;
+  std::ptrdiff_t coordinate_stride = 0;
+  void* stream = nullptr;
+
+  /// Points one after another: x0 y0 z0 x1 y1 z1 ...
+  template <class T>
+  static DevicePointView row_major(const T* p, std::uint64_t n, std::uint32_t d,
+                                   void* stream = nullptr) noexcept {
+    static_assert(std::is_same_v<T, float> || std::is_same_v<T, double>);
+    return {p,
+            scalar_type_of<T>(),
+            d,
+            n,
+            static_cast<std::ptrdiff_t>(d * sizeof(T)),
+            static_cast<std::ptrdiff_t>(sizeof(T)),
+            stream};
+  }
+  /// Coordinates one after another: x0 x1 ... y0 y1 ...
+  template <class T>
+  static DevicePointView column_major(const T* p, std::uint64_t n, std::uint32_t d,
+                                      void* stream = nullptr) noexcept {
+    static_assert(std::is_same_v<T, float> || std::is_same_v<T, double>);
+    return {p,
+            scalar_type_of<T>(),
+            d,
+            n,
+            static_cast<std::ptrdiff_t>(sizeof(T)),
+            static_cast<std::ptrdiff_t>(n * sizeof(T)),
+            stream};
+  }
+
+  /// True where points are packed rows of scalars without gaps.
+  bool packed_rows() const noexcept {
+    const auto s = static_cast<std::ptrdiff_t>(scalar_size(scalar));
+    return coordinate_stride == s && point_stride == s * static_cast<std::ptrdiff_t>(dimension);
+  }
+};
+
+/// What the CUDA backend can do here.
+struct CudaStatus {
+  bool compiled = false;       ///< the library was built with it
+  bool available = false;      ///< `Backend::cuda` will work
+  std::string reason;          ///< one line: why it is not available; empty if it is
+  std::string device;          ///< name of the current device
+  int compute_capability = 0;  ///< 90 for 9.0
+  int driver_version = 0;      ///< newest CUDA the driver knows, 12040 for 12.4; 0: no driver
+  int runtime_version = 0;     ///< the CUDA this library was built with
+  std::uint64_t memory_bytes = 0;
+};
+
+/// Asks driver and device; the first call may take some tenths of a second. Never throws for want
+/// of a device.
+CudaStatus cuda_status();
+
+/// As cull(PointView): drops points that provably lie strictly inside the hull. They are tested
+/// where they lie; only samples and survivors cross the bus. `Backend::cpu` copies all to the host.
+/// Extra device memory: a bit a point, and the survivors; half a megabyte if there is no more.
+/// Throws what cull(PointView) throws, and Error{backend_unavailable} without a device,
+/// Error{invalid_argument} for memory or scalars it does not take, Error{out_of_budget} where the
+/// device's memory is full.
+Survivors cull(const DevicePointView& points, const Options& options = {});
+
+/// The exact convex hull, the same bit for bit as convex_hull(PointView) of the same points.
+/// `vertex_coordinates`, where given, receives those of Hull::vertices, a row each, in their order.
+Hull convex_hull(const DevicePointView& points, const Options& options = {},
+                 std::vector<double>* vertex_coordinates = nullptr);
+
+}  // namespace cullhull

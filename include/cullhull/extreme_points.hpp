@@ -1,0 +1,27 @@
+// Which points are extreme, without the facets: in high dimension these are far too many to build.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cullhull/hull.hpp"
+#include "cullhull/options.hpp"
+#include "cullhull/point_view.hpp"
+
+namespace cullhull {
+
+struct ExtremePoints {
+  /// The extreme points (of equal points the lowest id), ascending: Hull::vertices, sorted.
+  std::vector<std::uint64_t> ids;
+  int affine_dimension = -1;  ///< as in Hull
+  Statistics statistics;
+};
+
+/// The extreme points, exactly, by linear programs instead of a hull: each point is tested against
+/// the others, in floating point with exactly checked certificates, else in rational numbers.
+/// Meant for dimension 7 and up. Time O(n h) small linear programs' steps for h of n points extreme,
+/// in parallel; memory O(survivors). Points in a flat of dimension 3 or less are hulled.
+/// `Options::engine` is not asked. Errors as convex_hull's.
+ExtremePoints extreme_points(const PointView& points, const Options& options = {});
+
+}  // namespace cullhull

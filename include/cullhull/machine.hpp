@@ -1,0 +1,19 @@
+// What the planner knows about the machine.
+#pragma once
+
+#include <string>
+
+namespace cullhull {
+
+/// Rates that decide where points are culled. The defaults are cautious guesses; `cullhull bench
+/// machine` measures them (docs/gpu.md). Wrong ones cost time, never correctness.
+struct MachineConstants {
+  double host_read_bytes_per_second = 20e9;     ///< all cores reading an array
+  double host_copy_bytes_per_second = 10e9;     ///< all cores copying one, bytes copied
+  double link_bytes_per_second = 12e9;          ///< pinned memory to the device
+  double device_copy_bytes_per_second = 500e9;  ///< on the device, bytes read and written
+  unsigned cores = 0;                           ///< 0: ask the system
+  std::string date;                             ///< of the measurement; empty: none was made
+};
+
+}  // namespace cullhull

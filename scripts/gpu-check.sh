@@ -1,0 +1,199 @@
+#!/usr/bin/env bash
+# Everything that needs a GPU, in one go, on a machine that has one but none of our libraries:
+#
+#   scripts/gpu-check.sh stage [BUNDLE.tar.gz]
+#       here: builds GPU tests, their host twins, cullhull and gpu_bench, and packs them with the
+#       shared libraries they use. Default: build/gpu-check.tar.gz
+#   scripts/gpu-check.sh run [--only PART,...] [--results FOLDER] [BUNDLE.tar.gz]
+#       there: unpacks and runs the parts cpu (host twins and a hull, no device needed), tests,
+#       sanitizer (compute-sanitizer's four tools on small sizes), bench. Writes
+#       gpu-check-DATE.txt (device, command, what passed), gpu-check-DATE.log (all output) and
+#       gpu-bench-DATE.json to FOLDER, default bench/results.
+#
+# Exit status of run: 0 all passed; 1 something failed; 2 bad usage; 5 no device that can be used.
+set -euo pipefail
+
+me="gpu-check"
+here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
+sanitizer_seconds=${GPU_CHECK_SANITIZER_SECONDS:-100} # for each tool and program
+
+fail() { # STATUS MESSAGE
+  echo "$me: $2" >&2
+  exit "$1"
+}
+
+# ---- stage ------------------------------------------------------------------------------------
+
+stage() {
+  local bundle=${1:-build/gpu-check.tar.gz}
+  cd "$here/.."
+  local build=build/gpu-stage folder=build/gpu-stage/bundle
+  # RPATH, not RUNPATH: the libraries' own dependencies must be found in the bundle, too.
+  cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCULLHULL_WITH_CUDA=ON \
+    -DCULLHULL_CUDA_ARCHITECTURES="${GPU_CHECK_ARCHITECTURES:-75-virtual;90-real}" \
+    -DCULLHULL_BUILD_TESTS=ON -DCULLHULL_BUILD_BENCH=ON -DCULLHULL_BUILD_EXAMPLES=OFF \
+    -DCMAKE_BUILD_RPATH='$ORIGIN/../lib' -DCMAKE_EXE_LINKER_FLAGS=-Wl,--disable-new-dtags
+  local gpu=() twins=(primitives_test pseudo_hull_test pseudo_hull_device_test) test
+  for test in tests/gpu/*_test.cu tests/gpu/*_test.cpp; do
+    [[ -e $test ]] && test=${test##*/} && gpu+=("${test%.*}")
+  done
+  cmake --build "$build" -j "${JOBS:-$(nproc)}" --target cullhull_app gpu_bench "${gpu[@]}" \
+    "${twins[@]}"
+
+  rm -rf "$folder"
+  mkdir -p "$folder/bin/gpu" "$folder/bin/cpu" "$folder/lib"
+  cp "$build"/bin/{cullhull,gpu_bench} "$folder/bin/"
+  (cd "$build/bin" && cp "${gpu[@]}" "../bundle/bin/gpu/" && cp "${twins[@]}" "../bundle/bin/cpu/")
+  # From bin/gpu the libraries are one folder farther up.
+  ln -s ../lib "$folder/bin/lib"
+  # The C library is the machine's own: a newer one runs what an older one linked.
+  local library
+  ldd "$folder"/bin/{cullhull,gpu_bench} "$folder"/bin/*/*_test | awk '$2 == "=>" && $3 ~ /^\// {print $3}' |
+    sort -u | while read -r library; do
+    case "${library##*/}" in
+      libc.so.* | libm.so.* | libdl.so.* | librt.so.* | libpthread.so.*) ;;
+      *) cp -L "$library" "$folder/lib/" ;;
+    esac
+  done
+  cp scripts/gpu-check.sh "$folder/"
+  strip "$folder"/bin/{cullhull,gpu_bench} "$folder"/bin/*/*_test
+  {
+    echo "commit $(git rev-parse HEAD 2>/dev/null || echo unknown)$(git diff --quiet HEAD 2>/dev/null || echo ', changed')"
+    echo "built $(date -u +%Y-%m-%dT%H:%M:%SZ) with $(nvcc --version 2>/dev/null | tail -1 || echo nvcc)"
+  } >"$folder/about.txt"
+  mkdir -p "$(dirname "$bundle")"
+  tar -C "$folder" -czf "$bundle" .
+  local bytes
+  bytes=$(stat -c %s "$bundle")
+  ((bytes < 64 << 20)) || fail 1 "$bundle has $bytes bytes, more than 64 MiB"
+  echo "$me: $bundle, $bytes bytes; carry it to a machine with a GPU, unpack it, ./gpu-check.sh run"
+}
+
+# ---- run --------------------------------------------------------------------------------------
+
+failures=0
+# NAME COMMAND...: its output goes to the log, its outcome to the summary.
+step() {
+  local name=$1 status=0 start=$SECONDS
+  shift
+  echo "== $name: $*" >>"$log"
+  "$@" >>"$log" 2>&1 || status=$?
+  local line="passed"
+  ((status == 0)) || line="FAILED with status $status"
+  ((status == 124)) && line="FAILED: not done in time"
+  ((status == 0)) || failures=$((failures + 1))
+  echo "$line  $name  ($((SECONDS - start)) s)" | tee -a "$summary"
+}
+
+# A test that skips has not passed here.
+all_of() {
+  local out status=0
+  out=$("$@" 2>&1) || status=$?
+  echo "$out"
+  ((status == 0)) || return "$status"
+  ! grep -q '\[  SKIPPED \]' <<<"$out"
+}
+
+run_cpu() {
+  local test
+  for test in "$root"/bin/cpu/*_test; do step "cpu ${test##*/}" "$test" --gtest_brief=1; done
+  step "cpu generate" "$root/bin/cullhull" generate ball -n 100000 -d 3 --type f32 -o "$scratch/p.npy"
+  step "cpu hull" "$root/bin/cullhull" hull "$scratch/p.npy" --backend cpu --certify
+}
+
+need_device() {
+  local report reason
+  report=$("$root/bin/cullhull" bench machine --bytes 1MiB --passes 1 --json) ||
+    fail 1 "cullhull bench machine does not run here"
+  reason=$(sed -n 's/^ *"no_device": "\(.*\)",\{0,1\}$/\1/p' <<<"$report")
+  if [[ -n $reason ]]; then
+    echo "no device: $reason" >>"$summary"
+    fail 5 "no CUDA device that can be used: $reason"
+  fi
+  sed -n 's/^ *"name": "\(.*\)",$/device \1/p' <<<"$report" >>"$summary"
+}
+
+run_tests() {
+  local test
+  for test in "$root"/bin/gpu/*_test; do step "gpu ${test##*/}" all_of "$test" --gtest_brief=0; done
+  step "gpu hull" "$root/bin/cullhull" hull "$scratch/p.npy" --backend cuda --certify
+}
+
+run_sanitizer() {
+  local sanitizer tool test
+  sanitizer=$(command -v compute-sanitizer || ls /usr/local/cuda*/bin/compute-sanitizer 2>/dev/null | tail -1) || true
+  if [[ -z $sanitizer ]]; then
+    echo "FAILED  compute-sanitizer is not here" | tee -a "$summary"
+    failures=$((failures + 1))
+    return
+  fi
+  for tool in memcheck racecheck initcheck synccheck; do
+    for test in "$root"/bin/gpu/*_test; do
+      step "$tool ${test##*/}" env CULLHULL_GPU_TESTS=short timeout "$sanitizer_seconds" \
+        "$sanitizer" --tool "$tool" --error-exitcode 9 "$test" --gtest_filter=-*Large* --gtest_brief=1
+    done
+  done
+}
+
+run_bench() {
+  step "bench" "$root/bin/gpu_bench" --json "$results/gpu-bench-$date.json"
+  sed -n '/^== bench: /,$p' "$log" | tail -n +2 >>"$summary"
+}
+
+wants() { [[ ,$only, == *",$1,"* ]]; }
+
+run() {
+  local only=cpu,tests,sanitizer,bench bundle="" words="$0 run $*"
+  results=""
+  while (($#)); do
+    case "$1" in
+      --only) only=${2:?} && shift ;;
+      --results) results=${2:?} && shift ;;
+      -*) fail 2 "unknown option $1" ;;
+      *) bundle=$1 ;;
+    esac
+    shift
+  done
+  local part
+  for part in ${only//,/ }; do
+    [[ " cpu tests sanitizer bench " == *" $part "* ]] || fail 2 "unknown part $part"
+  done
+  scratch=$(mktemp -d)
+  trap 'rm -rf "$scratch"' EXIT
+  if [[ -z $bundle && -d $here/bin/gpu ]]; then # unpacked already
+    root=$here
+    : "${results:=$here/results}"
+  else
+    : "${bundle:=$here/../build/gpu-check.tar.gz}" "${results:=$here/../bench/results}"
+    [[ -f $bundle ]] || fail 2 "no bundle $bundle: make one with '$me.sh stage'"
+    root=$scratch/bundle
+    mkdir "$root"
+    tar -C "$root" -xzf "$bundle"
+  fi
+  mkdir -p "$results"
+  date=$(date -u +%Y%m%d-%H%M%S)
+  log=$results/gpu-check-$date.log summary=$results/gpu-check-$date.txt
+  {
+    echo "date $(date -u +%Y-%m-%dT%H:%M:%SZ)"
+    echo "command $words"
+    cat "$root/about.txt"
+  } | tee "$summary"
+  if wants cpu; then run_cpu; fi
+  if wants tests || wants sanitizer || wants bench; then
+    need_device
+    [[ -f $scratch/p.npy ]] ||
+      "$root/bin/cullhull" generate ball -n 100000 -d 3 --type f32 -o "$scratch/p.npy"
+    if wants tests; then run_tests; fi
+    if wants sanitizer; then run_sanitizer; fi
+    if wants bench; then run_bench; fi
+  fi
+  ((failures == 0)) || fail 1 "$failures steps failed; see $log"
+  echo "$me: all passed; results in $results"
+}
+
+case "${1:-}" in
+  stage | run)
+    "$@"
+    ;;
+  *) fail 2 "usage: $0 stage [BUNDLE.tar.gz] | run [--only PART,...] [--results FOLDER] [BUNDLE.tar.gz]" ;;
+esac

@@ -1,0 +1,19 @@
+// The filter stage for points in a device's memory: what run_filter does, with only samples and
+// survivors crossing the bus.
+#pragma once
+
+#include <cstdint>
+
+#include "control.hpp"
+#include "cullhull/device_points.hpp"
+#include "filter_stage.hpp"
+
+namespace cullhull::internal {
+
+/// As run_filter, but `rows` always holds the coordinates of the survivors (of all points where
+/// `all`), exactly as they are. Throws Error{not_finite} naming the lowest id with a NaN or an
+/// infinity, Error{backend_unavailable} where there is no device or the view is none of its memory.
+Filtered run_device_filter(const DevicePointView& points, const Options& options,
+                           const Control& control, unsigned threads, std::uint64_t budget);
+
+}  // namespace cullhull::internal

@@ -1,0 +1,104 @@
+// The flow for points in a device's memory: cull there, then hull the survivors as points of the
+// host under their own names.
+#include <chrono>
+#include <utility>
+
+#include "cullhull/device_points.hpp"
+#include "cullhull/error.hpp"
+#include "device_filter.hpp"
+#include "parallel/backend.hpp"
+#include "parallel/parallel.hpp"
+#include "points/memory.hpp"
+
+namespace cullhull {
+namespace internal {
+
+#ifndef CULLHULL_HAVE_CUDA
+Filtered run_device_filter(const DevicePointView&, const Options&, const Control&, unsigned,
+                           std::uint64_t) {
+  require_cuda();
+  return {};
+}
+#endif
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void check_arguments(const DevicePointView& points) {
+  if (points.dimension == 0)
+    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
+  if (points.data == nullptr && points.count > 0)
+    throw Error(ErrorCode::invalid_argument, "points.data is null");
+  if (points.scalar != ScalarType::f32 && points.scalar != ScalarType::f64)
+    throw Error(ErrorCode::invalid_argument, "points on a device must be f32 or f64");
+}
+
+Filtered filter(const DevicePointView& points, const Options& options) {
+  check_arguments(points);
+  const Control control(options);
+  control.check();
+  return run_device_filter(points, options, control, resolve_threads(options.threads),
+                           resolve_budget(options.memory_budget));
+}
+
+/// From positions among the survivors to ids. Survivors ascend, so whatever was ordered by position
+/// is ordered by id.
+void rename(Hull& hull, const std::vector<std::uint64_t>& ids) {
+  const auto rename_list = [&](auto& list) {
+    for (std::uint64_t& v : list) v = ids[v];
+  };
+  rename_list(hull.vertices);
+  rename_list(hull.facets.items);
+  rename_list(hull.simplices);
+}
+
+}  // namespace
+}  // namespace internal
+
+using namespace internal;
+
+Survivors cull(const DevicePointView& points, const Options& options) {
+  const auto start = Clock::now();
+  Filtered filtered = filter(points, options);
+  filtered.survivors.seconds = seconds_since(start);
+  return std::move(filtered.survivors);
+}
+
+Hull convex_hull(const DevicePointView& points, const Options& options,
+                 std::vector<double>* vertex_coordinates) {
+  const auto start = Clock::now();
+  const Filtered filtered = filter(points, options);
+  const double cull_seconds = seconds_since(start);
+  const Survivors& s = filtered.survivors;
+  const std::uint64_t count = s.size(points.count);
+
+  Options rest = options;
+  rest.backend = Backend::cpu;
+  rest.cull = CullMethod::none;
+  Hull hull =
+      convex_hull(PointView::row_major(filtered.rows.data(), count, points.dimension), rest);
+  if (vertex_coordinates != nullptr) {
+    vertex_coordinates->clear();
+    for (const std::uint64_t v : hull.vertices) {
+      const auto row = filtered.rows.begin() + static_cast<std::ptrdiff_t>(v * points.dimension);
+      vertex_coordinates->insert(vertex_coordinates->end(), row, row + points.dimension);
+    }
+  }
+  if (!s.all) rename(hull, s.ids);
+  hull.point_count = points.count;
+  hull.scalar = points.scalar;
+  hull.statistics.survivors = count;
+  hull.statistics.cull_method = s.method;
+  hull.statistics.cull_reason = s.reason;
+  hull.statistics.backend = s.backend;
+  hull.statistics.cull_seconds = cull_seconds;
+  hull.statistics.compute_seconds = seconds_since(start);
+  return hull;
+}
+
+}  // namespace cullhull

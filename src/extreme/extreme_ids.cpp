@@ -1,0 +1,86 @@
+// After Clarkson (More output-sensitive geometric algorithms, 1994): a point is tested against a
+// working set; if it is inside that hull, it is not extreme. If a direction separates it, the point
+// farthest along joins the working set, unless that is the point itself, which then is extreme.
+// Points are taken in blocks, outermost first; workers see the working set of the blocks before.
+#include "extreme/extreme_ids.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "extreme/hull_membership.hpp"
+#include "hull/norm_order.hpp"
+#include "parallel/parallel.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// The lowest id of each set of equal points, ascending.
+std::vector<std::uint32_t> distinct(const LocalPoints& points) {
+  const unsigned d = points.dimension;
+  std::vector<std::uint32_t> ids(points.count);
+  std::iota(ids.begin(), ids.end(), 0U);
+  const auto compare = [&](std::uint32_t a, std::uint32_t b) {
+    const double* x = points.exact_row(a);
+    const double* y = points.exact_row(b);
+    for (unsigned j = 0; j < d; ++j)
+      if (x[j] != y[j]) return x[j] < y[j] ? -1 : 1;
+    return 0;
+  };
+  std::sort(ids.begin(), ids.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const int c = compare(a, b);
+    return c != 0 ? c < 0 : a < b;
+  });
+  ids.erase(std::unique(ids.begin(), ids.end(),
+                        [&](std::uint32_t a, std::uint32_t b) { return compare(a, b) == 0; }),
+            ids.end());
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, unsigned threads,
+                                       const Control& control) {
+  constexpr std::uint64_t chunk = 8;
+  const std::vector<std::uint32_t> all = distinct(points);
+  std::vector<std::uint8_t> present(points.count, 0);
+  for (const std::uint32_t i : all) present[i] = 1;
+  // Outermost first: they are the ones that others are inside of.
+  std::vector<std::uint32_t> order = norm_order(points, threads).order;
+  order.erase(std::remove_if(order.begin(), order.end(), [&](auto i) { return !present[i]; }),
+              order.end());
+
+  std::vector<std::uint32_t> extreme;
+  std::vector<std::uint32_t> working;
+  std::vector<std::uint8_t> is_working(points.count, 0);
+  for (std::size_t begin = 0, size = 64; begin < order.size(); begin += size) {
+    size = std::clamp<std::size_t>(working.size() / 4, 64, 4096);
+    const std::size_t count = std::min(size, order.size() - begin);
+    std::vector<std::uint8_t> inside(count, 0);
+    std::vector<std::vector<std::uint32_t>> useful(chunk_count(count, chunk));
+    for_each_chunk(count, chunk, threads,
+                   [&](std::uint64_t c, std::uint64_t from, std::uint64_t to) {
+                     HullMembership membership(points, control);
+                     for (std::uint64_t i = from; i < to; ++i)
+                       inside[i] = membership.inside(order[begin + i], all, working, useful[c]);
+                   });
+    const auto join = [&](std::uint32_t i) {
+      if (is_working[i]) return;
+      is_working[i] = 1;
+      working.push_back(i);
+    };
+    for (std::size_t i = 0; i < count; ++i) {
+      if (inside[i]) continue;
+      extreme.push_back(order[begin + i]);
+      join(order[begin + i]);
+    }
+    for (const auto& list : useful)
+      for (const std::uint32_t i : list) join(i);
+    control.report("extreme points",
+                   static_cast<double>(begin + count) / static_cast<double>(order.size()));
+  }
+  std::sort(extreme.begin(), extreme.end());
+  return extreme;
+}
+
+}  // namespace cullhull::internal

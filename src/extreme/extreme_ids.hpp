@@ -1,0 +1,17 @@
+// The extreme points of a full-dimensional set, without its facets.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "control.hpp"
+#include "points/local_points.hpp"
+
+namespace cullhull::internal {
+
+/// Ascending local ids; of equal points the lowest. Time: for h of n points extreme, one linear
+/// program over some h points for each of n, and one pass over all n for each of h. O(n d) memory.
+std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, unsigned threads,
+                                       const Control& control);
+
+}  // namespace cullhull::internal

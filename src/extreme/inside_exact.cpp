@@ -1,0 +1,159 @@
+// The simplex method, phase one, over the rationals with Bland's rule (1977), which never cycles.
+//
+// Find w >= 0 with sum w_q (q - p) = 0 and sum w_q = 1. One artificial variable a row is the first
+// basis; their sum goes to zero exactly if p is in the hull. Kept is the inverse of the basis.
+#include <cmath>
+#include <vector>
+
+#include "extreme/hull_membership.hpp"
+#include "extreme/rational.hpp"
+#include "predicates/minors.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+class Simplex {
+ public:
+  Simplex(const LocalPoints& points, std::uint32_t point, const std::vector<std::uint32_t>& others,
+          const Control& control)
+      : points_(points),
+        others_(others),
+        control_(control),
+        point_(point),
+        rows_(points.dimension + 1),
+        inverse_(rows_, rows_ + 1),
+        column_(1, rows_),
+        entering_(1, rows_),
+        prices_(1, rows_),
+        basis_(rows_) {
+    for (std::size_t i = 0; i < rows_; ++i) {
+      mpq_set_si(inverse_.at(i, i), 1, 1);
+      basis_[i] = others.size() + i;  // artificial
+    }
+    mpq_set_si(inverse_.at(rows_ - 1, rows_), 1, 1);  // the last column holds the basic values
+  }
+
+  bool feasible() {
+    for (;;) {
+      control_.check();
+      if (done()) return true;
+      price();
+      const std::size_t q = improving();
+      if (q == others_.size()) return false;
+      pivot(q);
+    }
+  }
+
+ private:
+  bool artificial(std::size_t variable) const { return variable >= others_.size(); }
+
+  bool done() {
+    for (std::size_t i = 0; i < rows_; ++i)
+      if (artificial(basis_[i]) && mpq_sgn(inverse_.at(i, rows_)) != 0) return false;
+    return true;
+  }
+
+  /// prices = sum of the rows of the inverse whose basic variable is artificial.
+  void price() {
+    rounded_.assign(rows_, 0.0);
+    rounded_size_ = 0;
+    for (std::size_t j = 0; j < rows_; ++j) {
+      mpq_set_si(prices_.at(0, j), 0, 1);
+      for (std::size_t i = 0; i < rows_; ++i)
+        if (artificial(basis_[i])) mpq_add(prices_.at(0, j), prices_.at(0, j), inverse_.at(i, j));
+      rounded_[j] = mpq_get_d(prices_.at(0, j));  // towards zero: within 2u
+      rounded_size_ += std::abs(rounded_[j]);
+    }
+  }
+
+  void load(std::size_t q) {
+    const double* x = points_.exact_row(others_[q]);
+    const double* p = points_.exact_row(point_);
+    for (std::size_t j = 0; j + 1 < rows_; ++j) {
+      mpq_set_d(column_.at(0, j), x[j]);
+      mpq_set_d(t_.value, p[j]);
+      mpq_sub(column_.at(0, j), column_.at(0, j), t_.value);
+    }
+    mpq_set_si(column_.at(0, rows_ - 1), 1, 1);
+  }
+
+  /// The first column with prices . column > 0. What doubles show to be negative is passed over.
+  std::size_t improving() {
+    const bool floating = points_.exact == points_.coordinates && std::isfinite(rounded_size_);
+    // |column| <= 2, each difference and product and sum rounded, prices within 2u.
+    const double bound =
+        2 * (static_cast<double>(rows_) + 8) * unit_roundoff * rounded_size_ + 0x1p-1000;
+    const double* p = points_.row(point_);
+    for (std::size_t q = 0; q < others_.size(); ++q) {
+      if (others_[q] == point_) continue;
+      if (q % 4096 == 4095) control_.check();
+      if (floating) {
+        const double* x = points_.row(others_[q]);
+        double sum = rounded_[rows_ - 1];
+        for (std::size_t j = 0; j + 1 < rows_; ++j) sum += rounded_[j] * (x[j] - p[j]);
+        if (sum < -bound) continue;
+      }
+      load(q);
+      mpq_set_si(sum_.value, 0, 1);
+      for (std::size_t j = 0; j < rows_; ++j) {
+        mpq_mul(t_.value, prices_.at(0, j), column_.at(0, j));
+        mpq_add(sum_.value, sum_.value, t_.value);
+      }
+      if (mpq_sgn(sum_.value) > 0) return q;
+    }
+    return others_.size();
+  }
+
+  void pivot(std::size_t q) {
+    load(q);
+    for (std::size_t i = 0; i < rows_; ++i) {
+      mpq_set_si(entering_.at(0, i), 0, 1);
+      for (std::size_t j = 0; j < rows_; ++j) {
+        mpq_mul(t_.value, inverse_.at(i, j), column_.at(0, j));
+        mpq_add(entering_.at(0, i), entering_.at(0, i), t_.value);
+      }
+    }
+    // Least ratio, the lowest variable among equals (Bland). One exists: the sum of the artificial
+    // variables cannot fall without end.
+    std::size_t leaving = rows_;
+    for (std::size_t i = 0; i < rows_; ++i) {
+      if (mpq_sgn(entering_.at(0, i)) <= 0) continue;
+      mpq_div(t_.value, inverse_.at(i, rows_), entering_.at(0, i));
+      const int c = leaving == rows_ ? -1 : mpq_cmp(t_.value, sum_.value);
+      if (c < 0 || (c == 0 && basis_[i] < basis_[leaving])) {
+        leaving = i;
+        mpq_set(sum_.value, t_.value);
+      }
+    }
+    for (std::size_t j = 0; j <= rows_; ++j)
+      mpq_div(inverse_.at(leaving, j), inverse_.at(leaving, j), entering_.at(0, leaving));
+    for (std::size_t i = 0; i < rows_; ++i) {
+      if (i == leaving || mpq_sgn(entering_.at(0, i)) == 0) continue;
+      for (std::size_t j = 0; j <= rows_; ++j) {
+        mpq_mul(t_.value, entering_.at(0, i), inverse_.at(leaving, j));
+        mpq_sub(inverse_.at(i, j), inverse_.at(i, j), t_.value);
+      }
+    }
+    basis_[leaving] = q;
+  }
+
+  const LocalPoints& points_;
+  const std::vector<std::uint32_t>& others_;
+  const Control& control_;
+  const std::uint32_t point_;
+  const std::size_t rows_;
+  RationalMatrix inverse_, column_, entering_, prices_;
+  std::vector<std::size_t> basis_;
+  std::vector<double> rounded_;
+  double rounded_size_ = 0;
+  Rational t_, sum_;
+};
+
+}  // namespace
+
+bool inside_exact(const LocalPoints& points, std::uint32_t point,
+                  const std::vector<std::uint32_t>& others, const Control& control) {
+  return Simplex(points, point, others, control).feasible();
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,47 @@
+// What one insertion works with: the facets a point sees, their border, and a worker's scratch.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace cullhull::internal {
+
+/// A ridge between a facet that the point sees and one that it does not.
+struct HorizonRidge {
+  std::uint32_t facet, outside;
+  std::uint8_t apex;  ///< index in `facet` of the vertex opposite to the ridge
+  std::uint8_t back;  ///< the same in `outside`
+};
+
+/// A run of the insertion order, near one another in space, and its next point's cavity.
+struct Stream {
+  std::uint32_t next = 0, end = 0;
+  std::uint32_t hint = 0;  ///< a facet near the last point
+  bool found = false;      ///< visible and horizon are those of point `next`
+  bool accepted = false;
+  std::vector<std::uint32_t> visible;
+  std::vector<HorizonRidge> horizon;
+  std::vector<std::uint32_t> extra;  ///< slots for new facets beyond those of the visible ones
+};
+
+/// A worker's own memory.
+struct Lane {
+  explicit Lane(unsigned d) : candidates(d + 1), offset(d), rows(d + 1), simplex_rows(d + 1) {
+    if (d <= 8) minors.resize(std::size_t{1} << d);
+  }
+  std::vector<std::uint8_t> visited;  ///< of every facet slot; all zero between searches
+  std::vector<std::uint32_t> vertices, neighbours, ridges;  // of new facets
+  std::vector<std::uint64_t> table;                         // of ridges
+  std::vector<std::uint32_t> candidates;
+  std::vector<std::uint8_t> apex;
+  std::vector<float> planes;
+  std::vector<float> offset;  // the point seen from O
+  std::vector<const double*> rows, simplex_rows;
+  std::vector<double> minors;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
+  std::uint64_t rung_counts[3] = {0, 0, 0};
+  std::uint64_t random = 0;
+};
+
+}  // namespace cullhull::internal

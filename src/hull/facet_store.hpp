@@ -1,0 +1,78 @@
+// Records of simplicial facets: a hot part, read by searches, and a cold part.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "parallel/raw_array.hpp"
+
+namespace cullhull::internal {
+
+/// Hot: the plane as d + 1 floats. Cold: d vertices, then d neighbours, neighbour j across the
+/// ridge opposite to vertex j. In 4D and 5D both are one cache line; beyond, the hot part is half a
+/// line up to 7D. D: the dimension, or 0 for one known at run time only.
+template <unsigned D>
+class FacetStore {
+ public:
+  using Id = std::uint32_t;
+  static constexpr Id dead = 0xFFFFFFFF;  ///< as vertex 0 of a slot that is not in use
+
+  explicit FacetStore(unsigned dimension) : dimension_(dimension) {}
+
+  static constexpr bool together = D == 4 || D == 5;
+  unsigned dim() const {
+    if constexpr (D > 0) return D;
+    return dimension_;
+  }
+  std::size_t hot_stride() const {  // in bytes
+    if constexpr (together) return 64;
+    return (std::size_t{dim()} + 8) / 8 * 32;
+  }
+  std::size_t cold_stride() const {
+    if constexpr (together) return 64;
+    return std::size_t{8} * dim();
+  }
+  std::size_t bytes_per_facet() const {
+    return together ? hot_stride() : hot_stride() + cold_stride();
+  }
+
+  float* plane(Id f) { return reinterpret_cast<float*>(hot_.data() + f * hot_stride()); }
+  const float* plane(Id f) const {
+    return reinterpret_cast<const float*>(hot_.data() + f * hot_stride());
+  }
+  Id* vertices(Id f) { return reinterpret_cast<Id*>(cold() + f * cold_stride()); }
+  const Id* vertices(Id f) const { return reinterpret_cast<const Id*>(cold() + f * cold_stride()); }
+  Id* neighbours(Id f) { return vertices(f) + dim(); }
+  const Id* neighbours(Id f) const { return vertices(f) + dim(); }
+  bool alive(Id f) const { return vertices(f)[0] != dead; }
+
+  void prefetch(Id f) const {
+    __builtin_prefetch(plane(f));
+    if constexpr (!together) __builtin_prefetch(neighbours(f));
+  }
+
+  void reserve(std::size_t facets) {
+    hot_.reserve(facets * hot_stride());
+    if constexpr (!together) cold_.reserve(facets * cold_stride());
+  }
+  void release_planes() {
+    if constexpr (!together) hot_.release();
+  }
+
+ private:
+  /// Where both parts share a line, the plane takes its first d + 1 floats.
+  static constexpr std::size_t cold_offset = 64 - 8 * (together ? D : 0);
+  std::byte* cold() {
+    if constexpr (together) return hot_.data() + cold_offset;
+    return cold_.data();
+  }
+  const std::byte* cold() const {
+    if constexpr (together) return hot_.data() + cold_offset;
+    return cold_.data();
+  }
+
+  unsigned dimension_;
+  RawArray<std::byte> hot_, cold_;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,758 @@
+// Incremental insertion: the exact engine for d >= 4. docs/algorithm.md, "The engine".
+//
+// No conflict lists: a point finds a facet it sees by climbing n . p over neighbouring facets, with
+// planes scaled to n . (x - O) = 1 (linear programming on the dual polytope). What the climb cannot
+// decide beyond its error bounds, an exact walk does.
+//
+// Points are taken in batches from streams that are far apart: every stream finds the cavity of its
+// next point, the hull being read only; cavities that do not touch one another are then replaced
+// all at once. A point whose cavity touches an earlier stream's waits for the next batch.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "cullhull/error.hpp"
+#include "hull/cavity.hpp"
+#include "hull/engine.hpp"
+#include "hull/facet_planes.hpp"
+#include "hull/facet_store.hpp"
+#include "hull/norm_order.hpp"
+#include "parallel/crew.hpp"
+#include "parallel/parallel.hpp"
+#include "predicates/minors.hpp"
+#include "predicates/orientation.hpp"
+
+namespace cullhull::internal {
+
+template <unsigned D>
+class InsertionNd {
+ public:
+  InsertionNd(const LocalPoints& points, const std::uint32_t* simplex, std::uint64_t budget,
+              unsigned threads, const Control& control);
+  SimplicialHull run();
+
+ private:
+  using Id = std::uint32_t;
+  static constexpr Id none = 0xFFFFFFFF;
+  static constexpr Id dead = FacetStore<D>::dead;
+  /// In a visible facet's neighbour slot across a horizon ridge: the new facet built on it.
+  static constexpr Id horizon_tag = 0x80000000;
+
+  unsigned dim() const {
+    if constexpr (D > 0) return D;
+    return dimension_;
+  }
+  const double* row(Id p) const { return ordered_.data() + std::size_t{p} * dim(); }
+  const double* exact_row(Id p) const { return points_.exact_row(order_[p]); }
+  float error(Id f) const { return store_.plane(f)[dim()]; }
+  float gauge(const float* y, Id f) const {
+    const float* n = store_.plane(f);
+    float sum = n[0] * y[0];
+    for (unsigned j = 1; j < dim(); ++j) sum += n[j] * y[j];
+    return sum;
+  }
+  float gauge(const Lane& lane, Id f) const { return gauge(lane.offset.data(), f); }
+  /// Where x is among the dim() distinct items, of which it is one. Without branches: nothing
+  /// predicts it.
+  unsigned index_of(const Id* items, Id x) const {
+    unsigned at = 0;
+    for (unsigned i = 1; i < dim(); ++i) at = items[i] == x ? i : at;
+    return at;
+  }
+
+  void arrange(const Id* simplex, unsigned threads);
+  void choose_centre();
+  bool centre_inside(const std::vector<double>& centre) const;
+  void build_simplex();
+  void reserve(std::size_t facets);
+
+  void insert_round(Id begin, Id end);
+  void advance(Stream& s, Lane& lane);
+  void settle();
+  bool clear_of_others(const Stream& s) const;
+  void claim(Stream& s);
+  void adapt(std::size_t tried, std::size_t refused);
+  template <class Body>
+  void in_parallel(const Body& body);
+
+  void aim(Lane& lane, Id point) const;
+  Id locate(Lane& lane, Id start, Id point, Id& end) const;
+  Id locate_exactly(Lane& lane, Id start, Id point, Id& end) const;
+  template <class Entry>
+  Sign lattice_sign(Lane& lane, const Entry& entry) const;
+  Sign side(Lane& lane, Id f, Id point) const;
+  bool sees(Lane& lane, Id f, Id point) const;
+  Sign cone_side(Lane& lane, Id f, unsigned j, Id point) const;
+  bool note_duplicate(Lane& lane, Id f, Id point) const;
+  void find_cavity(Stream& s, Lane& lane, Id seed) const;
+
+  void replace(Stream& s, Lane& lane);
+  void link(const Stream& s, Lane& lane) const;
+  Id turn(const Stream& s, std::size_t k, unsigned i) const;
+  SimplicialHull collect();
+
+  const LocalPoints& points_;
+  const Control& control_;
+  unsigned dimension_;
+  std::uint64_t budget_;
+  std::vector<double> centre_, reach_;
+  /// Whether O is centre_, a double; else it is the exact centroid of the simplex.
+  bool centre_exact_ = false;
+  PlaneFrame frame_;
+  FacetStore<D> store_;
+  /// Points in insertion order: an id here is a position in `order_`. The simplex comes first.
+  std::vector<Id> order_, starts_;
+  RawArray<double> ordered_;
+  std::size_t facet_slots_ = 0, facet_capacity_ = 0, live_ = 0;
+  std::vector<Id> free_;
+  Id recent_ = 0;  ///< a facet that is alive
+
+  Crew crew_;
+  std::vector<Lane> lanes_;
+  std::vector<Stream> streams_;
+  std::vector<Id> batch_;  ///< streams that have work
+  /// For every facet slot: twice the batch that last claimed it, plus 1 where it was visible.
+  std::vector<std::uint32_t> claims_;
+  std::uint32_t batch_number_ = 0;
+  double width_ = 2;  ///< streams that conflict seldom enough
+  std::uint64_t batch_facets_ = 0;
+  SimplicialHull result_;
+#ifdef NDBG
+  unsigned long long created_ = 0, tried_ = 0, refused_ = 0;
+  mutable std::atomic<unsigned long long> steps_{0};
+#endif
+};
+
+// -------------------------------------------------------------------------------- construction
+
+template <unsigned D>
+InsertionNd<D>::InsertionNd(const LocalPoints& points, const std::uint32_t* simplex,
+                            std::uint64_t budget, unsigned threads, const Control& control)
+    : points_(points),
+      control_(control),
+      dimension_(points.dimension),
+      budget_(budget),
+      centre_(dimension_),
+      reach_(dimension_),
+      store_(dimension_),
+      // A few hundred points are done before another thread is awake.
+      crew_(points.count < 512 && points.dimension < 6 ? 1 : threads),
+      lanes_(crew_.lanes(), Lane(dimension_)) {
+  arrange(simplex, threads);
+  choose_centre();
+  frame_ = {dim(), ordered_.data(), centre_.data(), reach_.data(),
+            points_.exact == points_.coordinates};
+}
+
+template <unsigned D>
+void InsertionNd<D>::arrange(const Id* simplex, unsigned threads) {
+  const unsigned d = dim();
+  std::vector<Id> sorted(simplex, simplex + d + 1);
+  std::sort(sorted.begin(), sorted.end());
+  InsertionRounds rounds = norm_order(points_, threads);
+  order_.assign(simplex, simplex + d + 1);
+  order_.reserve(points_.count);
+  for (std::size_t r = 0; r + 1 < rounds.starts.size(); ++r) {
+    starts_.push_back(static_cast<Id>(order_.size()));
+    for (Id k = rounds.starts[r]; k < rounds.starts[r + 1]; ++k)
+      if (!std::binary_search(sorted.begin(), sorted.end(), rounds.order[k]))
+        order_.push_back(rounds.order[k]);
+  }
+  starts_.push_back(static_cast<Id>(order_.size()));
+  ordered_.reserve(order_.size() * d);
+  for_each_chunk(order_.size(), 8192, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   for (std::uint64_t k = begin; k < end; ++k)
+                     std::copy_n(points_.row(order_[k]), d, ordered_.data() + k * d);
+                 });
+}
+
+/// O: the simplex's centroid, rounded to as few bits as leave it strictly inside, so that exact
+/// arithmetic on lattices stays short. Where even the double nearest to it is not inside, or the
+/// engine's frame is not exact, O is the exact centroid.
+template <unsigned D>
+void InsertionNd<D>::choose_centre() {
+  const unsigned d = dim();
+  std::vector<double> centroid(d, 0.0);
+  for (unsigned j = 0; j < d; ++j) {
+    for (unsigned i = 0; i <= d; ++i) centroid[j] += row(i)[j];
+    centroid[j] /= d + 1;
+  }
+  centre_ = centroid;
+  if (points_.exact == points_.coordinates) {
+    for (const double grid : {0x1p6, 0x1p12, 0x1p24}) {
+      for (unsigned j = 0; j < d; ++j) centre_[j] = std::round(centroid[j] * grid) / grid;
+      centre_exact_ = centre_inside(centre_);
+      if (centre_exact_) break;
+    }
+    if (!centre_exact_) {
+      centre_ = centroid;
+      centre_exact_ = centre_inside(centre_);
+    }
+  }
+  for (std::size_t k = 0; k < order_.size(); ++k)
+    for (unsigned j = 0; j < d; ++j)
+      reach_[j] = std::max(reach_[j], std::abs(row(static_cast<Id>(k))[j] - centre_[j]));
+  for (double& r : reach_) r = r * (1 + 0x1p-30) + 0x1p-40;
+}
+
+template <unsigned D>
+bool InsertionNd<D>::centre_inside(const std::vector<double>& centre) const {
+  const unsigned d = dim();
+  std::vector<const double*> p(d + 1);
+  for (unsigned i = 0; i <= d; ++i) p[i] = row(i);
+  const Sign whole = orientation(d, p.data());
+  for (unsigned i = 0; i <= d; ++i) {
+    p[i] = centre.data();
+    if (orientation(d, p.data()) != whole) return false;
+    p[i] = row(i);
+  }
+  return true;
+}
+
+template <unsigned D>
+SimplicialHull InsertionNd<D>::run() {
+  build_simplex();
+  crew_.session([this] {
+    for (std::size_t r = 0; r + 1 < starts_.size(); ++r) insert_round(starts_[r], starts_[r + 1]);
+  });
+  return collect();
+}
+
+template <unsigned D>
+void InsertionNd<D>::build_simplex() {
+  const unsigned d = dim();
+  reserve(1024);
+  for (Id i = 0; i <= d; ++i) {
+    Id* v = store_.vertices(i);
+    Id* n = store_.neighbours(i);
+    for (Id k = 0, at = 0; k <= d; ++k) {
+      if (k == i) continue;
+      v[at] = k;
+      n[at] = k;
+      ++at;
+    }
+    if (side(lanes_[0], i, i) == Sign::positive) {
+      std::swap(v[0], v[1]);
+      std::swap(n[0], n[1]);
+    }
+    const std::uint8_t first = 0;
+    std::vector<float> plane(d + 1);
+    facet_planes(frame_, v[0], v, &first, 1, plane.data());
+    std::copy(plane.begin(), plane.end(), store_.plane(i));
+  }
+  facet_slots_ = live_ = d + 1;
+}
+
+template <unsigned D>
+void InsertionNd<D>::reserve(std::size_t facets) {
+  if (facets <= facet_capacity_) return;
+  const std::size_t capacity = std::max(facets, facet_capacity_ + facet_capacity_ / 2);
+  // The result takes about as much again beside the records and the claims.
+  const std::uint64_t per_facet = store_.bytes_per_facet() + sizeof(std::uint32_t);
+  if (capacity >= horizon_tag || 2 * capacity * per_facet > budget_) {
+    throw Error(ErrorCode::out_of_budget, "the hull has more than " + std::to_string(live_) +
+                                              " facets in dimension " + std::to_string(dim()) +
+                                              ", which exceeds the memory budget of " +
+                                              std::to_string(budget_ >> 20) +
+                                              " MiB; raise the budget or use fewer dimensions");
+  }
+  store_.reserve(capacity);
+  claims_.resize(capacity, 0);
+  facet_capacity_ = capacity;
+}
+
+// ------------------------------------------------------------------------------------- batches
+
+template <unsigned D>
+template <class Body>
+void InsertionNd<D>::in_parallel(const Body& body) {
+  // Below some tens of microseconds waking nobody is faster.
+  if (batch_facets_ < 100 || lanes_.size() == 1) {
+    for (const Id s : batch_) body(streams_[s], lanes_[0]);
+    return;
+  }
+  crew_.run(static_cast<std::uint32_t>(batch_.size()),
+            [&](std::uint32_t i, unsigned lane) { body(streams_[batch_[i]], lanes_[lane]); });
+}
+
+template <unsigned D>
+void InsertionNd<D>::insert_round(Id begin, Id end) {
+  const Id count = end - begin;
+  const Id width = std::clamp(static_cast<Id>(width_), 1U, std::max(1U, count / 4));
+  if (streams_.size() < width) streams_.resize(width);
+  batch_.clear();
+  for (Id s = 0; s < width; ++s) {
+    streams_[s].next = begin + static_cast<Id>(std::uint64_t{count} * s / width);
+    streams_[s].end = begin + static_cast<Id>(std::uint64_t{count} * (s + 1) / width);
+    streams_[s].hint = recent_;
+    if (streams_[s].next < streams_[s].end) batch_.push_back(s);
+  }
+  std::size_t tried = 0, refused = 0;
+  while (!batch_.empty()) {
+    control_.check();
+    in_parallel([this](Stream& s, Lane& lane) { advance(s, lane); });
+    settle();
+    in_parallel([this](Stream& s, Lane& lane) {
+      if (s.accepted) replace(s, lane);
+    });
+    std::size_t left = 0;
+    for (const Id s : batch_) {
+      tried += streams_[s].found;
+      refused += streams_[s].found && !streams_[s].accepted;
+      if (streams_[s].next < streams_[s].end) batch_[left++] = s;
+    }
+    batch_.resize(left);
+  }
+  adapt(tried, refused);
+#ifdef NDBG
+  tried_ += tried;
+  refused_ += refused;
+#endif
+  control_.report("hull", static_cast<double>(end) / static_cast<double>(order_.size()));
+}
+
+/// The share of refused cavities is proportional to the number of streams.
+template <unsigned D>
+void InsertionNd<D>::adapt(std::size_t tried, std::size_t refused) {
+  constexpr double wanted = 0.06, widest = 256;
+  if (tried < 16) return;
+  const double share = static_cast<double>(refused) / static_cast<double>(tried);
+  width_ = std::clamp(width_ * std::clamp(wanted / std::max(share, 1e-3), 0.5, 4.0), 2.0, widest);
+}
+
+/// Takes points from the stream until one is outside, and finds its cavity.
+template <unsigned D>
+void InsertionNd<D>::advance(Stream& s, Lane& lane) {
+  constexpr unsigned at_once = 64;  // so that no stream keeps the others waiting
+  s.found = s.accepted = false;
+  for (unsigned k = 0; k < at_once && s.next < s.end; ++k, ++s.next) {
+    if (!store_.alive(s.hint)) s.hint = recent_;
+    aim(lane, s.next);
+    const Id seed = locate(lane, s.hint, s.next, s.hint);
+    if (seed == none) continue;
+    find_cavity(s, lane, seed);
+    s.hint = seed;
+    s.found = true;
+    return;
+  }
+}
+
+/// Decides in order which cavities are replaced now, and gives them slots.
+template <unsigned D>
+void InsertionNd<D>::settle() {
+  if (++batch_number_ >= 0x7FFFFFFF) {
+    std::fill(claims_.begin(), claims_.end(), 0);
+    batch_number_ = 1;
+  }
+  batch_facets_ = 0;
+  std::size_t fresh = 0;
+  for (const Id i : batch_) {
+    Stream& s = streams_[i];
+    if (!s.found || !clear_of_others(s)) continue;
+    s.accepted = true;
+    claim(s);
+    ++s.next;
+    batch_facets_ += s.horizon.size();
+#ifdef NDBG
+    created_ += s.horizon.size();
+#endif
+    if (s.horizon.size() > s.visible.size()) fresh += s.horizon.size() - s.visible.size();
+  }
+  reserve(facet_slots_ + fresh);
+  for (const Id i : batch_) {
+    Stream& s = streams_[i];
+    if (!s.accepted) continue;
+    s.extra.clear();
+    for (std::size_t k = s.visible.size(); k < s.horizon.size(); ++k) {
+      if (free_.empty()) {
+        s.extra.push_back(static_cast<Id>(facet_slots_++));
+      } else {
+        s.extra.push_back(free_.back());
+        free_.pop_back();
+      }
+    }
+    live_ += s.horizon.size();
+    live_ -= s.visible.size();
+    recent_ = s.visible[0];
+  }
+  // Slots given up now are read until all cavities are replaced: they serve from the next batch on.
+  for (const Id i : batch_) {
+    const Stream& s = streams_[i];
+    if (!s.accepted) continue;
+    for (std::size_t k = s.horizon.size(); k < s.visible.size(); ++k) free_.push_back(s.visible[k]);
+  }
+}
+
+/// Two cavities can be replaced together if neither sees a facet that the other sees or borders on:
+/// a new facet's plane lies between those of the two facets at its ridge, so who sees neither of
+/// these does not see the new one.
+template <unsigned D>
+bool InsertionNd<D>::clear_of_others(const Stream& s) const {
+  const std::uint32_t border = 2 * batch_number_, visible = border + 1;
+  for (const Id f : s.visible)
+    if (claims_[f] >= border) return false;
+  for (const HorizonRidge& r : s.horizon)
+    if (claims_[r.outside] == visible) return false;
+  return true;
+}
+
+template <unsigned D>
+void InsertionNd<D>::claim(Stream& s) {
+  const std::uint32_t border = 2 * batch_number_;
+  for (const Id f : s.visible) claims_[f] = border + 1;
+  for (const HorizonRidge& r : s.horizon) claims_[r.outside] = border;
+}
+
+// ------------------------------------------------------------------------------------ location
+
+template <unsigned D>
+void InsertionNd<D>::aim(Lane& lane, Id point) const {
+  const double* p = row(point);
+  for (unsigned j = 0; j < dim(); ++j) lane.offset[j] = static_cast<float>(p[j] - centre_[j]);
+}
+
+/// Sign of a determinant on a small lattice: every operation is exact, so is the value.
+template <unsigned D>
+template <class Entry>
+Sign InsertionNd<D>::lattice_sign(Lane& lane, const Entry& entry) const {
+  double m[D][D];
+  for (unsigned i = 0; i < D; ++i)
+    for (unsigned j = 0; j < D; ++j) m[i][j] = entry(i, j);
+  expand_minors<D, false>(m, D, lane.minors.data(), static_cast<double*>(nullptr));
+  ++lane.rung_counts[static_cast<unsigned>(Rung::filter)];
+  return sign_of(lane.minors[(1U << D) - 1]);
+}
+
+/// Exact side of the point against a facet: positive if it sees it.
+template <unsigned D>
+Sign InsertionNd<D>::side(Lane& lane, Id f, Id point) const {
+  const unsigned d = dim();
+  const Id* v = store_.vertices(f);
+  const double** p = lane.rows.data();
+  if constexpr (D > 0) {
+    if (points_.small_lattice)
+      return lattice_sign(lane, [&](unsigned i, unsigned j) {
+        return row(i + 1 < D ? v[i + 1] : point)[j] - row(v[0])[j];
+      });
+  }
+  for (unsigned i = 0; i < d; ++i) p[i] = exact_row(v[i]);
+  p[d] = exact_row(point);
+  Rung rung = Rung::exact;
+  const Sign s = orientation(d, p, &rung);
+  ++lane.rung_counts[static_cast<unsigned>(rung)];
+  return s;
+}
+
+template <unsigned D>
+bool InsertionNd<D>::sees(Lane& lane, Id f, Id point) const {
+  const float g = gauge(lane, f), e = error(f);
+  const bool above = g > 1 + e, beneath = g < 1 - e;
+  if (above != beneath) return above;  // nearly always
+  return side(lane, f, point) == Sign::positive;
+}
+
+/// Whether the point lies on the facet's side (positive), on (zero) or beyond (negative) the
+/// hyperplane through O and the ridge opposite to vertex j.
+template <unsigned D>
+Sign InsertionNd<D>::cone_side(Lane& lane, Id f, unsigned j, Id point) const {
+  const unsigned d = dim();
+  const Id other = store_.neighbours(f)[j];
+  const double g = gauge(lane, f), h = gauge(lane, other);
+  const double e = 2 * (error(f) * (1 + std::abs(g)) + error(other) * (1 + std::abs(h)));
+  if (g - h > e) return Sign::positive;
+  if (h - g > e) return Sign::negative;
+  const Id* v = store_.vertices(f);
+  // An outward facet has orientation (-1)^(d+1) seen from O.
+  const auto outward = [d](Sign s) { return d % 2 == 1 ? s : -s; };
+  const double** p = lane.rows.data();
+  if (centre_exact_) {
+    p[0] = centre_.data();
+    for (unsigned i = 0; i < d; ++i) p[i + 1] = exact_row(i == j ? point : v[i]);
+    Rung rung = Rung::exact;
+    const Sign s = orientation(d, p, &rung);
+    ++lane.rung_counts[static_cast<unsigned>(rung)];
+    return outward(s);
+  }
+  for (unsigned i = 0; i < d; ++i) p[i] = exact_row(i == j ? point : v[i]);
+  for (unsigned i = 0; i <= d; ++i) lane.simplex_rows[i] = exact_row(i);
+  ++lane.rung_counts[static_cast<unsigned>(Rung::exact)];
+  return outward(orientation_from_centroid_exact(d, p, lane.simplex_rows.data()));
+}
+
+template <unsigned D>
+bool InsertionNd<D>::note_duplicate(Lane& lane, Id f, Id point) const {
+  const double* p = exact_row(point);
+  for (unsigned i = 0; i < dim(); ++i) {
+    const Id v = store_.vertices(f)[i];
+    const double* q = exact_row(v);
+    if (std::equal(p, p + dim(), q)) {
+      if (order_[point] < order_[v]) lane.duplicates.emplace_back(order_[point], order_[v]);
+      return true;
+    }
+  }
+  return false;
+}
+
+/// A facet the point sees, or `none`. `end`: where the search came to.
+template <unsigned D>
+typename InsertionNd<D>::Id InsertionNd<D>::locate(Lane& lane, Id start, Id point, Id& end) const {
+  Id f = start;
+  float g = gauge(lane, f);
+  for (;;) {
+    if (g > 1 + error(f)) {
+      ++lane.rung_counts[0];
+      return f;
+    }
+    const Id* n = store_.neighbours(f);
+    for (unsigned j = 0; j < dim(); ++j) store_.prefetch(n[j]);
+    Id best = f;
+    float best_gauge = g, highest = -std::numeric_limits<float>::infinity();
+    for (unsigned j = 0; j < dim(); ++j) {
+      const float h = gauge(lane, n[j]);
+      highest = std::max(highest, h + error(n[j]));
+      best = h > best_gauge ? n[j] : best;
+      best_gauge = std::max(best_gauge, h);
+    }
+    if (best == f) {
+      end = f;
+      const float e = error(f);
+      // A strict maximum beyond the bounds: the ray from O to the point leaves through f, and the
+      // point is beneath f. The sums are rounded, by less than 2^-22.
+      if (g > e && g + e < 1 - 0x1p-20F && highest < g - e - 0x1p-20F) {
+        ++lane.rung_counts[0];
+        return none;
+      }
+      return locate_exactly(lane, f, point, end);
+    }
+    f = best;
+    g = best_gauge;
+#ifdef NDBG
+    ++steps_;
+#endif
+  }
+}
+
+template <unsigned D>
+typename InsertionNd<D>::Id InsertionNd<D>::locate_exactly(Lane& lane, Id start, Id point,
+                                                           Id& end) const {
+  if (note_duplicate(lane, start, point)) return none;
+  if (side(lane, start, point) == Sign::positive) return start;
+  const unsigned d = dim();
+  Id f = start;
+  // A visibility walk on the projection of the hull from O. The projection is a regular subdivision
+  // but for its coplanar pieces, so a walk that picks the ridge at random ends with probability 1
+  // (Devillers, Pion, Teillaud 2002).
+  lane.random = 0x9E3779B97F4A7C15ULL ^ (std::uint64_t{point} << 20);
+  for (std::uint32_t step = 1;; ++step) {
+    if (step % 256 == 0) control_.check();
+    lane.random ^= lane.random << 13;
+    lane.random ^= lane.random >> 7;
+    lane.random ^= lane.random << 17;
+    const auto first = static_cast<unsigned>(lane.random % d);
+    Id next = none;
+    for (unsigned k = 0; k < d && next == none; ++k) {
+      const unsigned j = (first + k) % d;
+      if (cone_side(lane, f, j, point) == Sign::negative) next = store_.neighbours(f)[j];
+    }
+    if (next == none) break;
+    f = next;
+    if (gauge(lane, f) > 1 + error(f)) return f;
+  }
+  end = f;
+  const Sign s = side(lane, f, point);
+  if (s == Sign::positive) return f;
+  if (s == Sign::zero) note_duplicate(lane, f, point);
+  return none;
+}
+
+// ----------------------------------------------------------------------------------- insertion
+
+template <unsigned D>
+void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
+  const unsigned d = dim();
+  if (lane.visited.size() < facet_slots_) lane.visited.resize(facet_capacity_);
+  std::uint8_t* visited = lane.visited.data();
+  std::size_t visible = 1, ridges = 0;
+  s.visible.resize(std::max<std::size_t>(s.visible.size(), 64));
+  s.horizon.resize(std::max<std::size_t>(s.horizon.size(), 64));
+  s.visible[0] = seed;
+  visited[seed] = 1;
+  for (std::size_t k = 0; k < visible; ++k) {
+    if (visible + d > s.visible.size()) s.visible.resize(2 * s.visible.size() + d);
+    if (ridges + d > s.horizon.size()) s.horizon.resize(2 * s.horizon.size() + d);
+    if (k % 4096 == 4095) control_.check();
+    Id* const list = s.visible.data();
+    HorizonRidge* const horizon = s.horizon.data();
+    const Id f = list[k];
+    const Id* n = store_.neighbours(f);
+    // Which neighbours are visible is as good as random: no branch on it. A facet beyond the
+    // horizon is tested once for each of its ridges, which costs less than remembering it.
+    for (unsigned j = 0; j < d; ++j) {
+      const Id other = n[j];
+      const bool seen = sees(lane, other, s.next);
+      const bool fresh = seen && visited[other] == 0;
+      visited[other] |= static_cast<std::uint8_t>(seen);
+      list[visible] = other;
+      visible += fresh;
+      horizon[ridges] = {f, other, static_cast<std::uint8_t>(j), 0};
+      ridges += !seen;
+    }
+    // What is at the end of the list comes last: time to fetch it.
+    if (k + 2 < visible) {
+      const Id* next = store_.neighbours(list[k + 2]);
+      for (unsigned j = 0; j < d; ++j) store_.prefetch(next[j]);
+    }
+  }
+  s.visible.resize(visible);
+  s.horizon.resize(ridges);
+  for (const Id f : s.visible) visited[f] = 0;
+  for (HorizonRidge& r : s.horizon)
+    r.back = static_cast<std::uint8_t>(index_of(store_.neighbours(r.outside), r.facet));
+}
+
+/// A new facet on every horizon ridge, in the slots of the visible ones as far as they go: what is
+/// near stays near, and hints stay good.
+template <unsigned D>
+void InsertionNd<D>::replace(Stream& s, Lane& lane) {
+  const unsigned d = dim();
+  const std::size_t count = s.horizon.size();
+  const Id point = s.next - 1;
+  lane.vertices.resize(count * d);
+  lane.neighbours.resize(count * d);
+  lane.apex.resize(count);
+  lane.planes.resize(count * (d + 1));
+  for (std::size_t k = 0; k < count; ++k) {
+    const HorizonRidge& r = s.horizon[k];
+    Id* v = lane.vertices.data() + k * d;
+    std::copy_n(store_.vertices(r.facet), d, v);
+    v[r.apex] = point;
+    lane.apex[k] = r.apex;
+    store_.neighbours(r.facet)[r.apex] = static_cast<Id>(k) | horizon_tag;
+  }
+  link(s, lane);
+  control_.check();
+  facet_planes(frame_, point, lane.vertices.data(), lane.apex.data(), count, lane.planes.data());
+  const std::size_t reused = std::min(count, s.visible.size());
+  const auto slot = [&](std::size_t k) { return k < reused ? s.visible[k] : s.extra[k - reused]; };
+  for (std::size_t k = reused; k < s.visible.size(); ++k) store_.vertices(s.visible[k])[0] = dead;
+  for (std::size_t k = 0; k < count; ++k) {
+    const HorizonRidge& r = s.horizon[k];
+    const Id f = slot(k);
+    std::copy_n(lane.planes.data() + k * (d + 1), d + 1, store_.plane(f));
+    std::copy_n(lane.vertices.data() + k * d, d, store_.vertices(f));
+    Id* n = store_.neighbours(f);
+    const Id* local = lane.neighbours.data() + k * d;
+    for (unsigned i = 0; i < d; ++i) n[i] = i == r.apex ? r.outside : slot(local[i]);
+    store_.neighbours(r.outside)[r.back] = f;
+  }
+  s.hint = s.visible[0];
+}
+
+/// Finds the other new facets around the new facets, into lane.neighbours.
+///
+/// Every ridge through the point belongs to two of them. Each adds one and its number to the table
+/// slot that the ridge's vertices hash to; where a slot counts two, they are the two facets of one
+/// ridge whatever the hash is worth, and the sum tells the other from the one. Where it counts
+/// more, the other one is found by turning.
+template <unsigned D>
+void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
+  const unsigned d = dim();
+  constexpr unsigned sum_bits = 42;
+  const std::size_t count = s.horizon.size();
+  if (count * d >= std::size_t{1} << 20) {  // sums might reach the counts
+    for (std::size_t k = 0; k < count; ++k)
+      for (unsigned i = 0; i < d; ++i)
+        if (i != lane.apex[k]) lane.neighbours[k * d + i] = turn(s, k, i);
+    return;
+  }
+  const auto bits = static_cast<unsigned>(std::bit_width(count * d));
+  lane.table.assign(std::size_t{1} << (bits + 1), 0);
+  lane.ridges.resize(count * d);
+  std::uint64_t* const table = lane.table.data();
+  const std::uint32_t shift = 32 - (bits + 1);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Id* v = lane.vertices.data() + k * d;
+    Id* ridge = lane.ridges.data() + k * d;
+    std::uint32_t whole = 0;
+    for (unsigned i = 0; i < d; ++i) {
+      std::uint32_t h = v[i] * 0x9E3779B1U;
+      h ^= h >> 15;
+      ridge[i] = h;
+      whole += h;
+    }
+    const std::uint64_t entry = (std::uint64_t{1} << sum_bits) | k;
+    for (unsigned i = 0; i < d; ++i) {
+      ridge[i] = ((whole - ridge[i]) * 0x85EBCA6BU) >> shift;
+      table[ridge[i]] += i == lane.apex[k] ? 0 : entry;
+    }
+  }
+  for (std::size_t k = 0; k < count; ++k)
+    for (unsigned i = 0; i < d; ++i) {
+      const std::uint64_t entry = table[lane.ridges[k * d + i]];
+      lane.neighbours[k * d + i] =
+          static_cast<Id>(entry & ((std::uint64_t{1} << sum_bits) - 1)) - static_cast<Id>(k);
+      if (entry >> sum_bits != 2 && i != lane.apex[k]) lane.neighbours[k * d + i] = turn(s, k, i);
+    }
+}
+
+/// The other new facet at the ridge of new facet k opposite to vertex i: reached by turning,
+/// through visible facets, about what facet k shares with its old one without vertex i.
+template <unsigned D>
+typename InsertionNd<D>::Id InsertionNd<D>::turn(const Stream& s, std::size_t k, unsigned i) const {
+  Id at = s.horizon[k].facet, kept_vertex = store_.vertices(at)[s.horizon[k].apex];
+  unsigned exit = i;
+  for (;;) {
+    const Id next = store_.neighbours(at)[exit];
+    if ((next & horizon_tag) != 0) return next & ~horizon_tag;
+    const Id* v = store_.vertices(next);
+    exit = index_of(v, kept_vertex);
+    kept_vertex = v[index_of(store_.neighbours(next), at)];
+    at = next;
+  }
+}
+
+template <unsigned D>
+SimplicialHull InsertionNd<D>::collect() {
+  const unsigned d = dim();
+  ordered_.release();
+  store_.release_planes();
+  std::vector<std::uint32_t>().swap(claims_);
+  std::vector<Id> number(facet_slots_, none);
+  Id count = 0;
+  for (Id f = 0; f < facet_slots_; ++f)
+    if (store_.alive(f)) number[f] = count++;
+#ifdef NDBG
+  std::printf(
+      "slots %zu live %zu created %llu (%.2f) batches %u tried %llu refused %llu width %g steps "
+      "%llu\n",
+      facet_slots_, live_, created_, double(created_) / live_, batch_number_, tried_, refused_,
+      width_, steps_.load());
+#endif
+  result_.dimension = d;
+  result_.vertices.resize(std::size_t{count} * d);
+  result_.neighbours.resize(std::size_t{count} * d);
+  for (Id f = 0; f < facet_slots_; ++f) {
+    if (number[f] == none) continue;
+    const std::size_t base = std::size_t{number[f]} * d;
+    for (unsigned j = 0; j < d; ++j) {
+      result_.vertices[base + j] = order_[store_.vertices(f)[j]];
+      result_.neighbours[base + j] = number[store_.neighbours(f)[j]];
+    }
+  }
+  for (const Lane& lane : lanes_) {
+    for (unsigned r = 0; r < 3; ++r) result_.rung_counts[r] += lane.rung_counts[r];
+    result_.duplicates.insert(result_.duplicates.end(), lane.duplicates.begin(),
+                              lane.duplicates.end());
+  }
+  return std::move(result_);
+}
+
+}  // namespace cullhull::internal

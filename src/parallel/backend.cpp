@@ -1,0 +1,46 @@
+#include "parallel/backend.hpp"
+
+#include "cullhull/error.hpp"
+#ifdef CULLHULL_HAVE_CUDA
+#include "parallel/cuda_runtime.hpp"
+#endif
+
+namespace cullhull {
+namespace internal {
+
+#ifdef CULLHULL_HAVE_CUDA
+void require_cuda() { (void)cuda::device(); }
+bool cuda_started() noexcept { return cuda::started(); }
+#else
+void require_cuda() {
+  throw Error(ErrorCode::backend_unavailable,
+              "this build has no CUDA backend; use the backend auto or cpu");
+}
+bool cuda_started() noexcept { return false; }
+#endif
+
+}  // namespace internal
+
+CudaStatus cuda_status() {
+  CudaStatus status;
+  status.compiled = internal::cuda_compiled;
+  try {
+    internal::require_cuda();
+#ifdef CULLHULL_HAVE_CUDA
+    const internal::cuda::Device& device = internal::cuda::device();
+    status.available = true;
+    status.device = device.name;
+    status.compute_capability = device.capability;
+    status.memory_bytes = device.memory;
+#endif
+  } catch (const Error& e) {
+    status.reason = e.what();
+  }
+#ifdef CULLHULL_HAVE_CUDA
+  (void)cudaDriverGetVersion(&status.driver_version);
+  (void)cudaRuntimeGetVersion(&status.runtime_version);
+#endif
+  return status;
+}
+
+}  // namespace cullhull

@@ -1,0 +1,166 @@
+// What our CUDA code needs of the run-time library: errors as exceptions, memory that frees itself,
+// the device. Compiled only where CUDA is; no kernel lives here, so plain C++ may include it.
+//
+// Outcomes, all of them exceptions of ours:
+//   cuda::OutOfMemory     the device (or pinned memory) is full: take smaller pieces, or the CPU
+//   cuda::Failure         no driver, old driver, no device, a failed launch: use the CPU
+// A failed kernel poisons its process's context ("sticky"). That is remembered: every later call
+// says so at once instead of failing somewhere.
+#pragma once
+
+#include <cuda_runtime_api.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "cullhull/error.hpp"
+
+namespace cullhull::internal::cuda {
+
+class Failure : public Error {
+ public:
+  explicit Failure(const std::string& message) : Error(ErrorCode::backend_unavailable, message) {}
+};
+
+class OutOfMemory : public Error {
+ public:
+  explicit OutOfMemory(const std::string& message) : Error(ErrorCode::out_of_budget, message) {}
+};
+
+/// Throws OutOfMemory or Failure unless `status` is success. `doing` completes "CUDA failed ...".
+void check(cudaError_t status, const char* doing);
+
+struct Device {
+  int ordinal = 0;
+  std::string name;
+  int capability = 0;  ///< 90 for 9.0
+  std::uint64_t memory = 0;
+  unsigned multiprocessors = 1;
+  std::size_t shared_per_multiprocessor = 0;
+  std::size_t shared_per_block = 0;  ///< the most a kernel may opt in to
+  cudaMemPool_t pool = nullptr;      ///< null: no stream-ordered allocation here
+};
+
+/// The current device, queried once; throws Failure with the reason if there is none to use.
+const Device& device();
+/// The same of the device with this number.
+const Device& device(int ordinal);
+
+/// Whether some device has been found usable before.
+bool started() noexcept;
+
+/// Makes a device current, and the former one again at the end.
+class DeviceScope {
+ public:
+  explicit DeviceScope(int ordinal);
+  ~DeviceScope();
+  DeviceScope(const DeviceScope&) = delete;
+  DeviceScope& operator=(const DeviceScope&) = delete;
+
+ private:
+  int before_ = 0;
+};
+
+void* allocate(std::size_t bytes, cudaStream_t stream);
+void release(void* memory, cudaStream_t stream) noexcept;
+
+/// Memory of the current device, in the order of a stream; contents undefined.
+template <class T>
+class DeviceArray {
+ public:
+  DeviceArray() = default;
+  DeviceArray(std::size_t count, cudaStream_t stream)
+      : data_(static_cast<T*>(allocate(count * sizeof(T), stream))),
+        count_(count),
+        stream_(stream) {}
+  DeviceArray(DeviceArray&& other) noexcept { *this = std::move(other); }
+  DeviceArray& operator=(DeviceArray&& other) noexcept {
+    std::swap(data_, other.data_);
+    std::swap(count_, other.count_);
+    std::swap(stream_, other.stream_);
+    return *this;
+  }
+  ~DeviceArray() { release(data_, stream_); }
+
+  T* data() const noexcept { return data_; }
+  std::size_t size() const noexcept { return count_; }
+
+ private:
+  T* data_ = nullptr;
+  std::size_t count_ = 0;
+  cudaStream_t stream_ = nullptr;
+};
+
+/// Host memory that the device reads and writes by itself.
+template <class T>
+class PinnedArray {
+ public:
+  PinnedArray() = default;
+  explicit PinnedArray(std::size_t count) : count_(count) {
+    void* p = nullptr;
+    check(cudaMallocHost(&p, count * sizeof(T)), "allocating pinned memory");
+    data_ = static_cast<T*>(p);
+  }
+  PinnedArray(PinnedArray&& other) noexcept { *this = std::move(other); }
+  PinnedArray& operator=(PinnedArray&& other) noexcept {
+    std::swap(data_, other.data_);
+    std::swap(count_, other.count_);
+    return *this;
+  }
+  ~PinnedArray() {
+    if (data_ != nullptr) (void)cudaFreeHost(data_);
+  }
+
+  T* data() const noexcept { return data_; }
+  std::size_t size() const noexcept { return count_; }
+
+ private:
+  T* data_ = nullptr;
+  std::size_t count_ = 0;
+};
+
+/// A stream of our own, which does not wait for the default stream.
+class Stream {
+ public:
+  Stream() {
+    check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "creating a stream");
+  }
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
+  ~Stream() {
+    if (stream_ != nullptr) (void)cudaStreamDestroy(stream_);
+  }
+  cudaStream_t get() const noexcept { return stream_; }
+
+ private:
+  cudaStream_t stream_ = nullptr;
+};
+
+inline void synchronise(cudaStream_t stream, const char* doing) {
+  check(cudaStreamSynchronize(stream), doing);
+}
+
+/// Copies to the device. The host's memory is free again when this returns.
+template <class T>
+void upload(T* to, const T* from, std::size_t count, cudaStream_t stream) {
+  if (count == 0) return;
+  check(cudaMemcpyAsync(to, from, count * sizeof(T), cudaMemcpyHostToDevice, stream),
+        "copying to the device");
+  synchronise(stream, "copying to the device");
+}
+
+/// Copies from the device; the values are there when this returns.
+template <class T>
+void download(T* to, const T* from, std::size_t count, cudaStream_t stream) {
+  if (count == 0) return;
+  check(cudaMemcpyAsync(to, from, count * sizeof(T), cudaMemcpyDeviceToHost, stream),
+        "copying from the device");
+  synchronise(stream, "copying from the device");
+}
+
+/// Whether this build holds code that the current device can run; the answer of a small kernel.
+cudaError_t probe_device_code();
+
+}  // namespace cullhull::internal::cuda

@@ -1,0 +1,86 @@
+#include "tracker/changes.hpp"
+
+#include <algorithm>
+#include <compare>
+
+namespace cullhull::internal {
+namespace {
+
+/// The facets of a hull in the order of their first simplices, which is lexicographic.
+class FacetCursor {
+ public:
+  explicit FacetCursor(const Hull& hull)
+      : hull_(hull), k_(static_cast<std::size_t>(std::max(hull.affine_dimension, 0))) {}
+
+  bool done() const { return facet_ == hull_.facet_count(); }
+  void advance() {
+    ++facet_;
+    while (simplex_ < hull_.simplex_count() && hull_.simplex_facets[simplex_] < facet_) ++simplex_;
+    // Facets are numbered by their first simplices: the first one not numbered lower is facet_'s.
+  }
+  std::strong_ordering compare(const FacetCursor& b) const {
+    const auto row = [](const FacetCursor& c) {
+      return c.hull_.simplices.data() + c.simplex_ * c.k_;
+    };
+    return std::lexicographical_compare_three_way(row(*this), row(*this) + k_, row(b),
+                                                  row(b) + b.k_);
+  }
+  bool same_vertices(const FacetCursor& b) const {
+    const auto begin = [](const FacetCursor& c) {
+      return c.hull_.facets.items.begin() +
+             static_cast<std::ptrdiff_t>(c.hull_.facets.offsets[c.facet_]);
+    };
+    const auto end = [](const FacetCursor& c) {
+      return c.hull_.facets.items.begin() +
+             static_cast<std::ptrdiff_t>(c.hull_.facets.offsets[c.facet_ + 1]);
+    };
+    return std::equal(begin(*this), end(*this), begin(b), end(b));
+  }
+
+ private:
+  const Hull& hull_;
+  std::size_t k_;
+  std::uint64_t facet_ = 0, simplex_ = 0;
+};
+
+}  // namespace
+
+std::vector<std::uint64_t> ascending_vertices(const Hull& hull) {
+  std::vector<std::uint64_t> ids(hull.vertices.begin(), hull.vertices.end());
+  if (hull.affine_dimension == 2) std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+void count_changes(const Hull& before, const Hull& after, FrameReport& report) {
+  const std::vector<std::uint64_t> old = ascending_vertices(before),
+                                   now = ascending_vertices(after);
+  std::uint64_t stayed = 0;
+  for (auto a = old.begin(), b = now.begin(); a != old.end() && b != now.end();) {
+    if (*a == *b) {
+      ++stayed;
+      ++a;
+      ++b;
+    } else if (*a < *b) {
+      ++a;
+    } else {
+      ++b;
+    }
+  }
+  report.vertices_came = now.size() - stayed;
+  report.vertices_went = old.size() - stayed;
+
+  stayed = 0;
+  if (before.affine_dimension == after.affine_dimension) {
+    FacetCursor a(before), b(after);
+    while (!a.done() && !b.done()) {
+      const auto order = a.compare(b);
+      if (order == 0 && a.same_vertices(b)) ++stayed;
+      if (order <= 0) a.advance();
+      if (order >= 0) b.advance();
+    }
+  }
+  report.facets_came = after.facet_count() - stayed;
+  report.facets_went = before.facet_count() - stayed;
+}
+
+}  // namespace cullhull::internal

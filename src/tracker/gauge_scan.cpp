@@ -1,0 +1,97 @@
+#include "tracker/gauge_scan.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "cull/gauge_map.hpp"
+#include "pipeline.hpp"
+#include "points/gather.hpp"
+#include "sample_map.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// Where the scan keeps more than this share the leaders lie badly: then a sample of what is left
+/// makes a better second map than they do.
+constexpr double coherent_share = 1.0 / 3;
+
+/// Nodes of the scan's map, as a share of what a static run would take. Leaders lie all over the
+/// hull, so a coarser map keeps hardly more, and the cones decide what it leaves in doubt.
+constexpr double map_share = 0.5;
+
+/// Marks the survivors that are leaders; both lists ascend.
+std::vector<char> mark_leaders(const std::vector<std::uint64_t>& survivors,
+                               const std::vector<std::uint64_t>& leaders) {
+  std::vector<char> marks(survivors.size(), 0);
+  auto leader = leaders.begin();
+  for (std::size_t i = 0; i < survivors.size() && leader != leaders.end(); ++i) {
+    while (leader != leaders.end() && *leader < survivors[i]) ++leader;
+    marks[i] = leader != leaders.end() && *leader == survivors[i];
+  }
+  return marks;
+}
+
+/// The last hull's surface with its vertices (leader i is vertex i) at their new places.
+InnerPolytope moved_surface(const Hull& hull, const std::vector<std::uint64_t>& leaders,
+                            std::vector<double>&& rows, const Run& run) {
+  InnerPolytope p;
+  p.dimension = hull.dimension;
+  p.vertices = std::move(rows);
+  p.neighbours.assign(hull.simplex_neighbours.begin(), hull.simplex_neighbours.end());
+  p.facets.resize(hull.simplices.size());
+  for_each_chunk(hull.simplices.size(), 8192, run.threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   for (std::uint64_t i = begin; i < end; ++i)
+                     p.facets[i] = static_cast<std::uint32_t>(
+                         std::lower_bound(leaders.begin(), leaders.end(), hull.simplices[i]) -
+                         leaders.begin());
+                 });
+  return p;
+}
+
+}  // namespace
+
+bool filter_by_leaders(const PointView& points, const Hull& last,
+                       const std::vector<std::uint64_t>& leaders, const Run& run, Filtered& result,
+                       double& scan_seconds) {
+  const auto start = Clock::now();
+  const unsigned d = points.dimension;
+  std::vector<double> rows;
+  try {
+    rows = gather_points(points, leaders.data(), leaders.size(), run.threads);
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::not_finite) throw;
+    check_finite(points, nullptr, run.threads);  // names the first bad point, not the first leader
+    throw;
+  }
+  run.control.report("scan", 0);
+  GaugeSettings settings{
+      .share = map_share, .cones = true, .convex = false, .threads = run.threads};
+  std::unique_ptr<GaugeMap> map;
+  if (last.affine_dimension == static_cast<int>(d))
+    map = GaugeMap::build(moved_surface(last, leaders, std::vector<double>(rows), run), settings);
+  if (map == nullptr) {
+    settings.convex = true;
+    InnerPolytope polytope =
+        inner_polytope(std::move(rows), d, run.threads, run.budget, run.control);
+    if (polytope.dimension == 0) return false;
+    map = GaugeMap::build(std::move(polytope), settings);
+    if (map == nullptr) return false;
+  }
+  result.survivors.ids = map->survivors(points, run.threads, run.control);
+  result.survivors.all = false;
+  result.survivors.method = "gauge";
+  result.survivors.reason = "led by the last frame's vertices";
+  scan_seconds = seconds_since(start);
+  gather_survivors(points, result, run.control, run.threads, run.budget);
+  const auto left = static_cast<double>(result.first_pass);
+  if (left <= coherent_share * static_cast<double>(points.count))
+    keep_of_survivors(result, d,
+                      map->outside_cones(result.rows, mark_leaders(result.survivors.ids, leaders),
+                                         run.threads, run.control));
+  refine_survivors(result, d, run.control, run.threads, run.budget);
+  return true;
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,127 @@
+// HullTracker: which way a frame goes, and what is remembered for the next.
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "cull/gauge_map.hpp"
+#include "cull/planner.hpp"
+#include "cull/pseudo_hull.hpp"
+#include "cullhull/error.hpp"
+#include "cullhull/track.hpp"
+#include "pipeline.hpp"
+#include "tracker/changes.hpp"
+#include "tracker/gauge_scan.hpp"
+#include "tracker/simplex_memory.hpp"
+
+namespace cullhull {
+
+using namespace internal;
+
+struct HullTracker::Impl {
+  Options options;
+  std::uint64_t frame = 0;
+  bool known = false;  ///< `hull` is that of a frame before
+  Hull hull, next;
+  FrameReport report;
+  std::vector<std::uint64_t> leaders;  ///< the hull's vertices, ascending
+  /// Frames that go the static way before coherence is tried again, and how many the next failure
+  /// would cost.
+  std::uint64_t pause = 0, penalty = 1;
+  SimplexMemory simplices;
+
+  /// Whether the last frame helps with this one.
+  bool follows(const PointView& points) const {
+    return known && hull.point_count == points.count && hull.dimension == points.dimension;
+  }
+
+  bool wants_gauge(const PointView& points) const {
+    const unsigned d = points.dimension;
+    if (d < GaugeMap::min_dimension || d > GaugeMap::max_dimension || leaders.size() <= d)
+      return false;
+    if (options.cull == CullMethod::gauge) return true;
+    // The leaders' hull costs what theirs share of the points would cost without a filter.
+    return options.cull == CullMethod::automatic && pause == 0 &&
+           points.count >= smallest_worth_culling(d) && leaders.size() <= points.count / 8;
+  }
+
+  Filtered filter(const PointView& points, const Run& run, FrameReport& now) {
+    if (options.cull == CullMethod::pseudo_hull && points.dimension >= pseudo_hull_min_dimension &&
+        points.dimension <= pseudo_hull_max_dimension && points.count > points.dimension + 1) {
+      bool led = false;
+      if (!follows(points)) simplices.clear();
+      Filtered filtered = simplices.filter(points, run, led, now.scan_seconds);
+      if (led) now.method = "pseudo-hull";
+      return filtered;
+    }
+    Filtered filtered;
+    if (follows(points) && wants_gauge(points) &&
+        filter_by_leaders(points, hull, leaders, run, filtered, now.scan_seconds)) {
+      now.method = "gauge";
+      // Leaders that no longer lead cost a pass: for some frames do without.
+      if (filtered.first_pass > points.count / 3) {
+        pause = penalty;
+        penalty = std::min<std::uint64_t>(2 * penalty, 16);
+      } else {
+        penalty = 1;
+      }
+      return filtered;
+    }
+    if (pause > 0) --pause;
+    return run_filter(points, run.options, run.control, run.threads, run.budget);
+  }
+
+  void compute(const PointView& points, std::uint64_t index) {
+    check_arguments(points, options);
+    const Run run(options);
+    const auto start = Clock::now();
+    run.control.check();
+    FrameReport now;
+    now.index = index;
+    Filtered filtered = filter(points, run, now);
+    now.scan_survivors = filtered.first_pass;
+    now.survivors = filtered.survivors.size(points.count);
+    now.cull_seconds = seconds_since(start);
+    next = hull_of_survivors(points, std::move(filtered), run);
+    now.hull_seconds = next.statistics.hull_seconds;
+    now.compute_seconds = seconds_since(start);
+    next.statistics.cull_seconds = now.cull_seconds;
+    next.statistics.compute_seconds = now.compute_seconds;
+    // From here on nothing throws but for want of memory, and the last hull is still whole.
+    count_changes(follows(points) ? hull : Hull(), next, now);
+    leaders = ascending_vertices(next);
+    std::swap(hull, next);
+    report = now;
+    known = true;
+    run.control.report("done", 1);
+  }
+};
+
+HullTracker::HullTracker(Options options) : impl_(std::make_unique<Impl>()) {
+  impl_->options = std::move(options);
+}
+HullTracker::HullTracker(HullTracker&&) noexcept = default;
+HullTracker& HullTracker::operator=(HullTracker&&) noexcept = default;
+HullTracker::~HullTracker() = default;
+
+const Hull& HullTracker::update(const PointView& points) {
+  const std::uint64_t frame = impl_->frame++;
+  try {
+    impl_->compute(points, frame);
+  } catch (const Error& e) {
+    throw Error(e.code(), "frame " + std::to_string(frame) + ": " + e.what());
+  }
+  return impl_->hull;
+}
+
+const Hull& HullTracker::hull() const noexcept { return impl_->hull; }
+const FrameReport& HullTracker::report() const noexcept { return impl_->report; }
+
+void HullTracker::reset() noexcept {
+  impl_->known = false;
+  impl_->frame = 0;
+  impl_->pause = 0;
+  impl_->penalty = 1;
+  impl_->simplices.clear();
+}
+
+}  // namespace cullhull

@@ -1,0 +1,70 @@
+// The estimate of the number of facets against hulls that were built, and what is refused.
+#include "hull/facet_estimate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "control.hpp"
+#include "cullhull/error.hpp"
+#include "cullhull/generate.hpp"
+#include "cullhull/hull.hpp"
+#include "points/local_frame.hpp"
+
+namespace cullhull {
+namespace {
+
+struct Case {
+  const char* shape;
+  unsigned dimension;
+  std::uint32_t count;
+};
+
+class FacetEstimateTest : public ::testing::TestWithParam<Case> {};
+
+TEST_P(FacetEstimateTest, WithinAFactorOfThree) {
+  const Case& c = GetParam();
+  const std::vector<double> x = generate(c.shape, c.count, c.dimension);
+  const auto view = PointView::row_major(x.data(), c.count, c.dimension);
+  const auto facets = static_cast<double>(convex_hull(view).facet_count());
+  const Options options;
+  const internal::Control control(options);
+  const internal::LocalFrame frame(std::vector<double>(x), c.count, c.dimension, control);
+  for (const unsigned threads : {1U, 2U}) {
+    const auto estimate = internal::estimate_facets(frame.points(), threads, control);
+    EXPECT_LT(estimate.facets, 3 * facets);
+    EXPECT_GT(estimate.facets, facets / 3);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Bodies, FacetEstimateTest,
+                         ::testing::Values(Case{"sphere", 6, 2000}, Case{"ball", 6, 4000},
+                                           Case{"gauss", 6, 20000}, Case{"cube", 6, 5000},
+                                           Case{"ball", 8, 300}, Case{"gauss", 8, 400},
+                                           Case{"sphere", 4, 5000}));
+
+TEST(FacetEstimateTest, RefusedBeforeTheWork) {
+  const std::vector<double> x = generate("ball", 20000, 8);
+  Options options;
+  options.memory_budget = std::uint64_t{1} << 30;
+  try {
+    convex_hull(PointView::row_major(x.data(), 20000, 8), options);
+    FAIL() << "a hull of tens of millions of facets was to be refused";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::out_of_budget);
+    const std::string what = e.what();
+    EXPECT_NE(what.find("facets is expected"), std::string::npos) << what;
+    EXPECT_NE(what.find("memory budget is 1024 MiB"), std::string::npos) << what;
+  }
+}
+
+TEST(FacetEstimateTest, UpperBoundTheorem) {
+  EXPECT_EQ(internal::most_facets(5, 4), 5);   // the simplex
+  EXPECT_EQ(internal::most_facets(8, 4), 20);  // cyclic: n (n - 3) / 2
+  EXPECT_EQ(internal::most_facets(10, 6), 50);
+  EXPECT_EQ(internal::most_facets(7, 3), 10);  // 2 n - 4
+  EXPECT_EQ(internal::most_facets(4, 4), 0);
+}
+
+}  // namespace
+}  // namespace cullhull

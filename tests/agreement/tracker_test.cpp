@@ -1,0 +1,296 @@
+// HullTracker: every frame is the static hull, bit for bit, whatever moves how.
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <new>
+
+#include "canonical_hash.hpp"
+#include "cullhull/cullhull.hpp"
+
+namespace {
+
+std::atomic<std::int64_t> live_bytes{0};
+
+void* counted(void* p) {
+  if (p == nullptr) throw std::bad_alloc();
+  live_bytes += static_cast<std::int64_t>(malloc_usable_size(p));
+  return p;
+}
+void uncounted(void* p) {
+  if (p == nullptr) return;
+  live_bytes -= static_cast<std::int64_t>(malloc_usable_size(p));
+  std::free(p);
+}
+
+}  // namespace
+
+// Everything the library keeps is counted, so that a test can see whether it grows.
+void* operator new(std::size_t n) { return counted(std::malloc(n > 0 ? n : 1)); }
+void* operator new(std::size_t n, std::align_val_t a) {
+  const auto align = static_cast<std::size_t>(a);
+  return counted(std::aligned_alloc(align, (n + align - 1) / align * align));
+}
+void operator delete(void* p) noexcept { uncounted(p); }
+void operator delete(void* p, std::size_t) noexcept { uncounted(p); }
+void operator delete(void* p, std::align_val_t) noexcept { uncounted(p); }
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept { uncounted(p); }
+
+namespace cullhull {
+namespace {
+
+using testing_support::canonical_hash;
+using Rows = std::vector<double>;
+
+constexpr CullMethod methods[] = {CullMethod::automatic, CullMethod::gauge, CullMethod::pseudo_hull,
+                                  CullMethod::none};
+
+std::uint64_t static_hash(const PointView& points) {
+  Options options;
+  options.cull = CullMethod::none;
+  options.threads = 1;
+  return canonical_hash(convex_hull(points, options));
+}
+
+/// Trackers of every method over the same frames; each must give the static hull.
+class Trackers {
+ public:
+  Trackers() {
+    for (const CullMethod method : methods)
+      for (const unsigned threads : {1U, 2U}) {
+        Options options;
+        options.cull = method;
+        options.threads = threads;
+        trackers_.emplace_back(options);
+      }
+  }
+  void expect_frame(const PointView& points, const std::string& what) {
+    const std::uint64_t expected = static_hash(points);
+    for (std::size_t t = 0; t < trackers_.size(); ++t)
+      EXPECT_EQ(canonical_hash(trackers_[t].update(points)), expected)
+          << what << ", tracker " << t << ": " << trackers_[t].report().method;
+  }
+  HullTracker& operator[](std::size_t t) { return trackers_[t]; }
+  std::size_t size() const { return trackers_.size(); }
+
+ private:
+  std::vector<HullTracker> trackers_;
+};
+
+template <class T>
+PointView rows_of(const std::vector<T>& rows, unsigned d) {
+  return PointView::row_major(rows.data(), rows.size() / d, d);
+}
+
+void expect_sequence(const std::string& name, unsigned d, const std::vector<Rows>& frames) {
+  SCOPED_TRACE(name);
+  Trackers trackers;
+  for (std::size_t f = 0; f < frames.size(); ++f)
+    trackers.expect_frame(rows_of(frames[f], d), name + ", frame " + std::to_string(f));
+}
+
+std::vector<Rows> moving(const char* shape, const char* motion, std::uint64_t n, unsigned d,
+                         std::uint64_t frames) {
+  const MovingPoints points(shape, motion, n, d, frames, 7);
+  std::vector<Rows> all(frames, Rows(n * d));
+  for (std::uint64_t f = 0; f < frames; ++f) points.frame(f, all[f].data());
+  return all;
+}
+
+Rows mapped(const Rows& rows, unsigned d, const std::function<void(std::uint64_t, double*)>& map) {
+  Rows out = rows;
+  for (std::uint64_t i = 0; i < rows.size() / d; ++i) map(i, &out[i * d]);
+  return out;
+}
+
+TEST(HullTracker, EveryMotionOfABumpySurface) {
+  for (const Shape& motion : motions())
+    expect_sequence(motion.name, 3, moving("bumpy", motion.name, 15000, 3, 5));
+}
+
+TEST(HullTracker, EveryDimension) {
+  constexpr std::uint64_t counts[] = {0, 0, 20000, 9000, 1000, 200, 60, 30, 20};
+  for (unsigned d = 2; d <= 8; ++d)
+    for (const char* motion : {"twist", "explode", "teleport"})
+      expect_sequence(motion + std::to_string(d), d, moving("ball", motion, counts[d], d, 4));
+}
+
+TEST(HullTracker, CollapseAndBack) {
+  for (const unsigned d : {2U, 3U, 4U}) {
+    const Rows rest = generate("gauss", d == 4 ? 800 : 9000, d, 3);
+    std::vector<Rows> frames{rest};
+    for (unsigned kept = d; kept-- > 0;) {  // to a hyperplane, ..., a line, a point
+      frames.push_back(mapped(rest, d, [&](std::uint64_t, double* x) {
+        for (unsigned j = kept; j < d; ++j) x[j] = 2;
+      }));
+      frames.push_back(rest);
+    }
+    frames.push_back(frames[1]);  // from flat to flat, and a slanted one
+    frames.push_back(mapped(rest, d, [&](std::uint64_t, double* x) { x[d - 1] = x[0]; }));
+    frames.push_back(rest);
+    expect_sequence("collapse " + std::to_string(d), d, frames);
+  }
+}
+
+TEST(HullTracker, BodiesThroughOneAnotherAndPointsThatLeave) {
+  const Rows rest = generate("bumpy", 16000, 3, 5);
+  std::vector<Rows> passing, leaving;
+  for (int f = 0; f <= 6; ++f) {
+    passing.push_back(mapped(
+        rest, 3, [&](std::uint64_t i, double* x) { x[0] += (i % 2 == 0 ? 1 : -1) * (f - 3.0); }));
+    leaving.push_back(mapped(rest, 3, [&](std::uint64_t i, double* x) {
+      if (i % 97 == 0)
+        for (int j = 0; j < 3; ++j) x[j] *= 1 + 0.5 * std::abs(f % 4 - 2);
+    }));
+  }
+  expect_sequence("passing", 3, passing);
+  expect_sequence("leaving", 3, leaving);
+}
+
+TEST(HullTracker, LatticesAndDuplicates) {
+  std::vector<Rows> frames;
+  const Rows grid = generate("grid:12", 12000, 3, 2);
+  for (int f = 0; f < 5; ++f)
+    frames.push_back(mapped(grid, 3, [&](std::uint64_t i, double* x) {
+      x[0] += f;
+      if (f >= 2) x[1] = std::floor(x[1] / f);
+      if (f == 3 && i > 100) x[2] = grid[2];
+    }));
+  expect_sequence("grid", 3, frames);
+}
+
+TEST(HullTracker, HugeAndTinyMagnitudes) {
+  const Rows rest = generate("ball", 9000, 3, 4);
+  std::vector<Rows> frames{rest};
+  for (const double factor : {1e300, 1e-300, 0x1p-1060, 1.0})
+    frames.push_back(mapped(rest, 3, [&](std::uint64_t i, double* x) {
+      for (int j = 0; j < 3; ++j) x[j] *= j == 1 || i % 5 == 0 ? factor : 1;
+    }));
+  expect_sequence("magnitudes", 3, frames);
+}
+
+TEST(HullTracker, ScalarsAndLayouts) {
+  Trackers trackers;
+  for (int f = 0; f < 3; ++f) {
+    const Rows rows = mapped(generate("gauss", 9000, 3, 8), 3, [&](std::uint64_t, double* x) {
+      for (int j = 0; j < 3; ++j) x[j] = std::floor(x[j] * (10 + f));
+    });
+    const std::vector<float> f32(rows.begin(), rows.end());
+    const std::vector<std::int16_t> i16(rows.begin(), rows.end());
+    trackers.expect_frame(rows_of(f32, 3), "f32");
+    trackers.expect_frame(rows_of(i16, 3), "i16");
+    std::vector<double> columns(rows.size());
+    for (std::size_t i = 0; i < 9000; ++i)
+      for (std::size_t j = 0; j < 3; ++j) columns[j * 9000 + i] = rows[i * 3 + j];
+    trackers.expect_frame(PointView::column_major(columns.data(), 9000, 3), "columns");
+    std::vector<std::byte> records(9000 * 15 + 1);
+    for (std::size_t i = 0; i < 9000; ++i) std::memcpy(&records[1 + 15 * i], &f32[3 * i], 12);
+    trackers.expect_frame({records.data() + 1, ScalarType::f32, 3, 9000, 15, 4}, "records");
+  }
+}
+
+TEST(HullTracker, AnotherCountOrDimensionStartsAfresh) {
+  Trackers trackers;
+  for (const auto& [n, d] : std::vector<std::pair<std::uint64_t, unsigned>>{
+           {10000, 3}, {10000, 3}, {9000, 3}, {9000, 2}, {3, 3}, {0, 3}, {1, 3}, {9000, 3}}) {
+    const Rows rows = generate("ball", n, d, n + d);
+    trackers.expect_frame(rows_of(rows, d), std::to_string(n) + " x " + std::to_string(d));
+  }
+  for (std::size_t t = 0; t < trackers.size(); ++t)
+    EXPECT_STREQ(trackers[t].report().method, "static");
+}
+
+TEST(HullTracker, ANanInFrame7IsNamedAndFrame8Follows) {
+  const std::vector<Rows> frames = moving("bumpy", "twist", 12000, 3, 10);
+  Trackers trackers;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    if (f != 7) {
+      trackers.expect_frame(rows_of(frames[f], 3), "frame " + std::to_string(f));
+      continue;
+    }
+    for (std::size_t t = 0; t < trackers.size(); ++t) {
+      Rows bad = frames[f];
+      const std::uint64_t vertex = trackers[t].hull().vertices.back();
+      bad[3 * 4321 + 1] = std::numeric_limits<double>::quiet_NaN();
+      if (vertex > 4321) bad[3 * vertex] = std::numeric_limits<double>::infinity();
+      try {
+        trackers[t].update(rows_of(bad, 3));
+        ADD_FAILURE() << "a NaN passed tracker " << t;
+      } catch (const Error& e) {
+        EXPECT_EQ(e.code(), ErrorCode::not_finite);
+        EXPECT_EQ(std::string(e.what()).find("frame 7: point 4321, coordinate 1 is NaN"), 0U)
+            << e.what();
+      }
+    }
+  }
+  EXPECT_EQ(trackers[0].report().index, 9U);
+}
+
+TEST(HullTracker, ReportsWhatCameAndWent) {
+  Options options;
+  options.cull = CullMethod::gauge;
+  for (const CullMethod method : {CullMethod::gauge, CullMethod::pseudo_hull}) {
+    options.cull = method;
+    HullTracker tracker(options);
+    Rows rows = generate("gauss", 20000, 3, 1);
+    const Hull first = tracker.update(rows_of(rows, 3));
+    EXPECT_EQ(tracker.report().vertices_came, first.vertices.size());
+    EXPECT_EQ(tracker.report().facets_came, first.facet_count());
+    EXPECT_STREQ(tracker.report().method, "static");
+
+    for (double& x : rows) x *= 0.5;  // the same hull, halved
+    tracker.update(rows_of(rows, 3));
+    const FrameReport still = tracker.report();
+    EXPECT_STREQ(still.method, method == CullMethod::gauge ? "gauge" : "pseudo-hull");
+    EXPECT_EQ(still.vertices_came + still.vertices_went, 0U);
+    EXPECT_EQ(still.facets_came + still.facets_went, 0U);
+    EXPECT_GE(still.scan_survivors, still.survivors);
+    EXPECT_GE(still.survivors, first.vertices.size());
+    EXPECT_LT(still.survivors, 20000U / 10);
+
+    // One vertex leaves for the middle: it goes, no other does unless it is seen now.
+    const std::uint64_t gone = first.vertices[first.vertices.size() / 2];
+    for (int j = 0; j < 3; ++j) rows[3 * gone + static_cast<std::uint64_t>(j)] = 0;
+    const Hull& last = tracker.update(rows_of(rows, 3));
+    EXPECT_EQ(tracker.report().vertices_went, 1U);
+    EXPECT_EQ(last.vertices.size(), first.vertices.size() - 1 + tracker.report().vertices_came);
+    EXPECT_GT(tracker.report().facets_went, 2U);
+    EXPECT_LT(tracker.report().facets_went, first.facet_count() / 4);
+  }
+}
+
+TEST(HullTracker, SteadyFramesKeepNoMoreMemory) {
+  const std::vector<Rows> frames = moving("bumpy", "spin", 20000, 3, 4);
+  for (const CullMethod method : methods) {
+    Options options;
+    options.cull = method;
+    options.threads = 1;
+    HullTracker tracker(options);
+    std::int64_t after_warm_up = 0;
+    for (int f = 0; f < 60; ++f) {
+      tracker.update(rows_of(frames[static_cast<std::size_t>(f) % 4], 3));
+      if (f == 19) after_warm_up = live_bytes;
+    }
+    EXPECT_LE(live_bytes, after_warm_up + 64 * 1024) << static_cast<int>(method);
+  }
+}
+
+TEST(HullTracker, StopsAndGoesOn) {
+  std::stop_source stop;
+  Options options;
+  options.stop = stop.get_token();
+  HullTracker tracker(options);
+  const Rows rows = generate("ball", 20000, 3, 1);
+  const std::uint64_t expected = canonical_hash(tracker.update(rows_of(rows, 3)));
+  stop.request_stop();
+  EXPECT_THROW(tracker.update(rows_of(rows, 3)), Error);
+  EXPECT_EQ(canonical_hash(tracker.hull()), expected);  // the last one is still whole
+}
+
+}  // namespace
+}  // namespace cullhull

@@ -1,0 +1,148 @@
+// Searches for violations of the error bound stored with a facet's plane: |g~ - g| <= E max(1,
+// |g|), against rational arithmetic, on regular, thin, tiny, far and nearly degenerate facets.
+#include "hull/facet_planes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include "agreement/point_sets.hpp"
+#include "extreme/rational.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+using testing_support::Random;
+
+/// n with n . (v_i - O) = 1 for the facet's vertices; false if there is none.
+bool exact_plane(const PlaneFrame& frame, const std::uint32_t* facet, RationalMatrix& plane) {
+  const unsigned d = frame.dimension;
+  RationalMatrix a(d, d + 1);
+  Rational t, f;
+  for (unsigned i = 0; i < d; ++i) {
+    for (unsigned j = 0; j < d; ++j) {
+      mpq_set_d(a.at(i, j), frame.rows[std::size_t{facet[i]} * d + j]);
+      mpq_set_d(t.value, frame.centre[j]);
+      mpq_sub(a.at(i, j), a.at(i, j), t.value);
+    }
+    mpq_set_si(a.at(i, d), 1, 1);
+  }
+  for (unsigned k = 0; k < d; ++k) {
+    unsigned pivot = k;
+    while (pivot < d && mpq_sgn(a.at(pivot, k)) == 0) ++pivot;
+    if (pivot == d) return false;
+    for (unsigned j = 0; j <= d; ++j) mpq_swap(a.at(pivot, j), a.at(k, j));
+    for (unsigned i = 0; i < d; ++i) {
+      if (i == k || mpq_sgn(a.at(i, k)) == 0) continue;
+      mpq_div(f.value, a.at(i, k), a.at(k, k));
+      for (unsigned j = k; j <= d; ++j) {
+        mpq_mul(t.value, f.value, a.at(k, j));
+        mpq_sub(a.at(i, j), a.at(i, j), t.value);
+      }
+    }
+  }
+  for (unsigned k = 0; k < d; ++k) mpq_div(plane.at(0, k), a.at(k, d), a.at(k, k));
+  return true;
+}
+
+/// The largest share of its bound that an error reaches; more than 1 is a violation.
+double worst_share(const PlaneFrame& frame, const std::vector<std::uint32_t>& facet,
+                   std::uint8_t slot, std::uint32_t points, unsigned& useful) {
+  const unsigned d = frame.dimension;
+  std::vector<float> plane(d + 1);
+  facet_planes(frame, facet[slot], facet.data(), &slot, 1, plane.data());
+  if (!(plane[d] < std::numeric_limits<float>::infinity())) {
+    for (unsigned j = 0; j < d; ++j) EXPECT_EQ(plane[j], 0);
+    return 0;
+  }
+  ++useful;
+  RationalMatrix exact(1, d);
+  if (!exact_plane(frame, facet.data(), exact)) return 2;  // there is no plane, so no bound holds
+  Rational g, t, o;
+  double worst = 0;
+  for (std::uint32_t p = 0; p < points; ++p) {
+    float computed = 0;
+    mpq_set_si(g.value, 0, 1);
+    for (unsigned j = 0; j < d; ++j) {
+      const double x = frame.rows[std::size_t{p} * d + j];
+      computed += plane[j] * static_cast<float>(x - frame.centre[j]);
+      mpq_set_d(t.value, x);
+      mpq_set_d(o.value, frame.centre[j]);
+      mpq_sub(t.value, t.value, o.value);
+      mpq_mul(t.value, t.value, exact.at(0, j));
+      mpq_add(g.value, g.value, t.value);
+    }
+    mpq_set_d(t.value, computed);
+    mpq_sub(t.value, t.value, g.value);
+    const double error = std::abs(mpq_get_d(t.value));
+    worst = std::max(worst, error / (plane[d] * std::max(1.0, std::abs(mpq_get_d(g.value)))));
+  }
+  return worst;
+}
+
+class FacetPlanes : public ::testing::TestWithParam<unsigned> {};
+
+TEST_P(FacetPlanes, BoundHolds) {
+  const unsigned d = GetParam();
+  Random r(d);
+  unsigned useful = 0;
+  double worst = 0;
+  const int rounds = d <= 8 ? 400 : 40;
+  for (int round = 0; round < rounds; ++round) {
+    const std::uint32_t n = d + 4;
+    std::vector<double> rows(std::size_t{n} * d), centre(d), reach(d, 0.0);
+    const double size = std::ldexp(1.0, -static_cast<int>(r.integer(0, 12)));
+    const double thin = round % 3 == 0 ? std::ldexp(1.0, -static_cast<int>(r.integer(0, 40))) : 1;
+    // A facet about a point of the sphere, sometimes nearly flat within itself; a few points about
+    // it, one nearly on it.
+    std::vector<double> middle(d);
+    double norm = 0;
+    for (double& v : middle) {
+      v = r.between(-1, 1);
+      norm += v * v;
+    }
+    for (double& v : middle) v *= 0.5 / std::sqrt(norm);
+    for (std::uint32_t i = 0; i < n; ++i)
+      for (unsigned j = 0; j < d; ++j)
+        rows[i * d + j] = middle[j] + size * r.between(-0.4, 0.4) * (j == 0 ? thin : 1);
+    for (unsigned j = 0; j < d; ++j) {
+      rows[(n - 1) * d + j] = 0;
+      for (unsigned i = 0; i < d; ++i) rows[(n - 1) * d + j] += rows[i * d + j] / d;
+      centre[j] = round % 2 == 0 ? 0 : r.between(-0.1, 0.1);
+    }
+    for (std::uint32_t i = 0; i < n; ++i)
+      for (unsigned j = 0; j < d; ++j)
+        reach[j] = std::max(reach[j], std::abs(rows[i * d + j] - centre[j]) * (1 + 1e-9));
+    const PlaneFrame frame{d, rows.data(), centre.data(), reach.data(), true};
+    std::vector<std::uint32_t> facet(d);
+    std::iota(facet.begin(), facet.end(), 0U);
+    const auto slot = static_cast<std::uint8_t>(r.integer(0, static_cast<int>(d) - 1));
+    const double share = worst_share(frame, facet, slot, n, useful);
+    EXPECT_LE(share, 1.0) << "dimension " << d << ", round " << round;
+    worst = std::max(worst, share);
+  }
+  EXPECT_GT(useful, static_cast<unsigned>(rounds) / 4);  // else nothing was tried
+  EXPECT_GT(worst, 1e-3);  // a bound a thousand times too large would hide mistakes
+}
+
+INSTANTIATE_TEST_SUITE_P(Dimensions, FacetPlanes, ::testing::Values(4, 5, 6, 7, 8, 9, 10));
+
+TEST(FacetPlanes, DegenerateFacetsPromiseNothing) {
+  for (const unsigned d : {4U, 6U, 8U}) {
+    std::vector<double> rows(std::size_t{d} * d, 0.25), centre(d, 0.0), reach(d, 1.0);
+    for (unsigned i = 0; i < d; ++i) rows[i * d] = 0.25 + i * 0.01;  // all on a line
+    const PlaneFrame frame{d, rows.data(), centre.data(), reach.data(), true};
+    std::vector<std::uint32_t> facet(d);
+    std::iota(facet.begin(), facet.end(), 0U);
+    const std::uint8_t slot = 0;
+    std::vector<float> plane(d + 1);
+    facet_planes(frame, 0, facet.data(), &slot, 1, plane.data());
+    EXPECT_EQ(plane[d], std::numeric_limits<float>::infinity());
+  }
+}
+
+}  // namespace
+}  // namespace cullhull::internal

@@ -1,0 +1,274 @@
+// On a CUDA device: the GaugeMap keeps what it keeps on the CPU, and hulls are the same bit for
+// bit. Skipped, with the reason, where there is no device.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "cull/gauge_cuda.hpp"
+#include "cull/gauge_kernel_cuda.hpp"
+#include "cull/gauge_map.hpp"
+#include "cullhull/cullhull.hpp"
+#include "tests/agreement/canonical_hash.hpp"
+#include "tests/gpu/device.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+using cullhull::testing::OnDevice;
+using testing_support::canonical_hash;
+
+class CudaGauge : public ::testing::Test {
+ protected:
+  void SetUp() override { CULLHULL_NEEDS_DEVICE(); }
+};
+
+/// The cross polytope with half axes `radius`, around `centre`.
+InnerPolytope cross_polytope(unsigned d, double centre, double radius) {
+  InnerPolytope p;
+  p.dimension = d;
+  for (unsigned j = 0; j < 2 * d; ++j)
+    for (unsigned k = 0; k < d; ++k)
+      p.vertices.push_back(k != j / 2 ? centre : j % 2 ? centre - radius : centre + radius);
+  for (unsigned s = 0; s < 1U << d; ++s) {
+    for (unsigned j = 0; j < d; ++j) {
+      p.facets.push_back(2 * j + (s >> j & 1));
+      p.neighbours.push_back(s ^ (1U << j));
+    }
+  }
+  return p;
+}
+
+template <class T>
+std::vector<T> uniform(unsigned d, std::size_t n, double reach, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(-reach, reach);
+  std::vector<T> rows(n * d);
+  for (T& v : rows) v = static_cast<T>(0.125 + unit(random));
+  return rows;
+}
+
+template <class T>
+void strew(std::vector<T>& rows) {
+  const double bad[] = {NAN, INFINITY, -INFINITY, 1e38, -3e38, 0x1p126, 0, -0.0, 1e-44};
+  for (std::size_t e = 0; e * 7 < rows.size() / 2; ++e)
+    rows[e * 7] = static_cast<T>(bad[e % std::size(bad)]);
+}
+
+std::vector<std::uint64_t> on_host(const cuda::DeviceIds& found) {
+  std::vector<std::uint64_t> ids(found.count);
+  cuda::download(ids.data(), found.ids.data(), found.count, nullptr);
+  return ids;
+}
+
+template <class T>
+void expect_same_survivors(const GaugeMap& map, const std::vector<T>& rows, std::size_t n,
+                           unsigned d) {
+  const Options options;
+  const Control control(options);
+  const auto view = PointView::row_major(rows.data(), n, d);
+  const auto expected = map.survivors(view, 1, control);
+  const std::string what =
+      std::to_string(d) + "D " + scalar_name(view.scalar) + " " + std::to_string(n) + " points";
+  EXPECT_EQ(cuda::survivors_of_host_points(map.table(), view, 2, control), expected) << what;
+
+  const OnDevice there(rows);
+  const auto packed = DevicePointView::row_major(there.data<T>(), n, d);
+  EXPECT_EQ(on_host(cuda::survivors_of_device_points(map.table(), packed)), expected) << what;
+  EXPECT_EQ(cuda::survivors_by_pieces(map.table(), packed, control), expected) << what;
+
+  // One scalar off the alignment of vectors, and columns.
+  std::vector<T> shifted(1 + n * d);
+  std::copy_n(rows.data(), n * d, shifted.data() + 1);
+  const OnDevice odd(shifted);
+  EXPECT_EQ(on_host(cuda::survivors_of_device_points(
+                map.table(), DevicePointView::row_major(odd.data<T>() + 1, n, d))),
+            expected)
+      << what;
+  std::vector<T> columns(n * d);
+  for (std::size_t i = 0; i < n; ++i)
+    for (unsigned j = 0; j < d; ++j) columns[j * n + i] = rows[i * d + j];
+  const OnDevice turned(columns);
+  EXPECT_EQ(on_host(cuda::survivors_of_device_points(
+                map.table(), DevicePointView::column_major(turned.data<T>(), n, d))),
+            expected)
+      << what;
+}
+
+TEST_F(CudaGauge, SurvivorsAreThoseOfTheCpu) {
+  for (unsigned d = 2; d <= 6; ++d) {
+    const auto map =
+        GaugeMap::build(cross_polytope(d, 0.125, 1), 0, cuda::most_gauge_nodes(cuda::device()));
+    ASSERT_TRUE(map);
+    for (const std::size_t n :
+         {1U, 31U, 32U, 33U, 127U, 128U, 129U, 32767U, 32768U, 32769U, 1000003U}) {
+      auto doubles = uniform<double>(d, n, 1.2 / d + 0.2, n + d);
+      auto floats = uniform<float>(d, n, 1.2 / d + 0.2, n + d);
+      strew(doubles);
+      strew(floats);
+      expect_same_survivors(*map, doubles, n, d);
+      expect_same_survivors(*map, floats, n, d);
+    }
+  }
+}
+
+// A table beyond shared memory is read from global memory; a centre that is no float needs doubles.
+TEST_F(CudaGauge, OtherWaysThroughTheKernel) {
+  const auto large = GaugeMap::build(cross_polytope(3, 0.125, 1), 200);
+  ASSERT_TRUE(large);
+  ASSERT_GT(large->table().nodes.size() * sizeof(float), cuda::device().shared_per_block);
+  const auto rows = uniform<float>(3, 100000, 0.6, 1);
+  expect_same_survivors(*large, rows, 100000, 3);
+
+  const auto far = GaugeMap::build(cross_polytope(3, 0x1p23 + 0.75, 1));
+  ASSERT_FALSE(far->table().single_precision);
+  auto shifted = uniform<float>(3, 50000, 2, 2);
+  for (float& v : shifted) v += 0x1p23F;
+  expect_same_survivors(*far, shifted, 50000, 3);
+}
+
+TEST_F(CudaGauge, IntegersGoAsDoubles) {
+  const auto map = GaugeMap::build(cross_polytope(3, 60, 50));
+  std::mt19937_64 random(1);
+  std::vector<std::int16_t> rows(30000);
+  for (auto& v : rows) v = static_cast<std::int16_t>(random() % 60 + 30);
+  const Options options;
+  const Control control(options);
+  const auto view = PointView::row_major(rows.data(), 10000, 3);
+  EXPECT_EQ(cuda::survivors_of_host_points(map->table(), view, 2, control),
+            map->survivors(view, 1, control));
+}
+
+// Several pieces, so that both slots are used more than once.
+TEST_F(CudaGauge, ManyPieces) {
+  const auto map = GaugeMap::build(cross_polytope(3, 0.125, 1));
+  const std::size_t n = 7000001;
+  const auto rows = uniform<float>(3, n, 0.6, 9);
+  expect_same_survivors(*map, rows, n, 3);
+}
+
+std::vector<float> ball(unsigned d, std::size_t n, double power, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> unit;
+  std::vector<float> rows(n * d);
+  for (std::size_t i = 0; i < n; ++i) {
+    double v[8], norm = 0;
+    for (unsigned j = 0; j < d; ++j) v[j] = normal(random), norm += v[j] * v[j];
+    const double scale = std::pow(unit(random), power) / std::sqrt(norm);
+    for (unsigned j = 0; j < d; ++j) rows[i * d + j] = static_cast<float>(v[j] * scale);
+  }
+  return rows;
+}
+
+template <class T>
+void expect_same_hull(const std::vector<T>& rows, std::size_t n, unsigned d,
+                      const std::string& what) {
+  Options plain;
+  plain.cull = CullMethod::none;
+  plain.backend = Backend::cpu;
+  const auto view = PointView::row_major(rows.data(), n, d);
+  const std::uint64_t expected = canonical_hash(convex_hull(view, plain));
+  const OnDevice there(rows);
+  const auto device = DevicePointView::row_major(there.data<T>(), n, d);
+  for (const CullMethod method : {CullMethod::automatic, CullMethod::gauge, CullMethod::none}) {
+    for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::cuda}) {
+      Options options;
+      options.cull = method;
+      options.backend = backend;
+      EXPECT_EQ(canonical_hash(convex_hull(device, options)), expected) << what;
+      EXPECT_EQ(canonical_hash(convex_hull(view, options)), expected) << what;
+    }
+  }
+}
+
+TEST_F(CudaGauge, HullsAreTheSameBitForBit) {
+  for (unsigned d = 2; d <= 6; ++d) {
+    const std::size_t n = d < 4 ? 200000 : d == 4 ? 50000 : 3000;
+    const auto rows = ball(d, n, 1.0 / d, d);
+    expect_same_hull(rows, n, d, std::to_string(d) + "D ball");
+    expect_same_hull(std::vector<double>(rows.begin(), rows.end()), n, d,
+                     std::to_string(d) + "D ball, f64");
+  }
+  expect_same_hull(ball(3, 20000, 0, 3), 20000, 3, "sphere");
+  std::vector<float> grid;  // ties, coplanar points, duplicates
+  for (int i = 0; i < 40; ++i)
+    for (int j = 0; j < 40; ++j)
+      for (int k = 0; k < 40; ++k)
+        for (const int v : {i, j, k}) grid.push_back(static_cast<float>(v));
+  grid.insert(grid.end(), grid.begin(), grid.end() - 3);
+  expect_same_hull(grid, grid.size() / 3, 3, "grid");
+  std::vector<float> flat = ball(3, 100000, 1.0 / 3, 4);
+  for (std::size_t i = 0; i < flat.size(); i += 3) flat[i] = 0.5F;
+  expect_same_hull(flat, 100000, 3, "flat");
+  expect_same_hull(std::vector<float>{-0.0F, 1, 2}, 1, 3, "a point");
+}
+
+TEST_F(CudaGauge, TheFirstPointThatIsNotFiniteIsNamed) {
+  const std::size_t n = 300000;
+  for (const std::size_t bad : {std::size_t{0}, std::size_t{123456}, n - 1}) {
+    auto rows = ball(3, n, 1.0 / 3, 5);
+    for (std::size_t i = bad; i < n; i += 1000) rows[3 * i + 1] = NAN;
+    const OnDevice there(rows);
+    for (const CullMethod method : {CullMethod::automatic, CullMethod::gauge, CullMethod::none}) {
+      Options options;
+      options.cull = method;
+      options.backend = Backend::cuda;
+      for (const bool whole : {false, true}) {
+        try {
+          const auto view = DevicePointView::row_major(there.data<float>(), n, 3);
+          if (whole)
+            convex_hull(view, options);
+          else
+            cull(view, options);
+          ADD_FAILURE() << "no error";
+        } catch (const Error& e) {
+          EXPECT_EQ(e.code(), ErrorCode::not_finite);
+          EXPECT_NE(std::string(e.what()).find("point " + std::to_string(bad) + ","),
+                    std::string::npos)
+              << e.what();
+        }
+      }
+    }
+  }
+}
+
+TEST_F(CudaGauge, ViewsThatNoDeviceReadsAreRefused) {
+  const std::vector<float> host(300, 0.0F);
+  const OnDevice there(host);
+  DevicePointView odd = DevicePointView::row_major(there.data<float>(), 90, 3);
+  odd.point_stride = 13;
+  for (const DevicePointView& view : {DevicePointView::row_major(host.data(), 100, 3), odd}) {
+    try {
+      convex_hull(view);
+      ADD_FAILURE() << "no error";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::invalid_argument) << e.what();
+    }
+  }
+}
+
+// The caller's stream may still be writing the points when the call begins.
+TEST_F(CudaGauge, WorkIsOrderedBehindTheStream) {
+  const std::size_t n = 1000000;
+  const auto rows = ball(3, n, 1.0 / 3, 6);
+  const cuda::Stream stream;
+  const OnDevice there(std::vector<float>(rows.size()));
+  cuda::PinnedArray<float> pinned(rows.size());
+  std::copy(rows.begin(), rows.end(), pinned.data());
+  cuda::check(cudaMemcpyAsync(there.data<float>(), pinned.data(), rows.size() * sizeof(float),
+                              cudaMemcpyHostToDevice, stream.get()),
+              "copying");
+  Options options;
+  options.backend = Backend::cuda;
+  const Hull hull =
+      convex_hull(DevicePointView::row_major(there.data<float>(), n, 3, stream.get()), options);
+  EXPECT_STREQ(hull.statistics.backend, "cuda");
+  EXPECT_EQ(canonical_hash(hull),
+            canonical_hash(convex_hull(PointView::row_major(rows.data(), n, 3))));
+}
+
+}  // namespace
+}  // namespace cullhull::internal

@@ -1,0 +1,183 @@
+// The PseudoHull on the device equals the host's, bit for bit, in every round; what it drops lies
+// strictly inside by exact arithmetic.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "cull/pseudo_hull.hpp"
+#include "cull/pseudo_hull_cuda.hpp"
+#include "cullhull/cull.hpp"
+#include "cullhull/error.hpp"
+#include "cullhull/options.hpp"
+#include "gpu/device.hpp"
+#include "reference/slow_hull.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+using testing::OnDevice;
+using testing::Stream;
+
+template <class T>
+std::vector<T> normal_points(std::size_t n, unsigned d, std::uint64_t seed, double step) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::vector<T> v(n * d);
+  for (T& x : v) {
+    const double value = normal(random);
+    x = static_cast<T>(step > 0 ? std::round(value / step) : value);
+  }
+  return v;
+}
+
+void expect_as_on_the_host(const PointView& host, const OnDevice& device, unsigned subsets,
+                           unsigned max_rounds, const std::string& name) {
+  const Stream stream;
+  std::vector<PseudoHullRound> rounds, expected;
+  const auto got = pseudo_hull_survivors_cuda(device.view(host, stream), {subsets, max_rounds},
+                                              Control(Options{}), &rounds);
+  EXPECT_EQ(got,
+            pseudo_hull_survivors(host, {subsets, max_rounds}, 0, Control(Options{}), &expected))
+      << name << ", " << host.dimension << "D, " << host.count << " points, " << subsets
+      << " subsets, " << max_rounds << " rounds";
+  ASSERT_EQ(rounds.size(), expected.size()) << name;
+  for (std::size_t r = 0; r < rounds.size(); ++r) {
+    EXPECT_EQ(rounds[r].facets, expected[r].facets) << name << ", round " << r;
+    EXPECT_EQ(rounds[r].exterior, expected[r].exterior) << name << ", round " << r;
+    EXPECT_EQ(rounds[r].culled, expected[r].culled) << name << ", round " << r;
+    EXPECT_EQ(rounds[r].kept, expected[r].kept) << name << ", round " << r;
+  }
+}
+
+template <class T>
+void expect_as_on_the_host(const std::vector<T>& points, const PointView& host,
+                           const std::string& name) {
+  const OnDevice device(points);
+  if (testing::short_run()) return expect_as_on_the_host(host, device, 2, 100, name);
+  for (const unsigned subsets : {1U, 3U})
+    for (const unsigned max_rounds : {0U, 2U, 100U})
+      expect_as_on_the_host(host, device, subsets, max_rounds, name);
+}
+
+template <class T>
+void expect_agreement(unsigned d) {
+  const std::size_t n = testing::short_run() ? 1100 : d <= 4 ? 6000 : 2500;
+  for (const double step : {0.0, 0.5}) {  // on a grid ties and duplicates are the rule
+    const std::vector<T> p = normal_points<T>(n, d, 41 * d, step);
+    expect_as_on_the_host(p, PointView::row_major(p.data(), n, d), "rows");
+    expect_as_on_the_host(p, PointView::column_major(p.data(), n, d), "columns");
+    PointView backwards = PointView::row_major(p.data() + (n - 1) * d, n / 3, d);
+    backwards.point_stride = -2 * backwards.point_stride;
+    expect_as_on_the_host(p, backwards, "every second point, backwards");
+  }
+}
+
+TEST(PseudoHullGpu, EqualsTheHostInEveryRound) {
+  CULLHULL_NEEDS_DEVICE();
+  for (unsigned d = 2; d <= pseudo_hull_cuda_max_dimension; ++d) {
+    expect_agreement<float>(d);
+    expect_agreement<double>(d);
+  }
+}
+
+TEST(PseudoHullGpu, FewPointsAndBordersOfBlocks) {
+  CULLHULL_NEEDS_DEVICE();
+  for (const std::size_t n : {0, 1, 2, 3, 4, 5, 31, 32, 33, 255, 256, 257, 511, 512, 513, 1535})
+    for (const unsigned d : {2U, 3U}) {
+      const std::vector<float> p = normal_points<float>(n, d, 7 + n, 0);
+      expect_as_on_the_host(p, PointView::row_major(p.data(), n, d), "few");
+    }
+}
+
+TEST(PseudoHullGpu, FlatTinyHugeAndNotFinite) {
+  CULLHULL_NEEDS_DEVICE();
+  const std::size_t n = 1500;
+  std::vector<double> flat = normal_points<double>(n, 3, 1, 0);
+  for (std::size_t i = 0; i < n; ++i) flat[3 * i + 2] = flat[3 * i] + flat[3 * i + 1];
+  expect_as_on_the_host(flat, PointView::row_major(flat.data(), n, 3), "flat");
+  const std::vector<double> equal(3 * n, 0.1);
+  expect_as_on_the_host(equal, PointView::row_major(equal.data(), n, 3), "equal");
+  for (const double scale : {1e-322, 1e-300, 1e307}) {
+    std::vector<double> v = normal_points<double>(n, 3, 2, 0);
+    for (double& x : v) x *= scale;
+    expect_as_on_the_host(v, PointView::row_major(v.data(), n, 3), std::to_string(scale));
+  }
+  for (const float scale : {1e-44F, 1e-38F, 1e37F}) {  // subnormal floats count, too
+    std::vector<float> v = normal_points<float>(n, 3, 3, 0);
+    for (float& x : v) x *= scale;
+    expect_as_on_the_host(v, PointView::row_major(v.data(), n, 3), std::to_string(scale));
+  }
+  std::vector<float> bad = normal_points<float>(n, 3, 4, 0);
+  for (std::size_t i = 7; i < bad.size(); i += 97)
+    bad[i] = i % 2 != 0 ? NAN : std::numeric_limits<float>::infinity();
+  expect_as_on_the_host(bad, PointView::row_major(bad.data(), n, 3), "not finite");
+}
+
+TEST(PseudoHullGpu, WhatItDropsIsStrictlyInsideExactly) {
+  CULLHULL_NEEDS_DEVICE();
+  for (unsigned d = 2; d <= 4; ++d)
+    for (const double step : {0.0, 0.25}) {
+      const std::size_t n = d == 4 ? 150 : 500;
+      const std::vector<double> p = normal_points<double>(n, d, 3 * d, step);
+      const reference::SlowHull hull(p, d);
+      const PointView view = PointView::row_major(p.data(), n, d);
+      const OnDevice device(p);
+      const Stream stream;
+      const auto kept =
+          pseudo_hull_survivors_cuda(device.view(view, stream), {}, Control(Options{}));
+      EXPECT_LT(kept.size(), n);
+      for (std::uint64_t i = 0, k = 0; i < n; ++i) {
+        if (k < kept.size() && kept[k] == i)
+          ++k;
+        else
+          EXPECT_EQ(hull.locate(hull.point(static_cast<std::uint32_t>(i))), -1) << d << "D " << i;
+      }
+    }
+}
+
+TEST(PseudoHullGpu, RefusesWhatItCannotDo) {
+  CULLHULL_NEEDS_DEVICE();
+  const std::vector<int> p(70, 1);
+  const OnDevice device(p);
+  const Stream stream;
+  const auto refused = [&](const PointView& view) {
+    try {
+      pseudo_hull_survivors_cuda(device.view(view, stream), {}, Control(Options{}));
+    } catch (const Error& e) {
+      return e.code() == ErrorCode::invalid_argument;
+    }
+    return false;
+  };
+  EXPECT_TRUE(refused(PointView::row_major(p.data(), 10, 3)));
+  EXPECT_TRUE(refused(PointView::row_major(reinterpret_cast<const float*>(p.data()), 10, 7)));
+  PointView crooked = PointView::row_major(reinterpret_cast<const float*>(p.data()), 10, 3);
+  crooked.data += 2;
+  EXPECT_TRUE(refused(crooked));
+  // The device works as before.
+  const std::vector<float> good = normal_points<float>(300, 3, 1, 0);
+  expect_as_on_the_host(good, PointView::row_major(good.data(), 300, 3), "after an error");
+}
+
+// Beyond what a checker of memory accesses has the patience for.
+TEST(PseudoHullGpuLarge, EqualsTheHost) {
+  CULLHULL_NEEDS_DEVICE();
+  struct Case {
+    std::size_t n;
+    unsigned d;
+    double step;
+  };
+  for (const Case c : {Case{3'000'000, 3, 0}, Case{2'000'000, 2, 0}, Case{500'000, 4, 0},
+                       Case{1'000'000, 3, 0.0625}}) {
+    const std::vector<float> p = normal_points<float>(c.n, c.d, c.n + c.d, c.step);
+    const PointView view = PointView::row_major(p.data(), c.n, c.d);
+    const OnDevice device(p);
+    for (const unsigned subsets : {1U, 4U})
+      expect_as_on_the_host(view, device, subsets, 100, "large");
+  }
+}
+
+}  // namespace
+}  // namespace cullhull::internal

@@ -1,0 +1,83 @@
+#include "cullhull/array.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstring>
+#include <numeric>
+#include <thread>
+
+#include "parallel/big_array.hpp"
+#include "parallel/pages.hpp"
+
+namespace cullhull {
+namespace {
+
+TEST(Array, GrowsAsAVectorDoes) {
+  Array<std::uint64_t> a{7};
+  for (std::uint64_t i = 1; i < 2'000'000; ++i) a.push_back(i);  // past the size of small blocks
+  a.resize(3'000'000, 5);
+  EXPECT_EQ(a[0], 7U);
+  for (std::uint64_t i = 1; i < 2'000'000; ++i) ASSERT_EQ(a[i], i);
+  EXPECT_EQ(a[2'000'000], 5U);
+  EXPECT_EQ(a.back(), 5U);
+  const Array<std::uint64_t> copy = a;
+  EXPECT_EQ(copy, a);
+  a = {};
+  EXPECT_TRUE(a.empty());
+}
+
+TEST(Array, RefusesImpossibleSizes) {
+  ArrayAllocator<std::uint64_t> allocator;
+  EXPECT_THROW(static_cast<void>(allocator.allocate(~std::size_t{0} / 4)), std::bad_alloc);
+  EXPECT_THROW(static_cast<void>(allocator.allocate(~std::size_t{0} / 8)), std::bad_alloc);
+}
+
+/// Blocks in use never overlap, whatever was freed and split before.
+TEST(Pages, BlocksInUseAreApart) {
+  const internal::PageScope outer;
+  constexpr std::size_t mega = std::size_t{1} << 20;
+  const auto work = [](unsigned seed) {
+    const internal::PageScope inner;
+    std::vector<std::pair<unsigned char*, std::size_t>> live;
+    const auto release = [&](std::size_t at) {
+      const auto [p, bytes] = live[at];
+      for (std::size_t i = 0; i < bytes; i += 4096) ASSERT_EQ(p[i], p[0]);
+      ASSERT_EQ(p[bytes - 1], p[0]);
+      internal::free_block(p, bytes);
+      live.erase(live.begin() + static_cast<std::ptrdiff_t>(at));
+    };
+    for (unsigned i = 0; i < 60; ++i) {
+      seed = seed * 1664525 + 1013904223;
+      const std::size_t bytes = (3 + seed / 65536 % 10) * mega + seed % 4096;
+      auto* p = static_cast<unsigned char*>(internal::allocate_block(bytes));
+      for (std::size_t at = 0; at < bytes; at += 4096)
+        p[at] = static_cast<unsigned char>(seed >> 8);
+      p[bytes - 1] = p[0];
+      live.emplace_back(p, bytes);
+      if (live.size() > 6) release(seed / 7 % live.size());
+    }
+    while (!live.empty()) release(live.size() - 1);
+  };
+  std::thread other(work, 1);
+  work(2);
+  other.join();
+}
+
+TEST(Pages, FreedPagesServeAgainWithinAScopeOnly) {
+  constexpr std::size_t bytes = std::size_t{8} << 20;
+  const internal::PageScope scope;
+  internal::BigArray<std::uint32_t> first(bytes / 4);
+  const void* const place = first.get();
+  first = {};
+  const internal::BigArray<std::uint32_t> second(bytes / 4);
+#if defined(__linux__)
+  EXPECT_EQ(static_cast<const void*>(second.get()), place);
+#else
+  EXPECT_NE(second.get(), nullptr);
+  static_cast<void>(place);
+#endif
+}
+
+}  // namespace
+}  // namespace cullhull

@@ -1,0 +1,80 @@
+// The device's executor without a device: the same kernel bodies in loops over blocks and threads,
+// in an order that no plain loop has, so that what depends on the order of work shows.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "parallel/device_kernels.hpp"
+#include "parallel/primitives.hpp"
+
+namespace cullhull::internal {
+
+class EmulatedExecutor : public HostMemory {
+ public:
+  static constexpr std::uint32_t grain = 1;  // as on the device
+
+  explicit EmulatedExecutor(std::uint32_t blocks = 3, std::uint32_t block_size = 64)
+      : blocks_(blocks), block_size_(block_size) {}
+
+  template <class Body>
+  void for_each(std::uint32_t count, Body body) const {
+    const ForEachKernel<Body> kernel{body, count};
+    for_threads([&](const GridThread& at) { kernel.run(at); });
+  }
+
+  template <class T, class Map, class Combine>
+  T reduce(std::uint32_t count, T identity, Map map, Combine combine) const {
+    std::vector<T> partial(blocks_, identity);
+    const ReduceKernel<T, Map, Combine> kernel{map, combine, identity, count, partial.data()};
+    std::vector<std::vector<T>> tables(blocks_, std::vector<T>(block_size_, identity));
+    const auto table = [&](const GridThread& at) { return tables[at.block].data(); };
+    for_threads([&](const GridThread& at) { kernel.collect(at, table(at)); });
+    for (std::uint32_t width = block_size_ / 2; width > 0; width /= 2)
+      for_threads([&](const GridThread& at) { kernel.fold(at, width, table(at)); });
+    for_threads([&](const GridThread& at) { kernel.finish(at, table(at)); });
+    for (const T& p : partial) identity = combine(identity, p);
+    return identity;
+  }
+
+  template <class Keep, class Emit>
+  std::uint32_t select(std::uint32_t count, Keep keep, Emit emit) const {
+    std::vector<std::uint32_t> kept;
+    for (std::uint32_t i = 0; i < count; ++i)
+      if (keep(i)) kept.push_back(i);
+    for (std::size_t k = kept.size(); k-- > 0;) emit(kept[k], static_cast<std::uint32_t>(k));
+    return static_cast<std::uint32_t>(kept.size());
+  }
+
+  template <class Keep>
+  std::uint32_t enumerate(std::uint32_t count, Keep keep, std::uint32_t* number) const {
+    return SerialExecutor{}.enumerate(count, keep, number);
+  }
+
+  template <class Body>
+  std::uint32_t scatter_max(std::uint32_t count, std::uint32_t cells, Body body,
+                            std::uint64_t* best) const {
+    const std::uint32_t copies = scatter_copies(cells);
+    std::vector<std::uint64_t> copied(std::size_t{copies} * cells, 0);
+    const ScatterMaxKernel<Body> kernel{body, count, cells, copies, copied.data()};
+    std::uint32_t none = 0;
+    for_threads([&](const GridThread& at) { none += kernel.run(at); });
+    for_each(cells, FoldCopies{copied.data(), cells, copies, best});
+    return none;
+  }
+
+  static void lower(std::uint32_t& target, std::uint32_t value) {
+    DeviceAtomics::lower(target, value);
+  }
+
+ private:
+  template <class Run>
+  void for_threads(Run run) const {
+    for (std::uint32_t b = blocks_; b-- > 0;)
+      for (std::uint32_t t = block_size_; t-- > 0;) run({b, t, block_size_, blocks_});
+  }
+  std::uint32_t blocks_, block_size_;
+};
+
+}  // namespace cullhull::internal

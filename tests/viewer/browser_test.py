@@ -1,0 +1,337 @@
+#!/usr/bin/env python3
+"""browser_test.py CULLHULL: what `cullhull view` writes, opened in a browser from file://."""
+import json
+import os
+import random
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import browser as browser_module  # noqa: E402
+from browser import Browser, pixels_changed  # noqa: E402
+
+APP = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else "cullhull"
+MOST_BYTES = 12_000_000
+
+
+def setUpModule():
+    global folder, browser
+    folder = tempfile.TemporaryDirectory(prefix="cullhull-view-")
+    browser = Browser()
+
+
+def tearDownModule():
+    browser.close()
+    folder.cleanup()
+
+
+def path(name):
+    return os.path.join(folder.name, name)
+
+
+def app(*arguments):
+    return subprocess.run([APP, *arguments], check=True, capture_output=True, text=True).stdout
+
+
+def generated(name, *arguments):
+    app("generate", *arguments, "-o", path(name))
+    return path(name)
+
+
+def written(name, rows):
+    with open(path(name), "w") as file:
+        file.writelines(" ".join(repr(float(x)) for x in row) + "\n" for row in rows)
+    return path(name)
+
+
+def flattened(report, prefix=""):
+    for key, value in report.items():
+        if isinstance(value, dict):
+            yield from flattened(value, prefix + key + ".")
+        elif value != []:
+            yield prefix + key, value
+
+
+class Page(unittest.TestCase):
+    def view(self, source, *options):
+        """Makes and opens a page; the report that was written beside it."""
+        page, report = source + ".html", source + ".report.json"
+        app("view", source, "-o", page, f"--json={report}", *options)
+        self.assertLess(os.path.getsize(page), MOST_BYTES)
+        browser.screen(1000, 700)
+        self.assertEqual(browser.open(page), [])
+        self.page = page
+        with open(report) as file:
+            return json.load(file)
+
+    def key(self, *keys):
+        from selenium.webdriver.common.action_chains import ActionChains
+
+        def press():
+            canvas = browser.driver.find_element("id", "canvas")
+            browser.run("arguments[0].focus()", canvas)
+            ActionChains(browser.driver).send_keys(*keys).perform()
+
+        browser.doing(press)
+
+    def click(self, element_id):
+        browser.doing(lambda: browser.driver.find_element("id", element_id).click())
+
+    def text(self, element_id):
+        return browser.run("return document.getElementById(arguments[0]).innerText", element_id)
+
+    def expect_not_blank(self, least):
+        """So many pixels below the buttons are not the paper's, with the axes switched off."""
+        from PIL import ImageColor
+
+        self.click("show-axes")
+        picture = browser.picture("canvas")
+        picture = picture.crop((0, 60, picture.width, picture.height))
+        paper = ImageColor.getrgb(browser.run(
+            "return getComputedStyle(document.documentElement).getPropertyValue('--paper').trim()"))
+        colours = picture.getcolors(maxcolors=1 << 24)
+        self.assertGreater(sum(count for count, colour in colours if colour != paper), least)
+        self.click("show-axes")
+
+    def expect_figures(self, report):
+        cells = browser.run(
+            "return [...document.querySelectorAll('td[data-key]')]"
+            ".map(c => [c.dataset.key, c.dataset.value, c.innerText])")
+        self.assertEqual({k: json.loads(v) for k, v, _ in cells}, dict(flattened(report)))
+        for key, value, text in cells:
+            value = json.loads(value)
+            if isinstance(value, str):
+                self.assertIn(text, (value, "beyond the doubles"))
+            elif isinstance(value, (int, float)) and not isinstance(value, bool):
+                read = text.replace(",", "").replace("−", "-")
+                number = float(read.split()[0])
+                unit = {"ms": 1e-3, "MB": 1e6}.get(read.split()[-1], 1)
+                exact = "seconds" not in key and "bytes" not in key
+                allowed = 0 if exact else max(0.0051 * abs(value), 0.051 * unit)
+                self.assertLessEqual(abs(number * unit - value), allowed, key)
+
+    def expect_toggles_work(self, wanted):
+        enabled = browser.run(
+            "return [...document.querySelectorAll('#toggles input:not(:disabled)')].map(b => b.id)")
+        self.assertEqual(sorted(enabled), sorted("show-" + name for name in wanted))
+        whole = browser.picture()
+        for toggle in enabled:
+            self.click(toggle)
+            self.assertGreater(pixels_changed(whole, browser.picture()), 15, toggle)
+            self.click(toggle)
+            self.assertEqual(pixels_changed(whole, browser.picture()), 0, toggle)
+
+
+class Static(Page):
+    def test_solid(self):
+        source = generated("ball.npy", "ball", "-n", "200k", "-d", "3")
+        report = self.view(source)
+        self.expect_figures(report)
+        alone = json.loads(app("hull", source, "--json", "-q"))
+        for name in ("points", "vertex_count", "facet_count", "area", "volume", "centroid"):
+            self.assertEqual(report[name], alone[name])
+        self.assertEqual(report["cull"]["survivors"], alone["cull"]["survivors"])
+        self.expect_not_blank(10_000)
+        everything = ("points", "survivors", "vertices", "faces", "edges", "axes")
+        # A ball is as wide as high, nearly: nothing to see when it is stretched, so not tried.
+        browser.run("document.getElementById('show-stretch').disabled = true")
+        self.expect_toggles_work(everything)
+
+    def test_turning_zooming_and_back(self):
+        from selenium.webdriver.common.action_chains import ActionChains
+
+        self.view(generated("cube.npy", "cube", "-n", "5k", "-d", "3"))
+        whole = browser.picture()
+        canvas = browser.driver.find_element("id", "canvas")
+
+        def drag():
+            ActionChains(browser.driver).drag_and_drop_by_offset(canvas, 120, 40).perform()
+
+        def wheel():
+            browser.driver.execute_cdp_cmd("Input.dispatchMouseEvent", {
+                "type": "mouseWheel", "x": 300, "y": 300, "deltaX": 0, "deltaY": -240})
+
+        for act in (drag, wheel, lambda: canvas.send_keys("+"), lambda: canvas.send_keys("\ue012"),
+                    lambda: browser.driver.find_element("id", "nearer").click()):
+            before = browser.picture()
+            browser.doing(act)
+            self.assertGreater(pixels_changed(before, browser.picture()), 100)
+        self.click("reset")
+        # Below the buttons: the one under the mouse looks different.
+        below = (0, 60, whole.width, whole.height)
+        self.assertEqual(pixels_changed(whole.crop(below), browser.picture().crop(below)), 0)
+        self.assertEqual(browser.complaints(self.page), [])
+
+    def test_picking(self):
+        source = generated("few.npy", "ball", "-n", "300", "-d", "3")
+        self.view(source)
+        app("hull", source, "-o", path("few.json"), "-q")
+        with open(path("few.json")) as file:
+            hull = json.load(file)
+        for vertex in range(3):
+            self.key("n")
+            shown = self.text("picked").replace("−", "-").split()
+            self.assertEqual(shown[:2], ["Vertex", str(hull["vertices"][vertex])])
+            self.assertEqual([float(x) for x in shown[3::2]], hull["vertex_coordinates"][vertex])
+        self.key("\ue00c")  # Escape
+        self.assertIn("Click", self.text("picked"))
+
+    def test_one_point_is_picked_by_a_click(self):
+        self.view(written("one.txt", [(3, 4, 5)] * 3))
+        self.expect_not_blank(20)
+        self.click("canvas")  # its middle
+        self.assertEqual(self.text("picked").split(), ["Vertex", "0", "x", "3", "y", "4", "z", "5"])
+
+    def test_three_points(self):
+        self.expect_figures(self.view(written("three.txt", [(0, 0, 0), (1, 0, 0.2), (0, 1, 0.5)])))
+        self.expect_not_blank(2000)
+        self.assertIn("They lie in a plane", self.text("summary"))
+        self.expect_toggles_work(("vertices", "faces", "edges", "axes", "stretch"))
+
+    def test_flat_set(self):
+        draw = random.Random(4)
+        points = [(draw.randrange(500), draw.randrange(500)) for _ in range(2000)]
+        self.expect_figures(self.view(written("flat.txt", [(x, y, x + 2 * y) for x, y in points])))
+        self.expect_not_blank(2000)
+        self.assertIn("They lie in a plane", self.text("summary"))
+
+    def test_line(self):
+        self.expect_figures(self.view(written("line.txt", [(k, 2 * k, 3 * k) for k in range(30)])))
+        self.expect_not_blank(100)
+
+    def test_no_points(self):
+        import struct
+
+        header = b"{'descr': '<f8', 'fortran_order': False, 'shape': (0, 3), }".ljust(117) + b"\n"
+        with open(path("none.npy"), "wb") as file:
+            file.write(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header)
+        self.view(path("none.npy"))
+        self.assertIn("no points", self.text("message"))
+
+    def test_huge_coordinates(self):
+        draw = random.Random(5)
+        rows = [[1.7e308 * draw.uniform(-1, 1) for _ in range(3)] for _ in range(500)]
+        self.expect_figures(self.view(written("huge.txt", rows)))
+        self.expect_not_blank(5000)
+
+    def test_plot(self):
+        source = generated("disk.npy", "ball", "-n", "50k", "-d", "2")
+        self.expect_figures(self.view(source))
+        self.expect_not_blank(5000)
+        browser.run("document.getElementById('show-stretch').disabled = true")
+        self.expect_toggles_work(("points", "survivors", "vertices", "faces", "edges", "axes"))
+        before = browser.picture()
+        self.key("+")
+        self.assertGreater(pixels_changed(before, browser.picture()), 1000)
+
+    def test_five_dimensions(self):
+        from selenium.webdriver.support.ui import Select
+
+        self.expect_figures(self.view(generated("d5.npy", "gauss", "-n", "3k", "-d", "5")))
+        self.expect_not_blank(5000)
+        before = browser.picture()
+        choice = Select(browser.driver.find_element("id", "axis-0"))
+        browser.doing(lambda: choice.select_by_visible_text("x5"))
+        self.assertGreater(pixels_changed(before, browser.picture()), 1000)
+        after = browser.picture()
+        choice = Select(browser.driver.find_element("id", "axis-2"))
+        browser.doing(lambda: choice.select_by_visible_text("x5"))  # changes places with the first
+        self.assertEqual(browser.run("return document.getElementById('axis-0').value"), "2")
+        self.assertGreater(pixels_changed(after, browser.picture()), 1000)
+
+    def test_hull_file(self):
+        source = generated("h.npy", "cube", "-n", "20k", "-d", "3")
+        app("hull", source, "-o", path("h.json"), "-q")
+        report = self.view(path("h.json"))
+        self.expect_figures(report)
+        self.assertNotIn("threads", report)
+        self.expect_not_blank(5000)
+        self.assertIn("without its points", self.text("notes"))
+
+    def test_eight_million_points(self):
+        report = self.view(generated("big.npy", "ball", "-n", "8M", "-d", "3", "--type", "f32"))
+        os.remove(path("big.npy"))
+        self.expect_figures(report)
+        self.expect_not_blank(10_000)
+        self.assertIn("a fair sample", self.text("notes"))
+
+    def test_hull_too_large_for_a_page(self):
+        report = self.view(generated("sphere.npy", "sphere", "-n", "150k", "-d", "3"))
+        self.assertGreater(report["vertex_count"], 140_000)
+        self.expect_figures(report)
+        self.expect_not_blank(10_000)
+        self.assertIn("too large for this page", self.text("notes"))
+
+    def test_dark_and_phone(self):
+        self.view(generated("p.npy", "octahedron", "-n", "20k", "-d", "3"))
+        light = browser.picture().getpixel((5, 300))
+        browser.doing(lambda: browser.screen(1000, 700, dark=True))
+        dark = browser.picture().getpixel((5, 300))
+        self.assertLess(sum(dark), 150)
+        self.assertGreater(sum(light), 600)
+        browser.doing(lambda: browser.screen(390, 844))
+        self.assertLessEqual(browser.run("return document.documentElement.scrollWidth"), 390)
+        self.assertGreater(len(browser.picture().getcolors(maxcolors=1 << 24)), 100)
+
+
+class Moving(Page):
+    def test_slider_and_play(self):
+        reports = self.view(
+            generated("moving.npy", "cube", "-n", "2k", "-d", "3", "--frames", "12", "--motion", "twist"))
+        self.assertEqual(len(reports), 12)
+        self.expect_figures(reports[0])
+        self.expect_not_blank(5000)
+        first = browser.picture("canvas")
+        for frame in (5, 11):
+            browser.doing(lambda: browser.run(
+                "const t = document.getElementById('time'); t.value = arguments[0];"
+                "t.dispatchEvent(new Event('input'))", frame))
+            self.expect_figures(reports[frame])
+            self.assertGreater(pixels_changed(first, browser.picture("canvas")), 500)
+        self.key(".")  # around to the first
+        self.assertEqual(self.text("when"), "frame 0 of 12")
+        browser.run("document.activeElement.blur()")  # a ring shows where the keyboard is
+        self.assertEqual(pixels_changed(first, browser.picture("canvas")), 0)
+        before = browser.drawn()
+        browser.driver.find_element("id", "play").click()
+        while browser.drawn() < before + 3:
+            pass
+        browser.driver.find_element("id", "play").click()
+        self.assertNotEqual(self.text("when"), "frame 0 of 12")
+
+    def test_long_sequences_are_thinned(self):
+        reports = self.view(
+            generated("long.npy", "cube", "-n", "50", "-d", "2", "--frames", "300", "--motion", "spin"))
+        self.assertEqual(len(reports), 120)
+        self.assertIn("120 of 300 frames", self.text("notes"))
+
+
+class Errors(unittest.TestCase):
+    def refused(self, status, part, *arguments):
+        ran = subprocess.run([APP, "view", *arguments], capture_output=True, text=True)
+        self.assertEqual(ran.returncode, status, ran.stderr)
+        self.assertIn(part, ran.stderr)
+        self.assertEqual(ran.stderr.count("\n"), 1)
+
+    def test_one_line_and_a_status(self):
+        good = written("good.txt", [(0, 0), (1, 0), (0, 1)])
+        self.refused(2, "--output", good)
+        self.refused(1, "cannot open", path("absent.npy"), "-o", path("x.html"))
+        self.refused(1, "cannot write", good, "-o", path("nowhere/x.html"))
+        self.refused(2, "standard output", good, "-o", "-", "--json")
+        app("hull", good, f"--json={path('report.json')}", "-q")
+        self.refused(1, "no hull with its lists", path("report.json"), "-o", path("x.html"))
+        self.assertFalse(os.path.exists(path("x.html")))
+
+    def test_names_are_text(self):
+        source = written("<b>&\"x\".txt", [(0, 0), (1, 0), (0, 1)])
+        app("view", source, "-o", path("named.html"))
+        self.assertEqual(browser.open(path("named.html")), [])
+        self.assertEqual(browser.driver.title, "<b>&\"x\".txt")
+
+
+if __name__ == "__main__":
+    browser_module.require()
+    unittest.main(verbosity=2)

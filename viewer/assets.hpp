@@ -1,0 +1,15 @@
+// The files of viewer/assets/ and three.js, embedded at build time (viewer/CMakeLists.txt).
+#pragma once
+
+#include <string_view>
+
+namespace cullhull::viewer::assets {
+
+extern const std::string_view page_html;  ///< the frame of every page, with {{places}}
+extern const std::string_view base_css;   ///< colours, type, tables: every page
+extern const std::string_view view_html, view_css;
+extern const std::string_view data_js, axes_js, camera_js, stage_js, panel_js, view_js;
+extern const std::string_view three_licence_txt;
+extern const std::string_view three_js;  ///< empty where it was not found
+
+}  // namespace cullhull::viewer::assets

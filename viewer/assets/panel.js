@@ -1,0 +1,133 @@
+"use strict";
+// The words beside the picture: figures, what was drawn, the picked point.
+
+const grouped = new Intl.NumberFormat("en-GB");
+
+function element(tag, attributes, ...children) {
+  const node = document.createElement(tag);
+  for (const name in attributes) node.setAttribute(name, attributes[name]);
+  node.append(...children);
+  return node;
+}
+
+// {"cull": {"method": ...}} as [["cull.method", ...], ...]
+function flattened(report, prefix = "") {
+  return Object.entries(report).flatMap(([key, value]) =>
+    value !== null && typeof value === "object" && !Array.isArray(value)
+      ? flattened(value, prefix + key + ".")
+      : [[prefix + key, value]]);
+}
+
+function measureNames(k) {
+  if (k <= 0) return { volume: "Volume", area: "Boundary" };
+  if (k === 1) return { volume: "Length", area: "Ends" };
+  if (k === 2) return { volume: "Area", area: "Perimeter" };
+  if (k === 3) return { volume: "Volume", area: "Surface area" };
+  return { volume: `Volume (${k}D)`, area: `Boundary (${k - 1}D)` };
+}
+
+const figureNames = {
+  "points.count": "Points", "points.dimension": "Dimension", "points.scalar": "Scalar type",
+  affine_dimension: "Affine dimension", vertex_count: "Vertices", facet_count: "Facets",
+  simplex_count: "Simplices", centroid: "Centroid", "cull.method": "Filter", "cull.survivors": "Survivors",
+  "cull.seconds": "Filtering", "hull.engine": "Engine", "hull.seconds": "Hull", read_seconds: "Reading",
+  compute_seconds: "Computing", compute_seconds_all: "Each run", peak_bytes: "Peak memory", certified: "Certified",
+  threads: "Threads", backend: "Backend", version: "cullhull",
+};
+const resultFigures = new Set(["points.count", "points.dimension", "points.scalar", "affine_dimension", "vertex_count", "facet_count", "simplex_count", "area", "volume", "centroid", "cull.survivors"]);
+
+// All digits that tell the double from its neighbours; groups of three before the point.
+function numberText(value) {
+  const size = Math.abs(value);
+  if (size >= 1e15 || (size < 1e-4 && size > 0)) return value.toExponential().replace("e+", "e").replaceAll("-", "−");
+  const [whole, rest] = String(size).split(".");
+  return (value < 0 ? "−" : "") + whole.replace(/\B(?=(\d{3})+$)/g, ",") + (rest ? "." + rest : "");
+}
+
+function figureText(key, value) {
+  if (value === null) return "not asked";
+  if (typeof value === "boolean") return value ? "yes" : "no";
+  if (Array.isArray(value)) return value.map((v) => figureText(key, v)).join(", ");
+  if (typeof value === "string") return value.replace("inf", "beyond the doubles");
+  if (key.endsWith("seconds") || key.endsWith("seconds_all"))
+    return value < 1 ? `${Number((value * 1e3).toPrecision(3))} ms` : `${Number(value.toPrecision(3))} s`;
+  if (key.endsWith("_bytes")) return `${(value / 1e6).toFixed(1)} MB`;
+  return numberText(value);
+}
+
+// Every figure of the report; data-value holds it unrounded.
+function showFigures(report) {
+  const names = { ...figureNames, ...measureNames(report.affine_dimension) };
+  const rows = { result: [], run: [] };
+  for (const [key, value] of flattened(report)) {
+    if (Array.isArray(value) && value.length === 0) continue;
+    const lines = key === "centroid" ? value.map((v) => element("div", {}, figureText(key, v))) : [figureText(key, value)];
+    const cell = element("td", { "data-key": key, "data-value": JSON.stringify(value) }, ...lines);
+    rows[resultFigures.has(key) ? "result" : "run"].push(element("tr", {}, element("th", { scope: "row" }, names[key] || key), cell));
+  }
+  for (const id in rows) document.querySelector(`#${id} tbody`).replaceChildren(...rows[id]);
+  document.getElementById("run-part").hidden = rows.run.length < 2;  // the version alone
+}
+
+function plural(count, one, many) {
+  return `${grouped.format(count)} ${count === 1 ? one : many || one + "s"}`;
+}
+
+function summaryOf(scene, frame) {
+  const r = frame.report;
+  const count = plural(r.points.count, "point");
+  if (r.points.count === 0) return "No points.";
+  let text = `${count} in ${r.points.dimension}D. Hull: ${plural(r.vertex_count, "vertex", "vertices")}, ${plural(r.facet_count, "facet")}.`;
+  if (frame.affine_dimension < scene.dimension)
+    text += ["They are all equal.", "They lie on a line.", "They lie in a plane."].map((s) => " " + s)[frame.affine_dimension]
+      || ` They span dimension ${frame.affine_dimension} only.`;
+  return text;
+}
+
+function notesOf(scene, frame) {
+  const part = (drawn, all, one, many) =>
+    drawn === all ? `all ${plural(all, one, many)}` : `${grouped.format(drawn)} of ${plural(all, one, many)}, a fair sample`;
+  const notes = [];
+  const list = [];
+  if (!frame.simplified) list.push(part(frame.vertices, frame.all_vertices, "vertex", "vertices"));
+  if (frame.all_survivors > 0) list.push(part(frame.survivors, frame.all_survivors, "other survivor"));
+  if (frame.all_points > 0) list.push(part(frame.points, frame.all_points, "dropped point"));
+  if (frame.simplified)
+    notes.push(`The hull is too large for this page. Drawn is the hull of ${grouped.format(frame.vertices)} of its ${grouped.format(frame.all_vertices)} vertices, a fair sample.`);
+  if (list.length > 0) notes.push(list.join("; ") + ".");
+  if (frame.edges_sampled || (frame.affine_dimension > 3 && frame.vertices < frame.all_vertices))
+    notes.push(`Of the edges ${grouped.format(frame.edges.length / 2)} are drawn, a fair sample.`);
+  if (!frame.has_points && scene.dimension > 0 && frame.all_vertices > 0)
+    notes.push("This page was made from a hull alone, without its points.");
+  if (scene.axes < scene.dimension)
+    notes.push(`Only the first ${scene.axes} of ${grouped.format(scene.dimension)} coordinates are in this page.`);
+  if (scene.frame_count > scene.frames.length)
+    notes.push(`${scene.frames.length} of ${grouped.format(scene.frame_count)} frames are in this page.`);
+  if (frame.affine_dimension > 3)
+    notes.push("Seen is the shadow of the hull on the three axes chosen: all its vertices and edges, projected.");
+  return notes;
+}
+
+function showNotes(scene, frame) {
+  const notes = notesOf(scene, frame).map((s) => s[0].toUpperCase() + s.slice(1));
+  document.getElementById("notes").replaceChildren(...notes.map((s) => element("p", {}, s)));
+  document.getElementById("summary").textContent = summaryOf(scene, frame);
+}
+
+function rowKind(frame, row) {
+  return row < frame.vertices ? "Vertex" : row < frame.vertices + frame.survivors ? "Survivor" : "Dropped point";
+}
+
+function showPicked(scene, frame, row) {
+  const box = document.getElementById("picked");
+  if (row === null) {
+    box.replaceChildren(element("span", { class: "soft" }, "Click a vertex to read its id and coordinates."));
+    return;
+  }
+  const rows = [];
+  for (let axis = 0; axis < scene.axes; ++axis)
+    rows.push(element("tr", {}, element("th", { scope: "row" }, axisName(axis, scene.dimension)),
+      element("td", {}, String(frame.coordinates[row * scene.axes + axis]))));
+  box.replaceChildren(element("strong", {}, `${rowKind(frame, row)} ${frame.ids[row]}`),
+    element("div", { class: rows.length > 8 ? "many" : "" }, element("table", {}, element("tbody", {}, ...rows))));
+}

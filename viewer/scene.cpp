@@ -1,0 +1,208 @@
+#include "viewer/scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <nlohmann/json.hpp>
+
+#include "cullhull/error.hpp"
+#include "viewer/assets.hpp"
+#include "viewer/hull_shape.hpp"
+#include "viewer/page.hpp"
+
+namespace cullhull::viewer {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "pages hold little-endian arrays");
+
+/// Bytes of arrays in a page. Base64 makes 4/3 of it: with three.js (0.9 MB) and the rest the page
+/// stays under 12 MB.
+constexpr std::uint64_t page_bytes = 8'000'000;
+/// More dots than this are neither seen apart nor drawn quickly on a phone.
+constexpr std::uint64_t most_points = 100'000, most_survivors = 50'000;
+/// Nobody picks three of more axes from a list, and one row must not fill the page.
+constexpr std::uint32_t most_axes = 64;
+
+/// Ids are written as 32-bit numbers where they fit, else as doubles, exact to 2^53.
+bool wide_ids(std::uint64_t count) { return count > UINT64_C(1) << 32; }
+
+/// Scalars that a float holds exactly take half the room.
+bool narrow_scalar(ScalarType t) {
+  return t != ScalarType::f64 && t != ScalarType::i32 && t != ScalarType::u32;
+}
+
+std::string member(const char* name, std::uint64_t value) {
+  return fmt::format("\"{}\":{},", name, value);
+}
+
+/// What shapes of dimension k cost for each vertex, beside its row: a polyhedron has up to twice as
+/// many triangles and three times as many edges as vertices. Numbers below 2^16 take two bytes,
+/// so this is the bound for large shapes.
+std::uint64_t shape_bytes(int k) { return k == 3 ? 48 : k == 2 ? 20 : 0; }
+
+ShapeLimits shape_limits(int k, std::uint64_t bytes, std::uint64_t row_bytes) {
+  constexpr std::uint64_t least = 64;
+  if (k <= 3) return {std::max(least, bytes * 6 / 10 / (row_bytes + shape_bytes(k))), 0};
+  return {std::max(least, bytes * 3 / 10 / row_bytes), std::max(least, bytes * 3 / 10 / 8)};
+}
+
+bool contains(const std::vector<std::uint64_t>& sorted, std::uint64_t id) {
+  return std::binary_search(sorted.begin(), sorted.end(), id);
+}
+
+}  // namespace
+
+/// Ids in the order of the page, and the shape that refers to the first of them.
+struct Scene::Rows {
+  HullShape shape;
+  std::vector<std::uint64_t> survivors, points;
+  std::uint64_t all_survivors = 0, all_points = 0;  ///< in the input, beside the vertices
+};
+
+bool available() { return !assets::three_js.empty(); }
+
+Scene::Scene(std::string title, std::uint64_t frames, std::uint64_t shown_frames)
+    : title_(std::move(title)),
+      frames_(frames),
+      frame_bytes_(page_bytes / std::max<std::uint64_t>(1, shown_frames)) {}
+
+template <class T>
+std::string Scene::array(const char* name, const char* type, const std::vector<T>& items) {
+  bytes_.resize((bytes_.size() + 7) / 8 * 8);  // a typed array must begin at a multiple of its size
+  const std::string json =
+      fmt::format("\"{}\":[{},{},\"{}\"],", name, bytes_.size(), items.size(), type);
+  bytes_.append(reinterpret_cast<const char*>(items.data()), items.size() * sizeof(T));
+  return json;
+}
+
+std::string Scene::indices(const char* name, const std::vector<std::uint32_t>& items,
+                           std::uint64_t rows) {
+  if (rows > UINT64_C(1) << 16) return array(name, "u32", items);
+  return array(name, "u16", std::vector<std::uint16_t>(items.begin(), items.end()));
+}
+
+Scene::Rows Scene::choose_rows(const SceneFrame& frame, std::uint64_t row_bytes) const {
+  const Hull& hull = *frame.hull;
+  const int k = hull.affine_dimension;
+  Rows rows;
+  rows.shape = hull_shape(hull, frame.vertex_rows, shape_limits(k, frame_bytes_, row_bytes));
+  if (frame.points.count == 0) return rows;
+
+  const std::uint64_t n = frame.points.count;
+  const std::uint64_t used = rows.shape.vertices.size() * row_bytes +
+                             4 * (rows.shape.edges.size() + rows.shape.triangles.size());
+  const std::uint64_t room = (frame_bytes_ - std::min(used, frame_bytes_)) / row_bytes;
+  std::vector<std::uint64_t> vertices(hull.vertices.begin(), hull.vertices.end());
+  std::sort(vertices.begin(), vertices.end());
+  const Survivors& survivors = *frame.survivors;
+  rows.all_survivors = survivors.size(n) - vertices.size();
+  rows.all_points = n - survivors.size(n);
+
+  // The same ids in every frame, so that a point can be followed; those that survive this frame or
+  // are vertices now are drawn as such.
+  for (const std::uint64_t id : fair_sample(n, std::min(most_points, room / 2 + 1))) {
+    if (contains(vertices, id)) continue;
+    const bool survived = survivors.all || contains(survivors.ids, id);
+    (survived ? rows.survivors : rows.points).push_back(id);
+  }
+  if (!survivors.all)
+    for (const std::uint64_t i :
+         fair_sample(survivors.ids.size(), std::min(most_survivors, room / 4)))
+      if (!contains(vertices, survivors.ids[i])) rows.survivors.push_back(survivors.ids[i]);
+  std::sort(rows.survivors.begin(), rows.survivors.end());
+  rows.survivors.erase(std::unique(rows.survivors.begin(), rows.survivors.end()),
+                       rows.survivors.end());
+  return rows;
+}
+
+void Scene::write_rows(const SceneFrame& frame, const Rows& rows, std::string& json) {
+  const Hull& hull = *frame.hull;
+  std::vector<double> ids, coordinates;
+  for (const std::uint64_t v : rows.shape.vertices) {
+    ids.push_back(static_cast<double>(hull.vertices[v]));
+    for (std::uint32_t j = 0; j < axes_; ++j)
+      coordinates.push_back(frame.vertex_rows[v * dimension_ + j]);
+  }
+  for (const auto* list : {&rows.survivors, &rows.points})
+    for (const std::uint64_t id : *list) {
+      ids.push_back(static_cast<double>(id));
+      for (std::uint32_t j = 0; j < axes_; ++j) coordinates.push_back(frame.points.at(id, j));
+    }
+  if (wide_ids(hull.point_count))
+    json += array("ids", "f64", ids);
+  else
+    json += array("ids", "u32", std::vector<std::uint32_t>(ids.begin(), ids.end()));
+  if (narrow_scalar(hull.scalar))
+    json += array("coordinates", "f32", std::vector<float>(coordinates.begin(), coordinates.end()));
+  else
+    json += array("coordinates", "f64", coordinates);
+}
+
+void Scene::add(const SceneFrame& frame) {
+  const Hull& hull = *frame.hull;
+  if (frames_json_.empty()) {
+    dimension_ = hull.dimension;
+    axes_ = std::min(dimension_, most_axes);
+  } else if (hull.dimension != dimension_) {
+    throw Error(ErrorCode::invalid_argument, "frames of one page have one dimension");
+  }
+  const std::uint64_t row_bytes =
+      axes_ * (narrow_scalar(hull.scalar) ? 4U : 8U) + (wide_ids(hull.point_count) ? 8U : 4U);
+  const Rows rows = choose_rows(frame, row_bytes);
+  std::string& json = frames_json_;
+  json += json.empty() ? "{" : ",\n{";
+  json += member("index", frame.index);
+  json += fmt::format(
+      "\"affine_dimension\":{},\"has_points\":{},\"simplified\":{},\"edges_sampled\":{},",
+      hull.affine_dimension, frame.points.count > 0, rows.shape.simplified,
+      rows.shape.edges_sampled);
+  json += member("vertices", rows.shape.vertices.size());
+  json += member("survivors", rows.survivors.size());
+  json += member("points", rows.points.size());
+  json += member("all_vertices", hull.vertices.size());
+  json += member("all_survivors", rows.all_survivors);
+  json += member("all_points", rows.all_points);
+  write_rows(frame, rows, json);
+  json += indices("edges", rows.shape.edges, rows.shape.vertices.size());
+  json += indices("triangles", rows.shape.triangles, rows.shape.vertices.size());
+  json.append("\"report\":").append(frame.report).append("}");
+}
+
+std::string Scene::page() const {
+  if (!available())
+    throw Error(ErrorCode::backend_unavailable,
+                "this build has no viewer, as three.js was not there when it was configured; "
+                "install libjs-three, configure and build again");
+  Page page;
+  page.title = title_;
+  page.body = assets::view_html;
+  page.styles = {assets::view_css};
+  page.notice = assets::three_licence_txt;
+  page.scripts = {assets::three_js, assets::data_js,  assets::axes_js, assets::camera_js,
+                  assets::stage_js, assets::panel_js, assets::view_js};
+  std::string scene =
+      fmt::format("{{\"frame_count\":{},\"dimension\":{},\"axes\":{},\"frames\":[{}]}}", frames_,
+                  dimension_, axes_, frames_json_);
+  page.data.push_back({"scene", "application/json", std::move(scene)});
+  page.data.push_back({"bytes", "text/plain", base64(bytes_)});
+  return page_text(page);
+}
+
+std::vector<double> vertex_rows(const PointView& points, const Hull& hull) {
+  std::vector<double> rows;
+  rows.reserve(hull.vertices.size() * hull.dimension);
+  for (const std::uint64_t id : hull.vertices)
+    for (std::uint32_t j = 0; j < hull.dimension; ++j) rows.push_back(points.at(id, j));
+  return rows;
+}
+
+std::string result_figures(const std::string& report) {
+  auto figures = nlohmann::ordered_json::parse(report);
+  for (const char* key : {"threads", "backend", "cull", "hull", "read_seconds", "compute_seconds",
+                          "compute_seconds_all", "peak_bytes", "certified"})
+    figures.erase(key);
+  return figures.dump(1) + "\n";
+}
+
+}  // namespace cullhull::viewer

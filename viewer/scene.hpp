@@ -1,0 +1,71 @@
+// The page of `cullhull view`: points, hull and figures of one set, or of each frame of a moving
+// one, within a size that a browser opens at once.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cullhull/hull.hpp"
+
+namespace cullhull::viewer {
+
+/// False if the program was built without three.js.
+bool available();
+
+/// What a page is made of at one time.
+struct SceneFrame {
+  std::uint64_t index = 0;  ///< of the frame in its sequence
+  const Hull* hull = nullptr;
+  /// Rows of hull->dimension in the order of hull->vertices.
+  std::vector<double> vertex_rows;
+  /// The whole input; no points if the hull alone is known.
+  PointView points;
+  /// Read only if there are points.
+  const Survivors* survivors = nullptr;
+  /// A JSON object: the figures shown (hull_to_json without lists).
+  std::string report;
+};
+
+/// Collects frames, then writes the page.
+///
+/// Everything drawn is a row: id, and coordinates at their exact value. Rows are, in this order,
+/// vertices, survivors that are no vertices, points the filter dropped; the latter two (and a hull
+/// too large) are fair samples. The page holds one JSON object (id "scene"; the arrays are named by
+/// [offset in bytes, length, type]) and one block of bytes in base64 (id "bytes"), little-endian.
+class Scene {
+ public:
+  /// `shown_frames` of `frames` will be added: they share the bytes a page may take.
+  Scene(std::string title, std::uint64_t frames, std::uint64_t shown_frames);
+  void add(const SceneFrame& frame);
+  /// Throws Error{backend_unavailable} unless available().
+  std::string page() const;
+
+  /// At most so many frames have room for something to look at.
+  static constexpr std::uint64_t most_frames = 120;
+
+ private:
+  struct Rows;
+  template <class T>
+  std::string array(const char* name, const char* type, const std::vector<T>& items);
+  std::string indices(const char* name, const std::vector<std::uint32_t>& items,
+                      std::uint64_t rows);
+  Rows choose_rows(const SceneFrame& frame, std::uint64_t row_bytes) const;
+  void write_rows(const SceneFrame& frame, const Rows& rows, std::string& json);
+
+  std::string title_;
+  std::uint64_t frames_;
+  std::uint64_t frame_bytes_;
+  std::uint32_t dimension_ = 0;
+  std::uint32_t axes_ = 0;  ///< coordinates of a row, at most most_axes
+  std::string frames_json_;
+  std::string bytes_;
+};
+
+/// vertex_rows of a hull whose points are at hand.
+std::vector<double> vertex_rows(const PointView& points, const Hull& hull);
+
+/// What a hull's own file says of it: a report without the keys that describe a run.
+std::string result_figures(const std::string& report);
+
+}  // namespace cullhull::viewer
