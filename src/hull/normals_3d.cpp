@@ -105,6 +105,7 @@ void Engine3D::sort_by_normals(std::size_t round) {
 /// that was turned, they scatter what directions had in order.
 bool Engine3D::shorter_walks(Id begin, Id end, const Keyed* order) const {
   constexpr Id stretches = 16, length = 32;
+  if (end - begin < stretches * length) return false;
   std::uint64_t steps[2] = {0, 0};
   for (unsigned way = 0; way < 2; ++way) {
     Piece3D reader;
