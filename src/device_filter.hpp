@@ -16,4 +16,12 @@ namespace cullhull::internal {
 Filtered run_device_filter(const DevicePointView& points, const Options& options,
                            const Control& control, unsigned threads, std::uint64_t budget);
 
+/// Throws Error{invalid_argument} for null data, no dimension, a scalar no device takes.
+void check_arguments(const DevicePointView& points);
+
+/// The hull of what run_device_filter left of `points` (of which only count, dimension and scalar
+/// are asked), under the points' own ids. Fills the statistics but for the times of the filter and
+/// of the whole.
+Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const Options& options);
+
 }  // namespace cullhull::internal

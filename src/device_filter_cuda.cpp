@@ -7,6 +7,7 @@
 #include "cull/planner.hpp"
 #include "cull/pseudo_hull_cuda.hpp"
 #include "device_filter.hpp"
+#include "device_rows_cuda.hpp"
 #include "parallel/cuda_runtime.hpp"
 #include "points/gather.hpp"
 #include "points/memory.hpp"
@@ -14,21 +15,6 @@
 
 namespace cullhull::internal {
 namespace {
-
-/// The device that holds the points; throws where the view cannot be read there.
-int device_of(const DevicePointView& points) {
-  cudaPointerAttributes attributes = {};
-  cuda::check(cudaPointerGetAttributes(&attributes, points.data), "asking where the points are");
-  if (attributes.type != cudaMemoryTypeDevice && attributes.type != cudaMemoryTypeManaged)
-    throw Error(ErrorCode::invalid_argument,
-                "the points are not in a CUDA device's memory; use PointView for host memory");
-  const auto size = static_cast<std::ptrdiff_t>(scalar_size(points.scalar));
-  if (reinterpret_cast<std::uintptr_t>(points.data) % static_cast<std::uintptr_t>(size) != 0 ||
-      points.point_stride % size != 0 || points.coordinate_stride % size != 0)
-    throw Error(ErrorCode::invalid_argument,
-                "points and strides on a device must be aligned to the scalar's size");
-  return attributes.device;
-}
 
 class DeviceFilter {
  public:
@@ -65,7 +51,7 @@ class DeviceFilter {
     if (options_.backend == Backend::cpu) return culled_on_host("");
     std::string where = "CUDA device as asked";
     if (options_.backend == Backend::automatic) {
-      const Placement place = placement();
+      const Placement place = place_of_device_points(points_, options_, threads_);
       if (!place.device) return culled_on_host(place.reason);
       where = place.reason;
     }
@@ -103,16 +89,6 @@ class DeviceFilter {
     return result;
   }
 
-  Placement placement() const {
-    PlaceQuestion question;
-    question.count = points_.count;
-    question.dimension = d_;
-    question.point_bytes = d_ * scalar_size(points_.scalar);
-    question.threads = threads_;
-    question.on_device = true;
-    return choose_place(question, options_.machine);
-  }
-
   /// All points come to the host: there is nothing to cull.
   Filtered all_points(Filtered&& result) const {
     result.rows = fetch_all();
@@ -120,11 +96,7 @@ class DeviceFilter {
   }
 
   std::vector<double> fetch_all() const {
-    require_budget(budget_, points_.count * d_ * 2 * sizeof(double),
-                   std::to_string(points_.count) + " points copied from the device");
-    std::vector<double> rows = cuda::download_points(points_, nullptr, points_.count, control_);
-    check_rows_finite(rows.data(), points_.count, d_, nullptr, threads_);
-    return rows;
+    return download_all(points_, control_, threads_, budget_);
   }
 
   Filtered culled_on_host(const std::string& why) const {
@@ -159,23 +131,7 @@ class DeviceFilter {
     } catch (const Error& e) {
       if (e.code() != ErrorCode::not_finite) throw;
     }
-    refuse_first();
-  }
-
-  /// Names the first point that is not finite; there is one.
-  [[noreturn]] void refuse_first() const {
-    const auto stream = static_cast<cudaStream_t>(points_.stream);
-    unsigned long long first = ~0ULL;
-    const cuda::DeviceArray<unsigned long long> found(1, stream);
-    cuda::upload(found.data(), &first, 1, stream);
-    cuda::check(cuda::first_not_finite(points_, found.data(), stream), "looking for NaN");
-    cuda::download(&first, found.data(), 1, stream);
-    if (first < points_.count) {
-      const std::uint64_t id = first;
-      const std::vector<double> row = cuda::download_points(points_, &id, 1, control_);
-      check_rows_finite(row.data(), 1, d_, &id, 1);
-    }
-    throw Error(ErrorCode::internal, "points on the device changed during the call");
+    refuse_first_not_finite(points_, control_);
   }
 
   void require_room(std::uint64_t count) const {
@@ -229,7 +185,7 @@ class DeviceFilter {
       } catch (const Error& e) {
         if (e.code() != ErrorCode::not_finite) throw;
       }
-      refuse_first();
+      refuse_first_not_finite(points_, control_);
     };
     return s;
   }

@@ -1,5 +1,6 @@
 // The flow for points in a device's memory: cull there, then hull the survivors as points of the
 // host under their own names.
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -29,15 +30,6 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-void check_arguments(const DevicePointView& points) {
-  if (points.dimension == 0)
-    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
-  if (points.data == nullptr && points.count > 0)
-    throw Error(ErrorCode::invalid_argument, "points.data is null");
-  if (points.scalar != ScalarType::f32 && points.scalar != ScalarType::f64)
-    throw Error(ErrorCode::invalid_argument, "points on a device must be f32 or f64");
-}
-
 Filtered filter(const DevicePointView& points, const Options& options) {
   check_arguments(points);
   const Control control(options);
@@ -58,6 +50,34 @@ void rename(Hull& hull, const std::vector<std::uint64_t>& ids) {
 }
 
 }  // namespace
+
+void check_arguments(const DevicePointView& points) {
+  if (points.dimension == 0)
+    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
+  if (points.data == nullptr && points.count > 0)
+    throw Error(ErrorCode::invalid_argument, "points.data is null");
+  if (points.scalar != ScalarType::f32 && points.scalar != ScalarType::f64)
+    throw Error(ErrorCode::invalid_argument, "points on a device must be f32 or f64");
+}
+
+Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const Options& options) {
+  const Survivors& s = filtered.survivors;
+  const std::uint64_t count = s.size(points.count);
+  Options rest = options;
+  rest.backend = Backend::cpu;
+  rest.cull = CullMethod::none;
+  Hull hull =
+      convex_hull(PointView::row_major(filtered.rows.data(), count, points.dimension), rest);
+  if (!s.all) rename(hull, s.ids);
+  hull.point_count = points.count;
+  hull.scalar = points.scalar;
+  hull.statistics.survivors = count;
+  hull.statistics.cull_method = s.method;
+  hull.statistics.cull_reason = s.reason;
+  hull.statistics.backend = s.backend;
+  return hull;
+}
+
 }  // namespace internal
 
 using namespace internal;
@@ -74,28 +94,19 @@ Hull convex_hull(const DevicePointView& points, const Options& options,
   const auto start = Clock::now();
   const Filtered filtered = filter(points, options);
   const double cull_seconds = seconds_since(start);
-  const Survivors& s = filtered.survivors;
-  const std::uint64_t count = s.size(points.count);
-
-  Options rest = options;
-  rest.backend = Backend::cpu;
-  rest.cull = CullMethod::none;
-  Hull hull =
-      convex_hull(PointView::row_major(filtered.rows.data(), count, points.dimension), rest);
+  Hull hull = hull_of_rows(filtered, points, options);
   if (vertex_coordinates != nullptr) {
+    const Survivors& s = filtered.survivors;
     vertex_coordinates->clear();
     for (const std::uint64_t v : hull.vertices) {
-      const auto row = filtered.rows.begin() + static_cast<std::ptrdiff_t>(v * points.dimension);
+      // Survivors ascend, and a vertex is one of them.
+      const auto at = s.all ? v
+                            : static_cast<std::uint64_t>(
+                                  std::lower_bound(s.ids.begin(), s.ids.end(), v) - s.ids.begin());
+      const auto row = filtered.rows.begin() + static_cast<std::ptrdiff_t>(at * points.dimension);
       vertex_coordinates->insert(vertex_coordinates->end(), row, row + points.dimension);
     }
   }
-  if (!s.all) rename(hull, s.ids);
-  hull.point_count = points.count;
-  hull.scalar = points.scalar;
-  hull.statistics.survivors = count;
-  hull.statistics.cull_method = s.method;
-  hull.statistics.cull_reason = s.reason;
-  hull.statistics.backend = s.backend;
   hull.statistics.cull_seconds = cull_seconds;
   hull.statistics.compute_seconds = seconds_since(start);
   return hull;

@@ -6,15 +6,10 @@
 #include "cull/gauge_map.hpp"
 #include "cull/planner.hpp"
 #include "cull/pseudo_hull.hpp"
-#include "parallel/backend.hpp"
+#include "first_pass.hpp"
 #include "points/gather.hpp"
 #include "points/memory.hpp"
 #include "sample_map.hpp"
-#ifdef CULLHULL_HAVE_CUDA
-#include "cull/gauge_cuda.hpp"
-#include "cull/gauge_kernel_cuda.hpp"
-#include "parallel/cuda_runtime.hpp"
-#endif
 
 namespace cullhull::internal {
 namespace {
@@ -66,81 +61,6 @@ SampledPoints host_points(const PointView& points, unsigned threads) {
             return gather_points(points, ids.data(), ids.size(), threads);
           }};
 }
-
-/// Where the first pass runs. A device that was asked for has been required before; one that the
-/// planner chose may turn out not to be there, which is no error.
-class FirstPass {
- public:
-  FirstPass(const PointView& points, const Options& options, unsigned threads)
-      : points_(points), threads_(threads), insists_(options.backend == Backend::cuda) {
-    if (options.backend == Backend::cpu) {
-      reason_ = "CPU as asked";
-    } else if (insists_) {
-      device_ = true;
-      reason_ = "CUDA device as asked";
-    } else {
-      ask_planner(options);
-    }
-  }
-
-  /// Nodes of a map the pass can hold close by; 0: the CPU's choice.
-  std::uint32_t most_nodes() const {
-#ifdef CULLHULL_HAVE_CUDA
-    if (device_) return cuda::most_gauge_nodes(cuda::device());
-#endif
-    return 0;
-  }
-
-  std::vector<std::uint64_t> survivors(const GaugeMap& map, const Control& control) {
-#ifdef CULLHULL_HAVE_CUDA
-    if (device_) {
-      try {
-        return cuda::survivors_of_host_points(map.table(), points_, threads_, control);
-      } catch (const cuda::OutOfMemory& e) {
-        if (insists_) throw;
-        fall_back(e);
-      } catch (const cuda::Failure& e) {
-        if (insists_) throw;
-        fall_back(e);
-      }
-    }
-#endif
-    return map.survivors(points_, threads_, control);
-  }
-
-  const char* backend() const { return device_ ? "cuda" : "cpu"; }
-  const std::string& reason() const { return reason_; }
-
- private:
-  void ask_planner(const Options& options) {
-    PlaceQuestion question;
-    question.count = points_.count;
-    question.dimension = points_.dimension;
-    question.point_bytes = points_.dimension * scalar_size(points_.scalar);
-    question.threads = threads_;
-    question.device_started = cuda_started();
-    const Placement place = choose_place(question, options.machine);
-    reason_ = place.reason;
-    device_ = place.device;
-    if (!device_) return;
-    try {
-      require_cuda();
-    } catch (const Error& e) {
-      fall_back(e);
-    }
-  }
-
-  void fall_back(const Error& e) {
-    device_ = false;
-    reason_ += std::string(", but ") + e.what();
-  }
-
-  const PointView& points_;
-  unsigned threads_;
-  bool insists_;
-  bool device_ = false;
-  std::string reason_;
-};
 
 }  // namespace
 
@@ -196,11 +116,8 @@ Filtered run_filter(const PointView& points, const Options& options, const Contr
   }
   result.survivors.reason = sampled.reason;
   if (sampled.map == nullptr) return result;
-  result.survivors.ids = pass.survivors(*sampled.map, control);
-  result.survivors.all = false;
   result.survivors.method = "gauge";
-  result.survivors.backend = pass.backend();
-  result.survivors.reason += "; " + pass.reason();
+  pass.cull(*sampled.map, control, result.survivors);
   sampled.map.reset();
 
   gather_survivors(points, result, control, threads, budget);

@@ -121,6 +121,7 @@ class FrameNames {
 struct Outcome {
   Json frames = Json::array();
   std::uint64_t done = 0, led = 0, failed = 0;
+  std::uint64_t on_device = 0;                                  ///< frames culled by a CUDA device
   std::uint64_t points = 0, scan_survivors = 0, survivors = 0;  ///< of the led frames
   std::uint64_t fewest = ~std::uint64_t{0}, most = 0;           ///< vertices
   double read = 0, scan = 0, cull = 0, hull = 0, compute = 0;
@@ -134,6 +135,7 @@ struct Outcome {
 
   void add(const FrameReport& r, const Hull& h, double read_seconds) {
     ++done;
+    if (std::string_view(h.statistics.backend) == "cuda") ++on_device;
     if (std::string_view(r.method) != "static") {
       ++led;
       points += h.point_count;
@@ -152,6 +154,9 @@ struct Outcome {
     scalar = h.scalar;
     threads = h.statistics.threads;
   }
+  const char* backend() const {
+    return on_device == 0 ? "cpu" : on_device == done ? "cuda" : "mixed";
+  }
   double share(std::uint64_t part) const {
     return points == 0 ? 0 : static_cast<double>(part) / static_cast<double>(points);
   }
@@ -161,6 +166,7 @@ struct Outcome {
 Json frame_record(std::uint64_t index, const FrameReport& r, const Hull& h, double read_seconds) {
   return {{"index", index},
           {"method", r.method},
+          {"backend", h.statistics.backend},
           {"affine_dimension", h.affine_dimension},
           {"vertex_count", h.vertices.size()},
           {"facet_count", h.facet_count()},
@@ -245,7 +251,7 @@ std::string report_of(const TrackArguments& arguments, const cullhull::PointSequ
                    {"scalar", cullhull::scalar_name(o.scalar)}}},
                  {"format", sequence.format()},
                  {"threads", o.threads},
-                 {"backend", "cpu"},
+                 {"backend", o.backend()},
                  {"cull", arguments.run.cull},
                  {"frames", std::move(o.frames)},
                  {"totals",

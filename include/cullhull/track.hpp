@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "cullhull/device_points.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
@@ -49,6 +50,13 @@ class HullTracker {
   /// next update. Throws what convex_hull throws, messages beginning with "frame N: "; the tracker
   /// then still knows the last hull that succeeded and takes the next frame from there.
   const Hull& update(const PointView& points);
+
+  /// The same for points in a CUDA device's memory; frames may lie here and there by turns. Only
+  /// the last hull's vertices and the survivors cross the bus; all points do where Options::backend
+  /// or the planner say CPU, with CullMethod::pseudo_hull, and where the device's memory is full.
+  /// Throws what convex_hull(DevicePointView) throws; without a device or in a build without CUDA
+  /// that is Error{backend_unavailable}.
+  const Hull& update(const DevicePointView& points);
 
   const Hull& hull() const noexcept;           ///< the last one computed
   const FrameReport& report() const noexcept;  ///< of the last update that succeeded

@@ -6,7 +6,6 @@
 
 #include "cull/gauge_map.hpp"
 #include "pipeline.hpp"
-#include "points/gather.hpp"
 #include "sample_map.hpp"
 
 namespace cullhull::internal {
@@ -52,22 +51,18 @@ InnerPolytope moved_surface(const Hull& hull, const std::vector<std::uint64_t>& 
 
 }  // namespace
 
-bool filter_by_leaders(const PointView& points, const Hull& last,
+bool filter_by_leaders(FramePoints& points, const Hull& last,
                        const std::vector<std::uint64_t>& leaders, const Run& run, Filtered& result,
                        double& scan_seconds) {
   const auto start = Clock::now();
   const unsigned d = points.dimension;
-  std::vector<double> rows;
-  try {
-    rows = gather_points(points, leaders.data(), leaders.size(), run.threads);
-  } catch (const Error& e) {
-    if (e.code() != ErrorCode::not_finite) throw;
-    check_finite(points, nullptr, run.threads);  // names the first bad point, not the first leader
-    throw;
-  }
+  std::vector<double> rows = points.gather(leaders);
   run.control.report("scan", 0);
-  GaugeSettings settings{
-      .share = map_share, .cones = true, .convex = false, .threads = run.threads};
+  GaugeSettings settings{.share = map_share,
+                         .most_nodes = points.most_nodes(),
+                         .cones = true,
+                         .convex = false,
+                         .threads = run.threads};
   std::unique_ptr<GaugeMap> map;
   if (last.affine_dimension == static_cast<int>(d))
     map = GaugeMap::build(moved_surface(last, leaders, std::vector<double>(rows), run), settings);
@@ -79,12 +74,11 @@ bool filter_by_leaders(const PointView& points, const Hull& last,
     map = GaugeMap::build(std::move(polytope), settings);
     if (map == nullptr) return false;
   }
-  result.survivors.ids = map->survivors(points, run.threads, run.control);
-  result.survivors.all = false;
   result.survivors.method = "gauge";
   result.survivors.reason = "led by the last frame's vertices";
+  points.scan(*map, result.survivors);
   scan_seconds = seconds_since(start);
-  gather_survivors(points, result, run.control, run.threads, run.budget);
+  points.fetch(result);
   const auto left = static_cast<double>(result.first_pass);
   if (left <= coherent_share * static_cast<double>(points.count))
     keep_of_survivors(result, d,

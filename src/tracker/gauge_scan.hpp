@@ -7,13 +7,14 @@
 #include "cullhull/hull.hpp"
 #include "filter_stage.hpp"
 #include "run.hpp"
+#include "tracker/frame_points.hpp"
 
 namespace cullhull::internal {
 
 /// Drops points strictly inside the hull of the points `leaders` (ids, ascending) at their new
 /// places. False, and nothing done, where these give no map: they are too few, lie in a flat, or
 /// their hull exceeds the budget. Throws Error{not_finite} for the first bad point of all.
-bool filter_by_leaders(const PointView& points, const Hull& last,
+bool filter_by_leaders(FramePoints& points, const Hull& last,
                        const std::vector<std::uint64_t>& leaders, const Run& run, Filtered& result,
                        double& scan_seconds);
 

@@ -10,6 +10,7 @@
 #include "cullhull/track.hpp"
 #include "pipeline.hpp"
 #include "tracker/changes.hpp"
+#include "tracker/frame_points.hpp"
 #include "tracker/gauge_scan.hpp"
 #include "tracker/simplex_memory.hpp"
 
@@ -30,11 +31,11 @@ struct HullTracker::Impl {
   SimplexMemory simplices;
 
   /// Whether the last frame helps with this one.
-  bool follows(const PointView& points) const {
+  bool follows(const FramePoints& points) const {
     return known && hull.point_count == points.count && hull.dimension == points.dimension;
   }
 
-  bool wants_gauge(const PointView& points) const {
+  bool wants_gauge(const FramePoints& points) const {
     const unsigned d = points.dimension;
     if (d < GaugeMap::min_dimension || d > GaugeMap::max_dimension || leaders.size() <= d)
       return false;
@@ -44,12 +45,13 @@ struct HullTracker::Impl {
            points.count >= smallest_worth_culling(d) && leaders.size() <= points.count / 8;
   }
 
-  Filtered filter(const PointView& points, const Run& run, FrameReport& now) {
-    if (options.cull == CullMethod::pseudo_hull && points.dimension >= pseudo_hull_min_dimension &&
+  Filtered filter(FramePoints& points, const Run& run, FrameReport& now) {
+    if (options.cull == CullMethod::pseudo_hull && points.on_host() != nullptr &&
+        points.dimension >= pseudo_hull_min_dimension &&
         points.dimension <= pseudo_hull_max_dimension && points.count > points.dimension + 1) {
       bool led = false;
       if (!follows(points)) simplices.clear();
-      Filtered filtered = simplices.filter(points, run, led, now.scan_seconds);
+      Filtered filtered = simplices.filter(*points.on_host(), run, led, now.scan_seconds);
       if (led) now.method = "pseudo-hull";
       return filtered;
     }
@@ -67,13 +69,24 @@ struct HullTracker::Impl {
       return filtered;
     }
     if (pause > 0) --pause;
-    return run_filter(points, run.options, run.control, run.threads, run.budget);
+    return points.filter_afresh();
   }
 
-  void compute(const PointView& points, std::uint64_t index) {
-    check_arguments(points, options);
-    const Run run(options);
-    const auto start = Clock::now();
+  /// One frame; `points_of` makes its FramePoints.
+  template <class PointsOf>
+  const Hull& compute_next(const PointsOf& points_of) {
+    const std::uint64_t index = frame++;
+    try {
+      const Clock::time_point start = Clock::now();
+      const Run run(options);
+      compute(*points_of(run), run, index, start);
+    } catch (const Error& e) {
+      throw Error(e.code(), "frame " + std::to_string(index) + ": " + e.what());
+    }
+    return hull;
+  }
+
+  void compute(FramePoints& points, const Run& run, std::uint64_t index, Clock::time_point start) {
     run.control.check();
     FrameReport now;
     now.index = index;
@@ -81,7 +94,7 @@ struct HullTracker::Impl {
     now.scan_survivors = filtered.first_pass;
     now.survivors = filtered.survivors.size(points.count);
     now.cull_seconds = seconds_since(start);
-    next = hull_of_survivors(points, std::move(filtered), run);
+    next = points.hull(std::move(filtered));
     now.hull_seconds = next.statistics.hull_seconds;
     now.compute_seconds = seconds_since(start);
     next.statistics.cull_seconds = now.cull_seconds;
@@ -104,13 +117,12 @@ HullTracker& HullTracker::operator=(HullTracker&&) noexcept = default;
 HullTracker::~HullTracker() = default;
 
 const Hull& HullTracker::update(const PointView& points) {
-  const std::uint64_t frame = impl_->frame++;
-  try {
-    impl_->compute(points, frame);
-  } catch (const Error& e) {
-    throw Error(e.code(), "frame " + std::to_string(frame) + ": " + e.what());
-  }
-  return impl_->hull;
+  return impl_->compute_next(
+      [&](const Run& run) { return std::make_unique<HostFrame>(points, run); });
+}
+
+const Hull& HullTracker::update(const DevicePointView& points) {
+  return impl_->compute_next([&](const Run& run) { return device_frame(points, run); });
 }
 
 const Hull& HullTracker::hull() const noexcept { return impl_->hull; }

@@ -497,6 +497,7 @@ TEST(Cli, TrackWritesWhatHullWrites) {
     ASSERT_EQ(report.at("frames").size(), 4U);
     EXPECT_EQ(report.at("certified"), true);
     EXPECT_EQ(report.at("totals").at("frames"), 4);
+    EXPECT_EQ(report.at("backend"), "cpu");  // 9000 points are not worth a device
     for (std::size_t k = 0; k < 4; ++k) {
       EXPECT_EQ(read_file(f / ("h" + cull + "-00" + std::to_string(k) + ".json")), hulls[k])
           << cull << ", frame " << k;
@@ -505,6 +506,7 @@ TEST(Cli, TrackWritesWhatHullWrites) {
       for (const char* key : {"vertex_count", "facet_count", "volume", "area"})
         EXPECT_EQ(r.at(key), h.at(key)) << key;
       EXPECT_EQ(r.at("index"), k);
+      EXPECT_EQ(r.at("backend"), "cpu");
       EXPECT_LE(r.at("survivors"), r.at("scan_survivors"));
       EXPECT_LE(r.at("vertex_count"), r.at("survivors"));
       for (const char* key : {"scan_seconds", "cull_seconds", "hull_seconds"})
@@ -514,6 +516,26 @@ TEST(Cli, TrackWritesWhatHullWrites) {
       EXPECT_TRUE(cull != "none" || r.at("survivors") == 9000);
     }
   }
+}
+
+TEST(Cli, TrackOnADeviceOrNot) {
+  const Folder f;
+  ASSERT_EQ(run_app({"generate", "ball", "-n", "20k", "--frames", "3", "--motion", "twist", "-o",
+                     f / "s.npy"})
+                .status,
+            0);
+  const std::vector<std::string> arguments{"track",     f / "s.npy", "--cull", "gauge",
+                                           "--backend", "cuda",      "--json"};
+  const CudaStatus status = cuda_status();
+  if (!status.available) {
+    expect_error(arguments, 5, "frame 0: " + status.reason);
+    return;
+  }
+  const Ran ran = run_app(arguments);
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto report = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(report.at("backend"), "cuda");
+  EXPECT_EQ(report.at("totals").at("led_frames"), 2);
 }
 
 TEST(Cli, TrackReadsFoldersAndRefusesWhatItMust) {

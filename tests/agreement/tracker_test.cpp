@@ -292,5 +292,99 @@ TEST(HullTracker, StopsAndGoesOn) {
   EXPECT_EQ(canonical_hash(tracker.hull()), expected);  // the last one is still whole
 }
 
+std::string refusal(HullTracker& tracker, const std::function<void()>& update) {
+  try {
+    update();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::backend_unavailable) << e.what();
+    return e.what();
+  }
+  ADD_FAILURE() << "no error; " << tracker.hull().statistics.backend;
+  return "";
+}
+
+TEST(HullTracker, ADeviceThatIsAskedForAndNotThere) {
+  const std::string reason = cuda_status().reason;
+  if (reason.empty()) GTEST_SKIP() << "there is a CUDA device";
+  const Rows rows = generate("ball", 20000, 3, 1);
+  for (const CullMethod method : methods)
+    for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::cuda}) {
+      Options options;
+      options.cull = method;
+      options.backend = backend;
+      HullTracker tracker(options);
+      if (backend == Backend::cuda) {
+        EXPECT_EQ(refusal(tracker, [&] { tracker.update(rows_of(rows, 3)); }),
+                  "frame 0: " + reason);
+      } else {
+        EXPECT_EQ(canonical_hash(tracker.update(rows_of(rows, 3))), static_hash(rows_of(rows, 3)));
+        EXPECT_STREQ(tracker.hull().statistics.backend, "cpu");
+      }
+      // Points in a device's memory need a device whatever the options say.
+      const auto device = DevicePointView::row_major(rows.data(), 20000, 3);
+      EXPECT_EQ(refusal(tracker, [&] { tracker.update(device); }), "frame 1: " + reason);
+      if (backend == Backend::cuda) continue;
+      tracker.update(rows_of(rows, 3));  // the last hull is still known
+      EXPECT_EQ(tracker.report().vertices_came, 0U);
+      EXPECT_EQ(tracker.report().index, 2U);
+    }
+}
+
+TEST(HullTracker, DeviceViewsAreChecked) {
+  const float value = 0;
+  DevicePointView integers = DevicePointView::row_major(&value, 1, 1);
+  integers.scalar = ScalarType::i32;
+  for (const DevicePointView& view :
+       {DevicePointView::row_major(&value, 1, 0),
+        DevicePointView::row_major(static_cast<const float*>(nullptr), 1, 3), integers}) {
+    HullTracker tracker;
+    try {
+      tracker.update(view);
+      ADD_FAILURE() << "no error";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::invalid_argument) << e.what();
+    }
+  }
+}
+
+// A planner that believes in a miracle of a link is asked for led frames too. Without a device the
+// CPU takes over and the reason says so.
+TEST(HullTracker, AutomaticFallsBack) {
+  const std::vector<Rows> frames = moving("bumpy", "twist", 40000, 3, 3);
+  Options lured;
+  lured.cull = CullMethod::gauge;
+  lured.machine.host_read_bytes_per_second = 1;
+  lured.machine.link_bytes_per_second = 1e15;
+  lured.machine.host_copy_bytes_per_second = 1e15;
+  Options modest = lured;
+  modest.backend = Backend::cpu;
+  HullTracker tracker(lured), on_cpu(modest);
+  const CudaStatus status = cuda_status();
+  for (const Rows& rows : frames) {
+    const Hull& hull = tracker.update(rows_of(rows, 3));
+    EXPECT_EQ(canonical_hash(hull), static_hash(rows_of(rows, 3)));
+    const std::string& reason = hull.statistics.cull_reason;
+    EXPECT_STREQ(hull.statistics.backend, status.available ? "cuda" : "cpu");
+    EXPECT_EQ(reason.find(", but " + status.reason) != std::string::npos, !status.available)
+        << reason;
+    on_cpu.update(rows_of(rows, 3));
+    EXPECT_NE(on_cpu.hull().statistics.cull_reason.find("CPU as asked"), std::string::npos);
+  }
+  EXPECT_STREQ(tracker.report().method, "gauge");
+  EXPECT_STREQ(on_cpu.report().method, "gauge");
+}
+
+TEST(HullTracker, ThePseudoHullStaysOnTheCpuAndSaysSo) {
+  Options options;
+  options.cull = CullMethod::pseudo_hull;
+  HullTracker tracker(options);
+  for (const Rows& rows : moving("bumpy", "spin", 9000, 3, 3)) {
+    const Hull& hull = tracker.update(rows_of(rows, 3));
+    EXPECT_STREQ(hull.statistics.backend, "cpu");
+    EXPECT_NE(hull.statistics.cull_reason.find("the pseudo-hull runs on the CPU"),
+              std::string::npos);
+  }
+}
+
 }  // namespace
 }  // namespace cullhull

@@ -1,0 +1,62 @@
+#include "device_rows_cuda.hpp"
+
+#include <string>
+
+#include "cull/gauge_cuda.hpp"
+#include "cull/gauge_kernel_cuda.hpp"
+#include "parallel/cuda_runtime.hpp"
+#include "points/gather.hpp"
+#include "points/memory.hpp"
+
+namespace cullhull::internal {
+
+int device_of(const DevicePointView& points) {
+  cudaPointerAttributes attributes = {};
+  cuda::check(cudaPointerGetAttributes(&attributes, points.data), "asking where the points are");
+  if (attributes.type != cudaMemoryTypeDevice && attributes.type != cudaMemoryTypeManaged)
+    throw Error(ErrorCode::invalid_argument,
+                "the points are not in a CUDA device's memory; use PointView for host memory");
+  const auto size = static_cast<std::ptrdiff_t>(scalar_size(points.scalar));
+  if (reinterpret_cast<std::uintptr_t>(points.data) % static_cast<std::uintptr_t>(size) != 0 ||
+      points.point_stride % size != 0 || points.coordinate_stride % size != 0)
+    throw Error(ErrorCode::invalid_argument,
+                "points and strides on a device must be aligned to the scalar's size");
+  return attributes.device;
+}
+
+Placement place_of_device_points(const DevicePointView& points, const Options& options,
+                                 unsigned threads) {
+  PlaceQuestion question;
+  question.count = points.count;
+  question.dimension = points.dimension;
+  question.point_bytes = points.dimension * scalar_size(points.scalar);
+  question.threads = threads;
+  question.on_device = true;
+  return choose_place(question, options.machine);
+}
+
+std::vector<double> download_all(const DevicePointView& points, const Control& control,
+                                 unsigned threads, std::uint64_t budget) {
+  require_budget(budget, points.count * points.dimension * 2 * sizeof(double),
+                 std::to_string(points.count) + " points copied from the device");
+  std::vector<double> rows = cuda::download_points(points, nullptr, points.count, control);
+  check_rows_finite(rows.data(), points.count, points.dimension, nullptr, threads);
+  return rows;
+}
+
+void refuse_first_not_finite(const DevicePointView& points, const Control& control) {
+  const auto stream = static_cast<cudaStream_t>(points.stream);
+  unsigned long long first = ~0ULL;
+  const cuda::DeviceArray<unsigned long long> found(1, stream);
+  cuda::upload(found.data(), &first, 1, stream);
+  cuda::check(cuda::first_not_finite(points, found.data(), stream), "looking for NaN");
+  cuda::download(&first, found.data(), 1, stream);
+  if (first < points.count) {
+    const std::uint64_t id = first;
+    const std::vector<double> row = cuda::download_points(points, &id, 1, control);
+    check_rows_finite(row.data(), 1, points.dimension, &id, 1);
+  }
+  throw Error(ErrorCode::internal, "points on the device changed during the call");
+}
+
+}  // namespace cullhull::internal

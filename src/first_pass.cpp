@@ -1,0 +1,79 @@
+#include "first_pass.hpp"
+
+#include "cull/planner.hpp"
+#include "parallel/backend.hpp"
+#ifdef CULLHULL_HAVE_CUDA
+#include "cull/gauge_cuda.hpp"
+#include "cull/gauge_kernel_cuda.hpp"
+#include "parallel/cuda_runtime.hpp"
+#endif
+
+namespace cullhull::internal {
+
+FirstPass::FirstPass(const PointView& points, const Options& options, unsigned threads)
+    : points_(points), threads_(threads), insists_(options.backend == Backend::cuda) {
+  if (options.backend == Backend::cpu) {
+    reason_ = "CPU as asked";
+  } else if (insists_) {
+    device_ = true;
+    reason_ = "CUDA device as asked";
+  } else {
+    ask_planner(options);
+  }
+}
+
+std::uint32_t FirstPass::most_nodes() const {
+#ifdef CULLHULL_HAVE_CUDA
+  if (device_) return cuda::most_gauge_nodes(cuda::device());
+#endif
+  return 0;
+}
+
+void FirstPass::cull(const GaugeMap& map, const Control& control, Survivors& result) {
+  result.ids = survivors(map, control);
+  result.all = false;
+  result.backend = device_ ? "cuda" : "cpu";
+  result.reason += "; " + reason_;
+}
+
+std::vector<std::uint64_t> FirstPass::survivors(const GaugeMap& map, const Control& control) {
+#ifdef CULLHULL_HAVE_CUDA
+  if (device_) {
+    try {
+      return cuda::survivors_of_host_points(map.table(), points_, threads_, control);
+    } catch (const cuda::OutOfMemory& e) {
+      if (insists_) throw;
+      fall_back(e);
+    } catch (const cuda::Failure& e) {
+      if (insists_) throw;
+      fall_back(e);
+    }
+  }
+#endif
+  return map.survivors(points_, threads_, control);
+}
+
+void FirstPass::ask_planner(const Options& options) {
+  PlaceQuestion question;
+  question.count = points_.count;
+  question.dimension = points_.dimension;
+  question.point_bytes = points_.dimension * scalar_size(points_.scalar);
+  question.threads = threads_;
+  question.device_started = cuda_started();
+  const Placement place = choose_place(question, options.machine);
+  reason_ = place.reason;
+  device_ = place.device;
+  if (!device_) return;
+  try {
+    require_cuda();
+  } catch (const Error& e) {
+    fall_back(e);
+  }
+}
+
+void FirstPass::fall_back(const Error& e) {
+  device_ = false;
+  reason_ += std::string(", but ") + e.what();
+}
+
+}  // namespace cullhull::internal
