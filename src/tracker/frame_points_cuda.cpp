@@ -71,7 +71,7 @@ class DeviceFrame final : public FramePoints {
   }
 
   Hull hull(Filtered&& filtered) override {
-    if (!here_) return hull_of_rows(std::move(filtered), points_, run_.options);
+    if (!here_) return hull_of_rows(filtered, points_, run_.options);
     if (!why_here_.empty()) filtered.survivors.reason += "; " + why_here_;
     Hull hull = here_->hull(std::move(filtered));
     hull.scalar = points_.scalar;
