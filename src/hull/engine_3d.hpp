@@ -56,6 +56,7 @@ class Engine3D {
   void sort_by_normals(std::size_t round);
   void rank_facets();
   double way_across(Id f, const double* p) const;
+  bool shorter_walks(Id begin, Id end, const Keyed* order) const;
   void permute(Id begin, const Keyed* order);
 
   const LocalPoints& points_;
@@ -68,10 +69,11 @@ class Engine3D {
   BigArray<double> rows_;
   RawArray<Facet3D> facets_;
   Shared3D shared_;
-  Id slots_ = 0;             // in use, or a piece's
-  bool by_normals_ = false;  // the order of the points that are left, and how the surface is cut
-  BigArray<Id> rank_;        // of facets by their normals, when the round began
-  bool few_seen_ = false;    // of the last round's points saw the surface
+  Id slots_ = 0;              // in use, or a piece's
+  bool by_normals_ = false;   // the order of the points that are left, and how the surface is cut
+  BigArray<Id> rank_;         // of facets by their normals, when the round began
+  bool normals_help_ = true;  // as far as is known
+  bool few_seen_ = false;     // of the last round's points saw the surface
   std::vector<Piece3D> pieces_;
   std::vector<Entries3D::Entry> entries_;
 };

@@ -130,8 +130,10 @@ SimplicialHull Engine3D::run() {
     insert_round(ends[r], ends[r + 1]);
     // Long walks: facets are slivers, along which directions are no help.
     const Id size = ends[r + 1] - ends[r];
-    if (size >= 1024 && pieces_[0].steps - steps > 3 * std::uint64_t{size}) by_normals_ = true;
     few_seen_ = pieces_[0].inserted - inserted < size / 8;
+    if (size >= 1024 && !few_seen_ && normals_help_ &&
+        pieces_[0].steps - steps > 3 * std::uint64_t{size})
+      by_normals_ = true;
   }
   return collect();
 }

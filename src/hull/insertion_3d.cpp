@@ -98,11 +98,15 @@ class Inserter {
     }
   }
 
-  void screen_all(Id begin, Id end) {
-    for (Id p = begin; p < end; ++p) {
-      if ((p - begin) % 256 == 255) s_.control->check();
+  void screen_all(const Id* positions, Id begin, Id end) {
+    for (Id k = begin; k < end; ++k) {
+      if ((k - begin) % 256 == 255) s_.control->check();
+      const Id p = positions != nullptr ? positions[k] : k;
       offset(s_.row(p), y_);
-      if (locate(p) != inside) piece_.deferred.push_back(p);
+      const Id seen = locate(p);
+      if (seen == inside) continue;
+      piece_.deferred.push_back(p);
+      piece_.hint = seen;
     }
   }
 
@@ -196,6 +200,7 @@ class Inserter {
     if (side(f, p) == Sign::positive) return f;
     for (Id step = 1;; ++step) {
       if (step % 1024 == 0) s_.control->check();
+      ++piece_.steps;
       piece_.random ^= piece_.random << 13;
       piece_.random ^= piece_.random >> 7;
       piece_.random ^= piece_.random << 17;
@@ -210,7 +215,6 @@ class Inserter {
       f = next;
       if (gauge(f, y_) > 1 + facets_[f].error) return f;
     }
-    piece_.steps += 1;
     piece_.hint = f;
     const Sign s = side(f, p);
     if (s == Sign::positive) return f;
@@ -419,9 +423,9 @@ void insert_points_in(const Shared3D& shared, Piece3D& piece, const std::uint32_
   Inserter(shared, piece).insert_all(positions, begin, end, progress);
 }
 
-void screen_points_in(const Shared3D& shared, Piece3D& piece, std::uint32_t begin,
-                      std::uint32_t end) {
-  Inserter(shared, piece).screen_all(begin, end);
+void screen_points_in(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
+                      std::uint32_t begin, std::uint32_t end) {
+  Inserter(shared, piece).screen_all(positions, begin, end);
 }
 
 std::uint32_t climb_in(const Shared3D& shared, std::uint32_t start, const double* p) {
@@ -478,8 +482,9 @@ void insert_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* 
   HWY_DYNAMIC_DISPATCH(insert_points_in)(shared, piece, positions, begin, end, progress);
 }
 
-void screen_points(const Shared3D& shared, Piece3D& piece, std::uint32_t begin, std::uint32_t end) {
-  HWY_DYNAMIC_DISPATCH(screen_points_in)(shared, piece, begin, end);
+void screen_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
+                   std::uint32_t begin, std::uint32_t end) {
+  HWY_DYNAMIC_DISPATCH(screen_points_in)(shared, piece, positions, begin, end);
 }
 
 std::uint32_t climb(const Shared3D& shared, std::uint32_t start, const double* p) {

@@ -93,9 +93,10 @@ void insert_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* 
                    std::uint32_t begin, std::uint32_t end,
                    const std::function<void(double)>* progress);
 
-/// Appends those of the points [begin, end) that see the surface to piece.deferred; the others are
-/// inside for good. Only reads the surface, all of which the piece must own.
-void screen_points(const Shared3D& shared, Piece3D& piece, std::uint32_t begin, std::uint32_t end);
+/// Appends those of the points (as for insert_points) that see the surface to piece.deferred; the
+/// others are inside for good. Only reads the surface, all of which the piece must own.
+void screen_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
+                   std::uint32_t begin, std::uint32_t end);
 
 /// The facet that the ray from O through p leaves by, as well as doubles can tell, or one that p
 /// sees; climbing from `start` and only reading.

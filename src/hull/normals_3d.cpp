@@ -93,7 +93,36 @@ void Engine3D::sort_by_normals(std::size_t round) {
     radix_sort(items, other, ends[r + 1] - ends[r], rank_bits + way_bits, threads_);
     if (items != keyed + offset) std::copy_n(items, ends[r + 1] - ends[r], keyed + offset);
   }
+  if (!shorter_walks(begin, ends[round + 1], keyed)) {
+    by_normals_ = false;
+    normals_help_ = false;
+    return;
+  }
   permute(begin, keyed);
+}
+
+/// Tries both orders on stretches of the round's points. Where normals are noise, as on a plane
+/// that was turned, they scatter what directions had in order.
+bool Engine3D::shorter_walks(Id begin, Id end, const Keyed* order) const {
+  constexpr Id stretches = 16, length = 32;
+  if (end - begin < stretches * length) return false;
+  std::uint64_t steps[2] = {0, 0};
+  for (unsigned way = 0; way < 2; ++way) {
+    Piece3D reader;
+    reader.owner_count = none;  // all
+    reader.hint = live_facet();
+    for (Id k = 0; k < stretches; ++k) {
+      const Id first = static_cast<Id>(std::uint64_t{end - begin - length} * k / stretches);
+      Id positions[length];
+      for (Id i = 0; i < length; ++i)
+        positions[i] = way == 0 ? begin + first + i : order[first + i].id;
+      screen_points(shared_, reader, positions, 0, 1);  // the way to the stretch does not count
+      const std::uint64_t before = reader.steps;
+      screen_points(shared_, reader, positions, 1, length);
+      steps[way] += reader.steps - before;
+    }
+  }
+  return steps[1] < steps[0];
 }
 
 /// Brings the points from position `begin` on into the given order of positions.

@@ -16,7 +16,7 @@ void Engine3D::screen_and_insert(Id begin, Id end) {
                  [&](std::uint64_t c, std::uint64_t first, std::uint64_t last) {
                    readers[c].owner_count = none;  // all
                    readers[c].hint = start;
-                   screen_points(shared_, readers[c], static_cast<Id>(begin + first),
+                   screen_points(shared_, readers[c], nullptr, static_cast<Id>(begin + first),
                                  static_cast<Id>(begin + last));
                  });
   Piece3D& all = pieces_[0];

@@ -62,7 +62,7 @@ TEST(Cli, BadUsageIsStatusTwo) {
   write_points(f / "p.npy", "ball", 100, 3);
   const std::string p = f / "p.npy";
   expect_error({}, 2, "subcommand");
-  expect_error({"track", p}, 2, "track");
+  expect_error({"fly", p}, 2, "fly");
   expect_error({"hull"}, 2, "INPUT");
   expect_error({"hull", p, "--bogus"}, 2, "--bogus");
   expect_error({"hull", p, "--cull", "magic"}, 2, "magic");
