@@ -9,6 +9,7 @@ extern const std::string_view page_html;  ///< the frame of every page, with {{p
 extern const std::string_view base_css;   ///< colours, type, tables: every page
 extern const std::string_view view_html, view_css;
 extern const std::string_view data_js, axes_js, camera_js, stage_js, panel_js, view_js;
+extern const std::string_view report_html, report_css, report_js;
 extern const std::string_view three_licence_txt;
 extern const std::string_view three_js;  ///< empty where it was not found
 

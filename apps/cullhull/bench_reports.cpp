@@ -12,6 +12,8 @@
 #include "rivals.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
+#include "viewer/assets.hpp"
+#include "viewer/page.hpp"
 
 namespace app {
 namespace {
@@ -23,7 +25,7 @@ constexpr const char* exit_status =
     "130 cancelled (Qhull's own runs are waited for).";
 
 struct ReportArguments {
-  std::string json;
+  std::string json, page;
   double scale = 1;
   unsigned repeat = 5, threads = 0;
   bool quiet = false;
@@ -32,6 +34,8 @@ struct ReportArguments {
   void add_to(CLI::App& command) {
     command.add_option("--json", json, "The report as JSON, on standard output or to FILE")
         ->type_name("[=FILE]");
+    command.add_option("--report", page, "The report as one HTML page with charts")
+        ->type_name("FILE.html");
     command.add_option("--scale", scale, "Of every size: 0.05 for a short run")
         ->check(CLI::Range(1e-6, 100.0).description(""))
         ->type_name("S");
@@ -41,6 +45,18 @@ struct ReportArguments {
     command.add_flag("-q,--quiet", quiet, "No table and no progress");
   }
 };
+
+/// One self-contained page: docs/viewer.md, "How a page is made".
+void write_page(const std::string& path, const Report& report) {
+  namespace viewer = cullhull::viewer;
+  viewer::Page page;
+  page.title = "cullhull bench " + report.suite;
+  page.body = viewer::assets::report_html;
+  page.styles = {viewer::assets::report_css};
+  page.scripts = {viewer::assets::report_js};
+  page.data.push_back({"report", "application/json", report_json(report)});
+  cullhull::write_text(path, viewer::page_text(page));
+}
 
 using Measure = std::function<Report(const cullhull::Progress&)>;
 
@@ -54,6 +70,7 @@ int run(const ReportArguments& a, const Measure& measure) {
     write_stdout(report_json(report));
   else if (!a.json.empty())
     cullhull::write_text(a.json, report_json(report));
+  if (!a.page.empty()) write_page(a.page, report);
   if (!a.quiet && a.json != "-") write_stdout(report_table(report));
   return 0;
 }

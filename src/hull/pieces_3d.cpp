@@ -129,11 +129,14 @@ void Engine3D::find_entries(Id begin, Id end) {
   constexpr std::uint64_t chunk = 64;
   for_each_chunk(entries_.size(), chunk, threads_,
                  [&](std::uint64_t, std::uint64_t first, std::uint64_t last) {
-                   Id f = start;
+                   Piece3D reader;
+                   reader.owner_count = none;  // all
+                   reader.hint = start;
                    for (std::uint64_t b = first; b < last; ++b) {
                      const auto position = static_cast<Id>((first_block + b) * Entries3D::block);
-                     f = climb(shared_, f, shared_.row(std::clamp(position, begin, end - 1)));
-                     entries_[b] = {f, facets_[f].owner};
+                     const Id p = std::clamp(position, begin, end - 1);
+                     screen_points(shared_, reader, nullptr, p, p + 1);
+                     entries_[b] = {reader.hint, facets_[reader.hint].owner};
                    }
                  });
 }

@@ -100,7 +100,7 @@ TEST(BenchPaper, EveryFigureAtASmallScale) {
   EXPECT_EQ(report["suite"], "paper");
   EXPECT_EQ(report["scale"], 0.0005);
   expect_sound(report);
-  EXPECT_GE(report["figures"].size(), 6U);
+  EXPECT_EQ(report["figures"].size(), 8U);
 
   const Ran one = run_app(
       {"bench", "paper", "--scale", "0.0005", "--repeat", "1", "--figure", "threads", "--json"});

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""browser_test.py CULLHULL: what `cullhull view` writes, opened in a browser from file://."""
+"""browser_test.py CULLHULL: the pages cullhull writes, opened in a browser from file://."""
 import json
 import os
 import random
@@ -306,6 +306,41 @@ class Moving(Page):
             generated("long.npy", "cube", "-n", "50", "-d", "2", "--frames", "300", "--motion", "spin"))
         self.assertEqual(len(reports), 120)
         self.assertIn("120 of 300 frames", self.text("notes"))
+
+
+class Report(unittest.TestCase):
+    """`cullhull bench paper --report`, small: charts and numbers are the JSON's."""
+
+    def test_charts_and_numbers(self):
+        page, report = path("report.html"), path("report.json")
+        app("bench", "paper", "--scale", "0.0005", "--repeat", "1", "-q", "--report", page,
+            f"--json={report}")
+        with open(report) as file:
+            figures = json.load(file)["figures"]
+        browser.screen(1000, 900)
+        self.assertEqual(browser.open(page), [])
+        self.assertEqual(browser.run("return document.querySelectorAll('#figures svg').length"),
+                         len(figures))
+        for figure in figures:
+            cells, marks, titles = browser.run(
+                "const s = document.getElementById(arguments[0]);"
+                "return [[...s.querySelectorAll('td[data-value]')].map(c => c.dataset.value),"
+                " s.querySelectorAll('rect, circle').length,"
+                " [...s.querySelectorAll('th')].map(h => h.textContent)]", figure["id"])
+            names = []
+            for row in figure["rows"]:
+                names += [name for name in row["values"] if name not in names]
+            values = [row["values"].get(name) for row in figure["rows"] for name in names]
+            self.assertEqual([json.loads(c) for c in cells], values, figure["id"])
+            self.assertEqual(marks, sum(v is not None for v in values), figure["id"])
+            for row in figure["rows"]:
+                self.assertIn(row["name"], titles)
+        light = browser.picture("figures").getpixel((2, 60))
+        browser.screen(1000, 900, dark=True)
+        self.assertGreater(sum(light), 600)
+        self.assertLess(sum(browser.picture("figures").getpixel((2, 60))), 300)
+        browser.doing(lambda: browser.screen(390, 844))
+        self.assertLessEqual(browser.run("return document.documentElement.scrollWidth"), 390)
 
 
 class Errors(unittest.TestCase):

@@ -48,7 +48,8 @@ DevicePoints from_interface(std::uintptr_t data, std::uint64_t count, std::uint3
 }
 
 /// DLPack orders the producer's work before the default stream, which is the view's.
-DevicePoints from_dlpack(const nb::ndarray<nb::ro, nb::ndim<2>>& array) {
+DevicePoints from_dlpack(nb::object owner) {
+  const auto array = nb::cast<nb::ndarray<nb::ro, nb::ndim<2>>>(owner);
   const bool is_double = array.dtype() == nb::dtype<double>();
   if (!is_double && array.dtype() != nb::dtype<float>())
     throw nb::builtin_exception(nb::exception_type::type_error,
@@ -56,7 +57,8 @@ DevicePoints from_dlpack(const nb::ndarray<nb::ro, nb::ndim<2>>& array) {
   const auto size = static_cast<std::ptrdiff_t>(is_double ? sizeof(double) : sizeof(float));
   return from_interface(reinterpret_cast<std::uintptr_t>(array.data()), array.shape(0),
                         static_cast<std::uint32_t>(array.shape(1)), array.stride(0) * size,
-                        array.stride(1) * size, is_double, 0, nb::cast(array));
+                        array.stride(1) * size, is_double, 0,
+                        nb::make_tuple(std::move(owner), nb::cast(array)));
 }
 
 std::unique_ptr<Solid> convex_hull(const DevicePoints& points, const Settings& settings) {

@@ -1,0 +1,181 @@
+// Draws what `cullhull bench` measured: bars for figures, lines for series, a table under each.
+"use strict";
+(() => {
+  const report = JSON.parse(document.getElementById("report").textContent);
+  const colours = ["var(--points)", "var(--survivors)", "var(--hull)", "var(--vertices)", "var(--axes)"];
+  const svgNames = "http://www.w3.org/2000/svg";
+
+  function add(parent, name, attributes = {}, text = "") {
+    const node = parent instanceof SVGElement || name === "svg"
+      ? document.createElementNS(svgNames, name) : document.createElement(name);
+    for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+    if (text !== "") node.textContent = text;
+    parent.append(node);
+    return node;
+  }
+
+  function amount(v, unit) {
+    if (v === null || v === undefined) return "–";
+    if (unit === "s") {
+      if (v < 1e-3) return (v * 1e6).toPrecision(3) + " µs";
+      if (v < 1) return (v * 1e3).toPrecision(3) + " ms";
+      return v.toPrecision(3) + " s";
+    }
+    return (v !== 0 && v < 0.1 ? v.toPrecision(2) : v.toFixed(v < 10 ? 2 : 1)) + " " + unit;
+  }
+
+  function namesOf(figure) {
+    const names = [];
+    for (const row of figure.rows)
+      for (const name of Object.keys(row.values)) if (!names.includes(name)) names.push(name);
+    return names;
+  }
+
+  function legend(parent, names) {
+    const box = add(parent, "div", {class: "legend"});
+    names.forEach((name, i) => {
+      const item = add(box, "span");
+      add(item, "i", {style: "background:" + colours[i % colours.length]});
+      item.append(name);
+    });
+  }
+
+  // Ticks of a linear or, where values span more than a factor of 30, a logarithmic axis.
+  function scaleOf(values, from, to) {
+    const positive = values.filter((v) => v > 0);
+    const high = Math.max(...positive, 1e-12), low = Math.min(...positive, high);
+    if (high / low > 30) {
+      const a = Math.floor(Math.log10(low)), b = Math.ceil(Math.log10(high) + 1e-9), ticks = [];
+      for (let e = a; e <= b; ++e) ticks.push(10 ** e);
+      return {ticks, log: true,
+              at: (v) => from + (to - from) * Math.max(0, Math.log10(Math.max(v, 10 ** a)) - a) / (b - a)};
+    }
+    const step = 10 ** Math.floor(Math.log10(high / 3));
+    const nice = [1, 2, 5, 10].map((f) => f * step).find((s) => high / s <= 6);
+    const top = Math.ceil(high / nice - 1e-9) * nice, ticks = [];
+    for (let v = 0; v <= top * (1 + 1e-9); v += nice) ticks.push(v);
+    return {ticks, log: false, at: (v) => from + (to - from) * v / top};
+  }
+
+  function bars(parent, figure, width) {
+    const names = namesOf(figure), thick = 15, gap = 16, label = 18;
+    const height = figure.rows.length * (label + names.length * (thick + 2) + gap) + 34;
+    const svg = add(parent, "svg", {viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": figure.title});
+    const all = figure.rows.flatMap((r) => Object.values(r.values)).filter((v) => v !== null);
+    const left = 12, right = width - 92, scale = scaleOf(all, left, right);
+    for (const tick of scale.ticks) {
+      const x = scale.at(tick);
+      add(svg, "line", {class: "grid", x1: x, x2: x, y1: 8, y2: height - 24});
+      add(svg, "text", {class: "soft", x, y: height - 8, "text-anchor": x < left + 20 ? "start" : "middle"}, amount(tick, figure.unit));
+    }
+    let y = 12;
+    for (const row of figure.rows) {
+      const extra = [row.ratio ? row.ratio.toPrecision(3) + "×" : "", row.paper ? "paper: " + row.paper : ""].filter(Boolean);
+      add(svg, "text", {x: left, y: y + 12}, [row.name, ...extra].join(" · "));
+      y += label;
+      names.forEach((name, i) => {
+        const v = row.values[name];
+        if (v !== null && v !== undefined) {
+          const end = Math.max(scale.at(v), left + 1);
+          add(svg, "rect", {x: left, y, width: end - left, height: thick, fill: colours[i % colours.length], rx: 2});
+          add(svg, "text", {x: end + 5, y: y + 12}, amount(v, figure.unit));
+        }
+        y += thick + 2;
+      });
+      y += gap;
+    }
+    legend(parent, names);
+  }
+
+  // Rows named "set, step" are the steps of lines that belong to a set; others are steps of one.
+  function lines(parent, figure, width) {
+    const height = 300, left = 62, right = width - 14, top = 14, bottom = height - 34;
+    const sets = [], series = [];
+    for (const row of figure.rows) {
+      const split = row.name.match(/^(.*), frame \d+$/);
+      const set = split ? split[1] : "";
+      if (!sets.includes(set)) sets.push(set);
+      for (const [name, value] of Object.entries(row.values)) {
+        const title = set ? set + ": " + name : name;
+        let one = series.find((s) => s.title === title);
+        if (!one) series.push(one = {title, points: []});
+        one.points.push({value, row});
+      }
+    }
+    const svg = add(parent, "svg", {viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": figure.title});
+    const scale = scaleOf(series.flatMap((s) => s.points.map((p) => p.value)).filter((v) => v !== null), bottom, top);
+    for (const tick of scale.ticks) {
+      const y = scale.at(tick);
+      add(svg, "line", {class: "grid", x1: left, x2: right, y1: y, y2: y});
+      add(svg, "text", {class: "soft", x: left - 6, y: y + 4, "text-anchor": "end"}, amount(tick, figure.unit));
+    }
+    const most = Math.max(...series.map((s) => s.points.length), 2);
+    const at = (i) => left + (right - left) * (i + 0.5) / most;
+    const framed = sets.some((s) => s !== ""), every = framed ? 5 : 1;
+    for (let i = 0; i < most; i += every) {
+      const name = framed ? String(i) : (figure.rows[i] || {name: ""}).name.replace(/^.*?, |^.* (?=\d)/, "");
+      add(svg, "text", {class: "soft", x: at(i), y: height - 12, "text-anchor": "middle"}, name);
+    }
+    if (framed) add(svg, "text", {class: "soft", x: right, y: height - 12, "text-anchor": "end"}, "frame");
+    series.forEach((s, k) => {
+      const known = s.points.map((p, i) => [at(i), p.value]).filter((p) => p[1] !== null);
+      const path = known.map((p) => p[0].toFixed(1) + "," + scale.at(p[1]).toFixed(1)).join(" ");
+      add(svg, "polyline", {points: path, fill: "none", stroke: colours[k % colours.length], "stroke-width": 2});
+      for (const p of known) add(svg, "circle", {cx: p[0], cy: scale.at(p[1]), r: 2.5, fill: colours[k % colours.length]});
+    });
+    legend(parent, series.map((s) => s.title));
+  }
+
+  function table(parent, figure) {
+    const box = add(add(parent, "details"), "div", {class: "wide"});
+    box.parentNode.prepend(Object.assign(document.createElement("summary"), {textContent: "Numbers"}));
+    const names = namesOf(figure), grid = add(box, "table"), head = add(grid, "tr");
+    for (const name of ["", ...names, "ratio", "the paper", "check"]) add(head, "th", {}, name);
+    for (const row of figure.rows) {
+      const line = add(grid, "tr");
+      add(line, "th", {}, row.name);
+      for (const name of names) {
+        const value = name in row.values ? row.values[name] : null;
+        add(line, "td", {"data-value": JSON.stringify(value)}, name in row.values ? amount(value, figure.unit) : "");
+      }
+      add(line, "td", {}, row.ratio ? row.ratio.toPrecision(3) + "×" : "");
+      add(line, "td", {}, row.paper || "");
+      add(line, "td", row.agrees ? {} : {class: "differs"}, (row.agrees ? "" : "differs: ") + row.check);
+    }
+  }
+
+  function draw() {
+    const root = document.getElementById("figures");
+    const open = [...root.querySelectorAll("details")].map((d) => d.open);
+    root.replaceChildren();
+    const width = Math.max(320, Math.round(root.clientWidth));
+    report.figures.forEach((figure, i) => {
+      const section = add(root, "section", {id: figure.id});
+      add(section, "h2", {}, figure.title);
+      if (figure.note) add(section, "p", {class: "soft"}, figure.note);
+      (figure.series ? lines : bars)(section, figure, width);
+      table(section, figure);
+      section.querySelector("details").open = Boolean(open[i]);
+    });
+    const page = document.documentElement.dataset;
+    page.drawn = String(Number(page.drawn || 0) + 1);
+  }
+
+  document.getElementById("title").textContent = document.title;
+  document.getElementById("about").textContent =
+    `cullhull ${report.version}, ${report.date.replace("T", " ").replace("Z", " UTC")}, ` +
+    `${report.threads || "all"} threads, sizes × ${report.scale}`;
+  add(document.getElementById("command"), "code", {}, report.command);
+  for (const [key, value] of Object.entries(report.machine)) {
+    const line = add(document.getElementById("machine"), "tr");
+    add(line, "th", {}, key);
+    add(line, "td", {}, value);
+  }
+  draw();
+  let last = document.getElementById("figures").clientWidth;
+  addEventListener("resize", () => {
+    const now = document.getElementById("figures").clientWidth;
+    if (now !== last) draw();
+    last = now;
+  });
+})();
