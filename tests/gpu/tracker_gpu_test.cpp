@@ -40,7 +40,12 @@ std::vector<Rows> moving(const char* shape, const char* motion, std::uint64_t n,
 
 template <class T>
 void expect_static_hulls(const std::vector<Rows>& frames, unsigned d, const std::string& what) {
-  const Options plain = with(CullMethod::none, Backend::cpu);
+  std::vector<Hull> statics;
+  for (const Rows& frame : frames) {
+    const std::vector<T> rows(frame.begin(), frame.end());
+    statics.push_back(convex_hull(PointView::row_major(rows.data(), rows.size() / d, d),
+                                  with(CullMethod::none, Backend::cpu)));
+  }
   for (const CullMethod method :
        {CullMethod::automatic, CullMethod::gauge, CullMethod::pseudo_hull, CullMethod::none})
     for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::cuda}) {
@@ -55,7 +60,7 @@ void expect_static_hulls(const std::vector<Rows>& frames, unsigned d, const std:
         const OnDevice copy(rows);
         const auto host = PointView::row_major(rows.data(), n, d);
         const auto device = DevicePointView::row_major(copy.data<T>(), n, d);
-        const Hull expected = convex_hull(host, plain);
+        const Hull& expected = statics[f];
         EXPECT_EQ(canonical_hash(there.update(device)), canonical_hash(expected));
         EXPECT_EQ(there.hull().scalar, expected.scalar);
         EXPECT_EQ(canonical_hash(here.update(host)), canonical_hash(expected));
@@ -92,6 +97,21 @@ TEST_F(GpuTracker, LedFramesAreCulledOnTheDevice) {
   EXPECT_STREQ(here.report().method, "gauge");
   EXPECT_EQ(there.report().scan_survivors, here.report().scan_survivors);  // of one map
   EXPECT_EQ(there.report().survivors, here.report().survivors);
+}
+
+// A planner to which the link is slow leaves the points where they are, for led frames too.
+TEST_F(GpuTracker, AutomaticStaysOnTheDevice) {
+  Options options = with(CullMethod::gauge, Backend::automatic);
+  options.machine.link_bytes_per_second = 1;
+  HullTracker tracker(options);
+  for (const Rows& rows : moving("bumpy", "spin", 30000, 3, 3)) {
+    const OnDevice copy(rows);
+    const Hull& hull = tracker.update(DevicePointView::row_major(copy.data<double>(), 30000, 3));
+    EXPECT_EQ(canonical_hash(hull),
+              canonical_hash(convex_hull(PointView::row_major(rows.data(), 30000, 3))));
+    EXPECT_STREQ(hull.statistics.backend, "cuda");
+  }
+  EXPECT_STREQ(tracker.report().method, "gauge");
 }
 
 TEST_F(GpuTracker, FlatFramesAndOtherCounts) {
