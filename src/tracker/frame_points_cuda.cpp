@@ -58,6 +58,7 @@ class DeviceFrame final : public FramePoints {
                   [&] {
                     result.reason = before;
                     here_->scan(map, result);
+                    if (!why_here_.empty()) result.reason = before;  // hull() says why
                   });
   }
 
