@@ -148,10 +148,12 @@ ordered_json row(const char* name, std::uint64_t n, unsigned d, const std::vecto
 ordered_json gauge_pass(const Settings& s, const char* name, std::uint64_t n, unsigned d,
                         const DevicePointView& view, const cullhull::internal::Control& control,
                         double copy_rate) {
-  const cullhull::internal::SampledPoints sample{n, d, [&](const std::vector<std::uint64_t>& ids) {
-                                                   return cuda::download_points(
-                                                       view, ids.data(), ids.size(), control);
-                                                 }};
+  cullhull::internal::SampledPoints sample;
+  sample.count = n;
+  sample.dimension = d;
+  sample.gather = [&](const std::vector<std::uint64_t>& ids) {
+    return cuda::download_points(view, ids.data(), ids.size(), control);
+  };
   const auto sampled = cullhull::internal::map_of_sample(sample, cullhull::internal::Insist::yes,
                                                          cuda::most_gauge_nodes(cuda::device()),
                                                          std::uint64_t{8} << 30, control);
