@@ -72,10 +72,10 @@ const InnerPolytope& polytope(unsigned d) {
   const Control control(options);
   std::vector<std::uint32_t> simplex(d + 1);
   std::iota(simplex.begin(), simplex.end(), 0U);  // independent: the points are random
-  const SimplicialHull h = d == 2 ? hull_2d(points, 1, control)
-                           : d == 3
-                               ? hull_3d(points, simplex.data(), std::uint64_t{1} << 32, 1, control)
-                               : hull_nd(points, simplex.data(), std::uint64_t{1} << 32, 1, control);
+  const SimplicialHull h =
+      d == 2   ? hull_2d(points, 1, control)
+      : d == 3 ? hull_3d(points, simplex.data(), std::uint64_t{1} << 32, 1, control)
+               : hull_nd(points, simplex.data(), std::uint64_t{1} << 32, 1, control);
   std::vector<std::uint32_t> local(points.count, ~0U);
   for (const std::uint32_t v : h.vertices) {
     if (local[v] == ~0U) {

@@ -112,10 +112,10 @@ void run(const char* shape, unsigned d, std::uint64_t n, unsigned repeats) {
   const auto start = Clock::now();
   const LocalPoints& local = frame.points();
   const std::uint64_t budget = ~std::uint64_t{0};
-  const SimplicialHull boundary =
-      d == 2   ? hull_2d(local, 1, control)
-      : d == 3 ? hull_3d(local, frame.simplex().data(), budget, 1, control)
-               : hull_nd(local, frame.simplex().data(), budget, 1, control);
+  const SimplicialHull boundary = d == 2 ? hull_2d(local, 1, control)
+                                  : d == 3
+                                      ? hull_3d(local, frame.simplex().data(), budget, 1, control)
+                                      : hull_nd(local, frame.simplex().data(), budget, 1, control);
   const std::size_t facets = boundary.facet_count();
   std::printf("%s %uD %llu points, %zu facets; engine %.1f ms\n", shape, d,
               static_cast<unsigned long long>(n), facets, milliseconds(start, Clock::now()));

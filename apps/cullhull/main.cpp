@@ -83,9 +83,8 @@ int run(int argc, char** argv) {
   parser.footer(footer);
   parser.require_subcommand(1);
   std::vector<Registered> commands;
-  for (const auto add :
-       {app::add_hull, app::add_cull, app::add_track, app::add_certify, app::add_generate,
-        app::add_info, app::add_view, app::add_bench}) {
+  for (const auto add : {app::add_hull, app::add_cull, app::add_track, app::add_certify,
+                         app::add_generate, app::add_info, app::add_view, app::add_bench}) {
     app::Command command = add(parser);
     commands.push_back({parser.get_subcommands({}).back(), std::move(command)});
   }

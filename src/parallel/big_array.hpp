@@ -24,8 +24,7 @@ class BigArray {
 
  public:
   BigArray() = default;
-  explicit BigArray(std::size_t count)
-      : data_(ArrayAllocator<T>().allocate(count), Free{count}) {}
+  explicit BigArray(std::size_t count) : data_(ArrayAllocator<T>().allocate(count), Free{count}) {}
 
   T* get() { return data_.get(); }
   const T* get() const { return data_.get(); }

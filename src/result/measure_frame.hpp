@@ -26,7 +26,7 @@ inline double scale_by(double v, int e) {
 /// the coordinate axes of the projection to the flat.
 struct Frame {
   unsigned dimension = 0, k = 0;
-  std::vector<unsigned> axes;       // on which the flat projects one to one
+  std::vector<unsigned> axes;  // on which the flat projects one to one
   Array<double> scaled;        // vertices x dimension, in units of 2^exponent
   int exponent = 0;
   bool wild = false;  // spans too many powers of two for scaled doubles

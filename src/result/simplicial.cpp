@@ -107,8 +107,7 @@ class Simplicial {
     std::uint32_t sum = 0;
     for (std::uint32_t b = 0; b < buckets_; ++b) {
       bucket_start_[b] = sum;
-      for (std::uint64_t c = 0; c < chunks; ++c)
-        sum += std::exchange(next_[c * buckets_ + b], sum);
+      for (std::uint64_t c = 0; c < chunks; ++c) sum += std::exchange(next_[c * buckets_ + b], sum);
     }
     bucket_start_[buckets_] = sum;
   }

@@ -46,7 +46,8 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> coplanar_pairs(const Surfac
 /// The slot of g opposite to the ridge it shares with f across slot i; checks ids and orientations.
 /// K: surface.k, or 0 if that is not known to the compiler.
 template <unsigned K>
-inline unsigned opposite_slot(const Surface& surface, std::uint32_t f, unsigned i, std::uint32_t g) {
+inline unsigned opposite_slot(const Surface& surface, std::uint32_t f, unsigned i,
+                              std::uint32_t g) {
   const unsigned k = K ? K : surface.k;
   const std::uint32_t* a = surface.simplex(f);
   const std::uint32_t* b = surface.simplex(g);

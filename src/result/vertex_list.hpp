@@ -11,9 +11,9 @@ namespace cullhull::internal {
 
 /// Positions among the vertices, which ascend as the local ids do.
 struct VertexList {
-  std::vector<std::uint64_t> ids;  ///< point ids, ascending
-  bool all_points = false;         ///< every local point is a vertex: position = local id
-  bool plain = false;              ///< and its id too
+  std::vector<std::uint64_t> ids;     ///< point ids, ascending
+  bool all_points = false;            ///< every local point is a vertex: position = local id
+  bool plain = false;                 ///< and its id too
   BigArray<std::uint32_t> positions;  ///< of local ids that are vertices; empty if all are
 
   std::uint32_t position(std::uint32_t local) const {

@@ -20,7 +20,7 @@ class Fnv {
   }
   void add(double v) { word(std::bit_cast<std::uint64_t>(v)); }
   template <class List>
-    requires requires(const List& list) { list.size(); }
+  requires requires(const List& list) { list.size(); }
   void add(const List& list) {
     word(list.size());
     for (const auto& v : list) {
