@@ -215,11 +215,17 @@ void RunArguments::add_to(CLI::App& command, bool filter) {
   command.add_flag("-q,--quiet", quiet, "No summary and no progress");
 }
 
+// Where `bench machine --save` writes it, so that what was saved is what is read.
 std::string machine_file() {
-  if (const char* named = std::getenv("CULLHULL_MACHINE"); named != nullptr && *named != 0)
-    return named;
-  const char* home = std::getenv("HOME");
-  return home == nullptr || *home == 0 ? "" : std::string(home) + "/.config/cullhull/machine.json";
+  const auto set = [](const char* name) -> std::string {
+    const char* value = std::getenv(name);
+    return value == nullptr ? "" : value;
+  };
+  if (const std::string file = set("CULLHULL_MACHINE"); !file.empty()) return file;
+  if (const std::string folder = set("XDG_CONFIG_HOME"); !folder.empty())
+    return folder + "/cullhull/machine.json";
+  const std::string home = set("HOME");
+  return home.empty() ? "" : home + "/.config/cullhull/machine.json";
 }
 
 namespace {

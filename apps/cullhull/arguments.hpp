@@ -57,7 +57,7 @@ struct RunArguments {
   cullhull::Options options() const;
 };
 
-/// Where the machine's constants are: $CULLHULL_MACHINE, else ~/.config/cullhull/machine.json;
+/// Where the machine's constants are: $CULLHULL_MACHINE, else cullhull/machine.json in $XDG_CONFIG_HOME or ~/.config;
 /// empty without a home.
 std::string machine_file();
 

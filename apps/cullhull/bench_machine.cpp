@@ -29,7 +29,11 @@ struct MachineArguments {
 };
 
 void save_constants(const cullhull::bench::MachineRates& rates) {
-  const std::string path = cullhull::bench::planner_constants_path();
+  const std::string path = machine_file();
+  if (path.empty())
+    throw cullhull::Error(
+        cullhull::ErrorCode::io,
+        "no place for the planner's constants: set CULLHULL_MACHINE to a file name");
   std::error_code error;
   if (const auto folder = std::filesystem::path(path).parent_path(); !folder.empty())
     std::filesystem::create_directories(folder, error);

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <nlohmann/json.hpp>
@@ -176,20 +175,6 @@ std::string planner_constants(const MachineRates& rates) {
   json["cores"] = rates.cores;
   json["date"] = rates.date;
   return json.dump(2) + '\n';
-}
-
-std::string planner_constants_path() {
-  const auto set = [](const char* name) -> std::string {
-    const char* value = std::getenv(name);
-    return value == nullptr ? "" : value;
-  };
-  if (const std::string file = set("CULLHULL_MACHINE"); !file.empty()) return file;
-  if (const std::string folder = set("XDG_CONFIG_HOME"); !folder.empty())
-    return folder + "/cullhull/machine.json";
-  if (const std::string home = set("HOME"); !home.empty())
-    return home + "/.config/cullhull/machine.json";
-  throw Error(ErrorCode::io,
-              "no place for the planner's constants: set CULLHULL_MACHINE to a file name");
 }
 
 }  // namespace cullhull::bench

@@ -50,9 +50,6 @@ std::string machine_json(const MachineRates& rates);
 /// host_copy_bytes_per_second (both on all cores), link_bytes_per_second (pinned),
 /// device_copy_bytes_per_second, cores, date. Those of a device only where there is one.
 std::string planner_constants(const MachineRates& rates);
-/// Where they are kept: $CULLHULL_MACHINE, else cullhull/machine.json in $XDG_CONFIG_HOME or
-/// ~/.config. Throws Error{io} where none of these is set.
-std::string planner_constants_path();
 
 /// The part for a device; nothing, and why in `reason`, where none can be used.
 std::optional<DeviceRates> measure_device(std::uint64_t bytes, unsigned passes,

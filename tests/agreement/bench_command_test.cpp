@@ -63,6 +63,21 @@ TEST(BenchMachine, SavesWhereThePlannerLooks) {
   ::unsetenv("CULLHULL_MACHINE");
 }
 
+TEST(BenchMachine, WhatIsSavedIsRead) {
+  const Folder f;
+  const std::string points = f / "p.npy";
+  ASSERT_EQ(run_app({"generate", "ball", "-n", "100k", "-o", points}).status, 0);
+  ::setenv("XDG_CONFIG_HOME", (f / "").c_str(), 1);
+  EXPECT_EQ(run_app(with(quick, {"--save", "--quiet"})).status, 0);
+  EXPECT_EQ(run_app({"hull", points, "-q"}).status, 0);
+  // A file that is no JSON is noticed: so it is this one that is read.
+  write_file(f / "cullhull/machine.json", "no");
+  const Ran ran = run_app({"hull", points, "-q"});
+  EXPECT_EQ(ran.status, 1);
+  EXPECT_NE(ran.err.find("machine.json"), std::string::npos) << ran.err;
+  ::unsetenv("XDG_CONFIG_HOME");
+}
+
 TEST(BenchMachine, BadUsage) {
   for (const auto& words : std::vector<std::vector<std::string>>{
            {"bench"}, {"bench", "nothing"}, with(quick, {"--bytes", "many"})}) {

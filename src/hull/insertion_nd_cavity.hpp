@@ -1,0 +1,184 @@
+// The second half of insertion_nd.hpp: the cavity of a point, the facets that replace it, how they
+// find their neighbours, and the surface in the end.
+#pragma once
+
+#include "hull/insertion_nd.hpp"
+
+namespace cullhull::internal {
+
+// ----------------------------------------------------------------------------------- insertion
+
+template <unsigned D>
+void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
+  const unsigned d = dim();
+  if (lane.visited.size() < facet_slots_) lane.visited.resize(facet_capacity_);
+  std::uint8_t* visited = lane.visited.data();
+  std::size_t visible = 1, ridges = 0;
+  s.visible.resize(std::max<std::size_t>(s.visible.size(), 64));
+  s.horizon.resize(std::max<std::size_t>(s.horizon.size(), 64));
+  s.visible[0] = seed;
+  visited[seed] = 1;
+  for (std::size_t k = 0; k < visible; ++k) {
+    if (visible + d > s.visible.size()) s.visible.resize(2 * s.visible.size() + d);
+    if (ridges + d > s.horizon.size()) s.horizon.resize(2 * s.horizon.size() + d);
+    if (k % 4096 == 4095) control_.check();
+    Id* const list = s.visible.data();
+    HorizonRidge* const horizon = s.horizon.data();
+    const Id f = list[k];
+    const Id* n = store_.neighbours(f);
+    // Which neighbours are visible is as good as random: no branch on it. A facet beyond the
+    // horizon is tested once for each of its ridges, which costs less than remembering it.
+    for (unsigned j = 0; j < d; ++j) {
+      const Id other = n[j];
+      const bool seen = sees(lane, other, s.next);
+      const bool fresh = seen && visited[other] == 0;
+      visited[other] |= static_cast<std::uint8_t>(seen);
+      list[visible] = other;
+      visible += fresh;
+      horizon[ridges] = {f, other, static_cast<std::uint8_t>(j), 0};
+      ridges += !seen;
+    }
+    // What is at the end of the list comes last: time to fetch it.
+    if (k + 2 < visible) {
+      const Id* next = store_.neighbours(list[k + 2]);
+      for (unsigned j = 0; j < d; ++j) store_.prefetch(next[j]);
+    }
+  }
+  s.visible.resize(visible);
+  s.horizon.resize(ridges);
+  for (const Id f : s.visible) visited[f] = 0;
+  for (HorizonRidge& r : s.horizon)
+    r.back = static_cast<std::uint8_t>(index_of(store_.neighbours(r.outside), r.facet));
+}
+
+/// A new facet on every horizon ridge, in the slots of the visible ones as far as they go: what is
+/// near stays near, and hints stay good.
+template <unsigned D>
+void InsertionNd<D>::replace(Stream& s, Lane& lane) {
+  const unsigned d = dim();
+  const std::size_t count = s.horizon.size();
+  const Id point = s.next - 1;
+  lane.vertices.resize(count * d);
+  lane.neighbours.resize(count * d);
+  lane.apex.resize(count);
+  lane.planes.resize(count * (d + 1));
+  for (std::size_t k = 0; k < count; ++k) {
+    const HorizonRidge& r = s.horizon[k];
+    Id* v = lane.vertices.data() + k * d;
+    std::copy_n(store_.vertices(r.facet), d, v);
+    v[r.apex] = point;
+    lane.apex[k] = r.apex;
+    store_.neighbours(r.facet)[r.apex] = static_cast<Id>(k) | horizon_tag;
+  }
+  link(s, lane);
+  control_.check();
+  facet_planes(frame_, point, lane.vertices.data(), lane.apex.data(), count, lane.planes.data());
+  const std::size_t reused = std::min(count, s.visible.size());
+  const auto slot = [&](std::size_t k) { return k < reused ? s.visible[k] : s.extra[k - reused]; };
+  for (std::size_t k = reused; k < s.visible.size(); ++k) store_.vertices(s.visible[k])[0] = dead;
+  for (std::size_t k = 0; k < count; ++k) {
+    const HorizonRidge& r = s.horizon[k];
+    const Id f = slot(k);
+    std::copy_n(lane.planes.data() + k * (d + 1), d + 1, store_.plane(f));
+    std::copy_n(lane.vertices.data() + k * d, d, store_.vertices(f));
+    Id* n = store_.neighbours(f);
+    const Id* local = lane.neighbours.data() + k * d;
+    for (unsigned i = 0; i < d; ++i) n[i] = i == r.apex ? r.outside : slot(local[i]);
+    store_.neighbours(r.outside)[r.back] = f;
+  }
+  s.hint = s.visible[0];
+}
+
+/// Finds the other new facets around the new facets, into lane.neighbours.
+///
+/// Every ridge through the point belongs to two of them. Each adds one and its number to the table
+/// slot that the ridge's vertices hash to; where a slot counts two, they are the two facets of one
+/// ridge whatever the hash is worth, and the sum tells the other from the one. Where it counts
+/// more, the other one is found by turning.
+template <unsigned D>
+void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
+  const unsigned d = dim();
+  constexpr unsigned sum_bits = 42;
+  const std::size_t count = s.horizon.size();
+  if (count * d >= std::size_t{1} << 20) {  // sums might reach the counts
+    for (std::size_t k = 0; k < count; ++k)
+      for (unsigned i = 0; i < d; ++i)
+        if (i != lane.apex[k]) lane.neighbours[k * d + i] = turn(s, k, i);
+    return;
+  }
+  const auto bits = static_cast<unsigned>(std::bit_width(count * d));
+  lane.table.assign(std::size_t{1} << (bits + 1), 0);
+  lane.ridges.resize(count * d);
+  std::uint64_t* const table = lane.table.data();
+  const std::uint32_t shift = 32 - (bits + 1);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Id* v = lane.vertices.data() + k * d;
+    Id* ridge = lane.ridges.data() + k * d;
+    std::uint32_t whole = 0;
+    for (unsigned i = 0; i < d; ++i) {
+      std::uint32_t h = v[i] * 0x9E3779B1U;
+      h ^= h >> 15;
+      ridge[i] = h;
+      whole += h;
+    }
+    const std::uint64_t entry = (std::uint64_t{1} << sum_bits) | k;
+    for (unsigned i = 0; i < d; ++i) {
+      ridge[i] = ((whole - ridge[i]) * 0x85EBCA6BU) >> shift;
+      table[ridge[i]] += i == lane.apex[k] ? 0 : entry;
+    }
+  }
+  for (std::size_t k = 0; k < count; ++k)
+    for (unsigned i = 0; i < d; ++i) {
+      const std::uint64_t entry = table[lane.ridges[k * d + i]];
+      lane.neighbours[k * d + i] =
+          static_cast<Id>(entry & ((std::uint64_t{1} << sum_bits) - 1)) - static_cast<Id>(k);
+      if (entry >> sum_bits != 2 && i != lane.apex[k]) lane.neighbours[k * d + i] = turn(s, k, i);
+    }
+}
+
+/// The other new facet at the ridge of new facet k opposite to vertex i: reached by turning,
+/// through visible facets, about what facet k shares with its old one without vertex i.
+template <unsigned D>
+typename InsertionNd<D>::Id InsertionNd<D>::turn(const Stream& s, std::size_t k, unsigned i) const {
+  Id at = s.horizon[k].facet, kept_vertex = store_.vertices(at)[s.horizon[k].apex];
+  unsigned exit = i;
+  for (;;) {
+    const Id next = store_.neighbours(at)[exit];
+    if ((next & horizon_tag) != 0) return next & ~horizon_tag;
+    const Id* v = store_.vertices(next);
+    exit = index_of(v, kept_vertex);
+    kept_vertex = v[index_of(store_.neighbours(next), at)];
+    at = next;
+  }
+}
+
+template <unsigned D>
+SimplicialHull InsertionNd<D>::collect() {
+  const unsigned d = dim();
+  ordered_.release();
+  store_.release_planes();
+  std::vector<std::uint32_t>().swap(claims_);
+  std::vector<Id> number(facet_slots_, none);
+  Id count = 0;
+  for (Id f = 0; f < facet_slots_; ++f)
+    if (store_.alive(f)) number[f] = count++;
+  result_.dimension = d;
+  result_.vertices.resize(std::size_t{count} * d);
+  result_.neighbours.resize(std::size_t{count} * d);
+  for (Id f = 0; f < facet_slots_; ++f) {
+    if (number[f] == none) continue;
+    const std::size_t base = std::size_t{number[f]} * d;
+    for (unsigned j = 0; j < d; ++j) {
+      result_.vertices[base + j] = order_[store_.vertices(f)[j]];
+      result_.neighbours[base + j] = number[store_.neighbours(f)[j]];
+    }
+  }
+  for (const Lane& lane : lanes_) {
+    for (unsigned r = 0; r < 3; ++r) result_.rung_counts[r] += lane.rung_counts[r];
+    result_.duplicates.insert(result_.duplicates.end(), lane.duplicates.begin(),
+                              lane.duplicates.end());
+  }
+  return std::move(result_);
+}
+
+}  // namespace cullhull::internal
