@@ -32,12 +32,13 @@ struct EngineInput {
   std::uint64_t count = 0;
 };
 
-void thin_lattice(EngineInput& input, unsigned d) {
+void thin_lattice(EngineInput& input, unsigned d, unsigned threads, const Control& control) {
   // Below this many points the engine is done before the sorts are.
   constexpr std::uint64_t worthwhile = 256;
   std::vector<std::uint32_t> kept;
   if (input.count < worthwhile ||
-      !lattice_cull(input.rows, static_cast<std::uint32_t>(input.count), d, kept) ||
+      !lattice_cull(input.rows, static_cast<std::uint32_t>(input.count), d, threads, control,
+                    kept) ||
       kept.size() == input.count)
     return;
   std::vector<double> rows(kept.size() * d);
@@ -53,7 +54,7 @@ void thin_lattice(EngineInput& input, unsigned d) {
 }
 
 EngineInput engine_input(const PointView& points, Filtered&& filtered, std::uint64_t budget,
-                         unsigned threads) {
+                         unsigned threads, const Control& control) {
   EngineInput input;
   input.all = filtered.survivors.all;
   input.count = filtered.survivors.size(points.count);
@@ -69,7 +70,7 @@ EngineInput engine_input(const PointView& points, Filtered&& filtered, std::uint
     input.rows = gather_points(points, input.all ? nullptr : filtered.survivors.ids.data(),
                                input.count, threads);
   input.ids = std::move(filtered.survivors.ids);
-  thin_lattice(input, points.dimension);
+  thin_lattice(input, points.dimension, threads, control);
   return input;
 }
 
@@ -132,7 +133,8 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
   hull.statistics.backend = filtered.survivors.backend;
   if (points.count == 0) return hull;
 
-  EngineInput input = engine_input(points, std::move(filtered), run.budget, run.threads);
+  EngineInput input =
+      engine_input(points, std::move(filtered), run.budget, run.threads, run.control);
   const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
                          points.dimension, run.control);
   run.control.check();
@@ -209,7 +211,7 @@ ExtremePoints extreme_points(const PointView& points, const Options& options) {
   statistics.cull_seconds = seconds_since(start);
 
   const auto search_start = Clock::now();
-  EngineInput input = engine_input(points, std::move(filtered), budget, threads);
+  EngineInput input = engine_input(points, std::move(filtered), budget, threads, control);
   const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
                          points.dimension, control);
   result.affine_dimension = frame.affine_dimension();
