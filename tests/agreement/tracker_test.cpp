@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
@@ -73,9 +74,17 @@ class Trackers {
   }
   void expect_frame(const PointView& points, const std::string& what) {
     const std::uint64_t expected = static_hash(points);
-    for (std::size_t t = 0; t < trackers_.size(); ++t)
+    for (std::size_t t = 0; t < trackers_.size(); ++t) {
       EXPECT_EQ(canonical_hash(trackers_[t].update(points)), expected)
           << what << ", tracker " << t << ": " << trackers_[t].report().method;
+      expect_vertices_among_survivors(trackers_[t], points.count);
+    }
+  }
+  static void expect_vertices_among_survivors(const HullTracker& tracker, std::uint64_t count) {
+    const Survivors& left = tracker.survivors();
+    EXPECT_EQ(left.size(count), tracker.report().survivors);
+    for (const std::uint64_t v : tracker.hull().vertices)
+      EXPECT_TRUE(left.all || std::binary_search(left.ids.begin(), left.ids.end(), v)) << v;
   }
   HullTracker& operator[](std::size_t t) { return trackers_[t]; }
   std::size_t size() const { return trackers_.size(); }
