@@ -36,9 +36,7 @@ constexpr const char* standard[] = {
     "ball-8d-500",      "cube-4d-1000000",  "grid-4d-200000",   "cube_surface-4d-50000"};
 
 /// Processor time of all threads: what other programs on the machine disturb least.
-double processor_milliseconds() {
-  return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
+double processor_milliseconds() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 double milliseconds(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -108,7 +106,8 @@ void run(const std::string& name, unsigned threads, int repeat) {
     std::copy_n(hull.rung_counts, 3, rungs);
   }
   std::printf(
-      "%-24s %u thr  survivors %8llu  facets %8llu (%8llu)  filter %8.1f  engine %8.1f (cpu %8.1f)  "
+      "%-24s %u thr  survivors %8llu  facets %8llu (%8llu)  filter %8.1f  engine %8.1f (cpu %8.1f) "
+      " "
       "whole %8.1f ms  rungs %llu %llu %llu\n",
       name.c_str(), threads, static_cast<unsigned long long>(survivors),
       static_cast<unsigned long long>(facets), static_cast<unsigned long long>(simplices), filter,

@@ -333,7 +333,7 @@ void InsertionNd<D>::insert_round(Id begin, Id end) {
 /// the number of streams. Not a matter of threads: the facets made are to be the same.
 template <unsigned D>
 void InsertionNd<D>::adapt(std::size_t tried, std::size_t refused, std::size_t made) {
-  constexpr double wanted = 0.06, batch = 4000, fewest = 8, most = 256;
+  constexpr double wanted = 0.06, batch = 1000, fewest = 8, most = 256;
   if (tried < 16) return;
   const double share = static_cast<double>(refused) / static_cast<double>(tried);
   const double cavity = std::max(1.0, static_cast<double>(made) / static_cast<double>(tried));
