@@ -309,11 +309,11 @@ void build_hull(const ResultInput& input, SimplicialHull&& boundary, const Contr
     }
   }
   control.report("merge", 0);
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  CoplanarPairs pairs;
   if (surface.k > 1)
     pairs = coplanar_pairs(surface, local, threads, control, hull.statistics.rung_counts);
-  Assembler assembler(input, merge_coplanar(std::move(surface), pairs, local, control), threads,
-                      control, hull);
+  Assembler assembler(input, merge_coplanar(std::move(surface), pairs, local, threads, control),
+                      threads, control, hull);
   assembler.run();
   control.report("measures", 0);
   measure(*input.view, assembler.ascending_vertices(), assembler.take_vertex_index(), input.axes,

@@ -46,7 +46,7 @@ bool sort_triangle(std::uint32_t* ids, std::uint32_t* neighbours) {
 }
 
 struct ChunkResult {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  CoplanarPairs pairs;
   std::uint64_t ridges = 0;
   std::uint64_t rungs[3] = {0, 0, 0};
 };
@@ -218,11 +218,8 @@ Surface make_surface(SimplicialHull&& boundary, const LocalPoints& points, unsig
   return s;
 }
 
-std::vector<std::pair<std::uint32_t, std::uint32_t>> coplanar_pairs(const Surface& surface,
-                                                                    const LocalPoints& points,
-                                                                    unsigned threads,
-                                                                    const Control& control,
-                                                                    std::uint64_t* rung_counts) {
+CoplanarPairs coplanar_pairs(const Surface& surface, const LocalPoints& points, unsigned threads,
+                             const Control& control, std::uint64_t* rung_counts) {
   using Scan = void (*)(const RidgeScan&, std::uint64_t, std::uint64_t, ChunkResult&);
   static constexpr Scan scans[] = {scan_chunk<0>, scan_chunk<0>, scan_chunk<2>,
                                    scan_chunk<3>, scan_chunk<4>, scan_chunk<5>,
@@ -235,7 +232,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> coplanar_pairs(const Surfac
                    control.check();
                    scan(ridge_scan, begin, end, results[chunk]);
                  });
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  CoplanarPairs pairs;
   std::uint64_t ridges = 0;
   for (const ChunkResult& r : results) {
     pairs.insert(pairs.end(), r.pairs.begin(), r.pairs.end());
