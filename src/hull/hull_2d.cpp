@@ -128,7 +128,7 @@ Extent measure(const PlanarSource& source, unsigned threads, const Control& cont
 /// keep their order, so rows ascend.
 class Buckets {
  public:
-  static constexpr unsigned max_bits = 12;
+  static constexpr unsigned max_bits = 11;
   static constexpr std::uint32_t wanted_size = 512;
 
   Buckets(const PlanarSource& source, const Box& box, unsigned threads, const Control& control)
