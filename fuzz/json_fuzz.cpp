@@ -8,8 +8,8 @@ void require(bool holds) {
   if (!holds) std::abort();
 }
 
-template <class T>
-void check_lists(const cullhull::Lists<T>& lists, std::uint64_t limit) {
+template <class T, class Items>
+void check_lists(const cullhull::Lists<T, Items>& lists, std::uint64_t limit) {
   require(!lists.offsets.empty() && lists.offsets.front() == 0 &&
           lists.offsets.back() == lists.items.size());
   for (std::size_t i = 0; i < lists.size(); ++i) require(lists.offsets[i] <= lists.offsets[i + 1]);

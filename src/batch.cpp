@@ -34,8 +34,8 @@ void append_offsets(To& to, const Offsets& offsets) {
   for (std::size_t i = 1; i < offsets.size(); ++i) to.push_back(base + offsets[i]);
 }
 
-template <class T>
-void append_lists(Lists<T>& to, const Lists<T>& more) {
+template <class T, class Items>
+void append_lists(Lists<T>& to, const Lists<T, Items>& more) {
   append_offsets(to.offsets, more.offsets);
   append(to.items, more.items);
 }
@@ -121,8 +121,9 @@ class Joiner {
   }
   template <class T>
   void join_lists(HullBatch& out, Lists<T> HullBatch::*member) const {
-    join_starts(
-        (out.*member).offsets, [member](HullBatch & b) -> auto& { return (b.*member).offsets; });
+    join_starts((out.*member).offsets.edit(), [member](HullBatch & b) -> auto& {
+      return (b.*member).offsets;
+    });
     join_items((out.*member).items, [member](HullBatch & b) -> auto& { return (b.*member).items; });
   }
 
@@ -147,14 +148,12 @@ void copy_list(const Lists<T>& lists, std::size_t i, To& to) {
 }
 
 /// Lists [begin, end), their offsets from 0.
-template <class T>
-Lists<T> run(const Lists<T>& lists, std::uint64_t begin, std::uint64_t end) {
-  Lists<T> out;
+template <class T, class Items>
+void copy_run(const Lists<T>& lists, std::uint64_t begin, std::uint64_t end, Lists<T, Items>& out) {
   const std::uint64_t base = lists.offsets[begin];
   for (std::uint64_t i = begin + 1; i <= end; ++i) out.offsets.push_back(lists.offsets[i] - base);
-  out.items.assign(lists.items.begin() + static_cast<std::ptrdiff_t>(base),
-                   lists.items.begin() + static_cast<std::ptrdiff_t>(lists.offsets[end]));
-  return out;
+  out.items = Array<T>(lists.items.begin() + static_cast<std::ptrdiff_t>(base),
+                       lists.items.begin() + static_cast<std::ptrdiff_t>(lists.offsets[end]));
 }
 
 }  // namespace
@@ -174,14 +173,14 @@ Hull HullBatch::hull(std::size_t i) const {
   }
   copy_list(vertices, i, h.vertices);
   const std::uint64_t begin = facet_starts[i], end = facet_starts[i + 1];
-  h.facets = run(facets, begin, end);
-  h.facet_neighbours = run(facet_neighbours, begin, end);
+  copy_run(facets, begin, end, h.facets);
+  copy_run(facet_neighbours, begin, end, h.facet_neighbours);
   const std::uint64_t width = dimension + std::uint64_t{1};
   h.facet_planes.assign(facet_planes.begin() + static_cast<std::ptrdiff_t>(begin * width),
                         facet_planes.begin() + static_cast<std::ptrdiff_t>(end * width));
-  copy_list(simplices, i, h.simplices);
+  copy_list(simplices, i, h.simplices.edit());
   copy_list(simplex_neighbours, i, h.simplex_neighbours);
-  copy_list(simplex_facets, i, h.simplex_facets);
+  copy_list(simplex_facets, i, h.simplex_facets.edit());
   return h;
 }
 

@@ -38,17 +38,6 @@ Filtered filter(const DevicePointView& points, const Options& options) {
                            resolve_budget(options.memory_budget));
 }
 
-/// From positions among the survivors to ids. Survivors ascend, so whatever was ordered by position
-/// is ordered by id.
-void rename(Hull& hull, const std::vector<std::uint64_t>& ids) {
-  const auto rename_list = [&](auto& list) {
-    for (std::uint64_t& v : list) v = ids[v];
-  };
-  rename_list(hull.vertices);
-  rename_list(hull.facets.items);
-  rename_list(hull.simplices);
-}
-
 }  // namespace
 
 void check_arguments(const DevicePointView& points) {
@@ -68,7 +57,8 @@ Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const
   rest.cull = CullMethod::none;
   Hull hull =
       convex_hull(PointView::row_major(filtered.rows.data(), count, points.dimension), rest);
-  if (!s.all) rename(hull, s.ids);
+  // Survivors ascend, so whatever was ordered by position among them is ordered by id.
+  if (!s.all) hull.rename([&](std::uint64_t position) { return s.ids[position]; });
   hull.point_count = points.count;
   hull.scalar = points.scalar;
   hull.statistics.survivors = count;

@@ -34,12 +34,13 @@ struct EngineInput {
   std::uint64_t count = 0;
 };
 
-void thin_lattice(EngineInput& input, unsigned d) {
+void thin_lattice(EngineInput& input, unsigned d, unsigned threads, const Control& control) {
   // Below this many points the engine is done before the sorts are.
   constexpr std::uint64_t worthwhile = 256;
   std::vector<std::uint32_t> kept;
   if (input.count < worthwhile ||
-      !lattice_cull(input.rows, static_cast<std::uint32_t>(input.count), d, kept) ||
+      !lattice_cull(input.rows, static_cast<std::uint32_t>(input.count), d, threads, control,
+                    kept) ||
       kept.size() == input.count)
     return;
   std::vector<double> rows(kept.size() * d);
@@ -64,7 +65,7 @@ void require_engine_room(std::uint64_t count, unsigned dimension, std::uint64_t 
 }
 
 EngineInput engine_input(const PointView& points, Filtered&& filtered, std::uint64_t budget,
-                         unsigned threads) {
+                         unsigned threads, const Control& control) {
   EngineInput input;
   input.all = filtered.survivors.all;
   input.count = filtered.survivors.size(points.count);
@@ -74,7 +75,7 @@ EngineInput engine_input(const PointView& points, Filtered&& filtered, std::uint
     input.rows = gather_points(points, input.all ? nullptr : filtered.survivors.ids.data(),
                                input.count, threads);
   input.ids = std::move(filtered.survivors.ids);
-  thin_lattice(input, points.dimension);
+  thin_lattice(input, points.dimension, threads, control);
   return input;
 }
 
@@ -103,12 +104,14 @@ SimplicialHull run_engine(const LocalFrame& frame, Engine engine, std::uint64_t 
 }
 
 /// Points of the plane need no frame: they are hulled where they lie.
-void extreme_in_plane(const PointView& points, const Filtered& filtered, const Run& run,
+void extreme_in_plane(const PointView& points, Filtered&& filtered, const Run& run,
                       ExtremePoints& result) {
   const bool all = filtered.survivors.all;
-  const PointView rows =
-      all ? points : PointView::row_major(filtered.rows.data(), filtered.survivors.ids.size(), 2);
-  require_engine_room(rows.count, 2, run.budget);
+  const std::uint64_t count = filtered.survivors.size(points.count);
+  require_engine_room(count, 2, run.budget);
+  if (!all && filtered.rows.empty())
+    filtered.rows = gather_points(points, filtered.survivors.ids.data(), count, run.threads);
+  const PointView rows = all ? points : PointView::row_major(filtered.rows.data(), count, 2);
   const Polygon polygon = polygon_of(rows, false, run.threads, run.control);
   result.affine_dimension = static_cast<int>(std::min<std::size_t>(polygon.corners.size(), 3)) - 1;
   result.ids = ascending_ids(polygon.corners.data(), polygon.corners.size(),
@@ -150,7 +153,8 @@ std::vector<std::uint64_t> extreme_locals(const LocalFrame& frame, const Run& ru
 
 void extreme_in_space(const PointView& points, Filtered&& filtered, const Run& run,
                       ExtremePoints& result) {
-  EngineInput input = engine_input(points, std::move(filtered), run.budget, run.threads);
+  EngineInput input =
+      engine_input(points, std::move(filtered), run.budget, run.threads, run.control);
   const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
                          points.dimension, run.control);
   result.affine_dimension = frame.affine_dimension();
@@ -194,7 +198,8 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
   hull.statistics.backend = filtered.survivors.backend;
   if (points.count == 0) return hull;
 
-  EngineInput input = engine_input(points, std::move(filtered), run.budget, run.threads);
+  EngineInput input =
+      engine_input(points, std::move(filtered), run.budget, run.threads, run.control);
   const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
                          points.dimension, run.control);
   run.control.check();
@@ -270,7 +275,7 @@ ExtremePoints extreme_points(const PointView& points, const Options& options) {
 
   const auto search_start = Clock::now();
   if (points.dimension == 2)
-    extreme_in_plane(points, filtered, run, result);
+    extreme_in_plane(points, std::move(filtered), run, result);
   else
     extreme_in_space(points, std::move(filtered), run, result);
   statistics.hull_seconds = seconds_since(search_start);

@@ -122,7 +122,8 @@ inline Hull hull_from_polygons(const std::vector<std::vector<std::uint64_t>>& fa
   h.facet_planes.assign(planes.begin(), planes.end());
   for (std::uint32_t f = 0; f < facets.size(); ++f) {
     const auto& p = facets[f];
-    h.facets.items.insert(h.facets.items.end(), p.begin(), p.end());
+    Array<std::uint64_t>& corners = h.facets.items.edit();
+    corners.insert(corners.end(), p.begin(), p.end());
     h.facets.offsets.push_back(h.facets.items.size());
     for (std::size_t j = 0; j < p.size(); ++j)
       for (std::uint32_t g = 0; g < facets.size(); ++g)
@@ -132,7 +133,7 @@ inline Hull hull_from_polygons(const std::vector<std::vector<std::uint64_t>>& fa
             h.facet_neighbours.items.push_back(g);
     h.facet_neighbours.offsets.push_back(h.facet_neighbours.items.size());
     for (std::size_t j = 1; j + 1 < p.size(); ++j) {
-      h.simplices.insert(h.simplices.end(), {p[0], p[j], p[j + 1]});
+      h.simplices.edit().insert(h.simplices.edit().end(), {p[0], p[j], p[j + 1]});
       h.simplex_facets.push_back(f);
       for (int i = 0; i < 3; ++i)
         h.simplex_neighbours.push_back(static_cast<std::uint32_t>(h.simplex_facets.size() - 1));

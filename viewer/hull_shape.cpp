@@ -53,7 +53,7 @@ void draw_polygon(HullShape& shape) {
 /// Dimension 3: a facet's vertices are in cyclic order; each edge belongs to two facets.
 void draw_polyhedron(const Hull& hull, const Positions& positions, HullShape& shape) {
   for (const std::uint64_t id : hull.simplices) shape.triangles.push_back(position(positions, id));
-  const Lists<std::uint64_t>& facets = hull.facets;
+  const decltype(Hull::facets)& facets = hull.facets;
   for (std::size_t f = 0; f < facets.size(); ++f)
     for (std::uint64_t i = facets.offsets[f]; i < facets.offsets[f + 1]; ++i) {
       const std::uint64_t next = i + 1 < facets.offsets[f + 1] ? i + 1 : facets.offsets[f];
@@ -110,7 +110,7 @@ class EdgeTest {
   std::vector<Incidence>::const_iterator around(std::uint64_t id) const {
     return std::lower_bound(incidences_.begin(), incidences_.end(), Incidence{id, 0});
   }
-  const Lists<std::uint64_t>& facets_;
+  const decltype(Hull::facets)& facets_;
   std::vector<Incidence> incidences_;
   bool simplicial_ = true;
 };

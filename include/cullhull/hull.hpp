@@ -8,18 +8,11 @@
 
 #include "cullhull/array.hpp"
 #include "cullhull/cull.hpp"
+#include "cullhull/lists.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
 namespace cullhull {
-
-/// Lists of varying length, end to end: list i is items[offsets[i] .. offsets[i+1]).
-template <class T>
-struct Lists {
-  Array<std::uint64_t> offsets{0};
-  Array<T> items;
-  std::size_t size() const noexcept { return offsets.size() - 1; }
-};
 
 struct Statistics {
   std::uint64_t survivors = 0;       ///< points the filter kept (lattices are thinned once more)
@@ -50,7 +43,8 @@ struct Hull {
   /// Maximal facets, coplanar pieces merged; facet i's vertex ids. k = 3: in cyclic order,
   /// counter-clockwise from outside, from the lowest id. k = 2: the two ends, counter-clockwise.
   /// Otherwise ascending. Facets are ordered by their first simplex.
-  Lists<std::uint64_t> facets;
+  /// Shares the memory of `simplices` where each facet is one and lists its vertices alike.
+  Lists<std::uint64_t, SharedArray<std::uint64_t>> facets;
   /// Facets sharing a ridge with facet i. k = 3: entry j lies across the edge from vertex j to
   /// vertex j + 1 (cyclic). k = 2: across vertex 1, across vertex 0, as for simplices. Otherwise
   /// ascending.
@@ -62,11 +56,11 @@ struct Hull {
   /// simplices x k vertex ids: every facet triangulated by pulling from its lowest id
   /// (recursively), simplices sorted. Each simplex is ascending, except that its last two ids are
   /// swapped where that is needed to orient it outward (k = 1: none is needed).
-  Array<std::uint64_t> simplices;
+  SharedArray<std::uint64_t> simplices;
   /// simplices x k: entry j is the simplex across the ridge opposite to vertex j.
   Array<std::uint32_t> simplex_neighbours;
-  /// The facet each simplex is part of.
-  Array<std::uint32_t> simplex_facets;
+  /// The facet each simplex is part of; takes no memory where facet i is simplex i.
+  EvenArray<std::uint32_t> simplex_facets;
 
   /// k-measure of the hull (length, area, volume, ...) and (k-1)-measure of its boundary (for
   /// k = 1: 2, its end points), centroid in the units of the points. 0 and empty where undefined.
@@ -78,6 +72,19 @@ struct Hull {
 
   std::uint64_t facet_count() const noexcept { return facets.size(); }
   std::uint64_t simplex_count() const noexcept { return simplex_facets.size(); }
+
+  /// Replaces every vertex id v by of(v). Where `of` ascends, every canonical order stays as it is.
+  template <class Of>
+  void rename(Of&& of) {
+    const bool shared = facets.items.shares(simplices);
+    for (std::uint64_t& v : vertices) v = of(v);
+    if (shared) facets.items = {};
+    for (std::uint64_t& v : simplices.edit()) v = of(v);
+    if (shared)
+      facets.items = simplices;
+    else
+      for (std::uint64_t& v : facets.items.edit()) v = of(v);
+  }
 };
 
 /// The exact convex hull.

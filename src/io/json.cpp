@@ -66,8 +66,8 @@ class JsonWriter {
     key(name);
     list(items, 0, items.size());
   }
-  template <class T>
-  void nested(const char* name, const Lists<T>& lists) {
+  template <class T, class Items>
+  void nested(const char* name, const Lists<T, Items>& lists) {
     rows(name, lists.size(),
          [&](std::uint64_t i) { list(lists.items, lists.offsets[i], lists.offsets[i + 1]); });
   }

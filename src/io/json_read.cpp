@@ -207,7 +207,7 @@ class HullReader final : public nlohmann::json_sax<json> {
         raw_.hull.vertices.push_back(v);
         return true;
       case Field::facets:
-        raw_.hull.facets.items.push_back(v);
+        raw_.hull.facets.items.edit().push_back(v);
         return true;
       case Field::simplices:
         raw_.simplices.items.push_back(v);

@@ -22,17 +22,9 @@ struct GrowingHull::State {
 
 namespace {
 
-/// Replaces every vertex id. Where `of` ascends, every canonical order stays as it is.
-template <class Of>
-void rename(Hull& hull, Of&& of) {
-  for (std::uint64_t& v : hull.vertices) v = of(v);
-  for (auto* list : {&hull.facets.items, &hull.simplices})
-    for (std::uint64_t& v : *list) v = of(v);
-}
-
 /// The same hull over its vertices alone, in order of their ids (`ids`).
 Hull by_place(Hull hull, const std::vector<std::uint64_t>& ids) {
-  rename(hull, [&](std::uint64_t id) {
+  hull.rename([&](std::uint64_t id) {
     return static_cast<std::uint64_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
   });
   hull.point_count = ids.size();
@@ -84,7 +76,7 @@ std::uint64_t GrowingHull::add(const PointView& points, const Options& options) 
     }
     if (outside > 0) {
       next = convex_hull(s.view(rows), options);
-      rename(next, [&](std::uint64_t row) { return ids[row]; });
+      next.rename([&](std::uint64_t row) { return ids[row]; });
       next.scalar = s.hull.scalar == points.scalar ? points.scalar : ScalarType::f64;
     }
   }

@@ -143,11 +143,11 @@ class Assembler {
 
   /// By the first simplex in canonical order. Without merging, facet i is simplex i.
   void number_facets() {
-    resize_big(hull_.simplex_facets, count_);
     if (facets_.facet.empty()) {
-      std::iota(hull_.simplex_facets.begin(), hull_.simplex_facets.end(), 0U);
+      hull_.simplex_facets = EvenArray<std::uint32_t>::of_step(count_, 1);
       return;
     }
+    Array<std::uint32_t> numbers(count_);
     facet_rank_.assign(facets_.singles + facets_.vertices.size(), none);
     for (std::size_t i = 0; i < count_; ++i) {
       std::uint32_t& number = facet_rank_[facets_.facet[order_[i]]];
@@ -155,12 +155,13 @@ class Assembler {
         number = static_cast<std::uint32_t>(facet_order_.size());
         facet_order_.push_back(facets_.facet[order_[i]]);
       }
-      hull_.simplex_facets[i] = number;
+      numbers[i] = number;
     }
+    hull_.simplex_facets = std::move(numbers);
   }
 
   void write_simplices() {
-    resize_big(hull_.simplices, count_ * k_);
+    Array<std::uint64_t> simplices(count_ * k_);
     resize_big(hull_.simplex_neighbours, count_ * k_);
     resize_big(vertex_index_, count_ * k_);
     for_each_chunk(count_, simplex_chunk, threads_,
@@ -172,12 +173,13 @@ class Assembler {
                        const std::uint32_t* next = surface_.neighbours.data() + std::size_t{f} * k_;
                        for (unsigned j = 0; j < k_; ++j) {
                          const unsigned slot = surface_.stored_slot(f, j);
-                         hull_.simplices[i * k_ + j] = id(ids[slot]);
+                         simplices[i * k_ + j] = id(ids[slot]);
                          vertex_index_[i * k_ + j] = position_[ids[slot]];
                          hull_.simplex_neighbours[i * k_ + j] = rank_[next[slot]];
                        }
                      }
                    });
+    hull_.simplices = std::move(simplices);
   }
 
   /// The old order knows nothing of the new: two steps of prefetching, records then what they name.
@@ -199,11 +201,8 @@ class Assembler {
       write_simplicial_facets();
       return;
     }
-    auto& offsets = hull_.facets.offsets;
-    auto& neighbour_offsets = hull_.facet_neighbours.offsets;
     const std::size_t n = facet_order_.size();
-    offsets.assign(n + 1, 0);
-    neighbour_offsets.assign(n + 1, 0);
+    Array<std::uint64_t> offsets(n + 1, 0), neighbour_offsets(n + 1, 0);
     for (std::size_t i = 0; i < n; ++i) {
       const bool single = facet_order_[i] < facets_.singles;
       const std::size_t m = single ? 0 : facet_order_[i] - facets_.singles;
@@ -211,17 +210,21 @@ class Assembler {
       neighbour_offsets[i + 1] =
           neighbour_offsets[i] + (single ? k_ : length(facets_.neighbours, m));
     }
-    hull_.facets.items.resize(offsets[n]);
+    Array<std::uint64_t> items(offsets[n]);
     hull_.facet_neighbours.items.resize(neighbour_offsets[n]);
     for (std::size_t i = 0; i < n; ++i) {
-      std::uint64_t* vertices = hull_.facets.items.data() + offsets[i];
+      std::uint64_t* vertices = items.data() + offsets[i];
       std::uint32_t* across = hull_.facet_neighbours.items.data() + neighbour_offsets[i];
       const std::uint32_t facet = facet_order_[i];
-      if (facet < facets_.singles)
-        write_single(rank_[facet], vertices, across);
-      else
+      if (facet < facets_.singles) {
+        write_vertices(rank_[facet], vertices);
+        write_neighbours(rank_[facet], across);
+      } else {
         write_merged(facet - facets_.singles, vertices, across);
+      }
     }
+    hull_.facets = {std::move(offsets), std::move(items)};
+    hull_.facet_neighbours.offsets = std::move(neighbour_offsets);
   }
 
   template <class T>
@@ -230,33 +233,34 @@ class Assembler {
   }
 
   void write_simplicial_facets() {
-    resize_big(hull_.facets.offsets, count_ + 1);
-    for (std::size_t i = 0; i <= count_; ++i) hull_.facets.offsets[i] = i * k_;
-    resize_big(hull_.facet_neighbours.offsets, count_ + 1);
-    hull_.facet_neighbours.offsets = hull_.facets.offsets;
-    resize_big(hull_.facets.items, count_ * k_);
-    resize_big(hull_.facet_neighbours.items, count_ * k_);
+    const bool shared = facets_are_simplices(k_);
+    Array<std::uint64_t> items(shared ? 0 : count_ * k_);
+    Array<std::uint32_t> neighbours(count_ * k_);
     for_each_chunk(count_, simplex_chunk, threads_,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     for (std::uint64_t i = begin; i < end; ++i)
-                       write_single(i, hull_.facets.items.data() + i * k_,
-                                    hull_.facet_neighbours.items.data() + i * k_);
+                     for (std::uint64_t i = begin; i < end; ++i) {
+                       if (!shared) write_vertices(i, items.data() + i * k_);
+                       write_neighbours(i, neighbours.data() + i * k_);
+                     }
                    });
+    using Ids = SharedArray<std::uint64_t>;
+    hull_.facets =
+        Lists<std::uint64_t, Ids>::of_length(k_, shared ? hull_.simplices : Ids(std::move(items)));
+    hull_.facet_neighbours = Lists<std::uint32_t>::of_length(k_, std::move(neighbours));
   }
 
   /// A facet that is simplex i of the canonical order.
-  void write_single(std::uint64_t i, std::uint64_t* vertices, std::uint32_t* across) const {
+  void write_vertices(std::uint64_t i, std::uint64_t* vertices) const {
     const std::uint64_t* ids = hull_.simplices.data() + i * k_;
+    for (unsigned j = 0; j < k_; ++j) vertices[j] = ids[k_ == 2 ? 1 - j : j];
+    if (k_ > 3 && vertices[k_ - 2] > vertices[k_ - 1])
+      std::swap(vertices[k_ - 2], vertices[k_ - 1]);
+  }
+  void write_neighbours(std::uint64_t i, std::uint32_t* across) const {
     const std::uint32_t* next = hull_.simplex_neighbours.data() + i * k_;
-    for (unsigned j = 0; j < k_; ++j) {
-      vertices[j] = ids[k_ == 2 ? 1 - j : j];
-      // k = 3: the edge from vertex j is opposite to vertex j + 2.
+    for (unsigned j = 0; j < k_; ++j)  // k = 3: the edge from vertex j is opposite to vertex j + 2
       across[j] = hull_.simplex_facets[next[k_ == 2 ? 1 - j : k_ == 3 ? (j + 2) % 3 : j]];
-    }
-    if (k_ > 3) {
-      if (vertices[k_ - 2] > vertices[k_ - 1]) std::swap(vertices[k_ - 2], vertices[k_ - 1]);
-      std::sort(across, across + k_);
-    }
+    if (k_ > 3) std::sort(across, across + k_);
   }
 
   void write_merged(std::size_t m, std::uint64_t* vertices, std::uint32_t* across) const {

@@ -19,6 +19,9 @@ struct ResultInput {
   const unsigned* axes = nullptr;
 };
 
+/// Whether a facet that is one simplex lists the simplex's vertices in the order of `simplices`.
+constexpr bool facets_are_simplices(unsigned k) { return k == 1 || k == 3; }
+
 /// Merges coplanar simplices (exactly), drops vertices that are not extreme, triangulates
 /// canonically, sorts, and measures. Consumes `boundary`. Fills every field of Hull but statistics
 /// (whose rung_counts it increases). Throws Error{not_exact} if the boundary is not weakly convex

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::uint64_t chunk = std::uint64_t{1} << 14;
 
-template <class T>
-void check_lists(const Lists<T>& lists, const char* name) {
+template <class T, class Items>
+void check_lists(const Lists<T, Items>& lists, const char* name) {
   const auto& o = lists.offsets;
   if (o.empty() || o.front() != 0 || o.back() != lists.items.size() ||
       !std::is_sorted(o.begin(), o.end()))

@@ -83,6 +83,7 @@ class Simplicial {
 
  private:
   static constexpr unsigned lanes = FacetBlock<K>::lanes;
+  static constexpr bool shared = facets_are_simplices(K);
 
   // ---------------------------------------------------------------- first sweep
 
@@ -280,15 +281,10 @@ class Simplicial {
   // ---------------------------------------------------------------- second sweep
 
   void resize() {
-    hull_.simplices.resize(count_ * K);
+    simplices_.resize(count_ * K);
+    if constexpr (!shared) facets_.resize(count_ * K);
     hull_.simplex_neighbours.resize(count_ * K);
-    hull_.simplex_facets.resize(count_);
-    hull_.facets.offsets.resize(count_ + 1);
-    hull_.facets.items.resize(count_ * K);
-    hull_.facet_neighbours.offsets.resize(count_ + 1);
-    hull_.facet_neighbours.items.resize(count_ * K);
     hull_.facet_planes.resize(count_ * (K + 1));
-    hull_.facets.offsets[count_] = hull_.facet_neighbours.offsets[count_] = count_ * K;
     rank_ = BigArray<std::uint32_t>(count_);
     runs_ = BigArray<Share<K>>(chunk_count(count_, measure_run));
     cut_.resize(buckets_);
@@ -384,17 +380,17 @@ class Simplicial {
 
   void write_simplex(std::uint64_t i, const Record<K>& r) {
     rank_[r.simplex] = static_cast<std::uint32_t>(i);
-    hull_.simplex_facets[i] = static_cast<std::uint32_t>(i);
-    hull_.facets.offsets[i] = hull_.facet_neighbours.offsets[i] = i * K;
-    std::uint64_t* simplex = hull_.simplices.data() + i * K;
-    std::uint64_t* facet = hull_.facets.items.data() + i * K;
+    std::uint64_t* simplex = simplices_.data() + i * K;
     std::uint32_t* across = hull_.simplex_neighbours.data() + i * K;
     for (unsigned j = 0; j < K; ++j) {
       simplex[j] = vertices_.plain ? r.vertex[j] : vertices_.ids[r.vertex[j]];
       across[j] = r.neighbour[j];  // renumbered in the third sweep
     }
-    for (unsigned j = 0; j < K; ++j) facet[j] = simplex[K == 2 ? 1 - j : j];
-    if (K > 3 && facet[K - 2] > facet[K - 1]) std::swap(facet[K - 2], facet[K - 1]);
+    if constexpr (!shared) {
+      std::uint64_t* facet = facets_.data() + i * K;
+      for (unsigned j = 0; j < K; ++j) facet[j] = simplex[K == 2 ? 1 - j : j];
+      if (K > 3 && facet[K - 2] > facet[K - 1]) std::swap(facet[K - 2], facet[K - 1]);
+    }
   }
 
   Share<K> write_plane(std::uint64_t i, const Record<K>& r) {
@@ -456,11 +452,12 @@ class Simplicial {
   // ---------------------------------------------------------------- third sweep and sums
 
   void write_neighbours() {
+    Array<std::uint32_t> neighbours(count_ * K);
     for_each_chunk(count_, simplex_chunk, threads_,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                      for (std::uint64_t i = begin; i < end; ++i) {
                        std::uint32_t* next = hull_.simplex_neighbours.data() + i * K;
-                       std::uint32_t* across = hull_.facet_neighbours.items.data() + i * K;
+                       std::uint32_t* across = neighbours.data() + i * K;
                        for (unsigned j = 0; j < K; ++j) {
                          if (i + ahead < end) __builtin_prefetch(&rank_[next[j + ahead * K]]);
                          next[j] = rank_[next[j]];
@@ -471,6 +468,12 @@ class Simplicial {
                        if (K > 3) std::sort(across, across + K);
                      }
                    });
+    using Ids = SharedArray<std::uint64_t>;
+    hull_.simplices = Ids(std::move(simplices_));
+    hull_.facets =
+        Lists<std::uint64_t, Ids>::of_length(K, shared ? hull_.simplices : Ids(std::move(facets_)));
+    hull_.facet_neighbours = Lists<std::uint32_t>::of_length(K, std::move(neighbours));
+    hull_.simplex_facets = EvenArray<std::uint32_t>::of_step(count_, 1);
   }
 
   void finish() {
@@ -520,7 +523,8 @@ class Simplicial {
   std::vector<std::uint32_t> bucket_start_;  // records of each bucket
   BigArray<Record<K>> records_;
   std::atomic<bool> coplanar_{false};
-  BigArray<std::uint32_t> rank_;  // of the engine's simplices in canonical order
+  Array<std::uint64_t> simplices_, facets_;  // the result's; facets_ where they are not shared
+  BigArray<std::uint32_t> rank_;             // of the engine's simplices in canonical order
   BigArray<Share<K>> runs_;
   std::vector<Cut> cut_;
 };

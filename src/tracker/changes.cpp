@@ -26,15 +26,7 @@ class FacetCursor {
                                                   row(b) + b.k_);
   }
   bool same_vertices(const FacetCursor& b) const {
-    const auto begin = [](const FacetCursor& c) {
-      return c.hull_.facets.items.begin() +
-             static_cast<std::ptrdiff_t>(c.hull_.facets.offsets[c.facet_]);
-    };
-    const auto end = [](const FacetCursor& c) {
-      return c.hull_.facets.items.begin() +
-             static_cast<std::ptrdiff_t>(c.hull_.facets.offsets[c.facet_ + 1]);
-    };
-    return std::equal(begin(*this), end(*this), begin(b), end(b));
+    return std::ranges::equal(hull_.facets[facet_], b.hull_.facets[b.facet_]);
   }
 
  private:

@@ -152,21 +152,22 @@ TEST(Certify, MutationsOfACubeAreNamed) {
   expect_fault(
       c, h, [](Hull& b) { b.vertices[7] = 1U << 20; }, "out of range");
   expect_fault(
-      c, h, [](Hull& b) { b.simplices[0] = 77; }, "not a vertex");
+      c, h, [](Hull& b) { b.simplices.edit()[0] = 77; }, "not a vertex");
   expect_fault(
       c, h, [](Hull& b) { b.simplex_neighbours[4] = 12; }, "out of range");
   expect_fault(
-      c, h, [](Hull& b) { b.simplex_facets[0] = 6; }, "out of range");
+      c, h, [](Hull& b) { b.simplex_facets.edit()[0] = 6; }, "out of range");
   expect_fault(
-      c, h, [](Hull& b) { std::swap(b.simplices[1], b.simplices[2]); }, "");
+      c, h, [](Hull& b) { std::swap(b.simplices.edit()[1], b.simplices.edit()[2]); }, "");
   expect_fault(
-      c, h, [](Hull& b) { b.simplices.resize(3); }, "differ in length");
+      c, h, [](Hull& b) { b.simplices.edit().resize(3); }, "differ in length");
   expect_fault(
-      c, h, [](Hull& b) { b.facets.offsets[1] = 1U << 30; }, "offsets");
+      c, h, [](Hull& b) { b.facets.offsets.edit()[1] = 1U << 30; }, "offsets");
   expect_fault(
       c, h, [](Hull& b) { b.facets.offsets.clear(); }, "offsets");
   expect_fault(
-      c, h, [](Hull& b) { std::swap(b.facets.items[1], b.facets.items[2]); }, "cyclic");
+      c, h, [](Hull& b) { std::swap(b.facets.items.edit()[1], b.facets.items.edit()[2]); },
+      "cyclic");
   expect_fault(
       c, h, [](Hull& b) { std::swap(b.facet_neighbours.items[0], b.facet_neighbours.items[1]); },
       "neighbours of facet 0");
@@ -193,7 +194,7 @@ TEST(Certify, MutationsOfACubeAreNamed) {
   expect_fault(
       c, h, [](Hull& b) { b.point_count = 8; }, "8 points, not of 9");
   expect_fault(
-      c, h, [](Hull& b) { b.simplex_facets[1] = b.simplex_facets[0] == 0 ? 1 : 0; }, "");
+      c, h, [](Hull& b) { b.simplex_facets.edit()[1] = b.simplex_facets[0] == 0 ? 1 : 0; }, "");
 }
 
 /// Every simplex reversed: locally concave from its own side.
@@ -204,7 +205,7 @@ TEST(Certify, InsideOutIsFound) {
   std::vector<std::size_t> order(b.simplex_count());
   std::iota(order.begin(), order.end(), std::size_t{0});
   for (std::size_t i = 0; i < b.simplex_count(); ++i) {
-    std::swap(b.simplices[3 * i + 1], b.simplices[3 * i + 2]);
+    std::swap(b.simplices.edit()[3 * i + 1], b.simplices.edit()[3 * i + 2]);
     std::swap(b.simplex_neighbours[3 * i + 1], b.simplex_neighbours[3 * i + 2]);
   }
   std::sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) {
@@ -216,7 +217,7 @@ TEST(Certify, InsideOutIsFound) {
   Hull sorted = b;
   for (std::size_t i = 0; i < order.size(); ++i)
     for (unsigned j = 0; j < 3; ++j) {
-      sorted.simplices[3 * i + j] = b.simplices[3 * order[i] + j];
+      sorted.simplices.edit()[3 * i + j] = b.simplices[3 * order[i] + j];
       sorted.simplex_neighbours[3 * i + j] = rank[b.simplex_neighbours[3 * order[i] + j]];
     }
   EXPECT_NE(reason(c, sorted).find("not convex"), std::string::npos) << reason(c, sorted);
@@ -229,8 +230,9 @@ TEST(Certify, SplitAndJoinedFacetsAreFound) {
   expect_fault(
       c, h,
       [](Hull& b) {
-        b.simplex_facets.back() = 6;
-        b.facets.items.insert(b.facets.items.end(), b.simplices.end() - 3, b.simplices.end());
+        b.simplex_facets.edit().back() = 6;
+        Array<std::uint64_t>& items = b.facets.items.edit();
+        items.insert(items.end(), b.simplices.end() - 3, b.simplices.end());
         b.facets.offsets.push_back(b.facets.items.size());
         b.facet_neighbours.items.insert(b.facet_neighbours.items.end(), {0, 1, 2});
         b.facet_neighbours.offsets.push_back(b.facet_neighbours.items.size());
@@ -241,7 +243,7 @@ TEST(Certify, SplitAndJoinedFacetsAreFound) {
   expect_fault(
       c, h,
       [](Hull& b) {
-        for (auto& f : b.simplex_facets) f = f == 5 ? 4 : f;
+        for (auto& f : b.simplex_facets.edit()) f = f == 5 ? 4 : f;
       },
       "not coplanar");
 }
@@ -256,9 +258,7 @@ TEST(Certify, DuplicatesMustBeTheLowestId) {
   const Case without = cube(3);
   Hull b = reference_hull(without);
   b.point_count = c.view().count;
-  for (auto& v : b.vertices) ++v;
-  for (auto& v : b.simplices) ++v;
-  for (auto& v : b.facets.items) ++v;
+  b.rename([](std::uint64_t v) { return v + 1; });
   EXPECT_EQ(reason(c, b), "point 0 equals vertex 8 and has the lower id");
 }
 
@@ -283,13 +283,13 @@ TEST(Certify, DoubleCoveringIsFound) {
   // Edges i -> i + 2 clockwise, sorted: (tail, head).
   const std::vector<std::pair<unsigned, unsigned>> edges{{0, 2}, {1, 3}, {2, 4}, {3, 0}, {4, 1}};
   for (unsigned i = 0; i < 5; ++i) {
-    h.simplices[2 * i] = edges[i].first;
-    h.simplices[2 * i + 1] = edges[i].second;
+    h.simplices.edit()[2 * i] = edges[i].first;
+    h.simplices.edit()[2 * i + 1] = edges[i].second;
     for (std::uint32_t j = 0; j < 5; ++j) {
       if (edges[j].first == edges[i].second) h.simplex_neighbours[2 * i] = j;
       if (edges[j].second == edges[i].first) h.simplex_neighbours[2 * i + 1] = j;
     }
-    h.simplex_facets[i] = i;
+    h.simplex_facets.edit()[i] = i;
   }
   EXPECT_NE(reason(c, h).find("covers itself"), std::string::npos) << reason(c, h);
 }
@@ -299,7 +299,7 @@ TEST(Certify, FourDimensionalTriangulationMustBePulled) {
   const Hull h = reference_hull(c);
   EXPECT_EQ(reason(c, h), "");
   expect_fault(
-      c, h, [](Hull& b) { b.facets.items[1] = b.facets.items[2]; }, "facet 0");
+      c, h, [](Hull& b) { b.facets.items.edit()[1] = b.facets.items[2]; }, "facet 0");
   expect_fault(
       c, h, [](Hull& b) { b.facet_neighbours.items[0] = 7; }, "neighbours of facet 0");
 }
@@ -326,25 +326,25 @@ TEST(Certify, RandomMutationsAreRejectedAndNeverCrash) {
             set(b.vertices);
             break;
           case 1:
-            set(b.simplices);
+            set(b.simplices.edit());
             break;
           case 2:
             set(b.simplex_neighbours);
             break;
           case 3:
-            set(b.simplex_facets);
+            set(b.simplex_facets.edit());
             break;
           case 4:
-            set(b.facets.items);
+            set(b.facets.items.edit());
             break;
           case 5:
-            set(b.facets.offsets);
+            set(b.facets.offsets.edit());
             break;
           case 6:
             set(b.facet_neighbours.items);
             break;
           case 7:
-            set(b.facet_neighbours.offsets);
+            set(b.facet_neighbours.offsets.edit());
             break;
           default:
             set(b.facet_planes);

@@ -192,10 +192,10 @@ TEST(QhullText, FourDimensionsAreOrientedAsQhullDoes) {
     std::vector<std::uint64_t> s;
     for (std::uint64_t v = 0; v < 5; ++v)
       if (v != left_out) s.push_back(v);
-    h.facets.items.insert(h.facets.items.end(), s.begin(), s.end());
+    h.facets.items.edit().insert(h.facets.items.edit().end(), s.begin(), s.end());
     h.facets.offsets.push_back(h.facets.items.size());
     if (det(s) > 0) std::swap(s[2], s[3]);  // outward: the inside is at the negative side
-    h.simplices.insert(h.simplices.end(), s.begin(), s.end());
+    h.simplices.edit().insert(h.simplices.edit().end(), s.begin(), s.end());
     h.simplex_facets.push_back(4 - left_out);
   }
   h.facet_neighbours.items.assign(20, 0);

@@ -24,6 +24,14 @@
     return (v !== 0 && v < 0.1 ? v.toPrecision(2) : v.toFixed(v < 10 ? 2 : 1)) + " " + unit;
   }
 
+  function ratioOf(row) {
+    return row.ratio ? (row.ratio_is_bound ? "> " : "") + row.ratio.toPrecision(3) + "×" : "";
+  }
+
+  function percent(share) {
+    return share ? (100 * share).toFixed(0) + " %" : "";
+  }
+
   function namesOf(figure) {
     const names = [];
     for (const row of figure.rows)
@@ -70,15 +78,17 @@
     }
     let y = 12;
     for (const row of figure.rows) {
-      const extra = [row.ratio ? row.ratio.toPrecision(3) + "×" : "", row.paper ? "paper: " + row.paper : ""].filter(Boolean);
-      add(svg, "text", {x: left, y: y + 12}, [row.name, ...extra].join(" · "));
+      const extra = [ratioOf(row), row.paper ? "paper: " + row.paper : "",
+                     row.bandwidth_share ? `culls at ${percent(row.bandwidth_share)} of read bandwidth` : "",
+                     row.slower ? "slower " + row.slower : ""].filter(Boolean);
+      add(svg, "text", {x: left, y: y + 12, class: row.slower || !row.agrees ? "differs" : "name"}, [row.name, ...extra].join(" · "));
       y += label;
       names.forEach((name, i) => {
         const v = row.values[name];
         if (v !== null && v !== undefined) {
           const end = Math.max(scale.at(v), left + 1);
           add(svg, "rect", {x: left, y, width: end - left, height: thick, fill: colours[i % colours.length], rx: 2});
-          add(svg, "text", {x: end + 5, y: y + 12}, amount(v, figure.unit));
+          add(svg, "text", {x: end + 5, y: y + 12}, (row.unfinished.includes(name) ? "> " : "") + amount(v, figure.unit));
         }
         y += thick + 2;
       });
@@ -130,17 +140,20 @@
     const box = add(add(parent, "details"), "div", {class: "wide"});
     box.parentNode.prepend(Object.assign(document.createElement("summary"), {textContent: "Numbers"}));
     const names = namesOf(figure), grid = add(box, "table"), head = add(grid, "tr");
-    for (const name of ["", ...names, "ratio", "the paper", "check"]) add(head, "th", {}, name);
+    for (const name of ["", ...names, "ratio", "the paper", "of read bandwidth ¹", "check"]) add(head, "th", {}, name);
     for (const row of figure.rows) {
       const line = add(grid, "tr");
       add(line, "th", {}, row.name);
       for (const name of names) {
         const value = name in row.values ? row.values[name] : null;
-        add(line, "td", {"data-value": JSON.stringify(value)}, name in row.values ? amount(value, figure.unit) : "");
+        add(line, "td", {"data-value": JSON.stringify(value)},
+            name in row.values ? (row.unfinished.includes(name) ? "> " : "") + amount(value, figure.unit) : "");
       }
-      add(line, "td", {}, row.ratio ? row.ratio.toPrecision(3) + "×" : "");
+      add(line, "td", {}, ratioOf(row));
       add(line, "td", {}, row.paper || "");
-      add(line, "td", row.agrees ? {} : {class: "differs"}, (row.agrees ? "" : "differs: ") + row.check);
+      add(line, "td", {}, percent(row.bandwidth_share));
+      const told = (row.agrees ? "" : "differs: ") + row.check + (row.slower ? "; slower " + row.slower : "");
+      add(line, "td", row.agrees && !row.slower ? {} : {class: "differs"}, told);
     }
   }
 
@@ -166,7 +179,10 @@
     `cullhull ${report.version}, ${report.date.replace("T", " ").replace("Z", " UTC")}, ` +
     `${report.threads || "all"} threads, sizes × ${report.scale}`;
   add(document.getElementById("command"), "code", {}, report.command);
-  for (const [key, value] of Object.entries(report.machine)) {
+  const machine = Object.entries(report.machine);
+  for (const [threads, rate] of Object.entries(report.read_bytes_per_second))
+    machine.push([`read bandwidth, ${threads} thread${threads === "1" ? "" : "s"}`, (rate / 1e9).toFixed(1) + " GB/s"]);
+  for (const [key, value] of machine) {
     const line = add(document.getElementById("machine"), "tr");
     add(line, "th", {}, key);
     add(line, "td", {}, value);

@@ -9,6 +9,8 @@
 #include <memory>
 #include <type_traits>
 
+#include "cullhull/lists.hpp"
+
 namespace binding {
 
 namespace nb = nanobind;
@@ -40,12 +42,15 @@ const std::int64_t* signed_ids(const Ids& ids) {
 
 /// Numbers of facets or simplices. NumPy sees int32; more than 2^31 - 1 of them would need more
 /// memory for their planes than any machine has, but a wrong sign must never pass.
-template <class Numbers>
-const std::int32_t* signed_numbers(const Numbers& numbers, std::size_t count) {
-  static_assert(std::is_same_v<typename Numbers::value_type, std::uint32_t>);
+inline void check_numbers(std::size_t count) {
   if (count > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
     throw nb::builtin_exception(nb::exception_type::runtime_error,
                                 "more facets than int32 can number");
+}
+template <class Numbers>
+const std::int32_t* signed_numbers(const Numbers& numbers, std::size_t count) {
+  static_assert(std::is_same_v<typename Numbers::value_type, std::uint32_t>);
+  check_numbers(count);
   return reinterpret_cast<const std::int32_t*>(numbers.data());
 }
 
@@ -69,5 +74,20 @@ class Output {
   std::size_t size_;
   std::unique_ptr<T[]> data_;
 };
+
+/// Over the memory of `owner` where there is any, else an array of its own.
+template <class T>
+ListView<std::make_signed_t<T>> signed_list(const cullhull::EvenArray<T>& items, nb::handle owner) {
+  using Shown = std::make_signed_t<T>;
+  if (items.data() != nullptr)
+    return list_of(reinterpret_cast<const Shown*>(items.data()), items.size(), owner);
+  const std::size_t count = items.size();
+  auto raw = std::make_unique<Shown[]>(count);
+  for (std::size_t i = 0; i < count; ++i) raw[i] = static_cast<Shown>(items[i]);
+  Shown* const data = raw.get();
+  const nb::capsule own(data, [](void* p) noexcept { delete[] static_cast<Shown*>(p); });
+  raw.release();
+  return list_of(data, count, own);
+}
 
 }  // namespace binding

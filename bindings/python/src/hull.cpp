@@ -110,7 +110,7 @@ nb::typed<nb::dict, nb::str, nb::any> statistics(const Solid& solid) {
 /// The same hull, of points among which one more has this id and no part in the hull.
 std::unique_ptr<Solid> skipping(const Solid& solid, std::uint64_t id) {
   Hull hull = solid.hull();
-  rename(hull, [id](std::uint64_t v) { return v >= id ? v + 1 : v; });
+  hull.rename([id](std::uint64_t v) { return v >= id ? v + 1 : v; });
   ++hull.point_count;
   return std::make_unique<Solid>(std::move(hull), solid.vertex_rows());
 }
@@ -137,20 +137,15 @@ void bind_arrays(nb::class_<Solid>& c) {
                                     h.vertices.size(), h.dimension, self);
                    })
       .def_prop_ro("facet_offsets",
-                   [](Self self) {
-                     const Hull& h = hull_in(self);
-                     return list_of(signed_ids(h.facets.offsets), h.facets.offsets.size(), self);
-                   })
+                   [](Self self) { return signed_list(hull_in(self).facets.offsets, self); })
       .def_prop_ro("facet_vertices",
                    [](Self self) {
                      const Hull& h = hull_in(self);
                      return list_of(signed_ids(h.facets.items), h.facets.items.size(), self);
                    })
-      .def_prop_ro("facet_neighbour_offsets",
-                   [](Self self) {
-                     const auto& lists = hull_in(self).facet_neighbours;
-                     return list_of(signed_ids(lists.offsets), lists.offsets.size(), self);
-                   })
+      .def_prop_ro(
+          "facet_neighbour_offsets",
+          [](Self self) { return signed_list(hull_in(self).facet_neighbours.offsets, self); })
       .def_prop_ro("facet_neighbours",
                    [](Self self) {
                      const Hull& h = hull_in(self);
@@ -178,8 +173,8 @@ void bind_arrays(nb::class_<Solid>& c) {
       .def_prop_ro("simplex_facets",
                    [](Self self) {
                      const Hull& h = hull_in(self);
-                     return list_of(signed_numbers(h.simplex_facets, h.facet_count()),
-                                    h.simplex_count(), self);
+                     check_numbers(h.facet_count());
+                     return signed_list(h.simplex_facets, self);
                    })
       .def_prop_ro("centroid", [](Self self) {
         const Hull& h = hull_in(self);

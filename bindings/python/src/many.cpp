@@ -102,11 +102,9 @@ void bind_batch(nb::module_& m) {
                      const HullBatch& h = batch_in(self).hulls;
                      return rows_of(h.centroids.data(), h.size(), h.dimension, self);
                    })
-      .def_prop_ro("vertex_offsets",
-                   [](Self self) {
-                     const auto& list = batch_in(self).hulls.vertices.offsets;
-                     return list_of(signed_ids(list), list.size(), self);
-                   })
+      .def_prop_ro(
+          "vertex_offsets",
+          [](Self self) { return signed_list(batch_in(self).hulls.vertices.offsets, self); })
       .def_prop_ro("vertices",
                    [](Self self) {
                      const auto& list = batch_in(self).hulls.vertices.items;
@@ -129,11 +127,9 @@ void bind_batch(nb::module_& m) {
                      return rows_of(h.facet_planes.data(), h.facets.size(),
                                     std::size_t{h.dimension} + 1, self);
                    })
-      .def_prop_ro("simplex_offsets",
-                   [](Self self) {
-                     const auto& list = batch_in(self).hulls.simplices.offsets;
-                     return list_of(signed_ids(list), list.size(), self);
-                   })
+      .def_prop_ro(
+          "simplex_offsets",
+          [](Self self) { return signed_list(batch_in(self).hulls.simplices.offsets, self); })
       .def_prop_ro("simplices", [](Self self) {
         const auto& list = batch_in(self).hulls.simplices.items;
         return list_of(signed_ids(list), list.size(), self);

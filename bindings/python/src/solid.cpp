@@ -51,7 +51,7 @@ const HullQuery& Solid::query() const {
 
 Hull Solid::by_place() const {
   Hull local = hull_;
-  rename(local, [this](std::uint64_t id) { return place_of(ids_, id); });
+  local.rename([this](std::uint64_t id) { return place_of(ids_, id); });
   local.point_count = ids_.size();
   return local;
 }

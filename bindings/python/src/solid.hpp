@@ -13,17 +13,6 @@
 
 namespace binding {
 
-/// Replaces every vertex id. Where `of` ascends, every canonical order stays as it is.
-template <class Of>
-void rename(cullhull::Hull& hull, Of&& of) {
-  const auto all = [&](auto& list) {
-    for (std::uint64_t& v : list) v = of(v);
-  };
-  all(hull.vertices);
-  all(hull.facets.items);
-  all(hull.simplices);
-}
-
 /// Independent of the array it was computed from: that may change or go away.
 class Solid {
  public:

@@ -1,0 +1,201 @@
+// What the lists of a result are made of: arrays that share memory where they are the same, and
+// arrays that need none where their items are evenly spaced. Most hulls with millions of facets
+// are simplicial: their facets are their simplices, and all lists are of one length.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <iterator>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include "cullhull/array.hpp"
+
+namespace cullhull {
+
+/// An Array to read, whose copies share memory. It is a value all the same: `edit` gives an array
+/// of its own. As safe between threads as any value: copies that share memory may be read, edited
+/// and destroyed on different threads at once.
+template <class T>
+class SharedArray {
+ public:
+  using value_type = T;
+  using const_iterator = typename Array<T>::const_iterator;
+  using iterator = const_iterator;
+
+  SharedArray() = default;
+  SharedArray(Array<T> items)  // NOLINT: an array is one to read, too
+      : items_(std::make_shared<Array<T>>(std::move(items))) {}
+  SharedArray(std::initializer_list<T> items) : SharedArray(Array<T>(items)) {}
+
+  std::size_t size() const noexcept { return items_ ? items_->size() : 0; }
+  bool empty() const noexcept { return size() == 0; }
+  const T* data() const noexcept { return items_ ? items_->data() : nullptr; }
+  const T& operator[](std::size_t i) const noexcept { return (*items_)[i]; }
+  const T& front() const noexcept { return items_->front(); }
+  const T& back() const noexcept { return items_->back(); }
+  const_iterator begin() const noexcept { return items_ ? items_->cbegin() : const_iterator(); }
+  const_iterator end() const noexcept { return items_ ? items_->cend() : const_iterator(); }
+  operator std::span<const T>() const noexcept {
+    return {data(), size()};
+  }  // NOLINT: as vectors do
+
+  /// The array, to change: no other SharedArray sees what is changed. Copies first where memory is
+  /// shared. The reference holds until this object is copied, assigned to or destroyed.
+  Array<T>& edit() {
+    if (!items_)
+      items_ = std::make_shared<Array<T>>();
+    else if (items_.use_count() > 1)
+      items_ = std::make_shared<Array<T>>(*items_);
+    else
+      std::atomic_thread_fence(std::memory_order_acquire);  // after what the last sharer read
+    return *items_;
+  }
+
+  /// Whether both are the same memory (and so equal).
+  bool shares(const SharedArray& other) const noexcept { return items_ == other.items_; }
+
+  friend bool operator==(const SharedArray& a, const SharedArray& b) {
+    return a.shares(b) || std::equal(a.begin(), a.end(), b.begin(), b.end());
+  }
+
+ private:
+  std::shared_ptr<Array<T>> items_;  // nullptr: empty
+};
+
+/// An Array of integers to read that takes no memory where item i is i times a step.
+template <class T>
+class EvenArray {
+ public:
+  class Iterator;
+  using value_type = T;
+  using const_iterator = Iterator;
+  using iterator = Iterator;
+
+  EvenArray() = default;
+  EvenArray(Array<T> items)  // NOLINT: an array is one to read, too
+      : items_(std::move(items)), count_(items_.size()), even_(false) {}
+  EvenArray(std::initializer_list<T> items) {
+    for (const T v : items) push_back(v);
+  }
+  /// 0, step, 2 step, ...: `count` items.
+  static EvenArray of_step(std::size_t count, T step) {
+    EvenArray a;
+    a.count_ = count;
+    a.step_ = step;
+    return a;
+  }
+
+  std::size_t size() const noexcept { return even_ ? count_ : items_.size(); }
+  bool empty() const noexcept { return size() == 0; }
+  T operator[](std::size_t i) const noexcept {
+    return even_ ? static_cast<T>(i) * step_ : items_[i];
+  }
+  T front() const noexcept { return (*this)[0]; }
+  T back() const noexcept { return (*this)[size() - 1]; }
+  Iterator begin() const noexcept { return {this, 0}; }
+  Iterator end() const noexcept { return {this, static_cast<std::ptrdiff_t>(size())}; }
+
+  /// The step, and no memory taken; or nullptr where the items are stored.
+  const T* step() const noexcept { return even_ ? &step_ : nullptr; }
+  /// The items where they are stored, else nullptr.
+  const T* data() const noexcept { return even_ ? nullptr : items_.data(); }
+
+  /// One more item; the spacing stays even while it can.
+  void push_back(T v) {
+    if (even_ && count_ == 1 && front() == 0) step_ = v;
+    if (even_ && v == static_cast<T>(count_) * step_) {
+      ++count_;
+      return;
+    }
+    edit().push_back(v);
+  }
+  void clear() noexcept { *this = EvenArray(); }
+
+  /// The items, stored, to change.
+  Array<T>& edit() {
+    if (even_) {
+      items_.resize(count_);
+      for (std::size_t i = 0; i < count_; ++i) items_[i] = static_cast<T>(i) * step_;
+      even_ = false;
+    }
+    return items_;
+  }
+
+  friend bool operator==(const EvenArray& a, const EvenArray& b) {
+    if (a.size() != b.size()) return false;
+    if (a.even_ && b.even_) return a.step_ == b.step_ || a.count_ < 2;
+    return std::equal(a.begin(), a.end(), b.begin());
+  }
+
+ private:
+  Array<T> items_;
+  std::size_t count_ = 0;  // where even
+  T step_ = 0;
+  bool even_ = true;
+};
+
+/// Gives values: there may be no memory to refer to.
+template <class T>
+class EvenArray<T>::Iterator {
+ public:
+  using iterator_category = std::random_access_iterator_tag;
+  using value_type = T;
+  using difference_type = std::ptrdiff_t;
+  using pointer = void;
+  using reference = T;
+
+  Iterator() = default;
+  Iterator(const EvenArray* array, std::ptrdiff_t at) : array_(array), at_(at) {}
+  T operator*() const { return (*array_)[static_cast<std::size_t>(at_)]; }
+  T operator[](difference_type n) const { return (*array_)[static_cast<std::size_t>(at_ + n)]; }
+  Iterator& operator++() { return *this += 1; }
+  Iterator& operator--() { return *this += -1; }
+  Iterator operator++(int) { return std::exchange(*this, *this + 1); }
+  Iterator operator--(int) { return std::exchange(*this, *this - 1); }
+  Iterator& operator+=(difference_type n) {
+    at_ += n;
+    return *this;
+  }
+  Iterator& operator-=(difference_type n) { return *this += -n; }
+  friend Iterator operator+(Iterator i, difference_type n) { return i += n; }
+  friend Iterator operator+(difference_type n, Iterator i) { return i += n; }
+  friend Iterator operator-(Iterator i, difference_type n) { return i += -n; }
+  friend difference_type operator-(Iterator a, Iterator b) { return a.at_ - b.at_; }
+  friend bool operator==(Iterator a, Iterator b) { return a.at_ == b.at_; }
+  friend auto operator<=>(Iterator a, Iterator b) { return a.at_ <=> b.at_; }
+
+ private:
+  const EvenArray* array_ = nullptr;
+  std::ptrdiff_t at_ = 0;
+};
+
+/// Lists end to end: list i is items[offsets[i] .. offsets[i + 1]). Where all are of one length,
+/// the offsets take no memory.
+template <class T, class Items = Array<T>>
+struct Lists {
+  EvenArray<std::uint64_t> offsets{0};
+  Items items;
+
+  /// `items`, cut into lists of `length` > 0.
+  static Lists of_length(std::uint64_t length, Items items) {
+    Lists lists;
+    lists.offsets = EvenArray<std::uint64_t>::of_step(items.size() / length + 1, length);
+    lists.items = std::move(items);
+    return lists;
+  }
+
+  std::size_t size() const noexcept { return offsets.size() - 1; }
+  std::span<const T> operator[](std::size_t i) const {
+    return {items.data() + offsets[i], items.data() + offsets[i + 1]};
+  }
+
+  friend bool operator==(const Lists&, const Lists&) = default;
+};
+
+}  // namespace cullhull
