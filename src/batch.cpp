@@ -10,6 +10,7 @@
 #include "cullhull/error.hpp"
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
+#include "small_sets.hpp"
 
 namespace cullhull {
 namespace {
@@ -104,8 +105,8 @@ class Joiner {
       items = {};
     });
   }
-  template <class T>
-  void join(HullBatch& out, std::vector<T> HullBatch::*member) const {
+  template <class Vector>
+  void join(HullBatch& out, Vector HullBatch::*member) const {
     join_items(
         out.*member, [member](HullBatch & b) -> auto& { return b.*member; });
   }
@@ -189,6 +190,9 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
   check_offsets(points, offsets, set_count);
   const Control control(options);
   const unsigned threads = resolve_threads(options.threads);
+  // What is asked for otherwise decides which errors there are.
+  const bool plain = options.engine == Engine::native && options.backend != Backend::cuda &&
+                     (options.memory_budget == 0 || options.memory_budget >= 1 << 20);
   // Chunks of sets: large enough to be worth a task, many enough to be shared evenly.
   constexpr std::uint64_t chunk = 128;
   const std::uint64_t chunks = chunk_count(set_count, chunk);
@@ -205,7 +209,7 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
       set.count = offsets[i + 1] - offsets[i];
       set.data += static_cast<std::ptrdiff_t>(offsets[i]) * points.point_stride;
       try {
-        append(parts[c], convex_hull(set, one));
+        if (!plain || !append_small_3d(set, parts[c])) append(parts[c], convex_hull(set, one));
       } catch (const Error& e) {
         if (e.code() == ErrorCode::cancelled) throw;
         errors[c].emplace(e.code(), "set " + std::to_string(i) + ": " + e.what());
