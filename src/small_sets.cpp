@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "hull/small_3d.hpp"
-#include "points/gather.hpp"
 #include "result/facet_kernel.hpp"
 #include "result/facet_share.hpp"
 
@@ -32,14 +32,18 @@ T* extend(Array<T>& to, std::size_t count) {
   return to.data() + size;
 }
 
-bool load(const PointView& set, double (*rows)[4]) {
+bool load(const PointView& set, SmallPoints3D& points) {
   bool finite = true;
-  for (std::uint64_t i = 0; i < set.count; ++i) {
-    load_row(set, i, rows[i]);
-    for (unsigned c = 0; c < 3; ++c) {
-      rows[i][c] += 0.0;
-      finite &= std::fabs(rows[i][c]) <= std::numeric_limits<double>::max();
-    }
+  for (unsigned c = 0; c < 3; ++c) {
+    double* const axis = points.axes[c];
+    if (set.scalar == ScalarType::f64)
+      for (std::uint64_t i = 0; i < set.count; ++i)
+        std::memcpy(axis + i, set.address(i, c), sizeof(double));
+    else
+      for (std::uint64_t i = 0; i < set.count; ++i) axis[i] = set.at(i, c);
+    for (std::uint64_t i = 0; i < set.count; ++i)
+      finite &= std::fabs(axis[i]) <= std::numeric_limits<double>::max();
+    std::fill(axis + set.count, axis + (set.count + 7) / 8 * 8, axis[0]);
   }
   return finite;
 }
@@ -164,9 +168,10 @@ void write(const PointView& set, const Canonical& facets, const Hull& measures, 
 
 bool append_small_3d(const PointView& set, HullBatch& to) {
   if (set.dimension != 3 || set.count < 4 || set.count > SmallHull3D::max_points) return false;
-  double rows[SmallHull3D::max_points][4];
+  SmallPoints3D points;
   SmallHull3D hull;
-  if (!load(set, rows) || !small_hull_3d(rows, static_cast<unsigned>(set.count), hull)) return false;
+  if (!load(set, points) || !small_hull_3d(points, static_cast<unsigned>(set.count), hull))
+    return false;
   Canonical facets;
   order_facets(hull, facets);
   constexpr unsigned axes[3] = {0, 1, 2};

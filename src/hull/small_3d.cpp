@@ -4,6 +4,13 @@
 // its plane is a combination, with positive weights, of theirs.
 #include "hull/small_3d.hpp"
 
+// Vectors are kept in arrays below, which sizeless types do not allow: NEON serves those machines.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "hull/small_3d.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -11,8 +18,13 @@
 
 #include "result/cofactors.hpp"
 
-namespace cullhull::internal {
+HWY_BEFORE_NAMESPACE();
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Tag = hn::CappedTag<double, 8>;
+using V = hn::Vec<Tag>;
 
 /// Points or facets by number.
 template <unsigned Words>
@@ -43,7 +55,7 @@ PointSet united(const PointSet& a, const PointSet& b) {
 
 class Builder {
  public:
-  Builder(const double (*rows)[4], unsigned count) : rows_(rows), count_(count) {}
+  Builder(const SmallPoints3D& points, unsigned count) : points_(points), count_(count) {}
 
   bool run(SmallHull3D& out) {
     if (!measure() || !start()) return false;
@@ -78,38 +90,38 @@ class Builder {
   /// through underflow, far below `tiny`, which is far below the bound of any facet that counts.
   bool measure() {
     if (count_ < 4) return false;
-    double low[3], high[3];
-    std::copy_n(rows_[0], 3, low);
-    std::copy_n(rows_[0], 3, high);
-    for (unsigned i = 1; i < count_; ++i)
-      for (unsigned c = 0; c < 3; ++c) {
-        low[c] = std::min(low[c], rows_[i][c]);
-        high[c] = std::max(high[c], rows_[i][c]);
+    for (const double* axis : points_.axes) {
+      double low = axis[0], high = axis[0];
+      for (unsigned i = 1; i < count_; ++i) {
+        low = std::min(low, axis[i]);
+        high = std::max(high, axis[i]);
       }
-    for (unsigned c = 0; c < 3; ++c) extent_ = std::max(extent_, high[c] - low[c]);
+      extent_ = std::max(extent_, high - low);
+    }
     return extent_ > 0x1p-100 && extent_ < 0x1p100;
   }
 
   struct Plane {
-    const double* origin;
-    double normal[3];
+    double origin[3], normal[3];
     double bound;  // of the rounding of side()
-    double side(const double* p) const {
-      double sum = 0;
-      for (unsigned c = 0; c < 3; ++c) sum += normal[c] * (p[c] - origin[c]);
-      return sum;
-    }
   };
+  double side(const Plane& plane, unsigned i) const {
+    double sum = 0;
+    for (unsigned c = 0; c < 3; ++c)
+      sum += plane.normal[c] * (points_.axes[c][i] - plane.origin[c]);
+    return sum;
+  }
 
   /// |side - exact| <= determinant_error(3) max|edge 1| max|edge 2| max|p - origin| + tiny, and a
   /// difference is not larger than the extent, rounded alike.
   Plane plane_of(unsigned a, unsigned b, unsigned c) const {
     Plane plane;
-    plane.origin = rows_[a];
     double e[2][3], reach[2] = {0, 0};
     for (unsigned j = 0; j < 3; ++j) {
-      e[0][j] = rows_[b][j] - rows_[a][j];
-      e[1][j] = rows_[c][j] - rows_[a][j];
+      const double* x = points_.axes[j];
+      plane.origin[j] = x[a];
+      e[0][j] = x[b] - x[a];
+      e[1][j] = x[c] - x[a];
       reach[0] = std::max(reach[0], std::fabs(e[0][j]));
       reach[1] = std::max(reach[1], std::fabs(e[1][j]));
     }
@@ -122,9 +134,10 @@ class Builder {
   /// Four points far from one another, and their facets.
   bool start() {
     unsigned a = 0, b = 0;
+    const double* x = points_.axes[0];
     for (unsigned i = 1; i < count_; ++i) {
-      if (rows_[i][0] < rows_[a][0]) a = i;
-      if (rows_[i][0] > rows_[b][0]) b = i;
+      if (x[i] < x[a]) a = i;
+      if (x[i] > x[b]) b = i;
     }
     if (a == b) return false;
     unsigned c = a, d = a;
@@ -138,11 +151,11 @@ class Builder {
     const Plane base = plane_of(a, b, c);
     most = base.bound;
     for (unsigned i = 0; i < count_; ++i) {
-      const double side = std::fabs(base.side(rows_[i]));
-      if (side > most) most = side, d = i;
+      const double height = std::fabs(side(base, i));
+      if (height > most) most = height, d = i;
     }
     if (c == a || d == a) return false;
-    if (base.side(rows_[d]) > 0) std::swap(a, b);  // d is below (a, b, c)
+    if (side(base, d) > 0) std::swap(a, b);  // d is below (a, b, c)
     const unsigned v[4] = {a, b, c, d};
     // Facet i is opposite to v[i], counter-clockwise from outside.
     constexpr unsigned order[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
@@ -167,38 +180,72 @@ class Builder {
     pending_.clear(f);
     if (!candidates.any()) return true;
     const Plane plane = plane_of(facet.v[0], facet.v[1], facet.v[2]);
-    double most = plane.bound;
-    bool known = true;
-    candidates.each([&](unsigned i) {
-      const double side = plane.side(rows_[i]);
-      known &= std::fabs(side) > plane.bound;
-      if (side > plane.bound) {
-        above_[f].set(i);
-        if (side > most) most = side, farthest_[f] = static_cast<Number>(i);
+    // All points are asked: whole vectors cost less than the candidates one by one.
+    const Tag tag;
+    const V bound = hn::Set(tag, plane.bound);
+    V normal[3], origin[3];
+    for (unsigned c = 0; c < 3; ++c) {
+      normal[c] = hn::Set(tag, plane.normal[c]);
+      origin[c] = hn::Set(tag, plane.origin[c]);
+    }
+    PointSet above;
+    std::uint64_t doubtful = 0;
+    for (unsigned w = 0; w < std::size(above.word); ++w) {
+      std::uint64_t higher = 0, lower = 0;
+      for (unsigned i = 64 * w; i < std::min(count_, 64 * w + 64);
+           i += static_cast<unsigned>(hn::Lanes(tag))) {
+        V sum = hn::Zero(tag);
+        for (unsigned c = 0; c < 3; ++c)
+          sum = hn::Add(sum,
+                        hn::Mul(normal[c], hn::Sub(hn::Load(tag, points_.axes[c] + i), origin[c])));
+        hn::Store(sum, tag, sides_ + i);
+        higher |= bits_of(hn::Gt(sum, bound)) << i % 64;
+        lower |= bits_of(hn::Lt(sum, hn::Neg(bound))) << i % 64;
       }
+      above.word[w] = candidates.word[w] & higher;
+      doubtful |= candidates.word[w] & ~(higher | lower);
+    }
+    if (doubtful != 0) return false;
+    if (!above.any()) return true;
+    above_[f] = above;
+    pending_.set(f);
+    double most = 0;
+    unsigned farthest = 0;
+    above.each([&](unsigned i) {
+      farthest = sides_[i] > most ? i : farthest;
+      most = std::max(most, sides_[i]);
     });
-    if (above_[f].any()) pending_.set(f);
-    return known;
+    farthest_[f] = static_cast<Number>(farthest);
+    return true;
+  }
+
+  static HWY_INLINE std::uint64_t bits_of(hn::Mask<Tag> mask) {
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(Tag(), mask, bits);
+    return bits[0];
   }
 
   /// Replaces the facets that point p sees.
   bool insert(unsigned p) {
     unsigned visible = 0, edges = 0;
-    for (unsigned f = 0; f < top_; ++f)
-      if (above_[f].has(p)) visible_[visible++] = static_cast<Number>(f);
+    for (unsigned f = 0; f < top_; ++f) {  // no branch: it would often be mispredicted
+      visible_[visible] = static_cast<Number>(f);
+      visible += unsigned{above_[f].has(p)};
+    }
     for (unsigned i = 0; i < visible; ++i) {
       const Facet& facet = facets_[visible_[i]];
       for (unsigned j = 0; j < 3; ++j) {
         const unsigned g = facet.next[j];
-        if (above_[g].has(p)) continue;
-        unsigned slot = 0;
-        while (facets_[g].next[slot] != visible_[i]) ++slot;
-        Edge& edge = edges_[edges++];
-        edge = {facet.v[(j + 1) % 3], facet.v[(j + 2) % 3], static_cast<Number>(g),
-                static_cast<Number>(slot), united(above_[visible_[i]], above_[g])};
-        edge.candidates.clear(p);
+        const Number* back = facets_[g].next;
+        const unsigned slot =
+            unsigned{back[1] == visible_[i]} + 2 * unsigned{back[2] == visible_[i]};
+        edges_[edges] = {facet.v[j == 2 ? 0 : j + 1], facet.v[j == 0 ? 2 : j - 1],
+                         static_cast<Number>(g), static_cast<Number>(slot),
+                         united(above_[visible_[i]], above_[g])};
+        edges += unsigned{!above_[g].has(p)};
       }
     }
+    for (unsigned i = 0; i < edges; ++i) edges_[i].candidates.clear(p);
     // As many facets as edges, in the old slots first.
     for (unsigned i = edges; i < visible; ++i) {
       above_[visible_[i]] = {};
@@ -217,9 +264,8 @@ class Builder {
     }
     for (unsigned i = 0; i < edges; ++i) {
       const Edge& edge = edges_[i];
-      facets_[created_[i]] = {
-          {static_cast<Number>(p), edge.from, edge.to},
-          {edge.outside, starting_at_[edge.to], ending_at_[edge.from]}};
+      facets_[created_[i]] = {{static_cast<Number>(p), edge.from, edge.to},
+                              {edge.outside, starting_at_[edge.to], ending_at_[edge.from]}};
       facets_[edge.outside].next[edge.slot] = created_[i];
       if (!look(created_[i], edge.candidates)) return false;
     }
@@ -240,7 +286,7 @@ class Builder {
       }
   }
 
-  const double (*rows_)[4];
+  const SmallPoints3D& points_;
   const unsigned count_;
   double extent_ = 0;
   unsigned top_ = 0, free_count_ = 0;
@@ -248,16 +294,29 @@ class Builder {
   PointSet above_[capacity];
   Number farthest_[capacity], free_[capacity];
   Bits<capacity / 64> pending_;  // facets with points above them
-  Number visible_[capacity], created_[capacity];
+  Number visible_[capacity + 1], created_[capacity];
   Number starting_at_[SmallHull3D::max_points], ending_at_[SmallHull3D::max_points];
-  Edge edges_[capacity];
+  Edge edges_[capacity + 1];
+  HWY_ALIGN double sides_[SmallHull3D::max_points];
 };
 
 }  // namespace
 
-bool small_hull_3d(const double (*rows)[4], unsigned count, SmallHull3D& out) {
-  Builder builder(rows, count);
-  return builder.run(out);
+bool small_hull_in(const SmallPoints3D& points, unsigned count, SmallHull3D& out) {
+  return Builder(points, count).run(out);
+}
+
+}  // namespace cullhull::internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace cullhull::internal {
+
+HWY_EXPORT(small_hull_in);
+
+bool small_hull_3d(const SmallPoints3D& points, unsigned count, SmallHull3D& out) {
+  return HWY_DYNAMIC_DISPATCH(small_hull_in)(points, count, out);
 }
 
 }  // namespace cullhull::internal
+#endif

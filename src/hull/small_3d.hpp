@@ -14,10 +14,15 @@ struct SmallHull3D {
   std::uint8_t neighbours[max_facets][3];
 };
 
-/// `rows`: count <= max_points rows of three finite coordinates and one that is not read. False
-/// where a sign that was needed is zero or hidden by rounding (coplanar or equal points, slivers),
-/// and for coordinates of odd magnitudes: then another engine must look. If true, no four of the
-/// hull's vertices that decide a ridge are coplanar and no other point is on the boundary.
-bool small_hull_3d(const double (*rows)[4], unsigned count, SmallHull3D& out);
+/// Finite coordinates of up to max_points points; those beyond the last up to the next multiple of
+/// eight are read, too.
+struct SmallPoints3D {
+  alignas(64) double axes[3][SmallHull3D::max_points];
+};
+
+/// False where a sign that was needed is zero or hidden by rounding (coplanar or equal points,
+/// slivers), and for coordinates of odd magnitudes: then another engine must look. If true, no
+/// other point is on the boundary and no two facets are coplanar.
+bool small_hull_3d(const SmallPoints3D& points, unsigned count, SmallHull3D& out);
 
 }  // namespace cullhull::internal
