@@ -163,12 +163,13 @@ HullMembership::Farthest HullMembership::most_against(const std::vector<std::uin
   return result;
 }
 
-/// The same as far as f32 tells.
+/// The same among the first `count`, as far as f32 tells.
 HullMembership::Farthest HullMembership::roughly_most_against(const PointColumns& points,
-                                                              std::uint32_t point) {
+                                                              std::uint32_t point,
+                                                              std::size_t count) {
   narrow_direction();
   Farthest result;
-  result.id = points.least(narrow_.data(), point).id;
+  result.id = points.least(narrow_.data(), point, count).id;
   result.least = result.id == PointColumns::none ? HUGE_VAL : against(result.id);
   return result;
 }
@@ -176,6 +177,7 @@ HullMembership::Farthest HullMembership::roughly_most_against(const PointColumns
 HullMembership::Answer HullMembership::approach(std::uint32_t point, const PointColumns& working,
                                                 const std::vector<std::uint32_t>& useful) {
   const unsigned most_steps = 50 + 20 * d_;
+  constexpr std::size_t outermost = 16 * std::size_t{PointColumns::block};
   for (unsigned step = 0; step < most_steps; ++step) {
     combine();
     double square = 0;
@@ -187,7 +189,10 @@ HullMembership::Answer HullMembership::approach(std::uint32_t point, const Point
       if (prove_inside(point)) return Answer::inside;
       if (square < 0x1p-96) return Answer::unknown;
     }
-    Farthest farthest = roughly_most_against(working, point);
+    // Mostly those that came first, the outermost, will do.
+    Farthest farthest = roughly_most_against(working, point, outermost);
+    if (!(farthest.least < 0) || in_corral(farthest.id))
+      farthest = roughly_most_against(working, point, PointColumns::none);
     if (in_corral(farthest.id)) farthest = most_against(working.ids(), point);
     const Farthest other = most_against(useful, point);
     if (other.least < farthest.least) farthest = other;

@@ -47,7 +47,7 @@ class HullMembership {
   void combine();
   void add(std::uint32_t q);
   Farthest most_against(const std::vector<std::uint32_t>& ids, std::uint32_t point) const;
-  Farthest roughly_most_against(const PointColumns& points, std::uint32_t point);
+  Farthest roughly_most_against(const PointColumns& points, std::uint32_t point, std::size_t count);
   double against(std::uint32_t q) const;
   bool certain_inside(std::uint32_t point) const;
   int side_of(std::uint32_t point, std::uint32_t q) const;

@@ -67,7 +67,7 @@ void least_in_columns(const float* columns, const float* low, const float* high,
     hn::Store(bound, f, bounds);
     for (std::size_t k = 0; k < lanes; ++k) {
       const std::size_t b = first + k;
-      if (bounds[k] < *best)
+      if (b < blocks && bounds[k] < *best)
         least_in_block(columns + b * d * block, d, direction, static_cast<std::uint32_t>(b * block),
                        except, best, best_slot);
     }
@@ -112,13 +112,14 @@ void PointColumns::add(std::uint32_t id) {
   }
 }
 
-PointColumns::Least PointColumns::least(const float* direction, std::uint32_t except) const {
+PointColumns::Least PointColumns::least(const float* direction, std::uint32_t except,
+                                        std::size_t count) const {
   Least result;
   std::uint32_t slot = none;
   result.value = std::numeric_limits<float>::infinity();
   HWY_DYNAMIC_DISPATCH(least_in_columns)
-  (columns_.data(), low_.data(), high_.data(), (ids_.size() + block - 1) / block, points_.dimension,
-   direction, slot_[except], &result.value, &slot);
+  (columns_.data(), low_.data(), high_.data(), (std::min(ids_.size(), count) + block - 1) / block,
+   points_.dimension, direction, slot_[except], &result.value, &slot);
   if (slot != none) result.id = ids_[slot];
   return result;
 }

@@ -28,9 +28,10 @@ class PointColumns {
     std::uint32_t id = none;  ///< none: there is no other point
     float value = 0;
   };
-  /// The least direction . x but for point `except`, computed in f32: of all the points, each off
-  /// by at most (d + 2) 2^-24 sum |direction_j| + 2^-120 where all |x_j| <= 1.
-  Least least(const float* direction, std::uint32_t except) const;
+  /// The least direction . x but for point `except`, computed in f32: of the first `count` points
+  /// (a multiple of `block`, or all), each off by at most (d + 2) 2^-24 sum |direction_j| + 2^-120
+  /// where all |x_j| <= 1.
+  Least least(const float* direction, std::uint32_t except, std::size_t count = none) const;
 
  private:
   const LocalPoints& points_;
