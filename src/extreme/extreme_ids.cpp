@@ -46,12 +46,12 @@ std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, unsigned threa
   std::vector<std::uint8_t> present(points.count, 0);
   for (const std::uint32_t i : distinct(points, control)) present[i] = 1;
   // Outermost first: they are the ones that others are inside of.
-  std::vector<std::uint32_t> order = norm_order(points, threads).order;
+  std::vector<std::uint32_t> order = norm_order(points, threads, control).order;
   order.erase(std::remove_if(order.begin(), order.end(), [&](auto i) { return !present[i]; }),
               order.end());
 
   std::vector<std::uint32_t> extreme;
-  const PointColumns others(points, order);
+  const PointColumns others(points, order, control);
   PointColumns working(points);
   for (std::size_t begin = 0, size = 64; begin < order.size(); begin += size) {
     size = std::clamp<std::size_t>(std::max(working.ids().size() / 4, begin / 8), 64, 8192);

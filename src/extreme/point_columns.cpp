@@ -85,9 +85,13 @@ HWY_EXPORT(least_in_columns);
 PointColumns::PointColumns(const LocalPoints& points)
     : points_(points), slot_(points.count, none) {}
 
-PointColumns::PointColumns(const LocalPoints& points, const std::vector<std::uint32_t>& ids)
+PointColumns::PointColumns(const LocalPoints& points, const std::vector<std::uint32_t>& ids,
+                           const Control& control)
     : PointColumns(points) {
-  for (const std::uint32_t i : ids) add(i);
+  for (const std::uint32_t i : ids) {
+    if (ids_.size() % 65536 == 0) control.check();
+    add(i);
+  }
 }
 
 void PointColumns::add(std::uint32_t id) {

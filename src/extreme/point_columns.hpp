@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "control.hpp"
 #include "points/local_points.hpp"
 
 namespace cullhull::internal {
@@ -18,7 +19,8 @@ class PointColumns {
   static constexpr unsigned box_group = 16;  ///< boxes
 
   explicit PointColumns(const LocalPoints& points);
-  PointColumns(const LocalPoints& points, const std::vector<std::uint32_t>& ids);
+  PointColumns(const LocalPoints& points, const std::vector<std::uint32_t>& ids,
+               const Control& control);
   void add(std::uint32_t id);
 
   const std::vector<std::uint32_t>& ids() const { return ids_; }

@@ -95,9 +95,10 @@ SampleHull hull_of(const LocalPoints& points, const std::uint32_t* ids, std::uin
 double extreme_among(const LocalPoints& points, const std::vector<std::uint32_t>& ids,
                      std::uint32_t size, unsigned threads, const Control& control) {
   constexpr std::uint32_t block = 64, most_tests = 1024, enough = 24;
-  const PointColumns others(points, {ids.begin(), ids.begin() + size});
+  const PointColumns others(points, {ids.begin(), ids.begin() + size}, control);
   PointColumns working(
-      points, {ids.begin(), ids.begin() + std::min<std::uint32_t>(size, 32 * points.dimension)});
+      points, {ids.begin(), ids.begin() + std::min<std::uint32_t>(size, 32 * points.dimension)},
+      control);
   std::uint32_t tested = 0, found = 0;
   // Where few are extreme, more are tested; those that are not are tested fast.
   while (tested < std::min(most_tests, size) && found < enough) {

@@ -154,11 +154,12 @@ void InsertionNd<D>::arrange(const Id* simplex, unsigned threads) {
   const unsigned d = dim();
   std::vector<Id> sorted(simplex, simplex + d + 1);
   std::sort(sorted.begin(), sorted.end());
-  InsertionRounds rounds = norm_order(points_, threads);
+  InsertionRounds rounds = norm_order(points_, threads, control_);
   order_.assign(simplex, simplex + d + 1);
   order_.reserve(points_.count);
   for (std::size_t r = 0; r + 1 < rounds.starts.size(); ++r) {
     starts_.push_back(static_cast<Id>(order_.size()));
+    control_.check();
     for (Id k = rounds.starts[r]; k < rounds.starts[r + 1]; ++k)
       if (!std::binary_search(sorted.begin(), sorted.end(), rounds.order[k]))
         order_.push_back(rounds.order[k]);
@@ -167,6 +168,7 @@ void InsertionNd<D>::arrange(const Id* simplex, unsigned threads) {
   ordered_.reserve(order_.size() * d);
   for_each_chunk(order_.size(), 8192, threads,
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control_.check();
                    for (std::uint64_t k = begin; k < end; ++k)
                      std::copy_n(points_.row(order_[k]), d, ordered_.data() + k * d);
                  });
@@ -195,9 +197,11 @@ void InsertionNd<D>::choose_centre() {
       centre_exact_ = centre_inside(centre_);
     }
   }
-  for (std::size_t k = 0; k < order_.size(); ++k)
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    if (k % 65536 == 0) control_.check();
     for (unsigned j = 0; j < d; ++j)
       reach_[j] = std::max(reach_[j], std::abs(row(static_cast<Id>(k))[j] - centre_[j]));
+  }
   for (double& r : reach_) r = r * (1 + 0x1p-30) + 0x1p-40;
 }
 

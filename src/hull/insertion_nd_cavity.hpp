@@ -171,21 +171,38 @@ SimplicialHull InsertionNd<D>::collect() {
   ordered_.release();
   store_.release_planes();
   std::vector<std::uint32_t>().swap(claims_);
-  std::vector<Id> number(facet_slots_, none);
-  Id count = 0;
-  for (Id f = 0; f < facet_slots_; ++f)
-    if (store_.alive(f)) number[f] = count++;
+  // A facet's number: how many are alive in the chunks before its own, and in this one before it.
+  constexpr unsigned chunk_bits = 14;
+  constexpr std::uint64_t chunk = std::uint64_t{1} << chunk_bits;
+  RawArray<Id> number;
+  number.reserve(facet_slots_);
+  std::vector<Id> before(chunk_count(facet_slots_, chunk) + 1, 0);
+  for_each_chunk(facet_slots_, chunk, crew_.lanes(),
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control_.check();
+                   Id count = 0;
+                   for (std::uint64_t f = begin; f < end; ++f)
+                     number[f] = store_.alive(static_cast<Id>(f)) ? count++ : none;
+                   before[c + 1] = count;
+                 });
+  for (std::size_t c = 1; c < before.size(); ++c) before[c] += before[c - 1];
   result_.dimension = d;
-  result_.vertices.resize(std::size_t{count} * d);
-  result_.neighbours.resize(std::size_t{count} * d);
-  for (Id f = 0; f < facet_slots_; ++f) {
-    if (number[f] == none) continue;
-    const std::size_t base = std::size_t{number[f]} * d;
-    for (unsigned j = 0; j < d; ++j) {
-      result_.vertices[base + j] = order_[store_.vertices(f)[j]];
-      result_.neighbours[base + j] = number[store_.neighbours(f)[j]];
-    }
-  }
+  result_.vertices.resize(std::size_t{before.back()} * d);
+  result_.neighbours.resize(std::size_t{before.back()} * d);
+  for_each_chunk(facet_slots_, chunk, crew_.lanes(),
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control_.check();
+                   for (std::uint64_t f = begin; f < end; ++f) {
+                     if (number[f] == none) continue;
+                     const std::size_t base = std::size_t{before[c] + number[f]} * d;
+                     const Id* v = store_.vertices(static_cast<Id>(f));
+                     const Id* n = store_.neighbours(static_cast<Id>(f));
+                     for (unsigned j = 0; j < d; ++j) {
+                       result_.vertices[base + j] = order_[v[j]];
+                       result_.neighbours[base + j] = before[n[j] >> chunk_bits] + number[n[j]];
+                     }
+                   }
+                 });
   for (const Lane& lane : lanes_) {
     for (unsigned r = 0; r < 3; ++r) result_.rung_counts[r] += lane.rung_counts[r];
     result_.duplicates.insert(result_.duplicates.end(), lane.duplicates.begin(),
