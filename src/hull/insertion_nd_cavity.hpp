@@ -2,6 +2,8 @@
 // find their neighbours, and the surface in the end.
 #pragma once
 
+#include <cstring>
+
 #include "hull/insertion_nd.hpp"
 
 namespace cullhull::internal {
@@ -13,6 +15,10 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
   const unsigned d = dim();
   if (lane.visited.size() < facet_slots_) lane.visited.resize(facet_capacity_);
   std::uint8_t* visited = lane.visited.data();
+  // A copy that nothing written below can change stays in registers.
+  float copy[D > 0 ? D : 1];
+  const float* y = lane.offset.data();
+  if constexpr (D > 0) y = std::copy_n(y, D, copy) - D;
   std::size_t visible = 1, ridges = 0;
   s.visible.resize(std::max<std::size_t>(s.visible.size(), 64));
   s.horizon.resize(std::max<std::size_t>(s.horizon.size(), 64));
@@ -29,11 +35,10 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
     // Which neighbours are visible is as good as random: no branch on it. A facet beyond the
     // horizon is tested once for each of its ridges, which costs less than remembering it.
     for (unsigned first = 0; first < d; first += 32) {
-      const unsigned last = std::min(d, first + 32);
-      const std::uint32_t all = seen_among(lane, n + first, last - first, s.next);
-      for (unsigned j = first; j < last; ++j) {
+      std::uint32_t all = seen_among(lane, y, n, first, s.next);
+      for (unsigned j = first; j < std::min(d, first + 32); ++j, all >>= 1) {
         const Id other = n[j];
-        const std::uint32_t seen = all >> (j - first) & 1U, known = visited[other];
+        const std::uint32_t seen = all & 1U, known = visited[other];
         visited[other] = static_cast<std::uint8_t>(known | seen);
         list[visible] = other;
         visible += seen & ~known;
@@ -113,7 +118,8 @@ void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
   // Small tables can afford to be wide: fewer slots are crowded.
   const auto bits = static_cast<unsigned>(std::bit_width(count * d)) + (count * d < 4096 ? 2 : 1);
   const std::uint32_t shift = 32 - bits, none_of_them = std::uint32_t{1} << bits;
-  lane.table.assign(std::size_t{none_of_them} + 1, 0);
+  if (lane.table.size() <= none_of_them) lane.table.resize(std::size_t{none_of_them} + 1);
+  std::memset(lane.table.data(), 0, (std::size_t{none_of_them} + 1) * sizeof(lane.table[0]));
   lane.ridges.resize(count * d);
   std::uint64_t* const table = lane.table.data();
   for (std::size_t k = 0; k < count; ++k) {

@@ -34,13 +34,12 @@ std::uint32_t position_key(const double* x, unsigned d, unsigned bits) {
   for (std::uint32_t q = 1U << (bits - 1); q > 1; q >>= 1) {
     const std::uint32_t p = q - 1;
     for (unsigned j = 0; j < used; ++j) {
-      if ((c[j] & q) != 0) {
-        c[0] ^= p;
-      } else {
-        const std::uint32_t t = (c[0] ^ c[j]) & p;
-        c[0] ^= t;
-        c[j] ^= t;
-      }
+      // Inverts low bits of c[0] where the bit is set, else exchanges those of c[0] and c[j]. No
+      // branch: bits are as good as random.
+      const std::uint32_t set = 0U - static_cast<std::uint32_t>((c[j] & q) != 0);
+      const std::uint32_t t = (c[0] ^ c[j]) & p & ~set;
+      c[0] ^= t | (p & set);
+      c[j] ^= t;
     }
   }
   for (unsigned j = 1; j < used; ++j) c[j] ^= c[j - 1];
