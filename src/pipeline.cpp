@@ -28,7 +28,7 @@ namespace {
 struct EngineInput {
   std::vector<std::uint64_t> ids;  // empty and `all`: every point of the view
   bool all = false;
-  std::vector<double> rows;
+  Array<double> rows;
   std::uint64_t count = 0;
 };
 
@@ -40,7 +40,7 @@ void thin_lattice(EngineInput& input, unsigned d) {
       !lattice_cull(input.rows, static_cast<std::uint32_t>(input.count), d, kept) ||
       kept.size() == input.count)
     return;
-  std::vector<double> rows(kept.size() * d);
+  Array<double> rows(kept.size() * d);
   std::vector<std::uint64_t> ids(kept.size());
   for (std::size_t i = 0; i < kept.size(); ++i) {
     std::copy_n(input.rows.data() + std::size_t{kept[i]} * d, d, rows.data() + i * d);
@@ -134,7 +134,7 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
 
   EngineInput input = engine_input(points, std::move(filtered), run.budget, run.threads);
   const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
-                         points.dimension, run.control);
+                         points.dimension, run.threads, run.control);
   run.control.check();
   hull.affine_dimension = frame.affine_dimension();
   if (hull.affine_dimension == 0) {
@@ -211,7 +211,7 @@ ExtremePoints extreme_points(const PointView& points, const Options& options) {
   const auto search_start = Clock::now();
   EngineInput input = engine_input(points, std::move(filtered), budget, threads);
   const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
-                         points.dimension, control);
+                         points.dimension, threads, control);
   result.affine_dimension = frame.affine_dimension();
   if (result.affine_dimension <= 3) {
     Options plain = options;

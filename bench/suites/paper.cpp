@@ -158,7 +158,7 @@ class Suite {
     std::optional<QhullRun> behind;
     const double filtered = seconds_of([&] {
       const Survivors left = cull(p.view, options(CullMethod::pseudo_hull));
-      const std::vector<double> rows =
+      const Array<double> rows =
           internal::gather_points(p.view, left.all ? nullptr : left.ids.data(), left.size(s.count),
                                   internal::resolve_threads(settings_.threads));
       behind =

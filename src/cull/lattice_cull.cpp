@@ -17,7 +17,7 @@ struct Keyed {
 class Ranks {
  public:
   /// False, early, if there are more than `most` distinct values.
-  bool collect(const std::vector<double>& rows, std::uint32_t count, unsigned d, unsigned axis,
+  bool collect(const Array<double>& rows, std::uint32_t count, unsigned d, unsigned axis,
                std::size_t most) {
     slots_.assign(1024, Slot{});
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -61,7 +61,7 @@ class Ranks {
 
 /// Points share a line along an axis only if they agree on all others, so at most one axis may have
 /// as many values as points. Told from a sample.
-bool looks_like_a_lattice(const std::vector<double>& rows, std::uint32_t count, unsigned d) {
+bool looks_like_a_lattice(const Array<double>& rows, std::uint32_t count, unsigned d) {
   constexpr std::uint32_t sample = 1024;
   const std::uint32_t step = std::max(1U, count / sample);
   unsigned all_distinct = 0;
@@ -78,7 +78,7 @@ bool looks_like_a_lattice(const std::vector<double>& rows, std::uint32_t count, 
 }
 
 /// Keys with axis d - 1 lowest; false if they need more than 64 bits.
-bool make_keys(const std::vector<double>& rows, std::uint32_t count, unsigned d,
+bool make_keys(const Array<double>& rows, std::uint32_t count, unsigned d,
                std::vector<unsigned>& bits, std::vector<Keyed>& points) {
   points.resize(count);
   for (std::uint32_t i = 0; i < count; ++i) points[i] = {0, i};
@@ -120,7 +120,7 @@ void radix_sort(std::vector<Keyed>& a, std::vector<Keyed>& scratch) {
 
 }  // namespace
 
-bool lattice_cull(const std::vector<double>& rows, std::uint32_t count, unsigned d,
+bool lattice_cull(const Array<double>& rows, std::uint32_t count, unsigned d,
                   std::vector<std::uint32_t>& kept) {
   if (count == 0) return false;
   if (!looks_like_a_lattice(rows, count, d)) return false;

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "cullhull/array.hpp"
+
 namespace cullhull::internal {
 
 /// Of all points on one line parallel to an axis only the two ends can be extreme; of equal points
@@ -14,7 +16,7 @@ namespace cullhull::internal {
 /// nothing is said); else `kept` are ascending indices.
 /// `rows`: count x d finite doubles. Time O(d (count + radix sort)); memory 32 bytes a point, and
 /// up to 48 a distinct value of one axis.
-bool lattice_cull(const std::vector<double>& rows, std::uint32_t count, unsigned d,
+bool lattice_cull(const Array<double>& rows, std::uint32_t count, unsigned d,
                   std::vector<std::uint32_t>& kept);
 
 }  // namespace cullhull::internal

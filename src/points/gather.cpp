@@ -86,10 +86,10 @@ void load_row(const PointView& view, std::uint64_t point, double* out) {
   gather_rows(view, nullptr, point, point + 1, out);
 }
 
-std::vector<double> gather_points(const PointView& view, const std::uint64_t* ids,
-                                  std::uint64_t count, unsigned threads) {
+Array<double> gather_points(const PointView& view, const std::uint64_t* ids, std::uint64_t count,
+                            unsigned threads) {
   const unsigned d = view.dimension;
-  std::vector<double> out(count * d);
+  Array<double> out(count * d);
   Lowest bad;
   for_each_chunk(count, chunk_size, threads,
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {

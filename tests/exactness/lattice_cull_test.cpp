@@ -38,7 +38,7 @@ TEST(LatticeCull, DropsOnlyDuplicatesAndPointsBetweenOthers) {
       std::vector<double> rows(n * d);
       for (double& v : rows) v = static_cast<double>(rng() % 4) * 0.25 + shift;
       std::vector<std::uint32_t> kept;
-      ASSERT_TRUE(lattice_cull(rows, n, d, kept));
+      ASSERT_TRUE(lattice_cull(Array<double>(rows.begin(), rows.end()), n, d, kept));
       EXPECT_TRUE(std::is_sorted(kept.begin(), kept.end()));
       const std::set<std::uint32_t> in(kept.begin(), kept.end());
       EXPECT_LT(in.size(), n);
@@ -61,7 +61,7 @@ TEST(LatticeCull, AFullGridLeavesItsCorners) {
     for (int y = 0; y < 7; ++y)
       for (int z = 0; z < 3; ++z) rows.insert(rows.end(), {double(x), double(y), double(z)});
   std::vector<std::uint32_t> kept;
-  ASSERT_TRUE(lattice_cull(rows, 105, 3, kept));
+  ASSERT_TRUE(lattice_cull(Array<double>(rows.begin(), rows.end()), 105, 3, kept));
   EXPECT_EQ(kept.size(), 8U);
 }
 
@@ -71,9 +71,9 @@ TEST(LatticeCull, DeclinesWhatDoesNotPack) {
   std::vector<double> rows(3000);
   for (double& v : rows) v = u(rng);
   std::vector<std::uint32_t> kept;
-  EXPECT_FALSE(lattice_cull(rows, 1000, 3, kept));
+  EXPECT_FALSE(lattice_cull(Array<double>(rows.begin(), rows.end()), 1000, 3, kept));
   for (double& v : rows) v *= 1e-25;  // too small to be told apart by a fixed spacing
-  EXPECT_FALSE(lattice_cull(rows, 1000, 3, kept));
+  EXPECT_FALSE(lattice_cull(Array<double>(rows.begin(), rows.end()), 1000, 3, kept));
 }
 
 TEST(LatticeCull, IsBlindToScale) {
@@ -82,12 +82,12 @@ TEST(LatticeCull, IsBlindToScale) {
   std::vector<double> grid(3 * 400);
   for (double& v : grid) v = static_cast<double>(rng() % 6);
   std::vector<std::uint32_t> want, kept;
-  ASSERT_TRUE(lattice_cull(grid, 400, 3, want));
+  ASSERT_TRUE(lattice_cull(Array<double>(grid.begin(), grid.end()), 400, 3, want));
   EXPECT_LT(want.size(), 400U);
   const auto expect_same = [&](const auto& map) {
     std::vector<double> rows = grid;
     for (double& v : rows) v = map(v);
-    ASSERT_TRUE(lattice_cull(rows, 400, 3, kept));
+    ASSERT_TRUE(lattice_cull(Array<double>(rows.begin(), rows.end()), 400, 3, kept));
     EXPECT_EQ(kept, want);
   };
   for (int e = -1074; e <= 1020; e += 61) expect_same([e](double v) { return std::ldexp(v, e); });
@@ -121,7 +121,7 @@ TEST(LatticeCull, ThePipelineKeepsTinyPoints) {
 TEST(LatticeCull, EqualPointsLeaveTheFirst) {
   std::vector<double> rows(300, 2.5);
   std::vector<std::uint32_t> kept;
-  ASSERT_TRUE(lattice_cull(rows, 100, 3, kept));
+  ASSERT_TRUE(lattice_cull(Array<double>(rows.begin(), rows.end()), 100, 3, kept));
   EXPECT_EQ(kept, std::vector<std::uint32_t>{0});
 }
 
