@@ -3,30 +3,19 @@
 #include <libqhull_r/qhull_ra.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <functional>
 #include <vector>
 
 #include "cullhull/batch.hpp"
 #include "cullhull/generate.hpp"
+#include "timing.hpp"
 
 namespace {
 
 using namespace cullhull;
 
-double median_seconds(int repeat, const std::function<void()>& body) {
-  std::vector<double> times;
-  for (int i = 0; i < repeat; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    body();
-    times.push_back(
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  }
-  std::sort(times.begin(), times.end());
-  return times[times.size() / 2];
-}
+using bench::median_seconds;
 
 /// Vertices Qhull finds in all sets.
 std::uint64_t qhull_loop(std::vector<double>& points, unsigned d,

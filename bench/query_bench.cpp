@@ -1,30 +1,19 @@
 // Rates of the batched questions to a hull, beside asking every facet.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/query.hpp"
+#include "timing.hpp"
 
 namespace {
 
 using namespace cullhull;
 
-double median_seconds(int repeat, const std::function<void()>& body) {
-  std::vector<double> times;
-  for (int i = 0; i < repeat; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    body();
-    times.push_back(
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  }
-  std::sort(times.begin(), times.end());
-  return times[times.size() / 2];
-}
+using bench::median_seconds;
 
 void report(const char* what, std::uint64_t n, double seconds) {
   std::printf("  %-40s %8.1f M/s\n", what, static_cast<double>(n) / seconds * 1e-6);

@@ -10,6 +10,7 @@
 #include "cullhull/error.hpp"
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
+#include "planar_sets.hpp"
 
 namespace cullhull {
 namespace {
@@ -200,10 +201,12 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
     one.threads = 1;
     one.progress = nullptr;
     parts[c].dimension = points.dimension;
+    PlanarSets planar(options, control);
     for (std::uint64_t i = begin; i < end; ++i) {
       PointView set = points;
       set.count = offsets[i + 1] - offsets[i];
       set.data += static_cast<std::ptrdiff_t>(offsets[i]) * points.point_stride;
+      if (planar.append(set, parts[c])) continue;
       try {
         append(parts[c], convex_hull(set, one));
       } catch (const Error& e) {

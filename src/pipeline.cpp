@@ -14,11 +14,14 @@
 #include "extreme/extreme_ids.hpp"
 #include "filter_stage.hpp"
 #include "hull/engine.hpp"
+#include "hull/polygon.hpp"
 #include "parallel/backend.hpp"
 #include "parallel/pages.hpp"
 #include "points/gather.hpp"
 #include "points/local_frame.hpp"
 #include "result/build_hull.hpp"
+#include "result/extreme_rows.hpp"
+#include "result/polygon_result.hpp"
 
 namespace cullhull {
 namespace internal {
@@ -32,12 +35,13 @@ struct EngineInput {
   std::uint64_t count = 0;
 };
 
-void thin_lattice(EngineInput& input, unsigned d) {
+void thin_lattice(EngineInput& input, unsigned d, unsigned threads, const Control& control) {
   // Below this many points the engine is done before the sorts are.
   constexpr std::uint64_t worthwhile = 256;
   std::vector<std::uint32_t> kept;
   if (input.count < worthwhile ||
-      !lattice_cull(input.rows, static_cast<std::uint32_t>(input.count), d, kept) ||
+      !lattice_cull(input.rows, static_cast<std::uint32_t>(input.count), d, threads, control,
+                    kept) ||
       kept.size() == input.count)
     return;
   Array<double> rows(kept.size() * d);
@@ -52,24 +56,27 @@ void thin_lattice(EngineInput& input, unsigned d) {
   input.count = kept.size();
 }
 
+void require_engine_room(std::uint64_t count, unsigned dimension, std::uint64_t budget) {
+  if (count >= 0xFFFFFFFF)
+    throw Error(ErrorCode::out_of_budget,
+                std::to_string(count) + " points survive the filter; an engine takes 2^32 - 2");
+  // Coordinates, a copy in the engine's order, keys and ids to sort them by.
+  require_budget(budget, count * (2 * dimension * sizeof(double) + 24),
+                 std::to_string(count) + " points that survive the filter");
+}
+
 EngineInput engine_input(const PointView& points, Filtered&& filtered, std::uint64_t budget,
-                         unsigned threads) {
+                         unsigned threads, const Control& control) {
   EngineInput input;
   input.all = filtered.survivors.all;
   input.count = filtered.survivors.size(points.count);
-  if (input.count >= 0xFFFFFFFF)
-    throw Error(
-        ErrorCode::out_of_budget,
-        std::to_string(input.count) + " points survive the filter; an engine takes 2^32 - 2");
-  // Coordinates, a copy in the engine's order, keys and ids to sort them by.
-  require_budget(budget, input.count * (2 * points.dimension * sizeof(double) + 24),
-                 std::to_string(input.count) + " points that survive the filter");
+  require_engine_room(input.count, points.dimension, budget);
   input.rows = std::move(filtered.rows);
   if (input.rows.empty())
     input.rows = gather_points(points, input.all ? nullptr : filtered.survivors.ids.data(),
                                input.count, threads);
   input.ids = std::move(filtered.survivors.ids);
-  thin_lattice(input, points.dimension);
+  thin_lattice(input, points.dimension, threads, control);
   return input;
 }
 
@@ -95,6 +102,89 @@ SimplicialHull run_engine(const LocalFrame& frame, Engine engine, std::uint64_t 
   if (points.dimension == 3)
     return hull_3d(points, frame.simplex().data(), budget, threads, control);
   return hull_nd(points, frame.simplex().data(), budget, threads, control);
+}
+
+/// What a filter left of points of the plane: they need no frame and are hulled where they lie.
+struct PlanarRows {
+  PlanarRows(const PointView& points, const Filtered& filtered)
+      : rows(filtered.survivors.all
+                 ? points
+                 : PointView::row_major(filtered.rows.data(), filtered.survivors.ids.size(), 2)),
+        ids(filtered.survivors.all ? nullptr : filtered.survivors.ids.data()) {}
+
+  Polygon hull(const Run& run) const {
+    require_engine_room(rows.count, 2, run.budget);
+    return polygon_of(rows, false, run.threads, run.control);
+  }
+
+  PointView rows;
+  const std::uint64_t* ids;
+};
+
+void extreme_in_plane(const PointView& points, const Filtered& filtered, const Run& run,
+                      ExtremePoints& result) {
+  const PlanarRows rows(points, filtered);
+  const Polygon polygon = rows.hull(run);
+  result.affine_dimension = static_cast<int>(std::min<std::size_t>(polygon.corners.size(), 3)) - 1;
+  result.ids = ascending_ids(polygon.corners.data(), polygon.corners.size(), polygon.rows, rows.ids,
+                             run.threads);
+  std::copy(polygon.rung_counts, polygon.rung_counts + 3, result.statistics.rung_counts);
+}
+
+/// False, and nothing done, for flats and for polygons of extraordinary proportions.
+bool hull_in_plane(const PointView& points, const Filtered& filtered, const Run& run, Hull& hull) {
+  const PlanarRows rows(points, filtered);
+  const Polygon polygon = rows.hull(run);
+  const std::uint64_t edges = polygon.corners.size();
+  if (edges < 3) return false;
+  require_budget(run.budget, edges * 160, std::to_string(edges) + " facets");
+  if (!write_polygon(points, rows.ids, polygon, run.control, run.threads, hull)) return false;
+  hull.affine_dimension = 2;
+  std::copy(polygon.rung_counts, polygon.rung_counts + 3, hull.statistics.rung_counts);
+  return true;
+}
+
+/// Ascending local ids.
+std::vector<std::uint64_t> extreme_locals(const LocalFrame& frame, const Run& run,
+                                          std::uint64_t* rung_counts) {
+  const LocalPoints& points = frame.points();
+  switch (points.dimension) {
+    case 0:
+      return {0};
+    case 1: {
+      const SimplicialHull ends = ends_of_line(points);
+      return ascending_ids(ends.vertices.data(), 2, points.count, nullptr, 1);
+    }
+    case 2: {
+      const PointView rows = PointView::row_major(points.exact, points.count, 2);
+      const Polygon polygon = polygon_of(rows, false, run.threads, run.control);
+      std::copy(polygon.rung_counts, polygon.rung_counts + 3, rung_counts);
+      return ascending_ids(polygon.corners.data(), polygon.corners.size(), points.count, nullptr,
+                           run.threads);
+    }
+    case 3: {
+      SimplicialHull hull =
+          hull_3d(points, frame.simplex().data(), run.budget, run.threads, run.control);
+      std::copy(hull.rung_counts, hull.rung_counts + 3, rung_counts);
+      return extreme_rows(std::move(hull), points, run.threads, run.control, rung_counts);
+    }
+    default: {
+      const std::vector<std::uint32_t> ids = extreme_ids(points, run.threads, run.control);
+      return {ids.begin(), ids.end()};
+    }
+  }
+}
+
+void extreme_in_space(const PointView& points, Filtered&& filtered, const Run& run,
+                      ExtremePoints& result) {
+  EngineInput input =
+      engine_input(points, std::move(filtered), run.budget, run.threads, run.control);
+  const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
+                         points.dimension, run.threads, run.control);
+  result.affine_dimension = frame.affine_dimension();
+  result.ids = extreme_locals(frame, run, result.statistics.rung_counts);
+  if (input.all) return;
+  for (std::uint64_t& v : result.ids) v = input.ids[v];
 }
 
 /// Qhull decides with tolerances, so what it found must be proven before it is called the hull.
@@ -131,8 +221,14 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
   hull.statistics.cull_reason = filtered.survivors.reason;
   hull.statistics.backend = filtered.survivors.backend;
   if (points.count == 0) return hull;
+  if (points.dimension == 2 && run.options.engine == Engine::native &&
+      hull_in_plane(points, filtered, run, hull)) {
+    hull.statistics.hull_seconds = seconds_since(start);
+    return hull;
+  }
 
-  EngineInput input = engine_input(points, std::move(filtered), run.budget, run.threads);
+  EngineInput input =
+      engine_input(points, std::move(filtered), run.budget, run.threads, run.control);
   const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
                          points.dimension, run.threads, run.control);
   run.control.check();
@@ -192,39 +288,28 @@ Hull convex_hull(const PointView& points, const Options& options) {
 
 ExtremePoints extreme_points(const PointView& points, const Options& options) {
   check_arguments(points, options);
-  const Control control(options);
-  const unsigned threads = resolve_threads(options.threads);
-  const std::uint64_t budget = resolve_budget(options.memory_budget);
+  const Run run(options);
   const PageScope pages;
   const auto start = Clock::now();
 
   ExtremePoints result;
   Statistics& statistics = result.statistics;
-  statistics.threads = threads;
-  control.check();
+  statistics.threads = run.threads;
+  run.control.check();
   if (points.count == 0) return result;
-  Filtered filtered = run_filter(points, options, control, threads, budget);
+  Filtered filtered = run_filter(points, options, run.control, run.threads, run.budget);
   statistics.survivors = filtered.survivors.size(points.count);
   statistics.cull_method = filtered.survivors.method;
   statistics.cull_seconds = seconds_since(start);
 
   const auto search_start = Clock::now();
-  EngineInput input = engine_input(points, std::move(filtered), budget, threads);
-  const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
-                         points.dimension, threads, control);
-  result.affine_dimension = frame.affine_dimension();
-  if (result.affine_dimension <= 3) {
-    Options plain = options;
-    plain.engine = Engine::native;
-    result.ids = convex_hull(points, plain).vertices;
-    std::sort(result.ids.begin(), result.ids.end());
-  } else {
-    for (const std::uint32_t i : extreme_ids(frame.points(), threads, control))
-      result.ids.push_back(input.all ? i : input.ids[i]);
-  }
+  if (points.dimension == 2)
+    extreme_in_plane(points, std::move(filtered), run, result);
+  else
+    extreme_in_space(points, std::move(filtered), run, result);
   statistics.hull_seconds = seconds_since(search_start);
   statistics.compute_seconds = seconds_since(start);
-  control.report("done", 1);
+  run.control.report("done", 1);
   return result;
 }
 

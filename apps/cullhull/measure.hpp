@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cullhull/point_view.hpp"
+#include "timing.hpp"
 
 namespace app {
 
@@ -27,7 +28,7 @@ double warm_pages(const cullhull::PointView& points);
 /// Largest resident set of this process so far, mapped input included.
 std::uint64_t peak_bytes();
 
-double median(std::vector<double> values);
+using cullhull::bench::median;
 
 /// Index of the run whose time is the median (the lower one of an even number).
 std::size_t median_run(const std::vector<double>& seconds);

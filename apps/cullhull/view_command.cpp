@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "arguments.hpp"
 #include "commands.hpp"
@@ -23,9 +24,11 @@ using cullhull::viewer::SceneFrame;
 constexpr const char* help =
     "INPUT may also be HULL.json, as 'cullhull hull -o' writes it: the page then shows the hull "
     "alone.\n"
-    "Or moving points: an .npy array (frames, n, d), or a folder of files, a frame each; the page "
-    "has\n"
-    "a slider, and at most 120 of the frames, evenly chosen.\n"
+    "Or moving points: an .npy array (frames, n, d), or a folder or a pattern in quotes of files, "
+    "a\n"
+    "frame each, of points or, as 'cullhull track -o' writes them, of hulls. The page has a "
+    "slider,\n"
+    "and at most 120 of the frames, evenly chosen.\n"
     "\n"
     "The page is one file that needs no network. 3D sets are turned, moved and zoomed; 2D sets are "
     "a\n"
@@ -37,6 +40,7 @@ constexpr const char* help =
     "  cullhull view scan.ply -o scan.html\n"
     "  cullhull view cloud.npy --columns 0:3 -o cloud.html --json=figures.json\n"
     "  cullhull hull big.npy -o hull.json && cullhull view hull.json -o hull.html\n"
+    "  cullhull track twist.npy -o 'f-%03d.json' && cullhull view 'f-*.json' -o twist.html\n"
     "\n"
     "Exit status: 0 success; 1 bad input; 2 bad usage; 4 out of the memory budget; 5 backend not\n"
     "available, or built without three.js; 130 cancelled.";
@@ -52,16 +56,24 @@ std::string title_of(const std::string& path) {
   return path == "-" ? "standard input" : std::filesystem::path(path).filename().string();
 }
 
-bool is_hull_file(const InputArguments& input) {
-  return input.format.empty() && std::filesystem::path(input.path).extension() == ".json";
-}
+bool is_json(const std::string& path) { return std::filesystem::path(path).extension() == ".json"; }
 
-/// A folder, or an array that may have three axes.
+/// A folder, a pattern, or an array that may have three axes.
 bool may_be_sequence(const InputArguments& input) {
   if (input.path == "-" || input.dimension != 0 || !input.type.empty()) return false;
   std::error_code ignored;
   return std::filesystem::is_directory(input.path, ignored) || input.format == "npy" ||
+         (!std::filesystem::exists(input.path, ignored) &&
+          input.path.find_first_of("*?[") != std::string::npos) ||
          (input.format.empty() && std::filesystem::path(input.path).extension() == ".npy");
+}
+
+/// The files of hulls that INPUT names; none: it is points.
+std::vector<std::string> hull_files(const InputArguments& input) {
+  if (!input.format.empty() || input.path == "-") return {};
+  if (!may_be_sequence(input) && !is_json(input.path)) return {};
+  std::vector<std::string> files = cullhull::sequence_files({input.path});
+  return std::all_of(files.begin(), files.end(), is_json) ? files : std::vector<std::string>();
 }
 
 /// Hull and survivors of one set of points, and what --json says of the run.
@@ -89,19 +101,16 @@ Computed compute(const cullhull::PointView& points, double read_seconds,
   return result;
 }
 
-std::string add_frame(const Input& input, std::uint64_t index, double read_seconds,
-                      const cullhull::Options& options, Scene& scene) {
-  const double seconds = read_seconds + warm_pages(input.points);
-  const Computed computed = compute(input.points, seconds, options);
+void add_frame(const cullhull::PointView& points, std::uint64_t index, const cullhull::Hull& hull,
+               const cullhull::Survivors& survivors, const std::string& report, Scene& scene) {
   SceneFrame frame;
   frame.index = index;
-  frame.hull = &computed.hull;
-  frame.vertex_rows = cullhull::viewer::vertex_rows(input.points, computed.hull);
-  frame.points = input.points;
-  frame.survivors = &computed.survivors;
-  frame.report = computed.report;
+  frame.hull = &hull;
+  frame.vertex_rows = cullhull::viewer::vertex_rows(points, hull);
+  frame.points = points;
+  frame.survivors = &survivors;
+  frame.report = report;
   scene.add(frame);
-  return computed.report;
 }
 
 /// What goes into a file: the page, and the figures in it.
@@ -112,44 +121,104 @@ struct Written {
 Written view_points(const ViewArguments& arguments, const cullhull::Options& options) {
   const Input input = open_input(arguments.input, arguments.run.threads);
   Scene scene(title_of(arguments.input.path), 1, 1);
-  const std::string report = add_frame(input, 0, input.file.read_seconds(), options, scene);
-  return {scene.page(), report};
+  const double read = input.file.read_seconds() + warm_pages(input.points);
+  const Computed computed = compute(input.points, read, options);
+  add_frame(input.points, 0, computed.hull, computed.survivors, computed.report, scene);
+  return {scene.page(), computed.report};
 }
 
+/// A frame's figures: those of its hull, and how the frame before led to it.
+std::string tracked_report(const cullhull::HullTracker& tracker, const cullhull::PointView& points,
+                           double read_seconds) {
+  const cullhull::FrameReport& r = tracker.report();
+  cullhull::JsonExtras extras;
+  extras.compute_seconds_all = {r.compute_seconds};
+  extras.read_seconds = read_seconds;
+  extras.peak_bytes = peak_bytes();
+  auto report =
+      nlohmann::ordered_json::parse(cullhull::hull_to_json(points, tracker.hull(), extras, false));
+  report["track"] = {{"method", r.method},
+                     {"scan_survivors", r.scan_survivors},
+                     {"vertices_came", r.vertices_came},
+                     {"vertices_went", r.vertices_went},
+                     {"facets_came", r.facets_came},
+                     {"facets_went", r.facets_went},
+                     {"scan_seconds", r.scan_seconds}};
+  return report.dump(1) + "\n";
+}
+
+/// Of `count` frames those that are shown, and the reports of these as one text.
+class Shown {
+ public:
+  explicit Shown(std::uint64_t count)
+      : count_(count), shown_(std::min(count, Scene::most_frames)) {}
+  std::uint64_t shown() const { return shown_; }
+  double share() const { return static_cast<double>(added_) / static_cast<double>(shown_); }
+  bool wants(std::uint64_t index) const {
+    return added_ < shown_ && index == added_ * count_ / shown_;
+  }
+  void add(const std::string& report) {
+    if (added_++ > 0) reports_ += ",\n";
+    reports_ += report;
+  }
+  std::string reports() const { return count_ > 1 ? "[\n" + reports_ + "]\n" : reports_; }
+
+ private:
+  std::uint64_t count_, shown_, added_ = 0;
+  std::string reports_;
+};
+
+/// Frames led by the one shown before, each hull the one `hull` gives for that frame.
 Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
-                      TerminalProgress& progress) {
+                      const cullhull::Progress& progress) {
   cullhull::ReadOptions reading = read_options(arguments.input, arguments.run.threads);
   reading.stop = options.stop;
   cullhull::PointSequence sequence = cullhull::open_sequence({arguments.input.path}, reading);
   const std::uint64_t frames = sequence.frames();
   if (frames == 0)
     throw Error(ErrorCode::bad_file, arguments.input.path + ": a sequence without frames");
-  const std::uint64_t shown = std::min(frames, Scene::most_frames);
-  Scene scene(title_of(arguments.input.path), frames, shown);
-  std::string reports;
-  std::uint64_t added = 0;
+  Shown chosen(frames);
+  Scene scene(title_of(arguments.input.path), frames, chosen.shown());
   if (frames > 1) options.progress = nullptr;  // frames are counted instead
+  cullhull::HullTracker tracker(options);
   while (sequence.next()) {
-    if (sequence.index() != added * frames / shown) continue;
-    if (const auto show = progress.callback(); show && frames > 1)
-      show("frames", static_cast<double>(added) / static_cast<double>(shown));
+    if (!chosen.wants(sequence.index())) continue;
+    if (progress && frames > 1) progress("frames", chosen.share());
     Input input;
     input.points = sequence.points();
     choose_columns(arguments.input, input);
-    if (added++ > 0) reports += ",\n";
-    reports += add_frame(input, sequence.index(), sequence.read_seconds(), options, scene);
+    const double read = sequence.read_seconds() + warm_pages(input.points);
+    if (frames == 1) {  // not a moving set, after all
+      const Computed computed = compute(input.points, read, options);
+      chosen.add(computed.report);
+      add_frame(input.points, 0, computed.hull, computed.survivors, computed.report, scene);
+      continue;
+    }
+    tracker.update(input.points);
+    const std::string report = tracked_report(tracker, input.points, read);
+    chosen.add(report);
+    add_frame(input.points, sequence.index(), tracker.hull(), tracker.survivors(), report, scene);
   }
-  return {scene.page(), frames > 1 ? "[\n" + reports + "]\n" : reports};
+  return {scene.page(), chosen.reports()};
 }
 
-Written view_hull(const ViewArguments& arguments) {
-  SceneFrame frame;
-  const cullhull::Hull hull = cullhull::hull_from_json(arguments.input.path, &frame.vertex_rows);
-  frame.hull = &hull;
-  frame.report = cullhull::viewer::result_figures(cullhull::hull_to_json({}, hull, {}, false));
-  Scene scene(title_of(arguments.input.path), 1, 1);
-  scene.add(frame);
-  return {scene.page(), frame.report};
+Written view_hulls(const ViewArguments& arguments, const std::vector<std::string>& files,
+                   const cullhull::Options& options) {
+  Shown chosen(files.size());
+  Scene scene(title_of(arguments.input.path), files.size(), chosen.shown());
+  for (std::uint64_t i = 0; i < files.size(); ++i) {
+    if (!chosen.wants(i)) continue;
+    if (options.stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
+    if (options.progress && files.size() > 1) options.progress("frames", chosen.share());
+    SceneFrame frame;
+    const cullhull::Hull hull = cullhull::hull_from_json(files[i], &frame.vertex_rows);
+    frame.index = i;
+    frame.hull = &hull;
+    frame.report = cullhull::viewer::result_figures(cullhull::hull_to_json({}, hull, {}, false));
+    chosen.add(frame.report);
+    scene.add(frame);
+  }
+  return {scene.page(), chosen.reports()};
 }
 
 int run(const ViewArguments& arguments) {
@@ -162,9 +231,11 @@ int run(const ViewArguments& arguments) {
     TerminalProgress progress(arguments.run.quiet);
     options.progress = progress.callback();
     cancellable([&] {
-      written = is_hull_file(arguments.input)      ? view_hull(arguments)
-                : may_be_sequence(arguments.input) ? view_sequence(arguments, options, progress)
-                                                   : view_points(arguments, options);
+      const std::vector<std::string> hulls = hull_files(arguments.input);
+      written = !hulls.empty() ? view_hulls(arguments, hulls, options)
+                : may_be_sequence(arguments.input)
+                    ? view_sequence(arguments, options, options.progress)
+                    : view_points(arguments, options);
     });
   }
   cullhull::write_text(arguments.output, written.page);

@@ -45,52 +45,65 @@ double best_rate(unsigned passes, double bytes, const std::stop_token& stop, con
   return best;
 }
 
-HostRates measure_host(const MachineSettings& settings, unsigned cores, const Progress& progress,
-                       const std::stop_token& stop) {
-  const std::uint64_t words = settings.bytes / sizeof(std::uint64_t);
-  const auto size = static_cast<double>(words * sizeof(std::uint64_t));
-  internal::BigArray<std::uint64_t> from(words), to(words);
-  // Pages are touched by the threads that use them later, more or less.
-  internal::for_each_chunk(words, piece, cores,
-                           [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                             std::fill(from.get() + begin, from.get() + end, begin);
-                             std::fill(to.get() + begin, to.get() + end, end);
-                           });
-  [[maybe_unused]] static volatile std::uint64_t sink;
-  const auto read = [&](unsigned threads) {
-    internal::for_each_chunk(words, piece, threads,
-                             [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                               sink = sum_of(from.get() + begin, end - begin);
-                             });
-  };
-  const auto copy = [&](unsigned threads) {
-    internal::for_each_chunk(
-        words, piece, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-          std::memcpy(to.get() + begin, from.get() + begin, (end - begin) * sizeof(std::uint64_t));
-        });
-  };
-  const auto report = [&](double share) {
-    if (progress) progress("host memory", share);
-  };
-  HostRates rates;
-  report(0);
-  rates.read_one = best_rate(settings.passes, size, stop, [&] { read(1); });
-  report(0.25);
-  rates.copy_one = best_rate(settings.passes, 2 * size, stop, [&] { copy(1); });
-  report(0.5);
-  rates.read_all = best_rate(settings.passes, size, stop, [&] { read(cores); });
-  report(0.75);
-  rates.copy_all = best_rate(settings.passes, 2 * size, stop, [&] { copy(cores); });
-  report(1);
-  return rates;
-}
-
 std::uint64_t default_bytes() {
   const long pages = ::sysconf(_SC_PHYS_PAGES), page = ::sysconf(_SC_PAGESIZE);
   const std::uint64_t memory =
       pages > 0 && page > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page)
                             : 1024 * mebibyte;
   return std::clamp(memory / 16, 16 * mebibyte, 512 * mebibyte);
+}
+
+/// Arrays that are read, or copied.
+class HostMemory {
+ public:
+  HostMemory(std::uint64_t bytes, bool two, unsigned cores)
+      : words_(bytes / sizeof(std::uint64_t)), from_(words_), to_(two ? words_ : 0) {
+    // Pages are touched by the threads that use them later, more or less.
+    internal::for_each_chunk(words_, piece, cores,
+                             [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                               std::fill(from_.get() + begin, from_.get() + end, begin);
+                               if (two) std::fill(to_.get() + begin, to_.get() + end, end);
+                             });
+  }
+  double bytes() const { return static_cast<double>(words_ * sizeof(std::uint64_t)); }
+  void read(unsigned threads) const {
+    [[maybe_unused]] static volatile std::uint64_t sink;
+    internal::for_each_chunk(words_, piece, threads,
+                             [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                               sink = sum_of(from_.get() + begin, end - begin);
+                             });
+  }
+  void copy(unsigned threads) {
+    internal::for_each_chunk(words_, piece, threads,
+                             [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                               std::memcpy(to_.get() + begin, from_.get() + begin,
+                                           (end - begin) * sizeof(std::uint64_t));
+                             });
+  }
+
+ private:
+  std::uint64_t words_;
+  internal::BigArray<std::uint64_t> from_, to_;
+};
+
+HostRates measure_host(const MachineSettings& settings, unsigned cores, const Progress& progress,
+                       const std::stop_token& stop) {
+  HostMemory memory(settings.bytes, true, cores);
+  const double size = memory.bytes();
+  const auto report = [&](double share) {
+    if (progress) progress("host memory", share);
+  };
+  HostRates rates;
+  report(0);
+  rates.read_one = best_rate(settings.passes, size, stop, [&] { memory.read(1); });
+  report(0.25);
+  rates.copy_one = best_rate(settings.passes, 2 * size, stop, [&] { memory.copy(1); });
+  report(0.5);
+  rates.read_all = best_rate(settings.passes, size, stop, [&] { memory.read(cores); });
+  report(0.75);
+  rates.copy_all = best_rate(settings.passes, 2 * size, stop, [&] { memory.copy(cores); });
+  report(1);
+  return rates;
 }
 
 std::string row(const char* what, double rate) {
@@ -120,6 +133,12 @@ MachineRates measure_machine(const MachineSettings& settings, const Progress& pr
   rates.host = measure_host(resolved, rates.cores, progress, stop);
   rates.device = measure_device(resolved.bytes, resolved.passes, progress, stop, rates.no_device);
   return rates;
+}
+
+double read_bandwidth(unsigned threads, const std::stop_token& stop) {
+  constexpr unsigned passes = 5;
+  const HostMemory memory(default_bytes(), false, threads);
+  return best_rate(passes, memory.bytes(), stop, [&] { memory.read(threads); });
 }
 
 std::string machine_table(const MachineRates& rates) {

@@ -43,6 +43,10 @@ struct MachineRates {
 MachineRates measure_machine(const MachineSettings& settings, const Progress& progress,
                              const std::stop_token& stop);
 
+/// Bytes per second that so many threads read from memory, the best of a few passes over half a
+/// gigabyte (less on a small machine): the limit a filter is held against.
+double read_bandwidth(unsigned threads, const std::stop_token& stop);
+
 std::string machine_table(const MachineRates& rates);
 std::string machine_json(const MachineRates& rates);
 

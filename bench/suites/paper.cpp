@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -12,6 +11,7 @@
 
 #include "control.hpp"
 #include "cull/pseudo_hull.hpp"
+#include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
@@ -22,17 +22,12 @@
 #include "parallel/parallel.hpp"
 #include "points/gather.hpp"
 #include "qhull.hpp"
+#include "timing.hpp"
 
 namespace cullhull::bench {
 namespace {
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
-
-double seconds_of(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 struct Set {
   std::string name, shape;
@@ -68,6 +63,9 @@ class Suite {
     report.machine = describe_machine();
     report.command = fmt::format("cullhull bench paper --scale {:g}", settings_.scale);
     for (const std::string& f : settings_.figures) report.command += " --figure " + f;
+    for (const unsigned t : thread_counts())
+      report.read_bandwidth.emplace_back(t, read_bandwidth(t, stop_));
+    report_ = &report;
     struct Maker {
       const char* id;
       Figure (Suite::*make)();
@@ -94,6 +92,16 @@ class Suite {
     return std::max<std::uint64_t>(
         1000, static_cast<std::uint64_t>(std::llround(static_cast<double>(n) * settings_.scale)));
   }
+  /// One, two, four, ... and all.
+  std::vector<unsigned> thread_counts() const {
+    const unsigned cores = internal::resolve_threads(settings_.threads);
+    std::vector<unsigned> counts;
+    for (unsigned t = 1; t < cores; t *= 2) counts.push_back(t);
+    counts.push_back(cores);
+    return counts;
+  }
+  ChildLimits limits() const { return {settings_.limit, stop_}; }
+
   Set set(const char* what, const char* shape, unsigned d, std::uint64_t n,
           const char* paper = "") const {
     const std::uint64_t count = scaled(n);
@@ -122,6 +130,15 @@ class Suite {
     return o;
   }
 
+  static Row row_of(const Set& s) {
+    Row row;
+    row.name = s.name;
+    row.points = s.count;
+    row.dimension = s.dimension;
+    row.paper = s.paper;
+    return row;
+  }
+
   /// The run whose time is the median.
   Hull ours(const PointView& points, const Options& o) const {
     std::vector<Hull> runs;
@@ -136,39 +153,65 @@ class Suite {
     return std::move(runs[runs.size() / 2]);
   }
 
-  void compare(Row& row, const Hull& hull, const std::optional<QhullRun>& qhull) const {
-    if (!qhull) {
-      row.check = "no Qhull";
+  void describe(Row& row, const PointView& points, const Hull& hull) const {
+    row.vertices = hull.vertices.size();
+    row.bandwidth = bandwidth_share(*report_, points, hull.statistics);
+    row.check = fmt::format("{} vertices", hull.vertices.size());
+  }
+
+  /// Where Qhull's hull differs the certificate decides.
+  void compare(Row& row, const PointView& points, const Hull& hull,
+               const std::optional<QhullRun>& qhull) const {
+    describe(row, points, hull);
+    if (!qhull || !qhull->finished) {
+      row.check += qhull ? ", Qhull stopped" : ", no Qhull";
       return;
     }
-    row.agrees = qhull->vertices == hull.vertices.size();
-    row.check = row.agrees ? fmt::format("{} vertices, volume {:+.0e}", hull.vertices.size(),
-                                         qhull->volume / hull.volume - 1)
-                           : fmt::format("{} vertices, Qhull {} (it decides with tolerances)",
-                                         hull.vertices.size(), qhull->vertices);
+    if (qhull->vertices == hull.vertices.size()) {
+      row.check += fmt::format(", volume {:+.0e}", qhull->volume / hull.volume - 1);
+      return;
+    }
+    row.remark = "Qhull, which decides with tolerances, found other extreme points.";
+    const Certificate certificate = certify(points, hull);
+    row.agrees = certificate.valid;
+    row.check += fmt::format(", Qhull {}; ours {}", qhull->vertices,
+                             certificate.valid ? "certified" : "NOT certified");
+  }
+
+  void add_qhull(Row& row, const char* name, const std::optional<QhullRun>& run,
+                 double seconds) const {
+    row.values.emplace_back(name, run ? seconds : missing);
+    if (run && !run->finished) row.unfinished.emplace_back(name);
+  }
+
+  static void set_ratio(Row& row, const std::optional<QhullRun>& rival, double ours) {
+    if (!rival) return;
+    row.ratio = rival->seconds / ours;
+    row.ratio_is_bound = !rival->finished;
   }
 
   /// Qhull alone, Qhull behind the paper's filter, ours.
   Row three_ways(const Set& s) {
     const Points p = make(s);
-    Row row{s.name, s.count, s.dimension, {}, 0, s.paper, "", true};
+    Row row = row_of(s);
     const Hull hull = ours(p.view, options());
     const double our_seconds = hull.statistics.compute_seconds;
-    const std::optional<QhullRun> alone = run_qhull(p.view, 1);
-    std::optional<QhullRun> behind;
-    const double filtered = seconds_of([&] {
+    const std::optional<QhullRun> alone = run_qhull(p.view, limits());
+    Array<double> rows;
+    const double filter = seconds_of([&] {
       const Survivors left = cull(p.view, options(CullMethod::pseudo_hull));
-      const Array<double> rows =
+      rows =
           internal::gather_points(p.view, left.all ? nullptr : left.ids.data(), left.size(s.count),
                                   internal::resolve_threads(settings_.threads));
-      behind =
-          run_qhull(PointView::row_major(rows.data(), rows.size() / s.dimension, s.dimension), 1);
     });
-    row.values = {{"Qhull alone", alone ? alone->seconds : missing},
-                  {"Qhull after the paper's filter", behind ? filtered : missing},
-                  {"cullhull", our_seconds}};
-    if (alone) row.ratio = alone->seconds / our_seconds;
-    compare(row, hull, alone);
+    const std::optional<QhullRun> behind = run_qhull(
+        PointView::row_major(rows.data(), rows.size() / s.dimension, s.dimension), limits());
+    add_qhull(row, "Qhull alone", alone, alone ? alone->seconds : missing);
+    add_qhull(row, "Qhull after the paper's filter", behind,
+              behind ? filter + behind->seconds : missing);
+    row.values.emplace_back("cullhull", our_seconds);
+    set_ratio(row, alone, our_seconds);
+    compare(row, p.view, hull, alone);
     return row;
   }
 
@@ -213,7 +256,8 @@ class Suite {
     for (std::size_t i = 0; i < sets.size(); ++i) {
       step(sets[i].name, i, sets.size());
       const Points p = make(sets[i]);
-      Row row{sets[i].name, sets[i].count, sets[i].dimension, {}, 0, "kept 1.4-5 %", "", true};
+      Row row = row_of(sets[i]);
+      row.paper = "kept 1.4-5 %";
       const auto share = [](std::size_t a, std::uint64_t b) {
         return 100 * static_cast<double>(a) / static_cast<double>(b);
       };
@@ -228,6 +272,7 @@ class Suite {
         row.agrees = row.agrees && (vertices == 0 || vertices == hull.vertices.size());
         vertices = hull.vertices.size();
       }
+      row.vertices = vertices;
       row.check = fmt::format("{} vertices either way", vertices);
       f.rows.push_back(std::move(row));
     }
@@ -267,7 +312,7 @@ class Suite {
       const Points p = make(s);
       write_npy_points(in, p.rows.data(), s.count, s.dimension, ScalarType::f64);
     }
-    Row row{s.name, s.count, s.dimension, {}, 0, "", "", true};
+    Row row = row_of(s);
     PointFile file;
     double touched = 0;
     const double read = seconds_of([&] {
@@ -283,7 +328,7 @@ class Suite {
                   {"hull", hull.statistics.hull_seconds},
                   {"write", write}};
     row.agrees = std::isfinite(touched);
-    row.check = fmt::format("{} vertices", hull.vertices.size());
+    describe(row, file.points(), hull);
     return row;
   }
 
@@ -295,7 +340,7 @@ class Suite {
     const Set s = set("sphere surface 3D", "sphere", 3, 1'000'000, "0.9x");
     step(s.name, 0, 1);
     const Points p = make(s);
-    Row row{s.name, s.count, s.dimension, {}, 0, s.paper, "", true};
+    Row row = row_of(s);
     // Interleaved, so that both meet the same disturbances.
     std::vector<double> without, with;
     Hull hull;
@@ -304,12 +349,12 @@ class Suite {
       hull = convex_hull(p.view, options());
       with.push_back(hull.statistics.compute_seconds);
     }
-    const std::optional<QhullRun> qhull = run_qhull(p.view, 1);
-    row.values = {{"Qhull alone", qhull ? qhull->seconds : missing},
-                  {"no filter", median(without)},
-                  {"planned", median(with)}};
-    if (qhull) row.ratio = qhull->seconds / median(with);
-    compare(row, hull, qhull);
+    const std::optional<QhullRun> qhull = run_qhull(p.view, limits());
+    add_qhull(row, "Qhull alone", qhull, qhull ? qhull->seconds : missing);
+    row.values.emplace_back("no filter", median(without));
+    row.values.emplace_back("planned", median(with));
+    set_ratio(row, qhull, median(with));
+    compare(row, p.view, hull, qhull);
     f.rows.push_back(std::move(row));
     return f;
   }
@@ -319,29 +364,20 @@ class Suite {
     Figure f{"", "Threads", "s", "Ratio: against one thread.", true, {}};
     const Set s = set("3D-Sphere (ball)", "ball", 3, 8'000'000);
     const Points p = make(s);
-    const unsigned cores = internal::resolve_threads(settings_.threads);
-    std::vector<unsigned> counts;
-    for (unsigned t = 1; t < cores; t *= 2) counts.push_back(t);
-    counts.push_back(cores);
+    const std::vector<unsigned> counts = thread_counts();
     double one = 0;
     std::size_t vertices = 0;
     for (std::size_t i = 0; i < counts.size(); ++i) {
       step(fmt::format("{} threads", counts[i]), i, counts.size());
       const Hull hull = ours(p.view, options(CullMethod::automatic, counts[i]));
-      Row row{fmt::format("{}, {} thread{}", s.name, counts[i], counts[i] == 1 ? "" : "s"),
-              s.count,
-              s.dimension,
-              {},
-              0,
-              "",
-              "",
-              true};
+      Row row = row_of(s);
+      row.name += fmt::format(", {} thread{}", counts[i], counts[i] == 1 ? "" : "s");
       row.values = {{"cullhull", hull.statistics.compute_seconds}};
       if (i == 0) one = hull.statistics.compute_seconds;
       row.ratio = one / hull.statistics.compute_seconds;
+      describe(row, p.view, hull);
       row.agrees = vertices == 0 || vertices == hull.vertices.size();
       vertices = hull.vertices.size();
-      row.check = fmt::format("{} vertices", vertices);
       f.rows.push_back(std::move(row));
     }
     return f;
@@ -366,19 +402,24 @@ class Suite {
     Tracked t;
     double ours = 0, fresh = 0, rival = 0;
     bool rivals = true, same = true;
+    unsigned lost = 0;
     for (std::uint64_t f = 0; f < frames; ++f) {
       step(name, f, frames);
       moving.frame(f, rows.data());
       const Hull& hull = tracker.update(view);
       const Hull again = convex_hull(view, options());
-      const std::optional<QhullRun> qhull = run_qhull(view, 1);
+      const std::optional<QhullRun> qhull = run_qhull(view, limits());
       ours += tracker.report().compute_seconds;
       fresh += again.statistics.compute_seconds;
-      rivals = rivals && qhull.has_value();
+      rivals = rivals && qhull.has_value() && qhull->finished;
       if (qhull) rival += qhull->seconds;
-      same = same && hull.facets.items == again.facets.items &&
-             (!qhull || qhull->vertices == hull.vertices.size());
-      Row row{fmt::format("{}, frame {}", motion, f), count, 3, {}, 0, kept, "", true};
+      same = same && hull.facets.items == again.facets.items;
+      lost += qhull && qhull->finished && qhull->vertices != hull.vertices.size() ? 1U : 0U;
+      Row row;
+      row.name = fmt::format("{}, frame {}", motion, f);
+      row.points = count;
+      row.dimension = 3;
+      row.paper = kept;
       const auto share = [&](std::uint64_t left) {
         return 100 * static_cast<double>(left) / static_cast<double>(count);
       };
@@ -388,12 +429,19 @@ class Suite {
       t.shares.push_back(std::move(row));
     }
     const double n_frames = static_cast<double>(frames);
-    t.times = {name, count, 3, {}, 0, "22-46x", "", same};
+    t.times.name = name;
+    t.times.points = count;
+    t.times.dimension = 3;
+    t.times.paper = "22-46x";
+    t.times.agrees = same;
     t.times.values = {{"Qhull alone", rivals ? rival / n_frames : missing},
                       {"each frame afresh", fresh / n_frames},
                       {"tracked", ours / n_frames}};
     if (rivals) t.times.ratio = rival / ours;
     t.times.check = same ? "every frame equals the one computed afresh" : "some frame differs";
+    if (lost > 0)
+      t.times.remark = fmt::format(
+          "In {} frames Qhull, which decides with tolerances, found other extreme points.", lost);
     return t;
   }
 
@@ -430,6 +478,7 @@ class Suite {
   const PaperSettings& settings_;
   const Progress& progress_;
   std::stop_token stop_;
+  const Report* report_ = nullptr;
   std::string figure_;
   std::vector<Tracked> tracked_;
 };

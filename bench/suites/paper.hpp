@@ -16,14 +16,15 @@ struct PaperSettings {
   unsigned repeat = 5;               ///< ours: the median of so many runs; Qhull runs once
   unsigned threads = 0;              ///< 0: all
   std::vector<std::string> figures;  ///< ids; empty: all
+  double limit = 300;                ///< seconds for one run of Qhull; 0: as long as it takes
 };
 
 /// The ids run_paper knows, in its order.
 const std::vector<std::string>& paper_figures();
 
 /// Minutes at scale 1. Qhull runs on one core on the same points in the same run; every row says
-/// whether both found the same vertices. Throws Error{cancelled} between runs, and
-/// Error{invalid_argument} for an unknown figure.
+/// whether both found the same vertices, and where they did not, whether ours is certified. Throws
+/// Error{cancelled}, and Error{invalid_argument} for an unknown figure.
 Report run_paper(const PaperSettings& settings, const Progress& progress,
                  const std::stop_token& stop);
 

@@ -3,22 +3,21 @@
 
 #include <cstdint>
 #include <optional>
-#include <vector>
 
+#include "child.hpp"
 #include "cullhull/point_view.hpp"
 
 namespace cullhull::bench {
 
 struct QhullRun {
-  double seconds = 0;  ///< for its hull alone, with options Qt, as SciPy calls it; median
+  double seconds = 0;  ///< for its hull alone, with options Qt, as SciPy calls it
   double volume = 0;
   std::uint64_t vertices = 0;
+  bool finished = true;  ///< false: `seconds` is the limit it ran into, the rest is nothing
 };
 
 /// `points` are packed rows of doubles. Nothing where this build has no Qhull, or where it failed.
-std::optional<QhullRun> run_qhull(const PointView& points, unsigned repeat);
-
-/// The middle one, the upper of two.
-double median(std::vector<double> values);
+/// Runs in a process of its own; throws Error{cancelled}.
+std::optional<QhullRun> run_qhull(const PointView& points, const ChildLimits& limits);
 
 }  // namespace cullhull::bench

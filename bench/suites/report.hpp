@@ -6,18 +6,28 @@
 #include <utility>
 #include <vector>
 
+#include "cullhull/hull.hpp"
+
 namespace cullhull::bench {
 
 /// One thing measured in several ways. Values are in the figure's unit, in the order measured.
 struct Row {
-  std::string name;  ///< "ball 3D 8M"
+  std::string name;   ///< "ball-3d-8M"
+  std::string title;  ///< in prose, "3D ball 8M"; empty: as the name
   std::uint64_t points = 0;
   unsigned dimension = 0;
+  std::string scalar = "f64";
   std::vector<std::pair<std::string, double>> values;
-  double ratio = 0;   ///< the rival's time over ours; 0 where there is none
-  std::string paper;  ///< what the paper printed for it; empty where it printed nothing
+  double ratio = 0;             ///< the rival's time over ours; 0 where there is none
+  bool ratio_is_bound = false;  ///< the rival was stopped: the ratio is at least that
+  std::string paper;            ///< what the paper printed for it; empty where it printed nothing
   std::string check;  ///< how the results were held against each other, and whether they agree
   bool agrees = true;
+  std::uint64_t vertices = 0;  ///< of the hull; 0 where the row has no one hull
+  double bandwidth = 0;        ///< share of the read bandwidth the cull had; 0: nothing was culled
+  std::string remark;          ///< a footnote: what a reader of the row must know
+  std::string slower;          ///< "than CGAL"; empty: no rival was faster
+  std::vector<std::string> unfinished;  ///< names of values that are a limit run into, so too low
 };
 
 struct Figure {
@@ -36,15 +46,27 @@ struct Report {
   double scale = 1;
   unsigned threads = 0;
   std::vector<std::pair<std::string, std::string>> machine;  ///< processor, cores, memory, build
+  /// Bytes per second read from memory by so many threads: what Row::bandwidth is a share of.
+  std::vector<std::pair<unsigned, double>> read_bandwidth;
   std::vector<Figure> figures;
+
+  bool agrees() const;  ///< every row does
 };
+
+/// The share of the read bandwidth at which a hull's points were culled: their bytes over the
+/// seconds of the filter, its sample and its map included, over what as many threads can read. 0
+/// where nothing was culled.
+double bandwidth_share(const Report& report, const PointView& points, const Statistics& statistics);
 
 /// Processor, cores, memory, compiler: what a reader must know to compare.
 std::vector<std::pair<std::string, std::string>> describe_machine();
 
-/// One table a figure, 120 columns at most where names allow.
+/// One table a figure, wide as names need.
 std::string report_table(const Report& report);
 std::string report_json(const Report& report);
+/// Tables in Markdown, times in ms; figures of frames are left out, as they have too many rows, and
+/// that of lost rows, which has what another has.
+std::string report_markdown(const Report& report);
 
 /// 8000000 as "8M", 12500 as "12.5k".
 std::string short_count(std::uint64_t n);

@@ -1,201 +1,357 @@
 #include "rivals.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
 #include <limits>
-#include <memory>
 #include <optional>
+#include <regex>
 
+#include "cgal.hpp"
+#include "cullhull/certify.hpp"
 #include "cullhull/error.hpp"
-#include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
-#include "cullhull/io.hpp"
+#include "families.hpp"
 #include "machine.hpp"
+#include "parallel/parallel.hpp"
 #include "qhull.hpp"
+#include "timing.hpp"
 
 namespace cullhull::bench {
 namespace {
 
-struct Workload {
-  const char* name;
-  const char* shape;
-  unsigned dimension;
-  std::uint64_t count;
-  bool single = false;  // f32 for ours; rivals get the same values as doubles
+/// One run follows another as long as all together have taken less.
+constexpr double most_seconds_of_ours = 10;
+
+/// The same values as ours sees them and, as doubles, the rivals.
+struct Points {
+  std::vector<double> rows;
+  std::vector<float> floats;
+  std::vector<std::int32_t> integers;
+  PointView view, doubles;
 };
 
-constexpr Workload workloads[] = {
-    {"ball-3d-8M", "ball", 3, 8'000'000},
-    {"ball-3d-8M-f32", "ball", 3, 8'000'000, true},
-    {"octahedron-3d-15M", "octahedron", 3, 15'000'000},
-    {"cube-3d-10M", "cube", 3, 10'000'000},
-    {"gauss-3d-10M", "gauss", 3, 10'000'000},
-    {"ball-3d-10k", "ball", 3, 10'000},
-    {"ball-3d-1k", "ball", 3, 1'000},
-    {"sphere-3d-1M", "sphere", 3, 1'000'000},
-    {"bumpy-3d-1M", "bumpy", 3, 1'000'000},
-    {"grid-3d-2M", "grid", 3, 2'000'000},
-    {"cube-surface-3d-1M", "cube-surface", 3, 1'000'000},
-    {"cylinder-3d-1M", "cylinder", 3, 1'000'000},
-    {"cone-3d-1M", "cone", 3, 1'000'000},
-    {"ball-2d-10M", "ball", 2, 10'000'000},
-    {"sphere-2d-2M", "sphere", 2, 2'000'000},
-    {"ball-4d-8M", "ball", 4, 8'000'000},
-    {"gauss-4d-1M", "gauss", 4, 1'000'000},
-    {"sphere-4d-100k", "sphere", 4, 100'000},
-    {"ball-5d-1M", "ball", 5, 1'000'000},
-    {"sphere-5d-10k", "sphere", 5, 10'000},
-    {"ball-6d-100k", "ball", 6, 100'000},
-    {"ball-7d-3k", "ball", 7, 3'000},
-};
-
-/// A temporary file for a rival in another process.
-struct Scratch {
-  std::string path = (std::filesystem::temp_directory_path() /
-                      ("cullhull-rival-" + std::to_string(::getpid()) + ".npy"))
-                         .string();
-  ~Scratch() {
-    std::error_code ignored;
-    std::filesystem::remove(path, ignored);
+Points make_points(const Workload& w) {
+  Points p;
+  p.rows = make_family(w.family, w.count, w.dimension);
+  const std::uint64_t n = p.rows.size() / w.dimension;
+  p.doubles = p.view = PointView::row_major(p.rows.data(), n, w.dimension);
+  if (w.scalar == ScalarType::f32) {
+    p.floats.assign(p.rows.begin(), p.rows.end());
+    std::copy(p.floats.begin(), p.floats.end(), p.rows.begin());
+    p.view = PointView::row_major(p.floats.data(), n, w.dimension);
   }
-};
-
-struct CgalRun {
-  double seconds = 0;
-  std::uint64_t vertices = 0;
-};
-
-/// Runs `program FILE.npy`, which prints seconds and vertices.
-std::optional<CgalRun> run_cgal(const std::string& program, const std::vector<double>& rows,
-                                unsigned d) {
-  if (program.empty() || d > 3) return std::nullopt;
-  const Scratch file;
-  write_npy_points(file.path, rows.data(), rows.size() / d, d, ScalarType::f64);
-  const std::string command = "'" + program + "' '" + file.path + "' 2>/dev/null";
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> pipe(::popen(command.c_str(), "r"),
-                                                             ::pclose);
-  CgalRun run;
-  unsigned long long vertices = 0;
-  if (pipe == nullptr || std::fscanf(pipe.get(), "%lf %llu", &run.seconds, &vertices) != 2)
-    return std::nullopt;
-  run.vertices = vertices;
-  return run;
+  if (w.scalar == ScalarType::i32) {
+    // Integers stay what they are; else a lattice fine enough to keep the shape.
+    const bool whole =
+        std::all_of(p.rows.begin(), p.rows.end(), [](double x) { return x == std::floor(x); });
+    for (double& x : p.rows) {
+      x = whole ? x : std::nearbyint(x * 0x1p20);
+      if (!(std::abs(x) < 0x1p31))
+        throw Error(ErrorCode::invalid_argument, w.name() + ": beyond 32-bit integers");
+      p.integers.push_back(static_cast<std::int32_t>(x));
+    }
+    p.view = PointView::row_major(p.integers.data(), n, w.dimension);
+  }
+  return p;
 }
 
-std::string program_beside_ours() {
-  std::error_code error;
-  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (error) return "";
-  const auto program = self.parent_path() / "cullhull-rival-cgal";
-  return std::filesystem::exists(program, error) ? program.string() : "";
-}
+class Suite {
+ public:
+  Suite(const RivalSettings& settings, const Progress& progress, const std::stop_token& stop)
+      : settings_(settings),
+        progress_(progress),
+        stop_(stop),
+        cgal_(!settings.with_cgal     ? ""
+              : settings.cgal.empty() ? cgal_program()
+                                      : settings.cgal) {
+    threads_ = settings.threads;
+    if (threads_.empty()) threads_ = {1, 0};
+    for (unsigned& t : threads_) t = internal::resolve_threads(t);
+    std::sort(threads_.begin(), threads_.end());
+    threads_.erase(std::unique(threads_.begin(), threads_.end()), threads_.end());
+  }
 
-Row run(const Workload& w, const RivalSettings& s, const std::string& cgal,
-        const std::stop_token& stop) {
-  const auto n = std::max<std::uint64_t>(
-      w.dimension + 2,
-      static_cast<std::uint64_t>(std::llround(static_cast<double>(w.count) * s.scale)));
-  std::vector<double> rows = generate(w.shape, n, w.dimension);
-  std::vector<float> single;
-  if (w.single) {
-    single.assign(rows.begin(), rows.end());
-    std::copy(single.begin(), single.end(), rows.begin());
+  Report run() {
+    const std::vector<Workload>& wanted =
+        settings_.workloads.empty() ? rival_workloads() : settings_.workloads;
+    for (const Workload& w : wanted)
+      if (!is_family(w.family, w.dimension))
+        throw Error(ErrorCode::invalid_argument, "bench rivals knows no points '" + w.family +
+                                                     "' of dimension " +
+                                                     std::to_string(w.dimension));
+    report_.suite = "rivals";
+    report_.date = date_now();
+    report_.scale = settings_.scale;
+    report_.threads = threads_.back();
+    report_.machine = describe_machine();
+    report_.command = command();
+    for (const unsigned t : threads_)
+      report_.read_bandwidth.emplace_back(t, read_bandwidth(t, stop_));
+    Figure all{"rivals", "Time to the hull", "s", "", false, {}};
+    all.note = fmt::format(
+        "Ratio: the time of the faster rival over ours with {} thread{}. Rivals run once, on one "
+        "core, as they are made; ours is the median of {} runs, of fewer where they are long.",
+        threads_.back(), threads_.back() == 1 ? "" : "s", settings_.repeat);
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      at_ = static_cast<double>(i) / static_cast<double>(wanted.size());
+      all.rows.push_back(row_of(wanted[i]));
+    }
+    const auto those = [&](const char* id, const char* title, const auto& test) {
+      Figure some{id, title, "s", "", false, {}};
+      std::copy_if(all.rows.begin(), all.rows.end(), std::back_inserter(some.rows), test);
+      if (!some.rows.empty()) report_.figures.push_back(std::move(some));
+    };
+    those("differ", "Where extreme points differ", [](const Row& r) { return !r.agrees; });
+    those("lost", "Where a rival is faster", [](const Row& r) { return !r.slower.empty(); });
+    report_.figures.push_back(std::move(all));
+    return std::move(report_);
   }
-  const PointView doubles = PointView::row_major(rows.data(), n, w.dimension);
-  const PointView points = w.single ? PointView::row_major(single.data(), n, w.dimension) : doubles;
-  Options options;
-  options.threads = s.threads;
-  options.stop = stop;
-  std::vector<double> times;
-  Hull hull;
-  for (unsigned k = 0; k < s.repeat; ++k) {
-    hull = convex_hull(points, options);
-    times.push_back(hull.statistics.compute_seconds);
+
+ private:
+  std::string command() const {
+    std::string text = fmt::format("cullhull bench rivals --scale {:g}", settings_.scale);
+    if (!settings_.threads.empty()) text += fmt::format(" --threads {}", fmt::join(threads_, ","));
+    for (const Workload& w : settings_.workloads) text += " --workload " + w.name();
+    if (!settings_.with_qhull) text += " --without qhull";
+    if (!settings_.with_cgal) text += " --without cgal";
+    return text;
   }
-  const double ours = median(times);
-  const std::optional<QhullRun> qhull = run_qhull(doubles, 1);
-  const std::optional<CgalRun> other = run_cgal(cgal, rows, w.dimension);
-  constexpr double missing = std::numeric_limits<double>::quiet_NaN();
-  Row row{fmt::format("{}-{}d-{}{}", w.shape, w.dimension, short_count(n), w.single ? "-f32" : ""),
-          n,
-          w.dimension,
-          {},
-          0,
-          "",
-          "",
-          true};
-  row.values = {{"Qhull", qhull ? qhull->seconds : missing},
-                {"CGAL", other ? other->seconds : missing},
-                {"cullhull", ours}};
-  double best = std::numeric_limits<double>::infinity();
-  if (qhull) best = std::min(best, qhull->seconds);
-  if (other) best = std::min(best, other->seconds);
-  if (std::isfinite(best)) row.ratio = best / ours;
-  const std::size_t v = hull.vertices.size();
-  // CGAL is exact too; Qhull is not, so where both are there CGAL is the judge.
-  row.check = fmt::format("{} vertices", v);
-  if (other) row.agrees = other->vertices == v;
-  if (qhull && qhull->vertices != v) {
-    row.check += fmt::format(", Qhull {}", qhull->vertices);
-    row.agrees = row.agrees && other.has_value();
+
+  void step(const std::string& what) const {
+    if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
+    if (progress_) progress_(what.c_str(), at_);
   }
-  if (other && other->vertices != v) row.check += fmt::format(", CGAL {}", other->vertices);
-  if (!qhull && !other) row.check += ", nobody to ask";
-  return row;
-}
+
+  std::string column(unsigned threads) const {
+    return fmt::format("cullhull, {} thread{}", threads, threads == 1 ? "" : "s");
+  }
+
+  Row row_of(Workload w) {
+    w.count = std::max<std::uint64_t>(
+        w.dimension + 2,
+        static_cast<std::uint64_t>(std::llround(static_cast<double>(w.count) * settings_.scale)));
+    step(w.name() + ", points");
+    const Points points = make_points(w);
+    w.count = points.view.count;
+    Row row;
+    row.name = w.name();
+    row.title = w.title();
+    row.points = w.count;
+    row.dimension = w.dimension;
+    row.scalar = scalar_name(w.scalar);
+    const Hull hull = ours(w, points.view, row);
+    std::vector<std::pair<std::string, double>> ours_values = std::move(row.values);
+    row.values.clear();
+    rivals(w, points, hull, row);
+    compare_times(ours_values, row);
+    row.values.insert(row.values.end(), ours_values.begin(), ours_values.end());
+    return row;
+  }
+
+  /// The hull with all threads; a value for each number of threads.
+  Hull ours(const Workload& w, const PointView& points, Row& row) const {
+    Hull hull;
+    row.agrees = true;
+    for (const unsigned t : threads_) {
+      Options options;
+      options.threads = t;
+      options.stop = stop_;
+      std::vector<double> times, shares;
+      double spent = 0;
+      const std::vector<std::uint64_t> before = std::move(hull.vertices);
+      for (unsigned k = 0; k < settings_.repeat && (k == 0 || spent < most_seconds_of_ours); ++k) {
+        step(fmt::format("{}, {}", w.name(), column(t)));
+        hull = {};
+        hull = convex_hull(points, options);
+        times.push_back(hull.statistics.compute_seconds);
+        shares.push_back(bandwidth_share(report_, points, hull.statistics));
+        spent += times.back();
+      }
+      if (t != threads_.front() && before != hull.vertices) {
+        row.agrees = false;
+        row.check = fmt::format("{} threads give another hull; ", t);
+      }
+      row.values.emplace_back(column(t), median(times));
+      row.bandwidth = median(shares);
+    }
+    row.vertices = hull.vertices.size();
+    return hull;
+  }
+
+  void rivals(const Workload& w, const Points& points, const Hull& hull, Row& row) const {
+    const ChildLimits limits{settings_.limit, stop_};
+    std::optional<QhullRun> qhull;
+    std::optional<CgalRun> cgal;
+    if (settings_.with_qhull) {
+      step(w.name() + ", Qhull");
+      qhull = run_qhull(points.doubles, limits);
+      add_value(row, "Qhull", qhull ? qhull->seconds : 0, qhull.has_value(),
+                !qhull || qhull->finished);
+    }
+    if (settings_.with_cgal) {
+      step(w.name() + ", CGAL");
+      cgal = run_cgal(cgal_, points.rows, w.dimension, limits);
+      add_value(row, "CGAL", cgal ? cgal->seconds : 0, cgal.has_value(), !cgal || cgal->finished);
+    }
+    row.check += fmt::format("{} vertices", hull.vertices.size());
+    const bool judged = cgal && cgal->finished && compare_with_cgal(points, hull, *cgal, row);
+    if (qhull && qhull->finished && qhull->vertices != hull.vertices.size()) {
+      row.check += fmt::format(", Qhull {}", qhull->vertices);
+      row.remark = "Qhull, which decides with tolerances, found other extreme points.";
+      if (!judged) prove(w, points, hull, row);
+    }
+  }
+
+  static void add_value(Row& row, const char* name, double seconds, bool there, bool finished) {
+    row.values.emplace_back(name, there ? seconds : std::numeric_limits<double>::quiet_NaN());
+    if (!finished) row.unfinished.emplace_back(name);
+  }
+
+  /// CGAL decides exactly, so its extreme points have to be ours; of equal points we name the one
+  /// with the lowest id, so equal coordinates are equal ids.
+  static bool compare_with_cgal(const Points& points, const Hull& hull, const CgalRun& cgal,
+                                Row& row) {
+    const unsigned d = points.doubles.dimension;
+    std::vector<double> rows;
+    rows.reserve(hull.vertices.size() * d);
+    for (const std::uint64_t v : hull.vertices)
+      for (unsigned j = 0; j < d; ++j) rows.push_back(points.doubles.at(v, j));
+    const Difference found = difference(rows, cgal.extreme, d);
+    if (found.first == 0 && found.second == 0) {
+      row.check += ", all of them CGAL's";
+    } else {
+      row.agrees = false;
+      row.check += fmt::format(", {} not CGAL's, {} only CGAL's", found.first, found.second);
+    }
+    return true;
+  }
+
+  /// Where there is nobody exact to ask.
+  void prove(const Workload& w, const Points& points, const Hull& hull, Row& row) const {
+    step(w.name() + ", certificate");
+    const Certificate certificate = certify(points.view, hull);
+    row.agrees = row.agrees && certificate.valid;
+    row.check +=
+        certificate.valid ? ", ours certified" : ", ours NOT certified: " + certificate.reason;
+  }
+
+  void compare_times(const std::vector<std::pair<std::string, double>>& ours_values,
+                     Row& row) const {
+    double best = std::numeric_limits<double>::infinity();
+    std::string fastest;
+    for (const auto& [name, seconds] : row.values)
+      if (seconds < best) {
+        best = seconds;
+        fastest = name;
+      }
+    if (fastest.empty()) {
+      row.check += ", nobody to compare with";
+      return;
+    }
+    row.ratio = best / ours_values.back().second;
+    row.ratio_is_bound =
+        std::find(row.unfinished.begin(), row.unfinished.end(), fastest) != row.unfinished.end();
+    std::vector<std::string> lost;
+    for (const auto& [name, seconds] : ours_values)
+      if (best < seconds) lost.push_back(name.substr(name.find(", ") + 2));
+    if (lost.empty()) return;
+    row.slower = "than " + fastest;
+    if (lost.size() < ours_values.size())
+      row.slower += fmt::format(" with {}", fmt::join(lost, " and "));
+  }
+
+  const RivalSettings& settings_;
+  const Progress& progress_;
+  std::stop_token stop_;
+  std::string cgal_;
+  std::vector<unsigned> threads_;
+  Report report_;
+  double at_ = 0;
+};
 
 }  // namespace
 
-std::vector<std::string> rival_workloads() {
-  std::vector<std::string> names;
-  for (const Workload& w : workloads) names.emplace_back(w.name);
-  return names;
+std::string Workload::name() const {
+  const std::string size = count >= 1'000'000 && count % 10'000 == 0 ? short_count(count)
+                           : count >= 1'000 && count < 1'000'000 && count % 10 == 0
+                               ? short_count(count)
+                               : std::to_string(count);
+  return fmt::format("{}-{}d-{}{}", family, dimension, size,
+                     scalar == ScalarType::f64 ? "" : fmt::format("-{}", scalar_name(scalar)));
+}
+
+std::string Workload::title() const {
+  std::string what = family;
+  if (family == "sphere") what = dimension == 2 ? "circle" : "sphere surface";
+  if (family == "ball" && dimension == 2) what = "disk";
+  if (family == "cylinder" || family == "cone") what += " mantle";
+  if (family == "grid") what = "integer grid, side 128";
+  std::replace(what.begin(), what.end(), '-', ' ');
+  return fmt::format("{}D {} {}{}", dimension, what, short_count(count),
+                     scalar == ScalarType::f64 ? "" : fmt::format(", {}", scalar_name(scalar)));
+}
+
+Workload workload_named(const std::string& name) {
+  static const std::regex form(R"((.+)-(\d{1,2})d-(\d{1,9}(?:\.\d+)?)([kM]?)(?:-(f32|f64|i32))?)");
+  std::smatch part;
+  if (!std::regex_match(name, part, form))
+    throw Error(
+        ErrorCode::invalid_argument,
+        "bench rivals: '" + name + "' is no workload; write, say, ball-3d-8M or grid-3d-2M-i32");
+  Workload w;
+  w.family = part[1];
+  w.dimension = static_cast<unsigned>(std::stoul(part[2]));
+  const double unit = part[4] == "M" ? 1e6 : part[4] == "k" ? 1e3 : 1;
+  w.count = static_cast<std::uint64_t>(std::llround(std::stod(part[3]) * unit));
+  if (part[5] == "f32") w.scalar = ScalarType::f32;
+  if (part[5] == "i32") w.scalar = ScalarType::i32;
+  return w;
+}
+
+const std::vector<Workload>& rival_workloads() {
+  static const std::vector<Workload> workloads = {
+      {"ball", 3, 8'000'000},
+      {"ball", 3, 8'000'000, ScalarType::f32},
+      {"ball", 3, 8'000'000, ScalarType::i32},
+      {"octahedron", 3, 15'000'000},
+      {"cube", 3, 10'000'000},
+      {"gauss", 3, 10'000'000},
+      {"gauss", 3, 10'000'000, ScalarType::f32},
+      {"ball", 3, 100'000},
+      {"ball", 3, 10'000},
+      {"ball", 3, 1'000},
+      {"sphere", 3, 1'000'000},
+      {"sphere", 3, 1'000'000, ScalarType::f32},
+      {"bumpy", 3, 1'000'000},
+      {"grid", 3, 2'000'000},
+      {"grid", 3, 2'000'000, ScalarType::i32},
+      {"cube-surface", 3, 1'000'000},
+      {"turned-lattice-surface", 3, 1'000'000},
+      {"cylinder", 3, 1'000'000},
+      {"cone", 3, 1'000'000},
+      {"two-circles", 3, 1'000'000},
+      {"squashed", 3, 1'000'000},
+      {"turned-squashed", 3, 1'000'000},
+      {"ball", 2, 10'000'000},
+      {"sphere", 2, 2'000'000},
+      {"sphere", 2, 2'000'000, ScalarType::i32},
+      {"ball", 4, 8'000'000},
+      {"gauss", 4, 1'000'000},
+      {"sphere", 4, 100'000},
+      {"ball", 5, 1'000'000},
+      {"sphere", 5, 10'000},
+      {"ball", 6, 100'000},
+      {"ball", 7, 3'000},
+      {"ball", 8, 500},
+  };
+  return workloads;
 }
 
 Report run_rivals(const RivalSettings& settings, const Progress& progress,
                   const std::stop_token& stop) {
-  const std::vector<std::string> known = rival_workloads();
-  for (const std::string& name : settings.workloads)
-    if (std::find(known.begin(), known.end(), name) == known.end())
-      throw Error(ErrorCode::invalid_argument, "bench rivals has no workload '" + name + "'");
-  const std::string cgal = settings.cgal.empty() ? program_beside_ours() : settings.cgal;
-  Report report;
-  report.suite = "rivals";
-  report.date = date_now();
-  report.scale = settings.scale;
-  report.threads = settings.threads;
-  report.machine = describe_machine();
-  report.command = fmt::format("cullhull bench rivals --scale {:g}", settings.scale);
-  for (const std::string& name : settings.workloads) report.command += " --workload " + name;
-  Figure lost{"lost", "Where a rival is faster", "s", "", false, {}};
-  Figure all{"rivals",
-             "Time to the hull",
-             "s",
-             "Ratio: the faster rival's time over ours. Rivals run on one core, as they are made.",
-             false,
-             {}};
-  std::size_t done = 0;
-  for (const Workload& w : workloads) {
-    ++done;
-    if (!settings.workloads.empty() &&
-        std::find(settings.workloads.begin(), settings.workloads.end(), w.name) ==
-            settings.workloads.end())
-      continue;
-    if (stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
-    if (progress)
-      progress(w.name, static_cast<double>(done - 1) / static_cast<double>(std::size(workloads)));
-    all.rows.push_back(run(w, settings, cgal, stop));
-    if (all.rows.back().ratio > 0 && all.rows.back().ratio < 1)
-      lost.rows.push_back(all.rows.back());
-  }
-  if (!lost.rows.empty()) report.figures.push_back(std::move(lost));
-  report.figures.push_back(std::move(all));
-  return report;
+  return Suite(settings, progress, stop).run();
 }
 
 }  // namespace cullhull::bench

@@ -11,19 +11,39 @@
 
 namespace cullhull::bench {
 
+/// A set of points to measure on.
+struct Workload {
+  std::string family;  ///< as make_family knows it
+  unsigned dimension = 3;
+  std::uint64_t count = 0;
+  ScalarType scalar = ScalarType::f64;
+
+  std::string name() const;   ///< "ball-3d-8M", "grid-3d-2M-i32"
+  std::string title() const;  ///< "3D ball 8M", "3D integer grid, side 128 2M, i32"
+};
+
+/// The workload that has this name. Throws Error{invalid_argument}.
+Workload workload_named(const std::string& name);
+
+/// Those that are measured if nothing else is asked for.
+const std::vector<Workload>& rival_workloads();
+
 struct RivalSettings {
-  double scale = 1;
-  unsigned repeat = 5;
-  unsigned threads = 0;
-  std::vector<std::string> workloads;  ///< names; empty: all
+  std::vector<Workload> workloads;  ///< empty: rival_workloads()
+  double scale = 1;                 ///< of every size
+  unsigned repeat = 5;              ///< ours: the median of so many runs, fewer where they are long
+  std::vector<unsigned> threads;    ///< for ours, ascending; 0: all; empty: one, and all
+  double limit = 60;                ///< seconds for one run of a rival; 0: as long as it takes
+  bool with_qhull = true, with_cgal = true;
   /// Program that times CGAL (bench/rival_cgal.cpp); empty: beside this one, if it is there.
   std::string cgal;
 };
 
-/// Names of the workloads, in order.
-std::vector<std::string> rival_workloads();
-
-/// Workloads where a rival is faster are marked and come first in a figure of their own.
+/// Rivals run once, on one core, in processes of their own, on the same values as doubles (floats
+/// and integers are made by rounding and given to all). Rows where extreme points differ from
+/// CGAL's, or cannot be proved where Qhull's differ, do not agree and come first in a figure of
+/// their own; then those where a rival is faster. Throws Error{cancelled}, and
+/// Error{invalid_argument} for a family that has no points of a dimension.
 Report run_rivals(const RivalSettings& settings, const Progress& progress,
                   const std::stop_token& stop);
 

@@ -87,6 +87,9 @@ class PointSequence {
 /// array (frames, n, d) has to stand alone. Throws Error{io}, Error{bad_file}.
 PointSequence open_sequence(const std::vector<std::string>& paths, const ReadOptions& options = {});
 
+/// The files such paths stand for, in that order.
+std::vector<std::string> sequence_files(const std::vector<std::string>& paths);
+
 /// For a SIGBUS handler (async-signal-safe; the library installs none): the name of the open
 /// PointFile whose mapping holds `address`, or nullptr. The kernel sends SIGBUS when a mapped file
 /// shrinks under its reader. The name stays readable as long as the PointFile is open.

@@ -60,6 +60,8 @@ class HullTracker {
 
   const Hull& hull() const noexcept;           ///< the last one computed
   const FrameReport& report() const noexcept;  ///< of the last update that succeeded
+  /// What the filter left of that frame's points.
+  const Survivors& survivors() const noexcept;
   /// Forgets the last frame; frames are numbered from 0 again.
   void reset() noexcept;
 

@@ -1,26 +1,124 @@
 #include "cull/lattice_cull.hpp"
 
 #include <algorithm>
-#include <array>
+#include <atomic>
 #include <bit>
-#include <numeric>
+#include <cmath>
+
+#include "parallel/big_array.hpp"
+#include "parallel/parallel.hpp"
 
 namespace cullhull::internal {
 namespace {
 
-struct Keyed {
-  std::uint64_t key;
-  std::uint32_t id;
+constexpr std::uint64_t chunk_size = 1 << 14;
+
+std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBULL;
+  return x ^ (x >> 31);
+}
+std::uint64_t mix(std::uint64_t seed, double v) {
+  // 0 and -0 are equal, so they must hash alike.
+  return mix(seed + 0x9E3779B97F4A7C15ULL + std::bit_cast<std::uint64_t>(v + 0.0));
+}
+
+/// Some of the points, at pseudo-random places: input often has a period of its own.
+std::vector<std::uint32_t> sample_of(std::uint32_t count) {
+  const auto root = static_cast<std::uint32_t>(4 * std::sqrt(static_cast<double>(count)));
+  const std::uint32_t size = std::max(root, 1024U);
+  std::vector<std::uint32_t> ids;
+  for (std::uint32_t k = 0; k < std::min(size, count); ++k)
+    ids.push_back(size >= count ? k : static_cast<std::uint32_t>((mix(k + 1) >> 32) * count >> 32));
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
+/// Whether thinning along some axis will drop many points. With m points on the line of an average
+/// point, s of n points have about s^2 m / 2 n pairs on common lines: we ask for m = 2. Lines are
+/// counted, not pairs, because a full line or a pair of equal points is no lattice; but most of the
+/// sample on few lines, or on few places, is enough.
+bool looks_like_a_lattice(const Array<double>& rows, unsigned d,
+                          const std::vector<std::uint32_t>& sample, std::uint32_t count) {
+  if (d == 1) return true;
+  const std::uint64_t size = sample.size();
+  const std::uint64_t enough = std::clamp<std::uint64_t>(size * size / count, 4, size / 16 + 4);
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> lines(size);
+  for (unsigned axis = 0; axis < d; ++axis) {
+    for (std::size_t i = 0; i < size; ++i) {
+      std::uint64_t hash = 0;
+      for (unsigned j = 0; j < d; ++j)
+        if (j != axis) hash = mix(hash, rows[std::size_t{sample[i]} * d + j]);
+      lines[i] = {hash, sample[i]};
+    }
+    std::sort(lines.begin(), lines.end());
+    std::uint64_t shared = 0, on_shared = 0;
+    for (std::size_t i = 0; i < size;) {
+      std::size_t end = i + 1;
+      bool differ = false;
+      for (; end < size && lines[end].first == lines[i].first; ++end)
+        differ |= rows[std::size_t{lines[end].second} * d + axis] !=
+                  rows[std::size_t{lines[i].second} * d + axis];
+      shared += differ;
+      on_shared += end - i > 1 ? end - i : 0;
+      i = end;
+    }
+    if (shared >= enough || 2 * on_shared > size) return true;
+  }
+  return false;
+}
+
+// ------------------------------------------------------------------------ numbers for coordinates
+
+/// Numbers for the values of one axis, in the same order: all that "between" needs to know of
+/// coordinates. Where values lie about evenly the number is computed; a table proves that no two
+/// values got the same.
+class Spacing {
+ public:
+  /// Guesses from a sample's values; false if that does not look like few even steps.
+  bool guess(double low, double high, std::vector<double>&& values, std::uint64_t most) {
+    low_ = low;
+    if (low == high) return cells_ = 1, true;
+    std::sort(values.begin(), values.end());
+    double step = high - low;
+    for (std::size_t i = 1; i < values.size(); ++i)
+      if (values[i] > values[i - 1]) step = std::min(step, values[i] - values[i - 1]);
+    const double cells = std::round((high - low) / step) + 1;
+    if (!(cells <= static_cast<double>(most))) return false;  // infinite ones as well
+    per_unit_ = (cells - 1) / (high - low);
+    if (!std::isfinite(per_unit_)) return false;
+    cells_ = static_cast<std::uint64_t>(cells);
+    values_ = BigArray<double>(cells_);
+    return true;
+  }
+  unsigned bits() const { return static_cast<unsigned>(std::bit_width(cells_ - 1)); }
+  /// Ascends with v, as each operation does.
+  std::uint64_t of(double v) const {
+    return std::min(static_cast<std::uint64_t>((v - low_) * per_unit_ + 0.5), cells_ - 1);
+  }
+  /// All values are noted; then, if all are found, no two different ones have the same number:
+  /// whichever was noted last.
+  void note(double v) {
+    if (cells_ > 1) std::atomic_ref(values_[of(v)]).store(v, std::memory_order_relaxed);
+  }
+  bool found(double v) const { return cells_ == 1 || values_[of(v)] == v; }
+
+ private:
+  double low_ = 0, per_unit_ = 0;
+  std::uint64_t cells_ = 1;
+  BigArray<double> values_;
 };
 
-/// The rank of each distinct value of one axis: all that "between" needs to know of coordinates.
+/// Ranks among the distinct values of one axis, whatever they are.
 class Ranks {
  public:
   /// False, early, if there are more than `most` distinct values.
   bool collect(const Array<double>& rows, std::uint32_t count, unsigned d, unsigned axis,
-               std::size_t most) {
+               std::size_t most, const Control& control) {
     slots_.assign(1024, Slot{});
     for (std::uint32_t i = 0; i < count; ++i) {
+      if (i % chunk_size == 0) control.check();
       const double v = rows[std::size_t{i} * d + axis];
       Slot& s = slots_[find(v)];
       if (s.used) continue;
@@ -44,10 +142,7 @@ class Ranks {
     bool used = false;
   };
   std::size_t find(double v) const {
-    // 0 and -0 are equal, so they must hash alike.
-    std::uint64_t h = std::bit_cast<std::uint64_t>(v + 0.0) * 0x9E3779B97F4A7C15ULL;
-    h ^= h >> 32;
-    std::size_t at = h & (slots_.size() - 1);
+    std::size_t at = mix(0, v) & (slots_.size() - 1);
     while (slots_[at].used && slots_[at].value != v) at = (at + 1) & (slots_.size() - 1);
     return at;
   }
@@ -59,103 +154,244 @@ class Ranks {
   std::vector<double> values_;
 };
 
-/// Points share a line along an axis only if they agree on all others, so at most one axis may have
-/// as many values as points. Told from a sample.
-bool looks_like_a_lattice(const Array<double>& rows, std::uint32_t count, unsigned d) {
-  constexpr std::uint32_t sample = 1024;
-  const std::uint32_t step = std::max(1U, count / sample);
-  unsigned all_distinct = 0;
-  std::vector<double> values;
-  for (unsigned j = 0; j < d; ++j) {
-    values.clear();
-    for (std::uint64_t i = 0; i < count; i += step) values.push_back(rows[i * d + j]);
-    std::sort(values.begin(), values.end());
-    const auto distinct = std::unique(values.begin(), values.end()) - values.begin();
-    if (10 * static_cast<std::size_t>(distinct) > 9 * values.size() && ++all_distinct > 1)
-      return false;
-  }
-  return true;
-}
+// ----------------------------------------------------------------------------------- the thinning
 
-/// Keys with axis d - 1 lowest; false if they need more than 64 bits.
-bool make_keys(const Array<double>& rows, std::uint32_t count, unsigned d,
-               std::vector<unsigned>& bits, std::vector<Keyed>& points) {
-  points.resize(count);
-  for (std::uint32_t i = 0; i < count; ++i) points[i] = {0, i};
-  unsigned total = 0;
-  for (unsigned j = 0; j < d; ++j) {
-    const unsigned left = 64 - total;
-    const std::size_t most = left >= 32 ? std::size_t{1} << 32 : std::size_t{1} << left;
-    Ranks ranks;
-    if (!ranks.collect(rows, count, d, j, most)) return false;
-    bits[j] = ranks.bits();
-    total += bits[j];
-    for (std::uint32_t i = 0; i < count; ++i)
-      points[i].key =
-          (bits[j] < 64 ? points[i].key << bits[j] : 0) | ranks.of(rows[std::size_t{i} * d + j]);
-  }
-  return true;
-}
+/// A point: its coordinates' numbers, packed, and its index.
+struct Keyed {
+  std::uint64_t key;
+  std::uint32_t id;
+};
 
-/// Stable sort by key, least significant digit first; passes over constant digits are skipped.
-void radix_sort(std::vector<Keyed>& a, std::vector<Keyed>& scratch) {
-  constexpr unsigned digit_bits = 11, buckets = 1U << digit_bits, passes = 6;
-  std::vector<std::array<std::uint32_t, buckets>> counts(passes);
-  for (const Keyed& k : a)
-    for (unsigned p = 0; p < passes; ++p) ++counts[p][(k.key >> (p * digit_bits)) & (buckets - 1)];
-  scratch.resize(a.size());
-  for (unsigned p = 0; p < passes; ++p) {
-    auto& count = counts[p];
-    if (std::find(count.begin(), count.end(), a.size()) != count.end()) continue;
-    std::uint32_t sum = 0;
-    for (std::uint32_t& c : count) {
-      const std::uint32_t n = c;
-      c = sum;
-      sum += n;
+/// Where an axis's number lies in the keys.
+struct Field {
+  unsigned bits = 0, shift = 0;
+};
+
+/// The ends of the lines along one axis. Those of few lines have places of their own, those of many
+/// are found by hashing. What is kept of a line does not depend on the order of work.
+class Lines {
+ public:
+  Lines(Field axis, unsigned total_bits, std::uint64_t points) : axis_(axis) {
+    const unsigned line_bits = total_bits - axis.bits;
+    const auto room = static_cast<unsigned>(std::bit_width(2 * points - 1));
+    hashed_ = line_bits > room;
+    slots_ = std::uint64_t{1} << (hashed_ ? room : line_bits);
+    low_ = BigArray<std::uint64_t>(slots_);
+    high_ = BigArray<std::uint64_t>(slots_);
+    if (hashed_) names_ = BigArray<std::uint64_t>(slots_);
+  }
+  std::uint64_t slots() const { return slots_; }
+  void clear(std::uint64_t begin, std::uint64_t end) {
+    std::fill(low_.get() + begin, low_.get() + end, ~std::uint64_t{0});
+    std::fill(high_.get() + begin, high_.get() + end, std::uint64_t{0});
+    if (hashed_) std::fill(names_.get() + begin, names_.get() + end, nobody);
+  }
+  /// By any number of threads.
+  void offer(const Keyed& p) {
+    const std::uint64_t s = slot(p.key), low = as_low(p), high = as_high(p);
+    const std::atomic_ref lowest(low_[s]), highest(high_[s]);
+    std::uint64_t now = lowest.load(std::memory_order_relaxed);
+    while (low < now && !lowest.compare_exchange_weak(now, low, std::memory_order_relaxed)) {
     }
-    for (const Keyed& k : a) scratch[count[(k.key >> (p * digit_bits)) & (buckets - 1)]++] = k;
-    a.swap(scratch);
+    now = highest.load(std::memory_order_relaxed);
+    while (high > now && !highest.compare_exchange_weak(now, high, std::memory_order_relaxed)) {
+    }
   }
-}
+  /// After all were offered.
+  bool is_end(const Keyed& p) {
+    const std::uint64_t s = slot(p.key);
+    return low_[s] == as_low(p) || high_[s] == as_high(p);
+  }
+
+ private:
+  static constexpr std::uint64_t nobody = ~std::uint64_t{0};
+
+  // Numbers are below 2^32, and of equal points the first is both the lowest and the highest.
+  std::uint64_t along(std::uint64_t key) const {
+    return key >> axis_.shift & ((std::uint64_t{1} << axis_.bits) - 1);
+  }
+  std::uint64_t as_low(const Keyed& p) const { return along(p.key) << 32 | p.id; }
+  std::uint64_t as_high(const Keyed& p) const { return along(p.key) << 32 | (~p.id & 0xFFFFFFFF); }
+
+  std::uint64_t slot(std::uint64_t key) {
+    const unsigned end = axis_.shift + axis_.bits;
+    const std::uint64_t above = end < 64 ? key >> end << axis_.shift : 0;
+    const std::uint64_t line = above | (key & ((std::uint64_t{1} << axis_.shift) - 1));
+    if (!hashed_) return line;
+    for (std::uint64_t s = mix(line) & (slots_ - 1);; s = (s + 1) & (slots_ - 1)) {
+      const std::atomic_ref taken(names_[s]);
+      std::uint64_t name = taken.load(std::memory_order_relaxed);
+      if (name == nobody && taken.compare_exchange_strong(name, line, std::memory_order_relaxed))
+        return s;
+      if (name == line) return s;
+    }
+  }
+
+  const Field axis_;
+  bool hashed_ = false;
+  std::uint64_t slots_ = 0;
+  BigArray<std::uint64_t> low_, high_, names_;
+};
+
+class Thinner {
+ public:
+  Thinner(const Array<double>& rows, std::uint32_t count, unsigned d, unsigned threads,
+          const Control& control)
+      : rows_(rows), count_(count), d_(d), threads_(threads), control_(control), left_(count) {}
+
+  bool run(const std::vector<std::uint32_t>& sample, std::vector<std::uint32_t>& kept) {
+    if (!number_by_spacing(sample) && !number_by_rank()) return false;
+    for (unsigned j = d_; j-- > 0;)
+      if (fields_[j].bits > 0 || (j == 0 && total_ == 0)) thin(fields_[j]);
+    kept.resize(left_);
+    for (std::size_t i = 0; i < left_; ++i) kept[i] = points_[i].id;
+    return true;
+  }
+
+ private:
+  template <class Body>
+  void each_chunk(std::uint64_t count, const Body& body) const {
+    for_each_chunk(count, chunk_size, threads_,
+                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                     control_.check();
+                     body(c, begin, end);
+                   });
+  }
+
+  /// Keys of bits b_0, b_1, ..., the last lowest; false if they need more than 64 bits, or a number
+  /// more than 32.
+  bool lay_out(const std::vector<unsigned>& bits) {
+    fields_.assign(d_, {});
+    total_ = 0;
+    for (unsigned j = d_; j-- > 0;) {
+      if (bits[j] > 32 || total_ + bits[j] > 64) return false;
+      fields_[j] = {bits[j], total_};
+      total_ += bits[j];
+    }
+    return true;
+  }
+
+  bool number_by_spacing(const std::vector<std::uint32_t>& sample) {
+    const std::uint64_t chunks = chunk_count(count_, chunk_size);
+    std::vector<double> low(chunks * d_), high(chunks * d_);
+    each_chunk(count_, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      double *l = &low[c * d_], *h = &high[c * d_];
+      std::copy_n(&rows_[begin * d_], d_, l);
+      std::copy_n(l, d_, h);
+      for (std::uint64_t i = begin; i < end; ++i)
+        for (unsigned j = 0; j < d_; ++j) {
+          l[j] = std::min(l[j], rows_[i * d_ + j]);
+          h[j] = std::max(h[j], rows_[i * d_ + j]);
+        }
+    });
+    std::vector<Spacing> axes(d_);
+    std::vector<unsigned> bits(d_);
+    const std::uint64_t most = std::uint64_t{1} << 20;
+    for (unsigned j = 0; j < d_; ++j) {
+      double least = low[j], highest = high[j];
+      for (std::uint64_t c = 0; c < chunks; ++c) {
+        least = std::min(least, low[c * d_ + j]);
+        highest = std::max(highest, high[c * d_ + j]);
+      }
+      std::vector<double> values;
+      for (const std::uint32_t i : sample) values.push_back(rows_[std::size_t{i} * d_ + j]);
+      if (!axes[j].guess(least, highest, std::move(values),
+                         std::min(most, 4 * std::uint64_t{count_})))
+        return false;
+      bits[j] = axes[j].bits();
+    }
+    if (!lay_out(bits)) return false;
+    each_chunk(count_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i)
+        for (unsigned j = 0; j < d_; ++j) axes[j].note(rows_[i * d_ + j]);
+    });
+    std::atomic<bool> all{true};
+    points_ = BigArray<Keyed>(count_);
+    each_chunk(count_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      bool found = true;
+      for (std::uint64_t i = begin; i < end; ++i) {
+        std::uint64_t key = 0;
+        for (unsigned j = 0; j < d_; ++j) {
+          const double v = rows_[i * d_ + j];
+          found &= axes[j].found(v);
+          if (fields_[j].bits > 0) key |= axes[j].of(v) << fields_[j].shift;
+        }
+        points_[i] = {key, static_cast<std::uint32_t>(i)};
+      }
+      if (!found) all.store(false, std::memory_order_relaxed);
+    });
+    return all.load();
+  }
+
+  bool number_by_rank() {
+    std::vector<Ranks> axes(d_);
+    std::vector<unsigned> bits(d_);
+    unsigned total = 0;
+    for (unsigned j = 0; j < d_; ++j) {
+      const unsigned left = std::min(64 - total, 32U);
+      if (!axes[j].collect(rows_, count_, d_, j, std::size_t{1} << left, control_)) return false;
+      bits[j] = axes[j].bits();
+      total += bits[j];
+    }
+    if (!lay_out(bits)) return false;
+    points_ = BigArray<Keyed>(count_);
+    each_chunk(count_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        std::uint64_t key = 0;
+        for (unsigned j = 0; j < d_; ++j)
+          if (fields_[j].bits > 0)
+            key |= std::uint64_t{axes[j].of(rows_[i * d_ + j])} << fields_[j].shift;
+        points_[i] = {key, static_cast<std::uint32_t>(i)};
+      }
+    });
+    return true;
+  }
+
+  /// Keeps the ends of the lines along an axis.
+  void thin(Field axis) {
+    Lines lines(axis, total_, left_);
+    each_chunk(lines.slots(), [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      lines.clear(begin, end);
+    });
+    each_chunk(left_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) lines.offer(points_[i]);
+    });
+    // Every chunk moves its own to its beginning; then the stretches are joined.
+    std::vector<std::uint64_t> sizes(chunk_count(left_, chunk_size));
+    each_chunk(left_, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      std::uint64_t out = begin;
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const Keyed p = points_[i];
+        points_[out] = p;
+        out += lines.is_end(p);
+      }
+      sizes[c] = out - begin;
+    });
+    left_ = 0;
+    for (std::uint64_t c = 0; c < sizes.size(); ++c) {
+      std::copy_n(points_.get() + c * chunk_size, sizes[c], points_.get() + left_);
+      left_ += sizes[c];
+    }
+  }
+
+  const Array<double>& rows_;
+  const std::uint32_t count_;
+  const unsigned d_, threads_;
+  const Control& control_;
+  std::vector<Field> fields_;
+  unsigned total_ = 0;  // bits of a key
+  BigArray<Keyed> points_;
+  std::uint64_t left_;
+};
 
 }  // namespace
 
-bool lattice_cull(const Array<double>& rows, std::uint32_t count, unsigned d,
-                  std::vector<std::uint32_t>& kept) {
+bool lattice_cull(const Array<double>& rows, std::uint32_t count, unsigned d, unsigned threads,
+                  const Control& control, std::vector<std::uint32_t>& kept) {
   if (count == 0) return false;
-  if (!looks_like_a_lattice(rows, count, d)) return false;
-  std::vector<unsigned> axis_bits(d);
-  std::vector<Keyed> points, scratch;
-  if (!make_keys(rows, count, d, axis_bits, points)) return false;
-  const unsigned total = std::accumulate(axis_bits.begin(), axis_bits.end(), 0U);
-  // The axis to scan along is the lowest in the key; rotating the key brings up the next one.
-  for (unsigned j = d; j-- > 0;) {
-    const unsigned bits = axis_bits[j];
-    if (bits == 0 && !(j == 0 && total == 0)) continue;
-    radix_sort(points, scratch);
-    const auto line = [bits](const Keyed& k) { return bits == 64 ? 0 : k.key >> bits; };
-    std::size_t out = 0;
-    for (std::size_t i = 0; i < points.size();) {
-      std::size_t end = i + 1;
-      while (end < points.size() && line(points[end]) == line(points[i])) ++end;
-      // Equal keys keep the order of ids, so the first of the equal ones has the lowest id.
-      std::size_t last = end - 1;
-      while (last > i && points[last - 1].key == points[last].key) --last;
-      const Keyed low = points[i], high = points[last];
-      points[out++] = low;
-      if (high.key != low.key) points[out++] = high;
-      i = end;
-    }
-    points.resize(out);
-    if (bits > 0 && bits < total) {
-      const std::uint64_t mask = (std::uint64_t{1} << bits) - 1;
-      for (Keyed& k : points) k.key = (k.key >> bits) | ((k.key & mask) << (total - bits));
-    }
-  }
-  kept.resize(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) kept[i] = points[i].id;
-  std::sort(kept.begin(), kept.end());
-  return true;
+  const std::vector<std::uint32_t> sample = sample_of(count);
+  if (!looks_like_a_lattice(rows, d, sample, count)) return false;
+  return Thinner(rows, count, d, threads, control).run(sample, kept);
 }
 
 }  // namespace cullhull::internal

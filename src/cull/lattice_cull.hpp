@@ -5,18 +5,19 @@
 #include <cstdint>
 #include <vector>
 
+#include "control.hpp"
 #include "cullhull/array.hpp"
 
 namespace cullhull::internal {
 
 /// Of all points on one line parallel to an axis only the two ends can be extreme; of equal points
-/// only the first is kept. Applied along each axis in turn. Coordinates are replaced by their ranks
-/// among the axis's values, so any grid will do, not only integers. Returns false where a sample
-/// shows that few points share coordinates, or where the ranks do not pack into 64 bits (then
-/// nothing is said); else `kept` are ascending indices.
-/// `rows`: count x d finite doubles. Time O(d (count + radix sort)); memory 32 bytes a point, and
-/// up to 48 a distinct value of one axis.
-bool lattice_cull(const Array<double>& rows, std::uint32_t count, unsigned d,
-                  std::vector<std::uint32_t>& kept);
+/// only the first is kept. Applied along each axis in turn. Coordinates are replaced by numbers in
+/// the same order, so any grid will do, not only integers. Returns false where a sample shows that
+/// few points share lines, or where the numbers do not pack into 64 bits (then nothing is said);
+/// else `kept` are ascending indices, the same for any number of threads.
+/// `rows`: count x d finite doubles. Time O(d count); memory 16 bytes a point, at most 96 a point
+/// for the lines of one axis.
+bool lattice_cull(const Array<double>& rows, std::uint32_t count, unsigned d, unsigned threads,
+                  const Control& control, std::vector<std::uint32_t>& kept);
 
 }  // namespace cullhull::internal

@@ -28,6 +28,7 @@ class DirectionKey {
     double centre[3];
     double linear[3][3];
   };
+  const Map& map() const { return map_; }
 
  private:
   DirectionKey() = default;

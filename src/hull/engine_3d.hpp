@@ -14,6 +14,16 @@
 
 namespace cullhull::internal {
 
+/// Borders between the pieces of a surface: parallel planes, or keys along the insertion order.
+struct Cut3D {
+  double axis[3] = {0, 0, 0};
+  std::vector<double> levels;       // of the planes, ascending
+  std::vector<std::uint32_t> keys;  // of the first point of each piece but the first
+  bool planes() const { return !levels.empty(); }
+  /// Of planes: where a point is.
+  std::uint32_t piece_of(const double* p) const;
+};
+
 class Engine3D {
  public:
   /// `simplex`: four independent points; the deeper inside their centroid, the better.
@@ -35,6 +45,8 @@ class Engine3D {
   void take_back_slots();
   /// The slots in use (their facets need not be live), in runs of at most `length`.
   std::vector<std::pair<Id, Id>> used_slots(Id length) const;
+  /// Whether a slot was ever used: others hold nothing.
+  bool in_use(Id slot) const;
   Id live_facet() const;
   SimplicialHull collect();
 
@@ -45,12 +57,21 @@ class Engine3D {
   };
   void insert_in_pieces(Id begin, Id end);
   void screen_and_insert(Id begin, Id end);
-  void cut(const std::vector<Work>& work);
-  std::vector<std::uint32_t> splitters(const std::vector<Work>& work) const;
-  void own_facets(const std::vector<std::uint32_t>& splitters);
+  void cut(std::vector<Work>& work);
+  void divide(std::vector<Work>& work, const Cut3D& cut) const;
+  void own_facets(const Cut3D& cut);
   void find_entries(Id begin, Id end);
   void run_pieces(const std::vector<Work>& work, Id begin, Id end);
   std::vector<Work> join_pieces();
+
+  // cut_3d.cpp
+  Cut3D choose_cut(const std::vector<Work>& work) const;
+  Cut3D cut_along_curve(const std::vector<Work>& work) const;
+  Cut3D cut_by_planes(const double* axis, Id begin, Id end, std::size_t count) const;
+  double share_cut(const Cut3D& cut, const std::vector<Id>& sample) const;
+  std::vector<Id> sample_facets() const;
+  std::uint32_t key_of(const double* p) const;
+  void middle(const Facet3D& f, double* out) const;
 
   // normals_3d.cpp
   void sort_by_normals(std::size_t round);

@@ -1,184 +1,150 @@
-// The hull in the plane: discard below a sampled inner hull, sort, one scan for both chains.
+// The hull in the plane: points are dealt to buckets by x, runs of buckets become chains in the
+// cache, and chains are joined from left to right.
 //
-// Everything that decides is exact. The sort compares coordinates, the scan asks for the sign of
-// the exact determinant, and the discard drops a point only when it is strictly between two chains
-// of hull points by more than the rounding of their evaluation.
+// Everything that decides is exact: comparisons of coordinates, and signs of exact determinants
+// (planar.hpp). How points are cut into runs depends on their number alone.
 #include <algorithm>
+#include <atomic>
 #include <bit>
-#include <cmath>
-#include <memory>
+#include <optional>
 #include <utility>
 
 #include "hull/engine.hpp"
+#include "hull/planar_strip.hpp"
+#include "hull/polygon.hpp"
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
-#include "predicates/orientation.hpp"
 
 namespace cullhull::internal {
 namespace {
 
-struct Point {
-  double x, y;
-};
+constexpr std::uint32_t block = PlanarSource::block;
+constexpr std::uint64_t chunk = std::uint64_t{1} << 16;
 
-constexpr std::uint32_t block = 1024;  // points between two looks at the stop token
-constexpr std::uint32_t sample_size = 1U << 16, discard_from = 1U << 14;
+// -------------------------------------------------------------------------------- the box
 
-/// A point at its exact coordinates, with the local id and a key that ascends with x.
-struct Entry {
-  double x, y;
-  std::uint32_t id, key;
-};
-
-/// Sign of the turn a, b, c: rungs 2 and 3.
-class Turn {
- public:
-  explicit Turn(const LocalPoints& points)
-      : lattice_(points.small_lattice && points.coordinates == points.exact),
-        scaled_(points.coordinates != points.exact) {}
-
-  /// With u = 2^-53 the differences and products are off by the factor (1 + u)^3 at most, the last
-  /// subtraction and the evaluation of the bound itself by 1 + u each: (3 + 16u) u (|l| + |r|)
-  /// covers them (Shewchuk 1997, ccwerrboundA); the doubled second term covers the sum with `tiny`.
-  /// |coordinates| <= 1 excludes overflow. A product may underflow by 2^-1075: `tiny` is far above.
-  int operator()(const Entry& a, const Entry& b, const Entry& c) {
-    constexpr double u = 0x1p-53, bound = (3 + 32 * u) * u, tiny = 0x1p-1060;
-    if (!scaled_) {
-      const double l = (a.x - c.x) * (b.y - c.y);
-      const double r = (a.y - c.y) * (b.x - c.x);
-      const double det = l - r;
-      const double error = bound * (std::fabs(l) + std::fabs(r)) + tiny;
-      if (lattice_ || std::fabs(det) > error) {
-        ++counts_[static_cast<int>(Rung::filter)];
-        return det > 0 ? 1 : det < 0 ? -1 : 0;
-      }
+Box box_of(const double* p, std::uint64_t count) {
+  // Four points at a time, so that no comparison waits for the one before.
+  constexpr std::uint64_t lanes = 8;
+  double low[lanes], high[lanes];
+  for (std::uint64_t j = 0; j < lanes; ++j) low[j] = high[j] = p[j % 2];
+  const std::uint64_t values = 2 * count;
+  std::uint64_t i = 0;
+  for (; i + lanes <= values; i += lanes)
+    for (std::uint64_t j = 0; j < lanes; ++j) {
+      low[j] = p[i + j] < low[j] ? p[i + j] : low[j];
+      high[j] = p[i + j] > high[j] ? p[i + j] : high[j];
     }
-    return slow(a, b, c);
+  for (; i < values; ++i) {
+    low[i % 2] = std::min(low[i % 2], p[i]);
+    high[i % 2] = std::max(high[i % 2], p[i]);
   }
-
-  const std::uint64_t* counts() const { return counts_; }
-  void add_counts(const Turn& other) {
-    for (int i = 0; i < 3; ++i) counts_[i] += other.counts_[i];
+  Box box;
+  for (std::uint64_t j = 0; j < 2; ++j) {
+    box.low[j] = std::min({low[j], low[j + 2], low[j + 4], low[j + 6]});
+    box.high[j] = std::max({high[j], high[j + 2], high[j + 4], high[j + 6]});
   }
-
- private:
-  int slow(const Entry& a, const Entry& b, const Entry& c) {
-    const double* p[3] = {&a.x, &b.x, &c.x};
-    Rung rung = Rung::exact;
-    const Sign s = scaled_ ? orientation(2, p, &rung) : orientation_exact(2, p);
-    ++counts_[static_cast<int>(rung)];
-    return static_cast<int>(s);
-  }
-
-  bool lattice_, scaled_;
-  std::uint64_t counts_[3] = {0, 0, 0};
-};
-
-bool before(const Entry& a, const Entry& b) {
-  return a.x < b.x || (a.x == b.x && (a.y < b.y || (a.y == b.y && a.id < b.id)));
+  return box;
 }
-bool equal(const Entry& a, const Entry& b) { return a.x == b.x && a.y == b.y; }
 
-/// Points in lexicographic order (x, then y, then id).
-struct Sorted {
-  std::uint32_t count = 0;
-  BigArray<Entry> entries;
+bool finite(const double* values, std::uint64_t count) {
+  double sum[8] = {};  // x * 0 is NaN exactly for NaN and infinities
+  std::uint64_t i = 0;
+  for (; i + 8 <= count; i += 8)
+    for (std::uint64_t j = 0; j < 8; ++j) sum[j] += values[i + j] * 0.0;
+  for (; i < count; ++i) sum[0] += values[i] * 0.0;
+  return sum[0] + sum[1] + sum[2] + sum[3] + sum[4] + sum[5] + sum[6] + sum[7] == 0;
+}
 
-  const Entry& operator[](std::uint32_t i) const { return entries[i]; }
-};
-
-/// Sorts points by x quantised to 32 bits (a monotone map, so ties alone need a comparison): one
-/// pass deals them to buckets by the leading bits, then every bucket, now in the cache, is dealt
-/// out by further bits and finished by comparisons.
-class Sorter {
- public:
-  /// `ids` ascending; nullptr: all points.
-  Sorter(const LocalPoints& points, const std::uint32_t* ids, std::uint32_t count, unsigned threads,
-         const Control& control)
-      : points_(points), ids_(ids), count_(count), threads_(threads), control_(control) {}
-
-  Sorted run() {
-    Sorted s;
-    s.count = count_;
-    s.entries = BigArray<Entry>(count_);
-    if (count_ <= few) {
-      for (std::uint32_t i = 0; i < count_; ++i) s.entries[i] = entry(id(i), 0);
-      std::sort(s.entries.get(), s.entries.get() + count_, before);
-      return s;
-    }
-    measure();
-    bits_ = std::min(max_bits, static_cast<unsigned>(std::bit_width(count_ / bucket_size)));
-    deal(s.entries.get());
-    for_each_chunk(std::uint64_t{1} << bits_, 16, threads_,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     std::vector<Entry> scratch;
-                     std::vector<std::uint32_t> next;
-                     for (std::uint64_t b = begin; b < end; ++b)
-                       sort_bucket(s.entries.get() + start_[b], s.entries.get() + start_[b + 1],
-                                   scratch, next);
-                   });
-    return s;
+void widen(Box& box, const Box& more) {
+  for (unsigned j = 0; j < 2; ++j) {
+    box.low[j] = std::min(box.low[j], more.low[j]);
+    box.high[j] = std::max(box.high[j], more.high[j]);
   }
+}
+
+/// Keeps the lexicographically first and last of what it is shown.
+class Ends {
+ public:
+  void add(const Entry& e) {
+    if (!chord_) chord_ = Chord{e, e};
+    if (before(e, chord_->first)) chord_->first = e;
+    if (before(chord_->last, e)) chord_->last = e;
+  }
+  const Chord& chord() const { return *chord_; }
 
  private:
-  static constexpr std::uint32_t few = 128, bucket_size = 1024;
-  static constexpr unsigned max_bits = 12;
-  static constexpr std::uint64_t chunk = std::uint64_t{1} << 16;
+  std::optional<Chord> chord_;
+};
 
-  std::uint32_t id(std::uint64_t i) const {
-    return ids_ != nullptr ? ids_[i] : static_cast<std::uint32_t>(i);
-  }
-  Entry entry(std::uint32_t id, std::uint32_t key) const {
-    const double* p = points_.exact_row(id);
-    return {p[0], p[1], id, key};
-  }
+struct Extent {
+  Box box;
+  Chord chord;
+};
 
-  void measure() {
-    const std::uint64_t chunks = chunk_count(count_, chunk);
-    std::vector<std::pair<double, double>> ranges(chunks);
-    for_each_chunk(
-        count_, chunk, threads_, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-          control_.check();
-          // Four chains of comparisons, so that none waits for the other.
-          double low[4], high[4];
-          std::fill(low, low + 4, points_.row(id(begin))[0]);
-          std::copy(low, low + 4, high);
-          for (std::uint64_t i = begin; i < end; ++i) {
-            const double x = points_.row(id(i))[0];
-            low[i % 4] = std::min(low[i % 4], x);
-            high[i % 4] = std::max(high[i % 4], x);
-          }
-          ranges[c] = {*std::min_element(low, low + 4), *std::max_element(high, high + 4)};
-        });
-    low_ = ranges[0].first;
-    double high = ranges[0].second;
-    for (const auto& [l, h] : ranges) {
-      low_ = std::min(low_, l);
-      high = std::max(high, h);
+/// One look at all points; a second at the chunks that the ends are in.
+Extent measure(const PlanarSource& source, unsigned threads, const Control& control) {
+  const std::uint64_t n = source.count();
+  std::vector<Box> boxes(chunk_count(n, chunk));
+  std::atomic<bool> bad{false};
+  for_each_chunk(n, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    control.check();
+    double room[2 * block];
+    for (std::uint64_t b = begin; b < end; b += block) {
+      const std::uint64_t size = std::min<std::uint64_t>(block, end - b);
+      const double* p = source.rows(b, b + size, room);
+      if (!finite(p, 2 * size)) bad = true;
+      const Box box = box_of(p, size);
+      if (b == begin)
+        boxes[c] = box;
+      else
+        widen(boxes[c], box);
     }
-    const double range = high - low_;
-    scale_ = range > 0x1p-900 ? top / range : 0;  // 0: one run, still sorted exactly
+  });
+  if (bad) check_finite(source.view(), nullptr, threads);  // names the first
+  Extent extent{boxes[0], {}};
+  for (const Box& box : boxes) widen(extent.box, box);
+  Ends ends;
+  double room[2 * block];
+  for (std::uint64_t c = 0; c < boxes.size(); ++c) {
+    if (boxes[c].low[0] != extent.box.low[0] && boxes[c].high[0] != extent.box.high[0]) continue;
+    control.check();
+    const std::uint64_t end = std::min(n, (c + 1) * chunk);
+    for (std::uint64_t b = c * chunk; b < end; b += block) {
+      const std::uint64_t size = std::min<std::uint64_t>(block, end - b);
+      const double* p = source.rows(b, b + size, room);
+      for (std::uint64_t i = 0; i < size; ++i)
+        if (p[2 * i] == extent.box.low[0] || p[2 * i] == extent.box.high[0])
+          ends.add({p[2 * i], p[2 * i + 1], static_cast<std::uint32_t>(b + i), 0});
+    }
   }
+  extent.chord = ends.chord();
+  return extent;
+}
 
-  std::uint32_t key(std::uint32_t id) const {
-    const double q = std::min((points_.row(id)[0] - low_) * scale_, top);
-    return static_cast<std::uint32_t>(static_cast<std::int64_t>(q));
-  }
+// -------------------------------------------------------------------------------- buckets
 
-  /// Stable: within a bucket points keep their order, so ids ascend.
-  void deal(Entry* out) {
+/// All points as entries, those of a bucket together, buckets ascending by x. Within a bucket they
+/// keep their order, so rows ascend.
+class Buckets {
+ public:
+  static constexpr unsigned max_bits = 11;
+  static constexpr std::uint32_t wanted_size = 512;
+
+  Buckets(const PlanarSource& source, const Box& box, unsigned threads, const Control& control)
+      : source_(source),
+        map_(box.low[0], box.high[0]),
+        bits_(std::min(max_bits,
+                       static_cast<unsigned>(std::bit_width(source.count() / wanted_size)))),
+        entries_(source.count()) {
     const std::size_t buckets = std::size_t{1} << bits_;
-    const std::uint64_t chunks = chunk_count(count_, chunk);
+    const std::uint64_t n = source.count(), chunks = chunk_count(n, chunk);
     std::vector<std::uint32_t> next(chunks * buckets, 0);
-    const unsigned shift = 32 - bits_;
-    for_each_chunk(count_, chunk, threads_,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     std::uint32_t* counts = next.data() + c * buckets;
-                     for (std::uint64_t i = begin; i < end; ++i)
-                       ++counts[std::uint64_t{key(id(i))} >> shift];
-                   });
+    for_each_chunk(n, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      control.check();
+      std::uint32_t* const counts = next.data() + c * buckets;
+      each(begin, end, [&](const Entry& e) { ++counts[bucket(e.key)]; });
+    });
     start_.resize(buckets + 1);
     std::uint32_t sum = 0;
     for (std::size_t b = 0; b < buckets; ++b) {
@@ -186,295 +152,303 @@ class Sorter {
       for (std::uint64_t c = 0; c < chunks; ++c) sum += std::exchange(next[c * buckets + b], sum);
     }
     start_[buckets] = sum;
-    for_each_chunk(count_, chunk, threads_,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     std::uint32_t* at = next.data() + c * buckets;
-                     for (std::uint64_t i = begin; i < end; ++i) {
-                       const std::uint32_t p = id(i), k = key(p);
-                       out[at[std::uint64_t{k} >> shift]++] = entry(p, k);
-                     }
-                   });
+    for_each_chunk(n, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      control.check();
+      std::uint32_t* const at = next.data() + c * buckets;
+      each(begin, end, [&](const Entry& e) { entries_[at[bucket(e.key)]++] = e; });
+    });
   }
 
-  /// Once more by the bits that follow, about one point a cell, then the cells by comparison.
-  void sort_bucket(Entry* begin, Entry* end, std::vector<Entry>& scratch,
-                   std::vector<std::uint32_t>& next) const {
-    const auto n = static_cast<std::size_t>(end - begin);
-    if (n < 2) return;
-    if (n > 16) {
-      const auto cell_bits = std::min(32 - bits_, static_cast<unsigned>(std::bit_width(n - 1)));
-      const unsigned shift = 32 - bits_ - cell_bits;
-      const std::uint32_t mask = static_cast<std::uint32_t>((std::uint64_t{1} << cell_bits) - 1);
-      scratch.assign(begin, end);
-      next.assign((std::size_t{1} << cell_bits), 0);
-      for (const Entry& e : scratch) ++next[(e.key >> shift) & mask];
-      std::uint32_t sum = 0;
-      for (std::uint32_t& c : next) sum += std::exchange(c, sum);
-      for (const Entry& e : scratch) begin[next[(e.key >> shift) & mask]++] = e;
-    }
-    // Keys ascend now but for their last bits; runs of equal cells are short unless x repeats.
-    for (std::size_t i = 0; i < n;) {
-      std::size_t last = i + 1;
-      if (n > 16) {
-        const unsigned shift = cell_shift(n);
-        while (last < n && begin[last].key >> shift == begin[i].key >> shift) ++last;
-      } else {
-        last = n;
-      }
-      if (last - i > 1 && !std::is_sorted(begin + i, begin + last, before)) {
-        if (last - i > block) control_.check();
-        std::sort(begin + i, begin + last, before);
-      }
-      i = last;
-    }
-  }
-  unsigned cell_shift(std::size_t n) const {
-    return 32 - bits_ - std::min(32 - bits_, static_cast<unsigned>(std::bit_width(n - 1)));
-  }
-
-  static constexpr double top = 0x1p32 - 1;
-  const LocalPoints& points_;
-  const std::uint32_t* ids_;
-  const std::uint32_t count_;
-  const unsigned threads_;
-  const Control& control_;
-  double low_ = 0, scale_ = 0;
-  unsigned bits_ = 0;
-  std::vector<std::uint32_t> start_;  // of the buckets
-};
-
-/// Positions (in a Sorted) of the strictly convex chains from the first point to the last.
-struct Chains {
-  std::vector<std::uint32_t> lower, upper;
-};
-
-/// Adds point i to a chain that turns `side` at every vertex (+1 left, -1 right).
-void extend(const Sorted& s, std::vector<std::uint32_t>& chain, std::uint32_t i, int side,
-            Turn& turn) {
-  while (chain.size() >= 2) {
-    const std::size_t m = chain.size();
-    if (turn(s[chain[m - 2]], s[chain[m - 1]], s[i]) * side > 0) break;
-    chain.pop_back();
-  }
-  chain.push_back(i);
-}
-
-/// The same for a whole chain to the right of it: from where a point stays on the one before it,
-/// the rest follows as it is.
-void join(const Sorted& s, std::vector<std::uint32_t>& chain,
-          const std::vector<std::uint32_t>& more, int side, Turn& turn) {
-  for (std::size_t i = 0; i < more.size(); ++i) {
-    extend(s, chain, more[i], side, turn);
-    const std::size_t m = chain.size();
-    if (i == 0 || chain[m - 2] != more[i - 1]) continue;
-    chain.insert(chain.end(), more.begin() + static_cast<std::ptrdiff_t>(i) + 1, more.end());
-    return;
-  }
-}
-
-/// Chains of the points [begin, end) that may be on them. A block's points are first divided by the
-/// chord from the first point of all to the last, without branches, since in general nothing
-/// predicts the side; a point too near the chord to tell goes to both, which is always right.
-Chains scan_run(const Sorted& s, std::uint32_t begin, std::uint32_t run_end, Turn& turn,
-                const Control& control) {
-  Chains chains;
-  const Entry a = s[0], b = s[s.count - 1];
-  std::uint32_t low[block], high[block];
-  for (; begin < run_end; begin += std::min(block, run_end - begin)) {
-    control.check();
-    const std::uint32_t end = begin + std::min(block, run_end - begin);
-    std::uint32_t lows = 0, highs = 0;
-    for (std::uint32_t i = begin; i < end; ++i) {
-      const Entry& p = s[i];
-      const double l = (a.x - p.x) * (b.y - p.y);
-      const double r = (a.y - p.y) * (b.x - p.x);
-      // As in Turn, rounded up; where coordinates are not in [-1, 1] a NaN or infinity may come of
-      // overflow, and both comparisons are false then.
-      const double error = 0x1p-51 * (std::fabs(l) + std::fabs(r)) + 0x1p-1060;
-      const bool above = l - r > error, below = r - l > error, fresh = !equal(s[i - 1], p);
-      low[lows] = i;
-      lows += fresh && !above;
-      high[highs] = i;
-      highs += fresh && !below;
-    }
-    for (std::uint32_t i = 0; i < lows; ++i) extend(s, chains.lower, low[i], 1, turn);
-    for (std::uint32_t i = 0; i < highs; ++i) extend(s, chains.upper, high[i], -1, turn);
-  }
-  return chains;
-}
-
-/// Both chains: runs of fixed length each by itself, then joined from left to right.
-Chains scan(const Sorted& s, Turn& turn, unsigned threads, const Control& control) {
-  constexpr std::uint64_t run = std::uint64_t{1} << 16;
-  const std::uint32_t last = s.count - 1;
-  const std::uint64_t runs = chunk_count(last - 1, run);
-  std::vector<Chains> parts(runs);
-  std::vector<Turn> turns(runs, turn);
-  for_each_chunk(last - 1, run, threads,
-                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                   parts[c] = scan_run(s, static_cast<std::uint32_t>(begin) + 1,
-                                       static_cast<std::uint32_t>(end) + 1, turns[c], control);
-                 });
-  Chains chains;
-  chains.lower = {0};
-  chains.upper = {0};
-  for (std::uint64_t c = 0; c < runs; ++c) {
-    control.check();
-    control.report("hull", static_cast<double>(c) / static_cast<double>(runs));
-    join(s, chains.lower, parts[c].lower, 1, turn);
-    join(s, chains.upper, parts[c].upper, -1, turn);
-    parts[c] = {};
-    turn.add_counts(turns[c]);
-  }
-  // Of points equal to the last the lowest id, which the sweep met first, must be the vertex.
-  std::uint32_t end = last;
-  while (end > 0 && equal(s[end - 1], s[last])) --end;
-  if (chains.lower.back() != end) extend(s, chains.lower, end, 1, turn);
-  if (chains.upper.back() != end) extend(s, chains.upper, end, -1, turn);
-  return chains;
-}
-
-/// What lies between two chains of input points, over buckets of x: a point of bucket i with
-/// floor[i] < y < ceiling[i] is in their hull and no vertex of it.
-class Strip {
- public:
-  static constexpr unsigned buckets = 1024;
-
-  /// Positions of `chains` refer to `s`. False if the points are too narrow for the bounds below.
-  bool build(const LocalPoints& points, const Sorted& s, const Chains& chains) {
-    const auto gather = [&](const std::vector<std::uint32_t>& chain) {
-      std::vector<Point> out;
-      for (std::uint32_t i : chain) {
-        const double* p = points.row(s[i].id);
-        // Without vertical pieces: of points with one x the innermost counts, which is the later at
-        // the left end and the earlier at the right one.
-        if (!out.empty() && out.back().x == p[0]) {
-          if (out.size() == 1) out.back().y = p[1];
-          continue;
-        }
-        out.push_back({p[0], p[1]});
-      }
-      return out;
-    };
-    const std::vector<Point> lower = gather(chains.lower), upper = gather(chains.upper);
-    if (lower.size() < 2 || upper.size() < 2) return false;
-    left_ = lower.front().x;
-    const double right = lower.back().x, range = right - left_;
-    if (!(range >= 0x1p-10)) return false;
-    scale_ = buckets / range;
-    const double width = range / buckets;
-    std::size_t l = 0, u = 0;
-    for (unsigned i = 0; i < buckets; ++i) {
-      // The bucket of x is (x - left) * scale, truncated. Its two roundings and those of the next
-      // lines come to less than 8 * buckets * 2^-53 widths plus 2^-53; a width is at least 2^-20,
-      // so 2^-10 widths more on either side cover them.
-      const double x0 = std::max(left_, left_ + (i - 0x1p-10) * width);
-      const double x1 = std::min(right, left_ + (i + 1 + 0x1p-10) * width);
-      // A chain's height at x is off by 12 * 2^-53 at most (five roundings of a term below 2, one
-      // of a sum below 2). The lower chain is convex, the upper concave: extremes are at the ends.
-      constexpr double margin = 0x1p-48;
-      cells_[i].floor = std::max(height(lower, l, x0), height(lower, l, x1)) + margin;
-      cells_[i].ceiling = std::min(height(upper, u, x0), height(upper, u, x1)) - margin;
-    }
-    return true;
-  }
-
-  bool contains(double x, double y) const {
-    const double t = (x - left_) * scale_;
-    const Cell& c = cells_[static_cast<int>(std::min(std::max(t, 0.0), buckets - 1.0))];
-    return (t >= 0) & (t < buckets) & (y > c.floor) & (y < c.ceiling);
-  }
+  std::size_t size() const { return start_.size() - 1; }
+  unsigned low_bits() const { return 32 - bits_; }
+  const Entry* begin(std::size_t b) const { return entries_.get() + start_[b]; }
+  std::uint32_t count(std::size_t b) const { return start_[b + 1] - start_[b]; }
 
  private:
-  struct Cell {
-    double floor, ceiling;
-  };
+  std::size_t bucket(std::uint32_t key) const { return std::uint64_t{key} >> (32 - bits_); }
 
-  /// `from` moves to the piece that x is on; x does not decrease by more than a bucket.
-  static double height(const std::vector<Point>& chain, std::size_t& from, double x) {
-    while (from > 0 && chain[from].x > x) --from;
-    while (from + 2 < chain.size() && chain[from + 1].x < x) ++from;
-    const Point &a = chain[from], &b = chain[from + 1];
-    return a.y + (b.y - a.y) * ((x - a.x) / (b.x - a.x));
+  template <class Use>
+  void each(std::uint64_t begin, std::uint64_t end, Use&& use) const {
+    double room[2 * block];
+    for (std::uint64_t b = begin; b < end; b += block) {
+      const std::uint64_t size = std::min<std::uint64_t>(block, end - b);
+      const double* p = source_.rows(b, b + size, room);
+      for (std::uint64_t i = 0; i < size; ++i)
+        use(Entry{p[2 * i], p[2 * i + 1], static_cast<std::uint32_t>(b + i), map_.key(p[2 * i])});
+    }
   }
 
-  double left_ = 0, scale_ = 0;
-  Cell cells_[buckets];
+  const PlanarSource& source_;
+  const KeyMap map_;
+  const unsigned bits_;
+  BigArray<Entry> entries_;
+  std::vector<std::uint32_t> start_;
 };
 
-/// Ids of the points that may be extreme, or nothing where a sample says that it does not pay.
-std::vector<std::uint32_t> discard(const LocalPoints& points, Turn& turn, unsigned threads,
-                                   const Control& control) {
-  // Where scaling lost bits the sample's chains are known only up to them.
-  if (points.count < discard_from || points.coordinates != points.exact) return {};
-  const std::uint32_t m = std::min(sample_size, points.count / 32);
-  std::vector<std::uint32_t> sample(m);
-  for (std::uint32_t i = 0; i < m; ++i)
-    sample[i] = static_cast<std::uint32_t>(std::uint64_t{points.count} * i / m);
-  const Sorted sorted = Sorter(points, sample.data(), m, threads, control).run();
-  const Chains chains = scan(sorted, turn, threads, control);
-  // Efron 1965: the share of points outside a sample's hull is about its vertices' share of it.
-  if (chains.lower.size() + chains.upper.size() > m / 2) return {};
-  const auto strip = std::make_unique<Strip>();
-  if (!strip->build(points, sorted, chains)) return {};
+// -------------------------------------------------------------------------------- chains
 
-  constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
-  std::vector<std::vector<std::uint32_t>> kept(chunk_count(points.count, chunk));
-  for_each_chunk(points.count, chunk, threads,
-                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   std::vector<std::uint32_t> list(end - begin);
-                   std::size_t k = 0;
-                   for (std::uint64_t i = begin; i < end; ++i) {
-                     const double* p = points.row(static_cast<std::uint32_t>(i));
-                     list[k] = static_cast<std::uint32_t>(i);
-                     k += !strip->contains(p[0], p[1]);
-                   }
-                   kept[c].assign(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(k));
-                 });
-  std::vector<std::uint32_t> ids;
-  for (const auto& list : kept) ids.insert(ids.end(), list.begin(), list.end());
-  return ids;
+/// Rows of the chains of a run of buckets.
+struct Run {
+  Array<std::uint32_t> lower, upper;
+};
+
+Array<std::uint32_t> rows_of(const Entry* chain, std::uint32_t count) {
+  Array<std::uint32_t> rows(count);
+  for (std::uint32_t i = 0; i < count; ++i) rows[i] = chain[i].row;
+  return rows;
+}
+
+/// A strictly convex chain that grows to the right by whole chains; `side` as in ChainBuilder.
+class JoinedChain {
+ public:
+  /// Rows [begin, end) of a chain.
+  struct Piece {
+    const Array<std::uint32_t>* rows;
+    std::size_t begin, end;
+    std::size_t size() const { return end - begin; }
+  };
+
+  JoinedChain(const PlanarSource& source, int side) : source_(source), side_(side) {}
+
+  /// The union's chain is the beginning of this one and the end of the next, joined by their common
+  /// tangent: found by turns about each until both hold still.
+  void join(const Array<std::uint32_t>& next, Turn& turn) {
+    if (next.empty()) return;
+    std::size_t first = 0;
+    for (;;) {
+      cut(entry(next[first]), turn);
+      const std::size_t better = tangent(next, first, turn);
+      if (better == first) break;
+      first = better;
+    }
+    pieces_.push_back({&next, first, next.size()});
+  }
+
+  const std::vector<Piece>& pieces() const { return pieces_; }
+
+ private:
+  Entry entry(std::uint32_t row) const { return source_.entry(row); }
+
+  /// Drops the end that a point to the right of the chain makes superfluous: from the first vertex
+  /// on at which the turn towards the point is wrong. What turns right at a vertex does so at all
+  /// before.
+  void cut(const Entry& p, Turn& turn) {
+    while (!pieces_.empty()) {
+      Piece& piece = pieces_.back();
+      const bool alone = pieces_.size() == 1;
+      const auto keeps = [&](std::size_t i) {
+        const std::uint32_t previous =
+            i > piece.begin
+                ? (*piece.rows)[i - 1]
+                : (*pieces_[pieces_.size() - 2].rows)[pieces_[pieces_.size() - 2].end - 1];
+        return turn(entry(previous), entry((*piece.rows)[i]), p) == side_;
+      };
+      // Usually all of it stays.
+      if (piece.size() > (alone ? 1 : 0) && keeps(piece.end - 1)) return;
+      std::size_t low = piece.begin + (alone ? 1 : 0), high = piece.end;
+      if (low >= high) return;  // one vertex, the first of all
+      --high;                   // known to be wrong
+      while (low < high) {
+        const std::size_t middle = low + (high - low) / 2;
+        if (keeps(middle))
+          low = middle + 1;
+        else
+          high = middle;
+      }
+      piece.end = low;
+      if (piece.size() > 0) return;
+      pieces_.pop_back();
+    }
+  }
+
+  /// The vertex of `next`, from `first` on, that the chain's last vertex sees outermost: the last
+  /// at which the turn from the one before is wrong.
+  std::size_t tangent(const Array<std::uint32_t>& next, std::size_t first, Turn& turn) const {
+    if (pieces_.empty()) return first;
+    const Piece& piece = pieces_.back();
+    const Entry from = entry((*piece.rows)[piece.end - 1]);
+    const auto wrong = [&](std::size_t i) {
+      return turn(from, entry(next[i - 1]), entry(next[i])) != side_;
+    };
+    if (first + 1 >= next.size() || !wrong(first + 1)) return first;
+    std::size_t low = first + 1, high = next.size() - 1;
+    while (low < high) {
+      const std::size_t middle = low + (high - low + 1) / 2;
+      if (wrong(middle))
+        low = middle;
+      else
+        high = middle - 1;
+    }
+    return low;
+  }
+
+  const PlanarSource& source_;
+  const int side_;
+  std::vector<Piece> pieces_;
+};
+
+/// Corners counter-clockwise: the lower chain but its last, then the upper one from its last to its
+/// second. Both begin at the lexicographically first point and end at the last.
+Array<std::uint32_t> cycle(const JoinedChain& lower, const JoinedChain& upper, unsigned threads) {
+  struct Job {
+    JoinedChain::Piece piece;
+    std::size_t to;
+    bool backwards;
+  };
+  std::vector<Job> jobs;
+  std::size_t size = 0;
+  const auto add = [&](JoinedChain::Piece piece, bool backwards) {
+    jobs.push_back({piece, size, backwards});
+    size += piece.size();
+  };
+  for (const auto& piece : lower.pieces()) add(piece, false);
+  --jobs.back().piece.end;
+  --size;
+  for (std::size_t i = upper.pieces().size(); i-- > 0;) {
+    JoinedChain::Piece piece = upper.pieces()[i];
+    if (i == 0) ++piece.begin;
+    add(piece, true);
+  }
+  if (size == 0) return {lower.pieces()[0].rows->front()};  // all points are equal
+  Array<std::uint32_t> corners(size);
+  for_each_chunk(jobs.size(), 1, threads, [&](std::uint64_t j, std::uint64_t, std::uint64_t) {
+    const Job& job = jobs[j];
+    const std::uint32_t* const from = job.piece.rows->data();
+    std::uint32_t* const to = corners.data() + job.to;
+    if (job.backwards)
+      std::reverse_copy(from + job.piece.begin, from + job.piece.end, to);
+    else
+      std::copy(from + job.piece.begin, from + job.piece.end, to);
+  });
+  return corners;
+}
+
+/// Runs of whole buckets with at least this many points, but the last.
+constexpr std::uint64_t run_size = std::uint64_t{1} << 14;
+
+std::vector<std::size_t> cut_into_runs(const Buckets& buckets) {
+  std::vector<std::size_t> ends{0};
+  std::uint64_t points = 0;
+  for (std::size_t b = 0; b < buckets.size(); ++b) {
+    points += buckets.count(b);
+    if (points < run_size && b + 1 < buckets.size()) continue;
+    ends.push_back(b + 1);
+    points = 0;
+  }
+  return ends;
+}
+
+Polygon polygon_of_many(const PlanarSource& source, const Extent& extent, const Turn& plain,
+                        unsigned threads, const Control& control) {
+  const Buckets buckets(source, extent.box, threads, control);
+  control.report("hull", 0.3);
+  const std::vector<std::size_t> ends = cut_into_runs(buckets);
+  std::vector<Run> runs(ends.size() - 1);
+  std::vector<Turn> turns(runs.size(), plain);
+  for_each_chunk(runs.size(), 1, threads, [&](std::uint64_t r, std::uint64_t, std::uint64_t) {
+    ChainBuilder chains(extent.chord, plain, control);
+    for (std::size_t b = ends[r]; b < ends[r + 1]; ++b) {
+      control.check();
+      chains.add(buckets.begin(b), buckets.count(b), buckets.low_bits());
+    }
+    runs[r] = {rows_of(chains.lower(), chains.lower_count()),
+               rows_of(chains.upper(), chains.upper_count())};
+    turns[r] = chains.turn();
+  });
+  control.report("hull", 0.9);
+  Turn turn = plain;
+  JoinedChain lower(source, 1), upper(source, -1);
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    control.check();
+    lower.join(runs[r].lower, turn);
+    upper.join(runs[r].upper, turn);
+    turn.add_counts(turns[r]);
+  }
+  Polygon polygon;
+  polygon.corners = cycle(lower, upper, threads);
+  polygon.rows = source.count();
+  polygon.box = extent.box;
+  std::copy(turn.counts(), turn.counts() + 3, polygon.rung_counts);
+  return polygon;
 }
 
 }  // namespace
 
-SimplicialHull hull_2d(const LocalPoints& points, unsigned threads, const Control& control) {
-  Turn turn(points);
-  const std::vector<std::uint32_t> ids = discard(points, turn, threads, control);
-  const bool all = ids.empty();
-  const Sorted sorted =
-      Sorter(points, all ? nullptr : ids.data(),
-             all ? points.count : static_cast<std::uint32_t>(ids.size()), threads, control)
-          .run();
-  const Chains chains = scan(sorted, turn, threads, control);
-  // Both chains hold the first and the last point.
-  const std::size_t n = chains.lower.size() + chains.upper.size() - 2;
-  if (n < 3) throw Error(ErrorCode::internal, "hull_2d was given collinear points");
+PolygonSeries::PolygonSeries(const Control& control) : chains_({}, Turn(), control) {}
 
+const std::vector<std::uint32_t>& PolygonSeries::corners(const double* rows, std::uint32_t count) {
+  if (entries_.size() < count) entries_.resize(std::size_t{2} * count);
+  Entry* const e = entries_.data();
+  e[0] = {rows[0], rows[1], 0, 0};
+  Chord chord{e[0], e[0]};
+  double low = e[0].y, high = low;
+  for (std::uint32_t i = 1; i < count; ++i) {
+    e[i] = {rows[2 * std::size_t{i}], rows[2 * std::size_t{i} + 1], i, 0};
+    low = std::min(low, e[i].y);
+    high = std::max(high, e[i].y);
+    if (before(e[i], chord.first)) chord.first = e[i];
+    if (before(chord.last, e[i])) chord.last = e[i];
+  }
+  box_ = {{chord.first.x, low}, {chord.last.x, high}};
+  const KeyMap map(chord.first.x, chord.last.x);
+  for (std::uint32_t i = 0; i < count; ++i) e[i].key = map.key(e[i].x);
+  chains_.restart(chord);
+  chains_.add(e, count, 32);
+  corners_.clear();
+  for (std::uint32_t i = 0; i + 1 < chains_.lower_count(); ++i)
+    corners_.push_back(chains_.lower()[i].row);
+  for (std::uint32_t i = chains_.upper_count() - 1; i > 0; --i)
+    corners_.push_back(chains_.upper()[i].row);
+  if (corners_.empty()) corners_.push_back(chains_.lower()[0].row);  // all points are equal
+  return corners_;
+}
+
+Polygon polygon_of(const PointView& points, bool lattice, unsigned threads,
+                   const Control& control) {
+  control.check();
+  control.report("hull", 0);
+  const PlanarSource source(points);
+  const Extent extent = measure(source, threads, control);
+  const Turn turn(lattice);
+  const std::vector<std::uint32_t> kept = discard_inner(source, extent.box, threads, control);
+  if (kept.empty()) return polygon_of_many(source, extent, turn, threads, control);
+  std::vector<double> rows(2 * kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const Entry e = source.entry(kept[i]);
+    rows[2 * i] = e.x;
+    rows[2 * i + 1] = e.y;
+  }
+  const PlanarSource rest(PointView::row_major(rows.data(), kept.size(), 2));
+  Polygon polygon = polygon_of_many(rest, extent, turn, threads, control);
+  for (std::uint32_t& corner : polygon.corners) corner = kept[corner];
+  polygon.rows = source.count();
+  return polygon;
+}
+
+SimplicialHull hull_2d(const LocalPoints& points, unsigned threads, const Control& control) {
+  const bool scaled = points.coordinates != points.exact;
+  const Polygon polygon = polygon_of(PointView::row_major(points.exact, points.count, 2),
+                                     points.small_lattice && !scaled, threads, control);
+  const std::size_t n = polygon.corners.size();
+  if (n < 3) throw Error(ErrorCode::internal, "hull_2d was given collinear points");
   SimplicialHull hull;
   hull.dimension = 2;
   resize_big(hull.vertices, 2 * n);
   resize_big(hull.neighbours, 2 * n);
-  // Counter-clockwise: the lower chain forwards, the upper one backwards. Edge i runs from corner i
-  // to corner i + 1; it is written end first, so that the inside has negative orientation.
-  const std::size_t m = chains.lower.size(), last = chains.upper.size() - 1;
-  const auto corner = [&](std::size_t i) {
-    return sorted[i < m ? chains.lower[i] : chains.upper[last - (i - m) - 1]].id;
-  };
+  // Edge i runs from corner i to corner i + 1; it is written end first, so that the inside has
+  // negative orientation.
   for_each_chunk(n, std::uint64_t{1} << 15, threads,
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                    for (std::uint64_t i = begin; i < end; ++i) {
                      const std::uint64_t previous = i == 0 ? n - 1 : i - 1;
                      const std::uint64_t next = i + 1 == n ? 0 : i + 1;
-                     hull.vertices[2 * i] = corner(next);
-                     hull.vertices[2 * i + 1] = corner(i);
+                     hull.vertices[2 * i] = polygon.corners[next];
+                     hull.vertices[2 * i + 1] = polygon.corners[i];
                      hull.neighbours[2 * i] = static_cast<std::uint32_t>(previous);
                      hull.neighbours[2 * i + 1] = static_cast<std::uint32_t>(next);
                    }
                  });
-  std::copy(turn.counts(), turn.counts() + 3, hull.rung_counts);
+  std::copy(polygon.rung_counts, polygon.rung_counts + 3, hull.rung_counts);
   return hull;
 }
 

@@ -67,7 +67,7 @@ Engine3D::Engine3D(const LocalPoints& points, const Id* simplex, std::uint64_t b
       predicates_(points, simplex),
       key_(points, predicates_.centre(), simplex),
       normal_key_(key_.for_normals()),
-      order_(insertion_order_3d(points, key_, simplex, threads)) {
+      order_(insertion_order_3d(points, key_, simplex, threads, control)) {
   control_.check();
   copy_rows();
   shared_.predicates = &predicates_;
@@ -193,6 +193,12 @@ std::vector<std::pair<Engine3D::Id, Engine3D::Id>> Engine3D::used_slots(Id lengt
     if (k < spare.size()) at = spare[k].second;
   }
   return runs;
+}
+
+bool Engine3D::in_use(Id slot) const {
+  const auto& spare = pieces_[0].spare;  // sorted
+  auto after = std::upper_bound(spare.begin(), spare.end(), std::pair<Id, Id>{slot, none});
+  return after == spare.begin() || slot >= std::prev(after)->second;
 }
 
 Engine3D::Id Engine3D::live_facet() const {

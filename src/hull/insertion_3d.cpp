@@ -197,7 +197,6 @@ class Inserter {
   /// probability 1 (Devillers, Pion, Teillaud 2002).
   Id locate_exactly(Id f, Id p) {
     if (note_duplicate(f, p)) return inside;
-    if (side(f, p) == Sign::positive) return f;
     for (Id step = 1;; ++step) {
       if (step % 1024 == 0) s_.control->check();
       ++piece_.steps;

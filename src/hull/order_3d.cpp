@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <numeric>
 
 #include "parallel/parallel.hpp"
+#include "parallel/radix_sort.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -23,48 +25,78 @@ std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser: a fixed pseudo-
 /// Few chunks, as each has counts of its own.
 std::uint64_t sort_chunk(std::uint32_t n) { return std::max<std::uint64_t>(1 << 16, n / 64); }
 
-}  // namespace
+/// Orders the points within cells finely where many share one: points along curves do, and a walk
+/// through a cell's points in no order is long. `keyed` from `first` on is sorted; cells of more
+/// than `longest` points, which are heaps of them, stay as they are.
+void refine_cells(const LocalPoints& points, const DirectionKey& key, Keyed* keyed,
+                  std::uint32_t first, std::uint32_t n, unsigned threads, const Control& control) {
+  constexpr std::uint64_t chunk_size = 1 << 14, longest = 1 << 17;
+  constexpr std::uint32_t crowd = 4;
+  if (n < first + crowd) return;
+  const std::uint64_t count = n - first;
+  const Keyed* const begin_all = keyed + first;
+  std::vector<std::uint64_t> crowded(chunk_count(count, chunk_size), 0);
+  for_each_chunk(count, chunk_size, threads,
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   std::uint64_t sum = 0;
+                   for (std::uint64_t i = std::max<std::uint64_t>(begin, crowd); i < end; ++i)
+                     sum += begin_all[i].key == begin_all[i - crowd].key;
+                   crowded[c] = sum;
+                 });
+  if (std::accumulate(crowded.begin(), crowded.end(), std::uint64_t{0}) < count / 4) return;
 
-// Least significant digit first, in chunks: the counts of all chunks give each chunk its places.
-void radix_sort(Keyed*& items, Keyed*& scratch, std::uint32_t n, unsigned bits, unsigned threads) {
-  if (n < 1024) {  // counting would cost more; ids ascend, so this is stable as well
-    std::sort(items, items + n, [](const Keyed& a, const Keyed& b) {
-      return a.key < b.key || (a.key == b.key && a.id < b.id);
-    });
-    return;
-  }
-  const unsigned passes = (bits + 11) / 12;
-  const unsigned digit_bits = (bits + passes - 1) / passes, buckets = 1U << digit_bits;
-  const std::uint64_t chunk_size = sort_chunk(n), chunks = chunk_count(n, chunk_size);
-  std::vector<std::uint32_t> places(chunks * buckets);
-  for (unsigned pass = 0; pass < passes; ++pass) {
-    const unsigned shift = pass * digit_bits;
-    const auto digit = [&](const Keyed& k) { return (k.key >> shift) & (buckets - 1); };
-    std::fill(places.begin(), places.end(), 0U);
-    for_each_chunk(n, chunk_size, threads,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     std::uint32_t* counts = places.data() + c * buckets;
-                     for (std::uint64_t i = begin; i < end; ++i) ++counts[digit(items[i])];
-                   });
-    std::uint32_t sum = 0;
-    for (unsigned b = 0; b < buckets; ++b)
-      for (std::uint64_t c = 0; c < chunks; ++c) {
-        const std::uint32_t size = places[c * buckets + b];
-        places[c * buckets + b] = sum;
-        sum += size;
-      }
-    for_each_chunk(n, chunk_size, threads,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     std::uint32_t* place = places.data() + c * buckets;
-                     for (std::uint64_t i = begin; i < end; ++i)
-                       scratch[place[digit(items[i])]++] = items[i];
-                   });
-    std::swap(items, scratch);
-  }
+  struct Fine {
+    std::uint64_t key;
+    std::uint32_t id;
+    bool operator<(const Fine& o) const { return key < o.key || (key == o.key && id < o.id); }
+  };
+  // Where the cell that place i is in begins, or the next one.
+  const auto cell_begin = [&](std::uint64_t i) {
+    while (i > 0 && i < count && begin_all[i].key == begin_all[i - 1].key) ++i;
+    return i;
+  };
+  for_each_chunk(count, chunk_size, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   constexpr std::uint32_t block = DirectionKey::block;
+                   double x[block] = {}, y[block] = {}, z[block] = {};
+                   std::uint64_t keys[block];
+                   std::vector<Fine> fine;
+                   const std::uint64_t last = cell_begin(end);
+                   for (std::uint64_t at = cell_begin(begin); at < last;) {
+                     std::uint64_t cell_end = at + 1;
+                     while (cell_end < count && begin_all[cell_end].key == begin_all[at].key)
+                       ++cell_end;
+                     const std::uint64_t size = cell_end - at;
+                     if (size > 1 && size <= longest) {
+                       fine.resize(size);
+                       for (std::uint64_t b = 0; b < size; b += block) {
+                         const auto some =
+                             static_cast<std::uint32_t>(std::min<std::uint64_t>(block, size - b));
+                         for (std::uint32_t i = 0; i < some; ++i) {
+                           const double* p = points.row(begin_all[at + b + i].id);
+                           x[i] = p[0];
+                           y[i] = p[1];
+                           z[i] = p[2];
+                         }
+                         key.fine_keys(x, y, z, keys);
+                         for (std::uint32_t i = 0; i < some; ++i)
+                           fine[b + i] = {keys[i], begin_all[at + b + i].id};
+                       }
+                       std::sort(fine.begin(), fine.end());
+                       for (std::uint64_t i = 0; i < size; ++i)
+                         keyed[first + at + i].id = fine[i].id;
+                     }
+                     at = cell_end;
+                   }
+                 });
 }
 
+}  // namespace
+
 InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKey& key,
-                                    const std::uint32_t* simplex, unsigned threads) {
+                                    const std::uint32_t* simplex, unsigned threads,
+                                    const Control& control) {
   const std::uint32_t n = points.count;
   InsertionOrder3D order;
   unsigned rounds = 1;
@@ -105,7 +137,10 @@ InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKe
         }
         sizes[c] = count;
       });
-  radix_sort(keyed, scratch, n, width, threads);
+  radix_sort(keyed, scratch, n, width, threads, control, sort_key);
+  std::uint32_t unsorted = 0;  // the first rounds
+  for (const auto& count : sizes) unsorted += count[0] + count[1];
+  refine_cells(points, key, keyed, unsorted, n, threads, control);
   order.ids = BigArray<std::uint32_t>(n);
   for_each_chunk(n, chunk_size, threads,
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "control.hpp"
 #include "hull/direction_key.hpp"
 #include "parallel/big_array.hpp"
 #include "points/local_points.hpp"
@@ -21,13 +22,12 @@ struct InsertionOrder3D {
 struct Keyed {
   std::uint32_t key, id;
 };
-/// By the lowest `bits` bits of the keys (there are no others), ids ascending among equal ones, as
-/// they are at the beginning; `scratch` has room for n as well and may become the result.
-void radix_sort(Keyed*& items, Keyed*& scratch, std::uint32_t n, unsigned bits, unsigned threads);
+inline std::uint32_t sort_key(const Keyed& k) { return k.key; }
 
 /// The four points of `simplex` come first, as a round of their own; the round after it is small
 /// and not sorted. Deterministic, whatever the number of threads.
 InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKey& key,
-                                    const std::uint32_t* simplex, unsigned threads);
+                                    const std::uint32_t* simplex, unsigned threads,
+                                    const Control& control);
 
 }  // namespace cullhull::internal

@@ -51,39 +51,24 @@ void Engine3D::insert_in_pieces(Id begin, Id end) {
   take_back_slots();
 }
 
-/// Along the curve of directions or of normals, at the first point of each piece but the first.
-std::vector<std::uint32_t> Engine3D::splitters(const std::vector<Work>& work) const {
-  std::vector<std::uint32_t> keys_at_borders;
-  for (Id t = 1; t < work.size(); ++t) {
-    const double* p = shared_.row(work[t].begin);
-    if (by_normals_) {
-      keys_at_borders.push_back(rank_[climb(shared_, live_facet(), p)]);
-      continue;
-    }
-    constexpr std::uint32_t block = DirectionKey::block;
-    double x[3][block] = {};
-    std::uint32_t keys[block];
-    for (unsigned j = 0; j < 3; ++j) x[j][0] = p[j];
-    key_.keys(x[0], x[1], x[2], order_.key_bits, keys);
-    keys_at_borders.push_back(keys[0]);
-  }
-  return keys_at_borders;
-}
-
-void Engine3D::cut(const std::vector<Work>& work) {
+void Engine3D::cut(std::vector<Work>& work) {
   const auto count = static_cast<Id>(work.size());
-  own_facets(splitters(work));
-  find_entries(work.front().begin, work.back().end);
+  const Id begin = work.front().begin, end = work.back().end;
+  const Cut3D cut = choose_cut(work);
+  own_facets(cut);
+  find_entries(begin, end);
+  if (cut.planes()) divide(work, cut);
 
   pieces_.resize(count);
-  const Id first_block = work.front().begin / Entries3D::block;
+  const Id first_block = begin / Entries3D::block;
   for (Id t = 0; t < count; ++t) {
     Piece3D& piece = pieces_[t];
     piece.first_owner = t;
     piece.owner_count = 1;
     piece.epoch = pieces_[0].epoch;
     piece.entries = {entries_.data(), first_block};
-    const Id slots = 2 * (work[t].end - work[t].begin) + 64;
+    const Id points = work[t].end - work[t].begin + static_cast<Id>(work[t].positions.size());
+    const Id slots = 2 * points + 64;
     piece.spare.emplace_back(slots_, slots_ + slots);
     slots_ += slots;
     piece.hint = none;
@@ -95,29 +80,47 @@ void Engine3D::cut(const std::vector<Work>& work) {
   }
 }
 
-void Engine3D::own_facets(const std::vector<std::uint32_t>& splitters) {
+/// From stretches of the order to the points between planes.
+void Engine3D::divide(std::vector<Work>& work, const Cut3D& cut) const {
+  const Id begin = work.front().begin, end = work.back().end;
+  constexpr std::uint64_t chunk = 1 << 14;
+  std::vector<std::vector<Id>> found(chunk_count(end - begin, chunk) * work.size());
+  for_each_chunk(end - begin, chunk, threads_,
+                 [&](std::uint64_t c, std::uint64_t first, std::uint64_t last) {
+                   control_.check();
+                   for (std::uint64_t i = begin + first; i < begin + last; ++i) {
+                     const auto p = static_cast<Id>(i);
+                     found[c * work.size() + cut.piece_of(shared_.row(p))].push_back(p);
+                   }
+                 });
+  for (std::size_t t = 0; t < work.size(); ++t) {
+    work[t].begin = work[t].end = 0;
+    for (std::size_t k = t; k < found.size(); k += work.size())
+      work[t].positions.insert(work[t].positions.end(), found[k].begin(), found[k].end());
+  }
+}
+
+void Engine3D::own_facets(const Cut3D& cut) {
   const auto runs = used_slots(1 << 13);
   for_each_chunk(runs.size(), 1, threads_, [&](std::uint64_t c, std::uint64_t, std::uint64_t) {
     constexpr std::uint32_t block = DirectionKey::block;
-    double middle[3][block] = {};
+    double middles[3][block] = {};
     std::uint32_t keys[block];
     for (Id at = runs[c].first; at < runs[c].second; at += block) {
       const Id size = std::min(block, runs[c].second - at);
       for (Id i = 0; i < size; ++i) {
-        const Facet3D& f = facets_[at + i];
-        for (unsigned j = 0; j < 3; ++j)
-          middle[j][i] = !f.live()
-                             ? 0
-                             : (shared_.row(f.vertices[0])[j] + shared_.row(f.vertices[1])[j] +
-                                shared_.row(f.vertices[2])[j]) /
-                                   3;
+        double m[3] = {0, 0, 0};
+        if (facets_[at + i].live()) middle(facets_[at + i], m);
+        for (unsigned j = 0; j < 3; ++j) middles[j][i] = m[j];
+        if (cut.planes() && facets_[at + i].live()) facets_[at + i].owner = cut.piece_of(m);
       }
-      key_.keys(middle[0], middle[1], middle[2], order_.key_bits, keys);
+      if (cut.planes()) continue;
+      key_.keys(middles[0], middles[1], middles[2], order_.key_bits, keys);
       if (by_normals_) std::copy_n(rank_.get() + at, size, keys);
       for (Id i = 0; i < size; ++i)
         if (facets_[at + i].live())
           facets_[at + i].owner = static_cast<Id>(
-              std::upper_bound(splitters.begin(), splitters.end(), keys[i]) - splitters.begin());
+              std::upper_bound(cut.keys.begin(), cut.keys.end(), keys[i]) - cut.keys.begin());
     }
   });
 }

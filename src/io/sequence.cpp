@@ -110,22 +110,6 @@ void list_pattern(const std::string& pattern, std::vector<std::string>& files) {
   files.insert(files.end(), found.begin(), found.end());
 }
 
-std::vector<std::string> list_files(const std::vector<std::string>& paths) {
-  std::vector<std::string> files;
-  for (const std::string& path : paths) {
-    struct stat status {};
-    const bool exists = path != "-" && ::stat(path.c_str(), &status) == 0;
-    if (exists && S_ISDIR(status.st_mode))
-      list_folder(path, files);
-    else if (!exists && path != "-" && path.find_first_of("*?[") != std::string::npos)
-      list_pattern(path, files);
-    else
-      files.push_back(path);
-  }
-  if (files.empty()) throw Error(ErrorCode::invalid_argument, "a sequence needs a file");
-  return files;
-}
-
 /// True if `path` holds an array (frames, n, d); `impl` then reads from it.
 bool open_array(const std::string& path, PointSequence::Impl& impl) {
   const std::string& format = impl.options.format;
@@ -150,10 +134,26 @@ bool open_array(const std::string& path, PointSequence::Impl& impl) {
 }  // namespace
 }  // namespace internal
 
+std::vector<std::string> sequence_files(const std::vector<std::string>& paths) {
+  std::vector<std::string> files;
+  for (const std::string& path : paths) {
+    struct stat status {};
+    const bool exists = path != "-" && ::stat(path.c_str(), &status) == 0;
+    if (exists && S_ISDIR(status.st_mode))
+      internal::list_folder(path, files);
+    else if (!exists && path != "-" && path.find_first_of("*?[") != std::string::npos)
+      internal::list_pattern(path, files);
+    else
+      files.push_back(path);
+  }
+  if (files.empty()) throw Error(ErrorCode::invalid_argument, "a sequence needs a file");
+  return files;
+}
+
 PointSequence open_sequence(const std::vector<std::string>& paths, const ReadOptions& options) {
   auto impl = std::make_unique<PointSequence::Impl>();
   impl->options = options;
-  impl->files = internal::list_files(paths);
+  impl->files = sequence_files(paths);
   impl->name = internal::display_name(impl->files[0]);
   if (impl->files.size() == 1 && internal::open_array(impl->files[0], *impl)) impl->files.clear();
   if (!impl->files.empty()) impl->window = internal::FileWindow();

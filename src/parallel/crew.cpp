@@ -9,14 +9,7 @@
 #include <vector>
 
 #include "parallel/parallel.hpp"
-
-#if defined(__SANITIZE_THREAD__)
-#define CULLHULL_THREAD_SANITIZER
-#elif defined(__has_feature)
-#if __has_feature(thread_sanitizer)
-#define CULLHULL_THREAD_SANITIZER
-#endif
-#endif
+#include "parallel/thread_sanitizer.hpp"
 
 namespace cullhull::internal {
 namespace {

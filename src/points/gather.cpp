@@ -86,6 +86,10 @@ void load_row(const PointView& view, std::uint64_t point, double* out) {
   gather_rows(view, nullptr, point, point + 1, out);
 }
 
+void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t end, double* out) {
+  gather_rows(view, nullptr, begin, end, out);
+}
+
 Array<double> gather_points(const PointView& view, const std::uint64_t* ids, std::uint64_t count,
                             unsigned threads) {
   const unsigned d = view.dimension;

@@ -19,6 +19,9 @@ Array<double> gather_points(const PointView& view, const std::uint64_t* ids, std
 /// gather_points where the scalar type stays the same.
 void load_row(const PointView& view, std::uint64_t point, double* out);
 
+/// The same of points [begin, end), row by row.
+void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t end, double* out);
+
 /// Throws as gather_points does; ids: nullptr means all points. Memory O(threads).
 void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, unsigned threads);
 

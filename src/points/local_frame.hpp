@@ -18,6 +18,10 @@ class LocalFrame {
   /// Time O(n d^2); memory: rows, and a second copy where scaling is not exact or axes are dropped.
   LocalFrame(Array<double>&& rows, std::uint32_t count, unsigned dimension, unsigned threads,
              const Control& control);
+  /// The same of a copy, on one thread.
+  LocalFrame(const std::vector<double>& rows, std::uint32_t count, unsigned dimension,
+             const Control& control)
+      : LocalFrame(Array<double>(rows.begin(), rows.end()), count, dimension, 1, control) {}
 
   int affine_dimension() const { return affine_dimension_; }
   /// The axes kept, ascending; as many as the affine dimension.

@@ -60,9 +60,13 @@ class Orientation3D {
     return side_hard(a, b, c, p, rungs);
   }
 
+  /// Equal points have equal rows, and those are at hand where exact ones would have to be fetched.
   bool equal(Point a, Point b) const {
-    const double *x = exact_row(a), *y = exact_row(b);
-    return x[0] == y[0] && x[1] == y[1] && x[2] == y[2];
+    const auto same = [](const double* x, const double* y) {
+      return x[0] == y[0] && x[1] == y[1] && x[2] == y[2];
+    };
+    return same(a.row, b.row) &&
+           (points_.exact == points_.coordinates || same(exact_row(a), exact_row(b)));
   }
 
   /// Sign of det [a - O; b - O; p - O].

@@ -20,6 +20,11 @@ class DirectionCube {
   }
   bool empty() const { return resolution_ == 0; }
   std::size_t size() const { return 2 * k_ * per_face_; }
+  unsigned resolution() const { return resolution_; }
+  /// Of a cell along each grid axis, on the faces of [-1, 1]^k.
+  double half_width() const { return 1.0 / resolution_; }
+  /// The axis of the face that holds the cell.
+  unsigned axis(std::size_t cell) const { return static_cast<unsigned>(cell / per_face_ / 2); }
 
   /// Face 2 j + (x_j < 0), then row-major on the other axes. Any x; the zero vector is in some
   /// cell.

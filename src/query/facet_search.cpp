@@ -39,9 +39,6 @@ using PlaneOf = void (*)(const double*, const std::uint32_t*, double*, double&);
 constexpr PlaneOf planes_of[] = {nullptr,     nullptr,     plane_of<2>, plane_of<3>, plane_of<4>,
                                  plane_of<5>, plane_of<6>, plane_of<7>, plane_of<8>};
 
-/// What underflow may do to a value: determinant_tiny over the least denominator allowed, and more.
-constexpr double least_denominator = 0x1p-900, value_tiny = 0x1p-90;
-
 double largest_of(const double* x, unsigned k) {
   double m = 0;
   for (unsigned j = 0; j < k; ++j) m = std::max(m, std::fabs(x[j]));
@@ -182,7 +179,7 @@ void FacetSearch::set_plane(std::uint32_t f, const std::uint32_t* corners) {
 bool FacetSearch::centre_inside() const {
   std::vector<const double*> rows(k_ + 1);
   for (std::uint32_t f = 0; f < count(); ++f) {
-    if (slack(f) < infinity) continue;
+    if (error_factor(f) < infinity) continue;
     if (!scaled_exactly_) return false;
     for (unsigned i = 0; i < k_; ++i)
       rows[i] = scaled_.data() + std::size_t{corners_[std::size_t{f} * k_ + i]} * k_;
@@ -264,7 +261,7 @@ bool FacetSearch::explore(const double* x, Doubt& doubt) const {
   const unsigned k = K ? K : k_;
   const double reach = largest_of(x, k);
   const auto error = [&](std::uint32_t f, double v) {
-    return slack(f) * (reach + std::fabs(v)) + value_tiny;
+    return value_error(error_factor(f), reach, v);
   };
   // Steepest ascent, stopping at the first facet that sees x.
   std::uint32_t f = hint(x);

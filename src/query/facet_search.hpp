@@ -1,7 +1,10 @@
 // Which facet a ray from the centre leaves by, and on which side of it a point is.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "cullhull/hull.hpp"
@@ -35,6 +38,10 @@ QueryPoints make_query_points(const PointView& points, const Hull& hull);
 /// might still be the largest, given their error bounds, are found by going to neighbours only.
 class FacetSearch {
  public:
+  /// What underflow may do to a value: determinant_tiny over the least denominator allowed, and
+  /// more.
+  static constexpr double least_denominator = 0x1p-900, value_tiny = 0x1p-90;
+
   FacetSearch(const QueryPoints& points, const Hull& hull);
 
   /// `q`: k coordinates on the axes, within the box of the vertices.
@@ -52,6 +59,20 @@ class FacetSearch {
   /// The function of facet f on localised points.
   template <unsigned K>
   double value(std::uint32_t f, const double* x) const;
+  /// The value computed at x, max|x| = reach, is off by at most this.
+  static double value_error(double factor, double reach, double value) {
+    return factor * (reach + std::fabs(value)) + value_tiny;
+  }
+  double error_factor(std::uint32_t f) const { return planes_[f * stride() + k_]; }
+  std::span<const std::uint32_t> neighbours(std::uint32_t f) const {
+    return {neighbours_.data() + neighbour_start_[f], neighbours_.data() + neighbour_start_[f + 1]};
+  }
+  const double* normal(std::uint32_t f) const { return planes_.data() + f * stride(); }
+  /// localise() is q[j] * factor[j] - centre[j].
+  void copy_frame(double* factor, double* centre) const {
+    std::copy(factor_.begin(), factor_.end(), factor);
+    std::copy(centre_.begin(), centre_.end(), centre);
+  }
   /// A facet to climb from.
   std::uint32_t start(const double* x) const { return hint(x); }
   /// The facet of largest value at x, up to rounding, from `start`, by steepest ascent.
@@ -65,7 +86,6 @@ class FacetSearch {
   static constexpr std::uint32_t none = 0xFFFFFFFF;
 
   std::size_t stride() const { return std::size_t{k_} + 1; }
-  double slack(std::uint32_t f) const { return planes_[f * stride() + k_]; }
   void scale_points();
   void choose_simplices(const Hull& hull);
   void set_plane(std::uint32_t f, const std::uint32_t* corners);

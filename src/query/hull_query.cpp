@@ -1,18 +1,23 @@
 // HullQuery: the questions, one by one and in batches.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <mutex>
+#include <numeric>
 #include <optional>
 #include <string>
 
 #include "control.hpp"
 #include "cull/gauge_map.hpp"
+#include "cull/gauge_table.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/query.hpp"
 #include "parallel/parallel.hpp"
 #include "points/gather.hpp"
 #include "predicates/orientation.hpp"
+#include "query/facet_cells.hpp"
 #include "query/facet_search.hpp"
 #include "query/plane_tree.hpp"
 #include "query/vertex_search.hpp"
@@ -22,6 +27,9 @@ namespace internal {
 namespace {
 
 constexpr std::uint64_t chunk = std::uint64_t{1} << 12;
+static_assert(chunk <= gauge_chunk);
+/// So many questions at once are worth a map.
+constexpr std::uint64_t worth_a_map = 2048;
 
 /// Whether points lie in the flat of a flat hull: the basis and the point, seen on the flat's axes
 /// and any other one, must have no volume.
@@ -83,6 +91,26 @@ InnerPolytope polytope_of(const QueryPoints& points, const Hull& hull) {
   for (const std::uint64_t id : hull.simplices) p.facets.push_back(points.index_of(id));
   p.neighbours.assign(hull.simplex_neighbours.begin(), hull.simplex_neighbours.end());
   return p;
+}
+
+/// Coordinate j of the points begin + ids[i] to columns[j * FacetCells::block + i].
+void load_columns(const PointView& view, std::uint64_t begin, const std::uint32_t* ids,
+                  std::uint32_t count, double* columns) {
+  if (view.scalar == ScalarType::f64) {
+    for (unsigned j = 0; j < view.dimension; ++j) {
+      const std::byte* from = view.address(begin, j);
+      double* const to = columns + j * FacetCells::block;
+      for (std::uint32_t i = 0; i < count; ++i)
+        std::memcpy(to + i, from + static_cast<std::ptrdiff_t>(ids[i]) * view.point_stride,
+                    sizeof(double));
+    }
+    return;
+  }
+  double p[FacetCellTable::max_k];
+  for (std::uint32_t i = 0; i < count; ++i) {
+    load_row(view, begin + ids[i], p);
+    for (unsigned j = 0; j < view.dimension; ++j) columns[j * FacetCells::block + i] = p[j];
+  }
 }
 
 void refuse_non_finite(const double* p, unsigned d) {
@@ -147,6 +175,14 @@ struct HullQuery::State {
     });
     return gauge_map.get();
   }
+  /// The same for the facets by cells of directions.
+  const FacetCells* facet_cells(unsigned threads) const {
+    std::call_once(cells_once, [&] {
+      if (points.k == points.dimension && facets)
+        cells = FacetCells::build(*facets, points, threads);
+    });
+    return cells.get();
+  }
   RayHit ray(const double* origin, const double* direction) const;
   void check_dimension(const PointView& view) const {
     if (view.dimension != points.dimension)
@@ -156,6 +192,7 @@ struct HullQuery::State {
   }
   template <class Body>
   void each(const PointView& view, const Options& options, Body&& body) const;
+  struct ManySides;
   template <class Out, class Of>
   void sides(const PointView& view, Out* out, const Options& options, Of&& of) const;
 
@@ -170,6 +207,8 @@ struct HullQuery::State {
   InnerPolytope polytope;
   mutable std::once_flag map_once;
   mutable std::unique_ptr<GaugeMap> gauge_map;
+  mutable std::once_flag cells_once;
+  mutable std::unique_ptr<FacetCells> cells;
 };
 
 Side HullQuery::State::side(const double* p) const {
@@ -330,53 +369,92 @@ void HullQuery::State::each(const PointView& view, const Options& options, Body&
   }
 }
 
-/// Blocks, so that what the map leaves in doubt stays in the cache; `of` turns a side into an
-/// answer.
+/// The sides of one chunk of points.
+struct HullQuery::State::ManySides {
+  const State& state;
+  const PointView& view;
+  const GaugeMap* inner;    // may be null
+  const FacetCells* cells;  // may be null
+
+  /// Returns the first point that is not finite, or view.count.
+  template <class Out, class Of>
+  std::uint64_t ask(std::uint64_t begin, std::uint64_t end, Out* out, const Of& of) const {
+    std::array<std::uint32_t, gauge_chunk> ids;
+    auto count = static_cast<std::uint32_t>(end - begin);
+    if (inner != nullptr) {
+      std::fill(out + begin, out + end, of(Side::inside));
+      count =
+          static_cast<std::uint32_t>(gauge_survivors(inner->table(), view, begin, end, ids.data()));
+    } else {
+      std::iota(ids.begin(), ids.begin() + count, 0U);
+    }
+    for (std::uint32_t i = 0; i < count; i += FacetCells::block) {
+      const std::uint32_t n = std::min(FacetCells::block, count - i);
+      const std::uint64_t bad = cells != nullptr ? ask_cells(begin, ids.data() + i, n, out, of)
+                                                 : ask_each(begin, ids.data() + i, n, out, of);
+      if (bad != view.count) return bad;
+    }
+    return view.count;
+  }
+
+  template <class Out, class Of>
+  std::uint64_t ask_each(std::uint64_t begin, const std::uint32_t* ids, std::uint32_t count,
+                         Out* out, const Of& of) const {
+    std::vector<double> p(view.dimension);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      load_row(view, begin + ids[i], p.data());
+      if (!std::all_of(p.begin(), p.end(), [](double v) { return std::isfinite(v); }))
+        return begin + ids[i];
+      out[begin + ids[i]] = of(state.side(p.data()));
+    }
+    return view.count;
+  }
+
+  template <class Out, class Of>
+  std::uint64_t ask_cells(std::uint64_t begin, const std::uint32_t* ids, std::uint32_t count,
+                          Out* out, const Of& of) const {
+    constexpr std::uint32_t block = FacetCells::block;
+    alignas(64) double columns[FacetCellTable::max_k * block];
+    std::int8_t sides[block];
+    load_columns(view, begin, ids, count, columns);
+    if (!cells->sides(columns, count, sides)) return ask_each(begin, ids, count, out, of);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      Side side = static_cast<Side>(sides[i]);
+      if (side == Side::boundary) {  // or not known
+        double p[FacetCellTable::max_k];
+        load_row(view, begin + ids[i], p);
+        side = state.facets->side(p);
+      }
+      out[begin + ids[i]] = of(side);
+    }
+    return view.count;
+  }
+};
+
+/// A chunk is asked while it is in the cache: first the map, which clears points well inside, then
+/// the box and the cells, then one by one. `of` turns a side into an answer.
 template <class Out, class Of>
 void HullQuery::State::sides(const PointView& view, Out* out, const Options& options,
                              Of&& of) const {
   check_dimension(view);
-  constexpr std::uint64_t worth_a_map = 2048, block = std::uint64_t{1} << 20;
   const Control control(options);
-  const unsigned threads = resolve_threads(options.threads), d = points.dimension;
-  const GaugeMap* inner = view.count >= worth_a_map ? map() : nullptr;
-  std::uint64_t bad = view.count;
-  for (std::uint64_t begin = 0; begin < view.count; begin += block) {
-    control.report("query", static_cast<double>(begin) / static_cast<double>(view.count));
-    PointView part = view;
-    part.count = std::min(block, view.count - begin);
-    part.data += static_cast<std::ptrdiff_t>(begin) * view.point_stride;
-    std::vector<std::uint64_t> doubtful;
-    if (inner != nullptr) {
-      doubtful = inner->survivors(part, threads, control);
-      std::fill(out + begin, out + begin + part.count, of(Side::inside));
-    }
-    const std::uint64_t count = inner != nullptr ? doubtful.size() : part.count;
-    std::vector<std::uint64_t> first_bad(chunk_count(count, chunk), part.count);
-    for_each_chunk(count, chunk, threads,
-                   [&](std::uint64_t c, std::uint64_t from, std::uint64_t to) {
+  const unsigned threads = resolve_threads(options.threads);
+  const ManySides many{
+      *this, view, worth_a_map <= view.count ? map() : nullptr,
+      facets && view.count >= FacetCells::worthwhile(*facets) ? facet_cells(threads) : nullptr};
+  constexpr std::uint64_t block = std::uint64_t{1} << 20;  // between two reports
+  const std::uint64_t size = view.count >= block / 4 ? gauge_chunk : chunk;
+  for (std::uint64_t first = 0; first < view.count; first += block) {
+    control.report("query", static_cast<double>(first) / static_cast<double>(view.count));
+    const std::uint64_t count = std::min(block, view.count - first);
+    std::vector<std::uint64_t> bad(chunk_count(count, size), view.count);
+    for_each_chunk(count, size, threads,
+                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
                      control.check();
-                     std::vector<double> p(d);
-                     for (std::uint64_t i = from; i < to; ++i) {
-                       const std::uint64_t id = inner != nullptr ? doubtful[i] : i;
-                       bool finite = true;
-                       for (unsigned j = 0; j < d; ++j) {
-                         p[j] = part.at(id, j) + 0.0;
-                         finite &= std::isfinite(p[j]);
-                       }
-                       if (!finite) {
-                         first_bad[c] = std::min(first_bad[c], id);
-                         return;
-                       }
-                       out[begin + id] = of(side(p.data()));
-                     }
+                     bad[c] = many.ask(first + begin, first + end, out, of);
                    });
-    for (const std::uint64_t id : first_bad)
-      if (id < part.count) bad = std::min(bad, begin + id);
-    if (bad < view.count) {
-      const std::vector<std::uint64_t> ids{bad};
-      check_finite(view, &ids, 1);  // says which coordinate, and throws
-    }
+    const std::vector<std::uint64_t> lowest{*std::min_element(bad.begin(), bad.end())};
+    if (lowest[0] < view.count) check_finite(view, &lowest, 1);  // says which, and throws
   }
 }
 

@@ -24,6 +24,7 @@ struct HullTracker::Impl {
   bool known = false;  ///< `hull` is that of a frame before
   Hull hull, next;
   FrameReport report;
+  Survivors survivors;
   std::vector<std::uint64_t> leaders;  ///< the hull's vertices, ascending
   /// Frames that go the static way before coherence is tried again, and how many the next failure
   /// would cost.
@@ -94,6 +95,7 @@ struct HullTracker::Impl {
     now.scan_survivors = filtered.first_pass;
     now.survivors = filtered.survivors.size(points.count);
     now.cull_seconds = seconds_since(start);
+    Survivors left = filtered.survivors;
     next = points.hull(std::move(filtered));
     now.hull_seconds = next.statistics.hull_seconds;
     now.compute_seconds = seconds_since(start);
@@ -104,6 +106,7 @@ struct HullTracker::Impl {
     leaders = ascending_vertices(next);
     std::swap(hull, next);
     report = now;
+    survivors = std::move(left);
     known = true;
     run.control.report("done", 1);
   }
@@ -127,6 +130,7 @@ const Hull& HullTracker::update(const DevicePointView& points) {
 
 const Hull& HullTracker::hull() const noexcept { return impl_->hull; }
 const FrameReport& HullTracker::report() const noexcept { return impl_->report; }
+const Survivors& HullTracker::survivors() const noexcept { return impl_->survivors; }
 
 void HullTracker::reset() noexcept {
   impl_->known = false;

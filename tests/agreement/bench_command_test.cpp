@@ -1,8 +1,14 @@
 // cullhull bench: what a suite prints and keeps. Rates are looked at for sense, never for speed.
+#include <sys/wait.h>
+
+#include <algorithm>
 #include <cstdlib>
+#include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "agreement/run_app.hpp"
+#include "cgal.hpp"
 
 namespace cullhull {
 namespace {
@@ -99,8 +105,12 @@ void expect_sound(const nlohmann::json& report) {
         EXPECT_TRUE(value.is_null() || value.get<double>() >= 0) << row["name"] << ' ' << name;
       EXPECT_TRUE(row["agrees"].get<bool>()) << row["name"] << ' ' << row["check"];
       EXPECT_NE(row["check"], "");
+      EXPECT_TRUE(row["bandwidth_share"].is_null() || row["bandwidth_share"].get<double>() > 0);
     }
   }
+  ASSERT_FALSE(report["read_bytes_per_second"].empty());
+  for (const auto& [threads, rate] : report["read_bytes_per_second"].items())
+    EXPECT_GT(rate.get<double>(), 0) << threads;
   for (const char* key : {"processor", "cores", "memory"}) EXPECT_NE(report["machine"][key], "");
 }
 
@@ -125,9 +135,20 @@ TEST(BenchPaper, EveryFigureAtASmallScale) {
   EXPECT_EQ(run_app({"bench", "paper", "--scale", "0"}).status, 2);
 }
 
+/// Rows of the figure of all workloads, by name.
+std::map<std::string, nlohmann::json> rows_of(const nlohmann::json& report) {
+  std::map<std::string, nlohmann::json> rows;
+  for (const auto& row : report["figures"].back()["rows"])
+    rows[row["name"].get<std::string>()] = row;
+  return rows;
+}
+
+const std::vector<std::string> rivals = {"bench", "rivals", "--repeat", "1"};
+
 TEST(BenchRivals, MarksWhereARivalIsFaster) {
-  const Ran ran = run_app({"bench", "rivals", "--scale", "0.001", "--repeat", "1", "--workload",
-                           "ball-3d-8M", "--workload", "sphere-4d-100k", "--json"});
+  const Ran ran =
+      run_app(with(rivals, {"--scale", "0.001", "--workload", "ball-3d-8M", "--workload",
+                            "sphere-4d-100k", "--threads", "1,2", "--json"}));
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto report = nlohmann::json::parse(ran.out);
   expect_sound(report);
@@ -135,11 +156,102 @@ TEST(BenchRivals, MarksWhereARivalIsFaster) {
   ASSERT_EQ(all["rows"].size(), 2U);
   EXPECT_EQ(all["rows"][0]["name"], "ball-3d-8k");
   std::size_t lost = 0;
-  for (const auto& row : all["rows"])
-    lost += !row["ratio"].is_null() && row["ratio"].get<double>() < 1;
+  for (const auto& row : all["rows"]) {
+    double best = 1e300, worst = 0;
+    for (const auto& [name, value] : row["values"].items()) {
+      if (value.is_null()) continue;
+      if (name.starts_with("cullhull")) worst = std::max(worst, value.get<double>());
+      if (!name.starts_with("cullhull")) best = std::min(best, value.get<double>());
+    }
+    EXPECT_TRUE(row["values"].contains("cullhull, 1 thread"));
+    EXPECT_TRUE(row["values"].contains("cullhull, 2 threads"));
+    EXPECT_EQ(row["slower"].is_null(), !(best < worst)) << row;
+    lost += best < worst ? 1 : 0;
+  }
   EXPECT_EQ(report["figures"].size(), lost > 0 ? 2U : 1U);
+  EXPECT_EQ(report["figures"][0]["id"], lost > 0 ? "lost" : "rivals");
   EXPECT_EQ(report["figures"][0]["rows"].size(), lost > 0 ? lost : 2);
-  EXPECT_EQ(run_app({"bench", "rivals", "--workload", "nothing"}).status, 2);
+}
+
+TEST(BenchRivals, EveryCombinationAndHardPoints) {
+  const Folder f;
+  const Ran ran = run_app(with(
+      rivals,
+      {"--scale",  "1",           "--shape",   "ball",     "--shape", "sphere",     "--dimension",
+       "2",        "--dimension", "3",         "--points", "500",     "--scalar",   "f32",
+       "--scalar", "i32",         "--threads", "1",        "--json",  "--markdown", f / "t.md"}));
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto report = nlohmann::json::parse(ran.out);
+  expect_sound(report);
+  const auto rows = rows_of(report);
+  ASSERT_EQ(rows.size(), 8U);
+  for (const char* name : {"ball-2d-500-f32", "ball-3d-500-i32", "sphere-3d-500-f32"})
+    EXPECT_EQ(rows.count(name), 1U) << name;
+  const std::string table = read_file(f / "t.md");
+  EXPECT_NE(table.find("| 2D disk 500, f32"), std::string::npos) << table;
+
+  const Ran hard = run_app(
+      with(rivals, {"--scale", "1", "--workload", "turned-lattice-surface-3d-600", "--workload",
+                    "two-circles-3d-300", "--workload", "turned-squashed-3d-300", "--workload",
+                    "cone-3d-300", "--workload", "grid-3d-2k-i32", "--json"}));
+  ASSERT_EQ(hard.status, 0) << hard.err;
+  const auto found = nlohmann::json::parse(hard.out);
+  expect_sound(found);
+  EXPECT_EQ(rows_of(found).at("two-circles-3d-300")["vertices"], 300);
+  EXPECT_EQ(rows_of(found).at("cone-3d-300")["vertices"], 300);
+}
+
+TEST(BenchRivals, ARivalThatTakesTooLongIsStopped) {
+  const Ran ran = run_app(with(rivals, {"--scale", "1", "--workload", "sphere-3d-200k", "--limit",
+                                        "0.1", "--without", "cgal", "--json"}));
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto row = rows_of(nlohmann::json::parse(ran.out)).begin()->second;
+  EXPECT_FALSE(row["values"].contains("CGAL"));
+  if (row["values"]["Qhull"].is_null()) return;  // built without
+  EXPECT_EQ(row["unfinished"], nlohmann::json::array({"Qhull"}));
+  EXPECT_EQ(row["values"]["Qhull"], 0.1);
+  EXPECT_TRUE(row["ratio_is_bound"].get<bool>());
+}
+
+/// Stands in for CGAL's program and has lost a point.
+TEST(BenchRivals, OtherExtremePointsAreAnError) {
+  const std::vector<double> square{0, 0, 1, 0, 0, 1, 1, 1};
+  const bench::Difference same = bench::difference(square, {1, 1, 0, 0, 1, 0, -0.0, 1}, 2);
+  EXPECT_EQ(same.first + same.second, 0U);
+  const bench::Difference found = bench::difference(square, {0, 0, 1, 0, 5, 5, 1, 1, 7, 7}, 2);
+  EXPECT_EQ(found.first, 1U);
+  EXPECT_EQ(found.second, 2U);
+
+  const Folder f;
+  const std::string ours = f / "cullhull";
+  std::filesystem::copy_file(CULLHULL_APP, ours);
+  const std::string program = f / "cullhull-rival-cgal";
+  write_file(program, "#!/bin/sh\nprintf '\\0\\0\\0\\0\\0\\0\\360?'\nhead -c 48 /dev/zero\n");
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  const std::string out = f / "report.json";
+  std::string command = ours;
+  command += " bench rivals --scale 1 --repeat 1 --workload cube-3d-100 -q --json=";
+  command += out + " 2>/dev/null";
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 3);
+  const auto report = nlohmann::json::parse(read_file(out));
+  EXPECT_EQ(report["figures"][0]["id"], "differ");
+  const auto& row = report["figures"][0]["rows"][0];
+  EXPECT_FALSE(row["agrees"].get<bool>());
+  EXPECT_EQ(row["values"]["CGAL"], 1.0);
+  EXPECT_NE(row["check"].get<std::string>().find("2 only CGAL's"), std::string::npos) << row;
+}
+
+TEST(BenchRivals, BadUsage) {
+  for (const auto& words : std::vector<std::vector<std::string>>{{"--workload", "nothing"},
+                                                                 {"--workload", "nothing-3d-1k"},
+                                                                 {"--workload", "squashed-4d-1k"},
+                                                                 {"--threads", "0"},
+                                                                 {"--threads", "1,many"},
+                                                                 {"--points", "many"}}) {
+    const Ran ran = run_app(with(rivals, words));
+    EXPECT_EQ(ran.status, 2) << words[1] << ran.err;
+    EXPECT_TRUE(one_line(ran.err)) << ran.err;
+  }
 }
 
 }  // namespace

@@ -11,25 +11,12 @@
 #include "cull/gauge_map.hpp"
 #include "cull/gauge_table.hpp"
 #include "cullhull/options.hpp"
+#include "tests/made_sets.hpp"
 
 namespace cullhull::internal {
 namespace {
 
-/// The cross polytope with half axes `radius`, around `centre`.
-InnerPolytope cross_polytope(unsigned d, double centre, double radius) {
-  InnerPolytope p;
-  p.dimension = d;
-  for (unsigned j = 0; j < 2 * d; ++j)
-    for (unsigned k = 0; k < d; ++k)
-      p.vertices.push_back(k != j / 2 ? centre : j % 2 ? centre - radius : centre + radius);
-  for (unsigned s = 0; s < 1U << d; ++s) {
-    for (unsigned j = 0; j < d; ++j) {
-      p.facets.push_back(2 * j + (s >> j & 1));
-      p.neighbours.push_back(s ^ (1U << j));
-    }
-  }
-  return p;
-}
+using testing_support::cross_polytope;
 
 std::vector<double> uniform(unsigned d, std::size_t n, double centre, double reach,
                             std::uint64_t seed) {

@@ -11,9 +11,12 @@
 #include "cull/pseudo_hull_growth.hpp"
 #include "cullhull/options.hpp"
 #include "reference/emulated_executor.hpp"
+#include "tests/made_sets.hpp"
 
 namespace cullhull::internal {
 namespace {
+
+using testing_support::normal_points;
 
 struct Grown {
   std::vector<std::uint64_t> survivors;
@@ -55,18 +58,6 @@ void expect_as_on_the_host(const PointView& view, const std::string& name) {
         EXPECT_EQ(device.rounds[r].kept, rounds[r].kept);
       }
     }
-}
-
-template <class T>
-std::vector<T> normal_points(std::size_t n, unsigned d, std::uint64_t seed, double step) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
-  std::vector<T> v(n * d);
-  for (T& x : v) {
-    const double value = normal(random);
-    x = static_cast<T>(step > 0 ? std::round(value / step) : value);
-  }
-  return v;
 }
 
 template <unsigned D, class T>

@@ -240,6 +240,62 @@ TEST(HullQuery, large_batches_go_through_the_map_and_agree) {
   }
 }
 
+/// Sets whose hulls are asked by cells of directions: lattices (many points exactly on facets, on
+/// ridges, at vertices), slivers, and every dimension that has cells.
+TEST(HullQuery, cells_answer_as_single_questions_do) {
+  std::vector<PointSet> sets;
+  for (unsigned d = 2; d <= 4; ++d) {
+    sets.push_back(random_set("ball", d < 4 ? 1000 : 60, d, 21));
+    sets.push_back(random_grid(d < 4 ? 300 : 100, d, 4, 0, d));
+    sets.push_back(cube_with_centres(d));
+  }
+  sets.push_back(full_grid(3, 5, 0.1));
+  sets.push_back(cylinder(200, 1));
+  sets.push_back(cone(200, 1));
+  sets.push_back(cospherical(3, 81));
+  sets.push_back(all_magnitudes(60, 3, 1));
+  unsigned seen[3] = {0, 0, 0};
+  for (const PointSet& set : sets) {
+    const Subject s(set);
+    const HullQuery query(view_of(set), s.hull);
+    const unsigned count = 20000;
+    const std::vector<double> points = awkward_points(s, count, 31);
+    std::vector<Side> batch(count), turned(count);
+    Options options;
+    options.threads = 2;
+    query.sides(PointView::row_major(points.data(), count, s.d), batch.data(), options);
+    std::vector<double> columns(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) columns[i % s.d * count + i / s.d] = points[i];
+    query.sides(PointView::column_major(columns.data(), count, s.d), turned.data(), options);
+    ASSERT_EQ(batch, turned) << set.name;
+    for (unsigned i = 0; i < count; ++i) {
+      ASSERT_EQ(batch[i], query.side(points.data() + std::size_t{i} * s.d))
+          << set.name << ", point " << i;
+      ++seen[1 + static_cast<int>(batch[i])];
+    }
+  }
+  for (const unsigned n : seen) EXPECT_GT(n, 20000U);
+}
+
+TEST(HullQuery, large_batches_name_the_first_point_that_is_not_finite) {
+  const PointSet set = random_set("ball", 500, 3, 11);
+  const Hull hull = convex_hull(view_of(set));
+  const HullQuery query(view_of(set), hull);
+  PointSet asked = random_set("cube", 100000, 3, 12);
+  std::vector<std::uint8_t> out(100000);
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()}) {
+    asked.coordinates[3 * 77000 + 2] = asked.coordinates[3 * 99999] = bad;
+    try {
+      query.contains(view_of(asked), out.data());
+      FAIL();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::not_finite);
+      EXPECT_NE(std::string(e.what()).find("77000"), std::string::npos) << e.what();
+    }
+  }
+}
+
 TEST(HullQuery, visible_facets_are_those_below_the_point) {
   std::size_t seen = 0;
   for (const PointSet& set : subjects()) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
@@ -12,6 +13,7 @@
 
 #include "canonical_hash.hpp"
 #include "cullhull/cullhull.hpp"
+#include "tests/made_sets.hpp"
 
 namespace {
 
@@ -45,6 +47,7 @@ namespace cullhull {
 namespace {
 
 using testing_support::canonical_hash;
+using testing_support::moving_frames;
 using Rows = std::vector<double>;
 
 constexpr CullMethod methods[] = {CullMethod::automatic, CullMethod::gauge, CullMethod::pseudo_hull,
@@ -71,9 +74,17 @@ class Trackers {
   }
   void expect_frame(const PointView& points, const std::string& what) {
     const std::uint64_t expected = static_hash(points);
-    for (std::size_t t = 0; t < trackers_.size(); ++t)
+    for (std::size_t t = 0; t < trackers_.size(); ++t) {
       EXPECT_EQ(canonical_hash(trackers_[t].update(points)), expected)
           << what << ", tracker " << t << ": " << trackers_[t].report().method;
+      expect_vertices_among_survivors(trackers_[t], points.count);
+    }
+  }
+  static void expect_vertices_among_survivors(const HullTracker& tracker, std::uint64_t count) {
+    const Survivors& left = tracker.survivors();
+    EXPECT_EQ(left.size(count), tracker.report().survivors);
+    for (const std::uint64_t v : tracker.hull().vertices)
+      EXPECT_TRUE(left.all || std::binary_search(left.ids.begin(), left.ids.end(), v)) << v;
   }
   HullTracker& operator[](std::size_t t) { return trackers_[t]; }
   std::size_t size() const { return trackers_.size(); }
@@ -94,14 +105,6 @@ void expect_sequence(const std::string& name, unsigned d, const std::vector<Rows
     trackers.expect_frame(rows_of(frames[f], d), name + ", frame " + std::to_string(f));
 }
 
-std::vector<Rows> moving(const char* shape, const char* motion, std::uint64_t n, unsigned d,
-                         std::uint64_t frames) {
-  const MovingPoints points(shape, motion, n, d, frames, 7);
-  std::vector<Rows> all(frames, Rows(n * d));
-  for (std::uint64_t f = 0; f < frames; ++f) points.frame(f, all[f].data());
-  return all;
-}
-
 Rows mapped(const Rows& rows, unsigned d, const std::function<void(std::uint64_t, double*)>& map) {
   Rows out = rows;
   for (std::uint64_t i = 0; i < rows.size() / d; ++i) map(i, &out[i * d]);
@@ -110,14 +113,15 @@ Rows mapped(const Rows& rows, unsigned d, const std::function<void(std::uint64_t
 
 TEST(HullTracker, EveryMotionOfABumpySurface) {
   for (const Shape& motion : motions())
-    expect_sequence(motion.name, 3, moving("bumpy", motion.name, 15000, 3, 5));
+    expect_sequence(motion.name, 3, moving_frames("bumpy", motion.name, 15000, 3, 5));
 }
 
 TEST(HullTracker, EveryDimension) {
   constexpr std::uint64_t counts[] = {0, 0, 20000, 9000, 1000, 200, 60, 30, 20};
   for (unsigned d = 2; d <= 8; ++d)
     for (const char* motion : {"twist", "explode", "teleport"})
-      expect_sequence(motion + std::to_string(d), d, moving("ball", motion, counts[d], d, 4));
+      expect_sequence(motion + std::to_string(d), d,
+                      moving_frames("ball", motion, counts[d], d, 4));
 }
 
 TEST(HullTracker, CollapseAndBack) {
@@ -206,7 +210,7 @@ TEST(HullTracker, AnotherCountOrDimensionStartsAfresh) {
 }
 
 TEST(HullTracker, ANanInFrame7IsNamedAndFrame8Follows) {
-  const std::vector<Rows> frames = moving("bumpy", "twist", 12000, 3, 10);
+  const std::vector<Rows> frames = moving_frames("bumpy", "twist", 12000, 3, 10);
   Trackers trackers;
   for (std::size_t f = 0; f < frames.size(); ++f) {
     if (f != 7) {
@@ -265,7 +269,7 @@ TEST(HullTracker, ReportsWhatCameAndWent) {
 }
 
 TEST(HullTracker, SteadyFramesKeepNoMoreMemory) {
-  const std::vector<Rows> frames = moving("bumpy", "spin", 20000, 3, 4);
+  const std::vector<Rows> frames = moving_frames("bumpy", "spin", 20000, 3, 4);
   for (const CullMethod method : methods) {
     Options options;
     options.cull = method;
@@ -350,7 +354,7 @@ TEST(HullTracker, DeviceViewsAreChecked) {
 // A planner that believes in a miracle of a link is asked for led frames too. Without a device the
 // CPU takes over and the reason says so.
 TEST(HullTracker, AutomaticFallsBack) {
-  const std::vector<Rows> frames = moving("bumpy", "twist", 40000, 3, 3);
+  const std::vector<Rows> frames = moving_frames("bumpy", "twist", 40000, 3, 3);
   Options lured;
   lured.cull = CullMethod::gauge;
   lured.machine.host_read_bytes_per_second = 1;
@@ -378,7 +382,7 @@ TEST(HullTracker, ThePseudoHullStaysOnTheCpuAndSaysSo) {
   Options options;
   options.cull = CullMethod::pseudo_hull;
   HullTracker tracker(options);
-  for (const Rows& rows : moving("bumpy", "spin", 9000, 3, 3)) {
+  for (const Rows& rows : moving_frames("bumpy", "spin", 9000, 3, 3)) {
     const Hull& hull = tracker.update(rows_of(rows, 3));
     EXPECT_STREQ(hull.statistics.backend, "cpu");
     EXPECT_NE(hull.statistics.cull_reason.find("the pseudo-hull runs on the CPU"),

@@ -4,13 +4,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 #include <set>
+#include <stop_token>
 
 #include "cullhull/cullhull.hpp"
 
 namespace cullhull::internal {
 namespace {
+
+bool thin(const std::vector<double>& rows, std::uint32_t count, unsigned d,
+          std::vector<std::uint32_t>& kept, unsigned threads = 1) {
+  const Options options;
+  return lattice_cull(Array<double>(rows.begin(), rows.end()), count, d, threads, Control(options),
+                      kept);
+}
 
 /// The obvious reference: a point goes if an equal point comes before it, or if its line along some
 /// axis has points of the set on both sides of it.
@@ -38,7 +47,7 @@ TEST(LatticeCull, DropsOnlyDuplicatesAndPointsBetweenOthers) {
       std::vector<double> rows(n * d);
       for (double& v : rows) v = static_cast<double>(rng() % 4) * 0.25 + shift;
       std::vector<std::uint32_t> kept;
-      ASSERT_TRUE(lattice_cull(Array<double>(rows.begin(), rows.end()), n, d, kept));
+      ASSERT_TRUE(thin(rows, n, d, kept));
       EXPECT_TRUE(std::is_sorted(kept.begin(), kept.end()));
       const std::set<std::uint32_t> in(kept.begin(), kept.end());
       EXPECT_LT(in.size(), n);
@@ -61,7 +70,7 @@ TEST(LatticeCull, AFullGridLeavesItsCorners) {
     for (int y = 0; y < 7; ++y)
       for (int z = 0; z < 3; ++z) rows.insert(rows.end(), {double(x), double(y), double(z)});
   std::vector<std::uint32_t> kept;
-  ASSERT_TRUE(lattice_cull(Array<double>(rows.begin(), rows.end()), 105, 3, kept));
+  ASSERT_TRUE(thin(rows, 105, 3, kept));
   EXPECT_EQ(kept.size(), 8U);
 }
 
@@ -71,9 +80,9 @@ TEST(LatticeCull, DeclinesWhatDoesNotPack) {
   std::vector<double> rows(3000);
   for (double& v : rows) v = u(rng);
   std::vector<std::uint32_t> kept;
-  EXPECT_FALSE(lattice_cull(Array<double>(rows.begin(), rows.end()), 1000, 3, kept));
+  EXPECT_FALSE(thin(rows, 1000, 3, kept));
   for (double& v : rows) v *= 1e-25;  // too small to be told apart by a fixed spacing
-  EXPECT_FALSE(lattice_cull(Array<double>(rows.begin(), rows.end()), 1000, 3, kept));
+  EXPECT_FALSE(thin(rows, 1000, 3, kept));
 }
 
 TEST(LatticeCull, IsBlindToScale) {
@@ -82,12 +91,12 @@ TEST(LatticeCull, IsBlindToScale) {
   std::vector<double> grid(3 * 400);
   for (double& v : grid) v = static_cast<double>(rng() % 6);
   std::vector<std::uint32_t> want, kept;
-  ASSERT_TRUE(lattice_cull(Array<double>(grid.begin(), grid.end()), 400, 3, want));
+  ASSERT_TRUE(thin(grid, 400, 3, want));
   EXPECT_LT(want.size(), 400U);
   const auto expect_same = [&](const auto& map) {
     std::vector<double> rows = grid;
     for (double& v : rows) v = map(v);
-    ASSERT_TRUE(lattice_cull(Array<double>(rows.begin(), rows.end()), 400, 3, kept));
+    ASSERT_TRUE(thin(rows, 400, 3, kept));
     EXPECT_EQ(kept, want);
   };
   for (int e = -1074; e <= 1020; e += 61) expect_same([e](double v) { return std::ldexp(v, e); });
@@ -118,10 +127,97 @@ TEST(LatticeCull, ThePipelineKeepsTinyPoints) {
   }
 }
 
+/// Ends of lines along the last axis, then the one before, ..., the obvious way.
+std::vector<std::uint32_t> thinned_by_maps(const std::vector<double>& rows, std::uint32_t count,
+                                           unsigned d) {
+  std::vector<std::uint32_t> left(count);
+  for (std::uint32_t i = 0; i < count; ++i) left[i] = i;
+  for (unsigned axis = d; axis-- > 0;) {
+    std::map<std::vector<double>, std::pair<std::uint32_t, std::uint32_t>> ends;
+    for (const std::uint32_t i : left) {
+      std::vector<double> line(rows.begin() + i * d, rows.begin() + (i + 1) * d);
+      line.erase(line.begin() + axis);
+      auto& [low, high] = ends.try_emplace(line, i, i).first->second;
+      if (rows[i * d + axis] < rows[low * d + axis]) low = i;
+      if (rows[i * d + axis] > rows[high * d + axis]) high = i;
+    }
+    std::set<std::uint32_t> kept;
+    for (const auto& line : ends) kept.insert({line.second.first, line.second.second});
+    left.assign(kept.begin(), kept.end());
+  }
+  return left;
+}
+
+TEST(LatticeCull, IsThatOfMapsForAnyNumberOfThreads) {
+  std::mt19937_64 rng(5);
+  const std::uint32_t n = 60000;
+  std::vector<std::uint32_t> kept;
+  const auto expect_maps = [&](const std::vector<double>& rows, unsigned d, const char* what) {
+    const auto want = thinned_by_maps(rows, n, d);
+    EXPECT_LT(want.size(), n) << what;
+    for (const unsigned threads : {1U, 2U, 3U, 4U, 8U}) {
+      kept.clear();
+      ASSERT_TRUE(thin(rows, n, d, kept, threads)) << what;
+      EXPECT_EQ(kept, want) << what << ", threads " << threads;
+    }
+  };
+  for (const unsigned d : {2U, 3U, 4U}) {
+    const double values = std::floor(std::pow(n / 3.0, d > 2 ? 1.0 / (d - 1) : 0.5));
+    std::vector<double> rows(n * d);
+    for (double& v : rows) v = std::floor(std::uniform_real_distribution<double>(0, values)(rng));
+    expect_maps(rows, d, "even steps");
+    for (double& v : rows) v = 0.1 * v - 1;
+    expect_maps(rows, d, "steps that are rounded");
+    for (double& v : rows) v = v * v * v;
+    expect_maps(rows, d, "uneven steps");
+    for (std::size_t i = 0; i < rows.size(); i += 997) rows[i] = -rows[i];
+    expect_maps(rows, d, "minus zero");
+  }
+  // Few points on many lines: these are found by hashing.
+  std::vector<double> rows;
+  while (rows.size() < 3 * n) {
+    const auto x = static_cast<double>(rng() % 100000), y = static_cast<double>(rng() % 100000);
+    for (int k = 0; k < 4; ++k)
+      rows.insert(rows.end(), {x, y, static_cast<double>(rng() % 100000)});
+  }
+  expect_maps(rows, 3, "few lines of many");
+}
+
+TEST(LatticeCull, DeclinesWhereLinesAreNotShared) {
+  // A third of each axis's values is 1 or -1, and yet no two points share a line.
+  const std::vector<double> cube = generate("cube-surface", 5000, 3);
+  std::vector<std::uint32_t> kept;
+  EXPECT_FALSE(thin(cube, 5000, 3, kept));
+  // One line with many points among points that share nothing.
+  std::vector<double> rows = generate("ball", 5000, 3);
+  for (std::size_t i = 0; i < 1000; ++i) rows[15 * i] = rows[15 * i + 1] = 0.5;
+  EXPECT_FALSE(thin(rows, 5000, 3, kept));
+  // Each point twice.
+  rows = generate("ball", 2500, 3);
+  const std::vector<double> again = rows;
+  rows.insert(rows.end(), again.begin(), again.end());
+  EXPECT_FALSE(thin(rows, 5000, 3, kept));
+}
+
+TEST(LatticeCull, Stops) {
+  std::stop_source stop;
+  stop.request_stop();
+  Options options;
+  options.stop = stop.get_token();
+  const std::vector<double> rows = generate("grid:8", 5000, 3);
+  std::vector<std::uint32_t> kept;
+  try {
+    lattice_cull(Array<double>(rows.begin(), rows.end()), 5000, 3, 2, Control(options), kept);
+    FAIL() << "did not stop";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::cancelled);
+  }
+}
+
 TEST(LatticeCull, EqualPointsLeaveTheFirst) {
   std::vector<double> rows(300, 2.5);
   std::vector<std::uint32_t> kept;
-  ASSERT_TRUE(lattice_cull(Array<double>(rows.begin(), rows.end()), 100, 3, kept));
+  ASSERT_TRUE(thin(rows, 100, 3, kept));
   EXPECT_EQ(kept, std::vector<std::uint32_t>{0});
 }
 

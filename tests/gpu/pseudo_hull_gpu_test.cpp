@@ -14,24 +14,14 @@
 #include "cullhull/options.hpp"
 #include "gpu/device.hpp"
 #include "reference/slow_hull.hpp"
+#include "tests/made_sets.hpp"
 
 namespace cullhull::internal {
 namespace {
 
 using testing::OnDevice;
 using testing::Stream;
-
-template <class T>
-std::vector<T> normal_points(std::size_t n, unsigned d, std::uint64_t seed, double step) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
-  std::vector<T> v(n * d);
-  for (T& x : v) {
-    const double value = normal(random);
-    x = static_cast<T>(step > 0 ? std::round(value / step) : value);
-  }
-  return v;
-}
+using testing_support::normal_points;
 
 void expect_as_on_the_host(const PointView& host, const OnDevice& device, unsigned subsets,
                            unsigned max_rounds, const std::string& name) {

@@ -10,12 +10,14 @@
 #include "cullhull/cullhull.hpp"
 #include "tests/agreement/canonical_hash.hpp"
 #include "tests/gpu/device.hpp"
+#include "tests/made_sets.hpp"
 
 namespace cullhull {
 namespace {
 
 using testing::OnDevice;
 using testing_support::canonical_hash;
+using testing_support::moving_frames;
 using Rows = std::vector<double>;
 
 class GpuTracker : public ::testing::Test {
@@ -28,14 +30,6 @@ Options with(CullMethod method, Backend backend) {
   options.cull = method;
   options.backend = backend;
   return options;
-}
-
-std::vector<Rows> moving(const char* shape, const char* motion, std::uint64_t n, unsigned d,
-                         std::uint64_t frames) {
-  const MovingPoints points(shape, motion, n, d, frames, 7);
-  std::vector<Rows> all(frames, Rows(n * d));
-  for (std::uint64_t f = 0; f < frames; ++f) points.frame(f, all[f].data());
-  return all;
 }
 
 template <class T>
@@ -73,18 +67,18 @@ void expect_static_hulls(const std::vector<Rows>& frames, unsigned d, const std:
 }
 
 TEST_F(GpuTracker, TenFramesAreTheStaticHulls) {
-  expect_static_hulls<float>(moving("bumpy", "twist", 30000, 3, 10), 3, "twist");
-  expect_static_hulls<double>(moving("bumpy", "fracture", 30000, 3, 10), 3, "fracture");
+  expect_static_hulls<float>(moving_frames("bumpy", "twist", 30000, 3, 10), 3, "twist");
+  expect_static_hulls<double>(moving_frames("bumpy", "fracture", 30000, 3, 10), 3, "fracture");
   if (testing::short_run()) return;
-  expect_static_hulls<double>(moving("ball", "teleport", 20000, 2, 10), 2, "teleport 2D");
-  expect_static_hulls<float>(moving("ball", "explode", 2000, 4, 10), 4, "explode 4D");
+  expect_static_hulls<double>(moving_frames("ball", "teleport", 20000, 2, 10), 2, "teleport 2D");
+  expect_static_hulls<float>(moving_frames("ball", "explode", 2000, 4, 10), 4, "explode 4D");
 }
 
 TEST_F(GpuTracker, LedFramesAreCulledOnTheDevice) {
   HullTracker there(with(CullMethod::gauge, Backend::cuda));
   HullTracker here(with(CullMethod::gauge, Backend::cuda));
   HullTracker cpu(with(CullMethod::gauge, Backend::cpu));
-  for (const Rows& rows : moving("bumpy", "spin", 50000, 3, 3)) {
+  for (const Rows& rows : moving_frames("bumpy", "spin", 50000, 3, 3)) {
     const OnDevice copy(rows);
     const auto host = PointView::row_major(rows.data(), 50000, 3);
     EXPECT_STREQ(
@@ -104,7 +98,7 @@ TEST_F(GpuTracker, AutomaticStaysOnTheDevice) {
   Options options = with(CullMethod::gauge, Backend::automatic);
   options.machine.link_bytes_per_second = 1;
   HullTracker tracker(options);
-  for (const Rows& rows : moving("bumpy", "spin", 30000, 3, 3)) {
+  for (const Rows& rows : moving_frames("bumpy", "spin", 30000, 3, 3)) {
     const OnDevice copy(rows);
     const Hull& hull = tracker.update(DevicePointView::row_major(copy.data<double>(), 30000, 3));
     EXPECT_EQ(canonical_hash(hull),
@@ -124,7 +118,7 @@ TEST_F(GpuTracker, FlatFramesAndOtherCounts) {
 }
 
 TEST_F(GpuTracker, TheFirstBadPointOfAllIsNamed) {
-  const std::vector<Rows> frames = moving("bumpy", "twist", 20000, 3, 3);
+  const std::vector<Rows> frames = moving_frames("bumpy", "twist", 20000, 3, 3);
   for (const CullMethod method :
        {CullMethod::automatic, CullMethod::gauge, CullMethod::pseudo_hull, CullMethod::none})
     for (const bool leader : {false, true}) {

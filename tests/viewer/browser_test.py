@@ -301,6 +301,43 @@ class Moving(Page):
         browser.driver.find_element("id", "play").click()
         self.assertNotEqual(self.text("when"), "frame 0 of 12")
 
+    def test_moving_points_are_tracked(self):
+        source = generated(
+            "led.npy", "bumpy", "-n", "20k", "-d", "3", "--frames", "4", "--motion", "twist")
+        reports = self.view(source)
+        self.assertEqual([r["track"]["method"] for r in reports],
+                         ["static", "gauge", "gauge", "gauge"])
+        app("track", source, f"--json={path('led.json')}", "-q")
+        with open(path("led.json")) as file:
+            frames = json.load(file)["frames"]
+        for report, frame in zip(reports, frames):
+            self.assertEqual(report["cull"]["survivors"], frame["survivors"])
+            self.assertEqual(report["vertex_count"], frame["vertex_count"])
+            self.assertEqual(report["track"]["vertices_came"], frame["vertices_came"])
+        self.key(".")  # the first has no frame before, and few enough points to do without a filter
+        browser.run("document.activeElement.blur()")
+        self.expect_toggles_work(
+            ("points", "survivors", "vertices", "faces", "edges", "axes", "stretch"))
+
+    def test_hulls_that_track_wrote(self):
+        source = generated(
+            "t.npy", "cube", "-n", "2k", "-d", "3", "--frames", "3", "--motion", "twist")
+        for pattern, shown in (("hulls/h-%d.json", "hulls/h-*.json"), ("meshes/%02d.ply", "meshes")):
+            os.makedirs(path(os.path.dirname(pattern)))
+            app("track", source, "-o", path(pattern), "-q")
+            page, report = path("tracked.html"), path("tracked.json")
+            app("view", path(shown), "-o", page, f"--json={report}")
+            self.assertEqual(browser.open(page), [])
+            with open(report) as file:
+                reports = json.load(file)
+            self.assertEqual(len(reports), 3)
+            self.expect_figures(reports[0])
+            self.expect_not_blank(5000)
+            before = browser.picture("canvas")
+            self.key(".")
+            self.assertGreater(pixels_changed(before, browser.picture("canvas")), 500)
+            self.expect_figures(reports[1])
+
     def test_long_sequences_are_thinned(self):
         reports = self.view(
             generated("long.npy", "cube", "-n", "50", "-d", "2", "--frames", "300", "--motion", "spin"))

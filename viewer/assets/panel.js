@@ -30,11 +30,15 @@ const figureNames = {
   "points.count": "Points", "points.dimension": "Dimension", "points.scalar": "Scalar type",
   affine_dimension: "Affine dimension", vertex_count: "Vertices", facet_count: "Facets",
   simplex_count: "Simplices", centroid: "Centroid", "cull.method": "Filter", "cull.survivors": "Survivors",
-  "cull.seconds": "Filtering", "hull.engine": "Engine", "hull.seconds": "Hull", read_seconds: "Reading",
+  "cull.seconds": "Filtering", "cull.reason": "Why", "hull.engine": "Engine", "hull.seconds": "Hull", read_seconds: "Reading",
   compute_seconds: "Computing", compute_seconds_all: "Each run", peak_bytes: "Peak memory", certified: "Certified",
   threads: "Threads", backend: "Backend", version: "cullhull",
+  "track.method": "Tracking", "track.scan_survivors": "Left by the scan", "track.scan_seconds": "Scan",
+  "track.vertices_came": "Vertices that came", "track.vertices_went": "Vertices that went",
+  "track.facets_came": "Facets that came", "track.facets_went": "Facets that went",
 };
-const resultFigures = new Set(["points.count", "points.dimension", "points.scalar", "affine_dimension", "vertex_count", "facet_count", "simplex_count", "area", "volume", "centroid", "cull.survivors"]);
+const resultFigures = new Set(["points.count", "points.dimension", "points.scalar", "affine_dimension", "vertex_count", "facet_count", "simplex_count", "area", "volume", "centroid", "cull.survivors",
+  "track.vertices_came", "track.vertices_went", "track.facets_came", "track.facets_went"]);
 
 // All digits that tell the double from its neighbours; groups of three before the point.
 function numberText(value) {

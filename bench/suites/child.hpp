@@ -1,0 +1,33 @@
+// Work in a process of its own: a rival that takes too long, runs out of memory or crashes ends
+// itself and not us, and Ctrl-C ends it at once.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+namespace cullhull::bench {
+
+struct ChildLimits {
+  double seconds = 0;  ///< 0: as long as it takes
+  std::stop_token stop;
+};
+
+struct ChildRun {
+  std::string output;
+  bool timed_out = false;
+};
+
+/// What `work` returns, computed in a fork of this process: it sees all memory as it is now and
+/// changes none of it. `work` must not use threads of this process, which a fork has not. Nothing
+/// if the child failed. Throws Error{cancelled}; Error{io} where no process can be made.
+std::optional<ChildRun> run_forked(const std::function<std::string()>& work,
+                                   const ChildLimits& limits);
+
+/// What a program wrote on its standard output; words[0] is its path.
+std::optional<ChildRun> run_program(const std::vector<std::string>& words,
+                                    const ChildLimits& limits);
+
+}  // namespace cullhull::bench

@@ -1,0 +1,34 @@
+// Clock and median of everything that measures.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace cullhull::bench {
+
+template <class Work>
+double seconds_of(Work&& work) {
+  const auto start = std::chrono::steady_clock::now();
+  std::forward<Work>(work)();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The middle one; of an even number the mean of the two; 0 of none.
+inline double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+template <class Work>
+double median_seconds(unsigned repeat, Work&& work) {
+  std::vector<double> times;
+  for (unsigned k = 0; k < repeat; ++k) times.push_back(seconds_of(work));
+  return median(std::move(times));
+}
+
+}  // namespace cullhull::bench

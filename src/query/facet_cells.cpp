@@ -1,0 +1,349 @@
+// Making the cells, and the kernel that asks them: once per instruction set, chosen at run time.
+#include "query/facet_cells.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "query/facet_cells.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "parallel/parallel.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace cullhull::internal::HWY_NAMESPACE {
+namespace {
+
+/// The largest |coordinate| below which a cell is not trusted, see FacetCells::build.
+constexpr double least_reach = 0x1p-500;
+
+#if HWY_HAVE_FLOAT64
+namespace hn = hwy::HWY_NAMESPACE;
+using D = hn::ScalableTag<double>;
+using V = hn::Vec<D>;
+
+/// What is known of a block of points.
+template <unsigned K>
+struct Block {
+  HWY_ALIGN double x[K][FacetCells::block];  // localised; of a point beyond the box 0
+  HWY_ALIGN double most[FacetCells::block];  // of all facets' values
+  HWY_ALIGN std::int32_t cells[FacetCells::block];
+};
+
+/// Localises a vector of points and finds their cells, as DirectionCube::cell does. False if a
+/// coordinate is not finite.
+template <unsigned K>
+HWY_INLINE bool find_cells(const FacetCellTable& t, const double* HWY_RESTRICT columns,
+                           std::uint32_t i, Block<K>& b) {
+  const D d;
+  V q[K];
+  auto in_box = hn::Eq(hn::Zero(d), hn::Zero(d)), finite = in_box;
+  for (unsigned j = 0; j < K; ++j) {
+    q[j] = hn::LoadU(d, columns + j * FacetCells::block + i);
+    finite = hn::And(finite, hn::Le(hn::Abs(q[j]), hn::Set(d, hwy::HighestValue<double>())));
+    in_box = hn::And(
+        in_box, hn::And(hn::Ge(q[j], hn::Set(d, t.low[j])), hn::Le(q[j], hn::Set(d, t.high[j]))));
+  }
+  V y[K], largest = hn::Zero(d);
+  for (unsigned j = 0; j < K; ++j) {
+    const V local = hn::Sub(hn::Mul(q[j], hn::Set(d, t.factor[j])), hn::Set(d, t.centre[j]));
+    y[j] = hn::IfThenElseZero(in_box, local);
+    largest = hn::Max(largest, hn::Abs(y[j]));
+    hn::Store(y[j], d, b.x[j] + i);
+  }
+  // With the first dominant axis a: grid axis j is axis j below a, j + 1 from a on.
+  V other[K - 1], dominant = y[K - 1], face = hn::Set(d, 2.0 * (K - 1));
+  auto at_or_after = hn::Lt(largest, hn::Zero(d));  // none
+  for (unsigned j = 0; j + 1 < K; ++j) {
+    const auto here = hn::AndNot(at_or_after, hn::Eq(hn::Abs(y[j]), largest));
+    dominant = hn::IfThenElse(here, y[j], dominant);
+    face = hn::IfThenElse(here, hn::Set(d, 2.0 * j), face);
+    at_or_after = hn::Or(at_or_after, here);
+    other[j] = hn::IfThenElse(at_or_after, y[j + 1], y[j]);
+  }
+  face = hn::Add(face, hn::IfThenElseZero(hn::Lt(dominant, hn::Zero(d)), hn::Set(d, 1.0)));
+  const V half = hn::Set(d, 0.5 * t.resolution), top = hn::Set(d, t.resolution - 1);
+  const V scale = hn::Div(half, hn::Max(largest, hn::Set(d, least_reach)));
+  V cell = face;
+  for (unsigned j = 0; j + 1 < K; ++j) {
+    const V at = hn::Add(hn::Mul(other[j], scale), half);
+    const V column = hn::Floor(hn::Min(hn::Max(at, hn::Zero(d)), top));
+    cell = hn::Add(hn::Mul(cell, hn::Set(d, t.resolution)), column);  // integers: exact
+  }
+  const hn::Rebind<std::int32_t, D> d32;
+  hn::StoreU(hn::DemoteTo(d32, cell), d32, b.cells + i);
+  return hn::AllTrue(d, finite);
+}
+
+/// The largest value of a facet in the list of the point's cell; a NaN for an empty list.
+template <unsigned K>
+HWY_INLINE double most_of_list(const FacetCellTable& t, const double* HWY_RESTRICT normals,
+                               const std::uint32_t* HWY_RESTRICT facets, const Block<K>& b,
+                               std::uint32_t i) {
+  const auto cell = static_cast<std::uint32_t>(b.cells[i]);
+  const std::uint32_t begin = t.starts[cell], end = t.starts[cell + 1];
+  if (HWY_UNLIKELY(begin == end)) return std::numeric_limits<double>::quiet_NaN();
+  double x[K], most = -std::numeric_limits<double>::infinity();
+  for (unsigned j = 0; j < K; ++j) x[j] = b.x[j][i];
+  for (std::uint32_t g = begin; g < end; ++g) {
+    double values[FacetCellTable::group];
+    for (unsigned m = 0; m < FacetCellTable::group; ++m) {
+      const double* n = normals + std::size_t{facets[g * FacetCellTable::group + m]} * K;
+      values[m] = n[0] * x[0];
+      for (unsigned j = 1; j < K; ++j) values[m] += n[j] * x[j];
+    }
+    most = std::max(most, std::max(std::max(values[0], values[1]), std::max(values[2], values[3])));
+  }
+  return most;
+}
+
+/// value +- error_factor (reach + |value|) +- value_tiny rises with the value, so the largest value
+/// decides. A NaN decides nothing.
+template <unsigned K>
+HWY_INLINE void decide(const FacetCellTable& t, const double* HWY_RESTRICT columns, std::uint32_t i,
+                       const Block<K>& b, std::int8_t* HWY_RESTRICT out) {
+  const D d;
+  V reach = hn::Zero(d);
+  auto beyond = hn::Lt(reach, reach);
+  for (unsigned j = 0; j < K; ++j) {
+    const V q = hn::LoadU(d, columns + j * FacetCells::block + i);
+    beyond =
+        hn::Or(beyond, hn::Or(hn::Lt(q, hn::Set(d, t.low[j])), hn::Gt(q, hn::Set(d, t.high[j]))));
+    reach = hn::Max(reach, hn::Abs(hn::Load(d, b.x[j] + i)));
+  }
+  const V one = hn::Set(d, 1.0), most = hn::Load(d, b.most + i);
+  const V error = hn::Add(hn::Mul(hn::Set(d, t.error_factor), hn::Add(reach, hn::Abs(most))),
+                          hn::Set(d, FacetSearch::value_tiny));
+  const auto known = hn::Ge(reach, hn::Set(d, least_reach));
+  const auto above = hn::Or(beyond, hn::And(known, hn::Gt(hn::Sub(most, error), one)));
+  const auto below = hn::And(known, hn::Lt(hn::Add(most, error), one));
+  const V sides = hn::Sub(hn::IfThenElseZero(above, one), hn::IfThenElseZero(below, one));
+  const hn::Rebind<std::int32_t, D> d32;
+  HWY_ALIGN std::int32_t few[hn::MaxLanes(D())];
+  hn::StoreU(hn::DemoteTo(d32, sides), d32, few);
+  for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    out[i + lane] = static_cast<std::int8_t>(few[lane]);
+}
+
+template <unsigned K>
+bool sides_as(const FacetCellTable& t, double* columns, std::uint32_t count, std::int8_t* out) {
+  const auto lanes = static_cast<std::uint32_t>(hn::Lanes(D()));
+  const std::uint32_t whole = (count + lanes - 1) / lanes * lanes;
+  for (unsigned j = 0; j < K; ++j)
+    std::fill(columns + j * FacetCells::block + count, columns + j * FacetCells::block + whole,
+              columns[j * FacetCells::block]);
+  Block<K> b;
+  bool finite = true;
+  for (std::uint32_t i = 0; i < whole; i += lanes) finite &= find_cells(t, columns, i, b);
+  for (std::uint32_t i = 0; i < whole; ++i)
+    b.most[i] = most_of_list(t, t.normals.data(), t.facets.data(), b, i);
+  for (std::uint32_t i = 0; i < whole; i += lanes) decide(t, columns, i, b, out);
+  return finite;
+}
+#endif  // HWY_HAVE_FLOAT64
+
+}  // namespace
+
+bool cell_sides(const FacetCellTable& t, double* columns, std::uint32_t count, std::int8_t* out) {
+#if HWY_HAVE_FLOAT64
+  switch (t.k) {
+    case 2:
+      return sides_as<2>(t, columns, count, out);
+    case 3:
+      return sides_as<3>(t, columns, count, out);
+    default:
+      return sides_as<4>(t, columns, count, out);
+  }
+#else
+  // Without vectors of doubles every point is climbed.
+  std::fill(out, out + count, std::int8_t{0});
+  return std::all_of(columns, columns + FacetCells::block * t.k,
+                     [](double v) { return std::isfinite(v); });
+#endif
+}
+
+}  // namespace cullhull::internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace cullhull::internal {
+
+HWY_EXPORT(cell_sides);
+
+namespace {
+
+/// Facets whose planes doubles know worse than this are asked elsewhere.
+constexpr double worst_factor = 0x1p-24;
+
+/// The list of one cell.
+class CellLister {
+ public:
+  static constexpr std::size_t most = 64;  // facets; a longer list would not save anything
+
+  explicit CellLister(const FacetSearch& search) : search_(search), k_(search.k()) {
+    corners_.resize((std::size_t{1} << (k_ - 1)) * k_);
+  }
+
+  /// Facets that somewhere in the cell may have the largest value, or none where they are too many.
+  const std::vector<std::uint32_t>& list(const DirectionCube& cube, std::size_t cell) {
+    found_.clear();
+    double centre[FacetCellTable::max_k];
+    cube.centre(cell, centre);
+    const std::uint32_t first = search_.climb(search_.start(centre), centre);
+    found_.push_back(first);
+    // Corners of the cell, and a little more.
+    const double half = cube.half_width() + 0x1p-45;
+    const std::size_t count = corners_.size() / k_;
+    for (std::size_t c = 0; c < count; ++c) {
+      unsigned bit = 0;
+      for (unsigned j = 0; j < k_; ++j) {
+        double& at = corners_[c * k_ + j];
+        at = centre[j];
+        if (j != cube.axis(cell)) at += c >> bit++ & 1 ? half : -half;
+      }
+    }
+    for (std::size_t c = 0; c < count; ++c)
+      if (!add_above(first, corners_.data() + c * k_)) {
+        found_.clear();
+        return found_;
+      }
+    drop_dominated(count);
+    // Such a facet would leave too many points in doubt.
+    if (std::any_of(found_.begin(), found_.end(),
+                    [this](std::uint32_t f) { return !(search_.error_factor(f) <= worst_factor); }))
+      found_.clear();
+    return found_;
+  }
+
+ private:
+  double value(std::uint32_t f, const double* x, double& error) const {
+    const double v = search_.value<0>(f, x);
+    double reach = 0;
+    for (unsigned j = 0; j < k_; ++j) reach = std::max(reach, std::fabs(x[j]));
+    error = FacetSearch::value_error(search_.error_factor(f), reach, v);
+    return v;
+  }
+
+  /// Adds the facets that at x may have a larger value than `first`; false if there are too many.
+  bool add_above(std::uint32_t first, const double* x) {
+    double error = 0;
+    const double floor = value(first, x, error) - error;
+    ring_.assign(1, first);
+    seen_.assign(1, first);
+    while (!ring_.empty()) {
+      const std::uint32_t f = ring_.back();
+      ring_.pop_back();
+      for (const std::uint32_t g : search_.neighbours(f)) {
+        if (std::find(seen_.begin(), seen_.end(), g) != seen_.end()) continue;
+        const double v = value(g, x, error);
+        if (v + error < floor) continue;
+        if (seen_.size() == most) return false;
+        seen_.push_back(g);
+        ring_.push_back(g);
+        if (std::find(found_.begin(), found_.end(), g) == found_.end()) found_.push_back(g);
+      }
+    }
+    return found_.size() <= most;
+  }
+
+  /// Drops facets certainly below another one at every corner, thus in all of the cell. Certainly
+  /// below is transitive, so one that stays is above each that goes.
+  void drop_dominated(std::size_t corners) {
+    low_.resize(found_.size() * corners);
+    high_.resize(found_.size() * corners);
+    for (std::size_t i = 0; i < found_.size(); ++i)
+      for (std::size_t c = 0; c < corners; ++c) {
+        double error = 0;
+        const double v = value(found_[i], corners_.data() + c * k_, error);
+        low_[i * corners + c] = v - error;
+        high_[i * corners + c] = v + error;
+      }
+    kept_.clear();
+    for (std::size_t i = 0; i < found_.size(); ++i) {
+      bool dominated = false;
+      for (std::size_t o = 0; o < found_.size() && !dominated; ++o) {
+        dominated = true;
+        for (std::size_t c = 0; c < corners && dominated; ++c)
+          dominated = high_[i * corners + c] < low_[o * corners + c];
+      }
+      if (!dominated) kept_.push_back(found_[i]);
+    }
+    found_.swap(kept_);
+  }
+
+  const FacetSearch& search_;
+  const unsigned k_;
+  std::vector<double> corners_, low_, high_;
+  std::vector<std::uint32_t> found_, kept_, ring_, seen_;
+};
+
+/// Of a facet's share a few cells, so that most have few facets; not more than a cache takes.
+double cell_count(const FacetSearch& search) {
+  constexpr double least = 2048, most = 1 << 17, a_facet = 8;
+  return std::clamp(a_facet * static_cast<double>(search.count()), least, most);
+}
+
+}  // namespace
+
+std::uint64_t FacetCells::worthwhile(const FacetSearch& search) {
+  return 4 * static_cast<std::uint64_t>(cell_count(search));
+}
+
+/// A point x in a cell is a combination with weights >= 0 of the cell's corners. `first` is in the
+/// list; a facet that is not has at every corner at most the value of one that is, so also at x:
+/// the largest value at x is that of a facet in the list. For a corner u the facets of at least the
+/// value of `first` at u are connected (facet_search.hpp) and all of them are visited.
+///
+/// Rounding: the cell found is that of a direction whose coordinates, on a face of the unit cube,
+/// are off by less than 2^-49: localising is two operations (u = 2^-53 relative each, and no
+/// underflow that counts where max|x| >= least_reach), so are the two of the scaled coordinate,
+/// whose sum with `half` is off by at most 2 u half. The centres are off by 2^-52 at most. Corners
+/// 2^-45 farther out than the cell's hold all such directions.
+std::unique_ptr<FacetCells> FacetCells::build(const FacetSearch& search, const QueryPoints& points,
+                                              unsigned threads) {
+  const unsigned k = search.k();
+  if (search.exhaustive() || k > FacetCellTable::max_k) return nullptr;
+  const DirectionCube cube(k, cell_count(search));
+  if (cube.empty()) return nullptr;
+  constexpr std::uint64_t chunk = 512;
+  std::vector<std::vector<std::uint32_t>> lists(chunk_count(cube.size(), chunk));
+  std::unique_ptr<FacetCells> cells(new FacetCells);
+  FacetCellTable& t = cells->table_;
+  t.starts.assign(cube.size() + 1, 0);
+  for_each_chunk(cube.size(), chunk, threads,
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   CellLister lister(search);
+                   for (std::uint64_t cell = begin; cell < end; ++cell) {
+                     const std::vector<std::uint32_t>& list = lister.list(cube, cell);
+                     const std::size_t groups =
+                         (list.size() + FacetCellTable::group - 1) / FacetCellTable::group;
+                     t.starts[cell + 1] = static_cast<std::uint32_t>(groups);
+                     for (std::size_t i = 0; i < groups * FacetCellTable::group; ++i)
+                       lists[c].push_back(i < list.size() ? list[i] : list[0]);
+                   }
+                 });
+  for (std::size_t cell = 0; cell < cube.size(); ++cell) t.starts[cell + 1] += t.starts[cell];
+  for (const auto& list : lists) t.facets.insert(t.facets.end(), list.begin(), list.end());
+  t.k = k;
+  search.copy_frame(t.factor, t.centre);
+  std::copy(points.low.begin(), points.low.end(), t.low);
+  std::copy(points.high.begin(), points.high.end(), t.high);
+  t.normals.resize(search.count() * k);
+  for (std::uint32_t f = 0; f < search.count(); ++f) {
+    std::copy_n(search.normal(f), k, t.normals.begin() + static_cast<std::ptrdiff_t>(f * k));
+    if (search.error_factor(f) <= worst_factor)
+      t.error_factor = std::max(t.error_factor, search.error_factor(f));
+  }
+  t.resolution = cube.resolution();
+  t.per_face = static_cast<double>(cube.size() / (2 * std::size_t{k}));
+  return cells;
+}
+
+bool FacetCells::sides(double* columns, std::uint32_t count, std::int8_t* out) const {
+  return HWY_DYNAMIC_DISPATCH(cell_sides)(table_, columns, count, out);
+}
+
+}  // namespace cullhull::internal
+#endif

@@ -1,0 +1,53 @@
+// Inner polytopes and sets that the tests of a CPU path and of its device twin both make.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "cull/gauge_map.hpp"
+#include "cullhull/generate.hpp"
+
+namespace cullhull::testing_support {
+
+/// The cross polytope with half axes `radius`, around `centre`.
+inline internal::InnerPolytope cross_polytope(unsigned d, double centre, double radius) {
+  internal::InnerPolytope p;
+  p.dimension = d;
+  for (unsigned j = 0; j < 2 * d; ++j)
+    for (unsigned k = 0; k < d; ++k)
+      p.vertices.push_back(k != j / 2 ? centre : j % 2 ? centre - radius : centre + radius);
+  for (unsigned s = 0; s < 1U << d; ++s) {
+    for (unsigned j = 0; j < d; ++j) {
+      p.facets.push_back(2 * j + (s >> j & 1));
+      p.neighbours.push_back(s ^ (1U << j));
+    }
+  }
+  return p;
+}
+
+/// Normally distributed; with a step, rounded to its multiples, so that ties and copies are many.
+template <class T>
+std::vector<T> normal_points(std::size_t n, unsigned d, std::uint64_t seed, double step) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::vector<T> v(n * d);
+  for (T& x : v) {
+    const double value = normal(random);
+    x = static_cast<T>(step > 0 ? std::round(value / step) : value);
+  }
+  return v;
+}
+
+/// All frames of `generate --motion`.
+inline std::vector<std::vector<double>> moving_frames(const char* shape, const char* motion,
+                                                      std::uint64_t n, unsigned d,
+                                                      std::uint64_t frames) {
+  const MovingPoints points(shape, motion, n, d, frames, 7);
+  std::vector<std::vector<double>> all(frames, std::vector<double>(n * d));
+  for (std::uint64_t f = 0; f < frames; ++f) points.frame(f, all[f].data());
+  return all;
+}
+
+}  // namespace cullhull::testing_support
