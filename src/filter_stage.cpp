@@ -14,9 +14,9 @@
 namespace cullhull::internal {
 namespace {
 
-std::vector<double> pick_rows(const std::vector<double>& rows, unsigned d,
-                              const std::vector<std::uint64_t>& kept) {
-  std::vector<double> out(kept.size() * d);
+Array<double> pick_rows(const Array<double>& rows, unsigned d,
+                        const std::vector<std::uint64_t>& kept) {
+  Array<double> out(kept.size() * d);
   for (std::size_t i = 0; i < kept.size(); ++i)
     std::copy_n(rows.data() + kept[i] * d, d, out.data() + i * d);
   return out;
