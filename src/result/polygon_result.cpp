@@ -123,8 +123,8 @@ struct Reader<void> {
 /// A corner as the sweep over edges wants it, which comes to them in no order that memory has: in
 /// one place, on pages that are large.
 struct Corner {
-  PlanarPoint point;  // in the kernel's units
-  std::uint64_t id;
+  PlanarPoint point;         // in the kernel's units
+  std::uint64_t id, unused;  // four words, so that none lies on two lines of the cache
 };
 
 class Writer {
@@ -197,7 +197,7 @@ class Writer {
                        for (std::uint64_t word = ranks_.word(w); word != 0; word &= word - 1) {
                          const std::uint64_t i =
                              id(static_cast<std::uint32_t>(64 * w + std::countr_zero(word)));
-                         *out++ = {kernel_.scaled(read(i)), i};
+                         *out++ = {kernel_.scaled(read(i)), i, 0};
                        }
                    });
   }
