@@ -9,6 +9,7 @@
 #include "control.hpp"
 #include "cullhull/error.hpp"
 #include "parallel/parallel.hpp"
+#include "planar_sets.hpp"
 #include "small_sets.hpp"
 
 namespace cullhull {
@@ -260,10 +261,12 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
     one.threads = 1;
     one.progress = nullptr;
     part.dimension = points.dimension;
+    PlanarSets planar(options, control);
     for (std::uint64_t i = begin; i < end; ++i) {
       PointView set = points;
       set.count = offsets[i + 1] - offsets[i];
       set.data += static_cast<std::ptrdiff_t>(offsets[i]) * points.point_stride;
+      if (planar.append(set, part)) continue;
       try {
         if (!plain || !append_small_3d(set, part)) append(part, convex_hull(set, one));
       } catch (const Error& e) {

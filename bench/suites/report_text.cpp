@@ -174,7 +174,7 @@ std::string figure_markdown(const Figure& figure, Footnotes& notes) {
   for (std::size_t c = 1; c < head.size(); ++c) text += "---:|";
   text += '\n';
   for (const Row& row : figure.rows) {
-    Line line{row.name};
+    Line line{row.title.empty() ? row.name : row.title};
     for (const std::string& name : names) {
       const auto at = std::find_if(row.values.begin(), row.values.end(),
                                    [&](const auto& v) { return v.first == name; });

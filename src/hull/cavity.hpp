@@ -1,6 +1,8 @@
 // What one insertion works with: the facets a point sees, their border, and a worker's scratch.
 #pragma once
 
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -20,9 +22,16 @@ struct Stream {
   std::uint32_t hint = 0;  ///< a facet near the last point
   bool found = false;      ///< visible and horizon are those of point `next`
   bool accepted = false;
+  /// The `seen` facets that it sees; then, once accepted, further slots, if new facets need more.
   std::vector<std::uint32_t> visible;
+  std::size_t seen = 0;
   std::vector<HorizonRidge> horizon;
-  std::vector<std::uint32_t> extra;  ///< slots for new facets beyond those of the visible ones
+};
+
+/// A worker's part of a batch: what others take, too, when they have done their own.
+struct alignas(64) Share {
+  std::atomic<std::size_t> next{0};
+  std::size_t end = 0;
 };
 
 /// A worker's own memory.

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -58,11 +59,11 @@ class InsertionNd {
     return sum;
   }
   float gauge(const Lane& lane, Id f) const { return gauge(lane.offset.data(), f); }
-  /// Where x is among the dim() distinct items, of which it is one. Without branches: nothing
-  /// predicts it.
+  /// Where x is among the dim() distinct items, of which it is one. Without branches, which nothing
+  /// would predict: sums, because a choice is made a branch by compilers.
   unsigned index_of(const Id* items, Id x) const {
     unsigned at = 0;
-    for (unsigned i = 1; i < dim(); ++i) at = items[i] == x ? i : at;
+    for (unsigned i = 1; i < dim(); ++i) at += i * static_cast<unsigned>(items[i] == x);
     return at;
   }
 
@@ -77,7 +78,7 @@ class InsertionNd {
   void settle();
   bool clear_of_others(const Stream& s) const;
   void claim(Stream& s);
-  void adapt(std::size_t tried, std::size_t refused);
+  void adapt(std::size_t tried, std::size_t refused, std::size_t made);
   template <class Body>
   void in_parallel(const Body& body);
 
@@ -87,7 +88,7 @@ class InsertionNd {
   template <class Entry>
   Sign lattice_sign(Lane& lane, const Entry& entry) const;
   Sign side(Lane& lane, Id f, Id point) const;
-  bool sees(Lane& lane, Id f, Id point) const;
+  std::uint32_t seen_among(Lane& lane, const Id* facets, unsigned count, Id point) const;
   Sign cone_side(Lane& lane, Id f, unsigned j, Id point) const;
   bool note_duplicate(Lane& lane, Id f, Id point) const;
   void find_cavity(Stream& s, Lane& lane, Id seed) const;
@@ -115,12 +116,13 @@ class InsertionNd {
 
   Crew crew_;
   std::vector<Lane> lanes_;
+  std::vector<Share> shares_;
   std::vector<Stream> streams_;
   std::vector<Id> batch_;  ///< streams that have work
   /// For every facet slot: twice the batch that last claimed it, plus 1 where it was visible.
   std::vector<std::uint32_t> claims_;
   std::uint32_t batch_number_ = 0;
-  double width_ = 2;  ///< streams that conflict seldom enough
+  double width_ = 2;  ///< number of streams: see adapt
   std::uint64_t batch_facets_ = 0;
   SimplicialHull result_;
 };
@@ -139,7 +141,8 @@ InsertionNd<D>::InsertionNd(const LocalPoints& points, const std::uint32_t* simp
       store_(dimension_),
       // A few hundred points are done before another thread is awake.
       crew_(points.count < 512 && points.dimension < 6 ? 1 : threads),
-      lanes_(crew_.lanes(), Lane(dimension_)) {
+      lanes_(crew_.lanes(), Lane(dimension_)),
+      shares_(lanes_.size()) {
   arrange(simplex, threads);
   choose_centre();
   frame_ = {dim(), ordered_.data(), centre_.data(), reach_.data(),
@@ -270,12 +273,26 @@ template <unsigned D>
 template <class Body>
 void InsertionNd<D>::in_parallel(const Body& body) {
   // Below some tens of microseconds waking nobody is faster.
-  if (batch_facets_ < 100 || lanes_.size() == 1) {
+  const std::size_t count = batch_.size(), lanes = lanes_.size();
+  if (batch_facets_ < 100 || lanes == 1 || count == 1) {
     for (const Id s : batch_) body(streams_[s], lanes_[0]);
     return;
   }
-  crew_.run(static_cast<std::uint32_t>(batch_.size()),
-            [&](std::uint32_t i, unsigned lane) { body(streams_[batch_[i]], lanes_[lane]); });
+  // Each worker has streams of its own, whose facets are in its cache; who is done helps others.
+  for (std::size_t k = 0; k < lanes; ++k) {
+    shares_[k].next.store(count * k / lanes, std::memory_order_relaxed);
+    shares_[k].end = count * (k + 1) / lanes;
+  }
+  crew_.run(static_cast<std::uint32_t>(lanes), [&](std::uint32_t, unsigned lane) {
+    for (std::size_t k = 0; k < lanes; ++k) {
+      Share& share = shares_[(lane + k) % lanes];
+      for (;;) {
+        const std::size_t i = share.next.fetch_add(1, std::memory_order_relaxed);
+        if (i >= share.end) break;
+        body(streams_[batch_[i]], lanes_[lane]);
+      }
+    }
+  });
 }
 
 template <unsigned D>
@@ -290,7 +307,7 @@ void InsertionNd<D>::insert_round(Id begin, Id end) {
     streams_[s].hint = recent_;
     if (streams_[s].next < streams_[s].end) batch_.push_back(s);
   }
-  std::size_t tried = 0, refused = 0;
+  std::size_t tried = 0, refused = 0, made = 0;
   while (!batch_.empty()) {
     control_.check();
     in_parallel([this](Stream& s, Lane& lane) { advance(s, lane); });
@@ -302,21 +319,26 @@ void InsertionNd<D>::insert_round(Id begin, Id end) {
     for (const Id s : batch_) {
       tried += streams_[s].found;
       refused += streams_[s].found && !streams_[s].accepted;
+      made += streams_[s].accepted ? streams_[s].horizon.size() : 0;
       if (streams_[s].next < streams_[s].end) batch_[left++] = s;
     }
     batch_.resize(left);
   }
-  adapt(tried, refused);
+  adapt(tried, refused, made);
   control_.report("hull", static_cast<double>(end) / static_cast<double>(order_.size()));
 }
 
-/// The share of refused cavities is proportional to the number of streams.
+/// As many streams as make a batch worth its hand-overs, and no more: a stream's facets are to stay
+/// in the cache until it is its turn again. Also the share of refused cavities is proportional to
+/// the number of streams. Not a matter of threads: the facets made are to be the same.
 template <unsigned D>
-void InsertionNd<D>::adapt(std::size_t tried, std::size_t refused) {
-  constexpr double wanted = 0.06, widest = 256;
+void InsertionNd<D>::adapt(std::size_t tried, std::size_t refused, std::size_t made) {
+  constexpr double wanted = 0.06, batch = 1000, fewest = 8, most = 256;
   if (tried < 16) return;
   const double share = static_cast<double>(refused) / static_cast<double>(tried);
-  width_ = std::clamp(width_ * std::clamp(wanted / std::max(share, 1e-3), 0.5, 4.0), 2.0, widest);
+  const double cavity = std::max(1.0, static_cast<double>(made) / static_cast<double>(tried));
+  width_ = std::clamp(width_ * std::clamp(wanted / std::max(share, 1e-3), 0.5, 4.0), 2.0,
+                      std::clamp(batch / cavity, fewest, most));
 }
 
 /// Takes points from the stream until one is outside, and finds its cavity.
@@ -345,37 +367,37 @@ void InsertionNd<D>::settle() {
   }
   batch_facets_ = 0;
   std::size_t fresh = 0;
+  const bool shared = batch_.size() > 1;
   for (const Id i : batch_) {
     Stream& s = streams_[i];
-    if (!s.found || !clear_of_others(s)) continue;
+    if (!s.found || (shared && !clear_of_others(s))) continue;
     s.accepted = true;
-    claim(s);
+    if (shared) claim(s);
     ++s.next;
     batch_facets_ += s.horizon.size();
-    if (s.horizon.size() > s.visible.size()) fresh += s.horizon.size() - s.visible.size();
+    if (s.horizon.size() > s.seen) fresh += s.horizon.size() - s.seen;
   }
   reserve(facet_slots_ + fresh);
   for (const Id i : batch_) {
     Stream& s = streams_[i];
     if (!s.accepted) continue;
-    s.extra.clear();
-    for (std::size_t k = s.visible.size(); k < s.horizon.size(); ++k) {
+    for (std::size_t k = s.seen; k < s.horizon.size(); ++k) {
       if (free_.empty()) {
-        s.extra.push_back(static_cast<Id>(facet_slots_++));
+        s.visible.push_back(static_cast<Id>(facet_slots_++));
       } else {
-        s.extra.push_back(free_.back());
+        s.visible.push_back(free_.back());
         free_.pop_back();
       }
     }
     live_ += s.horizon.size();
-    live_ -= s.visible.size();
+    live_ -= s.seen;
     recent_ = s.visible[0];
   }
   // Slots given up now are read until all cavities are replaced: they serve from the next batch on.
   for (const Id i : batch_) {
     const Stream& s = streams_[i];
     if (!s.accepted) continue;
-    for (std::size_t k = s.horizon.size(); k < s.visible.size(); ++k) free_.push_back(s.visible[k]);
+    for (std::size_t k = s.horizon.size(); k < s.seen; ++k) free_.push_back(s.visible[k]);
   }
 }
 
@@ -439,12 +461,25 @@ Sign InsertionNd<D>::side(Lane& lane, Id f, Id point) const {
   return s;
 }
 
+/// Which of the facets, 32 at most, the point sees, as bits. About every second is seen, as good as
+/// at random: comparisons are signs of differences, so that no branch is made of them.
 template <unsigned D>
-bool InsertionNd<D>::sees(Lane& lane, Id f, Id point) const {
-  const float g = gauge(lane, f), e = error(f);
-  const bool above = g > 1 + e, beneath = g < 1 - e;
-  if (above != beneath) return above;  // nearly always
-  return side(lane, f, point) == Sign::positive;
+std::uint32_t InsertionNd<D>::seen_among(Lane& lane, const Id* facets, unsigned count,
+                                         Id point) const {
+  const auto negative = [](float x) { return std::bit_cast<std::uint32_t>(x) >> 31; };
+  const float* const y = lane.offset.data();
+  std::uint32_t above = 0, beneath = 0;
+  for (unsigned j = 0; j < count; ++j) {
+    const float g = gauge(y, facets[j]), e = error(facets[j]);
+    above |= negative((1 + e) - g) << j;
+    beneath |= negative(g - (1 - e)) << j;
+  }
+  std::uint32_t doubtful = ~std::uint32_t{0} >> (32 - count) & ~(above | beneath);
+  for (; doubtful != 0; doubtful &= doubtful - 1) {  // hardly ever
+    const auto j = static_cast<unsigned>(std::countr_zero(doubtful));
+    above |= static_cast<std::uint32_t>(side(lane, facets[j], point) == Sign::positive) << j;
+  }
+  return above;
 }
 
 /// Whether the point lies on the facet's side (positive), on (zero) or beyond (negative) the

@@ -28,15 +28,18 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
     const Id* n = store_.neighbours(f);
     // Which neighbours are visible is as good as random: no branch on it. A facet beyond the
     // horizon is tested once for each of its ridges, which costs less than remembering it.
-    for (unsigned j = 0; j < d; ++j) {
-      const Id other = n[j];
-      const bool seen = sees(lane, other, s.next);
-      const bool fresh = seen && visited[other] == 0;
-      visited[other] |= static_cast<std::uint8_t>(seen);
-      list[visible] = other;
-      visible += fresh;
-      horizon[ridges] = {f, other, static_cast<std::uint8_t>(j), 0};
-      ridges += !seen;
+    for (unsigned first = 0; first < d; first += 32) {
+      const unsigned last = std::min(d, first + 32);
+      const std::uint32_t all = seen_among(lane, n + first, last - first, s.next);
+      for (unsigned j = first; j < last; ++j) {
+        const Id other = n[j];
+        const std::uint32_t seen = all >> (j - first) & 1U, known = visited[other];
+        visited[other] = static_cast<std::uint8_t>(known | seen);
+        list[visible] = other;
+        visible += seen & ~known;
+        horizon[ridges] = {f, other, static_cast<std::uint8_t>(j), 0};
+        ridges += 1 - seen;
+      }
     }
     // What is at the end of the list comes last: time to fetch it.
     if (k + 2 < visible) {
@@ -45,6 +48,7 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
     }
   }
   s.visible.resize(visible);
+  s.seen = visible;
   s.horizon.resize(ridges);
   for (const Id f : s.visible) visited[f] = 0;
   for (HorizonRidge& r : s.horizon)
@@ -73,23 +77,23 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
   link(s, lane);
   control_.check();
   facet_planes(frame_, point, lane.vertices.data(), lane.apex.data(), count, lane.planes.data());
-  const std::size_t reused = std::min(count, s.visible.size());
-  const auto slot = [&](std::size_t k) { return k < reused ? s.visible[k] : s.extra[k - reused]; };
-  for (std::size_t k = reused; k < s.visible.size(); ++k) store_.vertices(s.visible[k])[0] = dead;
+  const Id* const slot = s.visible.data();
+  for (std::size_t k = count; k < s.seen; ++k) store_.vertices(slot[k])[0] = dead;
   for (std::size_t k = 0; k < count; ++k) {
     const HorizonRidge& r = s.horizon[k];
-    const Id f = slot(k);
+    const Id f = slot[k];
     std::copy_n(lane.planes.data() + k * (d + 1), d + 1, store_.plane(f));
     std::copy_n(lane.vertices.data() + k * d, d, store_.vertices(f));
     Id* n = store_.neighbours(f);
     const Id* local = lane.neighbours.data() + k * d;
-    for (unsigned i = 0; i < d; ++i) n[i] = i == r.apex ? r.outside : slot(local[i]);
+    for (unsigned i = 0; i < d; ++i) n[i] = slot[local[i]];
+    n[r.apex] = r.outside;
     store_.neighbours(r.outside)[r.back] = f;
   }
   s.hint = s.visible[0];
 }
 
-/// Finds the other new facets around the new facets, into lane.neighbours.
+/// Finds the other new facets around the new facets, into lane.neighbours (0 across the horizon).
 ///
 /// Every ridge through the point belongs to two of them. Each adds one and its number to the table
 /// slot that the ridge's vertices hash to; where a slot counts two, they are the two facets of one
@@ -103,14 +107,15 @@ void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
   if (count * d >= std::size_t{1} << 20) {  // sums might reach the counts
     for (std::size_t k = 0; k < count; ++k)
       for (unsigned i = 0; i < d; ++i)
-        if (i != lane.apex[k]) lane.neighbours[k * d + i] = turn(s, k, i);
+        lane.neighbours[k * d + i] = i != lane.apex[k] ? turn(s, k, i) : 0;
     return;
   }
-  const auto bits = static_cast<unsigned>(std::bit_width(count * d));
-  lane.table.assign(std::size_t{1} << (bits + 1), 0);
+  // Small tables can afford to be wide: fewer slots are crowded.
+  const auto bits = static_cast<unsigned>(std::bit_width(count * d)) + (count * d < 4096 ? 2 : 1);
+  const std::uint32_t shift = 32 - bits, none_of_them = std::uint32_t{1} << bits;
+  lane.table.assign(std::size_t{none_of_them} + 1, 0);
   lane.ridges.resize(count * d);
   std::uint64_t* const table = lane.table.data();
-  const std::uint32_t shift = 32 - (bits + 1);
   for (std::size_t k = 0; k < count; ++k) {
     const Id* v = lane.vertices.data() + k * d;
     Id* ridge = lane.ridges.data() + k * d;
@@ -121,19 +126,27 @@ void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
       ridge[i] = h;
       whole += h;
     }
+    for (unsigned i = 0; i < d; ++i) ridge[i] = ((whole - ridge[i]) * 0x85EBCA6BU) >> shift;
+    ridge[lane.apex[k]] = none_of_them;
     const std::uint64_t entry = (std::uint64_t{1} << sum_bits) | k;
-    for (unsigned i = 0; i < d; ++i) {
-      ridge[i] = ((whole - ridge[i]) * 0x85EBCA6BU) >> shift;
-      table[ridge[i]] += i == lane.apex[k] ? 0 : entry;
-    }
+    for (unsigned i = 0; i < d; ++i) table[ridge[i]] += entry;
   }
-  for (std::size_t k = 0; k < count; ++k)
+  constexpr std::uint64_t sum_mask = (std::uint64_t{1} << sum_bits) - 1;
+  for (std::size_t k = 0; k < count; ++k) {
+    Id* const local = lane.neighbours.data() + k * d;
+    const Id* ridge = lane.ridges.data() + k * d;
+    bool crowded = false;
+    const unsigned apex = lane.apex[k];
     for (unsigned i = 0; i < d; ++i) {
-      const std::uint64_t entry = table[lane.ridges[k * d + i]];
-      lane.neighbours[k * d + i] =
-          static_cast<Id>(entry & ((std::uint64_t{1} << sum_bits) - 1)) - static_cast<Id>(k);
-      if (entry >> sum_bits != 2 && i != lane.apex[k]) lane.neighbours[k * d + i] = turn(s, k, i);
+      const std::uint64_t entry = table[ridge[i]];
+      local[i] = static_cast<Id>(entry & sum_mask) - static_cast<Id>(k);
+      crowded |= (entry >> sum_bits != 2) & (i != apex);
     }
+    if (crowded)
+      for (unsigned i = 0; i < d; ++i)
+        if (table[ridge[i]] >> sum_bits != 2 && i != apex) local[i] = turn(s, k, i);
+    local[apex] = 0;
+  }
 }
 
 /// The other new facet at the ridge of new facet k opposite to vertex i: reached by turning,

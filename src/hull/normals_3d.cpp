@@ -4,6 +4,7 @@
 
 #include "hull/engine_3d.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/radix_sort.hpp"
 
 namespace cullhull::internal {
 
@@ -90,7 +91,8 @@ void Engine3D::sort_by_normals(std::size_t round) {
   for (std::size_t r = round; r + 1 < ends.size(); ++r) {
     const Id offset = ends[r] - begin;
     Keyed *items = keyed + offset, *other = scratch + offset;
-    radix_sort(items, other, ends[r + 1] - ends[r], rank_bits + way_bits, threads_);
+    radix_sort(items, other, ends[r + 1] - ends[r], rank_bits + way_bits, threads_, control_,
+               sort_key);
     if (items != keyed + offset) std::copy_n(items, ends[r + 1] - ends[r], keyed + offset);
   }
   if (!shorter_walks(begin, ends[round + 1], keyed)) {

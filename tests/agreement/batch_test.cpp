@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "agreement/canonical_hash.hpp"
 #include "agreement/point_sets.hpp"
@@ -59,6 +60,35 @@ TEST(Batch, equals_one_call_a_set_for_any_number_of_threads) {
       for (std::size_t i = 0; i < sets.size(); ++i)
         ASSERT_EQ(canonical_hash(batch.hull(i)), canonical_hash(convex_hull(sets.set(i))))
             << d << "D, set " << i;
+    }
+  }
+}
+
+TEST(Batch, any_scalar_and_layout) {
+  constexpr std::uint64_t n = 4000;
+  for (const unsigned d : {2U, 3U}) {
+    std::vector<float> floats;
+    std::vector<double> columns(d * n);
+    std::vector<std::uint64_t> offsets{0};
+    std::mt19937_64 g(d);
+    for (std::uint64_t i = 0; i < n; ++i) {
+      for (unsigned j = 0; j < d; ++j) {
+        const double v = g() % 5 == 0 ? -0.0 : static_cast<double>(g() % 2001) / 1000 - 1;
+        floats.push_back(static_cast<float>(v));
+        columns[j * n + i] = v;
+      }
+      if (g() % 40 == 0) offsets.push_back(i);
+    }
+    for (const PointView& view : {PointView::row_major(floats.data(), n, d),
+                                  PointView::column_major(columns.data(), n, d)}) {
+      const HullBatch batch = convex_hulls(view, offsets.data(), offsets.size() - 1);
+      for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
+        PointView set = view;
+        set.data += static_cast<std::ptrdiff_t>(offsets[i]) * view.point_stride;
+        set.count = offsets[i + 1] - offsets[i];
+        ASSERT_EQ(canonical_hash(batch.hull(i)), canonical_hash(convex_hull(set)))
+            << d << "D, set " << i;
+      }
     }
   }
 }

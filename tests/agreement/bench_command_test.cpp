@@ -188,7 +188,7 @@ TEST(BenchRivals, EveryCombinationAndHardPoints) {
   for (const char* name : {"ball-2d-500-f32", "ball-3d-500-i32", "sphere-3d-500-f32"})
     EXPECT_EQ(rows.count(name), 1U) << name;
   const std::string table = read_file(f / "t.md");
-  EXPECT_NE(table.find("| ball-2d-500-f32"), std::string::npos) << table;
+  EXPECT_NE(table.find("| 2D disk 500, f32"), std::string::npos) << table;
 
   const Ran hard = run_app(
       with(rivals, {"--scale", "1", "--workload", "turned-lattice-surface-3d-600", "--workload",

@@ -115,7 +115,8 @@ void bind_batch(nb::module_& m) {
                    })
       .def_prop_ro(
           "vertex_offsets",
-          [](Self self) { return signed_list(batch_in(self).hulls.vertices.offsets, self); })
+          [](Self self) { return signed_list(batch_in(self).hulls.vertices.offsets, self); },
+          nb::rv_policy::reference)
       .def_prop_ro("vertices",
                    [](Self self) {
                      const auto& list = batch_in(self).hulls.vertices.items;
@@ -140,7 +141,8 @@ void bind_batch(nb::module_& m) {
                    })
       .def_prop_ro(
           "simplex_offsets",
-          [](Self self) { return signed_list(batch_in(self).hulls.simplices.offsets, self); })
+          [](Self self) { return signed_list(batch_in(self).hulls.simplices.offsets, self); },
+          nb::rv_policy::reference)
       .def_prop_ro("simplices", [](Self self) {
         const auto& list = batch_in(self).hulls.simplices.items;
         return list_of(signed_ids(list), list.size(), self);
