@@ -32,7 +32,7 @@ std::unique_ptr<GaugeMap> GaugeMap::build(InnerPolytope polytope, const GaugeSet
   return std::unique_ptr<GaugeMap>(new GaugeMap(std::move(table)));
 }
 
-std::vector<std::uint64_t> GaugeMap::outside_cones(const std::vector<double>& rows,
+std::vector<std::uint64_t> GaugeMap::outside_cones(const Array<double>& rows,
                                                    const std::vector<char>& certain,
                                                    unsigned threads, const Control& control) const {
   if (table_->cones == nullptr)

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "control.hpp"
+#include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
 
 namespace cullhull::internal {
@@ -42,7 +43,7 @@ struct GaugeSettings {
 struct SurvivorRows {
   std::uint64_t most = ~std::uint64_t{0};  ///< of them that are worth the memory
   /// Packed, as doubles, finite or not; empty where survivors are more.
-  std::vector<double> rows;
+  Array<double> rows;
 };
 
 /// Immutable after construction; safe to share between threads.
@@ -70,7 +71,7 @@ class GaugeMap {
   /// the facet each one's ray leaves by: a slower test than survivors(), but exact up to rounding.
   /// Positions, ascending; those `certain` are among them without being asked about. Needs a map
   /// built with cones.
-  std::vector<std::uint64_t> outside_cones(const std::vector<double>& rows,
+  std::vector<std::uint64_t> outside_cones(const Array<double>& rows,
                                            const std::vector<char>& certain, unsigned threads,
                                            const Control& control) const;
 

@@ -49,6 +49,7 @@ void Engine3D::insert_in_pieces(Id begin, Id end) {
     work = join_pieces();
     run_pieces(work, begin, end);
   }
+  pieces_[0].entries = {};  // they are of this round's points
   take_back_slots();
 }
 

@@ -108,10 +108,10 @@ void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t end, do
   gather_rows(view, nullptr, begin, end, out);
 }
 
-std::vector<double> gather_points(const PointView& view, const std::uint64_t* ids,
-                                  std::uint64_t count, unsigned threads) {
+Array<double> gather_points(const PointView& view, const std::uint64_t* ids, std::uint64_t count,
+                            unsigned threads) {
   const unsigned d = view.dimension;
-  std::vector<double> out(count * d);
+  Array<double> out(count * d);
   Lowest bad;
   for_each_chunk(count, chunk_size, threads,
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
