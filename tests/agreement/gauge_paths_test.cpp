@@ -70,7 +70,8 @@ TEST(GaugePaths, LevelsDropNothingElse) {
   const double bad[] = {NAN, INFINITY, -INFINITY, 1e308, 1e39, 0, -0.0, 1e-310};
   for (const char* shape : {"octahedron", "ball", "cube", "cone"})
     for (const unsigned resolution : {0U, 2U, 7U, 33U, 81U, 300U}) {
-      std::vector<double> sample = generate(shape, 3000, 3);
+      const std::vector<double> made = generate(shape, 3000, 3);
+      Array<double> sample(made.begin(), made.end());
       for (std::size_t i = 0; i < sample.size(); i += 3) sample[i] *= 0.03;  // thin
       const auto map = GaugeMap::build(
           inner_polytope(std::move(sample), 3, 1, std::uint64_t{1} << 32, control), resolution);
