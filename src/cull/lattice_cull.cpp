@@ -44,14 +44,16 @@ bool looks_like_a_lattice(const Array<double>& rows, unsigned d,
   if (d == 1) return true;
   const std::uint64_t size = sample.size();
   const std::uint64_t enough = std::clamp<std::uint64_t>(size * size / count, 4, size / 16 + 4);
+  // A line's hash is the sum of its coordinates' hashes: that of the point without the axis's own.
+  const auto hash = [&](std::uint32_t i, unsigned j) {
+    return mix(mix(j + 1), rows[std::size_t{i} * d + j]);
+  };
+  std::vector<std::uint64_t> sums(size, 0);
+  for (std::size_t i = 0; i < size; ++i)
+    for (unsigned j = 0; j < d; ++j) sums[i] += hash(sample[i], j);
   std::vector<std::pair<std::uint64_t, std::uint32_t>> lines(size);
   for (unsigned axis = 0; axis < d; ++axis) {
-    for (std::size_t i = 0; i < size; ++i) {
-      std::uint64_t hash = 0;
-      for (unsigned j = 0; j < d; ++j)
-        if (j != axis) hash = mix(hash, rows[std::size_t{sample[i]} * d + j]);
-      lines[i] = {hash, sample[i]};
-    }
+    for (std::size_t i = 0; i < size; ++i) lines[i] = {sums[i] - hash(sample[i], axis), sample[i]};
     std::sort(lines.begin(), lines.end());
     std::uint64_t shared = 0, on_shared = 0;
     for (std::size_t i = 0; i < size;) {
