@@ -206,7 +206,7 @@ Command add_bench_paper(CLI::App& bench) {
 Command add_bench_rivals(CLI::App& bench) {
   auto a = std::make_shared<RivalArguments>();
   a->scale = 0.2;
-  a->limit = 60;
+  a->limit = 30;
   CLI::App& command =
       *bench.add_subcommand("rivals", "Ours beside Qhull and, where it was built, CGAL");
   a->add_to(command);
