@@ -31,7 +31,7 @@ namespace {
 struct EngineInput {
   std::vector<std::uint64_t> ids;  // empty and `all`: every point of the view
   bool all = false;
-  std::vector<double> rows;
+  Array<double> rows;
   std::uint64_t count = 0;
 };
 
@@ -44,7 +44,7 @@ void thin_lattice(EngineInput& input, unsigned d, unsigned threads, const Contro
                     kept) ||
       kept.size() == input.count)
     return;
-  std::vector<double> rows(kept.size() * d);
+  Array<double> rows(kept.size() * d);
   std::vector<std::uint64_t> ids(kept.size());
   for (std::size_t i = 0; i < kept.size(); ++i) {
     std::copy_n(input.rows.data() + std::size_t{kept[i]} * d, d, rows.data() + i * d);
@@ -131,17 +131,23 @@ void extreme_in_plane(const PointView& points, const Filtered& filtered, const R
   std::copy(polygon.rung_counts, polygon.rung_counts + 3, result.statistics.rung_counts);
 }
 
-/// False, and nothing done, for flats and for polygons of extraordinary proportions.
-bool hull_in_plane(const PointView& points, const Filtered& filtered, const Run& run, Hull& hull) {
+/// False for flats and for polygons of extraordinary proportions: then the corners alone are left of
+/// `filtered`, whose hull is the same.
+bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, Hull& hull) {
   const PlanarRows rows(points, filtered);
   const Polygon polygon = rows.hull(run);
   const std::uint64_t edges = polygon.corners.size();
-  if (edges < 3) return false;
   require_budget(run.budget, edges * 160, std::to_string(edges) + " facets");
-  if (!write_polygon(points, rows.ids, polygon, run.control, run.threads, hull)) return false;
-  hull.affine_dimension = 2;
-  std::copy(polygon.rung_counts, polygon.rung_counts + 3, hull.statistics.rung_counts);
-  return true;
+  if (edges >= 3 && write_polygon(points, rows.ids, polygon, run.control, run.threads, hull)) {
+    hull.affine_dimension = 2;
+    std::copy(polygon.rung_counts, polygon.rung_counts + 3, hull.statistics.rung_counts);
+    return true;
+  }
+  filtered.survivors.ids =
+      ascending_ids(polygon.corners.data(), edges, polygon.rows, rows.ids, run.threads);
+  filtered.survivors.all = false;
+  filtered.rows = {};
+  return false;
 }
 
 /// Ascending local ids.
@@ -180,7 +186,7 @@ void extreme_in_space(const PointView& points, Filtered&& filtered, const Run& r
   EngineInput input =
       engine_input(points, std::move(filtered), run.budget, run.threads, run.control);
   const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
-                         points.dimension, run.control);
+                         points.dimension, run.threads, run.control);
   result.affine_dimension = frame.affine_dimension();
   result.ids = extreme_locals(frame, run, result.statistics.rung_counts);
   if (input.all) return;
@@ -230,7 +236,7 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
   EngineInput input =
       engine_input(points, std::move(filtered), run.budget, run.threads, run.control);
   const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
-                         points.dimension, run.control);
+                         points.dimension, run.threads, run.control);
   run.control.check();
   hull.affine_dimension = frame.affine_dimension();
   if (hull.affine_dimension == 0) {

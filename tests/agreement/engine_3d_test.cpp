@@ -130,7 +130,7 @@ TEST(Engine3D, DeepStartFromAFlatSimplex) {
   const Rows rows = turned(two_circles(4000));
   const Options options;
   const internal::Control control{options};
-  const internal::LocalFrame frame(Rows(rows), 4000, 3, control);
+  const internal::LocalFrame frame(Array<double>(rows.begin(), rows.end()), 4000, 3, 2, control);
   std::uint32_t flat[4] = {0, 2, 4, 6};  // on one circle; independent by rounding alone, or not
   const internal::LocalPoints& points = frame.points();
   const double* p[4];
@@ -152,7 +152,7 @@ TEST(Engine3D, BudgetAndCancellation) {
   Options options;
   options.stop = stop.get_token();
   const internal::Control control{options};
-  const internal::LocalFrame frame(Rows(rows), 50000, 3, control);
+  const internal::LocalFrame frame(Array<double>(rows.begin(), rows.end()), 50000, 3, 2, control);
   for (const unsigned threads : {1U, 4U}) {
     try {
       internal::hull_3d(frame.points(), frame.simplex().data(), 1 << 20, threads, control);
