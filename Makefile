@@ -11,7 +11,7 @@ help:
 	@echo "make demo     the hull of a LiDAR scan, certified, as a mesh in build/demo/"
 	@echo "make build    $(BIN) and the libraries"
 	@echo "make test     build and run all tests"
-	@echo "make bench    build the benchmarks and run them beside Qhull"
+	@echo "make bench    build the benchmarks, run the smallest, and ours beside Qhull and CGAL"
 	@echo "make docs     reference and guides as HTML in build/docs/"
 	@echo "make python   the Python package, installed into build/python/venv"
 	@echo "make fuzz     every fuzzer for FUZZ_SECONDS ($(FUZZ_SECONDS)) each"
@@ -38,8 +38,8 @@ bench:
 	@scripts/install-deps.sh build bench
 	cmake --preset release -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=ON
 	cmake --build build/release -j $(JOBS)
-	build/release/bin/gauge_map_bench
-	build/release/bin/rivals_bench
+	build/release/bin/micro_bench
+	build/release/bin/cullhull bench rivals
 
 docs:
 	@scripts/install-deps.sh build docs

@@ -23,6 +23,7 @@
 #include "parallel/cuda_runtime.hpp"
 #include "qhull.hpp"
 #include "sample_map.hpp"
+#include "timing.hpp"
 
 namespace {
 
@@ -248,7 +249,7 @@ ordered_json hulls(const Settings& s, bool& agreed) {
     if (s.qhull) {
       const std::vector<double> host = points.rows();
       const auto rival = cullhull::bench::run_qhull(
-          cullhull::PointView::row_major(host.data(), n, w.dimension), 1);
+          cullhull::PointView::row_major(host.data(), n, w.dimension), {});
       if (rival) {
         const bool same = rival->vertices == hull.vertices.size() &&
                           std::fabs(rival->volume / hull.volume - 1) < 1e-9;

@@ -7,12 +7,12 @@ set -euo pipefail
 
 build=(g++ cmake ninja-build ccache pkg-config libtbb-dev libhwy-dev libgmp-dev libqhull-dev
   libcli11-dev libfmt-dev nlohmann-json3-dev libfast-float-dev libjs-three)
-test=(libgtest-dev qhull-bin libcgal-dev libboost-dev libcdd-tools lrslib)
+test=(libgtest-dev qhull-bin libcgal-dev libboost-dev libcdd-tools lrslib libbenchmark-dev)
 # Ubuntu's chromium is a snap, which has no package; there the viewer's browser test is skipped.
 if grep -qx 'ID=debian' /etc/os-release 2>/dev/null; then
   test+=(chromium chromium-driver python3-selenium python3-pil)
 fi
-bench=(libbenchmark-dev)
+bench=(libbenchmark-dev libcgal-dev libboost-dev)
 docs=(doxygen)
 fuzz=(clang)
 format=(clang-format)

@@ -21,6 +21,7 @@
 #include "points/local_frame.hpp"
 #include "result/build_hull.hpp"
 #include "result/extreme_rows.hpp"
+#include "result/polygon_result.hpp"
 
 namespace cullhull {
 namespace internal {
@@ -30,7 +31,7 @@ namespace {
 struct EngineInput {
   std::vector<std::uint64_t> ids;  // empty and `all`: every point of the view
   bool all = false;
-  std::vector<double> rows;
+  Array<double> rows;
   std::uint64_t count = 0;
 };
 
@@ -43,7 +44,7 @@ void thin_lattice(EngineInput& input, unsigned d, unsigned threads, const Contro
                     kept) ||
       kept.size() == input.count)
     return;
-  std::vector<double> rows(kept.size() * d);
+  Array<double> rows(kept.size() * d);
   std::vector<std::uint64_t> ids(kept.size());
   for (std::size_t i = 0; i < kept.size(); ++i) {
     std::copy_n(input.rows.data() + std::size_t{kept[i]} * d, d, rows.data() + i * d);
@@ -103,21 +104,50 @@ SimplicialHull run_engine(const LocalFrame& frame, Engine engine, std::uint64_t 
   return hull_nd(points, frame.simplex().data(), budget, threads, control);
 }
 
-/// Points of the plane need no frame: they are hulled where they lie.
-void extreme_in_plane(const PointView& points, Filtered&& filtered, const Run& run,
+/// What a filter left of points of the plane: they need no frame and are hulled where they lie.
+struct PlanarRows {
+  PlanarRows(const PointView& points, const Filtered& filtered)
+      : rows(filtered.survivors.all
+                 ? points
+                 : PointView::row_major(filtered.rows.data(), filtered.survivors.ids.size(), 2)),
+        ids(filtered.survivors.all ? nullptr : filtered.survivors.ids.data()) {}
+
+  Polygon hull(const Run& run) const {
+    require_engine_room(rows.count, 2, run.budget);
+    return polygon_of(rows, false, run.threads, run.control);
+  }
+
+  PointView rows;
+  const std::uint64_t* ids;
+};
+
+void extreme_in_plane(const PointView& points, const Filtered& filtered, const Run& run,
                       ExtremePoints& result) {
-  const bool all = filtered.survivors.all;
-  const std::uint64_t count = filtered.survivors.size(points.count);
-  require_engine_room(count, 2, run.budget);
-  if (!all && filtered.rows.empty())
-    filtered.rows = gather_points(points, filtered.survivors.ids.data(), count, run.threads);
-  const PointView rows = all ? points : PointView::row_major(filtered.rows.data(), count, 2);
-  const Polygon polygon = polygon_of(rows, false, run.threads, run.control);
+  const PlanarRows rows(points, filtered);
+  const Polygon polygon = rows.hull(run);
   result.affine_dimension = static_cast<int>(std::min<std::size_t>(polygon.corners.size(), 3)) - 1;
-  result.ids = ascending_ids(polygon.corners.data(), polygon.corners.size(),
-                             static_cast<std::uint32_t>(rows.count),
-                             all ? nullptr : filtered.survivors.ids.data(), run.threads);
+  result.ids = ascending_ids(polygon.corners.data(), polygon.corners.size(), polygon.rows, rows.ids,
+                             run.threads);
   std::copy(polygon.rung_counts, polygon.rung_counts + 3, result.statistics.rung_counts);
+}
+
+/// False for flats and for polygons of extraordinary proportions: then the corners alone are left of
+/// `filtered`, whose hull is the same.
+bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, Hull& hull) {
+  const PlanarRows rows(points, filtered);
+  const Polygon polygon = rows.hull(run);
+  const std::uint64_t edges = polygon.corners.size();
+  require_budget(run.budget, edges * 160, std::to_string(edges) + " facets");
+  if (edges >= 3 && write_polygon(points, rows.ids, polygon, run.control, run.threads, hull)) {
+    hull.affine_dimension = 2;
+    std::copy(polygon.rung_counts, polygon.rung_counts + 3, hull.statistics.rung_counts);
+    return true;
+  }
+  filtered.survivors.ids =
+      ascending_ids(polygon.corners.data(), edges, polygon.rows, rows.ids, run.threads);
+  filtered.survivors.all = false;
+  filtered.rows = {};
+  return false;
 }
 
 /// Ascending local ids.
@@ -156,7 +186,7 @@ void extreme_in_space(const PointView& points, Filtered&& filtered, const Run& r
   EngineInput input =
       engine_input(points, std::move(filtered), run.budget, run.threads, run.control);
   const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
-                         points.dimension, run.control);
+                         points.dimension, run.threads, run.control);
   result.affine_dimension = frame.affine_dimension();
   result.ids = extreme_locals(frame, run, result.statistics.rung_counts);
   if (input.all) return;
@@ -197,11 +227,16 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
   hull.statistics.cull_reason = filtered.survivors.reason;
   hull.statistics.backend = filtered.survivors.backend;
   if (points.count == 0) return hull;
+  if (points.dimension == 2 && run.options.engine == Engine::native &&
+      hull_in_plane(points, filtered, run, hull)) {
+    hull.statistics.hull_seconds = seconds_since(start);
+    return hull;
+  }
 
   EngineInput input =
       engine_input(points, std::move(filtered), run.budget, run.threads, run.control);
   const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
-                         points.dimension, run.control);
+                         points.dimension, run.threads, run.control);
   run.control.check();
   hull.affine_dimension = frame.affine_dimension();
   if (hull.affine_dimension == 0) {

@@ -10,12 +10,12 @@
 
 namespace cullhull::internal {
 
-InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, unsigned threads,
+InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, unsigned threads,
                              std::uint64_t budget, const Control& control) {
   InnerPolytope polytope;
   const auto count = static_cast<std::uint32_t>(rows.size() / d);
-  const std::vector<double> original = rows;
-  const LocalFrame frame(std::move(rows), count, d, control);
+  const std::vector<double> original(rows.begin(), rows.end());
+  const LocalFrame frame(std::move(rows), count, d, threads, control);
   if (frame.affine_dimension() != static_cast<int>(d)) return polytope;
   SimplicialHull hull;
   try {

@@ -12,7 +12,8 @@ namespace cullhull::bench {
 
 /// One thing measured in several ways. Values are in the figure's unit, in the order measured.
 struct Row {
-  std::string name;  ///< "ball 3D 8M"
+  std::string name;   ///< "ball-3d-8M"
+  std::string title;  ///< in prose, "3D ball 8M"; empty: as the name
   std::uint64_t points = 0;
   unsigned dimension = 0;
   std::string scalar = "f64";

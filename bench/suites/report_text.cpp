@@ -127,7 +127,7 @@ std::string figure_table(const Figure& figure) {
   return text;
 }
 
-/// Footnotes of one table, each text once.
+/// Footnotes, each text once.
 class Footnotes {
  public:
   std::string mark(const std::string& text) {
@@ -158,10 +158,9 @@ std::string markdown_row(const Line& cells) {
   return text + '\n';
 }
 
-std::string figure_markdown(const Figure& figure) {
+std::string figure_markdown(const Figure& figure, Footnotes& notes) {
   const Line names = columns(figure);
   const Extras extras(figure);
-  Footnotes notes;
   const std::string unit = figure.unit == "s" ? "ms" : figure.unit;
   Line head{""};
   for (const std::string& name : names) head.push_back(name + ", " + unit);
@@ -175,7 +174,7 @@ std::string figure_markdown(const Figure& figure) {
   for (std::size_t c = 1; c < head.size(); ++c) text += "---:|";
   text += '\n';
   for (const Row& row : figure.rows) {
-    Line line{row.name};
+    Line line{row.title.empty() ? row.name : row.title};
     for (const std::string& name : names) {
       const auto at = std::find_if(row.values.begin(), row.values.end(),
                                    [&](const auto& v) { return v.first == name; });
@@ -184,7 +183,9 @@ std::string figure_markdown(const Figure& figure) {
                          : (is_unfinished(row, name) ? "> " : "") + bare(at->second, figure.unit));
     }
     if (extras.ratio) line.push_back(ratio_text(row, "×"));
-    if (extras.paper) line.push_back(row.paper);
+    if (extras.paper)
+      line.push_back(row.paper.ends_with('x') ? row.paper.substr(0, row.paper.size() - 1) + "×"
+                                              : row.paper);
     if (extras.bandwidth) line.push_back(percent(row.bandwidth));
     const std::string mark = notes.mark(row.remark) + (row.agrees ? "" : notes.mark(row.check));
     if (extras.vertices)
@@ -194,7 +195,7 @@ std::string figure_markdown(const Figure& figure) {
     if (!row.slower.empty()) line[0] += notes.mark("Slower " + row.slower + ".");
     text += markdown_row(line);
   }
-  return text + notes.text();
+  return text;
 }
 
 }  // namespace
@@ -226,12 +227,13 @@ std::string report_markdown(const Report& report) {
     text += fmt::format(" {} thread{} read {:.1f} GB/s,", threads, threads == 1 ? "" : "s",
                         rate * 1e-9);
   text.back() = '.';
+  Footnotes notes;
   text += '\n';
   constexpr std::size_t most_steps = 12;  // what is lost is marked in the table of all
   for (const Figure& figure : report.figures)
     if (figure.id != "lost" && (!figure.series || figure.rows.size() <= most_steps))
-      text += '\n' + figure_markdown(figure);
-  return text;
+      text += '\n' + figure_markdown(figure, notes);
+  return text + notes.text();
 }
 
 }  // namespace cullhull::bench

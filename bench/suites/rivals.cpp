@@ -137,6 +137,7 @@ class Suite {
     w.count = points.view.count;
     Row row;
     row.name = w.name();
+    row.title = w.title();
     row.points = w.count;
     row.dimension = w.dimension;
     row.scalar = scalar_name(w.scalar);
@@ -279,6 +280,17 @@ std::string Workload::name() const {
                                : std::to_string(count);
   return fmt::format("{}-{}d-{}{}", family, dimension, size,
                      scalar == ScalarType::f64 ? "" : fmt::format("-{}", scalar_name(scalar)));
+}
+
+std::string Workload::title() const {
+  std::string what = family;
+  if (family == "sphere") what = dimension == 2 ? "circle" : "sphere surface";
+  if (family == "ball" && dimension == 2) what = "disk";
+  if (family == "cylinder" || family == "cone") what += " mantle";
+  if (family == "grid") what = fmt::format("integer grid 128^{},", dimension);
+  std::replace(what.begin(), what.end(), '-', ' ');
+  return fmt::format("{}D {} {}{}", dimension, what, short_count(count),
+                     scalar == ScalarType::f64 ? "" : fmt::format(", {}", scalar_name(scalar)));
 }
 
 Workload workload_named(const std::string& name) {

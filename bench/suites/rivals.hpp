@@ -18,7 +18,8 @@ struct Workload {
   std::uint64_t count = 0;
   ScalarType scalar = ScalarType::f64;
 
-  std::string name() const;  ///< "ball-3d-8M", "grid-3d-2M-i32"
+  std::string name() const;   ///< "ball-3d-8M", "grid-3d-2M-i32"
+  std::string title() const;  ///< "3D ball 8M", "3D sphere surface 1M, f32"
 };
 
 /// The workload that has this name. Throws Error{invalid_argument}.

@@ -76,10 +76,10 @@ struct SampleHull {
 SampleHull hull_of(const LocalPoints& points, const std::uint32_t* ids, std::uint32_t size,
                    unsigned threads, const Control& control) {
   const unsigned d = points.dimension;
-  std::vector<double> rows(std::size_t{size} * d);
+  Array<double> rows(std::size_t{size} * d);
   for (std::uint32_t i = 0; i < size; ++i)
     std::copy_n(points.row(ids[i]), d, rows.data() + std::size_t{i} * d);
-  const LocalFrame frame(std::move(rows), size, d, control);
+  const LocalFrame frame(std::move(rows), size, d, threads, control);
   SampleHull result;
   if (frame.affine_dimension() != static_cast<int>(d)) return result;
   const SimplicialHull hull = hull_nd(frame.points(), frame.simplex().data(),

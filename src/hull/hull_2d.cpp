@@ -128,7 +128,7 @@ Extent measure(const PlanarSource& source, unsigned threads, const Control& cont
 /// keep their order, so rows ascend.
 class Buckets {
  public:
-  static constexpr unsigned max_bits = 12;
+  static constexpr unsigned max_bits = 11;
   static constexpr std::uint32_t wanted_size = 512;
 
   Buckets(const PlanarSource& source, const Box& box, unsigned threads, const Control& control)
@@ -155,7 +155,11 @@ class Buckets {
     for_each_chunk(n, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       control.check();
       std::uint32_t* const at = next.data() + c * buckets;
-      each(begin, end, [&](const Entry& e) { entries_[at[bucket(e.key)]++] = e; });
+      each(begin, end, [&](const Entry& e) {
+        Entry* const to = entries_.get() + at[bucket(e.key)]++;
+        *to = e;
+        __builtin_prefetch(to + 3, 1);  // stores wait in line for those that miss
+      });
     });
   }
 
@@ -364,7 +368,10 @@ Polygon polygon_of_many(const PlanarSource& source, const Extent& extent, const 
     upper.join(runs[r].upper, turn);
     turn.add_counts(turns[r]);
   }
-  Polygon polygon{cycle(lower, upper, threads), {}};
+  Polygon polygon;
+  polygon.corners = cycle(lower, upper, threads);
+  polygon.rows = source.count();
+  polygon.box = extent.box;
   std::copy(turn.counts(), turn.counts() + 3, polygon.rung_counts);
   return polygon;
 }
@@ -378,11 +385,15 @@ const std::vector<std::uint32_t>& PolygonSeries::corners(const double* rows, std
   Entry* const e = entries_.data();
   e[0] = {rows[0], rows[1], 0, 0};
   Chord chord{e[0], e[0]};
+  double low = e[0].y, high = low;
   for (std::uint32_t i = 1; i < count; ++i) {
     e[i] = {rows[2 * std::size_t{i}], rows[2 * std::size_t{i} + 1], i, 0};
+    low = std::min(low, e[i].y);
+    high = std::max(high, e[i].y);
     if (before(e[i], chord.first)) chord.first = e[i];
     if (before(chord.last, e[i])) chord.last = e[i];
   }
+  box_ = {{chord.first.x, low}, {chord.last.x, high}};
   const KeyMap map(chord.first.x, chord.last.x);
   for (std::uint32_t i = 0; i < count; ++i) e[i].key = map.key(e[i].x);
   chains_.restart(chord);
@@ -414,6 +425,7 @@ Polygon polygon_of(const PointView& points, bool lattice, unsigned threads,
   const PlanarSource rest(PointView::row_major(rows.data(), kept.size(), 2));
   Polygon polygon = polygon_of_many(rest, extent, turn, threads, control);
   for (std::uint32_t& corner : polygon.corners) corner = kept[corner];
+  polygon.rows = source.count();
   return polygon;
 }
 

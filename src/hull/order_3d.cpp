@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "parallel/parallel.hpp"
+#include "parallel/radix_sort.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -24,48 +25,6 @@ std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser: a fixed pseudo-
 /// Few chunks, as each has counts of its own.
 std::uint64_t sort_chunk(std::uint32_t n) { return std::max<std::uint64_t>(1 << 16, n / 64); }
 
-}  // namespace
-
-// Least significant digit first, in chunks: the counts of all chunks give each chunk its places.
-void radix_sort(Keyed*& items, Keyed*& scratch, std::uint32_t n, unsigned bits, unsigned threads) {
-  if (n < 1024) {  // counting would cost more; ids ascend, so this is stable as well
-    std::sort(items, items + n, [](const Keyed& a, const Keyed& b) {
-      return a.key < b.key || (a.key == b.key && a.id < b.id);
-    });
-    return;
-  }
-  const unsigned passes = (bits + 11) / 12;
-  const unsigned digit_bits = (bits + passes - 1) / passes, buckets = 1U << digit_bits;
-  const std::uint64_t chunk_size = sort_chunk(n), chunks = chunk_count(n, chunk_size);
-  std::vector<std::uint32_t> places(chunks * buckets);
-  for (unsigned pass = 0; pass < passes; ++pass) {
-    const unsigned shift = pass * digit_bits;
-    const auto digit = [&](const Keyed& k) { return (k.key >> shift) & (buckets - 1); };
-    std::fill(places.begin(), places.end(), 0U);
-    for_each_chunk(n, chunk_size, threads,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     std::uint32_t* counts = places.data() + c * buckets;
-                     for (std::uint64_t i = begin; i < end; ++i) ++counts[digit(items[i])];
-                   });
-    std::uint32_t sum = 0;
-    for (unsigned b = 0; b < buckets; ++b)
-      for (std::uint64_t c = 0; c < chunks; ++c) {
-        const std::uint32_t size = places[c * buckets + b];
-        places[c * buckets + b] = sum;
-        sum += size;
-      }
-    for_each_chunk(n, chunk_size, threads,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     std::uint32_t* place = places.data() + c * buckets;
-                     for (std::uint64_t i = begin; i < end; ++i)
-                       scratch[place[digit(items[i])]++] = items[i];
-                   });
-    std::swap(items, scratch);
-  }
-}
-
-namespace {
-
 /// Orders the points within cells finely where many share one: points along curves do, and a walk
 /// through a cell's points in no order is long. `keyed` from `first` on is sorted; cells of more
 /// than `longest` points, which are heaps of them, stay as they are.
@@ -79,6 +38,7 @@ void refine_cells(const LocalPoints& points, const DirectionKey& key, Keyed* key
   std::vector<std::uint64_t> crowded(chunk_count(count, chunk_size), 0);
   for_each_chunk(count, chunk_size, threads,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
                    std::uint64_t sum = 0;
                    for (std::uint64_t i = std::max<std::uint64_t>(begin, crowd); i < end; ++i)
                      sum += begin_all[i].key == begin_all[i - crowd].key;
@@ -152,6 +112,7 @@ InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKe
   std::vector<std::array<std::uint32_t, 16>> sizes(chunk_count(n, chunk_size));
   for_each_chunk(
       n, chunk_size, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+        control.check();
         constexpr std::uint32_t block = DirectionKey::block;
         double x[block] = {}, y[block] = {}, z[block] = {};
         std::uint32_t keys[block];
@@ -178,13 +139,14 @@ InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKe
         }
         sizes[c] = count;
       });
-  radix_sort(keyed, scratch, n, width, threads);
+  radix_sort(keyed, scratch, n, width, threads, control, sort_key);
   std::uint32_t unsorted = 0;  // the first rounds
   for (const auto& count : sizes) unsorted += count[0] + count[1];
   refine_cells(points, key, keyed, unsorted, n, threads, control);
   order.ids = BigArray<std::uint32_t>(n);
   for_each_chunk(n, chunk_size, threads,
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
                    for (std::uint64_t i = begin; i < end; ++i) order.ids[i] = keyed[i].id;
                  });
   std::uint32_t sum = 0;

@@ -22,9 +22,7 @@ struct InsertionOrder3D {
 struct Keyed {
   std::uint32_t key, id;
 };
-/// By the lowest `bits` bits of the keys (there are no others), ids ascending among equal ones, as
-/// they are at the beginning; `scratch` has room for n as well and may become the result.
-void radix_sort(Keyed*& items, Keyed*& scratch, std::uint32_t n, unsigned bits, unsigned threads);
+inline std::uint32_t sort_key(const Keyed& k) { return k.key; }
 
 /// The four points of `simplex` come first, as a round of their own; the round after it is small
 /// and not sorted. Deterministic, whatever the number of threads.

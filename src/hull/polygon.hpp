@@ -8,6 +8,7 @@
 #include "control.hpp"
 #include "cullhull/array.hpp"
 #include "hull/planar_chains.hpp"
+#include "hull/planar_strip.hpp"
 
 namespace cullhull::internal {
 
@@ -15,6 +16,8 @@ struct Polygon {
   /// Rows of the extreme points (of equal points the lowest row), counter-clockwise from the
   /// lexicographically lowest. Two if all points lie on a line, one if all are equal.
   Array<std::uint32_t> corners;
+  std::uint32_t rows = 0;  ///< there were
+  Box box{};               ///< of all points
   std::uint64_t rung_counts[3] = {0, 0, 0};
 };
 
@@ -30,11 +33,14 @@ class PolygonSeries {
   /// `rows`: count > 0 packed pairs of finite doubles. The corners are overwritten by the next
   /// call.
   const std::vector<std::uint32_t>& corners(const double* rows, std::uint32_t count);
+  /// Of the points of the last call.
+  const Box& box() const { return box_; }
 
  private:
   Array<Entry> entries_;
   ChainBuilder chains_;
   std::vector<std::uint32_t> corners_;
+  Box box_{};
 };
 
 }  // namespace cullhull::internal

@@ -16,7 +16,8 @@ std::vector<std::uint64_t> extreme_rows(SimplicialHull&& boundary, const LocalPo
                                         std::uint64_t* rung_counts) {
   Surface surface = make_surface(std::move(boundary), points, threads);
   const auto pairs = coplanar_pairs(surface, points, threads, control, rung_counts);
-  if (!pairs.empty()) surface = merge_coplanar(std::move(surface), pairs, points, control).surface;
+  if (!pairs.empty())
+    surface = merge_coplanar(std::move(surface), pairs, points, threads, control).surface;
   return std::move(list_vertices(surface, points.count, nullptr, threads).ids);
 }
 

@@ -1,6 +1,8 @@
 #include "result/measure.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <bit>
 #include <cmath>
 
 #include "parallel/big_array.hpp"
@@ -253,20 +255,51 @@ class Measurer {
   /// facet is one simplex.
   std::vector<std::uint32_t> widest_simplices() const {
     std::vector<std::uint32_t> best;
-    if (hull_.facet_count() == count_) return best;
-    best.resize(hull_.facet_count());
-    std::vector<double> longest(best.size(), -1);
-    std::vector<double> n(k_), scratch;
-    for (std::uint32_t i = 0; i < count_; ++i) {
+    const std::size_t facets = hull_.facet_count();
+    if (facets == count_) return best;
+    resize_big(best, facets);
+    // Lengths are positive, so their bits are ordered as they are.
+    BigArray<std::uint64_t> longest(facets), lengths(count_);
+    const auto each_chunk = [this](std::uint64_t count, const auto& body) {
+      for_each_chunk(count, measure_chunk, threads_,
+                     [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                       control_.check();
+                       for (std::uint64_t i = begin; i < end; ++i) body(i);
+                     });
+    };
+    each_chunk(facets, [&](std::uint64_t f) {
+      longest[f] = 0;
+      best[f] = 0xFFFFFFFF;
+    });
+    const auto alone = [this](std::uint32_t f) {
+      return hull_.facets.offsets[f + 1] - hull_.facets.offsets[f] == k_;
+    };
+    constexpr auto relaxed = std::memory_order_relaxed;
+    each_chunk(count_, [&](std::uint64_t i) {
+      prefetch(i + ahead);
+      const std::uint32_t f = hull_.simplex_facets[i];
+      lengths[i] = 0;
+      if (alone(f)) return;
+      double few[K ? K : 1];
+      std::vector<double> many(K ? 0 : k_), scratch;
       bool reliable = false;
       double error = 0;
-      const double l = plane_.normal(simplex(i), n.data(), scratch, &reliable, &error);
-      const std::uint32_t f = hull_.simplex_facets[i];
-      if (l > longest[f]) {
-        longest[f] = l;
-        best[f] = i;
+      const double length =
+          plane_.normal(simplex(i), K ? few : many.data(), scratch, &reliable, &error);
+      if (length > 0) lengths[i] = std::bit_cast<std::uint64_t>(length);
+      const std::atomic_ref<std::uint64_t> most(longest[f]);
+      std::uint64_t now = most.load(relaxed);
+      while (lengths[i] > now && !most.compare_exchange_weak(now, lengths[i], relaxed)) {
       }
-    }
+    });
+    each_chunk(count_, [&](std::uint64_t i) {
+      const std::uint32_t f = hull_.simplex_facets[i];
+      if (lengths[i] != longest[f]) return;
+      const std::atomic_ref<std::uint32_t> first(best[f]);
+      std::uint32_t now = first.load(relaxed);
+      while (i < now && !first.compare_exchange_weak(now, static_cast<std::uint32_t>(i), relaxed)) {
+      }
+    });
     return best;
   }
 
@@ -367,7 +400,14 @@ bool finish_quickly(const Frame& frame, const Totals<DoubleDouble>& sums, Hull& 
   const auto round = [](const DoubleDouble& v, long shift, double& out) {
     return round_surely(v, double_double_error * std::fabs(v.high), shift, out);
   };
-  if (!round(sums.area / DoubleDouble(factorial), frame.exponent * (k - 1L), hull.area) ||
+  // (k - 1)! is 1 or 2 for k <= 3, and that division is exact. It matters: a sum of two runs often
+  // lies half-way between two doubles.
+  const bool exact = k <= 3;
+  const DoubleDouble area =
+      exact ? DoubleDouble(sums.area.high / factorial, sums.area.low / factorial)
+            : sums.area / DoubleDouble(factorial);
+  const double area_error = exact ? 0 : double_double_error * std::fabs(area.high);
+  if (!round_surely(area, area_error, frame.exponent * (k - 1L), hull.area) ||
       !round(sums.volume / DoubleDouble(factorial * k), frame.exponent * static_cast<long>(k),
              hull.volume))
     return false;

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "predicates/orientation.hpp"
+#include "result/merge_polygons.hpp"
 #include "result/pulling.hpp"
 
 namespace cullhull::internal {
@@ -22,12 +23,13 @@ struct Border {
   unsigned slot;
 };
 
+/// Any k but 3.
 class Merger {
  public:
   Merger(Surface&& surface, const LocalPoints& points, const Control& control)
       : old_(std::move(surface)), points_(points), control_(control), k_(old_.k) {}
 
-  Facets run(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) {
+  Facets run(const CoplanarPairs& pairs) {
     number_facets(pairs);
     keep_singles();
     drop_flat_vertices();
@@ -43,7 +45,7 @@ class Merger {
   std::uint32_t merged_count() const { return static_cast<std::uint32_t>(starts_.size()) - 1; }
 
   /// facet_[f]: singles first in order of their simplex, then merged ones in order of their first.
-  void number_facets(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) {
+  void number_facets(const CoplanarPairs& pairs) {
     const std::size_t n = old_.count();
     facet_.resize(n);
     std::iota(facet_.begin(), facet_.end(), 0U);
@@ -121,7 +123,7 @@ class Merger {
   /// Whether the vertex of incidences [begin, end) is extreme.
   bool extreme(std::size_t begin, std::size_t end) const {
     if (end - begin < k_) return false;
-    if (k_ <= 3) return true;
+    if (k_ == 2) return true;
     std::uint32_t smallest = none;
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t facet = incidence_[i].second;
@@ -157,8 +159,6 @@ class Merger {
     if (on_facet_[m].size() < k_ || borders_.empty()) fail_not_exact("a facet has too few corners");
     if (k_ == 2)
       segment(m);
-    else if (k_ == 3)
-      polygon(m);
     else
       pull_facet(m);
     out_.vertices.offsets.push_back(out_.vertices.items.size());
@@ -189,45 +189,6 @@ class Merger {
     add_simplex(m, end[0] > end[1]);
     out_.vertices.items.insert(out_.vertices.items.end(), {end[1], end[0]});
     out_.neighbours.items.insert(out_.neighbours.items.end(), {across[0], across[1]});
-  }
-
-  struct Edge {
-    std::uint32_t from, to, across;
-    bool operator<(const Edge& o) const { return from < o.from; }
-  };
-
-  void polygon(std::uint32_t m) {
-    std::vector<Edge>& edges = edges_;
-    edges.clear();
-    for (const Border& b : borders_) {
-      const std::uint32_t* v = old_.simplex(b.simplex);
-      std::uint32_t from = v[(b.slot + 1) % 3], to = v[(b.slot + 2) % 3];
-      if (old_.odd[b.simplex]) std::swap(from, to);
-      edges.push_back({from, to, neighbour_facet(b)});
-    }
-    std::sort(edges.begin(), edges.end());
-    const std::uint32_t start = on_facet_[m][0];
-    const std::size_t first = out_.vertices.items.size();
-    std::uint32_t v = start;
-    std::size_t steps = 0;
-    do {
-      const auto it = std::lower_bound(edges.begin(), edges.end(), Edge{v, 0, 0});
-      if (it == edges.end() || it->from != v || ++steps > edges.size())
-        fail_not_exact("a facet's border is not one cycle");
-      if (!flat_[v]) {
-        out_.vertices.items.push_back(v);
-        out_.neighbours.items.push_back(it->across);
-      }
-      v = it->to;
-    } while (v != start);
-    if (steps != edges.size()) fail_not_exact("a facet's border is not one cycle");
-    const std::size_t corners = out_.vertices.items.size() - first;
-    for (std::size_t i = 1; i + 1 < corners; ++i) {
-      const std::uint32_t a = out_.vertices.items[first + i];
-      const std::uint32_t b = out_.vertices.items[first + i + 1];
-      out_.surface.ids.insert(out_.surface.ids.end(), {start, std::min(a, b), std::max(a, b)});
-      add_simplex(m, a > b);
-    }
   }
 
   void pull_facet(std::uint32_t m) {
@@ -317,20 +278,19 @@ class Merger {
   std::vector<VertexSet> on_facet_;                                 // vertices of each merged facet
   std::vector<std::uint8_t> flat_;                                  // vertices that are not extreme
   std::vector<Border> borders_;
-  std::vector<Edge> edges_;
 };
 
 }  // namespace
 
-Facets merge_coplanar(Surface&& surface,
-                      const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs,
-                      const LocalPoints& points, const Control& control) {
+Facets merge_coplanar(Surface&& surface, const CoplanarPairs& pairs, const LocalPoints& points,
+                      unsigned threads, const Control& control) {
   if (pairs.empty()) {
     Facets out;
     out.singles = surface.count();
     out.surface = std::move(surface);
     return out;
   }
+  if (surface.k == 3) return merge_polygons(std::move(surface), pairs, threads, control);
   return Merger(std::move(surface), points, control).run(pairs);
 }
 

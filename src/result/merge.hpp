@@ -20,8 +20,7 @@ struct Facets {
   Lists<std::uint32_t> neighbours;
 };
 
-Facets merge_coplanar(Surface&& surface,
-                      const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs,
-                      const LocalPoints& points, const Control& control);
+Facets merge_coplanar(Surface&& surface, const CoplanarPairs& pairs, const LocalPoints& points,
+                      unsigned threads, const Control& control);
 
 }  // namespace cullhull::internal

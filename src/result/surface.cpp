@@ -46,7 +46,7 @@ bool sort_triangle(std::uint32_t* ids, std::uint32_t* neighbours) {
 }
 
 struct ChunkResult {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  CoplanarPairs pairs;
   std::uint64_t ridges = 0;
   std::uint64_t rungs[3] = {0, 0, 0};
 };
@@ -78,10 +78,10 @@ class RidgeScan {
         if (side == Sign::zero) {
           out.pairs.emplace_back(static_cast<std::uint32_t>(f), g);
           coplanar = true;
-          if (degenerate(g)) fail_not_exact("a facet is degenerate");
+          if (degenerate<K>(g)) fail_not_exact("a facet is degenerate");
         }
       }
-      if (coplanar && degenerate(f)) fail_not_exact("a facet is degenerate");
+      if (coplanar && degenerate<K>(f)) fail_not_exact("a facet is degenerate");
     }
   }
 
@@ -100,6 +100,13 @@ class RidgeScan {
   struct Plane {
     double normal[K];
     double reach;  // prod of the rows' largest entries, times the error constant
+    /// Whether some cofactor, a determinant of K - 1 rows, is not zero beyond doubt.
+    bool surely_proper() const {
+      const double bound = reach / determinant_error(K) * determinant_error(K - 1) * 1.01;
+      double largest = 0;
+      for (const double v : normal) largest = std::max(largest, std::fabs(v));
+      return largest > bound + determinant_tiny;
+    }
     void set(const LocalPoints& points, const std::uint32_t* ids) {
       double edges[K > 1 ? K - 1 : 1][K];
       const double* origin = points.row(ids[0]);
@@ -148,14 +155,34 @@ class RidgeScan {
     for (unsigned i = 0; i < k; ++i) rows[i] = points_.exact_row(surface_.simplex(f)[i]);
     rows[k] = points_.exact_row(x);
     Rung rung = Rung::exact;
+    if (across_an_axis(rows.data(), k)) {
+      ++out.rungs[static_cast<unsigned>(rung)];
+      return Sign::zero;
+    }
     const Sign sign = orientation(k, rows.data(), &rung);
     ++out.rungs[static_cast<unsigned>(rung)];
     return sign;
   }
 
+  /// Whether k + 1 points lie on a plane across an axis, which is how most that lie on one do.
+  static bool across_an_axis(const double* const* rows, unsigned k) {
+    for (unsigned c = 0; c < k; ++c) {
+      bool same = true;
+      for (unsigned i = 1; i <= k; ++i) same &= rows[i][c] == rows[0][c];
+      if (same) return true;
+    }
+    return false;
+  }
+
   /// A degenerate simplex has a vertex in the span of the opposite ridge, so one of its ridges
   /// always looks coplanar: only those simplices need this test.
+  template <unsigned K>
   bool degenerate(std::uint64_t f) const {
+    if constexpr (K > 2) {
+      Plane<K> plane;
+      plane.set(points_, surface_.simplex(f));
+      if (filter_ && plane.surely_proper()) return false;
+    }
     const unsigned k = surface_.k;
     std::vector<const double*> rows(k);
     for (unsigned i = 0; i < k; ++i) rows[i] = points_.exact_row(surface_.simplex(f)[i]);
@@ -218,11 +245,8 @@ Surface make_surface(SimplicialHull&& boundary, const LocalPoints& points, unsig
   return s;
 }
 
-std::vector<std::pair<std::uint32_t, std::uint32_t>> coplanar_pairs(const Surface& surface,
-                                                                    const LocalPoints& points,
-                                                                    unsigned threads,
-                                                                    const Control& control,
-                                                                    std::uint64_t* rung_counts) {
+CoplanarPairs coplanar_pairs(const Surface& surface, const LocalPoints& points, unsigned threads,
+                             const Control& control, std::uint64_t* rung_counts) {
   using Scan = void (*)(const RidgeScan&, std::uint64_t, std::uint64_t, ChunkResult&);
   static constexpr Scan scans[] = {scan_chunk<0>, scan_chunk<0>, scan_chunk<2>,
                                    scan_chunk<3>, scan_chunk<4>, scan_chunk<5>,
@@ -235,7 +259,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> coplanar_pairs(const Surfac
                    control.check();
                    scan(ridge_scan, begin, end, results[chunk]);
                  });
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  CoplanarPairs pairs;
   std::uint64_t ridges = 0;
   for (const ChunkResult& r : results) {
     pairs.insert(pairs.end(), r.pairs.begin(), r.pairs.end());

@@ -188,7 +188,7 @@ TEST(BenchRivals, EveryCombinationAndHardPoints) {
   for (const char* name : {"ball-2d-500-f32", "ball-3d-500-i32", "sphere-3d-500-f32"})
     EXPECT_EQ(rows.count(name), 1U) << name;
   const std::string table = read_file(f / "t.md");
-  EXPECT_NE(table.find("| ball-2d-500-f32"), std::string::npos) << table;
+  EXPECT_NE(table.find("| 2D disk 500, f32"), std::string::npos) << table;
 
   const Ran hard = run_app(
       with(rivals, {"--scale", "1", "--workload", "turned-lattice-surface-3d-600", "--workload",
@@ -223,15 +223,15 @@ TEST(BenchRivals, OtherExtremePointsAreAnError) {
   EXPECT_EQ(found.second, 2U);
 
   const Folder f;
-  std::filesystem::copy_file(CULLHULL_APP, f / "cullhull");
+  const std::string ours = f / "cullhull";
+  std::filesystem::copy_file(CULLHULL_APP, ours);
   const std::string program = f / "cullhull-rival-cgal";
   write_file(program, "#!/bin/sh\nprintf '\\0\\0\\0\\0\\0\\0\\360?'\nhead -c 48 /dev/zero\n");
   std::filesystem::permissions(program, std::filesystem::perms::owner_all);
   const std::string out = f / "report.json";
-  const std::string command =
-      "'" + (f / "cullhull") +
-      "' bench rivals --scale 1 --repeat 1 --workload cube-3d-100 -q --json=" + out +
-      " 2>/dev/null";
+  std::string command = ours;
+  command += " bench rivals --scale 1 --repeat 1 --workload cube-3d-100 -q --json=";
+  command += out + " 2>/dev/null";
   EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 3);
   const auto report = nlohmann::json::parse(read_file(out));
   EXPECT_EQ(report["figures"][0]["id"], "differ");

@@ -341,7 +341,19 @@ TEST(Hull2d, ManyPointsOnAnyNumberOfThreads) {
     clusters.insert(clusters.end(),
                     {side + 0x1p-30 * unit(g), i % 10'000 == 3 ? unit(g) : 0x1p-40 * unit(g)});
   }
-  for (const Points* p : {&circle, &columns, &line, &clusters}) {
+  // Arcs of which few points are on the hull, so that joined chains lose most of what they have;
+  // x that no cells of equal width divide; few places, each many times; the largest doubles.
+  Points arcs, powers, repeated, largest;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const double a = 3.14159265358979 * unit(g), c = static_cast<double>(g() % 30) - 15;
+    arcs.insert(arcs.end(), {(c + std::cos(a) / 2) / 16, (0.01 * c * c + std::sin(a) / 2) / 16});
+    const double e = std::ldexp(1 + unit(g) / 4, -static_cast<int>(g() % 1000));
+    powers.insert(powers.end(), {g() % 2 ? e : -e, unit(g) * e});
+    repeated.insert(repeated.end(), {static_cast<double>(g() % 40) / 64, unit(g) > 0 ? 0.5 : 0.25});
+    largest.insert(largest.end(), {1.7e308 * std::cos(a), 1.7e308 * std::sin(a)});
+  }
+  for (const Points* p :
+       {&circle, &columns, &line, &clusters, &arcs, &powers, &repeated, &largest}) {
     const std::vector<std::uint32_t> expected = canonical(monotone_chain(*p));
     for (const unsigned threads : {1U, 2U, 5U})
       EXPECT_EQ(canonical(cycle_of(run(local(*p), threads))), expected) << threads;

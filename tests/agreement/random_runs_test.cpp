@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <numeric>
-#include <span>
 
 #include "agreement/all_paths.hpp"
 #include "agreement/point_sets.hpp"
@@ -22,11 +21,6 @@ std::uint64_t number_from_environment(const char* name, std::uint64_t otherwise)
   return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
 }
 
-std::span<const std::uint64_t> ids_of_facet(const Hull& h, std::size_t f) {
-  return {h.facets.items.data() + h.facets.offsets[f],
-          h.facets.offsets[f + 1] - h.facets.offsets[f]};
-}
-
 /// The polytope itself: its facets as sets of coordinates, whatever the ids and their order.
 std::uint64_t polytope_hash(const PointSet& s, const Hull& h) {
   std::vector<std::uint64_t> of_point(s.count());
@@ -38,7 +32,7 @@ std::uint64_t polytope_hash(const PointSet& s, const Hull& h) {
   std::vector<std::uint64_t> facets;
   for (std::size_t i = 0; i < h.facet_count(); ++i) {
     std::vector<std::uint64_t> points;
-    for (const std::uint64_t v : ids_of_facet(h, i)) points.push_back(of_point[v]);
+    for (const std::uint64_t v : h.facets[i]) points.push_back(of_point[v]);
     std::sort(points.begin(), points.end());
     Fnv f;
     f.add(points);

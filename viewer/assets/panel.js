@@ -30,7 +30,7 @@ const figureNames = {
   "points.count": "Points", "points.dimension": "Dimension", "points.scalar": "Scalar type",
   affine_dimension: "Affine dimension", vertex_count: "Vertices", facet_count: "Facets",
   simplex_count: "Simplices", centroid: "Centroid", "cull.method": "Filter", "cull.survivors": "Survivors",
-  "cull.seconds": "Filtering", "hull.engine": "Engine", "hull.seconds": "Hull", read_seconds: "Reading",
+  "cull.seconds": "Filtering", "cull.reason": "Why", "hull.engine": "Engine", "hull.seconds": "Hull", read_seconds: "Reading",
   compute_seconds: "Computing", compute_seconds_all: "Each run", peak_bytes: "Peak memory", certified: "Certified",
   threads: "Threads", backend: "Backend", version: "cullhull",
   "track.method": "Tracking", "track.scan_survivors": "Left by the scan", "track.scan_seconds": "Scan",

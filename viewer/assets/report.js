@@ -24,6 +24,34 @@
     return (v !== 0 && v < 0.1 ? v.toPrecision(2) : v.toFixed(v < 10 ? 2 : 1)) + " " + unit;
   }
 
+  // Along an axis: no digits but those that tell.
+  function tickText(v, unit) {
+    if (v === 0) return "0";
+    const [factor, name] = unit !== "s" ? [1, unit] : v < 1e-3 ? [1e6, "µs"] : v < 1 ? [1e3, "ms"] : [1, "s"];
+    return `${Number((v * factor).toPrecision(3))} ${name}`;
+  }
+
+  // Words in lines of at most so many pixels; a letter is about as wide as half its height.
+  function inLines(parts, width) {
+    const out = [];
+    for (const part of parts) {
+      const longer = out.length > 0 ? out[out.length - 1] + " · " + part : "";
+      if (longer !== "" && longer.length * 6.7 <= width) out[out.length - 1] = longer;
+      else out.push(part);
+    }
+    return out;
+  }
+
+  // Of ticks in order those that leave one another room.
+  function apart(ticks, at, least) {
+    let last = -Infinity;
+    return ticks.filter((tick) => {
+      if (Math.abs(at(tick) - last) < least) return false;
+      last = at(tick);
+      return true;
+    });
+  }
+
   function ratioOf(row) {
     return row.ratio ? (row.ratio_is_bound ? "> " : "") + row.ratio.toPrecision(3) + "×" : "";
   }
@@ -53,7 +81,7 @@
     const positive = values.filter((v) => v > 0);
     const high = Math.max(...positive, 1e-12), low = Math.min(...positive, high);
     if (high / low > 30) {
-      const a = Math.floor(Math.log10(low)), b = Math.ceil(Math.log10(high) + 1e-9), ticks = [];
+      const a = Math.floor(Math.log10(low) - 0.15), b = Math.ceil(Math.log10(high) + 1e-9), ticks = [];
       for (let e = a; e <= b; ++e) ticks.push(10 ** e);
       return {ticks, log: true,
               at: (v) => from + (to - from) * Math.max(0, Math.log10(Math.max(v, 10 ** a)) - a) / (b - a)};
@@ -66,23 +94,26 @@
   }
 
   function bars(parent, figure, width) {
-    const names = namesOf(figure), thick = 15, gap = 16, label = 18;
-    const height = figure.rows.length * (label + names.length * (thick + 2) + gap) + 34;
+    const names = namesOf(figure), thick = 15, gap = 16, label = 16;
+    const heads = figure.rows.map((row) => inLines([row.name, ratioOf(row), row.paper ? "paper: " + row.paper : "",
+      row.bandwidth_share ? `culls at ${percent(row.bandwidth_share)} of read bandwidth` : "",
+      row.slower ? "slower " + row.slower : ""].filter(Boolean), width - 24));
+    const height = heads.reduce((sum, lines) => sum + lines.length * label + 2 + names.length * (thick + 2) + gap, 34);
     const svg = add(parent, "svg", {viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": figure.title});
     const all = figure.rows.flatMap((r) => Object.values(r.values)).filter((v) => v !== null);
     const left = 12, right = width - 92, scale = scaleOf(all, left, right);
-    for (const tick of scale.ticks) {
+    for (const tick of apart(scale.ticks, scale.at, 58)) {
       const x = scale.at(tick);
       add(svg, "line", {class: "grid", x1: x, x2: x, y1: 8, y2: height - 24});
-      add(svg, "text", {class: "soft", x, y: height - 8, "text-anchor": x < left + 20 ? "start" : "middle"}, amount(tick, figure.unit));
+      add(svg, "text", {class: "soft", x, y: height - 8, "text-anchor": x < left + 20 ? "start" : "middle"}, tickText(tick, figure.unit));
     }
     let y = 12;
-    for (const row of figure.rows) {
-      const extra = [ratioOf(row), row.paper ? "paper: " + row.paper : "",
-                     row.bandwidth_share ? `culls at ${percent(row.bandwidth_share)} of read bandwidth` : "",
-                     row.slower ? "slower " + row.slower : ""].filter(Boolean);
-      add(svg, "text", {x: left, y: y + 12, class: row.slower || !row.agrees ? "differs" : "name"}, [row.name, ...extra].join(" · "));
-      y += label;
+    figure.rows.forEach((row, r) => {
+      for (const line of heads[r]) {
+        add(svg, "text", {x: left, y: y + 12, class: row.slower || !row.agrees ? "differs" : "name"}, line);
+        y += label;
+      }
+      y += 2;
       names.forEach((name, i) => {
         const v = row.values[name];
         if (v !== null && v !== undefined) {
@@ -93,7 +124,7 @@
         y += thick + 2;
       });
       y += gap;
-    }
+    });
     legend(parent, names);
   }
 
@@ -117,7 +148,7 @@
     for (const tick of scale.ticks) {
       const y = scale.at(tick);
       add(svg, "line", {class: "grid", x1: left, x2: right, y1: y, y2: y});
-      add(svg, "text", {class: "soft", x: left - 6, y: y + 4, "text-anchor": "end"}, amount(tick, figure.unit));
+      add(svg, "text", {class: "soft", x: left - 6, y: y + 4, "text-anchor": "end"}, tickText(tick, figure.unit));
     }
     const most = Math.max(...series.map((s) => s.points.length), 2);
     const at = (i) => left + (right - left) * (i + 0.5) / most;
@@ -126,7 +157,7 @@
       const name = framed ? String(i) : (figure.rows[i] || {name: ""}).name.replace(/^.*?, |^.* (?=\d)/, "");
       add(svg, "text", {class: "soft", x: at(i), y: height - 12, "text-anchor": "middle"}, name);
     }
-    if (framed) add(svg, "text", {class: "soft", x: right, y: height - 12, "text-anchor": "end"}, "frame");
+    if (framed) add(svg, "text", {class: "soft", x: left - 6, y: height - 12, "text-anchor": "end"}, "frame");
     series.forEach((s, k) => {
       const known = s.points.map((p, i) => [at(i), p.value]).filter((p) => p[1] !== null);
       const path = known.map((p) => p[0].toFixed(1) + "," + scale.at(p[1]).toFixed(1)).join(" ");
@@ -188,6 +219,14 @@
     add(line, "td", {}, value);
   }
   draw();
+  // On paper nobody opens what is folded.
+  const folded = () => [...document.querySelectorAll("details")];
+  let before = [];
+  addEventListener("beforeprint", () => {
+    before = folded().map((d) => d.open);
+    for (const d of folded()) d.open = true;
+  });
+  addEventListener("afterprint", () => folded().forEach((d, i) => (d.open = before[i])));
   let last = document.getElementById("figures").clientWidth;
   addEventListener("resize", () => {
     const now = document.getElementById("figures").clientWidth;

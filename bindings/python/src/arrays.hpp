@@ -75,7 +75,8 @@ class Output {
   std::unique_ptr<T[]> data_;
 };
 
-/// Over the memory of `owner` where there is any, else an array of its own.
+/// Over the memory of `owner` where there is any, else an array of its own: properties that give
+/// one need the policy `reference`, as the owner may be another than the object asked.
 template <class T>
 ListView<std::make_signed_t<T>> signed_list(const cullhull::EvenArray<T>& items, nb::handle owner) {
   using Shown = std::make_signed_t<T>;

@@ -136,8 +136,10 @@ void bind_arrays(nb::class_<Solid>& c) {
                      return rows_of(nb::inst_ptr<Solid>(self)->vertex_rows().data(),
                                     h.vertices.size(), h.dimension, self);
                    })
-      .def_prop_ro("facet_offsets",
-                   [](Self self) { return signed_list(hull_in(self).facets.offsets, self); })
+      .def_prop_ro(
+          "facet_offsets",
+          [](Self self) { return signed_list(hull_in(self).facets.offsets, self); },
+          nb::rv_policy::reference)
       .def_prop_ro("facet_vertices",
                    [](Self self) {
                      const Hull& h = hull_in(self);
@@ -145,7 +147,8 @@ void bind_arrays(nb::class_<Solid>& c) {
                    })
       .def_prop_ro(
           "facet_neighbour_offsets",
-          [](Self self) { return signed_list(hull_in(self).facet_neighbours.offsets, self); })
+          [](Self self) { return signed_list(hull_in(self).facet_neighbours.offsets, self); },
+          nb::rv_policy::reference)
       .def_prop_ro("facet_neighbours",
                    [](Self self) {
                      const Hull& h = hull_in(self);
@@ -170,12 +173,14 @@ void bind_arrays(nb::class_<Solid>& c) {
                      return rows_of(signed_numbers(h.simplex_neighbours, h.simplex_count()),
                                     h.simplex_count(), simplex_width(h), self);
                    })
-      .def_prop_ro("simplex_facets",
-                   [](Self self) {
-                     const Hull& h = hull_in(self);
-                     check_numbers(h.facet_count());
-                     return signed_list(h.simplex_facets, self);
-                   })
+      .def_prop_ro(
+          "simplex_facets",
+          [](Self self) {
+            const Hull& h = hull_in(self);
+            check_numbers(h.facet_count());
+            return signed_list(h.simplex_facets, self);
+          },
+          nb::rv_policy::reference)
       .def_prop_ro("centroid", [](Self self) {
         const Hull& h = hull_in(self);
         return list_of(h.centroid.data(), h.centroid.size(), self);

@@ -1,0 +1,51 @@
+// What several micro-benchmarks need: points, an engine's input, a polytope for a map.
+#pragma once
+
+#include <benchmark/benchmark.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "control.hpp"
+#include "cullhull/generate.hpp"
+#include "cullhull/options.hpp"
+#include "hull/engine.hpp"
+#include "points/local_frame.hpp"
+
+namespace cullhull::micro {
+
+/// The hull of rows that span their space, by the engine of their dimension, on one thread.
+inline internal::SimplicialHull engine_hull(const internal::LocalFrame& frame,
+                                            const internal::Control& control) {
+  const internal::LocalPoints& points = frame.points();
+  constexpr std::uint64_t budget = std::uint64_t{8} << 30;
+  return points.dimension == 2 ? internal::hull_2d(points, 1, control)
+         : points.dimension == 3
+             ? internal::hull_3d(points, frame.simplex().data(), budget, 1, control)
+             : internal::hull_nd(points, frame.simplex().data(), budget, 1, control);
+}
+
+/// Time of one of the items that every iteration handles.
+inline void count_items(benchmark::State& state, std::uint64_t items, const char* name = "time") {
+  state.counters[name] =
+      benchmark::Counter(static_cast<double>(items), benchmark::Counter::kIsIterationInvariantRate |
+                                                         benchmark::Counter::kInvert);
+}
+
+/// Where points lie about the unit ball: well inside, next to its surface, well outside.
+enum class Place { inside, near, outside };
+
+/// `count` rows with uniform directions.
+inline std::vector<double> placed(Place place, std::uint64_t count, unsigned d) {
+  std::vector<double> rows = generate("sphere", count, d, 2);
+  const std::vector<double> at = generate("cube", count, 1, 3);  // in [-1, 1)
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const double radius = place == Place::inside ? 0.35 + 0.25 * at[i]
+                          : place == Place::near ? 0.99 + 0.01 * at[i]
+                                                 : 1.5 + 0.4 * at[i];
+    for (unsigned j = 0; j < d; ++j) rows[i * d + j] *= radius;
+  }
+  return rows;
+}
+
+}  // namespace cullhull::micro

@@ -1,0 +1,62 @@
+// A stable parallel radix sort, least significant digit first.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "control.hpp"
+#include "parallel/parallel.hpp"
+
+namespace cullhull::internal {
+
+/// Sorts n < 2^32 items by the lowest `bits` bits of key(item), of which there are no others; items
+/// of equal keys stay in order. `scratch` has room for n as well; the two may have changed places
+/// afterwards. The counts of all chunks give each chunk its places, so threads change nothing.
+template <class Item, class Key>
+void radix_sort(Item*& items, Item*& scratch, std::uint32_t n, unsigned bits, unsigned threads,
+                const Control& control, const Key& key) {
+  if (bits == 0 || n < 2) return;
+  if (n < 1024) {  // counting would cost more
+    std::stable_sort(items, items + n,
+                     [&](const Item& a, const Item& b) { return key(a) < key(b); });
+    return;
+  }
+  const unsigned passes = (bits + 11) / 12;
+  const unsigned digit_bits = (bits + passes - 1) / passes, buckets = 1U << digit_bits;
+  // Few chunks, as each has counts of its own.
+  const std::uint64_t chunk_size = std::max<std::uint64_t>(1 << 16, n / 64);
+  const std::uint64_t chunks = chunk_count(n, chunk_size);
+  std::vector<std::uint32_t> places(chunks * buckets);
+  for (unsigned pass = 0; pass < passes; ++pass) {
+    const unsigned shift = pass * digit_bits;
+    const auto digit = [&](const Item& k) {
+      return static_cast<std::uint32_t>(key(k) >> shift) & (buckets - 1);
+    };
+    std::fill(places.begin(), places.end(), 0U);
+    for_each_chunk(n, chunk_size, threads,
+                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                     control.check();
+                     std::uint32_t* counts = places.data() + c * buckets;
+                     for (std::uint64_t i = begin; i < end; ++i) ++counts[digit(items[i])];
+                   });
+    std::uint32_t sum = 0;
+    for (unsigned b = 0; b < buckets; ++b)
+      for (std::uint64_t c = 0; c < chunks; ++c) {
+        const std::uint32_t size = places[c * buckets + b];
+        places[c * buckets + b] = sum;
+        sum += size;
+      }
+    for_each_chunk(n, chunk_size, threads,
+                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                     control.check();
+                     std::uint32_t* place = places.data() + c * buckets;
+                     for (std::uint64_t i = begin; i < end; ++i)
+                       scratch[place[digit(items[i])]++] = items[i];
+                   });
+    std::swap(items, scratch);
+  }
+}
+
+}  // namespace cullhull::internal

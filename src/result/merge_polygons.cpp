@@ -1,0 +1,465 @@
+// Merging in 3D, where a facet is a polygon: all of it is local to ridges, so it runs on all
+// threads and takes linear time but for a stable sort of the borders' edges by facet.
+#include "result/merge_polygons.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cstring>
+#include <numeric>
+
+#include "parallel/big_array.hpp"
+#include "parallel/parallel.hpp"
+#include "parallel/radix_sort.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+using Id = std::uint32_t;
+constexpr Id none = 0xFFFFFFFFU;
+constexpr std::memory_order relaxed = std::memory_order_relaxed;
+
+/// Sets of simplices, joined by any number of threads. A set's root is its lowest member, whatever
+/// the order of work.
+class Sets {
+ public:
+  explicit Sets(std::size_t n) : parent_(n) {}
+  void clear(std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) parent_[i] = static_cast<Id>(i);
+  }
+  Id root(Id i) {
+    for (;;) {
+      const Id up = at(i).load(relaxed);
+      if (up == i) return i;
+      const Id over = at(up).load(relaxed);
+      at(i).store(over, relaxed);  // halves the path; i is no root any more
+      i = over;
+    }
+  }
+  void join(Id a, Id b) {
+    for (;;) {
+      a = root(a);
+      b = root(b);
+      if (a == b) return;
+      if (a < b) std::swap(a, b);
+      Id expected = a;
+      if (at(a).compare_exchange_strong(expected, b, relaxed)) return;
+    }
+  }
+
+ private:
+  std::atomic_ref<Id> at(Id i) { return std::atomic_ref(parent_[i]); }
+  BigArray<Id> parent_;
+};
+
+/// An edge of a merged facet's border, with the facet on its left seen from outside.
+struct Edge {
+  Id facet;  // the merged one, from 0
+  Id from, to;
+  Id simplex;  // the old one it is an edge of
+};
+
+/// What lies between two corners of a merged facet: one edge, or several with flat vertices between
+/// them.
+struct Side {
+  Id across;  // the facet there
+  Edge first, last;
+  Id corner() const { return first.from; }
+};
+
+class PolygonMerger {
+ public:
+  PolygonMerger(Surface&& surface, const CoplanarPairs& pairs, unsigned threads,
+                const Control& control)
+      : old_(std::move(surface)), pairs_(pairs), threads_(threads), control_(control) {}
+
+  Facets run() {
+    number_facets();
+    collect_borders();
+    trace_borders();
+    list_sides();
+    write_surface();
+    return std::move(out_);
+  }
+
+ private:
+  template <class Body>
+  void each_chunk(std::uint64_t count, std::uint64_t size, const Body& body) const {
+    for_each_chunk(count, size, threads_,
+                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                     control_.check();
+                     body(c, begin, end);
+                   });
+  }
+
+  std::uint64_t merged_count() const { return starts_.size() - 1; }
+  bool is_large(std::uint64_t m) const { return starts_[m + 1] - starts_[m] > 1024; }
+  bool single(Id facet) const { return facet < out_.singles; }
+  Id across(Id f, unsigned slot) const { return old_.neighbours[std::size_t{f} * 3 + slot]; }
+
+  // ------------------------------------------------------------------ which simplices, which edges
+
+  /// facet_[f]: single simplices first, in their order, then merged ones in that of their first.
+  void number_facets() {
+    const std::size_t n = old_.count();
+    Sets sets(n);
+    BigArray<std::uint8_t> merged(n);
+    each_chunk(n, simplex_chunk, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      sets.clear(begin, end);
+      std::memset(merged.get() + begin, 0, end - begin);
+    });
+    each_chunk(pairs_.size(), simplex_chunk,
+               [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                 for (std::uint64_t i = begin; i < end; ++i) {
+                   const auto [a, b] = pairs_[i];
+                   sets.join(a, b);
+                   std::atomic_ref(merged[a]).store(1, relaxed);
+                   std::atomic_ref(merged[b]).store(1, relaxed);
+                 }
+               });
+    facet_ = BigArray<Id>(n);
+    struct Count {
+      Id singles = 0, roots = 0;
+    };
+    std::vector<Count> counts(chunk_count(n, simplex_chunk) + 1);
+    each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      Count count;
+      for (std::uint64_t f = begin; f < end; ++f) {
+        facet_[f] = merged[f] ? sets.root(static_cast<Id>(f)) : none;
+        count.singles += facet_[f] == none;
+        count.roots += facet_[f] == f;
+      }
+      counts[c + 1] = count;
+    });
+    for (std::size_t c = 1; c < counts.size(); ++c) {
+      counts[c].singles += counts[c - 1].singles;
+      counts[c].roots += counts[c - 1].roots;
+    }
+    const Id singles = counts.back().singles;
+    out_.singles = singles;
+    starts_.assign(counts.back().roots + std::size_t{1}, 0);
+    BigArray<Id> number(n);  // of the roots
+    each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      Count at = counts[c];
+      for (std::uint64_t f = begin; f < end; ++f)
+        if (facet_[f] == f) number[f] = singles + at.roots++;
+    });
+    each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      Count at = counts[c];
+      for (std::uint64_t f = begin; f < end; ++f)
+        facet_[f] = facet_[f] == none ? at.singles++ : number[facet_[f]];
+    });
+  }
+
+  /// Edges between facets of which the one on the left is merged, by that facet.
+  void collect_borders() {
+    const std::size_t n = old_.count();
+    std::vector<std::uint64_t> begins(chunk_count(n, simplex_chunk) + 1, 0);
+    const auto each_edge = [this](std::uint64_t f, const auto& body) {
+      if (single(facet_[f])) return;
+      for (unsigned j = 0; j < 3; ++j)
+        if (facet_[across(static_cast<Id>(f), j)] != facet_[f]) body(j);
+    };
+    each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      std::uint64_t count = 0;
+      for (std::uint64_t f = begin; f < end; ++f) each_edge(f, [&](unsigned) { ++count; });
+      begins[c + 1] = count;
+    });
+    std::partial_sum(begins.begin(), begins.end(), begins.begin());
+    edge_count_ = static_cast<Id>(begins.back());
+    BigArray<Edge> memory(edge_count_), other(edge_count_);
+    each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      Edge* out = memory.get() + begins[c];
+      for (std::uint64_t f = begin; f < end; ++f)
+        each_edge(f, [&](unsigned j) {
+          const Id* v = old_.simplex(f);
+          Id from = v[(j + 1) % 3], to = v[(j + 2) % 3];
+          if (old_.odd[f]) std::swap(from, to);
+          *out++ = {static_cast<Id>(facet_[f] - out_.singles), from, to, static_cast<Id>(f)};
+        });
+    });
+    Edge *edges = memory.get(), *scratch = other.get();
+    radix_sort(edges, scratch, edge_count_,
+               static_cast<unsigned>(std::bit_width(merged_count() - 1)), threads_, control_,
+               [](const Edge& e) { return e.facet; });
+    edges_ = edges == memory.get() ? std::move(memory) : std::move(other);
+    each_chunk(edge_count_, simplex_chunk,
+               [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                 for (std::uint64_t i = begin; i < end; ++i)
+                   if (i == 0 || edges_[i - 1].facet != edges_[i].facet)
+                     starts_[edges_[i].facet] = i;
+               });
+    starts_.back() = edge_count_;
+    for (std::uint64_t m = 0; m < merged_count(); ++m)
+      if (starts_[m] >= starts_[m + 1]) fail_not_exact("a facet has too few corners");
+  }
+
+  // ------------------------------------------------------------------------------ around the
+  // facets
+
+  /// Brings the edges of every merged facet into cyclic order: next_[i] is where edge i's follower
+  /// is. Facets of many edges one after the other, on all threads each; the others side by side.
+  void trace_borders() {
+    next_ = BigArray<Id>(edge_count_);
+    each_chunk(merged_count(), 256, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t m = begin; m < end; ++m)
+        if (!is_large(m)) find_next_of_few(starts_[m], starts_[m + 1]);
+    });
+    for (std::uint64_t m = 0; m < merged_count(); ++m)
+      if (is_large(m)) find_next_of_many(starts_[m], starts_[m + 1]);
+  }
+
+  void find_next_of_few(std::uint64_t begin, std::uint64_t end) {
+    Edge* edges = edges_.get();
+    std::sort(edges + begin, edges + end,
+              [](const Edge& a, const Edge& b) { return a.from < b.from; });
+    for (std::uint64_t i = begin; i < end; ++i) {
+      const Edge* next = std::lower_bound(edges + begin, edges + end, edges[i].to,
+                                          [](const Edge& e, Id v) { return e.from < v; });
+      if (next == edges + end || next->from != edges[i].to ||
+          (i > begin && edges[i - 1].from == edges[i].from))
+        fail_not_exact("a facet's border is not one cycle");
+      next_[i] = static_cast<Id>(next - edges);
+    }
+  }
+
+  /// Each vertex of a border begins an edge and ends one, so sorted by either end they correspond.
+  void find_next_of_many(std::uint64_t begin, std::uint64_t end) {
+    struct End {
+      Id vertex, edge;
+    };
+    const auto n = static_cast<Id>(end - begin);
+    BigArray<End> memory(4 * std::size_t{n});
+    End *from = memory.get(), *to = from + n, *scratch = to + n, *other = scratch + n;
+    std::vector<Id> highest(chunk_count(n, simplex_chunk));
+    each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t b, std::uint64_t e) {
+      Id most = 0;
+      for (std::uint64_t i = b; i < e; ++i) {
+        const Edge& edge = edges_[begin + i];
+        from[i] = {edge.from, static_cast<Id>(begin + i)};
+        to[i] = {edge.to, static_cast<Id>(begin + i)};
+        most = std::max({most, edge.from, edge.to});
+      }
+      highest[c] = most;
+    });
+    const auto bits =
+        static_cast<unsigned>(std::bit_width(*std::max_element(highest.begin(), highest.end())));
+    const auto vertex = [](const End& e) { return e.vertex; };
+    radix_sort(from, scratch, n, bits, threads_, control_, vertex);
+    radix_sort(to, other, n, bits, threads_, control_, vertex);
+    each_chunk(n, simplex_chunk, [&](std::uint64_t, std::uint64_t b, std::uint64_t e) {
+      for (std::uint64_t i = b; i < e; ++i) {
+        if (from[i].vertex != to[i].vertex || (i > 0 && from[i - 1].vertex == from[i].vertex))
+          fail_not_exact("a facet's border is not one cycle");
+        next_[to[i].edge] = from[i].edge;
+      }
+    });
+  }
+
+  Id facet_across(const Edge& e) const { return facet_[across(e.simplex, slot_off(e))]; }
+
+  /// The sides of every merged facet, from its lowest corner. A vertex of the border is extreme
+  /// exactly if it is on a third facet: if the facets across its two edges differ.
+  void list_sides() {
+    sides_ = BigArray<Side>(edge_count_);
+    std::vector<std::uint64_t> counts(merged_count() + 1, 0);
+    std::vector<std::uint64_t> large;
+    for (std::uint64_t m = 0; m < merged_count(); ++m)
+      if (is_large(m)) large.push_back(m);
+    each_chunk(large.size(), 1, [&](std::uint64_t i, std::uint64_t, std::uint64_t) {
+      counts[large[i] + 1] = list_sides(large[i]);
+    });
+    each_chunk(merged_count(), 256, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t m = begin; m < end; ++m)
+        if (!is_large(m)) counts[m + 1] = list_sides(m);
+    });
+    std::partial_sum(counts.begin(), counts.end(), counts.begin());
+    // Close together.
+    const std::uint64_t total = counts.back();
+    corner_starts_ = std::move(counts);
+    BigArray<Side> close(total);
+    out_.vertices.items.resize(total);
+    out_.neighbours.items.resize(total);
+    each_side([&](std::uint64_t m, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        close[i] = sides_[starts_[m] + (i - corner_starts_[m])];
+        out_.vertices.items[i] = close[i].corner();
+        out_.neighbours.items[i] = close[i].across;
+      }
+    });
+    sides_ = std::move(close);
+    out_.vertices.offsets = Array<std::uint64_t>(corner_starts_.begin(), corner_starts_.end());
+    out_.neighbours.offsets = out_.vertices.offsets;
+  }
+
+  /// Facet m's, at its first edge's place; their number.
+  std::uint64_t list_sides(std::uint64_t m) {
+    const std::uint64_t begin = starts_[m], size = starts_[m + 1] - begin;
+    Side* out = sides_.get() + begin;
+    std::uint64_t count = 0, steps = 0, lowest = 0;
+    // Begin where a side begins, if any does.
+    Id start = static_cast<Id>(begin);
+    for (Id facet = facet_across(edges_[start]); steps < size; ++steps) {
+      start = next_[start];
+      const Id next_facet = facet_across(edges_[start]);
+      if (next_facet != facet) break;
+    }
+    Id last_facet = none;
+    Id i = start;
+    for (steps = 0; steps < size; ++steps, i = next_[i]) {
+      if (steps % 65536 == 65535) control_.check();
+      if (steps > 0 && i == start) fail_not_exact("a facet's border is not one cycle");
+      const Edge& e = edges_[i];
+      const Id facet = facet_across(e);
+      if (facet != last_facet) {
+        if (count > 0 && e.from < out[lowest].corner()) lowest = count;
+        out[count++] = {facet, e, e};
+        last_facet = facet;
+      } else {
+        out[count - 1].last = e;
+      }
+    }
+    if (i != start) fail_not_exact("a facet's border is not one cycle");
+    if (count < 3) fail_not_exact("a facet has too few corners");
+    std::rotate(out, out + lowest, out + count);
+    return count;
+  }
+
+  /// body(facet, begin, end) for the sides of all merged facets, in stretches.
+  template <class Body>
+  void each_side(const Body& body) const {
+    each_chunk(corner_starts_.back(), simplex_chunk,
+               [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                 auto at = std::upper_bound(corner_starts_.begin(), corner_starts_.end(), begin);
+                 while (begin < end) {
+                   const std::uint64_t stop = std::min(end, *at);
+                   body(static_cast<std::uint64_t>(at - corner_starts_.begin()) - 1, begin, stop);
+                   begin = stop;
+                   ++at;
+                 }
+               });
+  }
+
+  // ------------------------------------------------------------------------------- the new surface
+
+  /// Facet m's fan from its first corner has a simplex for each corner but two.
+  Id first_simplex(std::uint64_t m) const {
+    return static_cast<Id>(out_.singles + corner_starts_[m] - 2 * m);
+  }
+  /// The simplex of the fan that side `s` of `count` is an edge of.
+  Id simplex_at(std::uint64_t m, std::uint64_t s, std::uint64_t count) const {
+    return first_simplex(m) + static_cast<Id>(s == 0 ? 0 : std::min(s - 1, count - 3));
+  }
+
+  /// The slot of an edge's simplex opposite to it.
+  unsigned slot_off(const Edge& e) const {
+    const Id* v = old_.simplex(e.simplex);
+    unsigned j = 0;
+    while (j < 2 && (v[j] == e.from || v[j] == e.to)) ++j;
+    return j;
+  }
+
+  /// New simplices meet at old edges: `place_` is told of the last edge of every side, and asked
+  /// about that on the other side of the first one, which is the same seen from there.
+  void write_surface() {
+    const std::uint64_t count = out_.singles + corner_starts_.back() - 2 * merged_count();
+    if (count >= none) fail_not_exact("too many facets");
+    Surface& s = out_.surface;
+    s.k = 3;
+    resize_big(s.ids, count * 3);
+    resize_big(s.neighbours, count * 3);
+    resize_big(s.odd, count);
+    resize_big(out_.facet, count);
+    place_ = BigArray<Id>(old_.count() * 3);
+    each_chunk(old_.count() * 3, simplex_chunk,
+               [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                 std::fill(place_.get() + begin, place_.get() + end, none);
+               });
+    each_side([&](std::uint64_t m, std::uint64_t begin, std::uint64_t end) {
+      const std::uint64_t first = corner_starts_[m], sides = corner_starts_[m + 1] - first;
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const Edge& e = sides_[i].last;
+        place_[std::size_t{e.simplex} * 3 + slot_off(e)] = simplex_at(m, i - first, sides);
+      }
+    });
+    each_chunk(old_.count(), simplex_chunk,
+               [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                 for (std::uint64_t f = begin; f < end; ++f)
+                   if (single(facet_[f])) write_single(static_cast<Id>(f));
+               });
+    each_side([&](std::uint64_t m, std::uint64_t begin, std::uint64_t end) {
+      const std::uint64_t first = corner_starts_[m], sides = corner_starts_[m + 1] - first;
+      for (std::uint64_t i = std::max(begin, first + 1); i < std::min(end, first + sides - 1); ++i)
+        write_fan_simplex(m, i - first - 1, first, sides);
+    });
+  }
+
+  /// The new simplex across slot j of old simplex f, which lies on a border.
+  Id beyond(Id f, unsigned j) const {
+    const Id g = across(f, j);
+    if (single(facet_[g])) return facet_[g];
+    const Id simplex = place_[std::size_t{g} * 3 + opposite_slot<3>(old_, f, j, g)];
+    if (simplex == none) fail_not_exact("facets do not fit together");
+    return simplex;
+  }
+
+  void write_single(Id f) {
+    const Id number = facet_[f];  // facet `number` is simplex `number`
+    Surface& s = out_.surface;
+    s.odd[number] = old_.odd[f];
+    out_.facet[number] = number;
+    for (unsigned j = 0; j < 3; ++j) {
+      s.ids[std::size_t{number} * 3 + j] = old_.simplex(f)[j];
+      s.neighbours[std::size_t{number} * 3 + j] = beyond(f, j);
+    }
+  }
+
+  /// Simplex t of facet m's fan: corners 0, t + 1 and t + 2.
+  void write_fan_simplex(std::uint64_t m, std::uint64_t t, std::uint64_t first,
+                         std::uint64_t sides) {
+    const Side* side = sides_.get() + first;
+    const auto outer = [&](std::uint64_t i) {
+      const Edge& e = side[i].first;
+      return beyond(e.simplex, slot_off(e));
+    };
+    const Id number = first_simplex(m) + static_cast<Id>(t);
+    const Id a = side[t + 1].corner(), b = side[t + 2].corner();
+    const Id opposite_a = t + 3 == sides ? outer(sides - 1) : number + 1;
+    const Id opposite_b = t == 0 ? outer(0) : number - 1;
+    Surface& s = out_.surface;
+    const bool odd = a > b;
+    s.odd[number] = odd;
+    out_.facet[number] = static_cast<Id>(out_.singles + m);
+    Id* ids = s.ids.data() + std::size_t{number} * 3;
+    Id* next = s.neighbours.data() + std::size_t{number} * 3;
+    ids[0] = side[0].corner();
+    ids[1] = odd ? b : a;
+    ids[2] = odd ? a : b;
+    next[0] = outer(t + 1);
+    next[1] = odd ? opposite_b : opposite_a;
+    next[2] = odd ? opposite_a : opposite_b;
+  }
+
+  Surface old_;
+  const CoplanarPairs& pairs_;
+  const unsigned threads_;
+  const Control& control_;
+  Facets out_;
+  BigArray<Id> facet_;                 // of each old simplex
+  std::vector<std::uint64_t> starts_;  // of the edges of each merged facet
+  Id edge_count_ = 0;
+  BigArray<Edge> edges_;
+  BigArray<Id> next_;
+  std::vector<std::uint64_t> corner_starts_;  // of the sides of each merged facet
+  BigArray<Side> sides_;
+  BigArray<Id> place_;  // new simplex at each old slot that is the last edge of a side
+};
+
+}  // namespace
+
+Facets merge_polygons(Surface&& surface, const CoplanarPairs& pairs, unsigned threads,
+                      const Control& control) {
+  return PolygonMerger(std::move(surface), pairs, threads, control).run();
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,12 @@
+// Merging of coplanar simplices in 3D.
+#pragma once
+
+#include "result/merge.hpp"
+
+namespace cullhull::internal {
+
+/// As merge_coplanar, for k = 3 and at least one pair.
+Facets merge_polygons(Surface&& surface, const CoplanarPairs& pairs, unsigned threads,
+                      const Control& control);
+
+}  // namespace cullhull::internal

@@ -1,0 +1,282 @@
+#include "result/polygon_result.hpp"
+
+#include <atomic>
+#include <bit>
+#include <cstring>
+
+#include "parallel/big_array.hpp"
+#include "parallel/parallel.hpp"
+#include "result/facet_plane.hpp"
+
+namespace cullhull::internal {
+
+// As make_frame decides it.
+EdgeKernel::EdgeKernel(const Box& box) {
+  double largest = 0;
+  for (unsigned j = 0; j < 2; ++j)
+    largest = std::max({largest, std::fabs(box.low[j]), std::fabs(box.high[j])});
+  if (largest > 0) exponent_ = std::ilogb(largest) + 1;
+  // Beyond these exponents scale_by is no multiplication.
+  if (exponent_ < -900 || exponent_ > 900) return;
+  unscale_ = scale_by(1, exponent_);
+  ordinary_ = true;
+  for (unsigned j = 0; j < 2; ++j) {
+    const double extent = scale_by(box.high[j], -exponent_) - scale_by(box.low[j], -exponent_);
+    ordinary_ = ordinary_ && extent > 0x1p-200;
+  }
+}
+
+bool finish_polygon(const EdgeKernel& kernel, const Totals<DoubleDouble>& sums,
+                    const PointView& points, std::uint64_t first, Hull& hull) {
+  if (!settled(sums, 0x1p-53)) return false;
+  const std::vector<std::uint64_t> vertices{first};
+  Frame frame;
+  frame.dimension = frame.k = 2;
+  frame.axes = {0, 1};
+  frame.exponent = kernel.exponent();
+  frame.points = &points;
+  frame.vertices = &vertices;
+  const PlanarPoint p = kernel.scaled({points.at(first, 0), points.at(first, 1)});
+  frame.scaled = {p.x, p.y};
+  finish_measures(frame, sums, hull);
+  return true;
+}
+
+namespace {
+
+constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
+static_assert(chunk % 64 == 0);
+
+/// std::popcount is a call where nothing is known of the processor.
+std::uint32_t count_bits(std::uint64_t v) {
+  v -= v >> 1 & 0x5555555555555555ULL;
+  v = (v & 0x3333333333333333ULL) + (v >> 2 & 0x3333333333333333ULL);
+  v = (v + (v >> 4)) & 0x0F0F0F0F0F0F0F0FULL;
+  return static_cast<std::uint32_t>(v * 0x0101010101010101ULL >> 56);
+}
+
+/// Which rows are corners, and how many before each: small enough to stay in the cache.
+class Ranks {
+ public:
+  Ranks(const Array<std::uint32_t>& corners, std::uint64_t rows, unsigned threads)
+      : words_(rows / 64 + 1), before_(words_) {
+    BigArray<std::uint8_t> used(words_ * 64);
+    std::memset(used.get(), 0, words_ * 64);
+    for_each_chunk(corners.size(), chunk, threads,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     for (std::uint64_t i = begin; i < end; ++i) used[corners[i]] = 1;
+                   });
+    bits_ = BigArray<std::uint64_t>(words_);
+    for_each_chunk(words_, chunk / 64, threads,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     for (std::uint64_t w = begin; w < end; ++w) {
+                       std::uint64_t word = 0;
+                       for (std::uint64_t b = 0; b < 64; b += 8) {
+                         // Eight flags at once: their lowest bits gather in the highest byte.
+                         std::uint64_t flags = 0;
+                         for (std::uint64_t k = 0; k < 8; ++k)
+                           flags |= std::uint64_t{used[64 * w + b + k]} << (8 * k);
+                         word |= (flags * 0x0102040810204080ULL >> 56) << b;
+                       }
+                       bits_[w] = word;
+                     }
+                   });
+    std::uint32_t sum = 0;
+    for (std::uint64_t w = 0; w < words_; ++w) {
+      before_[w] = sum;
+      sum += count_bits(bits_[w]);
+    }
+  }
+
+  std::uint32_t operator()(std::uint32_t row) const {
+    const std::uint64_t lower = (std::uint64_t{1} << row % 64) - 1;
+    return before_[row / 64] + count_bits(bits_[row / 64] & lower);
+  }
+  std::uint64_t words() const { return words_; }
+  std::uint64_t word(std::uint64_t w) const { return bits_[w]; }
+  std::uint32_t before_word(std::uint64_t w) const { return before_[w]; }
+
+ private:
+  std::uint64_t words_;
+  BigArray<std::uint64_t> bits_;
+  BigArray<std::uint32_t> before_;
+};
+
+/// Coordinates as they are given, a negative zero too.
+template <class T>
+struct Reader {
+  const PointView& points;
+  PlanarPoint operator()(std::uint64_t id) const {
+    const std::byte* p = points.address(id, 0);
+    T x, y;
+    std::memcpy(&x, p, sizeof x);
+    std::memcpy(&y, p + points.coordinate_stride, sizeof y);
+    return {static_cast<double>(x), static_cast<double>(y)};
+  }
+};
+template <>
+struct Reader<void> {
+  const PointView& points;
+  PlanarPoint operator()(std::uint64_t id) const { return {points.at(id, 0), points.at(id, 1)}; }
+};
+
+/// A corner as the sweep over edges wants it, which comes to them in no order that memory has: in
+/// one place, on pages that are large.
+struct Corner {
+  PlanarPoint point;         // in the kernel's units
+  std::uint64_t id, unused;  // four words, so that none lies on two lines of the cache
+};
+
+class Writer {
+ public:
+  Writer(const PointView& points, const std::uint64_t* ids, const Polygon& polygon,
+         const EdgeKernel& kernel, const Control& control, unsigned threads)
+      : points_(points),
+        ids_(ids),
+        cycle_(polygon.corners),
+        count_(polygon.corners.size()),
+        kernel_(kernel),
+        control_(control),
+        threads_(threads),
+        ranks_(polygon.corners, polygon.rows, threads) {}
+
+  bool run(Hull& hull) {
+    control_.check();
+    control_.report("facets", 0);
+    switch (points_.scalar) {
+      case ScalarType::f64:
+        list_corners(Reader<double>{points_});
+        break;
+      case ScalarType::f32:
+        list_corners(Reader<float>{points_});
+        break;
+      default:
+        list_corners(Reader<void>{points_});
+    }
+    neighbours_.resize(2 * count_);
+    link();
+    simplices_.resize(2 * count_);
+    facets_.resize(2 * count_);
+    across_.resize(2 * count_);
+    planes_.resize(3 * count_);
+    std::vector<Totals<DoubleDouble>> parts(chunk_count(count_, measure_chunk),
+                                            Totals<DoubleDouble>(2));
+    std::atomic<bool> ordinary{true};
+    for_each_chunk(count_, measure_chunk, threads_,
+                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                     control_.check();
+                     if (!write(begin, end, parts[c])) ordinary = false;
+                   });
+    if (!ordinary) return false;
+    Totals<DoubleDouble> all(2);
+    for (const auto& p : parts) all.add(p);
+    if (!finish_polygon(kernel_, all, points_, corners_[0].id, hull)) return false;
+    control_.report("vertices", 0.9);
+    write_vertices(hull);
+    using Ids = SharedArray<std::uint64_t>;
+    hull.simplices = Ids(std::move(simplices_));
+    hull.simplex_neighbours = std::move(neighbours_);
+    hull.simplex_facets = EvenArray<std::uint32_t>::of_step(count_, 1);
+    hull.facets = Lists<std::uint64_t, Ids>::of_length(2, Ids(std::move(facets_)));
+    hull.facet_neighbours = Lists<std::uint32_t>::of_length(2, std::move(across_));
+    hull.facet_planes = std::move(planes_);
+    return true;
+  }
+
+ private:
+  std::uint64_t id(std::uint32_t row) const { return ids_ != nullptr ? ids_[row] : row; }
+
+  template <class Read>
+  void list_corners(const Read& read) {
+    corners_ = BigArray<Corner>(count_);
+    for_each_chunk(ranks_.words(), chunk / 64, threads_,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     control_.check();
+                     Corner* out = corners_.get() + ranks_.before_word(begin);
+                     for (std::uint64_t w = begin; w < end; ++w)
+                       for (std::uint64_t word = ranks_.word(w); word != 0; word &= word - 1) {
+                         const std::uint64_t i =
+                             id(static_cast<std::uint32_t>(64 * w + std::countr_zero(word)));
+                         *out++ = {kernel_.scaled(read(i)), i, 0};
+                       }
+                   });
+  }
+
+  /// The ranks before and after each corner.
+  void link() {
+    for_each_chunk(count_, chunk, threads_,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     control_.check();
+                     std::uint32_t before = ranks_(cycle_[begin == 0 ? count_ - 1 : begin - 1]);
+                     std::uint32_t at = ranks_(cycle_[begin]);
+                     for (std::uint64_t i = begin; i < end; ++i) {
+                       const std::uint32_t after = ranks_(cycle_[i + 1 < count_ ? i + 1 : 0]);
+                       std::uint32_t* const to = neighbours_.data() + std::uint64_t{2} * at;
+                       to[0] = before;
+                       to[1] = after;
+                       before = std::exchange(at, after);
+                     }
+                   });
+  }
+
+  /// Simplices [begin, end), whole runs of them.
+  bool write(std::uint64_t begin, std::uint64_t end, Totals<DoubleDouble>& sums) {
+    constexpr std::uint64_t ahead = 16;
+    bool ordinary = true;
+    const PlanarPoint origin = corners_[0].point;
+    EdgeShare run;
+    for (std::uint64_t i = begin; i < end; ++i) {
+      if (i + ahead < end) __builtin_prefetch(&corners_[neighbours_[2 * (i + ahead)]]);
+      const Corner &here = corners_[i], &there = corners_[neighbours_[2 * i]];
+      simplices_[2 * i] = facets_[2 * i + 1] = here.id;
+      simplices_[2 * i + 1] = facets_[2 * i] = there.id;
+      across_[2 * i] = neighbours_[2 * i + 1];
+      across_[2 * i + 1] = neighbours_[2 * i];
+      EdgeShare share;
+      if (!kernel_.edge(here.point, there.point, origin, planes_.data() + 3 * i, share))
+        ordinary = false;
+      run.add(share);
+      if ((i + 1) % measure_run != 0 && i + 1 != end) continue;
+      run.add_to(sums);
+      run = {};
+    }
+    return ordinary;
+  }
+
+  void write_vertices(Hull& hull) {
+    const auto first =
+        static_cast<std::uint64_t>(std::min_element(cycle_.begin(), cycle_.end()) - cycle_.begin());
+    resize_big(hull.vertices, count_);
+    for_each_chunk(count_, chunk, threads_,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     for (std::uint64_t i = begin; i < end; ++i) {
+                       const std::uint64_t at = first + i;
+                       hull.vertices[i] = id(cycle_[at < count_ ? at : at - count_]);
+                     }
+                   });
+  }
+
+  const PointView& points_;
+  const std::uint64_t* const ids_;
+  const Array<std::uint32_t>& cycle_;
+  const std::uint64_t count_;
+  const EdgeKernel& kernel_;
+  const Control& control_;
+  const unsigned threads_;
+  const Ranks ranks_;
+  BigArray<Corner> corners_;  // by rank
+  Array<std::uint32_t> neighbours_, across_;
+  Array<std::uint64_t> simplices_, facets_;
+  Array<double> planes_;
+};
+
+}  // namespace
+
+bool write_polygon(const PointView& points, const std::uint64_t* ids, const Polygon& polygon,
+                   const Control& control, unsigned threads, Hull& hull) {
+  const EdgeKernel kernel(polygon.box);
+  if (!kernel.ordinary()) return false;
+  return Writer(points, ids, polygon, kernel, control, threads).run(hull);
+}
+
+}  // namespace cullhull::internal

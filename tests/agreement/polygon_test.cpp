@@ -1,0 +1,266 @@
+// The 2D result written from the polygon against the general way, bit for bit; extreme points of
+// the plane; cancelling.
+#include "hull/polygon.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "cullhull/certify.hpp"
+#include "cullhull/extreme_points.hpp"
+#include "cullhull/generate.hpp"
+#include "hull/engine.hpp"
+#include "points/local_frame.hpp"
+#include "result/build_hull.hpp"
+#include "result/polygon_result.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+using Points = std::vector<double>;
+
+PointView view_of(const Points& p) { return PointView::row_major(p.data(), p.size() / 2, 2); }
+
+/// Frame, surface, general result: none of what is tested here but the engine.
+Hull general(const PointView& view, unsigned threads) {
+  const Options options;
+  const Control control(options);
+  const LocalFrame frame(gather_points(view, nullptr, view.count, 1),
+                         static_cast<std::uint32_t>(view.count), 2, 1, control);
+  Hull hull;
+  build_hull({&view, &frame.points(), nullptr, frame.axes().data()},
+             hull_2d(frame.points(), threads, control), control, threads, hull);
+  return hull;
+}
+
+template <class List>
+std::vector<std::uint64_t> bits(const List& list) {
+  std::vector<std::uint64_t> out;
+  for (const auto& v : list) {
+    std::uint64_t b = 0;
+    std::memcpy(&b, &v, sizeof v);
+    out.push_back(b);
+  }
+  return out;
+}
+
+void expect_same_bits(const Hull& a, const Hull& b) {
+  EXPECT_EQ(a.affine_dimension, b.affine_dimension);
+  EXPECT_EQ(a.point_count, b.point_count);
+  EXPECT_EQ(a.vertices, b.vertices);
+  EXPECT_EQ(a.facets, b.facets);
+  EXPECT_EQ(a.facet_neighbours, b.facet_neighbours);
+  EXPECT_EQ(bits(a.facet_planes), bits(b.facet_planes));
+  EXPECT_EQ(a.simplices, b.simplices);
+  EXPECT_EQ(a.simplex_neighbours, b.simplex_neighbours);
+  EXPECT_EQ(a.simplex_facets, b.simplex_facets);
+  EXPECT_EQ(bits(std::vector<double>{a.volume, a.area}),
+            bits(std::vector<double>{b.volume, b.area}));
+  EXPECT_EQ(bits(a.centroid), bits(b.centroid));
+}
+
+void expect_general_result(const PointView& view) {
+  const Hull expected = general(view, 1);
+  std::vector<std::uint64_t> ascending = expected.vertices;
+  std::sort(ascending.begin(), ascending.end());
+  for (const unsigned threads : {1U, 2U, 5U})
+    for (const CullMethod cull : {CullMethod::automatic, CullMethod::none}) {
+      Options options;
+      options.threads = threads;
+      options.cull = cull;
+      expect_same_bits(convex_hull(view, options), expected);
+      const ExtremePoints extreme = extreme_points(view, options);
+      EXPECT_EQ(extreme.ids, ascending);
+      EXPECT_EQ(extreme.affine_dimension, 2);
+    }
+}
+
+TEST(PolygonResult, GeneratedSets) {
+  for (const char* shape : {"sphere", "ball", "gauss", "cube", "grid", "grid:1048576"})
+    for (const std::uint64_t n : {5U, 33U, 100U, 3000U, 120'000U}) {
+      SCOPED_TRACE(std::string(shape) + " " + std::to_string(n));
+      const Points p = generate(shape, n, 2);
+      expect_general_result(view_of(p));
+    }
+}
+
+TEST(PolygonResult, AnyLayoutAndScalar) {
+  constexpr std::uint64_t n = 50'000;
+  const Points p = generate("sphere", n, 2, 3);
+  std::vector<float> f(p.begin(), p.end());
+  std::vector<std::int16_t> s;
+  std::vector<double> columns(2 * n), gaps(5 * n, 7.0);
+  for (std::uint64_t i = 0; i < n; ++i)
+    for (unsigned j = 0; j < 2; ++j) {
+      s.push_back(static_cast<std::int16_t>(p[2 * i + j] * 32767));
+      columns[j * n + i] = p[2 * i + j];
+      gaps[5 * i + 2 * j] = p[2 * i + j];
+    }
+  expect_general_result(PointView::row_major(f.data(), n, 2));
+  expect_general_result(PointView::row_major(s.data(), n, 2));
+  expect_general_result(PointView::column_major(columns.data(), n, 2));
+  PointView strided = PointView::row_major(gaps.data(), n, 2);
+  strided.point_stride = 40;
+  strided.coordinate_stride = 16;
+  expect_general_result(strided);
+  // Doubles that are not aligned.
+  std::vector<std::byte> bytes(16 * n + 1);
+  std::memcpy(bytes.data() + 1, p.data(), 16 * n);
+  PointView odd = view_of(p);
+  odd.data = bytes.data() + 1;
+  expect_general_result(odd);
+  // Backwards.
+  PointView back = view_of(p);
+  back.data += 16 * (n - 1);
+  back.point_stride = -16;
+  expect_general_result(back);
+}
+
+TEST(PolygonResult, NegativeZerosKeepTheirBits) {
+  const Points p = {-0.0, -0.0, 1.0, -0.0, 1.0, 1.0, -0.0, 1.0, 0.5, 0.25};
+  expect_general_result(view_of(p));
+  const Points q = {1.0, -0.0, -0.0, 1.0, -1.0, -0.0, -0.0, -1.0};
+  expect_general_result(view_of(q));
+}
+
+TEST(PolygonResult, Magnitudes) {
+  // Far from the origin, large, small, and what must go the general way: thin, or of unlike ranges.
+  std::mt19937_64 g(11);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const double tables[][4] = {{1, 1, 1e6, -1e6},      {1e200, 1e200, 0, 0},
+                              {1e-200, 1e-200, 0, 0}, {1e307, 1e307, 0, 0},
+                              {1e-307, 1e-307, 0, 0}, {1e150, 1e-150, 0, 0},
+                              {1, 1e-9, 0, 0},        {1, 1e-15, 1, 1},
+                              {1e-12, 1, 1000, 0},    {5e-324 * 1000, 5e-324 * 1000, 0, 0},
+                              {1e300, 1e-300, 0, 0},  {1e308, 1, 0, 0}};
+  for (const auto& t : tables)
+    for (const unsigned n : {6U, 200U, 20'000U}) {
+      SCOPED_TRACE(std::to_string(t[0]) + " x " + std::to_string(t[1]) + ", " + std::to_string(n));
+      Points p;
+      for (unsigned i = 0; i < n; ++i) {
+        p.push_back(unit(g) * t[0] + t[2]);
+        p.push_back(unit(g) * t[1] + t[3]);
+      }
+      expect_general_result(view_of(p));
+    }
+}
+
+TEST(PolygonResult, NearlyOnALine) {
+  // Thin beyond what the plain sums can tell.
+  std::mt19937_64 g(12);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (const double slope : {0.0, 1.0, 0.3, 1e-8}) {
+    Points p;
+    for (unsigned i = 0; i < 1000; ++i) {
+      const double t = unit(g);
+      p.push_back(t);
+      p.push_back(slope * t + 0x1p-52 * static_cast<double>(g() % 3));
+    }
+    SCOPED_TRACE(slope);
+    expect_general_result(view_of(p));
+  }
+}
+
+TEST(Polygon, LinesAndPoints) {
+  const Options options;
+  const Control control(options);
+  const auto corners = [&](const Points& p) {
+    const auto c = polygon_of(view_of(p), false, 2, control).corners;
+    return std::vector<std::uint32_t>(c.begin(), c.end());
+  };
+  using Rows = std::vector<std::uint32_t>;
+  EXPECT_EQ(corners({1, 2}), (Rows{0}));
+  EXPECT_EQ(corners({1, 2, 1, 2, 1, 2}), (Rows{0}));
+  EXPECT_EQ(corners({1, 2, 0, 5, 1, 2}), (Rows{1, 0}));
+  EXPECT_EQ(corners({0, 2, 0, 5, 0, 3, 0, 5}), (Rows{0, 1}));
+  Points line, vertical, same;
+  for (int i = 0; i < 100'000; ++i) {
+    const double t = static_cast<double>((i * 7919LL) % 100'003);
+    line.insert(line.end(), {t, t / 4});
+    vertical.insert(vertical.end(), {0.1, t});
+    same.insert(same.end(), {0.1, -0.3});
+  }
+  line.insert(line.end(), {200'000, 50'000, -4, -1, 200'000, 50'000});
+  vertical.insert(vertical.end(), {0.1, -1, 0.1, 1e9, 0.1, -1});
+  EXPECT_EQ(corners(line), (Rows{100'001, 100'000}));
+  EXPECT_EQ(corners(vertical), (Rows{100'000, 100'001}));
+  EXPECT_EQ(corners(same), (Rows{0}));
+  EXPECT_EQ(extreme_points(view_of(line)).affine_dimension, 1);
+  EXPECT_EQ(extreme_points(view_of(line)).ids, (std::vector<std::uint64_t>{100'000, 100'001}));
+  EXPECT_EQ(extreme_points(view_of(same)).affine_dimension, 0);
+}
+
+TEST(Polygon, SeriesIsTheSame) {
+  const Options options;
+  const Control control(options);
+  PolygonSeries series(control);
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    std::mt19937_64 g(seed);
+    const auto n = static_cast<std::uint32_t>(1 + g() % (seed % 10 == 0 ? 3000 : 70));
+    const std::uint64_t side = seed % 3 == 0 ? 6 : 1'000'000;
+    Points p;
+    for (std::uint32_t i = 0; i < 2 * n; ++i) p.push_back(static_cast<double>(g() % side));
+    const Polygon expected = polygon_of(view_of(p), false, 1, control);
+    EXPECT_EQ(series.corners(p.data(), n),
+              (std::vector<std::uint32_t>(expected.corners.begin(), expected.corners.end())));
+    for (unsigned j = 0; j < 2; ++j) {
+      EXPECT_EQ(series.box().low[j], expected.box.low[j]);
+      EXPECT_EQ(series.box().high[j], expected.box.high[j]);
+    }
+  }
+}
+
+TEST(Polygon, BadPointsAreNamed) {
+  Points p = generate("sphere", 200'000, 2);
+  p[2 * 150'000] = std::nan("");
+  p[2 * 70'000 + 1] = HUGE_VAL;
+  for (const unsigned threads : {1U, 2U}) {
+    Options options;
+    options.threads = threads;
+    options.cull = CullMethod::none;
+    const auto expect_named = [](auto&& call) {
+      try {
+        call();
+        ADD_FAILURE();
+      } catch (const Error& e) {
+        EXPECT_EQ(e.code(), ErrorCode::not_finite);
+        EXPECT_NE(std::string(e.what()).find("point 70000, coordinate 1"), std::string::npos)
+            << e.what();
+      }
+    };
+    expect_named([&] { convex_hull(view_of(p), options); });
+    expect_named([&] { extreme_points(view_of(p), options); });
+  }
+}
+
+TEST(Polygon, StopsAtEveryStage) {
+  const Points p = generate("sphere", 300'000, 2);
+  // A run that reports `stages` times, stopped at each.
+  int stages = 0;
+  for (int stop_at = 0; stop_at == 0 || stop_at <= stages; ++stop_at) {
+    std::stop_source source;
+    Options options;
+    options.threads = 2;
+    options.stop = source.get_token();
+    int seen = 0;
+    std::string last;
+    options.progress = [&](const char* phase, double) {
+      last = phase;
+      if (++seen == stop_at) source.request_stop();
+    };
+    try {
+      const Hull hull = convex_hull(view_of(p), options);
+      EXPECT_TRUE(stop_at == 0 || last == "done") << "not stopped at " << stop_at;
+      if (stop_at == 0) stages = seen;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::cancelled);
+      EXPECT_GT(stop_at, 0);
+    }
+  }
+  EXPECT_GT(stages, 3);
+}
+
+}  // namespace
+}  // namespace cullhull::internal
