@@ -416,13 +416,17 @@ Polygon polygon_of(const PointView& points, bool lattice, unsigned threads,
   const Turn turn(lattice);
   const std::vector<std::uint32_t> kept = discard_inner(source, extent.box, threads, control);
   if (kept.empty()) return polygon_of_many(source, extent, turn, threads, control);
-  std::vector<double> rows(2 * kept.size());
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    const Entry e = source.entry(kept[i]);
-    rows[2 * i] = e.x;
-    rows[2 * i + 1] = e.y;
-  }
-  const PlanarSource rest(PointView::row_major(rows.data(), kept.size(), 2));
+  BigArray<double> rows(2 * kept.size());
+  for_each_chunk(kept.size(), chunk, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   for (std::uint64_t i = begin; i < end; ++i) {
+                     const Entry e = source.entry(kept[i]);
+                     rows[2 * i] = e.x;
+                     rows[2 * i + 1] = e.y;
+                   }
+                 });
+  const PlanarSource rest(PointView::row_major(rows.get(), kept.size(), 2));
   Polygon polygon = polygon_of_many(rest, extent, turn, threads, control);
   for (std::uint32_t& corner : polygon.corners) corner = kept[corner];
   polygon.rows = source.count();

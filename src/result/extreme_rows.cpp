@@ -23,7 +23,7 @@ std::vector<std::uint64_t> extreme_rows(SimplicialHull&& boundary, const LocalPo
 
 std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size_t size,
                                          std::uint32_t count, const std::uint64_t* ids,
-                                         unsigned threads) {
+                                         unsigned threads, const Control& control) {
   std::vector<std::uint64_t> out;
   if (size < count / 64) {
     out.assign(corners, corners + size);
@@ -36,12 +36,14 @@ std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size
   BigArray<std::uint8_t> used(count);
   std::memset(used.get(), 0, count);
   for_each_chunk(size, chunk, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+    control.check();
     // No two corners are equal; neighbouring bytes may be written at once.
     for (std::uint64_t i = begin; i < end; ++i) used[corners[i]] = 1;
   });
   std::vector<std::uint64_t> start(chunk_count(count, chunk) + 1, 0);
   for_each_chunk(count, chunk, threads,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
                    std::uint64_t sum = 0;
                    for (std::uint64_t p = begin; p < end; ++p) sum += used[p];
                    start[c + 1] = sum;
@@ -50,6 +52,7 @@ std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size
   resize_big(out, start.back());
   for_each_chunk(count, chunk, threads,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
                    std::uint64_t next = start[c];
                    for (std::uint64_t p = begin; p < end; ++p)
                      if (used[p]) out[next++] = ids != nullptr ? ids[p] : p;

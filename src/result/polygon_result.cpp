@@ -58,17 +58,20 @@ std::uint32_t count_bits(std::uint64_t v) {
 /// Which rows are corners, and how many before each: small enough to stay in the cache.
 class Ranks {
  public:
-  Ranks(const Array<std::uint32_t>& corners, std::uint64_t rows, unsigned threads)
+  Ranks(const Array<std::uint32_t>& corners, std::uint64_t rows, unsigned threads,
+        const Control& control)
       : words_(rows / 64 + 1), before_(words_) {
     BigArray<std::uint8_t> used(words_ * 64);
     std::memset(used.get(), 0, words_ * 64);
     for_each_chunk(corners.size(), chunk, threads,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     control.check();
                      for (std::uint64_t i = begin; i < end; ++i) used[corners[i]] = 1;
                    });
     bits_ = BigArray<std::uint64_t>(words_);
     for_each_chunk(words_, chunk / 64, threads,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     control.check();
                      for (std::uint64_t w = begin; w < end; ++w) {
                        std::uint64_t word = 0;
                        for (std::uint64_t b = 0; b < 64; b += 8) {
@@ -138,7 +141,7 @@ class Writer {
         kernel_(kernel),
         control_(control),
         threads_(threads),
-        ranks_(polygon.corners, polygon.rows, threads) {}
+        ranks_(polygon.corners, polygon.rows, threads, control) {}
 
   bool run(Hull& hull) {
     control_.check();
