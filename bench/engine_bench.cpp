@@ -142,7 +142,8 @@ double processor_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_
 void engine_alone(const std::string& name, const Rows& rows, unsigned threads, unsigned repeat) {
   const Options options;
   const Control control(options);
-  const LocalFrame frame(Rows(rows), static_cast<std::uint32_t>(rows.size() / 3), 3, control);
+  const LocalFrame frame(cullhull::Array<double>(rows.begin(), rows.end()),
+                         static_cast<std::uint32_t>(rows.size() / 3), 3, threads, control);
   std::vector<double> times, busy;
   SimplicialHull hull;
   for (unsigned k = 0; k < repeat; ++k) {

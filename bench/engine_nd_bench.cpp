@@ -96,7 +96,7 @@ void run(const std::string& name, unsigned threads, int repeat) {
     const LocalFrame frame(
         cullhull::internal::gather_points(points, kept.all ? nullptr : kept.ids.data(),
                                           kept.size(points.count), 1),
-        static_cast<std::uint32_t>(kept.size(points.count)), w.dimension, control);
+        static_cast<std::uint32_t>(kept.size(points.count)), w.dimension, threads, control);
     const auto start = Clock::now();
     const double work_start = processor_milliseconds();
     const cullhull::internal::SimplicialHull hull = cullhull::internal::hull_nd(

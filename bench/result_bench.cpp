@@ -108,7 +108,8 @@ void run(const char* shape, unsigned d, std::uint64_t n, unsigned repeats) {
   std::vector<std::pair<std::string, Clock::time_point>> marks;
   options.progress = [&](const char* phase, double) { marks.emplace_back(phase, Clock::now()); };
   const Control control(options);
-  const LocalFrame frame(std::vector<double>(rows), static_cast<std::uint32_t>(n), d, control);
+  const LocalFrame frame(Array<double>(rows.begin(), rows.end()), static_cast<std::uint32_t>(n), d,
+                         2, control);
   const auto start = Clock::now();
   const LocalPoints& local = frame.points();
   const std::uint64_t budget = ~std::uint64_t{0};

@@ -95,12 +95,10 @@ class DeviceFilter {
     return std::move(result);
   }
 
-  std::vector<double> fetch_all() const {
-    return download_all(points_, control_, threads_, budget_);
-  }
+  Array<double> fetch_all() const { return download_all(points_, control_, threads_, budget_); }
 
   Filtered culled_on_host(const std::string& why) const {
-    std::vector<double> rows = fetch_all();
+    Array<double> rows = fetch_all();
     const PointView view = PointView::row_major(rows.data(), points_.count, d_);
     Options here = options_;
     here.backend = Backend::cpu;
@@ -116,8 +114,7 @@ class DeviceFilter {
 
   SampledPoints sampled(const DevicePointView& points) const {
     return {points.count, d_, threads_, [this, points](const std::vector<std::uint64_t>& ids) {
-              std::vector<double> rows =
-                  cuda::download_points(points, ids.data(), ids.size(), control_);
+              Array<double> rows = cuda::download_points(points, ids.data(), ids.size(), control_);
               // -0 becomes +0, and what is not finite is refused, as everywhere before an engine.
               return gather_points(PointView::row_major(rows.data(), ids.size(), d_), nullptr,
                                    ids.size(), threads_);

@@ -35,11 +35,11 @@ Placement place_of_device_points(const DevicePointView& points, const Options& o
   return choose_place(question, options.machine);
 }
 
-std::vector<double> download_all(const DevicePointView& points, const Control& control,
-                                 unsigned threads, std::uint64_t budget) {
+Array<double> download_all(const DevicePointView& points, const Control& control, unsigned threads,
+                           std::uint64_t budget) {
   require_budget(budget, points.count * points.dimension * 2 * sizeof(double),
                  std::to_string(points.count) + " points copied from the device");
-  std::vector<double> rows = cuda::download_points(points, nullptr, points.count, control);
+  Array<double> rows = cuda::download_points(points, nullptr, points.count, control);
   check_rows_finite(rows.data(), points.count, points.dimension, nullptr, threads);
   return rows;
 }
@@ -53,7 +53,7 @@ void refuse_first_not_finite(const DevicePointView& points, const Control& contr
   cuda::download(&first, found.data(), 1, stream);
   if (first < points.count) {
     const std::uint64_t id = first;
-    const std::vector<double> row = cuda::download_points(points, &id, 1, control);
+    const Array<double> row = cuda::download_points(points, &id, 1, control);
     check_rows_finite(row.data(), 1, points.dimension, &id, 1);
   }
   throw Error(ErrorCode::internal, "points on the device changed during the call");

@@ -20,8 +20,8 @@ Placement place_of_device_points(const DevicePointView& points, const Options& o
 
 /// Packed rows of all points, exactly as they are. Throws Error{not_finite} for the first bad one,
 /// Error{out_of_budget}. Packed points need no memory of the device.
-std::vector<double> download_all(const DevicePointView& points, const Control& control,
-                                 unsigned threads, std::uint64_t budget);
+Array<double> download_all(const DevicePointView& points, const Control& control, unsigned threads,
+                           std::uint64_t budget);
 
 /// Throws Error{not_finite} naming the first point that is not finite; there is one.
 [[noreturn]] void refuse_first_not_finite(const DevicePointView& points, const Control& control);

@@ -31,7 +31,7 @@ namespace {
 struct EngineInput {
   std::vector<std::uint64_t> ids;  // empty and `all`: every point of the view
   bool all = false;
-  std::vector<double> rows;
+  Array<double> rows;
   std::uint64_t count = 0;
 };
 
@@ -44,7 +44,7 @@ void thin_lattice(EngineInput& input, unsigned d, unsigned threads, const Contro
                     kept) ||
       kept.size() == input.count)
     return;
-  std::vector<double> rows(kept.size() * d);
+  Array<double> rows(kept.size() * d);
   std::vector<std::uint64_t> ids(kept.size());
   for (std::size_t i = 0; i < kept.size(); ++i) {
     std::copy_n(input.rows.data() + std::size_t{kept[i]} * d, d, rows.data() + i * d);
@@ -186,7 +186,7 @@ void extreme_in_space(const PointView& points, Filtered&& filtered, const Run& r
   EngineInput input =
       engine_input(points, std::move(filtered), run.budget, run.threads, run.control);
   const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
-                         points.dimension, run.control);
+                         points.dimension, run.threads, run.control);
   result.affine_dimension = frame.affine_dimension();
   result.ids = extreme_locals(frame, run, result.statistics.rung_counts);
   if (input.all) return;
@@ -236,7 +236,7 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
   EngineInput input =
       engine_input(points, std::move(filtered), run.budget, run.threads, run.control);
   const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
-                         points.dimension, run.control);
+                         points.dimension, run.threads, run.control);
   run.control.check();
   hull.affine_dimension = frame.affine_dimension();
   if (hull.affine_dimension == 0) {

@@ -10,18 +10,18 @@
 
 namespace cullhull::internal {
 
-InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, unsigned threads,
+InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, unsigned threads,
                              std::uint64_t budget, const Control& control) {
   InnerPolytope polytope;
   const auto count = static_cast<std::uint32_t>(rows.size() / d);
-  const std::vector<double> original = rows;
-  const LocalFrame frame(std::move(rows), count, d, control);
+  const std::vector<double> original(rows.begin(), rows.end());
+  const LocalFrame frame(std::move(rows), count, d, threads, control);
   if (frame.affine_dimension() != static_cast<int>(d)) return polytope;
   SimplicialHull hull;
   try {
     hull = d == 2   ? hull_2d(frame.points(), threads, control)
            : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), budget, threads, control)
-                    : hull_nd(frame.points(), frame.simplex().data(), budget, threads, control);
+                    : hull_nd(frame.points(), frame.simplex().data(), budget, threads, control, true);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::out_of_budget) throw;
     return polytope;  // the filter is a help, not a need

@@ -10,12 +10,13 @@
 
 #include "control.hpp"
 #include "cull/gauge_map.hpp"
+#include "cullhull/array.hpp"
 
 namespace cullhull::internal {
 
 /// The exact hull of some input points, as the filter wants it; dimension 0 if they lie in a flat
 /// or the hull would exceed the budget.
-InnerPolytope inner_polytope(std::vector<double>&& rows, unsigned d, unsigned threads,
+InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, unsigned threads,
                              std::uint64_t budget, const Control& control);
 
 struct SampledPoints {
@@ -23,7 +24,7 @@ struct SampledPoints {
   unsigned dimension = 0;
   unsigned threads = 1;  ///< for the hull of the sample
   /// Packed rows of the points with these ids, which ascend.
-  std::function<std::vector<double>(const std::vector<std::uint64_t>& ids)> gather;
+  std::function<Array<double>(const std::vector<std::uint64_t>& ids)> gather;
 };
 
 struct SampledMap {

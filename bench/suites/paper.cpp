@@ -197,7 +197,7 @@ class Suite {
     const Hull hull = ours(p.view, options());
     const double our_seconds = hull.statistics.compute_seconds;
     const std::optional<QhullRun> alone = run_qhull(p.view, limits());
-    std::vector<double> rows;
+    Array<double> rows;
     const double filter = seconds_of([&] {
       const Survivors left = cull(p.view, options(CullMethod::pseudo_hull));
       rows =

@@ -234,8 +234,8 @@ std::vector<std::uint64_t> survivors_by_pieces(const GaugeTable& table,
 namespace {
 
 template <class T>
-std::vector<double> download_as(const DevicePointView& points, const std::uint64_t* ids,
-                                std::uint64_t count, const Control& control) {
+Array<double> download_as(const DevicePointView& points, const std::uint64_t* ids,
+                          std::uint64_t count, const Control& control) {
   const unsigned d = points.dimension;
   const std::uint64_t piece = std::max<std::uint64_t>(1, (std::uint64_t{1} << 20) / d);
   const std::uint64_t most = std::min(piece, count);
@@ -246,7 +246,7 @@ std::vector<double> download_as(const DevicePointView& points, const std::uint64
   DeviceArray<std::uint64_t> piece_ids;
   if (!in_place) packed = DeviceArray<T>(most * d, stream);
   if (ids != nullptr) piece_ids = DeviceArray<std::uint64_t>(most, stream);
-  std::vector<double> rows(count * d);
+  Array<double> rows(count * d);
   for (std::uint64_t first = 0; first < count; first += piece) {
     control.check();
     const std::uint64_t n = std::min(piece, count - first);
@@ -267,8 +267,8 @@ std::vector<double> download_as(const DevicePointView& points, const std::uint64
 
 }  // namespace
 
-std::vector<double> download_points(const DevicePointView& points, const std::uint64_t* ids,
-                                    std::uint64_t count, const Control& control) {
+Array<double> download_points(const DevicePointView& points, const std::uint64_t* ids,
+                              std::uint64_t count, const Control& control) {
   if (count == 0) return {};
   return points.scalar == ScalarType::f64 ? download_as<double>(points, ids, count, control)
                                           : download_as<float>(points, ids, count, control);

@@ -36,7 +36,7 @@ std::vector<std::uint64_t> survivors_by_pieces(const GaugeTable& table,
 
 /// Packed doubles of the points `ids` (on the host; null: all `count` of the view), exactly as they
 /// are, NaN and all.
-std::vector<double> download_points(const DevicePointView& points, const std::uint64_t* ids,
-                                    std::uint64_t count, const Control& control);
+Array<double> download_points(const DevicePointView& points, const std::uint64_t* ids,
+                              std::uint64_t count, const Control& control);
 
 }  // namespace cullhull::internal::cuda

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "control.hpp"
+#include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
 
 namespace cullhull::internal {
@@ -38,6 +39,13 @@ struct GaugeSettings {
   unsigned threads = 1;
 };
 
+/// Rows of survivors, gathered where the pass that finds them has them in its cache.
+struct SurvivorRows {
+  std::uint64_t most = ~std::uint64_t{0};  ///< of them that are worth the memory
+  /// Packed, as doubles, finite or not; empty where survivors are more.
+  std::vector<double> rows;
+};
+
 /// Immutable after construction; safe to share between threads.
 class GaugeMap {
  public:
@@ -55,14 +63,15 @@ class GaugeMap {
 
   /// Ids (ascending, indices into `points`) of all points that are not provably strictly inside the
   /// polytope; a point with a NaN or an infinity is always among them.
+  /// `rows`: gets their coordinates, if given.
   std::vector<std::uint64_t> survivors(const PointView& points, unsigned threads,
-                                       const Control& control) const;
+                                       const Control& control, SurvivorRows* rows = nullptr) const;
 
   /// Of packed rows of finite points those that are not provably strictly inside the polytope, by
   /// the facet each one's ray leaves by: a slower test than survivors(), but exact up to rounding.
   /// Positions, ascending; those `certain` are among them without being asked about. Needs a map
   /// built with cones.
-  std::vector<std::uint64_t> outside_cones(const std::vector<double>& rows,
+  std::vector<std::uint64_t> outside_cones(const Array<double>& rows,
                                            const std::vector<char>& certain, unsigned threads,
                                            const Control& control) const;
 

@@ -39,7 +39,7 @@ std::vector<std::uint32_t> sample_of(std::uint32_t count) {
 /// point, s of n points have about s^2 m / 2 n pairs on common lines: we ask for m = 2. Lines are
 /// counted, not pairs, because a full line or a pair of equal points is no lattice; but most of the
 /// sample on few lines, or on few places, is enough.
-bool looks_like_a_lattice(const std::vector<double>& rows, unsigned d,
+bool looks_like_a_lattice(const Array<double>& rows, unsigned d,
                           const std::vector<std::uint32_t>& sample, std::uint32_t count) {
   if (d == 1) return true;
   const std::uint64_t size = sample.size();
@@ -114,7 +114,7 @@ class Spacing {
 class Ranks {
  public:
   /// False, early, if there are more than `most` distinct values.
-  bool collect(const std::vector<double>& rows, std::uint32_t count, unsigned d, unsigned axis,
+  bool collect(const Array<double>& rows, std::uint32_t count, unsigned d, unsigned axis,
                std::size_t most, const Control& control) {
     slots_.assign(1024, Slot{});
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -235,7 +235,7 @@ class Lines {
 
 class Thinner {
  public:
-  Thinner(const std::vector<double>& rows, std::uint32_t count, unsigned d, unsigned threads,
+  Thinner(const Array<double>& rows, std::uint32_t count, unsigned d, unsigned threads,
           const Control& control)
       : rows_(rows), count_(count), d_(d), threads_(threads), control_(control), left_(count) {}
 
@@ -374,7 +374,7 @@ class Thinner {
     }
   }
 
-  const std::vector<double>& rows_;
+  const Array<double>& rows_;
   const std::uint32_t count_;
   const unsigned d_, threads_;
   const Control& control_;
@@ -386,8 +386,8 @@ class Thinner {
 
 }  // namespace
 
-bool lattice_cull(const std::vector<double>& rows, std::uint32_t count, unsigned d,
-                  unsigned threads, const Control& control, std::vector<std::uint32_t>& kept) {
+bool lattice_cull(const Array<double>& rows, std::uint32_t count, unsigned d, unsigned threads,
+                  const Control& control, std::vector<std::uint32_t>& kept) {
   if (count == 0) return false;
   const std::vector<std::uint32_t> sample = sample_of(count);
   if (!looks_like_a_lattice(rows, d, sample, count)) return false;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
 #include "parallel/parallel.hpp"
 
@@ -11,8 +12,12 @@ namespace cullhull::internal {
 
 /// Row-major doubles of the points `ids` (nullptr: all `count` points of the view). -0 becomes +0.
 /// Throws Error{not_finite} naming the lowest id with a NaN or an infinity; for ids ascending.
-std::vector<double> gather_points(const PointView& view, const std::uint64_t* ids,
-                                  std::uint64_t count, unsigned threads);
+Array<double> gather_points(const PointView& view, const std::uint64_t* ids, std::uint64_t count,
+                            unsigned threads);
+
+/// Rows of the points first + offsets[i], i < count, finite or not; -0 becomes +0.
+void gather_rows_at(const PointView& view, std::uint64_t first, const std::uint32_t* offsets,
+                    std::size_t count, double* out);
 
 /// The exact coordinates of one point, finite or not. For loops over many: about as fast as
 /// gather_points where the scalar type stays the same.

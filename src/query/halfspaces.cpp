@@ -108,8 +108,9 @@ HalfspaceIntersection intersect_halfspaces(const PointView& halfspaces,
   const unsigned d = halfspaces.dimension - 1;
   h.dimension = d;
   const Control control(options);
-  const std::vector<double> rows =
+  const Array<double> gathered =
       gather_points(halfspaces, nullptr, halfspaces.count, resolve_threads(options.threads));
+  const std::vector<double> rows(gathered.begin(), gathered.end());
   if (interior_point != nullptr) {
     h.interior_point.assign(interior_point, interior_point + d);
     for (const double v : h.interior_point)

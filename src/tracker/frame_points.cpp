@@ -20,7 +20,7 @@ FirstPass& HostFrame::pass() {
   return *pass_;
 }
 
-std::vector<double> HostFrame::gather(const std::vector<std::uint64_t>& ids) {
+Array<double> HostFrame::gather(const std::vector<std::uint64_t>& ids) {
   try {
     return gather_points(points_, ids.data(), ids.size(), run_.threads);
   } catch (const Error& e) {

@@ -29,7 +29,7 @@ class FramePoints {
   virtual const PointView* on_host() const = 0;
   /// Packed rows of the points with these ids, which ascend; -0 becomes +0. Throws
   /// Error{not_finite} for the first bad point of all if one of these is bad.
-  virtual std::vector<double> gather(const std::vector<std::uint64_t>& ids) = 0;
+  virtual Array<double> gather(const std::vector<std::uint64_t>& ids) = 0;
   /// Nodes of a map the scan can hold close by; 0: the CPU's choice.
   virtual std::uint32_t most_nodes() = 0;
   /// Sets what the map keeps, where that was found, and adds why there to the reason.
@@ -47,7 +47,7 @@ class HostFrame final : public FramePoints {
  public:
   HostFrame(const PointView& points, const Run& run);
   const PointView* on_host() const override { return &points_; }
-  std::vector<double> gather(const std::vector<std::uint64_t>& ids) override;
+  Array<double> gather(const std::vector<std::uint64_t>& ids) override;
   std::uint32_t most_nodes() override;
   void scan(const GaugeMap& map, Survivors& result) override;
   void fetch(Filtered& result) override;

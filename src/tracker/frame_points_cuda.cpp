@@ -44,7 +44,7 @@ class DeviceFrame final : public FramePoints {
 
   const PointView* on_host() const override { return here_ ? here_->on_host() : nullptr; }
 
-  std::vector<double> gather(const std::vector<std::uint64_t>& ids) override {
+  Array<double> gather(const std::vector<std::uint64_t>& ids) override {
     return there_or_here([&] { return gather_there(ids); }, [&] { return here_->gather(ids); });
   }
 
@@ -103,9 +103,8 @@ class DeviceFrame final : public FramePoints {
     here_.emplace(PointView::row_major(rows_.data(), count, dimension), *host_run_);
   }
 
-  std::vector<double> gather_there(const std::vector<std::uint64_t>& ids) const {
-    const std::vector<double> rows =
-        cuda::download_points(points_, ids.data(), ids.size(), run_.control);
+  Array<double> gather_there(const std::vector<std::uint64_t>& ids) const {
+    const Array<double> rows = cuda::download_points(points_, ids.data(), ids.size(), run_.control);
     try {
       return gather_points(PointView::row_major(rows.data(), ids.size(), dimension), nullptr,
                            ids.size(), run_.threads);
@@ -150,7 +149,7 @@ class DeviceFrame final : public FramePoints {
   const Run& run_;
   std::string reason_, why_here_;
   std::optional<cuda::DeviceScope> scope_;
-  std::vector<double> rows_;  ///< of all points, once they have been copied
+  Array<double> rows_;  ///< of all points, once they have been copied
   Options host_options_;
   std::optional<Run> host_run_;
   std::optional<HostFrame> here_;

@@ -56,7 +56,7 @@ bool filter_by_leaders(FramePoints& points, const Hull& last,
                        double& scan_seconds) {
   const auto start = Clock::now();
   const unsigned d = points.dimension;
-  std::vector<double> rows = points.gather(leaders);
+  Array<double> rows = points.gather(leaders);
   run.control.report("scan", 0);
   GaugeSettings settings{.share = map_share,
                          .most_nodes = points.most_nodes(),
@@ -65,7 +65,8 @@ bool filter_by_leaders(FramePoints& points, const Hull& last,
                          .threads = run.threads};
   std::unique_ptr<GaugeMap> map;
   if (last.affine_dimension == static_cast<int>(d))
-    map = GaugeMap::build(moved_surface(last, leaders, std::vector<double>(rows), run), settings);
+    map = GaugeMap::build(
+        moved_surface(last, leaders, std::vector<double>(rows.begin(), rows.end()), run), settings);
   if (map == nullptr) {
     settings.convex = true;
     InnerPolytope polytope =

@@ -22,7 +22,7 @@ class MovedSimplices {
  public:
   /// `corners`: packed rows, D + 1 for each simplex; they are scaled in place. False if all corners
   /// lie in a flat: no simplex then proves anything.
-  bool build(std::vector<double>& corners, unsigned threads) {
+  bool build(Array<double>& corners, unsigned threads) {
     const auto rows = static_cast<std::uint32_t>(corners.size() / D);
     for (std::uint32_t i = 0; i < rows; ++i)
       for (unsigned k = 0; k < D; ++k) {
@@ -111,7 +111,7 @@ std::vector<std::uint64_t> outside_simplices(const PointView& points,
 
 template <unsigned D>
 bool scan_as(const PointView& points, std::vector<std::uint32_t>& simplex_of,
-             std::vector<double>&& corners, const Run& run, std::vector<std::uint64_t>& ids) {
+             Array<double>&& corners, const Run& run, std::vector<std::uint64_t>& ids) {
   MovedSimplices<D> simplices;
   if (!simplices.build(corners, run.threads)) return false;
   ids = outside_simplices<D>(points, simplex_of, simplices, run);
@@ -119,7 +119,7 @@ bool scan_as(const PointView& points, std::vector<std::uint32_t>& simplex_of,
 }
 
 bool scan_as(unsigned d, const PointView& points, std::vector<std::uint32_t>& simplex_of,
-             std::vector<double>&& corners, const Run& run, std::vector<std::uint64_t>& ids) {
+             Array<double>&& corners, const Run& run, std::vector<std::uint64_t>& ids) {
   switch (d) {
     case 2:
       return scan_as<2>(points, simplex_of, std::move(corners), run, ids);
@@ -176,7 +176,7 @@ Filtered SimplexMemory::filter(const PointView& points, const Run& run, bool& le
 
 /// Ids of points outside of their simplices, or all where the simplices have lost their shape.
 std::vector<std::uint64_t> SimplexMemory::scan(const PointView& points, const Run& run) {
-  std::vector<double> corners;
+  Array<double> corners;
   try {
     corners = gather_points(points, corners_.data(), corners_.size(), run.threads);
   } catch (const Error& e) {

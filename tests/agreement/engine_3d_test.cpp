@@ -105,6 +105,13 @@ TEST(Engine3D, SameForAnyThreadsAndCertified) {
   }
 }
 
+// A round in pieces, then one where all threads look for the few points that see the surface.
+TEST(Engine3D, ScreeningAfterPieces) {
+  const Rows rows = generate("cube-surface", 200000, 3);
+  const auto one = canonical_hash(hull_of(rows, 1));
+  for (const unsigned threads : {2U, 8U}) EXPECT_EQ(canonical_hash(hull_of(rows, threads)), one);
+}
+
 TEST(Engine3D, AgreesWithRationalArithmetic) {
   for (const Set& set : sets(160)) {
     SCOPED_TRACE(set.name);
@@ -123,7 +130,7 @@ TEST(Engine3D, DeepStartFromAFlatSimplex) {
   const Rows rows = turned(two_circles(4000));
   const Options options;
   const internal::Control control{options};
-  const internal::LocalFrame frame(Rows(rows), 4000, 3, control);
+  const internal::LocalFrame frame(Array<double>(rows.begin(), rows.end()), 4000, 3, 2, control);
   std::uint32_t flat[4] = {0, 2, 4, 6};  // on one circle; independent by rounding alone, or not
   const internal::LocalPoints& points = frame.points();
   const double* p[4];
@@ -145,7 +152,7 @@ TEST(Engine3D, BudgetAndCancellation) {
   Options options;
   options.stop = stop.get_token();
   const internal::Control control{options};
-  const internal::LocalFrame frame(Rows(rows), 50000, 3, control);
+  const internal::LocalFrame frame(Array<double>(rows.begin(), rows.end()), 50000, 3, 2, control);
   for (const unsigned threads : {1U, 4U}) {
     try {
       internal::hull_3d(frame.points(), frame.simplex().data(), 1 << 20, threads, control);

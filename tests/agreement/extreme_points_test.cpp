@@ -92,8 +92,8 @@ TEST(ExtremePoints, RationalSimplexAgrees) {
     const Ids expected = sorted_vertices(convex_hull(view_of(set)));
     const Options options;
     const internal::Control control(options);
-    const internal::LocalFrame frame(std::vector<double>(set.coordinates),
-                                     static_cast<std::uint32_t>(set.count()), d, control);
+    const internal::LocalFrame frame(Array<double>(set.coordinates.begin(), set.coordinates.end()),
+                                     static_cast<std::uint32_t>(set.count()), d, 1, control);
     std::vector<std::uint32_t> all(set.count());
     for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
     for (std::uint32_t i = 0; i < all.size(); ++i)

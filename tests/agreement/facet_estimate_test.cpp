@@ -29,7 +29,8 @@ TEST_P(FacetEstimateTest, WithinAFactorOfThree) {
   const auto facets = static_cast<double>(convex_hull(view).facet_count());
   const Options options;
   const internal::Control control(options);
-  const internal::LocalFrame frame(std::vector<double>(x), c.count, c.dimension, control);
+  const internal::LocalFrame frame(Array<double>(x.begin(), x.end()), c.count, c.dimension, 1,
+                                   control);
   for (const unsigned threads : {1U, 2U}) {
     const auto estimate = internal::estimate_facets(frame.points(), threads, control);
     EXPECT_LT(estimate.facets, 3 * facets);

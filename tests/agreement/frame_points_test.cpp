@@ -26,7 +26,7 @@ class FarFrame final : public FramePoints {
   FarFrame(const PointView& points, const Run& run)
       : FramePoints(points.count, points.dimension), points_(points), run_(run) {}
   const PointView* on_host() const override { return nullptr; }
-  std::vector<double> gather(const std::vector<std::uint64_t>& ids) override {
+  Array<double> gather(const std::vector<std::uint64_t>& ids) override {
     fetched += ids.size();
     return HostFrame(points_, run_).gather(ids);
   }

@@ -28,7 +28,7 @@ Hull general(const PointView& view, unsigned threads) {
   const Options options;
   const Control control(options);
   const LocalFrame frame(gather_points(view, nullptr, view.count, 1),
-                         static_cast<std::uint32_t>(view.count), 2, control);
+                         static_cast<std::uint32_t>(view.count), 2, 1, control);
   Hull hull;
   build_hull({&view, &frame.points(), nullptr, frame.axes().data()},
              hull_2d(frame.points(), threads, control), control, threads, hull);

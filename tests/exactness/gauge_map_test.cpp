@@ -197,7 +197,8 @@ std::vector<double> adversarial(const SlowHull& hull, std::mt19937_64& random, u
 std::vector<std::uint64_t> outside_cones(const GaugeMap& map, const std::vector<double>& rows,
                                          unsigned d) {
   const Options options;
-  return map.outside_cones(rows, std::vector<char>(rows.size() / d, 0), 2, Control(options));
+  return map.outside_cones(Array<double>(rows.begin(), rows.end()),
+                           std::vector<char>(rows.size() / d, 0), 2, Control(options));
 }
 
 /// All facets positive as seen from the vertices' mean.
