@@ -16,14 +16,21 @@ struct SampleChains {
   std::vector<Entry> lower, upper;
 };
 
-/// Hull of `size` rows spread evenly.
+/// Hull of `size` rows spread evenly, each at a pseudo-random place in its stretch: no period of
+/// the input's order hides points.
 SampleChains chains_of_sample(const PlanarSource& source, const Box& box, std::uint32_t size,
                               const Control& control) {
   const KeyMap map(box.low[0], box.high[0]);
   std::vector<Entry> entries(size);
+  std::uint64_t random = 0x9E3779B97F4A7C15ULL;
   for (std::uint32_t i = 0; i < size; ++i) {
+    random ^= random << 13;
+    random ^= random >> 7;
+    random ^= random << 17;
+    const std::uint64_t stretch = source.count() / size;
     Entry& e = entries[i];
-    e = source.entry(static_cast<std::uint32_t>(std::uint64_t{source.count()} * i / size));
+    e = source.entry(
+        static_cast<std::uint32_t>(i * stretch + (random >> 32) * stretch / (1ULL << 32)));
     e.key = map.key(e.x);
   }
   const auto [first, last] = std::minmax_element(entries.begin(), entries.end(), before);
