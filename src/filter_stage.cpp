@@ -65,7 +65,7 @@ SampledPoints host_points(const PointView& points, unsigned threads) {
 }  // namespace
 
 void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept,
-                       std::vector<double>&& rows) {
+                       Array<double>&& rows) {
   std::vector<std::uint64_t> ids(kept.size());
   for (std::size_t i = 0; i < kept.size(); ++i) ids[i] = result.survivors.ids[kept[i]];
   result.rows = rows.empty() ? pick_rows(result.rows, d, kept) : std::move(rows);

@@ -38,6 +38,6 @@ void gather_survivors(const PointView& points, Filtered& result, const Control& 
 
 /// Leaves of the survivors those with the given positions among them. `rows`: theirs, if at hand.
 void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept,
-                       std::vector<double>&& rows = {});
+                       Array<double>&& rows = {});
 
 }  // namespace cullhull::internal

@@ -43,7 +43,7 @@ struct GaugeSettings {
 struct SurvivorRows {
   std::uint64_t most = ~std::uint64_t{0};  ///< of them that are worth the memory
   /// Packed, as doubles, finite or not; empty where survivors are more.
-  std::vector<double> rows;
+  Array<double> rows;
 };
 
 /// Immutable after construction; safe to share between threads.
