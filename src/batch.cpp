@@ -8,9 +8,9 @@
 
 #include "control.hpp"
 #include "cullhull/error.hpp"
-#include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
 #include "planar_sets.hpp"
+#include "small_sets.hpp"
 
 namespace cullhull {
 namespace {
@@ -58,12 +58,36 @@ void append(HullBatch& b, const Hull& h) {
   append_list(b.simplex_facets, h.simplex_facets);
 }
 
-/// Parts end to end. Every list is sized first, then all parts are copied at once.
+/// Without sets, keeping its memory.
+void clear(HullBatch& b) {
+  const auto clear_lists = [](auto& lists) {
+    lists.offsets = {0};
+    lists.items.clear();
+  };
+  b.point_counts.clear();
+  b.affine_dimensions.clear();
+  b.volumes.clear();
+  b.areas.clear();
+  b.centroids.clear();
+  clear_lists(b.vertices);
+  b.facet_starts.assign(1, 0);
+  clear_lists(b.facets);
+  clear_lists(b.facet_neighbours);
+  b.facet_planes.clear();
+  clear_lists(b.simplices);
+  clear_lists(b.simplex_neighbours);
+  clear_lists(b.simplex_facets);
+}
+
+/// Appends parts to a batch, end to end. Every list is sized first, then all parts are copied at
+/// once.
 class Joiner {
  public:
-  Joiner(std::vector<HullBatch>& parts, unsigned threads) : parts_(parts), threads_(threads) {}
+  /// `still`: the sets of the whole over those of it so far and these, to reserve memory by.
+  Joiner(const std::vector<HullBatch>& parts, unsigned threads, double still)
+      : parts_(parts), threads_(threads), still_(still) {}
 
-  void run(HullBatch& out) {
+  void run(HullBatch& out) const {
     join(out, &HullBatch::point_counts);
     join(out, &HullBatch::affine_dimensions);
     join(out, &HullBatch::volumes);
@@ -71,7 +95,7 @@ class Joiner {
     join(out, &HullBatch::centroids);
     join_lists(out, &HullBatch::vertices);
     join_starts(
-        out.facet_starts, [](HullBatch & b) -> auto& { return b.facet_starts; });
+        out.facet_starts, [](const HullBatch& b) -> const auto& { return b.facet_starts; });
     join_lists(out, &HullBatch::facets);
     join_lists(out, &HullBatch::facet_neighbours);
     join(out, &HullBatch::facet_planes);
@@ -83,8 +107,8 @@ class Joiner {
  private:
   /// Where each part begins in the whole, and the whole's size.
   template <class Size>
-  std::vector<std::uint64_t> places(Size&& size) const {
-    std::vector<std::uint64_t> at(parts_.size() + 1, 0);
+  std::vector<std::uint64_t> places(std::uint64_t begin, Size&& size) const {
+    std::vector<std::uint64_t> at(parts_.size() + 1, begin);
     for (std::size_t p = 0; p < parts_.size(); ++p) at[p + 1] = at[p] + size(parts_[p]);
     return at;
   }
@@ -96,40 +120,73 @@ class Joiner {
                    });
   }
   template <class Vector>
+  void grow(Vector& out, std::size_t size) const {
+    if (size > out.capacity())
+      out.reserve(static_cast<std::size_t>(1.02 * still_ * static_cast<double>(size)));
+    out.resize(size);
+  }
+  template <class Vector>
   void join_items(Vector& out, const auto& of) const {
-    const auto at = places([&](HullBatch& b) { return of(b).size(); });
-    resize_big(out, at.back());
+    const auto at = places(out.size(), [&](const HullBatch& b) { return of(b).size(); });
+    grow(out, at.back());
     each([&](std::uint64_t p) {
-      Vector& items = of(parts_[p]);
+      const Vector& items = of(parts_[p]);
       std::copy(items.begin(), items.end(), out.begin() + static_cast<std::ptrdiff_t>(at[p]));
-      items = {};
     });
   }
-  template <class T>
-  void join(HullBatch& out, std::vector<T> HullBatch::*member) const {
+  template <class Vector>
+  void join(HullBatch& out, Vector HullBatch::*member) const {
     join_items(
-        out.*member, [member](HullBatch & b) -> auto& { return b.*member; });
+        out.*member, [member](const HullBatch& b) -> const auto& { return b.*member; });
   }
   /// Offsets that begin at 0 in every part.
-  void join_starts(auto& out, const auto& of) const {
-    const auto at = places([&](HullBatch& b) { return of(b).size() - 1; });
-    const auto base = places([&](HullBatch& b) { return of(b).back(); });
-    resize_big(out, at.back() + 1);
+  template <class Vector>
+  void join_starts(Vector& out, const auto& of) const {
+    const auto at = places(out.size(), [&](const HullBatch& b) { return of(b).size() - 1; });
+    const auto base = places(out.back(), [&](const HullBatch& b) { return of(b).back(); });
+    grow(out, at.back());
     each([&](std::uint64_t p) {
       const auto& offsets = of(parts_[p]);
-      for (std::size_t i = 1; i < offsets.size(); ++i) out[at[p] + i] = base[p] + offsets[i];
+      for (std::size_t i = 1; i < offsets.size(); ++i) out[at[p] + i - 1] = base[p] + offsets[i];
     });
   }
   template <class T>
   void join_lists(HullBatch& out, Lists<T> HullBatch::*member) const {
-    join_starts((out.*member).offsets.edit(), [member](HullBatch & b) -> auto& {
-      return (b.*member).offsets;
+    EvenArray<std::uint64_t>& offsets = (out.*member).offsets;
+    const std::uint64_t step = common_step(member, offsets);
+    if (step != 0)
+      offsets = EvenArray<std::uint64_t>::of_step(
+          places(offsets.size(), [&](const HullBatch& b) { return (b.*member).size(); }).back(),
+          step);
+    else
+      join_starts(
+          offsets.edit(), [member](const HullBatch& b) -> const auto& {
+            return (b.*member).offsets;
+          });
+    join_items((out.*member).items, [member](const HullBatch& b) -> const auto& {
+      return (b.*member).items;
     });
-    join_items((out.*member).items, [member](HullBatch & b) -> auto& { return (b.*member).items; });
+  }
+  /// The length that all lists have, or 0.
+  template <class T>
+  std::uint64_t common_step(Lists<T> HullBatch::*member,
+                            const EvenArray<std::uint64_t>& offsets) const {
+    std::uint64_t step = 0;
+    const auto agrees = [&](const EvenArray<std::uint64_t>& o) {
+      if (o.size() < 2) return true;
+      if (o.step() == nullptr || *o.step() == 0 || (step != 0 && *o.step() != step)) return false;
+      step = *o.step();
+      return true;
+    };
+    const bool even = agrees(offsets) && std::all_of(parts_.begin(), parts_.end(), [&](auto& p) {
+                        return agrees((p.*member).offsets);
+                      });
+    return even ? step : 0;
   }
 
-  std::vector<HullBatch>& parts_;
-  unsigned threads_;
+  const std::vector<HullBatch>& parts_;
+  const unsigned threads_;
+  const double still_;
 };
 
 void check_offsets(const PointView& points, const std::uint64_t* offsets, std::uint64_t sets) {
@@ -190,46 +247,56 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
   check_offsets(points, offsets, set_count);
   const Control control(options);
   const unsigned threads = resolve_threads(options.threads);
-  // Chunks of sets: large enough to be worth a task, many enough to be shared evenly.
-  constexpr std::uint64_t chunk = 128;
-  const std::uint64_t chunks = chunk_count(set_count, chunk);
-  std::vector<HullBatch> parts(chunks);
-  std::vector<std::optional<Error>> errors(chunks);
-  const auto hulls_of_chunk = [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+  // What is asked for otherwise decides which errors there are.
+  const bool plain = options.engine == Engine::native && options.backend != Backend::cuda &&
+                     (options.memory_budget == 0 || options.memory_budget >= 1 << 20);
+  // Chunks of sets: large enough to be worth a task, many enough to be shared evenly. The parts of
+  // a block of chunks stay in the cache until they are joined, and their memory serves the next.
+  constexpr std::uint64_t chunk = 64, block = 32 * chunk;
+  std::vector<HullBatch> parts(std::min(block / chunk, chunk_count(set_count, chunk)));
+  std::vector<std::optional<Error>> errors(parts.size());
+  const auto hulls_of_chunk = [&](HullBatch& part, std::uint64_t begin, std::uint64_t end) {
     control.check();
     Options one = options;
     one.threads = 1;
     one.progress = nullptr;
-    parts[c].dimension = points.dimension;
+    part.dimension = points.dimension;
     PlanarSets planar(options, control);
     for (std::uint64_t i = begin; i < end; ++i) {
       PointView set = points;
       set.count = offsets[i + 1] - offsets[i];
       set.data += static_cast<std::ptrdiff_t>(offsets[i]) * points.point_stride;
-      if (planar.append(set, parts[c])) continue;
+      if (planar.append(set, part)) continue;
       try {
-        append(parts[c], convex_hull(set, one));
+        if (!plain || !append_small_3d(set, part)) append(part, convex_hull(set, one));
       } catch (const Error& e) {
         if (e.code() == ErrorCode::cancelled) throw;
-        errors[c].emplace(e.code(), "set " + std::to_string(i) + ": " + e.what());
-        return;
+        throw Error(e.code(), "set " + std::to_string(i) + ": " + e.what());
       }
     }
   };
-  constexpr std::uint64_t block = 64 * chunk;  // between two reports
-  for (std::uint64_t first = 0; first < set_count; first += block) {
-    control.report("hulls", static_cast<double>(first) / static_cast<double>(set_count));
-    for_each_chunk(std::min(block, set_count - first), chunk, threads,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     hulls_of_chunk(first / chunk + c, first + begin, first + end);
-                   });
-  }
-  for (const std::optional<Error>& e : errors)
-    if (e) throw *e;
   HullBatch all;
   all.dimension = points.dimension;
   all.scalar = points.scalar;
-  Joiner(parts, threads).run(all);
+  for (std::uint64_t first = 0; first < set_count; first += block) {
+    control.report("hulls", static_cast<double>(first) / static_cast<double>(set_count));
+    const std::uint64_t count = std::min(block, set_count - first);
+    parts.resize(chunk_count(count, chunk));
+    for_each_chunk(count, chunk, threads,
+                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                     clear(parts[c]);
+                     try {
+                       hulls_of_chunk(parts[c], first + begin, first + end);
+                     } catch (const Error& e) {
+                       if (e.code() == ErrorCode::cancelled) throw;
+                       errors[c] = e;
+                     }
+                   });
+    for (const std::optional<Error>& e : errors)
+      if (e) throw *e;
+    const double still = static_cast<double>(set_count) / static_cast<double>(first + count);
+    Joiner(parts, threads, still).run(all);
+  }
   control.report("done", 1);
   return all;
 }

@@ -64,10 +64,11 @@ SampledPoints host_points(const PointView& points, unsigned threads) {
 
 }  // namespace
 
-void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept) {
+void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept,
+                       Array<double>&& rows) {
   std::vector<std::uint64_t> ids(kept.size());
   for (std::size_t i = 0; i < kept.size(); ++i) ids[i] = result.survivors.ids[kept[i]];
-  result.rows = pick_rows(result.rows, d, kept);
+  result.rows = rows.empty() ? pick_rows(result.rows, d, kept) : std::move(rows);
   result.survivors.ids = std::move(ids);
 }
 
@@ -77,7 +78,11 @@ void gather_survivors(const PointView& points, Filtered& result, const Control& 
   result.first_pass = left;
   require_budget(budget, left * (points.dimension + 2) * sizeof(double),
                  std::to_string(left) + " points that survive the filter");
-  result.rows = gather_points(points, result.survivors.ids.data(), left, threads);
+  if (result.rows.empty())
+    result.rows = gather_points(points, result.survivors.ids.data(), left, threads);
+  else
+    check_rows_finite(result.rows.data(), left, points.dimension, result.survivors.ids.data(),
+                      threads);
   control.report("cull", 0.8);
 }
 
@@ -117,8 +122,12 @@ Filtered run_filter(const PointView& points, const Options& options, const Contr
   result.survivors.reason = sampled.reason;
   if (sampled.map == nullptr) return result;
   result.survivors.method = "gauge";
-  pass.cull(*sampled.map, control, result.survivors);
+  SurvivorRows gathered;
+  // A second copy for a while; where most points survive, fetching them later costs no more.
+  gathered.most = std::min(budget / (16 * d * sizeof(double)), points.count / 4);
+  pass.cull(*sampled.map, control, result.survivors, &gathered);
   sampled.map.reset();
+  result.rows = std::move(gathered.rows);
 
   gather_survivors(points, result, control, threads, budget);
   refine_survivors(result, d, control, threads, budget);
@@ -134,7 +143,9 @@ void refine_survivors(Filtered& result, unsigned d, const Control& control, unsi
       map_of_sample(host_points(left, threads), Insist::late, 0, budget, control);
   result.survivors.reason += "; a second map: " + sampled.reason;
   if (sampled.map == nullptr) return;
-  keep_of_survivors(result, d, sampled.map->survivors(left, threads, control));
+  SurvivorRows gathered;
+  const std::vector<std::uint64_t> kept = sampled.map->survivors(left, threads, control, &gathered);
+  keep_of_survivors(result, d, kept, std::move(gathered.rows));
   result.survivors.method = "gauge x2";
 }
 

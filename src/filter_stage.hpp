@@ -31,12 +31,13 @@ std::string why_no_filter(CullMethod method, std::uint64_t count, unsigned d);
 void refine_survivors(Filtered& result, unsigned d, const Control& control, unsigned threads,
                       std::uint64_t budget);
 
-/// Fetches the coordinates of survivors of a first pass. Throws Error{not_finite} for the first bad
-/// point.
+/// Fetches the coordinates of survivors of a first pass where they are not there. Throws
+/// Error{not_finite} for the first bad point.
 void gather_survivors(const PointView& points, Filtered& result, const Control& control,
                       unsigned threads, std::uint64_t budget);
 
-/// Leaves of the survivors those with the given positions among them.
-void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept);
+/// Leaves of the survivors those with the given positions among them. `rows`: theirs, if at hand.
+void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept,
+                       Array<double>&& rows = {});
 
 }  // namespace cullhull::internal

@@ -29,14 +29,16 @@ std::uint32_t FirstPass::most_nodes() const {
   return 0;
 }
 
-void FirstPass::cull(const GaugeMap& map, const Control& control, Survivors& result) {
-  result.ids = survivors(map, control);
+void FirstPass::cull(const GaugeMap& map, const Control& control, Survivors& result,
+                     SurvivorRows* rows) {
+  result.ids = survivors(map, control, rows);
   result.all = false;
   result.backend = device_ ? "cuda" : "cpu";
   result.reason += "; " + reason_;
 }
 
-std::vector<std::uint64_t> FirstPass::survivors(const GaugeMap& map, const Control& control) {
+std::vector<std::uint64_t> FirstPass::survivors(const GaugeMap& map, const Control& control,
+                                                SurvivorRows* rows) {
 #ifdef CULLHULL_HAVE_CUDA
   if (device_) {
     try {
@@ -50,7 +52,7 @@ std::vector<std::uint64_t> FirstPass::survivors(const GaugeMap& map, const Contr
     }
   }
 #endif
-  return map.survivors(points_, threads_, control);
+  return map.survivors(points_, threads_, control, rows);
 }
 
 void FirstPass::ask_planner(const Options& options) {

@@ -21,13 +21,16 @@ class FirstPass {
   /// Nodes of a map the pass can hold close by; 0: the CPU's choice.
   std::uint32_t most_nodes() const;
 
-  /// Sets what the map keeps, where that was found, and adds why there to the reason.
-  void cull(const GaugeMap& map, const Control& control, Survivors& result);
+  /// Sets what the map keeps, where that was found, and adds why there to the reason. On the CPU
+  /// their rows as well, if asked for.
+  void cull(const GaugeMap& map, const Control& control, Survivors& result,
+            SurvivorRows* rows = nullptr);
 
  private:
   void ask_planner(const Options& options);
   void fall_back(const Error& e);
-  std::vector<std::uint64_t> survivors(const GaugeMap& map, const Control& control);
+  std::vector<std::uint64_t> survivors(const GaugeMap& map, const Control& control,
+                                       SurvivorRows* rows);
 
   const PointView& points_;
   unsigned threads_;

@@ -131,17 +131,23 @@ void extreme_in_plane(const PointView& points, const Filtered& filtered, const R
   std::copy(polygon.rung_counts, polygon.rung_counts + 3, result.statistics.rung_counts);
 }
 
-/// False, and nothing done, for flats and for polygons of extraordinary proportions.
-bool hull_in_plane(const PointView& points, const Filtered& filtered, const Run& run, Hull& hull) {
+/// False for flats and for polygons of extraordinary proportions: then the corners alone are left of
+/// `filtered`, whose hull is the same.
+bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, Hull& hull) {
   const PlanarRows rows(points, filtered);
   const Polygon polygon = rows.hull(run);
   const std::uint64_t edges = polygon.corners.size();
-  if (edges < 3) return false;
   require_budget(run.budget, edges * 160, std::to_string(edges) + " facets");
-  if (!write_polygon(points, rows.ids, polygon, run.control, run.threads, hull)) return false;
-  hull.affine_dimension = 2;
-  std::copy(polygon.rung_counts, polygon.rung_counts + 3, hull.statistics.rung_counts);
-  return true;
+  if (edges >= 3 && write_polygon(points, rows.ids, polygon, run.control, run.threads, hull)) {
+    hull.affine_dimension = 2;
+    std::copy(polygon.rung_counts, polygon.rung_counts + 3, hull.statistics.rung_counts);
+    return true;
+  }
+  filtered.survivors.ids =
+      ascending_ids(polygon.corners.data(), edges, polygon.rows, rows.ids, run.threads);
+  filtered.survivors.all = false;
+  filtered.rows = {};
+  return false;
 }
 
 /// Ascending local ids.

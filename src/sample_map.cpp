@@ -21,7 +21,7 @@ InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, unsigned threads,
   try {
     hull = d == 2   ? hull_2d(frame.points(), threads, control)
            : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), budget, threads, control)
-                    : hull_nd(frame.points(), frame.simplex().data(), budget, threads, control);
+                    : hull_nd(frame.points(), frame.simplex().data(), budget, threads, control, true);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::out_of_budget) throw;
     return polytope;  // the filter is a help, not a need

@@ -287,7 +287,7 @@ std::string Workload::title() const {
   if (family == "sphere") what = dimension == 2 ? "circle" : "sphere surface";
   if (family == "ball" && dimension == 2) what = "disk";
   if (family == "cylinder" || family == "cone") what += " mantle";
-  if (family == "grid") what = "integer grid, side 128";
+  if (family == "grid") what = fmt::format("integer grid 128^{},", dimension);
   std::replace(what.begin(), what.end(), '-', ' ');
   return fmt::format("{}D {} {}{}", dimension, what, short_count(count),
                      scalar == ScalarType::f64 ? "" : fmt::format(", {}", scalar_name(scalar)));

@@ -19,7 +19,7 @@ struct Workload {
   ScalarType scalar = ScalarType::f64;
 
   std::string name() const;   ///< "ball-3d-8M", "grid-3d-2M-i32"
-  std::string title() const;  ///< "3D ball 8M", "3D integer grid, side 128 2M, i32"
+  std::string title() const;  ///< "3D ball 8M", "3D sphere surface 1M, f32"
 };
 
 /// The workload that has this name. Throws Error{invalid_argument}.

@@ -25,7 +25,7 @@ struct HullBatch {
   std::vector<std::uint64_t> facet_starts{0};  ///< set i: facets [facet_starts[i], ...[i + 1])
   Lists<std::uint64_t> facets;                 ///< one list a facet
   Lists<std::uint32_t> facet_neighbours;       ///< one list a facet
-  std::vector<double> facet_planes;            ///< facets x (dimension + 1)
+  Array<double> facet_planes;                  ///< facets x (dimension + 1)
   Lists<std::uint64_t> simplices;              ///< one list a set, affine dimension ids a simplex
   Lists<std::uint32_t> simplex_neighbours;     ///< as `simplices`
   Lists<std::uint32_t> simplex_facets;         ///< one list a set

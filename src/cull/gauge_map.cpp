@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <utility>
 
 #include "cull/gauge_build.hpp"
 #include "cull/gauge_table.hpp"
 #include "cullhull/error.hpp"
 #include "parallel/parallel.hpp"
+#include "points/gather.hpp"
 
 namespace cullhull::internal {
 
@@ -59,13 +61,16 @@ std::vector<std::uint64_t> GaugeMap::outside_cones(const Array<double>& rows,
 }
 
 std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, unsigned threads,
-                                               const Control& control) const {
+                                               const Control& control, SurvivorRows* rows) const {
   if (points.dimension != table_->dimension)
     throw Error(ErrorCode::internal, "the gauge map has another dimension than the points");
 
   // Every chunk keeps its own list; their concatenation does not depend on who did which.
   const std::uint64_t chunks = chunk_count(points.count, gauge_chunk);
+  const unsigned d = points.dimension;
   std::vector<std::vector<std::uint16_t>> kept(chunks);
+  std::vector<std::vector<double>> kept_rows(rows != nullptr ? chunks : 0);
+  std::atomic<std::uint64_t> gathered{0};
   static_assert(gauge_chunk <= 65536);
   for_each_chunk(points.count, gauge_chunk, threads,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
@@ -73,17 +78,27 @@ std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, unsigned
                    std::array<std::uint32_t, gauge_chunk> ids;
                    const std::size_t n = gauge_survivors(*table_, points, begin, end, ids.data());
                    kept[c].assign(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(n));
+                   if (rows == nullptr || gathered.fetch_add(n) + n > rows->most) return;
+                   kept_rows[c].resize(n * d);
+                   gather_rows_at(points, begin, ids.data(), n, kept_rows[c].data());
                  });
 
   std::vector<std::uint64_t> offsets(chunks + 1, 0);
   for (std::uint64_t c = 0; c < chunks; ++c) offsets[c + 1] = offsets[c] + kept[c].size();
   std::vector<std::uint64_t> result(offsets[chunks]);
+  bool all = rows != nullptr;
+  for (std::uint64_t c = 0; c < kept_rows.size(); ++c)
+    all = all && kept_rows[c].size() == kept[c].size() * d;
+  if (all) rows->rows.resize(offsets[chunks] * d);
   for_each_chunk(chunks, 64, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t c = begin; c < end; ++c) {
       const std::uint64_t first = c * gauge_chunk;
       std::transform(kept[c].begin(), kept[c].end(),
                      result.begin() + static_cast<std::ptrdiff_t>(offsets[c]),
                      [first](std::uint16_t i) { return first + i; });
+      if (all)
+        std::copy(kept_rows[c].begin(), kept_rows[c].end(),
+                  rows->rows.begin() + static_cast<std::ptrdiff_t>(offsets[c] * d));
     }
   });
   return result;

@@ -39,6 +39,13 @@ struct GaugeSettings {
   unsigned threads = 1;
 };
 
+/// Rows of survivors, gathered where the pass that finds them has them in its cache.
+struct SurvivorRows {
+  std::uint64_t most = ~std::uint64_t{0};  ///< of them that are worth the memory
+  /// Packed, as doubles, finite or not; empty where survivors are more.
+  Array<double> rows;
+};
+
 /// Immutable after construction; safe to share between threads.
 class GaugeMap {
  public:
@@ -56,8 +63,9 @@ class GaugeMap {
 
   /// Ids (ascending, indices into `points`) of all points that are not provably strictly inside the
   /// polytope; a point with a NaN or an infinity is always among them.
+  /// `rows`: gets their coordinates, if given.
   std::vector<std::uint64_t> survivors(const PointView& points, unsigned threads,
-                                       const Control& control) const;
+                                       const Control& control, SurvivorRows* rows = nullptr) const;
 
   /// Of packed rows of finite points those that are not provably strictly inside the polytope, by
   /// the facet each one's ray leaves by: a slower test than survivors(), but exact up to rounding.

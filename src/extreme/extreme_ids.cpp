@@ -14,8 +14,8 @@
 namespace cullhull::internal {
 namespace {
 
-/// The lowest id of each set of equal points, ascending.
-std::vector<std::uint32_t> distinct(const LocalPoints& points) {
+/// The lowest id of each set of equal points.
+std::vector<std::uint32_t> distinct(const LocalPoints& points, const Control& control) {
   const unsigned d = points.dimension;
   std::vector<std::uint32_t> ids(points.count);
   std::iota(ids.begin(), ids.end(), 0U);
@@ -26,14 +26,15 @@ std::vector<std::uint32_t> distinct(const LocalPoints& points) {
       if (x[j] != y[j]) return x[j] < y[j] ? -1 : 1;
     return 0;
   };
+  std::uint32_t compared = 0;
   std::sort(ids.begin(), ids.end(), [&](std::uint32_t a, std::uint32_t b) {
+    if (++compared % 65536 == 0) control.check();
     const int c = compare(a, b);
     return c != 0 ? c < 0 : a < b;
   });
   ids.erase(std::unique(ids.begin(), ids.end(),
                         [&](std::uint32_t a, std::uint32_t b) { return compare(a, b) == 0; }),
             ids.end());
-  std::sort(ids.begin(), ids.end());
   return ids;
 }
 
@@ -41,20 +42,19 @@ std::vector<std::uint32_t> distinct(const LocalPoints& points) {
 
 std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, unsigned threads,
                                        const Control& control) {
-  constexpr std::uint64_t chunk = 8;
-  const std::vector<std::uint32_t> all = distinct(points);
+  constexpr std::uint64_t chunk = 32;
   std::vector<std::uint8_t> present(points.count, 0);
-  for (const std::uint32_t i : all) present[i] = 1;
+  for (const std::uint32_t i : distinct(points, control)) present[i] = 1;
   // Outermost first: they are the ones that others are inside of.
-  std::vector<std::uint32_t> order = norm_order(points, threads).order;
+  std::vector<std::uint32_t> order = norm_order(points, threads, control).order;
   order.erase(std::remove_if(order.begin(), order.end(), [&](auto i) { return !present[i]; }),
               order.end());
 
   std::vector<std::uint32_t> extreme;
-  std::vector<std::uint32_t> working;
-  std::vector<std::uint8_t> is_working(points.count, 0);
+  const PointColumns others(points, order, control);
+  PointColumns working(points);
   for (std::size_t begin = 0, size = 64; begin < order.size(); begin += size) {
-    size = std::clamp<std::size_t>(working.size() / 4, 64, 4096);
+    size = std::clamp<std::size_t>(std::max(working.ids().size() / 4, begin / 8), 64, 8192);
     const std::size_t count = std::min(size, order.size() - begin);
     std::vector<std::uint8_t> inside(count, 0);
     std::vector<std::vector<std::uint32_t>> useful(chunk_count(count, chunk));
@@ -62,12 +62,10 @@ std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, unsigned threa
                    [&](std::uint64_t c, std::uint64_t from, std::uint64_t to) {
                      HullMembership membership(points, control);
                      for (std::uint64_t i = from; i < to; ++i)
-                       inside[i] = membership.inside(order[begin + i], all, working, useful[c]);
+                       inside[i] = membership.inside(order[begin + i], others, working, useful[c]);
                    });
     const auto join = [&](std::uint32_t i) {
-      if (is_working[i]) return;
-      is_working[i] = 1;
-      working.push_back(i);
+      if (!working.contains(i)) working.add(i);
     };
     for (std::size_t i = 0; i < count; ++i) {
       if (inside[i]) continue;

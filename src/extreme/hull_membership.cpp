@@ -15,72 +15,169 @@
 namespace cullhull::internal {
 
 HullMembership::HullMembership(const LocalPoints& points, const Control& control)
-    : points_(points), control_(control), d_(points.dimension), direction_(d_) {}
+    : points_(points),
+      control_(control),
+      d_(points.dimension),
+      direction_(d_),
+      narrow_(d_),
+      simplices_(most_simplices) {}
 
-bool HullMembership::inside(std::uint32_t point, const std::vector<std::uint32_t>& others,
-                            const std::vector<std::uint32_t>& working,
-                            std::vector<std::uint32_t>& useful) {
+bool HullMembership::inside(std::uint32_t point, const PointColumns& others,
+                            const PointColumns& working, std::vector<std::uint32_t>& useful) {
   // Certificates are checked against the coordinates that doubles hold exactly.
-  const bool floating = points_.exact == points_.coordinates;
-  constexpr unsigned most_rounds = 200;
-  corral_.clear();
-  weights_.clear();
-  origin_ = points_.row(point);
-  for (unsigned round = 0; floating && round < most_rounds; ++round) {
-    control_.check();
-    const Answer answer = approach(point, working, useful);
-    if (answer == Answer::inside) return true;
-    if (answer == Answer::unknown) break;
-    // The direction separates the working points: does it separate all?
-    double least = 0;
-    const std::uint32_t q = most_against(others, point, least);
-    double size = 0;
-    for (const double v : direction_) size += std::abs(v);
-    // d products and sums of numbers of at most |v|, twice, and the difference.
-    const double bound = (2.0 * d_ + 6) * unit_roundoff * size + 0x1p-1000;
-    if (least > bound) return false;
-    std::uint32_t against = q;
-    if (least >= -bound) {
-      // Doubtful ones are decided exactly; the rest is beyond the bound on the right side.
-      const auto doubtful = std::find_if(others.begin(), others.end(), [&](std::uint32_t o) {
-        return o != point && side_of(point, o) <= 0;
-      });
-      if (doubtful == others.end()) return false;
-      against = *doubtful;
+  if (points_.exact == points_.coordinates) {
+    origin_ = points_.row(point);
+    if (in_known_simplex(point)) return true;
+    begin_with_last(point);
+    const bool warm = !corral_.empty();
+    Answer answer = search(point, others, working, useful);
+    if (answer == Answer::unknown && warm) {
+      corral_.clear();
+      weights_.clear();
+      answer = search(point, others, working, useful);
     }
-    if (std::find(useful.begin(), useful.end(), against) != useful.end() ||
-        std::find(working.begin(), working.end(), against) != working.end())
-      break;  // it was tried already: rounding keeps us here
-    useful.push_back(against);
+    if (answer != Answer::unknown) return answer == Answer::inside;
   }
   ++exact_count_;
-  return inside_exact(points_, point, others, control_);
+  return inside_exact(points_, point, others.ids(), control_);
+}
+
+HullMembership::Answer HullMembership::search(std::uint32_t point, const PointColumns& others,
+                                              const PointColumns& working,
+                                              std::vector<std::uint32_t>& useful) {
+  constexpr unsigned most_rounds = 200;
+  for (unsigned round = 0; round < most_rounds; ++round) {
+    control_.check();
+    Answer answer = approach(point, working, useful);
+    if (answer != Answer::separated) return answer;
+    // The direction separates the working points: does it separate all?
+    std::uint32_t against = PointColumns::none;
+    answer = separates_all(point, others, against);
+    if (answer == Answer::separated) return answer;
+    // Was it tried already? Then rounding keeps us here.
+    if (working.contains(against) ||
+        std::find(useful.begin(), useful.end(), against) != useful.end())
+      return Answer::unknown;
+    useful.push_back(against);
+  }
+  return Answer::unknown;
+}
+
+/// The last point's corral, as a first guess for one near it.
+void HullMembership::begin_with_last(std::uint32_t point) {
+  std::erase(corral_, point);
+  weights_.assign(corral_.size(),
+                  1.0 / static_cast<double>(std::max<std::size_t>(1, corral_.size())));
+  move_to_nearest();
+}
+
+bool HullMembership::in_known_simplex(std::uint32_t point) const {
+  for (unsigned k = 0; k < most_simplices; ++k)
+    if (simplices_[(newest_ + most_simplices - k) % most_simplices].surely_inside(
+            points_.row(point)))
+      return true;
+  return false;
+}
+
+bool HullMembership::prove_inside(std::uint32_t point) {
+  if (corral_.size() == d_ + 1) {
+    const unsigned next = (newest_ + 1) % most_simplices;
+    if (simplices_[next].set(points_, corral_.data()) &&
+        simplices_[next].surely_inside(points_.row(point))) {
+      newest_ = next;
+      return true;
+    }
+  }
+  return certain_inside(point);
+}
+
+void HullMembership::narrow_direction() {
+  double largest = 0x1p-1000;
+  for (const double v : direction_) largest = std::max(largest, std::abs(v));
+  for (unsigned j = 0; j < d_; ++j) narrow_[j] = static_cast<float>(direction_[j] / largest);
+}
+
+bool HullMembership::in_corral(std::uint32_t q) const {
+  return std::find(corral_.begin(), corral_.end(), q) != corral_.end();
+}
+
+/// Whether a direction has all others on one side: direction_, or direction_ rounded to f32. If not
+/// (unknown), who is against it.
+HullMembership::Answer HullMembership::separates_all(std::uint32_t point,
+                                                     const PointColumns& others,
+                                                     std::uint32_t& against) {
+  narrow_direction();
+  double at = 0, size = 0;
+  for (unsigned j = 0; j < d_; ++j) {
+    at += double{narrow_[j]} * origin_[j];
+    size += std::abs(double{narrow_[j]});
+  }
+  // Coordinates rounded to f32, d products and sums of numbers of at most |v|; `at` is far closer.
+  const double narrow_bound = (d_ + 3) * 0x1p-24 * size + 0x1p-120;
+  const PointColumns::Least found = others.least(narrow_.data(), point);
+  against = found.id;
+  if (found.value - at > narrow_bound) return Answer::separated;
+  if (found.value - at < -narrow_bound) return Answer::unknown;
+
+  const Farthest farthest = most_against(others.ids(), point);
+  size = 0;
+  for (const double v : direction_) size += std::abs(v);
+  // d products and sums of numbers of at most |v|, twice, and the difference.
+  const double bound = (2.0 * d_ + 6) * unit_roundoff * size + 0x1p-1000;
+  against = farthest.id;
+  if (farthest.least > bound) return Answer::separated;
+  if (farthest.least < -bound) return Answer::unknown;
+  // Doubtful ones are decided exactly; the rest is beyond the bound on the right side.
+  const auto doubtful =
+      std::find_if(others.ids().begin(), others.ids().end(),
+                   [&](std::uint32_t o) { return o != point && side_of(point, o) <= 0; });
+  if (doubtful == others.ids().end()) return Answer::separated;
+  against = *doubtful;
+  return Answer::unknown;
+}
+
+/// direction_ . (q - point)
+double HullMembership::against(std::uint32_t q) const {
+  const double* x = points_.row(q);
+  double sum = 0;
+  for (unsigned j = 0; j < d_; ++j) sum += direction_[j] * (x[j] - origin_[j]);
+  return sum;
 }
 
 /// The point of `ids` with the least direction . (q - point).
-std::uint32_t HullMembership::most_against(const std::vector<std::uint32_t>& ids,
-                                           std::uint32_t point, double& least) const {
-  double low = HUGE_VAL;
-  std::uint32_t best = point;
+HullMembership::Farthest HullMembership::most_against(const std::vector<std::uint32_t>& ids,
+                                                      std::uint32_t point) const {
+  Farthest result;
+  double low = HUGE_VAL, at = 0;
   for (const std::uint32_t q : ids) {
     const double* x = points_.row(q);
     double sum = 0;
     for (unsigned j = 0; j < d_; ++j) sum += direction_[j] * x[j];
     if (sum < low && q != point) {
       low = sum;
-      best = q;
+      result.id = q;
     }
   }
-  double at = 0;
   for (unsigned j = 0; j < d_; ++j) at += direction_[j] * origin_[j];
-  least = low - at;
-  return best;
+  result.least = low - at;
+  return result;
 }
 
-HullMembership::Answer HullMembership::approach(std::uint32_t point,
-                                                const std::vector<std::uint32_t>& working,
+/// The same among the first `count`, as far as f32 tells.
+HullMembership::Farthest HullMembership::roughly_most_against(const PointColumns& points,
+                                                              std::uint32_t point,
+                                                              std::size_t count) {
+  narrow_direction();
+  Farthest result;
+  result.id = points.least(narrow_.data(), point, count).id;
+  result.least = result.id == PointColumns::none ? HUGE_VAL : against(result.id);
+  return result;
+}
+
+HullMembership::Answer HullMembership::approach(std::uint32_t point, const PointColumns& working,
                                                 const std::vector<std::uint32_t>& useful) {
   const unsigned most_steps = 50 + 20 * d_;
+  constexpr std::size_t outermost = 16 * std::size_t{PointColumns::block};
   for (unsigned step = 0; step < most_steps; ++step) {
     combine();
     double square = 0;
@@ -89,20 +186,20 @@ HullMembership::Answer HullMembership::approach(std::uint32_t point,
       // From the middle of the frame outward: a direction that most others are against.
       for (unsigned j = 0; j < d_; ++j) direction_[j] = -origin_[j];
     } else if (square < 0x1p-80 || corral_.size() == d_ + 1) {
-      if (certain_inside(point)) return Answer::inside;
+      if (prove_inside(point)) return Answer::inside;
       if (square < 0x1p-96) return Answer::unknown;
     }
-    double least = 0, least_useful = 0;
-    std::uint32_t q = most_against(working, point, least);
-    const std::uint32_t r = most_against(useful, point, least_useful);
-    if (least_useful < least) {
-      least = least_useful;
-      q = r;
-    }
-    if (least > 0) return Answer::separated;
-    if (q == point || std::find(corral_.begin(), corral_.end(), q) != corral_.end())
-      return certain_inside(point) ? Answer::inside : Answer::unknown;
-    add(q);
+    // Mostly those that came first, the outermost, will do.
+    Farthest farthest = roughly_most_against(working, point, outermost);
+    if (!(farthest.least < 0) || in_corral(farthest.id))
+      farthest = roughly_most_against(working, point, PointColumns::none);
+    if (in_corral(farthest.id)) farthest = most_against(working.ids(), point);
+    const Farthest other = most_against(useful, point);
+    if (other.least < farthest.least) farthest = other;
+    if (farthest.least > 0) return Answer::separated;
+    if (farthest.id == PointColumns::none || in_corral(farthest.id))
+      return prove_inside(point) ? Answer::inside : Answer::unknown;
+    add(farthest.id);
     move_to_nearest();
   }
   return Answer::unknown;

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "control.hpp"
+#include "extreme/point_columns.hpp"
+#include "extreme/simplex_inverse.hpp"
 #include "points/local_points.hpp"
 
 namespace cullhull::internal {
@@ -16,24 +18,37 @@ class HullMembership {
   HullMembership(const LocalPoints& points, const Control& control);
 
   /// Whether `point` is in the hull of the points `others` without itself. No other may equal it.
-  /// `working`: some of `others`, ascending or not, tried first; points that proved useful are
-  /// appended to `useful`.
-  bool inside(std::uint32_t point, const std::vector<std::uint32_t>& others,
-              const std::vector<std::uint32_t>& working, std::vector<std::uint32_t>& useful);
+  /// `working`: some of `others`, tried first; points that proved useful are appended to `useful`.
+  /// Points near the last ones are tested faster.
+  bool inside(std::uint32_t point, const PointColumns& others, const PointColumns& working,
+              std::vector<std::uint32_t>& useful);
 
   /// Points that floating point could not decide.
   std::uint64_t exact_count() const { return exact_count_; }
 
  private:
   enum class Answer { inside, separated, unknown };
-  Answer approach(std::uint32_t point, const std::vector<std::uint32_t>& working,
+  struct Farthest {
+    std::uint32_t id = PointColumns::none;
+    double least = 0;  ///< direction_ . (id - point)
+  };
+  Answer search(std::uint32_t point, const PointColumns& others, const PointColumns& working,
+                std::vector<std::uint32_t>& useful);
+  Answer approach(std::uint32_t point, const PointColumns& working,
                   const std::vector<std::uint32_t>& useful);
+  Answer separates_all(std::uint32_t point, const PointColumns& others, std::uint32_t& against);
+  bool in_known_simplex(std::uint32_t point) const;
+  bool prove_inside(std::uint32_t point);
+  void begin_with_last(std::uint32_t point);
+  void narrow_direction();
+  bool in_corral(std::uint32_t q) const;
   bool nearest_in_flat();
   void move_to_nearest();
   void combine();
   void add(std::uint32_t q);
-  std::uint32_t most_against(const std::vector<std::uint32_t>& ids, std::uint32_t point,
-                             double& least) const;
+  Farthest most_against(const std::vector<std::uint32_t>& ids, std::uint32_t point) const;
+  Farthest roughly_most_against(const PointColumns& points, std::uint32_t point, std::size_t count);
+  double against(std::uint32_t q) const;
   bool certain_inside(std::uint32_t point) const;
   int side_of(std::uint32_t point, std::uint32_t q) const;
 
@@ -43,6 +58,10 @@ class HullMembership {
   const double* origin_ = nullptr;
   std::vector<std::uint32_t> corral_;
   std::vector<double> weights_, flat_, direction_, system_;
+  std::vector<float> narrow_;  ///< direction_, its largest coordinate 1
+  static constexpr unsigned most_simplices = 8;
+  std::vector<SimplexInverse> simplices_;  ///< that points were found in of late
+  unsigned newest_ = 0;
   std::uint64_t exact_count_ = 0;
 };
 

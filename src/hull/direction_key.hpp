@@ -22,6 +22,7 @@ class DirectionKey {
   void keys(const double* x, const double* y, const double* z, unsigned bits,
             std::uint32_t* keys) const;
   /// The same with 24 bits an axis.
+  static constexpr unsigned fine_bits = 2 * 24 + 3;
   void fine_keys(const double* x, const double* y, const double* z, std::uint64_t* keys) const;
 
   struct Map {

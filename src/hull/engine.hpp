@@ -33,8 +33,11 @@ struct SimplicialHull {
 SimplicialHull hull_2d(const LocalPoints& points, unsigned threads, const Control& control);
 SimplicialHull hull_3d(const LocalPoints& points, const std::uint32_t* simplex,
                        std::uint64_t budget, unsigned threads, const Control& control);
+/// `same_facets`: the same simplices in the same order for any number of threads, which takes a
+/// little longer; else the surface is the same, but coplanar pieces and the order may not be.
 SimplicialHull hull_nd(const LocalPoints& points, const std::uint32_t* simplex,
-                       std::uint64_t budget, unsigned threads, const Control& control);
+                       std::uint64_t budget, unsigned threads, const Control& control,
+                       bool same_facets = false);
 /// Qhull's answer, or Error{backend_unavailable} when built without libqhull_r, or
 /// Error{not_exact} when Qhull fails or its facets are no closed simplicial surface.
 SimplicialHull hull_qhull(const LocalPoints& points, const Control& control);

@@ -82,8 +82,8 @@ SampleHull hull_of(const LocalPoints& points, const std::uint32_t* ids, std::uin
   const LocalFrame frame(std::move(rows), size, d, threads, control);
   SampleHull result;
   if (frame.affine_dimension() != static_cast<int>(d)) return result;
-  const SimplicialHull hull =
-      hull_nd(frame.points(), frame.simplex().data(), std::uint64_t{1} << 40, threads, control);
+  const SimplicialHull hull = hull_nd(frame.points(), frame.simplex().data(),
+                                      std::uint64_t{1} << 40, threads, control, true);
   std::vector<std::uint8_t> used(size, 0);
   for (const std::uint32_t v : hull.vertices) used[v] = 1;
   result.facets = static_cast<double>(hull.facet_count());
@@ -95,9 +95,10 @@ SampleHull hull_of(const LocalPoints& points, const std::uint32_t* ids, std::uin
 double extreme_among(const LocalPoints& points, const std::vector<std::uint32_t>& ids,
                      std::uint32_t size, unsigned threads, const Control& control) {
   constexpr std::uint32_t block = 64, most_tests = 1024, enough = 24;
-  const std::vector<std::uint32_t> others(ids.begin(), ids.begin() + size);
-  std::vector<std::uint32_t> working(
-      ids.begin(), ids.begin() + std::min<std::uint32_t>(size, 32 * points.dimension));
+  const PointColumns others(points, {ids.begin(), ids.begin() + size}, control);
+  PointColumns working(
+      points, {ids.begin(), ids.begin() + std::min<std::uint32_t>(size, 32 * points.dimension)},
+      control);
   std::uint32_t tested = 0, found = 0;
   // Where few are extreme, more are tested; those that are not are tested fast.
   while (tested < std::min(most_tests, size) && found < enough) {
@@ -107,11 +108,13 @@ double extreme_among(const LocalPoints& points, const std::vector<std::uint32_t>
     for_each_chunk(count, 4, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       HullMembership membership(points, control);
       for (std::uint64_t i = begin; i < end; ++i)
-        extreme[i] = !membership.inside(others[size - 1 - tested - i], others, working, useful[c]);
+        extreme[i] = !membership.inside(ids[size - 1 - tested - i], others, working, useful[c]);
     });
     found += static_cast<std::uint32_t>(std::count(extreme.begin(), extreme.end(), 1));
     tested += count;
-    for (const auto& list : useful) working.insert(working.end(), list.begin(), list.end());
+    for (const auto& list : useful)
+      for (const std::uint32_t i : list)
+        if (!working.contains(i)) working.add(i);
   }
   return static_cast<double>(size) * std::max(found, 1U) / tested;
 }

@@ -127,17 +127,17 @@ void planes_of_group(const PlaneFrame& frame, const double* apex, const double* 
                                     hn::Gt(magnitude, hn::Mul(bound, hn::Set(f, 8.0)))),
                             hn::And(hn::Le(error, hn::Set(f, 0.5)),
                                     hn::Lt(hn::Mul(size, absolute), hn::Set(f, 0x1p100))));
-  HWY_ALIGN double out[(D + 1) * hn::MaxLanes(F())];
+  const hn::Rebind<float, F> narrow;
+  HWY_ALIGN float out[(D + 1) * hn::MaxLanes(F())];
   for (unsigned j = 0; j < D; ++j)
-    hn::Store(hn::IfThenElseZero(good, hn::Mul(normal[j], scale)), f, out + j * lanes);
-  hn::Store(hn::IfThenElse(good, error, hn::Set(f, std::numeric_limits<double>::infinity())), f,
-            out + D * lanes);
-  for (std::size_t k = 0; k < used; ++k) {
-    for (unsigned j = 0; j < D; ++j)
-      planes[k * (D + 1) + j] = static_cast<float>(out[j * lanes + k]);
-    // Rounding to nearest may go down: a factor of two roundings of f32 goes up in any case.
-    planes[k * (D + 1) + D] = static_cast<float>(out[D * lanes + k] * (1 + 0x1p-22));
-  }
+    hn::Store(hn::DemoteTo(narrow, hn::IfThenElseZero(good, hn::Mul(normal[j], scale))), narrow,
+              out + j * lanes);
+  // Rounding to nearest may go down: a factor of two roundings of f32 goes up in any case.
+  const VF wider = hn::IfThenElse(good, hn::Mul(error, hn::Set(f, 1 + 0x1p-22)),
+                                  hn::Set(f, std::numeric_limits<double>::infinity()));
+  hn::Store(hn::DemoteTo(narrow, wider), narrow, out + D * lanes);
+  for (std::size_t k = 0; k < used; ++k)
+    for (unsigned j = 0; j <= D; ++j) planes[k * (D + 1) + j] = out[j * lanes + k];
 }
 
 template <unsigned D>
@@ -152,9 +152,8 @@ void planes_in(const PlaneFrame& frame, std::uint32_t apex, const std::uint32_t*
       const std::size_t facet = first + std::min(k, used - 1);
       const std::uint32_t* v = facets + facet * D;
       double* column = buffer + k;
-      for (unsigned i = 0; i < D; ++i) {
-        if (i == apex_slot[facet]) continue;
-        const double* q = frame.rows + std::size_t{v[i]} * D;
+      for (unsigned i = 0; i + 1 < D; ++i) {
+        const double* q = frame.rows + std::size_t{v[i + (i >= apex_slot[facet])]} * D;
         for (unsigned j = 0; j < D; ++j, column += lanes) *column = q[j] - p[j];
       }
     }

@@ -155,7 +155,11 @@ class Buckets {
     for_each_chunk(n, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       control.check();
       std::uint32_t* const at = next.data() + c * buckets;
-      each(begin, end, [&](const Entry& e) { entries_[at[bucket(e.key)]++] = e; });
+      each(begin, end, [&](const Entry& e) {
+        Entry* const to = entries_.get() + at[bucket(e.key)]++;
+        *to = e;
+        __builtin_prefetch(to + 3, 1);  // stores wait in line for those that miss
+      });
     });
   }
 

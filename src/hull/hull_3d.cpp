@@ -80,6 +80,7 @@ void Engine3D::copy_rows() {
   const Id n = points_.count;
   rows_ = BigArray<double>(std::size_t{n} * Shared3D::row_stride);
   for_each_chunk(n, 1 << 16, threads_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+    control_.check();
     for (std::uint64_t i = begin; i < end; ++i) {
       const double* from = points_.row(order_.ids[i]);
       double* to = rows_.get() + i * Shared3D::row_stride;
@@ -211,6 +212,7 @@ SimplicialHull Engine3D::collect() {
   const auto runs = used_slots(1 << 15);
   const auto each_run = [&](const auto& body) {
     for_each_chunk(runs.size(), 1, threads_, [&](std::uint64_t c, std::uint64_t, std::uint64_t) {
+      control_.check();
       body(c, runs[c].first, runs[c].second);
     });
   };

@@ -35,7 +35,7 @@ template <unsigned D>
 class InsertionNd {
  public:
   InsertionNd(const LocalPoints& points, const std::uint32_t* simplex, std::uint64_t budget,
-              unsigned threads, const Control& control);
+              unsigned threads, bool same_facets, const Control& control);
   SimplicialHull run();
 
  private:
@@ -88,7 +88,9 @@ class InsertionNd {
   template <class Entry>
   Sign lattice_sign(Lane& lane, const Entry& entry) const;
   Sign side(Lane& lane, Id f, Id point) const;
-  std::uint32_t seen_among(Lane& lane, const Id* facets, unsigned count, Id point) const;
+  std::uint32_t seen_among(Lane& lane, const float* y, const Id* facets, unsigned first,
+                           Id point) const;
+  std::uint32_t seen_exactly(Lane& lane, const Id* facets, std::uint32_t which, Id point) const;
   Sign cone_side(Lane& lane, Id f, unsigned j, Id point) const;
   bool note_duplicate(Lane& lane, Id f, Id point) const;
   void find_cavity(Stream& s, Lane& lane, Id seed) const;
@@ -117,12 +119,13 @@ class InsertionNd {
   Crew crew_;
   std::vector<Lane> lanes_;
   std::vector<Share> shares_;
+  bool same_facets_;  ///< whatever the number of workers
   std::vector<Stream> streams_;
   std::vector<Id> batch_;  ///< streams that have work
   /// For every facet slot: twice the batch that last claimed it, plus 1 where it was visible.
   std::vector<std::uint32_t> claims_;
   std::uint32_t batch_number_ = 0;
-  double width_ = 2;  ///< number of streams: see adapt
+  double width_;  ///< number of streams: see adapt
   std::uint64_t batch_facets_ = 0;
   SimplicialHull result_;
 };
@@ -131,7 +134,8 @@ class InsertionNd {
 
 template <unsigned D>
 InsertionNd<D>::InsertionNd(const LocalPoints& points, const std::uint32_t* simplex,
-                            std::uint64_t budget, unsigned threads, const Control& control)
+                            std::uint64_t budget, unsigned threads, bool same_facets,
+                            const Control& control)
     : points_(points),
       control_(control),
       dimension_(points.dimension),
@@ -142,7 +146,9 @@ InsertionNd<D>::InsertionNd(const LocalPoints& points, const std::uint32_t* simp
       // A few hundred points are done before another thread is awake.
       crew_(points.count < 512 && points.dimension < 6 ? 1 : threads),
       lanes_(crew_.lanes(), Lane(dimension_)),
-      shares_(lanes_.size()) {
+      shares_(lanes_.size()),
+      same_facets_(same_facets),
+      width_(lanes_.size() == 1 && !same_facets ? 1 : 2) {
   arrange(simplex, threads);
   choose_centre();
   frame_ = {dim(), ordered_.data(), centre_.data(), reach_.data(),
@@ -154,11 +160,12 @@ void InsertionNd<D>::arrange(const Id* simplex, unsigned threads) {
   const unsigned d = dim();
   std::vector<Id> sorted(simplex, simplex + d + 1);
   std::sort(sorted.begin(), sorted.end());
-  InsertionRounds rounds = norm_order(points_, threads);
+  InsertionRounds rounds = norm_order(points_, threads, control_);
   order_.assign(simplex, simplex + d + 1);
   order_.reserve(points_.count);
   for (std::size_t r = 0; r + 1 < rounds.starts.size(); ++r) {
     starts_.push_back(static_cast<Id>(order_.size()));
+    control_.check();
     for (Id k = rounds.starts[r]; k < rounds.starts[r + 1]; ++k)
       if (!std::binary_search(sorted.begin(), sorted.end(), rounds.order[k]))
         order_.push_back(rounds.order[k]);
@@ -167,6 +174,7 @@ void InsertionNd<D>::arrange(const Id* simplex, unsigned threads) {
   ordered_.reserve(order_.size() * d);
   for_each_chunk(order_.size(), 8192, threads,
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control_.check();
                    for (std::uint64_t k = begin; k < end; ++k)
                      std::copy_n(points_.row(order_[k]), d, ordered_.data() + k * d);
                  });
@@ -195,9 +203,11 @@ void InsertionNd<D>::choose_centre() {
       centre_exact_ = centre_inside(centre_);
     }
   }
-  for (std::size_t k = 0; k < order_.size(); ++k)
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    if (k % 65536 == 0) control_.check();
     for (unsigned j = 0; j < d; ++j)
       reach_[j] = std::max(reach_[j], std::abs(row(static_cast<Id>(k))[j] - centre_[j]));
+  }
   for (double& r : reach_) r = r * (1 + 0x1p-30) + 0x1p-40;
 }
 
@@ -328,17 +338,18 @@ void InsertionNd<D>::insert_round(Id begin, Id end) {
   control_.report("hull", static_cast<double>(end) / static_cast<double>(order_.size()));
 }
 
-/// As many streams as make a batch worth its hand-overs, and no more: a stream's facets are to stay
-/// in the cache until it is its turn again. Also the share of refused cavities is proportional to
-/// the number of streams. Not a matter of threads: the facets made are to be the same.
+/// As many streams as make a batch worth its hand-overs for every worker, and no more: a stream's
+/// facets are to stay in the cache until it is its turn again. Also the share of refused cavities
+/// is proportional to the number of streams.
 template <unsigned D>
 void InsertionNd<D>::adapt(std::size_t tried, std::size_t refused, std::size_t made) {
-  constexpr double wanted = 0.06, batch = 1000, fewest = 8, most = 256;
-  if (tried < 16) return;
+  constexpr double wanted = 0.06, batch = 250, fewest = 4, most = 256;
+  if (tried < 16 || (lanes_.size() == 1 && !same_facets_)) return;
+  const auto lanes = same_facets_ ? 2.0 : static_cast<double>(lanes_.size());
   const double share = static_cast<double>(refused) / static_cast<double>(tried);
   const double cavity = std::max(1.0, static_cast<double>(made) / static_cast<double>(tried));
-  width_ = std::clamp(width_ * std::clamp(wanted / std::max(share, 1e-3), 0.5, 4.0), 2.0,
-                      std::clamp(batch / cavity, fewest, most));
+  const double busy = std::clamp(batch * lanes / cavity, std::min(fewest * lanes, most), most);
+  width_ = std::clamp(width_ * std::clamp(wanted / std::max(share, 1e-3), 0.5, 4.0), 2.0, busy);
 }
 
 /// Takes points from the stream until one is outside, and finds its cavity.
@@ -461,25 +472,37 @@ Sign InsertionNd<D>::side(Lane& lane, Id f, Id point) const {
   return s;
 }
 
-/// Which of the facets, 32 at most, the point sees, as bits. About every second is seen, as good as
-/// at random: comparisons are signs of differences, so that no branch is made of them.
+/// Which of the facets the point sees, as bits: of dim() facets, or 32 at most from `first`. About
+/// every second is seen, as good as at random: comparisons are signs of differences, so that no
+/// branch is made of them.
 template <unsigned D>
-std::uint32_t InsertionNd<D>::seen_among(Lane& lane, const Id* facets, unsigned count,
-                                         Id point) const {
+[[gnu::always_inline]] inline std::uint32_t InsertionNd<D>::seen_among(Lane& lane, const float* y,
+                                                                       const Id* facets,
+                                                                       unsigned first,
+                                                                       Id point) const {
   const auto negative = [](float x) { return std::bit_cast<std::uint32_t>(x) >> 31; };
-  const float* const y = lane.offset.data();
+  const unsigned count = D > 0 ? D : std::min(dim() - first, 32U);
   std::uint32_t above = 0, beneath = 0;
   for (unsigned j = 0; j < count; ++j) {
-    const float g = gauge(y, facets[j]), e = error(facets[j]);
+    const float g = gauge(y, facets[first + j]), e = error(facets[first + j]);
     above |= negative((1 + e) - g) << j;
     beneath |= negative(g - (1 - e)) << j;
   }
-  std::uint32_t doubtful = ~std::uint32_t{0} >> (32 - count) & ~(above | beneath);
-  for (; doubtful != 0; doubtful &= doubtful - 1) {  // hardly ever
-    const auto j = static_cast<unsigned>(std::countr_zero(doubtful));
-    above |= static_cast<std::uint32_t>(side(lane, facets[j], point) == Sign::positive) << j;
+  const std::uint32_t doubtful = ~std::uint32_t{0} >> (32 - count) & ~(above | beneath);
+  if (doubtful == 0) [[likely]]
+    return above;
+  return above | seen_exactly(lane, facets + first, doubtful, point);
+}
+
+template <unsigned D>
+std::uint32_t InsertionNd<D>::seen_exactly(Lane& lane, const Id* facets, std::uint32_t which,
+                                           Id point) const {
+  std::uint32_t seen = 0;
+  for (; which != 0; which &= which - 1) {
+    const auto j = static_cast<unsigned>(std::countr_zero(which));
+    seen |= static_cast<std::uint32_t>(side(lane, facets[j], point) == Sign::positive) << j;
   }
-  return above;
+  return seen;
 }
 
 /// Whether the point lies on the facet's side (positive), on (zero) or beyond (negative) the

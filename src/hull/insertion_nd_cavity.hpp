@@ -2,6 +2,8 @@
 // find their neighbours, and the surface in the end.
 #pragma once
 
+#include <cstring>
+
 #include "hull/insertion_nd.hpp"
 
 namespace cullhull::internal {
@@ -13,6 +15,10 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
   const unsigned d = dim();
   if (lane.visited.size() < facet_slots_) lane.visited.resize(facet_capacity_);
   std::uint8_t* visited = lane.visited.data();
+  // A copy that nothing written below can change stays in registers.
+  float copy[D > 0 ? D : 1];
+  const float* y = lane.offset.data();
+  if constexpr (D > 0) y = std::copy_n(y, D, copy) - D;
   std::size_t visible = 1, ridges = 0;
   s.visible.resize(std::max<std::size_t>(s.visible.size(), 64));
   s.horizon.resize(std::max<std::size_t>(s.horizon.size(), 64));
@@ -29,11 +35,10 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
     // Which neighbours are visible is as good as random: no branch on it. A facet beyond the
     // horizon is tested once for each of its ridges, which costs less than remembering it.
     for (unsigned first = 0; first < d; first += 32) {
-      const unsigned last = std::min(d, first + 32);
-      const std::uint32_t all = seen_among(lane, n + first, last - first, s.next);
-      for (unsigned j = first; j < last; ++j) {
+      std::uint32_t all = seen_among(lane, y, n, first, s.next);
+      for (unsigned j = first; j < std::min(d, first + 32); ++j, all >>= 1) {
         const Id other = n[j];
-        const std::uint32_t seen = all >> (j - first) & 1U, known = visited[other];
+        const std::uint32_t seen = all & 1U, known = visited[other];
         visited[other] = static_cast<std::uint8_t>(known | seen);
         list[visible] = other;
         visible += seen & ~known;
@@ -113,7 +118,8 @@ void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
   // Small tables can afford to be wide: fewer slots are crowded.
   const auto bits = static_cast<unsigned>(std::bit_width(count * d)) + (count * d < 4096 ? 2 : 1);
   const std::uint32_t shift = 32 - bits, none_of_them = std::uint32_t{1} << bits;
-  lane.table.assign(std::size_t{none_of_them} + 1, 0);
+  if (lane.table.size() <= none_of_them) lane.table.resize(std::size_t{none_of_them} + 1);
+  std::memset(lane.table.data(), 0, (std::size_t{none_of_them} + 1) * sizeof(lane.table[0]));
   lane.ridges.resize(count * d);
   std::uint64_t* const table = lane.table.data();
   for (std::size_t k = 0; k < count; ++k) {
@@ -171,21 +177,38 @@ SimplicialHull InsertionNd<D>::collect() {
   ordered_.release();
   store_.release_planes();
   std::vector<std::uint32_t>().swap(claims_);
-  std::vector<Id> number(facet_slots_, none);
-  Id count = 0;
-  for (Id f = 0; f < facet_slots_; ++f)
-    if (store_.alive(f)) number[f] = count++;
+  // A facet's number: how many are alive in the chunks before its own, and in this one before it.
+  constexpr unsigned chunk_bits = 14;
+  constexpr std::uint64_t chunk = std::uint64_t{1} << chunk_bits;
+  RawArray<Id> number;
+  number.reserve(facet_slots_);
+  std::vector<Id> before(chunk_count(facet_slots_, chunk) + 1, 0);
+  for_each_chunk(facet_slots_, chunk, crew_.lanes(),
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control_.check();
+                   Id count = 0;
+                   for (std::uint64_t f = begin; f < end; ++f)
+                     number[f] = store_.alive(static_cast<Id>(f)) ? count++ : none;
+                   before[c + 1] = count;
+                 });
+  for (std::size_t c = 1; c < before.size(); ++c) before[c] += before[c - 1];
   result_.dimension = d;
-  result_.vertices.resize(std::size_t{count} * d);
-  result_.neighbours.resize(std::size_t{count} * d);
-  for (Id f = 0; f < facet_slots_; ++f) {
-    if (number[f] == none) continue;
-    const std::size_t base = std::size_t{number[f]} * d;
-    for (unsigned j = 0; j < d; ++j) {
-      result_.vertices[base + j] = order_[store_.vertices(f)[j]];
-      result_.neighbours[base + j] = number[store_.neighbours(f)[j]];
-    }
-  }
+  result_.vertices.resize(std::size_t{before.back()} * d);
+  result_.neighbours.resize(std::size_t{before.back()} * d);
+  for_each_chunk(facet_slots_, chunk, crew_.lanes(),
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control_.check();
+                   for (std::uint64_t f = begin; f < end; ++f) {
+                     if (number[f] == none) continue;
+                     const std::size_t base = std::size_t{before[c] + number[f]} * d;
+                     const Id* v = store_.vertices(static_cast<Id>(f));
+                     const Id* n = store_.neighbours(static_cast<Id>(f));
+                     for (unsigned j = 0; j < d; ++j) {
+                       result_.vertices[base + j] = order_[v[j]];
+                       result_.neighbours[base + j] = before[n[j] >> chunk_bits] + number[n[j]];
+                     }
+                   }
+                 });
   for (const Lane& lane : lanes_) {
     for (unsigned r = 0; r < 3; ++r) result_.rung_counts[r] += lane.rung_counts[r];
     result_.duplicates.insert(result_.duplicates.end(), lane.duplicates.begin(),

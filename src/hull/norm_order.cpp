@@ -34,13 +34,12 @@ std::uint32_t position_key(const double* x, unsigned d, unsigned bits) {
   for (std::uint32_t q = 1U << (bits - 1); q > 1; q >>= 1) {
     const std::uint32_t p = q - 1;
     for (unsigned j = 0; j < used; ++j) {
-      if ((c[j] & q) != 0) {
-        c[0] ^= p;
-      } else {
-        const std::uint32_t t = (c[0] ^ c[j]) & p;
-        c[0] ^= t;
-        c[j] ^= t;
-      }
+      // Inverts low bits of c[0] where the bit is set, else exchanges those of c[0] and c[j]. No
+      // branch: bits are as good as random.
+      const std::uint32_t set = 0U - static_cast<std::uint32_t>((c[j] & q) != 0);
+      const std::uint32_t t = (c[0] ^ c[j]) & p & ~set;
+      c[0] ^= t | (p & set);
+      c[j] ^= t;
     }
   }
   for (unsigned j = 1; j < used; ++j) c[j] ^= c[j - 1];
@@ -59,7 +58,8 @@ struct Keyed {
 };
 
 /// Least significant digit first; stable, so ties keep their order.
-void radix_sort(Keyed* a, std::size_t n, std::vector<Keyed>& scratch) {
+void radix_sort(Keyed* a, std::size_t n, std::vector<Keyed>& scratch, const Control& control) {
+  constexpr std::size_t step = std::size_t{1} << 20;
   constexpr unsigned digit_bits = 11, buckets = 1U << digit_bits;
   if (n < buckets) {
     std::stable_sort(a, a + n, [](const Keyed& x, const Keyed& y) { return x.key < y.key; });
@@ -73,14 +73,20 @@ void radix_sort(Keyed* a, std::size_t n, std::vector<Keyed>& scratch) {
     const auto digit = [pass](const Keyed& k) {
       return (k.key >> (pass * digit_bits)) & (buckets - 1);
     };
-    for (std::size_t i = 0; i < n; ++i) ++at[digit(from[i])];
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i % step == 0) control.check();
+      ++at[digit(from[i])];
+    }
     std::uint32_t sum = 0;
     for (std::uint32_t& c : at) {
       const std::uint32_t count = c;
       c = sum;
       sum += count;
     }
-    for (std::size_t i = 0; i < n; ++i) to[at[digit(from[i])]++] = from[i];
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i % step == 0) control.check();
+      to[at[digit(from[i])]++] = from[i];
+    }
     std::swap(from, to);
   }
   if (from != a) std::copy(from, from + n, a);
@@ -140,12 +146,13 @@ class Norm {
 
 }  // namespace
 
-InsertionRounds norm_order(const LocalPoints& points, unsigned threads) {
+InsertionRounds norm_order(const LocalPoints& points, unsigned threads, const Control& control) {
   const std::uint32_t n = points.count;
   const unsigned d = points.dimension;
   const Norm norm(points);
   std::vector<Keyed> keyed(n), scratch;
   for_each_chunk(n, chunk, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+    control.check();
     std::vector<double> y(d);
     for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
       // Floats that are not negative are ordered as their bits; the hash breaks ties.
@@ -154,7 +161,7 @@ InsertionRounds norm_order(const LocalPoints& points, unsigned threads) {
       keyed[i] = {~((std::bit_cast<std::uint32_t>(v) & ~0xFFU) | tie), i};
     }
   });
-  radix_sort(keyed.data(), n, scratch);
+  radix_sort(keyed.data(), n, scratch, control);
   InsertionRounds rounds;
   rounds.starts = {0};
   const unsigned bits = std::clamp(32U / d, 1U, 10U);
@@ -162,10 +169,11 @@ InsertionRounds norm_order(const LocalPoints& points, unsigned threads) {
     if (begin > 0) {
       for_each_chunk(end - begin, chunk, threads,
                      [&](std::uint64_t, std::uint64_t from, std::uint64_t to) {
+                       control.check();
                        for (std::uint64_t i = begin + from; i < begin + to; ++i)
                          keyed[i].key = position_key(points.row(keyed[i].id), d, bits);
                      });
-      radix_sort(keyed.data() + begin, end - begin, scratch);
+      radix_sort(keyed.data() + begin, end - begin, scratch, control);
     }
     rounds.starts.push_back(end);
     begin = end;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "control.hpp"
 #include "points/local_points.hpp"
 
 namespace cullhull::internal {
@@ -18,6 +19,6 @@ struct InsertionRounds {
 /// rounds, each half as large as all before it together, and within a round along a Hilbert curve,
 /// so that neighbours in the order are neighbours in space. Points of equal norm come in
 /// pseudo-random order. Deterministic. Time O(n d^2).
-InsertionRounds norm_order(const LocalPoints& points, unsigned threads);
+InsertionRounds norm_order(const LocalPoints& points, unsigned threads, const Control& control);
 
 }  // namespace cullhull::internal

@@ -22,6 +22,7 @@ void Engine3D::rank_facets() {
       if (facets_[f].live()) order.push_back({0, f});
   for_each_chunk(order.size(), 1 << 13, threads_,
                  [&](std::uint64_t, std::uint64_t first, std::uint64_t last) {
+                   control_.check();
                    constexpr std::uint32_t block = DirectionKey::block;
                    double normals[3][block] = {};
                    std::uint64_t keys[block];
@@ -34,10 +35,11 @@ void Engine3D::rank_facets() {
                      for (Id i = 0; i < size; ++i) order[at + i].key = keys[i];
                    }
                  });
-  std::sort(order.begin(), order.end(), [](const Ranked& a, const Ranked& b) {
-    return a.key < b.key || (a.key == b.key && a.facet < b.facet);
-  });
-  for (std::size_t k = 0; k < order.size(); ++k) rank_[order[k].facet] = static_cast<Id>(k);
+  BigArray<Ranked> memory(order.size());
+  Ranked *ranked = order.data(), *scratch = memory.get();
+  radix_sort(ranked, scratch, static_cast<Id>(order.size()), DirectionKey::fine_bits, threads_,
+             control_, [](const Ranked& r) { return r.key; });
+  for (std::size_t k = 0; k < order.size(); ++k) rank_[ranked[k].facet] = static_cast<Id>(k);
 }
 
 /// How far a point is on the way across facet f from the neighbour of lowest rank to that of
@@ -133,6 +135,7 @@ void Engine3D::permute(Id begin, const Keyed* order) {
   BigArray<Id> ids(n);
   BigArray<double> rows(std::size_t{n} * Shared3D::row_stride);
   for_each_chunk(n, 1 << 16, threads_, [&](std::uint64_t, std::uint64_t first, std::uint64_t last) {
+    control_.check();
     for (std::uint64_t i = first; i < last; ++i) {
       const Id from = i < begin ? static_cast<Id>(i) : order[i - begin].id;
       ids[i] = order_.ids[from];

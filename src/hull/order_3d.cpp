@@ -38,6 +38,7 @@ void refine_cells(const LocalPoints& points, const DirectionKey& key, Keyed* key
   std::vector<std::uint64_t> crowded(chunk_count(count, chunk_size), 0);
   for_each_chunk(count, chunk_size, threads,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
                    std::uint64_t sum = 0;
                    for (std::uint64_t i = std::max<std::uint64_t>(begin, crowd); i < end; ++i)
                      sum += begin_all[i].key == begin_all[i - crowd].key;
@@ -111,6 +112,7 @@ InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKe
   std::vector<std::array<std::uint32_t, 16>> sizes(chunk_count(n, chunk_size));
   for_each_chunk(
       n, chunk_size, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+        control.check();
         constexpr std::uint32_t block = DirectionKey::block;
         double x[block] = {}, y[block] = {}, z[block] = {};
         std::uint32_t keys[block];
@@ -144,6 +146,7 @@ InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKe
   order.ids = BigArray<std::uint32_t>(n);
   for_each_chunk(n, chunk_size, threads,
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
                    for (std::uint64_t i = begin; i < end; ++i) order.ids[i] = keyed[i].id;
                  });
   std::uint32_t sum = 0;

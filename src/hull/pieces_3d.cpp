@@ -14,6 +14,7 @@ void Engine3D::screen_and_insert(Id begin, Id end) {
   const Id start = live_facet();
   for_each_chunk(end - begin, chunk, threads_,
                  [&](std::uint64_t c, std::uint64_t first, std::uint64_t last) {
+                   control_.check();
                    readers[c].owner_count = none;  // all
                    readers[c].hint = start;
                    screen_points(shared_, readers[c], nullptr, static_cast<Id>(begin + first),
@@ -48,6 +49,7 @@ void Engine3D::insert_in_pieces(Id begin, Id end) {
     work = join_pieces();
     run_pieces(work, begin, end);
   }
+  pieces_[0].entries = {};  // they are of this round's points
   take_back_slots();
 }
 
@@ -103,6 +105,7 @@ void Engine3D::divide(std::vector<Work>& work, const Cut3D& cut) const {
 void Engine3D::own_facets(const Cut3D& cut) {
   const auto runs = used_slots(1 << 13);
   for_each_chunk(runs.size(), 1, threads_, [&](std::uint64_t c, std::uint64_t, std::uint64_t) {
+    control_.check();
     constexpr std::uint32_t block = DirectionKey::block;
     double middles[3][block] = {};
     std::uint32_t keys[block];
@@ -132,6 +135,7 @@ void Engine3D::find_entries(Id begin, Id end) {
   constexpr std::uint64_t chunk = 64;
   for_each_chunk(entries_.size(), chunk, threads_,
                  [&](std::uint64_t, std::uint64_t first, std::uint64_t last) {
+                   control_.check();
                    Piece3D reader;
                    reader.owner_count = none;  // all
                    reader.hint = start;
@@ -147,6 +151,7 @@ void Engine3D::find_entries(Id begin, Id end) {
 void Engine3D::run_pieces(const std::vector<Work>& work, Id begin, Id end) {
   const auto caller = std::this_thread::get_id();
   for_each_chunk(pieces_.size(), 1, threads_, [&](std::uint64_t t, std::uint64_t, std::uint64_t) {
+    control_.check();
     Piece3D& piece = pieces_[t];
     const Work& w = work[t];
     const std::function<void(double)> progress = [&](double share) {

@@ -12,12 +12,13 @@ namespace {
 
 constexpr std::uint64_t chunk_size = 1 << 16;
 
-template <class T>
-void gather_rows(const PointView& view, const std::uint64_t* ids, std::uint64_t begin,
-                 std::uint64_t end, double* out) {
+/// Rows of the points id(i), i in [begin, end).
+template <class T, class Id>
+void gather_rows_of(const PointView& view, const Id& id, std::uint64_t begin, std::uint64_t end,
+                    double* out) {
   const unsigned d = view.dimension;
   for (std::uint64_t i = begin; i < end; ++i) {
-    const std::byte* p = view.address(ids != nullptr ? ids[i] : i, 0);
+    const std::byte* p = view.address(id(i), 0);
     double* row = out + (i - begin) * d;
     for (unsigned j = 0; j < d; ++j) {
       T v;
@@ -27,26 +28,37 @@ void gather_rows(const PointView& view, const std::uint64_t* ids, std::uint64_t 
   }
 }
 
-void gather_rows(const PointView& view, const std::uint64_t* ids, std::uint64_t begin,
-                 std::uint64_t end, double* out) {
+template <class Id>
+void gather_rows_of(const PointView& view, const Id& id, std::uint64_t begin, std::uint64_t end,
+                    double* out) {
   switch (view.scalar) {
     case ScalarType::f32:
-      return gather_rows<float>(view, ids, begin, end, out);
+      return gather_rows_of<float>(view, id, begin, end, out);
     case ScalarType::f64:
-      return gather_rows<double>(view, ids, begin, end, out);
+      return gather_rows_of<double>(view, id, begin, end, out);
     case ScalarType::i8:
-      return gather_rows<std::int8_t>(view, ids, begin, end, out);
+      return gather_rows_of<std::int8_t>(view, id, begin, end, out);
     case ScalarType::u8:
-      return gather_rows<std::uint8_t>(view, ids, begin, end, out);
+      return gather_rows_of<std::uint8_t>(view, id, begin, end, out);
     case ScalarType::i16:
-      return gather_rows<std::int16_t>(view, ids, begin, end, out);
+      return gather_rows_of<std::int16_t>(view, id, begin, end, out);
     case ScalarType::u16:
-      return gather_rows<std::uint16_t>(view, ids, begin, end, out);
+      return gather_rows_of<std::uint16_t>(view, id, begin, end, out);
     case ScalarType::i32:
-      return gather_rows<std::int32_t>(view, ids, begin, end, out);
+      return gather_rows_of<std::int32_t>(view, id, begin, end, out);
     case ScalarType::u32:
-      return gather_rows<std::uint32_t>(view, ids, begin, end, out);
+      return gather_rows_of<std::uint32_t>(view, id, begin, end, out);
   }
+}
+
+void gather_rows(const PointView& view, const std::uint64_t* ids, std::uint64_t begin,
+                 std::uint64_t end, double* out) {
+  if (ids != nullptr)
+    gather_rows_of(
+        view, [ids](std::uint64_t i) { return ids[i]; }, begin, end, out);
+  else
+    gather_rows_of(
+        view, [](std::uint64_t i) { return i; }, begin, end, out);
 }
 
 /// Index of the first non-finite value of [begin, end), or end.
@@ -81,6 +93,12 @@ class Lowest {
 };
 
 }  // namespace
+
+void gather_rows_at(const PointView& view, std::uint64_t first, const std::uint32_t* offsets,
+                    std::size_t count, double* out) {
+  gather_rows_of(
+      view, [first, offsets](std::uint64_t i) { return first + offsets[i]; }, 0, count, out);
+}
 
 void load_row(const PointView& view, std::uint64_t point, double* out) {
   gather_rows(view, nullptr, point, point + 1, out);

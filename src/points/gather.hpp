@@ -15,6 +15,10 @@ namespace cullhull::internal {
 Array<double> gather_points(const PointView& view, const std::uint64_t* ids, std::uint64_t count,
                             unsigned threads);
 
+/// Rows of the points first + offsets[i], i < count, finite or not; -0 becomes +0.
+void gather_rows_at(const PointView& view, std::uint64_t first, const std::uint32_t* offsets,
+                    std::size_t count, double* out);
+
 /// The exact coordinates of one point, finite or not. For loops over many: about as fast as
 /// gather_points where the scalar type stays the same.
 void load_row(const PointView& view, std::uint64_t point, double* out);

@@ -400,7 +400,14 @@ bool finish_quickly(const Frame& frame, const Totals<DoubleDouble>& sums, Hull& 
   const auto round = [](const DoubleDouble& v, long shift, double& out) {
     return round_surely(v, double_double_error * std::fabs(v.high), shift, out);
   };
-  if (!round(sums.area / DoubleDouble(factorial), frame.exponent * (k - 1L), hull.area) ||
+  // (k - 1)! is 1 or 2 for k <= 3, and that division is exact. It matters: a sum of two runs often
+  // lies half-way between two doubles.
+  const bool exact = k <= 3;
+  const DoubleDouble area =
+      exact ? DoubleDouble(sums.area.high / factorial, sums.area.low / factorial)
+            : sums.area / DoubleDouble(factorial);
+  const double area_error = exact ? 0 : double_double_error * std::fabs(area.high);
+  if (!round_surely(area, area_error, frame.exponent * (k - 1L), hull.area) ||
       !round(sums.volume / DoubleDouble(factorial * k), frame.exponent * static_cast<long>(k),
              hull.volume))
     return false;

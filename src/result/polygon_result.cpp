@@ -47,6 +47,14 @@ namespace {
 constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
 static_assert(chunk % 64 == 0);
 
+/// std::popcount is a call where nothing is known of the processor.
+std::uint32_t count_bits(std::uint64_t v) {
+  v -= v >> 1 & 0x5555555555555555ULL;
+  v = (v & 0x3333333333333333ULL) + (v >> 2 & 0x3333333333333333ULL);
+  v = (v + (v >> 4)) & 0x0F0F0F0F0F0F0F0FULL;
+  return static_cast<std::uint32_t>(v * 0x0101010101010101ULL >> 56);
+}
+
 /// Which rows are corners, and how many before each: small enough to stay in the cache.
 class Ranks {
  public:
@@ -76,25 +84,17 @@ class Ranks {
     std::uint32_t sum = 0;
     for (std::uint64_t w = 0; w < words_; ++w) {
       before_[w] = sum;
-      sum += static_cast<std::uint32_t>(std::popcount(bits_[w]));
+      sum += count_bits(bits_[w]);
     }
   }
 
   std::uint32_t operator()(std::uint32_t row) const {
     const std::uint64_t lower = (std::uint64_t{1} << row % 64) - 1;
-    return before_[row / 64] + static_cast<std::uint32_t>(std::popcount(bits_[row / 64] & lower));
+    return before_[row / 64] + count_bits(bits_[row / 64] & lower);
   }
   std::uint64_t words() const { return words_; }
   std::uint64_t word(std::uint64_t w) const { return bits_[w]; }
   std::uint32_t before_word(std::uint64_t w) const { return before_[w]; }
-  /// The row of rank r.
-  std::uint32_t row(std::uint32_t r) const {
-    auto w = static_cast<std::uint64_t>(std::upper_bound(before_.get(), before_.get() + words_, r) -
-                                        before_.get() - 1);
-    std::uint64_t word = bits_[w];
-    for (std::uint32_t skip = r - before_[w]; skip > 0; --skip) word &= word - 1;
-    return static_cast<std::uint32_t>(64 * w + static_cast<unsigned>(std::countr_zero(word)));
-  }
 
  private:
   std::uint64_t words_;
@@ -113,24 +113,27 @@ struct Reader {
     std::memcpy(&y, p + points.coordinate_stride, sizeof y);
     return {static_cast<double>(x), static_cast<double>(y)};
   }
-  void prefetch(std::uint64_t id) const { __builtin_prefetch(points.address(id, 0)); }
 };
 template <>
 struct Reader<void> {
   const PointView& points;
   PlanarPoint operator()(std::uint64_t id) const { return {points.at(id, 0), points.at(id, 1)}; }
-  void prefetch(std::uint64_t id) const { __builtin_prefetch(points.address(id, 0)); }
 };
 
-template <class T>
+/// A corner as the sweep over edges wants it, which comes to them in no order that memory has: in
+/// one place, on pages that are large.
+struct Corner {
+  PlanarPoint point;         // in the kernel's units
+  std::uint64_t id, unused;  // four words, so that none lies on two lines of the cache
+};
+
 class Writer {
  public:
   Writer(const PointView& points, const std::uint64_t* ids, const Polygon& polygon,
          const EdgeKernel& kernel, const Control& control, unsigned threads)
       : points_(points),
-        read_{points},
         ids_(ids),
-        corners_(polygon.corners),
+        cycle_(polygon.corners),
         count_(polygon.corners.size()),
         kernel_(kernel),
         control_(control),
@@ -140,14 +143,22 @@ class Writer {
   bool run(Hull& hull) {
     control_.check();
     control_.report("facets", 0);
+    switch (points_.scalar) {
+      case ScalarType::f64:
+        list_corners(Reader<double>{points_});
+        break;
+      case ScalarType::f32:
+        list_corners(Reader<float>{points_});
+        break;
+      default:
+        list_corners(Reader<void>{points_});
+    }
     neighbours_.resize(2 * count_);
     link();
     simplices_.resize(2 * count_);
     facets_.resize(2 * count_);
     across_.resize(2 * count_);
     planes_.resize(3 * count_);
-    const std::uint32_t lowest = ranks_.row(0);
-    origin_ = kernel_.scaled(read_(id(lowest)));
     std::vector<Totals<DoubleDouble>> parts(chunk_count(count_, measure_chunk),
                                             Totals<DoubleDouble>(2));
     std::atomic<bool> ordinary{true};
@@ -159,8 +170,9 @@ class Writer {
     if (!ordinary) return false;
     Totals<DoubleDouble> all(2);
     for (const auto& p : parts) all.add(p);
-    if (!finish_polygon(kernel_, all, points_, id(lowest), hull)) return false;
-    write_vertices(lowest, hull);
+    if (!finish_polygon(kernel_, all, points_, corners_[0].id, hull)) return false;
+    control_.report("vertices", 0.9);
+    write_vertices(hull);
     using Ids = SharedArray<std::uint64_t>;
     hull.simplices = Ids(std::move(simplices_));
     hull.simplex_neighbours = std::move(neighbours_);
@@ -174,16 +186,32 @@ class Writer {
  private:
   std::uint64_t id(std::uint32_t row) const { return ids_ != nullptr ? ids_[row] : row; }
 
-  /// The rows before and after each corner, by rank: for now where the ranks will be.
+  template <class Read>
+  void list_corners(const Read& read) {
+    corners_ = BigArray<Corner>(count_);
+    for_each_chunk(ranks_.words(), chunk / 64, threads_,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     control_.check();
+                     Corner* out = corners_.get() + ranks_.before_word(begin);
+                     for (std::uint64_t w = begin; w < end; ++w)
+                       for (std::uint64_t word = ranks_.word(w); word != 0; word &= word - 1) {
+                         const std::uint64_t i =
+                             id(static_cast<std::uint32_t>(64 * w + std::countr_zero(word)));
+                         *out++ = {kernel_.scaled(read(i)), i, 0};
+                       }
+                   });
+  }
+
+  /// The ranks before and after each corner.
   void link() {
     for_each_chunk(count_, chunk, threads_,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                      control_.check();
-                     std::uint32_t before = corners_[begin == 0 ? count_ - 1 : begin - 1];
-                     std::uint32_t at = corners_[begin];
+                     std::uint32_t before = ranks_(cycle_[begin == 0 ? count_ - 1 : begin - 1]);
+                     std::uint32_t at = ranks_(cycle_[begin]);
                      for (std::uint64_t i = begin; i < end; ++i) {
-                       const std::uint32_t after = corners_[i + 1 < count_ ? i + 1 : 0];
-                       std::uint32_t* const to = neighbours_.data() + std::uint64_t{2} * ranks_(at);
+                       const std::uint32_t after = ranks_(cycle_[i + 1 < count_ ? i + 1 : 0]);
+                       std::uint32_t* const to = neighbours_.data() + std::uint64_t{2} * at;
                        to[0] = before;
                        to[1] = after;
                        before = std::exchange(at, after);
@@ -193,25 +221,19 @@ class Writer {
 
   /// Simplices [begin, end), whole runs of them.
   bool write(std::uint64_t begin, std::uint64_t end, Totals<DoubleDouble>& sums) {
+    constexpr std::uint64_t ahead = 16;
     bool ordinary = true;
+    const PlanarPoint origin = corners_[0].point;
     EdgeShare run;
-    std::uint32_t row = ranks_.row(static_cast<std::uint32_t>(begin));
-    std::uint64_t word = row / 64, left = ranks_.word(word) >> row % 64 << row % 64;
     for (std::uint64_t i = begin; i < end; ++i) {
-      while (left == 0) left = ranks_.word(++word);
-      row = static_cast<std::uint32_t>(64 * word + static_cast<unsigned>(std::countr_zero(left)));
-      left &= left - 1;
-      if (i + ahead < end) read_.prefetch(id(neighbours_[2 * (i + ahead)]));
-      std::uint32_t* const next = neighbours_.data() + 2 * i;
-      const std::uint32_t before = next[0], after = next[1];
-      const std::uint64_t here = id(row), there = id(before);
-      simplices_[2 * i] = facets_[2 * i + 1] = here;
-      simplices_[2 * i + 1] = facets_[2 * i] = there;
-      next[0] = across_[2 * i + 1] = ranks_(before);
-      next[1] = across_[2 * i] = ranks_(after);
+      if (i + ahead < end) __builtin_prefetch(&corners_[neighbours_[2 * (i + ahead)]]);
+      const Corner &here = corners_[i], &there = corners_[neighbours_[2 * i]];
+      simplices_[2 * i] = facets_[2 * i + 1] = here.id;
+      simplices_[2 * i + 1] = facets_[2 * i] = there.id;
+      across_[2 * i] = neighbours_[2 * i + 1];
+      across_[2 * i + 1] = neighbours_[2 * i];
       EdgeShare share;
-      if (!kernel_.edge(kernel_.scaled(read_(here)), kernel_.scaled(read_(there)), origin_,
-                        planes_.data() + 3 * i, share))
+      if (!kernel_.edge(here.point, there.point, origin, planes_.data() + 3 * i, share))
         ordinary = false;
       run.add(share);
       if ((i + 1) % measure_run != 0 && i + 1 != end) continue;
@@ -221,31 +243,28 @@ class Writer {
     return ordinary;
   }
 
-  void write_vertices(std::uint32_t lowest, Hull& hull) {
-    const auto first = static_cast<std::uint64_t>(
-        std::find(corners_.begin(), corners_.end(), lowest) - corners_.begin());
+  void write_vertices(Hull& hull) {
+    const auto first =
+        static_cast<std::uint64_t>(std::min_element(cycle_.begin(), cycle_.end()) - cycle_.begin());
     resize_big(hull.vertices, count_);
     for_each_chunk(count_, chunk, threads_,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                      for (std::uint64_t i = begin; i < end; ++i) {
                        const std::uint64_t at = first + i;
-                       hull.vertices[i] = id(corners_[at < count_ ? at : at - count_]);
+                       hull.vertices[i] = id(cycle_[at < count_ ? at : at - count_]);
                      }
                    });
   }
 
-  static constexpr std::uint64_t ahead = 16;
-
   const PointView& points_;
-  const Reader<T> read_;
   const std::uint64_t* const ids_;
-  const Array<std::uint32_t>& corners_;
+  const Array<std::uint32_t>& cycle_;
   const std::uint64_t count_;
   const EdgeKernel& kernel_;
   const Control& control_;
   const unsigned threads_;
   const Ranks ranks_;
-  PlanarPoint origin_{};
+  BigArray<Corner> corners_;  // by rank
   Array<std::uint32_t> neighbours_, across_;
   Array<std::uint64_t> simplices_, facets_;
   Array<double> planes_;
@@ -257,17 +276,7 @@ bool write_polygon(const PointView& points, const std::uint64_t* ids, const Poly
                    const Control& control, unsigned threads, Hull& hull) {
   const EdgeKernel kernel(polygon.box);
   if (!kernel.ordinary()) return false;
-  const auto run = [&]<class T>(T*) {
-    return Writer<T>(points, ids, polygon, kernel, control, threads).run(hull);
-  };
-  switch (points.scalar) {
-    case ScalarType::f64:
-      return run(static_cast<double*>(nullptr));
-    case ScalarType::f32:
-      return run(static_cast<float*>(nullptr));
-    default:
-      return run(static_cast<void*>(nullptr));
-  }
+  return Writer(points, ids, polygon, kernel, control, threads).run(hull);
 }
 
 }  // namespace cullhull::internal

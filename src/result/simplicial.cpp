@@ -18,8 +18,8 @@
 #include "result/cofactors.hpp"
 #include "result/facet_kernel.hpp"
 #include "result/facet_plane.hpp"
+#include "result/facet_share.hpp"
 #include "result/measure.hpp"
-#include "result/totals.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -33,22 +33,6 @@ struct Record {
   std::uint32_t thin;          // the normal needs more bits than it got
   double normal[K];
   double sum[K];  // of the corners' differences from vertex 0
-};
-
-/// Sums over a run of at most `measure_run` facets, or one facet's share of them.
-template <unsigned K>
-struct Share {
-  double volume = 0, area = 0;
-  double moment[K] = {};
-  double error = 0, area_error = 0;
-
-  void add(const Share& o) {
-    volume = volume + o.volume;
-    area = area + o.area;
-    for (unsigned c = 0; c < K; ++c) moment[c] = moment[c] + o.moment[c];
-    error += o.error;
-    area_error += o.area_error;
-  }
 };
 
 template <unsigned K>
@@ -394,43 +378,8 @@ class Simplicial {
   }
 
   Share<K> write_plane(std::uint64_t i, const Record<K>& r) {
-    double* out = hull_.facet_planes.data() + i * (K + 1);
-    double n[K];
-    double largest = 0;
-    for (unsigned c = 0; c < K; ++c) {
-      n[c] = r.normal[c];
-      largest = std::max(largest, std::fabs(n[c]));
-    }
-    bool reliable = true;
-    Share<K> share;
-    share.area = length(n, K);
-    share.error = share.area;
-    if (r.thin) {
-      std::vector<double> scratch;
-      share.area = plane_.normal(r.vertex, n, scratch, &reliable, &share.error);
-    }
-    share.area_error = share.error;
-    const double* p = frame_.at(r.vertex[0]);
-    const double* o = frame_.at(0);
-    double reach = 0;
-    for (unsigned c = 0; c < K; ++c) {
-      const double step = p[c] - o[c];
-      share.volume = share.volume + n[c] * step;
-      reach = std::max(reach, std::fabs(step));
-    }
-    share.error *= reach;
-    for (unsigned c = 0; c < K; ++c) share.moment[c] = share.volume * r.sum[c];
-    if (r.thin || !(largest > 0x1p-400 && largest < 0x1p400)) {
-      plane_.write(r.vertex, n, reliable, out);
-      return share;
-    }
-    double offset = 0;
-    for (unsigned c = 0; c < K; ++c) {
-      out[c] = n[c] / share.area;
-      offset -= out[c] * p[c];
-    }
-    out[K] = scale_by(offset, frame_.exponent);
-    return share;
+    return facet_share(frame_, plane_, r.vertex, r.thin != 0, r.normal, r.sum,
+                       hull_.facet_planes.data() + i * (K + 1));
   }
 
   /// Runs that bucket borders cut, in order.
@@ -477,25 +426,8 @@ class Simplicial {
   }
 
   void finish() {
-    constexpr std::uint64_t runs_a_chunk = measure_chunk / measure_run;
-    const std::uint64_t runs = chunk_count(count_, measure_run);
-    std::vector<Totals<DoubleDouble>> parts(chunk_count(runs, runs_a_chunk),
-                                            Totals<DoubleDouble>(K));
-    for_each_chunk(runs, runs_a_chunk, threads_,
-                   [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                     Totals<DoubleDouble>& t = parts[chunk];
-                     for (std::uint64_t i = begin; i < end; ++i) {
-                       const Share<K>& run = runs_[i];
-                       t.volume = t.volume + DoubleDouble(run.volume);
-                       t.area = t.area + DoubleDouble(run.area);
-                       for (unsigned c = 0; c < K; ++c)
-                         t.moment[c] = t.moment[c] + DoubleDouble(run.moment[c]);
-                       t.error += run.error;
-                       t.area_error += run.area_error;
-                     }
-                   });
-    Totals<DoubleDouble> all(K);
-    for (const auto& p : parts) all.add(p);
+    const Totals<DoubleDouble> all =
+        total_of_runs(runs_.get(), chunk_count(count_, measure_run), threads_);
     if (settled(all, 0x1p-53)) return finish_measures(frame_, all, hull_);
     std::vector<std::uint32_t> index(count_ * K);
     for (std::size_t i = 0; i < index.size(); ++i)

@@ -93,6 +93,42 @@ TEST(Batch, any_scalar_and_layout) {
   }
 }
 
+/// Sets about as large as the batch's own engine takes, in and out of general position, of every
+/// magnitude, and in other layouts.
+TEST(Batch, small_sets_in_space_equal_one_call_each) {
+  Sets sets(3);
+  for (unsigned i = 0; i < 40; ++i)
+    for (const char* shape : {"ball", "sphere", "cube", "gauss"}) {
+      PointSet s = random_set(shape, i < 20 ? 4 + i : 110 + i, 3, i);
+      sets.add(s);
+      PointSet moved = s, again = s, thin = s, far = s;
+      for (std::size_t j = 0; j < s.coordinates.size(); ++j) {
+        moved.coordinates[j] = std::ldexp(s.coordinates[j], static_cast<int>(11 * i) - 200);
+        far.coordinates[j] += 1e9 * static_cast<double>(i % 3);
+        if (j % 3 == 2) thin.coordinates[j] *= 1e-13;
+        if (j % 21 > 17) again.coordinates[j] = s.coordinates[j % 21 - 18];
+      }
+      for (const PointSet& other : {moved, again, thin, far}) sets.add(other);
+    }
+  std::vector<double> columns(sets.coordinates.size());
+  std::vector<float> floats(sets.coordinates.begin(), sets.coordinates.end());
+  for (float& v : floats)
+    if (!std::isfinite(v)) v = 0;
+  const std::uint64_t n = sets.offsets.back();
+  for (std::size_t j = 0; j < columns.size(); ++j) columns[j % 3 * n + j / 3] = sets.coordinates[j];
+  const PointView views[] = {sets.view(), PointView::column_major(columns.data(), n, 3),
+                             PointView::row_major(floats.data(), n, 3)};
+  for (const PointView& view : views) {
+    const HullBatch batch = convex_hulls(view, sets.offsets.data(), sets.size());
+    for (std::size_t i = 0; i < sets.size(); ++i) {
+      PointView one = view;
+      one.count = sets.offsets[i + 1] - sets.offsets[i];
+      one.data += static_cast<std::ptrdiff_t>(sets.offsets[i]) * view.point_stride;
+      ASSERT_EQ(canonical_hash(batch.hull(i)), canonical_hash(convex_hull(one))) << "set " << i;
+    }
+  }
+}
+
 TEST(Batch, sets_may_leave_points_out_and_may_be_none) {
   const Sets sets = mixed(2);
   const std::uint64_t offsets[] = {7, 30, 30, 41};

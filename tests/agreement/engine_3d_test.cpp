@@ -105,6 +105,13 @@ TEST(Engine3D, SameForAnyThreadsAndCertified) {
   }
 }
 
+// A round in pieces, then one where all threads look for the few points that see the surface.
+TEST(Engine3D, ScreeningAfterPieces) {
+  const Rows rows = generate("cube-surface", 200000, 3);
+  const auto one = canonical_hash(hull_of(rows, 1));
+  for (const unsigned threads : {2U, 8U}) EXPECT_EQ(canonical_hash(hull_of(rows, threads)), one);
+}
+
 TEST(Engine3D, AgreesWithRationalArithmetic) {
   for (const Set& set : sets(160)) {
     SCOPED_TRACE(set.name);

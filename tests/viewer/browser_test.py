@@ -380,6 +380,41 @@ class Report(unittest.TestCase):
         self.assertLessEqual(browser.run("return document.documentElement.scrollWidth"), 390)
 
 
+    def test_rivals(self):
+        """What is marked on the page is what the JSON marks; on paper the numbers are unfolded."""
+        page, report = path("rivals.html"), path("rivals.json")
+        app("bench", "rivals", "--scale", "1", "--repeat", "1", "-q", "--report", page,
+            f"--json={report}", "--limit", "0.05", "--threads", "1", "--workload", "sphere-2d-300",
+            "--workload", "cube-surface-3d-2k", "--workload", "sphere-3d-100k")
+        with open(report) as file:
+            figures = json.load(file)["figures"]
+        browser.screen(1000, 900)
+        self.assertEqual(browser.open(page), [])
+        for figure in figures:
+            texts, cells = browser.run(
+                "const s = document.getElementById(arguments[0]);"
+                "return [[...s.querySelectorAll('svg text')].map(t => t.textContent),"
+                " [...s.querySelectorAll('td:last-child')].map(c => [c.textContent, c.className])]",
+                figure["id"])
+            for row, (check, marked) in zip(figure["rows"], cells, strict=True):
+                self.assertIn(row["check"], check)
+                self.assertEqual(marked == "differs", bool(row["slower"]) or not row["agrees"])
+                self.assertEqual(any(t.startswith(row["name"]) for t in texts), True)
+            stopped = sum(len(row["unfinished"]) for row in figure["rows"])
+            self.assertEqual(sum(t.startswith("> 50.0 ms") for t in texts), stopped)
+        opened = "return [...document.querySelectorAll('details')].map(d => d.open)"
+        browser.run("window.dispatchEvent(new Event('beforeprint'))")
+        self.assertEqual(browser.run(opened), [True] * len(figures))
+        browser.run("window.dispatchEvent(new Event('afterprint'))")
+        self.assertEqual(browser.run(opened), [False] * len(figures))
+        browser.doing(lambda: browser.screen(390, 844))
+        self.assertLessEqual(browser.run("return document.documentElement.scrollWidth"), 390)
+        wide = browser.run(
+            "return [...document.querySelectorAll('svg')].every(s => [...s.querySelectorAll('text')]"
+            ".every(t => t.getBoundingClientRect().right <= s.getBoundingClientRect().right))")
+        self.assertTrue(wide, "words run out of a chart")
+
+
 class Errors(unittest.TestCase):
     def refused(self, status, part, *arguments):
         ran = subprocess.run([APP, "view", *arguments], capture_output=True, text=True)

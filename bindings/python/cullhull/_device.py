@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from typing import Any
 
 from . import _core
@@ -30,10 +31,18 @@ def as_device_points(points: Any) -> _core.DevicePoints | None:
     return None
 
 
-def _from_interface(interface: dict[str, Any], owner: Any) -> _core.DevicePoints:
+def _from_interface(interface: Any, owner: Any) -> _core.DevicePoints:
+    """Checks what the producer says, because a wrong address cannot be checked later."""
+    if not isinstance(interface, dict):
+        raise TypeError(
+            f"__cuda_array_interface__ must be a dict, not {type(interface).__name__}"
+        )
+    for field in ("shape", "typestr", "data"):
+        if field not in interface:
+            raise InvalidArgument(f"__cuda_array_interface__ has no {field!r}")
     if interface.get("mask") is not None:
         raise InvalidArgument("`points` cannot be a masked array")
-    shape = interface["shape"]
+    shape = _integers(interface["shape"], "shape")
     if len(shape) != 2:
         raise InvalidArgument(f"`points` should be a 2D array, not {len(shape)}D")
     kind = interface["typestr"]
@@ -41,19 +50,36 @@ def _from_interface(interface: dict[str, Any], owner: Any) -> _core.DevicePoints
         raise TypeError(f"points on a device must be float32 or float64, not {kind!r}")
     size = int(kind[2])
     count, dimension = shape
-    strides = interface.get("strides") or (dimension * size, size)
+    if not (0 <= count < 2**63 and 0 <= dimension < 2**32):
+        raise InvalidArgument(f"`points` cannot have the shape {shape}")
+    strides = (dimension * size, size)
+    if interface.get("strides") is not None:
+        strides = _integers(interface["strides"], "strides")
+    if len(strides) != 2:
+        raise InvalidArgument(f"2 strides are needed, not {len(strides)}")
+    data = interface["data"]
+    if not isinstance(data, tuple) or len(data) != 2:
+        raise TypeError("data in __cuda_array_interface__ must be (address, read only)")
+    address = operator.index(data[0] or 0)
     # None: nothing to wait for. 1 and 2 name the legacy default stream and the thread's own.
-    stream = interface.get("stream") or 0
+    stream = operator.index(interface.get("stream") or 0)
+    if not (0 <= address < 2**64 and 0 <= stream < 2**64):
+        raise InvalidArgument("addresses and streams cannot be negative or beyond 64 bits")
+    if address == 0 and count * dimension > 0:
+        raise InvalidArgument("`points` is at address 0")
+    if any(v % size for v in (address, *strides)):
+        raise InvalidArgument(f"address and strides must be multiples of {size} bytes")
     return _core.DevicePoints.from_interface(
-        interface["data"][0] or 0,
-        count,
-        dimension,
-        strides[0],
-        strides[1],
-        kind == "<f8",
-        stream,
-        owner,
+        address, count, dimension, strides[0], strides[1], kind == "<f8", stream, owner
     )
+
+
+def _integers(values: Any, field: str) -> tuple[int, ...]:
+    if not isinstance(values, tuple):
+        raise TypeError(
+            f"{field} in __cuda_array_interface__ must be a tuple, not {type(values).__name__}"
+        )
+    return tuple(map(operator.index, values))
 
 
 def cuda_status() -> dict[str, Any]:

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstring>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -26,7 +27,7 @@ namespace {
 /// The batch and the coordinates of all its vertices.
 struct Batch {
   HullBatch hulls;
-  std::vector<double> vertex_rows;
+  cullhull::Array<double> vertex_rows;
 
   std::unique_ptr<Solid> at(std::size_t i) const {
     const auto row = [&](std::size_t set) {
@@ -34,6 +35,21 @@ struct Batch {
              static_cast<std::ptrdiff_t>(hulls.vertices.offsets[set] * hulls.dimension);
     };
     return std::make_unique<Solid>(hulls.hull(i), std::vector<double>(row(i), row(i + 1)));
+  }
+
+  void gather_vertices(const cullhull::PointView& points, const std::uint64_t* sets) {
+    const auto& ids = hulls.vertices;
+    vertex_rows.resize(ids.items.size() * points.dimension);
+    double* out = vertex_rows.data();
+    for (std::size_t set = 0; set < hulls.size(); ++set)
+      for (std::uint64_t i = ids.offsets[set]; i < ids.offsets[set + 1]; ++i)
+        for (std::uint32_t j = 0; j < points.dimension; ++j, ++out) {
+          const std::uint64_t point = sets[set] + ids.items[i];
+          if (points.scalar == cullhull::ScalarType::f64)
+            std::memcpy(out, points.address(point, j), sizeof *out);
+          else
+            *out = points.at(point, j);
+        }
   }
 };
 
@@ -65,12 +81,7 @@ std::unique_ptr<Batch> convex_hulls(nb::handle array, nb::handle offset_array,
   auto batch = std::make_unique<Batch>();
   run(settings, is_brief(points.view()), [&](const Options& options) {
     batch->hulls = cullhull::convex_hulls(points.view(), offsets.data(), sets, options);
-    const auto& ids = batch->hulls.vertices;
-    batch->vertex_rows.reserve(ids.items.size() * points.view().dimension);
-    for (std::uint64_t set = 0; set < sets; ++set)
-      for (std::uint64_t i = ids.offsets[set]; i < ids.offsets[set + 1]; ++i)
-        for (std::uint32_t j = 0; j < points.view().dimension; ++j)
-          batch->vertex_rows.push_back(points.view().at(offsets.data()[set] + ids.items[i], j));
+    batch->gather_vertices(points.view(), offsets.data());
   });
   return batch;
 }

@@ -125,7 +125,9 @@ class Device:
 @pytest.mark.skipif(cullhull.cuda_status()["available"], reason="there is a device")
 def test_device_arrays_without_a_device():
     assert cullhull.cuda_status()["reason"]
-    for points in (Device(), Dlpack(CUBE.astype(np.float32), device=(2, 0))):
+    strided = Device(strides=(-16, 4), stream=1, typestr="<f4")
+    empty = Device(shape=(0, 3), data=(0, True))
+    for points in (Device(), strided, empty, Dlpack(CUBE.astype(np.float32), device=(2, 0))):
         for function in (cullhull.convex_hull, cullhull.cull, cullhull.ConvexHull):
             with pytest.raises(cullhull.BackendUnavailable):
                 function(points)
@@ -139,10 +141,37 @@ def test_device_arrays_that_are_refused():
         ({"shape": (2, 2, 2)}, ValueError),
         ({"typestr": "<i4"}, TypeError),
         ({"typestr": ">f4"}, TypeError),
+        ({"typestr": 4}, TypeError),
         ({"mask": object()}, ValueError),
+        ({"shape": 8}, TypeError),
+        ({"shape": (8.0, 3)}, TypeError),
+        ({"shape": (-8, 3)}, ValueError),
+        ({"shape": (8, 2**40)}, ValueError),
+        ({"strides": (12,)}, ValueError),
+        ({"strides": [12, 4]}, TypeError),
+        ({"strides": (13, 4)}, ValueError),
+        ({"data": 1 << 20}, TypeError),
+        ({"data": ("here", True)}, TypeError),
+        ({"data": (0, True)}, ValueError),
+        ({"data": (None, True)}, ValueError),
+        ({"data": (-4096, True)}, ValueError),
+        ({"data": ((1 << 20) + 1, True)}, ValueError),
+        ({"stream": "default"}, TypeError),
+        ({"stream": -1}, ValueError),
     ):
-        with pytest.raises(error):
-            cullhull.convex_hull(Device(**changes))
+        for function in (cullhull.convex_hull, cullhull.cull):
+            with pytest.raises(error) as caught:
+                function(Device(**changes))
+            assert not isinstance(caught.value, cullhull.BackendUnavailable)
+    for missing in ("shape", "typestr", "data"):
+        points = Device()
+        del points.__cuda_array_interface__[missing]
+        with pytest.raises(ValueError, match=missing):
+            cullhull.convex_hull(points)
+    points = Device()
+    points.__cuda_array_interface__ = ["shape"]
+    with pytest.raises(TypeError, match="dict"):
+        cullhull.convex_hull(points)
     with pytest.raises(ValueError, match="certify"):
         cullhull.convex_hull(Device(), certify=True)
 

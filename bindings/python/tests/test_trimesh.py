@@ -25,8 +25,10 @@ def in_place(monkeypatch):
     monkeypatch.setattr(trimesh.convex, "QhullError", cullhull.QhullError)
 
 
-def test_trimeshs_own_convex_tests():
-    """Its test_convex.py, from its source archive, over the stand-in trimesh_generic/generic.py."""
+@pytest.mark.parametrize("name", ["test_convex.py", "test_nsphere.py", "test_poses.py"])
+def test_trimeshs_own_tests(name):
+    """Those of hulls and of what is made of them, whole files from trimesh's source archive, over
+    the stand-in trimesh_generic/generic.py: the archive has neither that module nor any mesh."""
     tests = os.environ.get("CULLHULL_TRIMESH_TESTS", "")
     if not tests:
         pytest.skip("CULLHULL_TRIMESH_TESTS does not name trimesh's tests folder")
@@ -34,7 +36,7 @@ def test_trimeshs_own_convex_tests():
     run = subprocess.run(
         [
             *(sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"),
-            *("--import-mode=importlib", "--rootdir", tests, str(Path(tests) / "test_convex.py")),
+            *("--import-mode=importlib", "--rootdir", tests, str(Path(tests) / name)),
         ],
         capture_output=True,
         text=True,

@@ -1,12 +1,14 @@
 """Stands in for trimesh's own tests/generic.py, which its source archive leaves out.
 
-trimesh's test_convex.py asks for meshes from files that are not distributed either; here each name
-stands for a mesh of the same kind. The hulls are computed by our class.
+trimesh's tests of hulls, bounds and stable poses ask for meshes from files that are not distributed
+either; here each name stands for a mesh of the same kind. The hulls are computed by our class.
 """
 
 # trimesh's tests use these names of this module.
+import contextlib
 import logging
 import platform  # noqa: F401
+import timeit  # noqa: F401
 import unittest  # noqa: F401
 
 import numpy as np
@@ -30,6 +32,7 @@ def _open_mesh():
 
 
 _MESHES = {
+    "large_block.STL": lambda: trimesh.creation.box(extents=[10, 7, 3]).subdivide(),
     "featuretype.STL": lambda: trimesh.creation.annulus(r_min=1, r_max=2, height=0.5),
     "quadknot.obj": lambda: trimesh.creation.torus(major_radius=3, minor_radius=1),
     "unit_cube.STL": lambda: trimesh.creation.box(),
@@ -55,12 +58,23 @@ def get_meshes(count):
     return [_MESHES[name]() for name in list(_MESHES)[:count]]
 
 
-def _transforms(count):
+def random(shape):
+    return np.random.default_rng(0).random(shape)
+
+
+@contextlib.contextmanager
+def RandomSeed(seed=0):
+    yield np.random.default_rng(seed)
+
+
+def random_transforms(count, translate=1000):
     rng = np.random.default_rng(0)
     for _ in range(count):
         matrix = trimesh.transformations.random_rotation_matrix(rng.random(3))
-        matrix[:3, 3] = (rng.random(3) - 0.5) * 1000
+        matrix[:3, 3] = (rng.random(3) - 0.5) * translate
         yield matrix
 
 
-transforms = list(_transforms(100))
+transforms = list(random_transforms(100))
+tol = trimesh.tol
+inv, det, qr = np.linalg.inv, np.linalg.det, np.linalg.qr

@@ -1,0 +1,15 @@
+// The fast path of a batch: small sets in general position go straight from points to the lists of
+// the batch.
+#pragma once
+
+#include "cullhull/batch.hpp"
+#include "cullhull/point_view.hpp"
+
+namespace cullhull::internal {
+
+/// Appends the hull of a small set of points in space to `to`: the same bits as convex_hull gives.
+/// False, with `to` as it was, for sets that are not small, not in general position (see
+/// small_hull_3d), not finite, or need more than doubles for a measure.
+bool append_small_3d(const PointView& set, HullBatch& to);
+
+}  // namespace cullhull::internal
