@@ -13,6 +13,7 @@
 #include "hull/polygon.hpp"
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/touch.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -144,6 +145,7 @@ class Buckets {
       for (std::uint64_t c = 0; c < chunks; ++c) sum += std::exchange(next[c * buckets + b], sum);
     }
     start_[buckets] = sum;
+    touch_pages(entries_.get(), n * sizeof(Entry), threads, [&] { control.check(); });
     for_each_chunk(n, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       control.check();
       std::uint32_t* const at = next.data() + c * buckets;
