@@ -5,6 +5,7 @@
 // performs the same IEEE operations per point, so all of them keep the same points. Products are
 // fused only where the product is exact.
 
+#include "cull/gauge_levels.hpp"
 #include "cull/gauge_table.hpp"
 
 // Vectors are kept in arrays below, which sizeless types do not allow: NEON serves those machines.
@@ -71,12 +72,21 @@ HWY_INLINE void sort_descending(VF (&key)[K], VI (&payload)[K]) {
   }
 }
 
-/// The bound of g(y) that the map gives; NaN or infinity where a coordinate is.
+/// Where the ray from the centre through y meets the cube.
 template <unsigned D>
-HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, const VF (&y)[D]) {
+struct Direction {
+  VF norm;          // |y|_inf
+  VF inverse;       // of it, finite
+  VF face;          // number of the cube's face, an integer
+  VF other[D - 1];  // coordinates on that face's grid axes, times norm
+};
+
+template <unsigned D>
+HWY_INLINE Direction<D> direction_of(const VF (&y)[D]) {
   const F f;
   const I i;
   const U u;
+  Direction<D> out;
 
   // Dominant axis. As integers the absolute values are ordered as the floats are, and an infinity
   // or a NaN exceeds every number, so neither is lost in the maximum.
@@ -85,31 +95,41 @@ HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, 
   for (unsigned k = 1; k < D; ++k)
     prefix[k] = hn::Max(prefix[k - 1], hn::BitCast(i, hn::Abs(y[k])));
   const VI top = prefix[D - 1];
-  const VF norm = hn::BitCast(f, top);
+  out.norm = hn::BitCast(f, top);
 
   // With the first dominant axis j: grid axis k is axis k below j, k + 1 from j on.
-  VF other[D - 1];
   VF dominant = y[D - 1];
   VI axis = hn::Set(i, static_cast<std::int32_t>(D - 1));
   for (unsigned k = D - 1; k-- > 0;) {
     const auto reached = hn::Eq(prefix[k], top);
     const MF at_or_after = hn::RebindMask(f, reached);
-    other[k] = hn::IfThenElse(at_or_after, y[k + 1], y[k]);
+    out.other[k] = hn::IfThenElse(at_or_after, y[k + 1], y[k]);
     dominant = hn::IfThenElse(at_or_after, y[k], dominant);
     axis = hn::Add(axis, hn::VecFromMask(i, reached));  // -1 where reached
   }
   const VI negative = hn::BitCast(i, hn::ShiftRight<31>(hn::BitCast(u, dominant)));
-  const VF face = hn::ConvertTo(f, hn::Add(hn::Add(axis, axis), negative));
+  out.face = hn::ConvertTo(f, hn::Add(hn::Add(axis, axis), negative));
+  out.inverse = hn::Div(hn::Set(f, 1.0F), hn::Max(out.norm, hn::Set(f, tiny)));
+  return out;
+}
+
+/// The bound of g(y) that the map gives; NaN or infinity where a coordinate is.
+template <unsigned D>
+HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, const VF (&y)[D]) {
+  const F f;
+  const I i;
+  const U u;
+  const Direction<D> direction = direction_of<D>(y);
 
   // Cell and fractions. half_cells is shrunk so that 0 <= place < cells for every finite point.
-  const VF inverse = hn::Div(hn::Set(f, 1.0F), hn::Max(norm, hn::Set(f, tiny)));
   const VF half_cells = hn::Set(f, t.half_cells);
   const VF middle = hn::Set(f, t.middle);
   VF fraction[D - 1];
   VI step[D - 1];
-  VF corner = hn::MulAdd(face, hn::Set(f, t.face_stride), hn::Set(f, integer_shift));
+  VF corner = hn::MulAdd(direction.face, hn::Set(f, t.face_stride), hn::Set(f, integer_shift));
   for (unsigned k = 0; k < D - 1; ++k) {
-    const VF place = hn::Add(hn::Mul(hn::Mul(other[k], inverse), half_cells), middle);
+    const VF place =
+        hn::Add(hn::Mul(hn::Mul(direction.other[k], direction.inverse), half_cells), middle);
     const VF cell = hn::Floor(place);
     fraction[k] = hn::Sub(place, cell);
     corner = hn::MulAdd(cell, hn::Set(f, t.stride[k]), corner);  // integers: exact
@@ -129,7 +149,31 @@ HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, 
         k + 1 < D - 1 ? hn::Sub(fraction[k], fraction[k + 1 < D - 1 ? k + 1 : k]) : fraction[k];
     sum = hn::Add(sum, hn::Mul(weight, hn::GatherIndex(f, nodes, node)));
   }
-  return hn::Mul(norm, sum);
+  return hn::Mul(direction.norm, sum);
+}
+
+/// Whether the levels tell that the map drops y: false where a coordinate is no number.
+HWY_INLINE MF below_level(const GaugeLevels& l, const VF (&y)[3]) {
+  const F f;
+  const I i;
+  const U u;
+  const Direction<3> direction = direction_of<3>(y);
+  const VF half_cells = hn::Set(f, l.half_cells), middle = hn::Set(f, l.middle);
+  const auto cell = [&](unsigned k) HWY_ATTR {
+    return hn::Floor(
+        hn::Add(hn::Mul(hn::Mul(direction.other[k], direction.inverse), half_cells), middle));
+  };
+  // Integers below 2^23: exact.
+  const VF number = hn::MulAdd(direction.face, hn::Set(f, l.face_stride),
+                               hn::MulAdd(cell(1), hn::Set(f, static_cast<float>(l.cells)),
+                                          hn::Add(cell(0), hn::Set(f, integer_shift))));
+  const VU place =
+      hn::Min(hn::Sub(hn::BitCast(u, number), hn::Set(u, integer_shift_bits)), hn::Set(u, l.last));
+  const VU word = hn::GatherIndex(u, l.packed.data(), hn::BitCast(i, hn::ShiftRight<2>(place)));
+  const VU shift = hn::ShiftLeft<3>(hn::And(place, hn::Set(u, 3)));
+  const VU level = hn::And(hn::Shr(word, shift), hn::Set(u, 255));
+  return hn::Lt(direction.norm,
+                hn::Mul(hn::ConvertTo(f, hn::BitCast(i, level)), hn::Set(f, l.unit)));
 }
 
 /// Bit k of the little-endian words: point k survives.
@@ -184,6 +228,66 @@ HWY_INLINE std::size_t test_block(const GaugeTable& t, std::uint32_t first, std:
   }
   return bits.list(first, count, ids);
 }
+
+/// The levels first, then the map for the points they leave: the same survivors. `value(k, j)`:
+/// coordinate j of point k. Counts the points that were left.
+template <class Load, class Value>
+HWY_INLINE std::size_t test_block_by_levels(const GaugeTable& t, const GaugeLevels& levels,
+                                            std::uint32_t first, std::uint32_t count,
+                                            std::uint32_t* HWY_RESTRICT ids, const Load& load,
+                                            const Value& value, std::uint32_t& left) {
+  const auto lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
+  SurvivorBits bits;
+  for (std::uint32_t k = 0; k < count; k += lanes) {
+    VF y[3];
+    load(k, y);
+    bits.store(k, hn::Not(below_level(levels, y)));
+  }
+  std::uint32_t open[block_size];
+  left = static_cast<std::uint32_t>(bits.list(0, count, open));
+  if (left == 0) return 0;
+  constexpr std::size_t row = block_size + hn::MaxLanes(F());
+  HWY_ALIGN float columns[3 * row];
+  for (unsigned j = 0; j < 3; ++j) {
+    for (std::uint32_t k = 0; k < left; ++k) columns[j * row + k] = value(open[k], j);
+    std::fill_n(columns + j * row + left, lanes, 0.0F);
+  }
+  std::uint32_t kept[block_size];
+  const std::size_t n = test_block<3>(t, 0, left, kept, [&](std::uint32_t k, VF(&y)[3]) HWY_ATTR {
+    for (unsigned j = 0; j < 3; ++j) y[j] = hn::LoadU(F(), columns + j * row + k);
+  });
+  for (std::size_t k = 0; k < n; ++k) ids[k] = first + open[kept[k]];
+  return n;
+}
+
+/// Blocks of one call: by levels where those drop most points, else without.
+template <unsigned D>
+class Blocks {
+ public:
+  Blocks(const GaugeTable& t, const GaugeLevels* levels) : table_(t), levels_(levels) {}
+
+  template <class Load, class Value>
+  HWY_INLINE std::size_t test(std::uint32_t first, std::uint32_t count,
+                              std::uint32_t* HWY_RESTRICT ids, const Load& load,
+                              const Value& value) {
+    if constexpr (D == 3) {
+      if (levels_ != nullptr && skip_ == 0) {
+        std::uint32_t left = 0;
+        const std::size_t n =
+            test_block_by_levels(table_, *levels_, first, count, ids, load, value, left);
+        if (left > count / 4) skip_ = 15;
+        return n;
+      }
+      skip_ -= skip_ > 0;
+    }
+    return test_block<D>(table_, first, count, ids, load);
+  }
+
+ private:
+  const GaugeTable& table_;
+  const GaugeLevels* levels_;
+  unsigned skip_ = 0;
+};
 
 // ---------------------------------------------------------------- packed rows of f32 or f64
 
@@ -251,21 +355,27 @@ HWY_INLINE void load_rows(const float* HWY_RESTRICT rows, VF (&y)[D]) {
 }
 
 template <unsigned D, class T>
-std::size_t survivors_rows(const GaugeTable& t, const T* data, const T* scale, const T* offset,
-                           std::uint32_t count, std::uint32_t* ids) {
+std::size_t survivors_rows(const GaugeTable& t, const GaugeLevels* levels, const T* data,
+                           const T* scale, const T* offset, std::uint32_t count,
+                           std::uint32_t* ids) {
   const RowPattern<D, T> pattern(scale, offset);
+  Blocks<D> blocks(t, levels);
   HWY_ALIGN float rows[(block_size + hn::MaxLanes(F())) * D];
   std::size_t kept = 0;
   for (std::uint32_t b = 0; b < count; b += block_size) {
     const std::uint32_t n = std::min(block_size, count - b);
     convert_rows<D, T>(pattern, data + std::size_t{b} * D, n, rows);
-    // Converting a block reads memory, testing it does not: fetch the next block meanwhile.
-    const T* next = data + std::size_t{b + n} * D;
-    kept += test_block<D>(t, b, n, ids + kept, [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
-      for (std::size_t e = 0; e < D * hn::Lanes(F()); e += 64 / sizeof(T))
-        hwy::Prefetch(next + std::size_t{k} * D + e);
-      load_rows<D>(rows + std::size_t{k} * D, y);
-    });
+    // Converting a block reads memory, testing it does not: fetch the block after the next
+    // meanwhile, as the next one could not all come in time.
+    const T* next = data + std::size_t{b + n + block_size} * D;
+    kept += blocks.test(
+        b, n, ids + kept,
+        [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
+          for (std::size_t e = 0; e < D * hn::Lanes(F()); e += 64 / sizeof(T))
+            hwy::Prefetch(next + std::size_t{k} * D + e);
+          load_rows<D>(rows + std::size_t{k} * D, y);
+        },
+        [&](std::uint32_t k, unsigned j) { return rows[std::size_t{k} * D + j]; });
   }
   return kept;
 }
@@ -318,8 +428,9 @@ void convert_axis(const GaugeTable& t, const PointView& v, std::uint64_t first, 
 }
 
 template <unsigned D>
-std::size_t survivors_any(const GaugeTable& t, const PointView& v, std::uint64_t begin,
-                          std::uint32_t count, std::uint32_t* ids) {
+std::size_t survivors_any(const GaugeTable& t, const GaugeLevels* levels, const PointView& v,
+                          std::uint64_t begin, std::uint32_t count, std::uint32_t* ids) {
+  Blocks<D> blocks(t, levels);
   constexpr std::size_t row = block_size + hn::MaxLanes(F());
   HWY_ALIGN float columns[D * row];
   std::size_t kept = 0;
@@ -330,44 +441,47 @@ std::size_t survivors_any(const GaugeTable& t, const PointView& v, std::uint64_t
       convert_axis(t, v, begin + b, n, k, column);
       std::fill(column + n, column + n + hn::Lanes(F()), 0.0F);
     }
-    kept += test_block<D>(t, b, n, ids + kept, [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
-      for (unsigned j = 0; j < D; ++j) y[j] = hn::LoadU(F(), columns + j * row + k);
-    });
+    kept += blocks.test(
+        b, n, ids + kept,
+        [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
+          for (unsigned j = 0; j < D; ++j) y[j] = hn::LoadU(F(), columns + j * row + k);
+        },
+        [&](std::uint32_t k, unsigned j) { return columns[j * row + k]; });
   }
   return kept;
 }
 
 template <unsigned D>
-std::size_t survivors_in(const GaugeTable& t, const PointView& v, std::uint64_t begin,
-                         std::uint32_t count, std::uint32_t* ids) {
+std::size_t survivors_in(const GaugeTable& t, const GaugeLevels* levels, const PointView& v,
+                         std::uint64_t begin, std::uint32_t count, std::uint32_t* ids) {
   const std::byte* p = v.address(begin, 0);
   const auto aligned = [&](std::size_t a) { return reinterpret_cast<std::uintptr_t>(p) % a == 0; };
   if (v.packed_rows() && v.scalar == ScalarType::f64 && aligned(alignof(double)))
-    return survivors_rows<D, double>(t, reinterpret_cast<const double*>(p), t.scale, t.offset,
-                                     count, ids);
+    return survivors_rows<D, double>(t, levels, reinterpret_cast<const double*>(p), t.scale,
+                                     t.offset, count, ids);
   if (v.packed_rows() && v.scalar == ScalarType::f32 && aligned(alignof(float)) &&
       t.single_precision)
-    return survivors_rows<D, float>(t, reinterpret_cast<const float*>(p), t.scale_f32, t.offset_f32,
-                                    count, ids);
-  return survivors_any<D>(t, v, begin, count, ids);
+    return survivors_rows<D, float>(t, levels, reinterpret_cast<const float*>(p), t.scale_f32,
+                                    t.offset_f32, count, ids);
+  return survivors_any<D>(t, levels, v, begin, count, ids);
 }
 
 }  // namespace
 
-std::size_t survivors(const GaugeTable& t, const PointView& v, std::uint64_t begin,
-                      std::uint64_t end, std::uint32_t* ids) {
+std::size_t survivors(const GaugeTable& t, const GaugeLevels* levels, const PointView& v,
+                      std::uint64_t begin, std::uint64_t end, std::uint32_t* ids) {
   const auto count = static_cast<std::uint32_t>(end - begin);
   switch (t.dimension) {
     case 2:
-      return survivors_in<2>(t, v, begin, count, ids);
+      return survivors_in<2>(t, levels, v, begin, count, ids);
     case 3:
-      return survivors_in<3>(t, v, begin, count, ids);
+      return survivors_in<3>(t, levels, v, begin, count, ids);
     case 4:
-      return survivors_in<4>(t, v, begin, count, ids);
+      return survivors_in<4>(t, levels, v, begin, count, ids);
     case 5:
-      return survivors_in<5>(t, v, begin, count, ids);
+      return survivors_in<5>(t, levels, v, begin, count, ids);
     default:
-      return survivors_in<6>(t, v, begin, count, ids);
+      return survivors_in<6>(t, levels, v, begin, count, ids);
   }
 }
 
@@ -380,8 +494,8 @@ namespace cullhull::internal {
 HWY_EXPORT(survivors);
 
 std::size_t gauge_survivors(const GaugeTable& table, const PointView& points, std::uint64_t begin,
-                            std::uint64_t end, std::uint32_t* ids) {
-  return HWY_DYNAMIC_DISPATCH(survivors)(table, points, begin, end, ids);
+                            std::uint64_t end, std::uint32_t* ids, const GaugeLevels* levels) {
+  return HWY_DYNAMIC_DISPATCH(survivors)(table, levels, points, begin, end, ids);
 }
 
 }  // namespace cullhull::internal

@@ -6,6 +6,7 @@
 #include <sys/mman.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <new>
@@ -33,8 +34,10 @@ class RawArray {
   /// Room for at least n items; new ones are undefined. Throws std::bad_alloc.
   void reserve(std::size_t n) {
     if (n <= capacity()) return;
-    if (n > (~std::size_t{0} - page) / sizeof(T)) throw std::bad_alloc();
-    const std::size_t bytes = (n * sizeof(T) + page - 1) / page * page;
+    if (n > (~std::size_t{0} - 2 * huge_page) / sizeof(T)) throw std::bad_alloc();
+    const std::size_t least = n * sizeof(T);
+    const std::size_t unit = least >= huge_page ? huge_page : page;
+    const std::size_t bytes = (least + unit - 1) / unit * unit;
     void* p = mapped(bytes_) ? remap(bytes) : move_to(bytes);
     data_ = static_cast<T*>(p);
     bytes_ = bytes;
@@ -66,17 +69,32 @@ class RawArray {
   }
 
 #ifdef __linux__
-  static void* checked(void* p, std::size_t bytes) {
+  static void* checked(void* p) {
     if (p == MAP_FAILED) throw std::bad_alloc();
-    if (bytes >= huge_page) madvise(p, bytes, MADV_HUGEPAGE);  // a wish: failure costs speed only
     return p;
   }
+  /// Huge pages begin at multiples of their size: from a larger range, both ends are cut off.
   static void* allocate_pages(std::size_t bytes) {
-    return checked(mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0),
-                   bytes);
+    constexpr int protection = PROT_READ | PROT_WRITE, flags = MAP_PRIVATE | MAP_ANONYMOUS;
+    if (bytes < huge_page) return checked(mmap(nullptr, bytes, protection, flags, -1, 0));
+    auto* p = static_cast<std::byte*>(
+        checked(mmap(nullptr, bytes + huge_page, protection, flags, -1, 0)));
+    const std::size_t before = -reinterpret_cast<std::uintptr_t>(p) % huge_page;
+    if (before > 0) munmap(p, before);
+    if (before < huge_page) munmap(p + before + bytes, huge_page - before);
+    madvise(p + before, bytes, MADV_HUGEPAGE);  // a wish: failure costs speed only
+    return p + before;
   }
+  /// To an address that is as good for huge pages: those that there are move as a whole.
   void* remap(std::size_t bytes) {
-    return checked(mremap(data_, bytes_, bytes, MREMAP_MAYMOVE), bytes);
+    void* to = allocate_pages(bytes);
+    void* p = mremap(data_, bytes_, bytes, MREMAP_MAYMOVE | MREMAP_FIXED, to);
+    if (p == MAP_FAILED) {
+      munmap(to, bytes);
+      throw std::bad_alloc();
+    }
+    if (bytes >= huge_page) madvise(p, bytes, MADV_HUGEPAGE);
+    return p;
   }
 #else
   static void* allocate_pages(std::size_t) { return nullptr; }

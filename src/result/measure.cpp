@@ -92,14 +92,20 @@ class Measurer {
     if (!fused_) planes();
   }
 
+  /// Where the planes are there and the sums are known to need more than doubles.
+  void run_thin() { sum_carefully(); }
+
  private:
   void sum() {
     if (frame_.wild) return sum_exactly();
-    Totals<DoubleDouble> t = totals<double>();
-    if (!settled(t, 0x1p-53)) {
-      t = totals<DoubleDouble>();
-      if (!settled(t, 0x1p-102)) return sum_exactly();
-    }
+    const Totals<DoubleDouble> t = totals<double>();
+    if (!settled(t, 0x1p-53)) return sum_carefully();
+    finish_measures(frame_, t, hull_);
+  }
+
+  void sum_carefully() {
+    const Totals<DoubleDouble> t = totals<DoubleDouble>();
+    if (!settled(t, 0x1p-102)) return sum_exactly();
     finish_measures(frame_, t, hull_);
   }
 
@@ -326,9 +332,9 @@ class Measurer {
 
 template <unsigned K>
 void measure_all(const Frame& frame, const std::vector<std::uint32_t>& index, unsigned threads,
-                 const Control& control, Hull& hull) {
+                 const Control& control, Hull& hull, bool thin) {
   Measurer<K> m(frame, index, threads, control, hull);
-  m.run();
+  thin ? m.run_thin() : m.run();
 }
 
 /// k = 1: the two simplices are the ends, which no orientation tells apart.
@@ -434,6 +440,20 @@ void finish_measures(const Frame& frame, const Totals<DoubleDouble>& sums, Hull&
   finish_measures(frame, volume, widened(sums.area) * frame.stretch, moment, frame.exponent, hull);
 }
 
+namespace {
+
+void measure_in_frame(const Frame& frame, const std::vector<std::uint32_t>& vertex_index,
+                      unsigned threads, const Control& control, Hull& hull, bool thin) {
+  using Run = void (*)(const Frame&, const std::vector<std::uint32_t>&, unsigned, const Control&,
+                       Hull&, bool);
+  static constexpr Run runs[] = {measure_all<0>, measure_all<0>, measure_all<2>,
+                                 measure_all<3>, measure_all<4>, measure_all<5>,
+                                 measure_all<6>, measure_all<7>, measure_all<8>};
+  runs[frame.k <= 8 ? frame.k : 0](frame, vertex_index, threads, control, hull, thin);
+}
+
+}  // namespace
+
 void measure(const PointView& points, const std::vector<std::uint64_t>& vertices,
              const std::vector<std::uint32_t>& vertex_index, const unsigned* axes, unsigned threads,
              const Control& control, Hull& hull) {
@@ -441,15 +461,19 @@ void measure(const PointView& points, const std::vector<std::uint64_t>& vertices
   hull.facet_planes.clear();
   hull.centroid.clear();
   const Frame frame = make_frame(points, vertices, axes, k, threads);
-  using Run =
-      void (*)(const Frame&, const std::vector<std::uint32_t>&, unsigned, const Control&, Hull&);
-  static constexpr Run runs[] = {measure_all<0>, measure_all<0>, measure_all<2>,
-                                 measure_all<3>, measure_all<4>, measure_all<5>,
-                                 measure_all<6>, measure_all<7>, measure_all<8>};
   if (k == 1)
     measure_segment(frame, vertex_index, hull);
   else
-    runs[k <= 8 ? k : 0](frame, vertex_index, threads, control, hull);
+    measure_in_frame(frame, vertex_index, threads, control, hull, false);
+}
+
+void measure_thin(const PointView& points, const std::vector<std::uint64_t>& vertices,
+                  const std::vector<std::uint32_t>& vertex_index, const unsigned* axes,
+                  unsigned threads, const Control& control, Hull& hull) {
+  hull.centroid.clear();
+  const auto k = static_cast<unsigned>(hull.affine_dimension);
+  const Frame frame = make_frame(points, vertices, axes, k, threads);
+  measure_in_frame(frame, vertex_index, threads, control, hull, true);
 }
 
 }  // namespace cullhull::internal

@@ -14,4 +14,10 @@ void measure(const PointView& points, const std::vector<std::uint64_t>& vertices
              const std::vector<std::uint32_t>& vertex_index, const unsigned* axes, unsigned threads,
              const Control& control, Hull& hull);
 
+/// The sums alone, of a simplicial hull whose planes are there and for which sums in doubles have
+/// been found wanting: it is thin.
+void measure_thin(const PointView& points, const std::vector<std::uint64_t>& vertices,
+                  const std::vector<std::uint32_t>& vertex_index, const unsigned* axes,
+                  unsigned threads, const Control& control, Hull& hull);
+
 }  // namespace cullhull::internal

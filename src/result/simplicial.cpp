@@ -429,12 +429,22 @@ class Simplicial {
     const Totals<DoubleDouble> all =
         total_of_runs(runs_.get(), chunk_count(count_, measure_run), threads_);
     if (settled(all, 0x1p-53)) return finish_measures(frame_, all, hull_);
-    std::vector<std::uint32_t> index(count_ * K);
-    for (std::size_t i = 0; i < index.size(); ++i)
-      index[i] = static_cast<std::uint32_t>(
-          std::lower_bound(vertices_.ids.begin(), vertices_.ids.end(), hull_.simplices[i]) -
-          vertices_.ids.begin());
-    measure(*input_.view, vertices_.ids, index, input_.axes, threads_, control_, hull_);
+    std::vector<std::uint32_t> index;
+    resize_big(index, count_ * K);
+    for_each_chunk(index.size(), simplex_chunk, threads_,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     control_.check();
+                     for (std::uint64_t i = begin; i < end; ++i)
+                       index[i] = place_of(hull_.simplices[i]);
+                   });
+    measure_thin(*input_.view, vertices_.ids, index, input_.axes, threads_, control_, hull_);
+  }
+
+  /// Of a vertex among the vertices.
+  std::uint32_t place_of(std::uint64_t id) const {
+    if (input_.ids == nullptr) return vertices_.position(static_cast<std::uint32_t>(id));
+    return static_cast<std::uint32_t>(
+        std::lower_bound(vertices_.ids.begin(), vertices_.ids.end(), id) - vertices_.ids.begin());
   }
 
   static constexpr std::uint64_t max_buckets = 2048;

@@ -1,0 +1,29 @@
+// A coarse, quick test before the GaugeMap's own in 3D: one look-up a point instead of three.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "cull/gauge_table.hpp"
+
+namespace cullhull::internal {
+
+/// Each cell of the map's faces, or each of s x s parts of it, has one level: points of that cone
+/// with |y|_inf below it are points that the map drops. Bytes, in units of the highest level:
+/// 6 cells^2 of them, face by face, grid axis 0 fastest.
+struct GaugeLevels {
+  std::uint32_t cells = 0;  ///< along an edge of a face
+  float half_cells = 0;     ///< cells / 2, shrunk as the map's own is
+  float middle = 0;         ///< cells / 2
+  float face_stride = 0;    ///< cells^2
+  std::uint32_t last = 0;   ///< cell
+  float unit = 0;
+  std::vector<std::uint32_t> packed;  ///< four to a word, the first lowest
+};
+
+/// Of a map of dimension 3 that is not too fine, else none. docs/exactness.md, G8, proves that the
+/// map drops what the levels drop.
+std::optional<GaugeLevels> make_levels(const GaugeTable& table);
+
+}  // namespace cullhull::internal
