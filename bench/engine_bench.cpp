@@ -8,21 +8,18 @@
 // prints a hash of it.
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
-#include <functional>
-#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "cullhull/certify.hpp"
-#include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
+#include "families.hpp"
 #include "hull/engine.hpp"
 #include "points/local_frame.hpp"
 
@@ -31,103 +28,12 @@ namespace {
 
 using Rows = std::vector<double>;
 
-void turn(Rows& rows) {  // an orthogonal matrix but for rounding
-  const double a = 0.7, b = 1.1;
-  for (std::size_t i = 0; i + 2 < rows.size(); i += 3) {
-    double* p = rows.data() + i;
-    const double x = std::cos(a) * p[0] - std::sin(a) * p[1];
-    const double y = std::sin(a) * p[0] + std::cos(a) * p[1];
-    p[0] = x;
-    p[1] = std::cos(b) * y - std::sin(b) * p[2];
-    p[2] = std::sin(b) * y + std::cos(b) * p[2];
-  }
-}
-
-Rows squashed(std::uint64_t n) {
-  Rows rows = generate("sphere", n, 3);
-  for (std::size_t i = 2; i < rows.size(); i += 3) rows[i] *= 1e-9;
-  return rows;
-}
-
-/// The surface of a grid of the cube with about n points.
-Rows lattice_surface(std::uint64_t n) {
-  const auto k = static_cast<int>(std::sqrt(static_cast<double>(n) / 6));
-  Rows rows;
-  for (int x = 0; x <= k; ++x)
-    for (int y = 0; y <= k; ++y)
-      for (int z = 0; z <= k; z += (x == 0 || y == 0 || x == k || y == k) ? 1 : k)
-        rows.insert(rows.end(), {double(x) / k - 0.5, double(y) / k - 0.5, double(z) / k - 0.5});
-  return rows;
-}
-
-Rows two_circles(std::uint64_t n) {
-  Rows rows = generate("sphere", n, 2, 7), out;
-  for (std::size_t i = 0; i < n; ++i)
-    out.insert(out.end(), {rows[2 * i], rows[2 * i + 1], i % 2 == 0 ? -1.0 : 1.0});
-  return out;
-}
-
-Rows cospherical_integers() {
-  Rows rows;
-  constexpr int square = 5 * 5 * 13 * 13 * 17 * 17 * 29;
-  for (int x = 0; x * x <= square; ++x)
-    for (int y = 0; x * x + y * y <= square; ++y) {
-      const int rest = square - x * x - y * y;
-      const int z = static_cast<int>(std::lround(std::sqrt(rest)));
-      if (z * z != rest) continue;
-      for (int s = 0; s < 8; ++s)
-        rows.insert(rows.end(),
-                    {double(s & 1 ? -x : x), double(s & 2 ? -y : y), double(s & 4 ? -z : z)});
-    }
-  return rows;
-}
-
-Rows copies(Rows rows, unsigned times) {
-  const std::size_t size = rows.size();
-  for (unsigned k = 1; k < times; ++k)
-    for (std::size_t i = 0; i < size; ++i) rows.push_back(rows[i]);
-  return rows;
-}
-
-Rows turned(Rows rows) {
-  turn(rows);
-  return rows;
-}
-
-/// A plane turned in space: as thick as the rounding.
-Rows thin_plane(std::uint64_t n) {
-  Rows rows = generate("cube", n, 3, 3);
-  for (std::size_t i = 2; i < rows.size(); i += 3) rows[i] = 0;
-  turn(rows);
-  return rows;
-}
-
-using Maker = std::function<Rows(std::uint64_t)>;
-const std::map<std::string, Maker, std::less<>>& workloads() {
-  static const std::map<std::string, Maker, std::less<>> table = {
-      {"sphere", [](auto n) { return generate("sphere", n, 3); }},
-      {"cylinder", [](auto n) { return generate("cylinder", n, 3); }},
-      {"turned-cylinder", [](auto n) { return turned(generate("cylinder", n, 3)); }},
-      {"cone", [](auto n) { return generate("cone", n, 3); }},
-      {"lattice-surface", lattice_surface},
-      {"turned-lattice-surface", [](auto n) { return turned(lattice_surface(n)); }},
-      {"two-circles", two_circles},
-      {"turned-two-circles", [](auto n) { return turned(two_circles(n)); }},
-      {"squashed", squashed},
-      {"turned-squashed", [](auto n) { return turned(squashed(n)); }},
-      {"thin-plane", thin_plane},
-      {"grid", [](auto n) { return generate("grid", n, 3); }},
-      {"grid-wide", [](auto n) { return generate("grid:1048576", n, 3); }},
-      {"cospherical", [](auto) { return cospherical_integers(); }},
-      {"duplicates", [](auto n) { return copies(generate("sphere", n / 8, 3), 8); }},
-      {"cube-surface", [](auto n) { return generate("cube-surface", n, 3); }},
-      {"turned-cube-surface", [](auto n) { return turned(generate("cube-surface", n, 3)); }},
-      {"ball", [](auto n) { return generate("ball", n, 3); }},
-      {"gauss", [](auto n) { return generate("gauss", n, 3); }},
-      {"bumpy", [](auto n) { return generate("bumpy", n, 3); }},
-      {"cyclic", [](auto n) { return generate("cyclic", std::min<std::uint64_t>(n, 60000), 3); }},
-  };
-  return table;
+/// Shapes of `cullhull generate` that are worth a look, and the hard families.
+std::vector<std::string> all_workloads() {
+  std::vector<std::string> names{"ball",     "bumpy", "cone", "cube-surface", "cyclic",
+                                 "cylinder", "gauss", "grid", "grid:1048576", "sphere"};
+  for (const Shape& family : bench::hard_families()) names.emplace_back(family.name);
+  return names;
 }
 
 double now() {
@@ -208,19 +114,19 @@ int run(int argc, char** argv) {
         threads.push_back(static_cast<unsigned>(std::strtoul(at, &at, 10)));
         at += *at == ',';
       }
-    } else if (workloads().count(a) != 0) {
+    } else if (bench::is_family(a, 3)) {
       names.emplace_back(a);
     } else {
       std::fprintf(stderr, "engine_bench: no workload '%s'; there are:", argv[i]);
-      for (const auto& w : workloads()) std::fprintf(stderr, " %s", w.first.c_str());
+      for (const std::string& name : all_workloads()) std::fprintf(stderr, " %s", name.c_str());
       std::fprintf(stderr, "\n");
       return 2;
     }
   }
-  if (names.empty())
-    for (const auto& w : workloads()) names.push_back(w.first);
+  if (names.empty()) names = all_workloads();
   for (const std::string& name : names) {
-    const Rows rows = workloads().find(name)->second(n);
+    const Rows rows =
+        bench::make_family(name, name == "cyclic" ? std::min<std::uint64_t>(n, 60000) : n, 3);
     for (const unsigned t : threads)
       certify_them ? certified(name, rows, t) : engine_alone(name, rows, t, repeat);
   }

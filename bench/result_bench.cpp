@@ -2,22 +2,21 @@
 //
 //   bench/result_bench [repeats] [shape dimension count]...
 //
-// Shapes: sphere, ball. Prints the best time of build_hull in ms with one and two threads, the
-// least CPU time, the time by phase for the best run, nanoseconds per facet, bytes of the result
-// per facet and a hash of it.
+// Shapes: those of generate(). Prints the best time of build_hull in ms with one and two threads,
+// the least CPU time, the time by phase for the best run, nanoseconds per facet, bytes of the
+// result per facet and a hash of it.
 #include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "cullhull/certify.hpp"
+#include "cullhull/generate.hpp"
 #include "cullhull/options.hpp"
 #include "hull/engine.hpp"
 #include "parallel/parallel.hpp"
@@ -42,23 +41,6 @@ std::pair<double, double> cpu() {
     return 1e3 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_usec);
   };
   return {ms(r.ru_utime), ms(r.ru_stime)};
-}
-
-std::vector<double> make_points(bool surface, unsigned d, std::uint64_t n) {
-  std::mt19937_64 random(d);
-  std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> unit(0, 1);
-  std::vector<double> rows(n * d);
-  for (std::uint64_t i = 0; i < n; ++i) {
-    double square = 0;
-    for (unsigned j = 0; j < d; ++j) {
-      rows[i * d + j] = normal(random);
-      square += rows[i * d + j] * rows[i * d + j];
-    }
-    const double r = surface ? 1 : std::pow(unit(random), 1.0 / d);
-    for (unsigned j = 0; j < d; ++j) rows[i * d + j] *= r / std::sqrt(square);
-  }
-  return rows;
 }
 
 class Hash {
@@ -102,7 +84,7 @@ std::uint64_t bytes(const Hull& h) {
 }
 
 void run(const char* shape, unsigned d, std::uint64_t n, unsigned repeats) {
-  const std::vector<double> rows = make_points(std::strcmp(shape, "sphere") == 0, d, n);
+  const std::vector<double> rows = generate(shape, n, d);
   const PointView view = PointView::row_major(rows.data(), n, d);
   Options options;
   std::vector<std::pair<std::string, Clock::time_point>> marks;

@@ -252,7 +252,8 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
                      (options.memory_budget == 0 || options.memory_budget >= 1 << 20);
   // Chunks of sets: large enough to be worth a task, many enough to be shared evenly. The parts of
   // a block of chunks stay in the cache until they are joined, and their memory serves the next.
-  constexpr std::uint64_t chunk = 64, block = 32 * chunk;
+  constexpr std::uint64_t chunk = 32;
+  const std::uint64_t block = chunk * std::max(32U, 4 * threads);
   std::vector<HullBatch> parts(std::min(block / chunk, chunk_count(set_count, chunk)));
   std::vector<std::optional<Error>> errors(parts.size());
   const auto hulls_of_chunk = [&](HullBatch& part, std::uint64_t begin, std::uint64_t end) {

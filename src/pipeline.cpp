@@ -127,12 +127,12 @@ void extreme_in_plane(const PointView& points, const Filtered& filtered, const R
   const Polygon polygon = rows.hull(run);
   result.affine_dimension = static_cast<int>(std::min<std::size_t>(polygon.corners.size(), 3)) - 1;
   result.ids = ascending_ids(polygon.corners.data(), polygon.corners.size(), polygon.rows, rows.ids,
-                             run.threads);
+                             run.threads, run.control);
   std::copy(polygon.rung_counts, polygon.rung_counts + 3, result.statistics.rung_counts);
 }
 
-/// False for flats and for polygons of extraordinary proportions: then the corners alone are left of
-/// `filtered`, whose hull is the same.
+/// False for flats and for polygons of extraordinary proportions: then the corners alone are left
+/// of `filtered`, whose hull is the same.
 bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, Hull& hull) {
   const PlanarRows rows(points, filtered);
   const Polygon polygon = rows.hull(run);
@@ -143,8 +143,8 @@ bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, 
     std::copy(polygon.rung_counts, polygon.rung_counts + 3, hull.statistics.rung_counts);
     return true;
   }
-  filtered.survivors.ids =
-      ascending_ids(polygon.corners.data(), edges, polygon.rows, rows.ids, run.threads);
+  filtered.survivors.ids = ascending_ids(polygon.corners.data(), edges, polygon.rows, rows.ids,
+                                         run.threads, run.control);
   filtered.survivors.all = false;
   filtered.rows = {};
   return false;
@@ -159,14 +159,14 @@ std::vector<std::uint64_t> extreme_locals(const LocalFrame& frame, const Run& ru
       return {0};
     case 1: {
       const SimplicialHull ends = ends_of_line(points);
-      return ascending_ids(ends.vertices.data(), 2, points.count, nullptr, 1);
+      return ascending_ids(ends.vertices.data(), 2, points.count, nullptr, 1, run.control);
     }
     case 2: {
       const PointView rows = PointView::row_major(points.exact, points.count, 2);
       const Polygon polygon = polygon_of(rows, false, run.threads, run.control);
       std::copy(polygon.rung_counts, polygon.rung_counts + 3, rung_counts);
       return ascending_ids(polygon.corners.data(), polygon.corners.size(), points.count, nullptr,
-                           run.threads);
+                           run.threads, run.control);
     }
     case 3: {
       SimplicialHull hull =

@@ -43,7 +43,8 @@ struct ReportArguments {
         ->type_name("[=FILE]");
     command.add_option("--report", page, "The report as one HTML page with charts")
         ->type_name("FILE.html");
-    command.add_option("--markdown", markdown, "Its tables as Markdown")->type_name("FILE.md");
+    command.add_option("--markdown", markdown, "Its tables as Markdown; - for standard output")
+        ->type_name("FILE.md");
     command.add_option("--scale", scale, fmt::format("Of every size; {:g} if not given", scale))
         ->check(CLI::Range(1e-6, 100.0).description(""))
         ->type_name("S");
@@ -74,6 +75,9 @@ void write_page(const std::string& path, const Report& report) {
 using Measure = std::function<Report(const cullhull::Progress&)>;
 
 int run(const ReportArguments& a, const Measure& measure) {
+  if (a.json == "-" && a.markdown == "-")
+    throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                          "--json and --markdown both want standard output");
   Report report;
   {
     TerminalProgress progress(a.quiet);
@@ -84,8 +88,11 @@ int run(const ReportArguments& a, const Measure& measure) {
   else if (!a.json.empty())
     cullhull::write_text(a.json, report_json(report));
   if (!a.page.empty()) write_page(a.page, report);
-  if (!a.markdown.empty()) cullhull::write_text(a.markdown, report_markdown(report));
-  if (!a.quiet && a.json != "-") write_stdout(report_table(report));
+  if (a.markdown == "-")
+    write_stdout(report_markdown(report));
+  else if (!a.markdown.empty())
+    cullhull::write_text(a.markdown, report_markdown(report));
+  if (!a.quiet && a.json != "-" && a.markdown != "-") write_stdout(report_table(report));
   if (report.agrees()) return 0;
   complain("some rows differ");
   return not_certified;
@@ -206,7 +213,7 @@ Command add_bench_paper(CLI::App& bench) {
 Command add_bench_rivals(CLI::App& bench) {
   auto a = std::make_shared<RivalArguments>();
   a->scale = 0.2;
-  a->limit = 60;
+  a->limit = 30;
   CLI::App& command =
       *bench.add_subcommand("rivals", "Ours beside Qhull and, where it was built, CGAL");
   a->add_to(command);

@@ -77,10 +77,4 @@ void TerminalProgress::show(const char* phase, double share) {
   (void)write_all(STDERR_FILENO, fmt::format("\r\x1b[K{} {:.0f} %", phase, percent));
 }
 
-std::string grouped(std::uint64_t number) {
-  std::string text = std::to_string(number);
-  for (std::size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, 1, ',');
-  return text;
-}
-
 }  // namespace app

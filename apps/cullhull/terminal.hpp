@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "cullhull/options.hpp"
+#include "numbers.hpp"
 
 namespace app {
 
@@ -38,7 +39,6 @@ class TerminalProgress {
   std::int64_t last_ = 0;
 };
 
-/// 1234567 as "1,234,567".
-std::string grouped(std::uint64_t number);
+using cullhull::bench::grouped;
 
 }  // namespace app

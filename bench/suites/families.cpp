@@ -96,7 +96,7 @@ constexpr Family families[] = {
     {{"squashed", "a sphere with z times 1e-9"}, squashed},
     {{"turned-squashed", "the same, turned"}, [](std::uint64_t n) { return turned(squashed(n)); }},
     {{"thin-plane", "a plane turned in space: as thick as the rounding"}, thin_plane},
-    {{"cospherical", "some ten thousand integer points of one sphere"}, cospherical_integers},
+    {{"cospherical", "the ninety thousand integer points of one sphere"}, cospherical_integers},
     {{"duplicates", "a sphere's surface, every point eight times"}, duplicates},
 };
 

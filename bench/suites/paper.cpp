@@ -329,6 +329,14 @@ class Suite {
                   {"write", write}};
     row.agrees = std::isfinite(touched);
     describe(row, file.points(), hull);
+    double whole = 0;
+    for (const auto& [name, seconds] : row.values) whole += seconds;
+    std::string shares;
+    for (const auto& [name, seconds] : row.values)
+      shares +=
+          fmt::format("{}{} {:.0f} %", shares.empty() ? "" : ", ", name, 100 * seconds / whole);
+    row.check += "; " + shares;
+    row.title = fmt::format("{} ({})", row.name, shares);
     return row;
   }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cullhull/hull.hpp"
+#include "numbers.hpp"
 
 namespace cullhull::bench {
 
@@ -67,8 +68,5 @@ std::string report_json(const Report& report);
 /// Tables in Markdown, times in ms; figures of frames are left out, as they have too many rows, and
 /// that of lost rows, which has what another has.
 std::string report_markdown(const Report& report);
-
-/// 8000000 as "8M", 12500 as "12.5k".
-std::string short_count(std::uint64_t n);
 
 }  // namespace cullhull::bench

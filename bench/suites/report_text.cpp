@@ -27,12 +27,6 @@ std::string amount(double v, const std::string& unit) {
   return fmt::format("{:.3g} {}", v, unit);
 }
 
-std::string grouped(std::uint64_t number) {
-  std::string text = std::to_string(number);
-  for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, 1, ',');
-  return text;
-}
-
 /// At least three digits that count: 0.0123, 1.23, 12.3, 123, 1234.
 std::string three_digits(double v) {
   if (v >= 99.95) return grouped(static_cast<std::uint64_t>(std::llround(v)));
@@ -199,12 +193,6 @@ std::string figure_markdown(const Figure& figure, Footnotes& notes) {
 }
 
 }  // namespace
-
-std::string short_count(std::uint64_t n) {
-  if (n >= 1'000'000) return fmt::format("{:g}M", std::round(static_cast<double>(n) / 1e4) / 100);
-  if (n >= 1'000) return fmt::format("{:g}k", std::round(static_cast<double>(n) / 1e1) / 100);
-  return std::to_string(n);
-}
 
 std::string report_table(const Report& report) {
   std::string text;

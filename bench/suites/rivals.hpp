@@ -33,7 +33,7 @@ struct RivalSettings {
   double scale = 1;                 ///< of every size
   unsigned repeat = 5;              ///< ours: the median of so many runs, fewer where they are long
   std::vector<unsigned> threads;    ///< for ours, ascending; 0: all; empty: one, and all
-  double limit = 60;                ///< seconds for one run of a rival; 0: as long as it takes
+  double limit = 30;                ///< seconds for one run of a rival; 0: as long as it takes
   bool with_qhull = true, with_cgal = true;
   /// Program that times CGAL (bench/rival_cgal.cpp); empty: beside this one, if it is there.
   std::string cgal;

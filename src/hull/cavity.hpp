@@ -4,8 +4,11 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <utility>
 #include <vector>
+
+#include "parallel/raw_array.hpp"
 
 namespace cullhull::internal {
 
@@ -36,10 +39,18 @@ struct alignas(64) Share {
 
 /// A worker's own memory.
 struct Lane {
+  void cover(std::size_t facets) {
+    if (visited_size >= facets) return;
+    visited.reserve(facets);
+    std::memset(visited.data() + visited_size, 0, facets - visited_size);
+    visited_size = facets;
+  }
+
   explicit Lane(unsigned d) : candidates(d + 1), offset(d), rows(d + 1), simplex_rows(d + 1) {
     if (d <= 8) minors.resize(std::size_t{1} << d);
   }
-  std::vector<std::uint8_t> visited;  ///< of every facet slot; all zero between searches
+  RawArray<std::uint8_t> visited;  ///< of every facet slot; all zero between searches
+  std::size_t visited_size = 0;
   std::vector<std::uint32_t> vertices, neighbours, ridges;  // of new facets
   std::vector<std::uint64_t> table;                         // of ridges
   std::vector<std::uint32_t> candidates;

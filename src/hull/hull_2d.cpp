@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <optional>
 #include <utility>
 
 #include "hull/engine.hpp"
@@ -14,6 +13,7 @@
 #include "hull/polygon.hpp"
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/touch.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -63,23 +63,11 @@ void widen(Box& box, const Box& more) {
   }
 }
 
-/// Keeps the lexicographically first and last of what it is shown.
-class Ends {
- public:
-  void add(const Entry& e) {
-    if (!chord_) chord_ = Chord{e, e};
-    if (before(e, chord_->first)) chord_->first = e;
-    if (before(chord_->last, e)) chord_->last = e;
-  }
-  const Chord& chord() const { return *chord_; }
-
- private:
-  std::optional<Chord> chord_;
-};
-
 struct Extent {
   Box box;
-  Chord chord;
+  Corners corners;
+
+  Chord chord() const { return {corners.first(), corners.last()}; }
 };
 
 /// One look at all points; a second at the chunks that the ends are in.
@@ -103,22 +91,27 @@ Extent measure(const PlanarSource& source, unsigned threads, const Control& cont
   });
   if (bad) check_finite(source.view(), nullptr, threads);  // names the first
   Extent extent{boxes[0], {}};
-  for (const Box& box : boxes) widen(extent.box, box);
-  Ends ends;
-  double room[2 * block];
-  for (std::uint64_t c = 0; c < boxes.size(); ++c) {
-    if (boxes[c].low[0] != extent.box.low[0] && boxes[c].high[0] != extent.box.high[0]) continue;
+  Box& all = extent.box;
+  for (const Box& box : boxes) widen(all, box);
+  std::vector<Corners> corners(boxes.size());
+  for_each_chunk(n, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    const Box& box = boxes[c];
+    if (box.low[0] != all.low[0] && box.high[0] != all.high[0] && box.low[1] != all.low[1] &&
+        box.high[1] != all.high[1])
+      return;
     control.check();
-    const std::uint64_t end = std::min(n, (c + 1) * chunk);
-    for (std::uint64_t b = c * chunk; b < end; b += block) {
+    double room[2 * block];
+    for (std::uint64_t b = begin; b < end; b += block) {
       const std::uint64_t size = std::min<std::uint64_t>(block, end - b);
       const double* p = source.rows(b, b + size, room);
-      for (std::uint64_t i = 0; i < size; ++i)
-        if (p[2 * i] == extent.box.low[0] || p[2 * i] == extent.box.high[0])
-          ends.add({p[2 * i], p[2 * i + 1], static_cast<std::uint32_t>(b + i), 0});
+      for (std::uint64_t i = 0; i < size; ++i) {
+        const double x = p[2 * i], y = p[2 * i + 1];
+        if ((x == all.low[0]) | (x == all.high[0]) | (y == all.low[1]) | (y == all.high[1]))
+          corners[c].add({x, y, static_cast<std::uint32_t>(b + i), 0});
+      }
     }
-  }
-  extent.chord = ends.chord();
+  });
+  for (const Corners& c : corners) extent.corners.add(c);
   return extent;
 }
 
@@ -152,6 +145,7 @@ class Buckets {
       for (std::uint64_t c = 0; c < chunks; ++c) sum += std::exchange(next[c * buckets + b], sum);
     }
     start_[buckets] = sum;
+    touch_pages(entries_.get(), n * sizeof(Entry), threads, [&] { control.check(); });
     for_each_chunk(n, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       control.check();
       std::uint32_t* const at = next.data() + c * buckets;
@@ -350,7 +344,7 @@ Polygon polygon_of_many(const PlanarSource& source, const Extent& extent, const 
   std::vector<Run> runs(ends.size() - 1);
   std::vector<Turn> turns(runs.size(), plain);
   for_each_chunk(runs.size(), 1, threads, [&](std::uint64_t r, std::uint64_t, std::uint64_t) {
-    ChainBuilder chains(extent.chord, plain, control);
+    ChainBuilder chains(extent.chord(), plain, control);
     for (std::size_t b = ends[r]; b < ends[r + 1]; ++b) {
       control.check();
       chains.add(buckets.begin(b), buckets.count(b), buckets.low_bits());
@@ -378,51 +372,36 @@ Polygon polygon_of_many(const PlanarSource& source, const Extent& extent, const 
 
 }  // namespace
 
-PolygonSeries::PolygonSeries(const Control& control) : chains_({}, Turn(), control) {}
-
-const std::vector<std::uint32_t>& PolygonSeries::corners(const double* rows, std::uint32_t count) {
-  if (entries_.size() < count) entries_.resize(std::size_t{2} * count);
-  Entry* const e = entries_.data();
-  e[0] = {rows[0], rows[1], 0, 0};
-  Chord chord{e[0], e[0]};
-  double low = e[0].y, high = low;
-  for (std::uint32_t i = 1; i < count; ++i) {
-    e[i] = {rows[2 * std::size_t{i}], rows[2 * std::size_t{i} + 1], i, 0};
-    low = std::min(low, e[i].y);
-    high = std::max(high, e[i].y);
-    if (before(e[i], chord.first)) chord.first = e[i];
-    if (before(chord.last, e[i])) chord.last = e[i];
-  }
-  box_ = {{chord.first.x, low}, {chord.last.x, high}};
-  const KeyMap map(chord.first.x, chord.last.x);
-  for (std::uint32_t i = 0; i < count; ++i) e[i].key = map.key(e[i].x);
-  chains_.restart(chord);
-  chains_.add(e, count, 32);
-  corners_.clear();
-  for (std::uint32_t i = 0; i + 1 < chains_.lower_count(); ++i)
-    corners_.push_back(chains_.lower()[i].row);
-  for (std::uint32_t i = chains_.upper_count() - 1; i > 0; --i)
-    corners_.push_back(chains_.upper()[i].row);
-  if (corners_.empty()) corners_.push_back(chains_.lower()[0].row);  // all points are equal
-  return corners_;
-}
-
 Polygon polygon_of(const PointView& points, bool lattice, unsigned threads,
                    const Control& control) {
   control.check();
   control.report("hull", 0);
   const PlanarSource source(points);
   const Extent extent = measure(source, threads, control);
-  const Turn turn(lattice);
-  const std::vector<std::uint32_t> kept = discard_inner(source, extent.box, threads, control);
-  if (kept.empty()) return polygon_of_many(source, extent, turn, threads, control);
-  std::vector<double> rows(2 * kept.size());
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    const Entry e = source.entry(kept[i]);
-    rows[2 * i] = e.x;
-    rows[2 * i + 1] = e.y;
+  if (extent.box.low[0] == extent.box.high[0] || extent.box.low[1] == extent.box.high[1]) {
+    Polygon flat;  // along an axis: the ends, or one point
+    flat.corners = {extent.corners.first().row};
+    if (!equal(extent.corners.first(), extent.corners.last()))
+      flat.corners.push_back(extent.corners.last().row);
+    flat.rows = source.count();
+    flat.box = extent.box;
+    return flat;
   }
-  const PlanarSource rest(PointView::row_major(rows.data(), kept.size(), 2));
+  const Turn turn(lattice);
+  const std::vector<std::uint32_t> kept =
+      discard_inner(source, extent.box, extent.corners, threads, control);
+  if (kept.empty()) return polygon_of_many(source, extent, turn, threads, control);
+  BigArray<double> rows(2 * kept.size());
+  for_each_chunk(kept.size(), chunk, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   for (std::uint64_t i = begin; i < end; ++i) {
+                     const Entry e = source.entry(kept[i]);
+                     rows[2 * i] = e.x;
+                     rows[2 * i + 1] = e.y;
+                   }
+                 });
+  const PlanarSource rest(PointView::row_major(rows.get(), kept.size(), 2));
   Polygon polygon = polygon_of_many(rest, extent, turn, threads, control);
   for (std::uint32_t& corner : polygon.corners) corner = kept[corner];
   polygon.rows = source.count();

@@ -14,6 +14,8 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
+#include <deque>
 #include <limits>
 #include <string>
 #include <vector>
@@ -117,13 +119,13 @@ class InsertionNd {
   Id recent_ = 0;  ///< a facet that is alive
 
   Crew crew_;
-  std::vector<Lane> lanes_;
+  std::deque<Lane> lanes_;
   std::vector<Share> shares_;
   bool same_facets_;  ///< whatever the number of workers
   std::vector<Stream> streams_;
   std::vector<Id> batch_;  ///< streams that have work
   /// For every facet slot: twice the batch that last claimed it, plus 1 where it was visible.
-  std::vector<std::uint32_t> claims_;
+  RawArray<std::uint32_t> claims_;
   std::uint32_t batch_number_ = 0;
   double width_;  ///< number of streams: see adapt
   std::uint64_t batch_facets_ = 0;
@@ -145,10 +147,10 @@ InsertionNd<D>::InsertionNd(const LocalPoints& points, const std::uint32_t* simp
       store_(dimension_),
       // A few hundred points are done before another thread is awake.
       crew_(points.count < 512 && points.dimension < 6 ? 1 : threads),
-      lanes_(crew_.lanes(), Lane(dimension_)),
-      shares_(lanes_.size()),
+      shares_(crew_.lanes()),
       same_facets_(same_facets),
-      width_(lanes_.size() == 1 && !same_facets ? 1 : 2) {
+      width_(crew_.lanes() == 1 && !same_facets ? 1 : 2) {
+  for (unsigned k = 0; k < crew_.lanes(); ++k) lanes_.emplace_back(dimension_);
   arrange(simplex, threads);
   choose_centre();
   frame_ = {dim(), ordered_.data(), centre_.data(), reach_.data(),
@@ -273,7 +275,8 @@ void InsertionNd<D>::reserve(std::size_t facets) {
                                               " MiB; raise the budget or use fewer dimensions");
   }
   store_.reserve(capacity);
-  claims_.resize(capacity, 0);
+  claims_.reserve(capacity);
+  std::fill_n(claims_.data() + facet_capacity_, capacity - facet_capacity_, 0);
   facet_capacity_ = capacity;
 }
 
@@ -373,7 +376,7 @@ void InsertionNd<D>::advance(Stream& s, Lane& lane) {
 template <unsigned D>
 void InsertionNd<D>::settle() {
   if (++batch_number_ >= 0x7FFFFFFF) {
-    std::fill(claims_.begin(), claims_.end(), 0);
+    std::fill_n(claims_.data(), facet_capacity_, 0);
     batch_number_ = 1;
   }
   batch_facets_ = 0;

@@ -13,7 +13,7 @@ namespace cullhull::internal {
 template <unsigned D>
 void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
   const unsigned d = dim();
-  if (lane.visited.size() < facet_slots_) lane.visited.resize(facet_capacity_);
+  if (lane.visited_size < facet_slots_) lane.cover(facet_capacity_);
   std::uint8_t* visited = lane.visited.data();
   // A copy that nothing written below can change stays in registers.
   float copy[D > 0 ? D : 1];
@@ -74,7 +74,7 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
   for (std::size_t k = 0; k < count; ++k) {
     const HorizonRidge& r = s.horizon[k];
     Id* v = lane.vertices.data() + k * d;
-    std::copy_n(store_.vertices(r.facet), d, v);
+    std::memcpy(v, store_.vertices(r.facet), d * sizeof(Id));
     v[r.apex] = point;
     lane.apex[k] = r.apex;
     store_.neighbours(r.facet)[r.apex] = static_cast<Id>(k) | horizon_tag;
@@ -87,8 +87,8 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
   for (std::size_t k = 0; k < count; ++k) {
     const HorizonRidge& r = s.horizon[k];
     const Id f = slot[k];
-    std::copy_n(lane.planes.data() + k * (d + 1), d + 1, store_.plane(f));
-    std::copy_n(lane.vertices.data() + k * d, d, store_.vertices(f));
+    std::memcpy(store_.plane(f), lane.planes.data() + k * (d + 1), (d + 1) * sizeof(float));
+    std::memcpy(store_.vertices(f), lane.vertices.data() + k * d, d * sizeof(Id));
     Id* n = store_.neighbours(f);
     const Id* local = lane.neighbours.data() + k * d;
     for (unsigned i = 0; i < d; ++i) n[i] = slot[local[i]];
@@ -176,7 +176,7 @@ SimplicialHull InsertionNd<D>::collect() {
   const unsigned d = dim();
   ordered_.release();
   store_.release_planes();
-  std::vector<std::uint32_t>().swap(claims_);
+  claims_.release();
   // A facet's number: how many are alive in the chunks before its own, and in this one before it.
   constexpr unsigned chunk_bits = 14;
   constexpr std::uint64_t chunk = std::uint64_t{1} << chunk_bits;

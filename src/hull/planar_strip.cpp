@@ -16,14 +16,21 @@ struct SampleChains {
   std::vector<Entry> lower, upper;
 };
 
-/// Hull of `size` rows spread evenly.
+/// Hull of `size` rows spread evenly, each at a pseudo-random place in its stretch: no period of
+/// the input's order hides points.
 SampleChains chains_of_sample(const PlanarSource& source, const Box& box, std::uint32_t size,
                               const Control& control) {
   const KeyMap map(box.low[0], box.high[0]);
   std::vector<Entry> entries(size);
+  std::uint64_t random = 0x9E3779B97F4A7C15ULL;
   for (std::uint32_t i = 0; i < size; ++i) {
+    random ^= random << 13;
+    random ^= random >> 7;
+    random ^= random << 17;
+    const std::uint64_t stretch = source.count() / size;
     Entry& e = entries[i];
-    e = source.entry(static_cast<std::uint32_t>(std::uint64_t{source.count()} * i / size));
+    e = source.entry(
+        static_cast<std::uint32_t>(i * stretch + (random >> 32) * stretch / (1ULL << 32)));
     e.key = map.key(e.x);
   }
   const auto [first, last] = std::minmax_element(entries.begin(), entries.end(), before);
@@ -33,7 +40,31 @@ SampleChains chains_of_sample(const PlanarSource& source, const Box& box, std::u
           {chains.upper(), chains.upper() + chains.upper_count()}};
 }
 
-std::vector<std::uint32_t> outside(const PlanarSource& source, const Strip& strip, unsigned threads,
+/// Between the four corners (Akl and Toussaint 1978): what crowds at the ends of the strip, and
+/// copies of the corners themselves.
+class Quadrilateral {
+ public:
+  explicit Quadrilateral(const Corners& corners) : corners_(corners) {}
+
+  /// Strictly inside, or a copy of a corner with a higher row.
+  bool drops(double x, double y, std::uint32_t row) const {
+    bool inside = true;
+    for (unsigned i = 0; i < 4; ++i) {
+      const Entry &a = corners_[i], &b = corners_[(i + 1) % 4];
+      if (x == a.x && y == a.y) return row > a.row;
+      if (equal(a, b)) continue;
+      const double l = (a.x - x) * (b.y - y), r = (a.y - y) * (b.x - x);
+      inside &= l - r > turn_bound * (std::fabs(l) + std::fabs(r)) + turn_tiny;
+    }
+    return inside;
+  }
+
+ private:
+  const Corners& corners_;
+};
+
+std::vector<std::uint32_t> outside(const PlanarSource& source, const Strip& strip,
+                                   const Quadrilateral& middle, unsigned threads,
                                    const Control& control) {
   constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
   constexpr std::uint32_t block = PlanarSource::block;
@@ -51,7 +82,13 @@ std::vector<std::uint32_t> outside(const PlanarSource& source, const Strip& stri
                        list[k] = static_cast<std::uint32_t>(b + i);
                        k += !strip.contains(p[2 * i], p[2 * i + 1]);
                      }
-                     kept[c].insert(kept[c].end(), list, list + k);
+                     std::size_t left = 0;
+                     for (std::size_t j = 0; j < k; ++j) {
+                       const std::uint32_t row = list[j];
+                       const double* q = p + 2 * (row - b);
+                       if (!middle.drops(q[0], q[1], row)) list[left++] = row;
+                     }
+                     kept[c].insert(kept[c].end(), list, list + left);
                    }
                  });
   std::vector<std::uint32_t> rows;
@@ -119,7 +156,8 @@ double Strip::height(const std::vector<Corner>& chain, std::size_t& from, double
 }
 
 std::vector<std::uint32_t> discard_inner(const PlanarSource& source, const Box& box,
-                                         unsigned threads, const Control& control) {
+                                         const Corners& corners, unsigned threads,
+                                         const Control& control) {
   const std::uint32_t n = source.count();
   if (n < discard_from) return {};
   // Efron 1965: the share of points outside a sample's hull is about its vertices' share of it. A
@@ -131,7 +169,7 @@ std::vector<std::uint32_t> discard_inner(const PlanarSource& source, const Box& 
   }
   const auto strip = std::make_unique<Strip>();
   if (!strip->build(box, chains.lower, chains.upper)) return {};
-  return outside(source, *strip, threads, control);
+  return outside(source, *strip, Quadrilateral(corners), threads, control);
 }
 
 }  // namespace cullhull::internal

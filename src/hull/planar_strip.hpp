@@ -13,6 +13,38 @@ struct Box {
   double low[2], high[2];
 };
 
+/// The four outermost points, of equal ones the lowest row: first and last by x, then y; first and
+/// last by y, then x. All of them are extreme.
+class Corners {
+ public:
+  /// Rows must ascend.
+  void add(const Entry& e) {
+    if (none_) at_[0] = at_[1] = at_[2] = at_[3] = e;
+    none_ = false;
+    if (by_x(e, at_[0])) at_[0] = e;
+    if (by_y(e, at_[1])) at_[1] = e;
+    if (by_x(at_[2], e)) at_[2] = e;
+    if (by_y(at_[3], e)) at_[3] = e;
+  }
+  void add(const Corners& more) {
+    for (unsigned i = 0; i < 4 && !more.none_; ++i) add(more.at_[i]);
+  }
+  const Entry& first() const { return at_[0]; }
+  const Entry& last() const { return at_[2]; }
+  /// Counter-clockwise; some may be the same.
+  const Entry& operator[](unsigned i) const { return at_[i]; }
+
+ private:
+  static bool by_x(const Entry& a, const Entry& b) {
+    return a.x < b.x || (a.x == b.x && a.y < b.y);
+  }
+  static bool by_y(const Entry& a, const Entry& b) {
+    return a.y < b.y || (a.y == b.y && a.x < b.x);
+  }
+  bool none_ = true;
+  Entry at_[4];
+};
+
 /// The area between two chains of hull points, over buckets of x: a point of bucket i with
 /// floor[i] < y < ceiling[i] is in their hull and no vertex of it.
 ///
@@ -52,6 +84,7 @@ class Strip {
 /// Rows that may be extreme, ascending; or nothing where a sample says that discarding does not
 /// pay.
 std::vector<std::uint32_t> discard_inner(const PlanarSource& source, const Box& box,
-                                         unsigned threads, const Control& control);
+                                         const Corners& corners, unsigned threads,
+                                         const Control& control);
 
 }  // namespace cullhull::internal

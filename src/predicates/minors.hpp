@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <type_traits>
+#include <utility>
 
 #include "parallel/host_device.hpp"
 
@@ -19,6 +21,34 @@ constexpr double minor_roundings(unsigned d) {
   return static_cast<double>(d + (d - 1) + d * (d - 1) / 2);
 }
 
+/// Minor `mask` of expand_minors, the loops unrolled.
+template <unsigned D, bool Permanent, unsigned mask, class T, class Entry>
+inline void expand_minor(const Entry (*m)[D], unsigned rows, T* det, T* perm) {
+  constexpr auto size = static_cast<unsigned>(std::popcount(mask));
+  if (size > rows) return;
+  const Entry* row = m[size - 1];
+  T sum{}, bound{};
+  unsigned k = 0;  // columns before
+  const auto term = [&]<unsigned j>(std::integral_constant<unsigned, j>) {
+    if constexpr ((mask >> j & 1U) != 0) {
+      const T product = T(row[j]) * det[mask ^ (1U << j)];
+      const bool negative = ((size - 1 + k) & 1U) != 0;
+      sum = k == 0 ? (negative ? -product : product) : negative ? sum - product : sum + product;
+      if constexpr (Permanent) {
+        const T magnitude = std::abs(T(row[j])) * perm[mask ^ (1U << j)];
+        bound = k == 0 ? magnitude : bound + magnitude;
+      }
+      ++k;
+    }
+  };
+  [&]<unsigned... j>(std::integer_sequence<unsigned, j...>) {
+    (term(std::integral_constant<unsigned, j>()), ...);
+  }
+  (std::make_integer_sequence<unsigned, D>());
+  det[mask] = sum;
+  if constexpr (Permanent) perm[mask] = bound;
+}
+
 /// All minors of the first `rows` rows of a matrix with D columns, expanded along the last row:
 /// det[mask] is the determinant of rows 0 .. popcount(mask)-1 on the columns in `mask`, with
 /// columns ascending. `perm`, if Permanent, receives the permanents of |entries|, computed by the
@@ -28,6 +58,15 @@ CULLHULL_HD void expand_minors(const Entry (*m)[D], unsigned rows, T* det, T* pe
   constexpr unsigned full = 1U << D;
   det[0] = T(1);
   if constexpr (Permanent) perm[0] = T(1);
+#ifndef __CUDA_ARCH__
+  if constexpr (D <= 5) {
+    [&]<unsigned... k>(std::integer_sequence<unsigned, k...>) {
+      (expand_minor<D, Permanent, k + 1>(m, rows, det, perm), ...);
+    }
+    (std::make_integer_sequence<unsigned, full - 1>());
+    return;
+  }
+#endif
   for (unsigned mask = 1; mask < full; ++mask) {
     const unsigned size = static_cast<unsigned>(std::popcount(mask));
     if (size > rows) continue;

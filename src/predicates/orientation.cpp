@@ -46,6 +46,15 @@ bool filtered(const double* const* p, Sign& sign) {
     sign = Sign::negative;
     return true;
   }
+  // All in a plane across an axis, as on a box: a column of zeros (differences of doubles are zero
+  // only where they are equal).
+  for (unsigned j = 0; j < D; ++j) {
+    bool zero = true;
+    for (unsigned i = 0; i < D; ++i) zero &= m[i][j] == 0;
+    if (!zero) continue;
+    sign = Sign::zero;
+    return true;
+  }
   return false;
 }
 

@@ -23,7 +23,7 @@ std::vector<std::uint64_t> extreme_rows(SimplicialHull&& boundary, const LocalPo
 
 std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size_t size,
                                          std::uint32_t count, const std::uint64_t* ids,
-                                         unsigned threads) {
+                                         unsigned threads, const Control& control) {
   std::vector<std::uint64_t> out;
   if (size < count / 64) {
     out.assign(corners, corners + size);
@@ -35,21 +35,27 @@ std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size
   constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
   BigArray<std::uint8_t> used(count);
   std::memset(used.get(), 0, count);
-  for_each_chunk(size, chunk, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-    // No two corners are equal; neighbouring bytes may be written at once.
-    for (std::uint64_t i = begin; i < end; ++i) used[corners[i]] = 1;
-  });
+  // Meanwhile one thread makes room, which takes as long: a vector clears it.
+  for_each_chunk(chunk_count(size, chunk) + 1, 1, threads,
+                 [&](std::uint64_t job, std::uint64_t, std::uint64_t) {
+                   control.check();
+                   if (job == 0) return resize_big(out, size);
+                   // No two corners are equal; neighbouring bytes may be written at once.
+                   const std::uint64_t end = std::min<std::uint64_t>(size, job * chunk);
+                   for (std::uint64_t i = (job - 1) * chunk; i < end; ++i) used[corners[i]] = 1;
+                 });
   std::vector<std::uint64_t> start(chunk_count(count, chunk) + 1, 0);
   for_each_chunk(count, chunk, threads,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
                    std::uint64_t sum = 0;
                    for (std::uint64_t p = begin; p < end; ++p) sum += used[p];
                    start[c + 1] = sum;
                  });
   for (std::size_t c = 1; c < start.size(); ++c) start[c] += start[c - 1];
-  resize_big(out, start.back());
   for_each_chunk(count, chunk, threads,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
                    std::uint64_t next = start[c];
                    for (std::uint64_t p = begin; p < end; ++p)
                      if (used[p]) out[next++] = ids != nullptr ? ids[p] : p;

@@ -18,6 +18,6 @@ std::vector<std::uint64_t> extreme_rows(SimplicialHull&& boundary, const LocalPo
 /// Corners of a polygon among `count` rows, ascending; named by `ids`, which ascend, if not null.
 std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size_t size,
                                          std::uint32_t count, const std::uint64_t* ids,
-                                         unsigned threads);
+                                         unsigned threads, const Control& control);
 
 }  // namespace cullhull::internal

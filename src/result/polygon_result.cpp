@@ -6,6 +6,7 @@
 
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/touch.hpp"
 #include "result/facet_plane.hpp"
 
 namespace cullhull::internal {
@@ -58,17 +59,20 @@ std::uint32_t count_bits(std::uint64_t v) {
 /// Which rows are corners, and how many before each: small enough to stay in the cache.
 class Ranks {
  public:
-  Ranks(const Array<std::uint32_t>& corners, std::uint64_t rows, unsigned threads)
+  Ranks(const Array<std::uint32_t>& corners, std::uint64_t rows, unsigned threads,
+        const Control& control)
       : words_(rows / 64 + 1), before_(words_) {
     BigArray<std::uint8_t> used(words_ * 64);
     std::memset(used.get(), 0, words_ * 64);
     for_each_chunk(corners.size(), chunk, threads,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     control.check();
                      for (std::uint64_t i = begin; i < end; ++i) used[corners[i]] = 1;
                    });
     bits_ = BigArray<std::uint64_t>(words_);
     for_each_chunk(words_, chunk / 64, threads,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     control.check();
                      for (std::uint64_t w = begin; w < end; ++w) {
                        std::uint64_t word = 0;
                        for (std::uint64_t b = 0; b < 64; b += 8) {
@@ -138,7 +142,7 @@ class Writer {
         kernel_(kernel),
         control_(control),
         threads_(threads),
-        ranks_(polygon.corners, polygon.rows, threads) {}
+        ranks_(polygon.corners, polygon.rows, threads, control) {}
 
   bool run(Hull& hull) {
     control_.check();
@@ -154,6 +158,8 @@ class Writer {
         list_corners(Reader<void>{points_});
     }
     neighbours_.resize(2 * count_);
+    touch_pages(neighbours_.data(), 2 * count_ * sizeof(std::uint32_t), threads_,
+                [&] { control_.check(); });
     link();
     simplices_.resize(2 * count_);
     facets_.resize(2 * count_);
@@ -162,17 +168,19 @@ class Writer {
     std::vector<Totals<DoubleDouble>> parts(chunk_count(count_, measure_chunk),
                                             Totals<DoubleDouble>(2));
     std::atomic<bool> ordinary{true};
-    for_each_chunk(count_, measure_chunk, threads_,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    // The vertices are a job of their own, the first: one thread must clear their memory.
+    for_each_chunk(parts.size() + 1, 1, threads_,
+                   [&](std::uint64_t job, std::uint64_t, std::uint64_t) {
                      control_.check();
-                     if (!write(begin, end, parts[c])) ordinary = false;
+                     if (job == 0) return write_vertices(hull);
+                     const std::uint64_t begin = (job - 1) * measure_chunk;
+                     if (!write(begin, std::min(count_, begin + measure_chunk), parts[job - 1]))
+                       ordinary = false;
                    });
     if (!ordinary) return false;
     Totals<DoubleDouble> all(2);
     for (const auto& p : parts) all.add(p);
     if (!finish_polygon(kernel_, all, points_, corners_[0].id, hull)) return false;
-    control_.report("vertices", 0.9);
-    write_vertices(hull);
     using Ids = SharedArray<std::uint64_t>;
     hull.simplices = Ids(std::move(simplices_));
     hull.simplex_neighbours = std::move(neighbours_);
@@ -247,13 +255,10 @@ class Writer {
     const auto first =
         static_cast<std::uint64_t>(std::min_element(cycle_.begin(), cycle_.end()) - cycle_.begin());
     resize_big(hull.vertices, count_);
-    for_each_chunk(count_, chunk, threads_,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     for (std::uint64_t i = begin; i < end; ++i) {
-                       const std::uint64_t at = first + i;
-                       hull.vertices[i] = id(cycle_[at < count_ ? at : at - count_]);
-                     }
-                   });
+    for (std::uint64_t i = 0; i < count_; ++i) {
+      const std::uint64_t at = first + i;
+      hull.vertices[i] = id(cycle_[at < count_ ? at : at - count_]);
+    }
   }
 
   const PointView& points_;

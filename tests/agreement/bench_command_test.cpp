@@ -246,6 +246,7 @@ TEST(BenchRivals, BadUsage) {
                                                                  {"--workload", "nothing-3d-1k"},
                                                                  {"--workload", "squashed-4d-1k"},
                                                                  {"--threads", "0"},
+                                                                 {"--json", "--markdown=-"},
                                                                  {"--threads", "1,many"},
                                                                  {"--points", "many"}}) {
     const Ran ran = run_app(with(rivals, words));

@@ -163,6 +163,28 @@ TEST(PolygonResult, NearlyOnALine) {
   }
 }
 
+/// Two places that single precision takes for one each, and many copies of few points: the map
+/// keeps nearly all, and the engine's own discard has the work.
+TEST(PolygonResult, CrowdedPoints) {
+  std::mt19937_64 g(13);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  Points clusters, copies;
+  for (unsigned i = 0; i < 60'000; ++i) {
+    clusters.push_back((i % 2 ? 0.75 : -0.75) + 0x1p-30 * unit(g));
+    clusters.push_back(i % 10'000 == 7 ? unit(g) : 0x1p-40 * unit(g));
+    copies.push_back(static_cast<double>(g() % 2));
+    copies.push_back(static_cast<double>(g() % 3));
+  }
+  for (const Points* p : {&clusters, &copies}) {
+    expect_general_result(view_of(*p));
+    const Hull hull = convex_hull(view_of(*p));
+    EXPECT_NE(hull.statistics.cull_reason.find("it kept nearly all"), std::string::npos)
+        << hull.statistics.cull_reason;
+    EXPECT_EQ(hull.statistics.survivors, 60'000U);
+    EXPECT_TRUE(cull(view_of(*p)).all);
+  }
+}
+
 TEST(Polygon, LinesAndPoints) {
   const Options options;
   const Control control(options);

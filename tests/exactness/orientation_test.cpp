@@ -132,6 +132,9 @@ TEST(Orientation, RungsAreThoseTheLadderPromises) {
   auto flat = easy;
   flat[3] = {0.25, 0.25, 0};
   EXPECT_EQ(orientation(3, pointers(flat).data(), &rung), Sign::zero);
+  EXPECT_EQ(rung, Rung::filter);  // equal on one axis
+  flat = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.25, 0.25, 0.5}};
+  EXPECT_EQ(orientation(3, pointers(flat).data(), &rung), Sign::zero);
   EXPECT_EQ(rung, Rung::exact);
   auto near = easy;
   near[3] = {0.25, 0.25, 0x1p-330};  // tiny, but its permanent is as tiny: the filter knows
