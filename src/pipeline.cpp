@@ -248,7 +248,7 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
         run_engine(frame, run.options.engine, run.budget, run.threads, run.control);
     for (unsigned r = 0; r < 3; ++r) hull.statistics.rung_counts[r] = boundary.rung_counts[r];
     const std::uint64_t k = boundary.dimension;
-    require_budget(run.budget, boundary.facet_count() * (48 * k + 8 * points.dimension + 44),
+    require_budget(run.budget, boundary.facet_count() * result_bytes_per_facet(k, points.dimension),
                    std::to_string(boundary.facet_count()) + " facets");
     const ResultInput from{&points, &frame.points(), input.all ? nullptr : input.ids.data(),
                            frame.axes().data()};

@@ -28,6 +28,11 @@ struct SimplicialHull {
   std::size_t facet_count() const { return dimension ? vertices.size() / dimension : 0; }
 };
 
+/// Bytes that a result takes for each facet of a hull of dimension k in d-space, at its making.
+constexpr std::uint64_t result_bytes_per_facet(std::uint64_t k, std::uint64_t d) {
+  return 48 * k + 8 * d + 44;
+}
+
 /// points.dimension >= 2. `simplex`: d + 1 affinely independent points to start from (exactly).
 /// `budget`: bytes the engine may take before it throws Error{out_of_budget}.
 SimplicialHull hull_2d(const LocalPoints& points, unsigned threads, const Control& control);

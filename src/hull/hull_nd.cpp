@@ -8,9 +8,10 @@ namespace cullhull::internal {
 SimplicialHull hull_nd(const LocalPoints& points, const std::uint32_t* simplex,
                        std::uint64_t budget, unsigned threads, const Control& control,
                        bool same_facets) {
-  // Records, twice while they are copied out; or what the result takes.
+  // Records, twice while they are copied out; or what the result takes, which is more.
   const std::uint64_t d = points.dimension;
-  check_facets(points, budget, std::max(2 * (12 * d + 16), 32 * d + 32), threads, control);
+  check_facets(points, budget, std::max(2 * (12 * d + 16), result_bytes_per_facet(d, d)), threads,
+               control);
   switch (points.dimension) {
     case 4:
       return InsertionNd<4>(points, simplex, budget, threads, same_facets, control).run();

@@ -346,9 +346,9 @@ void InsertionNd<D>::insert_round(Id begin, Id end) {
 /// is proportional to the number of streams.
 template <unsigned D>
 void InsertionNd<D>::adapt(std::size_t tried, std::size_t refused, std::size_t made) {
-  constexpr double wanted = 0.06, batch = 250, fewest = 4, most = 256;
+  constexpr double wanted = 0.06, batch = 250, fewest = 8, most = 256;
   if (tried < 16 || (lanes_.size() == 1 && !same_facets_)) return;
-  const auto lanes = same_facets_ ? 2.0 : static_cast<double>(lanes_.size());
+  const auto lanes = same_facets_ ? 1.0 : static_cast<double>(lanes_.size());
   const double share = static_cast<double>(refused) / static_cast<double>(tried);
   const double cavity = std::max(1.0, static_cast<double>(made) / static_cast<double>(tried));
   const double busy = std::clamp(batch * lanes / cavity, std::min(fewest * lanes, most), most);

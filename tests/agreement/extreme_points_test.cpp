@@ -5,13 +5,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <random>
 
 #include "all_paths.hpp"
 #include "control.hpp"
 #include "cullhull/generate.hpp"
 #include "extreme/hull_membership.hpp"
+#include "extreme/point_columns.hpp"
+#include "extreme/simplex_inverse.hpp"
 #include "point_sets.hpp"
 #include "points/local_frame.hpp"
+#include "predicates/orientation.hpp"
 
 namespace cullhull {
 namespace {
@@ -81,6 +86,104 @@ TEST(ExtremePoints, Few) {
   s.add(std::vector<double>(7, 3.5));
   EXPECT_EQ(extreme_points(view_of(s)).ids, (Ids{0, 1}));
   EXPECT_TRUE(extreme_points(PointView::row_major(s.coordinates.data(), 0, 7)).ids.empty());
+}
+
+/// Points straight into the frame, for what works below it.
+internal::LocalFrame frame_of(const PointSet& set) {
+  const Options options;
+  return {Array<double>(set.coordinates.begin(), set.coordinates.end()),
+          static_cast<std::uint32_t>(set.count()), set.dimension, 1, internal::Control(options)};
+}
+
+/// The scan over boxes against one over all points, in any order of adding.
+TEST(ExtremePoints, ColumnsFindTheLeast) {
+  for (const unsigned d : {4U, 7U, 9U}) {
+    const internal::LocalFrame frame = frame_of(generated("gauss", 2500, d, d));
+    const internal::LocalPoints& points = frame.points();
+    std::mt19937_64 rng(d);
+    std::normal_distribution<double> gauss;
+    internal::PointColumns columns(points);
+    for (std::uint32_t i = 0; i < points.count; ++i) {
+      columns.add(points.count - 1 - i);
+      if (i % 97 != 0) continue;
+      std::vector<float> w(d);
+      double size = 0;
+      for (float& v : w) size += std::abs(v = static_cast<float>(gauss(rng)));
+      const std::uint32_t except = i % 2 == 0 ? points.count - 1 - i / 2 : 0;
+      for (const std::size_t prefix : {std::size_t{64}, std::size_t{points.count}}) {
+        const auto found = columns.least(w.data(), except, prefix);
+        double least = HUGE_VAL, value = HUGE_VAL;
+        for (std::size_t k = 0; k < std::min(prefix, columns.ids().size()); ++k) {
+          const std::uint32_t id = columns.ids()[k];
+          if (id == except) continue;
+          double sum = 0;
+          for (unsigned j = 0; j < d; ++j) sum += double{w[j]} * points.row(id)[j];
+          least = std::min(least, sum);
+          if (id == found.id) value = sum;
+        }
+        if (least == HUGE_VAL) {
+          EXPECT_EQ(found.id, internal::PointColumns::none);
+          continue;
+        }
+        const double bound = (d + 2) * 0x1p-24 * size + 0x1p-120;
+        EXPECT_LE(std::abs(found.value - least), bound) << i;
+        EXPECT_LE(value, least + 2 * bound) << i;
+        EXPECT_LT(value, HUGE_VAL) << i;
+      }
+    }
+  }
+}
+
+/// What an inverse proves to be inside is inside, exactly; points well inside are proved to be.
+TEST(ExtremePoints, SimplexInversesAreRight) {
+  for (const unsigned d : {4U, 6U, 8U}) {
+    // d + 1 corners, then points from the middle of the simplex out, some a rounding from a facet.
+    PointSet set = generated("gauss", d + 1, d, d);
+    std::mt19937_64 rng(d);
+    for (int k = 0; k < 600; ++k) {
+      std::vector<double> share(d + 1), x(d, 0.0);
+      double sum = 0;
+      for (double& v : share) sum += v = static_cast<double>(rng() % 1000 + 1);
+      if (k % 3 == 1) share[k % d] = sum * (k % 2 == 0 ? 0x1p-53 : -0x1p-53);
+      if (k % 3 == 2) share[k % d] = -share[k % d];
+      sum = 0;
+      for (const double v : share) sum += v;
+      for (unsigned i = 0; i <= d; ++i)
+        for (unsigned j = 0; j < d; ++j)
+          x[j] += share[i] / sum * set.coordinates[std::size_t{i} * d + j];
+      set.add(x);
+    }
+    const internal::LocalFrame frame = frame_of(set);
+    const internal::LocalPoints& points = frame.points();
+    std::vector<std::uint32_t> corners(d + 1);
+    for (std::uint32_t i = 0; i <= d; ++i) corners[i] = i;
+    internal::SimplexInverse inverse;
+    EXPECT_FALSE(inverse.surely_inside(points.row(0)));
+    ASSERT_TRUE(inverse.set(points, corners.data()));
+    int proved = 0;
+    for (std::uint32_t i = 0; i < points.count; ++i) {
+      std::vector<const double*> q(d + 1);
+      for (unsigned k = 0; k <= d; ++k) q[k] = points.row(k);
+      const internal::Sign whole = internal::orientation(d, q.data());
+      bool inside = true;
+      for (unsigned k = 0; k <= d; ++k) {
+        q[k] = points.row(i);
+        inside &= internal::orientation(d, q.data()) == whole;
+        q[k] = points.row(k);
+      }
+      const bool sure = inverse.surely_inside(points.row(i));
+      EXPECT_TRUE(inside || !sure) << "point " << i << " in dimension " << d;
+      proved += sure;
+      if (i > d && (i - d - 1) % 3 == 0) {
+        EXPECT_TRUE(sure) << "point " << i << " in dimension " << d;
+      }
+    }
+    EXPECT_GE(proved, 200);
+    std::vector<std::uint32_t> flat = corners;  // twice the same corner
+    flat[0] = flat[1];
+    EXPECT_FALSE(inverse.set(points, flat.data()));
+    EXPECT_FALSE(inverse.surely_inside(points.row(d + 1)));
+  }
 }
 
 /// The rational simplex method on every point: it must agree on points in faces, where floating

@@ -50,5 +50,21 @@ TEST(GeneralPositionLarge, BallsThatTheFilterThins) {
   }
 }
 
+TEST(GeneralPositionLarge, TheSameForAnyNumberOfThreads) {
+  const std::uint64_t counts[] = {20000, 3000, 700, 200};  // of 4D to 7D: many batches each
+  for (unsigned d = 4; d <= 7; ++d)
+    for (const char* shape : {"sphere", "ball"}) {
+      const PointSet s = random_set(shape, counts[d - 4], d, d);
+      Options options;
+      options.threads = 1;
+      const std::uint64_t expected = canonical_hash(convex_hull(view_of(s), options));
+      for (const unsigned threads : {2U, 3U, 4U, 8U}) {
+        options.threads = threads;
+        EXPECT_EQ(canonical_hash(convex_hull(view_of(s), options)), expected)
+            << s.name << " in dimension " << d << ", threads " << threads;
+      }
+    }
+}
+
 }  // namespace
 }  // namespace cullhull::testing_support
