@@ -38,8 +38,8 @@ InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, unsigned threads,
     v = number[v];
   }
   polytope.dimension = d;
-  polytope.facets = std::move(hull.vertices);
-  polytope.neighbours = std::move(hull.neighbours);
+  polytope.facets.assign(hull.vertices.begin(), hull.vertices.end());
+  polytope.neighbours.assign(hull.neighbours.begin(), hull.neighbours.end());
   return polytope;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "control.hpp"
+#include "cullhull/array.hpp"
 #include "points/local_points.hpp"
 
 namespace cullhull::internal {
@@ -16,9 +17,9 @@ struct SimplicialHull {
   unsigned dimension = 0;
   /// facets x d ids; orientation(v0, ..., v(d-1), x) is negative for x inside (the hull lies
   /// beneath).
-  std::vector<std::uint32_t> vertices;
+  Array<std::uint32_t> vertices;
   /// facets x d: entry j is the facet across the ridge opposite to vertex j.
-  std::vector<std::uint32_t> neighbours;
+  Array<std::uint32_t> neighbours;
   /// Pairs (duplicate, vertex): `duplicate` is a point equal to the vertex it was inserted as. The
   /// result takes the lowest id among equals.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;

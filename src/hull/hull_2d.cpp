@@ -13,6 +13,7 @@
 #include "hull/polygon.hpp"
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/touch.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -144,6 +145,7 @@ class Buckets {
       for (std::uint64_t c = 0; c < chunks; ++c) sum += std::exchange(next[c * buckets + b], sum);
     }
     start_[buckets] = sum;
+    touch_pages(entries_.get(), n * sizeof(Entry), threads, [&] { control.check(); });
     for_each_chunk(n, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       control.check();
       std::uint32_t* const at = next.data() + c * buckets;
@@ -369,35 +371,6 @@ Polygon polygon_of_many(const PlanarSource& source, const Extent& extent, const 
 }
 
 }  // namespace
-
-PolygonSeries::PolygonSeries(const Control& control) : chains_({}, Turn(), control) {}
-
-const std::vector<std::uint32_t>& PolygonSeries::corners(const double* rows, std::uint32_t count) {
-  if (entries_.size() < count) entries_.resize(std::size_t{2} * count);
-  Entry* const e = entries_.data();
-  e[0] = {rows[0], rows[1], 0, 0};
-  Chord chord{e[0], e[0]};
-  double low = e[0].y, high = low;
-  for (std::uint32_t i = 1; i < count; ++i) {
-    e[i] = {rows[2 * std::size_t{i}], rows[2 * std::size_t{i} + 1], i, 0};
-    low = std::min(low, e[i].y);
-    high = std::max(high, e[i].y);
-    if (before(e[i], chord.first)) chord.first = e[i];
-    if (before(chord.last, e[i])) chord.last = e[i];
-  }
-  box_ = {{chord.first.x, low}, {chord.last.x, high}};
-  const KeyMap map(chord.first.x, chord.last.x);
-  for (std::uint32_t i = 0; i < count; ++i) e[i].key = map.key(e[i].x);
-  chains_.restart(chord);
-  chains_.add(e, count, 32);
-  corners_.clear();
-  for (std::uint32_t i = 0; i + 1 < chains_.lower_count(); ++i)
-    corners_.push_back(chains_.lower()[i].row);
-  for (std::uint32_t i = chains_.upper_count() - 1; i > 0; --i)
-    corners_.push_back(chains_.upper()[i].row);
-  if (corners_.empty()) corners_.push_back(chains_.lower()[0].row);  // all points are equal
-  return corners_;
-}
 
 Polygon polygon_of(const PointView& points, bool lattice, unsigned threads,
                    const Control& control) {

@@ -124,7 +124,7 @@ class Orienter {
  public:
   Orienter(const LocalPoints& points, SimplicialHull& hull)
       : points_(points), hull_(hull), corners_(hull.dimension + 1) {
-    vertices_ = hull.vertices;
+    vertices_.assign(hull.vertices.begin(), hull.vertices.end());
     std::sort(vertices_.begin(), vertices_.end());
     vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
   }
@@ -210,7 +210,8 @@ SimplicialHull hull_qhull(const LocalPoints& points, const Control& control) {
     QhullRun run;
     run.build(points);
     control.check();
-    hull.vertices = simplices(run, points.dimension);
+    const std::vector<std::uint32_t> ids = simplices(run, points.dimension);
+    hull.vertices.assign(ids.begin(), ids.end());
   }
   match_ridges(hull);
   Orienter orient(points, hull);

@@ -1,13 +1,16 @@
 #include "parallel/pages.hpp"
 
-#include <atomic>
+#include <algorithm>
+#include <cerrno>
 #include <cstdint>
+#include <cstring>
 #include <iterator>
 #include <map>
 #include <mutex>
 
 #if defined(__linux__)
 #include <sys/mman.h>
+#include <unistd.h>
 #endif
 
 namespace cullhull::internal {
@@ -17,9 +20,6 @@ namespace cullhull::internal {
 namespace {
 
 constexpr std::size_t page = std::size_t{2} << 20;
-/// Smaller blocks are the allocator's business.
-constexpr std::size_t large = 2 * page;
-
 std::size_t whole_pages(std::size_t bytes) { return (bytes + page - 1) / page * page; }
 
 char* map_pages(std::size_t bytes) {
@@ -35,19 +35,34 @@ char* map_pages(std::size_t bytes) {
   return start;
 }
 
+std::size_t usual_limit() {
+  constexpr std::size_t most = std::size_t{1} << 30;
+  const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
+  if (pages <= 0 || size <= 0) return most / 4;
+  return std::min(most, static_cast<std::size_t>(pages) / 16 * static_cast<std::size_t>(size));
+}
+
 /// Ranges of whole pages that nobody uses now, joined where they touch.
 class FreePages {
  public:
-  void open() { ++scopes_; }
+  void open() {
+    const std::lock_guard lock(mutex_);
+    ++scopes_;
+  }
   void close() {
+    const std::lock_guard lock(mutex_);
     if (--scopes_ > 0) return;
-    std::map<char*, std::size_t> left;
-    {
-      const std::lock_guard lock(mutex_);
-      // What `give` kept before the count fell is here; after that it keeps nothing.
-      if (scopes_ == 0) left.swap(ranges_);
-    }
-    for (const auto& [start, bytes] : left) munmap(start, bytes);
+    shrink();
+    for (const auto& [start, bytes] : ranges_) offer(start, bytes);
+  }
+  void limit(std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    limit_ = bytes;
+    if (scopes_ == 0) shrink();
+  }
+  std::size_t kept() {
+    const std::lock_guard lock(mutex_);
+    return kept_;
   }
 
   /// The smallest range that is large enough, or nullptr.
@@ -60,6 +75,7 @@ class FreePages {
     char* start = best->first;
     const std::size_t rest = best->second - bytes;
     ranges_.erase(best);
+    kept_ -= bytes;
     if (rest > 0) ranges_.emplace(start + bytes, rest);
     return start;
   }
@@ -67,9 +83,11 @@ class FreePages {
   /// Whether the range was kept.
   bool give(char* start, std::size_t bytes) noexcept {
     const std::lock_guard lock(mutex_);
-    if (scopes_ == 0) return false;
+    if (scopes_ == 0 && (bytes > limit_ || kept_ > limit_ - bytes)) return false;
+    if (scopes_ == 0) offer(start, bytes);
     try {
       auto it = ranges_.emplace(start, bytes).first;
+      kept_ += bytes;
       if (const auto after = std::next(it);
           after != ranges_.end() && it->first + it->second == after->first) {
         it->second += after->second;
@@ -87,8 +105,25 @@ class FreePages {
   }
 
  private:
+  /// Contents may be lost from now on: the system may take the pages without writing them anywhere,
+  /// until they are written to again.
+  static void offer(char* start, std::size_t bytes) { madvise(start, bytes, MADV_FREE); }
+
+  /// Gives ranges back, from the highest address on, until the limit is kept.
+  void shrink() {
+    while (kept_ > limit_) {
+      const auto last = std::prev(ranges_.end());
+      const std::size_t cut = std::min(last->second, whole_pages(kept_ - limit_));
+      last->second -= cut;
+      kept_ -= cut;
+      munmap(last->first + last->second, cut);
+      if (last->second == 0) ranges_.erase(last);
+    }
+  }
+
   std::mutex mutex_;
-  std::atomic<unsigned> scopes_{0};
+  unsigned scopes_ = 0;
+  std::size_t limit_ = usual_limit(), kept_ = 0;
   std::map<char*, std::size_t> ranges_;
 };
 
@@ -103,7 +138,7 @@ PageScope::PageScope() { free_pages().open(); }
 PageScope::~PageScope() { free_pages().close(); }
 
 void* allocate_block(std::size_t bytes) {
-  if (bytes < large) return ::operator new(bytes);
+  if (bytes < mapped_block) return ::operator new(bytes);
   if (bytes > ~std::size_t{0} - 2 * page) throw std::bad_alloc();
   const std::size_t size = whole_pages(bytes);
   char* kept = free_pages().take(size);
@@ -111,10 +146,39 @@ void* allocate_block(std::size_t bytes) {
 }
 
 void free_block(void* block, std::size_t bytes) noexcept {
-  if (bytes < large) return ::operator delete(block);
+  if (bytes < mapped_block) return ::operator delete(block);
   const std::size_t size = whole_pages(bytes);
   auto* start = static_cast<char*>(block);
   if (!free_pages().give(start, size)) munmap(start, size);
+}
+
+void* grow_block(void* block, std::size_t bytes, std::size_t more) {
+  if (more > ~std::size_t{0} - 2 * page) throw std::bad_alloc();
+  const std::size_t old = whole_pages(bytes), size = whole_pages(more);
+  if (size <= old) return block;
+  // Kept pages need no clearing, but the contents must be copied.
+  if (char* kept = old <= size / 2 ? free_pages().take(size) : nullptr; kept != nullptr) {
+    std::memcpy(kept, block, bytes);
+    free_block(block, bytes);
+    return kept;
+  }
+  if (mremap(block, old, size, 0) != MAP_FAILED) {
+    madvise(block, size, MADV_HUGEPAGE);
+    return block;
+  }
+  // A block put together from several mappings (EFAULT) does not move as one.
+  const bool moves = errno != EFAULT;
+  char* place = map_pages(size);  // where a huge page begins: those that there are move as a whole
+  if (moves) {
+    // A failure leaves it open whether `place` is still mapped; nothing in it was touched.
+    if (mremap(block, old, size, MREMAP_MAYMOVE | MREMAP_FIXED, place) == MAP_FAILED)
+      throw std::bad_alloc();
+    madvise(place, size, MADV_HUGEPAGE);
+    return place;
+  }
+  std::memcpy(place, block, bytes);
+  free_block(block, bytes);
+  return place;
 }
 
 #else
@@ -124,7 +188,25 @@ PageScope::~PageScope() {}
 
 void* allocate_block(std::size_t bytes) { return ::operator new(bytes); }
 void free_block(void* block, std::size_t) noexcept { ::operator delete(block); }
+void* grow_block(void* block, std::size_t bytes, std::size_t more) {
+  void* larger = allocate_block(more);
+  std::memcpy(larger, block, bytes);
+  free_block(block, bytes);
+  return larger;
+}
 
 #endif
 
 }  // namespace cullhull::internal
+
+namespace cullhull {
+
+#if defined(__linux__)
+void keep_memory(std::size_t limit) noexcept { internal::free_pages().limit(limit); }
+std::size_t kept_memory() noexcept { return internal::free_pages().kept(); }
+#else
+void keep_memory(std::size_t) noexcept {}
+std::size_t kept_memory() noexcept { return 0; }
+#endif
+
+}  // namespace cullhull

@@ -7,9 +7,10 @@
 
 namespace cullhull::internal {
 
-/// As long as one of these lives, freed blocks are kept and given out again; the last one to go
-/// returns what is left to the system. So nothing is held between calls, and at any time no more
-/// than the calls at work have needed at once.
+/// As long as one of these lives, every freed block is kept and given out again; the last one to go
+/// returns to the system what is beyond the limit of keep_memory(), and lets it have the rest when
+/// it needs it. So at any time no more is held than the calls at work have needed at once, or the
+/// limit.
 class PageScope {
  public:
   PageScope();
@@ -17,5 +18,10 @@ class PageScope {
   PageScope(const PageScope&) = delete;
   PageScope& operator=(const PageScope&) = delete;
 };
+
+/// A larger block with the contents of `block`, which it replaces; all sizes as they were asked
+/// for, at least `mapped_block`. Moves page tables rather than bytes where memory must be new.
+inline constexpr std::size_t mapped_block = std::size_t{4} << 20;
+void* grow_block(void* block, std::size_t bytes, std::size_t more);
 
 }  // namespace cullhull::internal

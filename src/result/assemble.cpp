@@ -81,15 +81,18 @@ class Assembler {
     constexpr std::uint64_t many = 1 << 14;
     std::vector<std::vector<std::pair<std::uint64_t, std::uint64_t>>> long_runs(
         chunk_count(count_, simplex_chunk));
-    const auto run_begin = [&](std::uint64_t i) {
+    // Where the first run of each chunk begins, before anything moves.
+    std::vector<std::uint64_t> starts(long_runs.size() + 1, count_);
+    each_chunk(0, count_, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t) {
+      std::uint64_t i = begin;
       while (i > 0 && i < count_ && keys[i].first == keys[i - 1].first) ++i;
-      return i;
-    };
-    each_chunk(0, count_, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-      const std::uint64_t last = run_begin(end);
-      for (std::uint64_t at = run_begin(begin); at < last;) {
+      starts[c] = i;
+    });
+    each_chunk(0, count_, [&](std::uint64_t c, std::uint64_t, std::uint64_t) {
+      const std::uint64_t last = starts[c + 1];
+      for (std::uint64_t at = starts[c]; at < last;) {
         std::uint64_t to = at + 1;
-        while (to < count_ && keys[to].first == keys[at].first) ++to;
+        while (to < last && keys[to].first == keys[at].first) ++to;
         if (to - at > many && k_ <= 3)
           long_runs[c].emplace_back(at, to);
         else if (to - at > 1)

@@ -211,9 +211,11 @@ class Merger {
     }
     const VertexSet& vertices = on_facet_[m];
     out_.vertices.items.insert(out_.vertices.items.end(), vertices.begin(), vertices.end());
-    std::vector<std::uint32_t>& ids = out_.surface.ids;
+    std::vector<std::uint32_t> pulled;
+    pull(vertices, k_ - 1, ridges, pulled);
+    Array<std::uint32_t>& ids = out_.surface.ids;
     const std::size_t first = ids.size();
-    pull(vertices, k_ - 1, ridges, ids);
+    ids.insert(ids.end(), pulled.begin(), pulled.end());
     const std::uint32_t beneath = vertex_beneath(borders_[0]);
     std::vector<const double*> rows(k_ + 1);
     rows[k_] = points_.exact_row(beneath);

@@ -6,6 +6,7 @@
 
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/touch.hpp"
 #include "result/facet_plane.hpp"
 
 namespace cullhull::internal {
@@ -157,6 +158,8 @@ class Writer {
         list_corners(Reader<void>{points_});
     }
     neighbours_.resize(2 * count_);
+    touch_pages(neighbours_.data(), 2 * count_ * sizeof(std::uint32_t), threads_,
+                [&] { control_.check(); });
     link();
     simplices_.resize(2 * count_);
     facets_.resize(2 * count_);

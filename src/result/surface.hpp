@@ -16,9 +16,9 @@ inline constexpr std::uint64_t simplex_chunk = std::uint64_t{1} << 14;
 /// orient simplex f outward. Entry j of a simplex's neighbours lies across the ridge without id j.
 struct Surface {
   unsigned k = 0;
-  std::vector<std::uint32_t> ids;
-  std::vector<std::uint32_t> neighbours;
-  std::vector<std::uint8_t> odd;
+  Array<std::uint32_t> ids;
+  Array<std::uint32_t> neighbours;
+  Array<std::uint8_t> odd;
 
   std::size_t count() const { return odd.size(); }
   const std::uint32_t* simplex(std::size_t f) const { return ids.data() + f * k; }

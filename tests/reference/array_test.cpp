@@ -9,6 +9,7 @@
 
 #include "parallel/big_array.hpp"
 #include "parallel/pages.hpp"
+#include "parallel/raw_array.hpp"
 
 namespace cullhull {
 namespace {
@@ -63,6 +64,55 @@ TEST(Pages, BlocksInUseAreApart) {
   work(2);
   other.join();
 }
+
+#if defined(__linux__)
+TEST(Pages, BetweenCallsNoMoreIsKeptThanTheLimit) {
+  constexpr std::size_t mega = std::size_t{1} << 20;
+  keep_memory(0);
+  ASSERT_EQ(kept_memory(), 0U);
+  {
+    const internal::PageScope scope;
+    { const internal::BigArray<std::uint8_t> block(20 * mega); }
+    EXPECT_EQ(kept_memory(), 20 * mega);  // a call is at work: the limit waits for its end
+    keep_memory(12 * mega);
+    EXPECT_EQ(kept_memory(), 20 * mega);
+  }
+  EXPECT_EQ(kept_memory(), 12 * mega);
+  {
+    // Freed outside of calls, as results are: kept while the limit allows.
+    const internal::BigArray<std::uint8_t> from_kept(8 * mega), fresh(30 * mega);
+    EXPECT_EQ(kept_memory(), 4 * mega);
+  }
+  EXPECT_EQ(kept_memory(), 12 * mega);
+  keep_memory(6 * mega);
+  EXPECT_EQ(kept_memory(), 6 * mega);
+  keep_memory(0);
+  EXPECT_EQ(kept_memory(), 0U);
+  keep_memory(std::size_t{1} << 30);
+}
+
+/// Contents move along, whether memory is new or kept, aligned or not.
+TEST(Pages, RawArraysKeepTheirContentsAsTheyGrow) {
+  for (const std::size_t limit : {std::size_t{0}, std::size_t{1} << 30}) {
+    keep_memory(limit);
+    const internal::PageScope scope;
+    for (unsigned round = 0; round < 3; ++round) {
+      internal::RawArray<std::uint32_t> a, between;
+      std::size_t filled = 0;
+      for (std::size_t n = 1000; n < 20'000'000; n = n * 7 / 3 + round) {
+        a.reserve(n);
+        ASSERT_GE(a.capacity(), n);
+        for (std::size_t i = 0; i < filled; i += 997) ASSERT_EQ(a[i], i ^ round);
+        for (; filled < n; ++filled) a[filled] = static_cast<std::uint32_t>(filled ^ round);
+        between.reserve(n / 2);
+        between[n / 2 - 1] = 0;
+      }
+      a.release();
+      EXPECT_EQ(a.capacity(), 0U);
+    }
+  }
+}
+#endif
 
 TEST(Pages, FreedPagesServeAgainWithinAScopeOnly) {
   constexpr std::size_t bytes = std::size_t{8} << 20;

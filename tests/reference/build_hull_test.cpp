@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <map>
+#include <unordered_map>
 
 #include "tests/reference/reference_boundary.hpp"
 
@@ -216,6 +219,113 @@ TEST(BuildHull, HugeTinyAndThin) {
   const std::vector<double> thin{1, 1, 1, 2, 2, 2 + 2 * e, 1, 2, 1.5, 2, 1, 1.5 + e};
   const Hull t = canonical(thin, 3, 2);
   EXPECT_NEAR(t.volume, e / 6, e * 1e-12);
+}
+
+/// Closes a surface of outward triangles: neighbours by their edges.
+internal::SimplicialHull closed(const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+  internal::SimplicialHull out;
+  out.dimension = 3;
+  std::unordered_map<std::uint64_t, std::uint32_t> left_of;
+  const auto edge = [](std::uint64_t from, std::uint64_t to) { return from << 32 | to; };
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (unsigned j = 0; j < 3; ++j)
+      left_of[edge(triangles[t][(j + 1) % 3], triangles[t][(j + 2) % 3])] = t;
+  for (const auto& t : triangles)
+    for (unsigned j = 0; j < 3; ++j) {
+      out.vertices.push_back(t[j]);
+      out.neighbours.push_back(left_of.at(edge(t[(j + 2) % 3], t[(j + 1) % 3])));
+    }
+  return out;
+}
+
+// A cube whose faces are k x k squares: corners, flat vertices on edges and inside of faces.
+TEST(BuildHull, FacesFullOfFlatVertices) {
+  for (const std::uint32_t k : {1U, 2U, 7U, 40U}) {
+    std::vector<double> rows;
+    std::map<std::array<std::uint32_t, 3>, std::uint32_t> number;
+    const auto vertex = [&](const std::array<std::uint32_t, 3>& p) {
+      const auto [it, added] = number.try_emplace(p, static_cast<std::uint32_t>(number.size()));
+      if (added) rows.insert(rows.end(), {double(p[0]), double(p[1]), double(p[2])});
+      return it->second;
+    };
+    std::mt19937 random(k);
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    for (unsigned axis = 0; axis < 3; ++axis)
+      for (const bool high : {false, true})
+        for (std::uint32_t a = 0; a < k; ++a)
+          for (std::uint32_t b = 0; b < k; ++b) {
+            std::uint32_t v[4];  // a square, counter-clockwise in the axes that follow
+            for (unsigned c = 0; c < 4; ++c) {
+              std::array<std::uint32_t, 3> p;
+              p[axis] = high ? k : 0;
+              p[(axis + 1) % 3] = a + (c == 1 || c == 2);
+              p[(axis + 2) % 3] = b + (c >= 2);
+              v[c] = vertex(p);
+            }
+            if (!high) std::swap(v[1], v[3]);
+            const unsigned s = random() % 2;  // which diagonal
+            triangles.push_back({v[s], v[s + 1], v[s + 2]});
+            triangles.push_back({v[s], v[s + 2], v[(s + 3) % 4]});
+          }
+    std::shuffle(triangles.begin(), triangles.end(), random);
+    const Hull one = build(rows, 3, closed(triangles), 1);
+    EXPECT_EQ(one.vertices.size(), 8U);
+    EXPECT_EQ(one.facet_count(), 6U);
+    EXPECT_EQ(one.simplex_count(), 12U);
+    EXPECT_DOUBLE_EQ(one.volume, std::pow(k, 3));
+    const Certificate c = certify(PointView::row_major(rows.data(), rows.size() / 3, 3), one);
+    EXPECT_TRUE(c.valid) << c.reason;
+    for (const unsigned threads : {2U, 3U, 8U})
+      EXPECT_TRUE(same_hull(one, build(rows, 3, closed(triangles), threads))) << threads;
+  }
+}
+
+// Two faces with thousands of corners, and a ring of rectangles, each two triangles.
+TEST(BuildHull, FacesWithThousandsOfCorners) {
+  const std::uint32_t n = 20001;
+  std::vector<std::uint32_t> place(2 * n);  // ids in no order
+  std::iota(place.begin(), place.end(), 0U);
+  std::mt19937 random(4);
+  std::shuffle(place.begin(), place.end(), random);
+  std::vector<double> rows(6 * n);
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (const std::uint32_t top : {0U, 1U}) {
+      double* p = &rows[3 * place[2 * i + top]];
+      const double x = double(i) - (n - 1) / 2;
+      p[0] = x;
+      p[1] = x * x;
+      p[2] = top;
+    }
+  const auto id = [&](std::uint32_t i, std::uint32_t top) { return place[2 * (i % n) + top]; };
+  Hull first;
+  for (const std::uint32_t apex : {0U, 77U}) {
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    for (std::uint32_t i = 0; i < n; ++i) {
+      if (i != apex && (i + 1) % n != apex) {  // seen from above x^2 runs counter-clockwise
+        triangles.push_back({id(apex, 1), id(i, 1), id(i + 1, 1)});
+        triangles.push_back({id(apex, 0), id(i + 1, 0), id(i, 0)});
+      }
+      const std::uint32_t a = id(i, 0), b = id(i + 1, 0), c = id(i + 1, 1), d = id(i, 1);
+      if ((i + apex) % 3 == 0) {
+        triangles.push_back({a, b, c});
+        triangles.push_back({a, c, d});
+      } else {
+        triangles.push_back({a, b, d});
+        triangles.push_back({b, c, d});
+      }
+    }
+    std::shuffle(triangles.begin(), triangles.end(), random);
+    const internal::SimplicialHull surface = closed(triangles);
+    for (const unsigned threads : {1U, 3U, 8U}) {
+      const Hull hull = build(rows, 3, surface, threads);
+      if (first.vertices.empty()) first = hull;
+      EXPECT_TRUE(same_hull(first, hull)) << apex << ", threads " << threads;
+    }
+  }
+  EXPECT_EQ(first.vertices.size(), 2 * n);
+  EXPECT_EQ(first.facet_count(), n + 2);
+  const Certificate c = certify(PointView::row_major(rows.data(), 2 * n, 3), first);
+  EXPECT_TRUE(c.valid) << c.reason;
 }
 
 TEST(BuildHull, RefusesWhatIsNoHull) {

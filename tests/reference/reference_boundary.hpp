@@ -51,7 +51,7 @@ inline internal::SimplicialHull boundary_in_order(const std::vector<double>& row
     }
   }
   // Which of equal points became the vertex depends on the order; the engine names the others.
-  std::vector<std::uint32_t> used = out.vertices;
+  std::vector<std::uint32_t> used(out.vertices.begin(), out.vertices.end());
   std::sort(used.begin(), used.end());
   used.erase(std::unique(used.begin(), used.end()), used.end());
   for (std::uint32_t i = 0; i < order.size(); ++i)
