@@ -52,7 +52,7 @@ def _from_interface(interface: Any, owner: Any) -> _core.DevicePoints:
     count, dimension = shape
     if not (0 <= count < 2**63 and 0 <= dimension < 2**32):
         raise InvalidArgument(f"`points` cannot have the shape {shape}")
-    strides = (dimension * size, size)
+    strides: tuple[int, ...] = (dimension * size, size)
     if interface.get("strides") is not None:
         strides = _integers(interface["strides"], "strides")
     if len(strides) != 2:

@@ -122,7 +122,8 @@ def test_progress_true_says_what_is_missing(monkeypatch):
 
 
 LONG = """
-import sys, cullhull
+import signal, sys, cullhull
+signal.signal(signal.SIGINT, signal.default_int_handler)  # who starts the tests may ignore it
 points = cullhull.generate("sphere", 2_000_000, 3)
 print("ready", flush=True)
 try:
