@@ -36,7 +36,7 @@ const InnerPolytope& polytope(unsigned d) {
     }
     p.facets.push_back(local[v]);
   }
-  p.neighbours = hull.neighbours;
+  p.neighbours.assign(hull.neighbours.begin(), hull.neighbours.end());
   p.dimension = d;
   return p;
 }
