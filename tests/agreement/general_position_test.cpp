@@ -51,7 +51,7 @@ TEST(GeneralPositionLarge, BallsThatTheFilterThins) {
 }
 
 TEST(GeneralPositionLarge, TheSameForAnyNumberOfThreads) {
-  const std::uint64_t counts[] = {20000, 3000, 700, 200};  // of 4D to 7D: many batches each
+  const unsigned counts[] = {20000, 3000, 700, 200};  // of 4D to 7D: many batches each
   for (unsigned d = 4; d <= 7; ++d)
     for (const char* shape : {"sphere", "ball"}) {
       const PointSet s = random_set(shape, counts[d - 4], d, d);
