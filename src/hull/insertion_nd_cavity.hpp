@@ -1,4 +1,4 @@
-// The second half of insertion_nd.hpp: the cavity of a point, the facets that replace it, how they
+// A part of insertion_nd.hpp: the cavity of a point, the facets that replace it, how they
 // find their neighbours, and the surface in the end.
 #pragma once
 

@@ -1,4 +1,4 @@
-#include "planar_sets.hpp"
+#include "batch/planar_sets.hpp"
 
 #include <algorithm>
 #include <cmath>

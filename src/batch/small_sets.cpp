@@ -1,4 +1,4 @@
-#include "small_sets.hpp"
+#include "batch/small_sets.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -2,15 +2,18 @@
 #include "cullhull/batch.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "batch/planar_sets.hpp"
+#include "batch/small_sets.hpp"
 #include "control.hpp"
 #include "cullhull/error.hpp"
 #include "parallel/parallel.hpp"
-#include "planar_sets.hpp"
-#include "small_sets.hpp"
 
 namespace cullhull {
 namespace {
@@ -87,7 +90,7 @@ class Joiner {
   Joiner(const std::vector<HullBatch>& parts, unsigned threads, double still)
       : parts_(parts), threads_(threads), still_(still) {}
 
-  void run(HullBatch& out) const {
+  void run(HullBatch& out) {
     join(out, &HullBatch::point_counts);
     join(out, &HullBatch::affine_dimensions);
     join(out, &HullBatch::volumes);
@@ -102,6 +105,12 @@ class Joiner {
     join_lists(out, &HullBatch::simplices);
     join_lists(out, &HullBatch::simplex_neighbours);
     join_lists(out, &HullBatch::simplex_facets);
+    // One hand-over to the threads for all lists: small sets are done in the time of ten.
+    for_each_chunk(parts_.size(), 4, threads_,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     for (std::uint64_t p = begin; p < end; ++p)
+                       for (const auto& copy : copies_) copy(p);
+                   });
   }
 
  private:
@@ -112,13 +121,6 @@ class Joiner {
     for (std::size_t p = 0; p < parts_.size(); ++p) at[p + 1] = at[p] + size(parts_[p]);
     return at;
   }
-  template <class Copy>
-  void each(Copy&& copy) const {
-    for_each_chunk(parts_.size(), 8, threads_,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     for (std::uint64_t p = begin; p < end; ++p) copy(p);
-                   });
-  }
   template <class Vector>
   void grow(Vector& out, std::size_t size) const {
     if (size > out.capacity())
@@ -126,32 +128,34 @@ class Joiner {
     out.resize(size);
   }
   template <class Vector>
-  void join_items(Vector& out, const auto& of) const {
-    const auto at = places(out.size(), [&](const HullBatch& b) { return of(b).size(); });
+  void join_items(Vector& out, const auto& of) {
+    auto at = places(out.size(), [&](const HullBatch& b) { return of(b).size(); });
     grow(out, at.back());
-    each([&](std::uint64_t p) {
+    copies_.push_back([this, &out, of, at = std::move(at)](std::uint64_t p) {
       const Vector& items = of(parts_[p]);
       std::copy(items.begin(), items.end(), out.begin() + static_cast<std::ptrdiff_t>(at[p]));
     });
   }
   template <class Vector>
-  void join(HullBatch& out, Vector HullBatch::*member) const {
+  void join(HullBatch& out, Vector HullBatch::*member) {
     join_items(
         out.*member, [member](const HullBatch& b) -> const auto& { return b.*member; });
   }
   /// Offsets that begin at 0 in every part.
   template <class Vector>
-  void join_starts(Vector& out, const auto& of) const {
-    const auto at = places(out.size(), [&](const HullBatch& b) { return of(b).size() - 1; });
-    const auto base = places(out.back(), [&](const HullBatch& b) { return of(b).back(); });
+  void join_starts(Vector& out, const auto& of) {
+    auto at = places(out.size(), [&](const HullBatch& b) { return of(b).size() - 1; });
+    auto base = places(out.back(), [&](const HullBatch& b) { return of(b).back(); });
     grow(out, at.back());
-    each([&](std::uint64_t p) {
-      const auto& offsets = of(parts_[p]);
-      for (std::size_t i = 1; i < offsets.size(); ++i) out[at[p] + i - 1] = base[p] + offsets[i];
-    });
+    copies_.push_back(
+        [this, &out, of, at = std::move(at), base = std::move(base)](std::uint64_t p) {
+          const auto& offsets = of(parts_[p]);
+          for (std::size_t i = 1; i < offsets.size(); ++i)
+            out[at[p] + i - 1] = base[p] + offsets[i];
+        });
   }
   template <class T>
-  void join_lists(HullBatch& out, Lists<T> HullBatch::*member) const {
+  void join_lists(HullBatch& out, Lists<T> HullBatch::*member) {
     EvenArray<std::uint64_t>& offsets = (out.*member).offsets;
     const std::uint64_t step = common_step(member, offsets);
     if (step != 0)
@@ -187,6 +191,7 @@ class Joiner {
   const std::vector<HullBatch>& parts_;
   const unsigned threads_;
   const double still_;
+  std::vector<std::function<void(std::uint64_t)>> copies_;  // of part p into a list
 };
 
 void check_offsets(const PointView& points, const std::uint64_t* offsets, std::uint64_t sets) {
