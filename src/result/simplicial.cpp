@@ -14,6 +14,7 @@
 
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/touch.hpp"
 #include "predicates/orientation.hpp"
 #include "result/cofactors.hpp"
 #include "result/facet_kernel.hpp"
@@ -84,6 +85,7 @@ class Simplicial {
     next_.assign(chunks * buckets_, 0);
     for_each_chunk(count_, simplex_chunk, threads_,
                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+                     control_.check();
                      std::uint32_t* counts = next_.data() + chunk * buckets_;
                      for (std::uint64_t f = begin; f < end; ++f)
                        ++counts[vertices_.position(surface_.stored(f, 0)) >> shift_];
@@ -105,6 +107,7 @@ class Simplicial {
   /// False if some simplices are coplanar.
   bool scan() {
     records_ = BigArray<Record<K>>(count_);
+    touch_pages(records_.get(), count_ * sizeof(Record<K>), threads_, [&] { control_.check(); });
     std::vector<ChunkCounts> counts(chunk_count(count_, simplex_chunk));
     for_each_chunk(count_, simplex_chunk, threads_,
                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
@@ -404,6 +407,7 @@ class Simplicial {
     Array<std::uint32_t> neighbours(count_ * K);
     for_each_chunk(count_, simplex_chunk, threads_,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     control_.check();
                      for (std::uint64_t i = begin; i < end; ++i) {
                        std::uint32_t* next = hull_.simplex_neighbours.data() + i * K;
                        std::uint32_t* across = neighbours.data() + i * K;
