@@ -31,8 +31,9 @@ std::uint64_t sort_chunk(std::uint32_t n) { return std::max<std::uint64_t>(1 << 
 void refine_cells(const LocalPoints& points, const DirectionKey& key, Keyed* keyed,
                   std::uint32_t first, std::uint32_t n, unsigned threads, const Control& control) {
   constexpr std::uint64_t chunk_size = 1 << 14, longest = 1 << 17;
-  constexpr std::uint32_t crowd = 4;
-  if (n < first + crowd) return;
+  // Of fewer points the walks stay in the cache, and ordering them costs more than it saves.
+  constexpr std::uint32_t crowd = 4, fewest = 1U << 16;
+  if (n < first + fewest) return;
   const std::uint64_t count = n - first;
   const Keyed* const begin_all = keyed + first;
   std::vector<std::uint64_t> crowded(chunk_count(count, chunk_size), 0);

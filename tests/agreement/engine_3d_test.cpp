@@ -112,6 +112,16 @@ TEST(Engine3D, ScreeningAfterPieces) {
   for (const unsigned threads : {2U, 8U}) EXPECT_EQ(canonical_hash(hull_of(rows, threads)), one);
 }
 
+// So many points in few cells of the curve that these are ordered once more.
+TEST(Engine3D, CrowdedCells) {
+  const Rows rows = two_circles(80000);
+  const PointView view = PointView::row_major(rows.data(), rows.size() / 3, 3);
+  const Hull one = hull_of(rows, 1);
+  const Certificate certificate = certify(view, one);
+  EXPECT_TRUE(certificate.valid) << certificate.reason;
+  EXPECT_EQ(canonical_hash(hull_of(rows, 3)), canonical_hash(one));
+}
+
 TEST(Engine3D, AgreesWithRationalArithmetic) {
   for (const Set& set : sets(160)) {
     SCOPED_TRACE(set.name);
