@@ -19,9 +19,10 @@ InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, unsigned threads,
   if (frame.affine_dimension() != static_cast<int>(d)) return polytope;
   SimplicialHull hull;
   try {
-    hull = d == 2   ? hull_2d(frame.points(), threads, control)
-           : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), budget, threads, control)
-                    : hull_nd(frame.points(), frame.simplex().data(), budget, threads, control, true);
+    hull = d == 2 ? hull_2d(frame.points(), threads, control)
+           : d == 3
+               ? hull_3d(frame.points(), frame.simplex().data(), budget, threads, control)
+               : hull_nd(frame.points(), frame.simplex().data(), budget, threads, control, true);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::out_of_budget) throw;
     return polytope;  // the filter is a help, not a need

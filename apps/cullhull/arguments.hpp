@@ -57,8 +57,8 @@ struct RunArguments {
   cullhull::Options options() const;
 };
 
-/// Where the machine's constants are: $CULLHULL_MACHINE, else cullhull/machine.json in $XDG_CONFIG_HOME or ~/.config;
-/// empty without a home.
+/// Where the machine's constants are: $CULLHULL_MACHINE, else cullhull/machine.json in
+/// $XDG_CONFIG_HOME or ~/.config; empty without a home.
 std::string machine_file();
 
 /// "800", "1.5M", "2GiB", "1e6": a whole number with an optional unit (k M G T powers of 1000; Ki
