@@ -16,7 +16,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "result/cofactors.hpp"
+#include "predicates/cofactors.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::HWY_NAMESPACE {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "cullhull/error.hpp"
+#include "predicates/cofactors.hpp"
 #include "predicates/orientation.hpp"
-#include "result/cofactors.hpp"
 #include "result/double_double.hpp"
 #include "result/exact_rests.hpp"
 #include "result/measure_frame.hpp"

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "parallel/parallel.hpp"
+#include "predicates/cofactors.hpp"
 #include "predicates/orientation.hpp"
-#include "result/cofactors.hpp"
 
 namespace cullhull::internal {
 namespace {

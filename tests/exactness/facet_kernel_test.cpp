@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <random>
 
-#include "result/cofactors.hpp"
+#include "predicates/cofactors.hpp"
 
 namespace cullhull::internal {
 namespace {
