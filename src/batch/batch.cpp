@@ -254,7 +254,7 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
   const unsigned threads = resolve_threads(options.threads);
   // What is asked for otherwise decides which errors there are.
   const bool plain = options.engine == Engine::native && options.backend != Backend::cuda &&
-                     (options.memory_budget == 0 || options.memory_budget >= 1 << 20);
+                     (options.memory_budget == 0 || options.memory_budget >= 1 << 22);
   // Chunks of sets: large enough to be worth a task, many enough to be shared evenly. The parts of
   // a block of chunks stay in the cache until they are joined, and their memory serves the next.
   constexpr std::uint64_t chunk = 32;
@@ -267,12 +267,12 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
     one.threads = 1;
     one.progress = nullptr;
     part.dimension = points.dimension;
-    PlanarSets planar(options, control);
+    PlanarSets planar(control);
     for (std::uint64_t i = begin; i < end; ++i) {
       PointView set = points;
       set.count = offsets[i + 1] - offsets[i];
       set.data += static_cast<std::ptrdiff_t>(offsets[i]) * points.point_stride;
-      if (planar.append(set, part)) continue;
+      if (plain && planar.append(set, part)) continue;
       try {
         if (!plain || !append_small_3d(set, part)) append(part, convex_hull(set, one));
       } catch (const Error& e) {

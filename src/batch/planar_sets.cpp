@@ -24,13 +24,10 @@ void end_list(Lists<T>& lists) {
 
 }  // namespace
 
-PlanarSets::PlanarSets(const Options& options, const Control& control)
-    : enabled_(options.engine == Engine::native && options.backend != Backend::cuda &&
-               (options.memory_budget == 0 || options.memory_budget >= 1 << 22)),
-      series_(control) {}
+PlanarSets::PlanarSets(const Control& control) : series_(control) {}
 
 bool PlanarSets::append(const PointView& set, HullBatch& to) {
-  if (!enabled_ || set.dimension != 2 || set.count < 3 || set.count > most_points) return false;
+  if (set.dimension != 2 || set.count < 3 || set.count > most_points) return false;
   const auto n = static_cast<std::uint32_t>(set.count);
   const double* const rows = load(set);
   double sum = 0;  // x * 0 is NaN exactly for NaN and infinities

@@ -6,7 +6,6 @@
 
 #include "control.hpp"
 #include "cullhull/batch.hpp"
-#include "cullhull/options.hpp"
 #include "hull/polygon.hpp"
 #include "result/polygon_result.hpp"
 
@@ -14,12 +13,11 @@ namespace cullhull::internal {
 
 class PlanarSets {
  public:
-  PlanarSets(const Options& options, const Control& control);
+  explicit PlanarSets(const Control& control);
 
   /// Appends the hull of a set of points of the plane to `to`: the same bits as convex_hull gives.
   /// False, with `to` as it was, where convex_hull must see to it: other dimensions, large sets,
-  /// lines, extraordinary proportions, points that are not finite, options that decide more than
-  /// the time.
+  /// lines, extraordinary proportions, points that are not finite.
   bool append(const PointView& set, HullBatch& to);
 
  private:
@@ -28,7 +26,6 @@ class PlanarSets {
   bool measure(const PointView& set, const EdgeKernel& kernel, double* planes, Hull& measures);
   void write(const PointView& set, const Hull& measures, HullBatch& to) const;
 
-  bool enabled_;
   PolygonSeries series_;
   std::vector<double> rows_;
   std::vector<std::uint32_t> rank_;  // of each row that is a corner
