@@ -43,7 +43,7 @@ bool load(const PointView& set, SmallPoints3D& points) {
       for (std::uint64_t i = 0; i < set.count; ++i) axis[i] = set.at(i, c);
     for (std::uint64_t i = 0; i < set.count; ++i)
       finite &= std::fabs(axis[i]) <= std::numeric_limits<double>::max();
-    std::fill(axis + set.count, axis + (set.count + 7) / 8 * 8, axis[0]);
+    std::fill(axis + set.count, axis + (set.count + 15) / 16 * 16, axis[0]);
   }
   return finite;
 }

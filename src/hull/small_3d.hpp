@@ -15,14 +15,14 @@ struct SmallHull3D {
 };
 
 /// Finite coordinates of up to max_points points; those beyond the last up to the next multiple of
-/// eight are read, too.
+/// sixteen are read, too: copies of one of the points.
 struct SmallPoints3D {
   alignas(64) double axes[3][SmallHull3D::max_points];
 };
 
-/// False where a sign that was needed is zero or hidden by rounding (coplanar or equal points,
-/// slivers), and for coordinates of odd magnitudes: then another engine must look. If true, no
-/// other point is on the boundary and no two facets are coplanar.
+/// False where a sign that was needed is zero (coplanar or equal points), and for coordinates of odd
+/// magnitudes: then another engine must look. If true, no other point is on the boundary and no two
+/// facets are coplanar.
 bool small_hull_3d(const SmallPoints3D& points, unsigned count, SmallHull3D& out);
 
 }  // namespace cullhull::internal
