@@ -40,7 +40,7 @@ class Builder {
       : points_(points), count_(count), padded_((count + 15) / 16 * 16) {}
 
   bool run(SmallHull3D& out) {
-    if (count_ < 4 || !measure() || !start()) return false;
+    if (count_ < 4 || !measure(out) || !start()) return false;
     Number order[most_points];
     const unsigned left = outer_first(order);
     for (unsigned i = 0; i < left; ++i)
@@ -60,26 +60,32 @@ class Builder {
   /// this range underflow and overflow are far away: all differences are at most the extent
   /// e <= 2^100, so each of the six products of a determinant loses at most 3 * 2^-1074 * 2^200
   /// through underflow, far below `tiny`, which is far below the bound of any facet that counts.
-  bool measure() {
+  bool measure(SmallHull3D& out) {
     const Wide tag;
     const auto lanes = static_cast<unsigned>(hn::Lanes(tag));
+    auto wrong = hn::Zero(tag);
     for (unsigned c = 0; c < 3; ++c) {
       const double* const axis = points_.axes[c];
       auto low = hn::Load(tag, axis), high = low;
-      for (unsigned i = lanes; i < padded_; i += lanes) {
+      for (unsigned i = 0; i < padded_; i += lanes) {
         const auto x = hn::Load(tag, axis + i);
+        wrong = hn::Or(wrong, hn::Sub(x, x));  // 0 or not a number
         low = hn::Min(low, x);
         high = hn::Max(high, x);
       }
       const double least = hn::GetLane(hn::MinOfLanes(tag, low)),
                    most = hn::GetLane(hn::MaxOfLanes(tag, high));
+      out.low[c] = least;
+      out.high[c] = most;
       middle_[c] = least + (most - least) / 2;  // between them, rounded or not
       if (most - least > extent_) {
         extent_ = most - least;
         longest_ = c;
       }
     }
-    if (!(extent_ > 0x1p-100 && extent_ < 0x1p100)) return false;
+    if (!hn::AllTrue(tag, hn::Eq(wrong, hn::Zero(tag))) || !(extent_ > 0x1p-100) ||
+        !(extent_ < 0x1p100))
+      return false;
     scale_ = std::ldexp(1.0, -(std::ilogb(extent_) + 1));
     const hn::Rebind<float, Wide> narrow;
     for (unsigned c = 0; c < 3; ++c) {
@@ -262,7 +268,7 @@ class Builder {
       offset += n[c] * ((points_.axes[c][p] - middle_[c]) * scale_);
     }
     plane_[3][f] = static_cast<float>(offset);
-    facets_[f] = p | from << 8 | to << 16;
+    facets_[f] = p << 16 | from << 8 | to;
     owner_[p][from] = owner_[from][to] = owner_[to][p] = static_cast<Number>(f);
   }
   static constexpr float doubt = 0x1p-18F;
@@ -290,7 +296,7 @@ class Builder {
       for (; open != 0; open &= open - 1) {
         const unsigned f = 64 * w + static_cast<unsigned>(std::countr_zero(open));
         const std::uint32_t v = facets_[f];
-        const Sign sign = side(v & 0xFF, v >> 8 & 0xFF, v >> 16, p);
+        const Sign sign = side(v >> 16, v >> 8 & 0xFF, v & 0xFF, p);
         if (sign == Sign::zero) return false;
         seen |= std::uint64_t{sign == Sign::positive} << f % 64;
       }
@@ -309,7 +315,7 @@ class Builder {
         const unsigned f = 64 * w + static_cast<unsigned>(std::countr_zero(rest));
         visible_[visible++] = static_cast<Number>(f);
         const std::uint32_t v = facets_[f];
-        const unsigned a = v & 0xFF, b = v >> 8 & 0xFF, c = v >> 16;
+        const unsigned a = v >> 16, b = v >> 8 & 0xFF, c = v & 0xFF;
         const auto edge = [&](unsigned from, unsigned to) {  // no branch: it would be mispredicted
           const unsigned across = owner_[to][from];
           from_[edges] = static_cast<Number>(from);
@@ -342,18 +348,47 @@ class Builder {
     free_[free_count_++] = static_cast<Number>(f);
   }
 
-  void collect(SmallHull3D& out) const {
-    Number number[capacity];
-    out.count = 0;
-    for (unsigned f = 0; f < top_; ++f)
-      if (facets_[f] != none) number[f] = static_cast<Number>(out.count++);
+  /// The facets in canonical order, without sorting: those whose lowest vertex is v are found by
+  /// the bits of their second vertices, as the facets on the left of edges from v.
+  HWY_INLINE void collect(SmallHull3D& out) {
+    const unsigned words = (count_ + 63) / 64;
+    std::uint64_t second[most_points][2];
+    for (unsigned v = 0; v < count_; ++v) second[v][0] = second[v][1] = 0;
     for (unsigned f = 0; f < top_; ++f) {
       if (facets_[f] == none) continue;
-      const unsigned v[3] = {facets_[f] & 0xFF, facets_[f] >> 8 & 0xFF, facets_[f] >> 16};
-      for (unsigned j = 0; j < 3; ++j) {
-        out.vertices[number[f]][j] = static_cast<Number>(v[j]);
-        out.neighbours[number[f]][j] = number[owner_[v[(j + 2) % 3]][v[(j + 1) % 3]]];
-      }
+      const std::uint32_t key = facets_[f];
+      const std::uint32_t least =
+          std::min({key, (key << 8 | key >> 16) & 0xFFFFFF, (key << 16 | key >> 8) & 0xFFFFFF});
+      facets_[f] = least;
+      second[least >> 16][least >> 14 & 1] |= std::uint64_t{1} << (least >> 8 & 63);
+    }
+    Number rank[capacity], used[most_points] = {};
+    unsigned n = 0;
+    for (unsigned v = 0; v < count_; ++v)
+      for (unsigned w = 0; w < words; ++w)
+        for (std::uint64_t rest = second[v][w]; rest != 0; rest &= rest - 1) {
+          const unsigned f = owner_[v][64 * w + static_cast<unsigned>(std::countr_zero(rest))];
+          const std::uint32_t key = facets_[f];
+          rank[f] = static_cast<Number>(n);
+          Number* to = out.vertices + std::size_t{3} * n++;
+          to[0] = static_cast<Number>(v);
+          to[1] = static_cast<Number>(key >> 8);
+          to[2] = static_cast<Number>(key);
+        }
+    out.count = n;
+    for (unsigned i = 0; i < 3 * n; i += 3) {
+      const unsigned a = out.vertices[i], b = out.vertices[i + 1], c = out.vertices[i + 2];
+      used[a] = used[b] = used[c] = 1;
+      const Number x = rank[owner_[c][b]], y = rank[owner_[a][c]], z = rank[owner_[b][a]];
+      out.opposite[i] = out.beside[i + 1] = x;
+      out.opposite[i + 1] = out.beside[i + 2] = y;
+      out.opposite[i + 2] = out.beside[i] = z;
+    }
+    for (unsigned i = 3 * n; i < (n + 7) / 8 * 24; ++i) out.vertices[i] = out.vertices[i - 3];
+    out.vertex_count = 0;
+    for (unsigned v = 0; v < count_; ++v) {
+      out.ids[out.vertex_count] = static_cast<Number>(v);
+      out.vertex_count += used[v];
     }
   }
 
@@ -366,7 +401,7 @@ class Builder {
   HWY_ALIGN float near_[3][most_points];  // from the middle, scaled
   HWY_ALIGN float values_[most_points];
   HWY_ALIGN float plane_[4][capacity];      // normals and offsets
-  std::uint32_t facets_[capacity];          // vertices, counter-clockwise from outside
+  std::uint32_t facets_[capacity];          // a << 16 | b << 8 | c, counter-clockwise from outside
   Number owner_[most_points][most_points];  // the facet on the left of a directed edge
   Number free_[capacity];
   Number visible_[capacity + 1], from_[capacity + 1], to_[capacity + 1];
