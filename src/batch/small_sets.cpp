@@ -46,6 +46,15 @@ void append_threes(EvenArray<std::uint64_t>& offsets, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) offsets.push_back(at += 3);
 }
 
+/// A list more for each facet; their length together.
+std::uint64_t append_sizes(EvenArray<std::uint64_t>& offsets, const SmallHull3D& hull) {
+  const std::uint64_t begin = offsets.back();
+  std::uint64_t at = begin;
+  Array<std::uint64_t>& items = offsets.edit();
+  for (unsigned i = 0; i < hull.facet_count; ++i) items.push_back(at += hull.facet_size[i]);
+  return at - begin;
+}
+
 void load(const PointView& set, SmallPoints3D& points) {
   for (unsigned c = 0; c < 3; ++c) {
     double* const axis = points.axes[c];
@@ -70,6 +79,8 @@ struct SmallTotals {
 
 /// Planes and measures, as the general path computes them.
 class SmallMeasurer {
+  using Number = std::uint8_t;
+
  public:
   SmallMeasurer(const PointView& set, const SmallPoints3D& points, const SmallHull3D& hull)
       : set_(set), points_(points), hull_(hull) {}
@@ -81,6 +92,7 @@ class SmallMeasurer {
     for (unsigned w = 0; w < std::size(shares_.open); ++w)
       for (std::uint64_t rest = shares_.open[w]; rest != 0; rest &= rest - 1)
         look_again(64 * w + static_cast<unsigned>(std::countr_zero(rest)), planes);
+    if (!hull_.simplicial()) choose_planes(planes);
     const SmallTotals all = total();
     if (!settled(all, 0x1p-53)) return false;
     double origin[3];
@@ -138,6 +150,23 @@ class SmallMeasurer {
     for (unsigned c = 0; c < 3; ++c) shares_.moment[c][i] = share.moment[c];
     shares_.error[i] = share.error;
     shares_.area_error[i] = share.area_error;
+  }
+
+  /// Of the planes of a facet's simplices that of the longest normal, the first of equals.
+  void choose_planes(double* planes) const {
+    Number best[SmallHull3D::max_facets];
+    unsigned facets = 0;
+    for (unsigned i = 0; i < hull_.count; ++i) {
+      const Number f = hull_.facet_of[i];
+      if (f == facets)
+        best[facets++] = static_cast<Number>(i);
+      else if (shares_.area[i] > shares_.area[best[f]])
+        best[f] = static_cast<Number>(i);
+    }
+    double chosen[4 * SmallHull3D::max_facets];
+    for (unsigned f = 0; f < facets; ++f)
+      std::copy_n(planes + std::size_t{4} * best[f], 4, chosen + std::size_t{4} * f);
+    std::copy_n(chosen, std::size_t{4} * facets, planes);
   }
 
   /// Runs in doubles, then their sum: as total_of_runs, for a single chunk.
@@ -199,14 +228,22 @@ void write(const PointView& set, const SmallHull3D& hull, const Measures& measur
   to.vertices.offsets.push_back(to.vertices.items.size());
 
   const std::size_t n = hull.count;
-  to.facet_starts.push_back(to.facet_starts.back() + n);
-  append_threes(to.facets.offsets, n);
-  append_threes(to.facet_neighbours.offsets, n);
-  append_bytes(to.facets.items, hull.vertices, 3 * n);
+  to.facet_starts.push_back(to.facet_starts.back() + hull.facet_count);
   append_bytes(to.simplices.items, hull.vertices, 3 * n);
-  append_bytes(to.facet_neighbours.items, hull.beside, 3 * n);
   append_bytes(to.simplex_neighbours.items, hull.opposite, 3 * n);
-  append_bytes(to.simplex_facets.items, numbers.data(), n);
+  if (hull.simplicial()) {
+    append_threes(to.facets.offsets, n);
+    append_threes(to.facet_neighbours.offsets, n);
+    append_bytes(to.facets.items, hull.vertices, 3 * n);
+    append_bytes(to.facet_neighbours.items, hull.beside, 3 * n);
+    append_bytes(to.simplex_facets.items, numbers.data(), n);
+  } else {
+    const std::uint64_t size = append_sizes(to.facets.offsets, hull);
+    append_sizes(to.facet_neighbours.offsets, hull);
+    append_bytes(to.facets.items, hull.corners, size);
+    append_bytes(to.facet_neighbours.items, hull.beside, size);
+    append_bytes(to.simplex_facets.items, hull.facet_of, n);
+  }
   to.simplices.offsets.push_back(to.simplices.items.size());
   to.simplex_neighbours.offsets.push_back(to.simplex_neighbours.items.size());
   to.simplex_facets.offsets.push_back(to.simplex_facets.items.size());
@@ -225,7 +262,7 @@ bool append_small_3d(const PointView& set, HullBatch& to) {
   const bool done =
       SmallMeasurer(set, points, hull)
           .run(extend(to.facet_planes, std::size_t{4} * ((hull.count + 7) / 8 * 8)), measures);
-  to.facet_planes.resize(done ? planes + std::size_t{4} * hull.count : planes);
+  to.facet_planes.resize(done ? planes + std::size_t{4} * hull.facet_count : planes);
   if (done) write(set, hull, measures, to);
   return done;
 }

@@ -14,8 +14,10 @@
 #include <bit>
 #include <cmath>
 
+#include "hull/small_surface.hpp"
 #include "predicates/cofactors.hpp"
 #include "predicates/orientation.hpp"
+#include "predicates/orientation_3d.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::HWY_NAMESPACE {
@@ -43,16 +45,25 @@ class Builder {
     if (count_ < 4 || !measure(out) || !start()) return false;
     Number order[most_points];
     const unsigned left = outer_first(order);
-    for (unsigned i = 0; i < left; ++i)
-      if (!insert(order[i])) return false;
-    collect(out);
+    for (unsigned i = 0; i < left && !given_up_; ++i) insert(order[i]);
+    if (given_up_) return false;
+    if (!touched_) {
+      order_small(surface_, count_, nullptr, out);
+      return true;
+    }
+    SmallPolygons polygons;
+    CoplanarPair pairs[3 * capacity];
+    const unsigned pair_count = find_coplanar(pairs);
+    if (given_up_) return false;
+    merge_small(surface_, pairs, pair_count, lowest_, polygons);
+    order_small(surface_, count_, &polygons, out);
     return true;
   }
 
  private:
   using Number = std::uint8_t;
-  static constexpr unsigned most_points = SmallHull3D::max_points;
-  static constexpr unsigned capacity = SmallHull3D::max_facets;
+  static constexpr unsigned most_points = SmallSurface::most_points;
+  static constexpr unsigned capacity = SmallSurface::capacity;
 
   // ------------------------------------------------------------------------------------ the points
 
@@ -170,7 +181,7 @@ class Builder {
     clear_planes();
     // Counter-clockwise from outside.
     constexpr unsigned order[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
-    top_ = 4;
+    surface_.top = 4;
     for (unsigned f = 0; f < 4; ++f) {
       const unsigned p = begin_[order[f][0]], from = begin_[order[f][1]], to = begin_[order[f][2]];
       look_from(p, from);
@@ -212,24 +223,57 @@ class Builder {
   /// On which side of (a, b, c) point p is: in doubles,
   /// |side - exact| <= determinant_error(3) max|edge 1| max|edge 2| max|p - origin| + tiny, and a
   /// difference is not larger than the extent, rounded alike. Then exactly.
-  HWY_NOINLINE Sign side(unsigned a, unsigned b, unsigned c, unsigned p) const {
-    double e[2][3], normal[3], reach[2] = {0, 0}, rows[4][3];
+  Sign side(unsigned a, unsigned b, unsigned c, unsigned p) {
+    double e[3][3], normal[3], reach[2] = {0, 0};
     for (unsigned j = 0; j < 3; ++j) {
       const double* x = points_.axes[j];
-      rows[0][j] = x[a], rows[1][j] = x[b], rows[2][j] = x[c], rows[3][j] = x[p];
       e[0][j] = x[b] - x[a];
       e[1][j] = x[c] - x[a];
+      e[2][j] = x[p] - x[a];
+      if (e[0][j] == 0 && e[1][j] == 0 && e[2][j] == 0) return Sign::zero;  // as on a box
       reach[0] = std::max(reach[0], std::fabs(e[0][j]));
       reach[1] = std::max(reach[1], std::fabs(e[1][j]));
     }
-    cofactors<3>(e, normal);
-    double sum = 0;
-    for (unsigned j = 0; j < 3; ++j) sum += normal[j] * (rows[3][j] - rows[0][j]);
-    constexpr double tiny = 0x1p-800;
-    if (std::fabs(sum) > determinant_error(3) * reach[0] * reach[1] * extent_ + tiny)
+    for (unsigned j = 0; j < 3; ++j) {
+      const unsigned k = (j + 1) % 3, l = (j + 2) % 3;
+      normal[j] = e[0][k] * e[1][l] - e[0][l] * e[1][k];
+    }
+    const double sum = normal[0] * e[2][0] + normal[1] * e[2][1] + normal[2] * e[2][2];
+    if (std::fabs(sum) > determinant_error(3) * reach[0] * reach[1] * extent_ + tiny ||
+        lattice_ == Lattice::yes)
       return sign_of(sum);
+    return hard_side(a, b, c, p, sum);
+  }
+
+  HWY_NOINLINE Sign hard_side(unsigned a, unsigned b, unsigned c, unsigned p, double sum) {
+    if (lattice_ == Lattice::unknown) lattice_ = on_lattice() ? Lattice::yes : Lattice::no;
+    if (lattice_ == Lattice::yes) return sign_of(sum);
+    double rows[4][3];
+    for (unsigned j = 0; j < 3; ++j) {
+      const double* x = points_.axes[j];
+      rows[0][j] = x[a], rows[1][j] = x[b], rows[2][j] = x[c], rows[3][j] = x[p];
+    }
+    Sign sign = Sign::zero;
+    if (side_in_pairs(rows[0], rows[1], rows[2], rows[3], tiny, sign)) return sign;
+    // What takes a microsecond here is no longer for small sets.
+    given_up_ |= ++exact_signs_ > most_exact_signs;
     const double* at[4] = {rows[0], rows[1], rows[2], rows[3]};
-    return orientation(3, at);
+    return given_up_ ? Sign::zero : orientation_exact(3, at);
+  }
+
+  /// Whether coordinates are multiples of 2^-16 of a power of two that all differences are below:
+  /// then a determinant is a sum of six products of integers below 2^48, and nothing rounds.
+  bool on_lattice() const {
+    const double unit = 0x1p16 * scale_;
+    for (unsigned c = 0; c < 3; ++c) {
+      const double first = points_.axes[c][0];
+      for (unsigned i = 1; i < count_; ++i) {
+        const double x = points_.axes[c][i], d = x - first, back = d - x;
+        if ((x - (d - back)) + (-first - back) != 0 || d * unit != std::nearbyint(d * unit))
+          return false;
+      }
+    }
+    return true;
   }
 
   // ---------------------------------------------------------------------------------- the facets
@@ -268,21 +312,21 @@ class Builder {
       offset += n[c] * ((points_.axes[c][p] - middle_[c]) * scale_);
     }
     plane_[3][f] = static_cast<float>(offset);
-    facets_[f] = p << 16 | from << 8 | to;
-    owner_[p][from] = owner_[from][to] = owner_[to][p] = static_cast<Number>(f);
+    surface_.set(f, p, from, to);
   }
   static constexpr float doubt = 0x1p-18F;
 
-  /// The facets that p sees, as bits; false where p is in the plane of one.
-  HWY_INLINE bool find_visible(unsigned p, std::uint64_t* visible) const {
+  /// The facets that p sees, as bits.
+  HWY_INLINE void find_visible(unsigned p, std::uint64_t* visible) {
     const Tag tag;
     const auto lanes = static_cast<unsigned>(hn::Lanes(tag));
     const V x = hn::Set(tag, near_[0][p]), y = hn::Set(tag, near_[1][p]),
             z = hn::Set(tag, near_[2][p]), above = hn::Set(tag, doubt),
             below = hn::Set(tag, -doubt);
-    for (unsigned w = 0; 64 * w < top_; ++w) {
+    const unsigned top = surface_.top;
+    for (unsigned w = 0; 64 * w < top; ++w) {
       std::uint64_t seen = 0, hidden = 0;
-      const unsigned end = std::min(top_, 64 * w + 64);
+      const unsigned end = std::min(top, 64 * w + 64);
       for (unsigned f = 64 * w; f < end; f += lanes) {
         const V s = hn::MulAdd(
             hn::Load(tag, plane_[0] + f), x,
@@ -295,38 +339,48 @@ class Builder {
       std::uint64_t open = ~(seen | hidden) & (~std::uint64_t{0} >> (64 - used));
       for (; open != 0; open &= open - 1) {
         const unsigned f = 64 * w + static_cast<unsigned>(std::countr_zero(open));
-        const std::uint32_t v = facets_[f];
-        const Sign sign = side(v >> 16, v >> 8 & 0xFF, v & 0xFF, p);
-        if (sign == Sign::zero) return false;
+        unsigned v[3];
+        SmallSurface::corners(surface_.facets[f], v);
+        const Sign sign = side(v[0], v[1], v[2], p);
+        if (sign == Sign::zero) touch(p, v);
         seen |= std::uint64_t{sign == Sign::positive} << f % 64;
       }
       visible[w] = seen;
     }
-    return true;
+  }
+
+  /// p is in the plane of a facet. Where it is equal to a corner, the lowest of equal points is to
+  /// stand for all.
+  void touch(unsigned p, const unsigned* v) {
+    if (!touched_)
+      for (unsigned i = 0; i < count_; ++i) lowest_[i] = static_cast<Number>(i);
+    touched_ = true;
+    for (unsigned j = 0; j < 3; ++j) {
+      bool equal = true;
+      for (const double* axis : points_.axes) equal &= axis[v[j]] == axis[p];
+      if (equal) lowest_[v[j]] = std::min(lowest_[v[j]], static_cast<Number>(p));
+    }
   }
 
   /// Replaces the facets that point p sees.
-  HWY_INLINE bool insert(unsigned p) {
+  HWY_INLINE void insert(unsigned p) {
     std::uint64_t seen[capacity / 64];
-    if (!find_visible(p, seen)) return false;
+    find_visible(p, seen);
+    if (given_up_) return;  // a sign is missing, and what is seen may be no disc
     unsigned visible = 0, edges = 0;
-    for (unsigned w = 0; 64 * w < top_; ++w)
+    for (unsigned w = 0; 64 * w < surface_.top; ++w)
       for (std::uint64_t rest = seen[w]; rest != 0; rest &= rest - 1) {
         const unsigned f = 64 * w + static_cast<unsigned>(std::countr_zero(rest));
         visible_[visible++] = static_cast<Number>(f);
-        const std::uint32_t v = facets_[f];
-        const unsigned a = v >> 16, b = v >> 8 & 0xFF, c = v & 0xFF;
-        const auto edge = [&](unsigned from, unsigned to) {  // no branch: it would be mispredicted
-          const unsigned across = owner_[to][from];
+        unsigned v[3];
+        SmallSurface::corners(surface_.facets[f], v);
+        for (unsigned j = 0; j < 3; ++j) {  // no branch: it would be mispredicted
+          const unsigned from = v[j], to = v[j == 2 ? 0 : j + 1], across = surface_.owner[to][from];
           from_[edges] = static_cast<Number>(from);
           to_[edges] = static_cast<Number>(to);
           edges += 1 - static_cast<unsigned>(seen[across / 64] >> across % 64 & 1);
-        };
-        edge(a, b);
-        edge(b, c);
-        edge(c, a);
+        }
       }
-    if (edges == 0) return true;
     for (unsigned i = 0; i < edges; ++i) look_from(p, from_[i]);
     // As many facets as edges, in the old slots first.
     for (unsigned i = edges; i < visible; ++i) remove(visible_[i]);
@@ -335,74 +389,56 @@ class Builder {
       if (i < visible)
         f = visible_[i];
       else
-        f = free_count_ > 0 ? free_[--free_count_] : top_++;
+        f = free_count_ > 0 ? free_[--free_count_] : surface_.top++;
       create(f, p, from_[i], to_[i]);
     }
-    return true;
   }
 
   void remove(unsigned f) {
     for (unsigned c = 0; c < 3; ++c) plane_[c][f] = 0;
     plane_[3][f] = 1;
-    facets_[f] = none;
+    surface_.facets[f] = SmallSurface::none;
     free_[free_count_++] = static_cast<Number>(f);
   }
 
-  /// The facets in canonical order, without sorting: those whose lowest vertex is v are found by
-  /// the bits of their second vertices, as the facets on the left of edges from v.
-  HWY_INLINE void collect(SmallHull3D& out) {
-    const unsigned words = (count_ + 63) / 64;
-    std::uint64_t second[most_points][2];
-    for (unsigned v = 0; v < count_; ++v) second[v][0] = second[v][1] = 0;
-    for (unsigned f = 0; f < top_; ++f) {
-      if (facets_[f] == none) continue;
-      const std::uint32_t key = facets_[f];
-      const std::uint32_t least =
-          std::min({key, (key << 8 | key >> 16) & 0xFFFFFF, (key << 16 | key >> 8) & 0xFFFFFF});
-      facets_[f] = least;
-      second[least >> 16][least >> 14 & 1] |= std::uint64_t{1} << (least >> 8 & 63);
+  /// The pairs of neighbours in one plane.
+  unsigned find_coplanar(CoplanarPair* pairs) {
+    unsigned count = 0;
+    for (unsigned f = 0; f < surface_.top; ++f) {
+      if (surface_.facets[f] == SmallSurface::none) continue;
+      unsigned v[3], o[3];
+      SmallSurface::corners(surface_.facets[f], v);
+      for (unsigned j = 0; j < 3; ++j) {
+        const unsigned from = v[j], to = v[j == 2 ? 0 : j + 1], g = surface_.owner[to][from];
+        if (g < f) continue;
+        SmallSurface::corners(surface_.facets[g], o);
+        const unsigned p = o[0] ^ o[1] ^ o[2] ^ from ^ to;  // the corner that is on no edge of f
+        const float s = plane_[0][f] * near_[0][p] + plane_[1][f] * near_[1][p] +
+                        plane_[2][f] * near_[2][p] - plane_[3][f];
+        if (!(s < -doubt) && side(v[0], v[1], v[2], p) == Sign::zero)
+          pairs[count++] = {static_cast<Number>(f), static_cast<Number>(g)};
+      }
     }
-    Number rank[capacity], used[most_points] = {};
-    unsigned n = 0;
-    for (unsigned v = 0; v < count_; ++v)
-      for (unsigned w = 0; w < words; ++w)
-        for (std::uint64_t rest = second[v][w]; rest != 0; rest &= rest - 1) {
-          const unsigned f = owner_[v][64 * w + static_cast<unsigned>(std::countr_zero(rest))];
-          const std::uint32_t key = facets_[f];
-          rank[f] = static_cast<Number>(n);
-          Number* to = out.vertices + std::size_t{3} * n++;
-          to[0] = static_cast<Number>(v);
-          to[1] = static_cast<Number>(key >> 8);
-          to[2] = static_cast<Number>(key);
-        }
-    out.count = n;
-    for (unsigned i = 0; i < 3 * n; i += 3) {
-      const unsigned a = out.vertices[i], b = out.vertices[i + 1], c = out.vertices[i + 2];
-      used[a] = used[b] = used[c] = 1;
-      const Number x = rank[owner_[c][b]], y = rank[owner_[a][c]], z = rank[owner_[b][a]];
-      out.opposite[i] = out.beside[i + 1] = x;
-      out.opposite[i + 1] = out.beside[i + 2] = y;
-      out.opposite[i + 2] = out.beside[i] = z;
-    }
-    for (unsigned i = 3 * n; i < (n + 7) / 8 * 24; ++i) out.vertices[i] = out.vertices[i - 3];
-    out.vertex_count = 0;
-    for (unsigned v = 0; v < count_; ++v) {
-      out.ids[out.vertex_count] = static_cast<Number>(v);
-      out.vertex_count += used[v];
-    }
+    return count;
   }
 
-  static constexpr std::uint32_t none = 0xFFFFFFFFU;
+  static constexpr double tiny = 0x1p-800;
+  static constexpr unsigned most_exact_signs = 16;
+  enum class Lattice : std::uint8_t { unknown, no, yes };
+
   const SmallPoints3D& points_;
   const unsigned count_, padded_;
   double middle_[3], extent_ = 0, scale_ = 1;
   unsigned longest_ = 0, begin_[4];
-  unsigned top_ = 0, free_count_ = 0;
+  unsigned free_count_ = 0, exact_signs_ = 0;
+  Lattice lattice_ = Lattice::unknown;
+  bool touched_ = false,
+       given_up_ = false;  // some point is in a facet's plane; signs take too long
+  SmallSurface surface_;
   HWY_ALIGN float near_[3][most_points];  // from the middle, scaled
   HWY_ALIGN float values_[most_points];
-  HWY_ALIGN float plane_[4][capacity];      // normals and offsets
-  std::uint32_t facets_[capacity];          // a << 16 | b << 8 | c, counter-clockwise from outside
-  Number owner_[most_points][most_points];  // the facet on the left of a directed edge
+  HWY_ALIGN float plane_[4][capacity];  // normals and offsets
+  Number lowest_[most_points];          // of equal points; set once some are touched
   Number free_[capacity];
   Number visible_[capacity + 1], from_[capacity + 1], to_[capacity + 1];
   double direction_[most_points][4];
