@@ -254,6 +254,8 @@ class Builder {
       rows[0][j] = x[a], rows[1][j] = x[b], rows[2][j] = x[c], rows[3][j] = x[p];
     }
     Sign sign = Sign::zero;
+    for (unsigned i = 0; i < 3; ++i)
+      if (std::equal(rows[i], rows[i] + 3, rows[3])) return sign;
     if (side_in_pairs(rows[0], rows[1], rows[2], rows[3], tiny, sign)) return sign;
     // What takes a microsecond here is no longer for small sets.
     given_up_ |= ++exact_signs_ > most_exact_signs;
