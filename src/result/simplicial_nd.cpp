@@ -320,7 +320,9 @@ class SortedSimplices {
       }
     for (const Ridge* r = ridges; r < ridges + count; ++r) {
       __builtin_prefetch(&corners_[std::size_t{r->across} * K]);
+      __builtin_prefetch(&corners_[std::size_t{r->across} * K + K - 1]);
       __builtin_prefetch(neighbours_.data() + std::size_t{r->across} * K);
+      __builtin_prefetch(neighbours_.data() + std::size_t{r->across} * K + K - 1);
     }
     return count;
   }
