@@ -24,7 +24,8 @@ struct Options {
   Engine engine = Engine::native;
   /// Threads to use; 0 means all the machine offers.
   unsigned threads = 0;
-  /// Bytes the library may allocate beyond the input; 0 means half of the machine's memory.
+  /// Bytes the library may allocate beyond the input; 0 means half of the machine's memory, or of
+  /// what the process's control group (a container) may use where that is less.
   std::uint64_t memory_budget = 0;
   /// What `Backend::automatic` weighs.
   MachineConstants machine;
