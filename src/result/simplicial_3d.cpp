@@ -18,7 +18,7 @@
 #include "predicates/orientation.hpp"
 #include "result/facet_plane.hpp"
 #include "result/facet_share.hpp"
-#include "result/measure.hpp"
+#include "result/simplicial_measures.hpp"
 #include "result/triangle_sweep.hpp"
 
 namespace cullhull::internal {
@@ -73,20 +73,18 @@ class Vertices3D {
           std::atomic_ref<std::uint8_t>(used[v]).store(1, std::memory_order_relaxed);
       }
     });
-    for_each_chunk(surface.count, chunk, threads,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control.check();
-                     for (std::uint64_t v = begin; v < end; ++v)
-                       if (used[v] != 0)
-                         std::atomic_ref<std::uint8_t>(extreme[order[v]])
-                             .store(1, std::memory_order_relaxed);
-                   });
+    for_each_chunk(
+        surface.count, chunk, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+          control.check();
+          for (std::uint64_t v = begin; v < end; ++v)
+            if (used[v] != 0)
+              std::atomic_ref<std::uint8_t>(extreme[order[v]]).store(1, std::memory_order_relaxed);
+        });
     std::vector<Id> start(chunk_count(points, chunk) + 1, 0);
-    for_each_chunk(points, chunk, threads,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     start[c + 1] =
-                         std::accumulate(extreme.get() + begin, extreme.get() + end, Id{0});
-                   });
+    for_each_chunk(
+        points, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+          start[c + 1] = std::accumulate(extreme.get() + begin, extreme.get() + end, Id{0});
+        });
     for (std::size_t c = 1; c < start.size(); ++c) start[c] += start[c - 1];
     good_ = start.back() == ids_.size();
     if (!good_) return;
@@ -107,8 +105,7 @@ class Vertices3D {
     for_each_chunk(surface.count, chunk, threads,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                      control.check();
-                     for (std::uint64_t v = begin; v < end; ++v)
-                       own_place_[v] = position[order[v]];
+                     for (std::uint64_t v = begin; v < end; ++v) own_place_[v] = position[order[v]];
                    });
     place_ = own_place_.get();
   }
@@ -162,7 +159,7 @@ class Simplicial3D {
     control_.report("neighbours", 0);
     write_neighbours();
     control_.report("measures", 0);
-    finish();
+    finish_simplicial<3>(input_, vertices_.ids(), frame_, runs_.get(), threads_, control_, hull_);
     return true;
   }
 
@@ -423,9 +420,9 @@ class Simplicial3D {
     double* planes = hull_.facet_planes.data() + at * 4;
     const bool direct = size == TriangleShares::most;
     const bool scaled = frame_.exponent > -1022 && frame_.exponent < 1023;
-    std::uint32_t left = triangle_shares(records, size, frame_.at(0), frame_.at(0),
-                                         scale_by(1, frame_.exponent), scratch.shares,
-                                         direct ? planes : scratch.planes);
+    std::uint32_t left =
+        triangle_shares(records, size, frame_.at(0), frame_.at(0), scale_by(1, frame_.exponent),
+                        scratch.shares, direct ? planes : scratch.planes);
     if (!direct) std::copy_n(scratch.planes, std::size_t{4} * size, planes);
     if (!scaled) left = static_cast<std::uint32_t>((std::uint64_t{1} << size) - 1);
     for (; left != 0; left &= left - 1) {
@@ -443,8 +440,11 @@ class Simplicial3D {
   }
 
   static Share<3> share_at(const TriangleShares& s, unsigned k) {
-    return {s.volume[k], s.area[k], {s.moment[0][k], s.moment[1][k], s.moment[2][k]},
-            s.error[k],  s.area_error[k]};
+    return {s.volume[k],
+            s.area[k],
+            {s.moment[0][k], s.moment[1][k], s.moment[2][k]},
+            s.error[k],
+            s.area_error[k]};
   }
   static Share<3> sum_of(const TriangleShares& s, unsigned size) {
     Share<3> run;
@@ -494,24 +494,6 @@ class Simplicial3D {
     hull_.facets = Lists<std::uint64_t, Ids>::of_length(3, hull_.simplices);
     hull_.facet_neighbours = Lists<Id>::of_length(3, std::move(neighbours));
     hull_.simplex_facets = EvenArray<Id>::of_step(count_, 1);
-  }
-
-  void finish() {
-    const Totals<DoubleDouble> all =
-        total_of_runs(runs_.get(), chunk_count(count_, measure_run), threads_);
-    if (settled(all, 0x1p-53)) return finish_measures(frame_, all, hull_);
-    const std::vector<std::uint64_t>& ids = vertices_.ids();
-    std::vector<Id> index;
-    resize_big(index, count_ * 3);
-    for_each_chunk(index.size(), chunk, threads_,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     for (std::uint64_t i = begin; i < end; ++i)
-                       index[i] = static_cast<Id>(
-                           std::lower_bound(ids.begin(), ids.end(), hull_.simplices[i]) -
-                           ids.begin());
-                   });
-    measure_thin(*input_.view, ids, index, input_.axes, threads_, control_, hull_);
   }
 
   static constexpr std::uint64_t max_buckets = 2048;

@@ -99,8 +99,7 @@ class Sweep {
       for (unsigned k = 0; k < count; ++k) wrong |= collect(k);
       if (HWY_UNLIKELY(wrong != 0)) return false;
       for (unsigned k = count; k % hn::Lanes(D()) != 0; ++k) repeat_last(k);
-      for (unsigned k = 0; k < count; k += static_cast<unsigned>(hn::Lanes(D())))
-        compute(k, count);
+      for (unsigned k = 0; k < count; k += static_cast<unsigned>(hn::Lanes(D()))) compute(k, count);
       for (unsigned k = 0; k < count; ++k) write(k);
     }
     return true;
@@ -185,12 +184,10 @@ class Sweep {
                       hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
     const V length = hn::Sqrt(square(n));
     const Triple zero = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    const Triple sum =
-        plus(plus(plus(zero, minus(p, origin)), minus(q, origin)), minus(r, origin));
+    const Triple sum = plus(plus(plus(zero, minus(p, origin)), minus(q, origin)), minus(r, origin));
     hn::StoreInterleaved4(n.x, n.y, n.z, length, d, b_.normal + 4 * k);
     hn::StoreInterleaved4(sum.x, sum.y, sum.z, length, d, b_.sum + 4 * k);
-    const unsigned thin =
-        ~bits_of(hn::Gt(length, hn::Mul(hn::Set(d, conditioned), edges)));
+    const unsigned thin = ~bits_of(hn::Gt(length, hn::Mul(hn::Set(d, conditioned), edges)));
     for (unsigned i = 0; i < hn::Lanes(d) && k + i < count; ++i)
       b_.numbers[k + i].thin = thin >> i & 1U;
 
@@ -199,8 +196,7 @@ class Sweep {
     const V tiny = hn::Set(d, s_.exact_doubles ? 0 : -determinant_tiny);
     for (unsigned j = 0; j < 3; ++j) {
       const Triple x = minus(times(load_rows(b_.across[j] + 4 * k), factor), p);
-      const V side =
-          hn::Add(hn::Add(hn::Mul(n.x, x.x), hn::Mul(n.y, x.y)), hn::Mul(n.z, x.z));
+      const V side = hn::Add(hn::Add(hn::Mul(n.x, x.x), hn::Mul(n.y, x.y)), hn::Mul(n.z, x.z));
       const M convex = hn::Lt(side, hn::Add(hn::Mul(relative, largest(x)), tiny));
       if (HWY_UNLIKELY(!hn::AllTrue(d, convex))) keep_open(k, count, j, ~bits_of(convex));
     }
@@ -260,9 +256,8 @@ std::uint32_t triangle_shares_in(const TriangleRecord* const* records, unsigned 
     const Triple p = load_rows(corners + 4 * k);
     const Triple step = minus(p, origin);
     const V area = hn::Sqrt(square(n));
-    const V volume =
-        hn::Add(hn::Add(hn::Add(zero, hn::Mul(n.x, step.x)), hn::Mul(n.y, step.y)),
-                hn::Mul(n.z, step.z));
+    const V volume = hn::Add(hn::Add(hn::Add(zero, hn::Mul(n.x, step.x)), hn::Mul(n.y, step.y)),
+                             hn::Mul(n.z, step.z));
     hn::Store(area, d, shares.area + k);
     hn::Store(area, d, shares.area_error + k);
     hn::Store(volume, d, shares.volume + k);
@@ -275,8 +270,8 @@ std::uint32_t triangle_shares_in(const TriangleRecord* const* records, unsigned 
     if (HWY_UNLIKELY(!hn::AllTrue(d, usual)))
       left |= (~bits_of(usual) & ((1U << hn::Lanes(d)) - 1)) << k;
     const V x = hn::Div(n.x, area), y = hn::Div(n.y, area), z = hn::Div(n.z, area);
-    const V offset = hn::Sub(
-        hn::Sub(hn::Sub(zero, hn::Mul(x, p.x)), hn::Mul(y, p.y)), hn::Mul(z, p.z));
+    const V offset =
+        hn::Sub(hn::Sub(hn::Sub(zero, hn::Mul(x, p.x)), hn::Mul(y, p.y)), hn::Mul(z, p.z));
     hn::StoreInterleaved4(x, y, z, hn::Mul(offset, hn::Set(d, unit)), d, planes + 4 * k);
   }
   return count < 32 ? left & ((1U << count) - 1) : left;
