@@ -117,12 +117,21 @@ class Vertices3D {
 };
 
 /// Of equal points the lowest id stands in.
-BigArray<Id> with_lowest_ids(const Surface3D& surface, Id points) {
+BigArray<Id> with_lowest_ids(const Surface3D& surface, Id points, unsigned threads,
+                             const Control& control) {
   BigArray<Id> order(surface.count), lowest(points);
-  std::iota(lowest.get(), lowest.get() + points, Id{0});
+  for_each_chunk(points, chunk, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   std::iota(lowest.get() + begin, lowest.get() + end, static_cast<Id>(begin));
+                 });
   for (const auto& [duplicate, vertex] : surface.duplicates)
     lowest[vertex] = std::min(lowest[vertex], duplicate);
-  for (Id v = 0; v < surface.count; ++v) order[v] = lowest[surface.order[v]];
+  for_each_chunk(surface.count, chunk, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   for (std::uint64_t v = begin; v < end; ++v) order[v] = lowest[surface.order[v]];
+                 });
   return order;
 }
 
@@ -241,7 +250,7 @@ class Simplicial3D {
   /// False if some facets are coplanar, or not those of a hull.
   bool sweep() {
     records_ = BigArray<TriangleRecord>(region_.back());
-    starts_.assign(stretches_.size() * (std::size_t{buckets_} + 1), 0);
+    starts_ = BigArray<Id>(stretches_.size() * (std::size_t{buckets_} + 1));
     std::vector<Counts> counts(stretches_.size());
     for_each_chunk(stretches_.size(), 1, threads_,
                    [&](std::uint64_t s, std::uint64_t, std::uint64_t) {
@@ -256,7 +265,7 @@ class Simplicial3D {
       for (unsigned i = 0; i < 3; ++i) hull_.statistics.rung_counts[i] += c.rungs[i];
     bucket_start_.assign(buckets_ + std::size_t{1}, 0);
     for (std::size_t s = 0; s < stretches_.size(); ++s) {
-      const Id* start = starts_.data() + s * (std::size_t{buckets_} + 1);
+      const Id* start = starts_.get() + s * (std::size_t{buckets_} + 1);
       for (Id b = 0; b < buckets_; ++b) bucket_start_[b + 1] += start[b + 1] - start[b];
     }
     for (Id b = 0; b < buckets_; ++b) bucket_start_[b + 1] += bucket_start_[b];
@@ -271,7 +280,7 @@ class Simplicial3D {
   void sweep_stretch(std::uint64_t s, Counts& out) {
     const auto [begin, end] = stretches_[s];
     TriangleRecord* region = records_.get() + region_[s];
-    Id* start = starts_.data() + s * (std::size_t{buckets_} + 1);
+    Id* start = starts_.get() + s * (std::size_t{buckets_} + 1);
     std::vector<Id> next(buckets_, 0);
     out.live = count_triangles(source_, begin, end, shift_, next.data(), region);
     Id sum = 0;
@@ -344,7 +353,7 @@ class Simplicial3D {
   template <class Body>
   void each_segment(Id b, const Body& body) const {
     const std::size_t row = std::size_t{buckets_} + 1;
-    const Id* start = starts_.data() + b;
+    const Id* start = starts_.get() + b;
     for (std::size_t s = 0; s < stretches_.size(); ++s, start += row)
       body(region_[s] + start[0], region_[s] + start[1]);
   }
@@ -516,7 +525,7 @@ class Simplicial3D {
   Id buckets_ = 0;
   std::vector<Surface3D::Run> stretches_;
   std::vector<Id> region_;  // of the records of each stretch: where it begins
-  std::vector<Id> starts_;  // stretches x (buckets + 1): where in it each bucket begins
+  BigArray<Id> starts_;     // stretches x (buckets + 1): where in it each bucket begins
   std::vector<Id> bucket_start_;
   BigArray<TriangleRecord> records_;
   std::atomic<bool> stop_{false};
@@ -532,7 +541,8 @@ bool build_simplicial_3d(const ResultInput& input, Surface3D& surface, unsigned 
                          const Control& control, Hull& hull) {
   if (input.view->dimension != 3 || surface.live < 4) return false;
   BigArray<Id> lowest;
-  if (!surface.duplicates.empty()) lowest = with_lowest_ids(surface, input.local->count);
+  if (!surface.duplicates.empty())
+    lowest = with_lowest_ids(surface, input.local->count, threads, control);
   const Id* order = surface.duplicates.empty() ? surface.order.get() : lowest.get();
   Vertices3D vertices(surface, *input.local, order, input.ids, threads, control);
   if (!vertices.good()) return false;
