@@ -1,5 +1,5 @@
 // The ladder in 3D, for points of the local frame (|x| <= 1): a filter in doubles that is inlined,
-// one in double-doubles that decides nearly flat cases, then integers. docs/exactness.md, "3D".
+// one in double-doubles that decides nearly flat cases, then integers. docs/exactness.md, "In 3D".
 #pragma once
 
 #include <cmath>
@@ -22,6 +22,11 @@ inline double permanent_3(const double* a, const double* b, const double* c) {
          std::abs(a[1]) * (std::abs(b[2] * c[0]) + std::abs(b[0] * c[2])) +
          std::abs(a[2]) * (std::abs(b[0] * c[1]) + std::abs(b[1] * c[0]));
 }
+
+/// Sign of det [b - a; c - a; p - a] by double-doubles; false where that is in doubt. `tiny`: what
+/// underflow may do to the determinant, 2^-1000 for |x| <= 1.
+bool side_in_pairs(const double* a, const double* b, const double* c, const double* p, double tiny,
+                   Sign& sign);
 
 /// Signs among the points of one LocalPoints of dimension 3. Const functions may be called by many
 /// threads; each has its own counts.
