@@ -3,16 +3,18 @@
 // A block of points is translated, scaled and rounded to f32 into a buffer that stays in L1 (the
 // only step that knows the input's layout and type), then tested a vector at a time. Every target
 // performs the same IEEE operations per point, so all of them keep the same points. Products are
-// fused only where the product is exact.
+// fused only where the product is exact, or where the map has the last word.
+//
+// Blocks are short, so that the processor reads the next while it tests one: that is as fast as
+// memory allows, and asking for lines ahead of time is slower.
 
-#include "cull/gauge_levels.hpp"
+#include "cull/gauge_shortcuts.hpp"
 #include "cull/gauge_table.hpp"
 
 // Vectors are kept in arrays below, which sizeless types do not allow: NEON serves those machines.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "cull/gauge_kernel.cpp"
-#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -34,7 +36,7 @@ using VI = hn::Vec<I>;
 using VU = hn::Vec<U>;
 using MF = hn::Mask<F>;
 
-constexpr std::uint32_t block_size = 256;
+constexpr std::uint32_t block_size = 64;
 static_assert(gauge_chunk % block_size == 0);
 
 // 2^23: adding it to an integer below 2^23 leaves that integer in the low bits of the float.
@@ -152,12 +154,43 @@ HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, 
   return hn::Mul(direction.norm, sum);
 }
 
-/// Whether the levels tell that the map drops y: false where a coordinate is no number.
-HWY_INLINE MF below_level(const GaugeLevels& l, const VF (&y)[3]) {
+/// Whether points are in the core: false where a coordinate is no number.
+template <unsigned D, GaugeCore::Kind kind>
+class CoreTest {
+ public:
+  HWY_INLINE explicit CoreTest(const GaugeCore& c) {
+    for (unsigned j = 0; j < D; ++j) weight_[j] = hn::Set(F(), c.weight[j]);
+    for (unsigned n = 0; n < GaugeCore::norms; ++n) radius_[n] = hn::Set(F(), c.radius[n]);
+  }
+  HWY_INLINE MF operator()(const VF (&y)[D]) const {
+    if constexpr (kind == GaugeCore::Kind::round) {
+      VF sum = hn::Mul(hn::Mul(y[0], y[0]), weight_[0]);
+      for (unsigned j = 1; j < D; ++j) sum = hn::MulAdd(hn::Mul(y[j], y[j]), weight_[j], sum);
+      return hn::Lt(sum, radius_[0]);
+    } else {
+      VF z = hn::Mul(hn::Abs(y[0]), weight_[0]);
+      VF most = z, least = z, sum = z;
+      for (unsigned j = 1; j < D; ++j) {
+        z = hn::Mul(hn::Abs(y[j]), weight_[j]);
+        most = hn::Max(most, z);
+        least = hn::Min(least, z);
+        sum = hn::Add(sum, z);
+      }
+      // A NaN may be lost in the extremes but not in the sum.
+      return hn::And(hn::Lt(most, radius_[0]),
+                     hn::And(hn::Lt(hn::Sub(sum, least), radius_[1]), hn::Lt(sum, radius_[2])));
+    }
+  }
+
+ private:
+  VF weight_[D];
+  VF radius_[GaugeCore::norms];
+};
+
+/// The cell of the levels that y is in.
+HWY_INLINE VU level_cell(const GaugeLevels& l, const Direction<3>& direction) {
   const F f;
-  const I i;
   const U u;
-  const Direction<3> direction = direction_of<3>(y);
   const VF half_cells = hn::Set(f, l.half_cells), middle = hn::Set(f, l.middle);
   const auto cell = [&](unsigned k) HWY_ATTR {
     return hn::Floor(
@@ -167,16 +200,12 @@ HWY_INLINE MF below_level(const GaugeLevels& l, const VF (&y)[3]) {
   const VF number = hn::MulAdd(direction.face, hn::Set(f, l.face_stride),
                                hn::MulAdd(cell(1), hn::Set(f, static_cast<float>(l.cells)),
                                           hn::Add(cell(0), hn::Set(f, integer_shift))));
-  const VU place =
-      hn::Min(hn::Sub(hn::BitCast(u, number), hn::Set(u, integer_shift_bits)), hn::Set(u, l.last));
-  const VU word = hn::GatherIndex(u, l.packed.data(), hn::BitCast(i, hn::ShiftRight<2>(place)));
-  const VU shift = hn::ShiftLeft<3>(hn::And(place, hn::Set(u, 3)));
-  const VU level = hn::And(hn::Shr(word, shift), hn::Set(u, 255));
-  return hn::Lt(direction.norm,
-                hn::Mul(hn::ConvertTo(f, hn::BitCast(i, level)), hn::Set(f, l.unit)));
+  return hn::Min(hn::Sub(hn::BitCast(u, number), hn::Set(u, integer_shift_bits)),
+                 hn::Set(u, l.last));
 }
 
-/// Bit k of the little-endian words: point k survives.
+/// Bit k of the little-endian words: point k survives, k < most.
+template <std::uint32_t most>
 class SurvivorBits {
  public:
   HWY_INLINE void store(std::uint32_t k, MF survives) {
@@ -204,22 +233,22 @@ class SurvivorBits {
   }
 
  private:
-  static_assert(std::endian::native == std::endian::little);
-  alignas(8) std::uint8_t bits_[block_size / 8] = {};
+  static_assert(std::endian::native == std::endian::little && most % 64 == 0);
+  alignas(8) std::uint8_t bits_[most / 8] = {};
 };
 
 /// Lists the survivors of `count` points; `load(i, y)` fetches the vector of points from i on.
 /// Bits are listed after the block, not a vector at a time: a branch on a fresh comparison, when
 /// mispredicted, costs the latency of the whole chain, and compressed stores are slow before
 /// AVX-512.
-template <unsigned D, class Load>
+template <unsigned D, std::uint32_t most, class Load>
 HWY_INLINE std::size_t test_block(const GaugeTable& t, std::uint32_t first, std::uint32_t count,
                                   std::uint32_t* HWY_RESTRICT ids, const Load& load) {
   const F f;
   const float* HWY_RESTRICT nodes = t.nodes.data();
   const VF threshold = hn::Set(f, t.threshold);
   const auto lanes = static_cast<std::uint32_t>(hn::Lanes(f));
-  SurvivorBits bits;
+  SurvivorBits<most> bits;
   for (std::uint32_t k = 0; k < count; k += lanes) {
     VF y[D];
     load(k, y);
@@ -229,64 +258,193 @@ HWY_INLINE std::size_t test_block(const GaugeTable& t, std::uint32_t first, std:
   return bits.list(first, count, ids);
 }
 
-/// The levels first, then the map for the points they leave: the same survivors. `value(k, j)`:
-/// coordinate j of point k. Counts the points that were left.
-template <class Load, class Value>
-HWY_INLINE std::size_t test_block_by_levels(const GaugeTable& t, const GaugeLevels& levels,
-                                            std::uint32_t first, std::uint32_t count,
-                                            std::uint32_t* HWY_RESTRICT ids, const Load& load,
-                                            const Value& value, std::uint32_t& left) {
-  const auto lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
-  SurvivorBits bits;
-  for (std::uint32_t k = 0; k < count; k += lanes) {
-    VF y[3];
-    load(k, y);
-    bits.store(k, hn::Not(below_level(levels, y)));
-  }
-  std::uint32_t open[block_size];
-  left = static_cast<std::uint32_t>(bits.list(0, count, open));
-  if (left == 0) return 0;
-  constexpr std::size_t row = block_size + hn::MaxLanes(F());
-  HWY_ALIGN float columns[3 * row];
-  for (unsigned j = 0; j < 3; ++j) {
-    for (std::uint32_t k = 0; k < left; ++k) columns[j * row + k] = value(open[k], j);
-    std::fill_n(columns + j * row + left, lanes, 0.0F);
-  }
-  std::uint32_t kept[block_size];
-  const std::size_t n = test_block<3>(t, 0, left, kept, [&](std::uint32_t k, VF(&y)[3]) HWY_ATTR {
-    for (unsigned j = 0; j < 3; ++j) y[j] = hn::LoadU(F(), columns + j * row + k);
-  });
-  for (std::size_t k = 0; k < n; ++k) ids[k] = first + open[kept[k]];
-  return n;
-}
-
-/// Blocks of one call: by levels where those drop most points, else without.
+/// Points that wait for the next test: columns, and where they are in the chunk.
 template <unsigned D>
-class Blocks {
+class OpenPoints {
  public:
-  Blocks(const GaugeTable& t, const GaugeLevels* levels) : table_(t), levels_(levels) {}
+  static constexpr std::uint32_t enough = 256;  ///< to go on with them
+  static constexpr std::uint32_t most = 2 * enough;
 
-  template <class Load, class Value>
-  HWY_INLINE std::size_t test(std::uint32_t first, std::uint32_t count,
-                              std::uint32_t* HWY_RESTRICT ids, const Load& load,
-                              const Value& value) {
-    if constexpr (D == 3) {
-      if (levels_ != nullptr && skip_ == 0) {
-        std::uint32_t left = 0;
-        const std::size_t n =
-            test_block_by_levels(table_, *levels_, first, count, ids, load, value, left);
-        if (left > count / 4) skip_ = 15;
-        return n;
-      }
-      skip_ -= skip_ > 0;
+  std::uint32_t count() const { return count_; }
+  std::uint32_t place(std::uint32_t k) const { return places_[k]; }
+  HWY_INLINE VU places(std::uint32_t k) const { return hn::LoadU(U(), places_ + k); }
+  HWY_INLINE void load(std::uint32_t k, VF (&y)[D]) const {
+    for (unsigned j = 0; j < D; ++j) y[j] = hn::LoadU(F(), columns_[j] + k);
+  }
+  void clear() { count_ = 0; }
+
+  /// Of `count` points, at most `enough` and no more than there is room for, those that
+  /// dropped(k, y) does not hold for, k being the first of a vector y of them.
+  template <class Load, class Places, class Dropped>
+  HWY_INLINE void add(std::uint32_t count, const Load& load, const Places& places,
+                      const Dropped& dropped) {
+    const auto lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
+    std::uint32_t at = count_;
+    for (std::uint32_t k = 0; k < count; k += lanes) {
+      VF y[D];
+      load(k, y);
+      MF stays = hn::Not(dropped(k, y));
+      if (count - k < lanes) stays = hn::And(stays, hn::FirstN(F(), count - k));
+      // Not CompressStore: some processors take a hundred cycles for one.
+      for (unsigned j = 0; j < D; ++j)
+        hn::StoreU(hn::Compress(y[j], stays), F(), columns_[j] + at);
+      hn::StoreU(hn::Compress(places(k), hn::RebindMask(U(), stays)), U(), places_ + at);
+      at += static_cast<std::uint32_t>(hn::CountTrue(F(), stays));
     }
-    return test_block<D>(table_, first, count, ids, load);
+    count_ = at;
   }
 
  private:
+  static constexpr std::size_t row = most + hn::MaxLanes(F());
+  std::uint32_t count_ = 0;
+  HWY_ALIGN float columns_[D][row] = {};
+  HWY_ALIGN std::uint32_t places_[row];
+};
+
+/// Whether a shortcut is taken: one that drops too little is left out for a while.
+class Shortcut {
+ public:
+  explicit Shortcut(bool there) : there_(there) {}
+  /// Of so many points.
+  bool taken(std::uint32_t points) {
+    if (!there_ || rest_ == 0) return there_;
+    rest_ -= std::min(rest_, points);
+    return false;
+  }
+  /// It was asked about so many points and left so many of them.
+  void saw(std::uint32_t asked, std::uint32_t left, std::uint32_t most_of_four) {
+    asked_ += asked;
+    left_ += left;
+    if (asked_ < OpenPoints<2>::enough) return;
+    if (left_ > asked_ / 4 * most_of_four) rest_ = 16 * OpenPoints<2>::enough;
+    asked_ = left_ = 0;
+  }
+
+ private:
+  bool there_;
+  std::uint32_t asked_ = 0, left_ = 0, rest_ = 0;
+};
+
+/// The points of one call: shortcuts first where those drop enough, then the map for the points
+/// they leave, so that survivors are the same.
+template <unsigned D>
+class Blocks {
+ public:
+  Blocks(const GaugeTable& t, const GaugeShortcuts* shortcuts, std::uint32_t* ids)
+      : table_(t),
+        shortcuts_(shortcuts),
+        core_(shortcuts != nullptr && shortcuts->core),
+        levels_(D == 3 && shortcuts != nullptr && shortcuts->levels),
+        ids_(ids) {}
+
+  template <class Load>
+  HWY_INLINE void add(std::uint32_t first, std::uint32_t count, const Load& load) {
+    const VU lane = hn::Iota(U(), 0);
+    const auto places =
+        [&](std::uint32_t k) HWY_ATTR { return hn::Add(hn::Set(U(), first + k), lane); };
+    if (core_.taken(count)) {
+      const std::uint32_t before = for_levels_.count();
+      if (shortcuts_->core->kind == GaugeCore::Kind::round)
+        ask_core<GaugeCore::Kind::round>(count, load, places);
+      else
+        ask_core<GaugeCore::Kind::cut>(count, load, places);
+      core_.saw(count, for_levels_.count() - before, 3);
+      if (for_levels_.count() >= for_levels_.enough) pass_on();
+      return;
+    }
+    if (for_levels_.count() > 0) pass_on();
+    if constexpr (D == 3) {
+      if (levels_.taken(count)) {
+        ask_levels(count, load, places);
+        return;
+      }
+    }
+    if (for_map_.count() > 0) ask_map(for_map_);
+    kept_ += test_block<D, block_size>(table_, first, count, ids_ + kept_, load);
+  }
+
+  /// All points so far; returns how many are kept.
+  std::size_t finish() {
+    pass_on();
+    ask_map(for_map_);
+    return kept_;
+  }
+
+ private:
+  using Open = OpenPoints<D>;
+
+  template <GaugeCore::Kind kind, class Load, class Places>
+  HWY_INLINE void ask_core(std::uint32_t count, const Load& load, const Places& places) {
+    const CoreTest<D, kind> test(*shortcuts_->core);
+    for_levels_.add(count, load, places,
+                    [&](std::uint32_t, const VF(&y)[D]) HWY_ATTR { return test(y); });
+  }
+
+  /// What the core has left.
+  HWY_NOINLINE void pass_on() {
+    if constexpr (D == 3) {
+      if (levels_.taken(for_levels_.count())) {
+        for (std::uint32_t k = 0; k < for_levels_.count(); k += block_size)
+          ask_levels(
+              std::min(block_size, for_levels_.count() - k),
+              [&](std::uint32_t i, VF(&y)[D]) HWY_ATTR { for_levels_.load(k + i, y); },
+              [&](std::uint32_t i) HWY_ATTR { return for_levels_.places(k + i); });
+        for_levels_.clear();
+        return;
+      }
+    }
+    ask_map(for_map_);
+    ask_map(for_levels_);
+  }
+
+  /// Of at most block_size points; lanes beyond may hold anything.
+  template <class Load, class Places>
+  HWY_INLINE void ask_levels(std::uint32_t count, const Load& load, const Places& places) {
+    const F f;
+    const U u;
+    const auto lanes = static_cast<std::uint32_t>(hn::Lanes(f));
+    HWY_ALIGN std::uint32_t cells[block_size];
+    HWY_ALIGN float norms[block_size];
+    std::uint8_t found[block_size + hn::MaxLanes(F())];
+    const GaugeLevels& levels = *shortcuts_->levels;
+    for (std::uint32_t k = 0; k < count; k += lanes) {
+      VF y[3];
+      load(k, y);
+      const Direction<3> direction = direction_of<3>(y);
+      hn::Store(level_cell(levels, direction), u, cells + k);
+      hn::Store(direction.norm, f, norms + k);
+    }
+    // One by one: gathering bytes costs more than the rest of the test.
+    const std::uint8_t* HWY_RESTRICT of_cell = levels.of_cell.data();
+    for (std::uint32_t k = 0; k < count; ++k) found[k] = of_cell[cells[k]];
+    const VF unit = hn::Set(f, levels.unit);
+    const hn::Rebind<std::uint8_t, F> bytes;
+    const std::uint32_t before = for_map_.count();
+    for_map_.add(count, load, places, [&](std::uint32_t k, const VF(&)[D]) HWY_ATTR {
+      const VU level = hn::PromoteTo(u, hn::LoadU(bytes, found + k));
+      // False where a coordinate is no number.
+      return hn::Lt(hn::Load(f, norms + k),
+                    hn::Mul(hn::ConvertTo(f, hn::BitCast(I(), level)), unit));
+    });
+    levels_.saw(count, for_map_.count() - before, 2);
+    if (for_map_.count() >= for_map_.enough) ask_map(for_map_);
+  }
+
+  HWY_NOINLINE void ask_map(Open& open) {
+    std::uint32_t kept[Open::most];
+    const std::size_t n =
+        test_block<D, Open::most>(table_, 0, open.count(), kept,
+                                  [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR { open.load(k, y); });
+    for (std::size_t k = 0; k < n; ++k) ids_[kept_++] = open.place(kept[k]);
+    open.clear();
+  }
+
   const GaugeTable& table_;
-  const GaugeLevels* levels_;
-  unsigned skip_ = 0;
+  const GaugeShortcuts* shortcuts_;
+  Shortcut core_, levels_;
+  Open for_levels_, for_map_;
+  std::uint32_t* ids_;
+  std::size_t kept_ = 0;
 };
 
 // ---------------------------------------------------------------- packed rows of f32 or f64
@@ -355,29 +513,20 @@ HWY_INLINE void load_rows(const float* HWY_RESTRICT rows, VF (&y)[D]) {
 }
 
 template <unsigned D, class T>
-std::size_t survivors_rows(const GaugeTable& t, const GaugeLevels* levels, const T* data,
+std::size_t survivors_rows(const GaugeTable& t, const GaugeShortcuts* shortcuts, const T* data,
                            const T* scale, const T* offset, std::uint32_t count,
                            std::uint32_t* ids) {
   const RowPattern<D, T> pattern(scale, offset);
-  Blocks<D> blocks(t, levels);
+  Blocks<D> blocks(t, shortcuts, ids);
   HWY_ALIGN float rows[(block_size + hn::MaxLanes(F())) * D];
-  std::size_t kept = 0;
   for (std::uint32_t b = 0; b < count; b += block_size) {
     const std::uint32_t n = std::min(block_size, count - b);
     convert_rows<D, T>(pattern, data + std::size_t{b} * D, n, rows);
-    // Converting a block reads memory, testing it does not: fetch the block after the next
-    // meanwhile, as the next one could not all come in time.
-    const T* next = data + std::size_t{b + n + block_size} * D;
-    kept += blocks.test(
-        b, n, ids + kept,
-        [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
-          for (std::size_t e = 0; e < D * hn::Lanes(F()); e += 64 / sizeof(T))
-            hwy::Prefetch(next + std::size_t{k} * D + e);
-          load_rows<D>(rows + std::size_t{k} * D, y);
-        },
-        [&](std::uint32_t k, unsigned j) { return rows[std::size_t{k} * D + j]; });
+    blocks.add(b, n, [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
+      load_rows<D>(rows + std::size_t{k} * D, y);
+    });
   }
-  return kept;
+  return blocks.finish();
 }
 
 // ---------------------------------------------------------------- any layout, any scalar
@@ -428,12 +577,11 @@ void convert_axis(const GaugeTable& t, const PointView& v, std::uint64_t first, 
 }
 
 template <unsigned D>
-std::size_t survivors_any(const GaugeTable& t, const GaugeLevels* levels, const PointView& v,
+std::size_t survivors_any(const GaugeTable& t, const GaugeShortcuts* shortcuts, const PointView& v,
                           std::uint64_t begin, std::uint32_t count, std::uint32_t* ids) {
-  Blocks<D> blocks(t, levels);
+  Blocks<D> blocks(t, shortcuts, ids);
   constexpr std::size_t row = block_size + hn::MaxLanes(F());
   HWY_ALIGN float columns[D * row];
-  std::size_t kept = 0;
   for (std::uint32_t b = 0; b < count; b += block_size) {
     const std::uint32_t n = std::min(block_size, count - b);
     for (unsigned k = 0; k < D; ++k) {
@@ -441,47 +589,44 @@ std::size_t survivors_any(const GaugeTable& t, const GaugeLevels* levels, const 
       convert_axis(t, v, begin + b, n, k, column);
       std::fill(column + n, column + n + hn::Lanes(F()), 0.0F);
     }
-    kept += blocks.test(
-        b, n, ids + kept,
-        [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
-          for (unsigned j = 0; j < D; ++j) y[j] = hn::LoadU(F(), columns + j * row + k);
-        },
-        [&](std::uint32_t k, unsigned j) { return columns[j * row + k]; });
+    blocks.add(b, n, [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
+      for (unsigned j = 0; j < D; ++j) y[j] = hn::LoadU(F(), columns + j * row + k);
+    });
   }
-  return kept;
+  return blocks.finish();
 }
 
 template <unsigned D>
-std::size_t survivors_in(const GaugeTable& t, const GaugeLevels* levels, const PointView& v,
+std::size_t survivors_in(const GaugeTable& t, const GaugeShortcuts* shortcuts, const PointView& v,
                          std::uint64_t begin, std::uint32_t count, std::uint32_t* ids) {
   const std::byte* p = v.address(begin, 0);
   const auto aligned = [&](std::size_t a) { return reinterpret_cast<std::uintptr_t>(p) % a == 0; };
   if (v.packed_rows() && v.scalar == ScalarType::f64 && aligned(alignof(double)))
-    return survivors_rows<D, double>(t, levels, reinterpret_cast<const double*>(p), t.scale,
+    return survivors_rows<D, double>(t, shortcuts, reinterpret_cast<const double*>(p), t.scale,
                                      t.offset, count, ids);
   if (v.packed_rows() && v.scalar == ScalarType::f32 && aligned(alignof(float)) &&
       t.single_precision)
-    return survivors_rows<D, float>(t, levels, reinterpret_cast<const float*>(p), t.scale_f32,
+    return survivors_rows<D, float>(t, shortcuts, reinterpret_cast<const float*>(p), t.scale_f32,
                                     t.offset_f32, count, ids);
-  return survivors_any<D>(t, levels, v, begin, count, ids);
+  return survivors_any<D>(t, shortcuts, v, begin, count, ids);
 }
 
 }  // namespace
 
-std::size_t survivors(const GaugeTable& t, const GaugeLevels* levels, const PointView& v,
+std::size_t survivors(const GaugeTable& t, const GaugeShortcuts* shortcuts, const PointView& v,
                       std::uint64_t begin, std::uint64_t end, std::uint32_t* ids) {
   const auto count = static_cast<std::uint32_t>(end - begin);
   switch (t.dimension) {
     case 2:
-      return survivors_in<2>(t, levels, v, begin, count, ids);
+      return survivors_in<2>(t, shortcuts, v, begin, count, ids);
     case 3:
-      return survivors_in<3>(t, levels, v, begin, count, ids);
+      return survivors_in<3>(t, shortcuts, v, begin, count, ids);
     case 4:
-      return survivors_in<4>(t, levels, v, begin, count, ids);
+      return survivors_in<4>(t, shortcuts, v, begin, count, ids);
     case 5:
-      return survivors_in<5>(t, levels, v, begin, count, ids);
+      return survivors_in<5>(t, shortcuts, v, begin, count, ids);
     default:
-      return survivors_in<6>(t, levels, v, begin, count, ids);
+      return survivors_in<6>(t, shortcuts, v, begin, count, ids);
   }
 }
 
@@ -494,8 +639,8 @@ namespace cullhull::internal {
 HWY_EXPORT(survivors);
 
 std::size_t gauge_survivors(const GaugeTable& table, const PointView& points, std::uint64_t begin,
-                            std::uint64_t end, std::uint32_t* ids, const GaugeLevels* levels) {
-  return HWY_DYNAMIC_DISPATCH(survivors)(table, levels, points, begin, end, ids);
+                            std::uint64_t end, std::uint32_t* ids, const GaugeShortcuts* shortcuts) {
+  return HWY_DYNAMIC_DISPATCH(survivors)(table, shortcuts, points, begin, end, ids);
 }
 
 }  // namespace cullhull::internal
