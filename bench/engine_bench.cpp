@@ -1,11 +1,10 @@
 // The 3D engine alone on the inputs that are hard for it: all points extreme, slivers, plateaus,
 // lattices, thin bodies, duplicates.
 //
-//     engine_bench [--n N] [--threads 1,2] [--repeat K] [--certify] [WORKLOAD ...]
+//     engine_bench [--n N] [--threads 1,2] [--repeat K] [WORKLOAD ...]
 //
 // Prints the least and the median time in ms, the least processor time, simplices, decisions of
-// each rung. --certify runs the whole pipeline without the filter instead, certifies the result and
-// prints a hash of it.
+// each rung. Whether results are certified and the same for all threads says identity_bench.
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -17,8 +16,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cullhull/certify.hpp"
-#include "cullhull/hull.hpp"
+#include "cullhull/options.hpp"
 #include "families.hpp"
 #include "hull/engine.hpp"
 #include "points/local_frame.hpp"
@@ -72,38 +70,14 @@ void engine_alone(const std::string& name, const Rows& rows, unsigned threads, u
   std::fflush(stdout);
 }
 
-void certified(const std::string& name, const Rows& rows, unsigned threads) {
-  Options options;
-  options.cull = CullMethod::none;
-  options.threads = threads;
-  const PointView view = PointView::row_major(rows.data(), rows.size() / 3, 3);
-  const double start = now();
-  const Hull hull = convex_hull(view, options);
-  const double end = now();
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
-  const auto add = [&](std::uint64_t v) { hash = (hash ^ v) * 0x100000001b3ULL; };
-  for (const auto v : hull.vertices) add(v);
-  for (const auto v : hull.simplices) add(v);
-  const Certificate c = certify(view, hull, options);
-  std::printf(
-      "%-22s %8zu points %u threads: %9.1f ms, certify %9.1f ms, %zu vertices, hash %016llx: %s\n",
-      name.c_str(), rows.size() / 3, threads, end - start, now() - end, hull.vertices.size(),
-      static_cast<unsigned long long>(hash), c.valid ? "certified" : c.reason.c_str());
-  std::fflush(stdout);
-  if (!c.valid) std::exit(1);
-}
-
 int run(int argc, char** argv) {
   std::uint64_t n = 1000000;
   unsigned repeat = 3;
   std::vector<unsigned> threads = {1, 2};
-  bool certify_them = false;
   std::vector<std::string> names;
   for (int i = 1; i < argc; ++i) {
     const std::string_view a = argv[i];
-    if (a == "--certify") {
-      certify_them = true;
-    } else if (i + 1 < argc && a == "--n") {
+    if (i + 1 < argc && a == "--n") {
       n = std::strtoull(argv[++i], nullptr, 10);
     } else if (i + 1 < argc && a == "--repeat") {
       repeat = static_cast<unsigned>(std::max(1, std::atoi(argv[++i])));
@@ -127,8 +101,7 @@ int run(int argc, char** argv) {
   for (const std::string& name : names) {
     const Rows rows =
         bench::make_family(name, name == "cyclic" ? std::min<std::uint64_t>(n, 60000) : n, 3);
-    for (const unsigned t : threads)
-      certify_them ? certified(name, rows, t) : engine_alone(name, rows, t, repeat);
+    for (const unsigned t : threads) engine_alone(name, rows, t, repeat);
   }
   return 0;
 }
