@@ -16,6 +16,8 @@ namespace {
 constexpr double margin = 0x1p-12;
 /// Weights differ by no more, for which the margin is proved.
 constexpr double most_stretch = 8;
+/// Squares of smaller numbers could underflow.
+constexpr double least_radius = 0x1p-20;
 /// A body that holds less of the points costs more than it saves.
 constexpr double least_share = 0.375;
 /// Cells of a face along an edge, about: the finer, the closer tangents are to the ellipsoid.
@@ -54,9 +56,13 @@ class CoreBuilder {
     const std::uint32_t in_box = best_box(norms, count, radius);
     if (std::max(most, in_box) < least_share * count) return std::nullopt;
     core.kind = in_box > most ? GaugeCore::Kind::cut : GaugeCore::Kind::round;
+    radius[0] = round;
+    for (unsigned n = 0; n < all_norms; ++n)
+      if ((n == 0) == (core.kind == GaugeCore::Kind::round) && !(radius[n] > least_radius))
+        return std::nullopt;
     for (unsigned j = 0; j < D; ++j)
-      core.weight[j] =
-          static_cast<float>(core.kind == GaugeCore::Kind::cut ? weight_[j] : weight_[j] * weight_[j]);
+      core.weight[j] = static_cast<float>(
+          core.kind == GaugeCore::Kind::cut ? weight_[j] : weight_[j] * weight_[j]);
     if (core.kind == GaugeCore::Kind::round)
       core.radius[0] = static_cast<float>(round * round * (1 - margin) * (1 - margin));
     else
@@ -69,7 +75,7 @@ class CoreBuilder {
   /// So that the pseudo-hull reaches equally far along all axes.
   void weigh() {
     double reach[D] = {}, longest = 0;
-    for_each_node([&](const double (&v)[D], double g) {
+    for_each_node([&](const double(&v)[D], double g) {
       for (unsigned j = 0; j < D; ++j) reach[j] = std::max(reach[j], std::abs(v[j]) / g);
     });
     for (const double r : reach) longest = std::max(longest, r);
@@ -133,7 +139,7 @@ class CoreBuilder {
     }
     for (unsigned j = 0; j < D; ++j) {
       const double sign = z[j] > 0 ? weight_[j] : z[j] < 0 ? -weight_[j] : 0;
-      u[j] = norm == 0 ? weight_[j] * weight_[j] * z[j] / std::sqrt(square)
+      u[j] = norm == 0   ? weight_[j] * weight_[j] * z[j] / std::sqrt(square)
              : norm == 1 ? (j == highest ? sign : 0)
              : norm == 2 ? (j == lowest ? 0 : sign)
                          : sign;
@@ -197,7 +203,8 @@ class CoreBuilder {
     for (std::uint32_t i = 0; i < count; ++i) {
       double square = 0, most = 0, sum = 0, least = std::numeric_limits<double>::infinity();
       for (unsigned j = 0; j < D; ++j) {
-        const double z = weight_[j] * std::abs(static_cast<double>(probes[j * std::size_t{count} + i]));
+        const double z =
+            weight_[j] * std::abs(static_cast<double>(probes[j * std::size_t{count} + i]));
         square += z * z;
         most = std::max(most, z);
         least = std::min(least, z);

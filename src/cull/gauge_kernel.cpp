@@ -286,8 +286,7 @@ class OpenPoints {
       MF stays = hn::Not(dropped(k, y));
       if (count - k < lanes) stays = hn::And(stays, hn::FirstN(F(), count - k));
       // Not CompressStore: some processors take a hundred cycles for one.
-      for (unsigned j = 0; j < D; ++j)
-        hn::StoreU(hn::Compress(y[j], stays), F(), columns_[j] + at);
+      for (unsigned j = 0; j < D; ++j) hn::StoreU(hn::Compress(y[j], stays), F(), columns_[j] + at);
       hn::StoreU(hn::Compress(places(k), hn::RebindMask(U(), stays)), U(), places_ + at);
       at += static_cast<std::uint32_t>(hn::CountTrue(F(), stays));
     }
@@ -340,8 +339,8 @@ class Blocks {
   template <class Load>
   HWY_INLINE void add(std::uint32_t first, std::uint32_t count, const Load& load) {
     const VU lane = hn::Iota(U(), 0);
-    const auto places =
-        [&](std::uint32_t k) HWY_ATTR { return hn::Add(hn::Set(U(), first + k), lane); };
+    const auto places = [&](std::uint32_t k)
+                            HWY_ATTR { return hn::Add(hn::Set(U(), first + k), lane); };
     if (core_.taken(count)) {
       const std::uint32_t before = for_levels_.count();
       if (shortcuts_->core->kind == GaugeCore::Kind::round)
@@ -639,7 +638,8 @@ namespace cullhull::internal {
 HWY_EXPORT(survivors);
 
 std::size_t gauge_survivors(const GaugeTable& table, const PointView& points, std::uint64_t begin,
-                            std::uint64_t end, std::uint32_t* ids, const GaugeShortcuts* shortcuts) {
+                            std::uint64_t end, std::uint32_t* ids,
+                            const GaugeShortcuts* shortcuts) {
   return HWY_DYNAMIC_DISPATCH(survivors)(table, shortcuts, points, begin, end, ids);
 }
 

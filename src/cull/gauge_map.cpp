@@ -78,8 +78,8 @@ std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, unsigned
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
                    control.check();
                    std::array<std::uint32_t, gauge_chunk> ids;
-                   const std::size_t n = gauge_survivors(*table_, points, begin, end, ids.data(),
-                                                         &shortcuts);
+                   const std::size_t n =
+                       gauge_survivors(*table_, points, begin, end, ids.data(), &shortcuts);
                    kept[c].assign(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(n));
                    if (rows == nullptr || gathered.fetch_add(n) + n > rows->most) return;
                    kept_rows[c].resize(n * d);

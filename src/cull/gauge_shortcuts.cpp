@@ -11,7 +11,8 @@ namespace {
 constexpr std::uint32_t probe_count = 1024;
 
 /// Points from all over the view, in the map's frame, as columns. They tell how much a shortcut
-/// saves, nothing else, so it does not matter which they are, nor that rounding is not the kernel's.
+/// saves, nothing else, so it does not matter which they are, nor that rounding is not the
+/// kernel's.
 std::vector<float> probe(const GaugeTable& t, const PointView& points) {
   const unsigned d = t.dimension;
   const std::uint64_t stretch = points.count / probe_count;
