@@ -29,17 +29,23 @@ constexpr unsigned steps = 16;
 constexpr unsigned all_norms = 1 + GaugeCore::norms;
 /// How far out each norm may reach in a cell: what is nearer than any one of them is dropped.
 using Reach = std::array<double, all_norms>;
+using Norms = std::array<double, all_norms>;
 
 template <unsigned D>
 class CoreBuilder {
  public:
-  CoreBuilder(const GaugeTable& t, unsigned threads) : t_(t) {
-    parts_ = D == 3 ? std::max(1U, wanted_cells / t.cells) : 1;
-    cells_ = t.cells * parts_;
+  explicit CoreBuilder(const GaugeTable& t) : t_(t) {
     weigh();
+    measure_some_nodes();
+  }
+
+  /// From what is known of some nodes to what is proved.
+  void measure(unsigned threads) {
+    parts_ = D == 3 ? std::max(1U, wanted_cells / t_.cells) : 1;
+    cells_ = t_.cells * parts_;
     face_cells_ = 1;
     for (unsigned k = 0; k + 1 < D; ++k) face_cells_ *= cells_;
-    reaches_.resize(2 * D * face_cells_);
+    reaches_.assign(2 * D * face_cells_, {});
     for_each_chunk(2 * D, 1, threads, [&](std::uint64_t face, std::uint64_t, std::uint64_t) {
       measure_face(static_cast<unsigned>(face));
     });
@@ -81,6 +87,19 @@ class CoreBuilder {
     for (const double r : reach) longest = std::max(longest, r);
     for (unsigned j = 0; j < D; ++j)
       weight_[j] = static_cast<float>(longest / std::max(reach[j], longest / most_stretch));
+  }
+
+  /// Cells reach no farther than their nodes: a few nodes mostly tell that no core is worth it.
+  void measure_some_nodes() {
+    constexpr std::size_t wanted = 512;
+    const std::size_t step = 1 + t_.nodes.size() / wanted;
+    std::size_t at = 0;
+    for_each_node([&](const double(&v)[D], double g) {
+      if (at++ % step != 0) return;
+      const Norms n = norms_of(v);
+      reaches_.emplace_back();
+      for (unsigned k = 0; k < all_norms; ++k) reaches_.back()[k] = t_.threshold * n[k] / g;
+    });
   }
 
   template <class Body>
@@ -197,22 +216,27 @@ class CoreBuilder {
     return r;
   }
 
+  Norms norms_of(const double (&y)[D]) const {
+    double square = 0, most = 0, sum = 0, least = std::numeric_limits<double>::infinity();
+    for (unsigned j = 0; j < D; ++j) {
+      const double z = weight_[j] * std::abs(y[j]);
+      square += z * z;
+      most = std::max(most, z);
+      least = std::min(least, z);
+      sum += z;
+    }
+    return {std::sqrt(square), most, sum - least, sum};
+  }
+
   /// Of the probes: `count` values of each norm.
   std::vector<float> norms_of(const std::vector<float>& probes, std::uint32_t count) const {
     std::vector<float> norms(std::size_t{all_norms} * count);
     for (std::uint32_t i = 0; i < count; ++i) {
-      double square = 0, most = 0, sum = 0, least = std::numeric_limits<double>::infinity();
-      for (unsigned j = 0; j < D; ++j) {
-        const double z =
-            weight_[j] * std::abs(static_cast<double>(probes[j * std::size_t{count} + i]));
-        square += z * z;
-        most = std::max(most, z);
-        least = std::min(least, z);
-        sum += z;
-      }
-      const double values[all_norms] = {std::sqrt(square), most, sum - least, sum};
-      for (unsigned n = 0; n < all_norms; ++n)
-        norms[n * std::size_t{count} + i] = static_cast<float>(values[n]);
+      double y[D];
+      for (unsigned j = 0; j < D; ++j) y[j] = probes[j * std::size_t{count} + i];
+      const Norms n = norms_of(y);
+      for (unsigned k = 0; k < all_norms; ++k)
+        norms[k * std::size_t{count} + i] = static_cast<float>(n[k]);
     }
     return norms;
   }
@@ -267,21 +291,30 @@ class CoreBuilder {
   std::vector<Reach> reaches_;  ///< of all cells
 };
 
+template <unsigned D>
+std::optional<GaugeCore> best_core(const GaugeTable& t, const std::vector<float>& probes,
+                                   std::uint32_t count, unsigned threads) {
+  CoreBuilder<D> builder(t);
+  if (!builder.best(probes, count)) return std::nullopt;
+  builder.measure(threads);
+  return builder.best(probes, count);
+}
+
 }  // namespace
 
 std::optional<GaugeCore> make_core(const GaugeTable& t, const std::vector<float>& probes,
                                    std::uint32_t count, unsigned threads) {
   switch (t.dimension) {
     case 2:
-      return CoreBuilder<2>(t, threads).best(probes, count);
+      return best_core<2>(t, probes, count, threads);
     case 3:
-      return CoreBuilder<3>(t, threads).best(probes, count);
+      return best_core<3>(t, probes, count, threads);
     case 4:
-      return CoreBuilder<4>(t, threads).best(probes, count);
+      return best_core<4>(t, probes, count, threads);
     case 5:
-      return CoreBuilder<5>(t, threads).best(probes, count);
+      return best_core<5>(t, probes, count, threads);
     default:
-      return CoreBuilder<6>(t, threads).best(probes, count);
+      return best_core<6>(t, probes, count, threads);
   }
 }
 

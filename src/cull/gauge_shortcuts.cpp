@@ -8,7 +8,7 @@
 namespace cullhull::internal {
 namespace {
 
-constexpr std::uint32_t probe_count = 1024;
+constexpr std::uint32_t probe_count = 512;
 
 /// Points from all over the view, in the map's frame, as columns. They tell how much a shortcut
 /// saves, nothing else, so it does not matter which they are, nor that rounding is not the
