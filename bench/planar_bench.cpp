@@ -3,14 +3,10 @@
 //     planar_bench [--n N] [--threads 1,2] [--repeat K] [WORKLOAD ...]
 //
 // Prints the least time in ms and the least processor time (user and system) of each.
-#include <sys/resource.h>
-
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <functional>
 #include <map>
 #include <random>
@@ -18,10 +14,12 @@
 #include <string_view>
 #include <vector>
 
+#include "bench_arguments.hpp"
 #include "cullhull/extreme_points.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
 #include "hull/polygon.hpp"
+#include "timing.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -105,29 +103,13 @@ const std::map<std::string, Maker, std::less<>>& workloads() {
   return table;
 }
 
-double now() {
-  return std::chrono::duration<double, std::milli>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
-double processor_ms() {
-  rusage r{};
-  getrusage(RUSAGE_SELF, &r);
-  const auto ms = [](const timeval& t) {
-    return 1e3 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_usec);
-  };
-  return ms(r.ru_utime) + ms(r.ru_stime);
-}
-
 void time_it(const char* what, unsigned repeat, const std::function<std::size_t()>& body) {
   double best = 1e300, busy = 1e300;
   std::size_t found = 0;
   for (unsigned k = 0; k < repeat; ++k) {
-    const double start = now(), start_busy = processor_ms();
-    found = body();
-    busy = std::min(busy, processor_ms() - start_busy);
-    best = std::min(best, now() - start);
+    const double start_busy = bench::processor_ms();
+    best = std::min(best, 1e3 * bench::seconds_of([&] { found = body(); }));
+    busy = std::min(busy, bench::processor_ms() - start_busy);
   }
   std::printf("  %s %8.2f (%.2f) %zu", what, best, busy, found);
 }
@@ -146,37 +128,14 @@ void run(const std::string& name, const Input& in, unsigned threads, unsigned re
 }
 
 int main(int argc, char** argv) {
-  std::uint64_t n = 2000000;
-  unsigned repeat = 5;
-  std::vector<unsigned> threads = {1, 2};
-  std::vector<std::string> names;
-  for (int i = 1; i < argc; ++i) {
-    const std::string_view a = argv[i];
-    if (i + 1 < argc && a == "--n") {
-      n = std::strtoull(argv[++i], nullptr, 10);
-    } else if (i + 1 < argc && a == "--repeat") {
-      repeat = static_cast<unsigned>(std::max(1, std::atoi(argv[++i])));
-    } else if (i + 1 < argc && a == "--threads") {
-      threads.clear();
-      char* at = argv[++i];
-      while (*at != 0) {
-        threads.push_back(static_cast<unsigned>(std::strtoul(at, &at, 10)));
-        at += *at == ',';
-      }
-    } else if (workloads().count(a) != 0) {
-      names.emplace_back(a);
-    } else {
-      std::fprintf(stderr, "planar_bench: no workload '%s'; there are:", argv[i]);
-      for (const auto& w : workloads()) std::fprintf(stderr, " %s", w.first.c_str());
-      std::fprintf(stderr, "\n");
-      return 2;
-    }
-  }
-  if (names.empty())
-    for (const auto& w : workloads()) names.push_back(w.first);
-  for (const std::string& name : names) {
-    const Input in = workloads().find(name)->second(n);
-    for (const unsigned t : threads) run(name, in, t, repeat);
+  std::vector<std::string> all;
+  for (const auto& w : workloads()) all.push_back(w.first);
+  const bench::BenchArguments given = bench::parse_arguments(
+      argc, argv, {2'000'000, 5},
+      [](std::string_view name) { return workloads().count(name) != 0; }, all);
+  for (const std::string& name : given.workloads) {
+    const Input in = workloads().find(name)->second(given.n);
+    for (const unsigned t : given.threads) run(name, in, t, given.repeat);
   }
   return 0;
 }

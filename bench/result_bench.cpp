@@ -11,10 +11,10 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <string>
 #include <vector>
 
+#include "agreement/canonical_hash.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/options.hpp"
@@ -41,39 +41,6 @@ std::pair<double, double> cpu() {
     return 1e3 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_usec);
   };
   return {ms(r.ru_utime), ms(r.ru_stime)};
-}
-
-class Hash {
- public:
-  template <class List>
-  void add(const List& list) {
-    for (const auto& v : list) {
-      std::uint64_t bits = 0;
-      std::memcpy(&bits, &v, sizeof v);
-      hash_ = (hash_ ^ bits) * 0x9E3779B97F4A7C15U;
-      hash_ ^= hash_ >> 29;
-    }
-  }
-  std::uint64_t value() const { return hash_; }
-
- private:
-  std::uint64_t hash_ = 1;
-};
-
-std::uint64_t hash(const Hull& h) {
-  Hash x;
-  x.add(h.vertices);
-  x.add(h.facets.offsets);
-  x.add(h.facets.items);
-  x.add(h.facet_neighbours.offsets);
-  x.add(h.facet_neighbours.items);
-  x.add(h.facet_planes);
-  x.add(h.simplices);
-  x.add(h.simplex_neighbours);
-  x.add(h.simplex_facets);
-  x.add(h.centroid);
-  x.add(std::vector<double>{h.area, h.volume});
-  return x.value();
 }
 
 /// What the lists of a hull of facets that are simplices take.
@@ -136,7 +103,7 @@ void run(const char* shape, unsigned d, std::uint64_t n, unsigned repeats) {
         "hash %016llx;%s\n",
         threads, best, user, system, 1e6 * best / static_cast<double>(facets),
         static_cast<double>(bytes(last)) / static_cast<double>(facets),
-        static_cast<unsigned long long>(hash(last)), phases.c_str());
+        static_cast<unsigned long long>(testing_support::canonical_hash(last)), phases.c_str());
     if (std::getenv("CERTIFY") == nullptr) continue;
     options.threads = threads;
     const auto begin = Clock::now();

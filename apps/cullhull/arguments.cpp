@@ -209,6 +209,8 @@ void RunArguments::add_to(CLI::App& command, bool filter) {
                     "Most it may take beyond the input, e.g. 2G or 512MiB; else half of\n"
                     "the machine's. A result that needs more is refused, status 4")
         ->type_name("BYTES");
+  } else {
+    backend = "cpu";  // nothing to choose, so nothing that a choice is weighed by is read
   }
   auto& count = *command.add_option("--threads", threads, "Threads; 0: all the machine offers");
   allow_range(count, 0, 1024);

@@ -53,9 +53,7 @@ int run(const MachineArguments& arguments) {
     });
   }
   if (arguments.save) save_constants(rates);
-  if (arguments.json == "-")
-    write_stdout(cullhull::bench::machine_json(rates));
-  else if (!arguments.json.empty())
+  if (!arguments.json.empty())
     cullhull::write_text(arguments.json, cullhull::bench::machine_json(rates));
   if (!arguments.quiet && arguments.json != "-")
     write_stdout(cullhull::bench::machine_table(rates));

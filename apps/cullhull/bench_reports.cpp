@@ -83,15 +83,9 @@ int run(const ReportArguments& a, const Measure& measure) {
     TerminalProgress progress(a.quiet);
     cancellable([&] { report = measure(progress.callback()); });
   }
-  if (a.json == "-")
-    write_stdout(report_json(report));
-  else if (!a.json.empty())
-    cullhull::write_text(a.json, report_json(report));
+  if (!a.json.empty()) cullhull::write_text(a.json, report_json(report));
   if (!a.page.empty()) write_page(a.page, report);
-  if (a.markdown == "-")
-    write_stdout(report_markdown(report));
-  else if (!a.markdown.empty())
-    cullhull::write_text(a.markdown, report_markdown(report));
+  if (!a.markdown.empty()) cullhull::write_text(a.markdown, report_markdown(report));
   if (!a.quiet && a.json != "-" && a.markdown != "-") write_stdout(report_table(report));
   if (report.agrees()) return 0;
   complain("some rows differ");

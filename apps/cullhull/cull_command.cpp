@@ -13,8 +13,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/version.hpp"
 #include "measure.hpp"
-#include "signals.hpp"
-#include "terminal.hpp"
+#include "outputs.hpp"
 
 namespace app {
 namespace {
@@ -40,26 +39,7 @@ struct CullArguments {
   unsigned repeat = 1;
 };
 
-struct Outcome {
-  cullhull::Survivors survivors;
-  std::vector<double> seconds;
-};
-
-Outcome compute(const CullArguments& arguments, const cullhull::PointView& points) {
-  Outcome outcome;
-  cullhull::Options options = arguments.run.options();
-  TerminalProgress progress(arguments.run.quiet);
-  options.progress = progress.callback();
-  cancellable([&] {
-    for (unsigned k = 0; k < arguments.repeat; ++k) {
-      outcome.survivors = cullhull::Survivors();
-      const Stopwatch watch;
-      outcome.survivors = cullhull::cull(points, options);
-      outcome.seconds.push_back(watch.seconds());
-    }
-  });
-  return outcome;
-}
+using Outcome = Repeated<cullhull::Survivors>;
 
 std::string report(const CullArguments& arguments, const Input& input, const Outcome& outcome,
                    double read_seconds) {
@@ -71,11 +51,12 @@ std::string report(const CullArguments& arguments, const Input& input, const Out
                     {"scalar", cullhull::scalar_name(points.scalar)}};
   json["threads"] = arguments.run.threads != 0 ? arguments.run.threads
                                                : std::max(1U, std::thread::hardware_concurrency());
-  json["backend"] = outcome.survivors.backend;
-  json["cull"] = {{"method", outcome.survivors.method},
-                  {"survivors", outcome.survivors.size(points.count)},
+  const cullhull::Survivors& survivors = outcome.result;
+  json["backend"] = survivors.backend;
+  json["cull"] = {{"method", survivors.method},
+                  {"survivors", survivors.size(points.count)},
                   {"seconds", median(outcome.seconds)},
-                  {"reason", outcome.survivors.reason}};
+                  {"reason", survivors.reason}};
   json["read_seconds"] = read_seconds;
   json["compute_seconds"] = median(outcome.seconds);
   json["compute_seconds_all"] = outcome.seconds;
@@ -84,16 +65,9 @@ std::string report(const CullArguments& arguments, const Input& input, const Out
 }
 
 std::string summary(const Input& input, const Outcome& outcome, double read_seconds) {
-  const cullhull::PointView& points = input.points;
-  const std::uint64_t kept = outcome.survivors.size(points.count);
-  const double share = points.count == 0
-                           ? 100.0
-                           : 100.0 * static_cast<double>(kept) / static_cast<double>(points.count);
-  return fmt::format("points     {} x {} {}, {}{}\n", grouped(points.count), points.dimension,
-                     cullhull::scalar_name(points.scalar), input.file.format(),
-                     input.file.mapped() ? ", in place" : "") +
-         fmt::format("survivors  {} ({:.3g} %), cull: {}\n", grouped(kept), share,
-                     outcome.survivors.method) +
+  const std::uint64_t count = input.points.count;
+  const cullhull::Survivors& survivors = outcome.result;
+  return points_line(input) + survivors_line(survivors.size(count), count, survivors.method) +
          fmt::format("seconds    {:.6f}; reading {:.6f}\n", median(outcome.seconds), read_seconds);
 }
 
@@ -103,18 +77,18 @@ int run(const CullArguments& arguments) {
                           "only one of -o - and --json can go to standard output");
   const Input input = open_input(arguments.input, arguments.run.threads);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
-  const Outcome outcome = compute(arguments, input.points);
+  Outcome outcome = repeat(arguments.run, arguments.repeat, [&](const cullhull::Options& options) {
+    return cullhull::cull(input.points, options);
+  });
   if (!arguments.output.empty()) {
-    std::vector<std::uint64_t> ids = outcome.survivors.ids;
-    if (outcome.survivors.all) {
-      ids.resize(input.points.count);
-      std::iota(ids.begin(), ids.end(), std::uint64_t{0});
+    cullhull::Survivors& survivors = outcome.result;
+    if (survivors.all) {
+      survivors.ids.resize(input.points.count);
+      std::iota(survivors.ids.begin(), survivors.ids.end(), std::uint64_t{0});
     }
-    cullhull::write_npy_ids(arguments.output, ids);
+    cullhull::write_npy_ids(arguments.output, survivors.ids);
   }
-  if (arguments.json == "-")
-    write_stdout(report(arguments, input, outcome, read_seconds));
-  else if (!arguments.json.empty())
+  if (!arguments.json.empty())
     cullhull::write_text(arguments.json, report(arguments, input, outcome, read_seconds));
   if (!arguments.run.quiet && arguments.json != "-" && arguments.output != "-")
     write_stdout(summary(input, outcome, read_seconds));

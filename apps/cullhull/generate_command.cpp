@@ -50,11 +50,9 @@ std::string footer() {
 }
 
 // One frame is in memory at a time.
-void write_sequence(const GenerateArguments& arguments, std::uint64_t count,
-                    std::uint32_t dimension, cullhull::ScalarType type) {
-  const std::uint64_t frames = parse_size(arguments.frames, "--frames");
-  const cullhull::MovingPoints moving(arguments.shape, arguments.motion, count, dimension, frames,
-                                      arguments.seed);
+void write_sequence(const GenerateArguments& arguments, const cullhull::MovingPoints& moving,
+                    std::uint64_t frames, std::uint64_t count, std::uint32_t dimension,
+                    cullhull::ScalarType type) {
   TerminalProgress progress(false);
   const cullhull::Progress report = progress.callback();
   cullhull::NpySequenceWriter writer(arguments.output, frames, count, dimension, type);
@@ -79,7 +77,10 @@ int run(const GenerateArguments& arguments) {
     throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
                           "--frames and --motion need one another");
   if (!arguments.frames.empty()) {
-    cancellable([&] { write_sequence(arguments, count, dimension, type); });
+    const std::uint64_t frames = parse_size(arguments.frames, "--frames");
+    const cullhull::MovingPoints moving(arguments.shape, arguments.motion, count, dimension, frames,
+                                        arguments.seed);
+    cancellable([&] { write_sequence(arguments, moving, frames, count, dimension, type); });
     return 0;
   }
   const std::vector<double> points =

@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -12,7 +11,7 @@
 #include "commands.hpp"
 #include "cullhull/cullhull.hpp"
 #include "measure.hpp"
-#include "signals.hpp"
+#include "outputs.hpp"
 #include "terminal.hpp"
 
 namespace app {
@@ -62,77 +61,55 @@ struct HullArguments {
   bool certify = false;
 
   /// How many outputs go to standard output.
-  int stdout_users() const {
-    const auto written = std::count(outputs.begin(), outputs.end(), "-");
-    return static_cast<int>(written) + (vertices == "-") + (json == "-") + !format.empty();
-  }
+  int stdout_users() const { return (vertices == "-") + (json == "-") + !format.empty(); }
 };
 
-struct Outcome {
-  Hull hull;
-  std::vector<double> seconds;
+struct Outcome : Repeated<Hull> {
   std::optional<Certificate> certificate;
 };
 
-// What cannot be written is refused before the work, not after it.
-void check_outputs(const HullArguments& arguments, std::uint32_t dimension) {
+void check_stdout(const HullArguments& arguments) {
   if (arguments.stdout_users() > 1)
     throw Error(ErrorCode::invalid_argument,
                 "only one of --vertices -, --json and --format can go to standard output");
-  static const char* const meshes[] = {".ply", ".obj", ".off", ".stl"};
-  for (const std::string& path : arguments.outputs) {
-    std::string extension = std::filesystem::path(path).extension().string();
-    for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    const bool mesh = std::count(std::begin(meshes), std::end(meshes), extension) != 0;
-    if (!mesh && extension != ".json" && extension != ".txt")
-      throw Error(ErrorCode::invalid_argument,
-                  "-o " + path + ": the name must end in .ply .obj .off .stl .json or .txt");
-    if (mesh && dimension != 2 && dimension != 3)
-      throw Error(ErrorCode::invalid_argument, "-o " + path +
-                                                   ": a mesh needs points of dimension 2 "
-                                                   "or 3, not " +
-                                                   std::to_string(dimension) + "; write .json");
-  }
-  if (arguments.json == "-" && !arguments.format.empty())
-    throw Error(ErrorCode::invalid_argument,
-                "--json and --format both want standard output; give --json=FILE");
+}
+
+/// Runs `find` as often as asked; the result's statistics are those of the run of median time.
+template <class Find>
+auto find_repeatedly(const HullArguments& arguments, const Find& find) {
+  std::vector<cullhull::Statistics> statistics;
+  auto found = repeat(arguments.run, arguments.repeat, [&](const cullhull::Options& options) {
+    auto result = find(options);
+    statistics.push_back(result.statistics);
+    return result;
+  });
+  found.result.statistics = statistics[median_run(found.seconds)];
+  found.result.statistics.compute_seconds = median(found.seconds);
+  return found;
 }
 
 Outcome compute(const HullArguments& arguments, const cullhull::PointView& points) {
-  Outcome outcome;
-  cullhull::Options options = arguments.run.options();
-  if (arguments.engine == "qhull") options.engine = cullhull::Engine::qhull;
-  TerminalProgress progress(arguments.run.quiet);
-  options.progress = progress.callback();
-  std::vector<cullhull::Statistics> statistics;
-  cancellable([&] {
-    for (unsigned k = 0; k < arguments.repeat; ++k) {
-      outcome.hull = Hull();  // one result in memory at a time
-      const Stopwatch watch;
-      outcome.hull = cullhull::convex_hull(points, options);
-      outcome.seconds.push_back(watch.seconds());
-      statistics.push_back(outcome.hull.statistics);
-    }
-    if (arguments.certify) outcome.certificate = cullhull::certify(points, outcome.hull, options);
-  });
-  outcome.hull.statistics = statistics[median_run(outcome.seconds)];
-  outcome.hull.statistics.compute_seconds = median(outcome.seconds);
+  Outcome outcome{find_repeatedly(arguments,
+                                  [&](cullhull::Options options) {
+                                    if (arguments.engine == "qhull")
+                                      options.engine = cullhull::Engine::qhull;
+                                    return cullhull::convex_hull(points, options);
+                                  }),
+                  {}};
+  if (arguments.certify)
+    outcome.certificate = repeat(arguments.run, 1, [&](const cullhull::Options& options) {
+                            return cullhull::certify(points, outcome.result, options);
+                          }).result;
   return outcome;
 }
 
 std::string summary(const Input& input, const Outcome& outcome, double read_seconds,
                     std::uint64_t peak) {
-  const Hull& hull = outcome.hull;
+  const Hull& hull = outcome.result;
   const cullhull::Statistics& s = hull.statistics;
-  std::string text = fmt::format("points     {} x {} {}, {}{}\n", grouped(hull.point_count),
-                                 hull.dimension, cullhull::scalar_name(hull.scalar),
-                                 input.file.format(), input.file.mapped() ? ", in place" : "");
-  const double share = hull.point_count == 0 ? 100.0
-                                             : 100.0 * static_cast<double>(s.survivors) /
-                                                   static_cast<double>(hull.point_count);
-  text += fmt::format("survivors  {} ({:.3g} %), cull: {}\n", grouped(s.survivors), share,
-                      s.cull_method);
-  if (hull.affine_dimension != static_cast<int>(hull.dimension))
+  std::string text =
+      points_line(input) + survivors_line(s.survivors, hull.point_count, s.cull_method);
+  if (hull.affine_dimension >= 0 && hull.affine_dimension != static_cast<int>(hull.dimension))
     text += fmt::format("flat       the points span dimension {} only; the hull is taken there\n",
                         hull.affine_dimension);
   text +=
@@ -153,7 +130,7 @@ std::string summary(const Input& input, const Outcome& outcome, double read_seco
 
 void write_results(const HullArguments& arguments, const Input& input, const Outcome& outcome,
                    double read_seconds, std::uint64_t peak) {
-  const Hull& hull = outcome.hull;
+  const Hull& hull = outcome.result;
   for (const std::string& path : arguments.outputs) cullhull::write_hull(path, input.points, hull);
   if (!arguments.vertices.empty()) {
     std::vector<std::uint64_t> ids = hull.vertices;
@@ -166,12 +143,7 @@ void write_results(const HullArguments& arguments, const Input& input, const Out
     extras.compute_seconds_all = outcome.seconds;
     extras.peak_bytes = peak;
     if (outcome.certificate) extras.certified = outcome.certificate->valid;
-    std::string text = cullhull::hull_to_json(input.points, hull, extras, false);
-    if (text.empty() || text.back() != '\n') text += '\n';
-    if (arguments.json == "-")
-      write_stdout(text);
-    else
-      cullhull::write_text(arguments.json, text);
+    cullhull::write_text(arguments.json, cullhull::hull_to_json(input.points, hull, extras, false));
   }
   if (!arguments.format.empty())
     write_stdout(cullhull::hull_to_qhull_text(input.points, hull, arguments.format));
@@ -181,31 +153,13 @@ void write_results(const HullArguments& arguments, const Input& input, const Out
 
 // ---------------------------------------------------------------------------- --only vertices
 
-struct Extreme {
-  cullhull::ExtremePoints points;
-  std::vector<double> seconds;
-};
-
-Extreme find_extreme(const HullArguments& arguments, const cullhull::PointView& points) {
-  Extreme found;
-  cullhull::Options options = arguments.run.options();
-  TerminalProgress progress(arguments.run.quiet);
-  options.progress = progress.callback();
-  cancellable([&] {
-    for (unsigned k = 0; k < arguments.repeat; ++k) {
-      const Stopwatch watch;
-      found.points = cullhull::extreme_points(points, options);
-      found.seconds.push_back(watch.seconds());
-    }
-  });
-  found.points.statistics.compute_seconds = median(found.seconds);
-  return found;
-}
+using Extreme = Repeated<cullhull::ExtremePoints>;
 
 /// The keys of a hull's JSON that mean something without facets.
 std::string extreme_json(const cullhull::PointView& view, const Extreme& found, double read_seconds,
                          std::uint64_t peak) {
-  const cullhull::Statistics& s = found.points.statistics;
+  const cullhull::ExtremePoints& points = found.result;
+  const cullhull::Statistics& s = points.statistics;
   return fmt::format(
       "{{\n"
       "  \"version\": \"{}\",\n"
@@ -223,9 +177,9 @@ std::string extreme_json(const cullhull::PointView& view, const Extreme& found, 
       "  \"vertices\": [{}]\n"
       "}}\n",
       CULLHULL_VERSION, view.count, view.dimension, cullhull::scalar_name(view.scalar), s.threads,
-      s.backend, s.cull_method, s.survivors, s.cull_seconds, found.points.affine_dimension,
-      found.points.ids.size(), read_seconds, s.compute_seconds, fmt::join(found.seconds, ", "),
-      peak, fmt::join(found.points.ids, ", "));
+      s.backend, s.cull_method, s.survivors, s.cull_seconds, points.affine_dimension,
+      points.ids.size(), read_seconds, s.compute_seconds, fmt::join(found.seconds, ", "), peak,
+      fmt::join(points.ids, ", "));
 }
 
 int run_vertices_only(const HullArguments& arguments) {
@@ -234,37 +188,29 @@ int run_vertices_only(const HullArguments& arguments) {
     throw Error(ErrorCode::invalid_argument,
                 "--only vertices finds no facets: it goes with --vertices and --json, not with -o, "
                 "--format, --certify or --engine qhull");
-  if (arguments.stdout_users() > 1)
-    throw Error(ErrorCode::invalid_argument,
-                "only one of --vertices - and --json can go to standard output");
   const Input input = open_input(arguments.input, arguments.run.threads);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
-  const Extreme found = find_extreme(arguments, input.points);
-  if (!arguments.vertices.empty()) cullhull::write_npy_ids(arguments.vertices, found.points.ids);
-  if (!arguments.json.empty()) {
-    const std::string text = extreme_json(input.points, found, read_seconds, peak_bytes());
-    if (arguments.json == "-")
-      write_stdout(text);
-    else
-      cullhull::write_text(arguments.json, text);
-  }
+  const Extreme found = find_repeatedly(arguments, [&](const cullhull::Options& options) {
+    return cullhull::extreme_points(input.points, options);
+  });
+  const cullhull::ExtremePoints& extreme = found.result;
+  if (!arguments.vertices.empty()) cullhull::write_npy_ids(arguments.vertices, extreme.ids);
+  if (!arguments.json.empty())
+    cullhull::write_text(arguments.json,
+                         extreme_json(input.points, found, read_seconds, peak_bytes()));
   if (arguments.run.quiet || arguments.stdout_users() > 0) return 0;
-  const cullhull::Statistics& s = found.points.statistics;
-  write_stdout(fmt::format(
-      "points     {} x {} {}, {}\n"
-      "survivors  {}, cull: {}\n"
-      "vertices   {}\n"
-      "seconds    {:.6f}\n",
-      grouped(input.points.count), input.points.dimension,
-      cullhull::scalar_name(input.points.scalar), input.file.format(), grouped(s.survivors),
-      s.cull_method, grouped(found.points.ids.size()), s.compute_seconds));
+  const cullhull::Statistics& s = extreme.statistics;
+  write_stdout(points_line(input) + survivors_line(s.survivors, input.points.count, s.cull_method) +
+               fmt::format("vertices   {}\nseconds    {:.6f}; reading {:.6f}\n",
+                           grouped(extreme.ids.size()), s.compute_seconds, read_seconds));
   return 0;
 }
 
 int run(const HullArguments& arguments) {
+  check_stdout(arguments);
   if (!arguments.only.empty()) return run_vertices_only(arguments);
   const Input input = open_input(arguments.input, arguments.run.threads);
-  check_outputs(arguments, input.points.dimension);
+  for (const std::string& path : arguments.outputs) check_hull_file(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const Outcome outcome = compute(arguments, input.points);
   write_results(arguments, input, outcome, read_seconds, peak_bytes());

@@ -63,13 +63,10 @@ std::vector<std::string> spell_out(int argc, char** argv) {
   return words;
 }
 
-std::string unknown_command(const CLI::App& parser, const std::vector<std::string>& words) {
-  if (words.empty() || words[0].empty() || words[0][0] == '-') return "";
+bool is_command(const CLI::App& parser, const std::string& word) {
   const auto known = parser.get_subcommands([](const CLI::App*) { return true; });
-  const bool found = std::any_of(known.begin(), known.end(), [&](const CLI::App* command) {
-    return command->get_name() == words[0];
-  });
-  return found ? "" : words[0];
+  return std::any_of(known.begin(), known.end(),
+                     [&](const CLI::App* command) { return command->get_name() == word; });
 }
 
 struct Registered {
@@ -89,16 +86,18 @@ int run(int argc, char** argv) {
     commands.push_back({parser.get_subcommands({}).back(), std::move(command)});
   }
   auto words = spell_out(argc, argv);
-  if (const std::string word = unknown_command(parser, words); !word.empty()) {
-    app::complain("unknown command '" + word + "' (see cullhull --help)");
+  const bool command_given = !words.empty() && is_command(parser, words[0]);
+  if (!command_given && !words.empty() && !words[0].empty() && words[0][0] != '-') {
+    app::complain("unknown command '" + words[0] + "' (see cullhull --help)");
     return app::bad_usage;
   }
+  const std::string help = command_given ? "cullhull " + words[0] + " --help" : "cullhull --help";
   try {
     std::reverse(words.begin(), words.end());  // the parser takes words from the back
     parser.parse(std::move(words));
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() != static_cast<int>(CLI::ExitCodes::Success)) {
-      app::complain(std::string(e.what()) + " (see cullhull --help)");
+      app::complain(std::string(e.what()) + " (see " + help + ")");
       return app::bad_usage;
     }
     std::ostringstream text, unused;

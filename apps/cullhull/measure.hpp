@@ -3,10 +3,13 @@
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
+#include <type_traits>
 #include <vector>
 
+#include "arguments.hpp"
 #include "cullhull/point_view.hpp"
+#include "signals.hpp"
+#include "terminal.hpp"
 #include "timing.hpp"
 
 namespace app {
@@ -32,5 +35,30 @@ using cullhull::bench::median;
 
 /// Index of the run whose time is the median (the lower one of an even number).
 std::size_t median_run(const std::vector<double>& seconds);
+
+/// The last of several results, and what each took.
+template <class Result>
+struct Repeated {
+  Result result;
+  std::vector<double> seconds;
+};
+
+/// compute(options), `times` times, with progress and until a signal: as `arguments` say.
+template <class Compute>
+auto repeat(const RunArguments& arguments, unsigned times, const Compute& compute) {
+  Repeated<std::invoke_result_t<Compute, const cullhull::Options&>> done;
+  cullhull::Options options = arguments.options();
+  TerminalProgress progress(arguments.quiet);
+  options.progress = progress.callback();
+  cancellable([&] {
+    for (unsigned k = 0; k < times; ++k) {
+      done.result = {};  // one result in memory at a time
+      const Stopwatch watch;
+      done.result = compute(options);
+      done.seconds.push_back(watch.seconds());
+    }
+  });
+  return done;
+}
 
 }  // namespace app

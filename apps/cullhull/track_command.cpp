@@ -13,6 +13,7 @@
 #include "commands.hpp"
 #include "cullhull/cullhull.hpp"
 #include "measure.hpp"
+#include "outputs.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
 
@@ -81,14 +82,7 @@ class FrameNames {
   }
 
   void check(std::uint32_t dimension) const {
-    if (!wanted() || folder_) return;
-    std::string extension = std::filesystem::path("x" + after_).extension().string();
-    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    if (extension == ".json" || extension == ".txt") return;
-    if (extension != ".ply" && extension != ".obj" && extension != ".off" && extension != ".stl")
-      refuse("the name must end in .ply .obj .off .stl .json or .txt");
-    if (dimension != 2 && dimension != 3)
-      refuse("a mesh needs points of dimension 2 or 3; write .json");
+    if (wanted() && !folder_) check_hull_file(pattern_, dimension);
   }
 
  private:
@@ -272,6 +266,7 @@ std::string report_of(const TrackArguments& arguments, const cullhull::PointSequ
 }
 
 std::string summary(const cullhull::PointSequence& sequence, const Outcome& o) {
+  if (sequence.frames() == 0) return "frames     0\n";
   std::string text =
       fmt::format("frames     {}, {}\n", grouped(sequence.frames()), sequence.format());
   if (o.done > 0) {
@@ -302,10 +297,7 @@ int run(const TrackArguments& arguments) {
   const std::string text = summary(sequence, outcome);
   if (!arguments.json.empty()) {
     const std::string report = report_of(arguments, sequence, std::move(outcome));
-    if (arguments.json == "-")
-      write_stdout(report);
-    else
-      cullhull::write_text(arguments.json, report);
+    cullhull::write_text(arguments.json, report);
   }
   if (!arguments.run.quiet && arguments.json != "-") write_stdout(text);
   if (!not_proved.empty()) {

@@ -239,9 +239,7 @@ int run(const ViewArguments& arguments) {
     });
   }
   cullhull::write_text(arguments.output, written.page);
-  if (arguments.json == "-") write_stdout(written.report);
-  if (!arguments.json.empty() && arguments.json != "-")
-    cullhull::write_text(arguments.json, written.report);
+  if (!arguments.json.empty()) cullhull::write_text(arguments.json, written.report);
   return 0;
 }
 

@@ -61,21 +61,14 @@ class Suite {
     report.scale = settings_.scale;
     report.threads = settings_.threads;
     report.machine = describe_machine();
-    report.command = fmt::format("cullhull bench paper --scale {:g}", settings_.scale);
+    report.command = fmt::format("cullhull bench paper --scale {:g} --repeat {} --limit {:g}",
+                                 settings_.scale, settings_.repeat, settings_.limit);
+    if (settings_.threads != 0) report.command += fmt::format(" --threads {}", settings_.threads);
     for (const std::string& f : settings_.figures) report.command += " --figure " + f;
     for (const unsigned t : thread_counts())
       report.read_bandwidth.emplace_back(t, read_bandwidth(t, stop_));
     report_ = &report;
-    struct Maker {
-      const char* id;
-      Figure (Suite::*make)();
-    };
-    static constexpr Maker makers[] = {
-        {"figure-12", &Suite::static_sets},   {"figure-13", &Suite::growing_sets},
-        {"figure-14", &Suite::culling},       {"figure-15", &Suite::shares},
-        {"figure-16", &Suite::moving_shares}, {"figure-17", &Suite::moving_times},
-        {"all-extreme", &Suite::all_extreme}, {"threads", &Suite::scaling}};
-    for (const Maker& maker : makers) {
+    for (const Maker& maker : makers()) {
       if (!settings_.figures.empty() &&
           std::find(settings_.figures.begin(), settings_.figures.end(), maker.id) ==
               settings_.figures.end())
@@ -85,6 +78,19 @@ class Suite {
       report.figures.back().id = maker.id;
     }
     return report;
+  }
+
+  struct Maker {
+    const char* id;
+    Figure (Suite::*make)();
+  };
+  static const std::vector<Maker>& makers() {
+    static const std::vector<Maker> all = {
+        {"figure-12", &Suite::static_sets},   {"figure-13", &Suite::growing_sets},
+        {"figure-14", &Suite::culling},       {"figure-15", &Suite::shares},
+        {"figure-16", &Suite::moving_shares}, {"figure-17", &Suite::moving_times},
+        {"all-extreme", &Suite::all_extreme}, {"threads", &Suite::scaling}};
+    return all;
   }
 
  private:
@@ -494,8 +500,11 @@ class Suite {
 }  // namespace
 
 const std::vector<std::string>& paper_figures() {
-  static const std::vector<std::string> ids{"figure-12", "figure-13", "figure-14",   "figure-15",
-                                            "figure-16", "figure-17", "all-extreme", "threads"};
+  static const std::vector<std::string> ids = [] {
+    std::vector<std::string> all;
+    for (const Suite::Maker& maker : Suite::makers()) all.emplace_back(maker.id);
+    return all;
+  }();
   return ids;
 }
 

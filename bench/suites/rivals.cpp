@@ -111,7 +111,8 @@ class Suite {
 
  private:
   std::string command() const {
-    std::string text = fmt::format("cullhull bench rivals --scale {:g}", settings_.scale);
+    std::string text = fmt::format("cullhull bench rivals --scale {:g} --repeat {} --limit {:g}",
+                                   settings_.scale, settings_.repeat, settings_.limit);
     if (!settings_.threads.empty()) text += fmt::format(" --threads {}", fmt::join(threads_, ","));
     for (const Workload& w : settings_.workloads) text += " --workload " + w.name();
     if (!settings_.with_qhull) text += " --without qhull";

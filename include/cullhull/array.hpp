@@ -22,7 +22,7 @@ void free_block(void* block, std::size_t bytes) noexcept;
 /// The library keeps blocks of 4 MB and more that it or an Array frees, up to a limit, and gives
 /// them out again: memory from the system must be cleared first, which takes longer than most steps
 /// of a hull. Between calls the system is told that it may take them back whenever it is short of
-/// memory. At first the limit is a sixteenth of the machine's memory, at most 1 GiB.
+/// memory. At first the limit is a sixteenth of what this process may use, at most 1 GiB.
 /// Sets the limit; what is kept beyond it goes back at once. 0: nothing is kept between calls.
 void keep_memory(std::size_t limit) noexcept;
 /// Bytes that are kept now.

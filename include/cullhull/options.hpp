@@ -24,7 +24,7 @@ struct Options {
   Engine engine = Engine::native;
   /// Threads to use; 0 means all the machine offers.
   unsigned threads = 0;
-  /// Bytes the library may allocate beyond the input; 0 means half of the machine's memory.
+  /// Bytes it may allocate beyond the input; 0: half of the memory that this process may use.
   std::uint64_t memory_budget = 0;
   /// What `Backend::automatic` weighs.
   MachineConstants machine;

@@ -1,5 +1,5 @@
 // Writing JSON. Written by hand, because a hull of millions of facets should stream. Doubles are
-// printed so that they read back as the same double; what is not finite becomes null.
+// printed so that they read back as the same double, infinities as the strings "inf" and "-inf".
 #include "io/json.hpp"
 
 #include <algorithm>
@@ -87,16 +87,16 @@ class JsonWriter {
     text_ += ']';
   }
 
+  void null() { text_ += "null"; }
   void value(bool v) { text_ += v ? "true" : "false"; }
   void value(std::uint64_t v) { append_number(text_, v); }
   void value(std::uint32_t v) { append_number(text_, std::uint64_t{v}); }
   void value(int v) { text_ += std::to_string(v); }
   void value(double v) {
     if (std::isinf(v))
-      text_ +=
-          v > 0 ? "\"inf\"" : "\"-inf\"";  // a volume beyond the doubles; JSON has no such number
+      text_ += v > 0 ? "\"inf\"" : "\"-inf\"";  // a volume beyond the doubles
     else if (std::isnan(v))
-      text_ += "null";
+      null();
     else if (v == 0 && std::signbit(v))
       text_ += "-0.0";  // "-0" would read back as an integer, which has no sign
     else
@@ -178,7 +178,7 @@ void write_run(JsonWriter& w, const Hull& hull, const JsonExtras& extras) {
   if (extras.certified)
     w.value(*extras.certified);
   else
-    w.value(std::nan(""));  // null: nobody asked
+    w.null();  // nobody asked
 }
 
 }  // namespace

@@ -237,10 +237,9 @@ class HullReader final : public nlohmann::json_sax<json> {
     }
     return true;
   }
-  /// A number that must be a double here. `written`: false for null, which stands for what is not
-  /// finite.
-  bool real(double v, bool written) {
-    if (written && !std::isfinite(v)) fault("a number out of range");
+  /// A double. `number`: written as one, so that it must be finite; else it stands for a word.
+  bool real(double v, bool number) {
+    if (number && !std::isfinite(v)) fault("a number out of range");
     if (top_level() && field_ == Field::area)
       raw_.hull.area = v;
     else if (top_level() && field_ == Field::volume)

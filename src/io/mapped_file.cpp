@@ -12,6 +12,7 @@
 #include <system_error>
 #include <utility>
 
+#include "parallel/machine_memory.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull {
@@ -52,10 +53,10 @@ int list_mapping(const Source& source) {
   throw Error(ErrorCode::io, name + ": " + doing + ": " + std::system_category().message(error));
 }
 
-std::size_t physical_memory() {
-  const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
-  return pages > 0 && size > 0 ? static_cast<std::size_t>(pages) * static_cast<std::size_t>(size)
-                               : std::size_t{1} << 32;
+/// Memory that a file may be held against.
+std::uint64_t room() {
+  const std::uint64_t memory = machine_memory();
+  return memory > 0 ? memory : std::uint64_t{1} << 32;
 }
 
 }  // namespace
@@ -97,7 +98,7 @@ void MappedFile::map(int descriptor, std::size_t size) {
 }
 
 void MappedFile::read_stream(int descriptor) {
-  const std::size_t limit = physical_memory() / 2;
+  const std::uint64_t limit = room() / 2;
   std::size_t capacity = std::size_t{1} << 16, size = 0;
   stream_ = Buffer(capacity);
   for (;;) {
@@ -150,7 +151,7 @@ void MappedFile::check_size() const {
 
 void MappedFile::prefault(unsigned threads) const {
 #ifdef MADV_POPULATE_READ
-  if (!mapped_ || source_.size > physical_memory() / 4) return;
+  if (!mapped_ || source_.size > room() / 4) return;
   constexpr std::uint64_t piece = std::uint64_t{16} << 20;
   for_each_chunk(source_.size, piece, resolve_threads(threads),
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {

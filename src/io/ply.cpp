@@ -211,7 +211,10 @@ class PlyBinary {
   std::uint64_t skip(const Element& e, std::uint64_t at) const {
     check_room(e, at);
     if (!e.has_list) return at + e.count * e.min_size;
-    for (std::uint64_t i = 0; i < e.count; ++i) at = walk(e, at, nullptr);
+    for (std::uint64_t i = 0; i < e.count; ++i) {
+      if (i % 65536 == 0) check_stop(options_);
+      at = walk(e, at, nullptr);
+    }
     return at;
   }
   /// Passes one record property by property; `at_property` receives where each begins.

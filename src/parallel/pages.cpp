@@ -10,7 +10,8 @@
 
 #if defined(__linux__)
 #include <sys/mman.h>
-#include <unistd.h>
+
+#include "parallel/machine_memory.hpp"
 #endif
 
 namespace cullhull::internal {
@@ -37,9 +38,8 @@ char* map_pages(std::size_t bytes) {
 
 std::size_t usual_limit() {
   constexpr std::size_t most = std::size_t{1} << 30;
-  const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
-  if (pages <= 0 || size <= 0) return most / 4;
-  return std::min(most, static_cast<std::size_t>(pages) / 16 * static_cast<std::size_t>(size));
+  const std::uint64_t memory = machine_memory();
+  return memory == 0 ? most / 4 : std::min<std::size_t>(most, memory / 16);
 }
 
 /// Ranges of whole pages that nobody uses now, joined where they touch.

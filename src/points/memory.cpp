@@ -1,16 +1,14 @@
 #include "points/memory.hpp"
 
-#include <unistd.h>
-
 #include "cullhull/error.hpp"
+#include "parallel/machine_memory.hpp"
 
 namespace cullhull::internal {
 
 std::uint64_t resolve_budget(std::uint64_t requested) {
   if (requested > 0) return requested;
-  const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
-  if (pages <= 0 || size <= 0) return std::uint64_t{4} << 30;
-  return static_cast<std::uint64_t>(pages) / 2 * static_cast<std::uint64_t>(size);
+  const std::uint64_t memory = machine_memory();
+  return memory == 0 ? std::uint64_t{4} << 30 : memory / 2;
 }
 
 void require_budget(std::uint64_t budget, std::uint64_t bytes, const std::string& what) {

@@ -6,7 +6,7 @@
 
 namespace cullhull::internal {
 
-/// Bytes a call may allocate: the request, or half of the machine's memory for 0.
+/// Bytes a call may allocate: the request, or half of machine_memory() for 0.
 std::uint64_t resolve_budget(std::uint64_t requested);
 
 /// Throws Error{out_of_budget}, naming `what`, if it needs more bytes than the budget has.

@@ -1,5 +1,5 @@
 // The ladder in 3D, for points of the local frame (|x| <= 1): a filter in doubles that is inlined,
-// one in double-doubles that decides nearly flat cases, then integers. docs/exactness.md, "3D".
+// one in double-doubles that decides nearly flat cases, then integers. docs/exactness.md, "In 3D".
 #pragma once
 
 #include <cmath>

@@ -39,6 +39,21 @@ using PlaneOf = void (*)(const double*, const std::uint32_t*, double*, double&);
 constexpr PlaneOf planes_of[] = {nullptr,     nullptr,     plane_of<2>, plane_of<3>, plane_of<4>,
                                  plane_of<5>, plane_of<6>, plane_of<7>, plane_of<8>};
 
+/// A simplex of the boundary and a vertex off its facet span the flat.
+std::vector<std::uint32_t> flat_basis(const QueryPoints& points, const Hull& hull) {
+  if (points.k == 0) return {0};
+  std::vector<std::uint32_t> basis;
+  for (unsigned i = 0; i < points.k; ++i) basis.push_back(points.index_of(hull.simplices[i]));
+  const auto first = hull.facets.items.begin();
+  const auto last = first + static_cast<std::ptrdiff_t>(hull.facets.offsets[1]);
+  for (std::uint32_t v = 0; v < points.count(); ++v)
+    if (std::find(first, last, points.ids[v]) == last) {
+      basis.push_back(v);
+      return basis;
+    }
+  throw Error(ErrorCode::invalid_argument, "all vertices of the hull are on one facet");
+}
+
 double largest_of(const double* x, unsigned k) {
   double m = 0;
   for (unsigned j = 0; j < k; ++j) m = std::max(m, std::fabs(x[j]));
@@ -72,25 +87,16 @@ QueryPoints make_query_points(const PointView& points, const Hull& hull) {
     q.low[i % d] = std::min(q.low[i % d], q.full[i]);
     q.high[i % d] = std::max(q.high[i % d], q.full[i]);
   }
-  // A simplex of the boundary and a vertex off its facet span the flat.
   q.axes.resize(q.k);
   if (q.k == d) {
     for (unsigned j = 0; j < d; ++j) q.axes[j] = j;
     q.on_axes = q.full;
     return q;
   }
+  q.basis = flat_basis(q, hull);
   std::vector<const double*> rows;
-  for (unsigned i = 0; i < q.k; ++i)
-    rows.push_back(q.full.data() + std::size_t{q.index_of(hull.simplices[i])} * d);
-  if (q.k > 0) {
-    const auto first = hull.facets.items.begin();
-    const auto last = first + static_cast<std::ptrdiff_t>(hull.facets.offsets[1]);
-    const auto off = std::find_if(q.ids.begin(), q.ids.end(), [&](std::uint64_t id) {
-      return std::find(first, last, id) == last;
-    });
-    rows.push_back(q.full.data() + (off - q.ids.begin()) * static_cast<std::ptrdiff_t>(d));
-    affine_rank_exact(d, rows.data(), static_cast<unsigned>(rows.size()), q.axes.data());
-  }
+  for (const std::uint32_t v : q.basis) rows.push_back(q.full.data() + std::size_t{v} * d);
+  affine_rank_exact(d, rows.data(), q.k + 1, q.axes.data());
   q.on_axes.resize(q.ids.size() * q.k);
   for (std::size_t i = 0; i < q.ids.size(); ++i)
     for (unsigned j = 0; j < q.k; ++j) q.on_axes[i * q.k + j] = q.full[i * d + q.axes[j]];

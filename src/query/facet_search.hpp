@@ -21,6 +21,8 @@ struct QueryPoints {
   std::vector<double> full;        // vertices x dimension, exact
   std::vector<double> on_axes;     // vertices x k, exact
   std::vector<double> low, high;   // of every axis of `full`
+  /// Of a flat hull (k < dimension): k + 1 vertices that span the flat.
+  std::vector<std::uint32_t> basis;
 
   std::size_t count() const { return ids.size(); }
   const double* row(std::uint32_t v) const { return on_axes.data() + std::size_t{v} * k; }

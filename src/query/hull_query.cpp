@@ -35,12 +35,12 @@ constexpr std::uint64_t worth_a_map = 2048;
 /// and any other one, must have no volume.
 class FlatTest {
  public:
-  FlatTest(const QueryPoints& points, const std::vector<std::uint32_t>& basis) : points_(points) {
+  explicit FlatTest(const QueryPoints& points) : points_(points) {
     const unsigned d = points.dimension, k = points.k;
     for (unsigned c = 0; c < d && k < d; ++c) {
       if (std::find(points.axes.begin(), points.axes.end(), c) != points.axes.end()) continue;
       others_.push_back(c);
-      for (const std::uint32_t v : basis) {
+      for (const std::uint32_t v : points.basis) {
         const double* p = points.full.data() + std::size_t{v} * d;
         for (const unsigned a : points.axes) rows_.push_back(p[a]);
         rows_.push_back(p[c]);
@@ -67,21 +67,6 @@ class FlatTest {
   std::vector<unsigned> others_;
   std::vector<double> rows_;
 };
-
-/// k + 1 vertices that span the flat: a simplex of the boundary and a vertex off its facet.
-std::vector<std::uint32_t> flat_basis(const QueryPoints& points, const Hull& hull) {
-  if (points.k == 0) return {0};
-  std::vector<std::uint32_t> basis;
-  for (unsigned i = 0; i < points.k; ++i) basis.push_back(points.index_of(hull.simplices[i]));
-  const auto first = hull.facets.items.begin();
-  const auto last = first + static_cast<std::ptrdiff_t>(hull.facets.offsets[1]);
-  for (std::uint32_t v = 0; v < points.count(); ++v)
-    if (std::find(first, last, points.ids[v]) == last) {
-      basis.push_back(v);
-      return basis;
-    }
-  throw Error(ErrorCode::invalid_argument, "all vertices of the hull are on one facet");
-}
 
 /// The hull as the gauge map takes it.
 InnerPolytope polytope_of(const QueryPoints& points, const Hull& hull) {
@@ -128,8 +113,7 @@ using namespace internal;
 struct HullQuery::State {
   State(const PointView& view, const Hull& hull)
       : points(make_query_points(view, hull)),
-        flat(points,
-             points.k < points.dimension ? flat_basis(points, hull) : std::vector<std::uint32_t>{}),
+        flat(points),
         vertices(points, hull),
         planes(hull.facet_planes.begin(), hull.facet_planes.end()),
         facet_start(hull.facets.offsets.begin(), hull.facets.offsets.end()) {
@@ -184,6 +168,11 @@ struct HullQuery::State {
     return cells.get();
   }
   RayHit ray(const double* origin, const double* direction) const;
+  RayHit ray_on_line(double origin, double direction) const;  // d = 1
+  RayHit ray_past_all(const double* origin, const double* direction) const;
+  RayHit ray_by_climbs(const double* origin, const double* direction) const;
+  double end_of_line(const std::vector<double>& x, const std::vector<double>& u,
+                     std::uint32_t& facet) const;
   void check_dimension(const PointView& view) const {
     if (view.dimension != points.dimension)
       throw Error(ErrorCode::invalid_argument,
@@ -272,79 +261,93 @@ NearestFacet HullQuery::State::nearest(const double* p) const {
   return out;
 }
 
-// G(t) = max over facets of value(f, x(t)) - 1 is convex and piecewise linear. Newton's steps from
-// beyond the last zero come down to it; if they cross a piece that rises the other way first, the
-// line misses.
 RayHit HullQuery::State::ray(const double* origin, const double* direction) const {
   const unsigned d = points.dimension;
-  RayHit hit;
   if (points.k < d)
     throw Error(ErrorCode::invalid_argument,
                 "rays need a full-dimensional hull; this one lies in a flat of dimension " +
                     std::to_string(points.k));
   if (std::all_of(direction, direction + d, [](double v) { return v == 0; }))
     throw Error(ErrorCode::invalid_argument, "a ray needs a direction that is not zero");
-  if (d == 1) {
-    double t[2] = {(points.low[0] - origin[0]) / direction[0],
-                   (points.high[0] - origin[0]) / direction[0]};
-    const auto end_at = [&](double v) {
-      return static_cast<std::uint32_t>(points.full[facet_vertices[0]] == v ? 0 : 1);
-    };
-    hit = {true, t[0], t[1], end_at(points.low[0]), end_at(points.high[0])};
-    if (t[0] > t[1]) {
-      std::swap(hit.enter, hit.exit);
-      std::swap(hit.enter_facet, hit.exit_facet);
-    }
-    return hit;
+  const RayHit hit = d == 1                 ? ray_on_line(*origin, *direction)
+                     : facets->exhaustive() ? ray_past_all(origin, direction)
+                                            : ray_by_climbs(origin, direction);
+  return hit.hit ? hit : RayHit{};
+}
+
+RayHit HullQuery::State::ray_on_line(double origin, double direction) const {
+  RayHit hit;
+  hit.hit = true;
+  const auto end_at = [&](double v) {
+    return static_cast<std::uint32_t>(points.full[facet_vertices[0]] == v ? 0 : 1);
+  };
+  hit.enter = (points.low[0] - origin) / direction;
+  hit.exit = (points.high[0] - origin) / direction;
+  hit.enter_facet = end_at(points.low[0]);
+  hit.exit_facet = end_at(points.high[0]);
+  if (hit.enter > hit.exit) {
+    std::swap(hit.enter, hit.exit);
+    std::swap(hit.enter_facet, hit.exit_facet);
   }
-  std::vector<double> x(d), u(d), at(d);
+  return hit;
+}
+
+RayHit HullQuery::State::ray_past_all(const double* origin, const double* direction) const {
+  const unsigned d = points.dimension;
+  RayHit hit;
+  hit.enter = -std::numeric_limits<double>::infinity();
+  hit.exit = -hit.enter;
+  for (std::uint32_t f = 0; f + 1 < facet_start.size(); ++f) {
+    double rise = 0;
+    for (unsigned j = 0; j < d; ++j) rise += planes[std::size_t{f} * (d + 1) + j] * direction[j];
+    const double height = plane_value(f, origin);
+    if (rise == 0 && height > 0) return hit;
+    if (rise == 0) continue;
+    const double t = -height / rise;
+    if (rise > 0 && t < hit.exit) hit.exit = t, hit.exit_facet = f;
+    if (rise < 0 && t > hit.enter) hit.enter = t, hit.enter_facet = f;
+  }
+  hit.hit = hit.enter <= hit.exit;
+  return hit;
+}
+
+RayHit HullQuery::State::ray_by_climbs(const double* origin, const double* direction) const {
+  const unsigned d = points.dimension;
+  std::vector<double> x(d), u(d);
   if (!facets->localise(origin, x.data()))
     throw Error(ErrorCode::invalid_argument, "a ray begins more than 2^500 extents away");
   facets->localise_direction(direction, u.data());
-  const auto end_of_line = [&](double sign, std::uint32_t& facet) {
-    const auto dot = [&](std::uint32_t f, const double* v) {
-      return sign * facets->value<0>(f, v);
-    };
-    std::vector<double> towards(d);
-    for (unsigned j = 0; j < d; ++j) towards[j] = sign * u[j];
-    facet = facets->climb(facets->start(towards.data()), towards.data());
-    double slope = dot(facet, u.data());
-    double t = (1 - facets->value<0>(facet, x.data())) / slope;
-    for (;;) {
-      for (unsigned j = 0; j < d; ++j) at[j] = x[j] + t * sign * u[j];
-      const std::uint32_t next = facets->climb(facet, at.data());
-      if (next == facet) return t;
-      slope = dot(next, u.data());
-      if (!(slope > 0)) return std::numeric_limits<double>::quiet_NaN();
-      const double step = (1 - facets->value<0>(next, x.data())) / slope;
-      if (!(step < t)) return t;
-      t = step;
-      facet = next;
-    }
-  };
-  // Exact planes are not needed here: parameters are doubles.
-  if (facets->exhaustive()) {
-    double enter = -std::numeric_limits<double>::infinity(), exit = -enter;
-    for (std::uint32_t f = 0; f + 1 < facet_start.size(); ++f) {
-      double rise = 0;
-      for (unsigned j = 0; j < d; ++j) rise += planes[std::size_t{f} * (d + 1) + j] * direction[j];
-      const double height = plane_value(f, origin);
-      if (rise == 0 && height > 0) return hit;
-      if (rise == 0) continue;
-      const double t = -height / rise;
-      if (rise > 0 && t < exit) exit = t, hit.exit_facet = f;
-      if (rise < 0 && t > enter) enter = t, hit.enter_facet = f;
-    }
-    hit.hit = enter <= exit;
-    hit.enter = enter;
-    hit.exit = exit;
-  } else {
-    hit.exit = end_of_line(1, hit.exit_facet);
-    if (!std::isnan(hit.exit)) hit.enter = -end_of_line(-1, hit.enter_facet);
-    hit.hit = !std::isnan(hit.exit) && !std::isnan(hit.enter) && hit.enter <= hit.exit;
-  }
-  if (!hit.hit) return RayHit{};
+  RayHit hit;
+  hit.exit = end_of_line(x, u, hit.exit_facet);
+  if (std::isnan(hit.exit)) return hit;
+  for (double& v : u) v = -v;
+  hit.enter = -end_of_line(x, u, hit.enter_facet);
+  hit.hit = hit.enter <= hit.exit;  // false for a NaN
   return hit;
+}
+
+// G(t) = max over facets of value(f, x + t u) - 1 is convex and piecewise linear. Newton's steps
+// from beyond the last zero come down to it; if they cross a piece that rises the other way first,
+// the line misses, which a NaN says. Exact planes are not needed: parameters are doubles.
+double HullQuery::State::end_of_line(const std::vector<double>& x, const std::vector<double>& u,
+                                     std::uint32_t& facet) const {
+  const auto zero_of = [&](std::uint32_t f) {
+    const double slope = facets->value<0>(f, u.data());
+    return slope > 0 ? (1 - facets->value<0>(f, x.data())) / slope
+                     : std::numeric_limits<double>::quiet_NaN();
+  };
+  facet = facets->climb(facets->start(u.data()), u.data());
+  std::vector<double> at(x.size());
+  for (double t = zero_of(facet);;) {
+    for (std::size_t j = 0; j < x.size(); ++j) at[j] = x[j] + t * u[j];
+    const std::uint32_t next = facets->climb(facet, at.data());
+    if (next == facet) return t;
+    const double step = zero_of(next);
+    if (std::isnan(step)) return step;
+    if (!(step < t)) return t;
+    t = step;
+    facet = next;
+  }
 }
 
 /// body(i, coordinates) for every point, in parallel; they are finite.

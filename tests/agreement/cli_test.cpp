@@ -63,7 +63,7 @@ TEST(Cli, BadUsageIsStatusTwo) {
   const std::string p = f / "p.npy";
   expect_error({}, 2, "subcommand");
   expect_error({"fly", p}, 2, "fly");
-  expect_error({"hull"}, 2, "INPUT");
+  expect_error({"hull"}, 2, "INPUT is required (see cullhull hull --help)");
   expect_error({"hull", p, "--bogus"}, 2, "--bogus");
   expect_error({"hull", p, "--cull", "magic"}, 2, "magic");
   expect_error({"hull", p, "--engine", "magic"}, 2, "magic");
@@ -164,6 +164,12 @@ TEST(Cli, MachineConstantsAreRead) {
     EXPECT_TRUE(one_line(ran.err)) << ran.err;
     EXPECT_NE(ran.err.find("machine.json"), std::string::npos) << ran.err;
   }
+  // Who weighs nothing does not read them.
+  ASSERT_EQ(run_app({"hull", f / "p.npy", "-o", f / "hull.json"}).status, 0);
+  ::setenv("CULLHULL_MACHINE", (f / "machine.json").c_str(), 1);
+  EXPECT_EQ(run_app({"certify", f / "p.npy", f / "hull.json"}).status, 0);
+  EXPECT_EQ(run_app({"hull", f / "p.npy", "--backend", "cpu"}).status, 0);
+  ::unsetenv("CULLHULL_MACHINE");
 }
 
 TEST(Cli, BeyondTheMemoryBudgetIsStatusFour) {

@@ -112,6 +112,20 @@ class Page(unittest.TestCase):
                 allowed = 0 if exact else max(0.0051 * abs(value), 0.051 * unit)
                 self.assertLessEqual(abs(number * unit - value), allowed, key)
 
+    def expect_figures_whole(self):
+        """Every number stands on one line, and the panel is wide enough for it."""
+        lines = browser.run("""
+            const range = document.createRange();
+            return [...document.querySelectorAll('td.number')].flatMap((cell) => {
+              const texts = [...cell.childNodes].map((n) => n.firstChild || n);
+              return texts.map((t) => (range.selectNode(t), [t.data, range.getClientRects().length]));
+            });""")
+        self.assertGreater(len(lines), 5)
+        self.assertEqual([text for text, count in lines if count != 1], [])
+        spare = browser.run(
+            "const p = document.querySelector('.panel'); return p.clientWidth - p.scrollWidth")
+        self.assertGreaterEqual(spare, 0)
+
     def expect_toggles_work(self, wanted):
         enabled = browser.run(
             "return [...document.querySelectorAll('#toggles input:not(:disabled)')].map(b => b.id)")
@@ -215,6 +229,16 @@ class Static(Page):
         rows = [[1.7e308 * draw.uniform(-1, 1) for _ in range(3)] for _ in range(500)]
         self.expect_figures(self.view(written("huge.txt", rows)))
         self.expect_not_blank(5000)
+
+    def test_no_figure_is_broken(self):
+        draw = random.Random(6)
+        for name, size, d in (("long.txt", 1e5, 3), ("tiny.txt", 1e-60, 4), ("large.txt", 1e60, 4)):
+            rows = [[size * draw.uniform(-1, 1) for _ in range(d)] for _ in range(200)]
+            self.view(written(name, rows))
+            self.key("n")  # a vertex and its coordinates
+            self.expect_figures_whole()
+            browser.doing(lambda: browser.screen(320, 700))
+            self.expect_figures_whole()
 
     def test_plot(self):
         source = generated("disk.npy", "ball", "-n", "50k", "-d", "2")

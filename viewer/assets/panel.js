@@ -65,8 +65,9 @@ function showFigures(report) {
   const rows = { result: [], run: [] };
   for (const [key, value] of flattened(report)) {
     if (Array.isArray(value) && value.length === 0) continue;
+    const number = typeof value === "number" || key === "centroid";
     const lines = key === "centroid" ? value.map((v) => element("div", {}, figureText(key, v))) : [figureText(key, value)];
-    const cell = element("td", { "data-key": key, "data-value": JSON.stringify(value) }, ...lines);
+    const cell = element("td", { class: number ? "number" : "", "data-key": key, "data-value": JSON.stringify(value) }, ...lines);
     rows[resultFigures.has(key) ? "result" : "run"].push(element("tr", {}, element("th", { scope: "row" }, names[key] || key), cell));
   }
   for (const id in rows) document.querySelector(`#${id} tbody`).replaceChildren(...rows[id]);
@@ -131,7 +132,7 @@ function showPicked(scene, frame, row) {
   const rows = [];
   for (let axis = 0; axis < scene.axes; ++axis)
     rows.push(element("tr", {}, element("th", { scope: "row" }, axisName(axis, scene.dimension)),
-      element("td", {}, String(frame.coordinates[row * scene.axes + axis]))));
+      element("td", { class: "number" }, String(frame.coordinates[row * scene.axes + axis]))));
   box.replaceChildren(element("strong", {}, `${rowKind(frame, row)} ${frame.ids[row]}`),
     element("div", { class: rows.length > 8 ? "many" : "" }, element("table", {}, element("tbody", {}, ...rows))));
 }

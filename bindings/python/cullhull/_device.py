@@ -6,7 +6,7 @@ import operator
 from typing import Any
 
 from . import _core
-from ._errors import InvalidArgument
+from ._errors import BackendUnavailable, InvalidArgument
 
 _DLPACK_CUDA = (2, 13)  # device and managed memory
 
@@ -24,8 +24,6 @@ def as_device_points(points: Any) -> _core.DevicePoints | None:
     if hasattr(points, "__dlpack_device__") and points.__dlpack_device__()[0] in _DLPACK_CUDA:
         status = _core.cuda_status()
         if not status["available"]:
-            from ._errors import BackendUnavailable
-
             raise BackendUnavailable(f"points in a device's memory: {status['reason']}")
         return _core.DevicePoints.from_dlpack(points)
     return None

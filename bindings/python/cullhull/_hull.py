@@ -110,8 +110,8 @@ class Hull:
 
     @property
     def statistics(self) -> dict[str, Any]:
-        """How it was computed: survivors of the filter, its method, backend, threads, seconds,
-        and the orientation decisions by rung (cached plane, filter, exact)."""
+        """How it was computed: survivors of the filter, its method and why that one, backend,
+        threads, seconds, and the orientation decisions by rung (cached plane, filter, exact)."""
         return self._solid.statistics
 
     # What it consists of
@@ -313,15 +313,16 @@ def convex_hull(
         Read in place, without a copy, for float32, float64, booleans and integers up to 32 bits
         of any strides (slices, Fortran order, memory maps, fields of records), and for DLPack
         arrays on the host. Arrays in a CUDA device's memory (``__cuda_array_interface__``, DLPack)
-        are culled there, and only survivors are copied. Other real types are converted to doubles if that is exact. It must not
-        change during the call.
+        are culled there, and only survivors are copied. Other real types are converted to doubles
+        if that is exact. It must not change during the call.
     backend : 'auto', 'cpu' or 'cuda'
     cull : 'auto', 'gauge', 'pseudo-hull' or 'none'
         The filter that drops points strictly inside before the hull is computed.
     threads : int, optional
         Threads to use; all the machine offers if not given.
     memory_budget : int, optional
-        Bytes to allocate beyond the input; half of the machine's memory if not given.
+        Bytes to allocate beyond the input; half of the machine's memory (of its
+        container's, where that is less) if not given.
     certify : bool
         Check the result with an independent exact test, kept as ``hull.certificate``.
     progress : callable or bool

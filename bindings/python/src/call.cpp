@@ -11,8 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "cullhull/error.hpp"
-
 namespace binding {
 
 namespace nb = nanobind;

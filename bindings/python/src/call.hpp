@@ -3,9 +3,11 @@
 
 #include <nanobind/nanobind.h>
 
+#include <atomic>
 #include <functional>
 #include <string>
 
+#include "cullhull/error.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
@@ -23,6 +25,25 @@ struct Settings {
 /// runs right here.
 void run(const Settings& settings, bool brief,
          const std::function<void(const cullhull::Options&)>& work);
+
+/// For objects that are not for two threads at once: a second one that comes meanwhile is an error
+/// rather than a race.
+class Busy {
+ public:
+  /// Throws Error{invalid_argument} where somebody is busy already; `doing` completes "another
+  /// thread is ...".
+  Busy(std::atomic<bool>& flag, const char* doing) : flag_(flag) {
+    if (flag_.exchange(true))
+      throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                            std::string("another thread is ") + doing);
+  }
+  ~Busy() { flag_ = false; }
+  Busy(const Busy&) = delete;
+  Busy& operator=(const Busy&) = delete;
+
+ private:
+  std::atomic<bool>& flag_;
+};
 
 /// Whether a hull of these points takes a few milliseconds at most, so that nobody waits for it.
 bool is_brief(const cullhull::PointView& points) noexcept;

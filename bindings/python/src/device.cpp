@@ -21,7 +21,6 @@ using cullhull::DevicePointView;
 using cullhull::Hull;
 using cullhull::Options;
 using cullhull::ScalarType;
-using cullhull::Survivors;
 
 namespace {
 
@@ -74,11 +73,7 @@ std::unique_ptr<Solid> convex_hull(const DevicePoints& points, const Settings& s
 Array<std::int64_t> cull(const DevicePoints& points, const Settings& settings) {
   std::optional<Output<std::int64_t>> ids;
   run(settings, false, [&](const Options& options) {
-    const Survivors survivors = cullhull::cull(points.view, options);
-    const std::uint64_t count = survivors.size(points.view.count);
-    ids.emplace(count);
-    for (std::uint64_t i = 0; i < count; ++i)
-      ids->data()[i] = static_cast<std::int64_t>(survivors.all ? i : survivors.ids[i]);
+    ids = kept_ids(cullhull::cull(points.view, options), points.view.count);
   });
   return std::move(*ids).to_array();
 }

@@ -21,7 +21,6 @@ namespace binding {
 using cullhull::Certificate;
 using cullhull::Hull;
 using cullhull::Options;
-using cullhull::Survivors;
 
 namespace {
 
@@ -36,14 +35,9 @@ std::unique_ptr<Solid> convex_hull(nb::handle array, const Settings& settings) {
 
 Array<std::int64_t> cull(nb::handle array, const Settings& settings) {
   const Points points(array);
-  const std::uint64_t count = points.view().count;
-  Survivors survivors;
   std::optional<Output<std::int64_t>> ids;
   run(settings, is_brief(points.view()), [&](const Options& options) {
-    survivors = cullhull::cull(points.view(), options);
-    ids.emplace(survivors.size(count));
-    for (std::uint64_t i = 0; i < survivors.size(count); ++i)
-      ids->data()[i] = static_cast<std::int64_t>(survivors.all ? i : survivors.ids[i]);
+    ids = kept_ids(cullhull::cull(points.view(), options), points.view().count);
   });
   return std::move(*ids).to_array();
 }
@@ -97,6 +91,7 @@ nb::typed<nb::dict, nb::str, nb::any> statistics(const Solid& solid) {
   nb::typed<nb::dict, nb::str, nb::any> all;
   all["survivors"] = s.survivors;
   all["cull_method"] = s.cull_method;
+  all["cull_reason"] = s.cull_reason;
   all["engine"] = s.engine;
   all["backend"] = s.backend;
   all["threads"] = s.threads;

@@ -11,7 +11,6 @@
 
 #include "arrays.hpp"
 #include "cullhull/batch.hpp"
-#include "cullhull/error.hpp"
 #include "cullhull/growing_hull.hpp"
 #include "points.hpp"
 #include "solid.hpp"
@@ -156,7 +155,7 @@ class Grower {
 
   std::uint64_t add(nb::handle array, const Settings& settings) {
     const Points points(array);
-    const Busy busy(*this);
+    const Busy busy(busy_, adding);
     std::uint64_t outside = 0;
     run(settings, is_brief(points.view()) && growing_.hull().simplex_count() <= 4000,
         [&](const Options& options) { outside = growing_.add(points.view(), options); });
@@ -164,7 +163,7 @@ class Grower {
   }
   /// The hull as it is now, in a copy that further points do not change.
   std::unique_ptr<Solid> solid() {
-    const Busy busy(*this);
+    const Busy busy(busy_, adding);
     const cullhull::Hull& hull = growing_.hull();
     const std::vector<double>& by_id = growing_.vertex_coordinates();
     std::vector<std::uint64_t> ids = hull.vertices;
@@ -181,18 +180,7 @@ class Grower {
   std::uint32_t dimension() const { return growing_.hull().dimension; }
 
  private:
-  struct Busy {
-    explicit Busy(Grower& g) : grower(g) {
-      if (grower.busy_.exchange(true))
-        throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
-                              "another thread is adding points to this hull");
-    }
-    ~Busy() { grower.busy_ = false; }
-    Busy(const Busy&) = delete;
-    Busy& operator=(const Busy&) = delete;
-    Grower& grower;
-  };
-
+  static constexpr const char* adding = "adding points to this hull";
   GrowingHull growing_;
   std::atomic<bool> busy_{false};
 };

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "arrays.hpp"
 #include "call.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/query.hpp"
@@ -41,6 +42,14 @@ class Solid {
   mutable std::once_flag once_;
   mutable std::unique_ptr<cullhull::HullQuery> query_;
 };
+
+/// The ids of `count` points that a filter kept, as NumPy has them.
+inline Output<std::int64_t> kept_ids(const cullhull::Survivors& survivors, std::uint64_t count) {
+  Output<std::int64_t> ids(survivors.size(count));
+  for (std::uint64_t i = 0; i < survivors.size(count); ++i)
+    ids.data()[i] = static_cast<std::int64_t>(survivors.all ? i : survivors.ids[i]);
+  return ids;
+}
 
 void bind_hull(nanobind::module_& m);
 void bind_query(nanobind::class_<Solid>& c);

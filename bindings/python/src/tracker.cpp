@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "arrays.hpp"
-#include "cullhull/error.hpp"
 #include "cullhull/track.hpp"
 #include "points.hpp"
 #include "solid.hpp"
@@ -31,7 +30,7 @@ class Tracker {
 
   std::unique_ptr<Solid> update(nb::handle array, const Settings& settings) {
     const Points points(array);
-    const Busy busy(busy_);
+    const Busy busy(busy_, updating);
     std::unique_ptr<Solid> solid;
     try {
       run(settings, is_brief(points.view()), [&](const Options& call) {
@@ -48,12 +47,13 @@ class Tracker {
     return solid;
   }
   void reset() {
-    const Busy busy(busy_);
+    const Busy busy(busy_, updating);
     start();
     frames_ = frame_ = 0;
   }
   /// Of the last update that succeeded.
-  nb::typed<nb::dict, nb::str, nb::any> report() const {
+  nb::typed<nb::dict, nb::str, nb::any> report() {
+    const Busy busy(busy_, updating);
     const FrameReport& r = tracker_->report();
     nb::typed<nb::dict, nb::str, nb::any> all;
     all["index"] = frame_;
@@ -72,17 +72,7 @@ class Tracker {
   }
 
  private:
-  struct Busy {
-    explicit Busy(std::atomic<bool>& flag) : busy(flag) {
-      if (busy.exchange(true))
-        throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
-                              "another thread is updating this tracker");
-    }
-    ~Busy() { busy = false; }
-    Busy(const Busy&) = delete;
-    Busy& operator=(const Busy&) = delete;
-    std::atomic<bool>& busy;
-  };
+  static constexpr const char* updating = "updating this tracker";
 
   void start() {
     stop_ = std::stop_source();

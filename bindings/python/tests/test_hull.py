@@ -130,7 +130,9 @@ def test_options_do_not_change_the_result():
         hull = cullhull.convex_hull(points, **options)
         assert np.array_equal(hull.simplices, expected.simplices)
         assert hull.volume == expected.volume
-    assert cullhull.convex_hull(points, cull="none").statistics["cull_method"] == "none"
+    unfiltered = cullhull.convex_hull(points, cull="none").statistics
+    assert unfiltered["cull_method"] == "none"
+    assert unfiltered["cull_reason"] == "no filter, as asked"
 
 
 def test_certify_finds_another_set():

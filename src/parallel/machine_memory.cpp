@@ -1,0 +1,61 @@
+#include "parallel/machine_memory.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+
+namespace cullhull::internal {
+namespace {
+
+constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::max();
+
+/// A file of one number, or of the word "max"; what is not there or not readable sets no limit.
+std::uint64_t limit_in(const std::string& path) {
+  std::ifstream file(path);
+  std::uint64_t bytes = 0;
+  return file >> bytes ? bytes : no_limit;
+}
+
+/// Of a group and of all around it: in a container the outer ones are not there, and its own is
+/// mounted at the root.
+std::uint64_t limit_upwards(const std::string& root, std::string group, const char* name) {
+  std::uint64_t least = no_limit;
+  for (;;) {
+    least = std::min(least, limit_in(root + group + "/" + name));
+    if (group.empty()) return least;
+    group.resize(group.rfind('/') == std::string::npos ? 0 : group.rfind('/'));
+  }
+}
+
+}  // namespace
+
+std::uint64_t group_memory_limit(const std::string& groups, const std::string& root) {
+  std::uint64_t least = no_limit;
+  std::ifstream file(groups);
+  for (std::string line; std::getline(file, line);) {  // "4:memory:/group", version 2: "0::/group"
+    const auto first = line.find(':');
+    const auto second = first == std::string::npos ? first : line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+    const std::string group = line.substr(second + 1);
+    if (controllers == ",,")
+      least = std::min(least, limit_upwards(root, group, "memory.max"));
+    else if (controllers.find(",memory,") != std::string::npos)
+      least = std::min(least, limit_upwards(root + "/memory", group, "memory.limit_in_bytes"));
+  }
+  return least;
+}
+
+std::uint64_t machine_memory() {
+  static const std::uint64_t bytes = []() -> std::uint64_t {
+    const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
+    if (pages <= 0 || size <= 0) return 0;
+    const auto physical = static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(size);
+    return std::min(physical, group_memory_limit("/proc/self/cgroup", "/sys/fs/cgroup"));
+  }();
+  return bytes;
+}
+
+}  // namespace cullhull::internal

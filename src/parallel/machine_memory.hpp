@@ -1,0 +1,18 @@
+// How much memory there is to plan with.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace cullhull::internal {
+
+/// Bytes this process may use: the machine's memory or, where that is less, what its control groups
+/// allow (those of a container, say). 0 where the system does not tell. Asked once.
+std::uint64_t machine_memory();
+
+/// The least limit of the control groups that the file `groups` (/proc/self/cgroup) names and of
+/// those around them, whose files lie in `root` (/sys/fs/cgroup), versions 1 and 2; the greatest
+/// number where there is none.
+std::uint64_t group_memory_limit(const std::string& groups, const std::string& root);
+
+}  // namespace cullhull::internal
