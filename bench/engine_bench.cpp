@@ -1,11 +1,10 @@
 // The 3D engine alone on the inputs that are hard for it: all points extreme, slivers, plateaus,
 // lattices, thin bodies, duplicates.
 //
-//     engine_bench [--n N] [--threads 1,2] [--repeat K] [--certify] [WORKLOAD ...]
+//     engine_bench [--n N] [--threads 1,2] [--repeat K] [WORKLOAD ...]
 //
 // Prints the least and the median time in ms, the least processor time, simplices, decisions of
-// each rung. --certify runs the whole pipeline without the filter instead, certifies the result and
-// prints a hash of it.
+// each rung. Whether results are certified and the same for all threads says identity_bench.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -14,10 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "agreement/canonical_hash.hpp"
 #include "bench_arguments.hpp"
-#include "cullhull/certify.hpp"
-#include "cullhull/hull.hpp"
 #include "families.hpp"
 #include "hull/engine.hpp"
 #include "points/local_frame.hpp"
@@ -64,33 +60,14 @@ void engine_alone(const std::string& name, const Rows& rows, unsigned threads, u
   std::fflush(stdout);
 }
 
-void hull_certified(const std::string& name, const Rows& rows, unsigned threads) {
-  Options options;
-  options.cull = CullMethod::none;
-  options.threads = threads;
-  const PointView view = PointView::row_major(rows.data(), rows.size() / 3, 3);
-  Hull hull;
-  Certificate c;
-  const double hulled = bench::seconds_of([&] { hull = convex_hull(view, options); });
-  const double certified = bench::seconds_of([&] { c = certify(view, hull, options); });
-  std::printf(
-      "%-22s %8zu points %u threads: %9.1f ms, certify %9.1f ms, %zu vertices, hash %016llx: %s\n",
-      name.c_str(), rows.size() / 3, threads, 1e3 * hulled, 1e3 * certified, hull.vertices.size(),
-      static_cast<unsigned long long>(testing_support::canonical_hash(hull)),
-      c.valid ? "certified" : c.reason.c_str());
-  std::fflush(stdout);
-  if (!c.valid) std::exit(1);
-}
-
 int run(int argc, char** argv) {
   const bench::BenchArguments given = bench::parse_arguments(
       argc, argv, {}, [](std::string_view name) { return bench::is_family(name, 3); },
-      all_workloads(), true);
+      all_workloads());
   for (const std::string& name : given.workloads) {
     const std::uint64_t n = name == "cyclic" ? std::min<std::uint64_t>(given.n, 60000) : given.n;
     const Rows rows = bench::make_family(name, n, 3);
-    for (const unsigned t : given.threads)
-      given.certify ? hull_certified(name, rows, t) : engine_alone(name, rows, t, given.repeat);
+    for (const unsigned t : given.threads) engine_alone(name, rows, t, given.repeat);
   }
   return 0;
 }

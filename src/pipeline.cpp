@@ -15,6 +15,7 @@
 #include "filter_stage.hpp"
 #include "hull/engine.hpp"
 #include "hull/polygon.hpp"
+#include "hull/surface_3d.hpp"
 #include "parallel/backend.hpp"
 #include "parallel/pages.hpp"
 #include "points/gather.hpp"
@@ -99,8 +100,6 @@ SimplicialHull run_engine(const LocalFrame& frame, Engine engine, std::uint64_t 
   if (points.dimension == 1) return ends_of_line(points);
   if (engine == Engine::qhull) return hull_qhull(points, control);
   if (points.dimension == 2) return hull_2d(points, threads, control);
-  if (points.dimension == 3)
-    return hull_3d(points, frame.simplex().data(), budget, threads, control);
   return hull_nd(points, frame.simplex().data(), budget, threads, control);
 }
 
@@ -244,15 +243,24 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
     for (unsigned j = 0; j < points.dimension; ++j)
       hull.centroid.push_back(points.at(hull.vertices[0], j));
   } else {
-    SimplicialHull boundary =
-        run_engine(frame, run.options.engine, run.budget, run.threads, run.control);
-    for (unsigned r = 0; r < 3; ++r) hull.statistics.rung_counts[r] = boundary.rung_counts[r];
-    const std::uint64_t k = boundary.dimension;
-    require_budget(run.budget, boundary.facet_count() * result_bytes_per_facet(k, points.dimension),
-                   std::to_string(boundary.facet_count()) + " facets");
     const ResultInput from{&points, &frame.points(), input.all ? nullptr : input.ids.data(),
                            frame.axes().data()};
-    build_hull(from, std::move(boundary), run.control, run.threads, hull);
+    const auto finish = [&](auto&& boundary, std::uint64_t facets) {
+      std::copy(boundary.rung_counts, boundary.rung_counts + 3, hull.statistics.rung_counts);
+      const auto k = static_cast<std::uint64_t>(hull.affine_dimension);
+      require_budget(run.budget, facets * result_bytes_per_facet(k, points.dimension),
+                     std::to_string(facets) + " facets");
+      build_hull(from, std::move(boundary), run.control, run.threads, hull);
+    };
+    if (hull.affine_dimension == 3 && run.options.engine == Engine::native) {
+      Surface3D surface = surface_3d(frame.points(), frame.simplex().data(), run.budget,
+                                     run.threads, run.control);
+      finish(std::move(surface), surface.live);
+    } else {
+      SimplicialHull boundary =
+          run_engine(frame, run.options.engine, run.budget, run.threads, run.control);
+      finish(std::move(boundary), boundary.facet_count());
+    }
   }
   if (run.options.engine == Engine::qhull) insist_on_proof(points, hull, run.options);
   hull.statistics.hull_seconds = seconds_since(start);

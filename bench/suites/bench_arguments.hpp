@@ -12,25 +12,22 @@
 
 namespace cullhull::bench {
 
-/// [--n N] [--threads 1,2] [--repeat K] [WORKLOAD ...], and --certify where a program knows it
+/// [--n N] [--threads 1,2] [--repeat K] [WORKLOAD ...]
 struct BenchArguments {
   std::uint64_t n = 1'000'000;  ///< points
   unsigned repeat = 3;
   std::vector<unsigned> threads{1, 2};
-  bool certify = false;
-  std::vector<std::string> workloads;
+  std::vector<std::string> workloads{};
 };
 
 /// Reads them over `given`, the defaults. With no workload named, all of them are. A word that is
 /// none of `known` ends the program with status 2, naming those of `all`.
 template <class Known>
 BenchArguments parse_arguments(int argc, char** argv, BenchArguments given, const Known& known,
-                               const std::vector<std::string>& all, bool certifies = false) {
+                               const std::vector<std::string>& all) {
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
-    if (certifies && word == "--certify") {
-      given.certify = true;
-    } else if (i + 1 < argc && word == "--n") {
+    if (i + 1 < argc && word == "--n") {
       given.n = std::strtoull(argv[++i], nullptr, 10);
     } else if (i + 1 < argc && word == "--repeat") {
       given.repeat = static_cast<unsigned>(std::max(1, std::atoi(argv[++i])));

@@ -9,6 +9,7 @@
 #include "hull/engine.hpp"
 #include "hull/insertion_3d.hpp"
 #include "hull/order_3d.hpp"
+#include "hull/surface_3d.hpp"
 #include "parallel/big_array.hpp"
 #include "parallel/raw_array.hpp"
 
@@ -29,7 +30,7 @@ class Engine3D {
   /// `simplex`: four independent points; the deeper inside their centroid, the better.
   Engine3D(const LocalPoints& points, const std::uint32_t* simplex, std::uint64_t budget,
            const Control& control, unsigned threads);
-  SimplicialHull run();
+  Surface3D run();
 
  private:
   using Id = std::uint32_t;
@@ -48,7 +49,7 @@ class Engine3D {
   /// Whether a slot was ever used: others hold nothing.
   bool in_use(Id slot) const;
   Id live_facet() const;
-  SimplicialHull collect();
+  Surface3D surface();
 
   // pieces_3d.cpp
   struct Work {  // of one piece: positions, or a range of them

@@ -120,7 +120,7 @@ void Engine3D::build_simplex() {
   }
 }
 
-SimplicialHull Engine3D::run() {
+Surface3D Engine3D::run() {
   build_simplex();
   const auto& ends = order_.round_ends;
   for (std::size_t r = 0; r + 1 < ends.size(); ++r) {
@@ -136,7 +136,7 @@ SimplicialHull Engine3D::run() {
         pieces_[0].steps - steps > 3 * std::uint64_t{size})
       by_normals_ = true;
   }
-  return collect();
+  return surface();
 }
 
 void Engine3D::insert_round(Id begin, Id end) {
@@ -189,8 +189,10 @@ std::vector<std::pair<Engine3D::Id, Engine3D::Id>> Engine3D::used_slots(Id lengt
   Id at = 0;
   for (std::size_t k = 0; k <= spare.size(); ++k) {
     const Id end = k < spare.size() ? spare[k].first : slots_;
-    for (; at < end; at = std::min(end, at + length))
-      runs.emplace_back(at, std::min(end, at + length));
+    for (Id next = at; at < end; at = next) {
+      next = static_cast<Id>(std::min<std::uint64_t>(end, std::uint64_t{at} + length));
+      runs.emplace_back(at, next);
+    }
     if (k < spare.size()) at = spare[k].second;
   }
   return runs;
@@ -208,58 +210,28 @@ Engine3D::Id Engine3D::live_facet() const {
   return f;
 }
 
-SimplicialHull Engine3D::collect() {
-  const auto runs = used_slots(1 << 15);
-  const auto each_run = [&](const auto& body) {
-    for_each_chunk(runs.size(), 1, threads_, [&](std::uint64_t c, std::uint64_t, std::uint64_t) {
-      control_.check();
-      body(c, runs[c].first, runs[c].second);
-    });
-  };
-  std::vector<Id> first(runs.size() + 1, 0);
-  each_run([&](std::uint64_t c, Id begin, Id end) {
-    Id count = 0;
-    for (Id f = begin; f < end; ++f) count += static_cast<Id>(facets_[f].live());
-    first[c + 1] = count;
-  });
-  for (std::size_t c = 0; c < runs.size(); ++c) first[c + 1] += first[c];
-  // Where every point is extreme no slot is free, and a facet's number is its slot.
-  const bool dense = first.back() == slots_;
-  BigArray<Id> number(dense ? 0 : slots_);
-  if (!dense)
-    each_run([&](std::uint64_t c, Id begin, Id end) {
-      Id count = first[c];
-      for (Id f = begin; f < end; ++f) {
-        number[f] = count;
-        count += static_cast<Id>(facets_[f].live());
-      }
-    });
-  SimplicialHull hull;
-  hull.dimension = 3;
-  resize_big(hull.vertices, std::size_t{first.back()} * 3);
-  resize_big(hull.neighbours, std::size_t{first.back()} * 3);
-  each_run([&](std::uint64_t c, Id begin, Id end) {
-    std::size_t at = std::size_t{first[c]} * 3;
-    for (Id f = begin; f < end; ++f) {
-      const Facet3D& facet = facets_[f];
-      if (!facet.live()) continue;
-      for (unsigned j = 0; j < 3; ++j, ++at) {
-        const Id n = facet.neighbours[j];
-        hull.vertices[at] = order_.ids[facet.vertices[j]];
-        hull.neighbours[at] = dense ? n : number[n];
-      }
-    }
-  });
-  for (const Piece3D& p : pieces_) {
-    hull.duplicates.insert(hull.duplicates.end(), p.duplicates.begin(), p.duplicates.end());
-    for (unsigned r = 0; r < 3; ++r) hull.rung_counts[r] += p.rungs[r];
-  }
-  return hull;
+Surface3D Engine3D::surface() {
+  Surface3D s;
+  s.used = used_slots(none);
+  for (const auto& [begin, end] : s.used) s.live += end - begin;
+  s.live -= pieces_[0].free.size();
+  s.facets = std::move(facets_);
+  s.order = std::move(order_.ids);
+  s.rows = std::move(rows_);
+  s.count = points_.count;
+  s.duplicates = std::move(pieces_[0].duplicates);
+  std::copy_n(pieces_[0].rungs, 3, s.rung_counts);
+  return s;
+}
+
+Surface3D surface_3d(const LocalPoints& points, const std::uint32_t* simplex, std::uint64_t budget,
+                     unsigned threads, const Control& control) {
+  return Engine3D(points, Start(points, simplex).simplex, budget, control, threads).run();
 }
 
 SimplicialHull hull_3d(const LocalPoints& points, const std::uint32_t* simplex,
                        std::uint64_t budget, unsigned threads, const Control& control) {
-  return Engine3D(points, Start(points, simplex).simplex, budget, control, threads).run();
+  return to_simplicial(surface_3d(points, simplex, budget, threads, control), threads, control);
 }
 
 }  // namespace cullhull::internal

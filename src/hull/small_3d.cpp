@@ -1,7 +1,6 @@
-// Quickhull on sets of points that fit two words. Every facet has the set of all points above it
-// (not a share of them), so the facets that a point sees are found by one bit each, and a new facet
-// needs to ask the points of the two facets beside its horizon edge only (Clarkson and Shor 1989):
-// its plane is a combination, with positive weights, of theirs.
+// Insertion of points one by one: each is held against all facets at once, in f32 with a bound, and
+// what that leaves open is decided in doubles, then exactly. Sets are so small that nothing has to
+// be searched: the facets' planes lie in vectors, and an edge's facet is found in a table.
 #include "hull/small_3d.hpp"
 
 // Vectors are kept in arrays below, which sizeless types do not allow: NEON serves those machines.
@@ -14,290 +13,437 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <iterator>
 
+#include "hull/small_surface.hpp"
 #include "predicates/cofactors.hpp"
+#include "predicates/orientation.hpp"
+#include "predicates/orientation_3d.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using Tag = hn::CappedTag<double, 8>;
+using Wide = hn::CappedTag<double, 8>;
+using Tag = hn::CappedTag<float, 16>;
 using V = hn::Vec<Tag>;
 
-/// Points or facets by number.
-template <unsigned Words>
-struct Bits {
-  std::uint64_t word[Words] = {};
-  void set(unsigned i) { word[i / 64] |= std::uint64_t{1} << i % 64; }
-  void clear(unsigned i) { word[i / 64] &= ~(std::uint64_t{1} << i % 64); }
-  bool has(unsigned i) const { return (word[i / 64] >> i % 64 & 1) != 0; }
-  bool any() const {
-    std::uint64_t all = 0;
-    for (const std::uint64_t w : word) all |= w;
-    return all != 0;
-  }
-  template <class Use>
-  void each(const Use& use) const {
-    for (unsigned w = 0; w < Words; ++w)
-      for (std::uint64_t rest = word[w]; rest != 0; rest &= rest - 1)
-        use(64 * w + static_cast<unsigned>(std::countr_zero(rest)));
-  }
-};
-using PointSet = Bits<SmallHull3D::max_points / 64>;
-
-PointSet united(const PointSet& a, const PointSet& b) {
-  PointSet all;
-  for (unsigned w = 0; w < SmallHull3D::max_points / 64; ++w) all.word[w] = a.word[w] | b.word[w];
-  return all;
+/// The first lanes of a mask, as bits.
+template <class D>
+HWY_INLINE std::uint64_t bits_of(D tag, hn::Mask<D> mask) {
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(tag, mask, bits);
+  return bits[0] | std::uint64_t{bits[1]} << 8;
 }
 
 class Builder {
  public:
-  Builder(const SmallPoints3D& points, unsigned count) : points_(points), count_(count) {}
+  Builder(const SmallPoints3D& points, unsigned count)
+      : points_(points), count_(count), padded_((count + 15) / 16 * 16) {}
 
   bool run(SmallHull3D& out) {
-    if (!measure() || !start()) return false;
-    while (pending_.any()) {
-      unsigned f = 0;
-      for (unsigned w = 0; w < std::size(pending_.word); ++w)
-        if (pending_.word[w] != 0) {
-          f = 64 * w + static_cast<unsigned>(std::countr_zero(pending_.word[w]));
-          break;
-        }
-      if (!insert(farthest_[f])) return false;
+    if (count_ < 4 || !measure(out) || !start()) return false;
+    Number order[most_points];
+    const unsigned left = outer_first(order);
+    for (unsigned i = 0; i < left && !given_up_; ++i) insert(order[i]);
+    if (given_up_) return false;
+    if (!touched_) {
+      order_small(surface_, count_, nullptr, out);
+      return true;
     }
-    collect(out);
+    SmallPolygons polygons;
+    CoplanarPair pairs[3 * capacity];
+    const unsigned pair_count = find_coplanar(pairs);
+    if (given_up_) return false;
+    merge_small(surface_, pairs, pair_count, lowest_, polygons);
+    order_small(surface_, count_, &polygons, out);
     return true;
   }
 
  private:
   using Number = std::uint8_t;
-  static constexpr unsigned capacity = SmallHull3D::max_facets;
+  static constexpr unsigned most_points = SmallSurface::most_points;
+  static constexpr unsigned capacity = SmallSurface::capacity;
 
-  struct Facet {
-    Number v[3], next[3];
-  };
-  /// An edge between a facet that goes and one that stays.
-  struct Edge {
-    Number from, to, outside, slot;
-    PointSet candidates;
-  };
+  // ------------------------------------------------------------------------------------ the points
 
-  /// Within this range underflow and overflow are far away: all differences are at most the extent
+  /// Where the points lie and how far they reach; f32 copies in units that make |x - O| < 1. Within
+  /// this range underflow and overflow are far away: all differences are at most the extent
   /// e <= 2^100, so each of the six products of a determinant loses at most 3 * 2^-1074 * 2^200
   /// through underflow, far below `tiny`, which is far below the bound of any facet that counts.
-  bool measure() {
-    if (count_ < 4) return false;
-    for (const double* axis : points_.axes) {
-      double low = axis[0], high = axis[0];
-      for (unsigned i = 1; i < count_; ++i) {
-        low = std::min(low, axis[i]);
-        high = std::max(high, axis[i]);
+  bool measure(SmallHull3D& out) {
+    const Wide tag;
+    const auto lanes = static_cast<unsigned>(hn::Lanes(tag));
+    auto wrong = hn::Zero(tag);
+    for (unsigned c = 0; c < 3; ++c) {
+      const double* const axis = points_.axes[c];
+      auto low = hn::Load(tag, axis), high = low;
+      for (unsigned i = 0; i < padded_; i += lanes) {
+        const auto x = hn::Load(tag, axis + i);
+        wrong = hn::Or(wrong, hn::Sub(x, x));  // 0 or not a number
+        low = hn::Min(low, x);
+        high = hn::Max(high, x);
       }
-      extent_ = std::max(extent_, high - low);
+      const double least = hn::GetLane(hn::MinOfLanes(tag, low)),
+                   most = hn::GetLane(hn::MaxOfLanes(tag, high));
+      out.low[c] = least;
+      out.high[c] = most;
+      middle_[c] = least + (most - least) / 2;  // between them, rounded or not
+      if (most - least > extent_) {
+        extent_ = most - least;
+        longest_ = c;
+      }
     }
-    return extent_ > 0x1p-100 && extent_ < 0x1p100;
+    if (!hn::AllTrue(tag, hn::Eq(wrong, hn::Zero(tag))) || !(extent_ > 0x1p-100) ||
+        !(extent_ < 0x1p100))
+      return false;
+    scale_ = std::ldexp(1.0, -(std::ilogb(extent_) + 1));
+    const hn::Rebind<float, Wide> narrow;
+    for (unsigned c = 0; c < 3; ++c) {
+      const auto middle = hn::Set(tag, middle_[c]), scale = hn::Set(tag, scale_);
+      for (unsigned i = 0; i < padded_; i += lanes)
+        hn::Store(hn::DemoteTo(narrow,
+                               hn::Mul(hn::Sub(hn::Load(tag, points_.axes[c] + i), middle), scale)),
+                  narrow, near_[c] + i);
+    }
+    return true;
   }
 
-  struct Plane {
-    double origin[3], normal[3];
-    double bound;  // of the rounding of side()
-  };
-  double side(const Plane& plane, unsigned i) const {
-    double sum = 0;
-    for (unsigned c = 0; c < 3; ++c)
-      sum += plane.normal[c] * (points_.axes[c][i] - plane.origin[c]);
-    return sum;
+  /// A point for which `value` is largest.
+  template <class Value>
+  HWY_INLINE unsigned farthest(const Value& value, float* most) {
+    const Tag tag;
+    const auto lanes = static_cast<unsigned>(hn::Lanes(tag));
+    V best = hn::Set(tag, -1.0F);
+    for (unsigned i = 0; i < padded_; i += lanes) {
+      const V v = value(hn::Load(tag, near_[0] + i), hn::Load(tag, near_[1] + i),
+                        hn::Load(tag, near_[2] + i));
+      hn::Store(v, tag, values_ + i);
+      best = hn::Max(best, v);
+    }
+    best = hn::MaxOfLanes(tag, best);
+    *most = hn::GetLane(best);
+    for (unsigned i = 0; i < padded_; i += lanes) {
+      const std::uint64_t bits = bits_of(tag, hn::Eq(hn::Load(tag, values_ + i), best));
+      if (bits != 0) return i + static_cast<unsigned>(std::countr_zero(bits));
+    }
+    return 0;
   }
 
+  /// Four points far from one another, and their facets. What is chosen decides about speed alone.
+  HWY_INLINE bool start() {
+    const Tag tag;
+    float most = 0;
+    const unsigned along = longest_;
+    const auto pick = [along](V x, V y, V z) HWY_ATTR {
+      return along == 0 ? x : along == 1 ? y : z;
+    };
+    const V two = hn::Set(tag, 2.0F);  // values are to be positive
+    unsigned a =
+        farthest([&](V x, V y, V z) HWY_ATTR { return hn::Sub(two, pick(x, y, z)); }, &most);
+    unsigned b =
+        farthest([&](V x, V y, V z) HWY_ATTR { return hn::Add(two, pick(x, y, z)); }, &most);
+    float e[3], n[3];
+    V at[3], edge[3];
+    for (unsigned i = 0; i < 3; ++i) {
+      e[i] = near_[i][b] - near_[i][a];
+      at[i] = hn::Set(tag, near_[i][a]);
+      edge[i] = hn::Set(tag, e[i]);
+    }
+    const unsigned c = farthest(
+        [&](V x, V y, V z) HWY_ATTR {
+          const V d[3] = {hn::Sub(x, at[0]), hn::Sub(y, at[1]), hn::Sub(z, at[2])};
+          V square = hn::Zero(tag);
+          for (unsigned i = 0; i < 3; ++i) {
+            const unsigned j = (i + 1) % 3, k = (i + 2) % 3;
+            const V m = hn::Sub(hn::Mul(edge[j], d[k]), hn::Mul(edge[k], d[j]));
+            square = hn::Add(square, hn::Mul(m, m));
+          }
+          return square;
+        },
+        &most);
+    for (unsigned i = 0; i < 3; ++i) {
+      const unsigned j = (i + 1) % 3, k = (i + 2) % 3;
+      n[i] = e[j] * (near_[k][c] - near_[k][a]) - e[k] * (near_[j][c] - near_[j][a]);
+    }
+    const V normal[3] = {hn::Set(tag, n[0]), hn::Set(tag, n[1]), hn::Set(tag, n[2])};
+    const unsigned d = farthest(
+        [&](V x, V y, V z) HWY_ATTR {
+          return hn::Abs(hn::Add(
+              hn::Add(hn::Mul(normal[0], hn::Sub(x, at[0])), hn::Mul(normal[1], hn::Sub(y, at[1]))),
+              hn::Mul(normal[2], hn::Sub(z, at[2]))));
+        },
+        &most);
+    const Sign sign = side(a, b, c, d);
+    if (sign == Sign::zero) return false;
+    if (sign == Sign::positive) std::swap(a, b);  // d is below (a, b, c)
+    begin_[0] = a, begin_[1] = b, begin_[2] = c, begin_[3] = d;
+    clear_planes();
+    // Counter-clockwise from outside.
+    constexpr unsigned order[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
+    surface_.top = 4;
+    for (unsigned f = 0; f < 4; ++f) {
+      const unsigned p = begin_[order[f][0]], from = begin_[order[f][1]], to = begin_[order[f][2]];
+      look_from(p, from);
+      look_from(p, to);
+      create(f, p, from, to);
+    }
+    return true;
+  }
+
+  /// The other points, roughly by their distance from the middle: few that are inside get to be
+  /// vertices for a time.
+  HWY_INLINE unsigned outer_first(Number* order) {
+    float most = 0;
+    farthest([&](V x, V y, V z)
+                 HWY_ATTR { return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)); },
+             &most);
+    constexpr unsigned classes = 32;
+    const float factor = (classes - 0.5F) / most;
+    Number start[classes + 1] = {}, key[most_points];
+    for (const unsigned i : begin_) values_[i] = -1;
+    unsigned left = 0;
+    for (unsigned i = 0; i < count_; ++i) {
+      key[i] = values_[i] < 0
+                   ? classes
+                   : static_cast<Number>(classes - 1 - static_cast<unsigned>(values_[i] * factor));
+      ++start[key[i]];
+    }
+    for (unsigned k = 0; k <= classes; ++k) {
+      const unsigned n = start[k];
+      start[k] = static_cast<Number>(left);
+      left += n;
+    }
+    for (unsigned i = 0; i < count_; ++i) order[start[key[i]]++] = static_cast<Number>(i);
+    return count_ - 4;
+  }
+
+  // ------------------------------------------------------------------------------------ the signs
+
+  /// On which side of (a, b, c) point p is: in doubles,
   /// |side - exact| <= determinant_error(3) max|edge 1| max|edge 2| max|p - origin| + tiny, and a
-  /// difference is not larger than the extent, rounded alike.
-  Plane plane_of(unsigned a, unsigned b, unsigned c) const {
-    Plane plane;
-    double e[2][3], reach[2] = {0, 0};
+  /// difference is not larger than the extent, rounded alike. Then exactly.
+  Sign side(unsigned a, unsigned b, unsigned c, unsigned p) {
+    double e[3][3], normal[3], reach[2] = {0, 0};
     for (unsigned j = 0; j < 3; ++j) {
       const double* x = points_.axes[j];
-      plane.origin[j] = x[a];
       e[0][j] = x[b] - x[a];
       e[1][j] = x[c] - x[a];
+      e[2][j] = x[p] - x[a];
+      if (e[0][j] == 0 && e[1][j] == 0 && e[2][j] == 0) return Sign::zero;  // as on a box
       reach[0] = std::max(reach[0], std::fabs(e[0][j]));
       reach[1] = std::max(reach[1], std::fabs(e[1][j]));
     }
-    cofactors<3>(e, plane.normal);
-    constexpr double tiny = 0x1p-800;
-    plane.bound = determinant_error(3) * reach[0] * reach[1] * extent_ + tiny;
-    return plane;
+    for (unsigned j = 0; j < 3; ++j) {
+      const unsigned k = (j + 1) % 3, l = (j + 2) % 3;
+      normal[j] = e[0][k] * e[1][l] - e[0][l] * e[1][k];
+    }
+    const double sum = normal[0] * e[2][0] + normal[1] * e[2][1] + normal[2] * e[2][2];
+    if (std::fabs(sum) > determinant_error(3) * reach[0] * reach[1] * extent_ + tiny ||
+        lattice_ == Lattice::yes)
+      return sign_of(sum);
+    return hard_side(a, b, c, p, sum);
   }
 
-  /// Four points far from one another, and their facets.
-  bool start() {
-    unsigned a = 0, b = 0;
-    const double* x = points_.axes[0];
-    for (unsigned i = 1; i < count_; ++i) {
-      if (x[i] < x[a]) a = i;
-      if (x[i] > x[b]) b = i;
+  HWY_NOINLINE Sign hard_side(unsigned a, unsigned b, unsigned c, unsigned p, double sum) {
+    if (lattice_ == Lattice::unknown) lattice_ = on_lattice() ? Lattice::yes : Lattice::no;
+    if (lattice_ == Lattice::yes) return sign_of(sum);
+    double rows[4][3];
+    for (unsigned j = 0; j < 3; ++j) {
+      const double* x = points_.axes[j];
+      rows[0][j] = x[a], rows[1][j] = x[b], rows[2][j] = x[c], rows[3][j] = x[p];
     }
-    if (a == b) return false;
-    unsigned c = a, d = a;
-    double most = 0;
-    for (unsigned i = 0; i < count_; ++i) {
-      const Plane plane = plane_of(a, b, i);
-      double square = 0;
-      for (const double n : plane.normal) square += n * n;
-      if (square > most) most = square, c = i;
-    }
-    const Plane base = plane_of(a, b, c);
-    most = base.bound;
-    for (unsigned i = 0; i < count_; ++i) {
-      const double height = std::fabs(side(base, i));
-      if (height > most) most = height, d = i;
-    }
-    if (c == a || d == a) return false;
-    if (side(base, d) > 0) std::swap(a, b);  // d is below (a, b, c)
-    const unsigned v[4] = {a, b, c, d};
-    // Facet i is opposite to v[i], counter-clockwise from outside.
-    constexpr unsigned order[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
-    PointSet others;
-    for (unsigned i = 0; i < count_; ++i) others.set(i);
-    for (const unsigned i : v) others.clear(i);
-    top_ = 4;
-    for (unsigned i = 0; i < 4; ++i) {
-      for (unsigned j = 0; j < 3; ++j) {
-        facets_[i].v[j] = static_cast<Number>(v[order[i][j]]);
-        facets_[i].next[j] = static_cast<Number>(order[i][j]);  // opposite to that vertex
-      }
-      if (!look(i, others)) return false;
-    }
-    return true;
+    Sign sign = Sign::zero;
+    for (unsigned i = 0; i < 3; ++i)
+      if (std::equal(rows[i], rows[i] + 3, rows[3])) return sign;
+    if (side_in_pairs(rows[0], rows[1], rows[2], rows[3], tiny, sign)) return sign;
+    // What takes a microsecond here is no longer for small sets.
+    given_up_ |= ++exact_signs_ > most_exact_signs;
+    const double* at[4] = {rows[0], rows[1], rows[2], rows[3]};
+    return given_up_ ? Sign::zero : orientation_exact(3, at);
   }
 
-  /// Finds which of the candidates are above facet f; false if one cannot be told.
-  bool look(unsigned f, const PointSet& candidates) {
-    const Facet& facet = facets_[f];
-    above_[f] = {};
-    pending_.clear(f);
-    if (!candidates.any()) return true;
-    const Plane plane = plane_of(facet.v[0], facet.v[1], facet.v[2]);
-    // All points are asked: whole vectors cost less than the candidates one by one.
-    const Tag tag;
-    const V bound = hn::Set(tag, plane.bound);
-    V normal[3], origin[3];
+  /// Whether coordinates are multiples of 2^-16 of a power of two that all differences are below:
+  /// then a determinant is a sum of six products of integers below 2^48, and nothing rounds.
+  bool on_lattice() const {
+    const double unit = 0x1p16 * scale_;
     for (unsigned c = 0; c < 3; ++c) {
-      normal[c] = hn::Set(tag, plane.normal[c]);
-      origin[c] = hn::Set(tag, plane.origin[c]);
-    }
-    PointSet above;
-    std::uint64_t doubtful = 0;
-    for (unsigned w = 0; w < std::size(above.word); ++w) {
-      std::uint64_t higher = 0, lower = 0;
-      for (unsigned i = 64 * w; i < std::min(count_, 64 * w + 64);
-           i += static_cast<unsigned>(hn::Lanes(tag))) {
-        V sum = hn::Zero(tag);
-        for (unsigned c = 0; c < 3; ++c)
-          sum = hn::Add(sum,
-                        hn::Mul(normal[c], hn::Sub(hn::Load(tag, points_.axes[c] + i), origin[c])));
-        hn::Store(sum, tag, sides_ + i);
-        higher |= bits_of(hn::Gt(sum, bound)) << i % 64;
-        lower |= bits_of(hn::Lt(sum, hn::Neg(bound))) << i % 64;
+      const double first = points_.axes[c][0];
+      for (unsigned i = 1; i < count_; ++i) {
+        const double x = points_.axes[c][i], d = x - first, back = d - x;
+        if ((x - (d - back)) + (-first - back) != 0 || d * unit != std::nearbyint(d * unit))
+          return false;
       }
-      above.word[w] = candidates.word[w] & higher;
-      doubtful |= candidates.word[w] & ~(higher | lower);
     }
-    if (doubtful != 0) return false;
-    if (!above.any()) return true;
-    above_[f] = above;
-    pending_.set(f);
-    double most = 0;
-    unsigned farthest = 0;
-    above.each([&](unsigned i) {
-      farthest = sides_[i] > most ? i : farthest;
-      most = std::max(most, sides_[i]);
-    });
-    farthest_[f] = static_cast<Number>(farthest);
     return true;
   }
 
-  static HWY_INLINE std::uint64_t bits_of(hn::Mask<Tag> mask) {
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(Tag(), mask, bits);
-    return bits[0];
+  // ---------------------------------------------------------------------------------- the facets
+
+  /// Facets that are none are far above every point.
+  void clear_planes() {
+    const Tag tag;
+    const unsigned most = std::min(capacity, 2 * padded_);
+    for (unsigned f = 0; f < most; f += static_cast<unsigned>(hn::Lanes(tag))) {
+      for (unsigned c = 0; c < 3; ++c) hn::Store(hn::Zero(tag), tag, plane_[c] + f);
+      hn::Store(hn::Set(tag, 1.0F), tag, plane_[3] + f);
+    }
+  }
+
+  /// The direction from p to v, its largest component 1.
+  HWY_INLINE void look_from(unsigned p, unsigned v) {
+    double d[3], reach = 0;
+    for (unsigned c = 0; c < 3; ++c) {
+      d[c] = points_.axes[c][v] - points_.axes[c][p];
+      reach = std::max(reach, std::fabs(d[c]));
+    }
+    const double factor = 1 / reach;
+    for (unsigned c = 0; c < 3; ++c) direction_[v][c] = d[c] * factor;
+  }
+
+  /// Facet (p, from, to); both directions from p are known. The plane is N . x - N . p for x and p
+  /// from the middle, N the product of the directions; docs/exactness.md, "Small sets in a batch",
+  /// bounds its error in f32.
+  HWY_INLINE void create(unsigned f, unsigned p, unsigned from, unsigned to) {
+    const double *u = direction_[from], *v = direction_[to];
+    const double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
+                         u[0] * v[1] - u[1] * v[0]};
+    double offset = 0;
+    for (unsigned c = 0; c < 3; ++c) {
+      plane_[c][f] = static_cast<float>(n[c]);
+      offset += n[c] * ((points_.axes[c][p] - middle_[c]) * scale_);
+    }
+    plane_[3][f] = static_cast<float>(offset);
+    surface_.set(f, p, from, to);
+  }
+  static constexpr float doubt = 0x1p-18F;
+
+  /// The facets that p sees, as bits.
+  HWY_INLINE void find_visible(unsigned p, std::uint64_t* visible) {
+    const Tag tag;
+    const auto lanes = static_cast<unsigned>(hn::Lanes(tag));
+    const V x = hn::Set(tag, near_[0][p]), y = hn::Set(tag, near_[1][p]),
+            z = hn::Set(tag, near_[2][p]), above = hn::Set(tag, doubt),
+            below = hn::Set(tag, -doubt);
+    const unsigned top = surface_.top;
+    for (unsigned w = 0; 64 * w < top; ++w) {
+      std::uint64_t seen = 0, hidden = 0;
+      const unsigned end = std::min(top, 64 * w + 64);
+      for (unsigned f = 64 * w; f < end; f += lanes) {
+        const V s = hn::MulAdd(
+            hn::Load(tag, plane_[0] + f), x,
+            hn::MulAdd(hn::Load(tag, plane_[1] + f), y,
+                       hn::MulSub(hn::Load(tag, plane_[2] + f), z, hn::Load(tag, plane_[3] + f))));
+        seen |= bits_of(tag, hn::Gt(s, above)) << f % 64;
+        hidden |= bits_of(tag, hn::Lt(s, below)) << f % 64;
+      }
+      const unsigned used = end - 64 * w;
+      std::uint64_t open = ~(seen | hidden) & (~std::uint64_t{0} >> (64 - used));
+      for (; open != 0; open &= open - 1) {
+        const unsigned f = 64 * w + static_cast<unsigned>(std::countr_zero(open));
+        unsigned v[3];
+        SmallSurface::corners(surface_.facets[f], v);
+        const Sign sign = side(v[0], v[1], v[2], p);
+        if (sign == Sign::zero) touch(p, v);
+        seen |= std::uint64_t{sign == Sign::positive} << f % 64;
+      }
+      visible[w] = seen;
+    }
+  }
+
+  /// p is in the plane of a facet. Where it is equal to a corner, the lowest of equal points is to
+  /// stand for all.
+  void touch(unsigned p, const unsigned* v) {
+    if (!touched_)
+      for (unsigned i = 0; i < count_; ++i) lowest_[i] = static_cast<Number>(i);
+    touched_ = true;
+    for (unsigned j = 0; j < 3; ++j) {
+      bool equal = true;
+      for (const double* axis : points_.axes) equal &= axis[v[j]] == axis[p];
+      if (equal) lowest_[v[j]] = std::min(lowest_[v[j]], static_cast<Number>(p));
+    }
   }
 
   /// Replaces the facets that point p sees.
-  bool insert(unsigned p) {
+  HWY_INLINE void insert(unsigned p) {
+    std::uint64_t seen[capacity / 64];
+    find_visible(p, seen);
+    if (given_up_) return;  // a sign is missing, and what is seen may be no disc
     unsigned visible = 0, edges = 0;
-    for (unsigned f = 0; f < top_; ++f) {  // no branch: it would often be mispredicted
-      visible_[visible] = static_cast<Number>(f);
-      visible += unsigned{above_[f].has(p)};
-    }
-    for (unsigned i = 0; i < visible; ++i) {
-      const Facet& facet = facets_[visible_[i]];
-      for (unsigned j = 0; j < 3; ++j) {
-        const unsigned g = facet.next[j];
-        const Number* back = facets_[g].next;
-        const unsigned slot =
-            unsigned{back[1] == visible_[i]} + 2 * unsigned{back[2] == visible_[i]};
-        edges_[edges] = {facet.v[j == 2 ? 0 : j + 1], facet.v[j == 0 ? 2 : j - 1],
-                         static_cast<Number>(g), static_cast<Number>(slot),
-                         united(above_[visible_[i]], above_[g])};
-        edges += unsigned{!above_[g].has(p)};
+    for (unsigned w = 0; 64 * w < surface_.top; ++w)
+      for (std::uint64_t rest = seen[w]; rest != 0; rest &= rest - 1) {
+        const unsigned f = 64 * w + static_cast<unsigned>(std::countr_zero(rest));
+        visible_[visible++] = static_cast<Number>(f);
+        unsigned v[3];
+        SmallSurface::corners(surface_.facets[f], v);
+        for (unsigned j = 0; j < 3; ++j) {  // no branch: it would be mispredicted
+          const unsigned from = v[j], to = v[j == 2 ? 0 : j + 1], across = surface_.owner[to][from];
+          from_[edges] = static_cast<Number>(from);
+          to_[edges] = static_cast<Number>(to);
+          edges += 1 - static_cast<unsigned>(seen[across / 64] >> across % 64 & 1);
+        }
       }
-    }
-    for (unsigned i = 0; i < edges; ++i) edges_[i].candidates.clear(p);
+    for (unsigned i = 0; i < edges; ++i) look_from(p, from_[i]);
     // As many facets as edges, in the old slots first.
-    for (unsigned i = edges; i < visible; ++i) {
-      above_[visible_[i]] = {};
-      pending_.clear(visible_[i]);
-      free_[free_count_++] = visible_[i];
-    }
+    for (unsigned i = edges; i < visible; ++i) remove(visible_[i]);
     for (unsigned i = 0; i < edges; ++i) {
       unsigned f = 0;
       if (i < visible)
         f = visible_[i];
       else
-        f = free_count_ > 0 ? free_[--free_count_] : top_++;
-      created_[i] = static_cast<Number>(f);
-      starting_at_[edges_[i].from] = created_[i];
-      ending_at_[edges_[i].to] = created_[i];
+        f = free_count_ > 0 ? free_[--free_count_] : surface_.top++;
+      create(f, p, from_[i], to_[i]);
     }
-    for (unsigned i = 0; i < edges; ++i) {
-      const Edge& edge = edges_[i];
-      facets_[created_[i]] = {{static_cast<Number>(p), edge.from, edge.to},
-                              {edge.outside, starting_at_[edge.to], ending_at_[edge.from]}};
-      facets_[edge.outside].next[edge.slot] = created_[i];
-      if (!look(created_[i], edge.candidates)) return false;
-    }
-    return true;
   }
 
-  void collect(SmallHull3D& out) const {
-    bool dead[capacity] = {};
-    for (unsigned i = 0; i < free_count_; ++i) dead[free_[i]] = true;
-    Number number[capacity];
-    out.count = 0;
-    for (unsigned f = 0; f < top_; ++f)
-      if (!dead[f]) number[f] = static_cast<Number>(out.count++);
-    for (unsigned f = 0; f < top_; ++f)
-      for (unsigned j = 0; j < 3 && !dead[f]; ++j) {
-        out.vertices[number[f]][j] = facets_[f].v[j];
-        out.neighbours[number[f]][j] = number[facets_[f].next[j]];
-      }
+  void remove(unsigned f) {
+    for (unsigned c = 0; c < 3; ++c) plane_[c][f] = 0;
+    plane_[3][f] = 1;
+    surface_.facets[f] = SmallSurface::none;
+    free_[free_count_++] = static_cast<Number>(f);
   }
+
+  /// The pairs of neighbours in one plane.
+  unsigned find_coplanar(CoplanarPair* pairs) {
+    unsigned count = 0;
+    for (unsigned f = 0; f < surface_.top; ++f) {
+      if (surface_.facets[f] == SmallSurface::none) continue;
+      unsigned v[3], o[3];
+      SmallSurface::corners(surface_.facets[f], v);
+      for (unsigned j = 0; j < 3; ++j) {
+        const unsigned from = v[j], to = v[j == 2 ? 0 : j + 1], g = surface_.owner[to][from];
+        if (g < f) continue;
+        SmallSurface::corners(surface_.facets[g], o);
+        const unsigned p = o[0] ^ o[1] ^ o[2] ^ from ^ to;  // the corner that is on no edge of f
+        const float s = plane_[0][f] * near_[0][p] + plane_[1][f] * near_[1][p] +
+                        plane_[2][f] * near_[2][p] - plane_[3][f];
+        if (!(s < -doubt) && side(v[0], v[1], v[2], p) == Sign::zero)
+          pairs[count++] = {static_cast<Number>(f), static_cast<Number>(g)};
+      }
+    }
+    return count;
+  }
+
+  static constexpr double tiny = 0x1p-800;
+  static constexpr unsigned most_exact_signs = 16;
+  enum class Lattice : std::uint8_t { unknown, no, yes };
 
   const SmallPoints3D& points_;
-  const unsigned count_;
-  double extent_ = 0;
-  unsigned top_ = 0, free_count_ = 0;
-  Facet facets_[capacity];
-  PointSet above_[capacity];
-  Number farthest_[capacity], free_[capacity];
-  Bits<capacity / 64> pending_;  // facets with points above them
-  Number visible_[capacity + 1], created_[capacity];
-  Number starting_at_[SmallHull3D::max_points], ending_at_[SmallHull3D::max_points];
-  Edge edges_[capacity + 1];
-  HWY_ALIGN double sides_[SmallHull3D::max_points];
+  const unsigned count_, padded_;
+  double middle_[3], extent_ = 0, scale_ = 1;
+  unsigned longest_ = 0, begin_[4];
+  unsigned free_count_ = 0, exact_signs_ = 0;
+  Lattice lattice_ = Lattice::unknown;
+  bool touched_ = false,
+       given_up_ = false;  // some point is in a facet's plane; signs take too long
+  SmallSurface surface_;
+  HWY_ALIGN float near_[3][most_points];  // from the middle, scaled
+  HWY_ALIGN float values_[most_points];
+  HWY_ALIGN float plane_[4][capacity];  // normals and offsets
+  Number lowest_[most_points];          // of equal points; set once some are touched
+  Number free_[capacity];
+  Number visible_[capacity + 1], from_[capacity + 1], to_[capacity + 1];
+  double direction_[most_points][4];
 };
 
 }  // namespace

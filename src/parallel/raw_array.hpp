@@ -9,6 +9,7 @@
 #include <cstring>
 #include <new>
 #include <type_traits>
+#include <utility>
 
 #include "parallel/pages.hpp"
 
@@ -22,6 +23,13 @@ class RawArray {
   RawArray() = default;
   RawArray(const RawArray&) = delete;
   RawArray& operator=(const RawArray&) = delete;
+  RawArray(RawArray&& o) noexcept
+      : data_(std::exchange(o.data_, nullptr)), bytes_(std::exchange(o.bytes_, 0)) {}
+  RawArray& operator=(RawArray&& o) noexcept {
+    std::swap(data_, o.data_);
+    std::swap(bytes_, o.bytes_);
+    return *this;
+  }
   ~RawArray() { release(); }
 
   T* data() { return data_; }

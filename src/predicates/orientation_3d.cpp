@@ -72,6 +72,22 @@ Sign lattice_sign(const std::int64_t (&m)[3][3]) {
 
 }  // namespace
 
+bool side_in_pairs(const double* a, const double* b, const double* c, const double* p, double tiny,
+                   Sign& sign) {
+  Pair m[3][3];
+  for (unsigned j = 0; j < 3; ++j) {
+    m[0][j] = two_sum(b[j], -a[j]);
+    m[1][j] = two_sum(c[j], -a[j]);
+    m[2][j] = two_sum(p[j], -a[j]);
+    // On a plane across an axis, which is how exact zeros come about away from lattices.
+    sign = Sign::zero;
+    if (m[0][j].high == 0 && m[1][j].high == 0 && m[2][j].high == 0) return true;
+  }
+  const double det = determinant(m);
+  sign = sign_of(det);
+  return std::abs(det) > 0x1p-101 * high_permanent(m) + tiny;
+}
+
 Orientation3D::Orientation3D(const LocalPoints& points, const std::uint32_t* simplex)
     : points_(points), exact_doubles_(points.small_lattice) {
   std::copy_n(simplex, 4, simplex_);
@@ -130,18 +146,10 @@ Sign Orientation3D::lattice_cone_side(Point a, Point b, Point p) const {
 Sign Orientation3D::side_hard(Point a, Point b, Point c, Point p, std::uint64_t* rungs) const {
   ++rungs[static_cast<unsigned>(Rung::exact)];
   if (lattice_) return lattice_side(a, b, c, p);
-  if (points_.exact == points_.coordinates) {
-    Pair m[3][3];
-    for (unsigned j = 0; j < 3; ++j) {
-      m[0][j] = two_sum(b.row[j], -a.row[j]);
-      m[1][j] = two_sum(c.row[j], -a.row[j]);
-      m[2][j] = two_sum(p.row[j], -a.row[j]);
-      // On a plane across an axis, which is how exact zeros come about away from lattices.
-      if (m[0][j].high == 0 && m[1][j].high == 0 && m[2][j].high == 0) return Sign::zero;
-    }
-    const double det = determinant(m);
-    if (std::abs(det) > 0x1p-101 * high_permanent(m) + 0x1p-1000) return sign_of(det);
-  }
+  Sign sign = Sign::zero;
+  if (points_.exact == points_.coordinates &&
+      side_in_pairs(a.row, b.row, c.row, p.row, 0x1p-1000, sign))
+    return sign;
   const double* rows[4] = {exact_row(a), exact_row(b), exact_row(c), exact_row(p)};
   return orientation_exact(3, rows);
 }

@@ -9,6 +9,7 @@
 #include "result/measure.hpp"
 #include "result/merge.hpp"
 #include "result/simplicial.hpp"
+#include "result/simplicial_3d.hpp"
 #include "result/vertex_list.hpp"
 
 namespace cullhull::internal {
@@ -58,18 +59,21 @@ bool wind_along(const Surface& surface, const std::uint64_t* ids, unsigned threa
 
 }  // namespace
 
-void build_hull(const ResultInput& input, SimplicialHull&& boundary, const Control& control,
-                unsigned threads, Hull& hull) {
+namespace {
+
+void begin_hull(const ResultInput& input, unsigned k, const Control& control, Hull& hull) {
   hull.dimension = input.view->dimension;
   hull.point_count = input.view->count;
   hull.scalar = input.view->scalar;
-  hull.affine_dimension = static_cast<int>(boundary.dimension);
-
-  const PageScope pages;
-  const LocalPoints& local = *input.local;
+  hull.affine_dimension = static_cast<int>(k);
   control.report("surface", 0);
+}
+
+void build_any(const ResultInput& input, SimplicialHull&& boundary, const Control& control,
+               unsigned threads, Hull& hull) {
+  const LocalPoints& local = *input.local;
   Surface surface = make_surface(std::move(boundary), local, threads);
-  if (surface.k > 1) {
+  if (surface.k > 1 && surface.k != 3) {
     VertexList vertices = list_vertices(surface, local.count, input.ids, threads);
     if (build_simplicial(input, surface, vertices, threads, control, hull)) {
       hull.vertices = std::move(vertices.ids);
@@ -87,6 +91,27 @@ void build_hull(const ResultInput& input, SimplicialHull&& boundary, const Contr
   if (hull.affine_dimension == 2) wind_vertices(hull);
   control.report("measures", 0);
   measure(*input.view, assembled.vertices, assembled.index, input.axes, threads, control, hull);
+}
+
+}  // namespace
+
+void build_hull(const ResultInput& input, SimplicialHull&& boundary, const Control& control,
+                unsigned threads, Hull& hull) {
+  const PageScope pages;
+  begin_hull(input, boundary.dimension, control, hull);
+  if (boundary.dimension == 3 && input.view->dimension == 3) {
+    Surface3D surface = to_surface(boundary, *input.local, threads, control);
+    if (build_simplicial_3d(input, surface, threads, control, hull)) return;
+  }
+  build_any(input, std::move(boundary), control, threads, hull);
+}
+
+void build_hull(const ResultInput& input, Surface3D&& boundary, const Control& control,
+                unsigned threads, Hull& hull) {
+  const PageScope pages;
+  begin_hull(input, 3, control, hull);
+  if (build_simplicial_3d(input, boundary, threads, control, hull)) return;
+  build_any(input, to_simplicial(std::move(boundary), threads, control), control, threads, hull);
 }
 
 }  // namespace cullhull::internal

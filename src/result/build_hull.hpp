@@ -7,6 +7,7 @@
 #include "control.hpp"
 #include "cullhull/hull.hpp"
 #include "hull/engine.hpp"
+#include "hull/surface_3d.hpp"
 
 namespace cullhull::internal {
 
@@ -27,6 +28,9 @@ constexpr bool facets_are_simplices(unsigned k) { return k == 1 || k == 3; }
 /// (whose rung_counts it increases). Throws Error{not_exact} if the boundary is not weakly convex
 /// or not closed (only a foreign engine can do that).
 void build_hull(const ResultInput& input, SimplicialHull&& boundary, const Control& control,
+                unsigned threads, Hull& hull);
+/// The same from the 3D engine's own facets, which are soonest made a result of.
+void build_hull(const ResultInput& input, Surface3D&& boundary, const Control& control,
                 unsigned threads, Hull& hull);
 
 }  // namespace cullhull::internal

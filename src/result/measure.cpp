@@ -397,10 +397,12 @@ bool round_surely(const DoubleDouble& v, double error, long shift, double& out) 
 /// Quotients and sums of double-doubles are off by a few units of 2^-104; this leaves room.
 constexpr double double_double_error = 0x1p-96;
 
-/// The measures in double-doubles; false if a rounding is in doubt.
-bool finish_quickly(const Frame& frame, const Totals<DoubleDouble>& sums, Hull& hull) {
-  const unsigned k = frame.k;
-  if (frame.flat() || k > 8 || frame.exponent < -40 || frame.exponent > 40) return false;
+}  // namespace
+
+bool finish_quickly(unsigned k, int exponent, const double* origin, const DoubleDouble& volume,
+                    const DoubleDouble& area, const DoubleDouble* moment, double* volume_out,
+                    double* area_out, double* centroid_out) {
+  if (k > 8 || exponent < -40 || exponent > 40) return false;
   double factorial = 1;
   for (unsigned i = 2; i < k; ++i) factorial *= i;
   const auto round = [](const DoubleDouble& v, long shift, double& out) {
@@ -409,31 +411,31 @@ bool finish_quickly(const Frame& frame, const Totals<DoubleDouble>& sums, Hull& 
   // (k - 1)! is 1 or 2 for k <= 3, and that division is exact. It matters: a sum of two runs often
   // lies half-way between two doubles.
   const bool exact = k <= 3;
-  const DoubleDouble area =
-      exact ? DoubleDouble(sums.area.high / factorial, sums.area.low / factorial)
-            : sums.area / DoubleDouble(factorial);
-  const double area_error = exact ? 0 : double_double_error * std::fabs(area.high);
-  if (!round_surely(area, area_error, frame.exponent * (k - 1L), hull.area) ||
-      !round(sums.volume / DoubleDouble(factorial * k), frame.exponent * static_cast<long>(k),
-             hull.volume))
+  const DoubleDouble share = exact ? DoubleDouble(area.high / factorial, area.low / factorial)
+                                   : area / DoubleDouble(factorial);
+  const double share_error = exact ? 0 : double_double_error * std::fabs(share.high);
+  if (!round_surely(share, share_error, exponent * (k - 1L), *area_out) ||
+      !round(volume / DoubleDouble(factorial * k), exponent * static_cast<long>(k), *volume_out))
     return false;
-  hull.centroid.resize(frame.dimension);
-  const DoubleDouble weight = sums.volume * DoubleDouble(k + 1.0);
-  for (unsigned c = 0; c < frame.dimension; ++c) {
-    const DoubleDouble shift = sums.moment[c] / weight;
+  const DoubleDouble weight = volume * DoubleDouble(k + 1.0);
+  for (unsigned c = 0; c < k; ++c) {
+    const DoubleDouble shift = moment[c] / weight;
     // The vertex is in units of 2^exponent here, which changes no digit of a normal double.
-    const DoubleDouble origin(frame.at(0)[c]);
-    if (origin.high != 0 && std::fabs(origin.high) < 0x1p-900) return false;
-    const double error = double_double_error * (std::fabs(shift.high) + std::fabs(origin.high));
-    if (!round_surely(origin + shift, error, frame.exponent, hull.centroid[c])) return false;
+    const DoubleDouble from(origin[c]);
+    if (from.high != 0 && std::fabs(from.high) < 0x1p-900) return false;
+    const double error = double_double_error * (std::fabs(shift.high) + std::fabs(from.high));
+    if (!round_surely(from + shift, error, exponent, centroid_out[c])) return false;
   }
   return true;
 }
 
-}  // namespace
-
 void finish_measures(const Frame& frame, const Totals<DoubleDouble>& sums, Hull& hull) {
-  if (finish_quickly(frame, sums, hull)) return;
+  if (!frame.flat()) {
+    hull.centroid.resize(frame.dimension);
+    if (finish_quickly(frame.k, frame.exponent, frame.at(0), sums.volume, sums.area,
+                       sums.moment.data(), &hull.volume, &hull.area, hull.centroid.data()))
+      return;
+  }
   const Wide volume = widened(sums.volume) * frame.stretch;
   std::vector<Wide> moment;
   for (const DoubleDouble& v : sums.moment) moment.push_back(widened(v) * frame.stretch);

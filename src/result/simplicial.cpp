@@ -20,7 +20,8 @@
 #include "result/facet_kernel.hpp"
 #include "result/facet_plane.hpp"
 #include "result/facet_share.hpp"
-#include "result/measure.hpp"
+#include "result/simplicial_measures.hpp"
+#include "result/simplicial_nd.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -376,7 +377,6 @@ class Simplicial {
     if constexpr (!shared) {
       std::uint64_t* facet = facets_.data() + i * K;
       for (unsigned j = 0; j < K; ++j) facet[j] = simplex[K == 2 ? 1 - j : j];
-      if (K > 3 && facet[K - 2] > facet[K - 1]) std::swap(facet[K - 2], facet[K - 1]);
     }
   }
 
@@ -418,7 +418,6 @@ class Simplicial {
                        // k = 3: the edge from vertex j is opposite to vertex j + 2.
                        for (unsigned j = 0; j < K; ++j)
                          across[j] = next[K == 2 ? 1 - j : K == 3 ? (j + 2) % 3 : j];
-                       if (K > 3) std::sort(across, across + K);
                      }
                    });
     using Ids = SharedArray<std::uint64_t>;
@@ -430,25 +429,7 @@ class Simplicial {
   }
 
   void finish() {
-    const Totals<DoubleDouble> all =
-        total_of_runs(runs_.get(), chunk_count(count_, measure_run), threads_);
-    if (settled(all, 0x1p-53)) return finish_measures(frame_, all, hull_);
-    std::vector<std::uint32_t> index;
-    resize_big(index, count_ * K);
-    for_each_chunk(index.size(), simplex_chunk, threads_,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     for (std::uint64_t i = begin; i < end; ++i)
-                       index[i] = place_of(hull_.simplices[i]);
-                   });
-    measure_thin(*input_.view, vertices_.ids, index, input_.axes, threads_, control_, hull_);
-  }
-
-  /// Of a vertex among the vertices.
-  std::uint32_t place_of(std::uint64_t id) const {
-    if (input_.ids == nullptr) return vertices_.position(static_cast<std::uint32_t>(id));
-    return static_cast<std::uint32_t>(
-        std::lower_bound(vertices_.ids.begin(), vertices_.ids.end(), id) - vertices_.ids.begin());
+    finish_simplicial<K>(input_, vertices_, frame_, runs_.get(), threads_, control_, hull_);
   }
 
   static constexpr std::uint64_t max_buckets = 2048;
@@ -491,8 +472,9 @@ bool build_simplicial(const ResultInput& input, const Surface& surface, const Ve
   if (frame.wild) return false;
   using Build = bool (*)(const ResultInput&, const Surface&, const VertexList&, const Frame&,
                          unsigned, const Control&, Hull&);
-  static constexpr Build builds[] = {build<2>, build<3>, build<4>, build<5>,
-                                     build<6>, build<7>, build<8>};
+  if (k >= 4)
+    return build_simplicial_nd(input, surface, vertices, frame, threads, control, hull);
+  static constexpr Build builds[] = {build<2>, build<3>};
   return builds[k - 2](input, surface, vertices, frame, threads, control, hull);
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "parallel/parallel.hpp"
+#include "parallel/sort_few.hpp"
 #include "predicates/cofactors.hpp"
 #include "predicates/orientation.hpp"
 
@@ -22,27 +23,24 @@ bool sort_simplex(std::uint32_t* ids, std::uint32_t* neighbours, unsigned k) {
   return odd;
 }
 
-/// The same for triangles without a branch: the order of ids is as good as random.
-bool sort_triangle(std::uint32_t* ids, std::uint32_t* neighbours) {
-  std::uint64_t a = std::uint64_t{ids[0]} << 32 | neighbours[0];
-  std::uint64_t b = std::uint64_t{ids[1]} << 32 | neighbours[1];
-  std::uint64_t c = std::uint64_t{ids[2]} << 32 | neighbours[2];
-  bool odd = false;
-  const auto order = [&odd](std::uint64_t& x, std::uint64_t& y) {
-    odd ^= y < x;
-    const std::uint64_t low = std::min(x, y);
-    y = std::max(x, y);
-    x = low;
-  };
-  order(a, b);
-  order(b, c);
-  order(a, b);
-  unsigned i = 0;
-  for (const std::uint64_t v : {a, b, c}) {
-    ids[i] = static_cast<std::uint32_t>(v >> 32);
-    neighbours[i++] = static_cast<std::uint32_t>(v);
+/// The same without a branch: the order of ids is as good as random.
+template <unsigned K>
+bool sort_simplex_of(std::uint32_t* ids, std::uint32_t* neighbours, unsigned) {
+  std::uint64_t packed[K];
+  for (unsigned i = 0; i < K; ++i) packed[i] = std::uint64_t{ids[i]} << 32 | neighbours[i];
+  const bool odd = sort_few<K>(packed);
+  for (unsigned i = 0; i < K; ++i) {
+    ids[i] = static_cast<std::uint32_t>(packed[i] >> 32);
+    neighbours[i] = static_cast<std::uint32_t>(packed[i]);
   }
   return odd;
+}
+
+using SortSimplex = bool (*)(std::uint32_t*, std::uint32_t*, unsigned);
+SortSimplex sort_of(unsigned k) {
+  static constexpr SortSimplex few[] = {sort_simplex_of<3>, sort_simplex_of<4>, sort_simplex_of<5>,
+                                        sort_simplex_of<6>, sort_simplex_of<7>, sort_simplex_of<8>};
+  return k >= 3 && k <= 8 ? few[k - 3] : sort_simplex;
 }
 
 struct ChunkResult {
@@ -230,6 +228,7 @@ Surface make_surface(SimplicialHull&& boundary, const LocalPoints& points, unsig
     s.neighbours = {1, 0};
   }
   s.odd.resize(count);
+  const SortSimplex sort = sort_of(s.k);
   for_each_chunk(
       count, simplex_chunk, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
         for (std::uint64_t f = begin; f < end; ++f) {
@@ -239,7 +238,7 @@ Surface make_surface(SimplicialHull&& boundary, const LocalPoints& points, unsig
             if (ids[i] >= points.count) fail_not_exact("an id is out of range");
             if (!lowest.empty()) ids[i] = lowest[ids[i]];
           }
-          s.odd[f] = s.k == 3 ? sort_triangle(ids, neighbours) : sort_simplex(ids, neighbours, s.k);
+          s.odd[f] = sort(ids, neighbours, s.k);
         }
       });
   return s;

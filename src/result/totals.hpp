@@ -35,8 +35,10 @@ struct Totals {
   }
 };
 
-/// Whether rounding by `unit` and underflow (below 2^-1022 for each product) are harmless.
-inline bool settled(const Totals<DoubleDouble>& t, double unit) {
+/// Whether rounding by `unit` and underflow (below 2^-1022 for each product) are harmless. Sums: as
+/// Totals.
+template <class Sums>
+bool settled(const Sums& t, double unit) {
   constexpr double tolerance = 0x1p-42, far_from_underflow = 0x1p-900;
   const double volume = t.volume.value(), area = t.area.value();
   return t.error * unit <= tolerance * volume && t.area_error * unit <= tolerance * area &&
@@ -46,6 +48,11 @@ inline bool settled(const Totals<DoubleDouble>& t, double unit) {
 /// Volume, area and centroid from sums in units of 2^exponent per coordinate.
 void finish_measures(const Frame& frame, const Wide& volume, const Wide& area,
                      const std::vector<Wide>& moment, long exponent, Hull& hull);
+/// The same for full dimension from double-doubles, `origin` being vertex 0 in the same units;
+/// false where a rounding is in doubt.
+bool finish_quickly(unsigned k, int exponent, const double* origin, const DoubleDouble& volume,
+                    const DoubleDouble& area, const DoubleDouble* moment, double* volume_out,
+                    double* area_out, double* centroid_out);
 /// The same from sums on the frame's axes and in its units.
 void finish_measures(const Frame& frame, const Totals<DoubleDouble>& sums, Hull& hull);
 

@@ -1,17 +1,23 @@
 // Random sets, each run as it is under random thread counts, filters and layouts, and once more
 // with its points in another order. The first must give the same bits, the second the same
-// polytope; both are certified. CULLHULL_RANDOM_RUNS (120 if unset) says how many sets,
-// CULLHULL_RANDOM_SEED which: a failure prints the seed that repeats it alone with
-// CULLHULL_RANDOM_RUNS=1.
+// polytope; both are certified. Hard sets (hard_sets.hpp) go by every other way to the same answer,
+// too. CULLHULL_RANDOM_RUNS (120 if unset) says how many sets of either kind, CULLHULL_RANDOM_SEED
+// which: a failure prints the seed that repeats it alone with CULLHULL_RANDOM_RUNS=1.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 #include <numeric>
 
 #include "agreement/all_paths.hpp"
+#include "agreement/hard_sets.hpp"
 #include "agreement/point_sets.hpp"
+#include "cullhull/batch.hpp"
+#include "cullhull/extreme_points.hpp"
 #include "cullhull/generate.hpp"
+#include "cullhull/growing_hull.hpp"
+#include "cullhull/query.hpp"
 
 namespace cullhull::testing_support {
 namespace {
@@ -124,6 +130,109 @@ TEST(RandomRuns, AnyThreadsFilterLayoutAndOrder) {
               canonical_hash(one));
     const PointSet other = in_another_order(s, r);
     EXPECT_EQ(polytope_hash(other, certified_hull(other, any_options(r))), polytope_hash(s, one));
+  }
+}
+
+/// Rows from the last to the first in memory, coordinates too, with gaps of NaNs.
+class Backwards {
+ public:
+  explicit Backwards(const PointSet& s)
+      : memory_((s.count() * s.dimension + 1) * 2, std::numeric_limits<double>::quiet_NaN()) {
+    const std::size_t last = memory_.size() - 1;
+    for (std::size_t i = 0; i < s.coordinates.size(); ++i) memory_[last - 2 * i] = s.coordinates[i];
+    constexpr std::ptrdiff_t step = 2 * sizeof(double);
+    view_ = {reinterpret_cast<const std::byte*>(&memory_[last]),
+             ScalarType::f64,
+             s.dimension,
+             s.count(),
+             -step * static_cast<std::ptrdiff_t>(s.dimension),
+             -step};
+  }
+  const PointView& view() const { return view_; }
+
+ private:
+  std::vector<double> memory_;
+  PointView view_;
+};
+
+/// Every other way to the answer: extreme points alone, a batch, a hull that grows, questions.
+void expect_other_ways(const PointSet& s, const Hull& hull, Random& r) {
+  const Ids vertices = sorted_vertices(hull);
+  EXPECT_EQ(extreme_points(view_of(s), any_options(r)).ids, vertices);
+  if (s.count() * s.dimension <= 150) {
+    EXPECT_EQ(exact_extreme_points(s), vertices);
+  }
+
+  const std::uint64_t n = s.count(), middle = n / 3, offsets[] = {0, n, n, n};
+  const HullBatch batch = convex_hulls(view_of(s), offsets, 3, any_options(r));
+  EXPECT_EQ(canonical_hash(batch.hull(0)), canonical_hash(hull)) << "batch";
+
+  GrowingHull growing(s.dimension);
+  growing.add(PointView::row_major(s.coordinates.data(), middle, s.dimension), any_options(r));
+  growing.add(
+      PointView::row_major(s.coordinates.data() + middle * s.dimension, n - middle, s.dimension),
+      any_options(r));
+  EXPECT_EQ(canonical_hash(growing.hull()), canonical_hash(hull)) << "growing";
+
+  const HullQuery query(view_of(s), hull);
+  std::vector<Side> sides(n);
+  query.sides(view_of(s), sides.data(), any_options(r));
+  EXPECT_EQ(std::count(sides.begin(), sides.end(), Side::outside), 0);
+  for (const std::uint64_t v : vertices) {
+    EXPECT_EQ(hull.affine_dimension > 0 ? sides[v] : Side::boundary, Side::boundary) << v;
+    EXPECT_TRUE(query.visible_facets(s.row(v)).empty());
+  }
+}
+
+TEST(RandomRuns, HardSetsByEveryWay) {
+  const std::uint64_t runs = number_from_environment("CULLHULL_RANDOM_RUNS", 120);
+  const std::uint64_t first = number_from_environment("CULLHULL_RANDOM_SEED", 1);
+  for (std::uint64_t seed = first; seed < first + runs && !HasFailure(); ++seed) {
+    Random r(seed);
+    const PointSet s = hard_set(r);
+    SCOPED_TRACE(s.name + " of " + std::to_string(s.count()) +
+                 ", CULLHULL_RANDOM_SEED=" + std::to_string(seed));
+    Options plain;
+    plain.threads = 1;
+    plain.cull = CullMethod::none;
+    const Hull one = certified_hull(s, plain);
+    for (int k = 0; k < 3; ++k)
+      EXPECT_EQ(canonical_hash(convex_hull(view_of(s), any_options(r))), canonical_hash(one));
+    const Backwards backwards(s);
+    EXPECT_EQ(canonical_hash(convex_hull(backwards.view(), any_options(r))), canonical_hash(one));
+    const PointSet other = in_another_order(s, r);
+    EXPECT_EQ(polytope_hash(other, certified_hull(other, any_options(r))), polytope_hash(s, one));
+    expect_other_ways(s, one, r);
+  }
+}
+
+/// A NaN or an infinity anywhere is named, whatever the path.
+TEST(RandomRuns, NotFiniteIsNamed) {
+  const std::uint64_t runs = number_from_environment("CULLHULL_RANDOM_RUNS", 120);
+  const std::uint64_t first = number_from_environment("CULLHULL_RANDOM_SEED", 1);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (std::uint64_t seed = first; seed < first + runs && !HasFailure(); ++seed) {
+    Random r(seed);
+    PointSet s = hard_set(r);
+    std::size_t lowest = s.coordinates.size();
+    for (int k = r.integer(1, 3); k > 0; --k) {
+      const auto at =
+          static_cast<std::size_t>(r.integer(0, static_cast<int>(s.coordinates.size()) - 1));
+      s.coordinates[at] = r.integer(0, 2)   ? std::numeric_limits<double>::quiet_NaN()
+                          : r.integer(0, 1) ? infinity
+                                            : -infinity;
+      lowest = std::min(lowest, at);
+    }
+    SCOPED_TRACE(s.name + ", CULLHULL_RANDOM_SEED=" + std::to_string(seed));
+    const std::string where = "point " + std::to_string(lowest / s.dimension) + ", coordinate " +
+                              std::to_string(lowest % s.dimension);
+    for (int k = 0; k < 3; ++k) try {
+        convex_hull(view_of(s), any_options(r));
+        ADD_FAILURE() << "no error";
+      } catch (const Error& e) {
+        EXPECT_EQ(e.code(), ErrorCode::not_finite);
+        EXPECT_NE(std::string(e.what()).find(where), std::string::npos) << e.what();
+      }
   }
 }
 

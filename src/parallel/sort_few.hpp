@@ -1,0 +1,63 @@
+// Sorting a handful of items, how many is known to the compiler, without a branch: their order is
+// as good as random.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <utility>
+
+namespace cullhull::internal {
+
+/// Batcher's merge exchange (Knuth, TAOCP 3, 5.2.2 M) for n items: which pairs to put in order.
+template <unsigned n>
+struct MergeExchange {
+  struct Pair {
+    unsigned low, high;
+  };
+  /// Calls with(i, j) for every pair, in order.
+  template <class With>
+  static constexpr void walk(const With& with) {
+    if (n < 2) return;
+    constexpr unsigned top = std::bit_ceil(n) / 2;
+    for (unsigned p = top; p > 0; p /= 2) {
+      unsigned q = top, r = 0;
+      for (unsigned d = p;; d = q - p, q /= 2, r = p) {
+        for (unsigned i = 0; i + d < n; ++i)
+          if ((i & p) == r) with(i, i + d);
+        if (q == p) break;
+      }
+    }
+  }
+  static constexpr unsigned count = [] {
+    unsigned pairs = 0;
+    walk([&](unsigned, unsigned) { ++pairs; });
+    return pairs;
+  }();
+  static constexpr std::array<Pair, count> pairs = [] {
+    std::array<Pair, count> list{};
+    unsigned at = 0;
+    walk([&](unsigned i, unsigned j) { list[at++] = {i, j}; });
+    return list;
+  }();
+};
+
+/// Ascending. Whether that took an odd number of exchanges: where no two items are equal, whether
+/// the permutation is odd.
+template <unsigned n, class T>
+inline bool sort_few(T* items) {
+  unsigned odd = 0;
+  const auto order = [&](unsigned i, unsigned j) {
+    const T x = items[i], y = items[j];
+    const bool swap = y < x;
+    items[i] = swap ? y : x;
+    items[j] = swap ? x : y;
+    odd ^= static_cast<unsigned>(swap);
+  };
+  [&]<std::size_t... k>(std::index_sequence<k...>) {
+    (order(MergeExchange<n>::pairs[k].low, MergeExchange<n>::pairs[k].high), ...);
+  }(std::make_index_sequence<MergeExchange<n>::count>());
+  return odd != 0;
+}
+
+}  // namespace cullhull::internal

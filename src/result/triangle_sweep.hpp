@@ -1,0 +1,65 @@
+// The inner loops of the result in 3D, where every facet is a triangle: a vector of facets at a
+// time. docs/exactness.md, "Ridges".
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "hull/insertion_3d.hpp"
+
+namespace cullhull::internal {
+
+/// What the second sweep needs to know of a facet. Vertices by position, in stored order: the
+/// lowest first, counter-clockwise seen from outside.
+struct TriangleRecord {
+  double normal[3];  // as `cofactors` computes it, bit for bit
+  double sum[3];     // of the corners' differences from vertex 0
+  std::uint32_t vertex[3];
+  std::uint32_t slot;          // the engine's
+  std::uint32_t neighbour[3];  // its slots; entry j lies across the ridge without vertex j
+  std::uint32_t thin;          // the normal needs more bits than it got
+};
+static_assert(sizeof(TriangleRecord) == 80);
+
+/// A ridge whose side the doubles left open: the facet, and the vertex off it.
+struct OpenRidge {
+  std::uint32_t facet, across;  // numbers of the engine
+};
+
+/// The engine's facets, and the frame's coordinates: row i times `factor`, exactly.
+struct TriangleSource {
+  const Facet3D* facets = nullptr;
+  const std::uint32_t* place = nullptr;  // of a vertex number: its position in the hull
+  const double* rows = nullptr;          // Shared3D::row_stride apart
+  double factor[3] = {1, 1, 1};
+  double origin[3] = {0, 0, 0};  // the frame's vertex 0
+  bool exact_doubles = false;    // no operation on differences rounds (small lattices)
+};
+
+/// Counts the live facets of slots [begin, end) by bucket, which is the place of the lowest vertex
+/// without its lowest `shift` bits. Returns how many there are.
+std::uint32_t count_triangles(const TriangleSource& source, std::uint32_t begin, std::uint32_t end,
+                              unsigned shift, std::uint32_t* counts, const void* region);
+
+/// Writes the records of the same facets to region[next[bucket]++]. Each ridge is checked from both
+/// sides: it must belong to two facets that are oriented alike, else false is returned; those that
+/// are not convex beyond doubt are appended to `open`, once at least.
+bool sweep_triangles(const TriangleSource& source, std::uint32_t begin, std::uint32_t end,
+                     unsigned shift, std::uint32_t* next, TriangleRecord* region,
+                     std::vector<OpenRidge>& open);
+
+/// Facets' shares of the measures, one array for each.
+struct TriangleShares {
+  static constexpr unsigned most = 32;
+  alignas(64) double volume[most], area[most], moment[3][most], error[most],
+      area_error[most];
+};
+
+/// The shares and planes of at most `most` facets, as facet_share computes them, bit for bit;
+/// `vertices`: rows of the frame, three doubles each; `unit`: a power of two. Returns a mask of
+/// those that are left to facet_share. Planes are written for whole vectors: to planes[0 .. 128).
+std::uint32_t triangle_shares(const TriangleRecord* const* records, unsigned count,
+                              const double* vertices, const double* origin, double unit,
+                              TriangleShares& shares, double* planes);
+
+}  // namespace cullhull::internal
