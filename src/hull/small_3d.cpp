@@ -3,8 +3,9 @@
 // be searched: the facets' planes lie in vectors, and an edge's facet is found in a table.
 #include "hull/small_3d.hpp"
 
-// Vectors are kept in arrays below, which sizeless types do not allow: NEON serves those machines.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#include "parallel/simd_targets.hpp"
+
+#define HWY_DISABLED_TARGETS CULLHULL_SIZELESS_TARGETS
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "hull/small_3d.cpp"
 #include <hwy/foreach_target.h>
