@@ -232,16 +232,16 @@ class Simplicial3D {
     return same;
   }
 
-  /// Buckets of consecutive lowest vertices; the longer a stretch of facets, the more of one
-  /// bucket's records lie together.
+  /// Buckets of consecutive lowest vertices, and stretches of facets: what belongs to one of either
+  /// stays in the second cache.
   void divide() {
     const auto vertex_count = static_cast<Id>(vertices_.ids().size());
     const std::uint64_t wanted =
-        std::clamp<std::uint64_t>(std::bit_ceil(count_ / 4096), 1, max_buckets);
+        std::clamp<std::uint64_t>(std::bit_ceil(count_ / stretch), 1, max_buckets);
     const int bits = std::bit_width(vertex_count - 1U) - std::countr_zero(wanted);
     shift_ = static_cast<unsigned>(std::max(bits, 0));
     buckets_ = ((vertex_count - 1U) >> shift_) + 1;
-    stretches_ = surface_.runs(std::max<Id>(4096, 8 * buckets_));
+    stretches_ = surface_.runs(stretch);
     region_.assign(stretches_.size() + 1, 0);
     for (std::size_t s = 0; s < stretches_.size(); ++s)
       region_[s + 1] = region_[s] + (stretches_[s].second - stretches_[s].first);
@@ -506,6 +506,7 @@ class Simplicial3D {
   }
 
   static constexpr std::uint64_t max_buckets = 2048;
+  static constexpr Id stretch = 4096;
   static constexpr std::uint64_t ahead = 16;
 
   const ResultInput& input_;
