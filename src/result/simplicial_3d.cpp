@@ -15,7 +15,7 @@
 
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
-#include "predicates/orientation.hpp"
+#include "predicates/orientation_3d.hpp"
 #include "result/facet_plane.hpp"
 #include "result/facet_share.hpp"
 #include "result/simplicial_measures.hpp"
@@ -295,20 +295,17 @@ class Simplicial3D {
       if (stop_.load(std::memory_order_relaxed)) return;
       if (exact_side(r, out) != Sign::negative) stop_ = true;
     }
-    // Half the ridges of each facet.
-    out.rungs[0] += out.live * 3 / 2;
+    out.rungs[0] += out.live * 3 / 2 - open.size();  // half the ridges of each facet
   }
 
   Sign exact_side(const OpenRidge& r, Counts& out) const {
-    const LocalPoints& local = *input_.local;
-    const Facet3D& facet = surface_.facets[r.facet];
-    const double* rows[4];
-    for (unsigned j = 0; j < 3; ++j) rows[j] = local.exact_row(order_[facet.vertices[j]]);
-    rows[3] = local.exact_row(order_[r.across]);
-    Rung rung = Rung::exact;
-    const Sign sign = orientation(3, rows, &rung);
-    ++out.rungs[static_cast<unsigned>(rung)];
-    return sign;
+    const auto point = [&](Id v) {
+      return Orientation3D::Point{surface_.rows.get() + std::size_t{v} * Shared3D::row_stride,
+                                  order_[v]};
+    };
+    const Id* v = surface_.facets[r.facet].vertices;
+    return surface_.predicates->side(point(v[0]), point(v[1]), point(v[2]), point(r.across),
+                                     out.rungs);
   }
 
   // ---------------------------------------------------------------- second sweep

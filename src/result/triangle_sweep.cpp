@@ -190,9 +190,11 @@ class Sweep {
     }
   }
 
+  /// From the side of the facet with the lower number.
   HWY_NOINLINE void keep_open(unsigned k, unsigned count, unsigned j, unsigned lanes) {
     for (unsigned i = 0; i < hn::Lanes(D()) && k + i < count; ++i)
-      if ((lanes >> i & 1U) != 0) open_.push_back({b_.slot[k + i], b_.across_id[j][k + i]});
+      if ((lanes >> i & 1U) != 0 && b_.slot[k + i] < b_.numbers[k + i].neighbour[j])
+        open_.push_back({b_.slot[k + i], b_.across_id[j][k + i]});
   }
 
   HWY_INLINE void write(unsigned k) {
