@@ -333,7 +333,7 @@ class Blocks {
         levels_(D == 3 && shortcuts != nullptr && shortcuts->levels),
         ids_(ids) {}
 
-  /// So many points should be added next, at most.
+  /// At most so many points may be added next.
   std::uint32_t room() const { return core_.rests() && levels_.rests() ? many : block_size; }
 
   /// fetch(k) is called for each vector of points unless the core is asked about them: the other
@@ -344,7 +344,9 @@ class Blocks {
     const VU lane = hn::Iota(U(), 0);
     const auto places = [&](std::uint32_t k)
                             HWY_ATTR { return hn::Add(hn::Set(U(), first + k), lane); };
-    if (core_.taken(count)) {
+    // Both at once, as room() has seen them: what is passed on below ends rests as well.
+    const bool by_core = core_.taken(count), by_levels = !by_core && levels_.taken(count);
+    if (by_core) {
       const std::uint32_t before = for_levels_.count();
       if (shortcuts_->core->kind == GaugeCore::Kind::round)
         ask_core<GaugeCore::Kind::round>(count, load, places);
@@ -359,12 +361,8 @@ class Blocks {
       fetch(k);
       load(k, y);
     };
-    if constexpr (D == 3) {
-      if (levels_.taken(count)) {
-        ask_levels(count, load_and_fetch, places);
-        return;
-      }
-    }
+    if constexpr (D == 3)
+      if (by_levels) return ask_levels(count, load_and_fetch, places);
     if (for_map_.count() > 0) ask_map(for_map_);
     kept_ += test_block<D, many>(table_, first, count, ids_ + kept_, load_and_fetch);
   }
