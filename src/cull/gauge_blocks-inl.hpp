@@ -31,9 +31,10 @@ using VI = hn::Vec<I>;
 using VU = hn::Vec<U>;
 using MF = hn::Mask<F>;
 
-constexpr std::uint32_t block_size = 64;
-constexpr std::uint32_t many = 4 * block_size;  ///< where the map alone is asked
-static_assert(gauge_chunk % many == 0);
+/// Points that are tested together: by the core, so few that the processor has begun to read the
+/// next before it is done with them; by levels; by the map alone.
+constexpr std::uint32_t core_block = 32, block_size = 64, many = 256;
+static_assert(gauge_chunk % many == 0 && many % block_size == 0 && block_size % core_block == 0);
 
 // 2^23: adding it to an integer below 2^23 leaves that integer in the low bits of the float.
 constexpr float integer_shift = 8388608.0F;
@@ -334,7 +335,9 @@ class Blocks {
         ids_(ids) {}
 
   /// At most so many points may be added next.
-  std::uint32_t room() const { return core_.rests() && levels_.rests() ? many : block_size; }
+  std::uint32_t room() const {
+    return !core_.rests() ? core_block : !levels_.rests() ? block_size : many;
+  }
 
   /// fetch(k) is called for each vector of points unless the core is asked about them: the other
   /// tests take so long that memory should be asked ahead of time.
