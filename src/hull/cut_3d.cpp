@@ -72,37 +72,34 @@ std::uint32_t Engine3D::key_of(const double* p) const {
   return keys[0];
 }
 
-/// The share of facets, of a sample, that the cut would set between pieces.
+/// The share of facets, of a sample, that the cut would set between pieces: whose corners are not
+/// all in the piece of their middle.
 double Engine3D::share_cut(const Cut3D& cut, const std::vector<Id>& sample) const {
-  // Keys are computed a block at a time: of three corners and a middle of some facets.
-  constexpr std::uint32_t block = DirectionKey::block, facets = block / 4;
+  constexpr std::size_t together = DirectionKey::block / 4;  // positions of each: corners, middle
   std::size_t between = 0;
-  for (std::size_t at = 0; at < sample.size(); at += facets) {
-    const std::size_t some = std::min<std::size_t>(facets, sample.size() - at);
-    double places[3][block] = {};
-    Id piece[block];
-    for (std::size_t i = 0; i < some; ++i) {
-      const Facet3D& facet = facets_[sample[at + i]];
-      double centre[3];
-      middle(facet, centre);
+  for (std::size_t first = 0; first < sample.size(); first += together) {
+    const std::size_t count = std::min(together, sample.size() - first);
+    double x[3][DirectionKey::block] = {};
+    Id piece[DirectionKey::block];
+    for (std::size_t i = 0; i < count; ++i) {
+      const Facet3D& facet = facets_[sample[first + i]];
       for (unsigned k = 0; k < 4; ++k) {
-        const double* p = k < 3 ? shared_.row(facet.vertices[k]) : centre;
-        for (unsigned j = 0; j < 3; ++j) places[j][4 * i + k] = p[j];
+        double m[3];
+        if (k == 3) middle(facet, m);
+        const double* p = k < 3 ? shared_.row(facet.vertices[k]) : m;
+        for (unsigned j = 0; j < 3; ++j) x[j][4 * i + k] = p[j];
+        if (cut.planes()) piece[4 * i + k] = cut.piece_of(p);
+        if (by_normals_)
+          piece[4 * i + k] =
+              place(cut.keys, rank_[k < 3 ? facet.neighbours[k] : sample[first + i]]);
       }
     }
-    if (!cut.planes() && !by_normals_)
-      key_.keys(places[0], places[1], places[2], order_.key_bits, piece);
-    for (std::size_t i = 0; i < some; ++i) {
-      const Id f = sample[at + i];
-      Id* const own = piece + 4 * i;
-      for (unsigned k = 0; k < 4; ++k) {
-        const double p[3] = {places[0][4 * i + k], places[1][4 * i + k], places[2][4 * i + k]};
-        own[k] = cut.planes()  ? cut.piece_of(p)
-                 : by_normals_ ? place(cut.keys, rank_[k < 3 ? facets_[f].neighbours[k] : f])
-                               : place(cut.keys, own[k]);
-      }
-      between += !std::equal(own + 1, own + 4, own);
+    if (!cut.planes() && !by_normals_) {
+      key_.keys(x[0], x[1], x[2], order_.key_bits, piece);
+      for (Id& k : piece) k = place(cut.keys, k);
     }
+    for (std::size_t i = 0; i < count; ++i)
+      between += !std::equal(piece + 4 * i + 1, piece + 4 * i + 4, piece + 4 * i);
   }
   return static_cast<double>(between) / static_cast<double>(sample.size());
 }
