@@ -5,8 +5,8 @@
 // performs the same IEEE operations per point, so all of them keep the same points. Products are
 // fused only where the product is exact, or where the map has the last word.
 //
-// Blocks are short, so that the processor reads the next while it tests one by the quick tests:
-// that is about as fast as memory allows, and asking for lines ahead of time is slower.
+// Where a quick test decides most, blocks are so short that the processor reads the next while it
+// tests one: then asking for lines ahead of time only costs. Elsewhere they are asked for.
 
 #include "cull/gauge_table.hpp"
 
