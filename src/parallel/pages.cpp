@@ -24,15 +24,23 @@ constexpr std::size_t page = std::size_t{2} << 20;
 std::size_t whole_pages(std::size_t bytes) { return (bytes + page - 1) / page * page; }
 
 char* map_pages(std::size_t bytes) {
-  // Aligned by cutting off what is too much at both ends.
-  void* p = mmap(nullptr, bytes + page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  // Often the system's choice is aligned, beside an earlier block: then both can be kept as one.
+  void* p = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (p == MAP_FAILED) throw std::bad_alloc();
+  if (reinterpret_cast<std::uintptr_t>(p) % page == 0) {
+    madvise(p, bytes, MADV_HUGEPAGE);  // advice: whether it is taken changes nothing but time
+    return static_cast<char*>(p);
+  }
+  munmap(p, bytes);
+  // Else aligned by cutting off what is too much at both ends.
+  p = mmap(nullptr, bytes + page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (p == MAP_FAILED) throw std::bad_alloc();
   const auto address = reinterpret_cast<std::uintptr_t>(p);
   const std::size_t before = (page - address % page) % page;
   if (before > 0) munmap(p, before);
   char* start = static_cast<char*>(p) + before;
   if (before < page) munmap(start + bytes, page - before);
-  madvise(start, bytes, MADV_HUGEPAGE);  // advice: whether it is taken changes nothing but time
+  madvise(start, bytes, MADV_HUGEPAGE);
   return start;
 }
 
@@ -65,13 +73,18 @@ class FreePages {
     return kept_;
   }
 
-  /// The smallest range that is large enough, or nullptr.
-  char* take(std::size_t bytes) {
+  /// `bytes` of the smallest range that is large enough, or, where none is, what there is from
+  /// `least` on: `bytes` becomes what is taken. nullptr: there is nothing.
+  char* take(std::size_t& bytes, std::size_t least) {
     const std::lock_guard lock(mutex_);
-    auto best = ranges_.end();
-    for (auto it = ranges_.begin(); it != ranges_.end(); ++it)
+    auto best = ranges_.end(), largest = best;
+    for (auto it = ranges_.begin(); it != ranges_.end(); ++it) {
       if (it->second >= bytes && (best == ranges_.end() || it->second < best->second)) best = it;
-    if (best == ranges_.end()) return nullptr;
+      if (largest == ranges_.end() || it->second > largest->second) largest = it;
+    }
+    if (best == ranges_.end()) best = largest;
+    if (best == ranges_.end() || best->second < least) return nullptr;
+    bytes = std::min(bytes, best->second);
     char* start = best->first;
     const std::size_t rest = best->second - bytes;
     ranges_.erase(best);
@@ -140,8 +153,8 @@ PageScope::~PageScope() { free_pages().close(); }
 void* allocate_block(std::size_t bytes) {
   if (bytes < mapped_block) return ::operator new(bytes);
   if (bytes > ~std::size_t{0} - 2 * page) throw std::bad_alloc();
-  const std::size_t size = whole_pages(bytes);
-  char* kept = free_pages().take(size);
+  std::size_t size = whole_pages(bytes);
+  char* kept = free_pages().take(size, size);
   return kept != nullptr ? kept : map_pages(size);
 }
 
@@ -152,14 +165,18 @@ void free_block(void* block, std::size_t bytes) noexcept {
   if (!free_pages().give(start, size)) munmap(start, size);
 }
 
-void* grow_block(void* block, std::size_t bytes, std::size_t more) {
-  if (more > ~std::size_t{0} - 2 * page) throw std::bad_alloc();
+void* grow_block(void* block, std::size_t bytes, std::size_t& more) {
+  if (more > ~std::size_t{0} / 16) throw std::bad_alloc();
   const std::size_t old = whole_pages(bytes), size = whole_pages(more);
+  more = size;
   if (size <= old) return block;
-  // Kept pages need no clearing, but the contents must be copied.
-  if (char* kept = old <= size / 2 ? free_pages().take(size) : nullptr; kept != nullptr) {
+  // Kept pages need no clearing, but the contents must be copied: that is to happen seldom, so who
+  // grows by little gets more.
+  std::size_t room = old <= size / 2 ? size : 4 * size;
+  if (char* kept = free_pages().take(room, std::max(size, 2 * old)); kept != nullptr) {
     std::memcpy(kept, block, bytes);
     free_block(block, bytes);
+    more = room;
     return kept;
   }
   if (mremap(block, old, size, 0) != MAP_FAILED) {
@@ -188,7 +205,7 @@ PageScope::~PageScope() {}
 
 void* allocate_block(std::size_t bytes) { return ::operator new(bytes); }
 void free_block(void* block, std::size_t) noexcept { ::operator delete(block); }
-void* grow_block(void* block, std::size_t bytes, std::size_t more) {
+void* grow_block(void* block, std::size_t bytes, std::size_t& more) {
   void* larger = allocate_block(more);
   std::memcpy(larger, block, bytes);
   free_block(block, bytes);

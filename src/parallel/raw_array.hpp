@@ -42,7 +42,7 @@ class RawArray {
   void reserve(std::size_t n) {
     if (n <= capacity()) return;
     if (n > (~std::size_t{0} - page) / sizeof(T)) throw std::bad_alloc();
-    const std::size_t bytes = (n * sizeof(T) + page - 1) / page * page;
+    std::size_t bytes = (n * sizeof(T) + page - 1) / page * page;
     data_ =
         static_cast<T*>(bytes_ >= mapped_block ? grow_block(data_, bytes_, bytes) : move_to(bytes));
     bytes_ = bytes;

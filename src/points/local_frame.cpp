@@ -261,8 +261,12 @@ std::uint32_t LocalFrame::lowest_row(const Array<double>& scaled) const {
   std::vector<std::uint64_t> first(chunk_count(count_, sweep));
   each_chunk([&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     std::uint64_t lowest = begin;
-    for (std::uint64_t i = begin + 1; i < end; ++i)
-      if (less(i, lowest)) lowest = i;
+    double level = scaled[begin * d];  // few are as low along the first axis
+    for (std::uint64_t i = begin + 1; i < end; ++i) {
+      if (scaled[i * d] > level || !less(i, lowest)) continue;
+      lowest = i;
+      level = scaled[i * d];
+    }
     first[c] = lowest;
   });
   std::uint64_t lowest = first[0];
