@@ -1,7 +1,6 @@
 // The flow for points in a device's memory: cull there, then hull the survivors as points of the
 // host under their own names.
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "cullhull/device_points.hpp"
@@ -9,6 +8,7 @@
 #include "device_filter.hpp"
 #include "parallel/backend.hpp"
 #include "parallel/parallel.hpp"
+#include "pipeline.hpp"
 #include "points/memory.hpp"
 
 namespace cullhull {
@@ -23,12 +23,6 @@ Filtered run_device_filter(const DevicePointView&, const Options&, const Control
 #endif
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 Filtered filter(const DevicePointView& points, const Options& options) {
   check_arguments(points);

@@ -253,8 +253,8 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
       build_hull(from, std::move(boundary), run.control, run.threads, hull);
     };
     if (hull.affine_dimension == 3 && run.options.engine == Engine::native) {
-      Surface3D surface = surface_3d(frame.points(), frame.simplex().data(), run.budget,
-                                     run.threads, run.control);
+      Surface3D surface =
+          surface_3d(frame.points(), frame.simplex().data(), run.budget, run.threads, run.control);
       finish(std::move(surface), surface.live);
     } else {
       SimplicialHull boundary =

@@ -75,10 +75,13 @@ struct Sampled {
 Sampled hull_of_sample(const SampledPoints& points, std::uint64_t size, std::uint64_t budget,
                        const Control& control) {
   const std::vector<std::uint64_t> ids = sample_ids(points.count, size);
+  // In space few points of a sample are extreme, or no map would be laid: a hull of less than a
+  // millisecond, to which threads would only add.
+  constexpr std::uint64_t worth_threads = 1 << 15;
+  const unsigned threads = points.dimension == 3 && size < worth_threads ? 1 : points.threads;
   Sampled s;
   s.size = ids.size();
-  s.polytope =
-      inner_polytope(points.gather(ids), points.dimension, points.threads, budget, control);
+  s.polytope = inner_polytope(points.gather(ids), points.dimension, threads, budget, control);
   return s;
 }
 
@@ -98,7 +101,8 @@ SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32
   const std::string found = sample_finding(sample.size, sample.extreme());
   if (insist != Insist::yes && !map_pays(points.count, d, sample.size, sample.extreme()))
     return {nullptr, found + ", so a map does not pay"};
-  SampledMap result{GaugeMap::build(sample.polytope, 0, most_nodes), found};
+  const GaugeSettings settings{.most_nodes = most_nodes, .threads = points.threads};
+  SampledMap result{GaugeMap::build(std::move(sample.polytope), settings), found};
   result.reason += result.map == nullptr   ? ", but the centre is not safely inside their hull"
                    : insist == Insist::yes ? ", filter as asked"
                                            : ", so the filter pays";

@@ -1,5 +1,8 @@
 #include "batch/small_kernels.hpp"
 
+#include "parallel/simd_targets.hpp"
+
+#define HWY_DISABLED_TARGETS CULLHULL_SIZELESS_TARGETS
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "batch/small_kernels.cpp"
 #include <hwy/foreach_target.h>

@@ -3,12 +3,14 @@
 // A block of points is translated, scaled and rounded to f32 into a buffer that stays in L1 (the
 // only step that knows the input's layout and type), then tested a vector at a time. Every target
 // performs the same IEEE operations per point, so all of them keep the same points. Products are
-// fused only where the product is exact.
+// fused only where the product is exact, or where the map has the last word.
+//
+// Blocks are short, so that the processor reads the next while it tests one by the quick tests:
+// that is about as fast as memory allows, and asking for lines ahead of time is slower.
 
-#include "cull/gauge_levels.hpp"
 #include "cull/gauge_table.hpp"
 
-// Vectors are kept in arrays below, which sizeless types do not allow: NEON serves those machines.
+// Vectors are kept in arrays, which sizeless types do not allow: NEON serves those machines.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "cull/gauge_kernel.cpp"
@@ -17,277 +19,13 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
+
+#include "cull/gauge_blocks-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
-
-namespace hn = hwy::HWY_NAMESPACE;
-
-using F = hn::ScalableTag<float>;
-using I = hn::RebindToSigned<F>;
-using U = hn::RebindToUnsigned<F>;
-using VF = hn::Vec<F>;
-using VI = hn::Vec<I>;
-using VU = hn::Vec<U>;
-using MF = hn::Mask<F>;
-
-constexpr std::uint32_t block_size = 256;
-static_assert(gauge_chunk % block_size == 0);
-
-// 2^23: adding it to an integer below 2^23 leaves that integer in the low bits of the float.
-constexpr float integer_shift = 8388608.0F;
-constexpr std::uint32_t integer_shift_bits = 0x4B000000U;
-// Below this the point is the centre for all purposes; keeps the reciprocal finite.
-constexpr float tiny = 0x1p-100F;
-
-/// Descending by key; carries the payload along.
-HWY_INLINE void order(VF& a, VF& b, VI& pa, VI& pb) {
-  const I i;
-  const MF swap = hn::Lt(a, b);
-  const VF hi = hn::IfThenElse(swap, b, a);
-  b = hn::IfThenElse(swap, a, b);
-  a = hi;
-  const auto iswap = hn::RebindMask(i, swap);
-  const VI phi = hn::IfThenElse(iswap, pb, pa);
-  pb = hn::IfThenElse(iswap, pa, pb);
-  pa = phi;
-}
-
-template <unsigned K>
-HWY_INLINE void sort_descending(VF (&key)[K], VI (&payload)[K]) {
-  const auto cmp = [&](unsigned i, unsigned j)
-                       HWY_ATTR { order(key[i], key[j], payload[i], payload[j]); };
-  if constexpr (K == 2) {
-    cmp(0, 1);
-  } else if constexpr (K == 3) {
-    cmp(0, 1), cmp(1, 2), cmp(0, 1);
-  } else if constexpr (K == 4) {
-    cmp(0, 1), cmp(2, 3), cmp(0, 2), cmp(1, 3), cmp(1, 2);
-  } else if constexpr (K == 5) {
-    cmp(0, 1), cmp(3, 4), cmp(2, 4), cmp(2, 3), cmp(1, 4);
-    cmp(0, 3), cmp(0, 2), cmp(1, 3), cmp(1, 2);
-  }
-}
-
-/// Where the ray from the centre through y meets the cube.
-template <unsigned D>
-struct Direction {
-  VF norm;          // |y|_inf
-  VF inverse;       // of it, finite
-  VF face;          // number of the cube's face, an integer
-  VF other[D - 1];  // coordinates on that face's grid axes, times norm
-};
-
-template <unsigned D>
-HWY_INLINE Direction<D> direction_of(const VF (&y)[D]) {
-  const F f;
-  const I i;
-  const U u;
-  Direction<D> out;
-
-  // Dominant axis. As integers the absolute values are ordered as the floats are, and an infinity
-  // or a NaN exceeds every number, so neither is lost in the maximum.
-  VI prefix[D];
-  prefix[0] = hn::BitCast(i, hn::Abs(y[0]));
-  for (unsigned k = 1; k < D; ++k)
-    prefix[k] = hn::Max(prefix[k - 1], hn::BitCast(i, hn::Abs(y[k])));
-  const VI top = prefix[D - 1];
-  out.norm = hn::BitCast(f, top);
-
-  // With the first dominant axis j: grid axis k is axis k below j, k + 1 from j on.
-  VF dominant = y[D - 1];
-  VI axis = hn::Set(i, static_cast<std::int32_t>(D - 1));
-  for (unsigned k = D - 1; k-- > 0;) {
-    const auto reached = hn::Eq(prefix[k], top);
-    const MF at_or_after = hn::RebindMask(f, reached);
-    out.other[k] = hn::IfThenElse(at_or_after, y[k + 1], y[k]);
-    dominant = hn::IfThenElse(at_or_after, y[k], dominant);
-    axis = hn::Add(axis, hn::VecFromMask(i, reached));  // -1 where reached
-  }
-  const VI negative = hn::BitCast(i, hn::ShiftRight<31>(hn::BitCast(u, dominant)));
-  out.face = hn::ConvertTo(f, hn::Add(hn::Add(axis, axis), negative));
-  out.inverse = hn::Div(hn::Set(f, 1.0F), hn::Max(out.norm, hn::Set(f, tiny)));
-  return out;
-}
-
-/// The bound of g(y) that the map gives; NaN or infinity where a coordinate is.
-template <unsigned D>
-HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, const VF (&y)[D]) {
-  const F f;
-  const I i;
-  const U u;
-  const Direction<D> direction = direction_of<D>(y);
-
-  // Cell and fractions. half_cells is shrunk so that 0 <= place < cells for every finite point.
-  const VF half_cells = hn::Set(f, t.half_cells);
-  const VF middle = hn::Set(f, t.middle);
-  VF fraction[D - 1];
-  VI step[D - 1];
-  VF corner = hn::MulAdd(direction.face, hn::Set(f, t.face_stride), hn::Set(f, integer_shift));
-  for (unsigned k = 0; k < D - 1; ++k) {
-    const VF place =
-        hn::Add(hn::Mul(hn::Mul(direction.other[k], direction.inverse), half_cells), middle);
-    const VF cell = hn::Floor(place);
-    fraction[k] = hn::Sub(place, cell);
-    corner = hn::MulAdd(cell, hn::Set(f, t.stride[k]), corner);  // integers: exact
-    step[k] = hn::Set(i, static_cast<std::int32_t>(t.stride[k]));
-  }
-  // For a point with a NaN the corner may be anything: as an unsigned minimum it stays a node.
-  const VU corner_node = hn::Min(hn::Sub(hn::BitCast(u, corner), hn::Set(u, integer_shift_bits)),
-                                 hn::Set(u, t.last_corner));
-
-  // Kuhn's simplex: from the lowest corner one step per axis, in the order of falling fractions.
-  sort_descending(fraction, step);
-  VI node = hn::BitCast(i, corner_node);
-  VF sum = hn::Mul(hn::Sub(hn::Set(f, 1.0F), fraction[0]), hn::GatherIndex(f, nodes, node));
-  for (unsigned k = 0; k < D - 1; ++k) {
-    node = hn::Add(node, step[k]);
-    const VF weight =
-        k + 1 < D - 1 ? hn::Sub(fraction[k], fraction[k + 1 < D - 1 ? k + 1 : k]) : fraction[k];
-    sum = hn::Add(sum, hn::Mul(weight, hn::GatherIndex(f, nodes, node)));
-  }
-  return hn::Mul(direction.norm, sum);
-}
-
-/// Whether the levels tell that the map drops y: false where a coordinate is no number.
-HWY_INLINE MF below_level(const GaugeLevels& l, const VF (&y)[3]) {
-  const F f;
-  const I i;
-  const U u;
-  const Direction<3> direction = direction_of<3>(y);
-  const VF half_cells = hn::Set(f, l.half_cells), middle = hn::Set(f, l.middle);
-  const auto cell = [&](unsigned k) HWY_ATTR {
-    return hn::Floor(
-        hn::Add(hn::Mul(hn::Mul(direction.other[k], direction.inverse), half_cells), middle));
-  };
-  // Integers below 2^23: exact.
-  const VF number = hn::MulAdd(direction.face, hn::Set(f, l.face_stride),
-                               hn::MulAdd(cell(1), hn::Set(f, static_cast<float>(l.cells)),
-                                          hn::Add(cell(0), hn::Set(f, integer_shift))));
-  const VU place =
-      hn::Min(hn::Sub(hn::BitCast(u, number), hn::Set(u, integer_shift_bits)), hn::Set(u, l.last));
-  const VU word = hn::GatherIndex(u, l.packed.data(), hn::BitCast(i, hn::ShiftRight<2>(place)));
-  const VU shift = hn::ShiftLeft<3>(hn::And(place, hn::Set(u, 3)));
-  const VU level = hn::And(hn::Shr(word, shift), hn::Set(u, 255));
-  return hn::Lt(direction.norm,
-                hn::Mul(hn::ConvertTo(f, hn::BitCast(i, level)), hn::Set(f, l.unit)));
-}
-
-/// Bit k of the little-endian words: point k survives.
-class SurvivorBits {
- public:
-  HWY_INLINE void store(std::uint32_t k, MF survives) {
-    const F f;
-    if constexpr (hn::MaxLanes(F()) >= 8) {
-      hn::StoreMaskBits(f, survives, bits_ + k / 8);
-    } else {
-      std::uint8_t few[8] = {};
-      hn::StoreMaskBits(f, survives, few);
-      if (k % 8 == 0) bits_[k / 8] = 0;
-      bits_[k / 8] = static_cast<std::uint8_t>(bits_[k / 8] | few[0] << k % 8);
-    }
-  }
-  HWY_INLINE std::size_t list(std::uint32_t first, std::uint32_t count,
-                              std::uint32_t* HWY_RESTRICT ids) const {
-    std::size_t kept = 0;
-    for (std::uint32_t k = 0; k < count; k += 64) {
-      std::uint64_t word;
-      std::memcpy(&word, bits_ + k / 8, 8);
-      if (count - k < 64) word &= (std::uint64_t{1} << (count - k)) - 1;
-      for (; word != 0; word &= word - 1)
-        ids[kept++] = first + k + static_cast<std::uint32_t>(std::countr_zero(word));
-    }
-    return kept;
-  }
-
- private:
-  static_assert(std::endian::native == std::endian::little);
-  alignas(8) std::uint8_t bits_[block_size / 8] = {};
-};
-
-/// Lists the survivors of `count` points; `load(i, y)` fetches the vector of points from i on.
-/// Bits are listed after the block, not a vector at a time: a branch on a fresh comparison, when
-/// mispredicted, costs the latency of the whole chain, and compressed stores are slow before
-/// AVX-512.
-template <unsigned D, class Load>
-HWY_INLINE std::size_t test_block(const GaugeTable& t, std::uint32_t first, std::uint32_t count,
-                                  std::uint32_t* HWY_RESTRICT ids, const Load& load) {
-  const F f;
-  const float* HWY_RESTRICT nodes = t.nodes.data();
-  const VF threshold = hn::Set(f, t.threshold);
-  const auto lanes = static_cast<std::uint32_t>(hn::Lanes(f));
-  SurvivorBits bits;
-  for (std::uint32_t k = 0; k < count; k += lanes) {
-    VF y[D];
-    load(k, y);
-    const auto inside = hn::Lt(gauge_bound<D>(t, nodes, y), threshold);  // false for NaN
-    bits.store(k, hn::Not(inside));
-  }
-  return bits.list(first, count, ids);
-}
-
-/// The levels first, then the map for the points they leave: the same survivors. `value(k, j)`:
-/// coordinate j of point k. Counts the points that were left.
-template <class Load, class Value>
-HWY_INLINE std::size_t test_block_by_levels(const GaugeTable& t, const GaugeLevels& levels,
-                                            std::uint32_t first, std::uint32_t count,
-                                            std::uint32_t* HWY_RESTRICT ids, const Load& load,
-                                            const Value& value, std::uint32_t& left) {
-  const auto lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
-  SurvivorBits bits;
-  for (std::uint32_t k = 0; k < count; k += lanes) {
-    VF y[3];
-    load(k, y);
-    bits.store(k, hn::Not(below_level(levels, y)));
-  }
-  std::uint32_t open[block_size];
-  left = static_cast<std::uint32_t>(bits.list(0, count, open));
-  if (left == 0) return 0;
-  constexpr std::size_t row = block_size + hn::MaxLanes(F());
-  HWY_ALIGN float columns[3 * row];
-  for (unsigned j = 0; j < 3; ++j) {
-    for (std::uint32_t k = 0; k < left; ++k) columns[j * row + k] = value(open[k], j);
-    std::fill_n(columns + j * row + left, lanes, 0.0F);
-  }
-  std::uint32_t kept[block_size];
-  const std::size_t n = test_block<3>(t, 0, left, kept, [&](std::uint32_t k, VF(&y)[3]) HWY_ATTR {
-    for (unsigned j = 0; j < 3; ++j) y[j] = hn::LoadU(F(), columns + j * row + k);
-  });
-  for (std::size_t k = 0; k < n; ++k) ids[k] = first + open[kept[k]];
-  return n;
-}
-
-/// Blocks of one call: by levels where those drop most points, else without.
-template <unsigned D>
-class Blocks {
- public:
-  Blocks(const GaugeTable& t, const GaugeLevels* levels) : table_(t), levels_(levels) {}
-
-  template <class Load, class Value>
-  HWY_INLINE std::size_t test(std::uint32_t first, std::uint32_t count,
-                              std::uint32_t* HWY_RESTRICT ids, const Load& load,
-                              const Value& value) {
-    if constexpr (D == 3) {
-      if (levels_ != nullptr && skip_ == 0) {
-        std::uint32_t left = 0;
-        const std::size_t n =
-            test_block_by_levels(table_, *levels_, first, count, ids, load, value, left);
-        if (left > count / 4) skip_ = 15;
-        return n;
-      }
-      skip_ -= skip_ > 0;
-    }
-    return test_block<D>(table_, first, count, ids, load);
-  }
-
- private:
-  const GaugeTable& table_;
-  const GaugeLevels* levels_;
-  unsigned skip_ = 0;
-};
 
 // ---------------------------------------------------------------- packed rows of f32 or f64
 
@@ -355,29 +93,27 @@ HWY_INLINE void load_rows(const float* HWY_RESTRICT rows, VF (&y)[D]) {
 }
 
 template <unsigned D, class T>
-std::size_t survivors_rows(const GaugeTable& t, const GaugeLevels* levels, const T* data,
+std::size_t survivors_rows(const GaugeTable& t, const GaugeShortcuts* shortcuts, const T* data,
                            const T* scale, const T* offset, std::uint32_t count,
                            std::uint32_t* ids) {
   const RowPattern<D, T> pattern(scale, offset);
-  Blocks<D> blocks(t, levels);
-  HWY_ALIGN float rows[(block_size + hn::MaxLanes(F())) * D];
-  std::size_t kept = 0;
-  for (std::uint32_t b = 0; b < count; b += block_size) {
-    const std::uint32_t n = std::min(block_size, count - b);
+  Blocks<D> blocks(t, shortcuts, ids);
+  HWY_ALIGN float rows[(many + hn::MaxLanes(F())) * D];
+  for (std::uint32_t b = 0; b < count;) {
+    const std::uint32_t n = std::min(blocks.room(), count - b);
     convert_rows<D, T>(pattern, data + std::size_t{b} * D, n, rows);
-    // Converting a block reads memory, testing it does not: fetch the block after the next
-    // meanwhile, as the next one could not all come in time.
-    const T* next = data + std::size_t{b + n + block_size} * D;
-    kept += blocks.test(
-        b, n, ids + kept,
-        [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
+    // The block after the next, as the next one could not all come in time.
+    const T* later = data + (std::size_t{b} + 2 * many) * D;
+    blocks.add(
+        b, n,
+        [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR { load_rows<D>(rows + std::size_t{k} * D, y); },
+        [&](std::uint32_t k) HWY_ATTR {
           for (std::size_t e = 0; e < D * hn::Lanes(F()); e += 64 / sizeof(T))
-            hwy::Prefetch(next + std::size_t{k} * D + e);
-          load_rows<D>(rows + std::size_t{k} * D, y);
-        },
-        [&](std::uint32_t k, unsigned j) { return rows[std::size_t{k} * D + j]; });
+            hwy::Prefetch(later + std::size_t{k} * D + e);
+        });
+    b += n;
   }
-  return kept;
+  return blocks.finish();
 }
 
 // ---------------------------------------------------------------- any layout, any scalar
@@ -428,60 +164,63 @@ void convert_axis(const GaugeTable& t, const PointView& v, std::uint64_t first, 
 }
 
 template <unsigned D>
-std::size_t survivors_any(const GaugeTable& t, const GaugeLevels* levels, const PointView& v,
+std::size_t survivors_any(const GaugeTable& t, const GaugeShortcuts* shortcuts, const PointView& v,
                           std::uint64_t begin, std::uint32_t count, std::uint32_t* ids) {
-  Blocks<D> blocks(t, levels);
-  constexpr std::size_t row = block_size + hn::MaxLanes(F());
+  Blocks<D> blocks(t, shortcuts, ids);
+  constexpr std::size_t row = many + hn::MaxLanes(F());
   HWY_ALIGN float columns[D * row];
-  std::size_t kept = 0;
-  for (std::uint32_t b = 0; b < count; b += block_size) {
-    const std::uint32_t n = std::min(block_size, count - b);
+  for (std::uint32_t b = 0; b < count; b += many) {
+    const std::uint32_t n = std::min(many, count - b);
     for (unsigned k = 0; k < D; ++k) {
       float* column = columns + k * row;
       convert_axis(t, v, begin + b, n, k, column);
       std::fill(column + n, column + n + hn::Lanes(F()), 0.0F);
     }
-    kept += blocks.test(
-        b, n, ids + kept,
-        [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
-          for (unsigned j = 0; j < D; ++j) y[j] = hn::LoadU(F(), columns + j * row + k);
-        },
-        [&](std::uint32_t k, unsigned j) { return columns[j * row + k]; });
+    for (std::uint32_t first = 0; first < n;) {
+      const std::uint32_t some = std::min(blocks.room(), n - first);
+      blocks.add(
+          b + first, some,
+          [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
+            for (unsigned j = 0; j < D; ++j) y[j] = hn::LoadU(F(), columns + j * row + first + k);
+          },
+          [](std::uint32_t) HWY_ATTR {});
+      first += some;
+    }
   }
-  return kept;
+  return blocks.finish();
 }
 
 template <unsigned D>
-std::size_t survivors_in(const GaugeTable& t, const GaugeLevels* levels, const PointView& v,
+std::size_t survivors_in(const GaugeTable& t, const GaugeShortcuts* shortcuts, const PointView& v,
                          std::uint64_t begin, std::uint32_t count, std::uint32_t* ids) {
   const std::byte* p = v.address(begin, 0);
   const auto aligned = [&](std::size_t a) { return reinterpret_cast<std::uintptr_t>(p) % a == 0; };
   if (v.packed_rows() && v.scalar == ScalarType::f64 && aligned(alignof(double)))
-    return survivors_rows<D, double>(t, levels, reinterpret_cast<const double*>(p), t.scale,
+    return survivors_rows<D, double>(t, shortcuts, reinterpret_cast<const double*>(p), t.scale,
                                      t.offset, count, ids);
   if (v.packed_rows() && v.scalar == ScalarType::f32 && aligned(alignof(float)) &&
       t.single_precision)
-    return survivors_rows<D, float>(t, levels, reinterpret_cast<const float*>(p), t.scale_f32,
+    return survivors_rows<D, float>(t, shortcuts, reinterpret_cast<const float*>(p), t.scale_f32,
                                     t.offset_f32, count, ids);
-  return survivors_any<D>(t, levels, v, begin, count, ids);
+  return survivors_any<D>(t, shortcuts, v, begin, count, ids);
 }
 
 }  // namespace
 
-std::size_t survivors(const GaugeTable& t, const GaugeLevels* levels, const PointView& v,
+std::size_t survivors(const GaugeTable& t, const GaugeShortcuts* shortcuts, const PointView& v,
                       std::uint64_t begin, std::uint64_t end, std::uint32_t* ids) {
   const auto count = static_cast<std::uint32_t>(end - begin);
   switch (t.dimension) {
     case 2:
-      return survivors_in<2>(t, levels, v, begin, count, ids);
+      return survivors_in<2>(t, shortcuts, v, begin, count, ids);
     case 3:
-      return survivors_in<3>(t, levels, v, begin, count, ids);
+      return survivors_in<3>(t, shortcuts, v, begin, count, ids);
     case 4:
-      return survivors_in<4>(t, levels, v, begin, count, ids);
+      return survivors_in<4>(t, shortcuts, v, begin, count, ids);
     case 5:
-      return survivors_in<5>(t, levels, v, begin, count, ids);
+      return survivors_in<5>(t, shortcuts, v, begin, count, ids);
     default:
-      return survivors_in<6>(t, levels, v, begin, count, ids);
+      return survivors_in<6>(t, shortcuts, v, begin, count, ids);
   }
 }
 
@@ -494,8 +233,9 @@ namespace cullhull::internal {
 HWY_EXPORT(survivors);
 
 std::size_t gauge_survivors(const GaugeTable& table, const PointView& points, std::uint64_t begin,
-                            std::uint64_t end, std::uint32_t* ids, const GaugeLevels* levels) {
-  return HWY_DYNAMIC_DISPATCH(survivors)(table, levels, points, begin, end, ids);
+                            std::uint64_t end, std::uint32_t* ids,
+                            const GaugeShortcuts* shortcuts) {
+  return HWY_DYNAMIC_DISPATCH(survivors)(table, shortcuts, points, begin, end, ids);
 }
 
 }  // namespace cullhull::internal

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "parallel/parallel.hpp"
+
 namespace cullhull::internal {
 namespace {
 
@@ -16,8 +18,42 @@ constexpr double overlap = 0x1p-10;
 /// And this covers the rounding of the map's sum, of the levels and of their comparison.
 constexpr double margin = 0x1p-16;
 
-/// The map's values at the corners of the parts of one face: (cells + 1)^2 of them.
-std::vector<double> corner_values(const GaugeTable& t, unsigned face, std::uint32_t parts) {
+/// The largest of `width` neighbours along a stride, from `back` before each on, within [0, size).
+void spread(std::vector<double>& v, std::uint32_t size, std::size_t step, std::size_t lines,
+            std::size_t line_step, std::uint32_t back, std::uint32_t width) {
+  std::vector<double> line(size);
+  for (std::size_t l = 0; l < lines; ++l) {
+    double* p = v.data() + l * line_step;
+    for (std::uint32_t i = 0; i < size; ++i) line[i] = p[i * step];
+    for (std::uint32_t i = 0; i < size; ++i) {
+      const std::uint32_t begin = i < back ? 0 : i - back, end = std::min(size, i - back + width);
+      double most = line[i];
+      for (std::uint32_t k = begin; k < end; ++k) most = std::max(most, line[k]);
+      p[i * step] = most;
+    }
+  }
+}
+
+/// Below which |y|_inf the map drops what is in each cell of a face.
+void find_limits(const GaugeTable& t, unsigned face, std::uint32_t parts, double* limits) {
+  const std::uint32_t cells = t.cells * parts, row = cells + 1;
+  // The largest value of each part, and of those around it as well.
+  std::vector<double> own = values_on_face(t, face, parts), around = own;
+  spread(own, row, 1, row, row, 0, 2);
+  spread(own, row, row, row, 1, 0, 2);
+  spread(around, row, 1, row, row, 1, 4);
+  spread(around, row, row, row, 1, 1, 4);
+  for (std::uint32_t j = 0; j < cells; ++j)
+    for (std::uint32_t i = 0; i < cells; ++i) {
+      const std::size_t at = std::size_t{j} * row + i;
+      const double bound = own[at] + 2 * overlap * (around[at] - own[at]);
+      *limits++ = bound < 0x1p100 ? t.threshold * (1 - margin) / bound : 0;
+    }
+}
+
+}  // namespace
+
+std::vector<double> values_on_face(const GaugeTable& t, unsigned face, std::uint32_t parts) {
   const std::uint32_t cells = t.cells * parts, row = t.cells + 1;
   const float* nodes = t.nodes.data() + std::size_t{face} * row * row;
   std::vector<double> values(std::size_t{cells + 1} * (cells + 1));
@@ -36,25 +72,7 @@ std::vector<double> corner_values(const GaugeTable& t, unsigned face, std::uint3
   return values;
 }
 
-/// The largest of `width` neighbours along a stride, from `back` before each on, within [0, size).
-void spread(std::vector<double>& v, std::uint32_t size, std::size_t step, std::size_t lines,
-            std::size_t line_step, std::uint32_t back, std::uint32_t width) {
-  std::vector<double> line(size);
-  for (std::size_t l = 0; l < lines; ++l) {
-    double* p = v.data() + l * line_step;
-    for (std::uint32_t i = 0; i < size; ++i) line[i] = p[i * step];
-    for (std::uint32_t i = 0; i < size; ++i) {
-      const std::uint32_t begin = i < back ? 0 : i - back, end = std::min(size, i - back + width);
-      double most = line[i];
-      for (std::uint32_t k = begin; k < end; ++k) most = std::max(most, line[k]);
-      p[i * step] = most;
-    }
-  }
-}
-
-}  // namespace
-
-std::optional<GaugeLevels> make_levels(const GaugeTable& t) {
+std::optional<GaugeLevels> make_levels(const GaugeTable& t, unsigned threads) {
   if (t.dimension != 3 || t.cells > most_cells) return std::nullopt;
   GaugeLevels levels;
   const std::uint32_t parts = std::max(1U, wanted_cells / t.cells), cells = t.cells * parts;
@@ -63,31 +81,23 @@ std::optional<GaugeLevels> make_levels(const GaugeTable& t) {
   levels.half_cells = levels.middle * (1 - 0x1p-20F);
   levels.face_stride = static_cast<float>(cells * cells);
   levels.last = 6 * cells * cells - 1;
-  std::vector<double> limits;
-  const std::uint32_t row = cells + 1;
-  for (unsigned face = 0; face < 6; ++face) {
-    // The largest value of each part, and of those around it as well.
-    std::vector<double> own = corner_values(t, face, parts), around = own;
-    spread(own, row, 1, row, row, 0, 2);
-    spread(own, row, row, row, 1, 0, 2);
-    spread(around, row, 1, row, row, 1, 4);
-    spread(around, row, row, row, 1, 1, 4);
-    for (std::uint32_t j = 0; j < cells; ++j)
-      for (std::uint32_t i = 0; i < cells; ++i) {
-        const std::size_t at = std::size_t{j} * row + i;
-        const double bound = own[at] + 2 * overlap * (around[at] - own[at]);
-        limits.push_back(bound < 0x1p100 ? t.threshold * (1 - margin) / bound : 0);
-      }
-  }
+  const std::size_t face_size = std::size_t{cells} * cells;
+  std::vector<double> limits(6 * face_size);
+  const auto each_face = [&](const auto& body) {
+    for_each_chunk(6, 1, threads, [&](std::uint64_t f, std::uint64_t, std::uint64_t) { body(f); });
+  };
+  each_face([&](std::uint64_t f) {
+    find_limits(t, static_cast<unsigned>(f), parts, &limits[f * face_size]);
+  });
   const double highest = *std::max_element(limits.begin(), limits.end());
   if (!(highest > 0)) return std::nullopt;
   levels.unit = static_cast<float>(highest / 255);
-  levels.packed.assign(limits.size() / 4 + 1, 0);
-  for (std::size_t k = 0; k < limits.size(); ++k) {
-    const auto level = static_cast<std::uint32_t>(
-        std::clamp(std::floor(limits[k] / static_cast<double>(levels.unit)), 0.0, 255.0));
-    levels.packed[k / 4] |= level << (8 * (k % 4));
-  }
+  levels.of_cell.resize(limits.size());
+  each_face([&](std::uint64_t f) {
+    for (std::size_t k = f * face_size; k < (f + 1) * face_size; ++k)
+      levels.of_cell[k] = static_cast<std::uint8_t>(
+          std::clamp(std::floor(limits[k] / static_cast<double>(levels.unit)), 0.0, 255.0));
+  });
   return levels;
 }
 

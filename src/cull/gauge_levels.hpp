@@ -19,11 +19,15 @@ struct GaugeLevels {
   float face_stride = 0;    ///< cells^2
   std::uint32_t last = 0;   ///< cell
   float unit = 0;
-  std::vector<std::uint32_t> packed;  ///< four to a word, the first lowest
+  std::vector<std::uint8_t> of_cell;
 };
 
 /// Of a map of dimension 3 that is not too fine, else none. docs/exactness.md, G8, proves that the
 /// map drops what the levels drop.
-std::optional<GaugeLevels> make_levels(const GaugeTable& table);
+std::optional<GaugeLevels> make_levels(const GaugeTable& table, unsigned threads = 1);
+
+/// The values that a map of dimension 3 interpolates, at the corners of parts x parts parts of each
+/// cell of a face: (cells * parts + 1)^2 of them.
+std::vector<double> values_on_face(const GaugeTable& table, unsigned face, std::uint32_t parts);
 
 }  // namespace cullhull::internal

@@ -35,16 +35,16 @@ struct GaugeTable {
   float threshold = 0;                   ///< 1 - delta
 };
 
-struct GaugeLevels;
+struct GaugeShortcuts;
 
 /// Points of one call of the kernel at most; the ids it writes are relative to `begin`.
 inline constexpr std::uint32_t gauge_chunk = 16384;
 
 /// Writes begin-relative ids of the points of [begin, end) that are not provably inside, ascending,
-/// to `ids` (room for all) and returns their number. `levels`: of this table; makes the test
-/// quicker where few survive, and changes nothing else.
+/// to `ids` (room for all) and returns their number. `shortcuts`: of this table; they make the test
+/// quicker where few survive, and change nothing else.
 std::size_t gauge_survivors(const GaugeTable& table, const PointView& points, std::uint64_t begin,
                             std::uint64_t end, std::uint32_t* ids,
-                            const GaugeLevels* levels = nullptr);
+                            const GaugeShortcuts* shortcuts = nullptr);
 
 }  // namespace cullhull::internal

@@ -72,24 +72,34 @@ std::uint32_t Engine3D::key_of(const double* p) const {
   return keys[0];
 }
 
-/// The share of facets, of a sample, that the cut would set between pieces.
+/// The share of facets, of a sample, that the cut would set between pieces: whose corners are not
+/// all in the piece of their middle.
 double Engine3D::share_cut(const Cut3D& cut, const std::vector<Id>& sample) const {
+  constexpr std::size_t together = DirectionKey::block / 4;  // positions of each: corners, middle
   std::size_t between = 0;
-  for (const Id f : sample) {
-    const Facet3D& facet = facets_[f];
-    Id piece[4];
-    for (unsigned k = 0; k < 3; ++k) {
-      const double* v = shared_.row(facet.vertices[k]);
-      piece[k] = cut.planes()  ? cut.piece_of(v)
-                 : by_normals_ ? place(cut.keys, rank_[facet.neighbours[k]])
-                               : place(cut.keys, key_of(v));
+  for (std::size_t first = 0; first < sample.size(); first += together) {
+    const std::size_t count = std::min(together, sample.size() - first);
+    double x[3][DirectionKey::block] = {};
+    Id piece[DirectionKey::block];
+    for (std::size_t i = 0; i < count; ++i) {
+      const Facet3D& facet = facets_[sample[first + i]];
+      for (unsigned k = 0; k < 4; ++k) {
+        double m[3];
+        if (k == 3) middle(facet, m);
+        const double* p = k < 3 ? shared_.row(facet.vertices[k]) : m;
+        for (unsigned j = 0; j < 3; ++j) x[j][4 * i + k] = p[j];
+        if (cut.planes()) piece[4 * i + k] = cut.piece_of(p);
+        if (by_normals_)
+          piece[4 * i + k] =
+              place(cut.keys, rank_[k < 3 ? facet.neighbours[k] : sample[first + i]]);
+      }
     }
-    double centre[3];
-    middle(facet, centre);
-    piece[3] = cut.planes()  ? cut.piece_of(centre)
-               : by_normals_ ? place(cut.keys, rank_[f])
-                             : place(cut.keys, key_of(centre));
-    between += !std::equal(piece + 1, piece + 4, piece);
+    if (!cut.planes() && !by_normals_) {
+      key_.keys(x[0], x[1], x[2], order_.key_bits, piece);
+      for (Id& k : piece) k = place(cut.keys, k);
+    }
+    for (std::size_t i = 0; i < count; ++i)
+      between += !std::equal(piece + 4 * i + 1, piece + 4 * i + 4, piece + 4 * i);
   }
   return static_cast<double>(between) / static_cast<double>(sample.size());
 }

@@ -81,7 +81,9 @@ void Engine3D::copy_rows() {
   rows_ = BigArray<double>(std::size_t{n} * Shared3D::row_stride);
   for_each_chunk(n, 1 << 16, threads_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
     control_.check();
+    constexpr std::uint64_t ahead = 24;
     for (std::uint64_t i = begin; i < end; ++i) {
+      if (i + ahead < end) __builtin_prefetch(points_.row(order_.ids[i + ahead]));
       const double* from = points_.row(order_.ids[i]);
       double* to = rows_.get() + i * Shared3D::row_stride;
       for (unsigned j = 0; j < 3; ++j) to[j] = from[j];

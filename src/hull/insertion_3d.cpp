@@ -2,9 +2,9 @@
 
 #include "hull/insertion_3d.hpp"
 
-// More targets than these would not run faster.
-#define HWY_DISABLED_TARGETS \
-  (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV | HWY_SSSE3 | HWY_SSE4)
+#include "parallel/simd_targets.hpp"
+
+#define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "hull/insertion_3d.cpp"
 #include <hwy/cache_control.h>

@@ -23,7 +23,7 @@ std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser: a fixed pseudo-
 }
 
 /// Few chunks, as each has counts of its own.
-std::uint64_t sort_chunk(std::uint32_t n) { return std::max<std::uint64_t>(1 << 16, n / 64); }
+std::uint64_t sort_chunk(std::uint32_t n) { return std::max<std::uint64_t>(1 << 14, n / 64); }
 
 /// Orders the points within cells finely where many share one: points along curves do, and a walk
 /// through a cell's points in no order is long. `keyed` from `first` on is sorted; cells of more

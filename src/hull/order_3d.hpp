@@ -22,7 +22,7 @@ struct InsertionOrder3D {
 struct Keyed {
   std::uint32_t key, id;
 };
-inline std::uint32_t sort_key(const Keyed& k) { return k.key; }
+inline constexpr auto sort_key = [](const Keyed& k) { return k.key; };
 
 /// The four points of `simplex` come first, as a round of their own; the round after it is small
 /// and not sorted. Deterministic, whatever the number of threads.

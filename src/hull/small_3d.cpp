@@ -3,8 +3,9 @@
 // be searched: the facets' planes lie in vectors, and an edge's facet is found in a table.
 #include "hull/small_3d.hpp"
 
-// Vectors are kept in arrays below, which sizeless types do not allow: NEON serves those machines.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#include "parallel/simd_targets.hpp"
+
+#define HWY_DISABLED_TARGETS CULLHULL_SIZELESS_TARGETS
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "hull/small_3d.cpp"
 #include <hwy/foreach_target.h>
@@ -28,12 +29,13 @@ using Wide = hn::CappedTag<double, 8>;
 using Tag = hn::CappedTag<float, 16>;
 using V = hn::Vec<Tag>;
 
-/// The first lanes of a mask, as bits.
+/// The lanes of a mask, as bits.
 template <class D>
 HWY_INLINE std::uint64_t bits_of(D tag, hn::Mask<D> mask) {
-  std::uint8_t bits[8] = {};
-  hn::StoreMaskBits(tag, mask, bits);
-  return bits[0] | std::uint64_t{bits[1]} << 8;
+  std::uint64_t bits = 0;
+  hn::StoreMaskBits(tag, mask, reinterpret_cast<std::uint8_t*>(&bits));
+  if constexpr (std::endian::native == std::endian::big) bits = bits >> 56 | (bits >> 40 & 0xFF00);
+  return bits;
 }
 
 class Builder {
@@ -75,6 +77,7 @@ class Builder {
     const Wide tag;
     const auto lanes = static_cast<unsigned>(hn::Lanes(tag));
     auto wrong = hn::Zero(tag);
+    double reach = 0;
     for (unsigned c = 0; c < 3; ++c) {
       const double* const axis = points_.axes[c];
       auto low = hn::Load(tag, axis), high = low;
@@ -89,6 +92,7 @@ class Builder {
       out.low[c] = least;
       out.high[c] = most;
       middle_[c] = least + (most - least) / 2;  // between them, rounded or not
+      reach = std::max({reach, most - middle_[c], middle_[c] - least});
       if (most - least > extent_) {
         extent_ = most - least;
         longest_ = c;
@@ -97,7 +101,7 @@ class Builder {
     if (!hn::AllTrue(tag, hn::Eq(wrong, hn::Zero(tag))) || !(extent_ > 0x1p-100) ||
         !(extent_ < 0x1p100))
       return false;
-    scale_ = std::ldexp(1.0, -(std::ilogb(extent_) + 1));
+    scale_ = std::ldexp(1.0, -(std::ilogb(reach) + 1));
     const hn::Rebind<float, Wide> narrow;
     for (unsigned c = 0; c < 3; ++c) {
       const auto middle = hn::Set(tag, middle_[c]), scale = hn::Set(tag, scale_);
@@ -184,9 +188,11 @@ class Builder {
     surface_.top = 4;
     for (unsigned f = 0; f < 4; ++f) {
       const unsigned p = begin_[order[f][0]], from = begin_[order[f][1]], to = begin_[order[f][2]];
-      look_from(p, from);
-      look_from(p, to);
-      create(f, p, from, to);
+      const Number ends[2] = {static_cast<Number>(from), static_cast<Number>(to)};
+      const auto slot = static_cast<Number>(f);
+      const double apex[3] = {points_.axes[0][p], points_.axes[1][p], points_.axes[2][p]};
+      look_from(apex, to);
+      create(p, ends, ends + 1, &slot, 1);
     }
     return true;
   }
@@ -263,10 +269,11 @@ class Builder {
     return given_up_ ? Sign::zero : orientation_exact(3, at);
   }
 
-  /// Whether coordinates are multiples of 2^-16 of a power of two that all differences are below:
-  /// then a determinant is a sum of six products of integers below 2^48, and nothing rounds.
+  /// Whether differences from the first point are multiples of 2^-15 of a power of two that none is
+  /// twice as large as: then a determinant is a sum of six products of integers below 2^48, and
+  /// nothing rounds.
   bool on_lattice() const {
-    const double unit = 0x1p16 * scale_;
+    const double unit = 0x1p15 * scale_;
     for (unsigned c = 0; c < 3; ++c) {
       const double first = points_.axes[c][0];
       for (unsigned i = 1; i < count_; ++i) {
@@ -290,31 +297,40 @@ class Builder {
     }
   }
 
-  /// The direction from p to v, its largest component 1.
-  HWY_INLINE void look_from(unsigned p, unsigned v) {
+  /// The direction from p to v, by a power of two that makes it at most 1.
+  HWY_INLINE void look_from(const double* at, unsigned v) {
     double d[3], reach = 0;
     for (unsigned c = 0; c < 3; ++c) {
-      d[c] = points_.axes[c][v] - points_.axes[c][p];
+      d[c] = points_.axes[c][v] - at[c];
       reach = std::max(reach, std::fabs(d[c]));
     }
-    const double factor = 1 / reach;
+    const std::uint64_t exponent = std::bit_cast<std::uint64_t>(reach) & std::uint64_t{0x7FF} << 52;
+    const auto factor = std::bit_cast<double>((std::uint64_t{0x7FD} << 52) - exponent);
     for (unsigned c = 0; c < 3; ++c) direction_[v][c] = d[c] * factor;
   }
 
-  /// Facet (p, from, to); both directions from p are known. The plane is N . x - N . p for x and p
-  /// from the middle, N the product of the directions; docs/exactness.md, "Small sets in a batch",
-  /// bounds its error in f32.
-  HWY_INLINE void create(unsigned f, unsigned p, unsigned from, unsigned to) {
-    const double *u = direction_[from], *v = direction_[to];
-    const double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
-                         u[0] * v[1] - u[1] * v[0]};
-    double offset = 0;
+  /// Facet (p, from, to) for each of `count` edges that go round. A plane is N . x - N . p for x
+  /// and p from the middle, N the product of the directions from p to the edge's ends;
+  /// docs/exactness.md, "Small sets in a batch", bounds its error in f32.
+  HWY_INLINE void create(unsigned p, const Number* from, const Number* to, const Number* slot,
+                         unsigned count) {
+    double at[3], place[3];
     for (unsigned c = 0; c < 3; ++c) {
-      plane_[c][f] = static_cast<float>(n[c]);
-      offset += n[c] * ((points_.axes[c][p] - middle_[c]) * scale_);
+      at[c] = points_.axes[c][p];
+      place[c] = (at[c] - middle_[c]) * scale_;
     }
-    plane_[3][f] = static_cast<float>(offset);
-    surface_.set(f, p, from, to);
+    for (unsigned i = 0; i < count; ++i) look_from(at, from[i]);
+    for (unsigned i = 0; i < count; ++i) {
+      const unsigned f = slot[i];
+      const double *u = direction_[from[i]], *v = direction_[to[i]];
+      const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2],
+                   z = u[0] * v[1] - u[1] * v[0];
+      plane_[0][f] = static_cast<float>(x);
+      plane_[1][f] = static_cast<float>(y);
+      plane_[2][f] = static_cast<float>(z);
+      plane_[3][f] = static_cast<float>(x * place[0] + y * place[1] + z * place[2]);
+      surface_.set(f, p, from[i], to[i]);
+    }
   }
   static constexpr float doubt = 0x1p-18F;
 
@@ -369,31 +385,27 @@ class Builder {
     std::uint64_t seen[capacity / 64];
     find_visible(p, seen);
     if (given_up_) return;  // a sign is missing, and what is seen may be no disc
+    Number slot[capacity], from[capacity + 1], to[capacity + 1];
     unsigned visible = 0, edges = 0;
     for (unsigned w = 0; 64 * w < surface_.top; ++w)
       for (std::uint64_t rest = seen[w]; rest != 0; rest &= rest - 1) {
         const unsigned f = 64 * w + static_cast<unsigned>(std::countr_zero(rest));
-        visible_[visible++] = static_cast<Number>(f);
+        slot[visible++] = static_cast<Number>(f);
         unsigned v[3];
         SmallSurface::corners(surface_.facets[f], v);
         for (unsigned j = 0; j < 3; ++j) {  // no branch: it would be mispredicted
-          const unsigned from = v[j], to = v[j == 2 ? 0 : j + 1], across = surface_.owner[to][from];
-          from_[edges] = static_cast<Number>(from);
-          to_[edges] = static_cast<Number>(to);
+          const unsigned a = v[j], b = v[j == 2 ? 0 : j + 1], across = surface_.owner[b][a];
+          from[edges] = static_cast<Number>(a);
+          to[edges] = static_cast<Number>(b);
           edges += 1 - static_cast<unsigned>(seen[across / 64] >> across % 64 & 1);
         }
       }
-    for (unsigned i = 0; i < edges; ++i) look_from(p, from_[i]);
+    if (edges == 0) return;
     // As many facets as edges, in the old slots first.
-    for (unsigned i = edges; i < visible; ++i) remove(visible_[i]);
-    for (unsigned i = 0; i < edges; ++i) {
-      unsigned f = 0;
-      if (i < visible)
-        f = visible_[i];
-      else
-        f = free_count_ > 0 ? free_[--free_count_] : surface_.top++;
-      create(f, p, from_[i], to_[i]);
-    }
+    for (unsigned i = edges; i < visible; ++i) remove(slot[i]);
+    for (unsigned i = visible; i < edges; ++i)
+      slot[i] = free_count_ > 0 ? free_[--free_count_] : static_cast<Number>(surface_.top++);
+    create(p, from, to, slot, edges);
   }
 
   void remove(unsigned f) {
@@ -438,12 +450,11 @@ class Builder {
        given_up_ = false;  // some point is in a facet's plane; signs take too long
   SmallSurface surface_;
   HWY_ALIGN float near_[3][most_points];  // from the middle, scaled
+  double direction_[most_points][4];      // from the point that is being inserted
   HWY_ALIGN float values_[most_points];
   HWY_ALIGN float plane_[4][capacity];  // normals and offsets
   Number lowest_[most_points];          // of equal points; set once some are touched
   Number free_[capacity];
-  Number visible_[capacity + 1], from_[capacity + 1], to_[capacity + 1];
-  double direction_[most_points][4];
 };
 
 }  // namespace

@@ -99,20 +99,19 @@ Surface3D to_surface(const SimplicialHull& hull, const LocalPoints& points, unsi
                      row[3] = 0;
                    }
                  });
-  for_each_chunk(count, chunk, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   for (std::uint64_t f = begin; f < end; ++f) {
-                     Facet3D& facet = s.facets[f];
-                     for (unsigned j = 0; j < 3; ++j) {
-                       facet.vertices[j] = hull.vertices[f * 3 + j];
-                       facet.neighbours[j] = hull.neighbours[f * 3 + j];
-                       if (facet.vertices[j] >= points.count) fail("an id is out of range");
-                       if (facet.neighbours[j] >= count) fail("a ridge has no second facet");
-                     }
-                     facet.owner = 0;
-                   }
-                 });
+  for_each_chunk(count, chunk, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+    control.check();
+    for (std::uint64_t f = begin; f < end; ++f) {
+      Facet3D& facet = s.facets[f];
+      for (unsigned j = 0; j < 3; ++j) {
+        facet.vertices[j] = hull.vertices[f * 3 + j];
+        facet.neighbours[j] = hull.neighbours[f * 3 + j];
+        if (facet.vertices[j] >= points.count) fail("an id is out of range");
+        if (facet.neighbours[j] >= count) fail("a ridge has no second facet");
+      }
+      facet.owner = 0;
+    }
+  });
   s.duplicates = hull.duplicates;
   return s;
 }

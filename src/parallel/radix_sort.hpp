@@ -26,7 +26,7 @@ void radix_sort(Item*& items, Item*& scratch, std::uint32_t n, unsigned bits, un
   const unsigned passes = (bits + 11) / 12;
   const unsigned digit_bits = (bits + passes - 1) / passes, buckets = 1U << digit_bits;
   // Few chunks, as each has counts of its own.
-  const std::uint64_t chunk_size = std::max<std::uint64_t>(1 << 16, n / 64);
+  const std::uint64_t chunk_size = std::max<std::uint64_t>(1 << 14, n / 64);
   const std::uint64_t chunks = chunk_count(n, chunk_size);
   std::vector<std::uint32_t> places(chunks * buckets);
   for (unsigned pass = 0; pass < passes; ++pass) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "parallel/parallel.hpp"
+#include "predicates/double_parts.hpp"
 #include "predicates/orientation.hpp"
 
 namespace cullhull::internal {
@@ -37,15 +38,6 @@ std::vector<std::uint32_t> draw_sample(std::uint32_t count) {
 
 /// Rows of a sweep's chunk.
 constexpr std::uint64_t sweep = std::uint64_t{1} << 15;
-
-/// Exponent of the lowest set bit; v must not be zero.
-int lowest_bit_exponent(double v) {
-  const auto bits = std::bit_cast<std::uint64_t>(v);
-  const int biased = static_cast<int>((bits >> 52) & 0x7FF);
-  std::uint64_t m = bits & ((std::uint64_t{1} << 52) - 1);
-  if (biased != 0) m |= std::uint64_t{1} << 52;
-  return (biased != 0 ? biased - 1075 : -1074) + std::countr_zero(m);
-}
 
 /// Takes from r its components along the first `rank` of the orthonormal rows of `basis`; the
 /// square of what is left. D: the dimension where it is known early, else 0.
@@ -269,8 +261,12 @@ std::uint32_t LocalFrame::lowest_row(const Array<double>& scaled) const {
   std::vector<std::uint64_t> first(chunk_count(count_, sweep));
   each_chunk([&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     std::uint64_t lowest = begin;
-    for (std::uint64_t i = begin + 1; i < end; ++i)
-      if (less(i, lowest)) lowest = i;
+    double level = scaled[begin * d];  // few are as low along the first axis
+    for (std::uint64_t i = begin + 1; i < end; ++i) {
+      if (scaled[i * d] > level || !less(i, lowest)) continue;
+      lowest = i;
+      level = scaled[i * d];
+    }
     first[c] = lowest;
   });
   std::uint64_t lowest = first[0];

@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "predicates/double_parts.hpp"
 #include "predicates/minors.hpp"
 
 namespace cullhull::internal {
@@ -86,26 +87,6 @@ bool filtered(unsigned d, const double* const* p, Sign& sign) {
 // Rung 3: integers. Column j of the points is multiplied by 2^-e_j, the largest power of two that
 // makes all of it integral; signs of determinants do not change under positive column scaling.
 
-struct Scaled {
-  std::int64_t mantissa;  // odd, or zero
-  int exponent;
-};
-
-Scaled split(double v) {
-  const auto bits = std::bit_cast<std::uint64_t>(v);
-  const int biased = static_cast<int>((bits >> 52) & 0x7FF);
-  auto m = static_cast<std::int64_t>(bits & ((std::uint64_t{1} << 52) - 1));
-  int e = -1074;
-  if (biased != 0) {
-    m |= std::int64_t{1} << 52;
-    e = biased - 1075;
-  }
-  if (m == 0) return {0, 0};
-  const int zeros = std::countr_zero(static_cast<std::uint64_t>(m));
-  m >>= zeros;
-  return {(bits >> 63) != 0 ? -m : m, e + zeros};
-}
-
 int bit_length(std::uint64_t v) { return 64 - std::countl_zero(v); }
 
 /// mpz_t values kept for reuse by one thread.
@@ -144,7 +125,7 @@ class IntegerPoints {
       int low = 0, high = 0;
       bool any = false;
       for (unsigned i = 0; i < count + more_count; ++i) {
-        const Scaled s = split(i < count ? p[i][j] : more[i - count][j]);
+        const DoubleParts s = double_parts(i < count ? p[i][j] : more[i - count][j]);
         scaled_[std::size_t{i} * d + j] = s;
         if (s.mantissa == 0) continue;
         const int top = s.exponent + bit_length(static_cast<std::uint64_t>(std::abs(s.mantissa)));
@@ -163,11 +144,11 @@ class IntegerPoints {
 
   /// For bits() <= 62.
   std::int64_t small(unsigned i, unsigned j) const {
-    const Scaled& s = scaled_[std::size_t{i} * d_ + j];
+    const DoubleParts& s = scaled_[std::size_t{i} * d_ + j];
     return s.mantissa == 0 ? 0 : s.mantissa * (std::int64_t{1} << (s.exponent - exponent_[j]));
   }
   void big(unsigned i, unsigned j, mpz_ptr out) const {
-    const Scaled& s = scaled_[std::size_t{i} * d_ + j];
+    const DoubleParts& s = scaled_[std::size_t{i} * d_ + j];
     mpz_set_si(out, s.mantissa);
     if (s.mantissa != 0)
       mpz_mul_2exp(out, out, static_cast<mp_bitcnt_t>(s.exponent - exponent_[j]));
@@ -176,7 +157,7 @@ class IntegerPoints {
  private:
   unsigned d_;
   int bits_ = 0;
-  std::vector<Scaled> scaled_;
+  std::vector<DoubleParts> scaled_;
   std::vector<int> exponent_;
 };
 

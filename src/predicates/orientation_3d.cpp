@@ -1,7 +1,8 @@
 #include "predicates/orientation_3d.hpp"
 
 #include <algorithm>
-#include <bit>
+
+#include "predicates/double_parts.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -67,15 +68,6 @@ Sign lattice_sign(const std::int64_t (&m)[3][3]) {
   };
   const Int128 det = m[0][0] * minor(1, 2) + m[0][1] * minor(2, 0) + m[0][2] * minor(0, 1);
   return det > 0 ? Sign::positive : det < 0 ? Sign::negative : Sign::zero;
-}
-
-/// Of the lowest set bit; v is not zero.
-int lowest_bit_exponent(double v) {
-  const auto bits = std::bit_cast<std::uint64_t>(v);
-  const int biased = static_cast<int>((bits >> 52) & 0x7FF);
-  const std::uint64_t fraction = bits & ((std::uint64_t{1} << 52) - 1);
-  if (biased == 0) return -1074 + std::countr_zero(fraction);
-  return biased - 1075 + std::countr_zero(fraction | (std::uint64_t{1} << 52));
 }
 
 }  // namespace

@@ -1,6 +1,9 @@
 // Making the cells, and the kernel that asks them: once per instruction set, chosen at run time.
 #include "query/facet_cells.hpp"
 
+#include "parallel/simd_targets.hpp"
+
+#define HWY_DISABLED_TARGETS CULLHULL_SIZELESS_TARGETS
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "query/facet_cells.cpp"
 #include <hwy/foreach_target.h>

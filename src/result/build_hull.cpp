@@ -1,15 +1,14 @@
 #include "result/build_hull.hpp"
 
-#include <algorithm>
-#include <atomic>
+#include <utility>
 
 #include "parallel/pages.hpp"
 #include "parallel/parallel.hpp"
 #include "result/assemble.hpp"
 #include "result/measure.hpp"
 #include "result/merge.hpp"
-#include "result/simplicial.hpp"
 #include "result/simplicial_3d.hpp"
+#include "result/simplicial_nd.hpp"
 #include "result/vertex_list.hpp"
 
 namespace cullhull::internal {
@@ -26,41 +25,6 @@ void wind_vertices(Hull& hull) {
   }
 }
 
-/// The same for edges that follow one another as the engine left them, which is seldom otherwise;
-/// false if they do not. Walking the facets misses the cache at every step.
-bool wind_along(const Surface& surface, const std::uint64_t* ids, unsigned threads, Hull& hull) {
-  const std::uint64_t n = surface.count();
-  // Outward edges run clockwise: from their second stored end, if seen counter-clockwise.
-  const auto from = [&](std::uint64_t f) { return surface.stored(f, 1); };
-  const auto to = [&](std::uint64_t f) { return surface.stored(f, 0); };
-  const bool forward = to(0) == from(1);
-  std::atomic<bool> broken{false};
-  std::atomic<std::uint64_t> first{0};
-  const std::uint64_t lowest = hull.vertices[0];
-  for_each_chunk(n, simplex_chunk, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint64_t f = begin; f < end; ++f) {
-                     const std::uint64_t g = f + 1 < n ? f + 1 : 0;
-                     if (forward ? to(f) != from(g) : from(f) != to(g)) broken = true;
-                     if ((ids ? ids[from(f)] : from(f)) == lowest) first = f;
-                   }
-                 });
-  if (broken) return false;
-  for_each_chunk(n, simplex_chunk, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint64_t i = begin; i < end; ++i) {
-                     std::uint64_t f = forward ? first + i : first + n - i;
-                     if (f >= n) f -= n;
-                     hull.vertices[i] = ids ? ids[from(f)] : from(f);
-                   }
-                 });
-  return true;
-}
-
-}  // namespace
-
-namespace {
-
 void begin_hull(const ResultInput& input, unsigned k, const Control& control, Hull& hull) {
   hull.dimension = input.view->dimension;
   hull.point_count = input.view->count;
@@ -73,11 +37,12 @@ void build_any(const ResultInput& input, SimplicialHull&& boundary, const Contro
                unsigned threads, Hull& hull) {
   const LocalPoints& local = *input.local;
   Surface surface = make_surface(std::move(boundary), local, threads);
-  if (surface.k > 1 && surface.k != 3) {
+  if (surface.k >= 4 && surface.k <= 8 && surface.k == input.view->dimension) {
     VertexList vertices = list_vertices(surface, local.count, input.ids, threads);
-    if (build_simplicial(input, surface, vertices, threads, control, hull)) {
+    const Frame frame = make_frame(*input.view, vertices.ids, input.axes, surface.k, threads);
+    if (!frame.wild &&
+        build_simplicial_nd(input, surface, vertices, frame, threads, control, hull)) {
       hull.vertices = std::move(vertices.ids);
-      if (surface.k == 2 && !wind_along(surface, input.ids, threads, hull)) wind_vertices(hull);
       return;
     }
   }

@@ -1,32 +1,21 @@
 #include "result/exact_rests.hpp"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <cstdint>
 #include <numeric>
 
 #include "cullhull/error.hpp"
+#include "predicates/double_parts.hpp"
 
 namespace cullhull::internal {
 namespace {
-
-/// v = mantissa 2^exponent with an odd mantissa; v is not zero.
-std::int64_t odd_mantissa(double v, long& exponent) {
-  int e = 0;
-  const auto m = static_cast<std::int64_t>(std::ldexp(std::frexp(v, &e), 53));
-  const int zeros = std::countr_zero(static_cast<std::uint64_t>(m));
-  exponent = e - 53L + zeros;
-  return m / (std::int64_t{1} << zeros);
-}
 
 /// The largest power of two that divides all given coordinates.
 class Unit {
  public:
   void add(double v) {
     if (v == 0) return;
-    long e = 0;
-    odd_mantissa(v, e);
+    const long e = lowest_bit_exponent(v);
     exponent_ = any_ ? std::min(exponent_, e) : e;
     any_ = true;
   }
@@ -38,10 +27,10 @@ class Unit {
 };
 
 mpz_class in_units(double v, long unit) {
-  if (v == 0) return 0;
-  long e = 0;
-  mpz_class r(odd_mantissa(v, e));
-  mpz_mul_2exp(r.get_mpz_t(), r.get_mpz_t(), static_cast<mp_bitcnt_t>(e - unit));
+  const DoubleParts parts = double_parts(v);
+  if (parts.mantissa == 0) return 0;
+  mpz_class r(static_cast<long>(parts.mantissa));
+  mpz_mul_2exp(r.get_mpz_t(), r.get_mpz_t(), static_cast<mp_bitcnt_t>(parts.exponent - unit));
   return r;
 }
 

@@ -2,8 +2,9 @@
 
 #include "result/facet_kernel.hpp"
 
-// Vectors are kept in arrays below, which sizeless types do not allow: NEON serves those machines.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#include "parallel/simd_targets.hpp"
+
+#define HWY_DISABLED_TARGETS CULLHULL_SIZELESS_TARGETS
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "result/facet_kernel.cpp"
 #include <hwy/foreach_target.h>

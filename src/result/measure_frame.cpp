@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "cullhull/error.hpp"
 #include "parallel/parallel.hpp"
@@ -144,11 +145,17 @@ struct Range {
   double low, high;
 };
 
-/// Coordinate rows of the vertices; the range of each coordinate goes to ranges[0 .. d).
-template <class T>
-void gather(const PointView& points, const std::vector<std::uint64_t>& ids, std::uint64_t begin,
-            std::uint64_t end, double* out, Range* ranges) {
-  const unsigned d = points.dimension;
+/// Coordinate rows of the vertices; the range of each coordinate goes to ranges[0 .. d). D: d where
+/// it is known early, else 0.
+template <unsigned D, class T>
+void gather_in(const PointView& points, const std::vector<std::uint64_t>& ids, std::uint64_t begin,
+               std::uint64_t end, double* out, Range* ranges) {
+  const unsigned d = D ? D : points.dimension;
+  Range few[D ? D : 1];
+  Range* const seen = D ? few : ranges;
+  std::fill_n(
+      seen, d,
+      Range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()});
   for (std::uint64_t i = begin; i < end; ++i) {
     const std::byte* p = points.address(ids[i], 0);
     for (unsigned c = 0; c < d; ++c) {
@@ -156,12 +163,18 @@ void gather(const PointView& points, const std::vector<std::uint64_t>& ids, std:
       std::memcpy(&v, p + static_cast<std::ptrdiff_t>(c) * points.coordinate_stride, sizeof v);
       const auto x = static_cast<double>(v);
       *out++ = x;
-      Range& r = ranges[c];
-      if (i == begin) r = {x, x};
-      r.low = std::min(r.low, x);
-      r.high = std::max(r.high, x);
+      seen[c].low = std::min(seen[c].low, x);
+      seen[c].high = std::max(seen[c].high, x);
     }
   }
+  if (D) std::copy_n(seen, d, ranges);
+}
+
+template <class T>
+void gather(const PointView& points, const std::vector<std::uint64_t>& ids, std::uint64_t begin,
+            std::uint64_t end, double* out, Range* ranges) {
+  if (points.dimension == 3) return gather_in<3, T>(points, ids, begin, end, out, ranges);
+  gather_in<0, T>(points, ids, begin, end, out, ranges);
 }
 
 void gather(const PointView& points, const std::vector<std::uint64_t>& ids, std::uint64_t begin,

@@ -40,7 +40,7 @@ struct EdgeShare {
 };
 
 /// Planes and sums of a polygon's edges, bit for bit as the general way computes them
-/// (facet_kernel, simplicial.cpp, measure.cpp), where coordinates are of ordinary proportions.
+/// (triangle_sweep, simplicial_nd, measure.cpp), where coordinates are of ordinary proportions.
 class EdgeKernel {
  public:
   /// `box`: of the corners, which is that of all points.

@@ -18,7 +18,7 @@
 #include "predicates/orientation.hpp"
 #include "result/facet_plane.hpp"
 #include "result/facet_share.hpp"
-#include "result/measure.hpp"
+#include "result/simplicial_measures.hpp"
 #include "result/triangle_sweep.hpp"
 
 namespace cullhull::internal {
@@ -73,20 +73,18 @@ class Vertices3D {
           std::atomic_ref<std::uint8_t>(used[v]).store(1, std::memory_order_relaxed);
       }
     });
-    for_each_chunk(surface.count, chunk, threads,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control.check();
-                     for (std::uint64_t v = begin; v < end; ++v)
-                       if (used[v] != 0)
-                         std::atomic_ref<std::uint8_t>(extreme[order[v]])
-                             .store(1, std::memory_order_relaxed);
-                   });
+    for_each_chunk(
+        surface.count, chunk, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+          control.check();
+          for (std::uint64_t v = begin; v < end; ++v)
+            if (used[v] != 0)
+              std::atomic_ref<std::uint8_t>(extreme[order[v]]).store(1, std::memory_order_relaxed);
+        });
     std::vector<Id> start(chunk_count(points, chunk) + 1, 0);
-    for_each_chunk(points, chunk, threads,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     start[c + 1] =
-                         std::accumulate(extreme.get() + begin, extreme.get() + end, Id{0});
-                   });
+    for_each_chunk(
+        points, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+          start[c + 1] = std::accumulate(extreme.get() + begin, extreme.get() + end, Id{0});
+        });
     for (std::size_t c = 1; c < start.size(); ++c) start[c] += start[c - 1];
     good_ = start.back() == ids_.size();
     if (!good_) return;
@@ -107,8 +105,7 @@ class Vertices3D {
     for_each_chunk(surface.count, chunk, threads,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                      control.check();
-                     for (std::uint64_t v = begin; v < end; ++v)
-                       own_place_[v] = position[order[v]];
+                     for (std::uint64_t v = begin; v < end; ++v) own_place_[v] = position[order[v]];
                    });
     place_ = own_place_.get();
   }
@@ -120,12 +117,21 @@ class Vertices3D {
 };
 
 /// Of equal points the lowest id stands in.
-BigArray<Id> with_lowest_ids(const Surface3D& surface, Id points) {
+BigArray<Id> with_lowest_ids(const Surface3D& surface, Id points, unsigned threads,
+                             const Control& control) {
   BigArray<Id> order(surface.count), lowest(points);
-  std::iota(lowest.get(), lowest.get() + points, Id{0});
+  for_each_chunk(points, chunk, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   std::iota(lowest.get() + begin, lowest.get() + end, static_cast<Id>(begin));
+                 });
   for (const auto& [duplicate, vertex] : surface.duplicates)
     lowest[vertex] = std::min(lowest[vertex], duplicate);
-  for (Id v = 0; v < surface.count; ++v) order[v] = lowest[surface.order[v]];
+  for_each_chunk(surface.count, chunk, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   for (std::uint64_t v = begin; v < end; ++v) order[v] = lowest[surface.order[v]];
+                 });
   return order;
 }
 
@@ -162,7 +168,7 @@ class Simplicial3D {
     control_.report("neighbours", 0);
     write_neighbours();
     control_.report("measures", 0);
-    finish();
+    finish_simplicial<3>(input_, vertices_.ids(), frame_, runs_.get(), threads_, control_, hull_);
     return true;
   }
 
@@ -244,7 +250,7 @@ class Simplicial3D {
   /// False if some facets are coplanar, or not those of a hull.
   bool sweep() {
     records_ = BigArray<TriangleRecord>(region_.back());
-    starts_.assign(stretches_.size() * (std::size_t{buckets_} + 1), 0);
+    starts_ = BigArray<Id>(stretches_.size() * (std::size_t{buckets_} + 1));
     std::vector<Counts> counts(stretches_.size());
     for_each_chunk(stretches_.size(), 1, threads_,
                    [&](std::uint64_t s, std::uint64_t, std::uint64_t) {
@@ -259,7 +265,7 @@ class Simplicial3D {
       for (unsigned i = 0; i < 3; ++i) hull_.statistics.rung_counts[i] += c.rungs[i];
     bucket_start_.assign(buckets_ + std::size_t{1}, 0);
     for (std::size_t s = 0; s < stretches_.size(); ++s) {
-      const Id* start = starts_.data() + s * (std::size_t{buckets_} + 1);
+      const Id* start = starts_.get() + s * (std::size_t{buckets_} + 1);
       for (Id b = 0; b < buckets_; ++b) bucket_start_[b + 1] += start[b + 1] - start[b];
     }
     for (Id b = 0; b < buckets_; ++b) bucket_start_[b + 1] += bucket_start_[b];
@@ -274,7 +280,7 @@ class Simplicial3D {
   void sweep_stretch(std::uint64_t s, Counts& out) {
     const auto [begin, end] = stretches_[s];
     TriangleRecord* region = records_.get() + region_[s];
-    Id* start = starts_.data() + s * (std::size_t{buckets_} + 1);
+    Id* start = starts_.get() + s * (std::size_t{buckets_} + 1);
     std::vector<Id> next(buckets_, 0);
     out.live = count_triangles(source_, begin, end, shift_, next.data(), region);
     Id sum = 0;
@@ -347,7 +353,7 @@ class Simplicial3D {
   template <class Body>
   void each_segment(Id b, const Body& body) const {
     const std::size_t row = std::size_t{buckets_} + 1;
-    const Id* start = starts_.data() + b;
+    const Id* start = starts_.get() + b;
     for (std::size_t s = 0; s < stretches_.size(); ++s, start += row)
       body(region_[s] + start[0], region_[s] + start[1]);
   }
@@ -423,9 +429,9 @@ class Simplicial3D {
     double* planes = hull_.facet_planes.data() + at * 4;
     const bool direct = size == TriangleShares::most;
     const bool scaled = frame_.exponent > -1022 && frame_.exponent < 1023;
-    std::uint32_t left = triangle_shares(records, size, frame_.at(0), frame_.at(0),
-                                         scale_by(1, frame_.exponent), scratch.shares,
-                                         direct ? planes : scratch.planes);
+    std::uint32_t left =
+        triangle_shares(records, size, frame_.at(0), frame_.at(0), scale_by(1, frame_.exponent),
+                        scratch.shares, direct ? planes : scratch.planes);
     if (!direct) std::copy_n(scratch.planes, std::size_t{4} * size, planes);
     if (!scaled) left = static_cast<std::uint32_t>((std::uint64_t{1} << size) - 1);
     for (; left != 0; left &= left - 1) {
@@ -443,8 +449,11 @@ class Simplicial3D {
   }
 
   static Share<3> share_at(const TriangleShares& s, unsigned k) {
-    return {s.volume[k], s.area[k], {s.moment[0][k], s.moment[1][k], s.moment[2][k]},
-            s.error[k],  s.area_error[k]};
+    return {s.volume[k],
+            s.area[k],
+            {s.moment[0][k], s.moment[1][k], s.moment[2][k]},
+            s.error[k],
+            s.area_error[k]};
   }
   static Share<3> sum_of(const TriangleShares& s, unsigned size) {
     Share<3> run;
@@ -496,24 +505,6 @@ class Simplicial3D {
     hull_.simplex_facets = EvenArray<Id>::of_step(count_, 1);
   }
 
-  void finish() {
-    const Totals<DoubleDouble> all =
-        total_of_runs(runs_.get(), chunk_count(count_, measure_run), threads_);
-    if (settled(all, 0x1p-53)) return finish_measures(frame_, all, hull_);
-    const std::vector<std::uint64_t>& ids = vertices_.ids();
-    std::vector<Id> index;
-    resize_big(index, count_ * 3);
-    for_each_chunk(index.size(), chunk, threads_,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     for (std::uint64_t i = begin; i < end; ++i)
-                       index[i] = static_cast<Id>(
-                           std::lower_bound(ids.begin(), ids.end(), hull_.simplices[i]) -
-                           ids.begin());
-                   });
-    measure_thin(*input_.view, ids, index, input_.axes, threads_, control_, hull_);
-  }
-
   static constexpr std::uint64_t max_buckets = 2048;
   static constexpr std::uint64_t ahead = 16;
 
@@ -534,7 +525,7 @@ class Simplicial3D {
   Id buckets_ = 0;
   std::vector<Surface3D::Run> stretches_;
   std::vector<Id> region_;  // of the records of each stretch: where it begins
-  std::vector<Id> starts_;  // stretches x (buckets + 1): where in it each bucket begins
+  BigArray<Id> starts_;     // stretches x (buckets + 1): where in it each bucket begins
   std::vector<Id> bucket_start_;
   BigArray<TriangleRecord> records_;
   std::atomic<bool> stop_{false};
@@ -550,7 +541,8 @@ bool build_simplicial_3d(const ResultInput& input, Surface3D& surface, unsigned 
                          const Control& control, Hull& hull) {
   if (input.view->dimension != 3 || surface.live < 4) return false;
   BigArray<Id> lowest;
-  if (!surface.duplicates.empty()) lowest = with_lowest_ids(surface, input.local->count);
+  if (!surface.duplicates.empty())
+    lowest = with_lowest_ids(surface, input.local->count, threads, control);
   const Id* order = surface.duplicates.empty() ? surface.order.get() : lowest.get();
   Vertices3D vertices(surface, *input.local, order, input.ids, threads, control);
   if (!vertices.good()) return false;

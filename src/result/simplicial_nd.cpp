@@ -64,7 +64,7 @@ class SortedSimplices {
     hull.facet_planes = std::move(planes_);
     hull.simplex_facets = EvenArray<std::uint32_t>::of_step(count_, 1);
     control_.report("measures", 0);
-    finish_simplicial<K>(input_, vertices_, frame_, runs_.get(), threads_, control_, hull);
+    finish_simplicial<K>(input_, vertices_.ids, frame_, runs_.get(), threads_, control_, hull);
     return true;
   }
 

@@ -1,4 +1,4 @@
-// The simplicial result for k >= 4.
+// The result where every simplex is a facet, points in general position, for k >= 4.
 #pragma once
 
 #include "result/build_hull.hpp"
@@ -8,7 +8,10 @@
 
 namespace cullhull::internal {
 
-/// build_simplicial for k = 4 ... 8 = surface.k and a frame that is not wild. `key_bits`: of those
+/// For k = 4 ... 8 = surface.k and a frame that is not wild: checks every ridge of the surface, as
+/// `coplanar_pairs` does, and fills the hull from it in a few sweeps. Returns false, with the hull's
+/// facets and measures untouched, where some simplices are coplanar and the general way must be
+/// gone. `vertices`: those of the surface; hull.vertices must hold their ids. `key_bits`: of those
 /// that simplices are sorted by, at most 128; fewer, so that tests see what happens if they do not
 /// do.
 bool build_simplicial_nd(const ResultInput& input, const Surface& surface,

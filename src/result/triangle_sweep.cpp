@@ -2,9 +2,9 @@
 
 #include "result/triangle_sweep.hpp"
 
-// More targets than these would not run faster.
-#define HWY_DISABLED_TARGETS \
-  (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV | HWY_SSSE3 | HWY_SSE4)
+#include "parallel/simd_targets.hpp"
+
+#define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "result/triangle_sweep.cpp"
 #include <hwy/cache_control.h>
@@ -68,7 +68,7 @@ HWY_INLINE unsigned bits_of(M mask) {
 
 /// Facets that are worked on together, small enough for the first cache.
 struct Batch {
-  static constexpr unsigned size = 32;
+  static constexpr unsigned size = 16;
   alignas(64) double corner[3][size * 4];  // rows
   alignas(64) double across[3][size * 4];  // of the vertices beyond the ridges
   alignas(64) double normal[size * 4];
@@ -99,8 +99,7 @@ class Sweep {
       for (unsigned k = 0; k < count; ++k) wrong |= collect(k);
       if (HWY_UNLIKELY(wrong != 0)) return false;
       for (unsigned k = count; k % hn::Lanes(D()) != 0; ++k) repeat_last(k);
-      for (unsigned k = 0; k < count; k += static_cast<unsigned>(hn::Lanes(D())))
-        compute(k, count);
+      for (unsigned k = 0; k < count; k += static_cast<unsigned>(hn::Lanes(D()))) compute(k, count);
       for (unsigned k = 0; k < count; ++k) write(k);
     }
     return true;
@@ -118,42 +117,47 @@ class Sweep {
     }
   }
 
+  /// 1 if a < b; comparisons of ids are as good as random, and compilers make branches of them.
+  static HWY_INLINE std::uint64_t below(Id a, Id b) {
+    return (std::uint64_t{a} - std::uint64_t{b}) >> 63;
+  }
+
   /// Numbers and rows of one facet, in stored order, and the vertices beyond its ridges. Not 0:
   /// a ridge does not belong to two facets that are oriented alike.
   HWY_INLINE Id collect(unsigned k) {
+    const Facet3D* HWY_RESTRICT const facets = s_.facets;
+    const double* HWY_RESTRICT const rows = s_.rows;
     const Id f = b_.slot[k];
-    const Facet3D& facet = s_.facets[f];
-    const Id* v = facet.vertices;
-    const Id* n = facet.neighbours;
-    const Id place[5] = {s_.place[v[0]], s_.place[v[1]], s_.place[v[2]], s_.place[v[0]],
-                         s_.place[v[1]]};
-    const Id vertex[5] = {v[0], v[1], v[2], v[0], v[1]}, across[5] = {n[0], n[1], n[2], n[0], n[1]};
-    const Id lowest = std::min({place[0], place[1], place[2]});
-    const unsigned turn =
-        static_cast<unsigned>(place[1] == lowest) + 2 * static_cast<unsigned>(place[2] == lowest);
-    if (HWY_UNLIKELY(turn > 2)) return 1;
-    const Id* turned = vertex + turn;
+    const Facet3D& facet = facets[f];
+    const Id* const v = facet.vertices;
+    const Id* const n = facet.neighbours;
+    const Id* HWY_RESTRICT const places = s_.place;
+    const Id first = places[v[0]], second = places[v[1]], third = places[v[2]];
+    const std::uint64_t two = below(std::min(second, third), first), three = below(third, second);
+    const auto turn = two + (two & three);
+    static constexpr unsigned after[3] = {1, 2, 0}, before[3] = {2, 0, 1};
+    const std::uint64_t at[3] = {turn, after[turn], before[turn]};
+    const Id turned[3] = {v[at[0]], v[at[1]], v[at[2]]};
     Batch::Numbers& out = b_.numbers[k];
     out.slot = f;
     Id wrong = 0;
     for (unsigned j = 0; j < 3; ++j) {
-      out.vertex[j] = place[turn + j];
-      std::memcpy(b_.corner[j] + 4 * k, row(turned[j]), 32);
-      const Id g = across[turn + j];
+      out.vertex[j] = places[turned[j]];
+      std::memcpy(b_.corner[j] + 4 * k, rows + std::size_t{turned[j]} * row_stride, 32);
+      const Id g = n[at[j]];
       out.neighbour[j] = g;
-      const Facet3D& other = s_.facets[g];
-      // Two facets that share more than one ridge are left to the general way.
-      const unsigned back = static_cast<unsigned>(other.neighbours[1] == f) +
-                            2 * static_cast<unsigned>(other.neighbours[2] == f);
-      const unsigned slot = back > 2 ? 0 : back;
-      static constexpr unsigned after[3] = {1, 2, 0}, before[3] = {2, 0, 1};
-      wrong |= other.neighbours[slot] ^ f;
-      wrong |= other.vertices[after[slot]] ^ turned[before[j]];
-      wrong |= other.vertices[before[slot]] ^ turned[after[j]];
-      wrong |= static_cast<Id>(!other.live());
-      const Id x = other.vertices[slot];
+      const Facet3D& other = facets[g];
+      // Of two facets that share more than one ridge some are found wrong here.
+      const std::uint64_t at_one = below(other.neighbours[1] ^ f, 1);
+      const std::uint64_t at_two = below(other.neighbours[2] ^ f, 1) & (at_one ^ 1);
+      const std::uint64_t back = at_one + 2 * at_two;
+      const Id x = other.vertices[back];
+      wrong |= other.neighbours[back] ^ f;
+      wrong |= other.vertices[after[back]] ^ turned[before[j]];
+      wrong |= other.vertices[before[back]] ^ turned[after[j]];
+      wrong |= static_cast<Id>(below(Facet3D::none - 1, other.owner));  // dead
       b_.across_id[j][k] = x;
-      std::memcpy(b_.across[j] + 4 * k, row(x), 32);
+      std::memcpy(b_.across[j] + 4 * k, rows + std::size_t{x} * row_stride, 32);
     }
     return wrong;
   }
@@ -180,12 +184,10 @@ class Sweep {
                       hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
     const V length = hn::Sqrt(square(n));
     const Triple zero = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    const Triple sum =
-        plus(plus(plus(zero, minus(p, origin)), minus(q, origin)), minus(r, origin));
+    const Triple sum = plus(plus(plus(zero, minus(p, origin)), minus(q, origin)), minus(r, origin));
     hn::StoreInterleaved4(n.x, n.y, n.z, length, d, b_.normal + 4 * k);
     hn::StoreInterleaved4(sum.x, sum.y, sum.z, length, d, b_.sum + 4 * k);
-    const unsigned thin =
-        ~bits_of(hn::Gt(length, hn::Mul(hn::Set(d, conditioned), edges)));
+    const unsigned thin = ~bits_of(hn::Gt(length, hn::Mul(hn::Set(d, conditioned), edges)));
     for (unsigned i = 0; i < hn::Lanes(d) && k + i < count; ++i)
       b_.numbers[k + i].thin = thin >> i & 1U;
 
@@ -194,8 +196,7 @@ class Sweep {
     const V tiny = hn::Set(d, s_.exact_doubles ? 0 : -determinant_tiny);
     for (unsigned j = 0; j < 3; ++j) {
       const Triple x = minus(times(load_rows(b_.across[j] + 4 * k), factor), p);
-      const V side =
-          hn::Add(hn::Add(hn::Mul(n.x, x.x), hn::Mul(n.y, x.y)), hn::Mul(n.z, x.z));
+      const V side = hn::Add(hn::Add(hn::Mul(n.x, x.x), hn::Mul(n.y, x.y)), hn::Mul(n.z, x.z));
       const M convex = hn::Lt(side, hn::Add(hn::Mul(relative, largest(x)), tiny));
       if (HWY_UNLIKELY(!hn::AllTrue(d, convex))) keep_open(k, count, j, ~bits_of(convex));
     }
@@ -255,9 +256,8 @@ std::uint32_t triangle_shares_in(const TriangleRecord* const* records, unsigned 
     const Triple p = load_rows(corners + 4 * k);
     const Triple step = minus(p, origin);
     const V area = hn::Sqrt(square(n));
-    const V volume =
-        hn::Add(hn::Add(hn::Add(zero, hn::Mul(n.x, step.x)), hn::Mul(n.y, step.y)),
-                hn::Mul(n.z, step.z));
+    const V volume = hn::Add(hn::Add(hn::Add(zero, hn::Mul(n.x, step.x)), hn::Mul(n.y, step.y)),
+                             hn::Mul(n.z, step.z));
     hn::Store(area, d, shares.area + k);
     hn::Store(area, d, shares.area_error + k);
     hn::Store(volume, d, shares.volume + k);
@@ -270,8 +270,8 @@ std::uint32_t triangle_shares_in(const TriangleRecord* const* records, unsigned 
     if (HWY_UNLIKELY(!hn::AllTrue(d, usual)))
       left |= (~bits_of(usual) & ((1U << hn::Lanes(d)) - 1)) << k;
     const V x = hn::Div(n.x, area), y = hn::Div(n.y, area), z = hn::Div(n.z, area);
-    const V offset = hn::Sub(
-        hn::Sub(hn::Sub(zero, hn::Mul(x, p.x)), hn::Mul(y, p.y)), hn::Mul(z, p.z));
+    const V offset =
+        hn::Sub(hn::Sub(hn::Sub(zero, hn::Mul(x, p.x)), hn::Mul(y, p.y)), hn::Mul(z, p.z));
     hn::StoreInterleaved4(x, y, z, hn::Mul(offset, hn::Set(d, unit)), d, planes + 4 * k);
   }
   return count < 32 ? left & ((1U << count) - 1) : left;

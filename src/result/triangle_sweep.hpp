@@ -51,8 +51,7 @@ bool sweep_triangles(const TriangleSource& source, std::uint32_t begin, std::uin
 /// Facets' shares of the measures, one array for each.
 struct TriangleShares {
   static constexpr unsigned most = 32;
-  alignas(64) double volume[most], area[most], moment[3][most], error[most],
-      area_error[most];
+  alignas(64) double volume[most], area[most], moment[3][most], error[most], area_error[most];
 };
 
 /// The shares and planes of at most `most` facets, as facet_share computes them, bit for bit;

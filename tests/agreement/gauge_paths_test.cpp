@@ -8,12 +8,9 @@
 #include <random>
 #include <string>
 
-#include "cull/gauge_levels.hpp"
 #include "cull/gauge_map.hpp"
 #include "cull/gauge_table.hpp"
-#include "cullhull/generate.hpp"
 #include "cullhull/options.hpp"
-#include "sample_map.hpp"
 #include "tests/made_sets.hpp"
 
 namespace cullhull::internal {
@@ -61,85 +58,6 @@ TEST(GaugePaths, InstructionSetsAgree) {
     }
     hwy::SetSupportedTargetsForTest(0);
   }
-}
-
-// Levels are a shortcut: what they drop the map drops, whatever its resolution.
-TEST(GaugePaths, LevelsDropNothingElse) {
-  const Options options;
-  const Control control(options);
-  const double bad[] = {NAN, INFINITY, -INFINITY, 1e308, 1e39, 0, -0.0, 1e-310};
-  for (const char* shape : {"octahedron", "ball", "cube", "cone"})
-    for (const unsigned resolution : {0U, 2U, 7U, 33U, 81U, 300U}) {
-      const std::vector<double> made = generate(shape, 3000, 3);
-      Array<double> sample(made.begin(), made.end());
-      for (std::size_t i = 0; i < sample.size(); i += 3) sample[i] *= 0.03;  // thin
-      const auto map = GaugeMap::build(
-          inner_polytope(std::move(sample), 3, 1, std::uint64_t{1} << 32, control), resolution);
-      ASSERT_TRUE(map);
-      const auto levels = make_levels(map->table());
-      ASSERT_TRUE(levels);
-      // Many close to where the map's values are 1, along rays: its own borders.
-      std::vector<double> rows = generate(shape, gauge_chunk - 11, 3, 2);
-      for (std::size_t i = 0; i < rows.size(); i += 3) rows[i] *= 0.03;
-      for (std::size_t e = 0; e < 200; ++e) rows[e * 7] = bad[e % std::size(bad)];
-      const std::vector<float> single(rows.begin(), rows.end());
-      const std::uint64_t n = rows.size() / 3;
-      std::vector<double> columns(rows.size());
-      for (std::size_t i = 0; i < n; ++i)
-        for (unsigned j = 0; j < 3; ++j) columns[j * n + i] = rows[3 * i + j];
-      PointView by_columns = PointView::row_major(columns.data(), n, 3);
-      by_columns.point_stride = sizeof(double);
-      by_columns.coordinate_stride = static_cast<std::ptrdiff_t>(n * sizeof(double));
-      for (const PointView& view : {PointView::row_major(rows.data(), n, 3),
-                                    PointView::row_major(single.data(), n, 3), by_columns})
-        for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-          hwy::SetSupportedTargetsForTest(target);
-          std::vector<std::uint32_t> with(n), without(n);
-          with.resize(gauge_survivors(map->table(), view, 0, n, with.data(), &*levels));
-          without.resize(gauge_survivors(map->table(), view, 0, n, without.data()));
-          EXPECT_EQ(with, without) << shape << ", resolution " << resolution;
-          EXPECT_LT(with.size(), n);
-        }
-      hwy::SetSupportedTargetsForTest(0);
-    }
-  EXPECT_FALSE(make_levels(GaugeMap::build(cross_polytope(2, 0.125, 1))->table()));
-}
-
-// Points of the very gauge that the map gives: a step of doubles below and above the border.
-TEST(GaugePaths, LevelsAtTheBorder) {
-  const auto map = GaugeMap::build(cross_polytope(3, 0.125, 1), 20);
-  ASSERT_TRUE(map);
-  const auto levels = make_levels(map->table());
-  ASSERT_TRUE(levels);
-  std::mt19937_64 random(9);
-  std::normal_distribution<double> normal;
-  std::vector<double> rows;
-  std::vector<std::uint32_t> kept(1);
-  while (rows.size() < 3 * gauge_chunk) {
-    double direction[3], p[3];
-    for (double& v : direction) v = normal(random);
-    const auto survives = [&](double along) {
-      for (unsigned j = 0; j < 3; ++j) p[j] = 0.125 + along * direction[j];
-      return gauge_survivors(map->table(), PointView::row_major(p, 1, 3), 0, 1, kept.data()) == 1;
-    };
-    double low = 0, high = 8;  // bisection
-    for (unsigned step = 0; step < 30; ++step) {
-      const double middle = (low + high) / 2;
-      (survives(middle) ? high : low) = middle;
-    }
-    for (const double along : {low, high}) {
-      survives(along);
-      rows.insert(rows.end(), p, p + 3);
-      rows.insert(rows.end(), 7 * 3, 0.125);  // most are inside, or levels are not asked for long
-    }
-  }
-  const std::uint64_t n = rows.size() / 3;
-  const auto view = PointView::row_major(rows.data(), n, 3);
-  std::vector<std::uint32_t> with(n), without(n);
-  with.resize(gauge_survivors(map->table(), view, 0, n, with.data(), &*levels));
-  without.resize(gauge_survivors(map->table(), view, 0, n, without.data()));
-  EXPECT_EQ(with, without);
-  EXPECT_EQ(with.size(), n / 16);
 }
 
 TEST(GaugePaths, LayoutsAgree) {

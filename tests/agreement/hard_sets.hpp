@@ -98,6 +98,30 @@ inline PointSet many_copies(unsigned n, unsigned d, Random& r) {
   return s;
 }
 
+/// General position but for zeros: some coordinates are zero, those of a facet across an axis among
+/// them, and points come twice and more, with zeros of either sign. Of equal points the one with
+/// the lowest id has to stand in, to the bit: normals get their zeros from there.
+inline PointSet signed_zeros(unsigned n, unsigned d, Random& r) {
+  PointSet s = named("signed zeros", d);
+  const PointSet once = random_set("sphere", n, d, n);
+  std::vector<std::vector<double>> rows;
+  for (std::uint64_t i = 0; i < once.count(); ++i) {
+    std::vector<double> p(once.row(i), once.row(i) + d);
+    p[0] = i < d ? 0 : std::fabs(p[0]);
+    if (r.integer(0, 2) == 0)
+      p[static_cast<std::size_t>(r.integer(0, static_cast<int>(d) - 1))] = 0;
+    for (int copies = r.integer(1, 3); copies > 0; --copies) {
+      for (double& v : p)
+        if (v == 0) v = r.integer(0, 1) ? 0.0 : -0.0;
+      rows.push_back(p);
+    }
+  }
+  for (std::size_t i = rows.size(); i > 1; --i)
+    std::swap(rows[i - 1], rows[static_cast<std::size_t>(r.integer(0, static_cast<int>(i) - 1))]);
+  for (const auto& p : rows) s.add(p);
+  return s;
+}
+
 /// a + t b, rounded: on a line exactly, or as nearly as doubles can be.
 inline PointSet line(unsigned n, unsigned d, Random& r) {
   PointSet s = named("line", d);
@@ -200,7 +224,7 @@ inline PointSet hard_set(Random& r) {
   const auto n = static_cast<unsigned>(
       std::exp(r.between(std::log(d + 1.0), std::log(static_cast<double>(most[d])))));
   const unsigned lattice_d = std::min(d, 4U);
-  switch (r.integer(0, 15)) {
+  switch (r.integer(0, 16)) {
     case 0:
       return turned_lattice(lattice_d, r);
     case 1:
@@ -233,6 +257,8 @@ inline PointSet hard_set(Random& r) {
       return random_grid(
           static_cast<unsigned>(r.integer(static_cast<int>(d) - 1, static_cast<int>(d) + 2)), d,
           r.integer(2, 5), r.integer(0, 1) * 0x1p45, n);
+    case 15:
+      return signed_zeros(n, d, r);
     default:
       return random_grid(n, d, r.integer(2, d <= 4 ? 30 : 5), 0, n);
   }

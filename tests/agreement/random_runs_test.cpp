@@ -18,6 +18,7 @@
 #include "cullhull/generate.hpp"
 #include "cullhull/growing_hull.hpp"
 #include "cullhull/query.hpp"
+#include "predicates/orientation.hpp"
 
 namespace cullhull::testing_support {
 namespace {
@@ -155,6 +156,40 @@ class Backwards {
   PointView view_;
 };
 
+/// Points on, one step off, and about as near to the boundary as doubles come.
+PointSet near_boundary(const PointSet& s, const Hull& hull, Random& r) {
+  PointSet out = named("near " + s.name, s.dimension);
+  const auto vertex = [&] {
+    return s.row(hull.vertices[static_cast<std::size_t>(
+        r.integer(0, static_cast<int>(hull.vertices.size()) - 1))]);
+  };
+  for (unsigned i = 0; i < 60; ++i) {
+    const double *a = vertex(), *b = i % 3 == 0 ? a : vertex(), *c = i % 3 == 1 ? a : vertex();
+    std::vector<double> p(s.dimension);
+    for (unsigned j = 0; j < s.dimension; ++j) {
+      p[j] = i % 3 == 0 ? a[j] : a[j] / 4 + b[j] / 4 + c[j] / 2;
+      if (i % 2) p[j] = shaken(p[j], r);
+    }
+    if (std::all_of(p.begin(), p.end(), [](double v) { return std::isfinite(v); })) out.add(p);
+  }
+  return out;
+}
+
+/// By the exact sign at every simplex of a full-dimensional hull.
+Side slow_side(const PointSet& s, const Hull& hull, const double* p) {
+  const unsigned d = s.dimension;
+  Side side = Side::inside;
+  for (std::size_t i = 0; i < hull.simplices.size(); i += d) {
+    std::vector<const double*> rows;
+    for (unsigned j = 0; j < d; ++j) rows.push_back(s.row(hull.simplices[i + j]));
+    rows.push_back(p);
+    const internal::Sign sign = internal::orientation_exact(d, rows.data());
+    if (sign == internal::Sign::positive) return Side::outside;
+    if (sign == internal::Sign::zero) side = Side::boundary;
+  }
+  return side;
+}
+
 /// Every other way to the answer: extreme points alone, a batch, a hull that grows, questions.
 void expect_other_ways(const PointSet& s, const Hull& hull, Random& r) {
   const Ids vertices = sorted_vertices(hull);
@@ -181,6 +216,15 @@ void expect_other_ways(const PointSet& s, const Hull& hull, Random& r) {
   for (const std::uint64_t v : vertices) {
     EXPECT_EQ(hull.affine_dimension > 0 ? sides[v] : Side::boundary, Side::boundary) << v;
     EXPECT_TRUE(query.visible_facets(s.row(v)).empty());
+  }
+  if (hull.affine_dimension != static_cast<int>(s.dimension) || hull.simplex_count() > 2000) return;
+  const PointSet near = near_boundary(s, hull, r);
+  sides.resize(near.count());
+  query.sides(view_of(near), sides.data(), any_options(r));
+  for (std::uint64_t i = 0; i < near.count(); ++i) {
+    EXPECT_EQ(sides[i], slow_side(s, hull, near.row(i))) << i;
+    EXPECT_EQ(query.side(near.row(i)), sides[i]) << i;
+    EXPECT_EQ(query.visible_facets(near.row(i)).empty(), sides[i] != Side::outside) << i;
   }
 }
 

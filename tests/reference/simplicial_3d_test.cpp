@@ -1,0 +1,197 @@
+// The result made of the 3D engine's own facets is the one that the general way gives, bit for bit,
+// and a surface that is not a hull's is refused.
+#include "result/simplicial_3d.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "cullhull/generate.hpp"
+#include "hull/surface_3d.hpp"
+#include "points/gather.hpp"
+#include "points/local_frame.hpp"
+#include "result/assemble.hpp"
+#include "result/measure.hpp"
+#include "tests/agreement/canonical_hash.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+using Rows = std::vector<double>;
+
+/// A frame and an engine's surface.
+struct Case {
+  explicit Case(const Rows& rows, unsigned threads = 1)
+      : view(PointView::row_major(rows.data(), rows.size() / 3, 3)),
+        control(options),
+        frame(gather_points(view, nullptr, view.count, 1), static_cast<std::uint32_t>(view.count),
+              3, 1, control),
+        surface(surface_3d(frame.points(), frame.simplex().data(), std::uint64_t{1} << 40, threads,
+                           control)) {}
+
+  ResultInput input() const { return {&view, &frame.points(), nullptr, frame.axes().data()}; }
+
+  PointView view;
+  Options options;
+  Control control;
+  LocalFrame frame;
+  Surface3D surface;
+};
+
+Hull empty_hull(const Case& c) {
+  Hull hull;
+  hull.dimension = 3;
+  hull.point_count = c.view.count;
+  hull.affine_dimension = 3;
+  return hull;
+}
+
+/// As for any hull: coplanar simplices are looked for, merged, triangulated, sorted and measured.
+std::uint64_t the_general_way(const Rows& rows) {
+  Case c(rows);
+  Hull hull = empty_hull(c);
+  Surface surface =
+      make_surface(to_simplicial(std::move(c.surface), 1, c.control), c.frame.points(), 1);
+  const CoplanarPairs pairs =
+      coplanar_pairs(surface, c.frame.points(), 1, c.control, hull.statistics.rung_counts);
+  const Assembled assembled =
+      assemble(c.input(), merge_coplanar(std::move(surface), pairs, c.frame.points(), 1, c.control),
+               1, c.control, hull);
+  measure(c.view, assembled.vertices, assembled.index, c.frame.axes().data(), 1, c.control, hull);
+  hull.vertices = assembled.vertices;
+  return testing_support::canonical_hash(hull);
+}
+
+/// Whether the short way can be gone; then its result is the same for any number of threads.
+bool the_short_way(const Rows& rows, std::uint64_t expected) {
+  for (const unsigned threads : {1U, 2U, 5U}) {
+    Case c(rows, threads);
+    Hull hull = empty_hull(c);
+    if (!build_simplicial_3d(c.input(), c.surface, threads, c.control, hull)) return false;
+    EXPECT_EQ(testing_support::canonical_hash(hull), expected) << "threads " << threads;
+  }
+  return true;
+}
+
+bool same_both_ways(const Rows& rows) { return the_short_way(rows, the_general_way(rows)); }
+
+Rows changed(Rows rows, const std::function<double(double, unsigned)>& change) {
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    rows[i] = change(rows[i], static_cast<unsigned>(i % 3));
+  return rows;
+}
+
+TEST(Simplicial3D, AsTheGeneralWay) {
+  for (const char* shape : {"sphere", "ball", "gauss", "cylinder", "cone", "cyclic"})
+    for (const std::uint64_t n : {4, 5, 33, 700, 30'000}) {
+      SCOPED_TRACE(std::string(shape) + " " + std::to_string(n));
+      EXPECT_TRUE(same_both_ways(generate(shape, n, 3)));
+    }
+}
+
+TEST(Simplicial3D, OtherFrames) {
+  const Rows rows = generate("sphere", 9'000, 3);
+  const double factors[] = {37.5, 1e-3, 4e5}, far[] = {1000, -77, 0.5};
+  EXPECT_TRUE(same_both_ways(changed(rows, [&](double v, unsigned c) { return v * factors[c]; })));
+  // Local coordinates are translated, the frame's are not.
+  EXPECT_TRUE(same_both_ways(changed(rows, [&](double v, unsigned c) { return v + far[c]; })));
+  EXPECT_TRUE(same_both_ways(changed(rows, [&](double v, unsigned) { return v * 1e-310; })));
+  EXPECT_TRUE(same_both_ways(changed(rows, [&](double v, unsigned) { return v * 1e300; })));
+  // Normals that need more bits.
+  EXPECT_TRUE(
+      same_both_ways(changed(rows, [&](double v, unsigned c) { return c == 2 ? v * 1e-9 : v; })));
+  // More powers of two than doubles of one scale hold.
+  EXPECT_FALSE(
+      same_both_ways(changed(rows, [&](double v, unsigned c) { return c == 0 ? v * 1e300 : v; })));
+}
+
+/// A zero's sign shows in a plane's.
+TEST(Simplicial3D, NegativeZeros) {
+  std::mt19937 random(7);
+  Rows rows = generate("sphere", 3'000, 3);
+  for (unsigned i = 0; i < 3; ++i)
+    for (const double at : {1.5, -1.5}) {
+      Rows corner(3, -0.0);
+      corner[i] = at;
+      rows.insert(rows.end(), corner.begin(), corner.end());
+    }
+  EXPECT_TRUE(same_both_ways(rows));
+  EXPECT_TRUE(same_both_ways({1, -0.0, -0.0, -0.0, 1, 0.0, 0.0, -0.0, 1, -0.0, 0.0, -0.0}));
+}
+
+TEST(Simplicial3D, EqualPoints) {
+  std::mt19937 random(3);
+  Rows rows = generate("sphere", 20'000, 3);
+  for (std::size_t i = 0; i < 20'000; ++i) {
+    if (random() % 3 != 0) continue;
+    const std::size_t j = random() % 20'000;
+    std::copy_n(rows.begin() + static_cast<std::ptrdiff_t>(3 * j), 3,
+                rows.begin() + static_cast<std::ptrdiff_t>(3 * i));
+  }
+  EXPECT_TRUE(same_both_ways(rows));
+}
+
+/// Facets that share a plane need the general way, however few they are.
+TEST(Simplicial3D, CoplanarFacetsAreSeen) {
+  Rows rows = generate("sphere", 5'000, 3);
+  for (const double x : {-1.5, 1.5})
+    for (const double y : {-1.5, 1.5}) rows.insert(rows.end(), {x, y, 2});
+  EXPECT_FALSE(same_both_ways(rows));
+  EXPECT_FALSE(same_both_ways(generate("grid:8", 900, 3)));
+}
+
+/// Turns the ridge between facet f and its first neighbour into the other diagonal, along which the
+/// surface is folded inwards.
+void fold(Surface3D& s, std::uint32_t f) {
+  const auto slot_of = [&](std::uint32_t facet, auto Facet3D::*ids, std::uint32_t id) {
+    const auto& all = s.facets[facet].*ids;
+    return static_cast<unsigned>(std::find(all, all + 3, id) - all);
+  };
+  const std::uint32_t g = s.facets[f].neighbours[0];
+  const Facet3D a = s.facets[f], b = s.facets[g];
+  const unsigned off = slot_of(g, &Facet3D::neighbours, f);
+  const unsigned first = slot_of(g, &Facet3D::vertices, a.vertices[1]);
+  const unsigned second = slot_of(g, &Facet3D::vertices, a.vertices[2]);
+  const auto set = [](Facet3D& facet, const std::uint32_t(&v)[3], const std::uint32_t(&n)[3]) {
+    std::copy_n(v, 3, facet.vertices);
+    std::copy_n(n, 3, facet.neighbours);
+  };
+  const std::uint32_t x = b.vertices[off];
+  const std::uint32_t beside_f = b.neighbours[second], beside_g = a.neighbours[1];
+  set(s.facets[f], {a.vertices[0], a.vertices[1], x}, {beside_f, g, a.neighbours[2]});
+  set(s.facets[g], {a.vertices[0], x, a.vertices[2]}, {b.neighbours[first], beside_g, f});
+  s.facets[beside_f].neighbours[slot_of(beside_f, &Facet3D::neighbours, g)] = f;
+  s.facets[beside_g].neighbours[slot_of(beside_g, &Facet3D::neighbours, f)] = g;
+}
+
+TEST(Simplicial3D, RefusesWhatIsNoHull) {
+  const Rows rows = generate("sphere", 300, 3);
+  const auto refused = [&](const std::function<void(Surface3D&)>& spoil) {
+    Case c(rows);
+    spoil(c.surface);
+    Hull hull = empty_hull(c);
+    return !build_simplicial_3d(c.input(), c.surface, 1, c.control, hull);
+  };
+  EXPECT_FALSE(refused([](Surface3D&) {}));
+  EXPECT_TRUE(
+      refused([](Surface3D& s) { std::swap(s.facets[9].vertices[0], s.facets[9].vertices[1]); }));
+  EXPECT_TRUE(refused(
+      [](Surface3D& s) { std::swap(s.facets[9].neighbours[0], s.facets[9].neighbours[1]); }));
+  EXPECT_TRUE(refused([](Surface3D& s) { s.facets[9].neighbours[1] = s.facets[9].neighbours[2]; }));
+  EXPECT_TRUE(refused([](Surface3D& s) { s.facets[9].owner = Facet3D::none; }));
+  EXPECT_TRUE(refused([](Surface3D& s) { s.live += 2; }));
+  EXPECT_TRUE(refused([](Surface3D& s) {  // inside out
+    for (std::uint64_t f = 0; f < s.live; ++f) {
+      std::swap(s.facets[f].vertices[0], s.facets[f].vertices[1]);
+      std::swap(s.facets[f].neighbours[0], s.facets[f].neighbours[1]);
+    }
+  }));
+  EXPECT_TRUE(refused([](Surface3D& s) { fold(s, 9); }));
+}
+
+}  // namespace
+}  // namespace cullhull::internal
