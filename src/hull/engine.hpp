@@ -30,7 +30,7 @@ struct SimplicialHull {
 
 /// Bytes that a result takes for each facet of a hull of dimension k in d-space, at its making.
 constexpr std::uint64_t result_bytes_per_facet(std::uint64_t k, std::uint64_t d) {
-  return 48 * k + 8 * d + 44;
+  return k < 4 ? 48 * k + 8 * d + 44 : 36 * k + 8 * d + 40;
 }
 
 /// points.dimension >= 2. `simplex`: d + 1 affinely independent points to start from (exactly).

@@ -51,6 +51,14 @@ class FacetStore {
     if constexpr (!together) __builtin_prefetch(neighbours(f));
   }
 
+  void prefetch_to_write(Id f) const {
+    __builtin_prefetch(plane(f), 1);
+    if constexpr (!together) {
+      __builtin_prefetch(vertices(f), 1);
+      __builtin_prefetch(neighbours(f) + dim() - 1, 1);
+    }
+  }
+
   void reserve(std::size_t facets) {
     hot_.reserve(facets * hot_stride());
     if constexpr (!together) cold_.reserve(facets * cold_stride());

@@ -44,6 +44,8 @@ class InsertionNd {
   using Id = std::uint32_t;
   static constexpr Id none = 0xFFFFFFFF;
   static constexpr Id dead = FacetStore<D>::dead;
+  /// In loops over records that lie anywhere: how many before its turn a record is asked for.
+  static constexpr std::size_t ahead = 8;
   /// In a visible facet's neighbour slot across a horizon ridge: the new facet built on it.
   static constexpr Id horizon_tag = 0x80000000;
 

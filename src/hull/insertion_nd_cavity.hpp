@@ -19,6 +19,7 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
   float copy[D > 0 ? D : 1];
   const float* y = lane.offset.data();
   if constexpr (D > 0) y = std::copy_n(y, D, copy) - D;
+  constexpr std::size_t early = D == 4 || D == 5 ? 2 : 6;  // cavities of hundreds of facets
   std::size_t visible = 1, ridges = 0;
   s.visible.resize(std::max<std::size_t>(s.visible.size(), 64));
   s.horizon.resize(std::max<std::size_t>(s.horizon.size(), 64));
@@ -47,8 +48,8 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
       }
     }
     // What is at the end of the list comes last: time to fetch it.
-    if (k + 2 < visible) {
-      const Id* next = store_.neighbours(list[k + 2]);
+    if (k + early < visible) {
+      const Id* next = store_.neighbours(list[k + early]);
       for (unsigned j = 0; j < d; ++j) store_.prefetch(next[j]);
     }
   }
@@ -56,8 +57,11 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
   s.seen = visible;
   s.horizon.resize(ridges);
   for (const Id f : s.visible) visited[f] = 0;
-  for (HorizonRidge& r : s.horizon)
+  for (std::size_t k = 0; k < ridges; ++k) {
+    if (k + ahead < ridges) __builtin_prefetch(store_.neighbours(s.horizon[k + ahead].outside));
+    HorizonRidge& r = s.horizon[k];
     r.back = static_cast<std::uint8_t>(index_of(store_.neighbours(r.outside), r.facet));
+  }
 }
 
 /// A new facet on every horizon ridge, in the slots of the visible ones as far as they go: what is
@@ -72,6 +76,7 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
   lane.apex.resize(count);
   lane.planes.resize(count * (d + 1));
   for (std::size_t k = 0; k < count; ++k) {
+    if (k + ahead < count) __builtin_prefetch(store_.vertices(s.horizon[k + ahead].facet));
     const HorizonRidge& r = s.horizon[k];
     Id* v = lane.vertices.data() + k * d;
     std::memcpy(v, store_.vertices(r.facet), d * sizeof(Id));
@@ -85,6 +90,10 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
   const Id* const slot = s.visible.data();
   for (std::size_t k = count; k < s.seen; ++k) store_.vertices(slot[k])[0] = dead;
   for (std::size_t k = 0; k < count; ++k) {
+    if (k + ahead < count) {
+      store_.prefetch_to_write(slot[k + ahead]);
+      __builtin_prefetch(store_.neighbours(s.horizon[k + ahead].outside), 1);
+    }
     const HorizonRidge& r = s.horizon[k];
     const Id f = slot[k];
     std::memcpy(store_.plane(f), lane.planes.data() + k * (d + 1), (d + 1) * sizeof(float));
