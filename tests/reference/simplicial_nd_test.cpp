@@ -35,8 +35,8 @@ struct Case {
         control(options),
         frame(gather_points(view, nullptr, view.count, 1), static_cast<std::uint32_t>(view.count),
               d, 1, control),
-        surface(make_surface(hull_nd(frame.points(), frame.simplex().data(),
-                                     std::uint64_t{1} << 40, threads, control),
+        surface(make_surface(hull_nd(frame.points(), frame.simplex().data(), std::uint64_t{1} << 40,
+                                     threads, control),
                              frame.points(), threads)) {}
 
   ResultInput input() const { return {&view, &frame.points(), nullptr, frame.axes().data()}; }
