@@ -197,7 +197,7 @@ void insist_on_proof(const PointView& points, const Hull& hull, const Options& o
   const Certificate certificate = certify(points, hull, options);
   if (!certificate.valid)
     throw Error(ErrorCode::not_exact, "Qhull's result is not the exact hull (" +
-                                          certificate.reason + "); use the engine native");
+                                          certificate.reason + "); use the native engine");
 }
 
 }  // namespace
@@ -210,7 +210,7 @@ void check_arguments(const PointView& points, const Options& options) {
   if (options.backend == Backend::cuda) require_cuda();
   if (options.engine == Engine::qhull && !qhull_available())
     throw Error(ErrorCode::backend_unavailable,
-                "this build has no Qhull engine; use the engine native");
+                "this build has no Qhull engine; use the native engine");
 }
 
 Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run) {

@@ -85,6 +85,15 @@ Sampled hull_of_sample(const SampledPoints& points, std::uint64_t size, std::uin
   return s;
 }
 
+/// In space the hull of few facets has long creases, which a coarse map cuts off: more nodes than
+/// facets ask for pay there, a node costing as much as testing some 40 points or hulling one.
+std::uint32_t least_nodes(std::uint64_t count, unsigned d, Insist insist) {
+  if (d != 3) return 0;
+  const std::uint64_t worth = insist == Insist::late ? std::min<std::uint64_t>(count / 16, 12288)
+                                                     : std::min<std::uint64_t>(count / 1024, 6144);
+  return static_cast<std::uint32_t>(worth);
+}
+
 }  // namespace
 
 SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,
@@ -101,7 +110,9 @@ SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32
   const std::string found = sample_finding(sample.size, sample.extreme());
   if (insist != Insist::yes && !map_pays(points.count, d, sample.size, sample.extreme()))
     return {nullptr, found + ", so a map does not pay"};
-  const GaugeSettings settings{.most_nodes = most_nodes, .threads = points.threads};
+  const GaugeSettings settings{.least_nodes = least_nodes(points.count, d, insist),
+                               .most_nodes = most_nodes,
+                               .threads = points.threads};
   SampledMap result{GaugeMap::build(std::move(sample.polytope), settings), found};
   result.reason += result.map == nullptr   ? ", but the centre is not safely inside their hull"
                    : insist == Insist::yes ? ", filter as asked"

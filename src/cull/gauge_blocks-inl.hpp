@@ -31,9 +31,10 @@ using VI = hn::Vec<I>;
 using VU = hn::Vec<U>;
 using MF = hn::Mask<F>;
 
-constexpr std::uint32_t block_size = 64;
-constexpr std::uint32_t many = 4 * block_size;  ///< where the map alone is asked
-static_assert(gauge_chunk % many == 0);
+/// Points that are tested together: by the core, so few that the processor has begun to read the
+/// next before it is done with them; by levels; by the map alone.
+constexpr std::uint32_t core_block = 32, block_size = 64, many = 256;
+static_assert(gauge_chunk % many == 0 && many % block_size == 0 && block_size % core_block == 0);
 
 // 2^23: adding it to an integer below 2^23 leaves that integer in the low bits of the float.
 constexpr float integer_shift = 8388608.0F;
@@ -333,8 +334,10 @@ class Blocks {
         levels_(D == 3 && shortcuts != nullptr && shortcuts->levels),
         ids_(ids) {}
 
-  /// So many points should be added next, at most.
-  std::uint32_t room() const { return core_.rests() && levels_.rests() ? many : block_size; }
+  /// At most so many points may be added next.
+  std::uint32_t room() const {
+    return !core_.rests() ? core_block : !levels_.rests() ? block_size : many;
+  }
 
   /// fetch(k) is called for each vector of points unless the core is asked about them: the other
   /// tests take so long that memory should be asked ahead of time.
@@ -344,7 +347,9 @@ class Blocks {
     const VU lane = hn::Iota(U(), 0);
     const auto places = [&](std::uint32_t k)
                             HWY_ATTR { return hn::Add(hn::Set(U(), first + k), lane); };
-    if (core_.taken(count)) {
+    // Both at once, as room() has seen them: what is passed on below ends rests as well.
+    const bool by_core = core_.taken(count), by_levels = !by_core && levels_.taken(count);
+    if (by_core) {
       const std::uint32_t before = for_levels_.count();
       if (shortcuts_->core->kind == GaugeCore::Kind::round)
         ask_core<GaugeCore::Kind::round>(count, load, places);
@@ -359,12 +364,8 @@ class Blocks {
       fetch(k);
       load(k, y);
     };
-    if constexpr (D == 3) {
-      if (levels_.taken(count)) {
-        ask_levels(count, load_and_fetch, places);
-        return;
-      }
-    }
+    if constexpr (D == 3)
+      if (by_levels) return ask_levels(count, load_and_fetch, places);
     if (for_map_.count() > 0) ask_map(for_map_);
     kept_ += test_block<D, many>(table_, first, count, ids_ + kept_, load_and_fetch);
   }

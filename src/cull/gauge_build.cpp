@@ -112,10 +112,13 @@ class Builder final : public GaugeCones {
     const Rule& rule = rules[D - 2];
     const std::uint32_t most_nodes = settings.most_nodes;
     const double most = most_nodes > 0 ? std::min<double>(most_nodes, rule.most) : rule.most;
-    const double nodes = std::clamp(settings.share * rule.per_facet * walk_.facet_count(),
-                                    rule.least, std::max(rule.least, most));
+    const double wanted = std::max<double>(settings.share * rule.per_facet * walk_.facet_count(),
+                                           settings.least_nodes);
+    const double nodes = std::clamp(wanted, rule.least, std::max(rule.least, most));
     const double edge = std::pow(nodes / (2 * D), 1.0 / (D - 1));
     unsigned cells = std::max(2U, static_cast<unsigned>(edge + 0.5) - 1);
+    // Bodies with the frame's planes of symmetry have creases there.
+    if (D == 3) cells += cells % 2;
     while (most_nodes > 0 && cells > 2 && 2 * D * power(cells + 1, D - 1) > most_nodes) --cells;
     return cells;
   }

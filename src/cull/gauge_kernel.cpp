@@ -5,13 +5,13 @@
 // performs the same IEEE operations per point, so all of them keep the same points. Products are
 // fused only where the product is exact, or where the map has the last word.
 //
-// Blocks are short, so that the processor reads the next while it tests one by the quick tests:
-// that is about as fast as memory allows, and asking for lines ahead of time is slower.
+// Where a quick test decides most, blocks are so short that the processor reads the next while it
+// tests one: then asking for lines ahead of time only costs. Elsewhere they are asked for.
 
 #include "cull/gauge_table.hpp"
+#include "parallel/simd_targets.hpp"
 
-// Vectors are kept in arrays, which sizeless types do not allow: NEON serves those machines.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#define HWY_DISABLED_TARGETS CULLHULL_SIZELESS_TARGETS
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "cull/gauge_kernel.cpp"
 #include <hwy/cache_control.h>

@@ -28,8 +28,10 @@ struct InnerPolytope {
 struct GaugeSettings {
   /// Cells along an edge of the cube map; 0 chooses from the facet count,
   unsigned resolution = 0;
-  double share = 1;              ///< times this, with at most
-  std::uint32_t most_nodes = 0;  ///< so many nodes (0: what a CPU's cache takes).
+  double share = 1;  ///< times this, with at least
+  std::uint32_t least_nodes =
+      0;                         ///< so many nodes, as far as a CPU's cache takes them, and at most
+  std::uint32_t most_nodes = 0;  ///< so many (0: what a CPU's cache takes).
   /// Keeps the polytope, so that outside_cones() can be asked.
   bool cones = false;
   /// False: the facets are only near those of a convex polytope, a surface that has moved, say.

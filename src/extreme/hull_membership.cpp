@@ -38,7 +38,6 @@ bool HullMembership::inside(std::uint32_t point, const PointColumns& others,
     }
     if (answer != Answer::unknown) return answer == Answer::inside;
   }
-  ++exact_count_;
   return inside_exact(points_, point, others.ids(), control_);
 }
 

@@ -23,9 +23,6 @@ class HullMembership {
   bool inside(std::uint32_t point, const PointColumns& others, const PointColumns& working,
               std::vector<std::uint32_t>& useful);
 
-  /// Points that floating point could not decide.
-  std::uint64_t exact_count() const { return exact_count_; }
-
  private:
   enum class Answer { inside, separated, unknown };
   struct Farthest {
@@ -62,7 +59,6 @@ class HullMembership {
   static constexpr unsigned most_simplices = 8;
   std::vector<SimplexInverse> simplices_;  ///< that points were found in of late
   unsigned newest_ = 0;
-  std::uint64_t exact_count_ = 0;
 };
 
 /// The same by Bland's rule over the rationals: always right, slow.

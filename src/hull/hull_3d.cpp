@@ -221,6 +221,7 @@ Surface3D Engine3D::surface() {
   s.order = std::move(order_.ids);
   s.rows = std::move(rows_);
   s.count = points_.count;
+  s.predicates = predicates_;
   s.duplicates = std::move(pieces_[0].duplicates);
   std::copy_n(pieces_[0].rungs, 3, s.rung_counts);
   return s;

@@ -113,6 +113,8 @@ Surface3D to_surface(const SimplicialHull& hull, const LocalPoints& points, unsi
     }
   });
   s.duplicates = hull.duplicates;
+  const Id any[4] = {0, 0, 0, 0};  // no cones are asked for
+  s.predicates.emplace(points, any);
   return s;
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "hull/insertion_3d.hpp"
 #include "parallel/big_array.hpp"
 #include "parallel/raw_array.hpp"
+#include "predicates/orientation_3d.hpp"
 
 namespace cullhull::internal {
 
@@ -22,10 +24,11 @@ struct Surface3D {
   /// Ranges of slots, ascending and not adjoining, that were ever used: facets in them may be live
   /// or dead, elsewhere there is nothing.
   std::vector<Run> used;
-  std::uint64_t live = 0;         ///< facets
-  BigArray<std::uint32_t> order;  ///< local id of each vertex number
-  BigArray<double> rows;          ///< of each, Shared3D::row_stride apart
-  std::uint32_t count = 0;        ///< vertex numbers; not all need be in use
+  std::uint64_t live = 0;                   ///< facets
+  BigArray<std::uint32_t> order;            ///< local id of each vertex number
+  BigArray<double> rows;                    ///< of each, Shared3D::row_stride apart
+  std::uint32_t count = 0;                  ///< vertex numbers; not all need be in use
+  std::optional<Orientation3D> predicates;  ///< of the local points; refers to them
   /// As in SimplicialHull.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
   std::uint64_t rung_counts[3] = {0, 0, 0};

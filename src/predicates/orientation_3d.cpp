@@ -89,7 +89,7 @@ bool side_in_pairs(const double* a, const double* b, const double* c, const doub
 }
 
 Orientation3D::Orientation3D(const LocalPoints& points, const std::uint32_t* simplex)
-    : points_(points), exact_doubles_(points.small_lattice) {
+    : points_(&points), exact_doubles_(points.small_lattice) {
   std::copy_n(simplex, 4, simplex_);
   for (unsigned j = 0; j < 3; ++j) {
     const Pair sum = add(two_sum(points.row(simplex[0])[j], points.row(simplex[1])[j]),
@@ -104,11 +104,11 @@ Orientation3D::Orientation3D(const LocalPoints& points, const std::uint32_t* sim
 /// determinant at most 3! times a product of three; that of cone_side has 4 a - (sum of four
 /// points) in the first row, at most four times as much. All must stay below 2^127.
 void Orientation3D::find_lattice() {
-  if (points_.exact != points_.coordinates) return;
+  if (points_->exact != points_->coordinates) return;
   int bits[3] = {1, 1, 1}, sum = 3;
-  for (std::uint32_t i = 0; i < points_.count; ++i)
+  for (std::uint32_t i = 0; i < points_->count; ++i)
     for (unsigned j = 0; j < 3; ++j) {
-      const double v = points_.row(i)[j];
+      const double v = points_->row(i)[j];
       if (v == 0) continue;
       const int b = 1 - lowest_bit_exponent(v);
       if (b <= bits[j]) continue;
@@ -136,7 +136,7 @@ Sign Orientation3D::lattice_cone_side(Point a, Point b, Point p) const {
   for (unsigned j = 0; j < 3; ++j) {
     const std::int64_t base = integer(a.row, j);
     m[0][j] = 4 * base;
-    for (const std::uint32_t s : simplex_) m[0][j] -= integer(points_.row(s), j);
+    for (const std::uint32_t s : simplex_) m[0][j] -= integer(points_->row(s), j);
     m[1][j] = integer(b.row, j) - base;
     m[2][j] = integer(p.row, j) - base;
   }
@@ -147,7 +147,7 @@ Sign Orientation3D::side_hard(Point a, Point b, Point c, Point p, std::uint64_t*
   ++rungs[static_cast<unsigned>(Rung::exact)];
   if (lattice_) return lattice_side(a, b, c, p);
   Sign sign = Sign::zero;
-  if (points_.exact == points_.coordinates &&
+  if (points_->exact == points_->coordinates &&
       side_in_pairs(a.row, b.row, c.row, p.row, 0x1p-1000, sign))
     return sign;
   const double* rows[4] = {exact_row(a), exact_row(b), exact_row(c), exact_row(p)};
@@ -173,7 +173,7 @@ Sign Orientation3D::cone_side(Point a, Point b, Point p, std::uint64_t* rungs) c
   }
   ++rungs[static_cast<unsigned>(Rung::exact)];
   if (lattice_) return lattice_cone_side(a, b, p);
-  if (points_.exact == points_.coordinates) {
+  if (points_->exact == points_->coordinates) {
     for (unsigned j = 0; j < 3; ++j) {
       m[0][j] = add(two_sum(a.row[j], -centre_[j]), {-centre_low_[j], 0});
       m[1][j] = two_sum(b.row[j], -a.row[j]);
@@ -184,7 +184,7 @@ Sign Orientation3D::cone_side(Point a, Point b, Point p, std::uint64_t* rungs) c
   }
   const double* rows[3] = {exact_row(a), exact_row(b), exact_row(p)};
   const double* simplex[4];
-  for (unsigned i = 0; i < 4; ++i) simplex[i] = points_.exact_row(simplex_[i]);
+  for (unsigned i = 0; i < 4; ++i) simplex[i] = points_->exact_row(simplex_[i]);
   return orientation_from_centroid_exact(3, rows, simplex);
 }
 

@@ -71,7 +71,7 @@ class Orientation3D {
       return x[0] == y[0] && x[1] == y[1] && x[2] == y[2];
     };
     return same(a.row, b.row) &&
-           (points_.exact == points_.coordinates || same(exact_row(a), exact_row(b)));
+           (points_->exact == points_->coordinates || same(exact_row(a), exact_row(b)));
   }
 
   /// Sign of det [a - O; b - O; p - O].
@@ -85,9 +85,9 @@ class Orientation3D {
   std::int64_t integer(const double* row, unsigned j) const {
     return static_cast<std::int64_t>(row[j] * to_integer_[j]);
   }
-  const double* exact_row(Point p) const { return points_.exact_row(p.id); }
+  const double* exact_row(Point p) const { return points_->exact_row(p.id); }
 
-  const LocalPoints& points_;
+  const LocalPoints* points_;
   std::uint32_t simplex_[4];
   double centre_[3], centre_low_[3];  // O within 2^-103 of their sum
   bool exact_doubles_;

@@ -305,7 +305,7 @@ std::uint64_t FacetCells::worthwhile(const FacetSearch& search) {
 /// whose sum with `half` is off by at most 2 u half. The centres are off by 2^-52 at most. Corners
 /// 2^-45 farther out than the cell's hold all such directions.
 std::unique_ptr<FacetCells> FacetCells::build(const FacetSearch& search, const QueryPoints& points,
-                                              unsigned threads) {
+                                              unsigned threads, const Control& control) {
   const unsigned k = search.k();
   if (search.exhaustive() || k > FacetCellTable::max_k) return nullptr;
   const DirectionCube cube(k, cell_count(search));
@@ -317,6 +317,7 @@ std::unique_ptr<FacetCells> FacetCells::build(const FacetSearch& search, const Q
   t.starts.assign(cube.size() + 1, 0);
   for_each_chunk(cube.size(), chunk, threads,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
                    CellLister lister(search);
                    for (std::uint64_t cell = begin; cell < end; ++cell) {
                      const std::vector<std::uint32_t>& list = lister.list(cube, cell);

@@ -34,7 +34,7 @@ class FacetCells {
 
   /// Null where there is nothing to gain: k above 4, or doubles found no point inside.
   static std::unique_ptr<FacetCells> build(const FacetSearch& search, const QueryPoints& points,
-                                           unsigned threads);
+                                           unsigned threads, const Control& control);
   /// Below this many points the cells are not worth making.
   static std::uint64_t worthwhile(const FacetSearch& search);
 

@@ -43,7 +43,7 @@ constexpr PlaneOf planes_of[] = {nullptr,     nullptr,     plane_of<2>, plane_of
 std::vector<std::uint32_t> flat_basis(const QueryPoints& points, const Hull& hull) {
   if (points.k == 0) return {0};
   std::vector<std::uint32_t> basis;
-  for (unsigned i = 0; i < points.k; ++i) basis.push_back(points.index_of(hull.simplices[i]));
+  for (unsigned i = 0; i < points.k; ++i) basis.push_back(points.corners[i]);
   const auto first = hull.facets.items.begin();
   const auto last = first + static_cast<std::ptrdiff_t>(hull.facets.offsets[1]);
   for (std::uint32_t v = 0; v < points.count(); ++v)
@@ -62,12 +62,7 @@ double largest_of(const double* x, unsigned k) {
 
 }  // namespace
 
-std::uint32_t QueryPoints::index_of(std::uint64_t id) const {
-  const auto at = std::lower_bound(ids.begin(), ids.end(), id);
-  return static_cast<std::uint32_t>(at - ids.begin());
-}
-
-QueryPoints make_query_points(const PointView& points, const Hull& hull) {
+QueryPoints make_query_points(const PointView& points, const Hull& hull, const Control& control) {
   if (hull.affine_dimension < 0)
     throw Error(ErrorCode::invalid_argument, "an empty hull answers no questions");
   if (points.dimension != hull.dimension || points.count != hull.point_count)
@@ -77,6 +72,12 @@ QueryPoints make_query_points(const PointView& points, const Hull& hull) {
   q.k = static_cast<unsigned>(hull.affine_dimension);
   q.ids = hull.vertices;
   std::sort(q.ids.begin(), q.ids.end());
+  q.plain = q.ids.back() + 1 == q.ids.size();
+  q.corners.resize(hull.simplices.size());
+  for (std::size_t i = 0; i < q.corners.size(); ++i) {
+    if (i % 8192 == 0) control.check();
+    q.corners[i] = q.index_of(hull.simplices[i]);
+  }
   const unsigned d = q.dimension;
   q.full.resize(q.ids.size() * d);
   for (std::size_t i = 0; i < q.ids.size(); ++i)
@@ -103,13 +104,13 @@ QueryPoints make_query_points(const PointView& points, const Hull& hull) {
   return q;
 }
 
-FacetSearch::FacetSearch(const QueryPoints& points, const Hull& hull)
+FacetSearch::FacetSearch(const QueryPoints& points, const Hull& hull, const Control& control)
     : points_(&points), k_(points.k) {
   scale_points();
   copy_neighbours(hull);
-  choose_simplices(hull);
+  choose_simplices(hull, control);
   exhaustive_ = k_ > 8 || !centre_inside();
-  if (!exhaustive_) fill_hints();
+  if (!exhaustive_) fill_hints(control);
 }
 
 void FacetSearch::scale_points() {
@@ -140,21 +141,20 @@ void FacetSearch::copy_neighbours(const Hull& hull) {
 }
 
 /// Of each facet's simplices the one whose plane is known best.
-void FacetSearch::choose_simplices(const Hull& hull) {
+void FacetSearch::choose_simplices(const Hull& hull, const Control& control) {
   corners_.resize(count() * k_);
   planes_.assign(count() * stride(), 0);
   std::vector<std::uint8_t> seen(count(), 0);
-  std::vector<std::uint32_t> corners(k_);
   std::vector<double> before(stride());
   for (std::size_t s = 0; s < hull.simplex_count(); ++s) {
+    if (s % 4096 == 0) control.check();
     const std::uint32_t f = hull.simplex_facets[s];
-    for (unsigned i = 0; i < k_; ++i) corners[i] = points_->index_of(hull.simplices[s * k_ + i]);
+    const std::uint32_t* const corners = points_->corners.data() + s * k_;
     double* plane = planes_.data() + f * stride();
     std::copy(plane, plane + stride(), before.begin());
-    set_plane(f, corners.data());
+    set_plane(f, corners);
     if (!seen[f] || plane[k_] < before[k_])
-      std::copy(corners.begin(), corners.end(),
-                corners_.begin() + static_cast<std::ptrdiff_t>(std::size_t{f} * k_));
+      std::copy_n(corners, k_, corners_.data() + std::size_t{f} * k_);
     else
       std::copy(before.begin(), before.end(), plane);
     seen[f] = 1;
@@ -214,7 +214,7 @@ std::uint32_t FacetSearch::hint(const double* x) const {
   return hints_.empty() ? 0 : hints_[cube_.cell(x)];
 }
 
-void FacetSearch::fill_hints() {
+void FacetSearch::fill_hints(const Control& control) {
   constexpr double most_cells = 1 << 17;
   cube_ = DirectionCube(k_, std::min(most_cells, 2.0 * static_cast<double>(count())));
   if (cube_.empty()) return;
@@ -222,6 +222,7 @@ void FacetSearch::fill_hints() {
   std::vector<double> x(k_);
   std::uint32_t last = 0;
   for (std::size_t cell = 0; cell < hints.size(); ++cell) {
+    if (cell % 1024 == 0) control.check();
     cube_.centre(cell, x.data());
     hints[cell] = last = climb(last, x.data());
   }

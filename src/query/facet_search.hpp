@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "control.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/query.hpp"
 #include "query/direction_cube.hpp"
@@ -18,18 +19,23 @@ struct QueryPoints {
   unsigned dimension = 0, k = 0;
   std::vector<unsigned> axes;
   std::vector<std::uint64_t> ids;  // ascending
+  bool plain = false;              // ids are 0, 1, 2, ...
   std::vector<double> full;        // vertices x dimension, exact
   std::vector<double> on_axes;     // vertices x k, exact
   std::vector<double> low, high;   // of every axis of `full`
   /// Of a flat hull (k < dimension): k + 1 vertices that span the flat.
   std::vector<std::uint32_t> basis;
+  std::vector<std::uint32_t> corners;  // of the hull's simplices, by index: while it is prepared
 
   std::size_t count() const { return ids.size(); }
   const double* row(std::uint32_t v) const { return on_axes.data() + std::size_t{v} * k; }
-  std::uint32_t index_of(std::uint64_t id) const;
+  std::uint32_t index_of(std::uint64_t id) const {
+    if (plain) return static_cast<std::uint32_t>(id);
+    return static_cast<std::uint32_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
+  }
 };
 
-QueryPoints make_query_points(const PointView& points, const Hull& hull);
+QueryPoints make_query_points(const PointView& points, const Hull& hull, const Control& control);
 
 /// Facets as linear functions that are 1 on the facet and less than 1 beneath it, seen from a
 /// centre inside, and the graph of neighbours to climb on. k >= 2.
@@ -44,7 +50,7 @@ class FacetSearch {
   /// more.
   static constexpr double least_denominator = 0x1p-900, value_tiny = 0x1p-90;
 
-  FacetSearch(const QueryPoints& points, const Hull& hull);
+  FacetSearch(const QueryPoints& points, const Hull& hull, const Control& control);
 
   /// `q`: k coordinates on the axes, within the box of the vertices.
   Side side(const double* q) const;
@@ -89,11 +95,11 @@ class FacetSearch {
 
   std::size_t stride() const { return std::size_t{k_} + 1; }
   void scale_points();
-  void choose_simplices(const Hull& hull);
+  void choose_simplices(const Hull& hull, const Control& control);
   void set_plane(std::uint32_t f, const std::uint32_t* corners);
   bool centre_inside() const;
   void copy_neighbours(const Hull& hull);
-  void fill_hints();
+  void fill_hints(const Control& control);
   std::uint32_t hint(const double* x) const;
   template <unsigned K>
   std::uint32_t climb_as(std::uint32_t f, const double* x) const;

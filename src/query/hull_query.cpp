@@ -68,12 +68,12 @@ class FlatTest {
   std::vector<double> rows_;
 };
 
-/// The hull as the gauge map takes it.
-InnerPolytope polytope_of(const QueryPoints& points, const Hull& hull) {
+/// The hull as the gauge map takes it; takes the corners over.
+InnerPolytope polytope_of(QueryPoints& points, const Hull& hull) {
   InnerPolytope p;
   p.dimension = points.dimension;
   p.vertices = points.full;
-  for (const std::uint64_t id : hull.simplices) p.facets.push_back(points.index_of(id));
+  p.facets = std::move(points.corners);
   p.neighbours.assign(hull.simplex_neighbours.begin(), hull.simplex_neighbours.end());
   return p;
 }
@@ -111,15 +111,19 @@ void refuse_non_finite(const double* p, unsigned d) {
 using namespace internal;
 
 struct HullQuery::State {
-  State(const PointView& view, const Hull& hull)
-      : points(make_query_points(view, hull)),
+  State(const PointView& view, const Hull& hull, const Control& control)
+      : points(make_query_points(view, hull, control)),
         flat(points),
-        vertices(points, hull),
+        vertices(points, control),
         planes(hull.facet_planes.begin(), hull.facet_planes.end()),
         facet_start(hull.facets.offsets.begin(), hull.facets.offsets.end()) {
-    if (points.k >= 2) facets.emplace(points, hull);
-    if (points.k >= 1) tree.emplace(planes, points.dimension);
-    for (const std::uint64_t id : hull.facets.items) facet_vertices.push_back(points.index_of(id));
+    if (points.k >= 2) facets.emplace(points, hull, control);
+    if (points.k >= 1) tree.emplace(planes, points.dimension, control);
+    facet_vertices.reserve(hull.facets.items.size());
+    for (const std::uint64_t id : hull.facets.items) {
+      if (facet_vertices.size() % 8192 == 0) control.check();
+      facet_vertices.push_back(points.index_of(id));
+    }
     // The lists of facets at a vertex.
     vertex_start.assign(points.count() + 1, 0);
     for (const std::uint32_t v : facet_vertices) ++vertex_start[v + 1];
@@ -132,6 +136,7 @@ struct HullQuery::State {
     if (points.k == points.dimension && points.dimension >= GaugeMap::min_dimension &&
         points.dimension <= GaugeMap::max_dimension)
       polytope = polytope_of(points, hull);
+    points.corners = {};
   }
 
   bool in_box(const double* p) const {
@@ -160,10 +165,10 @@ struct HullQuery::State {
     return gauge_map.get();
   }
   /// The same for the facets by cells of directions.
-  const FacetCells* facet_cells(unsigned threads) const {
+  const FacetCells* facet_cells(unsigned threads, const Control& control) const {
     std::call_once(cells_once, [&] {
       if (points.k == points.dimension && facets)
-        cells = FacetCells::build(*facets, points, threads);
+        cells = FacetCells::build(*facets, points, threads, control);
     });
     return cells.get();
   }
@@ -442,9 +447,10 @@ void HullQuery::State::sides(const PointView& view, Out* out, const Options& opt
   check_dimension(view);
   const Control control(options);
   const unsigned threads = resolve_threads(options.threads);
-  const ManySides many{
-      *this, view, worth_a_map <= view.count ? map() : nullptr,
-      facets && view.count >= FacetCells::worthwhile(*facets) ? facet_cells(threads) : nullptr};
+  const ManySides many{*this, view, worth_a_map <= view.count ? map() : nullptr,
+                       facets && view.count >= FacetCells::worthwhile(*facets)
+                           ? facet_cells(threads, control)
+                           : nullptr};
   constexpr std::uint64_t block = std::uint64_t{1} << 20;  // between two reports
   const std::uint64_t size = view.count >= block / 4 ? gauge_chunk : chunk;
   for (std::uint64_t first = 0; first < view.count; first += block) {
@@ -464,8 +470,9 @@ void HullQuery::State::sides(const PointView& view, Out* out, const Options& opt
 // ------------------------------------------------------------------------------ the public face
 
 HullQuery::HullQuery(const PointView& points, const Hull& hull, const Options& options) {
-  Control(options).check();
-  state_ = std::make_unique<State>(points, hull);
+  const Control control(options);
+  control.check();
+  state_ = std::make_unique<State>(points, hull, control);
 }
 HullQuery::~HullQuery() = default;
 HullQuery::HullQuery(HullQuery&&) noexcept = default;

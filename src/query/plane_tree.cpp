@@ -6,13 +6,15 @@
 
 namespace cullhull::internal {
 
-PlaneTree::PlaneTree(const std::vector<double>& planes, unsigned d) : d_(d), planes_(planes) {
+PlaneTree::PlaneTree(const std::vector<double>& planes, unsigned d, const Control& control)
+    : d_(d), planes_(planes) {
   order_.resize(planes.size() / (d + 1));
   std::iota(order_.begin(), order_.end(), 0U);
-  grow(0, static_cast<std::uint32_t>(order_.size()));
+  grow(0, static_cast<std::uint32_t>(order_.size()), control);
 }
 
-std::uint32_t PlaneTree::grow(std::uint32_t begin, std::uint32_t end) {
+std::uint32_t PlaneTree::grow(std::uint32_t begin, std::uint32_t end, const Control& control) {
+  control.check();
   const unsigned w = d_ + 1;
   const auto node = static_cast<std::uint32_t>(nodes_.size());
   nodes_.push_back({begin, end, 0});
@@ -37,8 +39,8 @@ std::uint32_t PlaneTree::grow(std::uint32_t begin, std::uint32_t end) {
                      return planes_[std::size_t{a} * w + widest] <
                             planes_[std::size_t{b} * w + widest];
                    });
-  grow(begin, middle);
-  const std::uint32_t right = grow(middle, end);
+  grow(begin, middle, control);
+  const std::uint32_t right = grow(middle, end, control);
   nodes_[node].right = right;
   return node;
 }

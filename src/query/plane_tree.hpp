@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "control.hpp"
+
 namespace cullhull::internal {
 
 /// Planes n . x + o in a tree of boxes over their coefficients; a box bounds the value from above.
@@ -12,7 +14,7 @@ namespace cullhull::internal {
 class PlaneTree {
  public:
   /// `planes`: count x (d + 1), as in Hull::facet_planes; copied.
-  PlaneTree(const std::vector<double>& planes, unsigned d);
+  PlaneTree(const std::vector<double>& planes, unsigned d, const Control& control);
 
   /// Index of a plane with the largest value at x, and the value. `start`: a guess.
   std::uint32_t largest(const double* x, std::uint32_t start, double& value) const;
@@ -22,7 +24,7 @@ class PlaneTree {
   struct Node {
     std::uint32_t begin, end, right;  // right child, 0 for a leaf; the left one comes next
   };
-  std::uint32_t grow(std::uint32_t begin, std::uint32_t end);
+  std::uint32_t grow(std::uint32_t begin, std::uint32_t end, const Control& control);
   double plane_value(std::uint32_t i, const double* x) const;
   double bound(std::uint32_t node, const double* x) const;
   void search(std::uint32_t node, const double* x, std::uint32_t& best, double& value) const;

@@ -20,7 +20,7 @@ double power_for(double largest, int& exponent) {
 
 }  // namespace
 
-VertexSearch::VertexSearch(const QueryPoints& points, const Hull& hull) : points_(&points) {
+VertexSearch::VertexSearch(const QueryPoints& points, const Control& control) : points_(&points) {
   const unsigned d = points.dimension;
   factor_.resize(d);
   for (unsigned j = 0; j < d; ++j) {
@@ -30,36 +30,38 @@ VertexSearch::VertexSearch(const QueryPoints& points, const Hull& hull) : points
   scaled_.resize(points.full.size());
   for (std::size_t i = 0; i < scaled_.size(); ++i) scaled_[i] = points.full[i] * factor_[i % d];
   if (points.k < 2) return;  // at most two vertices
-  join_neighbours(hull);
+  join_neighbours(control);
   cube_ = DirectionCube(d, std::min(0x1p16, static_cast<double>(points.count())));
   if (cube_.empty() || d > 6) return;
   std::vector<std::uint32_t> hints(cube_.size());
   std::vector<double> u(d);
   std::uint32_t last = 0;
   for (std::size_t cell = 0; cell < hints.size(); ++cell) {
+    if (cell % 1024 == 0) control.check();
     cube_.centre(cell, u.data());
     hints[cell] = last = climb(last, u.data());
   }
   hints_ = std::move(hints);
 }
 
-void VertexSearch::join_neighbours(const Hull& hull) {
+void VertexSearch::join_neighbours(const Control& control) {
   const unsigned k = points_->k;
-  std::vector<std::uint32_t> corners(hull.simplices.size());
+  const std::vector<std::uint32_t>& corners = points_->corners;
   start_.assign(points_->count() + 1, 0);
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    corners[i] = points_->index_of(hull.simplices[i]);
-    start_[corners[i] + 1] += k - 1;
-  }
+  for (const std::uint32_t v : corners) start_[v + 1] += k - 1;
+  control.check();
   std::partial_sum(start_.begin(), start_.end(), start_.begin());
   neighbours_.resize(start_.back());
   std::vector<std::uint32_t> at(start_.begin(), start_.end() - 1);
-  for (std::size_t s = 0; s < corners.size(); s += k)
+  for (std::size_t s = 0; s < corners.size(); s += k) {
+    if (s / k % 8192 == 0) control.check();
     for (unsigned i = 0; i < k; ++i)
       for (unsigned j = 0; j < k; ++j)
         if (i != j) neighbours_[at[corners[s + i]]++] = corners[s + j];
+  }
   std::uint32_t out = 0;
   for (std::size_t v = 0; v + 1 < start_.size(); ++v) {
+    if (v % 4096 == 0) control.check();
     const auto begin = neighbours_.begin() + start_[v], end = neighbours_.begin() + start_[v + 1];
     std::sort(begin, end);
     const auto last = std::unique(begin, end);

@@ -13,7 +13,7 @@ namespace cullhull::internal {
 /// above some level are connected, so climbing finds the largest.
 class VertexSearch {
  public:
-  VertexSearch(const QueryPoints& points, const Hull& hull);
+  VertexSearch(const QueryPoints& points, const Control& control);
 
   /// Vertex index with the exactly largest product; of several the lowest.
   std::uint32_t support(const double* direction) const;
@@ -29,7 +29,7 @@ class VertexSearch {
  private:
   double product(std::uint32_t v, const double* u) const;
   std::uint32_t climb(std::uint32_t from, const double* u) const;
-  void join_neighbours(const Hull& hull);
+  void join_neighbours(const Control& control);
   /// The sign of (vertex a - vertex b) . direction, exactly.
   int compare(std::uint32_t a, std::uint32_t b, const double* direction) const;
 

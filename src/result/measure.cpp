@@ -397,6 +397,14 @@ bool round_surely(const DoubleDouble& v, double error, long shift, double& out) 
 /// Quotients and sums of double-doubles are off by a few units of 2^-104; this leaves room.
 constexpr double double_double_error = 0x1p-96;
 
+/// Whether q m = v exactly. q is v / m rounded, so v.high - fl(q.high m) and what is left of it and
+/// of that product's rounding are exact; two sums of two doubles are equal where both parts are.
+bool is_quotient(const DoubleDouble& q, double m, const DoubleDouble& v) {
+  const DoubleDouble high = DoubleDouble::product(q.high, m), low = DoubleDouble::product(q.low, m);
+  const DoubleDouble rest = DoubleDouble::sum((v.high - high.high) - high.low, v.low);
+  return rest.high == low.high && rest.low == low.low;
+}
+
 }  // namespace
 
 bool finish_quickly(unsigned k, int exponent, const double* origin, const DoubleDouble& volume,
@@ -405,17 +413,19 @@ bool finish_quickly(unsigned k, int exponent, const double* origin, const Double
   if (k > 8 || exponent < -40 || exponent > 40) return false;
   double factorial = 1;
   for (unsigned i = 2; i < k; ++i) factorial *= i;
-  const auto round = [](const DoubleDouble& v, long shift, double& out) {
-    return round_surely(v, double_double_error * std::fabs(v.high), shift, out);
-  };
   // (k - 1)! is 1 or 2 for k <= 3, and that division is exact. It matters: a sum of two runs often
   // lies half-way between two doubles.
   const bool exact = k <= 3;
   const DoubleDouble share = exact ? DoubleDouble(area.high / factorial, area.low / factorial)
                                    : area / DoubleDouble(factorial);
   const double share_error = exact ? 0 : double_double_error * std::fabs(share.high);
+  // A sum of few runs is divisible by 3 one time in three, and may lie half-way then, too.
+  const DoubleDouble content = volume / DoubleDouble(factorial * k);
+  const double content_error = is_quotient(content, factorial * k, volume)
+                                   ? 0
+                                   : double_double_error * std::fabs(content.high);
   if (!round_surely(share, share_error, exponent * (k - 1L), *area_out) ||
-      !round(volume / DoubleDouble(factorial * k), exponent * static_cast<long>(k), *volume_out))
+      !round_surely(content, content_error, exponent * static_cast<long>(k), *volume_out))
     return false;
   const DoubleDouble weight = volume * DoubleDouble(k + 1.0);
   for (unsigned c = 0; c < k; ++c) {

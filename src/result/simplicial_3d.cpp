@@ -15,7 +15,7 @@
 
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
-#include "predicates/orientation.hpp"
+#include "predicates/orientation_3d.hpp"
 #include "result/facet_plane.hpp"
 #include "result/facet_share.hpp"
 #include "result/simplicial_measures.hpp"
@@ -232,16 +232,16 @@ class Simplicial3D {
     return same;
   }
 
-  /// Buckets of consecutive lowest vertices; the longer a stretch of facets, the more of one
-  /// bucket's records lie together.
+  /// Buckets of consecutive lowest vertices, and stretches of facets: what belongs to one of either
+  /// stays in the second cache.
   void divide() {
     const auto vertex_count = static_cast<Id>(vertices_.ids().size());
     const std::uint64_t wanted =
-        std::clamp<std::uint64_t>(std::bit_ceil(count_ / 4096), 1, max_buckets);
+        std::clamp<std::uint64_t>(std::bit_ceil(count_ / stretch), 1, max_buckets);
     const int bits = std::bit_width(vertex_count - 1U) - std::countr_zero(wanted);
     shift_ = static_cast<unsigned>(std::max(bits, 0));
     buckets_ = ((vertex_count - 1U) >> shift_) + 1;
-    stretches_ = surface_.runs(std::max<Id>(4096, 8 * buckets_));
+    stretches_ = surface_.runs(stretch);
     region_.assign(stretches_.size() + 1, 0);
     for (std::size_t s = 0; s < stretches_.size(); ++s)
       region_[s + 1] = region_[s] + (stretches_[s].second - stretches_[s].first);
@@ -295,20 +295,17 @@ class Simplicial3D {
       if (stop_.load(std::memory_order_relaxed)) return;
       if (exact_side(r, out) != Sign::negative) stop_ = true;
     }
-    // Half the ridges of each facet.
-    out.rungs[0] += out.live * 3 / 2;
+    out.rungs[0] += out.live * 3 / 2 - open.size();  // half the ridges of each facet
   }
 
   Sign exact_side(const OpenRidge& r, Counts& out) const {
-    const LocalPoints& local = *input_.local;
-    const Facet3D& facet = surface_.facets[r.facet];
-    const double* rows[4];
-    for (unsigned j = 0; j < 3; ++j) rows[j] = local.exact_row(order_[facet.vertices[j]]);
-    rows[3] = local.exact_row(order_[r.across]);
-    Rung rung = Rung::exact;
-    const Sign sign = orientation(3, rows, &rung);
-    ++out.rungs[static_cast<unsigned>(rung)];
-    return sign;
+    const auto point = [&](Id v) {
+      return Orientation3D::Point{surface_.rows.get() + std::size_t{v} * Shared3D::row_stride,
+                                  order_[v]};
+    };
+    const Id* v = surface_.facets[r.facet].vertices;
+    return surface_.predicates->side(point(v[0]), point(v[1]), point(v[2]), point(r.across),
+                                     out.rungs);
   }
 
   // ---------------------------------------------------------------- second sweep
@@ -506,6 +503,7 @@ class Simplicial3D {
   }
 
   static constexpr std::uint64_t max_buckets = 2048;
+  static constexpr Id stretch = 4096;
   static constexpr std::uint64_t ahead = 16;
 
   const ResultInput& input_;

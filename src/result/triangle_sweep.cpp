@@ -94,7 +94,6 @@ class Sweep {
         count += static_cast<unsigned>(s_.facets[at].live());
       }
       if (count == 0) break;
-      for (Id f = at; f < std::min(end, at + Batch::size); ++f) prefetch(f);
       Id wrong = 0;
       for (unsigned k = 0; k < count; ++k) wrong |= collect(k);
       if (HWY_UNLIKELY(wrong != 0)) return false;
@@ -106,17 +105,6 @@ class Sweep {
   }
 
  private:
-  HWY_INLINE const double* row(Id v) const { return s_.rows + std::size_t{v} * row_stride; }
-
-  HWY_INLINE void prefetch(Id f) const {
-    const Facet3D& facet = s_.facets[f];
-    if (HWY_UNLIKELY(!facet.live())) return;
-    for (unsigned j = 0; j < 3; ++j) {
-      hwy::Prefetch(&s_.facets[facet.neighbours[j]]);
-      hwy::Prefetch(row(facet.vertices[j]));
-    }
-  }
-
   /// 1 if a < b; comparisons of ids are as good as random, and compilers make branches of them.
   static HWY_INLINE std::uint64_t below(Id a, Id b) {
     return (std::uint64_t{a} - std::uint64_t{b}) >> 63;
@@ -202,9 +190,11 @@ class Sweep {
     }
   }
 
+  /// From the side of the facet with the lower number.
   HWY_NOINLINE void keep_open(unsigned k, unsigned count, unsigned j, unsigned lanes) {
     for (unsigned i = 0; i < hn::Lanes(D()) && k + i < count; ++i)
-      if ((lanes >> i & 1U) != 0) open_.push_back({b_.slot[k + i], b_.across_id[j][k + i]});
+      if ((lanes >> i & 1U) != 0 && b_.slot[k + i] < b_.numbers[k + i].neighbour[j])
+        open_.push_back({b_.slot[k + i], b_.across_id[j][k + i]});
   }
 
   HWY_INLINE void write(unsigned k) {
@@ -308,7 +298,11 @@ std::uint32_t count_triangles(const TriangleSource& source, std::uint32_t begin,
     if (!facet.live()) continue;
     const std::uint32_t* v = facet.vertices;
     ++counts[std::min({source.place[v[0]], source.place[v[1]], source.place[v[2]]}) >> shift];
-    // The records' lines, which are written soon, all over the region.
+    // What the sweep over these facets will look at, and where it will write, all over the region.
+    for (unsigned j = 0; j < 3; ++j) {
+      __builtin_prefetch(source.facets + facet.neighbours[j], 0, 2);
+      __builtin_prefetch(source.rows + std::size_t{v[j]} * Shared3D::row_stride, 0, 2);
+    }
     __builtin_prefetch(to_write, 1);
     __builtin_prefetch(to_write + 40, 1);
     to_write += sizeof(TriangleRecord);

@@ -41,9 +41,9 @@ struct TriangleSource {
 std::uint32_t count_triangles(const TriangleSource& source, std::uint32_t begin, std::uint32_t end,
                               unsigned shift, std::uint32_t* counts, const void* region);
 
-/// Writes the records of the same facets to region[next[bucket]++]. Each ridge is checked from both
-/// sides: it must belong to two facets that are oriented alike, else false is returned; those that
-/// are not convex beyond doubt are appended to `open`, once at least.
+/// Writes the records of the same facets to region[next[bucket]++]. Each ridge must belong to two
+/// facets that are oriented alike, else false is returned; those that are not convex beyond doubt
+/// are appended to `open`, once.
 bool sweep_triangles(const TriangleSource& source, std::uint32_t begin, std::uint32_t end,
                      unsigned shift, std::uint32_t* next, TriangleRecord* region,
                      std::vector<OpenRidge>& open);

@@ -1,0 +1,31 @@
+// The public headers: cullhull.hpp brings them all.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "cullhull/cullhull.hpp"
+
+namespace cullhull {
+namespace {
+
+static_assert(sizeof(HullQuery) > 0 && sizeof(GrowingHull) > 0 && sizeof(HullTracker) > 0 &&
+              sizeof(HalfspaceIntersection) > 0 && sizeof(HullBatch) > 0);
+
+TEST(Headers, OneBringsThemAll) {
+  const std::filesystem::path folder = CULLHULL_HEADERS;
+  std::ostringstream text;
+  text << std::ifstream(folder / "cullhull.hpp").rdbuf();
+  int headers = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name == "cullhull.hpp") continue;
+    ++headers;
+    EXPECT_NE(text.str().find("\"cullhull/" + name + "\""), std::string::npos) << name;
+  }
+  EXPECT_GT(headers, 15);
+}
+
+}  // namespace
+}  // namespace cullhull
