@@ -33,8 +33,8 @@ struct Case {
   Case(const Rows& rows, unsigned d, unsigned threads = 1)
       : view(PointView::row_major(rows.data(), rows.size() / d, d)),
         control(options),
-        frame(gather_points(view, nullptr, view.count, 1), static_cast<std::uint32_t>(view.count),
-              d, 1, control),
+        frame(gather_points(view, nullptr, view.count, 1, control),
+              static_cast<std::uint32_t>(view.count), d, 1, control),
         surface(make_surface(hull_nd(frame.points(), frame.simplex().data(), std::uint64_t{1} << 40,
                                      threads, control),
                              frame.points(), threads)) {}
