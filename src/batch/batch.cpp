@@ -256,9 +256,15 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
   const bool plain = options.engine == Engine::native && options.backend != Backend::cuda &&
                      (options.memory_budget == 0 || options.memory_budget >= 1 << 22);
   // Chunks of sets: large enough to be worth a task, many enough to be shared evenly. The parts of
-  // a block of chunks stay in the cache until they are joined, and their memory serves the next.
+  // a block of chunks are joined while they are in the cache, and their memory serves the next. One
+  // thread need not wait for others at the end of a block: in space, where hulls are large, it
+  // takes few points, so that its own cache holds them.
   constexpr std::uint64_t chunk = 32;
-  const std::uint64_t block = chunk * std::max(32U, 4 * threads);
+  const bool few = threads == 1 && points.dimension > 2;
+  const std::uint64_t mean = set_count > 0 ? (offsets[set_count] - offsets[0]) / set_count + 1 : 1;
+  const std::uint64_t together = (few ? 1U << 14 : 1U << 16) / (mean * chunk);
+  const std::uint64_t fewest = few ? 4 : std::max(32U, 4 * threads);
+  const std::uint64_t block = chunk * std::clamp<std::uint64_t>(together, fewest, fewest + 128);
   std::vector<HullBatch> parts(std::min(block / chunk, chunk_count(set_count, chunk)));
   std::vector<std::optional<Error>> errors(parts.size());
   const auto hulls_of_chunk = [&](HullBatch& part, std::uint64_t begin, std::uint64_t end) {

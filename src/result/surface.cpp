@@ -235,18 +235,18 @@ Surface make_surface(SimplicialHull&& boundary, const LocalPoints& points, unsig
   }
   s.odd.resize(count);
   const SortSimplex sort = sort_of(s.k);
-  for_each_chunk(
-      count, simplex_chunk, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-        for (std::uint64_t f = begin; f < end; ++f) {
-          std::uint32_t* ids = s.ids.data() + f * s.k;
-          std::uint32_t* neighbours = s.neighbours.data() + f * s.k;
-          for (unsigned i = 0; i < s.k; ++i) {
-            if (ids[i] >= points.count) fail_not_exact("an id is out of range");
-            if (!lowest.empty()) ids[i] = lowest[ids[i]];
-          }
-          s.odd[f] = sort(ids, neighbours, s.k);
-        }
-      });
+  for_each_chunk(count, simplex_chunk, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   for (std::uint64_t f = begin; f < end; ++f) {
+                     std::uint32_t* ids = s.ids.data() + f * s.k;
+                     std::uint32_t* neighbours = s.neighbours.data() + f * s.k;
+                     for (unsigned i = 0; i < s.k; ++i) {
+                       if (ids[i] >= points.count) fail_not_exact("an id is out of range");
+                       if (!lowest.empty()) ids[i] = lowest[ids[i]];
+                     }
+                     s.odd[f] = sort(ids, neighbours, s.k);
+                   }
+                 });
   return s;
 }
 

@@ -196,7 +196,7 @@ TEST(SmallSets, flats) {
 
 TEST(SmallSets, magnitudes) {
   const auto sphere = [](unsigned n, auto seed) { return random_set("sphere", n, 3, seed); };
-  for (const int e : {-1060, -500, -110, -99, -60, 60, 99, 110, 500, 1000}) {
+  for (const int e : {-1060, -110, -99, 99, 110, 1000}) {
     const double size = std::ldexp(1.0, e);
     expect_the_general_way(
         "2^" + std::to_string(e),
