@@ -95,7 +95,7 @@ void run(const std::string& name, unsigned threads, int repeat) {
     const Control control(options);
     const LocalFrame frame(
         cullhull::internal::gather_points(points, kept.all ? nullptr : kept.ids.data(),
-                                          kept.size(points.count), 1),
+                                          kept.size(points.count), 1, control),
         static_cast<std::uint32_t>(kept.size(points.count)), w.dimension, threads, control);
     const auto start = Clock::now();
     const double work_start = processor_milliseconds();

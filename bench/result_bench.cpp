@@ -1,4 +1,5 @@
-// What follows the engine: an engine runs once, build_hull many times, certify once.
+// What follows the engine: an engine runs once (in 3D as often), build_hull many times, certify
+// once.
 //
 //   bench/result_bench [repeats] [shape dimension count]...
 //
@@ -74,13 +75,22 @@ void run(const char* shape, unsigned d, std::uint64_t n, unsigned repeats) {
     std::string phases;
     Hull last;
     for (unsigned r = 0; r < repeats; ++r) {
-      SimplicialHull copy = boundary;
+      // The result in 3D is made of the engine's own facets, which cannot be copied.
+      SimplicialHull copy;
+      Surface3D surface;
+      if (d == 3)
+        surface = surface_3d(local, frame.simplex().data(), budget, threads, control);
+      else
+        copy = boundary;
       Hull hull;
       marks.clear();
       const auto cpu_begin = cpu();
       const auto begin = Clock::now();
-      build_hull({&view, &local, nullptr, frame.axes().data()}, std::move(copy), control, threads,
-                 hull);
+      const ResultInput input{&view, &local, nullptr, frame.axes().data()};
+      if (d == 3)
+        build_hull(input, std::move(surface), control, threads, hull);
+      else
+        build_hull(input, std::move(copy), control, threads, hull);
       const auto end = Clock::now();
       const auto cpu_end = cpu();
       user = std::min(user, cpu_end.first - cpu_begin.first);

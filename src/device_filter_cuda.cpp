@@ -107,8 +107,8 @@ class DeviceFilter {
     if (result.survivors.all)
       result.rows = std::move(rows);
     else if (result.rows.empty())
-      result.rows =
-          gather_points(view, result.survivors.ids.data(), result.survivors.ids.size(), threads_);
+      result.rows = gather_points(view, result.survivors.ids.data(), result.survivors.ids.size(),
+                                  threads_, control_);
     return result;
   }
 
@@ -117,7 +117,7 @@ class DeviceFilter {
               Array<double> rows = cuda::download_points(points, ids.data(), ids.size(), control_);
               // -0 becomes +0, and what is not finite is refused, as everywhere before an engine.
               return gather_points(PointView::row_major(rows.data(), ids.size(), d_), nullptr,
-                                   ids.size(), threads_);
+                                   ids.size(), threads_, control_);
             }};
   }
 

@@ -55,10 +55,10 @@ Filtered run_pseudo_hull(const PointView& points, const Control& control, unsign
 }
 
 /// Fetches samples of points in the host's memory.
-SampledPoints host_points(const PointView& points, unsigned threads) {
+SampledPoints host_points(const PointView& points, unsigned threads, const Control& control) {
   return {points.count, points.dimension, threads,
-          [&points, threads](const std::vector<std::uint64_t>& ids) {
-            return gather_points(points, ids.data(), ids.size(), threads);
+          [&points, &control, threads](const std::vector<std::uint64_t>& ids) {
+            return gather_points(points, ids.data(), ids.size(), threads, control);
           }};
 }
 
@@ -79,7 +79,7 @@ void gather_survivors(const PointView& points, Filtered& result, const Control& 
   require_budget(budget, left * (points.dimension + 2) * sizeof(double),
                  std::to_string(left) + " points that survive the filter");
   if (result.rows.empty())
-    result.rows = gather_points(points, result.survivors.ids.data(), left, threads);
+    result.rows = gather_points(points, result.survivors.ids.data(), left, threads, control);
   else
     check_rows_finite(result.rows.data(), left, points.dimension, result.survivors.ids.data(),
                       threads);
@@ -113,11 +113,11 @@ Filtered run_filter(const PointView& points, const Options& options, const Contr
   FirstPass pass(points, options, threads);
   SampledMap sampled;
   try {
-    sampled = map_of_sample(host_points(points, threads), forced ? Insist::yes : Insist::no,
-                            pass.most_nodes(), budget, control);
+    sampled = map_of_sample(host_points(points, threads, control),
+                            forced ? Insist::yes : Insist::no, pass.most_nodes(), budget, control);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::not_finite) throw;
-    check_finite(points, nullptr, threads);  // names the first bad point, not the sample's
+    check_finite(points, nullptr, threads, control);  // names the first bad point, not the sample's
   }
   result.survivors.reason = sampled.reason;
   if (sampled.map == nullptr) return result;
@@ -148,7 +148,7 @@ void refine_survivors(Filtered& result, unsigned d, const Control& control, unsi
   const PointView left = view_of_rows(result, d);
   if (left.count < smallest_worth_refining(d)) return;
   const SampledMap sampled =
-      map_of_sample(host_points(left, threads), Insist::late, 0, budget, control);
+      map_of_sample(host_points(left, threads, control), Insist::late, 0, budget, control);
   result.survivors.reason += "; a second map: " + sampled.reason;
   if (sampled.map == nullptr) return;
   SurvivorRows gathered;

@@ -75,7 +75,7 @@ EngineInput engine_input(const PointView& points, Filtered&& filtered, std::uint
   input.rows = std::move(filtered.rows);
   if (input.rows.empty())
     input.rows = gather_points(points, input.all ? nullptr : filtered.survivors.ids.data(),
-                               input.count, threads);
+                               input.count, threads, control);
   input.ids = std::move(filtered.survivors.ids);
   thin_lattice(input, points.dimension, threads, control);
   return input;
@@ -280,7 +280,7 @@ Survivors cull(const PointView& points, const Options& options) {
   Filtered filtered = run_filter(points, options, control, threads, budget);
   Survivors& s = filtered.survivors;
   // Gathering is what finds a NaN: here as in convex_hull, no bad point may pass.
-  if (filtered.rows.empty()) check_finite(points, s.all ? nullptr : &s.ids, threads);
+  if (filtered.rows.empty()) check_finite(points, s.all ? nullptr : &s.ids, threads, control);
   s.seconds = seconds_since(start);
   return std::move(s);
 }

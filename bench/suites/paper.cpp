@@ -204,11 +204,13 @@ class Suite {
     const double our_seconds = hull.statistics.compute_seconds;
     const std::optional<QhullRun> alone = run_qhull(p.view, limits());
     Array<double> rows;
+    const Options by_paper = options(CullMethod::pseudo_hull);
+    const internal::Control control(by_paper);
     const double filter = seconds_of([&] {
-      const Survivors left = cull(p.view, options(CullMethod::pseudo_hull));
+      const Survivors left = cull(p.view, by_paper);
       rows =
           internal::gather_points(p.view, left.all ? nullptr : left.ids.data(), left.size(s.count),
-                                  internal::resolve_threads(settings_.threads));
+                                  internal::resolve_threads(settings_.threads), control);
     });
     const std::optional<QhullRun> behind = run_qhull(
         PointView::row_major(rows.data(), rows.size() / s.dimension, s.dimension), limits());

@@ -19,7 +19,7 @@ void* allocate_block(std::size_t bytes);
 void free_block(void* block, std::size_t bytes) noexcept;
 }  // namespace internal
 
-/// The library keeps blocks of 4 MB and more that it or an Array frees, up to a limit, and gives
+/// The library keeps blocks of 2 MB and more that it or an Array frees, up to a limit, and gives
 /// them out again: memory from the system must be cleared first, which takes longer than most steps
 /// of a hull. Between calls the system is told that it may take them back whenever it is short of
 /// memory. At first the limit is a sixteenth of what this process may use, at most 1 GiB.

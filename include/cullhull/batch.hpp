@@ -40,7 +40,8 @@ struct HullBatch {
 /// entries, ascending, at most points.count; else Error{invalid_argument}. Errors of a set name it
 /// (the first set with one) and the point within it. options.cull and options.backend are for large
 /// sets; small ones are not filtered. Sets are spread over all cores, so this pays for many small
-/// ones: for a few large ones, convex_hull on each uses the cores better.
+/// ones: for a few large ones, convex_hull on each uses the cores better. Thread safe; memory
+/// O(results + points of the sets at work).
 HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
                        std::uint64_t set_count, const Options& options = {});
 

@@ -27,8 +27,11 @@ struct Certificate {
 /// geometric programs or verification of geometric structures", 1999), every input point is on or
 /// beneath the facet its ray meets. So a valid certificate proves that `hull` is the hull of
 /// `points`, that `vertices` are exactly the extreme points (lowest id of equal ones), and that
-/// `facets` are the maximal ones. Time O(n * walk + simplices * d^3).
-/// Options used: threads, stop, progress.
+/// `facets` are the maximal ones. What is wrong with hull or points makes the certificate invalid,
+/// whatever it is: lists of wrong lengths and points that are not finite, too.
+///
+/// Time O(n * walk + simplices * d^3), memory O(simplices). Thread safe. Options used: threads,
+/// stop, progress. Errors: cancelled; invalid_argument for null data or no dimension.
 Certificate certify(const PointView& points, const Hull& hull, const Options& options = {});
 
 }  // namespace cullhull

@@ -29,7 +29,8 @@ struct Survivors {
 
 /// Drops points that provably lie strictly inside the hull.
 /// Time O(n), one or two passes over the input; memory O(survivors). Thread safe.
-/// Throws Error{not_finite} naming the first bad point if any coordinate is not finite.
+/// Throws Error{not_finite} naming the first bad point if any coordinate is not finite; else what
+/// convex_hull throws: out_of_budget, cancelled, backend_unavailable, invalid_argument.
 /// Source: docs/algorithm.md, "GaugeMap" and "PseudoHull".
 Survivors cull(const PointView& points, const Options& options = {});
 

@@ -88,10 +88,12 @@ struct Hull {
 };
 
 /// The exact convex hull.
-/// Shapes: any count, any dimension >= 1. Errors: not_finite (names the first bad index),
+/// Shapes: any count, any dimension d >= 1. Errors: not_finite (names the first bad index),
 /// out_of_budget (before the work where counts tell, else when growth exceeds the budget),
-/// cancelled, backend_unavailable, invalid_argument. Extra memory O(survivors + facets). Thread
-/// safe: calls share nothing.
+/// cancelled, backend_unavailable, invalid_argument; with Engine::qhull also not_exact. Time O(n)
+/// for the filter; for the h points it leaves expected O(h log h + h^floor(d / 2)), for points in
+/// random order. Extra memory O(survivors + facets). Thread safe: calls share nothing.
+/// Source: docs/algorithm.md; why it is exact: docs/exactness.md.
 Hull convex_hull(const PointView& points, const Options& options = {});
 
 }  // namespace cullhull

@@ -89,7 +89,7 @@ Extent measure(const PlanarSource& source, unsigned threads, const Control& cont
         widen(boxes[c], box);
     }
   });
-  if (bad) check_finite(source.view(), nullptr, threads);  // names the first
+  if (bad) check_finite(source.view(), nullptr, threads, control);  // names the first
   Extent extent{boxes[0], {}};
   Box& all = extent.box;
   for (const Box& box : boxes) widen(all, box);

@@ -316,6 +316,7 @@ Sign InsertionNd<D>::side(Lane& lane, Id f, Id point) const {
   }
   for (unsigned i = 0; i < d; ++i) p[i] = exact_row(v[i]);
   p[d] = exact_row(point);
+  if constexpr (D == 0) control_.check();  // beyond 8D a sign can take milliseconds
   Rung rung = Rung::exact;
   const Sign s = orientation(d, p, &rung);
   ++lane.rung_counts[static_cast<unsigned>(rung)];
@@ -365,6 +366,7 @@ Sign InsertionNd<D>::cone_side(Lane& lane, Id f, unsigned j, Id point) const {
   const double e = 2 * (error(f) * (1 + std::abs(g)) + error(other) * (1 + std::abs(h)));
   if (g - h > e) return Sign::positive;
   if (h - g > e) return Sign::negative;
+  if constexpr (D == 0) control_.check();
   const Id* v = store_.vertices(f);
   // An outward facet has orientation (-1)^(d+1) seen from O.
   const auto outward = [d](Sign s) { return d % 2 == 1 ? s : -s; };

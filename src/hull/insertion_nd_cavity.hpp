@@ -86,7 +86,13 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
   }
   link(s, lane);
   control_.check();
-  facet_planes(frame_, point, lane.vertices.data(), lane.apex.data(), count, lane.planes.data());
+  // Beyond 8D a plane can take milliseconds: one at a time, so that the caller can stop.
+  const std::size_t at_once = D > 0 ? count : 1;
+  for (std::size_t k = 0; k < count; k += at_once) {
+    if constexpr (D == 0) control_.check();
+    facet_planes(frame_, point, lane.vertices.data() + k * d, lane.apex.data() + k, at_once,
+                 lane.planes.data() + k * (d + 1));
+  }
   const Id* const slot = s.visible.data();
   for (std::size_t k = count; k < s.seen; ++k) store_.vertices(slot[k])[0] = dead;
   for (std::size_t k = 0; k < count; ++k) {

@@ -38,7 +38,8 @@ std::uint64_t group_memory_limit(const std::string& groups, const std::string& r
     const auto first = line.find(':');
     const auto second = first == std::string::npos ? first : line.find(':', first + 1);
     if (second == std::string::npos) continue;
-    const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+    std::string controllers = line.substr(first, second - first + 1);
+    controllers.front() = controllers.back() = ',';
     const std::string group = line.substr(second + 1);
     if (controllers == ",,")
       least = std::min(least, limit_upwards(root, group, "memory.max"));

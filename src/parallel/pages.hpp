@@ -22,7 +22,7 @@ class PageScope {
 /// A larger block with the contents of `block`, which it replaces; all sizes at least
 /// `mapped_block`, `bytes` as it was asked for. `more` becomes what there is room for: a block that
 /// grows will grow again. Moves page tables rather than bytes where memory must be new.
-inline constexpr std::size_t mapped_block = std::size_t{4} << 20;
+inline constexpr std::size_t mapped_block = std::size_t{2} << 20;
 void* grow_block(void* block, std::size_t bytes, std::size_t& more);
 
 }  // namespace cullhull::internal

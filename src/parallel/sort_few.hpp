@@ -56,7 +56,8 @@ inline bool sort_few(T* items) {
   };
   [&]<std::size_t... k>(std::index_sequence<k...>) {
     (order(MergeExchange<n>::pairs[k].low, MergeExchange<n>::pairs[k].high), ...);
-  }(std::make_index_sequence<MergeExchange<n>::count>());
+  }
+  (std::make_index_sequence<MergeExchange<n>::count>());
   return odd != 0;
 }
 

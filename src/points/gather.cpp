@@ -109,12 +109,13 @@ void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t end, do
 }
 
 Array<double> gather_points(const PointView& view, const std::uint64_t* ids, std::uint64_t count,
-                            unsigned threads) {
+                            unsigned threads, const Control& control) {
   const unsigned d = view.dimension;
   Array<double> out(count * d);
   Lowest bad;
   for_each_chunk(count, chunk_size, threads,
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
                    gather_rows(view, ids, begin, end, out.data() + begin * d);
                    const std::uint64_t b = first_bad(out.data(), begin * d, end * d);
                    if (b != end * d) bad.offer(b);
@@ -140,13 +141,15 @@ void check_rows_finite(const double* rows, std::uint64_t count, unsigned dimensi
          rows[bad.value()]);
 }
 
-void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, unsigned threads) {
+void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, unsigned threads,
+                  const Control& control) {
   if (view.scalar != ScalarType::f32 && view.scalar != ScalarType::f64) return;
   const unsigned d = view.dimension;
   constexpr std::uint64_t block = 1 << 12;
   Lowest bad;
   for_each_chunk(ids != nullptr ? ids->size() : view.count, block, threads,
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
                    std::vector<double> rows((end - begin) * d);
                    gather_rows(view, ids != nullptr ? ids->data() : nullptr, begin, end,
                                rows.data());

@@ -145,7 +145,11 @@ LocalFrame::LocalFrame(Array<double>&& rows, std::uint32_t count, unsigned dimen
 
 template <class Body>
 void LocalFrame::each_chunk(const Body& body) const {
-  for_each_chunk(count_, sweep, threads_, body);
+  for_each_chunk(count_, sweep, threads_,
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control_.check();
+                   body(c, begin, end);
+                 });
 }
 
 void LocalFrame::measure_axes() {

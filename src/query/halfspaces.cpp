@@ -108,8 +108,8 @@ HalfspaceIntersection intersect_halfspaces(const PointView& halfspaces,
   const unsigned d = halfspaces.dimension - 1;
   h.dimension = d;
   const Control control(options);
-  const Array<double> gathered =
-      gather_points(halfspaces, nullptr, halfspaces.count, resolve_threads(options.threads));
+  const Array<double> gathered = gather_points(halfspaces, nullptr, halfspaces.count,
+                                               resolve_threads(options.threads), control);
   const std::vector<double> rows(gathered.begin(), gathered.end());
   if (interior_point != nullptr) {
     h.interior_point.assign(interior_point, interior_point + d);

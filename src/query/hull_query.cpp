@@ -361,7 +361,7 @@ void HullQuery::State::each(const PointView& view, const Options& options, Body&
   check_dimension(view);
   const Control control(options);
   const unsigned threads = resolve_threads(options.threads), d = points.dimension;
-  check_finite(view, nullptr, threads);
+  check_finite(view, nullptr, threads, control);
   constexpr std::uint64_t block = std::uint64_t{1} << 18;  // between two reports
   for (std::uint64_t first = 0; first < view.count; first += block) {
     control.report("query", static_cast<double>(first) / static_cast<double>(view.count));
@@ -463,7 +463,7 @@ void HullQuery::State::sides(const PointView& view, Out* out, const Options& opt
                      bad[c] = many.ask(first + begin, first + end, out, of);
                    });
     const std::vector<std::uint64_t> lowest{*std::min_element(bad.begin(), bad.end())};
-    if (lowest[0] < view.count) check_finite(view, &lowest, 1);  // says which, and throws
+    if (lowest[0] < view.count) check_finite(view, &lowest, 1, control);  // says which, and throws
   }
 }
 
@@ -549,7 +549,7 @@ void HullQuery::rays(const PointView& origins, const PointView& directions, RayH
   state_->check_dimension(directions);
   if (origins.count != directions.count)
     throw Error(ErrorCode::invalid_argument, "there must be as many directions as origins");
-  check_finite(directions, nullptr, resolve_threads(options.threads));
+  check_finite(directions, nullptr, resolve_threads(options.threads), Control(options));
   const unsigned d = state_->points.dimension;
   state_->each(origins, options, [&](std::uint64_t i, const double* p) {
     std::vector<double> u(d);

@@ -51,6 +51,7 @@ Sign Subject::side(std::uint32_t f, const double* x, const double** scratch) con
     for (unsigned j = 0; j < k && level; ++j) level = scratch[j][c] == x[c];
     if (level) return Sign::zero;
   }
+  if (k > 8) control.check();  // a sign can take milliseconds
   Rung rung = Rung::filter;
   const Sign sign = orientation(k, scratch, &rung);
   if (rung == Rung::exact) exact_decisions.fetch_add(1, std::memory_order_relaxed);
@@ -58,6 +59,7 @@ Sign Subject::side(std::uint32_t f, const double* x, const double** scratch) con
 }
 
 Sign Subject::seen(const double** r) const {
+  if (k > 8) control.check();
   if (!centre.empty()) {
     r[k] = centre.data();
     Rung rung = Rung::filter;

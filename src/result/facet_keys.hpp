@@ -28,8 +28,8 @@ struct FacetKey {
   }
 };
 
-/// Keys of `count` simplices of K vertices below `vertices`: as many of their vertices, as stored, as
-/// there is room for; then the simplex's number.
+/// Keys of `count` simplices of K vertices below `vertices`: as many of their vertices, as stored,
+/// as there is room for; then the simplex's number.
 template <unsigned K>
 class FacetKeys {
  public:
@@ -39,8 +39,8 @@ class FacetKeys {
         number_bits_(std::max(1U, static_cast<unsigned>(std::bit_width(count - 1)))),
         first_mask_((std::uint32_t{1} << first_bits) - 1) {
     packed_ = 1;
-    for (unsigned bits = number_bits_ + first_bits + vertex_bits_;
-         packed_ < K && bits <= key_bits; bits += vertex_bits_)
+    for (unsigned bits = number_bits_ + first_bits + vertex_bits_; packed_ < K && bits <= key_bits;
+         bits += vertex_bits_)
       ++packed_;
   }
   /// Whether all vertices are in the keys.
@@ -55,8 +55,8 @@ class FacetKeys {
   /// The lowest bits of the first vertex.
   std::uint32_t first(const FacetKey& key) const {
     const unsigned shift = number_bits_ + (packed_ - 1) * vertex_bits_;
-    const std::uint64_t bits = shift >= 64 ? key.high >> (shift - 64)
-                                           : key.low >> shift | key.high << (64 - shift);
+    const std::uint64_t bits =
+        shift >= 64 ? key.high >> (shift - 64) : key.low >> shift | key.high << (64 - shift);
     return static_cast<std::uint32_t>(bits) & first_mask_;
   }
   std::uint32_t number(const FacetKey& key) const {

@@ -221,6 +221,7 @@ class Merger {
     rows[k_] = points_.exact_row(beneath);
     for (std::size_t i = first; i < ids.size(); i += k_) {
       for (unsigned j = 0; j < k_; ++j) rows[j] = points_.exact_row(ids[i + j]);
+      if (k_ > 8) control_.check();  // a sign can take milliseconds
       const Sign sign = orientation(k_, rows.data());
       if (sign == Sign::zero) fail_not_exact("a facet's corners are degenerate");
       add_simplex(m, sign == Sign::positive);

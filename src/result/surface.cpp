@@ -51,8 +51,11 @@ struct ChunkResult {
 
 class RidgeScan {
  public:
-  RidgeScan(const Surface& surface, const LocalPoints& points)
-      : surface_(surface), points_(points), filter_(points.coordinates == points.exact) {}
+  RidgeScan(const Surface& surface, const LocalPoints& points, const Control& control)
+      : surface_(surface),
+        points_(points),
+        control_(control),
+        filter_(points.coordinates == points.exact) {}
 
   template <unsigned K>
   void chunk(std::uint64_t begin, std::uint64_t end, ChunkResult& out) const {
@@ -157,6 +160,7 @@ class RidgeScan {
       ++out.rungs[static_cast<unsigned>(rung)];
       return Sign::zero;
     }
+    if (k > 8) control_.check();  // a sign can take milliseconds
     const Sign sign = orientation(k, rows.data(), &rung);
     ++out.rungs[static_cast<unsigned>(rung)];
     return sign;
@@ -182,6 +186,7 @@ class RidgeScan {
       if (filter_ && plane.surely_proper()) return false;
     }
     const unsigned k = surface_.k;
+    if (k > 8) control_.check();
     std::vector<const double*> rows(k);
     for (unsigned i = 0; i < k; ++i) rows[i] = points_.exact_row(surface_.simplex(f)[i]);
     return affine_rank_exact(k, rows.data(), k) + 1 < k;
@@ -189,6 +194,7 @@ class RidgeScan {
 
   const Surface& surface_;
   const LocalPoints& points_;
+  const Control& control_;
   bool filter_;
 };
 
@@ -229,18 +235,18 @@ Surface make_surface(SimplicialHull&& boundary, const LocalPoints& points, unsig
   }
   s.odd.resize(count);
   const SortSimplex sort = sort_of(s.k);
-  for_each_chunk(
-      count, simplex_chunk, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-        for (std::uint64_t f = begin; f < end; ++f) {
-          std::uint32_t* ids = s.ids.data() + f * s.k;
-          std::uint32_t* neighbours = s.neighbours.data() + f * s.k;
-          for (unsigned i = 0; i < s.k; ++i) {
-            if (ids[i] >= points.count) fail_not_exact("an id is out of range");
-            if (!lowest.empty()) ids[i] = lowest[ids[i]];
-          }
-          s.odd[f] = sort(ids, neighbours, s.k);
-        }
-      });
+  for_each_chunk(count, simplex_chunk, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   for (std::uint64_t f = begin; f < end; ++f) {
+                     std::uint32_t* ids = s.ids.data() + f * s.k;
+                     std::uint32_t* neighbours = s.neighbours.data() + f * s.k;
+                     for (unsigned i = 0; i < s.k; ++i) {
+                       if (ids[i] >= points.count) fail_not_exact("an id is out of range");
+                       if (!lowest.empty()) ids[i] = lowest[ids[i]];
+                     }
+                     s.odd[f] = sort(ids, neighbours, s.k);
+                   }
+                 });
   return s;
 }
 
@@ -251,7 +257,7 @@ CoplanarPairs coplanar_pairs(const Surface& surface, const LocalPoints& points, 
                                    scan_chunk<3>, scan_chunk<4>, scan_chunk<5>,
                                    scan_chunk<6>, scan_chunk<7>, scan_chunk<8>};
   const Scan scan = scans[surface.k <= 8 ? surface.k : 0];
-  const RidgeScan ridge_scan(surface, points);
+  const RidgeScan ridge_scan(surface, points, control);
   std::vector<ChunkResult> results(chunk_count(surface.count(), simplex_chunk));
   for_each_chunk(surface.count(), simplex_chunk, threads,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {

@@ -22,10 +22,10 @@ FirstPass& HostFrame::pass() {
 
 Array<double> HostFrame::gather(const std::vector<std::uint64_t>& ids) {
   try {
-    return gather_points(points_, ids.data(), ids.size(), run_.threads);
+    return gather_points(points_, ids.data(), ids.size(), run_.threads, run_.control);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::not_finite) throw;
-    check_finite(points_, nullptr, run_.threads);  // names the first bad point of all
+    check_finite(points_, nullptr, run_.threads, run_.control);  // names the first bad point of all
     throw;
   }
 }

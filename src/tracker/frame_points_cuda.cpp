@@ -107,7 +107,7 @@ class DeviceFrame final : public FramePoints {
     const Array<double> rows = cuda::download_points(points_, ids.data(), ids.size(), run_.control);
     try {
       return gather_points(PointView::row_major(rows.data(), ids.size(), dimension), nullptr,
-                           ids.size(), run_.threads);
+                           ids.size(), run_.threads, run_.control);
     } catch (const Error& e) {
       if (e.code() != ErrorCode::not_finite) throw;
     }

@@ -27,7 +27,7 @@ PointView view_of(const Points& p) { return PointView::row_major(p.data(), p.siz
 Hull general(const PointView& view, unsigned threads) {
   const Options options;
   const Control control(options);
-  const LocalFrame frame(gather_points(view, nullptr, view.count, 1),
+  const LocalFrame frame(gather_points(view, nullptr, view.count, 1, control),
                          static_cast<std::uint32_t>(view.count), 2, 1, control);
   Hull hull;
   build_hull({&view, &frame.points(), nullptr, frame.axes().data()},

@@ -28,8 +28,8 @@ struct Case {
   explicit Case(const Rows& rows, unsigned threads = 1)
       : view(PointView::row_major(rows.data(), rows.size() / 3, 3)),
         control(options),
-        frame(gather_points(view, nullptr, view.count, 1), static_cast<std::uint32_t>(view.count),
-              3, 1, control),
+        frame(gather_points(view, nullptr, view.count, 1, control),
+              static_cast<std::uint32_t>(view.count), 3, 1, control),
         surface(surface_3d(frame.points(), frame.simplex().data(), std::uint64_t{1} << 40, threads,
                            control)) {}
 
