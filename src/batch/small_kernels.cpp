@@ -2,9 +2,8 @@
 
 #include "parallel/simd_targets.hpp"
 
+// Vectors are kept in arrays below, which sizeless types do not allow.
 #define HWY_DISABLED_TARGETS CULLHULL_SIZELESS_TARGETS
-// Vectors are kept in arrays below, which sizeless types do not allow: NEON serves those machines.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "batch/small_kernels.cpp"
 #include <hwy/foreach_target.h>
