@@ -86,8 +86,8 @@ Sampled hull_of_sample(const SampledPoints& points, std::uint64_t size, std::uin
 }
 
 /// In space the hull of few facets has long creases, which a coarse map cuts off: more nodes than
-/// facets ask for pay there. A node costs as much as testing some 40 points, or as the engine spends
-/// on one.
+/// facets ask for pay there. A node costs as much as testing some 40 points, or as the engine
+/// spends on one.
 std::uint32_t least_nodes(std::uint64_t count, unsigned d, Insist insist) {
   if (d != 3) return 0;
   const std::uint64_t worth = insist == Insist::late ? std::min<std::uint64_t>(count / 16, 12288)

@@ -181,7 +181,8 @@ std::vector<std::uint64_t> SimplexMemory::scan(const PointView& points, const Ru
     corners = gather_points(points, corners_.data(), corners_.size(), run.threads, run.control);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::not_finite) throw;
-    check_finite(points, nullptr, run.threads, run.control);  // names the first bad point, not the first corner
+    check_finite(points, nullptr, run.threads,
+                 run.control);  // names the first bad point, not the first corner
     throw;
   }
   std::vector<std::uint64_t> ids;
