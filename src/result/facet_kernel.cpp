@@ -23,10 +23,7 @@ using V = hn::Vec<Tag>;
 /// As in cofactors.hpp, which says why and how.
 template <unsigned K>
 HWY_INLINE void normals(const V (&e)[K - 1][K], V (&n)[K]) {
-  if constexpr (K == 2) {
-    n[0] = hn::Neg(e[0][1]);
-    n[1] = e[0][0];
-  } else if constexpr (K == 3) {
+  if constexpr (K == 3) {
     n[0] = hn::Sub(hn::Mul(e[0][1], e[1][2]), hn::Mul(e[0][2], e[1][1]));
     n[1] = hn::Sub(hn::Mul(e[0][2], e[1][0]), hn::Mul(e[0][0], e[1][2]));
     n[2] = hn::Sub(hn::Mul(e[0][0], e[1][1]), hn::Mul(e[0][1], e[1][0]));
@@ -93,7 +90,6 @@ void block(FacetBlock<K>& b) {
 
 }  // namespace
 
-void block2(FacetBlock<2>& b) { block<2>(b); }
 void block3(FacetBlock<3>& b) { block<3>(b); }
 void block4(FacetBlock<4>& b) { block<4>(b); }
 void block5(FacetBlock<5>& b) { block<5>(b); }
@@ -107,7 +103,6 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace cullhull::internal {
 
-HWY_EXPORT(block2);
 HWY_EXPORT(block3);
 HWY_EXPORT(block4);
 HWY_EXPORT(block5);
@@ -115,10 +110,6 @@ HWY_EXPORT(block6);
 HWY_EXPORT(block7);
 HWY_EXPORT(block8);
 
-template <>
-void facet_block(FacetBlock<2>& b) {
-  HWY_DYNAMIC_DISPATCH(block2)(b);
-}
 template <>
 void facet_block(FacetBlock<3>& b) {
   HWY_DYNAMIC_DISPATCH(block3)(b);

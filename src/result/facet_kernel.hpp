@@ -20,7 +20,7 @@ struct FacetBlock {
   alignas(64) double reach[lanes];   ///< product of their largest coordinates
 };
 
-/// Every instruction set performs the same IEEE operations, so all give the same bits. K = 2 ... 8.
+/// Every instruction set performs the same IEEE operations, so all give the same bits. K = 3 ... 8.
 template <unsigned K>
 void facet_block(FacetBlock<K>& block);
 

@@ -61,7 +61,6 @@ TEST(FacetKernel, GivesTheBitsOfTheScalarCode) {
   std::mt19937_64 random(1);
   for (unsigned i = 0; i < 300; ++i) {
     const bool lattice = i % 2 == 1;
-    compare<2>(random, lattice);
     compare<3>(random, lattice);
     compare<4>(random, lattice);
     compare<5>(random, lattice);
