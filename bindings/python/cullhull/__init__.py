@@ -9,7 +9,7 @@
 True
 
 `convex_hull` is the native function; `ConvexHull` and `HalfspaceIntersection` stand in for SciPy's
-classes of the same names. docs/python.md in the source tree tells the rest.
+classes of the same names, `TolerantConvexHull` for programs that assume tolerances. docs/python.md in the source tree tells the rest.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ from ._hull import (
     Hull,
     NearestFacets,
     Rays,
+    Simplified,
     certify,
     convex_hull,
     cull,
@@ -44,6 +45,7 @@ from ._hull import (
 )
 from ._lists import Lists
 from ._many import GrowingHull, HullBatch, convex_hulls
+from ._tolerant import TolerantConvexHull
 from ._tracker import HullTracker
 
 if TYPE_CHECKING:
@@ -74,6 +76,8 @@ __all__ = [
     "OutOfBudget",
     "QhullError",
     "Rays",
+    "Simplified",
+    "TolerantConvexHull",
     "__version__",
     "certify",
     "convex_hull",

@@ -135,9 +135,14 @@ class ConvexHull(_Incremental):
                 f"the {len(everything)} points span {hull.affine_dimension} dimensions of "
                 f"{self.ndim}: the initial simplex is flat"
             )
-        self._array, self._grower, self.hull = everything, grower, hull
+        self.hull = self._settle(hull)
+        self._array, self._grower = everything, grower
         for name in _LAZY:
             self.__dict__.pop(name, None)
+
+    def _settle(self, hull: Hull) -> Hull:
+        """What is made of the exact hull."""
+        return hull
 
     def add_points(self, points: Any, restart: bool = False) -> None:
         """Adds (m, d) points. `restart` computes the hull anew instead of from its vertices; the
@@ -218,7 +223,12 @@ class ConvexHull(_Incremental):
     def coplanar(self) -> npt.NDArray[Any]:
         if not (self._options.coplanar or self._options.interior):
             return np.empty((0, 3), dtype=np.int32)
-        return _coplanar(self.hull, self._array, self._options)
+        return _coplanar(self.hull, self._array, self._sides(), self._options)
+
+    def _sides(self) -> npt.NDArray[np.int8]:
+        """-1, 0 or 1 a point: inside, on the boundary, outside."""
+        sides: npt.NDArray[np.int8] = self.hull.sides(self._array)
+        return sides
 
 
 _LAZY = [name for name, value in vars(ConvexHull).items() if isinstance(value, cached_property)]
@@ -233,8 +243,9 @@ def _hull_without(points: npt.NDArray[Any], left_out: int | None, choices: Any) 
     return Hull._of(_core.convex_hull(rest, settings(**choices)).skipping(left_out))
 
 
-def _coplanar(hull: Hull, points: npt.NDArray[Any], options: QhullOptions) -> npt.NDArray[Any]:
-    sides = hull.sides(points)
+def _coplanar(
+    hull: Hull, points: npt.NDArray[Any], sides: npt.NDArray[np.int8], options: QhullOptions
+) -> npt.NDArray[Any]:
     wanted = np.zeros(len(points), dtype=bool)
     if options.coplanar:
         wanted |= sides == 0

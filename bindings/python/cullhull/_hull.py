@@ -39,6 +39,17 @@ class Rays(NamedTuple):
     exit_facets: npt.NDArray[np.int64]
 
 
+class Simplified(NamedTuple):
+    """Answer of `Hull.simplify`."""
+
+    #: The exact hull of the vertices that were kept, with the same numbering of points.
+    hull: Hull
+    #: Vertices that were dropped.
+    dropped: int
+    #: No point is farther from `hull`: an upper bound, rounding included; units of the points.
+    distance: float
+
+
 class Hull:
     """An exact convex hull, made by `convex_hull`, `convex_hulls`, `GrowingHull` and others.
 
@@ -249,6 +260,37 @@ class Hull:
     ) -> Certificate:
         """Checks the hull against the points it is said to be the hull of: see `certify`."""
         return certify(points, self, threads=threads, progress=progress)
+
+    # With fewer vertices and planes
+
+    def simplify(
+        self, distance: float, *, threads: int | None = None, progress: Progress = None
+    ) -> Simplified:
+        """Drops vertices within `distance` (>= 0, units of the points) of the hull of those kept.
+
+        The result is the exact hull of the kept vertices, so it is certified against those, not
+        against all points. It spans the same flat, however large the distance; 0 drops nothing.
+        """
+        solid, dropped, reached = _core.simplify(
+            self._solid, float(distance), settings(threads=threads, progress=progress)
+        )
+        return Simplified(Hull._of(solid), dropped, reached)
+
+    def shared_planes(self, distance: float) -> npt.NDArray[np.int64]:
+        """(f,) int64: for each facet one whose plane is within `distance` of all its vertices.
+
+        ``facet_planes[shared_planes(distance)]`` are the planes of facets that are merged where
+        they lie in one plane but for that distance; facets of one plane are connected.
+        """
+        return ids(_core.shared_planes(self._solid, float(distance)))
+
+    def rounding_distance(self) -> float:
+        """How far points of the hull of others may leave it by turns and shifts in doubles.
+
+        A distance for `simplify` and `shared_planes` where coordinates are rounded: 64 d^1.5 2^-53
+        times the largest coordinate of a vertex.
+        """
+        return _core.rounding_distance(self._solid)
 
     # Out of Python
 

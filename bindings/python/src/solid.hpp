@@ -32,6 +32,8 @@ class Solid {
   /// The hull over its vertices alone, numbered by their place, and their coordinates.
   cullhull::Hull by_place() const;
   std::vector<double> rows_by_place() const;
+  /// This hull was computed over the vertices of `whole` by place: gives it back their ids.
+  void renumber(const Solid& whole);
 
  private:
   void sort_ids();
@@ -57,5 +59,6 @@ void bind_many(nanobind::module_& m);
 void bind_halfspaces(nanobind::module_& m);
 void bind_device(nanobind::module_& m);
 void bind_tracker(nanobind::module_& m);
+void bind_simplify(nanobind::module_& m);
 
 }  // namespace binding
