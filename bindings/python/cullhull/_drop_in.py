@@ -135,14 +135,17 @@ class ConvexHull(_Incremental):
                 f"the {len(everything)} points span {hull.affine_dimension} dimensions of "
                 f"{self.ndim}: the initial simplex is flat"
             )
-        self.hull = self._settle(hull)
+        self.hull = Hull._of(self._settle(hull._solid))
         self._array, self._grower = everything, grower
         for name in _LAZY:
             self.__dict__.pop(name, None)
 
-    def _settle(self, hull: Hull) -> Hull:
-        """What is made of the exact hull."""
-        return hull
+    def _settings(self) -> _core.Settings:
+        return settings(**self._choices)
+
+    def _settle(self, solid: _core.Solid) -> _core.Solid:
+        """What is shown of the exact hull."""
+        return solid
 
     def add_points(self, points: Any, restart: bool = False) -> None:
         """Adds (m, d) points. `restart` computes the hull anew instead of from its vertices; the

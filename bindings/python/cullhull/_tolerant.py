@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from . import _core
 from ._drop_in import ConvexHull
 from ._errors import InvalidArgument
-from ._hull import Hull
 
 
 class TolerantConvexHull(ConvexHull):
@@ -76,14 +76,15 @@ class TolerantConvexHull(ConvexHull):
         self._asked = merge_distance
         super().__init__(points, incremental, qhull_options, strict=strict, **choices)
 
-    def _settle(self, hull: Hull) -> Hull:
-        distance = hull.rounding_distance() if self._asked is None else self._asked
-        simplified = hull.simplify(
-            distance, threads=self._choices["threads"], progress=self._choices["progress"]
-        )
+    def add_points(self, points: Any, restart: bool = False) -> None:
+        """As of `ConvexHull`: all points so far count, those dropped too."""
+        super().add_points(points, restart or self._grower is None)
+
+    def _settle(self, solid: _core.Solid) -> _core.Solid:
+        distance = _core.rounding_distance(solid) if self._asked is None else self._asked
+        kept, self.dropped, self.distance = _core.simplify(solid, distance, self._settings())
         self.merge_distance = distance
-        self.dropped, self.distance = simplified.dropped, simplified.distance
-        return simplified.hull
+        return kept
 
     @cached_property
     def equations(self) -> npt.NDArray[np.float64]:
