@@ -58,6 +58,9 @@ class OnDevice {
   explicit OnDevice(const std::vector<T>& host) {
     check(cudaMalloc(&data_, host.size() * sizeof(T) + (host.empty() ? 1 : 0)));
     check(cudaMemcpy(data_, host.data(), host.size() * sizeof(T), cudaMemcpyHostToDevice));
+    // From pageable memory that returns once the bytes are staged, and the streams of the tests do
+    // not wait for the default stream, which brings them to the device.
+    check(cudaDeviceSynchronize());
     host_ = reinterpret_cast<const std::byte*>(host.data());
   }
   ~OnDevice() { (void)cudaFree(data_); }
