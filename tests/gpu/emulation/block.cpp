@@ -101,8 +101,8 @@ extern "C" void emulation_fiber_entry() {
 
 void prepare(Fiber& fiber) {
   if (fiber.stack == nullptr)
-    fiber.stack = static_cast<char*>(mmap(nullptr, stack_bytes, PROT_READ | PROT_WRITE,
-                                          MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+    fiber.stack = static_cast<char*>(
+        mmap(nullptr, stack_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
   auto* top = reinterpret_cast<void**>(fiber.stack + stack_bytes - 64);
   *--top = nullptr;  // in the place of a return address: keeps the stack aligned as calls do
   *--top = reinterpret_cast<void*>(&emulation_fiber_entry);

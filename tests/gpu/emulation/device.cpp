@@ -186,7 +186,8 @@ void count_allocation(std::ptrdiff_t bytes) {
   the_counters.peak_bytes = std::max(the_counters.peak_bytes, the_counters.live_bytes);
 }
 bool count_pinned() {
-  return static_cast<long>(++the_counters.pinned_allocations) != the_settings.failing_pinned;
+  const long number = static_cast<long>(++the_counters.pinned_allocations);
+  return the_settings.failing_pinned_from == 0 || number < the_settings.failing_pinned_from;
 }
 void count_copy() { ++the_counters.copies; }
 void count_wait() { ++the_counters.waits; }
@@ -207,6 +208,8 @@ void destroy_stream(cudaStream_t stream) {
 }
 
 cudaError_t check_stream(cudaStream_t stream) {
+  if (the_settings.default_stream_error != 0 && resolve(stream) == default_stream(device_now))
+    return static_cast<cudaError_t>(the_settings.default_stream_error);
   return resolve(stream)->device == device_now ? cudaSuccess : cudaErrorInvalidResourceHandle;
 }
 

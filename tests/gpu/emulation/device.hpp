@@ -35,7 +35,8 @@ void count_wait();
 // blocking streams and they for it; cudaStreamPerThread is the calling thread's.
 cudaStream_t create_stream(bool blocking);
 void destroy_stream(cudaStream_t stream);
-/// A violation for a stream that is not there; the error for one of another device.
+/// A violation for a stream that is not there; the error for one of another device, or the one
+/// that the test wants of default streams.
 cudaError_t check_stream(cudaStream_t stream);
 void enqueue(cudaStream_t stream, std::function<void()> work, bool touches_memory = true);
 /// Does all that is queued on the stream, and whatever must come before it.

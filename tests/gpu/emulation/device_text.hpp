@@ -39,10 +39,10 @@
 #define EMULATION_HERE __FILE__ ":" EMULATION_TEXT(__LINE__)
 
 #define __syncthreads() ::emulation::barrier(EMULATION_HERE)
-#define __shfl_xor_sync(mask, value, lanes)                                                  \
+#define __shfl_xor_sync(mask, value, lanes)                                                    \
   ::emulation::word(::emulation::warp_operation(::emulation::WarpOperation::shuffle_xor, mask, \
                                                 value, lanes, EMULATION_HERE))
-#define __shfl_down_sync(mask, value, lanes)                                                  \
+#define __shfl_down_sync(mask, value, lanes)                                                    \
   ::emulation::word(::emulation::warp_operation(::emulation::WarpOperation::shuffle_down, mask, \
                                                 value, lanes, EMULATION_HERE))
 #define __ballot_sync(mask, predicate)                                                    \
@@ -144,8 +144,10 @@ Launcher<Call> launch(const char* name, const void* function, Call call, unsigne
 #define atomicMin ::emulation::atomic_min
 #define atomicAdd ::emulation::atomic_add
 #define __fadd_rd ::emulation::add_rounding_down
-#define __fmaf_rn(a, b, c) std::fma(static_cast<float>(a), static_cast<float>(b), static_cast<float>(c))
-#define __fma_rn(a, b, c) std::fma(static_cast<double>(a), static_cast<double>(b), static_cast<double>(c))
+#define __fmaf_rn(a, b, c) \
+  std::fma(static_cast<float>(a), static_cast<float>(b), static_cast<float>(c))
+#define __fma_rn(a, b, c) \
+  std::fma(static_cast<double>(a), static_cast<double>(b), static_cast<double>(c))
 #define __double2float_rn(v) static_cast<float>(v)
 #define __float_as_uint ::emulation::bits_of
 #define cospi(x) std::cos(3.14159265358979323846 * (x))
@@ -153,7 +155,8 @@ using std::isfinite;
 
 // The templates of the run-time library's C++ side.
 template <class Result, class... Arguments>
-cudaError_t cudaFuncSetAttribute(Result (*f)(Arguments...), cudaFuncAttribute attribute, int value) {
+cudaError_t cudaFuncSetAttribute(Result (*f)(Arguments...), cudaFuncAttribute attribute,
+                                 int value) {
   return ::cudaFuncSetAttribute(reinterpret_cast<const void*>(f), attribute, value);
 }
 template <class Result, class... Arguments>

@@ -24,11 +24,14 @@ struct Settings {
   int devices = 1;
   std::size_t memory = std::size_t{16} << 30;  ///< bytes of a device
   bool pools = true;                           ///< stream-ordered allocation is there
+  int unusable_device = -1;                    ///< this one is too old
+  /// What everything on default streams answers, as they do while somebody records a graph.
+  int default_stream_error = 0;
   Order order = Order::late;
-  // The n-th from now on fails; 0: none does.
+  // The n-th from restart() on fails; 0: none does.
   long failing_allocation = 0;
   long failing_allocations_from = 0;  ///< this one and all after it
-  long failing_pinned = 0;
+  long failing_pinned_from = 0;
   long failing_launch = 0;  ///< poisons the process, as an illegal address does
 };
 

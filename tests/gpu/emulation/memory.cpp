@@ -54,8 +54,7 @@ void protect(const Region& region, int rights) {
 }
 
 bool all_fresh(const char* begin, const char* end) {
-  return std::all_of(begin, end,
-                     [](char c) { return static_cast<unsigned char>(c) == fresh; });
+  return std::all_of(begin, end, [](char c) { return static_cast<unsigned char>(c) == fresh; });
 }
 
 const std::map<std::uintptr_t, Region>::value_type* find(const void* p) {
@@ -68,8 +67,7 @@ const std::map<std::uintptr_t, Region>::value_type* find(const void* p) {
 
 /// The addresses stay taken, so that a use after the end faults.
 void close(char* map, std::size_t bytes) {
-  (void)mmap(map, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED, -1,
-             0);
+  (void)mmap(map, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED, -1, 0);
 }
 
 }  // namespace
@@ -148,8 +146,8 @@ void require_device_range(const void* p, std::size_t bytes, const char* doing) {
 
 void* allocate_pinned(std::size_t bytes) {
   const std::size_t body = (bytes + page - 1) / page * page;
-  void* map = mmap(nullptr, body + page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1,
-                   0);
+  void* map =
+      mmap(nullptr, body + page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (map == MAP_FAILED) return nullptr;
   auto* begin = static_cast<char*>(map);
   close(begin + body, page);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Turns the text of kernels into C++ for the host, to run on the emulated device.
 
-    rewrite_kernels.py FROM TO [--plant NAME]
+    rewrite_kernels.py FROM TO [--plant NAME] [--host]
 
 Only what no macro can say is changed: launches, shared memory, inline assembly and the macros that
 tell a device's compiler. ``--plant`` also makes one of the errors below, which the tests must notice.
@@ -42,8 +42,8 @@ PLANTED = {
     ),
     "other-stream": (
         "gauge_cuda.cpp",
-        "check(gather_rows(part, piece_ids.data(), n, packed.data(), stream)",
-        "check(gather_rows(part, piece_ids.data(), n, packed.data(), nullptr)",
+        "check(gather_rows(part, piece_ids_.data(), n, packed_.data(), stream)",
+        "check(gather_rows(part, piece_ids_.data(), n, packed_.data(), nullptr)",
     ),
     "no-block-barrier": ("cuda_executor.cuh", "    __syncthreads();\n", ""),
 }
@@ -105,6 +105,7 @@ def main() -> int:
     parser.add_argument("source", type=Path)
     parser.add_argument("target", type=Path)
     parser.add_argument("--plant", choices=PLANTED)
+    parser.add_argument("--host", action="store_true", help="host code: nothing but the error")
     arguments = parser.parse_args()
     text = arguments.source.read_text()
     if arguments.plant is not None:
@@ -114,6 +115,9 @@ def main() -> int:
                 sys.exit(f"rewrite_kernels: {arguments.source} has no {right!r}")
             text = text.replace(right, wrong, 1)
     arguments.target.parent.mkdir(parents=True, exist_ok=True)
+    if arguments.host:
+        arguments.target.write_text(text)
+        return 0
     arguments.target.write_text(
         '#define CULLHULL_EMULATED_DEVICE 1\n#include "device_text.hpp"\n'
         + f'#line 1 "{arguments.source.name}"\n'

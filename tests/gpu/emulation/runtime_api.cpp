@@ -42,6 +42,15 @@ cudaError_t call(const Work& work) {
   return answer(work());
 }
 
+/// The same for work on a stream.
+template <class Work>
+cudaError_t call_on(cudaStream_t stream, const Work& work) {
+  return call([&] {
+    const cudaError_t error = check_stream(stream);
+    return error != cudaSuccess ? error : work();
+  });
+}
+
 /// A row at a time where there are several; the packed copy is one row.
 struct Rows {
   std::size_t width = 0, height = 1, to_pitch = 0, from_pitch = 0;
@@ -71,8 +80,8 @@ cudaError_t copy(void* to, const void* from, const Rows& rows, cudaMemcpyKind ki
       return cudaSuccess;
     }
     // Pageable memory is staged before the call returns; its way to the device is not done then.
-    const auto staged = std::make_shared<std::vector<char>>(
-        source, source + rows.extent(rows.from_pitch));
+    const auto staged =
+        std::make_shared<std::vector<char>>(source, source + rows.extent(rows.from_pitch));
     enqueue(stream, [=] { rows.copy(target, staged->data()); });
   } else if (kind == cudaMemcpyDeviceToHost) {
     require_device_range(from, rows.extent(rows.from_pitch), "a copy from the device");
@@ -125,12 +134,12 @@ cudaError_t cudaSetDevice(int device) {
     return cudaSuccess;
   });
 }
-cudaError_t cudaGetDeviceProperties(cudaDeviceProp* properties, int) {
+cudaError_t cudaGetDeviceProperties(cudaDeviceProp* properties, int device) {
   return call([&] {
     std::memset(properties, 0, sizeof *properties);
     std::snprintf(properties->name, sizeof properties->name, "emulated device");
     properties->totalGlobalMem = settings().memory;
-    properties->major = 9;
+    properties->major = device == settings().unusable_device ? 6 : 9;
     return cudaSuccess;
   });
 }
@@ -191,16 +200,18 @@ cudaError_t cudaFree(void* memory) {
 }
 cudaError_t cudaMallocFromPoolAsync(void** memory, std::size_t bytes, cudaMemPool_t pool,
                                     cudaStream_t stream) {
-  return call([&] {
+  return call_on(stream, [&] {
     *memory = allocate_device(bytes, pool->device, false);
     if (*memory == nullptr) return cudaErrorMemoryAllocation;
-    enqueue(stream, [block = *memory] { make_ready(block); }, false);
+    enqueue(
+        stream, [block = *memory] { make_ready(block); }, false);
     return cudaSuccess;
   });
 }
 cudaError_t cudaFreeAsync(void* memory, cudaStream_t stream) {
-  return call([&] {
-    enqueue(stream, [memory] { release_device(memory); }, false);
+  return call_on(stream, [&] {
+    enqueue(
+        stream, [memory] { release_device(memory); }, false);
     return cudaSuccess;
   });
 }
@@ -223,12 +234,12 @@ cudaError_t cudaFreeHost(void* memory) {
 
 cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind,
                             cudaStream_t stream) {
-  return call([&] { return copy(to, from, {bytes, 1, bytes, bytes}, kind, stream); });
+  return call_on(stream, [&] { return copy(to, from, {bytes, 1, bytes, bytes}, kind, stream); });
 }
 cudaError_t cudaMemcpy2DAsync(void* to, std::size_t to_pitch, const void* from,
                               std::size_t from_pitch, std::size_t width, std::size_t height,
                               cudaMemcpyKind kind, cudaStream_t stream) {
-  return call([&] {
+  return call_on(stream, [&] {
     // The limit of pitches that a device names is 2^31 - 1.
     if (width > to_pitch || width > from_pitch || from_pitch > 0x7FFFFFFF || to_pitch > 0x7FFFFFFF)
       return cudaErrorInvalidPitchValue;
@@ -236,7 +247,7 @@ cudaError_t cudaMemcpy2DAsync(void* to, std::size_t to_pitch, const void* from,
   });
 }
 cudaError_t cudaMemcpy(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind) {
-  return call([&] {
+  return call_on(nullptr, [&] {
     const cudaError_t error = copy(to, from, {bytes, 1, bytes, bytes}, kind, nullptr);
     // From pageable memory to a device it returns once the bytes are staged.
     if (kind != cudaMemcpyHostToDevice || is_pinned(from)) drain(nullptr);
@@ -244,7 +255,7 @@ cudaError_t cudaMemcpy(void* to, const void* from, std::size_t bytes, cudaMemcpy
   });
 }
 cudaError_t cudaMemsetAsync(void* to, int value, std::size_t bytes, cudaStream_t stream) {
-  return call([&] {
+  return call_on(stream, [&] {
     if (bytes == 0) return cudaSuccess;
     require_device_range(to, bytes, "clearing");
     enqueue(stream, [=] { std::memset(to, value, bytes); });
@@ -270,14 +281,14 @@ cudaError_t cudaStreamDestroy(cudaStream_t stream) {
   });
 }
 cudaError_t cudaStreamSynchronize(cudaStream_t stream) {
-  return call([&] {
+  return call_on(stream, [&] {
     count_wait();
     drain(stream);
     return lasting_error();
   });
 }
 cudaError_t cudaStreamQuery(cudaStream_t stream) {
-  return call([&] { return idle(stream) ? cudaSuccess : cudaErrorNotReady; });
+  return call_on(stream, [&] { return idle(stream) ? cudaSuccess : cudaErrorNotReady; });
 }
 
 // --------------------------------------------------------------- pointers and functions
@@ -286,9 +297,9 @@ cudaError_t cudaPointerGetAttributes(cudaPointerAttributes* attributes, const vo
   return call([&] {
     std::memset(attributes, 0, sizeof *attributes);
     const auto allocation = device_allocation(p);
-    attributes->type = allocation       ? cudaMemoryTypeDevice
+    attributes->type = allocation     ? cudaMemoryTypeDevice
                        : is_pinned(p) ? cudaMemoryTypeHost
-                                        : cudaMemoryTypeUnregistered;
+                                      : cudaMemoryTypeUnregistered;
     attributes->device = allocation ? allocation->device : -2;
     return cudaSuccess;
   });
@@ -309,10 +320,9 @@ cudaError_t cudaFuncSetAttribute(const void* function, cudaFuncAttribute attribu
 cudaError_t cudaOccupancyMaxActiveBlocksPerMultiprocessor(int* blocks, const void*, int threads,
                                                           std::size_t shared) {
   constexpr std::size_t shared_of_system = 1024;
-  const int by_shared =
-      static_cast<int>(shared_per_multiprocessor / (shared + shared_of_system));
-  *blocks = std::min({resident_threads / threads, registers / (assumed_registers * threads),
-                      by_shared});
+  const int by_shared = static_cast<int>(shared_per_multiprocessor / (shared + shared_of_system));
+  *blocks =
+      std::min({resident_threads / threads, registers / (assumed_registers * threads), by_shared});
   return cudaSuccess;
 }
 cudaError_t cudaOccupancyMaxActiveBlocksPerMultiprocessorWithFlags(int* blocks,
