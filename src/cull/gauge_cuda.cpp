@@ -316,21 +316,39 @@ class Rows {
   DeviceArray<std::uint64_t> piece_ids_;
 };
 
+/// Where rows arrive: pinned memory, or any other where the system has no more of that.
+template <class T>
+class Landing {
+ public:
+  explicit Landing(std::size_t count) {
+    try {
+      pinned_ = PinnedArray<T>(count);
+    } catch (const OutOfMemory&) {
+      pageable_ = Array<T>(count);
+    }
+  }
+  T* data() const { return pinned_.data() != nullptr ? pinned_.data() : pageable_.data(); }
+
+ private:
+  PinnedArray<T> pinned_;
+  mutable Array<T> pageable_;
+};
+
 template <class T>
 Array<double> download_as(const DevicePointView& points, const std::uint64_t* ids,
                           std::uint64_t count, const Control& control) {
   const unsigned d = points.dimension;
   const std::uint64_t piece = std::max<std::uint64_t>(1, (std::uint64_t{1} << 20) / d);
   const cudaStream_t stream = stream_of(points);
-  const PinnedArray<T> pinned(std::min(piece, count) * d);
+  const Landing<T> landing(std::min(piece, count) * d);
   Rows<T> source(points, ids, std::min(piece, count));
   Array<double> rows(count * d);
   for (std::uint64_t first = 0; first < count; first += piece) {
     control.check();
     const std::uint64_t n = std::min(piece, count - first);
-    source.copy(first, n, pinned.data());
+    source.copy(first, n, landing.data());
     synchronise(stream, "copying points from the device");
-    std::copy_n(pinned.data(), n * d, rows.data() + first * d);
+    std::copy_n(landing.data(), n * d, rows.data() + first * d);
   }
   return rows;
 }

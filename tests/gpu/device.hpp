@@ -27,7 +27,8 @@ inline std::string no_device() {
   if (const std::string why = cullhull::testing::no_device(); !why.empty()) \
   GTEST_SKIP() << "needs a CUDA device: " << why
 
-/// Under a checker of memory accesses every launch takes milliseconds: fewer and smaller cases.
+/// Under a checker of memory accesses every launch takes milliseconds, on an emulated device every
+/// point a microsecond: fewer and smaller cases.
 inline bool short_run() {
   const char* wanted = std::getenv("CULLHULL_GPU_TESTS");
   return wanted != nullptr && std::strcmp(wanted, "short") == 0;

@@ -214,6 +214,7 @@ cudaError_t check_stream(cudaStream_t stream) {
 }
 
 void enqueue(cudaStream_t stream, std::function<void()> work, bool touches_memory) {
+  const Lock lock(mutex());
   CUstream_st* s = resolve(stream);
   run_before(s);
   s->queue.push_back({std::move(work), touches_memory});
