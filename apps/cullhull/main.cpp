@@ -116,14 +116,14 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   app::keep_standard_streams();
-  app::install_signals();
   try {
+    app::install_signals();
     return run(argc, argv);
   } catch (const cullhull::Error& e) {
     app::complain(e.what());
     return exit_status(e.code());
   } catch (const std::bad_alloc&) {
-    app::complain("out of memory; a smaller --memory makes cullhull refuse earlier");
+    app::complain(app::out_of_memory);
     return app::over_budget;
   } catch (const std::exception& e) {
     app::complain(e.what());

@@ -2,16 +2,19 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <system_error>
 
 #include "cullhull/error.hpp"
+#include "cullhull/io.hpp"
 
 namespace app {
 namespace {
@@ -27,6 +30,29 @@ int write_all(int fd, std::string_view text) {
     text.remove_prefix(static_cast<std::size_t>(n));
   }
   return 0;
+}
+
+/// Who writes the program's one line of complaint.
+enum LineState : int { silent, writing, written };
+std::atomic<int> line_state{silent};
+
+/// A byte of a message that would act on a terminal instead of being shown; `before` precedes it.
+bool is_control(char c, char before) {
+  const auto byte = static_cast<unsigned char>(c);
+  return byte < 32 || byte == 127 || (before == '\xC2' && byte >= 0x80 && byte < 0xA0);
+}
+
+std::string printable(std::string_view message) {
+  std::string text;
+  char before = 0;
+  for (const char c : message) {
+    if (is_control(c, before))
+      text += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    else
+      text += c;
+    before = c;
+  }
+  return text;
 }
 
 std::int64_t milliseconds() {
@@ -51,10 +77,28 @@ void write_stdout(std::string_view text) {
 }
 
 void complain(std::string_view message) {
-  std::string line = "cullhull: ";
-  for (const char c : message) line += static_cast<unsigned char>(c) < 32 || c == 127 ? '?' : c;
-  line += '\n';
+  const std::string line = "cullhull: " + printable(message) + '\n';
+  line_state = writing;
   (void)write_all(STDERR_FILENO, line);
+  line_state = written;
+}
+
+// No allocation and no lock: the heap may be exhausted, or its lock held where a signal arrived.
+void end_with_line(int status, const char* first, const char* second) noexcept {
+  int expected = silent;
+  if (line_state.compare_exchange_strong(expected, writing)) {
+    char line[1400];
+    std::size_t length = 0;
+    for (const char* part : {"cullhull: ", first, second})
+      for (; *part != 0 && length < sizeof line - 1; ++part)
+        line[length++] = is_control(*part, 0) ? '?' : *part;
+    line[length++] = '\n';
+    (void)write_all(STDERR_FILENO, {line, length});
+    line_state = written;
+  }
+  while (line_state != written) ::poll(nullptr, 0, 10);
+  cullhull::remove_unfinished_files();
+  ::_exit(status);
 }
 
 TerminalProgress::TerminalProgress(bool quiet) : active_(!quiet && ::isatty(STDERR_FILENO) == 1) {}

@@ -17,8 +17,15 @@ void keep_standard_streams();
 /// Writes all of `text` or throws Error{io} (closed pipe, full disk).
 void write_stdout(std::string_view text);
 
-/// One line on standard error: "cullhull: message". Control characters become '?'.
+/// One line on standard error: "cullhull: message". Control characters are escaped.
 void complain(std::string_view message);
+
+/// Ends the program at once, from any thread or signal handler: removes unfinished files and writes
+/// one line, "cullhull: " and the two parts, unless another thread did or complain() was called.
+[[noreturn]] void end_with_line(int status, const char* first, const char* second = "") noexcept;
+
+inline constexpr const char* out_of_memory =
+    "out of memory; a smaller --memory makes cullhull refuse earlier";
 
 /// Shows a line of progress on standard error if that is a terminal, and nothing otherwise; the
 /// line is wiped when the object goes.

@@ -107,6 +107,7 @@ std::string explain_row(const char* p, const char* end, std::uint32_t dimension)
 namespace {
 
 /// Throws LineFault unless a row of cdd's is that of a point; returns where its coordinates begin.
+/// The 1 of a point may be any number but 0, as Qhull has it: rbox's offset is added to it, too.
 const char* skip_leading_one(const char* p, const char* end, std::uint32_t dimension) {
   p = skip_blanks(p, end);
   const std::string_view word = first_word(p, end);
@@ -114,9 +115,7 @@ const char* skip_leading_one(const char* p, const char* end, std::uint32_t dimen
   const char* q = p;
   if (scan_number(q, end, one) != Scan::ok || q != word.data() + word.size())
     throw LineFault{quoted_text(word) + " is not a number"};
-  if (one != 1)
-    throw LineFault{"begins with " + quoted_text(word) +
-                    ": only points are read, whose first number is 1"};
+  if (one == 0) throw LineFault{"begins with 0, which is a ray: only points are read"};
   const std::size_t width = split_fields(p, end).list.size();
   if (width != std::uint64_t{dimension} + 1)
     throw LineFault{std::to_string(width) + " numbers where the header promises " +

@@ -107,6 +107,33 @@ inline Ran run_app(const std::vector<std::string>& arguments,
   return ran;
 }
 
+/// As run_app, under limits that `limit` sets in the process that becomes the program; it may make
+/// system calls only.
+template <class Limit>
+Ran run_limited(const std::vector<std::string>& arguments, const Limit& limit) {
+  const Folder folder;
+  const std::string out = folder / "out", err = folder / "err";
+  std::vector<char*> argv{const_cast<char*>(CULLHULL_APP)};
+  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+  argv.push_back(nullptr);
+  const int fds[] = {::open("/dev/null", O_RDONLY | O_CLOEXEC),
+                     ::open(out.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600),
+                     ::open(err.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600)};
+  const pid_t child = ::fork();
+  if (child == 0) {
+    for (int fd = 0; fd < 3; ++fd) ::dup2(fds[fd], fd);
+    limit();
+    ::execv(CULLHULL_APP, argv.data());
+    ::_exit(126);
+  }
+  Ran ran;
+  ran.status = wait_for(child);
+  for (const int fd : fds) ::close(fd);
+  ran.out = read_file(out);
+  ran.err = read_file(err);
+  return ran;
+}
+
 /// Standard error is one line that begins with the program's name.
 inline ::testing::AssertionResult one_line(const std::string& err) {
   if (err.rfind("cullhull: ", 0) == 0 && err.find('\n') + 1 == err.size())

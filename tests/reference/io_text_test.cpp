@@ -178,11 +178,12 @@ TEST(Text, CddFiles) {
       rows_of(parse("* a note\nV-representation\nbegin\n1 3 integer\n1 7 8\nend\n", "txt").view),
       (Rows{{7, 8}}));
   EXPECT_EQ(rows_of(parse("begin\r\n1 2 rational\r\n1 7\r\nend", "txt").view), (Rows{{7}}));
+  EXPECT_EQ(rows_of(parse("begin\n1 3 real\n4 7 8\nend\n", "txt").view), (Rows{{7, 8}}));
   EXPECT_EQ(refusal("begin\n2 3 real\n1 7 8\nend\n", "txt"),
             "F:2: promises 2 points, but 1 lines follow");
   EXPECT_EQ(refusal("begin\n1 3 real\n1 7 8\n", "txt"), "F: no line 'end' after the points");
   EXPECT_EQ(refusal("begin\n1 3 real\n0 7 8\nend\n", "txt"),
-            "F:3: begins with '0': only points are read, whose first number is 1");
+            "F:3: begins with 0, which is a ray: only points are read");
   EXPECT_EQ(refusal("begin\n1 3 rational\n1 1/3 8\nend\n", "txt"), "F:3: '1/3' is not a number");
   EXPECT_EQ(refusal("begin\n1 3 real\n1 7\nend\n", "txt"),
             "F:3: 2 numbers where the header promises 3");
