@@ -17,6 +17,9 @@ void keep_standard_streams();
 /// Writes all of `text` or throws Error{io} (closed pipe, full disk).
 void write_stdout(std::string_view text);
 
+/// What was asked for on standard error; a failure there has nowhere to be told.
+void write_stderr(std::string_view text);
+
 /// One line on standard error: "cullhull: message". Control characters are escaped.
 void complain(std::string_view message);
 
@@ -27,11 +30,12 @@ void complain(std::string_view message);
 inline constexpr const char* out_of_memory =
     "out of memory; a smaller --memory makes cullhull refuse earlier";
 
-/// Shows a line of progress on standard error if that is a terminal, and nothing otherwise; the
-/// line is wiped when the object goes.
+/// Shows a line of progress on standard error if that is a terminal, and nothing otherwise: phase,
+/// bar, share, rate and time left. The line is wiped when the object goes.
 class TerminalProgress {
  public:
-  explicit TerminalProgress(bool quiet);
+  /// Where the whole is `total` of `unit`, the rate is told in them, else in percent.
+  explicit TerminalProgress(bool quiet, double total = 0, std::string unit = "");
   ~TerminalProgress();
   TerminalProgress(const TerminalProgress&) = delete;
   TerminalProgress& operator=(const TerminalProgress&) = delete;
@@ -41,9 +45,15 @@ class TerminalProgress {
 
  private:
   void show(const char* phase, double share);
+  std::string rate_and_rest(double share, std::int64_t now) const;
+  double total_;
+  std::string unit_;
   bool active_;
   bool shown_ = false;
   std::int64_t last_ = 0;
+  std::string phase_;
+  std::int64_t phase_began_ = 0;
+  double first_share_ = 0;  ///< of this phase
 };
 
 using cullhull::bench::grouped;

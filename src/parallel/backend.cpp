@@ -1,5 +1,7 @@
 #include "parallel/backend.hpp"
 
+#include <unistd.h>
+
 #include "cullhull/error.hpp"
 #ifdef CULLHULL_HAVE_CUDA
 #include "parallel/cuda_runtime.hpp"
@@ -11,12 +13,22 @@ namespace internal {
 #ifdef CULLHULL_HAVE_CUDA
 void require_cuda() { (void)cuda::device(); }
 bool cuda_started() noexcept { return cuda::started(); }
+
+// Without starting the driver, which takes longer than many a hull: its device files, on Linux, in
+// Windows' subsystem for it, and on boards.
+bool cuda_in_sight() noexcept {
+  if (cuda_started()) return true;
+  for (const char* file : {"/dev/nvidiactl", "/dev/dxg", "/dev/nvhost-ctrl-gpu"})
+    if (::access(file, F_OK) == 0) return true;
+  return false;
+}
 #else
 void require_cuda() {
   throw Error(ErrorCode::backend_unavailable,
               "this build has no CUDA backend; use the backend auto or cpu");
 }
 bool cuda_started() noexcept { return false; }
+bool cuda_in_sight() noexcept { return false; }
 #endif
 
 }  // namespace internal

@@ -17,4 +17,8 @@ void require_cuda();
 /// Whether a device has been used in this process already, so that asking for it costs no time.
 bool cuda_started() noexcept;
 
+/// Whether this machine looks as if it had a device: a glance, which decides nothing but what is
+/// said.
+bool cuda_in_sight() noexcept;
+
 }  // namespace cullhull::internal
