@@ -6,7 +6,7 @@
 
 #include "arguments.hpp"
 #include "commands.hpp"
-#include "cullhull/certify.hpp"
+#include "cullhull/io.hpp"
 #include "measure.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
@@ -17,9 +17,10 @@ namespace {
 constexpr const char* examples =
     "A valid certificate proves that the file holds the exact hull of the points: that its "
     "vertices\n"
-    "are the extreme points (the lowest id of equal ones) and its facets the maximal ones. The "
-    "check\n"
-    "uses exact predicates and none of the engine's code.\n"
+    "are the extreme points (the lowest id of equal ones) and its facets the maximal ones, and "
+    "that\n"
+    "every number in it is as accurate as documented. The check uses exact predicates and none of\n"
+    "the engine's code.\n"
     "\n"
     "Example:\n"
     "  cullhull hull scan.ply -o hull.json && cullhull certify scan.ply hull.json\n"
@@ -36,14 +37,14 @@ struct CertifyArguments {
 
 int run(const CertifyArguments& arguments) {
   const Input input = open_input(arguments.input, arguments.run.threads);
-  const cullhull::Hull hull = cullhull::hull_from_json(arguments.hull);
   cullhull::Certificate certificate;
   const Stopwatch watch;
   {
     TerminalProgress progress(arguments.run.quiet);
     cullhull::Options options = arguments.run.options();
     options.progress = progress.callback();
-    cancellable([&] { certificate = cullhull::certify(input.points, hull, options); });
+    cancellable(
+        [&] { certificate = cullhull::certify_file(input.points, arguments.hull, options); });
   }
   if (!certificate.valid) {
     complain("not certified: " + certificate.reason);

@@ -9,7 +9,7 @@
 #include "cullhull/error.hpp"
 #include "predicates/cofactors.hpp"
 #include "predicates/orientation.hpp"
-#include "result/double_double.hpp"
+#include "predicates/double_double.hpp"
 #include "result/exact_rests.hpp"
 #include "result/measure_frame.hpp"
 
