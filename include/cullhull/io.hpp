@@ -137,6 +137,11 @@ std::string hull_to_json(const PointView& points, const Hull& hull, const JsonEx
 /// Throws Error{bad_file} or Error{io}.
 Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates = nullptr);
 
+/// certify() of the hull in such a file; its `vertex_coordinates`, which a Hull does not have, must
+/// be those of the points. Throws what hull_from_json and certify throw.
+Certificate certify_file(const PointView& points, const std::string& path,
+                         const Options& options = {});
+
 /// Reads what `cullhull bench machine` wrote: an object with the members of MachineConstants. The
 /// rates of link and device may be missing or null. Throws Error{bad_file} or Error{io}.
 MachineConstants machine_from_json(const std::string& path);
