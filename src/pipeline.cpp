@@ -17,12 +17,14 @@
 #include "hull/polygon.hpp"
 #include "hull/surface_3d.hpp"
 #include "parallel/backend.hpp"
+#include "parallel/helpers.hpp"
 #include "parallel/pages.hpp"
 #include "points/gather.hpp"
 #include "points/local_frame.hpp"
 #include "result/build_hull.hpp"
 #include "result/extreme_rows.hpp"
 #include "result/polygon_result.hpp"
+#include "small_hull.hpp"
 
 namespace cullhull {
 namespace internal {
@@ -287,7 +289,9 @@ Survivors cull(const PointView& points, const Options& options) {
 
 Hull convex_hull(const PointView& points, const Options& options) {
   check_arguments(points, options);
+  if (Hull hull; small_hull(points, options, hull)) return hull;
   const Run run(options);
+  const CallScope call;
   const PageScope pages;
   const auto start = Clock::now();
   run.control.check();
