@@ -6,6 +6,7 @@
 
 #include "control.hpp"
 #include "cull/lattice_cull.hpp"
+#include "cull/planner.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
@@ -290,7 +291,8 @@ Survivors cull(const PointView& points, const Options& options) {
 Hull convex_hull(const PointView& points, const Options& options) {
   check_arguments(points, options);
   if (Hull hull; small_hull(points, options, hull)) return hull;
-  const Run run(options);
+  Run run(options);
+  run.threads = useful_threads(run.threads, points.count, points.dimension);
   const CallScope call;
   const PageScope pages;
   const auto start = Clock::now();
@@ -306,7 +308,9 @@ Hull convex_hull(const PointView& points, const Options& options) {
 
 ExtremePoints extreme_points(const PointView& points, const Options& options) {
   check_arguments(points, options);
-  const Run run(options);
+  Run run(options);
+  run.threads = useful_threads(run.threads, points.count, points.dimension);
+  const CallScope call;
   const PageScope pages;
   const auto start = Clock::now();
 

@@ -6,6 +6,9 @@
 namespace cullhull::internal {
 namespace {
 
+/// With fewer points a sample costs more than it saves.
+constexpr std::uint32_t smallest_worth_thinning = 256;
+
 bool finite(const double* values, std::uint32_t count) {
   double sum[4] = {};  // x * 0 is NaN exactly for NaN and infinities
   std::uint32_t i = 0;
@@ -21,11 +24,57 @@ bool SmallPolygon::find(const PointView& set) {
   if (set.dimension != 2 || set.count < 3 || set.count > most_points) return false;
   const auto n = static_cast<std::uint32_t>(set.count);
   rows_ = load(set);
-  if (!finite(rows_, 2 * n)) return false;
-  const std::vector<std::uint32_t>& corners = series_.corners(rows_, n);
+  kept_count_ = n;
+  all_ = n < smallest_worth_thinning || !thin(n);
+  if (all_ && n > most_kept) return false;
+  const double* const rows = all_ ? rows_ : kept_rows_.data();
+  if (!finite(rows, 2 * kept_count_)) return false;
+  const std::vector<std::uint32_t>& corners = series_.corners(rows, kept_count_);
   if (corners.size() < 3) return false;
-  rank(corners, n);
+  rank(corners);
   return true;
+}
+
+/// Every 8th, 64th, ... row: the hull of the fewest thins the next more, and so on, so that each
+/// but the last takes little of the whole. False, and all are kept, where that does not pay.
+bool SmallPolygon::thin(std::uint32_t count) {
+  constexpr std::uint32_t ratio = 8, first_sample = 200;
+  std::uint32_t step = ratio;
+  while (count / step > first_sample) step *= ratio;
+  keep_rows(count, step, InnerDisc());
+  for (;;) {
+    if (!finite(kept_rows_.data(), 2 * kept_count_)) break;
+    const std::vector<std::uint32_t>& corners = series_.corners(kept_rows_.data(), kept_count_);
+    // Efron 1965: of the points the share that the hull of a sample leaves outside is about the
+    // share of the sample that is extreme.
+    if (corners.size() < 3 || corners.size() > count / step / 3) break;
+    const InnerDisc disc(kept_rows_.data(), corners, series_.box());
+    step /= ratio;
+    keep_rows(count, step, disc);
+    if (kept_count_ > most_kept) break;
+    if (step == 1) return true;
+  }
+  kept_count_ = count;
+  return false;
+}
+
+/// Every `step`th row that the disc does not contain.
+void SmallPolygon::keep_rows(std::uint32_t count, std::uint32_t step, const InnerDisc& disc) {
+  const std::size_t most = (std::size_t{count} + step - 1) / step;
+  if (kept_.size() < most) {
+    kept_.resize(most);
+    kept_rows_.resize(2 * most);
+  }
+  std::uint32_t k = 0;
+  for (std::uint32_t row = 0; row < count; row += step) {
+    const double x = rows_[2 * std::size_t{row}], y = rows_[2 * std::size_t{row} + 1];
+    kept_[k] = row;
+    k += !disc.contains(x, y);
+  }
+  for (std::uint32_t i = 0; i < k; ++i)
+    for (unsigned j = 0; j < 2; ++j)
+      kept_rows_[2 * std::size_t{i} + j] = rows_[2 * std::size_t{kept_[i]} + j];
+  kept_count_ = k;
 }
 
 /// Coordinates as they are given, a negative zero too.
@@ -38,7 +87,8 @@ const double* SmallPolygon::load(const PointView& set) {
   return loaded_.data();
 }
 
-void SmallPolygon::rank(const std::vector<std::uint32_t>& corners, std::uint32_t rows) {
+void SmallPolygon::rank(const std::vector<std::uint32_t>& corners) {
+  const std::uint32_t rows = kept_count_;
   const std::size_t h = corners.size();
   rank_.assign(rows, 0);
   for (const std::uint32_t row : corners) rank_[row] = 1;
@@ -52,7 +102,7 @@ void SmallPolygon::rank(const std::vector<std::uint32_t>& corners, std::uint32_t
   for (std::size_t i = 0; i < h; ++i) {
     const std::uint32_t row = corners[lowest + i < h ? lowest + i : lowest + i - h];
     cycle_[i] = rank_[row];
-    by_rank_[rank_[row]].row = row;
+    by_rank_[rank_[row]].row = all_ ? row : kept_[row];
   }
   for (std::size_t i = 0; i < h; ++i) {
     by_rank_[cycle_[i]].before = cycle_[i == 0 ? h - 1 : i - 1];
@@ -65,7 +115,7 @@ bool SmallPolygon::measure(const PointView& set, double* planes, PlanarMeasures&
   if (!kernel.ordinary()) return false;
   for (Corner& c : by_rank_)
     c.point = kernel.scaled({rows_[2 * std::size_t{c.row}], rows_[2 * std::size_t{c.row} + 1]});
-  static_assert(most_points <= measure_chunk);  // one chunk of sums
+  static_assert(most_kept <= measure_chunk);  // one chunk of sums
   PolygonSums sums;
   const std::size_t h = by_rank_.size();
   EdgeShare run;

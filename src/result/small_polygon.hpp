@@ -7,6 +7,7 @@
 
 #include "control.hpp"
 #include "cullhull/point_view.hpp"
+#include "hull/inner_disc.hpp"
 #include "hull/polygon.hpp"
 #include "result/polygon_result.hpp"
 
@@ -14,7 +15,9 @@ namespace cullhull::internal {
 
 class SmallPolygon {
  public:
-  static constexpr std::uint64_t most_points = 4096;
+  static constexpr std::uint64_t most_points = std::uint64_t{1} << 16;
+  /// That are left when what a sample's hull contains is gone.
+  static constexpr std::uint64_t most_kept = 4096;
 
   explicit SmallPolygon(const Control& control) : series_(control) {}
 
@@ -38,12 +41,19 @@ class SmallPolygon {
 
  private:
   const double* load(const PointView& set);
-  void rank(const std::vector<std::uint32_t>& corners, std::uint32_t rows);
+  bool thin(std::uint32_t count);
+  void keep_rows(std::uint32_t count, std::uint32_t step, const InnerDisc& disc);
+  void rank(const std::vector<std::uint32_t>& corners);
 
   PolygonSeries series_;
   std::vector<double> loaded_;
-  const double* rows_ = nullptr;     // of the set
-  std::vector<std::uint32_t> rank_;  // of each row that is a corner
+  const double* rows_ = nullptr;  // of the set
+  // Rows that may be corners, ascending, and their coordinates; `all_`: these are those of the set.
+  bool all_ = true;
+  std::uint32_t kept_count_ = 0;
+  std::vector<std::uint32_t> kept_;
+  std::vector<double> kept_rows_;
+  std::vector<std::uint32_t> rank_;  // of each of them that is a corner
   struct Corner {
     std::uint32_t row, before, after;  // the ranks before and after, counter-clockwise
     PlanarPoint point;                 // in the kernel's units
