@@ -12,19 +12,28 @@ namespace cullhull::internal {
 /// origin lies inside that of a polygon.
 class InnerDisc {
  public:
+  struct Test {
+    double centre[2] = {}, scale[2] = {};
+    double limit = 0;
+
+    bool contains(double x, double y) const {
+      const double u = (x - centre[0]) * scale[0], v = (y - centre[1]) * scale[1];
+      return u * u + v * v < limit;
+    }
+  };
+
   InnerDisc() = default;  ///< contains nothing
   /// `corners` of `rows` (packed pairs), counter-clockwise, and their box. May contain nothing.
   InnerDisc(const double* rows, const std::vector<std::uint32_t>& corners, const Box& box);
 
   /// Certainly strictly inside the polygon. False for what is not finite.
-  bool contains(double x, double y) const {
-    const double u = (x - centre_[0]) * scale_[0], v = (y - centre_[1]) * scale_[1];
-    return u * u + v * v < limit_;
-  }
+  bool contains(double x, double y) const { return test_.contains(x, y); }
+  /// Of `count` packed pairs the positions, ascending, of those it does not contain. `out` has room
+  /// for all.
+  std::uint32_t outside(const double* rows, std::uint32_t count, std::uint32_t* out) const;
 
  private:
-  double centre_[2] = {}, scale_[2] = {};
-  double limit_ = 0;
+  Test test_;
 };
 
 }  // namespace cullhull::internal

@@ -65,15 +65,21 @@ void SmallPolygon::keep_rows(std::uint32_t count, std::uint32_t step, const Inne
     kept_.resize(most);
     kept_rows_.resize(2 * most);
   }
+  const double* const rows = rows_;
+  std::uint32_t* const kept = kept_.data();
+  double* const to = kept_rows_.data();
   std::uint32_t k = 0;
-  for (std::uint32_t row = 0; row < count; row += step) {
-    const double x = rows_[2 * std::size_t{row}], y = rows_[2 * std::size_t{row} + 1];
-    kept_[k] = row;
-    k += !disc.contains(x, y);
+  if (step == 1)
+    k = disc.outside(rows, count, kept);
+  else
+    for (std::uint32_t row = 0; row < count; row += step) {
+      kept[k] = row;
+      k += !disc.contains(rows[2 * std::size_t{row}], rows[2 * std::size_t{row} + 1]);
+    }
+  for (std::uint32_t i = 0; i < k; ++i) {
+    to[2 * std::size_t{i}] = rows[2 * std::size_t{kept[i]}];
+    to[2 * std::size_t{i} + 1] = rows[2 * std::size_t{kept[i]} + 1];
   }
-  for (std::uint32_t i = 0; i < k; ++i)
-    for (unsigned j = 0; j < 2; ++j)
-      kept_rows_[2 * std::size_t{i} + j] = rows_[2 * std::size_t{kept_[i]} + j];
   kept_count_ = k;
 }
 
