@@ -210,7 +210,7 @@ void check_arguments(const PointView& points, const Options& options) {
     throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
   if (points.data == nullptr && points.count > 0)
     throw Error(ErrorCode::invalid_argument, "points.data is null");
-  if (options.backend == Backend::cuda) require_cuda();
+  if (options.backend == Backend::cuda) require_cuda(options.device);
   if (options.engine == Engine::qhull && !qhull_available())
     throw Error(ErrorCode::backend_unavailable,
                 "this build has no Qhull engine; use the native engine");

@@ -43,8 +43,9 @@ struct PlaceQuestion {
   unsigned dimension = 0;
   std::uint64_t point_bytes = 0;
   unsigned threads = 1;
-  bool on_device = false;       ///< where the points are
-  bool device_started = false;  ///< the driver has been used in this process
+  bool on_device = false;          ///< where the points are
+  bool device_started = false;     ///< the driver has been used in this process
+  std::uint64_t pinned_bytes = 0;  ///< of pinned memory that earlier calls left ready
 };
 struct Placement {
   bool device = false;

@@ -9,17 +9,39 @@ namespace cullhull {
 namespace internal {
 
 #ifdef CULLHULL_HAVE_CUDA
-void require_cuda() { (void)cuda::device(); }
+void require_cuda(int device) { (void)cuda::device_or_current(device); }
 bool cuda_started() noexcept { return cuda::started(); }
+std::size_t kept_pinned_memory() noexcept { return cuda::kept_pinned(); }
+void drop_pinned_memory() noexcept { cuda::drop_kept_pinned(); }
 #else
-void require_cuda() {
+void require_cuda(int) {
   throw Error(ErrorCode::backend_unavailable,
               "this build has no CUDA backend; use the backend auto or cpu");
 }
 bool cuda_started() noexcept { return false; }
+std::size_t kept_pinned_memory() noexcept { return 0; }
+void drop_pinned_memory() noexcept {}
 #endif
 
 }  // namespace internal
+
+int current_cuda_device() noexcept {
+#ifdef CULLHULL_HAVE_CUDA
+  int ordinal = -1;
+  if (cudaGetDevice(&ordinal) == cudaSuccess) return ordinal;
+  (void)cudaGetLastError();
+#endif
+  return -1;
+}
+
+void wait_for_cuda_stream(void* stream) {
+  internal::require_cuda();
+#ifdef CULLHULL_HAVE_CUDA
+  internal::cuda::synchronise(static_cast<cudaStream_t>(stream), "waiting for the caller's stream");
+#else
+  (void)stream;
+#endif
+}
 
 CudaStatus cuda_status() {
   CudaStatus status;
