@@ -6,6 +6,7 @@
 
 #include "control.hpp"
 #include "cull/lattice_cull.hpp"
+#include "cull/planner.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
@@ -17,12 +18,14 @@
 #include "hull/polygon.hpp"
 #include "hull/surface_3d.hpp"
 #include "parallel/backend.hpp"
+#include "parallel/helpers.hpp"
 #include "parallel/pages.hpp"
 #include "points/gather.hpp"
 #include "points/local_frame.hpp"
 #include "result/build_hull.hpp"
 #include "result/extreme_rows.hpp"
 #include "result/polygon_result.hpp"
+#include "small_hull.hpp"
 
 namespace cullhull {
 namespace internal {
@@ -287,7 +290,10 @@ Survivors cull(const PointView& points, const Options& options) {
 
 Hull convex_hull(const PointView& points, const Options& options) {
   check_arguments(points, options);
-  const Run run(options);
+  if (Hull hull; small_hull(points, options, hull)) return hull;
+  Run run(options);
+  run.threads = useful_threads(run.threads, points.count, points.dimension);
+  const CallScope call;
   const PageScope pages;
   const auto start = Clock::now();
   run.control.check();
@@ -302,7 +308,9 @@ Hull convex_hull(const PointView& points, const Options& options) {
 
 ExtremePoints extreme_points(const PointView& points, const Options& options) {
   check_arguments(points, options);
-  const Run run(options);
+  Run run(options);
+  run.threads = useful_threads(run.threads, points.count, points.dimension);
+  const CallScope call;
   const PageScope pages;
   const auto start = Clock::now();
 

@@ -14,6 +14,10 @@ std::uint64_t smallest_worth_culling(unsigned d);
 /// Fewer survivors than this are hulled sooner than a second map is built.
 std::uint64_t smallest_worth_refining(unsigned d);
 
+/// Of `threads` those that pay for so many points: one, where all of it takes too little time to be
+/// shared.
+unsigned useful_threads(unsigned threads, std::uint64_t count, unsigned d);
+
 /// Points of the first, small sample, whose hull tells whether the filter pays.
 std::uint64_t probe_sample_size(std::uint64_t count, unsigned d);
 
