@@ -153,9 +153,14 @@ bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, 
 /// Few points in space go straight from their coordinates to the result. False: the engine must.
 bool hull_of_few(const PointView& points, const Survivors& survivors, const Run& run, Hull& hull) {
   constexpr std::uint64_t most_memory = 1 << 22;  // of the largest of such results, generously
-  if (run.options.engine != Engine::native || run.budget < most_memory) return false;
-  return small_hull(points, survivors.all ? nullptr : survivors.ids.data(),
-                    survivors.size(points.count), hull);
+  // Where no point is inside, every one is held against twice as many facets as there are points:
+  // then searching for a facet pays from here on.
+  constexpr std::uint64_t most_unfiltered = 1024;
+  const std::uint64_t count = survivors.size(points.count);
+  if (run.options.engine != Engine::native || run.budget < most_memory ||
+      (survivors.all && count > most_unfiltered))
+    return false;
+  return small_hull(points, survivors.all ? nullptr : survivors.ids.data(), count, hull);
 }
 
 /// Ascending local ids.

@@ -95,8 +95,9 @@ bool append_small_3d(const PointView& set, HullBatch& to) {
   if (!small_hull_3d(points, static_cast<unsigned>(set.count), hull)) return false;
   const std::size_t planes = to.facet_planes.size();
   SmallMeasures measures;
+  SmallShares<SmallHull3D::max_facets> shares;
   const bool done =
-      SmallMeasurer(set, nullptr, points, hull)
+      SmallMeasurer(set, nullptr, points, hull, shares)
           .run(extend(to.facet_planes, std::size_t{4} * ((hull.count + 7) / 8 * 8)), measures);
   to.facet_planes.resize(done ? planes + std::size_t{4} * hull.facet_count : planes);
   if (done) write(set, hull, measures, to);

@@ -35,8 +35,9 @@ struct SmallHull {
 };
 /// Everything in the first cache.
 using SmallHull3D = SmallHull<128>;
-/// As many as can be held against all facets sooner than a facet that they see is searched.
-using MediumHull3D = SmallHull<1024>;
+/// As many as are held against all facets sooner than a facet that they see is searched, where few
+/// of them are vertices for long.
+using MediumHull3D = SmallHull<2048>;
 
 /// Coordinates of up to `most` points; those beyond the last up to the next multiple of sixteen
 /// are read, too: copies of one of the points.

@@ -79,12 +79,12 @@ void write_lists(const Small& from, const std::uint64_t* ids, Hull& hull) {
 
 template <class Points, class Small>
 bool write(const PointView& view, const std::uint64_t* ids, unsigned count, Points& points,
-           Small& small, Hull& hull) {
+           Small& small, SmallShares<Small::max_facets>& shares, Hull& hull) {
   load(view, ids, count, points);
   if (!small_hull_3d(points, count, small)) return false;
   SmallMeasures measures;
   Array<double> planes(std::size_t{4} * ((small.count + 7) / 8 * 8));
-  if (!SmallMeasurer(view, ids, points, small).run(planes.data(), measures)) return false;
+  if (!SmallMeasurer(view, ids, points, small, shares).run(planes.data(), measures)) return false;
   planes.resize(std::size_t{4} * small.facet_count);
   hull.facet_planes = std::move(planes);
   hull.affine_dimension = 3;
@@ -113,13 +113,15 @@ bool small_hull(const PointView& view, const std::uint64_t* ids, std::uint64_t c
     struct Memory {
       MediumPoints3D points;
       MediumHull3D hull;
+      SmallShares<MediumHull3D::max_facets> shares;
     };
     Memory& memory = thread_memory<Memory>();
-    return write(view, ids, n, memory.points, memory.hull, hull);
+    return write(view, ids, n, memory.points, memory.hull, memory.shares, hull);
   }
   SmallPoints3D points;
   SmallHull3D small;
-  return write(view, ids, n, points, small, hull);
+  SmallShares<SmallHull3D::max_facets> shares;
+  return write(view, ids, n, points, small, shares, hull);
 }
 
 }  // namespace cullhull::internal

@@ -34,8 +34,8 @@ class SmallMeasurer {
  public:
   /// `names`: the point of the view that each of `points` is; nullptr: the first, and so on.
   SmallMeasurer(const PointView& view, const std::uint64_t* names, const Points& points,
-                const Hull& hull)
-      : view_(view), names_(names), points_(points), hull_(hull) {}
+                const Hull& hull, SmallShares<Hull::max_facets>& shares)
+      : view_(view), names_(names), points_(points), hull_(hull), shares_(shares) {}
 
   /// Planes are written for a multiple of eight facets. False where doubles do not do.
   bool run(double* planes, SmallMeasures& out) {
@@ -118,10 +118,9 @@ class SmallMeasurer {
       else if (shares_.area[i] > shares_.area[best[f]])
         best[f] = static_cast<Number>(i);
     }
-    double chosen[4 * Hull::max_facets];
+    // The simplices of facet f, so its best one, come at f or later: nothing is lost.
     for (unsigned f = 0; f < facets; ++f)
-      std::copy_n(planes + std::size_t{4} * best[f], 4, chosen + std::size_t{4} * f);
-    std::copy_n(chosen, std::size_t{4} * facets, planes);
+      std::copy_n(planes + std::size_t{4} * best[f], 4, planes + std::size_t{4} * f);
   }
 
   /// Runs in doubles, then their sum: as total_of_runs, for a single chunk.
@@ -164,7 +163,7 @@ class SmallMeasurer {
   const Points& points_;
   const Hull& hull_;
   int exponent_ = 0;
-  SmallShares<Hull::max_facets> shares_;
+  SmallShares<Hull::max_facets>& shares_;
   std::vector<std::uint64_t> ids_;
   std::optional<Frame> frame_;
 };
