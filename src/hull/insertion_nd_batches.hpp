@@ -35,8 +35,8 @@ void InsertionNd<D>::in_parallel(const Body& body) {
 }
 
 template <unsigned D>
-void InsertionNd<D>::insert_round(Id begin, Id end) {
-  const Id count = end - begin;
+void InsertionNd<D>::insert_round() {
+  const Id begin = starts_[rounds_done_], end = starts_[++rounds_done_], count = end - begin;
   const Id width = std::clamp(static_cast<Id>(width_), 1U, std::max(1U, count / 4));
   if (streams_.size() < width) streams_.resize(width);
   batch_.clear();
@@ -64,7 +64,7 @@ void InsertionNd<D>::insert_round(Id begin, Id end) {
     batch_.resize(left);
   }
   adapt(tried, refused, made);
-  control_.report("hull", static_cast<double>(end) / static_cast<double>(order_.size()));
+  control_.report("hull", static_cast<double>(end) / static_cast<double>(expected_));
 }
 
 /// As many streams as make a batch worth its hand-overs for every worker, and no more: a stream's
