@@ -5,6 +5,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "hull/curve_keys.hpp"
 #include "parallel/parallel.hpp"
 #include "parallel/radix_sort.hpp"
 
@@ -40,39 +41,6 @@ void with_dimension(unsigned d, const Body& body) {
     default:
       return body(std::integral_constant<unsigned, 0>());
   }
-}
-
-/// Position in a d-dimensional Hilbert curve (Skilling 2004), `bits` bits an axis, d * bits <= 32.
-/// D: the dimension where it is known early, else 0.
-template <unsigned D>
-std::uint32_t position_key(const double* x, unsigned d, unsigned bits) {
-  std::uint32_t c[D ? D : 32] = {};
-  const unsigned used = D ? D : std::min(d, 32U);
-  const double cells = static_cast<double>(1U << bits);
-  for (unsigned j = 0; j < used; ++j) {
-    const double t = (x[j] * 0.5 + 0.5) * cells;
-    c[j] = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::clamp(t, 0.0, cells - 1)));
-  }
-  for (std::uint32_t q = 1U << (bits - 1); q > 1; q >>= 1) {
-    const std::uint32_t p = q - 1;
-    for (unsigned j = 0; j < used; ++j) {
-      // Inverts low bits of c[0] where the bit is set, else exchanges those of c[0] and c[j]. No
-      // branch: bits are as good as random.
-      const std::uint32_t set = 0U - static_cast<std::uint32_t>((c[j] & q) != 0);
-      const std::uint32_t t = (c[0] ^ c[j]) & p & ~set;
-      c[0] ^= t | (p & set);
-      c[j] ^= t;
-    }
-  }
-  for (unsigned j = 1; j < used; ++j) c[j] ^= c[j - 1];
-  std::uint32_t t = 0;
-  for (std::uint32_t q = 1U << (bits - 1); q > 1; q >>= 1)
-    t ^= (q - 1) & (0U - static_cast<std::uint32_t>((c[used - 1] & q) != 0));
-  for (unsigned j = 0; j < used; ++j) c[j] ^= t;
-  std::uint32_t key = 0;
-  for (unsigned b = bits; b-- > 0;)
-    for (unsigned j = 0; j < used; ++j) key = (key << 1) | ((c[j] >> b) & 1U);
-  return key;
 }
 
 /// |L^-1 (x - mean)|^2 where L L^T is the covariance. A help only: rounding costs nothing but
@@ -203,22 +171,32 @@ void NormOrder::take_round(std::vector<std::uint32_t>& order) {
   taken_ += size;
 }
 
-/// Along the curve, in cells about as many as the points.
+/// Along the curve, in cells some times as many as the points.
 void NormOrder::arrange(Keyed* begin, std::uint32_t size) {
-  const unsigned d = points_.dimension, most = std::clamp(32U / d, 1U, 10U);
-  const unsigned bits = std::clamp(static_cast<unsigned>(std::bit_width(size)) / d + 2, 1U, most);
-  with_dimension(d, [&](auto dimension) {
-    constexpr unsigned D = decltype(dimension)::value;
-    for_each_chunk(size, chunk, threads_, [&](std::uint64_t, std::uint64_t from, std::uint64_t to) {
-      control_.check();
-      for (std::uint64_t i = from; i < to; ++i)
-        begin[i].key = position_key<D>(points_.row(begin[i].id), d, bits);
-    });
+  const unsigned d = points_.dimension, used = std::min(d, 32U);
+  const unsigned bits = std::clamp(static_cast<unsigned>(std::bit_width(size)) / d + 2, 1U,
+                                   std::clamp(32U / d, 1U, 10U));
+  for_each_chunk(size, chunk, threads_, [&](std::uint64_t, std::uint64_t from, std::uint64_t to) {
+    control_.check();
+    const double cells = static_cast<double>(1U << bits);
+    std::uint32_t cell[32 * curve_block] = {}, keys[curve_block];
+    for (std::uint64_t i = from; i < to; i += curve_block) {
+      const std::uint64_t count = std::min<std::uint64_t>(curve_block, to - i);
+      for (std::uint64_t k = 0; k < count; ++k) {
+        const double* x = points_.row(begin[i + k].id);
+        for (unsigned j = 0; j < used; ++j) {
+          const double place = std::clamp((x[j] * 0.5 + 0.5) * cells, 0.0, cells - 1);
+          cell[j * curve_block + k] = static_cast<std::uint32_t>(static_cast<std::int32_t>(place));
+        }
+      }
+      curve_keys(used, bits, cell, keys);
+      for (std::uint64_t k = 0; k < count; ++k) begin[i + k].key = keys[k];
+    }
   });
   scratch_.reserve(size);
   Keyed* items = begin;
   Keyed* other = scratch_.data();
-  radix_sort(items, other, size, std::min(d, 32U) * bits, threads_, control_,
+  radix_sort(items, other, size, used * bits, threads_, control_,
              [](const Keyed& k) { return k.key; });
   if (items != begin) std::copy_n(items, size, begin);
 }
