@@ -78,6 +78,7 @@ class InsertionNd {
   void choose_centre();
   void measure_reach();
   bool centre_inside(const std::vector<double>& centre) const;
+  bool worth_sharing(std::size_t points) const;
   void build_simplex();
   void reserve(std::size_t facets);
 
@@ -138,6 +139,7 @@ class InsertionNd {
   Id recent_ = 0;  ///< a facet that is alive
 
   Crew crew_;
+  bool shared_ = false;  ///< whether the crew is at work
   std::deque<Lane> lanes_;
   std::vector<Share> shares_;
   bool same_facets_;  ///< whatever the number of workers
@@ -165,11 +167,10 @@ InsertionNd<D>::InsertionNd(const LocalPoints& points, const std::uint32_t* simp
       centre_(dimension_),
       reach_(dimension_),
       store_(dimension_),
-      // A few hundred points are done before another thread is awake.
-      crew_(points.count < 512 && points.dimension < 6 ? 1 : threads),
+      crew_(threads),
       shares_(crew_.lanes()),
       same_facets_(same_facets),
-      width_(crew_.lanes() == 1 && !same_facets ? 1 : 2) {
+      width_(same_facets ? 2 : 1) {
   for (unsigned k = 0; k < crew_.lanes(); ++k) lanes_.emplace_back(dimension_);
   order_.assign(simplex, simplex + dim() + 1);
   starts_ = {dim() + 1};
@@ -242,10 +243,25 @@ SimplicialHull InsertionNd<D>::run() {
     while (order.left() > 0) append_round(order);
     expected_ = order_.size();
   }
-  crew_.session([this] {
+  const auto rounds = [this] {
     while (rounds_done_ + 1 < starts_.size()) insert_round();
-  });
+  };
+  if (worth_sharing(order_.size() - starts_[rounds_done_])) {
+    shared_ = true;
+    width_ = std::max(width_, 2.0);
+    crew_.session(rounds);
+  } else {
+    rounds();
+  }
   return collect();
+}
+
+/// Whether so many points take some ten milliseconds: threads hand over twice a batch, and lose
+/// more than they save on a hull of fewer facets, or where one of them has to wait for a processor.
+template <unsigned D>
+bool InsertionNd<D>::worth_sharing(std::size_t points) const {
+  constexpr std::size_t fewest[] = {8000, 1000, 150, 50, 20};
+  return crew_.lanes() > 1 && points >= (dim() < 4 || dim() > 8 ? 1 : fewest[dim() - 4]);
 }
 
 template <unsigned D>

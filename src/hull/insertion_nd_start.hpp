@@ -14,7 +14,7 @@ void InsertionNd<D>::append_round(NormOrder& order) {
   const std::size_t begin = order_.size();
   order.take_round(order_);
   starts_.push_back(static_cast<Id>(order_.size()));
-  for_each_chunk(order_.size() - begin, 8192, threads_,
+  for_each_chunk(order_.size() - begin, std::uint64_t{1} << 15, threads_,
                  [&](std::uint64_t, std::uint64_t from, std::uint64_t to) {
                    control_.check();
                    for (std::uint64_t k = begin + from; k < begin + to; ++k)
@@ -83,7 +83,8 @@ bool InsertionNd<D>::sieve_pays(const NormOrder& order, const std::vector<float>
 
 template <unsigned D>
 void InsertionNd<D>::sieve(NormOrder& order, const std::vector<float>& planes) const {
-  constexpr std::uint64_t chunk = 64 * sieve_block;
+  // Some hundred microseconds a chunk.
+  const std::uint64_t chunk = std::max<std::uint64_t>(1, (1 << 16) / live_) * sieve_block;
   const Id left = order.left();
   std::vector<std::uint8_t> inside(chunk_count(left, sieve_block) * sieve_block);
   for_each_chunk(left, chunk, threads_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {

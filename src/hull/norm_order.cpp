@@ -16,7 +16,7 @@ constexpr std::uint32_t first_round = 64;
 /// The outermost that are found and sorted before all are: where the others are thinned first, few
 /// of them ever are.
 constexpr std::uint32_t outermost = 1024;
-constexpr std::uint64_t chunk = 8192;
+constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
 /// Points that the covariance is taken from.
 constexpr std::uint32_t covariance_sample = 512;
 
