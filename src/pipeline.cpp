@@ -271,7 +271,10 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
       const auto k = static_cast<std::uint64_t>(hull.affine_dimension);
       require_budget(run.budget, facets * result_bytes_per_facet(k, points.dimension),
                      std::to_string(facets) + " facets");
-      build_hull(from, std::move(boundary), run.control, run.threads, hull);
+      // From 4D on a facet takes some 150 ns: with fewer of them threads cost more than they save.
+      constexpr std::uint64_t worth_threads = std::uint64_t{1} << 14;
+      build_hull(from, std::move(boundary), run.control,
+                 k > 3 && facets < worth_threads ? 1 : run.threads, hull);
     };
     if (hull.affine_dimension == 3 && run.options.engine == Engine::native) {
       Surface3D surface =
