@@ -27,15 +27,14 @@ struct Simplification {
 /// Drops vertices of `hull` that lie within `distance` of the hull of those kept.
 /// `points`: those the hull was computed from. The result lies in the hull given and spans the
 /// same flat (affine_dimension stays), however large the distance. When it ends no other vertex
-/// can be shown to be droppable; the number left is not the least possible. Where what was dropped
-/// lies within a of the result, each kept vertex is farther than about distance - a from the hull
-/// of the others, and so is every height of every simplex, but where dropping it would flatten the
-/// hull. Canonical: depends on the hull's vertices and the distance alone, on no option.
-/// distance 0 gives the hull given.
-/// Errors: invalid_argument for a distance that is negative or not finite, or points that are not
-/// the hull's; else as convex_hull. Time: that of convex_hull over the vertices, times the rounds,
-/// each of which drops a share of what can go; memory O(simplices). Thread safe.
-/// Source: docs/algorithm.md, "Simplification"; the bound: docs/exactness.md.
+/// can be shown to be droppable; the number left is not the least possible. Each kept vertex is
+/// farther than about distance - result.distance from the hull of the others, but where dropping
+/// it would flatten the hull; for k <= 3 every height of every simplex is at least that. Canonical:
+/// depends on the hull's vertices and the distance alone, on no option. distance 0 gives the hull
+/// given. Errors: invalid_argument for a distance that is negative or not finite, or points that
+/// are not the hull's; else as convex_hull. Time: that of convex_hull over the vertices, times the
+/// rounds, each of which drops a share of what can go; memory O(simplices). Thread safe. Source:
+/// docs/algorithm.md, "Simplification"; the bound: docs/exactness.md.
 Simplification simplify(const PointView& points, const Hull& hull, double distance,
                         const Options& options = {});
 

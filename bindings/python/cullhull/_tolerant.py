@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._drop_in import ConvexHull
+from ._drop_in import ConvexHull, _Lazy
 from ._errors import InvalidArgument
 
 
@@ -86,7 +85,7 @@ class TolerantConvexHull(ConvexHull):
         self.merge_distance = distance
         return kept
 
-    @cached_property
+    @_Lazy
     def equations(self) -> npt.NDArray[np.float64]:
         shared = self.hull.shared_planes(self.merge_distance)
         planes: npt.NDArray[np.float64] = self.hull.facet_planes[shared[self.hull.simplex_facets]]

@@ -37,16 +37,16 @@ struct Vertices {
 /// (solid, dropped, distance)
 std::tuple<std::unique_ptr<Solid>, std::uint64_t, double> simplify(const Solid& solid,
                                                                    double distance,
-                                                                   const Settings& settings) {
+                                                                   const Settings* settings) {
   std::unique_ptr<Solid> kept;
   Simplification found;
-  const bool brief = solid.hull().dimension <= 3 && solid.hull().simplex_count() <= 1000;
-  run(settings, brief, [&](const Options& options) {
-    const Vertices vertices(solid);
-    found = cullhull::simplify(vertices.view, vertices.hull, distance, options);
-    kept = std::make_unique<Solid>(std::move(found.hull), vertices.view);
-    kept->renumber(solid);
-  });
+  run(settings, solid.hull().simplex_count() <= 4000 ? Length::moderate : Length::long_,
+      [&](const Options& options) {
+        const Vertices vertices(solid);
+        found = cullhull::simplify(vertices.view, vertices.hull, distance, options);
+        kept = std::make_unique<Solid>(std::move(found.hull), vertices.view);
+        kept->renumber(solid);
+      });
   return {std::move(kept), found.dropped, found.distance};
 }
 
@@ -70,7 +70,7 @@ double rounding_distance(const Solid& solid) {
 }  // namespace
 
 void bind_simplify(nb::module_& m) {
-  m.def("simplify", simplify, nb::arg("solid"), nb::arg("distance"), nb::arg("settings"));
+  m.def("simplify", simplify, nb::arg("solid"), nb::arg("distance"), nb::arg("settings").none());
   m.def("shared_planes", shared_planes, nb::arg("solid"), nb::arg("distance"));
   m.def("rounding_distance", rounding_distance, nb::arg("solid"));
 }

@@ -21,7 +21,8 @@ fetch() { # PROJECT VERSION: prints the folder of its tests
     echo "run.sh: $1's source archive is out of reach; its own tests are left out" >&2
   fi
 }
-CULLHULL_TRIMESH_TESTS=$(fetch trimesh "$("$folder/venv/bin/python" -c 'import trimesh; print(trimesh.__version__)')")
+trimesh=$("$folder/venv/bin/python" -c 'import trimesh; print(trimesh.__version__)')
+CULLHULL_TRIMESH_TESTS=$(fetch trimesh "$trimesh")
 export CULLHULL_TRIMESH_TESTS
 # Not among the package's own needs: without it, its tests are left out.
 coxeter=0.11.0
