@@ -22,7 +22,7 @@ void check_hull_arguments(const PointView& points, const Hull& hull, double dist
                                    std::to_string(points.count) + " points");
 }
 
-std::vector<std::uint64_t> ascending_vertices(const Hull& hull) {
+std::vector<std::uint64_t> sorted_vertex_ids(const Hull& hull) {
   std::vector<std::uint64_t> ids = hull.vertices;
   std::sort(ids.begin(), ids.end());
   return ids;

@@ -19,7 +19,7 @@ class Planes {
   Planes(const PointView& points, const Hull& hull, double distance)
       : hull_(hull),
         d_(hull.dimension),
-        ids_(internal::ascending_vertices(hull)),
+        ids_(internal::sorted_vertex_ids(hull)),
         rows_(internal::rows_of(points, ids_)),
         scale_(internal::power_to_unit(rows_)),
         distance_(distance * scale_) {

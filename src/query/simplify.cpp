@@ -30,7 +30,7 @@ class Simplifier {
         control_(options),
         threads_(resolve_threads(options.threads)),
         d_(hull.dimension),
-        ids_(ascending_vertices(hull)),
+        ids_(sorted_vertex_ids(hull)),
         hull_(by_place(hull, ids_)),
         rows_(rows_of(points, ids_)),
         scale_(power_to_unit(rows_)),
