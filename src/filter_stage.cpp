@@ -12,14 +12,11 @@
 #include "parallel/thread_memory.hpp"
 #include "points/gather.hpp"
 #include "points/memory.hpp"
-#include "result/small_hull.hpp"
+#include "result/few_in_space.hpp"
 #include "sample_map.hpp"
 
 namespace cullhull::internal {
 namespace {
-
-/// Up to here all points are held against all facets as soon as against a map.
-constexpr std::uint64_t fewest_by_outermost = 1024;
 
 Array<double> pick_rows(const Array<double>& rows, unsigned d,
                         const std::vector<std::uint64_t>& kept) {
@@ -187,7 +184,7 @@ Filtered run_filter(const PointView& points, const Options& options, const Contr
     return run_pseudo_hull(points, control, threads, budget);
   const bool forced = options.cull == CullMethod::gauge;
   if (options.cull == CullMethod::automatic && options.backend != Backend::cuda && d == 3 &&
-      points.count > fewest_by_outermost && points.count <= most_by_outermost &&
+      points.count > most_unfiltered_in_space && points.count <= most_by_outermost &&
       cull_by_outermost(points, control, threads, budget, result))
     return result;
   result.survivors.reason = why_no_filter(options.cull, points.count, d);
