@@ -7,10 +7,10 @@
 //
 // `--threads 0` are the default options. `--callers`: so many threads call at once, each over sets
 // of its own. `--busy K`: K processes keep a core each busy meanwhile. `--seconds`: for each row.
-// A row's time includes making whatever a result makes when it is asked for. In brackets: the
-// median without that. A rival is a program that is given a .npy file and a number of sets to cut
-// it into, and writes the seconds of every call as doubles in binary (rival_cgal.cpp). Rows of one
-// set take turns, so that what disturbs disturbs all of them.
+// A row's time includes making whatever a result makes when it is asked for, and freeing it. In
+// brackets: the median without that. A rival is a program that is given a .npy file and a number of
+// sets to cut it into, and writes the seconds of every call as doubles in binary (rival_cgal.cpp).
+// Rows of one set take turns, so that what disturbs disturbs all of them.
 #include <libqhull_r/qhull_ra.h>
 #include <sys/prctl.h>
 #include <sys/types.h>
@@ -20,6 +20,7 @@
 #include <algorithm>
 #include <atomic>
 #include <barrier>
+#include <chrono>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
@@ -100,14 +101,18 @@ std::uint64_t ask_for_all(const Hull& h) {
 std::atomic<std::uint64_t> sink{0};  // so that no call is left out
 
 void time_ours(const Sets& sets, std::uint64_t i, const Options& options, Times& times) {
+  using Clock = std::chrono::steady_clock;
+  const auto since = [](Clock::time_point t) {
+    return std::chrono::duration<double>(Clock::now() - t).count();
+  };
   const PointView set = sets[i];
-  double handed = 0;
-  times.complete.push_back(seconds_of([&] {
-    Hull hull;
-    handed = seconds_of([&] { hull = convex_hull(set, options); });
+  const Clock::time_point start = Clock::now();
+  {
+    const Hull hull = convex_hull(set, options);
+    times.handed.push_back(since(start));
     sink += ask_for_all(hull);
-  }));
-  times.handed.push_back(handed);
+  }
+  times.complete.push_back(since(start));
 }
 
 void time_qhull(const Sets& sets, std::uint64_t i, Times& times) {

@@ -76,6 +76,24 @@ bool surely_no_lattice(const Array<double>& rows, unsigned d,
   return d > 1 && seldom(0) && seldom(1);
 }
 
+/// A set of hashes that may take some for others: 256 bits for each it is to hold.
+class HashBits {
+ public:
+  explicit HashBits(std::uint64_t most) : words_(std::bit_ceil(most) * 4) {}
+  void clear() { std::fill(words_.begin(), words_.end(), 0); }
+  /// 1 if it, or another that looks alike, was there.
+  unsigned insert(std::uint64_t hash) {
+    const std::uint64_t bit = hash & 63;
+    std::uint64_t& word = words_[hash >> 6 & (words_.size() - 1)];
+    const auto there = static_cast<unsigned>(word >> bit & 1);
+    word |= std::uint64_t{1} << bit;
+    return there;
+  }
+
+ private:
+  std::vector<std::uint64_t> words_;
+};
+
 /// Whether thinning along some axis will drop many points. With m points on the line of an average
 /// point, s of n points have about s^2 m / 2 n pairs on common lines: we ask for m = 2. Lines are
 /// counted, not pairs, because a full line or a pair of equal points is no lattice; but most of the
@@ -93,8 +111,16 @@ bool looks_like_a_lattice(const Array<double>& rows, unsigned d,
   for (std::size_t i = 0; i < size; ++i)
     for (unsigned j = 0; j < d; ++j) sums[i] += hash(sample[i], j);
   std::vector<std::pair<std::uint64_t, std::uint32_t>> lines(size);
+  HashBits seen(size);
   for (unsigned axis = 0; axis < d; ++axis) {
-    for (std::size_t i = 0; i < size; ++i) lines[i] = {sums[i] - hash(sample[i], axis), sample[i]};
+    std::uint64_t again = 0;
+    seen.clear();
+    for (std::size_t i = 0; i < size; ++i) {
+      lines[i] = {sums[i] - hash(sample[i], axis), sample[i]};
+      again += seen.insert(lines[i].first);
+    }
+    // Every line of two sampled points or more has met its own bit: without sorting, mostly.
+    if (again < enough && 4 * again <= size) continue;
     std::sort(lines.begin(), lines.end());
     std::uint64_t shared = 0, on_shared = 0;
     for (std::size_t i = 0; i < size;) {

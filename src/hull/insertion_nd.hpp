@@ -35,6 +35,7 @@
 #include "parallel/parallel.hpp"
 #include "predicates/minors.hpp"
 #include "predicates/orientation.hpp"
+#include "predicates/oriented_plane.hpp"
 
 namespace cullhull::internal {
 
@@ -338,7 +339,7 @@ Sign InsertionNd<D>::side(Lane& lane, Id f, Id point) const {
   const unsigned d = dim();
   const Id* v = store_.vertices(f);
   const double** p = lane.rows.data();
-  if constexpr (D > 0) {
+  if constexpr (D > 0 && D < elimination_pays) {
     if (points_.small_lattice)
       return lattice_sign(lane, [&](unsigned i, unsigned j) {
         return row(i + 1 < D ? v[i + 1] : point)[j] - row(v[0])[j];
