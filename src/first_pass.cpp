@@ -68,11 +68,14 @@ void FirstPass::ask_planner(const Options& options) {
   question.device_started = cuda_started();
   question.pinned_bytes = kept_pinned_memory();
   const Placement place = choose_place(question, options.machine);
-  reason_ = place.reason;
+  // What a device would take is told only where there may be one.
+  reason_ = cuda_in_sight() ? place.reason : place.host_reason;
   device_ = place.device;
   if (!device_) return;
+  reason_ = place.host_reason;
   try {
     require_cuda(ordinal_);
+    reason_ = place.reason;
   } catch (const Error& e) {
     fall_back(e);
   }

@@ -18,6 +18,10 @@ enum class Engine { native, qhull };
 /// It may throw; the exception passes through and nothing is left half-written.
 using Progress = std::function<void(const char* phase, double share)>;
 
+/// Called from the calling thread alone, wherever a call looks at `stop` there: often, so it must
+/// be quick. It may request the stop, and must not throw.
+using Poll = std::function<void()>;
+
 struct Options {
   Backend backend = Backend::automatic;
   CullMethod cull = CullMethod::automatic;
@@ -33,6 +37,9 @@ struct Options {
   MachineConstants machine;
   Progress progress;
   std::stop_token stop;
+  /// For callers that must look for signals themselves. While the calling thread waits for others
+  /// it is not called, so that it is no help in calls that take seconds on several threads.
+  Poll poll;
 };
 
 }  // namespace cullhull

@@ -127,9 +127,9 @@ Placement choose_place(const PlaceQuestion& q, const MachineConstants& m) {
                                      : pin + std::max(link, bytes / m.host_copy_bytes_per_second));
   Placement p;
   p.device = device < host;
-  p.reason = std::string("points on the ") + (q.on_device ? "device" : "host") +
-             ": a pass takes about " + seconds_text(host) + " on the CPU, " + seconds_text(device) +
-             " on a CUDA device";
+  p.host_reason = std::string("points on the ") + (q.on_device ? "device" : "host") +
+                  ": a pass takes about " + seconds_text(host) + " on the CPU";
+  p.reason = p.host_reason + ", " + seconds_text(device) + " on a CUDA device";
   return p;
 }
 

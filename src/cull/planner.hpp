@@ -49,7 +49,8 @@ struct PlaceQuestion {
 };
 struct Placement {
   bool device = false;
-  std::string reason;  ///< with the estimates of both
+  std::string reason;       ///< with the estimates of both
+  std::string host_reason;  ///< with that of the CPU alone, for where there is no device
 };
 /// Whether the device would have culled the points sooner; whether there is one is not asked.
 Placement choose_place(const PlaceQuestion& question, const MachineConstants& machine);

@@ -21,5 +21,8 @@ bool cuda_started() noexcept;
 /// Bytes of pinned memory that are kept between calls, and giving them back.
 std::size_t kept_pinned_memory() noexcept;
 void drop_pinned_memory() noexcept;
+/// Whether this machine looks as if it had a device: a glance, which decides nothing but what is
+/// said.
+bool cuda_in_sight() noexcept;
 
 }  // namespace cullhull::internal

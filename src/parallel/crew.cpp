@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <exception>
 #include <utility>
 
+#include "parallel/crowding.hpp"
 #include "parallel/helpers.hpp"
 
 namespace cullhull::internal {
@@ -14,6 +16,7 @@ constexpr unsigned item_bits = 20;
 constexpr std::uint64_t item_mask = (std::uint64_t{1} << item_bits) - 1;
 
 using Body = std::function<void(std::uint32_t, unsigned)>;
+using Clock = std::chrono::steady_clock;
 
 }  // namespace
 
@@ -30,6 +33,11 @@ class Crew::Phases : public SharedWork {
   }
 
   void run(std::uint32_t count, const Body& body) {
+    if (crowded()) {  // helpers may be there, but not on a processor
+      for (std::uint32_t i = 0; i < count; ++i) body(i, 0);
+      return;
+    }
+    const Clock::time_point begin = Clock::now();
     body_ = &body;
     done_.store(0, std::memory_order_relaxed);
     const std::uint64_t phase = (ticket_.load(std::memory_order_relaxed) >> (2 * item_bits)) + 1;
@@ -37,8 +45,10 @@ class Crew::Phases : public SharedWork {
                   std::memory_order_release);
     while (work(0)) {
     }
+    const Clock::time_point end = Clock::now();
     Patience patience;
     while (done_.load(std::memory_order_acquire) < count) patience.wait_a_little();
+    note_wait(end - begin, Clock::now() - end);
     if (!failed_.load(std::memory_order_acquire)) return;
     failed_ = false;
     std::rethrow_exception(std::exchange(error_, nullptr));

@@ -15,6 +15,8 @@
 #include <pthread.h>
 #endif
 
+#include "parallel/crowding.hpp"
+
 namespace cullhull::internal {
 namespace {
 
@@ -45,7 +47,7 @@ class Helpers {
     const unsigned calls = std::max(1U, calls_.load(std::memory_order_relaxed));
     const unsigned cores = machine_threads();
     wanted = std::min(wanted, cores > calls ? cores - calls : 0);
-    if (wanted == 0) return false;
+    if (wanted == 0 || crowded()) return false;
     unsigned wake = 0;
     {
       const std::lock_guard lock(mutex_);

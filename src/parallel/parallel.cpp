@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <exception>
 #include <memory>
 
+#include "parallel/crowding.hpp"
 #include "parallel/helpers.hpp"
 
 namespace cullhull::internal {
 namespace {
 
 using Body = std::function<void(std::uint64_t chunk, std::uint64_t begin, std::uint64_t end)>;
+using Clock = std::chrono::steady_clock;
 
 /// A loop that several threads are at. It may outlive the call: `body` is used for chunks only that
 /// the caller waits for.
@@ -21,8 +24,9 @@ class Loop : public SharedWork {
 
   void join(unsigned) noexcept override { work(); }
 
-  /// Until no chunk is left that nobody has begun.
-  void work() noexcept {
+  /// Until no chunk is left that nobody has begun; how many it did.
+  std::uint64_t work() noexcept {
+    std::uint64_t done = 0;
     for (std::uint64_t c = next_++; c < count_; c = next_++) {
       std::uint64_t over = 1;
       try {
@@ -33,13 +37,19 @@ class Loop : public SharedWork {
         over += rest < count_ ? count_ - rest : 0;
       }
       over_.fetch_add(over, std::memory_order_release);
+      ++done;
     }
+    return done;
   }
 
-  /// For all that was begun.
-  void wait() const {
-    Patience patience;
-    while (over_.load(std::memory_order_acquire) < count_) patience.wait_a_little();
+  /// For all that was begun, by one whose own chunks took `each`.
+  void wait(Clock::duration each) const {
+    if (over_.load(std::memory_order_acquire) < count_) {
+      const Clock::time_point begin = Clock::now();
+      Patience patience;
+      while (over_.load(std::memory_order_acquire) < count_) patience.wait_a_little();
+      note_wait(each, Clock::now() - begin);
+    }
     if (error_) std::rethrow_exception(error_);
   }
 
@@ -66,12 +76,14 @@ void for_each_chunk(std::uint64_t count, std::uint64_t chunk_size, unsigned thre
       body(c, c * chunk_size, std::min(count, (c + 1) * chunk_size));
     return;
   }
+  const Clock::time_point begin = Clock::now();
   const auto loop = std::make_shared<Loop>(count, chunk_size, body);
+  std::uint64_t done = 0;
   {
     const OpenWork open(static_cast<unsigned>(std::min<std::uint64_t>(threads, chunks)) - 1, loop);
-    loop->work();
+    done = loop->work();
   }
-  loop->wait();
+  loop->wait((Clock::now() - begin) / std::max<std::uint64_t>(done, 1));
 }
 
 }  // namespace cullhull::internal
