@@ -28,6 +28,9 @@ struct Options {
   Engine engine = Engine::native;
   /// Threads to use; 0 means all the machine offers.
   unsigned threads = 0;
+  /// The CUDA device for points of the host; -1: the calling thread's current one. Points in a
+  /// device's memory are worked on by that device.
+  int device = -1;
   /// Bytes it may allocate beyond the input; 0: half of the memory that this process may use.
   std::uint64_t memory_budget = 0;
   /// What `Backend::automatic` weighs.

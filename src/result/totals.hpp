@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cullhull/hull.hpp"
-#include "result/double_double.hpp"
+#include "predicates/double_double.hpp"
 #include "result/measure_frame.hpp"
 #include "result/wide_float.hpp"
 

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "cullhull/device_points.hpp"
+
 namespace binding {
 
 namespace nb = nanobind;
@@ -98,6 +100,9 @@ void run_on_thread(const Settings& settings, const std::function<void(const Opti
   std::optional<nb::python_error> interruption;
   Options options = settings.options;
   options.stop = stop.get_token();
+  // Which device is current is a matter of each thread, and the caller's is what is meant.
+  if (options.device < 0 && options.backend != cullhull::Backend::cpu)
+    options.device = cullhull::current_cuda_device();
   if (settings.shows_progress())
     options.progress = [&mailbox](const char* phase, double share) {
       mailbox.report(phase, share);

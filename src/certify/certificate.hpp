@@ -29,6 +29,12 @@ template <class... Parts>
   throw Fault{std::move(text)};
 }
 
+/// The simplices of each facet, in order of facet: those of f are simplices[start[f] .. start[f +
+/// 1]).
+struct Members {
+  std::vector<std::uint32_t> start, simplices;
+};
+
 /// The hull under test, with what has been established about it so far.
 struct Subject {
   const PointView& points;
@@ -44,6 +50,7 @@ struct Subject {
   std::vector<std::uint32_t> index;  ///< simplices x k: positions in `ids`
   std::vector<std::uint32_t> basis;  ///< k + 1 affinely independent vertices
   std::vector<double> centre;        ///< the interior point, if one was found among the doubles
+  Members members;                   ///< set once simplex_facets has been checked
   mutable std::atomic<std::uint64_t> exact_decisions{0};
   unsigned id_shift = 0;                 ///< ids are looked up by their high bits:
   std::vector<std::uint32_t> id_bucket;  ///< the first with those, in `ids`
@@ -101,8 +108,8 @@ void check_shape(Subject& s);                  // sizes, ranges, order; fills id
 void check_flat(Subject& s);                   // fills basis, axes, rows
 std::uint64_t check_ridges(const Subject& s);  // pairing, orientation, convexity; their number
 void check_interior(Subject& s);               // interior point and the one ray; fills centre
-void check_facets(const Subject& s);  // merged facets, extreme vertices, canonical triangulation
-void check_points(const Subject& s);  // every input point
-void check_numbers(const Subject& s);
+void check_facets(Subject& s);  // merged facets, extreme vertices, triangulation; fills members
+void check_points(const Subject& s);   // every input point
+void check_numbers(const Subject& s);  // planes, volume, area, centroid
 
 }  // namespace cullhull::internal

@@ -2,18 +2,14 @@
 #include <algorithm>
 #include <numeric>
 
-#include "result/certificate.hpp"
+#include "certify/certificate.hpp"
 
 namespace cullhull::internal {
 namespace {
 
 using Set = std::vector<std::uint32_t>;
 
-/// Facets are numbered by their first simplex and connected; members in order of facet.
-struct Members {
-  std::vector<std::uint32_t> start, simplices;
-};
-
+/// Facets are numbered by their first simplex.
 Members group_simplices(const Subject& s) {
   const Hull& h = s.hull;
   Members m;
@@ -36,7 +32,7 @@ Members group_simplices(const Subject& s) {
 
 class FacetCheck {
  public:
-  FacetCheck(const Subject& s) : s_(s), h_(s.hull), k_(s.k), members_(group_simplices(s)) {}
+  FacetCheck(const Subject& s) : s_(s), h_(s.hull), k_(s.k), members_(s.members) {}
 
   void run() {
     if (k_ > 1) check_connected();
@@ -297,13 +293,16 @@ class FacetCheck {
   const Subject& s_;
   const Hull& h_;
   const unsigned k_;
-  const Members members_;
+  const Members& members_;
   std::vector<std::uint64_t> start_;        // of a vertex in on_
   std::vector<std::uint32_t> on_, listed_;  // facets of vertices; vertices of facets
 };
 
 }  // namespace
 
-void check_facets(const Subject& s) { FacetCheck(s).run(); }
+void check_facets(Subject& s) {
+  s.members = group_simplices(s);
+  FacetCheck(s).run();
+}
 
 }  // namespace cullhull::internal

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "result/certificate.hpp"
+#include "certify/certificate.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "certify/certificate.hpp"
 #include "parallel/parallel.hpp"
-#include "result/certificate.hpp"
 
 namespace cullhull {
 namespace internal {
@@ -109,7 +109,8 @@ std::uint32_t Subject::locate(const double* x, std::uint32_t start, const double
 namespace {
 
 void check_empty(const Hull& h, std::uint64_t n) {
-  if (n == 0 && !h.vertices.empty()) fault("there are no points, but vertices");
+  if (n == 0 && (!h.vertices.empty() || !h.centroid.empty()))
+    fault("there are no points, but vertices or a centroid");
   if (!h.simplices.empty() || !h.simplex_facets.empty() || !h.simplex_neighbours.empty() ||
       h.facets.offsets.size() > 1 || !h.facets.items.empty() ||
       h.facet_neighbours.offsets.size() > 1 || !h.facet_neighbours.items.empty() ||
