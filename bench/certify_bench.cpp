@@ -83,9 +83,9 @@ int main(int argc, char** argv) {
     }
   }
   if (rows.empty())
-    rows = {{"ball", 3, 8'000'000}, {"gauss", 3, 10'000'000}, {"sphere", 3, 1'000'000},
-            {"ball", 2, 10'000'000}, {"ball", 4, 8'000'000},  {"sphere", 4, 100'000},
-            {"ball", 5, 1'000'000},  {"sphere", 5, 10'000},   {"ball", 6, 100'000}};
+    rows = {{"ball", 3, 8'000'000},  {"gauss", 3, 10'000'000}, {"sphere", 3, 1'000'000},
+            {"ball", 2, 10'000'000}, {"ball", 4, 8'000'000},   {"sphere", 4, 100'000},
+            {"ball", 5, 1'000'000},  {"sphere", 5, 10'000},    {"ball", 6, 100'000}};
   for (const Row& row : rows) run(row, threads, repeats);
   return 0;
 }

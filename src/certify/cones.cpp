@@ -21,7 +21,9 @@ double dot(const double* n, const double* y) {
 }  // namespace
 
 Cones::Cones(const Subject& s, std::uint64_t points) : s_(s), k_(s.k), centre_(s.centre) {
-  if (points * 4 < s.simplex_count() || centre_.empty() || k_ < 2 || k_ > max_dimension || !choose_units()) return;
+  if (points * 4 < s.simplex_count() || centre_.empty() || k_ < 2 || k_ > max_dimension ||
+      !choose_units())
+    return;
   planes_.resize(std::size_t{s.simplex_count()} * (k_ + 1));
   switch (k_) {
     case 2:
@@ -45,6 +47,7 @@ Cones::Cones(const Subject& s, std::uint64_t points) : s_(s), k_(s.k), centre_(s
     default:
       build<8>();
   }
+  choose_ball();
 }
 
 /// Powers of two that bring every vertex to within 1 of the centre.
@@ -58,6 +61,19 @@ bool Cones::choose_units() {
     reach_.push_back(extent * scale_.back());
   }
   return true;
+}
+
+/// What no plane comes nearer than. The exact plane differs from n by no more than twice its bound,
+/// since the reach of an axis is 1/2 at least.
+void Cones::choose_ball() {
+  double longest = 0;
+  for (std::uint32_t f = 0; f < s_.simplex_count(); ++f) {
+    double square = 0;
+    for (unsigned j = 0; j < k_; ++j) square += plane(f)[j] * plane(f)[j];
+    longest = std::max(longest, std::sqrt(square) + 2 * plane(f)[k_]);
+  }
+  const double radius = (1 - 0x1p-40) / longest;
+  ball_ = radius * radius * (1 - 0x1p-40);
 }
 
 template <unsigned K>

@@ -37,6 +37,10 @@ class Cones {
   /// True only if the point is strictly inside. Starts at simplex f and leaves the last one there:
   /// that of the ray through the point, or one nearby.
   bool strictly_inside(const double* y, std::uint32_t& f) const;
+  /// Points with |y|^2 below this, computed in doubles in any order, are strictly inside; 0 if the
+  /// planes cannot tell.
+  double ball() const { return ball_; }
+  const std::vector<double>& centre() const { return centre_; }
   /// n . y of simplex f.
   double value(std::uint32_t f, const double* y) const;
 
@@ -46,14 +50,14 @@ class Cones {
   template <unsigned K>
   bool strictly_inside_in(const double* y, std::uint32_t& f) const;
   bool choose_units();
+  void choose_ball();
   double* plane(std::uint32_t f) { return planes_.data() + std::size_t{f} * (k_ + 1); }
-  const double* plane(std::uint32_t f) const {
-    return planes_.data() + std::size_t{f} * (k_ + 1);
-  }
+  const double* plane(std::uint32_t f) const { return planes_.data() + std::size_t{f} * (k_ + 1); }
 
   const Subject& s_;
   const unsigned k_;
   std::vector<double> centre_, scale_, reach_;
+  double ball_ = 0;
   std::vector<double> planes_;  ///< k + 1 numbers a simplex: n, then the bound (infinite: unusable)
 };
 

@@ -118,8 +118,8 @@ class InnerFilter {
     return s_.side(f, x, scratch) != Sign::positive;
   }
 
-  /// Finding a node's simplex is a walk like a point's, and both are the shorter the finer the grid;
-  /// beyond some size it no longer lies in the cache. 0: too few points for any.
+  /// Finding a node's simplex is a walk like a point's, and both are the shorter the finer the
+  /// grid; beyond some size it no longer lies in the cache. 0: too few points for any.
   void choose_resolution(std::uint64_t points) {
     double least = std::numeric_limits<double>::infinity();
     unsigned best = 0;
@@ -326,6 +326,7 @@ class Scan {
     const unsigned d = s_.hull.dimension, k = K ? K : s_.k;
     constexpr std::uint64_t block = 256;
     std::vector<double> rows(block * d), on_axes(k);
+    std::uint8_t in_ball[block] = {};
     std::vector<const double*> scratch(k + 1);
     auto vertex = std::lower_bound(s_.ids.begin(), s_.ids.end(), begin);
     std::uint32_t f = 0;
@@ -333,17 +334,16 @@ class Scan {
     for (std::uint64_t b = begin; b < end; b += block) {
       const std::uint64_t stop = std::min(b + block, end);
       load(s_.points, b, stop, rows.data());
-      check_finite(b, stop, rows.data());
+      if constexpr (K != 0) mark_ball<K>(rows.data(), static_cast<unsigned>(stop - b), in_ball);
       for (std::uint64_t i = b; i < stop; ++i) {
+        if (in_ball[i - b] != 0) continue;
         const double* x = rows.data() + (i - b) * d;
-        const bool is_vertex = vertex != s_.ids.end() && *vertex == i;
+        check_finite(i, x);
+        while (vertex != s_.ids.end() && *vertex < i) ++vertex;
         if (k < d && !flat_.contains(x))
           fault("point ", i, " is not in the flat of the vertices: affine dimension ", k,
                 " is too low");
-        if (is_vertex) {
-          ++vertex;
-          continue;
-        }
+        if (vertex != s_.ids.end() && *vertex == i) continue;
         if (k < d) {
           for (unsigned j = 0; j < k; ++j) on_axes[j] = x[s_.axes[j]];
           x = on_axes.data();
@@ -356,14 +356,30 @@ class Scan {
     }
   }
 
-  void check_finite(std::uint64_t begin, std::uint64_t end, const double* rows) const {
-    const std::uint64_t count = (end - begin) * s_.hull.dimension;
-    double sum = 0;  // zero but for what is not finite
-    for (std::uint64_t i = 0; i < count; ++i) sum += rows[i] * 0;
-    if (sum == 0) return;
-    for (std::uint64_t i = 0; i < count; ++i)
-      if (!std::isfinite(rows[i]))
-        fault("point ", begin + i / s_.hull.dimension, " is not finite");
+  /// Full dimension: marks points of the ball around the centre, strictly inside by that alone. No
+  /// vertex is among them, and nothing that is not finite.
+  template <unsigned K>
+  void mark_ball(const double* rows, unsigned count, std::uint8_t* in_ball) const {
+    if (s_.hull.dimension != K || !(cones_.ball() > 0)) return;
+    double centre[K], scale[K];
+    for (unsigned j = 0; j < K; ++j) {
+      centre[j] = cones_.centre()[j];
+      scale[j] = cones_.scale(j);
+    }
+    const double ball = cones_.ball();
+    for (unsigned i = 0; i < count; ++i) {
+      double square = 0;
+      for (unsigned j = 0; j < K; ++j) {
+        const double y = (rows[i * K + j] - centre[j]) * scale[j];
+        square += y * y;
+      }
+      in_ball[i] = square < ball;
+    }
+  }
+
+  void check_finite(std::uint64_t i, const double* x) const {
+    for (unsigned j = 0; j < s_.hull.dimension; ++j)
+      if (!std::isfinite(x[j])) fault("point ", i, " is not finite");
   }
 
   template <unsigned K>
