@@ -4,15 +4,22 @@
 #include <memory>
 
 #include "cull/gauge_map.hpp"
+#include "cull/outermost.hpp"
 #include "cull/planner.hpp"
 #include "cull/pseudo_hull.hpp"
 #include "first_pass.hpp"
+#include "hull/small_3d.hpp"
+#include "parallel/thread_memory.hpp"
 #include "points/gather.hpp"
 #include "points/memory.hpp"
+#include "result/small_hull.hpp"
 #include "sample_map.hpp"
 
 namespace cullhull::internal {
 namespace {
+
+/// Up to here all points are held against all facets as soon as against a map.
+constexpr std::uint64_t fewest_by_outermost = 1024;
 
 Array<double> pick_rows(const Array<double>& rows, unsigned d,
                         const std::vector<std::uint64_t>& kept) {
@@ -62,6 +69,58 @@ SampledPoints host_points(const PointView& points, unsigned threads, const Contr
           }};
 }
 
+/// The hull of at most as many points as small_hull_3d takes; of dimension 0 where it gives none.
+InnerPolytope polytope_of(const PointView& points, const std::vector<std::uint64_t>& ids) {
+  struct Memory {
+    MediumPoints3D points;
+    MediumHull3D hull;
+  };
+  InnerPolytope polytope;
+  if (ids.size() < 4 || ids.size() > MediumHull3D::max_points) return polytope;
+  Memory& m = thread_memory<Memory>();
+  const auto count = static_cast<unsigned>(ids.size());
+  load_small(points, ids.data(), count, m.points);
+  if (!small_hull_3d(m.points, count, m.hull)) return polytope;
+  MediumHull3D::Number place[MediumHull3D::max_points];
+  for (unsigned v = 0; v < m.hull.vertex_count; ++v) {
+    const unsigned id = m.hull.ids[v];
+    place[id] = static_cast<MediumHull3D::Number>(v);
+    for (const auto& axis : m.points.axes) polytope.vertices.push_back(axis[id]);
+  }
+  polytope.dimension = 3;
+  const std::size_t corners = std::size_t{3} * m.hull.count;
+  polytope.facets.resize(corners);
+  for (std::size_t i = 0; i < corners; ++i) polytope.facets[i] = place[m.hull.vertices[i]];
+  polytope.neighbours.assign(m.hull.opposite, m.hull.opposite + corners);
+  return polytope;
+}
+
+/// Of some thousand points in space those are kept that are not inside the hull of the outermost in
+/// some hundred directions. False: not tried, or not worth while.
+bool cull_by_outermost(const PointView& points, const Control& control, Filtered& result) {
+  // More directions leave fewer points to the engine, but a map of them takes longer (measured on
+  // balls of 2,000 to 50,000 points).
+  const unsigned size = points.count > 8192 ? points.count > 32768 ? 2 : 1 : 0;
+  constexpr unsigned cones[] = {4, 6, 8}, nodes[] = {8, 12, 16};  // along an edge of the cube
+  OutermostSettings settings;
+  settings.cells = cones[size];
+  settings.most_outside = 0.75;
+  const std::vector<std::uint64_t> outermost = outermost_points(points, settings);
+  if (outermost.empty()) return false;
+  InnerPolytope polytope = polytope_of(points, outermost);
+  if (polytope.dimension == 0) return false;
+  control.check();
+  const auto map = GaugeMap::of_few_facets(polytope, nodes[size]);
+  if (map == nullptr) return false;
+  result.survivors.ids = map->survivors(points, 1, control);
+  result.survivors.all = false;
+  result.survivors.method = "gauge";
+  result.survivors.reason = "a map of the outermost points in " +
+                            std::to_string(6 * settings.cells * settings.cells) + " directions";
+  result.first_pass = result.survivors.ids.size();
+  return true;
+}
+
 }  // namespace
 
 void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept,
@@ -106,6 +165,10 @@ Filtered run_filter(const PointView& points, const Options& options, const Contr
       d <= pseudo_hull_max_dimension && points.count > d + 1)
     return run_pseudo_hull(points, control, threads, budget);
   const bool forced = options.cull == CullMethod::gauge;
+  if (options.cull == CullMethod::automatic && options.backend != Backend::cuda && d == 3 &&
+      points.count > fewest_by_outermost && points.count <= most_by_outermost &&
+      cull_by_outermost(points, control, result))
+    return result;
   result.survivors.reason = why_no_filter(options.cull, points.count, d);
   if (!result.survivors.reason.empty()) return result;
 

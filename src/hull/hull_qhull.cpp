@@ -12,10 +12,10 @@
 #include <algorithm>
 #include <climits>
 #include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <new>
 #include <string>
+#include <string_view>
 
 #include "predicates/orientation.hpp"
 
@@ -27,11 +27,15 @@ namespace {
 }
 
 /// One run of Qhull: its state, what it wrote, and the release of both.
+///
+/// Qhull knows no cancellation, but reports its progress to a stream now and then. The stream is
+/// ours: what is written there calls `hear`, which can tell Qhull to add no further point.
 class QhullRun {
  public:
-  QhullRun() : state_(std::make_unique<qhT>()) {
-    log_ = open_memstream(&text_, &length_);
+  explicit QhullRun(const Control& control) : control_(control), state_(std::make_unique<qhT>()) {
+    log_ = fopencookie(this, "w", {nullptr, &QhullRun::hear, nullptr, nullptr});
     if (!log_) throw std::bad_alloc();
+    std::setvbuf(log_, nullptr, _IONBF, 0);
     qh_zero(state_.get(), log_);
   }
   QhullRun(const QhullRun&) = delete;
@@ -41,35 +45,52 @@ class QhullRun {
     int long_blocks = 0, long_bytes = 0;
     qh_memfreeshort(state_.get(), &long_blocks, &long_bytes);
     std::fclose(log_);
-    std::free(text_);
   }
 
   /// Errors inside Qhull come back as an exit code: it jumps to a label of its own within the call.
   void build(const LocalPoints& points) {
     // Qhull takes a pointer to non-const, but changes points only where options ask it to.
     auto* coordinates = const_cast<coordT*>(points.coordinates);
-    char command[] = "qhull Qt Qx";
-    if (points.dimension < 5) command[sizeof "qhull Qt" - 1] = '\0';  // as SciPy does
-    const int code =
-        qh_new_qhull(state_.get(), static_cast<int>(points.dimension),
-                     static_cast<int>(points.count), coordinates, False, command, log_, log_);
-    if (code != 0) not_exact("failed: " + first_line());
+    // As SciPy does; a report every so many new facets, which take a millisecond or so.
+    const std::string dimension_options = points.dimension < 5 ? "qhull Qt" : "qhull Qt Qx";
+    std::string command = dimension_options + " TF" + std::to_string(facets_a_report);
+    const int code = qh_new_qhull(state_.get(), static_cast<int>(points.dimension),
+                                  static_cast<int>(points.count), coordinates, False,
+                                  command.data(), log_, log_);
+    control_.check();
+    if (code != 0) not_exact("failed: " + (error_.empty() ? "no message" : error_));
   }
 
   qhT* get() { return state_.get(); }
 
  private:
-  std::string first_line() {
-    std::fflush(log_);
-    const std::string all(text_, length_);
-    const std::size_t begin = all.find_first_not_of("\r\n ");
-    if (begin == std::string::npos) return "no message";
-    return all.substr(begin, all.find('\n', begin) - begin);
+  static constexpr int facets_a_report = 200;
+
+  /// Called by the C library inside Qhull: must not throw.
+  static ssize_t hear(void* self, const char* text, std::size_t size) noexcept {
+    auto& run = *static_cast<QhullRun*>(self);
+    try {
+      run.control_.check();
+    } catch (const Error&) {
+      run.state_->STOPadd = 1;
+    }
+    run.keep_error({text, size});
+    return static_cast<ssize_t>(size);
   }
 
+  /// The first line of the first message that is an error: "QH6154 Qhull precision error: ...".
+  void keep_error(std::string_view text) noexcept {
+    const std::size_t begin = text.find("QH6");
+    if (!error_.empty() || begin == std::string_view::npos) return;
+    try {
+      error_ = text.substr(begin, text.find('\n', begin) - begin);
+    } catch (const std::bad_alloc&) {  // then it is told without
+    }
+  }
+
+  const Control& control_;
   std::unique_ptr<qhT> state_;
-  char* text_ = nullptr;
-  std::size_t length_ = 0;
+  std::string error_;
   FILE* log_ = nullptr;
 };
 
@@ -207,9 +228,8 @@ SimplicialHull hull_qhull(const LocalPoints& points, const Control& control) {
   SimplicialHull hull;
   hull.dimension = points.dimension;
   {
-    QhullRun run;
+    QhullRun run(control);
     run.build(points);
-    control.check();
     const std::vector<std::uint32_t> ids = simplices(run, points.dimension);
     hull.vertices.assign(ids.begin(), ids.end());
   }

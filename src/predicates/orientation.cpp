@@ -10,8 +10,10 @@
 #include <memory>
 #include <vector>
 
-#include "predicates/double_parts.hpp"
+#include "predicates/exact_plane.hpp"
+#include "predicates/integer_points.hpp"
 #include "predicates/minors.hpp"
+#include "predicates/oriented_plane.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -74,10 +76,6 @@ bool filtered(unsigned d, const double* const* p, Sign& sign) {
       return filtered<5>(p, sign);
     case 6:
       return filtered<6>(p, sign);
-    case 7:
-      return filtered<7>(p, sign);
-    case 8:
-      return filtered<8>(p, sign);
     default:
       return false;
   }
@@ -86,100 +84,6 @@ bool filtered(unsigned d, const double* const* p, Sign& sign) {
 // ---------------------------------------------------------------------------------------------
 // Rung 3: integers. Column j of the points is multiplied by 2^-e_j, the largest power of two that
 // makes all of it integral; signs of determinants do not change under positive column scaling.
-
-int bit_length(std::uint64_t v) { return 64 - std::countl_zero(v); }
-
-/// mpz_t values kept for reuse by one thread.
-class Pool {
- public:
-  ~Pool() {
-    for (auto& block : blocks_)
-      for (std::size_t i = 0; i < block_size; ++i) mpz_clear(block[i]);
-  }
-  /// `count` pointers; values undefined.
-  mpz_ptr* take(std::size_t count) {
-    while (pointers_.size() < count) {
-      blocks_.push_back(std::make_unique<mpz_t[]>(block_size));
-      for (std::size_t i = 0; i < block_size; ++i) {
-        mpz_init(blocks_.back()[i]);
-        pointers_.push_back(blocks_.back()[i]);
-      }
-    }
-    return pointers_.data();
-  }
-
- private:
-  static constexpr std::size_t block_size = 64;
-  std::vector<std::unique_ptr<mpz_t[]>> blocks_;
-  std::vector<mpz_ptr> pointers_;
-};
-
-/// Coordinates of points as exact integers, column j in units of 2^exponent(j).
-class IntegerPoints {
- public:
-  /// Points may be given as two runs: `count` at p, then `more_count` at more.
-  IntegerPoints(unsigned d, const double* const* p, unsigned count,
-                const double* const* more = nullptr, unsigned more_count = 0)
-      : d_(d), scaled_(std::size_t{count + more_count} * d), exponent_(d) {
-    for (unsigned j = 0; j < d; ++j) {
-      int low = 0, high = 0;
-      bool any = false;
-      for (unsigned i = 0; i < count + more_count; ++i) {
-        const DoubleParts s = double_parts(i < count ? p[i][j] : more[i - count][j]);
-        scaled_[std::size_t{i} * d + j] = s;
-        if (s.mantissa == 0) continue;
-        const int top = s.exponent + bit_length(static_cast<std::uint64_t>(std::abs(s.mantissa)));
-        low = any ? std::min(low, s.exponent) : s.exponent;
-        high = any ? std::max(high, top) : top;
-        any = true;
-      }
-      exponent_[j] = low;
-      bits_ = std::max(bits_, high - low);
-    }
-  }
-  unsigned dimension() const { return d_; }
-  /// Every coordinate is below 2^bits() in magnitude.
-  int bits() const { return bits_; }
-  int exponent(unsigned j) const { return exponent_[j]; }
-
-  /// For bits() <= 62.
-  std::int64_t small(unsigned i, unsigned j) const {
-    const DoubleParts& s = scaled_[std::size_t{i} * d_ + j];
-    return s.mantissa == 0 ? 0 : s.mantissa * (std::int64_t{1} << (s.exponent - exponent_[j]));
-  }
-  void big(unsigned i, unsigned j, mpz_ptr out) const {
-    const DoubleParts& s = scaled_[std::size_t{i} * d_ + j];
-    mpz_set_si(out, s.mantissa);
-    if (s.mantissa != 0)
-      mpz_mul_2exp(out, out, static_cast<mp_bitcnt_t>(s.exponent - exponent_[j]));
-  }
-
- private:
-  unsigned d_;
-  int bits_ = 0;
-  std::vector<DoubleParts> scaled_;
-  std::vector<int> exponent_;
-};
-
-/// Rows p[i] - p[0]: the matrix of an orientation.
-class Differences {
- public:
-  Differences(unsigned d, const double* const* p, unsigned rows) : points_(d, p, rows + 1) {}
-  unsigned columns() const { return points_.dimension(); }
-  bool narrow() const { return points_.bits() <= 62; }  // then a difference fits 64 bits
-  int exponent(unsigned j) const { return points_.exponent(j); }
-  std::int64_t small(unsigned i, unsigned j) const {
-    return points_.small(i + 1, j) - points_.small(0, j);
-  }
-  void big(unsigned i, unsigned j, mpz_ptr out, mpz_ptr scratch) const {
-    points_.big(i + 1, j, out);
-    points_.big(0, j, scratch);
-    mpz_sub(out, out, scratch);
-  }
-
- private:
-  IntegerPoints points_;
-};
 
 /// Rows (d + 1) p[i] - sum of the d + 1 points of a simplex.
 class CentroidDifferences {
@@ -261,76 +165,63 @@ bool determinant_128(const Rows& a, Sign& sign) {
   }
 }
 
-Pool& pool() {
-  thread_local Pool p;
-  return p;
+/// Numbers kept for reuse by one thread.
+BigNumbers& numbers(std::size_t count) {
+  thread_local BigNumbers kept;
+  kept.resize(count);
+  return kept;
 }
 
-/// Fraction-free elimination (Bareiss 1968) of an n x n matrix, in place: returns the sign of the
-/// row exchanges (0 if singular) and leaves the determinant up to that sign in a[n*n - 1].
-int bareiss(mpz_ptr* a, unsigned n, mpz_ptr t) {
+/// Sign of the determinant by fraction-free elimination (Bareiss 1968), where every division is
+/// exact.
+template <class Rows>
+Sign determinant_sign_big(const Rows& rows) {
+  const unsigned n = rows.columns();
+  BigNumbers& m = numbers(std::size_t{n} * n + 1);
+  mpz_ptr t = m[std::size_t{n} * n];
+  const auto at = [&](unsigned i, unsigned j) { return m[std::size_t{i} * n + j]; };
+  for (unsigned i = 0; i < n; ++i)
+    for (unsigned j = 0; j < n; ++j) rows.big(i, j, at(i, j), t);
   int flips = 1;
   for (unsigned k = 0; k + 1 < n; ++k) {
     unsigned pivot = k;
-    while (pivot < n && mpz_sgn(a[std::size_t{pivot} * n + k]) == 0) ++pivot;
-    if (pivot == n) return 0;
+    while (pivot < n && mpz_sgn(at(pivot, k)) == 0) ++pivot;
+    if (pivot == n) return Sign::zero;
     if (pivot != k) {
-      for (unsigned j = 0; j < n; ++j)
-        mpz_swap(a[std::size_t{pivot} * n + j], a[std::size_t{k} * n + j]);
+      for (unsigned j = 0; j < n; ++j) mpz_swap(at(pivot, j), at(k, j));
       flips = -flips;
     }
-    for (unsigned i = k + 1; i < n; ++i) {
+    for (unsigned i = k + 1; i < n; ++i)
       for (unsigned j = k + 1; j < n; ++j) {
-        mpz_ptr x = a[std::size_t{i} * n + j];
-        mpz_mul(t, a[std::size_t{i} * n + k], a[std::size_t{k} * n + j]);
-        mpz_mul(x, x, a[std::size_t{k} * n + k]);
-        mpz_sub(x, x, t);
-        if (k > 0) mpz_divexact(x, x, a[std::size_t{k - 1} * n + k - 1]);
+        mpz_mul(t, at(i, k), at(k, j));
+        mpz_mul(at(i, j), at(i, j), at(k, k));
+        mpz_sub(at(i, j), at(i, j), t);
+        if (k > 0) mpz_divexact(at(i, j), at(i, j), at(k - 1, k - 1));
       }
-    }
   }
-  return flips;
+  return static_cast<Sign>(flips * mpz_sgn(at(n - 1, n - 1)));
 }
-
-/// Determinant of the columns `columns[0..n)` of the first n rows; result in *out.
-template <class Rows>
-void determinant_big(const Rows& a, const unsigned* columns, unsigned n, mpz_ptr out) {
-  if (n == 0) {
-    mpz_set_ui(out, 1);
-    return;
-  }
-  mpz_ptr* m = pool().take(std::size_t{n} * n + 1);
-  mpz_ptr t = m[std::size_t{n} * n];
-  for (unsigned i = 0; i < n; ++i)
-    for (unsigned j = 0; j < n; ++j) a.big(i, columns[j], m[std::size_t{i} * n + j], t);
-  const int flips = bareiss(m, n, t);
-  if (flips == 0) {
-    mpz_set_ui(out, 0);
-    return;
-  }
-  mpz_set(out, m[std::size_t{n} * n - 1]);
-  if (flips < 0) mpz_neg(out, out);
-}
-
-/// An mpz_t with a scope.
-struct Big {
-  Big() { mpz_init(value); }
-  ~Big() { mpz_clear(value); }
-  Big(const Big&) = delete;
-  Big& operator=(const Big&) = delete;
-  mpz_t value;
-};
 
 template <class Rows>
 Sign determinant_sign(const Rows& a) {
-  const unsigned d = a.columns();
   Sign sign = Sign::zero;
   if (determinant_128(a, sign)) return sign;
-  std::vector<unsigned> columns(d);
-  for (unsigned j = 0; j < d; ++j) columns[j] = j;
-  Big det;
-  determinant_big(a, columns.data(), d, det.value);
-  return static_cast<Sign>(mpz_sgn(det.value));
+  return determinant_sign_big(a);
+}
+
+/// The cross product of two rows that fit 64 bits, rounded.
+bool narrow_plane(const Differences& a, double* normal) {
+  long exponents[3];
+  for (unsigned j = 0; j < 3; ++j) {
+    const unsigned u = j == 0 ? 1 : 0, v = j == 2 ? 1 : 2;
+    // Entries below 2^63, so each product is below 2^126 and the difference below 2^127.
+    const Int128 value =
+        Int128{a.small(0, u)} * a.small(1, v) - Int128{a.small(0, v)} * a.small(1, u);
+    int e = 0;
+    normal[j] = std::frexp(static_cast<double>(j == 1 ? -value : value), &e);
+    exponents[j] = static_cast<long>(e) - a.exponent(j);
+  }
+  return scale_normal(3, normal, exponents);
 }
 
 }  // namespace
@@ -345,6 +236,11 @@ Sign orientation_from_centroid_exact(unsigned d, const double* const* p,
 }
 
 Sign orientation(unsigned d, const double* const* p, Rung* rung) {
+  if (d >= elimination_pays) {
+    thread_local OrientedPlane plane;
+    plane.set(d, p);
+    return plane.side(p[d], rung);
+  }
   Sign sign = Sign::zero;
   if (filtered(d, p, sign)) {
     if (rung != nullptr) *rung = Rung::filter;
@@ -358,7 +254,7 @@ unsigned affine_rank_exact(unsigned d, const double* const* p, unsigned count, u
   if (count < 2) return 0;
   const unsigned rows = count - 1;
   const Differences a(d, p, rows);
-  mpz_ptr* m = pool().take(std::size_t{rows} * d + 2);
+  BigNumbers& m = numbers(std::size_t{rows} * d + 2);
   mpz_ptr t = m[std::size_t{rows} * d];
   mpz_ptr previous = m[std::size_t{rows} * d + 1];
   const auto at = [&](unsigned i, unsigned j) { return m[std::size_t{i} * d + j]; };
@@ -390,41 +286,18 @@ unsigned affine_rank_exact(unsigned d, const double* const* p, unsigned count, u
 }
 
 bool plane_exact(unsigned d, const double* const* p, double* normal) {
-  const Differences a(d, p, d - 1);
-  std::vector<unsigned> columns(d > 0 ? d - 1 : 0);
-  std::vector<long> exponents(d);
-  Big det;
-  long top = 0;
-  bool any = false;
-  for (unsigned j = 0; j < d; ++j) {
-    double mantissa = 0;
-    long e = 0;
-    if (d == 3 && a.narrow()) {
-      const unsigned u = j == 0 ? 1 : 0, v = j == 2 ? 1 : 2;
-      // Entries below 2^63, so each product is below 2^126 and the difference below 2^127.
-      const Int128 value =
-          Int128{a.small(0, u)} * a.small(1, v) - Int128{a.small(0, v)} * a.small(1, u);
-      int ie = 0;
-      mantissa = std::frexp(static_cast<double>(value), &ie);
-      e = ie;
-    } else {
-      for (unsigned c = 0, k = 0; c < d; ++c)
-        if (c != j) columns[k++] = c;
-      determinant_big(a, columns.data(), d - 1, det.value);
-      if (mpz_sgn(det.value) != 0) mantissa = mpz_get_d_2exp(&e, det.value);
-    }
-    normal[j] = ((d - 1 + j) & 1U) != 0 ? -mantissa : mantissa;
-    exponents[j] = e - a.exponent(j);
-    if (mantissa != 0) {
-      top = any ? std::max(top, exponents[j]) : exponents[j];
-      any = true;
-    }
+  if (d == 1) {
+    normal[0] = 0.5;
+    return true;
   }
-  if (!any) return false;
-  for (unsigned j = 0; j < d; ++j) {
-    const long e = std::max(exponents[j] - top, -5000L);
-    normal[j] = std::ldexp(normal[j], static_cast<int>(e));
+  if (d == 3) {
+    const Differences edges(d, p, 2);
+    if (edges.narrow()) return narrow_plane(edges, normal);
   }
+  thread_local ExactPlane plane;
+  plane.set(d, p);
+  if (plane.degenerate()) return false;
+  plane.normal(normal);
   return true;
 }
 

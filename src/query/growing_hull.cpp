@@ -38,6 +38,16 @@ GrowingHull::GrowingHull(std::uint32_t dimension) : state_(std::make_unique<Stat
     throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
   state_->hull.dimension = dimension;
 }
+GrowingHull::GrowingHull(Hull hull, std::vector<double> vertex_coordinates)
+    : GrowingHull(hull.dimension) {
+  if (vertex_coordinates.size() != hull.vertices.size() * hull.dimension)
+    throw Error(ErrorCode::invalid_argument,
+                "a hull of " + std::to_string(hull.vertices.size()) + " vertices in dimension " +
+                    std::to_string(hull.dimension) + " needs a row of coordinates for each, not " +
+                    std::to_string(vertex_coordinates.size()) + " numbers");
+  state_->hull = std::move(hull);
+  state_->rows = std::move(vertex_coordinates);
+}
 GrowingHull::~GrowingHull() = default;
 GrowingHull::GrowingHull(GrowingHull&&) noexcept = default;
 GrowingHull& GrowingHull::operator=(GrowingHull&&) noexcept = default;

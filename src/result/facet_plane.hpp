@@ -8,8 +8,8 @@
 
 #include "cullhull/error.hpp"
 #include "predicates/cofactors.hpp"
-#include "predicates/orientation.hpp"
 #include "predicates/double_double.hpp"
+#include "predicates/orientation.hpp"
 #include "result/exact_rests.hpp"
 #include "result/measure_frame.hpp"
 
@@ -18,6 +18,14 @@ namespace cullhull::internal {
 /// A normal shorter than this share of its edges' product is computed again with more bits, so its
 /// direction is good to about 2^-38 of a right angle at worst, and usually far better.
 inline constexpr double conditioned = 0x1p-12;
+
+/// The same for k beyond `cofactors`, where random edges already are as far from a right angle as
+/// this: the determinant of k random unit vectors is about sqrt(k! / k^k).
+inline double conditioned_in(unsigned k) {
+  double share = conditioned * conditioned;
+  for (unsigned i = 1; i <= k; ++i) share *= static_cast<double>(i) / k;
+  return std::sqrt(share);
+}
 
 template <class Real>
 Real difference(double a, double b) {
@@ -75,7 +83,10 @@ double simplex_normal(const Frame& frame, const std::uint32_t* v, Real* normal,
 template <unsigned K>
 class FacetPlane {
  public:
-  explicit FacetPlane(const Frame& frame) : frame_(frame), k_(K ? K : frame.k) {}
+  explicit FacetPlane(const Frame& frame)
+      : frame_(frame),
+        k_(K ? K : frame.k),
+        conditioned_(K != 0 ? conditioned : conditioned_in(k_)) {}
 
   /// Normal in doubles; where badly conditioned, by way of double-doubles. Returns its length, and
   /// in `reliable` whether that was enough. `error`: what rounding may have done to the normal, up
@@ -86,7 +97,7 @@ class FacetPlane {
     const double l = length(n, k_);
     *reliable = true;
     *error = l;
-    if (l > conditioned * lengths) return l;
+    if (l > conditioned_ * lengths) return l;
     return careful_normal(v, lengths, n, reliable, error);
   }
 
@@ -172,6 +183,7 @@ class FacetPlane {
 
   const Frame& frame_;
   const unsigned k_;
+  const double conditioned_;
 };
 
 }  // namespace cullhull::internal

@@ -8,6 +8,7 @@
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
 #include "result/exact_rests.hpp"
+#include "result/facet_kernel.hpp"
 #include "result/facet_plane.hpp"
 #include "result/totals.hpp"
 
@@ -130,6 +131,50 @@ class Measurer {
 
   const std::uint32_t* simplex(std::uint64_t i) const { return index_.data() + i * k_; }
 
+  /// Normals of simplices asked for one after the other: from 4D on by blocks, the same bits
+  /// sooner.
+  class Normals {
+   public:
+    explicit Normals(const Measurer& measurer) : measurer_(measurer) {}
+    /// As FacetPlane::normal.
+    double of(std::uint64_t i, double* n, std::vector<double>& scratch, bool* reliable,
+              double* error) {
+      if constexpr (K >= 4) {
+        constexpr unsigned lanes = FacetBlock<K>::lanes;
+        if (i < first_ || i >= first_ + lanes) load(i);
+        const auto lane = static_cast<unsigned>(i - first_);
+        const double size = block_.length[lane];
+        if (size > conditioned * block_.edges[lane]) {
+          for (unsigned c = 0; c < K; ++c) n[c] = block_.normal[c][lane];
+          *reliable = true;
+          *error = size;
+          return size;
+        }
+      }
+      return measurer_.plane_.normal(measurer_.simplex(i), n, scratch, reliable, error);
+    }
+
+   private:
+    struct Nothing {};
+    void load(std::uint64_t i) {
+      if constexpr (K >= 4) {
+        const Frame& frame = measurer_.frame_;
+        first_ = i;
+        for (unsigned lane = 0; lane < FacetBlock<K>::lanes; ++lane) {
+          const std::uint32_t* v = measurer_.simplex(std::min(i + lane, measurer_.count_ - 1));
+          for (unsigned j = 0; j < K; ++j)
+            for (unsigned c = 0; c < K; ++c)
+              block_.corner[j][c][lane] = frame.at(v[j])[frame.axes[c]];
+        }
+        for (auto& row : block_.origin) std::fill(std::begin(row), std::end(row), 0.0);
+        facet_block(block_);
+      }
+    }
+    const Measurer& measurer_;
+    std::uint64_t first_ = ~std::uint64_t{0} - FacetBlock<4>::lanes;
+    std::conditional_t<(K >= 4), FacetBlock<K>, Nothing> block_;
+  };
+
   template <class Real>
   Totals<DoubleDouble> totals() const {
     const unsigned d = frame_.dimension;
@@ -160,13 +205,14 @@ class Measurer {
     std::vector<Real> moment_many(d == K ? 0 : d, Real(0));
     Real* moment = d == K ? moment_few : moment_many.data();
     for (unsigned c = 0; c < d; ++c) moment[c] = 0;
+    Normals normals(*this);
     for (std::uint64_t i = begin; i < end; ++i) {
       const std::uint32_t* v = simplex(i);
       prefetch(i + ahead);
       bool reliable = true;
       double size = 0, error = 0;
       if constexpr (std::is_same_v<Real, double>)
-        size = plane_.normal(v, n, scratch, &reliable, &error);
+        size = normals.of(i, n, scratch, &reliable, &error);
       else
         error = simplex_normal<K, Real>(frame_, v, n, scratch);
       const double* p = frame_.at(v[0]);
@@ -270,10 +316,11 @@ class Measurer {
       for_each_chunk(count, measure_chunk, threads_,
                      [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                        control_.check();
-                       for (std::uint64_t i = begin; i < end; ++i) body(i);
+                       Normals normals(*this);
+                       for (std::uint64_t i = begin; i < end; ++i) body(i, normals);
                      });
     };
-    each_chunk(facets, [&](std::uint64_t f) {
+    each_chunk(facets, [&](std::uint64_t f, Normals&) {
       longest[f] = 0;
       best[f] = 0xFFFFFFFF;
     });
@@ -281,7 +328,7 @@ class Measurer {
       return hull_.facets.offsets[f + 1] - hull_.facets.offsets[f] == k_;
     };
     constexpr auto relaxed = std::memory_order_relaxed;
-    each_chunk(count_, [&](std::uint64_t i) {
+    each_chunk(count_, [&](std::uint64_t i, Normals& normals) {
       prefetch(i + ahead);
       const std::uint32_t f = hull_.simplex_facets[i];
       lengths[i] = 0;
@@ -290,15 +337,14 @@ class Measurer {
       std::vector<double> many(K ? 0 : k_), scratch;
       bool reliable = false;
       double error = 0;
-      const double length =
-          plane_.normal(simplex(i), K ? few : many.data(), scratch, &reliable, &error);
+      const double length = normals.of(i, K ? few : many.data(), scratch, &reliable, &error);
       if (length > 0) lengths[i] = std::bit_cast<std::uint64_t>(length);
       const std::atomic_ref<std::uint64_t> most(longest[f]);
       std::uint64_t now = most.load(relaxed);
       while (lengths[i] > now && !most.compare_exchange_weak(now, lengths[i], relaxed)) {
       }
     });
-    each_chunk(count_, [&](std::uint64_t i) {
+    each_chunk(count_, [&](std::uint64_t i, Normals&) {
       const std::uint32_t f = hull_.simplex_facets[i];
       if (lengths[i] != longest[f]) return;
       const std::atomic_ref<std::uint32_t> first(best[f]);

@@ -7,6 +7,7 @@
 #include "parallel/sort_few.hpp"
 #include "predicates/cofactors.hpp"
 #include "predicates/orientation.hpp"
+#include "predicates/oriented_plane.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -60,14 +61,13 @@ class RidgeScan {
   template <unsigned K>
   void chunk(std::uint64_t begin, std::uint64_t end, ChunkResult& out) const {
     const unsigned k = K ? K : surface_.k;
+    Plane<K> plane;
     for (std::uint64_t f = begin; f < end; ++f) {
       prefetch(f + 8, k);
       const std::uint32_t* ids = surface_.simplex(f);
       for (unsigned i = 1; i < k; ++i)
         if (ids[i - 1] == ids[i]) fail_not_exact("a simplex uses a point twice");
-      Plane<K> plane;
-      if constexpr (K != 0) plane.set(points_, ids);
-      bool coplanar = false;
+      plane.set(points_, ids);
       for (unsigned i = 0; i < k; ++i) {
         const std::uint32_t g = surface_.neighbours[f * k + i];
         if (g >= surface_.count() || g == f) fail_not_exact("a ridge has no second facet");
@@ -76,13 +76,23 @@ class RidgeScan {
         ++out.ridges;
         const Sign side = this->template side<K>(f, plane, surface_.simplex(g)[j], out);
         if (side == Sign::positive) fail_not_exact("a ridge is not convex");
-        if (side == Sign::zero) {
-          out.pairs.emplace_back(static_cast<std::uint32_t>(f), g);
-          coplanar = true;
-          if (degenerate<K>(g)) fail_not_exact("a facet is degenerate");
-        }
+        if (side == Sign::zero) out.pairs.emplace_back(static_cast<std::uint32_t>(f), g);
       }
-      if (coplanar && degenerate<K>(f)) fail_not_exact("a facet is degenerate");
+    }
+  }
+
+  template <unsigned K>
+  bool degenerate(std::uint64_t f) const {
+    Plane<K> plane;
+    plane.set(points_, surface_.simplex(f));
+    if constexpr (K == 0) {
+      control_.check();
+      return !plane.ladder.proper();
+    } else {
+      if (K > 2 && filter_ && plane.surely_proper()) return false;
+      const double* rows[K];
+      for (unsigned i = 0; i < K; ++i) rows[i] = points_.exact_row(surface_.simplex(f)[i]);
+      return affine_rank_exact(K, rows, K) + 1 < K;
     }
   }
 
@@ -126,10 +136,16 @@ class RidgeScan {
   };
 
   template <unsigned K>
-  Sign side(std::uint64_t f, const Plane<K>& plane, std::uint32_t x, ChunkResult& out) const {
+  Sign side(std::uint64_t f, Plane<K>& plane, std::uint32_t x, ChunkResult& out) const {
     Sign sign = Sign::zero;
     bool known = false;
-    if constexpr (K != 0) {
+    if constexpr (K == 0) {
+      control_.check();  // an exact sign can take milliseconds
+      Rung rung = Rung::exact;
+      sign = plane.ladder.side(points_.exact_row(x), &rung);
+      ++out.rungs[static_cast<unsigned>(rung)];
+      known = true;
+    } else {
       if (filter_) {
         const double* origin = points_.row(surface_.simplex(f)[0]);
         const double* p = points_.row(x);
@@ -160,7 +176,6 @@ class RidgeScan {
       ++out.rungs[static_cast<unsigned>(rung)];
       return Sign::zero;
     }
-    if (k > 8) control_.check();  // a sign can take milliseconds
     const Sign sign = orientation(k, rows.data(), &rung);
     ++out.rungs[static_cast<unsigned>(rung)];
     return sign;
@@ -176,34 +191,62 @@ class RidgeScan {
     return false;
   }
 
-  /// A degenerate simplex has a vertex in the span of the opposite ridge, so one of its ridges
-  /// always looks coplanar: only those simplices need this test.
-  template <unsigned K>
-  bool degenerate(std::uint64_t f) const {
-    if constexpr (K > 2) {
-      Plane<K> plane;
-      plane.set(points_, surface_.simplex(f));
-      if (filter_ && plane.surely_proper()) return false;
-    }
-    const unsigned k = surface_.k;
-    if (k > 8) control_.check();
-    std::vector<const double*> rows(k);
-    for (unsigned i = 0; i < k; ++i) rows[i] = points_.exact_row(surface_.simplex(f)[i]);
-    return affine_rank_exact(k, rows.data(), k) + 1 < k;
-  }
-
   const Surface& surface_;
   const LocalPoints& points_;
   const Control& control_;
   bool filter_;
 };
 
+/// Beyond the cofactors' dimensions: every rung of the ladder, climbed once for all ridges.
 template <>
-struct RidgeScan::Plane<0> {};
+struct RidgeScan::Plane<0> {
+  OrientedPlane ladder;
+  std::vector<const double*> rows;
+  void set(const LocalPoints& points, const std::uint32_t* ids) {
+    rows.resize(points.dimension);
+    for (unsigned i = 0; i < points.dimension; ++i) rows[i] = points.exact_row(ids[i]);
+    ladder.set(points.dimension, rows.data());
+  }
+};
 
 template <unsigned K>
-void scan_chunk(const RidgeScan& scan, std::uint64_t b, std::uint64_t e, ChunkResult& out) {
-  scan.chunk<K>(b, e, out);
+struct ScanOf {
+  static void chunk(const RidgeScan& scan, std::uint64_t b, std::uint64_t e, ChunkResult& out) {
+    scan.chunk<K>(b, e, out);
+  }
+  static bool degenerate(const RidgeScan& scan, std::uint64_t f) { return scan.degenerate<K>(f); }
+};
+
+struct Scan {
+  void (*chunk)(const RidgeScan&, std::uint64_t, std::uint64_t, ChunkResult&);
+  bool (*degenerate)(const RidgeScan&, std::uint64_t);
+  template <unsigned K>
+  static constexpr Scan of() {
+    return {ScanOf<K>::chunk, ScanOf<K>::degenerate};
+  }
+};
+
+Scan scan_of(unsigned k) {
+  static constexpr Scan scans[] = {Scan::of<2>(), Scan::of<3>(), Scan::of<4>(),
+                                   Scan::of<5>(), Scan::of<6>(), Scan::of<0>()};
+  static_assert(elimination_pays == 7);
+  return scans[std::min(k, elimination_pays) - 2];
+}
+
+/// A degenerate simplex has a vertex in the span of the opposite ridge, so one of its ridges always
+/// looks coplanar: only those simplices need this test, once each.
+void check_proper(const RidgeScan& ridge_scan, const Scan& scan, std::size_t count,
+                  const CoplanarPairs& pairs, unsigned threads, const Control& control) {
+  if (pairs.empty()) return;
+  std::vector<std::uint8_t> coplanar(count, 0);
+  for (const auto& [f, g] : pairs) coplanar[f] = coplanar[g] = 1;
+  for_each_chunk(count, simplex_chunk, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   for (std::uint64_t f = begin; f < end; ++f)
+                     if (coplanar[f] != 0 && scan.degenerate(ridge_scan, f))
+                       fail_not_exact("a facet is degenerate");
+                 });
 }
 
 }  // namespace
@@ -252,17 +295,13 @@ Surface make_surface(SimplicialHull&& boundary, const LocalPoints& points, unsig
 
 CoplanarPairs coplanar_pairs(const Surface& surface, const LocalPoints& points, unsigned threads,
                              const Control& control, std::uint64_t* rung_counts) {
-  using Scan = void (*)(const RidgeScan&, std::uint64_t, std::uint64_t, ChunkResult&);
-  static constexpr Scan scans[] = {scan_chunk<0>, scan_chunk<0>, scan_chunk<2>,
-                                   scan_chunk<3>, scan_chunk<4>, scan_chunk<5>,
-                                   scan_chunk<6>, scan_chunk<7>, scan_chunk<8>};
-  const Scan scan = scans[surface.k <= 8 ? surface.k : 0];
+  const Scan scan = scan_of(surface.k);
   const RidgeScan ridge_scan(surface, points, control);
   std::vector<ChunkResult> results(chunk_count(surface.count(), simplex_chunk));
   for_each_chunk(surface.count(), simplex_chunk, threads,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
                    control.check();
-                   scan(ridge_scan, begin, end, results[chunk]);
+                   scan.chunk(ridge_scan, begin, end, results[chunk]);
                  });
   CoplanarPairs pairs;
   std::uint64_t ridges = 0;
@@ -273,6 +312,7 @@ CoplanarPairs coplanar_pairs(const Surface& surface, const LocalPoints& points, 
   }
   // Each ridge was matched from its lower simplex to one slot of the higher: half of all slots.
   if (2 * ridges != surface.ids.size()) fail_not_exact("a ridge is not shared by two facets");
+  check_proper(ridge_scan, scan, surface.count(), pairs, threads, control);
   return pairs;
 }
 

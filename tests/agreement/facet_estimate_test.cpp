@@ -42,7 +42,9 @@ INSTANTIATE_TEST_SUITE_P(Bodies, FacetEstimateTest,
                          ::testing::Values(Case{"sphere", 6, 2000}, Case{"ball", 6, 4000},
                                            Case{"gauss", 6, 20000}, Case{"cube", 6, 5000},
                                            Case{"ball", 8, 300}, Case{"gauss", 8, 400},
-                                           Case{"sphere", 4, 5000}));
+                                           Case{"sphere", 4, 5000}, Case{"cube", 9, 50},
+                                           Case{"sphere", 9, 60}, Case{"gauss", 12, 30},
+                                           Case{"cube", 16, 27}, Case{"cube", 20, 25}));
 
 TEST(FacetEstimateTest, RefusedBeforeTheWork) {
   const std::vector<double> x = generate("ball", 20000, 8);
@@ -56,6 +58,22 @@ TEST(FacetEstimateTest, RefusedBeforeTheWork) {
     const std::string what = e.what();
     EXPECT_NE(what.find("facets is expected"), std::string::npos) << what;
     EXPECT_NE(what.find("memory budget is 1024 MiB"), std::string::npos) << what;
+  }
+}
+
+TEST(FacetEstimateTest, RefusedInManyDimensionsBeforeTheWork) {
+  // Hulls of 1.5 million facets, of more than 10^9, and of more than any memory holds.
+  for (const auto& [count, dimension] : {std::pair{60U, 12U}, {60U, 20U}, {100U, 30U}}) {
+    const std::vector<double> x = generate("cube", count, dimension);
+    Options options;
+    options.memory_budget = 100 << 20;
+    try {
+      convex_hull(PointView::row_major(x.data(), count, dimension), options);
+      FAIL() << count << " points in " << dimension << "D were to be refused";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::out_of_budget);
+      EXPECT_NE(std::string(e.what()).find("facets is expected"), std::string::npos) << e.what();
+    }
   }
 }
 

@@ -128,6 +128,21 @@ TEST(Planner, PlacesDependOnCountsAndCores) {
   EXPECT_TRUE(choose_place(q, m).device);
 }
 
+// A first call for a few million points of the host pays for the pinned memory that they cross.
+TEST(Planner, PinnedMemoryHasItsPrice) {
+  MachineConstants m;
+  m.host_read_bytes_per_second = 15e9;
+  m.link_bytes_per_second = m.host_copy_bytes_per_second = 50e9;
+  PlaceQuestion q;
+  q.count = 2000000;
+  q.dimension = 3;
+  q.point_bytes = 24;
+  q.device_started = true;
+  EXPECT_FALSE(choose_place(q, m).device);
+  q.pinned_bytes = 128 << 20;
+  EXPECT_TRUE(choose_place(q, m).device);
+}
+
 TEST(Planner, FindingsAreSaid) {
   EXPECT_EQ(sample_finding(1000, 132), "132 of 1000 sampled points are extreme");
 }

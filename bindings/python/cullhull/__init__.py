@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from ._answers import NearestFacets, Rays
 from ._core import version as __version__
 from ._device import cuda_status
 from ._drop_in import ConvexHull, HalfspaceIntersection
@@ -29,19 +30,12 @@ from ._errors import (
     InvalidArgument,
     NotCertified,
     NotFinite,
+    OptionWarning,
     OutOfBudget,
+    ShapeWarning,
 )
-from ._hull import (
-    Certificate,
-    Hull,
-    NearestFacets,
-    Rays,
-    certify,
-    convex_hull,
-    cull,
-    generate,
-    shapes,
-)
+from ._functions import certify, convex_hull, cull, generate, shapes
+from ._hull import Certificate, Hull
 from ._lists import Lists
 from ._many import GrowingHull, HullBatch, convex_hulls
 from ._tracker import HullTracker
@@ -71,9 +65,11 @@ __all__ = [
     "NearestFacets",
     "NotCertified",
     "NotFinite",
+    "OptionWarning",
     "OutOfBudget",
     "QhullError",
     "Rays",
+    "ShapeWarning",
     "__version__",
     "certify",
     "convex_hull",

@@ -1,11 +1,11 @@
-#include "batch/small_kernels.hpp"
+#include "result/small_shares.hpp"
 
 #include "parallel/simd_targets.hpp"
 
 // Vectors are kept in arrays below, which sizeless types do not allow.
 #define HWY_DISABLED_TARGETS CULLHULL_SIZELESS_TARGETS
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "batch/small_kernels.cpp"
+#define HWY_TARGET_INCLUDE "result/small_shares.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -29,8 +29,9 @@ struct Corners {
 
 /// One vector of facets, from lane `lane` of the corners on. Operation by operation what
 /// facet_block and facet_share do.
+template <class Shares>
 HWY_INLINE void share(const Corners& corners, unsigned lane, const double* origin, double scale,
-                      double unit, unsigned i, SmallShares& out, double* planes) {
+                      double unit, unsigned i, Shares& out, double* planes) {
   const Tag tag;
   V p[3], u[3], v[3], step[3], sum[3];
   V square_u = hn::Zero(tag), square_v = hn::Zero(tag), reach = hn::Zero(tag);
@@ -80,10 +81,9 @@ HWY_INLINE void share(const Corners& corners, unsigned lane, const double* origi
   out.open[i / 64] |= std::uint64_t{bits[0]} << i % 64;
 }
 
-}  // namespace
-
-void shares_in(const SmallPoints3D& points, const SmallHull3D& hull, int exponent,
-               SmallShares& shares, double* planes) {
+template <class Points, class Hull, class Shares>
+HWY_INLINE void all_shares(const Points& points, const Hull& hull, int exponent, Shares& shares,
+                           double* planes) {
   const Tag tag;
   const double scale = scale_by(1, -exponent), unit = scale_by(1, exponent);
   double origin[3];
@@ -91,7 +91,7 @@ void shares_in(const SmallPoints3D& points, const SmallHull3D& hull, int exponen
   std::fill(std::begin(shares.open), std::end(shares.open), 0);
   Corners corners;
   for (unsigned i = 0; i < hull.count; i += block) {
-    const std::uint8_t* vertex = hull.vertices + std::size_t{3} * i;
+    const auto* vertex = hull.vertices + std::size_t{3} * i;
     for (unsigned lane = 0; lane < block; ++lane)
       for (unsigned j = 0; j < 3; ++j) {
         const unsigned id = *vertex++;
@@ -101,17 +101,17 @@ void shares_in(const SmallPoints3D& points, const SmallHull3D& hull, int exponen
       share(corners, lane, origin, scale, unit, i + lane, shares, planes);
   }
   // Those repeated to fill the last vector are none.
-  for (unsigned w = 0; w < SmallShares::room / 64; ++w)
+  for (unsigned w = 0; w < std::size(shares.open); ++w)
     if (hull.count < 64 * w + 64)
       shares.open[w] &= hull.count > 64 * w ? ~(~std::uint64_t{0} << hull.count % 64) : 0;
 }
 
-template <class T>
-HWY_INLINE void widen_all(const std::uint8_t* from, std::size_t count, T* to) {
+template <class T, class Short>
+HWY_INLINE void widen_all(const Short* from, std::size_t count, T* to) {
   const hn::CappedTag<T, 64 / sizeof(T)> tag;
-  const hn::Rebind<std::uint8_t, decltype(tag)> bytes;
+  const hn::Rebind<Short, decltype(tag)> narrow;
   for (std::size_t i = 0; i < count; i += hn::Lanes(tag)) {
-    const auto v = hn::LoadU(bytes, from + i);
+    const auto v = hn::LoadU(narrow, from + i);
     if constexpr (sizeof(T) == 4)
       hn::StoreU(hn::PromoteTo(tag, v), tag, to + i);
     else
@@ -119,10 +119,27 @@ HWY_INLINE void widen_all(const std::uint8_t* from, std::size_t count, T* to) {
                  tag, to + i);
   }
 }
-void widen_32(const std::uint8_t* from, std::size_t count, std::uint32_t* to) {
+
+}  // namespace
+
+void shares_in(const SmallPoints3D& points, const SmallHull3D& hull, int exponent,
+               SmallShares<SmallHull3D::max_facets>& shares, double* planes) {
+  all_shares(points, hull, exponent, shares, planes);
+}
+void medium_shares_in(const MediumPoints3D& points, const MediumHull3D& hull, int exponent,
+                      SmallShares<MediumHull3D::max_facets>& shares, double* planes) {
+  all_shares(points, hull, exponent, shares, planes);
+}
+void widen_8_32(const std::uint8_t* from, std::size_t count, std::uint32_t* to) {
   widen_all(from, count, to);
 }
-void widen_64(const std::uint8_t* from, std::size_t count, std::uint64_t* to) {
+void widen_8_64(const std::uint8_t* from, std::size_t count, std::uint64_t* to) {
+  widen_all(from, count, to);
+}
+void widen_16_32(const std::uint16_t* from, std::size_t count, std::uint32_t* to) {
+  widen_all(from, count, to);
+}
+void widen_16_64(const std::uint16_t* from, std::size_t count, std::uint64_t* to) {
   widen_all(from, count, to);
 }
 
@@ -133,18 +150,31 @@ HWY_AFTER_NAMESPACE();
 namespace cullhull::internal {
 
 HWY_EXPORT(shares_in);
-HWY_EXPORT(widen_32);
-HWY_EXPORT(widen_64);
+HWY_EXPORT(medium_shares_in);
+HWY_EXPORT(widen_8_32);
+HWY_EXPORT(widen_8_64);
+HWY_EXPORT(widen_16_32);
+HWY_EXPORT(widen_16_64);
 
 void small_shares(const SmallPoints3D& points, const SmallHull3D& hull, int exponent,
-                  SmallShares& shares, double* planes) {
+                  SmallShares<SmallHull3D::max_facets>& shares, double* planes) {
   HWY_DYNAMIC_DISPATCH(shares_in)(points, hull, exponent, shares, planes);
 }
+void small_shares(const MediumPoints3D& points, const MediumHull3D& hull, int exponent,
+                  SmallShares<MediumHull3D::max_facets>& shares, double* planes) {
+  HWY_DYNAMIC_DISPATCH(medium_shares_in)(points, hull, exponent, shares, planes);
+}
 void widen(const std::uint8_t* from, std::size_t count, std::uint32_t* to) {
-  HWY_DYNAMIC_DISPATCH(widen_32)(from, count, to);
+  HWY_DYNAMIC_DISPATCH(widen_8_32)(from, count, to);
 }
 void widen(const std::uint8_t* from, std::size_t count, std::uint64_t* to) {
-  HWY_DYNAMIC_DISPATCH(widen_64)(from, count, to);
+  HWY_DYNAMIC_DISPATCH(widen_8_64)(from, count, to);
+}
+void widen(const std::uint16_t* from, std::size_t count, std::uint32_t* to) {
+  HWY_DYNAMIC_DISPATCH(widen_16_32)(from, count, to);
+}
+void widen(const std::uint16_t* from, std::size_t count, std::uint64_t* to) {
+  HWY_DYNAMIC_DISPATCH(widen_16_64)(from, count, to);
 }
 
 }  // namespace cullhull::internal
