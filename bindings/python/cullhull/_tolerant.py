@@ -109,6 +109,7 @@ class TolerantConvexHull(ConvexHull):
 
     @_Lazy
     def equations(self) -> npt.NDArray[np.float64]:
+        """(s, d + 1) float64: outward unit normal and offset of each simplex's shared plane."""
         shared = self.hull.shared_planes(self.merge_distance)
         planes: npt.NDArray[np.float64] = self.hull.facet_planes[shared[self.hull.simplex_facets]]
         return planes
