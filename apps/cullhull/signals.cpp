@@ -21,8 +21,11 @@ std::stop_source& source() {
   return instance;
 }
 
+void say(const char* text) { (void)!::write(STDERR_FILENO, text, std::strlen(text)); }
+
 [[noreturn]] void end_at_once() {
   cullhull::remove_unfinished_files();
+  say("cullhull: cancelled\n");
   ::_exit(cancelled);
 }
 
@@ -40,8 +43,6 @@ bool ignored(int signal) {
   struct sigaction action = {};
   return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
 }
-
-void say(const char* text) { (void)!::write(STDERR_FILENO, text, std::strlen(text)); }
 
 // The kernel's word for a mapped file that has become shorter than it was. Any other SIGBUS is a
 // bug of ours and keeps its usual effect.
