@@ -1,13 +1,16 @@
 // CGAL's convex_hull_2 and convex_hull_3 (exact predicates, inexact constructions) on a .npy of
-// doubles: writes the seconds and then the extreme points, all as doubles in binary. A program of
-// its own because CGAL is GPL: nothing of ours links it, `cullhull bench rivals` runs it where it
-// is installed.
+// doubles: writes the seconds and then the extreme points, all as doubles in binary. With a number
+// of sets to cut the points into, the seconds of each instead. A program of its own because CGAL is
+// GPL: nothing of ours links it, `cullhull bench rivals` and call_bench run it where it is
+// installed.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/convex_hull_2.h>
 #include <CGAL/convex_hull_3.h>
 
+#include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <iterator>
 #include <vector>
 
@@ -43,11 +46,28 @@ double hull_3(const PointView& p, std::vector<double>& extreme) {
   return seconds;
 }
 
+double hull(const PointView& p, std::vector<double>& extreme) {
+  return p.dimension == 2 ? hull_2(p, extreme) : hull_3(p, extreme);
+}
+
+std::vector<double> seconds_of_sets(const PointView& points, std::uint64_t sets) {
+  std::vector<double> seconds, ignored;
+  PointView set = points;
+  set.count = points.count / sets;
+  for (std::uint64_t i = 0; i < sets; ++i) {
+    ignored.clear();
+    set.data = points.address(i * set.count, 0);
+    seconds.push_back(hull(set, ignored));
+  }
+  return seconds;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
-  if (argc != 2) {
-    std::fputs("usage: cullhull-rival-cgal POINTS.npy\n", stderr);
+  const std::uint64_t sets = argc == 3 ? std::strtoull(argv[2], nullptr, 10) : 0;
+  if (argc != 2 && sets == 0) {
+    std::fputs("usage: cullhull-rival-cgal POINTS.npy [SETS]\n", stderr);
     return 2;
   }
   const cullhull::PointFile file = cullhull::open_points(argv[1]);
@@ -56,9 +76,14 @@ int main(int argc, char** argv) try {
     std::fputs("cullhull-rival-cgal: 2D and 3D only\n", stderr);
     return 1;
   }
-  std::vector<double> out{0};
-  const double seconds = p.dimension == 2 ? hull_2(p, out) : hull_3(p, out);
-  out[0] = seconds;
+  std::vector<double> out;
+  if (sets > 0) {
+    out = seconds_of_sets(p, sets);
+  } else {
+    out.push_back(0);
+    const double seconds = hull(p, out);
+    out[0] = seconds;
+  }
   return std::fwrite(out.data(), sizeof(double), out.size(), stdout) == out.size() ? 0 : 1;
 } catch (const std::exception& e) {
   std::fprintf(stderr, "cullhull-rival-cgal: %s\n", e.what());

@@ -228,14 +228,17 @@ class DeviceFilter {
 
 Filtered run_device_filter(const DevicePointView& points, const Options& options,
                            const Control& control, unsigned threads, std::uint64_t budget) {
-  (void)cuda::device();  // first of all: is there one?
-  Filtered nothing;
-  nothing.survivors.all = true;
-  nothing.survivors.reason = "no points";
-  if (points.count == 0) return nothing;
+  if (points.count == 0) {
+    (void)cuda::device();
+    Filtered nothing;
+    nothing.survivors.all = true;
+    nothing.survivors.reason = "no points";
+    return nothing;
+  }
+  // The device that holds the points may be the only one that can be used.
   const int ordinal = device_of(points);
+  (void)cuda::device(ordinal);
   const cuda::DeviceScope scope(ordinal);
-  (void)cuda::device();
   return DeviceFilter(points, options, control, threads, budget).run();
 }
 

@@ -66,6 +66,10 @@ Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const
 
 using namespace internal;
 
+#ifndef CULLHULL_HAVE_CUDA
+void wait_for_cuda_device_of(const void*) { require_cuda(); }
+#endif
+
 Survivors cull(const DevicePointView& points, const Options& options) {
   const auto start = Clock::now();
   Filtered filtered = filter(points, options);

@@ -10,18 +10,27 @@
 
 namespace cullhull::internal {
 
-int device_of(const DevicePointView& points) {
+int device_of_memory(const void* memory) {
   cudaPointerAttributes attributes = {};
-  cuda::check(cudaPointerGetAttributes(&attributes, points.data), "asking where the points are");
+  const cudaError_t status = cudaPointerGetAttributes(&attributes, memory);
+  if (status != cudaSuccess) {
+    (void)cuda::device();  // without a device it has the reason
+    cuda::check(status, "asking where the points are");
+  }
   if (attributes.type != cudaMemoryTypeDevice && attributes.type != cudaMemoryTypeManaged)
     throw Error(ErrorCode::invalid_argument,
                 "the points are not in a CUDA device's memory; use PointView for host memory");
+  return attributes.device;
+}
+
+int device_of(const DevicePointView& points) {
+  const int device = device_of_memory(points.data);
   const auto size = static_cast<std::ptrdiff_t>(scalar_size(points.scalar));
   if (reinterpret_cast<std::uintptr_t>(points.data) % static_cast<std::uintptr_t>(size) != 0 ||
       points.point_stride % size != 0 || points.coordinate_stride % size != 0)
     throw Error(ErrorCode::invalid_argument,
                 "points and strides on a device must be aligned to the scalar's size");
-  return attributes.device;
+  return device;
 }
 
 Placement place_of_device_points(const DevicePointView& points, const Options& options,
@@ -60,3 +69,13 @@ void refuse_first_not_finite(const DevicePointView& points, const Control& contr
 }
 
 }  // namespace cullhull::internal
+
+namespace cullhull {
+
+void wait_for_cuda_device_of(const void* memory) {
+  using namespace internal;
+  const cuda::DeviceScope scope(device_of_memory(memory));
+  cuda::check(cudaDeviceSynchronize(), "waiting for the device that holds the points");
+}
+
+}  // namespace cullhull

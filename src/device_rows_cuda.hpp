@@ -10,6 +10,10 @@
 
 namespace cullhull::internal {
 
+/// The device that holds this memory; throws Error{invalid_argument} where none does, and without
+/// a device the reason.
+int device_of_memory(const void* memory);
+
 /// The device that holds the points; throws Error{invalid_argument} where the view cannot be read
 /// there.
 int device_of(const DevicePointView& points);

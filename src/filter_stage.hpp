@@ -18,6 +18,10 @@ struct Filtered {
   std::uint64_t first_pass = 0;  ///< how many the pass over the whole input left
 };
 
+/// Up to so many points in space the filter is a map of the outermost ones, which takes little more
+/// than a pass. Beyond, a larger sample and a finer map pay.
+inline constexpr std::uint64_t most_by_outermost = 1 << 16;
+
 /// Runs the filter the options ask for. Points that are not finite always survive, so that the
 /// gathering of survivors reports them; `rows` has been checked. A sample whose hull would exceed
 /// the budget gives no map; survivors that exceed it are Error{out_of_budget}.

@@ -11,7 +11,10 @@
 namespace cullhull::internal {
 
 FirstPass::FirstPass(const PointView& points, const Options& options, unsigned threads)
-    : points_(points), threads_(threads), insists_(options.backend == Backend::cuda) {
+    : points_(points),
+      threads_(threads),
+      ordinal_(options.device),
+      insists_(options.backend == Backend::cuda) {
   if (options.backend == Backend::cpu) {
     reason_ = "CPU as asked";
   } else if (insists_) {
@@ -24,7 +27,7 @@ FirstPass::FirstPass(const PointView& points, const Options& options, unsigned t
 
 std::uint32_t FirstPass::most_nodes() const {
 #ifdef CULLHULL_HAVE_CUDA
-  if (device_) return cuda::most_gauge_nodes(cuda::device());
+  if (device_) return cuda::most_gauge_nodes(cuda::device_or_current(ordinal_));
 #endif
   return 0;
 }
@@ -42,6 +45,7 @@ std::vector<std::uint64_t> FirstPass::survivors(const GaugeMap& map, const Contr
 #ifdef CULLHULL_HAVE_CUDA
   if (device_) {
     try {
+      const cuda::DeviceScope scope(cuda::device_or_current(ordinal_).ordinal);
       return cuda::survivors_of_host_points(map.table(), points_, threads_, control);
     } catch (const cuda::OutOfMemory& e) {
       if (insists_) throw;
@@ -62,12 +66,16 @@ void FirstPass::ask_planner(const Options& options) {
   question.point_bytes = points_.dimension * scalar_size(points_.scalar);
   question.threads = threads_;
   question.device_started = cuda_started();
+  question.pinned_bytes = kept_pinned_memory();
   const Placement place = choose_place(question, options.machine);
-  reason_ = place.reason;
+  // What a device would take is told only where there may be one.
+  reason_ = cuda_in_sight() ? place.reason : place.host_reason;
   device_ = place.device;
   if (!device_) return;
+  reason_ = place.host_reason;
   try {
-    require_cuda();
+    require_cuda(ordinal_);
+    reason_ = place.reason;
   } catch (const Error& e) {
     fall_back(e);
   }

@@ -34,6 +34,7 @@ class FirstPass {
 
   const PointView& points_;
   unsigned threads_;
+  int ordinal_;  ///< the device that options name; -1: the current one
   bool insists_;
   bool device_ = false;
   std::string reason_;

@@ -6,6 +6,7 @@
 
 #include "control.hpp"
 #include "cull/lattice_cull.hpp"
+#include "cull/planner.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
@@ -17,12 +18,15 @@
 #include "hull/polygon.hpp"
 #include "hull/surface_3d.hpp"
 #include "parallel/backend.hpp"
+#include "parallel/helpers.hpp"
 #include "parallel/pages.hpp"
 #include "points/gather.hpp"
 #include "points/local_frame.hpp"
 #include "result/build_hull.hpp"
 #include "result/extreme_rows.hpp"
+#include "result/few_in_space.hpp"
 #include "result/polygon_result.hpp"
+#include "small_hull.hpp"
 
 namespace cullhull {
 namespace internal {
@@ -149,6 +153,16 @@ bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, 
   return false;
 }
 
+/// Few points in space go straight from their coordinates to the result. False: the engine must.
+bool few_in_space(const PointView& points, const Survivors& survivors, const Run& run, Hull& hull) {
+  constexpr std::uint64_t most_memory = 1 << 22;  // of the largest of such results, generously
+  const std::uint64_t count = survivors.size(points.count);
+  if (run.options.engine != Engine::native || run.budget < most_memory ||
+      (survivors.all && count > most_unfiltered_in_space))
+    return false;
+  return hull_of_few(points, survivors.all ? nullptr : survivors.ids.data(), count, hull);
+}
+
 /// Ascending local ids.
 std::vector<std::uint64_t> extreme_locals(const LocalFrame& frame, const Run& run,
                                           std::uint64_t* rung_counts) {
@@ -207,13 +221,13 @@ void check_arguments(const PointView& points, const Options& options) {
     throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
   if (points.data == nullptr && points.count > 0)
     throw Error(ErrorCode::invalid_argument, "points.data is null");
-  if (options.backend == Backend::cuda) require_cuda();
+  if (options.backend == Backend::cuda) require_cuda(options.device);
   if (options.engine == Engine::qhull && !qhull_available())
     throw Error(ErrorCode::backend_unavailable,
                 "this build has no Qhull engine; use the native engine");
 }
 
-Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run) {
+Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run, Few few) {
   const Clock::time_point start = Clock::now();
   Hull hull;
   hull.dimension = points.dimension;
@@ -228,6 +242,10 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
   if (points.count == 0) return hull;
   if (points.dimension == 2 && run.options.engine == Engine::native &&
       hull_in_plane(points, filtered, run, hull)) {
+    hull.statistics.hull_seconds = seconds_since(start);
+    return hull;
+  }
+  if (few == Few::at_once && few_in_space(points, filtered.survivors, run, hull)) {
     hull.statistics.hull_seconds = seconds_since(start);
     return hull;
   }
@@ -250,7 +268,10 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
       const auto k = static_cast<std::uint64_t>(hull.affine_dimension);
       require_budget(run.budget, facets * result_bytes_per_facet(k, points.dimension),
                      std::to_string(facets) + " facets");
-      build_hull(from, std::move(boundary), run.control, run.threads, hull);
+      // From 4D on a facet takes some 150 ns: with fewer of them threads cost more than they save.
+      constexpr std::uint64_t worth_threads = std::uint64_t{1} << 14;
+      build_hull(from, std::move(boundary), run.control,
+                 k > 3 && facets < worth_threads ? 1 : run.threads, hull);
     };
     if (hull.affine_dimension == 3 && run.options.engine == Engine::native) {
       Surface3D surface =
@@ -287,7 +308,10 @@ Survivors cull(const PointView& points, const Options& options) {
 
 Hull convex_hull(const PointView& points, const Options& options) {
   check_arguments(points, options);
-  const Run run(options);
+  if (Hull hull; small_hull(points, options, hull)) return hull;
+  Run run(options);
+  run.threads = useful_threads(run.threads, points.count, points.dimension);
+  const CallScope call;
   const PageScope pages;
   const auto start = Clock::now();
   run.control.check();
@@ -302,7 +326,9 @@ Hull convex_hull(const PointView& points, const Options& options) {
 
 ExtremePoints extreme_points(const PointView& points, const Options& options) {
   check_arguments(points, options);
-  const Run run(options);
+  Run run(options);
+  run.threads = useful_threads(run.threads, points.count, points.dimension);
+  const CallScope call;
   const PageScope pages;
   const auto start = Clock::now();
 

@@ -22,8 +22,8 @@ const char* const input_help =
     "Input, by extension, else by content:\n"
     "  .npy   NumPy array of n rows and d columns, either order; read in place\n"
     "  .ply   vertices, binary (read in place) or ASCII      .obj .off .stl   vertices\n"
-    "  .xyz .txt .csv   a point a line, separated by blanks, commas or semicolons; Qhull's own\n"
-    "         header (dimension, then count) is understood\n"
+    "  .xyz .txt .csv   a point a line, separated by blanks, commas or semicolons; Qhull's header\n"
+    "         (dimension, then count) and cdd's (rbox h) are understood\n"
     "  raw    nothing but coordinates: say --input-format raw --dim D --type f64\n"
     "  -      standard input\n"
     "Floats and integers up to 32 bits are taken at their exact value.";
@@ -118,6 +118,15 @@ std::uint64_t parse_size(std::string_view text, std::string_view option) {
                   std::string(text) + "'");
 }
 
+std::uint64_t parse_whole(std::string_view text, std::string_view option) {
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error == std::errc() && end == text.data() + text.size()) return number;
+  throw Error(ErrorCode::invalid_argument,
+              std::string(option) + " needs a whole number from 0 to 18446744073709551615, not '" +
+                  std::string(text) + "'");
+}
+
 std::vector<std::uint32_t> parse_columns(std::string_view text, std::uint32_t dimension) {
   std::vector<std::uint32_t> columns;
   std::vector<bool> taken(dimension);
@@ -145,6 +154,16 @@ std::vector<std::uint32_t> parse_columns(std::string_view text, std::uint32_t di
   return columns;
 }
 
+CLI::Option& needs_value(CLI::Option& option) {
+  const auto check = [](const std::string& word) {
+    return word.empty() ? std::string("needs a value, not an empty word") : std::string();
+  };
+  option.check(check);
+  return option;
+}
+
+std::string input_name(const std::string& path) { return path == "-" ? "standard input" : path; }
+
 void allow_words(CLI::Option& option, const std::vector<std::string>& words) {
   std::string joined;
   for (const std::string& word : words) joined += (joined.empty() ? "" : "|") + word;
@@ -165,10 +184,10 @@ void InputArguments::add_to(CLI::App& command) {
   allow_range(*command.add_option("--dim", dimension, "Coordinates of a point, for raw input"), 1,
               1U << 20);
   allow_words(*command.add_option("--type", type, "Scalar type, for raw input"), scalar_names());
-  command
-      .add_option("--columns", columns,
-                  "Coordinates of each point to use, from 0: a:b without b, or 0,2,5")
-      ->type_name("COLUMNS");
+  needs_value(
+      *command.add_option("--columns", columns,
+                          "Coordinates of each point to use, from 0: a:b without b, or 0,2,5"))
+      .type_name("COLUMNS");
 }
 
 cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads) {
@@ -204,11 +223,11 @@ void RunArguments::add_to(CLI::App& command, bool filter) {
     allow_words(method, {"auto", "gauge", "pseudo-hull", "none"});
     auto& where = *command.add_option("--backend", backend, "Where to run; auto may take the CPU");
     allow_words(where, {"auto", "cpu", "cuda"});
-    command
-        .add_option("--memory", memory,
-                    "Most it may take beyond the input, e.g. 2G or 512MiB; else half of\n"
-                    "the machine's. A result that needs more is refused, status 4")
-        ->type_name("BYTES");
+    needs_value(
+        *command.add_option("--memory", memory,
+                            "Most it may take beyond the input, e.g. 2G or 512MiB; else half of\n"
+                            "the machine's. A result that needs more is refused, status 4"))
+        .type_name("BYTES");
   } else {
     backend = "cpu";  // nothing to choose, so nothing that a choice is weighed by is read
   }

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/options.hpp"
 
@@ -65,9 +66,29 @@ std::string machine_file();
 /// Mi Gi Ti powers of 1024; a B may follow). Throws Error{invalid_argument} naming `option`.
 std::uint64_t parse_size(std::string_view text, std::string_view option);
 
+/// A whole number below 2^64. Throws Error{invalid_argument} naming `option`.
+std::uint64_t parse_whole(std::string_view text, std::string_view option);
+
 /// "0:3" (half open, either end may be missing), "0,2,5", or both: column numbers below
 /// `dimension`. Throws Error{invalid_argument}.
 std::vector<std::uint32_t> parse_columns(std::string_view text, std::uint32_t dimension);
+
+/// Refuses the empty word, which a script gives where its variable is not set.
+CLI::Option& needs_value(CLI::Option& option);
+
+/// "standard input" for "-".
+std::string input_name(const std::string& path);
+
+/// Calls read(); where a point is not finite, the error names the file as well.
+template <class Read>
+auto naming_file(const std::string& path, const Read& read) -> decltype(read()) {
+  try {
+    return read();
+  } catch (const cullhull::Error& e) {
+    if (e.code() != cullhull::ErrorCode::not_finite) throw;
+    throw cullhull::Error(e.code(), input_name(path) + ": " + e.what());
+  }
+}
 
 /// Limits an option to some words or to a range, and says so in the help without the parser's
 /// jargon.

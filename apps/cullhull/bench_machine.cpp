@@ -10,6 +10,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "machine.hpp"
+#include "outputs.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
 
@@ -42,6 +43,9 @@ void save_constants(const cullhull::bench::MachineRates& rates) {
 }
 
 int run(const MachineArguments& arguments) {
+  FilePlan plan;
+  plan.writes_json(arguments.json);
+  if (arguments.save) plan.writes_any("--save", machine_file());
   cullhull::bench::MachineSettings settings;
   if (!arguments.bytes.empty()) settings.bytes = parse_size(arguments.bytes, "--bytes");
   settings.passes = arguments.passes;
@@ -55,8 +59,7 @@ int run(const MachineArguments& arguments) {
   if (arguments.save) save_constants(rates);
   if (!arguments.json.empty())
     cullhull::write_text(arguments.json, cullhull::bench::machine_json(rates));
-  if (!arguments.quiet && arguments.json != "-")
-    write_stdout(cullhull::bench::machine_table(rates));
+  if (!arguments.quiet && !plan.uses_stdout()) write_stdout(cullhull::bench::machine_table(rates));
   return 0;
 }
 
@@ -66,10 +69,10 @@ Command add_bench_machine(CLI::App& bench) {
   auto a = std::make_shared<MachineArguments>();
   CLI::App& command = *bench.add_subcommand(
       "machine", "Bandwidth of memory, of the link to the device, of the device");
-  command.add_option("--json", a->json, "The rates as JSON, on standard output or to FILE")
-      ->type_name("[=FILE]");
+  add_json_option(command, a->json, "The rates");
   command.add_flag("--save", a->save, "Keep the rates for the planner");
-  command.add_option("--bytes", a->bytes, "Size of the arrays, e.g. 512MiB")->type_name("SIZE");
+  needs_value(*command.add_option("--bytes", a->bytes, "Size of the arrays, e.g. 512MiB"))
+      .type_name("SIZE");
   allow_range(*command.add_option("--passes", a->passes, "Passes over them; the best counts"), 1,
               1000);
   command.add_flag("-q,--quiet", a->quiet, "No table and no progress");

@@ -15,6 +15,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "families.hpp"
+#include "outputs.hpp"
 #include "paper.hpp"
 #include "rivals.hpp"
 #include "signals.hpp"
@@ -39,8 +40,7 @@ struct ReportArguments {
   bool quiet = false;
 
   void add_to(CLI::App& command) {
-    command.add_option("--json", json, "The report as JSON, on standard output or to FILE")
-        ->type_name("[=FILE]");
+    add_json_option(command, json, "The report");
     command.add_option("--report", page, "The report as one HTML page with charts")
         ->type_name("FILE.html");
     command.add_option("--markdown", markdown, "Its tables as Markdown; - for standard output")
@@ -75,9 +75,10 @@ void write_page(const std::string& path, const Report& report) {
 using Measure = std::function<Report(const cullhull::Progress&)>;
 
 int run(const ReportArguments& a, const Measure& measure) {
-  if (a.json == "-" && a.markdown == "-")
-    throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
-                          "--json and --markdown both want standard output");
+  FilePlan plan;
+  plan.writes_json(a.json);
+  plan.writes("--report", a.page, page_endings);
+  plan.writes("--markdown", a.markdown, {".md", ".markdown"});
   Report report;
   {
     TerminalProgress progress(a.quiet);
@@ -86,7 +87,7 @@ int run(const ReportArguments& a, const Measure& measure) {
   if (!a.json.empty()) cullhull::write_text(a.json, report_json(report));
   if (!a.page.empty()) write_page(a.page, report);
   if (!a.markdown.empty()) cullhull::write_text(a.markdown, report_markdown(report));
-  if (!a.quiet && a.json != "-" && a.markdown != "-") write_stdout(report_table(report));
+  if (!a.quiet && !plan.uses_stdout()) write_stdout(report_table(report));
   if (report.agrees()) return 0;
   complain("some rows differ");
   return not_certified;

@@ -19,6 +19,7 @@ Command add_generate(CLI::App& parent);
 Command add_info(CLI::App& parent);
 Command add_track(CLI::App& parent);
 Command add_view(CLI::App& parent);
+Command add_qconvex(CLI::App& parent);
 Command add_bench(CLI::App& parent);
 
 /// Exit statuses (docs/formats.md); 0 is success.

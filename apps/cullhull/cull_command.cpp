@@ -5,7 +5,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
-#include <thread>
 
 #include "arguments.hpp"
 #include "commands.hpp"
@@ -23,8 +22,15 @@ constexpr const char* examples =
     "lies\n"
     "strictly inside the hull. So any hull code gives the same hull for the survivors.\n"
     "\n"
+    "Output:\n"
+    "  -o NAME.npy .csv .txt       ids of the survivors, ascending (.npy: int64; -o -: .npy)\n"
+    "  -o NAME.ply .xyz            their coordinates\n"
+    "  --points NAME               their coordinates as .npy .ply .csv .xyz .txt; .npy and .ply\n"
+    "                              keep the scalar type\n"
+    "\n"
     "Examples:\n"
     "  cullhull cull big.npy -o ids.npy\n"
+    "  cullhull cull scan.ply -o fewer.ply                 a mesh tool has less to do\n"
     "  python3 -c \"import numpy, scipy.spatial as s; p = numpy.load('big.npy', mmap_mode='r');\n"
     "    ids = numpy.load('ids.npy'); print(s.ConvexHull(p[ids]).volume)\"\n"
     "\n"
@@ -35,6 +41,7 @@ struct CullArguments {
   InputArguments input;
   RunArguments run;
   std::string output;
+  std::string points;
   std::string json;
   unsigned repeat = 1;
 };
@@ -46,11 +53,11 @@ std::string report(const CullArguments& arguments, const Input& input, const Out
   const cullhull::PointView& points = input.points;
   nlohmann::ordered_json json;
   json["version"] = CULLHULL_VERSION;
+  json["schema"] = cullhull::json_schema_version;
   json["points"] = {{"count", points.count},
                     {"dimension", points.dimension},
                     {"scalar", cullhull::scalar_name(points.scalar)}};
-  json["threads"] = arguments.run.threads != 0 ? arguments.run.threads
-                                               : std::max(1U, std::thread::hardware_concurrency());
+  json["threads"] = threads_used(arguments.run.threads);
   const cullhull::Survivors& survivors = outcome.result;
   json["backend"] = survivors.backend;
   json["cull"] = {{"method", survivors.method},
@@ -71,27 +78,58 @@ std::string summary(const Input& input, const Outcome& outcome, double read_seco
          fmt::format("seconds    {:.6f}; reading {:.6f}\n", median(outcome.seconds), read_seconds);
 }
 
-int run(const CullArguments& arguments) {
-  if (arguments.output == "-" && arguments.json == "-")
+/// -o names ids or points, and the name tells which.
+bool holds_points(const std::string& path) {
+  const std::string ending = ending_of(path);
+  return ending == ".ply" || ending == ".xyz";
+}
+
+FilePlan plan_files(const CullArguments& arguments) {
+  FilePlan plan;
+  plan.reads(arguments.input.path);
+  plan.writes("-o", arguments.output, {".npy", ".csv", ".txt", ".ply", ".xyz"});
+  plan.writes("--points", arguments.points, point_endings);
+  plan.writes_json(arguments.json);
+  return plan;
+}
+
+void check_dimension(const std::string& path, std::uint32_t dimension) {
+  if (ending_of(path) == ".ply" && dimension != 2 && dimension != 3)
     throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
-                          "only one of -o - and --json can go to standard output");
+                          fmt::format("{}: .ply holds points of dimension 2 or 3, not {}; write "
+                                      ".npy or .csv",
+                                      path, dimension));
+}
+
+void write_survivors(const CullArguments& arguments, const cullhull::PointView& points,
+                     cullhull::Survivors& survivors) {
+  if (arguments.output.empty() && arguments.points.empty()) return;
+  if (survivors.all) {
+    survivors.ids.resize(points.count);
+    std::iota(survivors.ids.begin(), survivors.ids.end(), std::uint64_t{0});
+  }
+  if (holds_points(arguments.output))
+    cullhull::write_points(arguments.output, points, survivors.ids);
+  else if (!arguments.output.empty())
+    cullhull::write_ids(arguments.output, survivors.ids);
+  if (!arguments.points.empty()) cullhull::write_points(arguments.points, points, survivors.ids);
+}
+
+int run(const CullArguments& arguments) {
+  const FilePlan plan = plan_files(arguments);
   const Input input = open_input(arguments.input, arguments.run.threads);
+  for (const std::string& path : {arguments.output, arguments.points})
+    check_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   Outcome outcome = repeat(arguments.run, arguments.repeat, [&](const cullhull::Options& options) {
-    return cullhull::cull(input.points, options);
+    return naming_file(arguments.input.path, [&] { return cullhull::cull(input.points, options); });
   });
-  if (!arguments.output.empty()) {
-    cullhull::Survivors& survivors = outcome.result;
-    if (survivors.all) {
-      survivors.ids.resize(input.points.count);
-      std::iota(survivors.ids.begin(), survivors.ids.end(), std::uint64_t{0});
-    }
-    cullhull::write_npy_ids(arguments.output, survivors.ids);
-  }
+  write_survivors(arguments, input.points, outcome.result);
   if (!arguments.json.empty())
     cullhull::write_text(arguments.json, report(arguments, input, outcome, read_seconds));
-  if (!arguments.run.quiet && arguments.json != "-" && arguments.output != "-")
-    write_stdout(summary(input, outcome, read_seconds));
+  if (!arguments.run.quiet && !plan.uses_stdout())
+    write_stdout(summary(input, outcome, read_seconds) + wrote_line(arguments.output) +
+                 wrote_line(arguments.points) + wrote_line(arguments.json));
   return 0;
 }
 
@@ -101,10 +139,13 @@ Command add_cull(CLI::App& parent) {
   auto a = std::make_shared<CullArguments>();
   CLI::App& command =
       *parent.add_subcommand("cull", "The filter alone: ids of the points that may be extreme");
-  command.add_option("-o,--output", a->output, "Write the ids of the survivors, int64")
-      ->type_name("SURVIVORS.npy");
-  command.add_option("--json", a->json, "Counts and times as JSON, on standard output or to FILE")
-      ->type_name("[=FILE]");
+  needs_value(
+      *command.add_option("-o,--output", a->output,
+                          "Write the survivors: ids (.npy .csv .txt) or points (.ply .xyz)"))
+      .type_name("FILE");
+  needs_value(*command.add_option("--points", a->points, "Write the survivors' coordinates"))
+      .type_name("FILE");
+  add_json_option(command, a->json, "Counts and times");
   a->run.add_to(command, true);
   allow_range(*command.add_option("--repeat", a->repeat, "Compute N times, report the median"), 1,
               1000000);

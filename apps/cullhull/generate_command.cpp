@@ -2,15 +2,16 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
-#include <limits>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
+#include "cullhull/version.hpp"
+#include "outputs.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
 
@@ -21,11 +22,20 @@ struct GenerateArguments {
   std::string shape;
   std::string count;
   std::uint32_t dimension = 0;
-  std::uint64_t seed = 1;
+  std::string seed = "1";
   std::string type = "f64";
   std::string output;
   std::string frames;
   std::string motion;
+  std::string json;
+  bool quiet = false;
+};
+
+/// What is made: the arguments, read.
+struct Made {
+  std::uint64_t count = 0, seed = 1, frames = 0;  ///< frames: 0 for points at rest
+  std::uint32_t dimension = 0;
+  cullhull::ScalarType type = cullhull::ScalarType::f64;
 };
 
 std::string footer() {
@@ -43,6 +53,7 @@ std::string footer() {
          "Examples:\n"
          "  cullhull generate ball -n 8M -d 3 -o ball.npy\n"
          "  cullhull generate grid:16 -n 10k -d 5 --type f32 --seed 7 -o grid.npy\n"
+         "  cullhull generate ball -n 1M -o - | cullhull hull -\n"
          "  cullhull generate bumpy -n 1.1M --frames 30 --motion twist -o twist.npy\n"
          "\n"
          "Exit status: 0 success; 1 the system refused; 2 bad usage; 4 out of memory; 130 "
@@ -50,42 +61,79 @@ std::string footer() {
 }
 
 // One frame is in memory at a time.
-void write_sequence(const GenerateArguments& arguments, const cullhull::MovingPoints& moving,
-                    std::uint64_t frames, std::uint64_t count, std::uint32_t dimension,
-                    cullhull::ScalarType type) {
-  TerminalProgress progress(false);
+void write_sequence(const GenerateArguments& arguments, const Made& made) {
+  const cullhull::MovingPoints moving(arguments.shape, arguments.motion, made.count, made.dimension,
+                                      made.frames, made.seed);
+  const auto total = static_cast<double>(made.frames);
+  TerminalProgress progress(arguments.quiet, total, "frames");
   const cullhull::Progress report = progress.callback();
-  cullhull::NpySequenceWriter writer(arguments.output, frames, count, dimension, type);
-  std::vector<double> points(count * dimension);
-  for (std::uint64_t f = 0; f < frames; ++f) {
+  cullhull::NpySequenceWriter writer(arguments.output, made.frames, made.count, made.dimension,
+                                     made.type);
+  std::vector<double> points(made.count * made.dimension);
+  for (std::uint64_t f = 0; f < made.frames; ++f) {
     if (stop_token().stop_requested()) return;  // the writer removes what it has begun
-    if (report) report("frames", static_cast<double>(f) / static_cast<double>(frames));
+    if (report) report("frames", static_cast<double>(f) / total);
     moving.frame(f, points.data(), stop_token());
     writer.write(points.data());
   }
 }
 
-int run(const GenerateArguments& arguments) {
-  if (std::filesystem::path(arguments.output).extension() != ".npy")
-    throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
-                          "-o " + arguments.output + ": the name must end in .npy");
-  const std::uint64_t count = parse_size(arguments.count, "-n");
-  std::uint32_t dimension = arguments.dimension;
-  if (dimension == 0) dimension = arguments.shape == "disk" || arguments.shape == "circle" ? 2 : 3;
-  const auto type = arguments.type == "f32" ? cullhull::ScalarType::f32 : cullhull::ScalarType::f64;
+Made read_arguments(const GenerateArguments& arguments) {
+  Made made;
+  made.count = parse_size(arguments.count, "-n");
+  made.seed = parse_whole(arguments.seed, "--seed");
+  made.dimension = arguments.dimension;
+  if (made.dimension == 0)
+    made.dimension = arguments.shape == "disk" || arguments.shape == "circle" ? 2 : 3;
+  if (arguments.type == "f32") made.type = cullhull::ScalarType::f32;
   if (arguments.frames.empty() != arguments.motion.empty())
     throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
                           "--frames and --motion need one another");
-  if (!arguments.frames.empty()) {
-    const std::uint64_t frames = parse_size(arguments.frames, "--frames");
-    const cullhull::MovingPoints moving(arguments.shape, arguments.motion, count, dimension, frames,
-                                        arguments.seed);
-    cancellable([&] { write_sequence(arguments, moving, frames, count, dimension, type); });
-    return 0;
+  if (!arguments.frames.empty()) made.frames = parse_size(arguments.frames, "--frames");
+  return made;
+}
+
+std::string report(const GenerateArguments& arguments, const Made& made) {
+  using Json = nlohmann::ordered_json;
+  Json json;
+  json["version"] = CULLHULL_VERSION;
+  json["schema"] = cullhull::json_schema_version;
+  json["shape"] = arguments.shape;
+  json["points"] = {{"count", made.count},
+                    {"dimension", made.dimension},
+                    {"scalar", cullhull::scalar_name(made.type)}};
+  json["seed"] = made.seed;
+  json["motion"] = arguments.motion.empty() ? Json() : Json(arguments.motion);
+  json["frames"] = arguments.motion.empty() ? Json() : Json(made.frames);
+  json["output"] = arguments.output;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+std::string summary(const GenerateArguments& arguments, const Made& made) {
+  const std::string frames =
+      arguments.motion.empty()
+          ? ""
+          : fmt::format("frames     {}, {}\n", grouped(made.frames), arguments.motion);
+  return fmt::format("points     {} x {} {}, {}, seed {}\n", grouped(made.count), made.dimension,
+                     cullhull::scalar_name(made.type), arguments.shape, made.seed) +
+         frames + wrote_line(arguments.output) + wrote_line(arguments.json);
+}
+
+int run(const GenerateArguments& arguments) {
+  FilePlan plan;
+  plan.writes("-o", arguments.output, {".npy"});
+  plan.writes_json(arguments.json);
+  const Made made = read_arguments(arguments);
+  if (!arguments.motion.empty()) {
+    cancellable([&] { write_sequence(arguments, made); });
+  } else {
+    const std::vector<double> points =
+        cullhull::generate(arguments.shape, made.count, made.dimension, made.seed);
+    cullhull::write_npy_points(arguments.output, points.data(), made.count, made.dimension,
+                               made.type);
   }
-  const std::vector<double> points =
-      cullhull::generate(arguments.shape, count, dimension, arguments.seed);
-  cullhull::write_npy_points(arguments.output, points.data(), count, dimension, type);
+  if (!arguments.json.empty()) cullhull::write_text(arguments.json, report(arguments, made));
+  if (!arguments.quiet && !plan.uses_stdout()) write_stdout(summary(arguments, made));
   return 0;
 }
 
@@ -105,11 +153,16 @@ Command add_generate(CLI::App& parent) {
       ->type_name("S");
   allow_words(*command.add_option("--type", a->type, "Scalar type to write; f64 if not given"),
               {"f32", "f64"});
-  command.add_option("--frames", a->frames, "Moving points: how many frames")->type_name("T");
+  needs_value(*command.add_option("--frames", a->frames, "Moving points: how many frames"))
+      .type_name("T");
   std::vector<std::string> motions;
   for (const cullhull::Shape& motion : cullhull::motions()) motions.emplace_back(motion.name);
   allow_words(*command.add_option("--motion", a->motion, "How they move, see below"), motions);
-  command.add_option("-o,--output", a->output, "File to write")->type_name("FILE.npy")->required();
+  needs_value(*command.add_option("-o,--output", a->output, "File to write; - for standard output"))
+      .type_name("FILE.npy")
+      ->required();
+  add_json_option(command, a->json, "What was made");
+  command.add_flag("-q,--quiet", a->quiet, "No summary and no progress");
   command.footer(footer());
   return [a] { return run(*a); };
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <sstream>
 
 #include "arguments.hpp"
 #include "commands.hpp"
@@ -24,23 +25,24 @@ using cullhull::Hull;
 
 constexpr const char* examples =
     "Output (-o, by extension; may be given more than once):\n"
-    "  .ply .obj .off .stl   a mesh, for points of dimension 2 and 3\n"
+    "  .ply .obj .off .stl   a mesh, for points of dimension 2 and 3; with --triangles no "
+    "polygons\n"
     "  .json                 everything: vertices, facets, planes, neighbours, simplices, "
     "measures\n"
     "  .txt                  the coordinates of the vertices\n"
-    "  --vertices IDS.npy    ids of the extreme points, ascending, int64\n"
-    "  --format F            on standard output, as qconvex prints it: Fx extreme points, i "
-    "facets\n"
-    "                        by vertices, o OFF, n normals, p vertex coordinates, FV a point "
-    "inside,\n"
-    "                        FS area and volume\n"
-    "Every option reaches the same result, bit for bit; only --json tells how it was reached.\n"
+    "  -o -                  what .json holds, on standard output\n"
+    "  --vertices IDS        ids of the extreme points, ascending: .npy (int64), .csv or .txt\n"
+    "  --format WORDS        on standard output, as qconvex prints it, several in that order:\n"
+    "                        Fx extreme points, i facets by vertices, n normals, p coordinates,\n"
+    "                        o OFF, Fs counts, FS area and volume, and more (docs/formats.md)\n"
+    "An output never replaces an input. Every option reaches the same result, bit for bit; only\n"
+    "--json tells how it was reached.\n"
     "\n"
     "Examples:\n"
     "  cullhull hull scan.ply -o hull.ply                  the hull as a mesh\n"
     "  cullhull hull big.npy --certify --json              counts, times, memory; result checked\n"
     "  cullhull hull cloud.npy --columns 0:3               x y z of longer records\n"
-    "  rbox 1000 D4 | cullhull hull - --format Fx          in the place of qconvex\n"
+    "  rbox 1000 D4 | cullhull hull - --format 'Fx n'      in the place of qconvex\n"
     "  cullhull hull wide.npy --only vertices --vertices ids.npy   9 dimensions, say: no facets\n"
     "  cullhull hull big.npy --repeat 7 --threads 2        the median of seven runs\n"
     "\n"
@@ -54,24 +56,39 @@ struct HullArguments {
   std::vector<std::string> outputs;
   std::string vertices;
   std::string json;
-  std::string format;
+  std::vector<std::string> formats;  ///< words, several in one or in many
   std::string engine = "native";
   std::string only;
   unsigned repeat = 1;
   bool certify = false;
-
-  /// How many outputs go to standard output.
-  int stdout_users() const { return (vertices == "-") + (json == "-") + !format.empty(); }
+  bool triangles = false;
 };
 
 struct Outcome : Repeated<Hull> {
   std::optional<Certificate> certificate;
 };
 
-void check_stdout(const HullArguments& arguments) {
-  if (arguments.stdout_users() > 1)
-    throw Error(ErrorCode::invalid_argument,
-                "only one of --vertices -, --json and --format can go to standard output");
+/// "Fx n" and "i" as Fx, n, i.
+std::vector<std::string> format_words(const std::vector<std::string>& given) {
+  std::vector<std::string> words;
+  for (std::string text : given) {
+    std::replace(text.begin(), text.end(), ',', ' ');
+    std::istringstream in(text);
+    for (std::string word; in >> word;) words.push_back(word);
+    if (words.empty()) throw Error(ErrorCode::invalid_argument, "--format needs a word such as Fx");
+  }
+  for (const std::string& word : words) cullhull::check_qhull_format(word);
+  return words;
+}
+
+FilePlan plan_files(const HullArguments& arguments) {
+  FilePlan plan;
+  plan.reads(arguments.input.path);
+  for (const std::string& path : arguments.outputs) plan.writes("-o", path, hull_endings);
+  plan.writes("--vertices", arguments.vertices, id_endings);
+  plan.writes_json(arguments.json);
+  if (!arguments.formats.empty()) plan.prints("--format");
+  return plan;
 }
 
 /// Runs `find` as often as asked; the result's statistics are those of the run of median time.
@@ -79,7 +96,7 @@ template <class Find>
 auto find_repeatedly(const HullArguments& arguments, const Find& find) {
   std::vector<cullhull::Statistics> statistics;
   auto found = repeat(arguments.run, arguments.repeat, [&](const cullhull::Options& options) {
-    auto result = find(options);
+    auto result = naming_file(arguments.input.path, [&] { return find(options); });
     statistics.push_back(result.statistics);
     return result;
   });
@@ -115,7 +132,7 @@ std::string summary(const Input& input, const Outcome& outcome, double read_seco
   text +=
       fmt::format("vertices   {}\nfacets     {} ({} simplices)\n", grouped(hull.vertices.size()),
                   grouped(hull.facet_count()), grouped(hull.simplex_count()));
-  text += fmt::format("area       {}\nvolume     {}\n", hull.area, hull.volume);
+  text += measure_lines(hull.affine_dimension, hull.area, hull.volume);
   text += fmt::format("seconds    {:.6f} = cull {:.6f} + hull {:.6f}; reading {:.6f}\n",
                       s.compute_seconds, s.cull_seconds, s.hull_seconds, read_seconds);
   if (outcome.seconds.size() > 1)
@@ -128,14 +145,23 @@ std::string summary(const Input& input, const Outcome& outcome, double read_seco
   return text;
 }
 
-void write_results(const HullArguments& arguments, const Input& input, const Outcome& outcome,
-                   double read_seconds, std::uint64_t peak) {
+/// What was written, by name.
+std::string wrote_lines(const HullArguments& arguments) {
+  std::string text;
+  for (const std::string& path : arguments.outputs) text += wrote_line(path);
+  return text + wrote_line(arguments.vertices) + wrote_line(arguments.json);
+}
+
+void write_results(const HullArguments& arguments, const FilePlan& plan, const Input& input,
+                   const Outcome& outcome, double read_seconds, std::uint64_t peak) {
   const Hull& hull = outcome.result;
-  for (const std::string& path : arguments.outputs) cullhull::write_hull(path, input.points, hull);
+  const auto faces = arguments.triangles ? cullhull::Faces::triangles : cullhull::Faces::polygons;
+  for (const std::string& path : arguments.outputs)
+    cullhull::write_hull(path, input.points, hull, "", faces);
   if (!arguments.vertices.empty()) {
     std::vector<std::uint64_t> ids = hull.vertices;
     std::sort(ids.begin(), ids.end());  // in 2D they come counter-clockwise
-    cullhull::write_npy_ids(arguments.vertices, ids);
+    cullhull::write_ids(arguments.vertices, ids);
   }
   if (!arguments.json.empty()) {
     cullhull::JsonExtras extras;
@@ -145,10 +171,10 @@ void write_results(const HullArguments& arguments, const Input& input, const Out
     if (outcome.certificate) extras.certified = outcome.certificate->valid;
     cullhull::write_text(arguments.json, cullhull::hull_to_json(input.points, hull, extras, false));
   }
-  if (!arguments.format.empty())
-    write_stdout(cullhull::hull_to_qhull_text(input.points, hull, arguments.format));
-  if (!arguments.run.quiet && arguments.stdout_users() == 0)
-    write_stdout(summary(input, outcome, read_seconds, peak));
+  for (const std::string& word : format_words(arguments.formats))
+    write_stdout(cullhull::hull_to_qhull_text(input.points, hull, word));
+  if (!arguments.run.quiet && !plan.uses_stdout())
+    write_stdout(summary(input, outcome, read_seconds, peak) + wrote_lines(arguments));
 }
 
 // ---------------------------------------------------------------------------- --only vertices
@@ -163,6 +189,7 @@ std::string extreme_json(const cullhull::PointView& view, const Extreme& found, 
   return fmt::format(
       "{{\n"
       "  \"version\": \"{}\",\n"
+      "  \"schema\": {},\n"
       "  \"points\": {{\"count\": {}, \"dimension\": {}, \"scalar\": \"{}\"}},\n"
       "  \"threads\": {},\n"
       "  \"backend\": \"{}\",\n"
@@ -176,14 +203,14 @@ std::string extreme_json(const cullhull::PointView& view, const Extreme& found, 
       "  \"peak_bytes\": {},\n"
       "  \"vertices\": [{}]\n"
       "}}\n",
-      CULLHULL_VERSION, view.count, view.dimension, cullhull::scalar_name(view.scalar), s.threads,
-      s.backend, s.cull_method, s.survivors, s.cull_seconds, points.affine_dimension,
-      points.ids.size(), read_seconds, s.compute_seconds, fmt::join(found.seconds, ", "), peak,
-      fmt::join(points.ids, ", "));
+      CULLHULL_VERSION, cullhull::json_schema_version, view.count, view.dimension,
+      cullhull::scalar_name(view.scalar), s.threads, s.backend, s.cull_method, s.survivors,
+      s.cull_seconds, points.affine_dimension, points.ids.size(), read_seconds, s.compute_seconds,
+      fmt::join(found.seconds, ", "), peak, fmt::join(points.ids, ", "));
 }
 
-int run_vertices_only(const HullArguments& arguments) {
-  if (!arguments.outputs.empty() || !arguments.format.empty() || arguments.certify ||
+int run_vertices_only(const HullArguments& arguments, const FilePlan& plan) {
+  if (!arguments.outputs.empty() || !arguments.formats.empty() || arguments.certify ||
       arguments.engine != "native")
     throw Error(ErrorCode::invalid_argument,
                 "--only vertices finds no facets: it goes with --vertices and --json, not with -o, "
@@ -194,26 +221,29 @@ int run_vertices_only(const HullArguments& arguments) {
     return cullhull::extreme_points(input.points, options);
   });
   const cullhull::ExtremePoints& extreme = found.result;
-  if (!arguments.vertices.empty()) cullhull::write_npy_ids(arguments.vertices, extreme.ids);
+  if (!arguments.vertices.empty()) cullhull::write_ids(arguments.vertices, extreme.ids);
   if (!arguments.json.empty())
     cullhull::write_text(arguments.json,
                          extreme_json(input.points, found, read_seconds, peak_bytes()));
-  if (arguments.run.quiet || arguments.stdout_users() > 0) return 0;
+  if (arguments.run.quiet || plan.uses_stdout()) return 0;
   const cullhull::Statistics& s = extreme.statistics;
   write_stdout(points_line(input) + survivors_line(s.survivors, input.points.count, s.cull_method) +
                fmt::format("vertices   {}\nseconds    {:.6f}; reading {:.6f}\n",
-                           grouped(extreme.ids.size()), s.compute_seconds, read_seconds));
+                           grouped(extreme.ids.size()), s.compute_seconds, read_seconds) +
+               wrote_lines(arguments));
   return 0;
 }
 
 int run(const HullArguments& arguments) {
-  check_stdout(arguments);
-  if (!arguments.only.empty()) return run_vertices_only(arguments);
+  (void)format_words(arguments.formats);  // refused before the work
+  const FilePlan plan = plan_files(arguments);
+  if (!arguments.only.empty()) return run_vertices_only(arguments, plan);
   const Input input = open_input(arguments.input, arguments.run.threads);
-  for (const std::string& path : arguments.outputs) check_hull_file(path, input.points.dimension);
+  for (const std::string& path : arguments.outputs)
+    check_hull_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const Outcome outcome = compute(arguments, input.points);
-  write_results(arguments, input, outcome, read_seconds, peak_bytes());
+  write_results(arguments, plan, input, outcome, read_seconds, peak_bytes());
   if (outcome.certificate && !outcome.certificate->valid) {
     complain("not certified: " + outcome.certificate->reason);
     return not_certified;
@@ -226,17 +256,18 @@ int run(const HullArguments& arguments) {
 Command add_hull(CLI::App& parent) {
   auto a = std::make_shared<HullArguments>();
   CLI::App& command = *parent.add_subcommand("hull", "The exact convex hull of a file of points");
-  command.add_option("-o,--output", a->outputs, "Write the hull to this file")
-      ->allow_extra_args(false)
+  needs_value(*command.add_option("-o,--output", a->outputs, "Write the hull to this file"))
+      .allow_extra_args(false)
       ->type_name("FILE");
-  command.add_option("--vertices", a->vertices, "Write the ids of the extreme points")
-      ->type_name("IDS.npy");
-  command
-      .add_option("--json", a->json,
-                  "Counts, times and measures as JSON, on standard output or to FILE")
-      ->type_name("[=FILE]");
-  allow_words(*command.add_option("--format", a->format, "Print the hull as qconvex does"),
-              {"Fx", "i", "o", "n", "p", "FV", "FS"});
+  needs_value(*command.add_option("--vertices", a->vertices, "Write the ids of the extreme points"))
+      .type_name("IDS.npy|.csv|.txt");
+  add_json_option(command, a->json, "Counts, times and measures");
+  needs_value(*command.add_option("--format", a->formats,
+                                  "Print the hull as qconvex does; several words print several"))
+      .allow_extra_args(false)
+      ->type_name("WORDS");
+  command.add_flag("--triangles", a->triangles,
+                   "Meshes of triangles, for programs that read no polygons");
   a->run.add_to(command, true);
   allow_words(*command.add_option("--engine", a->engine, "Hull code behind the filter"),
               {"native", "qhull"});

@@ -5,10 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "cullhull/io.hpp"
+#include "cullhull/version.hpp"
+#include "outputs.hpp"
 #include "terminal.hpp"
 
 namespace app {
@@ -44,14 +47,43 @@ Scan scan(const cullhull::PointView& points) {
   return result;
 }
 
-int run(const InputArguments& arguments) {
-  const Input input = open_input(arguments);
+/// A number, or the word for what JSON has no number for; null for an axis without any.
+nlohmann::ordered_json number(double value, bool any) {
+  if (!any) return nullptr;
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  return value;
+}
+
+std::string report(const Input& input, const Scan& found) {
+  using Json = nlohmann::ordered_json;
   const cullhull::PointView& points = input.points;
-  const Scan found = scan(points);
+  Json json;
+  json["version"] = CULLHULL_VERSION;
+  json["schema"] = cullhull::json_schema_version;
+  json["points"] = {{"count", points.count},
+                    {"dimension", points.dimension},
+                    {"scalar", cullhull::scalar_name(points.scalar)}};
+  json["format"] = input.file.format();
+  json["in_place"] = input.file.mapped();
+  json["point_stride"] = points.point_stride;
+  json["coordinate_stride"] = points.coordinate_stride;
+  json["axes"] = Json::array();
+  for (const Range& axis : found.axes) {
+    const bool any = axis.least <= axis.greatest;
+    json["axes"].push_back(
+        {{"least", number(axis.least, any)}, {"greatest", number(axis.greatest, any)}});
+  }
+  json["not_finite"] = found.not_finite;
+  json["first_not_finite"] = found.not_finite > 0 ? Json(found.first_not_finite) : Json();
+  json["read_seconds"] = input.file.read_seconds();
+  return json.dump(2) + '\n';
+}
+
+std::string summary(const Input& input, const Scan& found) {
+  const cullhull::PointView& points = input.points;
   std::string text = fmt::format(
       "format     {}{}\npoints     {}\ndimension  {}\nscalar     {}\nstrides    {} bytes from "
-      "point "
-      "to point, {} from coordinate to coordinate\n",
+      "point to point, {} from coordinate to coordinate\n",
       input.file.format(), input.file.mapped() ? ", read in place" : "", grouped(points.count),
       points.dimension, cullhull::scalar_name(points.scalar), points.point_stride,
       points.coordinate_stride);
@@ -62,17 +94,33 @@ int run(const InputArguments& arguments) {
               : fmt::format("finite     no: {} point{} with a NaN or an infinity, first {}\n",
                             grouped(found.not_finite), found.not_finite == 1 ? "" : "s",
                             found.first_not_finite);
-  write_stdout(text);
+  return text;
+}
+
+struct InfoArguments {
+  InputArguments input;
+  std::string json;
+};
+
+int run(const InfoArguments& arguments) {
+  FilePlan plan;
+  plan.reads(arguments.input.path);
+  plan.writes_json(arguments.json);
+  const Input input = open_input(arguments.input);
+  const Scan found = scan(input.points);
+  if (!arguments.json.empty()) cullhull::write_text(arguments.json, report(input, found));
+  if (!plan.uses_stdout()) write_stdout(summary(input, found) + wrote_line(arguments.json));
   return 0;
 }
 
 }  // namespace
 
 Command add_info(CLI::App& parent) {
-  auto a = std::make_shared<InputArguments>();
+  auto a = std::make_shared<InfoArguments>();
   CLI::App& command =
       *parent.add_subcommand("info", "What is in a file: format, count, scalar type, ranges");
-  a->add_to(command);
+  add_json_option(command, a->json, "The same");
+  a->input.add_to(command);
   command.footer(std::string(input_help) +
                  "\n\nExit status: 0 success; 1 bad input; 2 bad usage; 130 cancelled.");
   return [a] { return run(*a); };

@@ -1,6 +1,5 @@
 // cullhull: exact convex hulls of very large point sets.
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <new>
 #include <sstream>
 #include <string>
@@ -11,6 +10,7 @@
 #include "cullhull/version.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
+#include "words.hpp"
 
 namespace {
 
@@ -24,12 +24,13 @@ constexpr const char* footer =
     "Examples:\n"
     "  cullhull generate ball -n 1M -d 3 -o ball.npy    make a million points\n"
     "  cullhull hull ball.npy -o hull.ply --certify     their hull, checked, as a mesh\n"
+    "  cullhull ball.npy                                the same as cullhull hull ball.npy\n"
     "  cullhull track frames.npy --json                 hulls of moving points, frame by frame\n"
     "  cullhull info ball.npy                           what is in a file\n"
     "\n"
     "Exit status: 0 success; 1 bad input or the system refused; 2 bad usage; 3 not certified;\n"
     "4 out of the memory budget; 5 backend or engine not available; 130 cancelled.\n"
-    "Errors are one line on standard error. 'cullhull COMMAND --help' tells more.";
+    "Errors are one line on standard error. 'cullhull help COMMAND' tells more.";
 
 int exit_status(cullhull::ErrorCode code) {
   switch (code) {
@@ -52,52 +53,51 @@ int exit_status(cullhull::ErrorCode code) {
   return app::bad_input;
 }
 
-// `--json` may stand alone or carry a file after '='. The parser would take the next word for the
-// file, so the bare form is spelled out before it looks.
-std::vector<std::string> spell_out(int argc, char** argv) {
-  std::vector<std::string> words(argv + 1, argv + argc);
-  for (std::string& word : words) {
-    if (word == "--") break;
-    if (word == "--json") word = "--json=-";
-  }
-  return words;
-}
-
-bool is_command(const CLI::App& parser, const std::string& word) {
-  const auto known = parser.get_subcommands([](const CLI::App*) { return true; });
-  return std::any_of(known.begin(), known.end(),
-                     [&](const CLI::App* command) { return command->get_name() == word; });
-}
-
 struct Registered {
   CLI::App* parser;
   app::Command command;
 };
 
-int run(int argc, char** argv) {
+/// "The words (see cullhull hull --help)" for what the parser did not understand.
+void complain_of_usage(const CLI::ParseError& error, const std::vector<std::string>& given,
+                       const std::vector<std::string>& words, const CLI::App& parser) {
+  const CLI::App& command = app::innermost(parser);
+  const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
+  std::string why = error.what();
+  if (code == CLI::ExitCodes::ExtrasError && !words.empty())
+    why = app::unexpected_words({words.begin() + 1, words.end()}, command);
+  if (code == CLI::ExitCodes::ArgumentMismatch && why.ends_with(" missing"))
+    why = why.substr(0, why.find(':')) + " needs a value";
+  std::string name = "cullhull";
+  for (const CLI::App* at = &command; at->get_parent() != nullptr; at = at->get_parent())
+    name.insert(8, " " + at->get_name());
+  app::complain(app::with_arguments_cut(why + " (see " + name + " --help)", given));
+}
+
+int run(const std::vector<std::string>& given) {
   CLI::App parser(description, "cullhull");
   parser.set_version_flag("--version", CULLHULL_VERSION);
   parser.footer(footer);
   parser.require_subcommand(1);
   std::vector<Registered> commands;
-  for (const auto add : {app::add_hull, app::add_cull, app::add_track, app::add_certify,
-                         app::add_generate, app::add_info, app::add_view, app::add_bench}) {
+  for (const auto add :
+       {app::add_hull, app::add_cull, app::add_track, app::add_certify, app::add_generate,
+        app::add_info, app::add_view, app::add_qconvex, app::add_bench}) {
     app::Command command = add(parser);
     commands.push_back({parser.get_subcommands({}).back(), std::move(command)});
   }
-  auto words = spell_out(argc, argv);
-  const bool command_given = !words.empty() && is_command(parser, words[0]);
-  if (!command_given && !words.empty() && !words[0].empty() && words[0][0] != '-') {
-    app::complain("unknown command '" + words[0] + "' (see cullhull --help)");
+  const std::vector<std::string> words = app::spell_out(given, parser);
+  if (!words.empty() && !words[0].empty() && words[0][0] != '-' &&
+      !app::is_command(parser, words[0])) {
+    app::complain(app::with_arguments_cut(app::unknown_command(words[0], parser), given));
     return app::bad_usage;
   }
-  const std::string help = command_given ? "cullhull " + words[0] + " --help" : "cullhull --help";
   try {
-    std::reverse(words.begin(), words.end());  // the parser takes words from the back
-    parser.parse(std::move(words));
+    // The parser takes words from the back.
+    parser.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() != static_cast<int>(CLI::ExitCodes::Success)) {
-      app::complain(std::string(e.what()) + " (see " + help + ")");
+      complain_of_usage(e, given, words, parser);
       return app::bad_usage;
     }
     std::ostringstream text, unused;
@@ -112,21 +112,35 @@ int run(int argc, char** argv) {
   return app::bad_usage;
 }
 
+/// The budget in the words it was given in: a message of the library has it in MiB.
+std::string with_memory(std::string message, const std::vector<std::string>& words) {
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i].starts_with("--memory=")) return message + " (" + words[i] + ")";
+    if (words[i] == "--memory" && i + 1 < words.size())
+      return message + " (--memory " + words[i + 1] + ")";
+  }
+  return message;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   app::keep_standard_streams();
-  app::install_signals();
+  const std::vector<std::string> words(argv + 1, argv + argc);
   try {
-    return run(argc, argv);
+    app::install_signals();
+    return run(words);
   } catch (const cullhull::Error& e) {
-    app::complain(e.what());
+    std::string message = e.what();
+    if (e.code() == cullhull::ErrorCode::out_of_budget)
+      message = with_memory(std::move(message), words);
+    app::complain(app::with_arguments_cut(std::move(message), words));
     return exit_status(e.code());
   } catch (const std::bad_alloc&) {
-    app::complain("out of memory; a smaller --memory makes cullhull refuse earlier");
+    app::complain(app::out_of_memory);
     return app::over_budget;
   } catch (const std::exception& e) {
-    app::complain(e.what());
+    app::complain(app::with_arguments_cut(e.what(), words));
     return app::bad_input;
   }
 }

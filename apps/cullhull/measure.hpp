@@ -31,6 +31,9 @@ double warm_pages(const cullhull::PointView& points);
 /// Largest resident set of this process so far, mapped input included.
 std::uint64_t peak_bytes();
 
+/// The threads that a request for so many gets; 0 is all the machine offers.
+unsigned threads_used(unsigned requested);
+
 using cullhull::bench::median;
 
 /// Index of the run whose time is the median (the lower one of an even number).

@@ -1,7 +1,10 @@
 #include "outputs.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 
@@ -11,11 +14,37 @@
 namespace app {
 namespace {
 
-[[noreturn]] void refuse(const std::string& path, const std::string& why) {
-  throw cullhull::Error(cullhull::ErrorCode::invalid_argument, "-o " + path + ": " + why);
+[[noreturn]] void refuse(const std::string& option, const std::string& path,
+                         const std::string& why) {
+  throw cullhull::Error(cullhull::ErrorCode::invalid_argument, option + " " + path + ": " + why);
+}
+
+/// ".npy, .csv or .txt"
+std::string listed(const Endings& endings) {
+  std::string text;
+  std::size_t left = endings.size();
+  for (const std::string_view ending : endings) {
+    text += ending;
+    --left;
+    text += left > 1 ? ", " : left == 1 ? " or " : "";
+  }
+  return text;
+}
+
+/// Nothing that has a name to honour: standard output, a pipe, a device.
+bool is_stream(const std::string& path) {
+  struct stat status {};
+  return path == "-" || (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode) &&
+                         !S_ISDIR(status.st_mode));
 }
 
 }  // namespace
+
+std::string ending_of(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return ending;
+}
 
 std::string points_line(const Input& input) {
   const cullhull::PointView& points = input.points;
@@ -30,15 +59,102 @@ std::string survivors_line(std::uint64_t survivors, std::uint64_t count, std::st
                      method);
 }
 
-void check_hull_file(const std::string& path, std::uint32_t dimension) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  if (extension == ".json" || extension == ".txt") return;
-  static constexpr std::string_view meshes[] = {".ply", ".obj", ".off", ".stl"};
-  if (std::find(std::begin(meshes), std::end(meshes), extension) == std::end(meshes))
-    refuse(path, "the name must end in .ply .obj .off .stl .json or .txt");
-  if (dimension != 2 && dimension != 3)
-    refuse(path,
+std::string measure_lines(int affine_dimension, double area, double volume) {
+  if (affine_dimension <= 0) return "";  // nothing, or a point
+  if (affine_dimension == 1) return fmt::format("length     {}\n", volume);
+  if (affine_dimension == 2) return fmt::format("perimeter  {}\narea       {}\n", area, volume);
+  return fmt::format("area       {}\nvolume     {}\n", area, volume);
+}
+
+std::string wrote_line(const std::string& path) {
+  if (path.empty() || path == "-") return "";
+  std::error_code not_a_file;
+  const auto bytes = std::filesystem::file_size(path, not_a_file);
+  return not_a_file ? fmt::format("wrote      {}\n", path)
+                    : fmt::format("wrote      {}, {} bytes\n", path, grouped(bytes));
+}
+
+// ------------------------------------------------------------------------------- FilePlan
+
+std::optional<FilePlan::Identity> FilePlan::identify(const std::string& path, bool output) {
+  struct stat status {};
+  const bool stream = path == "-";
+  const bool exists = stream ? ::fstat(output ? STDOUT_FILENO : STDIN_FILENO, &status) == 0
+                             : ::stat(path.c_str(), &status) == 0;
+  if (exists && S_ISREG(status.st_mode)) return Identity{status.st_dev, status.st_ino, ""};
+  if (exists || stream) return std::nullopt;
+  const std::filesystem::path name(path);
+  const std::string folder = name.has_parent_path() ? name.parent_path().string() : ".";
+  if (::stat(folder.c_str(), &status) != 0) return Identity{0, 0, name.lexically_normal().string()};
+  return Identity{status.st_dev, status.st_ino, name.filename().string()};
+}
+
+void FilePlan::reads(const std::string& path) {
+  if (const auto identity = identify(path, false)) inputs_.push_back({*identity, "", path});
+}
+
+void FilePlan::reads(const std::vector<std::string>& paths) {
+  for (const std::string& path : paths) reads(path);
+}
+
+void FilePlan::claim(const std::string& option, const std::string& path) {
+  if (path == "-") prints(option);
+  const auto identity = identify(path, true);
+  if (!identity) return;
+  const auto same = [&](const File& file) { return file.identity == *identity; };
+  if (const auto it = std::find_if(inputs_.begin(), inputs_.end(), same); it != inputs_.end())
+    refuse(option, path, "would overwrite the input " + input_name(it->path));
+  if (const auto it = std::find_if(outputs_.begin(), outputs_.end(), same); it != outputs_.end())
+    refuse(option, path, "is the file that " + it->option + " " + it->path + " writes");
+  outputs_.push_back({*identity, option, path});
+}
+
+void FilePlan::prints(const std::string& option) {
+  if (!printing_.empty())
+    throw cullhull::Error(
+        cullhull::ErrorCode::invalid_argument,
+        "only one of " + printing_ + " and " + option + " can go to standard output");
+  printing_ = option;
+}
+
+void FilePlan::writes(const std::string& option, const std::string& path, const Endings& endings) {
+  if (path.empty()) return;
+  const std::string ending = ending_of(path);
+  if (!is_stream(path) && std::find(endings.begin(), endings.end(), ending) == endings.end())
+    refuse(option, path, "the name must end in " + listed(endings));
+  claim(option, path);
+}
+
+void FilePlan::writes_json(const std::string& path) {
+  if (path.empty()) return;
+  static constexpr std::string_view others[] = {".ply", ".obj", ".off", ".stl", ".npy",
+                                                ".csv", ".txt", ".xyz", ".html"};
+  if (!is_stream(path) &&
+      std::find(std::begin(others), std::end(others), ending_of(path)) != std::end(others))
+    refuse("--json", path, "JSON is written, which is not what the name says; end it in .json");
+  claim("--json", path);
+}
+
+void FilePlan::writes_frame(const std::string& path) {
+  const auto identity = identify(path, true);
+  if (!identity) return;
+  const auto same = [&](const File& file) { return file.identity == *identity; };
+  if (const auto it = std::find_if(inputs_.begin(), inputs_.end(), same); it != inputs_.end())
+    refuse("-o", path, "would overwrite the input " + it->path);
+  if (const auto it = std::find_if(outputs_.begin(), outputs_.end(), same); it != outputs_.end())
+    refuse("-o", path, "is the file that " + it->option + " writes");
+}
+
+void add_json_option(CLI::App& command, std::string& path, const std::string& what) {
+  needs_value(*command.add_option("--json", path, what + " as JSON, on standard output or to FILE"))
+      .type_name("[=FILE]");
+}
+
+void check_hull_dimension(const std::string& path, std::uint32_t dimension) {
+  const std::string ending = ending_of(path);
+  const bool mesh = ending == ".ply" || ending == ".obj" || ending == ".off" || ending == ".stl";
+  if (mesh && dimension != 2 && dimension != 3)
+    refuse("-o", path,
            fmt::format("a mesh needs points of dimension 2 or 3, not {}; write .json", dimension));
 }
 

@@ -1,15 +1,19 @@
 #include "signals.hpp"
 
+#include <pthread.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <climits>
 #include <csignal>
-#include <cstring>
-#include <thread>
+#include <exception>
+#include <new>
+#include <system_error>
 
 #include "commands.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
+#include "terminal.hpp"
 
 namespace app {
 namespace {
@@ -52,17 +56,51 @@ void end_on_fault(int signal, siginfo_t* info, void*) {
     std::signal(signal, SIG_DFL);
     return;  // the access is repeated
   }
-  cullhull::remove_unfinished_files();
-  say("cullhull: ");
-  say(name);
-  say(": the file was cut short while it was being read\n");
-  ::_exit(bad_input);
+  end_with_line(bad_input, name, ": the file was cut short while it was being read");
+}
+
+// An exception that could not be handed to main: it left a thread of a library, mostly for want of
+// memory or of threads. Whatever else it is keeps the usual end, which leaves a trace.
+void end_on_exception() {
+  if (const std::exception_ptr error = std::current_exception()) try {
+      std::rethrow_exception(error);
+    } catch (const std::bad_alloc&) {
+      end_with_line(over_budget, out_of_memory);
+    } catch (const std::exception& e) {
+      end_with_line(bad_input, e.what());
+    } catch (...) {
+    }
+  std::abort();
+}
+
+/// Its own thread with a small stack, which is all it needs, and which there may be room for where
+/// there is little.
+void start_watcher(const sigset_t& signals) {
+  static sigset_t watched;
+  watched = signals;
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setdetachstate(&attributes, PTHREAD_CREATE_DETACHED);
+  pthread_attr_setstacksize(&attributes, static_cast<std::size_t>(PTHREAD_STACK_MIN) + (64 << 10));
+  pthread_t thread;
+  const auto routine = [](void*) -> void* {
+    watch(watched);
+    return nullptr;
+  };
+  const int error = pthread_create(&thread, &attributes, routine, nullptr);
+  pthread_attr_destroy(&attributes);
+  if (error != 0)
+    throw cullhull::Error(cullhull::ErrorCode::io,
+                          "cannot start a thread: " + std::generic_category().message(error));
 }
 
 }  // namespace
 
 void install_signals() {
-  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a failed write, reported as one
+  std::set_terminate(end_on_exception);
+  // A closed pipe and a file beyond its limit are failed writes, reported as such.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
   struct sigaction fault = {};
   fault.sa_sigaction = end_on_fault;
   fault.sa_flags = SA_SIGINFO;
@@ -74,7 +112,7 @@ void install_signals() {
     if (!ignored(signal)) sigaddset(&signals, signal);  // nohup and background jobs stay immune
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   source();
-  std::thread(watch, signals).detach();
+  start_watcher(signals);
 }
 
 std::stop_token stop_token() { return source().get_token(); }

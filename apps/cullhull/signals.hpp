@@ -7,6 +7,8 @@
 namespace app {
 
 /// Call first in main, before any thread exists: threads started later inherit the signal mask.
+/// Also arranges that an exception which leaves a thread ends the program with one line. Throws
+/// Error{io} where the system refuses a thread.
 void install_signals();
 
 /// Requested by the first SIGINT or SIGTERM that arrives during `cancellable`.

@@ -2,16 +2,20 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <system_error>
 
 #include "cullhull/error.hpp"
+#include "cullhull/io.hpp"
 
 namespace app {
 namespace {
@@ -29,10 +33,44 @@ int write_all(int fd, std::string_view text) {
   return 0;
 }
 
+/// Who writes the program's one line of complaint.
+enum LineState : int { silent, writing, written };
+std::atomic<int> line_state{silent};
+
+/// A byte of a message that would act on a terminal instead of being shown; `before` precedes it.
+bool is_control(char c, char before) {
+  const auto byte = static_cast<unsigned char>(c);
+  return byte < 32 || byte == 127 || (before == '\xC2' && byte >= 0x80 && byte < 0xA0);
+}
+
+std::string printable(std::string_view message) {
+  constexpr std::size_t most = 4000;
+  std::string text;
+  char before = 0;
+  for (const char c : message) {
+    if (is_control(c, before))
+      text += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    else
+      text += c;
+    before = c;
+    if (text.size() > most) return text + "...";
+  }
+  return text;
+}
+
 std::int64_t milliseconds() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(
              std::chrono::steady_clock::now().time_since_epoch())
       .count();
+}
+
+/// "40 s", "3 min 20 s", "2 h 5 min".
+std::string duration(double seconds) {
+  if (!(seconds < 1e7)) return "very long";
+  const auto whole = static_cast<std::int64_t>(std::ceil(seconds));
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+  return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
 }
 
 }  // namespace
@@ -50,14 +88,35 @@ void write_stdout(std::string_view text) {
                           "cannot write to standard output: " + reason(error));
 }
 
+void write_stderr(std::string_view text) { (void)write_all(STDERR_FILENO, text); }
+
 void complain(std::string_view message) {
-  std::string line = "cullhull: ";
-  for (const char c : message) line += static_cast<unsigned char>(c) < 32 || c == 127 ? '?' : c;
-  line += '\n';
+  const std::string line = "cullhull: " + printable(message) + '\n';
+  line_state = writing;
   (void)write_all(STDERR_FILENO, line);
+  line_state = written;
 }
 
-TerminalProgress::TerminalProgress(bool quiet) : active_(!quiet && ::isatty(STDERR_FILENO) == 1) {}
+// No allocation and no lock: the heap may be exhausted, or its lock held where a signal arrived.
+void end_with_line(int status, const char* first, const char* second) noexcept {
+  int expected = silent;
+  if (line_state.compare_exchange_strong(expected, writing)) {
+    char line[1400];
+    std::size_t length = 0;
+    for (const char* part : {"cullhull: ", first, second})
+      for (; *part != 0 && length < sizeof line - 1; ++part)
+        line[length++] = is_control(*part, 0) ? '?' : *part;
+    line[length++] = '\n';
+    (void)write_all(STDERR_FILENO, {line, length});
+    line_state = written;
+  }
+  while (line_state != written) ::poll(nullptr, 0, 10);
+  cullhull::remove_unfinished_files();
+  ::_exit(status);
+}
+
+TerminalProgress::TerminalProgress(bool quiet, double total, std::string unit)
+    : total_(total), unit_(std::move(unit)), active_(!quiet && ::isatty(STDERR_FILENO) == 1) {}
 
 TerminalProgress::~TerminalProgress() {
   if (shown_) (void)write_all(STDERR_FILENO, "\r\x1b[K");
@@ -68,13 +127,32 @@ cullhull::Progress TerminalProgress::callback() {
   return [this](const char* phase, double share) { show(phase, share); };
 }
 
+// The first moments of a phase say nothing about its pace.
+std::string TerminalProgress::rate_and_rest(double share, std::int64_t now) const {
+  const double seconds = static_cast<double>(now - phase_began_) / 1000;
+  const double pace = (share - first_share_) / seconds;
+  if (seconds < 0.2 || !(pace > 0)) return "";
+  const std::string rate = total_ > 0 ? fmt::format("{:.3g} {}/s", pace * total_, unit_)
+                                      : fmt::format("{:.3g} %/s", 100 * pace);
+  return fmt::format("  {}  {} left", rate, duration((1 - share) / pace));
+}
+
 void TerminalProgress::show(const char* phase, double share) {
   const std::int64_t now = milliseconds();
+  share = std::clamp(share, 0.0, 1.0);
+  if (phase_ != phase || share < first_share_) {
+    phase_ = phase;
+    phase_began_ = now;
+    first_share_ = share;
+  }
   if (shown_ && now - last_ < 50) return;
   last_ = now;
   shown_ = true;
-  const double percent = 100 * std::clamp(share, 0.0, 1.0);
-  (void)write_all(STDERR_FILENO, fmt::format("\r\x1b[K{} {:.0f} %", phase, percent));
+  constexpr int width = 24;
+  const auto full = static_cast<int>(share * width);
+  (void)write_all(STDERR_FILENO,
+                  fmt::format("\r\x1b[K{:<10} [{:#<{}}{:.<{}}] {:3.0f} %{}", phase, "", full, "",
+                              width - full, 100 * share, rate_and_rest(share, now)));
 }
 
 }  // namespace app

@@ -17,14 +17,25 @@ void keep_standard_streams();
 /// Writes all of `text` or throws Error{io} (closed pipe, full disk).
 void write_stdout(std::string_view text);
 
-/// One line on standard error: "cullhull: message". Control characters become '?'.
+/// What was asked for on standard error; a failure there has nowhere to be told.
+void write_stderr(std::string_view text);
+
+/// One line on standard error: "cullhull: message". Control characters are escaped.
 void complain(std::string_view message);
 
-/// Shows a line of progress on standard error if that is a terminal, and nothing otherwise; the
-/// line is wiped when the object goes.
+/// Ends the program at once, from any thread or signal handler: removes unfinished files and writes
+/// one line, "cullhull: " and the two parts, unless another thread did or complain() was called.
+[[noreturn]] void end_with_line(int status, const char* first, const char* second = "") noexcept;
+
+inline constexpr const char* out_of_memory =
+    "out of memory; a smaller --memory makes cullhull refuse earlier";
+
+/// Shows a line of progress on standard error if that is a terminal, and nothing otherwise: phase,
+/// bar, share, rate and time left. The line is wiped when the object goes.
 class TerminalProgress {
  public:
-  explicit TerminalProgress(bool quiet);
+  /// Where the whole is `total` of `unit`, the rate is told in them, else in percent.
+  explicit TerminalProgress(bool quiet, double total = 0, std::string unit = "");
   ~TerminalProgress();
   TerminalProgress(const TerminalProgress&) = delete;
   TerminalProgress& operator=(const TerminalProgress&) = delete;
@@ -34,9 +45,15 @@ class TerminalProgress {
 
  private:
   void show(const char* phase, double share);
+  std::string rate_and_rest(double share, std::int64_t now) const;
+  double total_;
+  std::string unit_;
   bool active_;
   bool shown_ = false;
   std::int64_t last_ = 0;
+  std::string phase_;
+  std::int64_t phase_began_ = 0;
+  double first_share_ = 0;  ///< of this phase
 };
 
 using cullhull::bench::grouped;

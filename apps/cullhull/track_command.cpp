@@ -56,6 +56,7 @@ struct TrackArguments {
   std::string json;
   bool certify = false;
   bool keep_going = false;
+  bool triangles = false;
 };
 
 /// Names of the files of -o: text around a frame number padded with zeros.
@@ -65,10 +66,11 @@ class FrameNames {
     if (pattern_.empty()) return;
     std::error_code ignored;
     folder_ = pattern_.back() == '/' || std::filesystem::is_directory(pattern_, ignored);
-    if (folder_)
-      std::filesystem::create_directories(pattern_);
-    else
-      split();
+    if (!folder_) split();
+  }
+
+  void make_folder() const {
+    if (folder_) std::filesystem::create_directories(pattern_);
   }
 
   bool wanted() const { return !pattern_.empty(); }
@@ -82,7 +84,22 @@ class FrameNames {
   }
 
   void check(std::uint32_t dimension) const {
-    if (wanted() && !folder_) check_hull_file(pattern_, dimension);
+    if (wanted() && !folder_) check_hull_dimension(pattern_, dimension);
+  }
+
+  /// Refuses a name that is none of a hull's.
+  void check_ending() const {
+    if (wanted() && !folder_ &&
+        std::find(hull_endings.begin(), hull_endings.end(), ending_of(pattern_)) ==
+            hull_endings.end())
+      refuse("the name must end in .ply, .obj, .off, .stl, .json or .txt");
+  }
+
+  /// Refuses names that are taken.
+  void check(std::uint64_t frames, FilePlan& plan) const {
+    if (!wanted()) return;
+    for (std::uint64_t f = 0; f < frames; ++f)
+      for (const std::uint32_t dimension : {3U, 4U}) plan.writes_frame(of(f, dimension));
   }
 
  private:
@@ -186,7 +203,7 @@ bool track_frame(const TrackArguments& arguments, const FrameNames& names,
   const cullhull::PointView& points = sequence.points();
   names.check(points.dimension);
   try {
-    tracker.update(points);
+    naming_file(sequence.name(), [&] { tracker.update(points); });
   } catch (const Error& e) {
     if (!arguments.keep_going || e.code() != ErrorCode::not_finite) throw;
     ++outcome.failed;
@@ -208,29 +225,25 @@ bool track_frame(const TrackArguments& arguments, const FrameNames& names,
       outcome.not_certified = fmt::format("frame {}: {}", sequence.index(), c.reason);
   }
   if (names.wanted())
-    cullhull::write_hull(names.of(sequence.index(), points.dimension), points, hull);
+    cullhull::write_hull(
+        names.of(sequence.index(), points.dimension), points, hull, "",
+        arguments.triangles ? cullhull::Faces::triangles : cullhull::Faces::polygons);
   return true;
 }
 
-Outcome track(const TrackArguments& arguments, cullhull::PointSequence& sequence) {
+Outcome track(const TrackArguments& arguments, const FrameNames& names,
+              cullhull::PointSequence& sequence) {
   Outcome outcome;
-  const FrameNames names(arguments.output);
   const cullhull::Options options = arguments.run.options();
   cullhull::HullTracker tracker(options);
-  TerminalProgress progress(arguments.run.quiet);
-  const cullhull::Progress report = progress.callback();
-  const Stopwatch watch;
   const auto total = static_cast<double>(sequence.frames());
+  TerminalProgress progress(arguments.run.quiet, total, "frames");
+  const cullhull::Progress report = progress.callback();
   cancellable([&] {
     while (sequence.next()) {
       if (stop_token().stop_requested()) return;
       track_frame(arguments, names, sequence, tracker, options, outcome);
-      if (!report) continue;
-      const auto done = static_cast<double>(sequence.index() + 1);
-      report(fmt::format("frame {} of {}, {:.3g} frames/s", sequence.index() + 1, sequence.frames(),
-                         done / watch.seconds())
-                 .c_str(),
-             done / total);
+      if (report) report("frames", static_cast<double>(sequence.index() + 1) / total);
     }
   });
   return outcome;
@@ -239,6 +252,7 @@ Outcome track(const TrackArguments& arguments, cullhull::PointSequence& sequence
 std::string report_of(const TrackArguments& arguments, const cullhull::PointSequence& sequence,
                       Outcome&& o) {
   Json report = {{"version", CULLHULL_VERSION},
+                 {"schema", cullhull::json_schema_version},
                  {"points",
                   {{"count", o.count},
                    {"dimension", o.dimension},
@@ -262,7 +276,8 @@ std::string report_of(const TrackArguments& arguments, const cullhull::PointSequ
                    {"frames_per_second", o.frames_per_second()}}},
                  {"peak_bytes", peak_bytes()}};
   if (o.certified) report["certified"] = *o.certified;
-  return report.dump(1) + "\n";
+  // The message of a frame that failed holds a file's name, whatever its bytes.
+  return report.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string summary(const cullhull::PointSequence& sequence, const Outcome& o) {
@@ -291,15 +306,25 @@ int run(const TrackArguments& arguments) {
   read.format = arguments.format;
   read.threads = arguments.run.threads;
   read.stop = stop_token();
+  const FrameNames names(arguments.output);
+  names.check_ending();
   cullhull::PointSequence sequence = cullhull::open_sequence(arguments.inputs, read);
-  Outcome outcome = track(arguments, sequence);
+  FilePlan plan;
+  plan.reads(cullhull::sequence_files(arguments.inputs));
+  plan.writes_json(arguments.json);
+  names.check(sequence.frames(), plan);
+  names.make_folder();
+  Outcome outcome = track(arguments, names, sequence);
   const std::string failed = outcome.error, not_proved = outcome.not_certified;
-  const std::string text = summary(sequence, outcome);
+  std::string text = summary(sequence, outcome);
   if (!arguments.json.empty()) {
     const std::string report = report_of(arguments, sequence, std::move(outcome));
     cullhull::write_text(arguments.json, report);
   }
-  if (!arguments.run.quiet && arguments.json != "-") write_stdout(text);
+  if (!arguments.run.quiet && !plan.uses_stdout()) {
+    if (names.wanted()) text += fmt::format("wrote      {}\n", arguments.output);
+    write_stdout(text + wrote_line(arguments.json));
+  }
   if (!not_proved.empty()) {
     complain("not certified: " + not_proved);
     return not_certified;
@@ -324,12 +349,11 @@ Command add_track(CLI::App& parent) {
   allow_words(*command.add_option("--input-format", a->format,
                                   "Read each file as this, whatever its name and content"),
               {"npy", "ply", "obj", "off", "stl", "xyz", "txt", "csv"});
-  command.add_option("-o,--output", a->output, "Write each frame's hull")
-      ->type_name("PATTERN|FOLDER");
-  command
-      .add_option("--json", a->json,
-                  "What happened in each frame as JSON, on standard output or to FILE")
-      ->type_name("[=FILE]");
+  needs_value(*command.add_option("-o,--output", a->output, "Write each frame's hull"))
+      .type_name("PATTERN|FOLDER");
+  command.add_flag("--triangles", a->triangles,
+                   "Meshes of triangles, for programs that read no polygons");
+  add_json_option(command, a->json, "What happened in each frame");
   a->run.add_to(command, true);
   command.add_flag("--certify", a->certify,
                    "Check each hull exactly, by none of the engine's code");

@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "cullhull/cullhull.hpp"
 #include "measure.hpp"
+#include "outputs.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
 #include "viewer/scene.hpp"
@@ -68,6 +69,12 @@ bool may_be_sequence(const InputArguments& input) {
          (input.format.empty() && std::filesystem::path(input.path).extension() == ".npy");
 }
 
+/// Every file that INPUT names.
+std::vector<std::string> input_files(const InputArguments& input) {
+  if (!may_be_sequence(input)) return {input.path};
+  return cullhull::sequence_files({input.path});
+}
+
 /// The files of hulls that INPUT names; none: it is points.
 std::vector<std::string> hull_files(const InputArguments& input) {
   if (!input.format.empty() || input.path == "-") return {};
@@ -122,7 +129,8 @@ Written view_input(const ViewArguments& arguments, const Input& input,
                    const cullhull::Options& options) {
   Scene scene(title_of(arguments.input.path), 1, 1);
   const double read = input.file.read_seconds() + warm_pages(input.points);
-  const Computed computed = compute(input.points, read, options);
+  const Computed computed =
+      naming_file(arguments.input.path, [&] { return compute(input.points, read, options); });
   add_frame(input.points, 0, computed.hull, computed.survivors, computed.report, scene);
   return {scene.page(), computed.report};
 }
@@ -197,12 +205,13 @@ Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
     choose_columns(arguments.input, input);
     const double read = sequence.read_seconds() + warm_pages(input.points);
     if (frames == 1) {  // not a moving set, after all
-      const Computed computed = compute(input.points, read, options);
+      const Computed computed =
+          naming_file(sequence.name(), [&] { return compute(input.points, read, options); });
       chosen.add(computed.report);
       add_frame(input.points, 0, computed.hull, computed.survivors, computed.report, scene);
       continue;
     }
-    tracker.update(input.points);
+    naming_file(sequence.name(), [&] { tracker.update(input.points); });
     const std::string report = tracked_report(tracker, input.points, read);
     chosen.add(report);
     add_frame(input.points, sequence.index(), tracker.hull(), tracker.survivors(), report, scene);
@@ -231,8 +240,10 @@ Written view_hulls(const ViewArguments& arguments, const std::vector<std::string
 
 int run(const ViewArguments& arguments) {
   if (!cullhull::viewer::available()) Scene("", 1, 1).page();  // says why, before the work
-  if (arguments.output == "-" && arguments.json == "-")
-    throw Error(ErrorCode::invalid_argument, "the page and --json both want standard output");
+  FilePlan plan;
+  plan.reads(input_files(arguments.input));
+  plan.writes("-o", arguments.output, page_endings);
+  plan.writes_json(arguments.json);
   cullhull::Options options = arguments.run.options();
   Written written;
   {
@@ -249,6 +260,8 @@ int run(const ViewArguments& arguments) {
   }
   cullhull::write_text(arguments.output, written.page);
   if (!arguments.json.empty()) cullhull::write_text(arguments.json, written.report);
+  if (!arguments.run.quiet && !plan.uses_stdout())
+    write_stdout(wrote_line(arguments.output) + wrote_line(arguments.json));
   return 0;
 }
 
@@ -258,13 +271,10 @@ Command add_view(CLI::App& parent) {
   auto a = std::make_shared<ViewArguments>();
   CLI::App& command =
       *parent.add_subcommand("view", "Points and their hull as an HTML page to look at");
-  command.add_option("-o,--output", a->output, "Write the page to this file")
-      ->type_name("PAGE.html")
+  needs_value(*command.add_option("-o,--output", a->output, "Write the page to this file"))
+      .type_name("PAGE.html")
       ->required();
-  command
-      .add_option("--json", a->json,
-                  "The figures of the page as JSON, on standard output or to FILE")
-      ->type_name("[=FILE]");
+  add_json_option(command, a->json, "The figures of the page");
   a->run.add_to(command, true);
   a->input.add_to(command);
   command.footer(std::string(input_help) + "\n\n" + help);

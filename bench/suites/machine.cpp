@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cullhull/error.hpp"
+#include "cullhull/io.hpp"
 #include "cullhull/version.hpp"
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
@@ -163,6 +164,7 @@ std::string machine_table(const MachineRates& rates) {
 std::string machine_json(const MachineRates& rates) {
   nlohmann::ordered_json json;
   json["version"] = CULLHULL_VERSION;
+  json["schema"] = cullhull::json_schema_version;
   json["suite"] = "machine";
   json["date"] = rates.date;
   json["cores"] = rates.cores;

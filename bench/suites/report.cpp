@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "cullhull/io.hpp"
 #include "cullhull/version.hpp"
 #include "parallel/parallel.hpp"
 
@@ -66,6 +67,7 @@ std::string report_json(const Report& report) {
   using Json = nlohmann::ordered_json;
   Json json;
   json["version"] = CULLHULL_VERSION;
+  json["schema"] = cullhull::json_schema_version;
   json["suite"] = report.suite;
   json["date"] = report.date;
   json["command"] = report.command;

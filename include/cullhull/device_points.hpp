@@ -79,6 +79,19 @@ struct CudaStatus {
 /// of a device.
 CudaStatus cuda_status();
 
+/// The calling thread's current CUDA device; -1: there is none to use, or no CUDA backend.
+int current_cuda_device() noexcept;
+
+/// Waits for what a stream (a cudaStream_t) holds now. Of use where a call will run on another
+/// thread than the one that names the stream: the per-thread default stream is the caller's own.
+/// Throws Error{backend_unavailable}.
+void wait_for_cuda_stream(void* stream);
+
+/// Waits for all work of the device that holds this memory, for arrays whose maker does not say on
+/// which stream they come. Throws Error{backend_unavailable}, and Error{invalid_argument} for
+/// memory that is no device's.
+void wait_for_cuda_device_of(const void* memory);
+
 /// As cull(PointView): drops points that provably lie strictly inside the hull. They are tested
 /// where they lie; only samples and survivors cross the bus. `Backend::cpu` copies all to the host.
 /// Extra device memory: a bit a point, and the survivors; half a megabyte if there is no more.

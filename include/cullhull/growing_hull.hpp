@@ -21,6 +21,10 @@ namespace cullhull {
 class GrowingHull {
  public:
   explicit GrowingHull(std::uint32_t dimension);
+  /// Goes on from a hull computed before, by whatever way: as if all its points had been added.
+  /// `vertex_coordinates`: a row for each vertex, by ascending id, as below; Error
+  /// {invalid_argument} where that is not their number.
+  GrowingHull(Hull hull, std::vector<double> vertex_coordinates);
   ~GrowingHull();
   GrowingHull(GrowingHull&&) noexcept;
   GrowingHull& operator=(GrowingHull&&) noexcept;

@@ -104,6 +104,16 @@ struct JsonExtras {
   std::optional<bool> certified;
 };
 
+/// The version of docs/cullhull.schema.json, which every report names in its member "schema". It
+/// grows when a member is taken away or changes its meaning; members may be added without.
+inline constexpr int json_schema_version = 1;
+
+/// How a mesh file (.ply .obj .off) holds facets of more than three corners.
+enum class Faces {
+  polygons,   ///< whole, as they are
+  triangles,  ///< as the hull's simplices, for programs that read no polygons
+};
+
 /// Writes `hull` in the format of the extension of `path` (.ply .obj .off .stl .json .txt) or
 /// `format`: one of those words, or of the words of hull_to_qhull_text. The bytes depend on points
 /// and hull alone, so .json holds the result and no times. The file appears whole or not at all
@@ -111,7 +121,7 @@ struct JsonExtras {
 /// directly. Throws Error{invalid_argument} if the format cannot hold the hull's dimension,
 /// Error{io} with the system's reason.
 void write_hull(const std::string& path, const PointView& points, const Hull& hull,
-                const std::string& format = "");
+                const std::string& format = "", Faces faces = Faces::polygons);
 
 /// For a handler of SIGINT or SIGTERM (async-signal-safe): removes the temporary files of writers
 /// that have not finished.
@@ -127,15 +137,40 @@ std::string hull_to_json(const PointView& points, const Hull& hull, const JsonEx
 /// Throws Error{bad_file} or Error{io}.
 Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates = nullptr);
 
+/// certify() of the hull in such a file; its `vertex_coordinates`, which a Hull does not have, must
+/// be those of the points. Throws what hull_from_json and certify throw.
+Certificate certify_file(const PointView& points, const std::string& path,
+                         const Options& options = {});
+
 /// Reads what `cullhull bench machine` wrote: an object with the members of MachineConstants. The
 /// rates of link and device may be missing or null. Throws Error{bad_file} or Error{io}.
 MachineConstants machine_from_json(const std::string& path);
 
-/// Text as Qhull's `qconvex` prints it; `what` is one of Fx i o n p FV FS.
+/// Text as Qhull's `qconvex` prints it; `what` is one of qhull_formats(). docs/formats.md says what
+/// each holds. Throws Error{invalid_argument} for other words, naming why if Qhull knows them, and
+/// for G, m and FM of a hull that is neither 2D nor 3D.
 std::string hull_to_qhull_text(const PointView& points, const Hull& hull, std::string_view what);
+
+/// The words hull_to_qhull_text knows.
+const std::vector<std::string>& qhull_formats();
+
+/// Throws the error hull_to_qhull_text would throw for this word, whatever the hull.
+void check_qhull_format(std::string_view what);
 
 /// Writes a text as write_hull writes its files: whole or not at all.
 void write_text(const std::string& path, std::string_view text);
+
+/// Point ids in the format of the extension of `path` or `format`: .npy (int64), .txt (one a line),
+/// .csv (likewise, below the line "id"); "-" and what is no regular file get .npy. Throws
+/// Error{invalid_argument} for another extension, Error{io}.
+void write_ids(const std::string& path, const std::vector<std::uint64_t>& ids,
+               const std::string& format = "");
+
+/// Those of the points whose ids are given, in that order, likewise: .npy and .ply keep the scalar
+/// type (.ply: 2D and 3D), .xyz, .txt and .csv are decimals that read back as the same numbers,
+/// .csv below a line of column names. Throws as write_ids does.
+void write_points(const std::string& path, const PointView& points,
+                  const std::vector<std::uint64_t>& ids, const std::string& format = "");
 
 /// (n) int64, or (n, d) arrays in NumPy's format.
 void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& ids);

@@ -18,18 +18,28 @@ enum class Engine { native, qhull };
 /// It may throw; the exception passes through and nothing is left half-written.
 using Progress = std::function<void(const char* phase, double share)>;
 
+/// Called from the calling thread alone, wherever a call looks at `stop` there: often, so it must
+/// be quick. It may request the stop, and must not throw.
+using Poll = std::function<void()>;
+
 struct Options {
   Backend backend = Backend::automatic;
   CullMethod cull = CullMethod::automatic;
   Engine engine = Engine::native;
   /// Threads to use; 0 means all the machine offers.
   unsigned threads = 0;
+  /// The CUDA device for points of the host; -1: the calling thread's current one. Points in a
+  /// device's memory are worked on by that device.
+  int device = -1;
   /// Bytes it may allocate beyond the input; 0: half of the memory that this process may use.
   std::uint64_t memory_budget = 0;
   /// What `Backend::automatic` weighs.
   MachineConstants machine;
   Progress progress;
   std::stop_token stop;
+  /// For callers that must look for signals themselves. While the calling thread waits for others
+  /// it is not called, so that it is no help in calls that take seconds on several threads.
+  Poll poll;
 };
 
 }  // namespace cullhull

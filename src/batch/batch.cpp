@@ -272,6 +272,7 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
     Options one = options;
     one.threads = 1;
     one.progress = nullptr;
+    one.poll = nullptr;  // this may be another thread
     part.dimension = points.dimension;
     PlanarSets planar(control);
     for (std::uint64_t i = begin; i < end; ++i) {

@@ -9,17 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "cull/gauge_constants.hpp"
 #include "cull/gauge_walk.hpp"
 
 namespace cullhull::internal {
 namespace {
-
-/// Smallest float >= v.
-float round_up(double v) {
-  const auto f = static_cast<float>(v);
-  return static_cast<double>(f) >= v ? f
-                                     : std::nextafter(f, std::numeric_limits<float>::infinity());
-}
 
 /// With cones: also the facet that the walk to each node ended at, so that later walks begin near.
 template <unsigned D>
@@ -29,9 +23,8 @@ class Builder final : public GaugeCones {
 
   bool build(const GaugeSettings& settings, GaugeTable& t) {
     if (!walk_.prepare()) return false;
-    // cells x interpolation error: see docs/exactness.md. Beyond a quarter nothing would be culled.
-    const double allowance = (1 + 0x1p-40) * walk_.lipschitz() * ((D - 1) * 0x1p-19 + D * 0x1p-23);
-    if (!(allowance < 0.25)) return false;
+    const double allowance = gauge_allowance(D, walk_.lipschitz());
+    if (!(allowance < most_gauge_allowance)) return false;
     allowance_ = allowance;
 
     t.dimension = D;
@@ -40,7 +33,12 @@ class Builder final : public GaugeCones {
     face_ = power(t.cells + 1, D - 1);
     if (2 * D * face_ >= (std::uint64_t{1} << 23)) return false;  // the kernel's indices are floats
     t.nodes.resize(2 * D * face_);
-    fill_constants(t, face_);
+    double centre[D], scale[D];
+    for (unsigned j = 0; j < D; ++j) {
+      centre[j] = walk_.centre(j);
+      scale[j] = walk_.scale(j);
+    }
+    fill_gauge_constants(t, centre, scale, face_);
     // Pays when every facet is met many times.
     if ((settings.cones || walk_.facet_count() < t.nodes.size() / (2 * D)) &&
         !walk_.invert_facets(settings.threads) && !settings.convex)
@@ -121,29 +119,6 @@ class Builder final : public GaugeCones {
     if (D == 3) cells += cells % 2;
     while (most_nodes > 0 && cells > 2 && 2 * D * power(cells + 1, D - 1) > most_nodes) --cells;
     return cells;
-  }
-
-  void fill_constants(GaugeTable& t, std::uint64_t face) const {
-    t.single_precision = true;
-    for (unsigned j = 0; j < D; ++j) {
-      t.scale[j] = walk_.scale(j);
-      t.offset[j] = walk_.centre(j) * walk_.scale(j);
-      t.scale_f32[j] = static_cast<float>(t.scale[j]);
-      t.offset_f32[j] = static_cast<float>(t.offset[j]);
-      t.single_precision = t.single_precision && t.scale[j] >= 0x1p-120 && t.scale[j] <= 0x1p120 &&
-                           static_cast<double>(t.offset_f32[j]) == t.offset[j];
-    }
-    t.middle = static_cast<float>(t.cells) / 2;
-    t.half_cells = t.middle * (1 - 0x1p-20F);
-    std::uint64_t corners = 0;
-    for (unsigned k = 0; k + 1 < D; ++k) {
-      const std::uint64_t stride = power(t.cells + 1, k);
-      t.stride[k] = static_cast<float>(stride);
-      corners += stride;
-    }
-    t.face_stride = static_cast<float>(face);
-    t.last_corner = static_cast<std::uint32_t>(2 * D * face - 1 - corners);
-    t.threshold = 1 - (D + 6) * 0x1p-23F;
   }
 
   /// A node is (+-cells on the face's axis, 2 i - cells on the others) / cells; the walk works on

@@ -233,34 +233,122 @@ std::vector<std::uint64_t> survivors_by_pieces(const GaugeTable& table,
 
 namespace {
 
+const std::byte* point_address(const DevicePointView& points, std::uint64_t i) {
+  return static_cast<const std::byte*>(points.data) +
+         static_cast<std::ptrdiff_t>(i) * points.point_stride;
+}
+
+/// Rows of a view, or of some of its points, on their way to pinned memory: packed ones as they
+/// lie, others gathered on the device first; where it has no memory left for that, copied out of
+/// their records, some of which take a call each.
+template <class T>
+class Rows {
+ public:
+  /// `most`: of points in one piece.
+  Rows(const DevicePointView& points, const std::uint64_t* ids, std::uint64_t most)
+      : points_(points), ids_(ids), gathers_(ids != nullptr || !points.packed_rows()) {
+    if (!gathers_) return;
+    try {
+      packed_ = DeviceArray<T>(most * points.dimension, stream_of(points));
+      if (ids != nullptr) piece_ids_ = DeviceArray<std::uint64_t>(most, stream_of(points));
+    } catch (const OutOfMemory&) {
+      packed_ = {};
+      gathers_ = false;
+    }
+  }
+
+  /// Puts rows [first, first + n) of those wanted under way to `to`, in the order of the stream.
+  void copy(std::uint64_t first, std::uint64_t n, T* to) const {
+    if (!gathers_) return copy_records(first, n, to);
+    const cudaStream_t stream = stream_of(points_);
+    DevicePointView part = points_;
+    if (ids_ == nullptr)
+      part.data = point_address(points_, first);
+    else
+      upload(piece_ids_.data(), ids_ + first, n, stream);
+    check(gather_rows(part, piece_ids_.data(), n, packed_.data(), stream), "gathering points");
+    copy_packed(packed_.data(), n * points_.dimension, to);
+  }
+
+ private:
+  void copy_packed(const void* from, std::uint64_t values, T* to) const {
+    check(cudaMemcpyAsync(to, from, values * sizeof(T), cudaMemcpyDeviceToHost, stream_of(points_)),
+          "copying points from the device");
+  }
+
+  void copy_records(std::uint64_t first, std::uint64_t n, T* to) const {
+    const unsigned d = points_.dimension;
+    if (ids_ == nullptr) return copy_run(point_address(points_, first), n, to);
+    for (std::uint64_t begin = 0, end = 1; begin < n; begin = end++) {
+      while (end < n && ids_[first + end] == ids_[first + end - 1] + 1) ++end;
+      copy_run(point_address(points_, ids_[first + begin]), end - begin, to + begin * d);
+    }
+  }
+
+  /// `n` points one after another, of any strides.
+  void copy_run(const std::byte* from, std::uint64_t n, T* to) const {
+    const unsigned d = points_.dimension;
+    if (points_.packed_rows()) return copy_packed(from, n * d, to);
+    if (points_.coordinate_stride == std::ptrdiff_t{sizeof(T)}) return copy_strided(from, d, n, to);
+    for (unsigned j = 0; j < d; ++j)
+      copy_strided(from + static_cast<std::ptrdiff_t>(j) * points_.coordinate_stride, 1, n, to + j);
+  }
+
+  /// `width` values of each of `n` points, to rows of the dimension's length.
+  void copy_strided(const std::byte* from, unsigned width, std::uint64_t n, T* to) const {
+    constexpr std::ptrdiff_t longest_pitch = 0x7FFFFFFF;
+    const std::ptrdiff_t pitch = points_.point_stride;
+    const std::size_t row = points_.dimension * sizeof(T), bytes = width * sizeof(T);
+    if (pitch >= static_cast<std::ptrdiff_t>(bytes) && pitch <= longest_pitch) {
+      check(cudaMemcpy2DAsync(to, row, from, static_cast<std::size_t>(pitch), bytes, n,
+                              cudaMemcpyDeviceToHost, stream_of(points_)),
+            "copying points from the device");
+      return;
+    }
+    for (std::uint64_t i = 0; i < n; ++i)
+      copy_packed(from + static_cast<std::ptrdiff_t>(i) * pitch, width, to + i * points_.dimension);
+  }
+
+  const DevicePointView& points_;
+  const std::uint64_t* ids_;
+  bool gathers_;
+  DeviceArray<T> packed_;
+  DeviceArray<std::uint64_t> piece_ids_;
+};
+
+/// Where rows arrive: pinned memory, or any other where the system has no more of that.
+template <class T>
+class Landing {
+ public:
+  explicit Landing(std::size_t count) {
+    try {
+      pinned_ = PinnedArray<T>(count);
+    } catch (const OutOfMemory&) {
+      pageable_ = Array<T>(count);
+    }
+  }
+  T* data() const { return pinned_.data() != nullptr ? pinned_.data() : pageable_.data(); }
+
+ private:
+  PinnedArray<T> pinned_;
+  mutable Array<T> pageable_;
+};
+
 template <class T>
 Array<double> download_as(const DevicePointView& points, const std::uint64_t* ids,
                           std::uint64_t count, const Control& control) {
   const unsigned d = points.dimension;
   const std::uint64_t piece = std::max<std::uint64_t>(1, (std::uint64_t{1} << 20) / d);
-  const std::uint64_t most = std::min(piece, count);
   const cudaStream_t stream = stream_of(points);
-  const bool in_place = ids == nullptr && points.packed_rows();
-  const PinnedArray<T> pinned(most * d);
-  DeviceArray<T> packed;
-  DeviceArray<std::uint64_t> piece_ids;
-  if (!in_place) packed = DeviceArray<T>(most * d, stream);
-  if (ids != nullptr) piece_ids = DeviceArray<std::uint64_t>(most, stream);
+  const Landing<T> landing(std::min(piece, count) * d);
+  Rows<T> source(points, ids, std::min(piece, count));
   Array<double> rows(count * d);
   for (std::uint64_t first = 0; first < count; first += piece) {
     control.check();
     const std::uint64_t n = std::min(piece, count - first);
-    DevicePointView part = points;
-    if (ids == nullptr)
-      part.data = static_cast<const std::byte*>(points.data) +
-                  static_cast<std::ptrdiff_t>(first) * points.point_stride;
-    else
-      upload(piece_ids.data(), ids + first, n, stream);
-    if (!in_place)
-      check(gather_rows(part, piece_ids.data(), n, packed.data(), stream), "gathering points");
-    download(pinned.data(), in_place ? static_cast<const T*>(part.data) : packed.data(), n * d,
-             stream);
-    std::copy_n(pinned.data(), n * d, rows.data() + first * d);
+    source.copy(first, n, landing.data());
+    synchronise(stream, "copying points from the device");
+    std::copy_n(landing.data(), n * d, rows.data() + first * d);
   }
   return rows;
 }

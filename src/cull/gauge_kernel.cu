@@ -89,9 +89,11 @@ cudaError_t launch_mask(const GaugeTable& table, const float* nodes, const Layou
   const auto kernel = mask_kernel<Shared, Layout, C>;
   const std::size_t shared = Shared ? table.nodes.size() * sizeof(float) : 0;
   cudaError_t status = cudaSuccess;
+  // A limit of the function, which all threads of the process share: always the device's own, as
+  // that of a smaller table on another thread would refuse this launch.
   if (Shared)
     status = cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                  static_cast<int>(shared));
+                                  static_cast<int>(device.shared_per_block));
   // Of the memory that shared memory and cache divide between them: enough for two blocks, each
   // with the KiB that the system takes. A wish; blocks beside each other decide.
   const std::size_t percent = (200 * (shared + 1024) + device.shared_per_multiprocessor - 1) /

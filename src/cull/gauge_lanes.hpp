@@ -1,5 +1,5 @@
 // The GaugeMap's test of one point, and how a warp's lanes share out points: the text that the CUDA
-// kernel (gauge_kernel.cu) and its host twin (gauge_twin.cpp) both compile.
+// kernel (gauge_kernel.cu) and its host twin (tests/agreement/gauge_lanes_test.cpp) both compile.
 //
 // Every operation is that of gauge_kernel.cpp, rounded the same, so that all three keep the same
 // points: sums and products in the same order (-fmad=false), a correctly rounded reciprocal. Three

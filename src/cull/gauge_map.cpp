@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cull/gauge_build.hpp"
+#include "cull/gauge_planes.hpp"
 #include "cull/gauge_shortcuts.hpp"
 #include "cull/gauge_table.hpp"
 #include "cullhull/error.hpp"
@@ -28,6 +29,13 @@ std::unique_ptr<GaugeMap> GaugeMap::build(InnerPolytope polytope, const GaugeSet
   if (!build_gauge_table(std::move(polytope), settings, *table,
                          settings.cones ? &table->cones : nullptr))
     return nullptr;
+  return std::unique_ptr<GaugeMap>(new GaugeMap(std::move(table)));
+}
+
+std::unique_ptr<GaugeMap> GaugeMap::of_few_facets(const InnerPolytope& polytope,
+                                                  unsigned resolution) {
+  auto table = std::make_unique<Table>();
+  if (!build_gauge_by_planes(polytope, resolution, *table)) return nullptr;
   return std::unique_ptr<GaugeMap>(new GaugeMap(std::move(table)));
 }
 

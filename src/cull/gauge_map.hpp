@@ -63,6 +63,11 @@ class GaugeMap {
                  GaugeSettings{.resolution = resolution, .most_nodes = most_nodes});
   }
 
+  /// Of an exact hull in space of so few facets, outward oriented, that every node can be held
+  /// against all of them; null as above.
+  static std::unique_ptr<GaugeMap> of_few_facets(const InnerPolytope& polytope,
+                                                 unsigned resolution);
+
   /// Ids (ascending, indices into `points`) of all points that are not provably strictly inside the
   /// polytope; a point with a NaN or an infinity is always among them.
   /// `rows`: gets their coordinates, if given.

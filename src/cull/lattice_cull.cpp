@@ -23,17 +23,76 @@ std::uint64_t mix(std::uint64_t seed, double v) {
   return mix(seed + 0x9E3779B97F4A7C15ULL + std::bit_cast<std::uint64_t>(v + 0.0));
 }
 
-/// Some of the points, at pseudo-random places: input often has a period of its own.
+/// Some of the points, at pseudo-random places: input often has a period of its own. Some may come
+/// twice.
 std::vector<std::uint32_t> sample_of(std::uint32_t count) {
   const auto root = static_cast<std::uint32_t>(4 * std::sqrt(static_cast<double>(count)));
   const std::uint32_t size = std::max(root, 1024U);
-  std::vector<std::uint32_t> ids;
-  for (std::uint32_t k = 0; k < std::min(size, count); ++k)
-    ids.push_back(size >= count ? k : static_cast<std::uint32_t>((mix(k + 1) >> 32) * count >> 32));
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  std::vector<std::uint32_t> ids(std::min(size, count));
+  for (std::uint32_t k = 0; k < ids.size(); ++k)
+    ids[k] = size >= count ? k : static_cast<std::uint32_t>((mix(k + 1) >> 32) * count >> 32);
   return ids;
 }
+
+void sort_sample(std::vector<std::uint32_t>& ids) {
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+}
+
+/// How many of the sample have a value of one axis that another one before them has.
+std::uint64_t repeated_values(const Array<double>& rows, unsigned d, unsigned axis,
+                              const std::vector<std::uint32_t>& sample) {
+  const auto bits = static_cast<unsigned>(std::bit_width(sample.size())) + 1;
+  const std::uint64_t last = (std::uint64_t{1} << bits) - 1;
+  constexpr std::uint32_t nobody = 0xFFFFFFFF;
+  std::vector<std::uint32_t> table(last + 1, nobody);
+  const auto value = [&](std::uint32_t i) {
+    return rows[std::size_t{i} * d + axis] + 0.0;  // 0 and -0 are equal
+  };
+  std::uint64_t repeated = 0;
+  for (const std::uint32_t i : sample) {
+    const double v = value(i);
+    std::uint64_t at = std::bit_cast<std::uint64_t>(v) * 0x9E3779B97F4A7C15ULL >> (64 - bits);
+    while (table[at] != nobody && value(table[at]) != v) at = (at + 1) & last;
+    repeated += table[at] != nobody && table[at] != i;
+    table[at] = i;
+  }
+  return repeated;
+}
+
+/// How many points of the sample on common lines are a lattice.
+std::uint64_t enough_shared(std::uint64_t size, std::uint32_t count) {
+  return std::clamp<std::uint64_t>(size * size / count, 4, size / 16 + 4);
+}
+
+/// Points on a line along one axis have a value of each other axis in common, so where values of
+/// two axes seldom repeat, no axis has many such lines. That is the rule, and soon seen.
+bool surely_no_lattice(const Array<double>& rows, unsigned d,
+                       const std::vector<std::uint32_t>& sample, std::uint32_t count) {
+  const auto seldom = [&](unsigned axis) {
+    const std::uint64_t repeated = repeated_values(rows, d, axis, sample);
+    return repeated < enough_shared(sample.size(), count) && 4 * repeated <= sample.size();
+  };
+  return d > 1 && seldom(0) && seldom(1);
+}
+
+/// A set of hashes that may take some for others: 256 bits for each it is to hold.
+class HashBits {
+ public:
+  explicit HashBits(std::uint64_t most) : words_(std::bit_ceil(most) * 4) {}
+  void clear() { std::fill(words_.begin(), words_.end(), 0); }
+  /// 1 if it, or another that looks alike, was there.
+  unsigned insert(std::uint64_t hash) {
+    const std::uint64_t bit = hash & 63;
+    std::uint64_t& word = words_[hash >> 6 & (words_.size() - 1)];
+    const auto there = static_cast<unsigned>(word >> bit & 1);
+    word |= std::uint64_t{1} << bit;
+    return there;
+  }
+
+ private:
+  std::vector<std::uint64_t> words_;
+};
 
 /// Whether thinning along some axis will drop many points. With m points on the line of an average
 /// point, s of n points have about s^2 m / 2 n pairs on common lines: we ask for m = 2. Lines are
@@ -43,7 +102,7 @@ bool looks_like_a_lattice(const Array<double>& rows, unsigned d,
                           const std::vector<std::uint32_t>& sample, std::uint32_t count) {
   if (d == 1) return true;
   const std::uint64_t size = sample.size();
-  const std::uint64_t enough = std::clamp<std::uint64_t>(size * size / count, 4, size / 16 + 4);
+  const std::uint64_t enough = enough_shared(size, count);
   // A line's hash is the sum of its coordinates' hashes: that of the point without the axis's own.
   const auto hash = [&](std::uint32_t i, unsigned j) {
     return mix(mix(j + 1), rows[std::size_t{i} * d + j]);
@@ -52,8 +111,16 @@ bool looks_like_a_lattice(const Array<double>& rows, unsigned d,
   for (std::size_t i = 0; i < size; ++i)
     for (unsigned j = 0; j < d; ++j) sums[i] += hash(sample[i], j);
   std::vector<std::pair<std::uint64_t, std::uint32_t>> lines(size);
+  HashBits seen(size);
   for (unsigned axis = 0; axis < d; ++axis) {
-    for (std::size_t i = 0; i < size; ++i) lines[i] = {sums[i] - hash(sample[i], axis), sample[i]};
+    std::uint64_t again = 0;
+    seen.clear();
+    for (std::size_t i = 0; i < size; ++i) {
+      lines[i] = {sums[i] - hash(sample[i], axis), sample[i]};
+      again += seen.insert(lines[i].first);
+    }
+    // Every line of two sampled points or more has met its own bit: without sorting, mostly.
+    if (again < enough && 4 * again <= size) continue;
     std::sort(lines.begin(), lines.end());
     std::uint64_t shared = 0, on_shared = 0;
     for (std::size_t i = 0; i < size;) {
@@ -391,7 +458,9 @@ class Thinner {
 bool lattice_cull(const Array<double>& rows, std::uint32_t count, unsigned d, unsigned threads,
                   const Control& control, std::vector<std::uint32_t>& kept) {
   if (count == 0) return false;
-  const std::vector<std::uint32_t> sample = sample_of(count);
+  std::vector<std::uint32_t> sample = sample_of(count);
+  if (surely_no_lattice(rows, d, sample, count)) return false;
+  sort_sample(sample);
   if (!looks_like_a_lattice(rows, d, sample, count)) return false;
   return Thinner(rows, count, d, threads, control).run(sample, kept);
 }

@@ -14,6 +14,10 @@ std::uint64_t smallest_worth_culling(unsigned d);
 /// Fewer survivors than this are hulled sooner than a second map is built.
 std::uint64_t smallest_worth_refining(unsigned d);
 
+/// Of `threads` those that pay for so many points: one, where all of it takes too little time to be
+/// shared.
+unsigned useful_threads(unsigned threads, std::uint64_t count, unsigned d);
+
 /// Points of the first, small sample, whose hull tells whether the filter pays.
 std::uint64_t probe_sample_size(std::uint64_t count, unsigned d);
 
@@ -39,12 +43,14 @@ struct PlaceQuestion {
   unsigned dimension = 0;
   std::uint64_t point_bytes = 0;
   unsigned threads = 1;
-  bool on_device = false;       ///< where the points are
-  bool device_started = false;  ///< the driver has been used in this process
+  bool on_device = false;          ///< where the points are
+  bool device_started = false;     ///< the driver has been used in this process
+  std::uint64_t pinned_bytes = 0;  ///< of pinned memory that earlier calls left ready
 };
 struct Placement {
   bool device = false;
-  std::string reason;  ///< with the estimates of both
+  std::string reason;       ///< with the estimates of both
+  std::string host_reason;  ///< with that of the CPU alone, for where there is no device
 };
 /// Whether the device would have culled the points sooner; whether there is one is not asked.
 Placement choose_place(const PlaceQuestion& question, const MachineConstants& machine);

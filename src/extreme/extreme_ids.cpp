@@ -46,7 +46,8 @@ std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, unsigned threa
   std::vector<std::uint8_t> present(points.count, 0);
   for (const std::uint32_t i : distinct(points, control)) present[i] = 1;
   // Outermost first: they are the ones that others are inside of.
-  std::vector<std::uint32_t> order = norm_order(points, threads, control).order;
+  std::vector<std::uint32_t> order;
+  for (NormOrder all(points, {}, threads, control); all.left() > 0;) all.take_round(order);
   order.erase(std::remove_if(order.begin(), order.end(), [&](auto i) { return !present[i]; }),
               order.end());
 

@@ -7,6 +7,9 @@
 // Points are taken in batches from streams that are far apart: every stream finds the cavity of its
 // next point, the hull being read only; cavities that do not touch one another are then replaced
 // all at once. A point whose cavity touches an earlier stream's waits for the next batch.
+//
+// The outermost points come first, by themselves; what their hull has strictly inside is dropped
+// by facet tests (insertion_nd_start.hpp) before it is given a place in the order.
 #pragma once
 
 #include <algorithm>
@@ -24,9 +27,11 @@
 #include "hull/cavity.hpp"
 #include "hull/engine.hpp"
 #include "hull/facet_planes.hpp"
+#include "hull/facet_sieve.hpp"
 #include "hull/facet_store.hpp"
 #include "hull/norm_order.hpp"
 #include "parallel/crew.hpp"
+#include "parallel/crowding.hpp"
 #include "parallel/parallel.hpp"
 #include "predicates/minors.hpp"
 #include "predicates/orientation.hpp"
@@ -72,13 +77,25 @@ class InsertionNd {
     return at;
   }
 
-  void arrange(const Id* simplex, unsigned threads);
   void choose_centre();
+  void measure_reach();
   bool centre_inside(const std::vector<double>& centre) const;
+  bool worth_sharing(std::size_t points) const;
   void build_simplex();
   void reserve(std::size_t facets);
 
-  void insert_round(Id begin, Id end);
+  void append_round(NormOrder& order);
+  void insert_outermost(NormOrder& order);
+  void list_planes(std::vector<float>& planes) const;
+  template <class At>
+  void test_block(const std::vector<float>& planes, const At& at, std::uint32_t count,
+                  std::uint8_t* inside) const;
+  bool sieve_pays(const NormOrder& order, const std::vector<float>& planes,
+                  std::size_t worth) const;
+  void sieve(NormOrder& order, const std::vector<float>& planes) const;
+
+  void insert_round();
+  void review_sharing();
   void advance(Stream& s, Lane& lane);
   void settle();
   bool clear_of_others(const Stream& s) const;
@@ -107,7 +124,7 @@ class InsertionNd {
 
   const LocalPoints& points_;
   const Control& control_;
-  unsigned dimension_;
+  unsigned dimension_, threads_;
   std::uint64_t budget_;
   std::vector<double> centre_, reach_;
   /// Whether O is centre_, a double; else it is the exact centroid of the simplex.
@@ -115,13 +132,18 @@ class InsertionNd {
   PlaneFrame frame_;
   FacetStore<D> store_;
   /// Points in insertion order: an id here is a position in `order_`. The simplex comes first.
-  std::vector<Id> order_, starts_;
+  std::vector<Id> order_;
+  std::vector<Id> starts_;  ///< of the rounds in `order_` so far, and the end of the last
+  std::size_t rounds_done_ = 0;
   RawArray<double> ordered_;
+  std::size_t expected_ = 0;  ///< points in all, as far as is known
   std::size_t facet_slots_ = 0, facet_capacity_ = 0, live_ = 0;
   std::vector<Id> free_;
   Id recent_ = 0;  ///< a facet that is alive
 
   Crew crew_;
+  bool shared_ = false;  ///< whether the crew is at work
+  unsigned batches_shared_ = 0;
   std::deque<Lane> lanes_;
   std::vector<Share> shares_;
   bool same_facets_;  ///< whatever the number of workers
@@ -144,45 +166,25 @@ InsertionNd<D>::InsertionNd(const LocalPoints& points, const std::uint32_t* simp
     : points_(points),
       control_(control),
       dimension_(points.dimension),
+      threads_(threads),
       budget_(budget),
       centre_(dimension_),
       reach_(dimension_),
       store_(dimension_),
-      // A few hundred points are done before another thread is awake.
-      crew_(points.count < 512 && points.dimension < 6 ? 1 : threads),
+      crew_(threads),
       shares_(crew_.lanes()),
       same_facets_(same_facets),
-      width_(crew_.lanes() == 1 && !same_facets ? 1 : 2) {
+      width_(same_facets ? 2 : 1) {
   for (unsigned k = 0; k < crew_.lanes(); ++k) lanes_.emplace_back(dimension_);
-  arrange(simplex, threads);
+  order_.assign(simplex, simplex + dim() + 1);
+  starts_ = {dim() + 1};
+  ordered_.reserve(std::size_t{points.count} * dim());
+  for (Id i = 0; i <= dim(); ++i)
+    std::copy_n(points.row(order_[i]), dim(), ordered_.data() + i * dim());
   choose_centre();
+  measure_reach();
   frame_ = {dim(), ordered_.data(), centre_.data(), reach_.data(),
             points_.exact == points_.coordinates};
-}
-
-template <unsigned D>
-void InsertionNd<D>::arrange(const Id* simplex, unsigned threads) {
-  const unsigned d = dim();
-  std::vector<Id> sorted(simplex, simplex + d + 1);
-  std::sort(sorted.begin(), sorted.end());
-  InsertionRounds rounds = norm_order(points_, threads, control_);
-  order_.assign(simplex, simplex + d + 1);
-  order_.reserve(points_.count);
-  for (std::size_t r = 0; r + 1 < rounds.starts.size(); ++r) {
-    starts_.push_back(static_cast<Id>(order_.size()));
-    control_.check();
-    for (Id k = rounds.starts[r]; k < rounds.starts[r + 1]; ++k)
-      if (!std::binary_search(sorted.begin(), sorted.end(), rounds.order[k]))
-        order_.push_back(rounds.order[k]);
-  }
-  starts_.push_back(static_cast<Id>(order_.size()));
-  ordered_.reserve(order_.size() * d);
-  for_each_chunk(order_.size(), 8192, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   control_.check();
-                   for (std::uint64_t k = begin; k < end; ++k)
-                     std::copy_n(points_.row(order_[k]), d, ordered_.data() + k * d);
-                 });
 }
 
 /// O: the simplex's centroid, rounded to as few bits as leave it strictly inside, so that exact
@@ -208,12 +210,18 @@ void InsertionNd<D>::choose_centre() {
       centre_exact_ = centre_inside(centre_);
     }
   }
-  for (std::size_t k = 0; k < order_.size(); ++k) {
+}
+
+template <unsigned D>
+void InsertionNd<D>::measure_reach() {
+  double few[D > 0 ? D : 1] = {};
+  double* const reach = D > 0 ? few : reach_.data();
+  for (Id k = 0; k < points_.count; ++k) {
     if (k % 65536 == 0) control_.check();
-    for (unsigned j = 0; j < d; ++j)
-      reach_[j] = std::max(reach_[j], std::abs(row(static_cast<Id>(k))[j] - centre_[j]));
+    const double* p = points_.row(k);
+    for (unsigned j = 0; j < dim(); ++j) reach[j] = std::max(reach[j], std::abs(p[j] - centre_[j]));
   }
-  for (double& r : reach_) r = r * (1 + 0x1p-30) + 0x1p-40;
+  for (unsigned j = 0; j < dim(); ++j) reach_[j] = reach[j] * (1 + 0x1p-30) + 0x1p-40;
 }
 
 template <unsigned D>
@@ -234,10 +242,32 @@ bool InsertionNd<D>::centre_inside(const std::vector<double>& centre) const {
 template <unsigned D>
 SimplicialHull InsertionNd<D>::run() {
   build_simplex();
-  crew_.session([this] {
-    for (std::size_t r = 0; r + 1 < starts_.size(); ++r) insert_round(starts_[r], starts_[r + 1]);
-  });
+  {
+    NormOrder order(points_, order_, threads_, control_);
+    insert_outermost(order);
+    while (order.left() > 0) append_round(order);
+    expected_ = order_.size();
+  }
+  const auto rounds = [this] {
+    while (rounds_done_ + 1 < starts_.size()) insert_round();
+  };
+  if (worth_sharing(order_.size() - starts_[rounds_done_])) {
+    shared_ = true;
+    width_ = std::max(width_, 2.0);
+    crew_.session(rounds);
+  } else {
+    rounds();
+  }
   return collect();
+}
+
+/// Whether so many points take some ten milliseconds: threads hand over twice a batch, and lose
+/// more than they save on a hull of fewer facets, or where one of them has to wait for a processor.
+template <unsigned D>
+bool InsertionNd<D>::worth_sharing(std::size_t points) const {
+  constexpr std::size_t fewest[] = {8000, 1000, 150, 50, 20};
+  return crew_.lanes() > 1 && !crowded() &&
+         points >= (dim() < 4 || dim() > 8 ? 1 : fewest[dim() - 4]);
 }
 
 template <unsigned D>
@@ -474,3 +504,4 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate_exactly(Lane& lane, Id start,
 
 #include "hull/insertion_nd_batches.hpp"
 #include "hull/insertion_nd_cavity.hpp"
+#include "hull/insertion_nd_start.hpp"

@@ -13,7 +13,7 @@ template <class Body>
 void InsertionNd<D>::in_parallel(const Body& body) {
   // Below some tens of microseconds waking nobody is faster.
   const std::size_t count = batch_.size(), lanes = lanes_.size();
-  if (batch_facets_ < 100 || lanes == 1 || count == 1) {
+  if (batch_facets_ < 100 || !shared_ || count == 1) {
     for (const Id s : batch_) body(streams_[s], lanes_[0]);
     return;
   }
@@ -29,14 +29,30 @@ void InsertionNd<D>::in_parallel(const Body& body) {
         const std::size_t i = share.next.fetch_add(1, std::memory_order_relaxed);
         if (i >= share.end) break;
         body(streams_[batch_[i]], lanes_[lane]);
+        ++lanes_[lane].streams_done;
       }
     }
   });
 }
 
+/// Now and then: where the others have done hardly anything, they are not waited for any longer.
 template <unsigned D>
-void InsertionNd<D>::insert_round(Id begin, Id end) {
-  const Id count = end - begin;
+void InsertionNd<D>::review_sharing() {
+  constexpr unsigned batches = 32;
+  if (!shared_ || ++batches_shared_ % batches != 0) return;
+  std::uint64_t all = 0;
+  for (const Lane& lane : lanes_) all += lane.streams_done;
+  if (8 * (all - lanes_[0].streams_done) < all) {
+    note_absence();
+    shared_ = false;
+    if (!same_facets_) width_ = 1;
+  }
+  for (Lane& lane : lanes_) lane.streams_done = 0;
+}
+
+template <unsigned D>
+void InsertionNd<D>::insert_round() {
+  const Id begin = starts_[rounds_done_], end = starts_[++rounds_done_], count = end - begin;
   const Id width = std::clamp(static_cast<Id>(width_), 1U, std::max(1U, count / 4));
   if (streams_.size() < width) streams_.resize(width);
   batch_.clear();
@@ -62,9 +78,10 @@ void InsertionNd<D>::insert_round(Id begin, Id end) {
       if (streams_[s].next < streams_[s].end) batch_[left++] = s;
     }
     batch_.resize(left);
+    review_sharing();
   }
   adapt(tried, refused, made);
-  control_.report("hull", static_cast<double>(end) / static_cast<double>(order_.size()));
+  control_.report("hull", static_cast<double>(end) / static_cast<double>(expected_));
 }
 
 /// As many streams as make a batch worth its hand-overs for every worker, and no more: a stream's
@@ -73,7 +90,7 @@ void InsertionNd<D>::insert_round(Id begin, Id end) {
 template <unsigned D>
 void InsertionNd<D>::adapt(std::size_t tried, std::size_t refused, std::size_t made) {
   constexpr double wanted = 0.06, batch = 250, fewest = 8, most = 256;
-  if (tried < 16 || (lanes_.size() == 1 && !same_facets_)) return;
+  if (tried < 16 || (!shared_ && !same_facets_)) return;
   const auto lanes = same_facets_ ? 1.0 : static_cast<double>(lanes_.size());
   const double share = static_cast<double>(refused) / static_cast<double>(tried);
   const double cavity = std::max(1.0, static_cast<double>(made) / static_cast<double>(tried));

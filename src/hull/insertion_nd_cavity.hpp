@@ -198,7 +198,7 @@ SimplicialHull InsertionNd<D>::collect() {
   RawArray<Id> number;
   number.reserve(facet_slots_);
   std::vector<Id> before(chunk_count(facet_slots_, chunk) + 1, 0);
-  for_each_chunk(facet_slots_, chunk, crew_.lanes(),
+  for_each_chunk(facet_slots_, chunk, threads_,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
                    control_.check();
                    Id count = 0;
@@ -210,7 +210,7 @@ SimplicialHull InsertionNd<D>::collect() {
   result_.dimension = d;
   result_.vertices.resize(std::size_t{before.back()} * d);
   result_.neighbours.resize(std::size_t{before.back()} * d);
-  for_each_chunk(facet_slots_, chunk, crew_.lanes(),
+  for_each_chunk(facet_slots_, chunk, threads_,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
                    control_.check();
                    for (std::uint64_t f = begin; f < end; ++f) {

@@ -1,95 +1,46 @@
 #include "hull/norm_order.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
+#include <type_traits>
 
+#include "hull/curve_keys.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/radix_sort.hpp"
 
 namespace cullhull::internal {
 namespace {
 
 constexpr std::uint32_t first_round = 64;
-constexpr std::uint64_t chunk = 8192;
+/// The outermost that are found and sorted before all are: where the others are thinned first, few
+/// of them ever are.
+constexpr std::uint32_t outermost = 1024;
+constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
 /// Points that the covariance is taken from.
-constexpr std::uint32_t covariance_sample = 4096;
+constexpr std::uint32_t covariance_sample = 512;
 
-std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser: a fixed pseudo-random hash
-  x += 0x9E3779B97F4A7C15ULL;
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBULL;
-  return x ^ (x >> 31);
+/// Ascends where norms descend: floats that are not negative are ordered as their bits. A hash of
+/// the id breaks ties.
+std::uint32_t key(double norm, std::uint32_t id) {
+  const auto v = static_cast<float>(std::min(norm, 1e30));
+  const std::uint32_t tie = id * 0x9E3779B1U >> 24;
+  return ~((std::bit_cast<std::uint32_t>(v) & ~0xFFU) | tie);
 }
 
-/// Position in a d-dimensional Hilbert curve (Skilling 2004), `bits` bits an axis, d * bits <= 32.
-std::uint32_t position_key(const double* x, unsigned d, unsigned bits) {
-  std::uint32_t c[32] = {};
-  const unsigned used = std::min(d, 32U);
-  const double cells = static_cast<double>(1U << bits);
-  for (unsigned j = 0; j < used; ++j) {
-    const double t = (x[j] * 0.5 + 0.5) * cells;
-    c[j] = static_cast<std::uint32_t>(std::clamp(t, 0.0, cells - 1));
+/// body(std::integral_constant<unsigned, d>()), or with 0 where d is none of the first few.
+template <class Body>
+void with_dimension(unsigned d, const Body& body) {
+  switch (d) {
+    case 4:
+      return body(std::integral_constant<unsigned, 4>());
+    case 5:
+      return body(std::integral_constant<unsigned, 5>());
+    case 6:
+      return body(std::integral_constant<unsigned, 6>());
+    default:
+      return body(std::integral_constant<unsigned, 0>());
   }
-  for (std::uint32_t q = 1U << (bits - 1); q > 1; q >>= 1) {
-    const std::uint32_t p = q - 1;
-    for (unsigned j = 0; j < used; ++j) {
-      // Inverts low bits of c[0] where the bit is set, else exchanges those of c[0] and c[j]. No
-      // branch: bits are as good as random.
-      const std::uint32_t set = 0U - static_cast<std::uint32_t>((c[j] & q) != 0);
-      const std::uint32_t t = (c[0] ^ c[j]) & p & ~set;
-      c[0] ^= t | (p & set);
-      c[j] ^= t;
-    }
-  }
-  for (unsigned j = 1; j < used; ++j) c[j] ^= c[j - 1];
-  std::uint32_t t = 0;
-  for (std::uint32_t q = 1U << (bits - 1); q > 1; q >>= 1)
-    if ((c[used - 1] & q) != 0) t ^= q - 1;
-  for (unsigned j = 0; j < used; ++j) c[j] ^= t;
-  std::uint32_t key = 0;
-  for (unsigned b = bits; b-- > 0;)
-    for (unsigned j = 0; j < used; ++j) key = (key << 1) | ((c[j] >> b) & 1U);
-  return key;
-}
-
-struct Keyed {
-  std::uint32_t key, id;
-};
-
-/// Least significant digit first; stable, so ties keep their order.
-void radix_sort(Keyed* a, std::size_t n, std::vector<Keyed>& scratch, const Control& control) {
-  constexpr std::size_t step = std::size_t{1} << 20;
-  constexpr unsigned digit_bits = 11, buckets = 1U << digit_bits;
-  if (n < buckets) {
-    std::stable_sort(a, a + n, [](const Keyed& x, const Keyed& y) { return x.key < y.key; });
-    return;
-  }
-  scratch.resize(n);
-  Keyed* from = a;
-  Keyed* to = scratch.data();
-  for (unsigned pass = 0; pass < 3; ++pass) {
-    std::array<std::uint32_t, buckets> at{};
-    const auto digit = [pass](const Keyed& k) {
-      return (k.key >> (pass * digit_bits)) & (buckets - 1);
-    };
-    for (std::size_t i = 0; i < n; ++i) {
-      if (i % step == 0) control.check();
-      ++at[digit(from[i])];
-    }
-    std::uint32_t sum = 0;
-    for (std::uint32_t& c : at) {
-      const std::uint32_t count = c;
-      c = sum;
-      sum += count;
-    }
-    for (std::size_t i = 0; i < n; ++i) {
-      if (i % step == 0) control.check();
-      to[at[digit(from[i])]++] = from[i];
-    }
-    std::swap(from, to);
-  }
-  if (from != a) std::copy(from, from + n, a);
 }
 
 /// |L^-1 (x - mean)|^2 where L L^T is the covariance. A help only: rounding costs nothing but
@@ -108,20 +59,27 @@ class Norm {
       const double* x = points.row(static_cast<std::uint32_t>(i));
       for (unsigned j = 0; j < d_; ++j) y[j] = x[j] - mean_[j];
       for (unsigned j = 0; j < d_; ++j)
-        for (unsigned k = 0; k <= j; ++k) factor_[j * d_ + k] += y[j] * y[k] / used;
+        for (unsigned k = 0; k <= j; ++k) factor_[j * d_ + k] += y[j] * y[k];
     }
+    for (double& f : factor_) f /= used;
     factorise();
   }
 
-  double of(const double* x, double* y) const {
-    double sum = 0;
-    for (unsigned j = 0; j < d_; ++j) {
-      double v = x[j] - mean_[j];
-      for (unsigned k = 0; k < j; ++k) v -= factor_[j * d_ + k] * y[k];
-      y[j] = v * factor_[j * d_ + j];
-      sum += y[j] * y[j];
+  /// Of `lanes` rows that follow one another. D: the dimension where it is known early, else 0.
+  static constexpr unsigned lanes = 8;
+  template <unsigned D>
+  void of_rows(const double* rows, double (*y)[lanes], double* norms) const {
+    const unsigned d = D ? D : d_;
+    std::fill_n(norms, lanes, 0.0);
+    for (unsigned j = 0; j < d; ++j) {
+      for (unsigned l = 0; l < lanes; ++l) y[j][l] = rows[l * d + j] - mean_[j];
+      for (unsigned k = 0; k < j; ++k)
+        for (unsigned l = 0; l < lanes; ++l) y[j][l] -= factor_[j * d + k] * y[k][l];
+      for (unsigned l = 0; l < lanes; ++l) {
+        y[j][l] *= factor_[j * d + j];
+        norms[l] += y[j][l] * y[j][l];
+      }
     }
-    return sum;
   }
 
  private:
@@ -146,42 +104,112 @@ class Norm {
 
 }  // namespace
 
-InsertionRounds norm_order(const LocalPoints& points, unsigned threads, const Control& control) {
-  const std::uint32_t n = points.count;
-  const unsigned d = points.dimension;
-  const Norm norm(points);
-  std::vector<Keyed> keyed(n), scratch;
-  for_each_chunk(n, chunk, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-    control.check();
-    std::vector<double> y(d);
-    for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
-      // Floats that are not negative are ordered as their bits; the hash breaks ties.
-      const auto v = static_cast<float>(std::min(norm.of(points.row(i), y.data()), 1e30));
-      const auto tie = static_cast<std::uint32_t>(mix(i) & 0xFFU);
-      keyed[i] = {~((std::bit_cast<std::uint32_t>(v) & ~0xFFU) | tie), i};
+NormOrder::NormOrder(const LocalPoints& points, std::vector<std::uint32_t> left_out,
+                     unsigned threads, const Control& control)
+    : points_(points), threads_(threads), control_(control) {
+  std::sort(left_out.begin(), left_out.end());
+  compute_norms();
+  // What is left out goes to the end, and is forgotten.
+  count_ = points.count;
+  for (std::size_t k = left_out.size(); k-- > 0;) items_[left_out[k]] = items_[--count_];
+}
+
+void NormOrder::compute_norms() {
+  constexpr unsigned lanes = Norm::lanes;
+  const Norm norm(points_);
+  const std::uint32_t n = points_.count;
+  const unsigned d = points_.dimension;
+  items_.reserve(n);
+  // The last rows, made up to a vector's.
+  std::vector<double> end_rows(std::size_t{lanes} * d, 0.0);
+  std::copy_n(points_.row(n / lanes * lanes), std::size_t{n % lanes} * d, end_rows.data());
+  with_dimension(d, [&](auto dimension) {
+    constexpr unsigned D = decltype(dimension)::value;
+    for_each_chunk(n, chunk, threads_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      control_.check();
+      double few[D ? D : 1][lanes], norms[lanes];
+      std::vector<double> many(D ? 0 : std::size_t{d} * lanes);
+      auto* y = D ? few : reinterpret_cast<double(*)[lanes]>(many.data());
+      for (auto i = static_cast<std::uint32_t>(begin); i < end; i += lanes) {
+        norm.of_rows<D>(i + lanes <= n ? points_.row(i) : end_rows.data(), y, norms);
+        for (std::uint32_t l = 0; l < std::min(lanes, n - i); ++l)
+          items_[i + l] = {key(norms[l], i + l), i + l};
+      }
+    });
+  });
+}
+
+/// At least the outermost `wanted` of all items are sorted afterwards.
+void NormOrder::sort_outermost(std::uint32_t wanted) {
+  if (wanted <= sorted_) return;
+  std::uint32_t end = count_;
+  if (wanted <= outermost && count_ > 4 * outermost) {
+    end = outermost;
+    // Points of equal keys may come in any order of the algorithm's: it is a fixed one.
+    std::nth_element(items_.data() + sorted_, items_.data() + end, items_.data() + count_,
+                     [](const Keyed& a, const Keyed& b) {
+                       return a.key != b.key ? a.key < b.key : a.id < b.id;
+                     });
+  }
+  scratch_.reserve(end - sorted_);
+  Keyed* items = items_.data() + sorted_;
+  Keyed* other = scratch_.data();
+  radix_sort(items, other, end - sorted_, 32, threads_, control_,
+             [](const Keyed& k) { return k.key; });
+  if (items != items_.data() + sorted_) std::copy_n(items, end - sorted_, other);
+  sorted_ = end;
+}
+
+void NormOrder::take_round(std::vector<std::uint32_t>& order) {
+  std::uint32_t size = taken_ == 0 ? first_round : taken_ / 2;
+  if (size > left() || left() - size < (taken_ + size) / 2) size = left();
+  if (taken_ == 0) size = std::min(first_round, left());
+  sort_outermost(taken_ + size);
+  Keyed* items = items_.data() + taken_;
+  if (taken_ > 0) arrange(items, size);
+  for (std::uint32_t k = 0; k < size; ++k) order.push_back(items[k].id);
+  taken_ += size;
+}
+
+/// Along the curve, in cells some times as many as the points.
+void NormOrder::arrange(Keyed* begin, std::uint32_t size) {
+  const unsigned d = points_.dimension, used = std::min(d, 32U);
+  const unsigned bits = std::clamp(static_cast<unsigned>(std::bit_width(size)) / d + 2, 1U,
+                                   std::clamp(32U / d, 1U, 10U));
+  for_each_chunk(size, chunk, threads_, [&](std::uint64_t, std::uint64_t from, std::uint64_t to) {
+    control_.check();
+    const double cells = static_cast<double>(1U << bits);
+    std::uint32_t cell[32 * curve_block] = {}, keys[curve_block];
+    for (std::uint64_t i = from; i < to; i += curve_block) {
+      const std::uint64_t count = std::min<std::uint64_t>(curve_block, to - i);
+      for (std::uint64_t k = 0; k < count; ++k) {
+        const double* x = points_.row(begin[i + k].id);
+        for (unsigned j = 0; j < used; ++j) {
+          const double place = std::clamp((x[j] * 0.5 + 0.5) * cells, 0.0, cells - 1);
+          cell[j * curve_block + k] = static_cast<std::uint32_t>(static_cast<std::int32_t>(place));
+        }
+      }
+      curve_keys(used, bits, cell, keys);
+      for (std::uint64_t k = 0; k < count; ++k) begin[i + k].key = keys[k];
     }
   });
-  radix_sort(keyed.data(), n, scratch, control);
-  InsertionRounds rounds;
-  rounds.starts = {0};
-  const unsigned bits = std::clamp(32U / d, 1U, 10U);
-  for (std::uint32_t begin = 0, end = std::min(n, first_round); begin < n;) {
-    if (begin > 0) {
-      for_each_chunk(end - begin, chunk, threads,
-                     [&](std::uint64_t, std::uint64_t from, std::uint64_t to) {
-                       control.check();
-                       for (std::uint64_t i = begin + from; i < begin + to; ++i)
-                         keyed[i].key = position_key(points.row(keyed[i].id), d, bits);
-                     });
-      radix_sort(keyed.data() + begin, end - begin, scratch, control);
-    }
-    rounds.starts.push_back(end);
-    begin = end;
-    end = n - end < end / 2 ? n : end + end / 2;
+  scratch_.reserve(size);
+  Keyed* items = begin;
+  Keyed* other = scratch_.data();
+  radix_sort(items, other, size, used * bits, threads_, control_,
+             [](const Keyed& k) { return k.key; });
+  if (items != begin) std::copy_n(items, size, begin);
+}
+
+void NormOrder::drop(const std::uint8_t* dropped) {
+  std::uint32_t to = taken_, sorted = taken_;
+  for (std::uint32_t k = taken_; k < count_; ++k) {
+    items_[to] = items_[k];
+    to += dropped[k - taken_] == 0;
+    if (k + 1 == sorted_) sorted = to;
   }
-  rounds.order.resize(n);
-  for (std::uint32_t i = 0; i < n; ++i) rounds.order[i] = keyed[i].id;
-  return rounds;
+  sorted_ = sorted_ <= taken_ ? taken_ : sorted;
+  count_ = to;
 }
 
 }  // namespace cullhull::internal

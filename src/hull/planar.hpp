@@ -50,6 +50,7 @@ class Turn {
   }
 
   const std::uint64_t* counts() const { return counts_; }
+  void restart() { counts_[0] = counts_[1] = counts_[2] = 0; }
   void add_counts(const Turn& other) {
     for (int i = 0; i < 3; ++i) counts_[i] += other.counts_[i];
   }

@@ -44,6 +44,7 @@ class ChainBuilder {
   /// Empty chains of other points.
   void restart(const Chord& chord) {
     chord_ = chord;
+    turn_.restart();
     lower_count_ = upper_count_ = 0;
   }
   /// Points whose keys differ in the `low_bits` lowest bits at most, none before those of earlier

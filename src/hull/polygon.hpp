@@ -35,6 +35,7 @@ class PolygonSeries {
   const std::vector<std::uint32_t>& corners(const double* rows, std::uint32_t count);
   /// Of the points of the last call.
   const Box& box() const { return box_; }
+  const std::uint64_t* rung_counts() const { return chains_.turn().counts(); }
 
  private:
   Array<Entry> entries_;

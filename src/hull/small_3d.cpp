@@ -16,6 +16,7 @@
 #include <cmath>
 
 #include "hull/small_surface.hpp"
+#include "parallel/thread_memory.hpp"
 #include "predicates/cofactors.hpp"
 #include "predicates/orientation.hpp"
 #include "predicates/orientation_3d.hpp"
@@ -38,34 +39,46 @@ HWY_INLINE std::uint64_t bits_of(D tag, hn::Mask<D> mask) {
   return bits;
 }
 
+template <class Surface>
 class Builder {
- public:
-  Builder(const SmallPoints3D& points, unsigned count)
-      : points_(points), count_(count), padded_((count + 15) / 16 * 16) {}
+  using Hull = typename Surface::Hull;
+  using Number = typename Surface::Number;
+  using Points = SmallPoints<Hull::max_points>;
+  static constexpr unsigned most_points = Surface::most_points;
+  static constexpr unsigned capacity = Surface::capacity;
 
-  bool run(SmallHull3D& out) {
+ public:
+  bool run(const Points& points, unsigned count, Hull& out) {
+    begin(points, count);
     if (count_ < 4 || !measure(out) || !start()) return false;
     Number order[most_points];
     const unsigned left = outer_first(order);
     for (unsigned i = 0; i < left && !given_up_; ++i) insert(order[i]);
     if (given_up_) return false;
     if (!touched_) {
-      order_small(surface_, count_, nullptr, out);
+      order_small<Surface>(surface_, count_, nullptr, out);
       return true;
     }
-    SmallPolygons polygons;
-    CoplanarPair pairs[3 * capacity];
+    SmallPolygons<Surface> polygons;
+    CoplanarPair<Surface> pairs[3 * capacity / 2];
     const unsigned pair_count = find_coplanar(pairs);
     if (given_up_) return false;
     merge_small(surface_, pairs, pair_count, lowest_, polygons);
-    order_small(surface_, count_, &polygons, out);
+    order_small<Surface>(surface_, count_, &polygons, out);
     return true;
   }
 
  private:
-  using Number = std::uint8_t;
-  static constexpr unsigned most_points = SmallSurface::most_points;
-  static constexpr unsigned capacity = SmallSurface::capacity;
+  void begin(const Points& points, unsigned count) {
+    points_ = &points;
+    count_ = count;
+    padded_ = (count + 15) / 16 * 16;
+    extent_ = 0;
+    surface_.top = free_count_ = exact_signs_ = 0;
+    lattice_ = Lattice::unknown;
+    touched_ = given_up_ = false;
+  }
+  const double* axis(unsigned c) const { return points_->axes[c]; }
 
   // ------------------------------------------------------------------------------------ the points
 
@@ -73,16 +86,16 @@ class Builder {
   /// this range underflow and overflow are far away: all differences are at most the extent
   /// e <= 2^100, so each of the six products of a determinant loses at most 3 * 2^-1074 * 2^200
   /// through underflow, far below `tiny`, which is far below the bound of any facet that counts.
-  bool measure(SmallHull3D& out) {
+  bool measure(Hull& out) {
     const Wide tag;
     const auto lanes = static_cast<unsigned>(hn::Lanes(tag));
     auto wrong = hn::Zero(tag);
     double reach = 0;
     for (unsigned c = 0; c < 3; ++c) {
-      const double* const axis = points_.axes[c];
-      auto low = hn::Load(tag, axis), high = low;
+      const double* const values = axis(c);
+      auto low = hn::Load(tag, values), high = low;
       for (unsigned i = 0; i < padded_; i += lanes) {
-        const auto x = hn::Load(tag, axis + i);
+        const auto x = hn::Load(tag, values + i);
         wrong = hn::Or(wrong, hn::Sub(x, x));  // 0 or not a number
         low = hn::Min(low, x);
         high = hn::Max(high, x);
@@ -106,8 +119,7 @@ class Builder {
     for (unsigned c = 0; c < 3; ++c) {
       const auto middle = hn::Set(tag, middle_[c]), scale = hn::Set(tag, scale_);
       for (unsigned i = 0; i < padded_; i += lanes)
-        hn::Store(hn::DemoteTo(narrow,
-                               hn::Mul(hn::Sub(hn::Load(tag, points_.axes[c] + i), middle), scale)),
+        hn::Store(hn::DemoteTo(narrow, hn::Mul(hn::Sub(hn::Load(tag, axis(c) + i), middle), scale)),
                   narrow, near_[c] + i);
     }
     return true;
@@ -190,10 +202,16 @@ class Builder {
       const unsigned p = begin_[order[f][0]], from = begin_[order[f][1]], to = begin_[order[f][2]];
       const Number ends[2] = {static_cast<Number>(from), static_cast<Number>(to)};
       const auto slot = static_cast<Number>(f);
-      const double apex[3] = {points_.axes[0][p], points_.axes[1][p], points_.axes[2][p]};
+      const double apex[3] = {axis(0)[p], axis(1)[p], axis(2)[p]};
       look_from(apex, to);
       create(p, ends, ends + 1, &slot, 1);
     }
+    // Facet f lacks corner f: it shares an edge with each other facet, across which is that
+    // facet's corner that it lacks.
+    if constexpr (Surface::linked)
+      for (unsigned f = 0; f < 4; ++f)
+        for (unsigned j = 0; j < 3; ++j)
+          surface_.facets[f].neighbour[j] = static_cast<Number>(order[f][(j + 2) % 3]);
     return true;
   }
 
@@ -208,13 +226,13 @@ class Builder {
     const float factor = (classes - 0.5F) / most;
     Number start[classes + 1] = {}, key[most_points];
     for (const unsigned i : begin_) values_[i] = -1;
-    unsigned left = 0;
     for (unsigned i = 0; i < count_; ++i) {
       key[i] = values_[i] < 0
                    ? classes
                    : static_cast<Number>(classes - 1 - static_cast<unsigned>(values_[i] * factor));
       ++start[key[i]];
     }
+    unsigned left = 0;
     for (unsigned k = 0; k <= classes; ++k) {
       const unsigned n = start[k];
       start[k] = static_cast<Number>(left);
@@ -232,7 +250,7 @@ class Builder {
   Sign side(unsigned a, unsigned b, unsigned c, unsigned p) {
     double e[3][3], normal[3], reach[2] = {0, 0};
     for (unsigned j = 0; j < 3; ++j) {
-      const double* x = points_.axes[j];
+      const double* x = axis(j);
       e[0][j] = x[b] - x[a];
       e[1][j] = x[c] - x[a];
       e[2][j] = x[p] - x[a];
@@ -256,7 +274,7 @@ class Builder {
     if (lattice_ == Lattice::yes) return sign_of(sum);
     double rows[4][3];
     for (unsigned j = 0; j < 3; ++j) {
-      const double* x = points_.axes[j];
+      const double* x = axis(j);
       rows[0][j] = x[a], rows[1][j] = x[b], rows[2][j] = x[c], rows[3][j] = x[p];
     }
     Sign sign = Sign::zero;
@@ -275,9 +293,9 @@ class Builder {
   bool on_lattice() const {
     const double unit = 0x1p15 * scale_;
     for (unsigned c = 0; c < 3; ++c) {
-      const double first = points_.axes[c][0];
+      const double first = axis(c)[0];
       for (unsigned i = 1; i < count_; ++i) {
-        const double x = points_.axes[c][i], d = x - first, back = d - x;
+        const double x = axis(c)[i], d = x - first, back = d - x;
         if ((x - (d - back)) + (-first - back) != 0 || d * unit != std::nearbyint(d * unit))
           return false;
       }
@@ -301,7 +319,7 @@ class Builder {
   HWY_INLINE void look_from(const double* at, unsigned v) {
     double d[3], reach = 0;
     for (unsigned c = 0; c < 3; ++c) {
-      d[c] = points_.axes[c][v] - at[c];
+      d[c] = axis(c)[v] - at[c];
       reach = std::max(reach, std::fabs(d[c]));
     }
     const std::uint64_t exponent = std::bit_cast<std::uint64_t>(reach) & std::uint64_t{0x7FF} << 52;
@@ -311,12 +329,12 @@ class Builder {
 
   /// Facet (p, from, to) for each of `count` edges that go round. A plane is N . x - N . p for x
   /// and p from the middle, N the product of the directions from p to the edge's ends;
-  /// docs/exactness.md, "Small sets in a batch", bounds its error in f32.
+  /// docs/exactness.md, "Few points in space", bounds its error in f32.
   HWY_INLINE void create(unsigned p, const Number* from, const Number* to, const Number* slot,
                          unsigned count) {
     double at[3], place[3];
     for (unsigned c = 0; c < 3; ++c) {
-      at[c] = points_.axes[c][p];
+      at[c] = axis(c)[p];
       place[c] = (at[c] - middle_[c]) * scale_;
     }
     for (unsigned i = 0; i < count; ++i) look_from(at, from[i]);
@@ -334,31 +352,41 @@ class Builder {
   }
   static constexpr float doubt = 0x1p-18F;
 
+  /// Bits of the facets f, ..., f + lanes - 1 that a point is certainly above and beneath.
+  struct Sides {
+    std::uint64_t above, beneath;
+  };
+  HWY_INLINE Sides sides(unsigned f, V x, V y, V z) const {
+    const Tag tag;
+    const V s = hn::MulAdd(
+        hn::Load(tag, plane_[0] + f), x,
+        hn::MulAdd(hn::Load(tag, plane_[1] + f), y,
+                   hn::MulSub(hn::Load(tag, plane_[2] + f), z, hn::Load(tag, plane_[3] + f))));
+    return {bits_of(tag, hn::Gt(s, hn::Set(tag, doubt))),
+            bits_of(tag, hn::Lt(s, hn::Set(tag, -doubt)))};
+  }
+
   /// The facets that p sees, as bits.
   HWY_INLINE void find_visible(unsigned p, std::uint64_t* visible) {
     const Tag tag;
     const auto lanes = static_cast<unsigned>(hn::Lanes(tag));
     const V x = hn::Set(tag, near_[0][p]), y = hn::Set(tag, near_[1][p]),
-            z = hn::Set(tag, near_[2][p]), above = hn::Set(tag, doubt),
-            below = hn::Set(tag, -doubt);
+            z = hn::Set(tag, near_[2][p]);
     const unsigned top = surface_.top;
     for (unsigned w = 0; 64 * w < top; ++w) {
       std::uint64_t seen = 0, hidden = 0;
       const unsigned end = std::min(top, 64 * w + 64);
       for (unsigned f = 64 * w; f < end; f += lanes) {
-        const V s = hn::MulAdd(
-            hn::Load(tag, plane_[0] + f), x,
-            hn::MulAdd(hn::Load(tag, plane_[1] + f), y,
-                       hn::MulSub(hn::Load(tag, plane_[2] + f), z, hn::Load(tag, plane_[3] + f))));
-        seen |= bits_of(tag, hn::Gt(s, above)) << f % 64;
-        hidden |= bits_of(tag, hn::Lt(s, below)) << f % 64;
+        const Sides s = sides(f, x, y, z);
+        seen |= s.above << f % 64;
+        hidden |= s.beneath << f % 64;
       }
       const unsigned used = end - 64 * w;
       std::uint64_t open = ~(seen | hidden) & (~std::uint64_t{0} >> (64 - used));
       for (; open != 0; open &= open - 1) {
         const unsigned f = 64 * w + static_cast<unsigned>(std::countr_zero(open));
         unsigned v[3];
-        SmallSurface::corners(surface_.facets[f], v);
+        surface_.corners(f, v);
         const Sign sign = side(v[0], v[1], v[2], p);
         if (sign == Sign::zero) touch(p, v);
         seen |= std::uint64_t{sign == Sign::positive} << f % 64;
@@ -375,7 +403,7 @@ class Builder {
     touched_ = true;
     for (unsigned j = 0; j < 3; ++j) {
       bool equal = true;
-      for (const double* axis : points_.axes) equal &= axis[v[j]] == axis[p];
+      for (unsigned c = 0; c < 3; ++c) equal &= axis(c)[v[j]] == axis(c)[p];
       if (equal) lowest_[v[j]] = std::min(lowest_[v[j]], static_cast<Number>(p));
     }
   }
@@ -386,17 +414,25 @@ class Builder {
     find_visible(p, seen);
     if (given_up_) return;  // a sign is missing, and what is seen may be no disc
     Number slot[capacity], from[capacity + 1], to[capacity + 1];
+    // Linked surfaces: the facet beyond each edge, and which of its edges that is.
+    constexpr unsigned linked_room = Surface::linked ? capacity + 1 : 1;
+    Number beyond[linked_room], back[linked_room];
     unsigned visible = 0, edges = 0;
     for (unsigned w = 0; 64 * w < surface_.top; ++w)
       for (std::uint64_t rest = seen[w]; rest != 0; rest &= rest - 1) {
         const unsigned f = 64 * w + static_cast<unsigned>(std::countr_zero(rest));
         slot[visible++] = static_cast<Number>(f);
         unsigned v[3];
-        SmallSurface::corners(surface_.facets[f], v);
+        surface_.corners(f, v);
         for (unsigned j = 0; j < 3; ++j) {  // no branch: it would be mispredicted
-          const unsigned a = v[j], b = v[j == 2 ? 0 : j + 1], across = surface_.owner[b][a];
-          from[edges] = static_cast<Number>(a);
-          to[edges] = static_cast<Number>(b);
+          const unsigned across = surface_.across(f, v, j);
+          from[edges] = static_cast<Number>(v[j]);
+          to[edges] = static_cast<Number>(v[j == 2 ? 0 : j + 1]);
+          if constexpr (Surface::linked) {
+            const Number* other = surface_.facets[across].neighbour;
+            beyond[edges] = static_cast<Number>(across);
+            back[edges] = static_cast<Number>((other[1] == f ? 1 : 0) + (other[2] == f ? 2 : 0));
+          }
           edges += 1 - static_cast<unsigned>(seen[across / 64] >> across % 64 & 1);
         }
       }
@@ -406,26 +442,37 @@ class Builder {
     for (unsigned i = visible; i < edges; ++i)
       slot[i] = free_count_ > 0 ? free_[--free_count_] : static_cast<Number>(surface_.top++);
     create(p, from, to, slot, edges);
+    if constexpr (Surface::linked) link(from, to, slot, beyond, back, edges);
+  }
+
+  /// The new facets with those beyond the edges, and with one another.
+  HWY_INLINE void link(const Number* from, const Number* to, const Number* slot,
+                       const Number* beyond, const Number* back, unsigned count) {
+    for (unsigned i = 0; i < count; ++i) {
+      surface_.join(slot[i], 1, beyond[i], back[i]);
+      beginning_[from[i]] = slot[i];
+    }
+    for (unsigned i = 0; i < count; ++i) surface_.join(slot[i], 2, beginning_[to[i]], 0);
   }
 
   void remove(unsigned f) {
     for (unsigned c = 0; c < 3; ++c) plane_[c][f] = 0;
     plane_[3][f] = 1;
-    surface_.facets[f] = SmallSurface::none;
+    surface_.remove(f);
     free_[free_count_++] = static_cast<Number>(f);
   }
 
   /// The pairs of neighbours in one plane.
-  unsigned find_coplanar(CoplanarPair* pairs) {
+  unsigned find_coplanar(CoplanarPair<Surface>* pairs) {
     unsigned count = 0;
     for (unsigned f = 0; f < surface_.top; ++f) {
-      if (surface_.facets[f] == SmallSurface::none) continue;
+      if (!surface_.live(f)) continue;
       unsigned v[3], o[3];
-      SmallSurface::corners(surface_.facets[f], v);
+      surface_.corners(f, v);
       for (unsigned j = 0; j < 3; ++j) {
-        const unsigned from = v[j], to = v[j == 2 ? 0 : j + 1], g = surface_.owner[to][from];
+        const unsigned from = v[j], to = v[j == 2 ? 0 : j + 1], g = surface_.across(f, v, j);
         if (g < f) continue;
-        SmallSurface::corners(surface_.facets[g], o);
+        surface_.corners(g, o);
         const unsigned p = o[0] ^ o[1] ^ o[2] ^ from ^ to;  // the corner that is on no edge of f
         const float s = plane_[0][f] * near_[0][p] + plane_[1][f] * near_[1][p] +
                         plane_[2][f] * near_[2][p] - plane_[3][f];
@@ -440,27 +487,31 @@ class Builder {
   static constexpr unsigned most_exact_signs = 16;
   enum class Lattice : std::uint8_t { unknown, no, yes };
 
-  const SmallPoints3D& points_;
-  const unsigned count_, padded_;
-  double middle_[3], extent_ = 0, scale_ = 1;
-  unsigned longest_ = 0, begin_[4];
-  unsigned free_count_ = 0, exact_signs_ = 0;
-  Lattice lattice_ = Lattice::unknown;
-  bool touched_ = false,
-       given_up_ = false;  // some point is in a facet's plane; signs take too long
-  SmallSurface surface_;
+  const Points* points_;
+  unsigned count_, padded_;
+  double middle_[3], extent_, scale_;
+  unsigned longest_, begin_[4];
+  unsigned free_count_, exact_signs_;
+  Lattice lattice_;
+  bool touched_, given_up_;  // some point is in a facet's plane; signs take too long
+  Surface surface_;
   HWY_ALIGN float near_[3][most_points];  // from the middle, scaled
   double direction_[most_points][4];      // from the point that is being inserted
   HWY_ALIGN float values_[most_points];
   HWY_ALIGN float plane_[4][capacity];  // normals and offsets
   Number lowest_[most_points];          // of equal points; set once some are touched
   Number free_[capacity];
+  Number beginning_[Surface::linked ? most_points : 1];  // the new facet whose edge begins there
 };
 
 }  // namespace
 
 bool small_hull_in(const SmallPoints3D& points, unsigned count, SmallHull3D& out) {
-  return Builder(points, count).run(out);
+  Builder<TableSurface> builder;
+  return builder.run(points, count, out);
+}
+bool medium_hull_in(const MediumPoints3D& points, unsigned count, MediumHull3D& out) {
+  return thread_memory<Builder<LinkedSurface>>().run(points, count, out);
 }
 
 }  // namespace cullhull::internal::HWY_NAMESPACE
@@ -470,9 +521,13 @@ HWY_AFTER_NAMESPACE();
 namespace cullhull::internal {
 
 HWY_EXPORT(small_hull_in);
+HWY_EXPORT(medium_hull_in);
 
 bool small_hull_3d(const SmallPoints3D& points, unsigned count, SmallHull3D& out) {
   return HWY_DYNAMIC_DISPATCH(small_hull_in)(points, count, out);
+}
+bool small_hull_3d(const MediumPoints3D& points, unsigned count, MediumHull3D& out) {
+  return HWY_DYNAMIC_DISPATCH(medium_hull_in)(points, count, out);
 }
 
 }  // namespace cullhull::internal

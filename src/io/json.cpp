@@ -202,6 +202,7 @@ std::string hull_to_json(const PointView& points, const Hull& hull, const JsonEx
   const Statistics& s = hull.statistics;
   w.open();
   internal::write_points(w, hull);
+  w.member("schema", json_schema_version);
   w.member("threads", std::uint32_t{s.threads});
   w.member("backend", s.backend);
   w.object("cull");

@@ -88,6 +88,7 @@ class HullReader final : public nlohmann::json_sax<json> {
     if (!in_points() || inner_ != "scalar") return unexpected();
     for (int t = 0; t <= static_cast<int>(ScalarType::u32); ++t)
       if (v == scalar_name(static_cast<ScalarType>(t))) {
+        if (raw_.has_scalar) fault("scalar given twice");
         raw_.hull.scalar = static_cast<ScalarType>(t);
         raw_.has_scalar = true;
         return true;
@@ -226,6 +227,8 @@ class HullReader final : public nlohmann::json_sax<json> {
     }
   }
   bool point_value(std::uint64_t v) {
+    if ((inner_ == "count" && raw_.has_count) || (inner_ == "dimension" && raw_.has_dimension))
+      fault(inner_ + " given twice");
     if (inner_ == "count") {
       raw_.hull.point_count = v;
       raw_.has_count = true;

@@ -28,9 +28,19 @@ class VertexNumbers {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> sorted_;
 };
 
+/// Triangles in the place of the polygons. Each polygon of n corners takes n - 3 diagonals.
+void triangulate(HullMesh& mesh) {
+  const std::size_t count = mesh.triangles.size() / 3;
+  mesh.edges += count - mesh.polygons.size();
+  mesh.polygons.items.assign(mesh.triangles.begin(), mesh.triangles.end());
+  mesh.polygons.offsets.clear();
+  for (std::size_t t = 0; t <= count; ++t) mesh.polygons.offsets.push_back(3 * t);
+}
+
 }  // namespace
 
-HullMesh make_mesh(const PointView& points, const Hull& hull, const std::string& format) {
+HullMesh make_mesh(const PointView& points, const Hull& hull, const std::string& format,
+                   Faces faces) {
   if (hull.dimension != 2 && hull.dimension != 3)
     throw Error(ErrorCode::invalid_argument,
                 "." + format + " holds hulls of 2D and 3D points, not " +
@@ -56,6 +66,7 @@ HullMesh make_mesh(const PointView& points, const Hull& hull, const std::string&
     for (const std::uint64_t id : hull.simplices) mesh.triangles.push_back(number.of(id));
     mesh.edges = hull.facets.items.size() / 2;
   }
+  if (faces == Faces::triangles) triangulate(mesh);
   return mesh;
 }
 

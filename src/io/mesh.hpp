@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cullhull/hull.hpp"
+#include "cullhull/io.hpp"
 #include "io/output_file.hpp"
 
 namespace cullhull::internal {
@@ -21,7 +22,8 @@ struct HullMesh {
 };
 
 /// Throws Error{invalid_argument} unless the points are 2D or 3D.
-HullMesh make_mesh(const PointView& points, const Hull& hull, const std::string& format);
+HullMesh make_mesh(const PointView& points, const Hull& hull, const std::string& format,
+                   Faces faces);
 
 void write_ply(OutputFile& out, const HullMesh& mesh);
 void write_obj(OutputFile& out, const HullMesh& mesh);

@@ -1,4 +1,6 @@
 // NumPy's .npy, versions 1 to 3 (numpy/lib/format.py documents it).
+#include "io/npy.hpp"
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -319,7 +321,10 @@ PointData NpyFrames::frame(const Source& bytes, const ReadOptions& options) cons
                          options);
 }
 
-namespace {
+std::string npy_descr(ScalarType type) {
+  std::string descr(1, scalar_size(type) == 1 ? '|' : '<');
+  return descr.append(1, scalar_name(type)[0]).append(std::to_string(scalar_size(type)));
+}
 
 std::string npy_header(const char* descr, std::initializer_list<std::uint64_t> shape) {
   std::string dict = "{'descr': '";
@@ -338,6 +343,8 @@ std::string npy_header(const char* descr, std::initializer_list<std::uint64_t> s
   out += static_cast<char>(dict.size() >> 8);
   return out + dict;
 }
+
+namespace {
 
 template <class T>
 void write_converted(OutputFile& out, const double* v, std::uint64_t count) {
@@ -390,19 +397,10 @@ void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& id
   out.commit();
 }
 
-namespace {
-
-std::string descr_of(ScalarType type) {
-  std::string descr(1, scalar_size(type) == 1 ? '|' : '<');
-  return descr.append(1, scalar_name(type)[0]).append(std::to_string(scalar_size(type)));
-}
-
-}  // namespace
-
 void write_npy_points(const std::string& path, const double* coordinates, std::uint64_t count,
                       std::uint32_t dimension, ScalarType type) {
   internal::OutputFile out(path);
-  out.write(internal::npy_header(descr_of(type).c_str(), {count, dimension}));
+  out.write(internal::npy_header(internal::npy_descr(type).c_str(), {count, dimension}));
   internal::write_values(out, coordinates, count * dimension, type);
   out.commit();
 }
@@ -416,7 +414,8 @@ struct NpySequenceWriter::Impl {
 NpySequenceWriter::NpySequenceWriter(const std::string& path, std::uint64_t frames,
                                      std::uint64_t count, std::uint32_t dimension, ScalarType type)
     : impl_(new Impl{internal::OutputFile(path), frames, count * dimension, type}) {
-  impl_->out.write(internal::npy_header(descr_of(type).c_str(), {frames, count, dimension}));
+  impl_->out.write(
+      internal::npy_header(internal::npy_descr(type).c_str(), {frames, count, dimension}));
   if (frames == 0) impl_->out.commit();
 }
 NpySequenceWriter::~NpySequenceWriter() = default;

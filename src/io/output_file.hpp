@@ -33,4 +33,13 @@ class OutputFile {
   int slot_ = -1;
 };
 
+/// `format` if given, else the extension of `path`; `unnamed` where the name tells nothing: "-", a
+/// pipe or a device.
+std::string output_format(const std::string& path, const std::string& format,
+                          const std::string& unnamed);
+
+/// Throws Error{invalid_argument}.
+[[noreturn]] void refuse_format(const std::string& path, const std::string& format,
+                                const char* known);
+
 }  // namespace cullhull::internal

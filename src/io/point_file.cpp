@@ -41,6 +41,11 @@ bool looks_like_binary_stl(const Source& s) {
   return s.size == 84 + std::uint64_t{50} * triangles;
 }
 
+/// Editors put three bytes before the first character of a text.
+Source behind_byte_order_mark(const Source& s) {
+  return begins(s, "\xEF\xBB\xBF") ? Source{s.name, s.data + 3, s.size - 3} : s;
+}
+
 std::string format_of_content(const Source& s) {
   if (begins(s, "\x93NUMPY")) return "npy";
   if (begins(s, "ply\n") || begins(s, "ply\r")) return "ply";
@@ -81,15 +86,17 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
 
 }  // namespace
 
-PointData read_points(const Source& source, const ReadOptions& options) {
-  if (source.size == 0) fail(source, "empty file");
-  const std::string format = choose_format(source, options);
-  if (format == "npy") return read_npy(source, options);
+PointData read_points(const Source& file, const ReadOptions& options) {
+  if (file.size == 0) fail(file, "empty file");
+  const Source text = behind_byte_order_mark(file);
+  const std::string format = choose_format(text, options);
+  if (format == "npy") return read_npy(file, options);
+  if (format == "raw") return read_raw(file, options);
+  const Source& source = format == "stl" && looks_like_binary_stl(file) ? file : text;
   if (format == "ply") return read_ply(source, options);
   if (format == "obj") return read_obj(source, options);
   if (format == "off") return read_off(source, options);
   if (format == "stl") return read_stl(source, options);
-  if (format == "raw") return read_raw(source, options);
   PointData data = read_text(source, options, format == "csv");
   if (format != "text") data.format = format;
   return data;

@@ -1,17 +1,17 @@
 // Text as Qhull's `qconvex` prints it. Facets come in our order; orientation is Qhull's: det(v1 -
 // v0, ..., x - v0) > 0 for x inside, so polygons in space run clockwise seen from outside.
+#include "io/qhull_text.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include "cullhull/error.hpp"
-#include "cullhull/io.hpp"
 #include "io/mesh.hpp"
+#include "io/source.hpp"
 
 namespace cullhull {
 namespace internal {
-namespace {
 
-/// "%6s ", as Qhull pads its numbers.
 void append_padded(std::string& out, double v) {
   const std::size_t at = out.size();
   append_number(out, v);
@@ -30,10 +30,9 @@ void append_point(std::string& out, const PointView& points, std::uint64_t id) {
   out += '\n';
 }
 
-void append_ids(std::string& out, const std::uint64_t* ids, std::uint64_t count, bool flip_last) {
-  for (std::uint64_t i = 0; i < count; ++i) {
-    const bool swap = flip_last && count >= 2 && i + 2 >= count;
-    append_number(out, ids[swap ? 2 * count - 3 - i : i]);
+void append_ids(std::string& out, const std::vector<std::uint64_t>& ids) {
+  for (const std::uint64_t id : ids) {
+    append_number(out, id);
     out += ' ';
   }
   out += '\n';
@@ -45,61 +44,160 @@ std::vector<std::uint64_t> sorted_vertices(const Hull& hull) {
   return ids;
 }
 
-/// Facet i as Qhull would list its vertices; `simplex` is one of the facet's simplices.
-void append_facet(std::string& out, const Hull& hull, std::uint64_t i, std::uint64_t simplex) {
-  const std::uint64_t from = hull.facets.offsets[i], count = hull.facets.offsets[i + 1] - from;
-  const std::uint64_t* ids = hull.facets.items.data() + from;
-  const auto k = static_cast<std::uint64_t>(hull.affine_dimension);
-  if (k == 3) {
-    const std::vector<std::uint64_t> reversed(std::reverse_iterator(ids + count),
-                                              std::reverse_iterator(ids));
-    append_ids(out, reversed.data(), count, false);
-  } else if (k > 3 && count == k) {
-    append_ids(out, hull.simplices.data() + simplex * k, k, true);
-  } else {
-    append_ids(out, ids, count, false);
-  }
-}
-
-/// A simplex of every facet.
 std::vector<std::uint64_t> simplex_of_facet(const Hull& hull) {
   std::vector<std::uint64_t> of(hull.facet_count(), 0);
   for (std::uint64_t s = 0; s < hull.simplex_count(); ++s) of[hull.simplex_facets[s]] = s;
   return of;
 }
 
+namespace {
+
+/// Simplex s with its last two vertices swapped: our orientation is the reverse of Qhull's.
+std::vector<std::uint64_t> qhull_simplex(const Hull& hull, std::uint64_t s) {
+  const auto k = static_cast<std::uint64_t>(hull.affine_dimension);
+  std::vector<std::uint64_t> ids(hull.simplices.data() + s * k,
+                                 hull.simplices.data() + (s + 1) * k);
+  if (k >= 3) std::swap(ids[k - 1], ids[k - 2]);
+  return ids;
+}
+
+std::vector<std::uint64_t> facet_vertices(const Hull& hull, std::uint64_t i) {
+  return {hull.facets.items.data() + hull.facets.offsets[i],
+          hull.facets.items.data() + hull.facets.offsets[i + 1]};
+}
+
+}  // namespace
+
+std::vector<std::uint64_t> qhull_facet(const Hull& hull, std::uint64_t i, std::uint64_t simplex) {
+  const auto k = static_cast<std::uint64_t>(hull.affine_dimension);
+  std::vector<std::uint64_t> ids = facet_vertices(hull, i);
+  if (k == 3) std::reverse(ids.begin(), ids.end());
+  if (k > 3 && ids.size() == k) return qhull_simplex(hull, simplex);
+  return ids;
+}
+
+std::vector<double> average_of(const PointView& points, const std::vector<std::uint64_t>& ids) {
+  std::vector<double> average(points.dimension, 0);
+  const auto n = static_cast<double>(ids.size());
+  for (std::uint32_t j = 0; j < points.dimension; ++j)
+    for (const std::uint64_t id : ids) average[j] += points.at(id, j) / n;
+  return average;
+}
+
+namespace {
+
+/// The k-measure of the simplex on these k + 1 points: the product of the edges' parts at right
+/// angles to those before (Gram and Schmidt, twice for slivers), over k!. Scaled by powers of two.
+double simplex_measure(const PointView& points, const std::uint64_t* ids, std::size_t k) {
+  const std::uint32_t d = points.dimension;
+  std::vector<double> edges(k * d);
+  double largest = 0;
+  for (std::size_t i = 0; i < k; ++i)
+    for (std::uint32_t j = 0; j < d; ++j) {
+      edges[i * d + j] = points.at(ids[i + 1], j) / 2 - points.at(ids[0], j) / 2;
+      largest = std::max(largest, std::fabs(edges[i * d + j]));
+    }
+  if (largest == 0) return k == 0 ? 1 : 0;
+  const int exponent = std::ilogb(largest);
+  for (double& e : edges) e = std::scalbn(e, -exponent);
+  double product = 1;
+  for (std::size_t i = 0; i < k; ++i) {
+    double* const e = &edges[i * d];
+    for (int pass = 0; pass < 2; ++pass)
+      for (std::size_t b = 0; b < i; ++b) {
+        const double* const unit = &edges[b * d];
+        double dot = 0;
+        for (std::uint32_t j = 0; j < d; ++j) dot += e[j] * unit[j];
+        for (std::uint32_t j = 0; j < d; ++j) e[j] -= dot * unit[j];
+      }
+    double norm = 0;
+    for (std::uint32_t j = 0; j < d; ++j) norm = std::hypot(norm, e[j]);
+    if (norm == 0) return 0;
+    for (std::uint32_t j = 0; j < d; ++j) e[j] /= norm;
+    product *= norm / static_cast<double>(i + 1);
+  }
+  return std::scalbn(product, (exponent + 1) * static_cast<int>(k));
+}
+
 /// i: 2D and 3D facets whole; above, facets that are no simplices are triangulated (Qhull does so
 /// too, around an added centre).
 std::string incidences(const Hull& hull) {
   std::string out;
-  const auto k = static_cast<std::uint64_t>(std::max(hull.affine_dimension, 0));
-  if (k > 3) {
+  if (hull.affine_dimension > 3) {
     append_line(out, hull.simplex_count());
     for (std::uint64_t s = 0; s < hull.simplex_count(); ++s)
-      append_ids(out, hull.simplices.data() + s * k, k, true);
+      append_ids(out, qhull_simplex(hull, s));
   } else {
     append_line(out, hull.facet_count());
-    for (std::uint64_t i = 0; i < hull.facet_count(); ++i) append_facet(out, hull, i, 0);
+    for (std::uint64_t i = 0; i < hull.facet_count(); ++i) append_ids(out, qhull_facet(hull, i, 0));
   }
   return out;
 }
 
+void append_off_counts(std::string& out, std::uint32_t dimension, std::uint64_t points,
+                       std::uint64_t facets, std::uint64_t ridges) {
+  append_line(out, dimension);
+  append_number(out, points);
+  out += ' ';
+  append_number(out, facets);
+  out += ' ';
+  append_line(out, ridges);
+}
+
 std::string off_like(const PointView& points, const Hull& hull) {
   std::string out;
-  append_line(out, hull.dimension);
-  append_number(out, points.count);
-  out += ' ';
-  append_number(out, hull.facet_count());
-  out += ' ';
-  append_line(out, hull.facet_neighbours.items.size() / 2);
+  append_off_counts(out, hull.dimension, points.count, hull.facet_count(),
+                    hull.facet_neighbours.items.size() / 2);
   for (std::uint64_t i = 0; i < points.count; ++i) append_point(out, points, i);
   const std::vector<std::uint64_t> simplices = simplex_of_facet(hull);
   for (std::uint64_t i = 0; i < hull.facet_count(); ++i) {
-    append_number(out, hull.facets.offsets[i + 1] - hull.facets.offsets[i]);
+    const auto ids = qhull_facet(hull, i, simplices[i]);
+    append_number(out, std::uint64_t{ids.size()});
     out += ' ';
-    append_facet(out, hull, i, simplices[i]);
+    append_ids(out, ids);
   }
   return out;
+}
+
+/// Ft: facets that are no simplices are cut into pyramids over their ridges, around a point added
+/// for each: the average of its vertices. The ridges are those of our simplices between two facets.
+std::string centred_triangulation(const PointView& points, const Hull& hull) {
+  const auto k = static_cast<std::uint64_t>(std::max(hull.affine_dimension, 0));
+  std::vector<std::uint64_t> centre(hull.facet_count(), 0);
+  std::string centres, list;
+  std::uint64_t added = 0, count = 0;
+  for (std::uint64_t i = 0; i < hull.facet_count(); ++i) {
+    const auto ids = facet_vertices(hull, i);
+    if (ids.size() == k) continue;
+    centre[i] = points.count + added++;
+    for (const double x : average_of(points, ids)) append_padded(centres, x);
+    centres += '\n';
+  }
+  const auto append_simplex = [&](const std::vector<std::uint64_t>& ids) {
+    append_number(list, k);
+    list += ' ';
+    append_ids(list, ids);
+    ++count;
+  };
+  for (std::uint64_t s = 0; s < hull.simplex_count(); ++s) {
+    const std::uint32_t facet = hull.simplex_facets[s];
+    const std::vector<std::uint64_t> ids = qhull_simplex(hull, s);
+    if (centre[facet] == 0) {
+      append_simplex(ids);
+      continue;
+    }
+    for (std::uint64_t j = 0; j < k; ++j) {
+      if (hull.simplex_facets[hull.simplex_neighbours[s * k + j]] == facet) continue;
+      std::vector<std::uint64_t> pyramid = ids;  // the centre takes the opposite vertex's place
+      std::replace(pyramid.begin(), pyramid.end(), hull.simplices[s * k + j], centre[facet]);
+      append_simplex(pyramid);
+    }
+  }
+  std::string out;
+  append_off_counts(out, hull.dimension, points.count + added, count,
+                    hull.facet_neighbours.items.size() / 2);
+  for (std::uint64_t i = 0; i < points.count; ++i) append_point(out, points, i);
+  return out += centres + list;
 }
 
 std::string normals(const Hull& hull) {
@@ -114,6 +212,22 @@ std::string normals(const Hull& hull) {
   return out;
 }
 
+/// FD: the normals as cdd's H-representation has them: offset - normal . x >= 0.
+std::string cdd_normals(const Hull& hull) {
+  const std::uint64_t d = hull.dimension, width = d + 1;
+  std::string out = "begin\n    ";
+  append_number(out, hull.facet_count());
+  out += ' ';
+  append_number(out, width);
+  out += " real\n";
+  for (std::uint64_t i = 0; i < hull.facet_count(); ++i) {
+    append_padded(out, -hull.facet_planes[i * width + d]);
+    for (std::uint64_t j = 0; j < d; ++j) append_padded(out, -hull.facet_planes[i * width + j]);
+    out += '\n';
+  }
+  return out += "end\n";
+}
+
 std::string vertex_coordinates(const PointView& points, const Hull& hull) {
   std::string out;
   append_line(out, hull.dimension);
@@ -122,49 +236,230 @@ std::string vertex_coordinates(const PointView& points, const Hull& hull) {
   return out;
 }
 
-/// FV: the average of the vertices.
 std::string average_vertex(const PointView& points, const Hull& hull) {
   std::string out;
   append_number(out, std::uint64_t{hull.dimension});
   out += " 1\n";
-  const std::vector<std::uint64_t> ids = sorted_vertices(hull);
-  for (std::uint32_t j = 0; j < hull.dimension; ++j) {
-    // Divided first, so that the sum of huge coordinates does not overflow.
-    const auto n = static_cast<double>(ids.size());
-    double sum = 0;
-    for (const std::uint64_t id : ids) sum += points.at(id, j) / n;
-    append_padded(out, sum);
-  }
-  out += '\n';
+  for (const double x : average_of(points, sorted_vertices(hull))) append_padded(out, x);
+  return out += '\n';
+}
+
+std::string extreme_ids(const Hull& hull) {
+  std::string out;
+  append_line(out, hull.vertices.size());
+  for (const std::uint64_t id : hull.vertices) append_line(out, id);
   return out;
 }
 
+/// Counted lists, one a line behind their number: Fv, Fn, FN.
+template <class List>
+std::string counted_lists(std::uint64_t count, const List& list) {
+  std::string out;
+  append_line(out, count);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const auto items = list(i);
+    append_number(out, std::uint64_t{items.size()});
+    for (const auto item : items) {
+      out += ' ';
+      append_number(out, std::uint64_t{item});
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+std::string facets_of_points(const PointView& points, const Hull& hull) {
+  std::vector<std::vector<std::uint64_t>> of(points.count);
+  for (std::uint64_t i = 0; i < hull.facet_count(); ++i)
+    for (const std::uint64_t id : facet_vertices(hull, i)) of[id].push_back(i);
+  return counted_lists(points.count, [&](std::uint64_t id) { return of[id]; });
+}
+
+std::vector<std::uint64_t> neighbours_of(const Hull& hull, std::uint64_t i) {
+  const auto& lists = hull.facet_neighbours;
+  return {lists.items.data() + lists.offsets[i], lists.items.data() + lists.offsets[i + 1]};
+}
+
+std::string facet_centres(const PointView& points, const Hull& hull) {
+  std::string out;
+  append_line(out, hull.dimension);
+  append_line(out, hull.facet_count());
+  for (std::uint64_t i = 0; i < hull.facet_count(); ++i) {
+    for (const double x : average_of(points, facet_vertices(hull, i))) append_padded(out, x);
+    out += '\n';
+  }
+  return out;
+}
+
+std::string facet_areas(const PointView& points, const Hull& hull) {
+  std::string out;
+  append_line(out, hull.facet_count());
+  for (const double measure : facet_measures(points, hull)) {
+    append_padded(out, measure);
+    out += '\n';
+  }
+  return out;
+}
+
+std::string facet_numbers(const Hull& hull) {
+  std::string out;
+  append_line(out, hull.facet_count());
+  for (std::uint64_t i = 0; i < hull.facet_count(); ++i) append_line(out, i);
+  return out;
+}
+
+std::uint64_t non_simplicial(const Hull& hull) {
+  std::uint64_t count = 0;
+  for (std::uint64_t i = 0; i < hull.facet_count(); ++i)
+    if (hull.facets.offsets[i + 1] - hull.facets.offsets[i] !=
+        static_cast<std::uint64_t>(hull.affine_dimension))
+      ++count;
+  return count;
+}
+
+/// Fs: ten integers (of points near a facet, of vertices and facets that were given up, there are
+/// none here), then how far a point is above or below its plane: on it.
+std::string counts_line(const Hull& hull) {
+  const std::string v = std::to_string(hull.vertices.size()),
+                    f = std::to_string(hull.facet_count());
+  return "10 " + std::to_string(hull.dimension) + ' ' + std::to_string(hull.point_count) + ' ' + v +
+         ' ' + f + ' ' + v + ' ' + f + " 0 " + std::to_string(non_simplicial(hull)) +
+         " 0 0\n2      0      0 \n";
+}
+
+std::string area_and_volume(const Hull& hull) {
+  std::string out = "0\n2 ";  // no integers, two reals
+  append_padded(out, hull.area);
+  append_padded(out, hull.volume);
+  return out += '\n';
+}
+
+std::string summary(const Hull& hull, bool measures) {
+  std::string out = "\nConvex hull of " + std::to_string(hull.point_count) + " points in " +
+                    std::to_string(hull.dimension) +
+                    "-d:\n\n  Number of vertices: " + std::to_string(hull.vertices.size()) +
+                    "\n  Number of facets: " + std::to_string(hull.facet_count()) + '\n';
+  if (const std::uint64_t count = non_simplicial(hull); count > 0)
+    out += "  Number of non-simplicial facets: " + std::to_string(count) + '\n';
+  if (!measures) return out += '\n';
+  out += "  Total facet area: ";
+  append_padded(out, hull.area);
+  out += "\n  Total volume:     ";
+  append_padded(out, hull.volume);
+  return out += "\n\n";
+}
+
+/// f, and FF without what is between the facets: every vertex and facet with all that is known of
+/// it. Vertices are numbered in the order of hull.vertices, facets in ours.
+std::string dump(const PointView& points, const Hull& hull) {
+  const std::uint64_t width = std::uint64_t{hull.dimension} + 1;
+  std::string out = "Vertices and facets:\n";
+  std::vector<std::uint64_t> number(points.count, 0);
+  std::vector<std::string> facets_of(points.count);
+  for (std::uint64_t i = 0; i < hull.facet_count(); ++i)
+    for (const std::uint64_t id : facet_vertices(hull, i))
+      facets_of[id] += " f" + std::to_string(i);
+  for (std::uint64_t v = 0; v < hull.vertices.size(); ++v) {
+    const std::uint64_t id = hull.vertices[v];
+    number[id] = v;
+    out += "- p" + std::to_string(id) + "(v" + std::to_string(v) + "): ";
+    append_point(out, points, id);
+    out += "  neighbors:" + facets_of[id] + '\n';
+  }
+  const auto append_list = [&](const char* head, const std::vector<std::uint64_t>& items,
+                               char kind) {
+    out += head;
+    for (const std::uint64_t item : items) {
+      out.append(" ").append(1, kind).append(std::to_string(item));
+      if (kind == 'p') out += "(v" + std::to_string(number[item]) + ')';
+    }
+    out += '\n';
+  };
+  for (std::uint64_t i = 0; i < hull.facet_count(); ++i) {
+    const auto ids = facet_vertices(hull, i);
+    out += "- f" + std::to_string(i) + "\n    - flags:";
+    if (ids.size() == static_cast<std::uint64_t>(hull.affine_dimension)) out += " simplicial";
+    out += "\n    - normal: ";
+    for (std::uint32_t j = 0; j < hull.dimension; ++j)
+      append_padded(out, hull.facet_planes[i * width + j]);
+    out += "\n    - offset: ";
+    append_padded(out, hull.facet_planes[i * width + width - 1]);
+    out += "\n    - center: ";
+    for (const double x : average_of(points, ids)) append_padded(out, x);
+    append_list("\n    - vertices:", ids, 'p');
+    append_list("    - neighboring facets:", neighbours_of(hull, i), 'f');
+  }
+  return out;
+}
+
+/// Why a word of Qhull's is refused; empty for a word Qhull does not know either.
+std::string refused_word(std::string_view what) {
+  if (what == "Fc" || what == "FP")
+    return "lists points within Qhull's tolerance of a facet; ask HullQuery for those exactly on "
+           "it";
+  if (what == "Fm") return "counts facets merged for being nearly coplanar, which nothing here is";
+  if (what == "FO" || what == "FQ") return "prints Qhull's own options";
+  if (what == "Fp") return "prints intersections of halfspaces (intersect_halfspaces has them)";
+  if (what == "Fd") return "says that the input is cdd's, which is seen without it";
+  return "";
+}
+
 }  // namespace
+
+std::vector<double> facet_measures(const PointView& points, const Hull& hull) {
+  const auto k = static_cast<std::uint64_t>(std::max(hull.affine_dimension, 1));
+  std::vector<double> measures(hull.facet_count(), 0);
+  for (std::uint64_t s = 0; s < hull.simplex_count(); ++s)
+    measures[hull.simplex_facets[s]] +=
+        simplex_measure(points, hull.simplices.data() + s * k, static_cast<std::size_t>(k - 1));
+  return measures;
+}
+
 }  // namespace internal
+
+const std::vector<std::string>& qhull_formats() {
+  static const std::vector<std::string> words = {
+      "Fx", "i",  "o",  "n",  "p",  "f",  "s",  "m",  "G",  "Fa", "FA", "FC", "FD",
+      "FF", "Fi", "FI", "FM", "Fn", "FN", "Fo", "Fs", "FS", "Ft", "Fv", "FV"};
+  return words;
+}
+
+void check_qhull_format(std::string_view what) {
+  const auto& known = qhull_formats();
+  if (std::find(known.begin(), known.end(), what) != known.end()) return;
+  if (const std::string why = internal::refused_word(what); !why.empty())
+    throw Error(ErrorCode::invalid_argument, "--format " + std::string(what) + " " + why);
+  std::string list;
+  for (const std::string& word : known) list += " " + word;
+  throw Error(ErrorCode::invalid_argument,
+              "unknown text format " + internal::quoted_text(what) + "; known are" + list);
+}
 
 std::string hull_to_qhull_text(const PointView& points, const Hull& hull, std::string_view what) {
   using namespace internal;
-  std::string out;
-  if (what == "Fx") {
-    append_line(out, hull.vertices.size());
-    for (const std::uint64_t id : hull.vertices) append_line(out, id);
-    return out;
-  }
+  check_qhull_format(what);
+  if (what == "Fx") return extreme_ids(hull);
   if (what == "i") return incidences(hull);
   if (what == "o") return off_like(points, hull);
-  if (what == "n") return normals(hull);
+  if (what == "n" || what == "Fi" || what == "Fo") return normals(hull);
   if (what == "p") return vertex_coordinates(points, hull);
+  if (what == "f" || what == "FF") return dump(points, hull);
+  if (what == "s" || what == "FA") return summary(hull, what == "FA");
+  if (what == "m") return mathematica_text(points, hull);
+  if (what == "G") return geomview_text(points, hull);
+  if (what == "FM") return maple_text(points, hull);
+  if (what == "Fa") return facet_areas(points, hull);
+  if (what == "FC") return facet_centres(points, hull);
+  if (what == "FD") return cdd_normals(hull);
+  if (what == "FI") return facet_numbers(hull);
+  if (what == "Fs") return counts_line(hull);
+  if (what == "FS") return area_and_volume(hull);
+  if (what == "Ft") return centred_triangulation(points, hull);
+  if (what == "FN") return facets_of_points(points, hull);
   if (what == "FV") return average_vertex(points, hull);
-  if (what == "FS") {
-    // Qhull: the number of integers, then "2 area volume".
-    out = std::string("0\n2 ");
-    append_padded(out, hull.area);
-    append_padded(out, hull.volume);
-    out += '\n';
-    return out;
-  }
-  throw Error(ErrorCode::invalid_argument,
-              "unknown text format '" + std::string(what) + "'; known are Fx i o n p FV FS");
+  const std::uint64_t count = hull.facet_count();
+  if (what == "Fn") return counted_lists(count, [&](auto i) { return neighbours_of(hull, i); });
+  return counted_lists(count, [&](auto i) { return facet_vertices(hull, i); });  // Fv
 }
 
 }  // namespace cullhull

@@ -1,4 +1,6 @@
 // .xyz .txt .csv: one point a line, numbers separated by blanks, commas or semicolons.
+#include "io/text.hpp"
+
 #include "io/lines.hpp"
 
 namespace cullhull::internal {
@@ -25,11 +27,6 @@ namespace {
 
 bool is_separator(char c) { return c == ',' || c == ';'; }
 
-bool is_point_line(const char* p, const char* end) {
-  p = skip_blanks(p, end);
-  return p < end && !is_comment(p, end);
-}
-
 /// The fast path: true if the line holds exactly `dimension` numbers.
 bool parse_row(const char* p, const char* end, std::uint32_t dimension, double* out) {
   char separator = 0;
@@ -47,33 +44,29 @@ bool parse_row(const char* p, const char* end, std::uint32_t dimension, double* 
   return p == end || is_comment(p, end);
 }
 
-/// The fields of a line, for the first lines and for messages.
-struct Field {
-  std::string_view text;
-  Scan scan = Scan::not_a_number;
-};
+}  // namespace
 
-struct Fields {
-  std::vector<Field> list;
-  bool separators = false;  ///< at least one comma or semicolon
-  bool mixed = false;       ///< both kinds
+bool is_point_line(const char* p, const char* end) {
+  p = skip_blanks(p, end);
+  return p < end && !is_comment(p, end);
+}
 
-  bool all_numbers() const {
-    for (const Field& f : list)
-      if (f.scan != Scan::ok) return false;
-    return !list.empty();
+bool Fields::all_numbers() const {
+  for (const Field& f : list)
+    if (f.scan != Scan::ok) return false;
+  return !list.empty();
+}
+
+bool Fields::no_number() const {
+  bool any = false;
+  for (const Field& f : list) {
+    if (f.scan != Scan::not_a_number) return false;
+    any = any || !f.text.empty();
   }
-  bool no_number() const {
-    bool any = false;
-    for (const Field& f : list) {
-      if (f.scan != Scan::not_a_number) return false;
-      any = any || !f.text.empty();
-    }
-    return any;
-  }
-};
+  return any;
+}
 
-Fields split(const char* p, const char* end) {
+Fields split_fields(const char* p, const char* end) {
   Fields fields;
   char separator = 0;
   p = skip_blanks(p, end);
@@ -98,9 +91,8 @@ Fields split(const char* p, const char* end) {
   return fields;
 }
 
-/// Why parse_row said no.
-std::string explain(const char* p, const char* end, std::uint32_t dimension) {
-  const Fields fields = split(p, end);
+std::string explain_row(const char* p, const char* end, std::uint32_t dimension) {
+  const Fields fields = split_fields(p, end);
   if (fields.mixed) return "both ',' and ';' separate numbers; decimal commas are not read";
   for (std::size_t j = 0; j < fields.list.size(); ++j) {
     const Field& f = fields.list[j];
@@ -112,93 +104,38 @@ std::string explain(const char* p, const char* end, std::uint32_t dimension) {
          std::to_string(dimension);
 }
 
-/// What precedes the points: nothing, a line of words, or Qhull's two lines.
-struct Preamble {
-  const char* body = nullptr;
-  std::uint64_t lines = 0;
-  std::uint32_t dimension = 0;
-  bool qhull = false;
-  std::uint64_t count = 0;       ///< what Qhull's header promises
-  std::uint64_t count_line = 0;  ///< and where
-};
+namespace {
 
-struct DataLine {
-  Fields fields;
-  const char* begin = nullptr;
-  const char* end = nullptr;
-  std::uint64_t number = 0;
-};
-
-bool next_data_line(LineScanner& scanner, DataLine& line) {
-  while (scanner.next()) {
-    if (!is_point_line(scanner.begin(), scanner.end())) continue;
-    line = {split(scanner.begin(), scanner.end()), scanner.begin(), scanner.end(),
-            scanner.number()};
-    return true;
-  }
-  return false;
+/// Throws LineFault unless a row of cdd's is that of a point; returns where its coordinates begin.
+/// The 1 of a point may be any number but 0, as Qhull has it: rbox's offset is added to it, too.
+const char* skip_leading_one(const char* p, const char* end, std::uint32_t dimension) {
+  p = skip_blanks(p, end);
+  const std::string_view word = first_word(p, end);
+  double one = 0;
+  const char* q = p;
+  if (scan_number(q, end, one) != Scan::ok || q != word.data() + word.size())
+    throw LineFault{quoted_text(word) + " is not a number"};
+  if (one == 0) throw LineFault{"begins with 0, which is a ray: only points are read"};
+  const std::size_t width = split_fields(p, end).list.size();
+  if (width != std::uint64_t{dimension} + 1)
+    throw LineFault{std::to_string(width) + " numbers where the header promises " +
+                    std::to_string(std::uint64_t{dimension} + 1)};
+  return q;
 }
 
-bool single_integer(const Fields& fields, std::uint64_t& value) {
-  return fields.list.size() == 1 && parse_unsigned(fields.list[0].text, value);
-}
-
-/// Qhull's format: the dimension, perhaps followed by words ("3 rbox 10 D3"); the number of points;
-/// the points. Without words, "3" could be a point of R^1: then the third line must have 3 numbers.
-bool find_qhull_header(const Source& source, const DataLine& first, LineScanner scanner,
-                       Preamble& preamble) {
-  const auto& list = first.fields.list;
-  std::uint64_t dimension = 0;
-  if (list.empty() || !parse_unsigned(list[0].text, dimension)) return false;
-  if (list.size() > 1 && list[1].scan != Scan::not_a_number) return false;
-  const bool words = list.size() > 1 && !list[1].text.empty() && !first.fields.separators;
-  if (list.size() > 1 && !words) return false;
-
-  DataLine second, third;
-  std::uint64_t count = 0;
-  if (!next_data_line(scanner, second) || !single_integer(second.fields, count)) return false;
-  preamble = {scanner.rest(), second.number, static_cast<std::uint32_t>(dimension),
-              true,           count,         second.number};
-  const bool has_third = next_data_line(scanner, third);
-  if (!words && (dimension < 2 || !has_third || third.fields.list.size() != dimension))
-    return false;
-  if (dimension == 0 || dimension > UINT32_MAX)
-    fail_at_line(source, first.number, "dimension " + std::to_string(dimension));
-  return true;
-}
-
-Preamble find_preamble(const Source& source, bool csv) {
-  const char* start = source.data;
-  const char* const end = source.data + source.size;
-  if (source.size >= 3 && std::memcmp(start, "\xEF\xBB\xBF", 3) == 0) start += 3;
-  LineScanner scanner(start, end);
-  DataLine first;
-  if (!next_data_line(scanner, first)) fail(source, "no points");
-  Preamble preamble;
-  if (find_qhull_header(source, first, scanner, preamble)) return preamble;
-  preamble = {};
-  if ((csv || first.fields.separators) && first.fields.no_number()) {
-    preamble.body = scanner.rest();
-    preamble.lines = first.number;
-    if (!next_data_line(scanner, first)) fail(source, "no points after the line of column names");
-  } else {
-    preamble.body = first.begin;
-    preamble.lines = first.number - 1;
-  }
-  preamble.dimension = static_cast<std::uint32_t>(first.fields.list.size());
-  if (!first.fields.all_numbers() || first.fields.mixed)
-    fail_at_line(source, first.number, explain(first.begin, first.end, preamble.dimension));
-  return preamble;
+const char* format_name(Preamble::Kind kind) {
+  return kind == Preamble::qhull ? "text (Qhull)" : kind == Preamble::cdd ? "text (cdd)" : "text";
 }
 
 }  // namespace
 
-PointData read_text(const Source& source, const ReadOptions& options, bool csv) {
-  const Preamble preamble = find_preamble(source, csv);
+PointData read_text(const Source& file, const ReadOptions& options, bool csv) {
+  const Preamble preamble = find_preamble(file, csv);
   const std::uint32_t d = preamble.dimension;
+  const Source source{file.name, file.data, static_cast<std::size_t>(preamble.end - file.data)};
   const LineIndex index =
       index_lines(source, preamble.body, preamble.lines, options, is_point_line);
-  if (preamble.qhull && index.points != preamble.count)
+  if (preamble.kind != Preamble::none && index.points != preamble.count)
     fail_at_line(source, preamble.count_line,
                  "promises " + std::to_string(preamble.count) + " points, but " +
                      std::to_string(index.points) + " lines follow");
@@ -209,17 +146,19 @@ PointData read_text(const Source& source, const ReadOptions& options, bool csv) 
     parse_lines(
         source, index, options, is_point_line,
         [&](std::uint64_t, const char* p, const char* end) {
-          if (split(p, end).list.size() != d) throw LineFault{explain(p, end, d)};
+          if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, d);
+          if (split_fields(p, end).list.size() != d) throw LineFault{explain_row(p, end, d)};
         },
         [](const char*, const char*) {});
     fail(source, "too short for its points");
   }
-  PointData data = parsed_points(index.points, d, preamble.qhull ? "text (Qhull)" : "text");
+  PointData data = parsed_points(index.points, d, format_name(preamble.kind));
   double* const out = data.storage.as<double>();
   parse_lines(
       source, index, options, is_point_line,
       [&](std::uint64_t point, const char* p, const char* end) {
-        if (!parse_row(p, end, d, out + point * d)) throw LineFault{explain(p, end, d)};
+        if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, d);
+        if (!parse_row(p, end, d, out + point * d)) throw LineFault{explain_row(p, end, d)};
       },
       [](const char*, const char*) {});
   return data;

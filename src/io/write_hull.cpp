@@ -1,4 +1,6 @@
 // Which writer writes the file.
+#include <sys/stat.h>
+
 #include <algorithm>
 
 #include "cullhull/error.hpp"
@@ -9,14 +11,32 @@
 
 namespace cullhull {
 
+namespace internal {
+
+std::string output_format(const std::string& path, const std::string& format,
+                          const std::string& unnamed) {
+  if (!format.empty()) return format;
+  struct stat status {};
+  const bool has_name =
+      path != "-" && (::stat(path.c_str(), &status) != 0 || S_ISREG(status.st_mode));
+  return has_name ? extension_of(path) : unnamed;
+}
+
+void refuse_format(const std::string& path, const std::string& format, const char* known) {
+  throw Error(ErrorCode::invalid_argument, display_name(path) + ": cannot tell the format from " +
+                                               quoted_text("." + format) + "; known are " + known);
+}
+
+}  // namespace internal
+
 void write_hull(const std::string& path, const PointView& points, const Hull& hull,
-                const std::string& format) {
+                const std::string& format, Faces faces) {
   using namespace internal;
   if (points.count != hull.point_count || points.dimension != hull.dimension)
     throw Error(ErrorCode::invalid_argument, "the hull is not that of these points");
-  const std::string f = format.empty() ? extension_of(path) : format;
+  const std::string f = output_format(path, format, "json");
   if (f == "ply" || f == "obj" || f == "off" || f == "stl") {
-    const HullMesh mesh = make_mesh(points, hull, f);
+    const HullMesh mesh = make_mesh(points, hull, f, faces);
     OutputFile out(path);
     if (f == "ply") write_ply(out, mesh);
     if (f == "obj") write_obj(out, mesh);
@@ -31,19 +51,12 @@ void write_hull(const std::string& path, const PointView& points, const Hull& hu
     // As `p`, with a word after the dimension: so that no reader takes a 1D header for points.
     std::string text = hull_to_qhull_text(points, hull, "p");
     text.insert(text.find('\n'), " vertices of a convex hull");
-    OutputFile out(path);
-    out.write(text);
-    out.commit();
+    write_text(path, text);
   } else {
-    static constexpr std::string_view qhull[] = {"Fx", "i", "o", "n", "p", "FV", "FS"};
-    if (std::find(std::begin(qhull), std::end(qhull), f) == std::end(qhull))
-      throw Error(ErrorCode::invalid_argument,
-                  display_name(path) + ": cannot tell the format from " + quoted_text("." + f) +
-                      "; known are .ply .obj .off .stl .json .txt");
-    const std::string text = hull_to_qhull_text(points, hull, f);
-    OutputFile out(path);
-    out.write(text);
-    out.commit();
+    const auto& qhull = qhull_formats();
+    if (std::find(qhull.begin(), qhull.end(), f) == qhull.end())
+      refuse_format(path, f, ".ply .obj .off .stl .json .txt");
+    write_text(path, hull_to_qhull_text(points, hull, f));
   }
 }
 

@@ -1,6 +1,8 @@
 #include "parallel/cuda_runtime.hpp"
 
+#include <algorithm>
 #include <atomic>
+#include <bit>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -32,13 +34,29 @@ Poison& poison() {
   return p;
 }
 
-/// An error that stays: even asking a stream repeats it. (With hardly any memory left the question
-/// itself may fail for want of it.)
-bool sticky() {
-  (void)cudaGetLastError();
-  const cudaError_t again = cudaStreamQuery(nullptr);
-  (void)cudaGetLastError();
-  return again != cudaSuccess && again != cudaErrorNotReady && again != cudaErrorMemoryAllocation;
+/// The errors that stay, as the documentation of the run-time library's codes says of each ("leaves
+/// the process in an inconsistent state"). Asking a stream whether it repeats the error would be no
+/// test: default streams answer with errors of their own while a graph is recorded.
+bool sticky(cudaError_t error) {
+  switch (error) {
+    case cudaErrorIllegalAddress:
+    case cudaErrorLaunchTimeout:
+    case cudaErrorAssert:
+    case cudaErrorHardwareStackError:
+    case cudaErrorIllegalInstruction:
+    case cudaErrorMisalignedAddress:
+    case cudaErrorInvalidAddressSpace:
+    case cudaErrorInvalidPc:
+    case cudaErrorLaunchFailure:
+    case cudaErrorContextIsDestroyed:
+    case cudaErrorECCUncorrectable:
+    case cudaErrorNvlinkUncorrectable:
+    case cudaErrorExternalDevice:
+    case cudaErrorUnknown:
+      return true;
+    default:
+      return false;
+  }
 }
 
 std::atomic<bool> found_one{false};
@@ -78,6 +96,9 @@ Device query(int ordinal) {
   (void)cudaDriverGetVersion(&probe.driver_version);
   (void)cudaRuntimeGetVersion(&probe.runtime_version);
   if (probe.error == cudaSuccess) probe.devices = count;
+  if (probe.error == cudaSuccess && count > 0 && ordinal >= count)
+    throw Failure("there is no CUDA device " + std::to_string(ordinal) + ", only " +
+                  std::to_string(count) + " numbered from 0");
   Device d;
   if (probe.error == cudaSuccess && ordinal < count) {
     const DeviceScope scope(ordinal);
@@ -110,7 +131,8 @@ Device query(int ordinal) {
 void check(cudaError_t status, const char* doing) {
   if (status == cudaSuccess) return;
   const std::string text = std::string(cudaGetErrorString(status));
-  if (sticky()) {
+  (void)cudaGetLastError();  // it is said now: the next launch must not be blamed for it
+  if (sticky(status)) {
     poison().set(text);
     throw Failure("CUDA failed " + std::string(doing) + ": " + text);
   }
@@ -146,6 +168,7 @@ const Device& device() {
 bool started() noexcept { return found_one; }
 
 DeviceScope::DeviceScope(int ordinal) {
+  (void)cudaGetLastError();
   check(cudaGetDevice(&before_), "asking for the current device");
   if (before_ != ordinal) check(cudaSetDevice(ordinal), "choosing the device");
 }
@@ -171,5 +194,89 @@ void release(void* memory, cudaStream_t stream) noexcept {
     // The context is lost, and its memory with it.
   }
 }
+
+namespace {
+
+/// Free blocks of pinned memory, of sizes that are powers of two.
+class PinnedPool {
+ public:
+  void* take(std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    const auto block = free_.find(bytes);
+    if (block == free_.end()) return nullptr;
+    void* memory = block->second;
+    free_.erase(block);
+    kept_ -= bytes;
+    return memory;
+  }
+  /// False: it is full.
+  bool keep(void* memory, std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    if (kept_ + bytes > limit) return false;
+    free_.emplace(bytes, memory);
+    kept_ += bytes;
+    return true;
+  }
+  std::size_t kept() {
+    const std::lock_guard lock(mutex_);
+    return kept_;
+  }
+  void drop() {
+    std::multimap<std::size_t, void*> blocks;
+    {
+      const std::lock_guard lock(mutex_);
+      blocks.swap(free_);
+      kept_ = 0;
+    }
+    for (const auto& [bytes, memory] : blocks) (void)cudaFreeHost(memory);
+  }
+
+ private:
+  /// Both slots of a pass over points of the host, and as much again.
+  static constexpr std::size_t limit = std::size_t{256} << 20;
+  std::mutex mutex_;
+  std::multimap<std::size_t, void*> free_;
+  std::size_t kept_ = 0;
+};
+
+/// Never destroyed: at the end of the process the driver may be gone before it.
+PinnedPool& pinned_pool() {
+  static PinnedPool& pool = *new PinnedPool;
+  return pool;
+}
+
+std::size_t pinned_block(std::size_t bytes) {
+  return std::bit_ceil(std::max<std::size_t>(bytes, 4096));
+}
+
+}  // namespace
+
+void* allocate_pinned(std::size_t bytes) {
+  if (bytes == 0) return nullptr;
+  const std::size_t block = pinned_block(bytes);
+  if (void* memory = pinned_pool().take(block)) return memory;
+  void* memory = nullptr;
+  cudaError_t status = cudaMallocHost(&memory, block);
+  if (status == cudaErrorMemoryAllocation && kept_pinned() > 0) {
+    (void)cudaGetLastError();
+    drop_kept_pinned();
+    status = cudaMallocHost(&memory, block);
+  }
+  check(status, "allocating pinned memory");
+  return memory;
+}
+
+void release_pinned(void* memory, std::size_t bytes) noexcept {
+  if (memory == nullptr) return;
+  try {
+    if (pinned_pool().keep(memory, pinned_block(bytes))) return;
+  } catch (const std::exception&) {
+    // No memory to note it: it goes back.
+  }
+  (void)cudaFreeHost(memory);
+}
+
+std::size_t kept_pinned() noexcept { return pinned_pool().kept(); }
+void drop_kept_pinned() noexcept { pinned_pool().drop(); }
 
 }  // namespace cullhull::internal::cuda

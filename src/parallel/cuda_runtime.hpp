@@ -47,11 +47,15 @@ struct Device {
 const Device& device();
 /// The same of the device with this number.
 const Device& device(int ordinal);
+inline const Device& device_or_current(int ordinal) {
+  return ordinal < 0 ? device() : device(ordinal);
+}
 
 /// Whether some device has been found usable before.
 bool started() noexcept;
 
-/// Makes a device current, and the former one again at the end.
+/// Makes a device current, and the former one again at the end. Where a call begins: an error that
+/// the caller left unread is cleared, or the next launch would be blamed for it.
 class DeviceScope {
  public:
   explicit DeviceScope(int ordinal);
@@ -93,25 +97,29 @@ class DeviceArray {
   cudaStream_t stream_ = nullptr;
 };
 
-/// Host memory that the device reads and writes by itself.
+/// Host memory that the device reads and writes by itself. Making it takes the system long, so what
+/// is freed is kept for the next call, up to a limit. Nothing may be under way to or from a block
+/// that is freed.
+void* allocate_pinned(std::size_t bytes);
+void release_pinned(void* memory, std::size_t bytes) noexcept;
+/// Bytes that are kept and free.
+std::size_t kept_pinned() noexcept;
+/// Gives them back to the system.
+void drop_kept_pinned() noexcept;
+
 template <class T>
 class PinnedArray {
  public:
   PinnedArray() = default;
-  explicit PinnedArray(std::size_t count) : count_(count) {
-    void* p = nullptr;
-    check(cudaMallocHost(&p, count * sizeof(T)), "allocating pinned memory");
-    data_ = static_cast<T*>(p);
-  }
+  explicit PinnedArray(std::size_t count)
+      : data_(static_cast<T*>(allocate_pinned(count * sizeof(T)))), count_(count) {}
   PinnedArray(PinnedArray&& other) noexcept { *this = std::move(other); }
   PinnedArray& operator=(PinnedArray&& other) noexcept {
     std::swap(data_, other.data_);
     std::swap(count_, other.count_);
     return *this;
   }
-  ~PinnedArray() {
-    if (data_ != nullptr) (void)cudaFreeHost(data_);
-  }
+  ~PinnedArray() { release_pinned(data_, count_ * sizeof(T)); }
 
   T* data() const noexcept { return data_; }
   std::size_t size() const noexcept { return count_; }

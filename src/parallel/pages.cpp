@@ -8,6 +8,8 @@
 #include <map>
 #include <mutex>
 
+#include "parallel/backend.hpp"
+
 #if defined(__linux__)
 #include <sys/mman.h>
 
@@ -219,10 +221,15 @@ void* grow_block(void* block, std::size_t bytes, std::size_t& more) {
 namespace cullhull {
 
 #if defined(__linux__)
-void keep_memory(std::size_t limit) noexcept { internal::free_pages().limit(limit); }
+void keep_memory(std::size_t limit) noexcept {
+  internal::free_pages().limit(limit);
+  if (limit == 0) internal::drop_pinned_memory();
+}
 std::size_t kept_memory() noexcept { return internal::free_pages().kept(); }
 #else
-void keep_memory(std::size_t) noexcept {}
+void keep_memory(std::size_t limit) noexcept {
+  if (limit == 0) internal::drop_pinned_memory();
+}
 std::size_t kept_memory() noexcept { return 0; }
 #endif
 

@@ -1,75 +1,89 @@
 #include "parallel/parallel.hpp"
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <exception>
-#include <mutex>
-#include <thread>
-#include <vector>
+#include <memory>
 
-#include "parallel/thread_sanitizer.hpp"
+#include "parallel/crowding.hpp"
+#include "parallel/helpers.hpp"
 
 namespace cullhull::internal {
-
-#ifdef CULLHULL_THREAD_SANITIZER
 namespace {
 
-/// ThreadSanitizer does not see the synchronisation inside oneTBB's library and would report every
-/// hand-over as a race; plain threads let it look at our own code.
-template <class Run>
-void run_on_threads(std::uint64_t chunks, unsigned threads, const Run& run) {
-  std::atomic<std::uint64_t> next{0};
-  std::exception_ptr error;
-  std::mutex error_mutex;
-  std::vector<std::thread> pool;
-  for (std::uint64_t t = 0; t < std::min<std::uint64_t>(threads, chunks); ++t)
-    pool.emplace_back([&] {
+using Body = std::function<void(std::uint64_t chunk, std::uint64_t begin, std::uint64_t end)>;
+using Clock = std::chrono::steady_clock;
+
+/// A loop that several threads are at. It may outlive the call: `body` is used for chunks only that
+/// the caller waits for.
+class Loop : public SharedWork {
+ public:
+  Loop(std::uint64_t items, std::uint64_t chunk_size, const Body& body)
+      : items_(items), size_(chunk_size), count_(chunk_count(items, chunk_size)), body_(&body) {}
+
+  void join(unsigned) noexcept override { work(); }
+
+  /// Until no chunk is left that nobody has begun; how many it did.
+  std::uint64_t work() noexcept {
+    std::uint64_t done = 0;
+    for (std::uint64_t c = next_++; c < count_; c = next_++) {
+      std::uint64_t over = 1;
       try {
-        for (std::uint64_t c = next++; c < chunks; c = next++) run(c);
+        (*body_)(c, c * size_, std::min(items_, (c + 1) * size_));
       } catch (...) {
-        const std::lock_guard lock(error_mutex);
-        error = std::current_exception();
-        next = chunks;
+        if (!failed_.exchange(true)) error_ = std::current_exception();
+        const std::uint64_t rest = next_.exchange(count_);  // nobody begins another
+        over += rest < count_ ? count_ - rest : 0;
       }
-    });
-  for (std::thread& t : pool) t.join();
-  if (error) std::rethrow_exception(error);
-}
+      over_.fetch_add(over, std::memory_order_release);
+      ++done;
+    }
+    return done;
+  }
+
+  /// For all that was begun, by one whose own chunks took `each`.
+  void wait(Clock::duration each) const {
+    if (over_.load(std::memory_order_acquire) < count_) {
+      const Clock::time_point begin = Clock::now();
+      Patience patience;
+      while (over_.load(std::memory_order_acquire) < count_) patience.wait_a_little();
+      note_wait(each, Clock::now() - begin);
+    }
+    if (error_) std::rethrow_exception(error_);
+  }
+
+ private:
+  const std::uint64_t items_, size_, count_;
+  const Body* const body_;
+  alignas(64) std::atomic<std::uint64_t> next_{0};
+  alignas(64) std::atomic<std::uint64_t> over_{0};
+  std::atomic<bool> failed_{false};
+  std::exception_ptr error_;
+};
 
 }  // namespace
-#endif
 
 unsigned resolve_threads(unsigned requested) {
-  const auto machine =
-      static_cast<unsigned>(std::max(1, oneapi::tbb::this_task_arena::max_concurrency()));
-  return requested > 0 ? std::min(requested, 1024U) : machine;
+  return requested > 0 ? std::min(requested, 1024U) : machine_threads();
 }
 
-void for_each_chunk(
-    std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
-    const std::function<void(std::uint64_t chunk, std::uint64_t begin, std::uint64_t end)>& body) {
+void for_each_chunk(std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
+                    const Body& body) {
   const std::uint64_t chunks = chunk_count(count, chunk_size);
-  const auto run = [&](std::uint64_t c) {
-    body(c, c * chunk_size, std::min(count, (c + 1) * chunk_size));
-  };
   if (threads <= 1 || chunks <= 1) {
-    for (std::uint64_t c = 0; c < chunks; ++c) run(c);
+    for (std::uint64_t c = 0; c < chunks; ++c)
+      body(c, c * chunk_size, std::min(count, (c + 1) * chunk_size));
     return;
   }
-#ifdef CULLHULL_THREAD_SANITIZER
-  run_on_threads(chunks, threads, run);
-#else
-  // oneTBB warns on standard error about arenas wider than the machine; the library never prints.
-  const int machine = oneapi::tbb::this_task_arena::max_concurrency();
-  oneapi::tbb::task_arena arena(std::min(static_cast<int>(threads), std::max(1, machine)));
-  arena.execute([&] {
-    oneapi::tbb::parallel_for(std::uint64_t{0}, chunks, run, oneapi::tbb::simple_partitioner{});
-  });
-#endif
+  const Clock::time_point begin = Clock::now();
+  const auto loop = std::make_shared<Loop>(count, chunk_size, body);
+  std::uint64_t done = 0;
+  {
+    const OpenWork open(static_cast<unsigned>(std::min<std::uint64_t>(threads, chunks)) - 1, loop);
+    done = loop->work();
+  }
+  loop->wait((Clock::now() - begin) / std::max<std::uint64_t>(done, 1));
 }
 
 }  // namespace cullhull::internal

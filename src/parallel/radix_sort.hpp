@@ -18,12 +18,14 @@ template <class Item, class Key>
 void radix_sort(Item*& items, Item*& scratch, std::uint32_t n, unsigned bits, unsigned threads,
                 const Control& control, const Key& key) {
   if (bits == 0 || n < 2) return;
-  if (n < 1024) {  // counting would cost more
+  if (n < 192) {  // counting would cost more
     std::stable_sort(items, items + n,
                      [&](const Item& a, const Item& b) { return key(a) < key(b); });
     return;
   }
-  const unsigned passes = (bits + 11) / 12;
+  // Buckets that are cleared and summed up are not to be many more than the items.
+  const unsigned widest = n < 4096 ? 8 : 12;
+  const unsigned passes = (bits + widest - 1) / widest;
   const unsigned digit_bits = (bits + passes - 1) / passes, buckets = 1U << digit_bits;
   // Few chunks, as each has counts of its own.
   const std::uint64_t chunk_size = std::max<std::uint64_t>(1 << 14, n / 64);

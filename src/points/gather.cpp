@@ -10,7 +10,7 @@
 namespace cullhull::internal {
 namespace {
 
-constexpr std::uint64_t chunk_size = 1 << 12;
+constexpr std::uint64_t chunk_size = 1 << 15;
 
 /// Rows of the points id(i), i in [begin, end).
 template <class T, class Id>

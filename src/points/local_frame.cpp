@@ -18,7 +18,7 @@ namespace {
 /// Points looked at before all of them are, when the simplex is chosen: any choice is right, a wide
 /// simplex only makes the engine's first facets better conditioned. Drawn at random, as points in
 /// steps may all lie in a plane (a grid's do); from numbers that are fixed, so the choice is.
-constexpr std::uint32_t simplex_sample = 1024;
+constexpr std::uint32_t simplex_sample = 256;
 
 std::vector<std::uint32_t> draw_sample(std::uint32_t count) {
   std::vector<std::uint32_t> sample(std::min(count, simplex_sample));
@@ -173,6 +173,8 @@ void LocalFrame::measure_axes() {
       widen(std::integral_constant<unsigned, 2>());
     else if (d == 3)
       widen(std::integral_constant<unsigned, 3>());
+    else if (d == 4)
+      widen(std::integral_constant<unsigned, 4>());
     else
       widen(d);
   });
@@ -245,6 +247,8 @@ void LocalFrame::scale_rows(Array<double>& rows) const {
       scale(std::integral_constant<unsigned, 2>());
     } else if (d == 3) {
       scale(std::integral_constant<unsigned, 3>());
+    } else if (d == 4) {
+      scale(std::integral_constant<unsigned, 4>());
     } else {
       scale(d);
     }
@@ -337,6 +341,10 @@ std::uint32_t LocalFrame::farthest(const Array<double>& scaled, const std::vecto
         return search(std::integral_constant<unsigned, 3>(), begin, end);
       case 4:
         return search(std::integral_constant<unsigned, 4>(), begin, end);
+      case 5:
+        return search(std::integral_constant<unsigned, 5>(), begin, end);
+      case 6:
+        return search(std::integral_constant<unsigned, 6>(), begin, end);
       default:
         return search(std::integral_constant<unsigned, 0>(), begin, end);
     }

@@ -7,6 +7,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/query.hpp"
+#include "query/hull_arguments.hpp"
 
 namespace cullhull {
 
@@ -20,23 +21,20 @@ struct GrowingHull::State {
   }
 };
 
-namespace {
-
-/// The same hull over its vertices alone, in order of their ids (`ids`).
-Hull by_place(Hull hull, const std::vector<std::uint64_t>& ids) {
-  hull.rename([&](std::uint64_t id) {
-    return static_cast<std::uint64_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
-  });
-  hull.point_count = ids.size();
-  return hull;
-}
-
-}  // namespace
-
 GrowingHull::GrowingHull(std::uint32_t dimension) : state_(std::make_unique<State>()) {
   if (dimension == 0)
     throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
   state_->hull.dimension = dimension;
+}
+GrowingHull::GrowingHull(Hull hull, std::vector<double> vertex_coordinates)
+    : GrowingHull(hull.dimension) {
+  if (vertex_coordinates.size() != hull.vertices.size() * hull.dimension)
+    throw Error(ErrorCode::invalid_argument,
+                "a hull of " + std::to_string(hull.vertices.size()) + " vertices in dimension " +
+                    std::to_string(hull.dimension) + " needs a row of coordinates for each, not " +
+                    std::to_string(vertex_coordinates.size()) + " numbers");
+  state_->hull = std::move(hull);
+  state_->rows = std::move(vertex_coordinates);
 }
 GrowingHull::~GrowingHull() = default;
 GrowingHull::GrowingHull(GrowingHull&&) noexcept = default;
@@ -65,7 +63,7 @@ std::uint64_t GrowingHull::add(const PointView& points, const Options& options) 
     next = convex_hull(points, options);
     outside = points.count;
   } else {
-    if (!s.query) s.query.emplace(s.view(s.rows), by_place(s.hull, ids));
+    if (!s.query) s.query.emplace(s.view(s.rows), internal::by_place(s.hull, ids));
     std::vector<std::uint8_t> contained(points.count);
     s.query->contains(points, contained.data(), options);
     for (std::uint64_t i = 0; i < points.count; ++i) {

@@ -259,7 +259,7 @@ Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vert
   for (unsigned c = 0; c < f.dimension; ++c)
     lost = lost || (ranges[c].low != ranges[c].high && !(extent(c) > 0x1p-400));
   f.wild =
-      lost || !(narrowest > std::exp2(-400.0 / k)) || !(f.stretch > 0 && Wide(0x1p40) > f.stretch);
+      lost || !(narrowest > std::exp2(-400.0 / k)) || !(f.stretch > 0 && Wide(0x1p8) > f.stretch);
   return f;
 }
 

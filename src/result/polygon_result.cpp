@@ -27,9 +27,14 @@ EdgeKernel::EdgeKernel(const Box& box) {
   }
 }
 
-bool finish_polygon(const EdgeKernel& kernel, const Totals<DoubleDouble>& sums,
-                    const PointView& points, std::uint64_t first, Hull& hull) {
+bool finish_polygon(const EdgeKernel& kernel, const PolygonSums& sums, const PointView& points,
+                    std::uint64_t first, PlanarMeasures& measures) {
   if (!settled(sums, 0x1p-53)) return false;
+  const PlanarPoint p = kernel.scaled({points.at(first, 0), points.at(first, 1)});
+  const double origin[2] = {p.x, p.y};
+  if (finish_quickly(2, kernel.exponent(), origin, sums.volume, sums.area, sums.moment,
+                     &measures.volume, &measures.area, measures.centroid))
+    return true;
   const std::vector<std::uint64_t> vertices{first};
   Frame frame;
   frame.dimension = frame.k = 2;
@@ -37,9 +42,14 @@ bool finish_polygon(const EdgeKernel& kernel, const Totals<DoubleDouble>& sums,
   frame.exponent = kernel.exponent();
   frame.points = &points;
   frame.vertices = &vertices;
-  const PlanarPoint p = kernel.scaled({points.at(first, 0), points.at(first, 1)});
   frame.scaled = {p.x, p.y};
-  finish_measures(frame, sums, hull);
+  Totals<DoubleDouble> totals(2);
+  totals.volume = sums.volume;
+  totals.area = sums.area;
+  totals.moment = {sums.moment[0], sums.moment[1]};
+  Hull hull;
+  finish_measures(frame, totals, hull);
+  measures = {hull.volume, hull.area, {hull.centroid[0], hull.centroid[1]}};
   return true;
 }
 
@@ -165,8 +175,7 @@ class Writer {
     facets_.resize(2 * count_);
     across_.resize(2 * count_);
     planes_.resize(3 * count_);
-    std::vector<Totals<DoubleDouble>> parts(chunk_count(count_, measure_chunk),
-                                            Totals<DoubleDouble>(2));
+    std::vector<PolygonSums> parts(chunk_count(count_, measure_chunk));
     std::atomic<bool> ordinary{true};
     // The vertices are a job of their own, the first: one thread must clear their memory.
     for_each_chunk(parts.size() + 1, 1, threads_,
@@ -178,9 +187,13 @@ class Writer {
                        ordinary = false;
                    });
     if (!ordinary) return false;
-    Totals<DoubleDouble> all(2);
+    PolygonSums all;
     for (const auto& p : parts) all.add(p);
-    if (!finish_polygon(kernel_, all, points_, corners_[0].id, hull)) return false;
+    PlanarMeasures measures;
+    if (!finish_polygon(kernel_, all, points_, corners_[0].id, measures)) return false;
+    hull.volume = measures.volume;
+    hull.area = measures.area;
+    hull.centroid.assign(measures.centroid, measures.centroid + 2);
     using Ids = SharedArray<std::uint64_t>;
     hull.simplices = Ids(std::move(simplices_));
     hull.simplex_neighbours = std::move(neighbours_);
@@ -228,7 +241,7 @@ class Writer {
   }
 
   /// Simplices [begin, end), whole runs of them.
-  bool write(std::uint64_t begin, std::uint64_t end, Totals<DoubleDouble>& sums) {
+  bool write(std::uint64_t begin, std::uint64_t end, PolygonSums& sums) {
     constexpr std::uint64_t ahead = 16;
     bool ordinary = true;
     const PlanarPoint origin = corners_[0].point;

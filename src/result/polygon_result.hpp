@@ -30,13 +30,33 @@ struct EdgeShare {
     for (unsigned c = 0; c < 2; ++c) moment[c] = moment[c] + o.moment[c];
     error += o.error;
   }
-  void add_to(Totals<DoubleDouble>& t) const {
+  /// Sums: as Totals.
+  template <class Sums>
+  void add_to(Sums& t) const {
     t.volume = t.volume + DoubleDouble(volume);
     t.area = t.area + DoubleDouble(area);
     for (unsigned c = 0; c < 2; ++c) t.moment[c] = t.moment[c] + DoubleDouble(moment[c]);
     t.error += error;
     t.area_error += area;
   }
+};
+
+/// As Totals<DoubleDouble>(2), without memory of its own.
+struct PolygonSums {
+  DoubleDouble volume = 0, area = 0, moment[2];
+  double error = 0, area_error = 0;
+
+  void add(const PolygonSums& o) {
+    volume = volume + o.volume;
+    area = area + o.area;
+    for (unsigned c = 0; c < 2; ++c) moment[c] = moment[c] + o.moment[c];
+    error += o.error;
+    area_error += o.area_error;
+  }
+};
+
+struct PlanarMeasures {
+  double volume = 0, area = 0, centroid[2] = {};
 };
 
 /// Planes and sums of a polygon's edges, bit for bit as the general way computes them
@@ -79,8 +99,8 @@ class EdgeKernel {
 
 /// Measures from the sums; `first`: the corner with the lowest id, as given. False if rounding
 /// could show (a thin polygon): the general way knows what to do then.
-bool finish_polygon(const EdgeKernel& kernel, const Totals<DoubleDouble>& sums,
-                    const PointView& points, std::uint64_t first, Hull& hull);
+bool finish_polygon(const EdgeKernel& kernel, const PolygonSums& sums, const PointView& points,
+                    std::uint64_t first, PlanarMeasures& measures);
 
 /// Everything of `hull` but its statistics, from three corners or more. `ids`: the point of each
 /// row, ascending; nullptr: the same. False, and nothing done, where build_hull must.

@@ -27,10 +27,13 @@ class DeviceFrame final : public FramePoints {
         run_(run),
         reason_("CUDA device as asked") {
     check_arguments(points);
-    (void)cuda::device();  // first of all: is there one?
-    if (count == 0) return;
-    scope_.emplace(device_of(points));
-    (void)cuda::device();
+    if (count == 0) {
+      (void)cuda::device();
+      return;
+    }
+    const int ordinal = device_of(points);
+    (void)cuda::device(ordinal);
+    scope_.emplace(ordinal);
     if (run.options.cull == CullMethod::pseudo_hull) {
       copy("the pseudo-hull tracks on the CPU");
     } else if (run.options.backend == Backend::cpu) {

@@ -41,6 +41,8 @@ struct HullTracker::Impl {
     if (d < GaugeMap::min_dimension || d > GaugeMap::max_dimension || leaders.size() <= d)
       return false;
     if (options.cull == CullMethod::gauge) return true;
+    // A filter that takes little more than a pass needs nobody to lead it.
+    if (d == 3 && points.on_host() != nullptr && points.count <= most_by_outermost) return false;
     // The leaders' hull costs what theirs share of the points would cost without a filter.
     return options.cull == CullMethod::automatic && pause == 0 &&
            points.count >= smallest_worth_culling(d) && leaders.size() <= points.count / 8;

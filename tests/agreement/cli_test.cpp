@@ -19,6 +19,7 @@ namespace {
 
 using testing::Folder;
 using testing::one_line;
+using testing::OnTerminal;
 using testing::Ran;
 using testing::read_file;
 using testing::run_app;
@@ -386,45 +387,6 @@ TEST(Cli, OutputThatCannotBeWrittenIsOneLine) {
   expect_error({"hull", f / "p.npy", "-q", "--vertices", f / "absent/v.npy"}, 1, "absent/v.npy");
   expect_error({"hull", f / "p.npy", "-q", "--json=" + (f / "absent/r.json")}, 1, "absent/r.json");
 }
-
-// A program whose standard error is a terminal, so that it tells when it is at work.
-class OnTerminal {
- public:
-  explicit OnTerminal(const std::vector<std::string>& arguments) {
-    int terminal = -1;
-    if (::openpty(&master_, &terminal, nullptr, nullptr, nullptr) != 0)
-      throw std::runtime_error("no terminal to be had: is /dev/pts mounted?");
-    ::fcntl(master_, F_SETFD, FD_CLOEXEC);
-    const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-    child_ = start_app(arguments, null, null, terminal);
-    ::close(terminal);
-    ::close(null);
-  }
-  ~OnTerminal() { ::close(master_); }
-  OnTerminal(const OnTerminal&) = delete;
-  OnTerminal& operator=(const OnTerminal&) = delete;
-
-  /// Waits for the first word of progress.
-  bool at_work() { return read_some(); }
-  void signal(int number) const { ::kill(child_, number); }
-  int wait() {
-    while (read_some()) {
-    }
-    return wait_for(child_);
-  }
-  const std::string& shown() const { return shown_; }
-
- private:
-  bool read_some() {
-    char buffer[4096];
-    const ssize_t n = ::read(master_, buffer, sizeof buffer);  // fails once the program is gone
-    if (n > 0) shown_.append(buffer, static_cast<std::size_t>(n));
-    return n > 0;
-  }
-  int master_ = -1;
-  pid_t child_ = -1;
-  std::string shown_;
-};
 
 TEST(Cli, InterruptedWorkLeavesNoFile) {
   const Folder f;

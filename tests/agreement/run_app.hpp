@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -107,11 +108,77 @@ inline Ran run_app(const std::vector<std::string>& arguments,
   return ran;
 }
 
+/// As run_app, under limits that `limit` sets in the process that becomes the program; it may make
+/// system calls only.
+template <class Limit>
+Ran run_limited(const std::vector<std::string>& arguments, const Limit& limit) {
+  const Folder folder;
+  const std::string out = folder / "out", err = folder / "err";
+  std::vector<char*> argv{const_cast<char*>(CULLHULL_APP)};
+  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+  argv.push_back(nullptr);
+  const int fds[] = {::open("/dev/null", O_RDONLY | O_CLOEXEC),
+                     ::open(out.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600),
+                     ::open(err.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600)};
+  const pid_t child = ::fork();
+  if (child == 0) {
+    for (int fd = 0; fd < 3; ++fd) ::dup2(fds[fd], fd);
+    limit();
+    ::execv(CULLHULL_APP, argv.data());
+    ::_exit(126);
+  }
+  Ran ran;
+  ran.status = wait_for(child);
+  for (const int fd : fds) ::close(fd);
+  ran.out = read_file(out);
+  ran.err = read_file(err);
+  return ran;
+}
+
 /// Standard error is one line that begins with the program's name.
 inline ::testing::AssertionResult one_line(const std::string& err) {
   if (err.rfind("cullhull: ", 0) == 0 && err.find('\n') + 1 == err.size())
     return ::testing::AssertionSuccess();
   return ::testing::AssertionFailure() << "not one line from cullhull: [" << err << "]";
 }
+
+/// A program whose standard error is a terminal, so that it tells when it is at work.
+class OnTerminal {
+ public:
+  explicit OnTerminal(const std::vector<std::string>& arguments) {
+    int terminal = -1;
+    if (::openpty(&master_, &terminal, nullptr, nullptr, nullptr) != 0)
+      throw std::runtime_error("no terminal to be had: is /dev/pts mounted?");
+    ::fcntl(master_, F_SETFD, FD_CLOEXEC);
+    const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+    child_ = start_app(arguments, null, null, terminal);
+    ::close(terminal);
+    ::close(null);
+  }
+  ~OnTerminal() { ::close(master_); }
+  OnTerminal(const OnTerminal&) = delete;
+  OnTerminal& operator=(const OnTerminal&) = delete;
+
+  /// Waits for the first word of progress.
+  bool at_work() { return read_some(); }
+  void signal(int number) const { ::kill(child_, number); }
+  int wait() {
+    while (read_some()) {
+    }
+    return wait_for(child_);
+  }
+  const std::string& shown() const { return shown_; }
+
+ private:
+  bool read_some() {
+    char buffer[4096];
+    const ssize_t n = ::read(master_, buffer, sizeof buffer);  // fails once the program is gone
+    if (n > 0) shown_.append(buffer, static_cast<std::size_t>(n));
+    return n > 0;
+  }
+  int master_ = -1;
+  pid_t child_ = -1;
+  std::string shown_;
+};
 
 }  // namespace cullhull::testing

@@ -184,7 +184,7 @@ TEST(Certify, MutationsOfACubeAreNamed) {
       },
       "facet 1");
   expect_fault(
-      c, h, [](Hull& b) { b.facet_planes[0] += 1e-3; }, "unit");
+      c, h, [](Hull& b) { b.facet_planes[0] += 1e-3; }, "normal of facet 0");
   expect_fault(
       c, h, [](Hull& b) { b.facet_planes[3] += 1e-3; }, "misses vertex");
   expect_fault(

@@ -2,6 +2,7 @@
 // bit. Skipped, with the reason, where there is no device.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
@@ -19,6 +20,7 @@ namespace cullhull::internal {
 namespace {
 
 using cullhull::testing::OnDevice;
+using cullhull::testing::short_run;
 using testing_support::canonical_hash;
 using testing_support::cross_polytope;
 
@@ -90,6 +92,7 @@ TEST_F(CudaGauge, SurvivorsAreThoseOfTheCpu) {
     ASSERT_TRUE(map);
     for (const std::size_t n :
          {1U, 31U, 32U, 33U, 127U, 128U, 129U, 32767U, 32768U, 32769U, 1000003U}) {
+      if (n > 100000 && short_run()) continue;
       auto doubles = uniform<double>(d, n, 1.2 / d + 0.2, n + d);
       auto floats = uniform<float>(d, n, 1.2 / d + 0.2, n + d);
       strew(doubles);
@@ -130,7 +133,7 @@ TEST_F(CudaGauge, IntegersGoAsDoubles) {
 // Several pieces, so that both slots are used more than once.
 TEST_F(CudaGauge, ManyPieces) {
   const auto map = GaugeMap::build(cross_polytope(3, 0.125, 1));
-  const std::size_t n = 7000001;
+  const std::size_t n = short_run() ? 3000001 : 7000001;
   const auto rows = uniform<float>(3, n, 0.6, 9);
   expect_same_survivors(*map, rows, n, 3);
 }
@@ -172,7 +175,8 @@ void expect_same_hull(const std::vector<T>& rows, std::size_t n, unsigned d,
 
 TEST_F(CudaGauge, HullsAreTheSameBitForBit) {
   for (unsigned d = 2; d <= 6; ++d) {
-    const std::size_t n = d < 4 ? 200000 : d == 4 ? 50000 : 3000;
+    const std::size_t whole = d < 4 ? 200000 : d == 4 ? 50000 : 3000;
+    const std::size_t n = short_run() ? std::min<std::size_t>(whole, 20000) : whole;
     const auto rows = ball(d, n, 1.0 / d, d);
     expect_same_hull(rows, n, d, std::to_string(d) + "D ball");
     expect_same_hull(std::vector<double>(rows.begin(), rows.end()), n, d,

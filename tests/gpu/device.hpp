@@ -27,7 +27,8 @@ inline std::string no_device() {
   if (const std::string why = cullhull::testing::no_device(); !why.empty()) \
   GTEST_SKIP() << "needs a CUDA device: " << why
 
-/// Under a checker of memory accesses every launch takes milliseconds: fewer and smaller cases.
+/// Under a checker of memory accesses every launch takes milliseconds, on an emulated device every
+/// point a microsecond: fewer and smaller cases.
 inline bool short_run() {
   const char* wanted = std::getenv("CULLHULL_GPU_TESTS");
   return wanted != nullptr && std::strcmp(wanted, "short") == 0;
@@ -58,6 +59,9 @@ class OnDevice {
   explicit OnDevice(const std::vector<T>& host) {
     check(cudaMalloc(&data_, host.size() * sizeof(T) + (host.empty() ? 1 : 0)));
     check(cudaMemcpy(data_, host.data(), host.size() * sizeof(T), cudaMemcpyHostToDevice));
+    // From pageable memory that returns once the bytes are staged, and the streams of the tests do
+    // not wait for the default stream, which brings them to the device.
+    check(cudaDeviceSynchronize());
     host_ = reinterpret_cast<const std::byte*>(host.data());
   }
   ~OnDevice() { (void)cudaFree(data_); }

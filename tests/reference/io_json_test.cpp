@@ -112,6 +112,7 @@ TEST(Json, TheReportHasTheKeysOfTheContract) {
       j,
       (json{{"version", "0.1.0"},
             {"points", {{"count", 9}, {"dimension", 3}, {"scalar", "f64"}}},
+            {"schema", json_schema_version},
             {"threads", 2},
             {"backend", "cpu"},
             {"cull",

@@ -143,5 +143,87 @@ TEST(Text, StopsWhenAsked) {
   error_of(ErrorCode::cancelled, [&] { parse("1 2\n", "txt", options); });
 }
 
+// The words behind the dimension are a comment, whatever they hold.
+TEST(Text, QhullHeaderWithCommasAndSemicolons) {
+  for (const char* words :
+       {" rbox 10 D3 P0.5,0.5,0.5", " a;b, c ; d", " rbox 1,2;3", " x,", " (1,2)"}) {
+    const auto p = parse("3" + std::string(words) + "\n2\n1 2 3\n4 5 6\n", "txt");
+    EXPECT_EQ(rows_of(p.view), (Rows{{1, 2, 3}, {4, 5, 6}})) << words;
+    EXPECT_EQ(p.format, "txt") << words;
+  }
+  // Separators of the points are not touched by this.
+  EXPECT_EQ(rows_of(parse("2 m;m\n2\n1,2\n4,5\n", "csv").view), (Rows{{1, 2}, {4, 5}}));
+  EXPECT_EQ(refusal("3 m,m\n2\n1 2 3\n", "txt"), "F:2: promises 2 points, but 1 lines follow");
+  EXPECT_EQ(refusal("3,x\n2\n1 2 3\n", "txt"), "F:1: 'x' is not a number");
+}
+
+// Both numbers on one line, as Qhull takes them too; points of the plane are points.
+TEST(Text, QhullHeaderOnOneLine) {
+  EXPECT_EQ(rows_of(parse("3 2\n1 2 3\n4 5 6\n", "txt").view), (Rows{{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_EQ(rows_of(parse("3 1 a comment, too\n1 2 3\n", "txt").view), (Rows{{1, 2, 3}}));
+  EXPECT_EQ(rows_of(parse("2 1\n5 6\n", "txt").view), (Rows{{2, 1}, {5, 6}}));
+  EXPECT_EQ(refusal("3 2\n1 2 3\n", "txt"), "F:1: promises 2 points, but 1 lines follow");
+  EXPECT_EQ(refusal("3 2\n1 2\n4 5 6\n", "txt"), "F:3: 3 coordinates where the first point has 2");
+}
+
+// cdd's and lrs's V-representation: rbox writes it with its option h.
+TEST(Text, CddFiles) {
+  const char* const rbox =
+      "rbox 2 D3 h\nbegin\n        2 4 real\n     1 0.5 -1 2 \n     1 3 4 5e-3 \nend\nhull\n";
+  const auto p = parse(rbox, "");
+  EXPECT_EQ(rows_of(p.view), (Rows{{0.5, -1, 2}, {3, 4, 5e-3}}));
+  EXPECT_EQ(p.format, "text (cdd)");
+  EXPECT_EQ(rows_of(parse(rbox, "txt").view), rows_of(p.view));
+  EXPECT_EQ(
+      rows_of(parse("* a note\nV-representation\nbegin\n1 3 integer\n1 7 8\nend\n", "txt").view),
+      (Rows{{7, 8}}));
+  EXPECT_EQ(rows_of(parse("begin\r\n1 2 rational\r\n1 7\r\nend", "txt").view), (Rows{{7}}));
+  EXPECT_EQ(rows_of(parse("begin\n1 3 real\n4 7 8\nend\n", "txt").view), (Rows{{7, 8}}));
+  EXPECT_EQ(refusal("begin\n2 3 real\n1 7 8\nend\n", "txt"),
+            "F:2: promises 2 points, but 1 lines follow");
+  EXPECT_EQ(refusal("begin\n1 3 real\n1 7 8\n", "txt"), "F: no line 'end' after the points");
+  EXPECT_EQ(refusal("begin\n1 3 real\n0 7 8\nend\n", "txt"),
+            "F:3: begins with 0, which is a ray: only points are read");
+  EXPECT_EQ(refusal("begin\n1 3 rational\n1 1/3 8\nend\n", "txt"), "F:3: '1/3' is not a number");
+  EXPECT_EQ(refusal("begin\n1 3 real\n1 7\nend\n", "txt"),
+            "F:3: 2 numbers where the header promises 3");
+  EXPECT_EQ(refusal("begin\n1 1 real\n1\nend\n", "txt"), "F:2: dimension 0");
+  EXPECT_EQ(refusal("begin\nmany\n1 7 8\nend\n", "txt"),
+            "F:2: 'begin' is followed by the number of points, the dimension + 1 and the type");
+  EXPECT_EQ(refusal("H-representation\nbegin\n1 3 real\n1 7 8\nend\n", "txt"),
+            "F:1: holds halfspaces, not points");
+}
+
+// What editors put before the first character is no part of it, in any format that is text.
+TEST(Text, ByteOrderMarkIsPassedOver) {
+  const std::string mark = "\xEF\xBB\xBF";
+  EXPECT_EQ(rows_of(parse(mark + "1 2\n", "txt").view), (Rows{{1, 2}}));
+  EXPECT_EQ(rows_of(parse(mark + "x,y\n1,2\n", "csv").view), (Rows{{1, 2}}));
+  EXPECT_EQ(rows_of(parse(mark + "2 rbox\n1\n1 2\n", "txt").view), (Rows{{1, 2}}));
+  const std::string solid =
+      "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+      "vertex 0 1 0\nendloop\nendfacet\nendsolid\n";
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+      "property float y\nproperty float z\nend_header\n1 2 3\n";
+  for (const auto& [format, text] : {std::pair<std::string, std::string>{"txt", "1 2 3\n"},
+                                     {"obj", "v 1 2 3\n"},
+                                     {"off", "OFF\n1 0 0\n1 2 3\n"},
+                                     {"ply", ply},
+                                     {"stl", solid}})
+    for (const std::string& named : {format, std::string()}) {
+      const auto want = parse(text, named), got = parse(mark + text, named);
+      EXPECT_EQ(rows_of(got.view), rows_of(want.view)) << format;
+      EXPECT_EQ(got.format, want.format) << format;
+    }
+  EXPECT_EQ(refusal(mark + "v 1 2 x\n", "obj"), "F:1: 'x' is not a number");
+  EXPECT_EQ(refusal(mark, "txt"), "F: no points");
+  // Numbers that happen to begin with these bytes are numbers.
+  ReadOptions raw;
+  raw.raw_dimension = 4;
+  raw.raw_scalar = ScalarType::u8;
+  EXPECT_EQ(rows_of(parse(mark + "a", "raw", raw).view), (Rows{{0xEF, 0xBB, 0xBF, 'a'}}));
+}
+
 }  // namespace
 }  // namespace cullhull::testing

@@ -128,8 +128,32 @@ TEST(Planner, PlacesDependOnCountsAndCores) {
   EXPECT_TRUE(choose_place(q, m).device);
 }
 
+// A first call for a few million points of the host pays for the pinned memory that they cross.
+TEST(Planner, PinnedMemoryHasItsPrice) {
+  MachineConstants m;
+  m.host_read_bytes_per_second = 15e9;
+  m.link_bytes_per_second = m.host_copy_bytes_per_second = 50e9;
+  PlaceQuestion q;
+  q.count = 2000000;
+  q.dimension = 3;
+  q.point_bytes = 24;
+  q.device_started = true;
+  EXPECT_FALSE(choose_place(q, m).device);
+  q.pinned_bytes = 128 << 20;
+  EXPECT_TRUE(choose_place(q, m).device);
+}
+
 TEST(Planner, FindingsAreSaid) {
   EXPECT_EQ(sample_finding(1000, 132), "132 of 1000 sampled points are extreme");
+}
+
+TEST(Planner, FewPointsAreNotShared) {
+  for (const std::uint64_t few : {0U, 10U, 1000U, 65535U}) EXPECT_EQ(useful_threads(8, few, 2), 1U);
+  EXPECT_EQ(useful_threads(8, 1 << 20, 2), 8U);
+  for (const unsigned d : {1U, 2U, 3U, 4U, 6U, 9U}) {
+    EXPECT_EQ(useful_threads(8, 100'000'000, d), 8U);
+    EXPECT_EQ(useful_threads(1, 100'000'000, d), 1U);
+  }
 }
 
 }  // namespace

@@ -150,14 +150,16 @@ TEST(SimplicialNd, RefusesWhatIsNoHull) {
     }
     return false;
   };
-  // Facet 9 is not in the sample that is looked at first.
+  // A facet that is not in the sample that is looked at first, nor beside one that is.
+  constexpr std::uint32_t f = 14;
+  constexpr std::size_t at = 5 * std::size_t{f};
   EXPECT_FALSE(refused([](Surface&) {}));
-  EXPECT_TRUE(refused([](Surface& s) { s.odd[9] ^= 1; }));
-  EXPECT_TRUE(refused([](Surface& s) { std::swap(s.neighbours[45], s.neighbours[46]); }));
-  EXPECT_TRUE(refused([](Surface& s) { s.neighbours[46] = s.neighbours[47]; }));
-  EXPECT_TRUE(refused([](Surface& s) { s.neighbours[46] = 9; }));
-  EXPECT_TRUE(refused([](Surface& s) { s.neighbours[46] = 0xFFFFFFFF; }));
-  EXPECT_TRUE(refused([](Surface& s) { s.ids[46] = s.ids[45]; }));
+  EXPECT_TRUE(refused([](Surface& s) { s.odd[f] ^= 1; }));
+  EXPECT_TRUE(refused([](Surface& s) { std::swap(s.neighbours[at], s.neighbours[at + 1]); }));
+  EXPECT_TRUE(refused([](Surface& s) { s.neighbours[at + 1] = s.neighbours[at + 2]; }));
+  EXPECT_TRUE(refused([](Surface& s) { s.neighbours[at + 1] = f; }));
+  EXPECT_TRUE(refused([](Surface& s) { s.neighbours[at + 1] = 0xFFFFFFFF; }));
+  EXPECT_TRUE(refused([](Surface& s) { s.ids[at + 1] = s.ids[at]; }));
   EXPECT_TRUE(refused([](Surface& s) {  // inside out
     for (std::uint8_t& odd : s.odd) odd ^= 1;
   }));

@@ -65,6 +65,7 @@ function showFigures(report) {
   const rows = { result: [], run: [] };
   for (const [key, value] of flattened(report)) {
     if (Array.isArray(value) && value.length === 0) continue;
+    if (key === "schema") continue;  // of the report, not of the hull
     const number = typeof value === "number" || key === "centroid";
     const lines = key === "centroid" ? value.map((v) => element("div", {}, figureText(key, v))) : [figureText(key, value)];
     const cell = element("td", { class: number ? "number" : "", "data-key": key, "data-value": JSON.stringify(value) }, ...lines);

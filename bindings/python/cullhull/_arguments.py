@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
-from typing import Any, Union
+from collections.abc import Callable, Iterable
+from typing import Any, Literal, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._errors import BackendUnavailable, InvalidArgument
+from ._errors import BackendUnavailable, InvalidArgument, NotFinite, ShapeWarning, warn
 
 #: ``progress=``: False or None for none, True for a tqdm bar, or a function of (phase, share).
 Progress = Union[bool, None, Callable[[str, float], object]]
+
+#: ``backend=``: where the filter runs.
+Backend = Literal["auto", "cpu", "cuda"]
+#: ``cull=``: which filter.
+CullMethod = Literal["auto", "gauge", "pseudo-hull", "none"]
 
 #: Scalar types that are read where they lie; every value of each is exactly a double.
 IN_PLACE = frozenset("?bBhHiIfd")
@@ -36,6 +41,15 @@ def as_points(points: Any, what: str = "points", *, axes: int = 2) -> npt.NDArra
     return _converted(array, what)
 
 
+def as_point_set(points: Any) -> npt.NDArray[Any]:
+    """As `as_points`, with a warning where the array looks as if it lay on its side."""
+    array = as_points(points)
+    n, d = array.shape
+    if n < d and n > 1 and d > 8:  # a simplex at most: nobody asks for that on purpose
+        warn(f"Hull of {n} points in {d}D: did you mean points.T?", ShapeWarning)
+    return array
+
+
 def _from_anything(points: Any, what: str) -> npt.NDArray[Any]:
     if isinstance(points, np.ma.MaskedArray):
         raise InvalidArgument(f"`{what}` cannot be a masked array; pass array.compressed() or so")
@@ -48,10 +62,45 @@ def _from_anything(points: Any, what: str) -> npt.NDArray[Any]:
         if device not in _DLPACK_HOST:
             raise _device_memory(what)
         return np.from_dlpack(points)
+    columns = _columns(points)
+    if columns is not None:
+        return _from_columns(columns, what)
     try:
         return np.asarray(points)
     except ValueError as error:  # rows of different lengths
         raise InvalidArgument(f"`{what}` is no rectangular array: {error}") from None
+
+
+def _columns(frame: Any) -> list[tuple[Any, Any]] | None:
+    """Names and columns of a data frame whose columns are not plain NumPy arrays of one type."""
+    if hasattr(frame, "iloc") and hasattr(frame, "columns"):  # pandas
+        dtypes = list(frame.dtypes)
+        if dtypes and isinstance(dtypes[0], np.dtype) and all(t == dtypes[0] for t in dtypes):
+            return None
+        return [(name, frame.iloc[:, i]) for i, name in enumerate(frame.columns)]
+    if hasattr(frame, "get_columns"):  # Polars
+        return [(column.name, column) for column in frame.get_columns()]
+    if hasattr(frame, "itercolumns") and hasattr(frame, "column_names"):  # a table of Arrow's
+        return list(zip(frame.column_names, frame.itercolumns()))
+    return None
+
+
+def _from_columns(columns: Iterable[tuple[Any, Any]], what: str) -> npt.NDArray[Any]:
+    """Each column by itself, so that no common type rounds one; what is missing is told."""
+    parts = []
+    for name, column in columns:
+        absent = np.asarray(column.isna() if hasattr(column, "isna") else column.is_null())
+        if absent.any():
+            raise NotFinite(f"`{what}`: row {int(absent.argmax())} of column {name!r} is missing")
+        values = np.asarray(column)
+        if values.dtype.kind == "O":  # what pandas keeps numbers with a mask as
+            values = np.asarray(values.tolist())
+        if not (values.dtype.char in IN_PLACE and values.dtype.isnative):
+            values = _converted(values, f"{what}[{name!r}]")
+        parts.append(values)
+    if not parts:
+        raise InvalidArgument(f"`{what}` has no columns")
+    return np.column_stack(parts)  # a type that holds each: none has more bits than a double
 
 
 def _device_memory(what: str) -> BackendUnavailable:
@@ -111,31 +160,40 @@ def as_questions(points: Any, dimension: int, what: str) -> tuple[npt.NDArray[An
 
 def settings(
     *,
-    backend: str = "auto",
-    cull: str = "auto",
+    backend: Backend = "auto",
+    cull: CullMethod = "auto",
     threads: int | None = None,
     memory_budget: int | None = None,
     progress: Progress = None,
-) -> _core.Settings:
-    """Checks the options every long function takes."""
+) -> _core.Settings | None:
+    """Checks the options every long function takes; None where all are as by default."""
+    if (
+        threads is None
+        and progress is None
+        and memory_budget is None
+        and backend == "auto"
+        and cull == "auto"
+    ):
+        return None
     for name, value in (("backend", backend), ("cull", cull)):
         if not isinstance(value, str):
             raise TypeError(f"{name} must be a string, not {type(value).__name__}")
     return _core.Settings(
         backend,
         cull,
-        _count(threads, "threads", 1024),
-        _count(memory_budget, "memory_budget", 2**63 - 1),
+        0 if threads is None else as_count(threads, "threads", most=1024),
+        0 if memory_budget is None else as_count(memory_budget, "memory_budget"),
         as_callback(progress),
     )
 
 
-def _count(value: int | None, name: str, limit: int) -> int:
-    if value is None:
-        return 0
+def as_count(value: Any, name: str, *, least: int = 0, most: int = 2**63 - 1) -> int:
+    """An integer that the extension takes, or one line that says what is wrong with it."""
     number = operator.index(value)
-    if not 0 <= number <= limit:
-        raise InvalidArgument(f"{name} must be between 0 and {limit}, not {number}")
+    if number < 0:
+        raise InvalidArgument(f"{name} must not be negative, and is {number}")
+    if not least <= number <= most:
+        raise InvalidArgument(f"{name} must be between {least} and {most}, not {number}")
     return number
 
 

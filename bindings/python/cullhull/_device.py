@@ -81,6 +81,19 @@ def _integers(values: Any, field: str) -> tuple[int, ...]:
 
 
 def cuda_status() -> dict[str, Any]:
-    """What the CUDA backend can do here: whether it is compiled in and available, and if not why,
-    the device's name, compute capability, driver and runtime versions, memory in bytes."""
+    """What the CUDA backend can do here.
+
+    Returns
+    -------
+    dict
+        ``compiled`` and ``available``, bool; ``reason`` it is not, ``device`` and
+        ``compute_capability``, str; ``driver_version``, ``runtime_version`` and ``memory_bytes``.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> status = cullhull.cuda_status()
+    >>> status["available"] or bool(status["reason"])
+    True
+    """
     return _core.cuda_status()

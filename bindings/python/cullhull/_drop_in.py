@@ -2,25 +2,46 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-from typing import Any
+from collections.abc import Callable
+from typing import Any, Generic, NoReturn, TypeVar, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arguments import Progress, as_points, settings
+from ._arguments import Backend, CullMethod, Progress, as_point_set, as_points, settings
 from ._errors import InvalidArgument, qhull_error
 from ._hull import Hull
 from ._many import GrowingHull
-from ._qhull_options import QhullOptions, parse
+from ._qhull_options import NOTHING, QhullOptions, parse
+
+T = TypeVar("T")
 
 
-def _int32(numbers: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """As SciPy's index arrays, unless there are more points than that type can number."""
-    if numbers.size and int(numbers.max()) > np.iinfo(np.int32).max:
-        return numbers.astype(np.int64)
-    return numbers.astype(np.int32)
+class _Lazy(Generic[T]):
+    """An attribute made when first asked for and then the object's own, to be read and replaced.
+
+    As functools.cached_property, without its lock, which takes longer than many of these.
+    """
+
+    def __init__(self, make: Callable[[Any], T]) -> None:
+        self._make = make
+        self._name = make.__name__
+        self.__doc__ = make.__doc__
+
+    @overload
+    def __get__(self, owner: None, kind: Any = None) -> _Lazy[T]: ...
+    @overload
+    def __get__(self, owner: object, kind: Any = None) -> T: ...
+    def __get__(self, owner: Any, kind: Any = None) -> Any:
+        if owner is None:
+            return self
+        value = owner.__dict__[self._name] = self._make(owner)
+        return value
+
+
+def _lazy_names(kind: type) -> frozenset[str]:
+    return frozenset(name for name, value in vars(kind).items() if isinstance(value, _Lazy))
 
 
 class _Incremental:
@@ -29,7 +50,14 @@ class _Incremental:
     _open: bool
 
     def close(self) -> None:
-        """Ends incremental use; nothing can be added any more."""
+        """Ends incremental use; nothing can be added any more.
+
+        >>> import cullhull
+        >>> with cullhull.ConvexHull([[0, 0], [1, 0], [0, 1]], incremental=True) as hull:
+        ...     hull.add_points([[1, 1]])
+        >>> hull.volume
+        1.0
+        """
         self._open = False
 
     def _require_open(self) -> None:
@@ -46,6 +74,8 @@ class _Incremental:
 class ConvexHull(_Incremental):
     """In place of `scipy.spatial.ConvexHull`: the same attributes, exact, and faster.
 
+    Pickles, copies and is sent between processes as SciPy's; also while incremental.
+
     Parameters
     ----------
     points : (n, d) array, d >= 2
@@ -53,12 +83,14 @@ class ConvexHull(_Incremental):
     incremental : bool
         Allow `add_points`.
     qhull_options : str, optional
-        ``Qc``, ``Qi``, ``QGn`` and ``QG-n`` work as in Qhull; options that only steer its
-        precision (``Qt``, ``Qx``, ``QbB``, ``Pp``, ...) have no effect; others raise ValueError.
+        ``Qc``, ``Qi``, ``QGn`` and ``QG-n`` work as in Qhull. Options that only steer its work have
+        no effect (``Qt``, ``Qx``, ``Pp``, ``Q12``, ...); where Qhull's own result would differ, as
+        with ``QJ`` and ``QbB``, with an `OptionWarning`. What would change the answer raises.
     strict : bool
-        Raise `QhullError` for flat input as SciPy does. By default the hull is that of the points
-        inside the k-dimensional flat they span: then `simplices` and `neighbors` have k columns,
-        and `volume` and `area` are k- and (k-1)-dimensional.
+        Raise `QhullError` for flat input as SciPy does, and with its text where SciPy is installed.
+        By default the hull is that of the points inside the k-dimensional flat they span: then
+        `simplices` and `neighbors` have k columns, and `volume` and `area` are k- and
+        (k-1)-dimensional.
     backend, cull, threads, memory_budget, progress : as in `convex_hull`
 
     Attributes
@@ -75,9 +107,29 @@ class ConvexHull(_Incremental):
     ndim, npoints, nsimplex : int
     min_bound, max_bound : (d,) float64
     hull : the native `Hull`, with merged facets and questions
+
+    Raises
+    ------
+    InvalidArgument, NotFinite (ValueErrors), TypeError
+        For another shape or type, no points, an unknown option, a NaN or an infinity.
+    QhullError (a RuntimeError)
+        For flat input with ``strict=True``.
+    OutOfBudget (a MemoryError), KeyboardInterrupt
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> hull = cullhull.ConvexHull([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0.5]])
+    >>> hull
+    <ConvexHull of 5 points in 2D: 4 vertices, 4 simplices>
+    >>> hull.vertices, hull.volume, hull.area
+    (array([0, 1, 2, 3], dtype=int32), 2.0, 6.0)
+    >>> hull.equations[0]
+    array([-1.,  0.,  0.])
+    >>> hull.hull.contains([1, 1])
+    True
     """
 
-    hull: Hull
     ndim: int
 
     def __init__(
@@ -87,61 +139,90 @@ class ConvexHull(_Incremental):
         qhull_options: str | None = None,
         *,
         strict: bool = False,
-        backend: str = "auto",
-        cull: str = "auto",
+        backend: Backend = "auto",
+        cull: CullMethod = "auto",
         threads: int | None = None,
         memory_budget: int | None = None,
         progress: Progress = None,
     ) -> None:
-        array = as_points(points)
-        if array.shape[1] < 2:
+        array = as_point_set(points)
+        count, self.ndim = array.shape
+        if self.ndim < 2:
             raise InvalidArgument("Need at least 2-D data")
-        if array.shape[0] == 0:
+        if count == 0:
             raise InvalidArgument("No points given")
-        self._options: QhullOptions = parse(qhull_options)
-        self._choices: dict[str, Any] = {
-            "backend": backend,
-            "cull": cull,
-            "threads": threads,
-            "memory_budget": memory_budget,
-            "progress": progress,
-        }
+        self._options = parse(qhull_options)
+        self._choices = (backend, cull, threads, memory_budget, progress)
         self._strict = bool(strict)
         self._open = bool(incremental)
-        self.ndim = array.shape[1]
-        # Points to be added to must not change under us.
-        self._array = np.array(array, dtype=np.float64) if incremental else array
+        if incremental:  # points to be added to must not change under us
+            array = np.array(array, dtype=np.float64)
         self._grower: GrowingHull | None = None
-        self._compute(self._array, self._array)
+        self._compute(array, array)
+
+    def _settings(self) -> _core.Settings | None:
+        backend, cull, threads, memory_budget, progress = self._choices
+        return settings(
+            backend=backend,
+            cull=cull,
+            threads=threads,
+            memory_budget=memory_budget,
+            progress=progress,
+        )
 
     def _compute(self, everything: npt.NDArray[Any], added: npt.NDArray[Any]) -> None:
         """Sets the hull of `everything`, of which the rows `added`, its last, are new."""
         left_out = self._options.good_point
-        if left_out is not None and left_out >= len(everything):
-            raise InvalidArgument(
-                f"QG{left_out}: there is no such point among the {len(everything)}"
-            )
-        grower = self._grower
-        if self._open and left_out is None:
-            if grower is None or len(added) == len(everything):
-                grower = GrowingHull(self.ndim)
-            choices = {k: v for k, v in self._choices.items() if k not in ("backend", "cull")}
-            grower.add(added, **choices)
-            hull = grower.hull
+        if left_out is not None:
+            solid = _solid_without(everything, left_out, self._settings())
+        elif self._open:
+            solid = self._grow(everything, added)
         else:
-            hull = _hull_without(everything, left_out, self._choices)
-        if self._strict and hull.affine_dimension < self.ndim:
-            raise qhull_error()(
-                f"the {len(everything)} points span {hull.affine_dimension} dimensions of "
-                f"{self.ndim}: the initial simplex is flat"
-            )
-        self._array, self._grower, self.hull = everything, grower, hull
-        for name in _LAZY:
-            self.__dict__.pop(name, None)
+            solid = _core.convex_hull(everything, self._settings())
+        if self._strict and solid.affine_dimension < self.ndim and not self._options.joggled:
+            self._grower = None
+            _raise_flat(everything, solid.affine_dimension)
+        self._array, self._solid = everything, self._settle(solid)
+
+    def _grow(self, everything: npt.NDArray[Any], added: npt.NDArray[Any]) -> _core.Solid:
+        grower = self._grower
+        if len(added) == len(everything):
+            grower = GrowingHull(self.ndim)
+        elif grower is None:  # this is a copy, or the last call failed
+            grower = GrowingHull._of(self.hull)
+        _, _, threads, memory_budget, progress = self._choices
+        grower.add(added, threads=threads, memory_budget=memory_budget, progress=progress)
+        self._grower = grower
+        return grower.hull._solid
+
+    def _settle(self, solid: _core.Solid) -> _core.Solid:
+        """What is shown of the exact hull."""
+        return solid
 
     def add_points(self, points: Any, restart: bool = False) -> None:
-        """Adds (m, d) points. `restart` computes the hull anew instead of from its vertices; the
-        result is the same."""
+        """Adds points; only with ``incremental=True``.
+
+        Parameters
+        ----------
+        points : (m, d) array
+        restart : bool
+            Compute the hull anew instead of from its vertices; the result is the same.
+
+        Raises
+        ------
+        RuntimeError
+            Not incremental, or closed.
+        InvalidArgument, NotFinite (ValueErrors), QhullError
+            As for the first points; nothing is added then.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.ConvexHull([[0, 0], [1, 0], [0, 1]], incremental=True)
+        >>> hull.add_points([[1, 1]])
+        >>> hull.volume, hull.npoints
+        (1.0, 4)
+        """
         self._require_open()
         array = as_points(points)
         if array.shape[1] != self.ndim:
@@ -150,61 +231,98 @@ class ConvexHull(_Incremental):
             )
         everything = np.concatenate([self._array, array], dtype=np.float64)
         self._compute(everything, everything if restart else everything[len(self._array) :])
+        for name in _LAZY:
+            self.__dict__.pop(name, None)
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = {k: v for k, v in self.__dict__.items() if k not in _LAZY}
+        state["hull"] = self.hull
+        del state["_solid"], state["_grower"]
+        if callable(self._choices[-1]):  # it belongs to this process
+            state["_choices"] = (*self._choices[:-1], None)
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._solid = self.hull._solid
+        self._grower = None
+
+    def __repr__(self) -> str:
+        return (
+            f"<{type(self).__name__} of {self.npoints} points in {self.ndim}D: "
+            f"{len(self._solid.vertices)} vertices, {self.nsimplex} simplices>"
+        )
 
     @property
     def npoints(self) -> int:
+        """Number of points."""
         return len(self._array)
 
     @property
     def nsimplex(self) -> int:
-        return self.hull.simplex_count
+        """Number of simplices."""
+        return self._solid.simplex_count
 
     @property
     def area(self) -> float:
-        return self.hull.area
+        """Surface area; in 2D the perimeter."""
+        return self._solid.area
 
     @property
     def volume(self) -> float:
-        return self.hull.volume
+        """Volume; in 2D the area."""
+        return self._solid.volume
 
-    @cached_property
+    @_Lazy
+    def hull(self) -> Hull:
+        """The native hull."""
+        return Hull._of(self._solid)
+
+    @_Lazy
     def points(self) -> npt.NDArray[np.float64]:
+        """(n, d) float64: the points."""
         return np.ascontiguousarray(self._array, dtype=np.float64)
 
-    @cached_property
+    @_Lazy
     def vertices(self) -> npt.NDArray[Any]:
-        return _int32(self.hull.vertices)
+        """(v,) int32: indices of the vertices, ascending; in 2D counter-clockwise."""
+        return self._solid.scipy_vertices()
 
-    @cached_property
+    @_Lazy
     def simplices(self) -> npt.NDArray[Any]:
-        return _int32(self.hull.simplices)
+        """(s, k) int32: indices of the simplices' vertices, oriented outward."""
+        return self._solid.scipy_simplices()
 
-    @cached_property
+    @_Lazy
     def neighbors(self) -> npt.NDArray[Any]:
-        return self.hull.simplex_neighbours.copy()
+        """(s, k) int32: entry j is the simplex opposite to vertex j."""
+        return self._solid.scipy_neighbors()
 
-    @cached_property
+    @_Lazy
     def equations(self) -> npt.NDArray[np.float64]:
-        planes: npt.NDArray[np.float64] = self.hull.facet_planes[self.hull.simplex_facets]
-        return planes
+        """(s, d + 1) float64: outward unit normal and offset of each simplex."""
+        return self._solid.scipy_equations()
 
-    @cached_property
+    @_Lazy
     def min_bound(self) -> npt.NDArray[np.float64]:
+        """(d,) float64: the least coordinates."""
         return self._bound(np.min)
 
-    @cached_property
+    @_Lazy
     def max_bound(self) -> npt.NDArray[np.float64]:
+        """(d,) float64: the largest coordinates."""
         return self._bound(np.max)
 
     def _bound(self, extreme: Any) -> npt.NDArray[np.float64]:
-        corners = self.hull.vertex_points
+        corners = self._solid.vertex_points
         if self._options.good_point is not None:  # that point counts too
             corners = np.vstack([corners, self._array[self._options.good_point]])
         bound: npt.NDArray[np.float64] = extreme(corners, axis=0)
         return bound
 
-    @cached_property
+    @_Lazy
     def good(self) -> npt.NDArray[np.bool_] | None:
+        """(s,) bool with ``QGn``: the simplices that point n sees, or does not see; else None."""
         point = self._options.good_point
         if point is None:
             return None
@@ -214,27 +332,69 @@ class ConvexHull(_Incremental):
             visible = ~visible
         return visible[self.hull.simplex_facets]
 
-    @cached_property
+    @_Lazy
     def coplanar(self) -> npt.NDArray[Any]:
+        """(c, 3) int32: points that ``Qc`` and ``Qi`` ask for, nearest simplices and vertices."""
         if not (self._options.coplanar or self._options.interior):
             return np.empty((0, 3), dtype=np.int32)
-        return _coplanar(self.hull, self._array, self._options)
+        return _coplanar(self.hull, self._array, self._sides(), self._options)
+
+    def _sides(self) -> npt.NDArray[np.int8]:
+        """-1, 0 or 1 a point: inside, on the boundary, outside."""
+        sides: npt.NDArray[np.int8] = self.hull.sides(self._array)
+        return sides
 
 
-_LAZY = [name for name, value in vars(ConvexHull).items() if isinstance(value, cached_property)]
+_LAZY = _lazy_names(ConvexHull)
 
 
-def _hull_without(points: npt.NDArray[Any], left_out: int | None, choices: Any) -> Hull:
+def _raise_flat(points: npt.NDArray[Any], affine_dimension: int) -> NoReturn:
+    """In SciPy's words, as programs match them: it names the numbers at fault, and Qhull's state."""
+    kind = qhull_error()
+    try:
+        from scipy.spatial import ConvexHull as Theirs
+    except ImportError:
+        pass
+    else:
+        try:
+            Theirs(points.astype(np.float64))
+        except RuntimeError as error:
+            raise kind(*error.args) from None
+    count, dimension = points.shape
+    if count <= dimension:
+        raise kind(
+            f"QH6214 qhull input error: not enough points({count}) to construct initial simplex "
+            f"(need {dimension + 1})"
+        )
+    raise kind(
+        f"QH6154 Qhull precision error: Initial simplex is flat (the {count} points span "
+        f"{affine_dimension} dimensions of {dimension})"
+    )
+
+
+def _int32(numbers: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """As SciPy's index arrays, unless there are more points than that type can number."""
+    if numbers.size and int(numbers.max()) > np.iinfo(np.int32).max:
+        return numbers.astype(np.int64)
+    return numbers.astype(np.int32)
+
+
+def _solid_without(
+    points: npt.NDArray[Any], left_out: int, chosen: _core.Settings | None
+) -> _core.Solid:
     """The hull of all points but one, with the indices of `points`."""
-    solid = _core.convex_hull(points, settings(**choices))
-    if left_out is None or left_out not in solid.vertices:
-        return Hull._of(solid)
+    if left_out >= len(points):
+        raise InvalidArgument(f"QG{left_out}: there is no such point among the {len(points)}")
+    solid = _core.convex_hull(points, chosen)
+    if left_out not in solid.vertices:
+        return solid
     rest = np.delete(points, left_out, axis=0)
-    return Hull._of(_core.convex_hull(rest, settings(**choices)).skipping(left_out))
+    return _core.convex_hull(rest, chosen).skipping(left_out)
 
 
-def _coplanar(hull: Hull, points: npt.NDArray[Any], options: QhullOptions) -> npt.NDArray[Any]:
-    sides = hull.sides(points)
+def _coplanar(
+    hull: Hull, points: npt.NDArray[Any], sides: npt.NDArray[np.int8], options: QhullOptions
+) -> npt.NDArray[Any]:
     wanted = np.zeros(len(points), dtype=bool)
     if options.coplanar:
         wanted |= sides == 0
@@ -284,7 +444,7 @@ class HalfspaceIntersection(_Incremental):
     incremental : bool
         Allow `add_halfspaces`.
     qhull_options : str, optional
-        Options that only steer Qhull's precision are accepted and have no effect; others raise.
+        As in `ConvexHull`; ``QGn`` raises, ``Qc`` and ``Qi`` show nothing.
     threads, memory_budget, progress : as in `convex_hull`
 
     Attributes
@@ -302,6 +462,24 @@ class HalfspaceIntersection(_Incremental):
     dual_area, dual_volume : float
     is_bounded : bool
     dual : the dual's native `Hull`
+
+    Raises
+    ------
+    QhullError (a RuntimeError)
+        Where the interior point is not strictly inside.
+    InvalidArgument, NotFinite (ValueErrors), TypeError
+        For another shape or type, a NaN or an infinity, and where no interior point is found.
+    OutOfBudget (a MemoryError), KeyboardInterrupt
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> square = [[-1.0, 0, 0], [0, -1, 0], [1, 0, -2], [0, 1, -2]]
+    >>> cut = cullhull.HalfspaceIntersection(square, [1.0, 1.0])
+    >>> cut
+    <HalfspaceIntersection of 4 halfspaces in 2D: 4 vertices, bounded>
+    >>> cut.intersections.tolist()
+    [[0.0, 2.0], [0.0, 0.0], [2.0, 0.0], [2.0, 2.0]]
     """
 
     dual: Hull
@@ -327,14 +505,9 @@ class HalfspaceIntersection(_Incremental):
         self.ndim = array.shape[1] - 1
         if self.ndim < 2:
             raise InvalidArgument("Need at least 2-D data")
-        options = parse(qhull_options)
-        if options != QhullOptions():
-            raise InvalidArgument("Qc, Qi and QGn have no meaning for halfspaces")
-        self._choices: dict[str, Any] = {
-            "threads": threads,
-            "memory_budget": memory_budget,
-            "progress": progress,
-        }
+        if parse(qhull_options).good_point is not None:
+            raise InvalidArgument("QGn leaves a point out, which halfspaces have no use for")
+        self._choices = (threads, memory_budget, progress)
         if interior_point is not None:
             point = as_points(np.atleast_1d(interior_point), "interior_point", axes=1)
             if point.shape != (self.ndim,):
@@ -351,15 +524,40 @@ class HalfspaceIntersection(_Incremental):
         if interior is not None:
             _require_feasible(halfspaces, interior)
         point = None if interior is None else interior[np.newaxis, :]
-        result = _core.intersect_halfspaces(halfspaces, point, settings(**self._choices))
+        threads, memory_budget, progress = self._choices
+        chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+        result = _core.intersect_halfspaces(halfspaces, point, chosen)
         self._array = halfspaces
         self.interior_point, self.dual_points, solid, self.is_bounded, self.intersections = result
         self.dual = Hull._of(solid)
-        for name in ("halfspaces", "dual_facets", "dual_vertices"):
+        for name in _LAZY_OF_HALFSPACES:
             self.__dict__.pop(name, None)
 
     def add_halfspaces(self, halfspaces: Any, restart: bool = False) -> None:
-        """Adds (m, d + 1) rows, or one (d + 1,). The result does not depend on `restart`."""
+        """Adds halfspaces; only with ``incremental=True``.
+
+        Parameters
+        ----------
+        halfspaces : (m, d + 1) array, or (d + 1,) for one
+        restart : bool
+            The result does not depend on it.
+
+        Raises
+        ------
+        RuntimeError
+            Not incremental, or closed.
+        InvalidArgument, NotFinite (ValueErrors), QhullError
+            As for the first halfspaces; nothing is added then.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> square = [[-1.0, 0, 0], [0, -1, 0], [1, 0, -2], [0, 1, -2]]
+        >>> cut = cullhull.HalfspaceIntersection(square, [0.5, 0.5], incremental=True)
+        >>> cut.add_halfspaces([1.0, 1.0, -2.0])
+        >>> len(cut.intersections)
+        3
+        """
         self._require_open()
         array = as_points(np.atleast_2d(halfspaces), "halfspaces")
         if array.shape[1] != self.ndim + 1:
@@ -367,47 +565,73 @@ class HalfspaceIntersection(_Incremental):
         everything = np.concatenate([self._array, array], dtype=np.float64)
         self._compute(everything, self.interior_point)
 
+    def __getstate__(self) -> dict[str, Any]:
+        state = {k: v for k, v in self.__dict__.items() if k not in _LAZY_OF_HALFSPACES}
+        if callable(self._choices[-1]):  # it belongs to this process
+            state["_choices"] = (*self._choices[:-1], None)
+        return state
+
+    def __repr__(self) -> str:
+        return (
+            f"<HalfspaceIntersection of {self.nineq} halfspaces in {self.ndim}D: "
+            f"{np.isfinite(self.intersections).all(axis=1).sum()} vertices, "
+            f"{'bounded' if self.is_bounded else 'unbounded'}>"
+        )
+
     @property
     def nineq(self) -> int:
+        """Number of halfspaces."""
         return len(self._array)
 
     @property
     def npoints(self) -> int:
+        """Number of dual points: of halfspaces."""
         return len(self._array)
 
     @property
     def min_bound(self) -> npt.NDArray[np.float64]:
+        """(d + 1,) float64: the least entries of the rows."""
         bound: npt.NDArray[np.float64] = self.halfspaces.min(axis=0)
         return bound
 
     @property
     def max_bound(self) -> npt.NDArray[np.float64]:
+        """(d + 1,) float64: the largest entries of the rows."""
         bound: npt.NDArray[np.float64] = self.halfspaces.max(axis=0)
         return bound
 
-    @cached_property
+    @_Lazy
     def halfspaces(self) -> npt.NDArray[np.float64]:
+        """(m, d + 1) float64: the rows."""
         return np.ascontiguousarray(self._array, dtype=np.float64)
 
-    @cached_property
+    @_Lazy
     def dual_facets(self) -> list[list[int]]:
+        """Lists of int: the dual hull's facets, coplanar pieces merged."""
         return self.dual.facets.tolist()
 
-    @cached_property
+    @_Lazy
     def dual_vertices(self) -> npt.NDArray[Any]:
+        """(w,) int64, ascending: halfspaces that bound the polyhedron."""
         return np.sort(self.dual.vertices)
 
     @property
     def dual_equations(self) -> npt.NDArray[np.float64]:
+        """(v, d + 1) float64: planes of the dual facets."""
         return self.dual.facet_planes
 
     @property
     def dual_area(self) -> float:
+        """The dual hull's area."""
         return self.dual.area
 
     @property
     def dual_volume(self) -> float:
+        """The dual hull's volume."""
         return self.dual.volume
+
+
+_LAZY_OF_HALFSPACES = _lazy_names(HalfspaceIntersection)
 
 
 def _require_feasible(halfspaces: npt.NDArray[Any], interior: npt.NDArray[np.float64]) -> None:

@@ -1,42 +1,20 @@
-"""The native face: hulls and the questions one can ask them."""
+"""A hull, and the questions one can ask it."""
 
 from __future__ import annotations
 
 import os
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core, _show
+from ._answers import NearestFacets, Rays, Simplified
 from ._arguments import Progress, as_points, as_questions, settings
-from ._device import as_device_points
-from ._errors import InvalidArgument, NotCertified
-from ._lists import Lists, ids
+from ._errors import InvalidArgument
+from ._lists import Lists
 
 Certificate = _core.Certificate
-
-
-class NearestFacets(NamedTuple):
-    """Answer of `Hull.nearest_facets`: one entry a point."""
-
-    #: (m,) int64: the facet on which a nearest point of the boundary lies.
-    facets: npt.NDArray[np.int64]
-    #: (m,) float64: Euclidean distance to the boundary, negative inside; units of the points.
-    distances: npt.NDArray[np.float64]
-
-
-class Rays(NamedTuple):
-    """Answer of `Hull.rays`: where the lines origin + t * direction pass through, one entry each."""
-
-    #: (m,) bool: whether the line meets the hull at all.
-    hit: npt.NDArray[np.bool_]
-    #: (m,) float64: parameters t of entry and exit, enter <= exit; 0 where there is no hit.
-    enter: npt.NDArray[np.float64]
-    exit: npt.NDArray[np.float64]
-    #: (m,) int64: facets of entry and exit; -1 where there is no hit.
-    enter_facets: npt.NDArray[np.int64]
-    exit_facets: npt.NDArray[np.int64]
 
 
 class Hull:
@@ -47,7 +25,42 @@ class Hull:
     (`affine_dimension`): for k < d the hull is that of the points inside their flat.
 
     All arrays are read-only views of the result's own memory; ``.copy()`` them to change them. The
-    hull keeps nothing of the points but its vertices' coordinates.
+    hull keeps nothing of the points but its vertices' coordinates. It never changes: copies share
+    their memory, and a pickle holds the arrays.
+
+    Attributes
+    ----------
+    certificate : Certificate or None
+        What ``certify=True`` found.
+
+    Raises
+    ------
+    TypeError
+        When called: hulls are made by the functions above.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> import itertools
+    >>> cube = cullhull.convex_hull(list(itertools.product([0, 1], repeat=3)))
+    >>> cube
+    <Hull of 8 points in 3D: 8 vertices, 6 facets>
+    >>> cube.dimension, cube.affine_dimension, cube.point_count
+    (3, 3, 8)
+    >>> cube.volume, cube.area, cube.centroid
+    (1.0, 6.0, array([0.5, 0.5, 0.5]))
+    >>> cube.vertices, cube.vertex_points[3]
+    (array([0, 1, 2, 3, 4, 5, 6, 7]), array([0., 1., 1.]))
+    >>> cube.facets[0], cube.facet_planes[0]
+    (array([0, 1, 3, 2]), array([-1.,  0.,  0.,  0.]))
+    >>> cube.facet_count, cube.facet_neighbours.lengths()
+    (6, array([4, 4, 4, 4, 4, 4]))
+    >>> cube.simplex_count, cube.simplices.shape, cube.simplex_neighbours.shape
+    (12, (12, 3), (12, 3))
+    >>> cube.simplex_facets
+    array([0, 1, 0, 2, 2, 1, 3, 3, 4, 4, 5, 5], dtype=int32)
+    >>> cube.statistics["engine"]
+    'native'
     """
 
     __slots__ = ("__weakref__", "_solid", "certificate")
@@ -60,11 +73,20 @@ class Hull:
         raise TypeError("hulls are made by cullhull.convex_hull")
 
     @classmethod
-    def _of(cls, solid: _core.Solid) -> Hull:
+    def _of(cls, solid: _core.Solid, certificate: Certificate | None = None) -> Hull:
         hull = object.__new__(cls)
         hull._solid = solid
-        hull.certificate = None
+        hull.certificate = certificate
         return hull
+
+    def __copy__(self) -> Hull:
+        return Hull._of(self._solid, self.certificate)  # nobody can change either
+
+    def __deepcopy__(self, memo: Any) -> Hull:
+        return self.__copy__()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _hull_of_state, (_core.state_of_solid(self._solid), self.certificate)
 
     # What it is
 
@@ -120,7 +142,7 @@ class Hull:
     def vertices(self) -> npt.NDArray[np.int64]:
         """(v,) int64: indices of the extreme points (of equal points the lowest), ascending; for
         k = 2 counter-clockwise from the lowest index."""
-        return ids(self._solid.vertices)
+        return self._solid.vertices
 
     @property
     def vertex_points(self) -> npt.NDArray[np.float64]:
@@ -132,13 +154,13 @@ class Hull:
         """Maximal facets, coplanar pieces merged: for each the indices of its vertices. For k = 3
         counter-clockwise seen from outside, for k = 2 the two ends counter-clockwise, otherwise
         ascending."""
-        return Lists(ids(self._solid.facet_offsets), ids(self._solid.facet_vertices))
+        return Lists(self._solid.facet_offsets, self._solid.facet_vertices)
 
     @property
     def facet_neighbours(self) -> Lists:
         """For each facet the facets it shares a ridge with. For k = 3 entry j lies across the edge
         from its vertex j to vertex j + 1; otherwise ascending."""
-        return Lists(ids(self._solid.facet_neighbour_offsets), self._solid.facet_neighbours)
+        return Lists(self._solid.facet_neighbour_offsets, self._solid.facet_neighbours)
 
     @property
     def facet_planes(self) -> npt.NDArray[np.float64]:
@@ -149,7 +171,7 @@ class Hull:
     @property
     def simplices(self) -> npt.NDArray[np.int64]:
         """(s, k) int64: the facets cut into simplices, oriented outward."""
-        return ids(self._solid.simplices)
+        return self._solid.simplices
 
     @property
     def simplex_neighbours(self) -> npt.NDArray[np.int32]:
@@ -168,15 +190,66 @@ class Hull:
     ) -> Any:
         """Whether each point lies in the hull or on its boundary; exact.
 
-        points : (m, d) array, giving an (m,) bool array; or (d,), giving a bool. For a flat hull,
-        points off the flat are outside.
+        Parameters
+        ----------
+        points : (m, d) or (d,) array
+        threads : int, optional
+            Threads to use; all the machine offers if not given.
+        progress : callable or bool
+            As in `convex_hull`.
+
+        Returns
+        -------
+        (m,) bool array; a bool for one point (d,)
+            For a flat hull, points off the flat are outside.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another dimension, or an empty hull.
+        NotFinite (a ValueError)
+            For a NaN or an infinity.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0.5]])
+        >>> hull.contains([[1, 0], [1, 2]]), hull.contains([2, 1])
+        (array([ True, False]), True)
         """
         array, single = as_questions(points, self.dimension, "points")
         answer = self._solid.contains(array, settings(threads=threads, progress=progress))
         return bool(answer[0]) if single else answer
 
     def sides(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Any:
-        """-1 inside, 0 on the boundary, 1 outside; exact. (m, d) to (m,) int8; (d,) to int."""
+        """Where each point lies, exactly: -1 inside, 0 on the boundary, 1 outside.
+
+        Parameters
+        ----------
+        points : (m, d) or (d,) array
+        threads : int, optional
+            Threads to use; all the machine offers if not given.
+        progress : callable or bool
+            As in `convex_hull`.
+
+        Returns
+        -------
+        (m,) int8 array; an int for one point (d,)
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another dimension, or an empty hull.
+        NotFinite (a ValueError)
+            For a NaN or an infinity.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0.5]])
+        >>> hull.sides([[1, 0.5], [1, 0], [1, 2]])
+        array([-1,  0,  1], dtype=int8)
+        """
         array, single = as_questions(points, self.dimension, "points")
         answer = self._solid.sides(array, settings(threads=threads, progress=progress))
         return int(answer[0]) if single else answer
@@ -186,7 +259,32 @@ class Hull:
     ) -> Any:
         """Euclidean distance to the hull in the points' units; inside, minus that to the boundary.
 
-        (m, d) to (m,) float64; (d,) to float. Relative error about 2**-40 of the hull's extent.
+        Parameters
+        ----------
+        points : (m, d) or (d,) array
+        threads : int, optional
+            Threads to use; all the machine offers if not given.
+        progress : callable or bool
+            As in `convex_hull`.
+
+        Returns
+        -------
+        (m,) float64 array; a float for one point (d,)
+            Relative error about 2**-40 of the hull's extent.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another dimension, or an empty hull.
+        NotFinite (a ValueError)
+            For a NaN or an infinity.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0.5]])
+        >>> hull.distance([[1, 0.5], [5, 5]])
+        array([-0.5,  5. ])
         """
         array, single = as_questions(points, self.dimension, "points")
         answer = self._solid.distances(array, settings(threads=threads, progress=progress))
@@ -195,30 +293,108 @@ class Hull:
     def nearest_facets(
         self, points: Any, *, threads: int | None = None, progress: Progress = None
     ) -> NearestFacets:
-        """The facet nearest to each of (m, d) points, and the signed distance."""
+        """The facet nearest to each point, and the signed distance.
+
+        Parameters
+        ----------
+        points : (m, d) or (d,) array
+        threads : int, optional
+            Threads to use; all the machine offers if not given.
+        progress : callable or bool
+            As in `convex_hull`.
+
+        Returns
+        -------
+        NearestFacets
+            ``facets``, (m,) int64, and ``distances``, (m,) float64.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another dimension, or an empty hull.
+        NotFinite (a ValueError)
+            For a NaN or an infinity.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0.5]])
+        >>> hull.nearest_facets([[1.0, 0.25]]).distances
+        array([-0.25])
+        """
         array, _ = as_questions(points, self.dimension, "points")
         facets, distances = self._solid.nearest_facets(
             array, settings(threads=threads, progress=progress)
         )
-        return NearestFacets(ids(facets), distances)
+        return NearestFacets(facets, distances)
 
     def support(
         self, directions: Any, *, threads: int | None = None, progress: Progress = None
     ) -> Any:
         """Index of the vertex farthest along each direction; exact, the lowest index of several.
 
-        (m, d) to (m,) int64; (d,) to int.
+        Parameters
+        ----------
+        directions : (m, d) or (d,) array
+            Of any length.
+        threads : int, optional
+            Threads to use; all the machine offers if not given.
+        progress : callable or bool
+            As in `convex_hull`.
+
+        Returns
+        -------
+        (m,) int64 array; an int for one direction (d,)
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another dimension, or an empty hull.
+        NotFinite (a ValueError)
+            For a NaN or an infinity.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0.5]])
+        >>> hull.support([[1, 1], [-1, -1]]), hull.support([0, 1])
+        (array([2, 0]), 2)
         """
         array, single = as_questions(directions, self.dimension, "directions")
         answer = self._solid.supports(array, settings(threads=threads, progress=progress))
-        return int(answer[0]) if single else ids(answer)
+        return int(answer[0]) if single else answer
 
     def visible_from(self, point: Any) -> npt.NDArray[np.int64]:
-        """Indices, ascending, of the facets that the point (d,) lies strictly above; exact."""
+        """The facets that a point lies strictly above; exact.
+
+        Parameters
+        ----------
+        point : (d,) array
+
+        Returns
+        -------
+        (v,) int64 array
+            Indices of facets, ascending.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another dimension, or an empty hull.
+        NotFinite (a ValueError)
+            For a NaN or an infinity.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0.5]])
+        >>> facets = hull.visible_from([3, 0.5])
+        >>> [hull.facets[f].tolist() for f in facets]
+        [[1, 2]]
+        """
         array, single = as_questions(point, self.dimension, "point")
         if not single:
             raise InvalidArgument("`point` should be one point, shape (d,)")
-        return ids(self._solid.visible_facets(array, settings()))
+        return self._solid.visible_facets(array, settings())
 
     def rays(
         self,
@@ -230,7 +406,36 @@ class Hull:
     ) -> Rays:
         """Where the lines ``origin + t * direction`` enter and leave the hull.
 
-        Both (m, d), or one of them (d,) to stand for all. Only for full-dimensional hulls.
+        Only for full-dimensional hulls.
+
+        Parameters
+        ----------
+        origins, directions : (m, d) arrays
+            Or one of them (d,), to stand for all.
+        threads : int, optional
+            Threads to use; all the machine offers if not given.
+        progress : callable or bool
+            As in `convex_hull`.
+
+        Returns
+        -------
+        Rays
+            ``hit``, ``enter``, ``exit``, ``enter_facets``, ``exit_facets``, (m,) each.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another dimension, unequal numbers of both, or a flat hull.
+        NotFinite (a ValueError)
+            For a NaN or an infinity.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0.5]])
+        >>> found = hull.rays([1, 0.5], [[1, 0], [0, 1]])
+        >>> found.enter, found.exit
+        (array([-1. , -0.5]), array([1. , 0.5]))
         """
         from_, _ = as_questions(origins, self.dimension, "origins")
         to, _ = as_questions(directions, self.dimension, "directions")
@@ -242,13 +447,126 @@ class Hull:
         hit, enter, exit, first, last = self._solid.rays(
             from_, to, settings(threads=threads, progress=progress)
         )
-        return Rays(hit, enter, exit, ids(first), ids(last))
+        return Rays(hit, enter, exit, first, last)
 
     def certify(
         self, points: Any, *, threads: int | None = None, progress: Progress = None
     ) -> Certificate:
-        """Checks the hull against the points it is said to be the hull of: see `certify`."""
-        return certify(points, self, threads=threads, progress=progress)
+        """Checks the hull against the points it is said to be the hull of: see `certify`.
+
+        Parameters
+        ----------
+        points : (n, d) array
+        threads : int, optional
+            Threads to use; all the machine offers if not given.
+        progress : callable or bool
+            As in `convex_hull`.
+
+        Returns
+        -------
+        Certificate
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For points of another shape or type.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> points = cullhull.generate("ball", 100)
+        >>> cullhull.convex_hull(points).certify(points)
+        <Certificate: valid>
+        """
+        chosen = settings(threads=threads, progress=progress)
+        return _core.certify(as_points(points), self._solid, chosen)
+
+    # With fewer vertices and planes
+
+    def simplify(
+        self, distance: float, *, threads: int | None = None, progress: Progress = None
+    ) -> Simplified:
+        """Drops vertices within `distance` of the hull of those kept.
+
+        The result is the exact hull of the kept vertices, so it is certified against those, not
+        against all points. It spans the same flat, however large the distance.
+
+        Parameters
+        ----------
+        distance : float
+            Not negative; in the points' units. 0 drops nothing.
+        threads, progress : as in `convex_hull`
+
+        Returns
+        -------
+        Simplified
+            The hull, how many vertices were dropped, and how far they are at most.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For a distance that is negative or not finite.
+        KeyboardInterrupt
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull(cullhull.generate("sphere", 1000, 3))
+        >>> small = hull.simplify(0.05)
+        >>> small.dropped > 500, small.distance <= 0.05
+        (True, True)
+        """
+        solid, dropped, reached = _core.simplify(
+            self._solid, float(distance), settings(threads=threads, progress=progress)
+        )
+        return Simplified(Hull._of(solid), dropped, reached)
+
+    def shared_planes(self, distance: float) -> npt.NDArray[np.int64]:
+        """For each facet one whose plane is within `distance` of all its vertices.
+
+        ``facet_planes[shared_planes(distance)]`` are the planes of facets that are merged where
+        they lie in one plane but for that distance; facets of one plane are connected.
+
+        Parameters
+        ----------
+        distance : float
+            Not negative; in the points' units. 0 gives each facet itself.
+
+        Returns
+        -------
+        (f,) int64
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For a distance that is negative or not finite.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull([[0, 0], [1, -1e-9], [2, 0], [1, 1]])
+        >>> hull.facet_count, len(set(hull.shared_planes(1e-8).tolist()))
+        (4, 3)
+        """
+        return _core.shared_planes(self._solid, float(distance))
+
+    def rounding_distance(self) -> float:
+        """How far points of the hull of others may leave it by turns and shifts in doubles.
+
+        A distance for `simplify` and `shared_planes` where coordinates are rounded.
+
+        Returns
+        -------
+        float
+            64 d^1.5 2^-53 times the largest coordinate of a vertex.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> f"{cullhull.convex_hull([[0, 0], [1, 0], [0, 1]]).rounding_distance():.2g}"
+        '2e-14'
+        """
+        return _core.rounding_distance(self._solid)
 
     # Out of Python
 
@@ -257,31 +575,98 @@ class Hull:
     ) -> None:
         """Writes a file: .ply .obj .off .stl (2D and 3D), .json (everything), .txt (as qconvex).
 
-        points : the points the hull was computed from. Without them the file is about the vertices
-        alone, numbered in the order of their indices.
-        format : overrides the path's extension. The file appears whole or not at all.
+        The file appears whole or not at all.
+
+        Parameters
+        ----------
+        path : str or path
+        points : (n, d) array, optional
+            Those the hull was computed from. Without them the file is about the vertices alone,
+            numbered in the order of their indices.
+        format : str
+            Overrides the path's extension.
+
+        Raises
+        ------
+        FileError (an OSError)
+            Where the system refuses.
+        InvalidArgument or BadFile (a ValueError)
+            For an unknown format, or one that has no place for the hull's dimension.
+
+        Examples
+        --------
+        >>> import cullhull, os, tempfile
+        >>> points = cullhull.generate("ball", 100)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     cullhull.convex_hull(points).save(os.path.join(folder, "hull.ply"), points)
+        ...     os.listdir(folder)
+        ['hull.ply']
         """
         array = None if points is None else as_points(points)
         _core.save(os.fspath(path), self._solid, array, format)
 
     def plot(self, ax: Any = None, **style: Any) -> Any:
-        """Draws a hull in 2D or 3D with Matplotlib and returns the axes.
+        """Draws a hull in 2D or 3D with Matplotlib.
 
-        style : passed to ``PolyCollection`` or ``Poly3DCollection`` (facecolor, alpha, ...).
+        Parameters
+        ----------
+        ax : Matplotlib axes, optional
+            A new figure's if not given.
+        style
+            Passed to ``PolyCollection`` or ``Poly3DCollection`` (facecolor, alpha, ...).
+
+        Returns
+        -------
+        The axes.
+
+        Raises
+        ------
+        ImportError
+            Without Matplotlib.
+        InvalidArgument (a ValueError)
+            In other dimensions.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> axes = cullhull.convex_hull([[0, 0], [1, 0], [0, 1]]).plot()  # doctest: +SKIP
         """
-        return _show.plot(self, ax, style)
+        return _show.plot(self._solid, ax, style)
 
     def view(self, points: Any = None, path: Any = None, *, show: bool = True) -> str:
         """Writes an interactive HTML page of the hull and opens it in a browser.
 
-        points : the points the hull was computed from, to be drawn too (a sample of many).
-        path : where to write; a temporary file if not given. Returns the path.
-        show : False only writes the page.
+        Parameters
+        ----------
+        points : (n, d) array, optional
+            Those the hull was computed from, to be drawn too (a sample of many).
+        path : str or path, optional
+            Where to write; a temporary file if not given.
+        show : bool
+            False only writes the page.
+
+        Returns
+        -------
+        str
+            The page's path.
+
+        Raises
+        ------
+        BackendUnavailable (a RuntimeError)
+            In a build without the viewer.
+        Error
+            For what the viewer cannot draw.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> cullhull.convex_hull([[0, 0], [1, 0], [0, 1]]).view()  # doctest: +SKIP
+        '/tmp/hull-xxxxxxxx.html'
         """
-        return _show.view(self, points, path, show)
+        return _show.view(self._solid, points, path, show)
 
     def _repr_html_(self) -> str:
-        return _show.html(self)
+        return _show.html(self._solid, self.certificate)
 
     def __repr__(self) -> str:
         flat = "" if self.affine_dimension == self.dimension else (
@@ -293,123 +678,5 @@ class Hull:
         )
 
 
-def convex_hull(
-    points: Any,
-    *,
-    backend: str = "auto",
-    cull: str = "auto",
-    threads: int | None = None,
-    memory_budget: int | None = None,
-    certify: bool = False,
-    progress: Progress = None,
-) -> Hull:
-    """The exact convex hull of any number of points in any dimension.
-
-    No option changes the result, only how it is reached.
-
-    Parameters
-    ----------
-    points : (n, d) array
-        Read in place, without a copy, for float32, float64, booleans and integers up to 32 bits
-        of any strides (slices, Fortran order, memory maps, fields of records), and for DLPack
-        arrays on the host. Arrays in a CUDA device's memory (``__cuda_array_interface__``, DLPack)
-        are culled there, and only survivors are copied. Other real types are converted to doubles
-        if that is exact. It must not change during the call.
-    backend : 'auto', 'cpu' or 'cuda'
-    cull : 'auto', 'gauge', 'pseudo-hull' or 'none'
-        The filter that drops points strictly inside before the hull is computed.
-    threads : int, optional
-        Threads to use; all the machine offers if not given.
-    memory_budget : int, optional
-        Bytes to allocate beyond the input; half of the machine's memory (of its
-        container's, where that is less) if not given.
-    certify : bool
-        Check the result with an independent exact test, kept as ``hull.certificate``.
-    progress : callable or bool
-        Called now and then as ``progress(phase, share)``, share in [0, 1]; it may raise, which
-        stops the work. True shows a tqdm bar.
-
-    Raises
-    ------
-    NotFinite (a ValueError)
-        For a NaN or an infinity; names the first bad point.
-    OutOfBudget (a MemoryError), BackendUnavailable (a RuntimeError), KeyboardInterrupt
-    """
-    chosen = settings(
-        backend=backend,
-        cull=cull,
-        threads=threads,
-        memory_budget=memory_budget,
-        progress=progress,
-    )
-    device = as_device_points(points)
-    if device is not None:
-        if certify:
-            raise InvalidArgument("certify=True needs points on the host")
-        return Hull._of(_core.convex_hull_of_device_points(device, chosen))
-    array = as_points(points)
-    hull = Hull._of(_core.convex_hull(array, chosen))
-    if certify:
-        hull.certificate = _core.certify(array, hull._solid, chosen)
-        if not hull.certificate:
-            raise NotCertified(hull.certificate.reason)
-    return hull
-
-
-def cull(
-    points: Any,
-    *,
-    backend: str = "auto",
-    method: str = "auto",
-    threads: int | None = None,
-    memory_budget: int | None = None,
-    progress: Progress = None,
-) -> npt.NDArray[np.int64]:
-    """Indices, ascending, of points that may be extreme: the filter alone, in front of other code.
-
-    Every extreme point and every duplicate of one is among them; what is dropped lies strictly
-    inside the hull. ``points[cullhull.cull(points)]`` has the same hull as ``points``.
-
-    points : (n, d) array; method : 'auto', 'gauge', 'pseudo-hull' or 'none'; the rest as in
-    `convex_hull`. Returns an (s,) int64 array.
-    """
-    chosen = settings(
-        backend=backend,
-        cull=method,
-        threads=threads,
-        memory_budget=memory_budget,
-        progress=progress,
-    )
-    device = as_device_points(points)
-    if device is not None:
-        return ids(_core.cull_device_points(device, chosen))
-    return ids(_core.cull(as_points(points), chosen))
-
-
-def certify(
-    points: Any, hull: Hull, *, threads: int | None = None, progress: Progress = None
-) -> Certificate:
-    """An independent, exact check that ``hull`` is the hull of ``points``, with no engine code.
-
-    Returns a `Certificate`: true if proven, else its ``reason`` names the first thing wrong.
-    """
-    if not isinstance(hull, Hull):
-        raise TypeError(f"hull must be a cullhull.Hull, not {type(hull).__name__}")
-    return _core.certify(
-        as_points(points), hull._solid, settings(threads=threads, progress=progress)
-    )
-
-
-def generate(
-    shape: str, count: int, dimension: int = 3, *, seed: int = 1
-) -> npt.NDArray[np.float64]:
-    """(count, dimension) float64 test points; `shapes` tells which shapes there are.
-
-    The same arguments give the same bits on every machine.
-    """
-    return _core.generate(shape, count, dimension, seed).reshape(count, dimension)
-
-
-def shapes() -> dict[str, str]:
-    """The shapes `generate` knows, with a description each."""
-    return _core.shapes()
+def _hull_of_state(state: dict[str, Any], certificate: Certificate | None) -> Hull:
+    return Hull._of(_core.solid_of_state(state), certificate)

@@ -10,18 +10,27 @@ import numpy as np
 import numpy.typing as npt
 
 
-def ids(numbers: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
-    """The same memory as NumPy's own int64: buffers say "long long", which prints differently."""
-    return numbers.view(np.int64)
-
-
 class Lists(Sequence[npt.NDArray[Any]]):
     """A sequence of integer arrays: ``lists[i]`` is ``items[offsets[i]:offsets[i + 1]]``, a view.
 
-    Attributes
+    Parameters
     ----------
     offsets : (n + 1,) int64 array
+        Ascending from 0: where each list begins, and where the last ends. An attribute.
     items : (offsets[-1],) integer array
+        The lists, end to end. An attribute.
+
+    Raises
+    ------
+    IndexError
+        For a list that is not there.
+
+    Examples
+    --------
+    >>> import cullhull, numpy as np
+    >>> lists = cullhull.Lists(np.array([0, 2, 5]), np.array([7, 8, 1, 2, 3]))
+    >>> lists[1], len(lists), lists.lengths()
+    (array([1, 2, 3]), 2, array([2, 3]))
     """
 
     __slots__ = ("items", "offsets")
@@ -53,11 +62,25 @@ class Lists(Sequence[npt.NDArray[Any]]):
             yield self.items[self.offsets[i] : self.offsets[i + 1]]
 
     def lengths(self) -> npt.NDArray[np.int64]:
-        """The length of every list, (n,) int64."""
+        """The length of every list.
+
+        Returns
+        -------
+        (n,) int64 array
+
+        >>> import cullhull, numpy as np
+        >>> cullhull.Lists(np.array([0, 2, 5]), np.arange(5)).lengths()
+        array([2, 3])
+        """
         return np.diff(self.offsets)
 
     def tolist(self) -> list[list[int]]:
-        """Plain Python lists."""
+        """Plain Python lists of int.
+
+        >>> import cullhull, numpy as np
+        >>> cullhull.Lists(np.array([0, 2, 5]), np.arange(5)).tolist()
+        [[0, 1], [2, 3, 4]]
+        """
         return [part.tolist() for part in self]
 
     def __repr__(self) -> str:

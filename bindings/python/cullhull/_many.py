@@ -10,17 +10,36 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arguments import Progress, as_points, settings
+from ._arguments import Progress, as_count, as_point_set, as_points, settings
 from ._errors import InvalidArgument
 from ._hull import Hull
-from ._lists import Lists, ids
+from ._lists import Lists
 
 
 class HullBatch(Sequence[Hull]):
     """The hulls of many sets, from `convex_hulls`: a sequence of `Hull`, and arrays over all.
 
     Below, b is the number of sets and d the dimension. Vertex indices count from a set's first
-    point. Arrays are read-only views.
+    point. Arrays are read-only views. A batch never changes: copies share its memory, and a pickle
+    holds the arrays.
+
+    Raises
+    ------
+    TypeError
+        When called: batches are made by `convex_hulls`.
+    IndexError
+        For a set that is not there.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> batch = cullhull.convex_hulls(cullhull.generate("cube", 600).reshape(20, 30, 3))
+    >>> batch
+    <HullBatch of 20 hulls in 3D>
+    >>> len(batch), batch[3].point_count, batch.volumes.shape, batch.centroids.shape
+    (20, 30, (20,), (20, 3))
+    >>> bool((batch.facet_counts == [hull.facet_count for hull in batch]).all())
+    True
     """
 
     __slots__ = ("_batch",)
@@ -35,6 +54,15 @@ class HullBatch(Sequence[Hull]):
         result = object.__new__(cls)
         result._batch = batch
         return result
+
+    def __copy__(self) -> HullBatch:
+        return HullBatch._of(self._batch)  # nobody can change either
+
+    def __deepcopy__(self, memo: Any) -> HullBatch:
+        return self.__copy__()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _batch_of_state, (_core.state_of_batch(self._batch),)
 
     def __len__(self) -> int:
         return len(self._batch)
@@ -64,7 +92,7 @@ class HullBatch(Sequence[Hull]):
     @property
     def point_counts(self) -> npt.NDArray[np.int64]:
         """(b,) int64: number of points of each set."""
-        return ids(self._batch.point_counts)
+        return self._batch.point_counts
 
     @property
     def affine_dimensions(self) -> npt.NDArray[np.int32]:
@@ -89,7 +117,7 @@ class HullBatch(Sequence[Hull]):
     @property
     def vertices(self) -> Lists:
         """For each set the indices of its vertices: see `Hull.vertices`."""
-        return Lists(ids(self._batch.vertex_offsets), ids(self._batch.vertices))
+        return Lists(self._batch.vertex_offsets, self._batch.vertices)
 
     @property
     def vertex_points(self) -> npt.NDArray[np.float64]:
@@ -99,7 +127,7 @@ class HullBatch(Sequence[Hull]):
     @property
     def facet_counts(self) -> npt.NDArray[np.int64]:
         """(b,) int64: number of facets of each set."""
-        return np.diff(ids(self._batch.facet_starts))
+        return np.diff(self._batch.facet_starts)
 
     @property
     def facet_planes(self) -> npt.NDArray[np.float64]:
@@ -109,10 +137,14 @@ class HullBatch(Sequence[Hull]):
     @property
     def simplices(self) -> Lists:
         """For each set its simplices, k indices each, end to end."""
-        return Lists(ids(self._batch.simplex_offsets), ids(self._batch.simplices))
+        return Lists(self._batch.simplex_offsets, self._batch.simplices)
 
     def __repr__(self) -> str:
         return f"<HullBatch of {len(self)} hulls in {self.dimension}D>"
+
+
+def _batch_of_state(state: dict[str, Any]) -> HullBatch:
+    return HullBatch._of(_core.batch_of_state(state))
 
 
 def convex_hulls(
@@ -133,7 +165,24 @@ def convex_hulls(
         Set i is ``points[offsets[i]:offsets[i + 1]]``.
     threads, memory_budget, progress : as in `convex_hull`
 
-    Errors name the set and the point within it.
+    Returns
+    -------
+    HullBatch
+
+    Raises
+    ------
+    InvalidArgument, NotFinite (ValueErrors), TypeError, OutOfBudget (a MemoryError)
+        As `convex_hull`, naming the set and the point within it; and for offsets that do not fit.
+
+    Examples
+    --------
+    >>> import cullhull, numpy as np
+    >>> points = cullhull.generate("cube", 100, 2)
+    >>> batch = cullhull.convex_hulls(points, [0, 40, 100])
+    >>> batch.point_counts, batch.affine_dimensions
+    (array([40, 60]), array([2, 2], dtype=int32))
+    >>> bool(cullhull.convex_hulls([points[:40], points[40:]])[1].volume == batch.volumes[1])
+    True
     """
     if offsets is None:
         array, starts = _end_to_end(points)
@@ -178,14 +227,45 @@ class GrowingHull:
     """The hull of points added batch by batch, which need not be kept: only vertices are.
 
     Indices number the points in the order in which they were added. The result is the same, bit for
-    bit, as that of `convex_hull` of all points at once. One thread at a time may use it.
+    bit, as that of `convex_hull` of all points at once. One thread at a time may use it. Copies and
+    pickles go on by themselves from where it is.
+
+    Parameters
+    ----------
+    dimension : int
+        d, at least 1.
+
+    Raises
+    ------
+    InvalidArgument (a ValueError)
+        For a dimension that is none.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> growing = cullhull.GrowingHull(2)
+    >>> growing.add([[0, 0], [1, 0], [0, 1]]), growing.add([[1, 1], [0.5, 0.5]])
+    (3, 1)
+    >>> growing.hull.volume, growing.dimension
+    (1.0, 2)
     """
 
     __slots__ = ("_grower", "_hull")
 
     def __init__(self, dimension: int) -> None:
-        self._grower = _core.Grower(operator.index(dimension))
+        d = as_count(dimension, "dimension", least=1, most=2**32 - 1)
+        self._grower = _core.Grower(d)
         self._hull: Hull | None = None
+
+    @classmethod
+    def _of(cls, hull: Hull) -> GrowingHull:
+        growing = object.__new__(cls)
+        growing._grower = _core.Grower(hull._solid)
+        growing._hull = hull
+        return growing
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return GrowingHull._of, (self.hull,)
 
     def add(
         self,
@@ -195,12 +275,31 @@ class GrowingHull:
         memory_budget: int | None = None,
         progress: Progress = None,
     ) -> int:
-        """Adds (n, d) points; returns how many of them lay outside the hull before.
+        """Adds points. A call that fails or is interrupted changes nothing.
 
-        A call that fails or is interrupted changes nothing.
+        Parameters
+        ----------
+        points : (n, d) array
+        threads, memory_budget, progress : as in `convex_hull`
+
+        Returns
+        -------
+        int
+            How many of them lay outside the hull before.
+
+        Raises
+        ------
+        InvalidArgument, NotFinite (ValueErrors), TypeError, OutOfBudget (a MemoryError)
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> growing = cullhull.GrowingHull(3)
+        >>> growing.add(cullhull.generate("ball", 1000))
+        1000
         """
         chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
-        outside: int = self._grower.add(as_points(points), chosen)
+        outside: int = self._grower.add(as_point_set(points), chosen)
         self._hull = None
         return outside
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import Enum
 
-from ._errors import InvalidArgument
+from ._errors import InvalidArgument, OptionWarning, warn
 
 
 @dataclass(frozen=True)
@@ -19,72 +20,119 @@ class QhullOptions:
     #: QGn, QG-n: leave point n out and mark the facets it sees, or does not see.
     good_point: int | None = None
     good_if_visible: bool = True
+    #: QJ: flat input is no error, not even where it is in SciPy.
+    joggled: bool = False
+
+
+NOTHING = QhullOptions()
+
+
+class Kind(Enum):
+    """What becomes of an option."""
+
+    works = "works as in Qhull"
+    silent = "accepted: the result has what it asks for, or never depends on it"
+    warned = "accepted with an OptionWarning: it has no effect here"
+    refused = "raises ValueError: the answer would be another"
 
 
 _NUMBER = r"-?\d+(\.\d*)?([eE][-+]?\d+)?"
 
-# Without effect here, because they change how Qhull computes and rounds, not what it means to
-# compute: each with what it does there.
-_NO_EFFECT = re.compile(
-    "|".join(
-        [
-            "Qt",  # triangulate facets: simplices always are
-            "Qx|Qs|Qf|Qv|Qw|Qa",  # merging, first simplex, order of work, allowed warnings
-            "Qbb|QbB",  # scale the input while computing; our coordinates stay the caller's
-            "Q([0-9]|1[0-9])",  # Q0 to Q19: merging and searching in detail
-            f"C-?({_NUMBER})?",  # merge almost coplanar facets
-            f"[AERUVW]({_NUMBER})",  # tolerances: angle, distance, perturbation, visibility, width
-            "Pp|PF?",  # no precision warnings
-            "T[cs]|Tv|T-?\\d+",  # checking, statistics, tracing
-        ]
-    )
+#: Every option that Qhull documents: pattern, what becomes of it, why. The first that fits counts.
+TABLE: tuple[tuple[str, Kind, str], ...] = (
+    ("Qc|Qi", Kind.works, "lists points in `coplanar`"),
+    (r"QG-?\d+", Kind.works, "marks `good` simplices"),
+    ("Qt", Kind.silent, "simplices are what one always gets"),
+    ("Qx|Q([0-9]|1[0-9])|C-0", Kind.silent, "steers the merging that rounding makes necessary"),
+    ("Q[rfsvwa]", Kind.silent, "steers the order of the work or the checks of the options"),
+    ("P[po]", Kind.silent, "hides precision problems, of which there are none"),
+    (f"T([acfsvz]|-?\\d+|F\\d+|[PRW]{_NUMBER}|M\\d+)", Kind.silent, "traces, counts or checks"),
+    (
+        f"QJ({_NUMBER})?",
+        Kind.warned,
+        "joggles the input until rounding does no harm; here none does, with any input, and the "
+        "hull is that of the points as they are",
+    ),
+    (
+        "QbB|Qbb",
+        Kind.warned,
+        "scales the input against rounding; here `equations`, `area` and `volume` are those of "
+        "the points as they are",
+    ),
+    (
+        f"QR{_NUMBER}",
+        Kind.warned,
+        "rotates the input to try other roundings; here `equations` are those of the points as "
+        "they are",
+    ),
+    (
+        f"C-?({_NUMBER})?|[AERUVW]{_NUMBER}",
+        Kind.warned,
+        "sets a tolerance; here there is none, and no facet is merged or moved",
+    ),
+    ("Qm", Kind.warned, "skips points within a tolerance; here there is none"),
+    (
+        r"QV-?\d+|Pg|PG|P[AMF]\d*(\.\d*)?|P[dD]\d+(:.+)?",
+        Kind.warned,
+        "selects facets to print; here, as in SciPy, nothing is printed",
+    ),
+    (
+        "[fimnopsG]|F[a-zA-Z]|G[a-zA-Z]+\\d*",
+        Kind.warned,
+        "is a format to print; here, as in SciPy, nothing is printed (python -m cullhull hull "
+        "--format prints)",
+    ),
+    ("Qg", Kind.refused, "builds only part of the hull; QGn marks the facets seen instead"),
+    ("Q[uz]", Kind.refused, "is for Delaunay triangulations"),
+    (r"QV.*", Kind.refused, "needs a point's number: QVn"),
+    (r"Q[bB]\d+.*", Kind.refused, "scales or drops a coordinate; change the array instead"),
+    (r"T[ACV].*", Kind.refused, "stops before the hull is whole"),
+    ("T[IO].*", Kind.refused, "reads or writes a file"),
+    ("[dv]|H.*", Kind.refused, "asks for something else than a hull"),
 )
 
-_REFUSED = {
-    "QJ": "joggles the input; results here are exact, with any input, and simplicial as they are",
-    "Qu": "asks for an upper Delaunay hull",
-    "Qz": "adds a point at infinity",
-    "Qg": "builds only part of the hull; QGn marks the facets seen instead",
-    "Qm": "leaves points out",
-    "Qr": "builds the hull in random order without its precision handling",
-    "QV": "selects the facets at a point; compare `simplices` with it instead",
-    "QR": "rotates the input and reports rotated planes",
-    "Qb": "scales or drops a coordinate; change the array instead",
-    "QB": "scales a coordinate; change the array instead",
-    "Pd": "drops facets from the output",
-    "PD": "drops facets from the output",
-    "PG": "drops facets from the output",
-    "F": "asks for printed output, which the command line has (python -m cullhull hull --format)",
-}
+_TABLE = [(re.compile(pattern), kind, why) for pattern, kind, why in TABLE]
 
 
 def parse(options: str | bytes | None) -> QhullOptions:
-    """Reads an option string as SciPy takes it. Raises InvalidArgument for what would change the
-    result in a way that is not supported, and for unknown options."""
+    """Reads an option string as SciPy takes it, with one OptionWarning for what has no effect.
+
+    Raises InvalidArgument for what would change the answer, and for unknown options.
+    """
     if options is None:
-        return QhullOptions()
+        return NOTHING
     if isinstance(options, bytes):
         options = options.decode("latin1")
     if not isinstance(options, str):
         raise TypeError(f"qhull_options must be a string, not {type(options).__name__}")
-    coplanar = interior = False
-    good_point: int | None = None
-    visible = True
+    found = NOTHING
+    without_effect = []
     for word in options.split():
-        good = re.fullmatch(r"QG(-?)(\d+)", word)
-        if word == "Qc":
-            coplanar = True
-        elif word == "Qi":
-            interior = True
-        elif good:
-            visible, good_point = good[1] == "", int(good[2])
-        elif not _NO_EFFECT.fullmatch(word):
-            raise InvalidArgument(f"Qhull option {word!r} {_reason(word)}")
-    return QhullOptions(coplanar, interior, good_point, visible)
+        kind, why = kind_of(word)
+        if kind is Kind.refused:
+            raise InvalidArgument(f"Qhull option {word!r} is not supported: it {why}")
+        if kind is Kind.warned:
+            without_effect.append(f"{word!r} {why}")
+        if kind is Kind.works or word.startswith("QJ"):
+            found = _with(found, word)
+    if without_effect:
+        warn(f"Qhull option without effect: {'; '.join(without_effect)}", OptionWarning)
+    return found
 
 
-def _reason(word: str) -> str:
-    for start, reason in _REFUSED.items():
-        if word.startswith(start):
-            return f"is not supported: it {reason}"
-    return "is unknown"
+def kind_of(word: str) -> tuple[Kind, str]:
+    """What becomes of one option, and why. Raises InvalidArgument for unknown ones."""
+    for pattern, kind, why in _TABLE:
+        if pattern.fullmatch(word):
+            return kind, why
+    raise InvalidArgument(f"Qhull option {word!r} is unknown")
+
+
+def _with(options: QhullOptions, word: str) -> QhullOptions:
+    if word == "Qc":
+        return replace(options, coplanar=True)
+    if word == "Qi":
+        return replace(options, interior=True)
+    if word.startswith("QJ"):
+        return replace(options, joggled=True)
+    return replace(options, good_point=int(word[2:].lstrip("-")), good_if_visible="-" not in word)

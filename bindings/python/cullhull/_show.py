@@ -8,34 +8,32 @@ import subprocess
 import tempfile
 import webbrowser
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from . import _core
 from ._arguments import as_points
 from ._errors import BackendUnavailable, Error, InvalidArgument
-
-if TYPE_CHECKING:
-    from ._hull import Hull
 
 _SVG_FACETS = 3000
 _SVG_SIZE = 220.0
 
 
-def polygons(hull: Hull) -> list[npt.NDArray[np.float64]]:
+def polygons(hull: _core.Solid) -> list[npt.NDArray[np.float64]]:
     """The facets as (m, d) outlines; a hull in its own plane is one polygon."""
     if hull.affine_dimension == 2:
         return [hull.vertex_points]
     order = np.argsort(hull.vertices)
-    places = order[np.searchsorted(hull.vertices, hull.facets.items, sorter=order)]
-    offsets = hull.facets.offsets
+    places = order[np.searchsorted(hull.vertices, hull.facet_vertices, sorter=order)]
+    offsets = hull.facet_offsets
     return [
         hull.vertex_points[places[offsets[i] : offsets[i + 1]]] for i in range(hull.facet_count)
     ]
 
 
-def plot(hull: Hull, ax: Any, style: dict[str, Any]) -> Any:
+def plot(hull: _core.Solid, ax: Any, style: dict[str, Any]) -> Any:
     if hull.dimension not in (2, 3):
         raise InvalidArgument(f"plot() draws hulls in 2D and 3D, not {hull.dimension}D")
     try:
@@ -60,7 +58,7 @@ def plot(hull: Hull, ax: Any, style: dict[str, Any]) -> Any:
     return ax
 
 
-def view(hull: Hull, points: Any, path: Any, show: bool) -> str:
+def view(hull: _core.Solid, points: Any, path: Any, show: bool) -> str:
     """By the command line's own viewer, which reads files."""
     from .__main__ import program
 
@@ -72,7 +70,7 @@ def view(hull: Hull, points: Any, path: Any, show: bool) -> str:
     with tempfile.TemporaryDirectory() as folder:
         if points is None:
             source = os.path.join(folder, "hull.json")
-            hull.save(source)
+            _core.save(source, hull, None, "")
         else:
             source = os.path.join(folder, "points.npy")
             np.save(source, as_points(points))
@@ -88,7 +86,7 @@ def view(hull: Hull, points: Any, path: Any, show: bool) -> str:
     return page
 
 
-def html(hull: Hull) -> str:
+def html(hull: _core.Solid, certificate: _core.Certificate | None) -> str:
     rows = [
         ("points", f"{hull.point_count:,} in {hull.dimension}D"),
         ("affine dimension", str(hull.affine_dimension)),
@@ -98,8 +96,8 @@ def html(hull: Hull) -> str:
         ("area", f"{hull.area:.6g}"),
         ("computed in", f"{hull.statistics['compute_seconds'] * 1e3:.3g} ms"),
     ]
-    if hull.certificate is not None:
-        rows.append(("certified", "yes" if hull.certificate else "no"))
+    if certificate is not None:
+        rows.append(("certified", "yes" if certificate else "no"))
     cells = "".join(
         f"<tr><th style='text-align:left'>{name}</th><td>{markup.escape(value)}</td></tr>"
         for name, value in rows
@@ -108,7 +106,7 @@ def html(hull: Hull) -> str:
     return f"<div style='display:flex;align-items:center;gap:2em'>{table}{svg(hull)}</div>"
 
 
-def svg(hull: Hull) -> str:
+def svg(hull: _core.Solid) -> str:
     """The facets turned to the viewer, as outlines; empty where there is nothing to draw."""
     if (
         hull.dimension not in (2, 3)

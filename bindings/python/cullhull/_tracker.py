@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from . import _core
-from ._arguments import Progress, as_points, settings
+from ._arguments import Backend, CullMethod, Progress, as_point_set, settings
 from ._hull import Hull
 
 
@@ -20,32 +20,84 @@ class HullTracker:
     cull : 'auto', 'gauge', 'pseudo-hull' or 'none'
         How the last frame is used; 'none' computes every frame afresh.
     backend, threads, memory_budget : as in `convex_hull`, for every frame
+
+    Copies and pickles have the last hull, its report and the number of frames; their next frame is
+    computed afresh, with the same result.
+
+    Raises
+    ------
+    InvalidArgument (a ValueError), TypeError
+        For an option that is none.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> points = cullhull.generate("ball", 10_000)
+    >>> tracker = cullhull.HullTracker()
+    >>> for frame in range(3):
+    ...     hull = tracker.update(points * (1 + 0.01 * frame))
+    >>> hull is tracker.hull, tracker.report["index"]
+    (True, 2)
     """
 
-    __slots__ = ("_hull", "_tracker")
+    __slots__ = ("_choices", "_hull", "_report", "_tracker")
+
+    _hull: Hull | None
+    _report: dict[str, Any] | None
 
     def __init__(
         self,
         *,
-        backend: str = "auto",
-        cull: str = "auto",
+        backend: Backend = "auto",
+        cull: CullMethod = "auto",
         threads: int | None = None,
         memory_budget: int | None = None,
     ) -> None:
-        self._tracker = _core.Tracker(
-            settings(backend=backend, cull=cull, threads=threads, memory_budget=memory_budget)
-        )
-        self._hull: Hull | None = None
+        self._begin((backend, cull, threads, memory_budget), None, None, 0)
+
+    def _begin(
+        self, choices: Any, hull: Hull | None, report: dict[str, Any] | None, frames: int
+    ) -> None:
+        backend, cull, threads, memory_budget = self._choices = choices
+        chosen = settings(backend=backend, cull=cull, threads=threads, memory_budget=memory_budget)
+        self._tracker = _core.Tracker(chosen, frames)
+        self._hull = hull
+        self._report = report  # of the tracker this is a copy of, until there is one of its own
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        report = None if self._hull is None else self.report
+        return _tracker_of, (self._choices, self._hull, report, self._tracker.frames)
 
     def update(self, points: Any, *, progress: Progress = None) -> Hull:
-        """The hull of the (n, d) points at their new places, read in place.
+        """The hull of the points at their new places.
 
-        Point i is the point i of the frame before if n and d are the same; else tracking starts
-        afresh. Errors begin with ``frame N:``; the tracker then still knows the last hull that
-        succeeded. An update that is interrupted makes the next frame start afresh.
+        Parameters
+        ----------
+        points : (n, d) array
+            Read in place. Point i is the point i of the frame before if n and d are the same; else
+            tracking starts afresh.
+        progress : callable or bool
+            As in `convex_hull`.
+
+        Returns
+        -------
+        Hull
+
+        Raises
+        ------
+        Error
+            As `convex_hull`, beginning with ``frame N:``; the tracker then still knows the last
+            hull that succeeded. An update that is interrupted makes the next frame start afresh.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> cullhull.HullTracker().update([[0, 0], [1, 0], [0, 1]]).volume
+        0.5
         """
-        array = as_points(points)
+        array = as_point_set(points)
         self._hull = Hull._of(self._tracker.update(array, settings(progress=progress)))
+        self._report = None
         return self._hull
 
     @property
@@ -59,12 +111,27 @@ class HullTracker:
         'pseudo-hull': led by the last frame; 'static'), points left by the pass over all
         (``scan_survivors``) and by the whole filter (``survivors``), ``vertices_came``,
         ``vertices_went``, ``facets_came``, ``facets_went`` against the frame before, seconds."""
-        return self._tracker.report
+        return self._tracker.report if self._report is None else self._report
 
     def reset(self) -> None:
-        """Forgets the last frame; frames are numbered from 0 again."""
+        """Forgets the last frame; frames are numbered from 0 again.
+
+        >>> import cullhull
+        >>> tracker = cullhull.HullTracker()
+        >>> tracker.reset()
+        >>> tracker.hull is None
+        True
+        """
         self._tracker.reset()
-        self._hull = None
+        self._hull = self._report = None
 
     def __repr__(self) -> str:
         return f"<HullTracker: {self._hull!r}>"
+
+
+def _tracker_of(
+    choices: Any, hull: Hull | None, report: dict[str, Any] | None, frames: int
+) -> HullTracker:
+    tracker = object.__new__(HullTracker)
+    tracker._begin(choices, hull, report, frames)
+    return tracker

@@ -1,36 +1,116 @@
-// Results as NumPy arrays over the memory they lie in: nothing is copied, nothing can be written.
+// Results as NumPy arrays: over the memory they lie in, which nobody may write to, or in memory of
+// their own. Made with NumPy's own functions, because most hulls take less time than a detour.
 #pragma once
 
 #include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <type_traits>
 
 #include "cullhull/lists.hpp"
+#include "numpy_api.hpp"
 
 namespace binding {
 
 namespace nb = nanobind;
 
 template <class T>
-using ListView = nb::ndarray<nb::numpy, const T, nb::ndim<1>>;
+struct NumpyScalar;
+#define CULLHULL_NUMPY_SCALAR(type, number, text)              \
+  template <>                                                  \
+  struct NumpyScalar<type> {                                   \
+    static constexpr int type_number = number;                 \
+    static constexpr auto array_name = nb::detail::const_name( \
+        "numpy.typing.NDArray["                                \
+        "numpy." text "]");                                    \
+  }
+CULLHULL_NUMPY_SCALAR(bool, NPY_BOOL, "bool_");
+CULLHULL_NUMPY_SCALAR(std::int8_t, NPY_INT8, "int8");
+CULLHULL_NUMPY_SCALAR(std::int32_t, NPY_INT32, "int32");
+CULLHULL_NUMPY_SCALAR(std::int64_t, NPY_INT64, "int64");
+CULLHULL_NUMPY_SCALAR(double, NPY_FLOAT64, "float64");
+#undef CULLHULL_NUMPY_SCALAR
+
+/// A numpy.ndarray of the type T and any number of axes.
 template <class T>
-using RowView = nb::ndarray<nb::numpy, const T, nb::ndim<2>>;
-template <class T>
-using Array = nb::ndarray<nb::numpy, T, nb::ndim<1>>;
+class Array : public nb::object {
+ public:
+  static constexpr auto Name = NumpyScalar<T>::array_name;
+  Array(nb::handle h, nb::detail::borrow_t) : nb::object(h, nb::detail::borrow_t{}) {}
+  Array(nb::handle h, nb::detail::steal_t) : nb::object(h, nb::detail::steal_t{}) {}
+  static bool check_(nb::handle h) {
+    return PyArray_Check(h.ptr()) &&
+           PyArray_TYPE(reinterpret_cast<PyArrayObject*>(h.ptr())) == NumpyScalar<T>::type_number;
+  }
+
+  /// One with memory of its own, as yet without values.
+  static Array make(std::initializer_list<std::size_t> shape) {
+    return from(PyArray_New(&PyArray_Type, static_cast<int>(shape.size()), Shape(shape).sizes,
+                            NumpyScalar<T>::type_number, nullptr, nullptr, 0, 0, nullptr));
+  }
+  /// A view of `data`, which `owner` keeps alive; read-only.
+  static Array view(const T* data, std::initializer_list<std::size_t> shape, nb::handle owner) {
+    if (data == nullptr) return make(shape).lock();  // there is nothing in it
+    Array array = from(PyArray_New(&PyArray_Type, static_cast<int>(shape.size()),
+                                   Shape(shape).sizes, NumpyScalar<T>::type_number, nullptr,
+                                   const_cast<T*>(data), 0, NPY_ARRAY_CARRAY_RO, nullptr));
+    Py_INCREF(owner.ptr());
+    if (PyArray_SetBaseObject(array.numpy(), owner.ptr()) != 0) throw nb::python_error();
+    return array;
+  }
+
+  /// Whether its items lie one after another, along one axis.
+  bool is_list() { return PyArray_NDIM(numpy()) == 1 && PyArray_IS_C_CONTIGUOUS(numpy()); }
+  T* data() { return static_cast<T*>(PyArray_DATA(numpy())); }
+  std::size_t size() { return static_cast<std::size_t>(PyArray_SIZE(numpy())); }
+  Array&& lock() {
+    PyArray_CLEARFLAGS(numpy(), NPY_ARRAY_WRITEABLE);
+    return std::move(*this);
+  }
+  /// May be written to: for views of memory that nothing else shows.
+  Array&& unlock() {
+    PyArray_ENABLEFLAGS(numpy(), NPY_ARRAY_WRITEABLE);
+    return std::move(*this);
+  }
+
+ private:
+  struct Shape {
+    explicit Shape(std::initializer_list<std::size_t> shape) {
+      int axis = 0;
+      for (const std::size_t size : shape) sizes[axis++] = static_cast<npy_intp>(size);
+    }
+    npy_intp sizes[2];
+  };
+  static Array from(PyObject* array) {
+    if (array == nullptr) throw nb::python_error();
+    return Array(nb::handle(array), nb::detail::steal_t{});
+  }
+  PyArrayObject* numpy() { return reinterpret_cast<PyArrayObject*>(ptr()); }
+};
+
+/// A numpy.ndarray of int32, or int64 where that must be.
+class IdArray : public nb::object {
+ public:
+  static constexpr auto Name = nb::detail::const_name("numpy.typing.NDArray[typing.Any]");
+  IdArray(nb::handle h, nb::detail::borrow_t) : nb::object(h, nb::detail::borrow_t{}) {}
+  IdArray(nb::handle h, nb::detail::steal_t) : nb::object(h, nb::detail::steal_t{}) {}
+  template <class T>
+  IdArray(Array<T>&& array) : nb::object(std::move(array)) {}  // NOLINT: it is one
+  static bool check_(nb::handle h) { return PyArray_Check(h.ptr()); }
+};
 
 /// A list that `owner` keeps alive.
 template <class T>
-ListView<T> list_of(const T* data, std::size_t size, nb::handle owner) {
-  return ListView<T>(data, {size}, owner);
+Array<T> list_of(const T* data, std::size_t size, nb::handle owner) {
+  return Array<T>::view(data, {size}, owner);
 }
 /// The same as rows.
 template <class T>
-RowView<T> rows_of(const T* data, std::size_t rows, std::size_t width, nb::handle owner) {
-  return RowView<T>(data, {rows, width}, owner);
+Array<T> rows_of(const T* data, std::size_t rows, std::size_t width, nb::handle owner) {
+  return Array<T>::view(data, {rows, width}, owner);
 }
 
 /// Ids and offsets are below 2^63; NumPy's users want them signed, so that differences are too.
@@ -54,7 +134,7 @@ const std::int32_t* signed_numbers(const Numbers& numbers, std::size_t count) {
   return reinterpret_cast<const std::int32_t*>(numbers.data());
 }
 
-/// An array that owns `size` items of the type T, as yet without values; the memory may be filled
+/// Memory for `size` items of the type T, as yet without values, that may be taken and filled
 /// without the GIL before to_array() makes a NumPy array of it.
 template <class T>
 class Output {
@@ -65,9 +145,10 @@ class Output {
   template <class Shown = T>
   Array<Shown> to_array() && {
     static_assert(sizeof(Shown) == sizeof(T));
-    T* const raw = data_.release();
+    T* const raw = data_.get();
     const nb::capsule owner(raw, [](void* p) noexcept { delete[] static_cast<T*>(p); });
-    return Array<Shown>(reinterpret_cast<Shown*>(raw), {size_}, owner);
+    data_.release();
+    return Array<Shown>::view(reinterpret_cast<Shown*>(raw), {size_}, owner).unlock();
   }
 
  private:
@@ -75,20 +156,15 @@ class Output {
   std::unique_ptr<T[]> data_;
 };
 
-/// Over the memory of `owner` where there is any, else an array of its own: properties that give
-/// one need the policy `reference`, as the owner may be another than the object asked.
+/// Over the memory of `owner` where there is any, else an array of its own.
 template <class T>
-ListView<std::make_signed_t<T>> signed_list(const cullhull::EvenArray<T>& items, nb::handle owner) {
+Array<std::make_signed_t<T>> signed_list(const cullhull::EvenArray<T>& items, nb::handle owner) {
   using Shown = std::make_signed_t<T>;
   if (items.data() != nullptr)
     return list_of(reinterpret_cast<const Shown*>(items.data()), items.size(), owner);
-  const std::size_t count = items.size();
-  auto raw = std::make_unique<Shown[]>(count);
-  for (std::size_t i = 0; i < count; ++i) raw[i] = static_cast<Shown>(items[i]);
-  Shown* const data = raw.get();
-  const nb::capsule own(data, [](void* p) noexcept { delete[] static_cast<Shown*>(p); });
-  raw.release();
-  return list_of(data, count, own);
+  Array<Shown> all = Array<Shown>::make({items.size()});
+  for (std::size_t i = 0; i < items.size(); ++i) all.data()[i] = static_cast<Shown>(items[i]);
+  return std::move(all).lock();
 }
 
 }  // namespace binding

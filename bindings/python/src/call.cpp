@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "cullhull/device_points.hpp"
+
 namespace binding {
 
 namespace nb = nanobind;
@@ -65,6 +67,32 @@ void attend(const Mailbox::News& news, const nb::object& progress) {
   if (PyErr_CheckSignals() != 0) throw nb::python_error();
 }
 
+/// On this thread, which looks for signals wherever the library lets it.
+void run_and_poll(const Settings& settings, const std::function<void(const Options&)>& work) {
+  using Clock = std::chrono::steady_clock;
+  std::stop_source stop;
+  std::optional<nb::python_error> interruption;
+  Clock::time_point next = Clock::now() + signal_interval;
+  Options options = settings.options;
+  options.stop = stop.get_token();
+  options.poll = [&] {
+    if (Clock::now() < next || interruption) return;
+    const nb::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) {
+      interruption.emplace();
+      stop.request_stop();
+    }
+    next = Clock::now() + signal_interval;
+  };
+  try {
+    const nb::gil_scoped_release release;
+    work(options);
+  } catch (...) {
+    if (!interruption) throw;  // else it is the stop
+  }
+  if (interruption) throw std::move(*interruption);
+}
+
 void run_on_thread(const Settings& settings, const std::function<void(const Options&)>& work) {
   std::stop_source stop;
   Mailbox mailbox;
@@ -72,7 +100,10 @@ void run_on_thread(const Settings& settings, const std::function<void(const Opti
   std::optional<nb::python_error> interruption;
   Options options = settings.options;
   options.stop = stop.get_token();
-  if (!settings.progress.is_none())
+  // Which device is current is a matter of each thread, and the caller's is what is meant.
+  if (options.device < 0 && options.backend != cullhull::Backend::cpu)
+    options.device = cullhull::current_cuda_device();
+  if (settings.shows_progress())
     options.progress = [&mailbox](const char* phase, double share) {
       mailbox.report(phase, share);
     };
@@ -165,17 +196,37 @@ PyType_Slot settings_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(visit_p
 
 }  // namespace
 
-void run(const Settings& settings, bool brief, const std::function<void(const Options&)>& work) {
-  if (!brief || !settings.progress.is_none()) {
-    run_on_thread(settings, work);
-    return;
-  }
-  const nb::gil_scoped_release release;
-  work(settings.options);
+const Settings& settings_or_default(const Settings* settings) {
+  static const Settings* const as_a_rule = new Settings{};  // never freed: Python may be gone then
+  return settings != nullptr ? *settings : *as_a_rule;
 }
 
-bool is_brief(const cullhull::PointView& points) noexcept {
-  return points.dimension <= 4 && points.count <= 2000;
+void run(const Settings* given, Length length, const std::function<void(const Options&)>& work) {
+  const Settings& settings = settings_or_default(given);
+  if (length == Length::long_ || settings.shows_progress()) {
+    run_on_thread(settings, work);
+  } else if (length == Length::moderate) {
+    run_and_poll(settings, work);
+  } else {
+    const nb::gil_scoped_release release;
+    work(settings.options);
+  }
+}
+
+// A thread takes some 50 us to start and, on a busy machine, milliseconds; the bounds are where
+// that is at most some hundredths of the time that points of a ball or a sphere take.
+Length length_of(const cullhull::PointView& points) noexcept {
+  const std::uint32_t d = points.dimension;
+  const std::uint64_t n = points.count;
+  if (d <= 3 ? n <= 500 : d == 4 && n <= 50) return Length::brief;
+  const std::uint64_t bound = d <= 3 ? 200'000 : d == 4 ? 20'000 : d == 5 ? 2'000 : d <= 8 ? 50 : 0;
+  return n <= bound ? Length::moderate : Length::long_;
+}
+
+Length length_of(const cullhull::PointView& points, std::uint64_t simplices) noexcept {
+  if (points.dimension > 4 || simplices > 100'000) return Length::long_;
+  if (simplices <= 1'000 && points.count <= 500) return Length::brief;
+  return points.count <= 100'000 ? Length::moderate : Length::long_;
 }
 
 void bind_call(nb::module_& m) {

@@ -4,6 +4,7 @@
 #include <nanobind/nanobind.h>
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -17,13 +18,31 @@ namespace binding {
 struct Settings {
   cullhull::Options options;
   nanobind::object progress;  ///< None, or called as progress(phase, share) on the calling thread
+
+  bool shows_progress() const { return progress.is_valid() && !progress.is_none(); }
 };
 
-/// Runs `work` without the GIL. Long work runs on a thread of its own while this one waits, calls
-/// `progress` and looks for signals: an exception from either (KeyboardInterrupt, say) stops the
-/// work and is thrown when it has stopped. `brief` work (see is_brief) is not worth a thread and
-/// runs right here.
-void run(const Settings& settings, bool brief,
+/// Functions take a pointer, which is null for None: what most callers choose.
+const Settings& settings_or_default(const Settings* settings);
+
+/// How long work may take, as far as its size tells.
+enum class Length {
+  brief,     ///< well below a millisecond
+  moderate,  ///< some tens of milliseconds as a rule; more in the worst case
+  long_,     ///< perhaps seconds
+};
+
+/// Of a hull of these points, or of a look at each of them.
+Length length_of(const cullhull::PointView& points) noexcept;
+/// Of that many questions to a hull of so many simplices.
+Length length_of(const cullhull::PointView& points, std::uint64_t simplices) noexcept;
+
+/// Runs `work` without the GIL; an exception from a signal handler (KeyboardInterrupt, say) or from
+/// `progress` stops the work and is thrown when it has stopped. Brief work just runs: who waits
+/// for a thread, or for a handler to be looked up, waits longer. Moderate work runs on this thread,
+/// which looks for signals now and then (Options::poll). Long work, and any with `progress`, runs
+/// on a thread of its own while this one waits.
+void run(const Settings* settings, Length length,
          const std::function<void(const cullhull::Options&)>& work);
 
 /// For objects that are not for two threads at once: a second one that comes meanwhile is an error
@@ -44,9 +63,6 @@ class Busy {
  private:
   std::atomic<bool>& flag_;
 };
-
-/// Whether a hull of these points takes a few milliseconds at most, so that nobody waits for it.
-bool is_brief(const cullhull::PointView& points) noexcept;
 
 void bind_call(nanobind::module_& m);
 

@@ -60,9 +60,9 @@ DevicePoints from_dlpack(nb::object owner) {
                         nb::make_tuple(std::move(owner), nb::cast(array)));
 }
 
-std::unique_ptr<Solid> convex_hull(const DevicePoints& points, const Settings& settings) {
+std::unique_ptr<Solid> convex_hull(const DevicePoints& points, const Settings* settings) {
   std::unique_ptr<Solid> solid;
-  run(settings, false, [&](const Options& options) {
+  run(settings, Length::long_, [&](const Options& options) {
     std::vector<double> rows;
     Hull hull = cullhull::convex_hull(points.view, options, &rows);
     solid = std::make_unique<Solid>(std::move(hull), std::move(rows));
@@ -70,9 +70,9 @@ std::unique_ptr<Solid> convex_hull(const DevicePoints& points, const Settings& s
   return solid;
 }
 
-Array<std::int64_t> cull(const DevicePoints& points, const Settings& settings) {
+Array<std::int64_t> cull(const DevicePoints& points, const Settings* settings) {
   std::optional<Output<std::int64_t>> ids;
-  run(settings, false, [&](const Options& options) {
+  run(settings, Length::long_, [&](const Options& options) {
     ids = kept_ids(cullhull::cull(points.view, options), points.view.count);
   });
   return std::move(*ids).to_array();
@@ -104,8 +104,8 @@ void bind_device(nb::module_& m) {
                   nb::arg("dimension"), nb::arg("point_stride"), nb::arg("coordinate_stride"),
                   nb::arg("is_double"), nb::arg("stream"), nb::arg("owner"))
       .def_static("from_dlpack", from_dlpack, nb::arg("array"));
-  m.def("convex_hull_of_device_points", convex_hull, nb::arg("points"), nb::arg("settings"));
-  m.def("cull_device_points", cull, nb::arg("points"), nb::arg("settings"));
+  m.def("convex_hull_of_device_points", convex_hull, nb::arg("points"), nb::arg("settings").none());
+  m.def("cull_device_points", cull, nb::arg("points"), nb::arg("settings").none());
   m.def("cuda_status", cuda_status);
 }
 

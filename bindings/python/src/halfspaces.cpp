@@ -22,10 +22,10 @@ namespace {
 
 /// (interior_point, dual_points, dual, bounded, vertices)
 using Intersection =
-    std::tuple<ListView<double>, RowView<double>, std::unique_ptr<Solid>, bool, RowView<double>>;
+    std::tuple<Array<double>, Array<double>, std::unique_ptr<Solid>, bool, Array<double>>;
 
 /// `interior`: None or one row.
-Intersection intersect(nb::handle array, nb::handle interior, const Settings& settings) {
+Intersection intersect(nb::handle array, nb::handle interior, const Settings* settings) {
   const Points halfspaces(array);
   std::vector<double> centre;
   if (!interior.is_none()) {
@@ -34,7 +34,7 @@ Intersection intersect(nb::handle array, nb::handle interior, const Settings& se
   }
   std::unique_ptr<HalfspaceIntersection> result;
   std::unique_ptr<Solid> dual;
-  run(settings, is_brief(halfspaces.view()), [&](const Options& options) {
+  run(settings, length_of(halfspaces.view()), [&](const Options& options) {
     result = std::make_unique<HalfspaceIntersection>(cullhull::intersect_halfspaces(
         halfspaces.view(), interior.is_none() ? nullptr : centre.data(), options));
     dual = std::make_unique<Solid>(
@@ -56,7 +56,7 @@ Intersection intersect(nb::handle array, nb::handle interior, const Settings& se
 
 void bind_halfspaces(nb::module_& m) {
   m.def("intersect_halfspaces", intersect, nb::arg("halfspaces"), nb::arg("interior_point").none(),
-        nb::arg("settings"));
+        nb::arg("settings").none());
 }
 
 }  // namespace binding

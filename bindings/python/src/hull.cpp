@@ -24,28 +24,28 @@ using cullhull::Options;
 
 namespace {
 
-std::unique_ptr<Solid> convex_hull(nb::handle array, const Settings& settings) {
+std::unique_ptr<Solid> convex_hull(nb::handle array, const Settings* settings) {
   const Points points(array);
   std::unique_ptr<Solid> solid;
-  run(settings, is_brief(points.view()), [&](const Options& options) {
+  run(settings, length_of(points.view()), [&](const Options& options) {
     solid = std::make_unique<Solid>(cullhull::convex_hull(points.view(), options), points.view());
   });
   return solid;
 }
 
-Array<std::int64_t> cull(nb::handle array, const Settings& settings) {
+Array<std::int64_t> cull(nb::handle array, const Settings* settings) {
   const Points points(array);
   std::optional<Output<std::int64_t>> ids;
-  run(settings, is_brief(points.view()), [&](const Options& options) {
+  run(settings, length_of(points.view()), [&](const Options& options) {
     ids = kept_ids(cullhull::cull(points.view(), options), points.view().count);
   });
   return std::move(*ids).to_array();
 }
 
-Certificate certify(nb::handle array, const Solid& solid, const Settings& settings) {
+Certificate certify(nb::handle array, const Solid& solid, const Settings* settings) {
   const Points points(array);
   Certificate certificate;
-  run(settings, is_brief(points.view()), [&](const Options& options) {
+  run(settings, length_of(points.view()), [&](const Options& options) {
     certificate = cullhull::certify(points.view(), solid.hull(), options);
   });
   return certificate;
@@ -114,14 +114,25 @@ std::unique_ptr<Solid> skipping(const Solid& solid, std::uint64_t id) {
   return std::make_unique<Solid>(std::move(hull), solid.vertex_rows());
 }
 
-using Self = nb::handle_t<Solid>;
+using Self = SolidHandle;
 
-const Hull& hull_in(Self self) { return nb::inst_ptr<Solid>(self)->hull(); }
+constexpr const char* certificate_text = R"(What `certify` found: true if the hull is proven.
 
-/// Points of a simplex: none where the hull is empty or a single point.
-std::size_t simplex_width(const Hull& h) {
-  return static_cast<std::size_t>(std::max(h.affine_dimension, 0));
-}
+Attributes
+----------
+valid : bool
+reason : str
+    The first thing wrong; empty if valid.
+ridges_checked, points_checked, exact_decisions : int
+
+Examples
+--------
+>>> import cullhull
+>>> points = cullhull.generate("ball", 100)
+>>> found = cullhull.certify(points, cullhull.convex_hull(points))
+>>> bool(found), found.reason, found.points_checked
+(True, '', 100)
+)";
 
 void bind_arrays(nb::class_<Solid>& c) {
   c.def_prop_ro("vertices",
@@ -135,10 +146,8 @@ void bind_arrays(nb::class_<Solid>& c) {
                      return rows_of(nb::inst_ptr<Solid>(self)->vertex_rows().data(),
                                     h.vertices.size(), h.dimension, self);
                    })
-      .def_prop_ro(
-          "facet_offsets",
-          [](Self self) { return signed_list(hull_in(self).facets.offsets, self); },
-          nb::rv_policy::reference)
+      .def_prop_ro("facet_offsets",
+                   [](Self self) { return signed_list(hull_in(self).facets.offsets, self); })
       .def_prop_ro("facet_vertices",
                    [](Self self) {
                      const Hull& h = hull_in(self);
@@ -146,8 +155,7 @@ void bind_arrays(nb::class_<Solid>& c) {
                    })
       .def_prop_ro(
           "facet_neighbour_offsets",
-          [](Self self) { return signed_list(hull_in(self).facet_neighbours.offsets, self); },
-          nb::rv_policy::reference)
+          [](Self self) { return signed_list(hull_in(self).facet_neighbours.offsets, self); })
       .def_prop_ro("facet_neighbours",
                    [](Self self) {
                      const Hull& h = hull_in(self);
@@ -172,14 +180,12 @@ void bind_arrays(nb::class_<Solid>& c) {
                      return rows_of(signed_numbers(h.simplex_neighbours, h.simplex_count()),
                                     h.simplex_count(), simplex_width(h), self);
                    })
-      .def_prop_ro(
-          "simplex_facets",
-          [](Self self) {
-            const Hull& h = hull_in(self);
-            check_numbers(h.facet_count());
-            return signed_list(h.simplex_facets, self);
-          },
-          nb::rv_policy::reference)
+      .def_prop_ro("simplex_facets",
+                   [](Self self) {
+                     const Hull& h = hull_in(self);
+                     check_numbers(h.facet_count());
+                     return signed_list(h.simplex_facets, self);
+                   })
       .def_prop_ro("centroid", [](Self self) {
         const Hull& h = hull_in(self);
         return list_of(h.centroid.data(), h.centroid.size(), self);
@@ -202,24 +208,40 @@ void bind_hull(nb::module_& m) {
   c.def("skipping", skipping, nb::arg("id"));
   bind_arrays(c);
   bind_query(c);
+  bind_drop_in(c);
 
-  nb::class_<Certificate>(m, "Certificate",
-                          "What certify() found: true if the hull is proven, else `reason` names "
-                          "the first thing wrong.")
+  nb::class_<Certificate>(m, "Certificate", certificate_text)
+      .def(
+          "__init__",
+          [](Certificate* self, bool valid, std::string reason, std::uint64_t ridges,
+             std::uint64_t points, std::uint64_t exact) {
+            new (self) Certificate{valid, std::move(reason), ridges, points, exact};
+          },
+          nb::arg("valid"), nb::arg("reason"), nb::arg("ridges_checked"), nb::arg("points_checked"),
+          nb::arg("exact_decisions"))
       .def_ro("valid", &Certificate::valid)
       .def_ro("reason", &Certificate::reason)
       .def_ro("ridges_checked", &Certificate::ridges_checked)
       .def_ro("points_checked", &Certificate::points_checked)
       .def_ro("exact_decisions", &Certificate::exact_decisions)
+      .def(
+          "__reduce__",
+          [](nb::handle self) {
+            return nb::make_tuple(
+                self.type(),
+                nb::make_tuple(self.attr("valid"), self.attr("reason"), self.attr("ridges_checked"),
+                               self.attr("points_checked"), self.attr("exact_decisions")));
+          },
+          nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"))
       .def("__bool__", [](const Certificate& found) { return found.valid; })
       .def("__repr__", [](const Certificate& found) {
         return found.valid ? std::string("<Certificate: valid>")
                            : "<Certificate: not valid: " + found.reason + ">";
       });
 
-  m.def("convex_hull", convex_hull, nb::arg("points"), nb::arg("settings"));
-  m.def("cull", cull, nb::arg("points"), nb::arg("settings"));
-  m.def("certify", certify, nb::arg("points"), nb::arg("solid"), nb::arg("settings"));
+  m.def("convex_hull", convex_hull, nb::arg("points"), nb::arg("settings").none());
+  m.def("cull", cull, nb::arg("points"), nb::arg("settings").none());
+  m.def("certify", certify, nb::arg("points"), nb::arg("solid"), nb::arg("settings").none());
   m.def("generate", generate, nb::arg("shape"), nb::arg("count"), nb::arg("dimension"),
         nb::arg("seed"));
   m.def("shapes", shapes);

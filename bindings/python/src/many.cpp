@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "arrays.hpp"
-#include "cullhull/batch.hpp"
+#include "batch.hpp"
 #include "cullhull/growing_hull.hpp"
 #include "points.hpp"
 #include "solid.hpp"
@@ -23,64 +23,17 @@ using cullhull::Options;
 
 namespace {
 
-/// The batch and the coordinates of all its vertices.
-struct Batch {
-  HullBatch hulls;
-  cullhull::Array<double> vertex_rows;
-
-  std::unique_ptr<Solid> at(std::size_t i) const {
-    const auto row = [&](std::size_t set) {
-      return vertex_rows.begin() +
-             static_cast<std::ptrdiff_t>(hulls.vertices.offsets[set] * hulls.dimension);
-    };
-    return std::make_unique<Solid>(hulls.hull(i), std::vector<double>(row(i), row(i + 1)));
-  }
-
-  void gather_vertices(const cullhull::PointView& points, const std::uint64_t* sets) {
-    const auto& ids = hulls.vertices;
-    vertex_rows.resize(ids.items.size() * points.dimension);
-    double* out = vertex_rows.data();
-    for (std::size_t set = 0; set < hulls.size(); ++set)
-      for (std::uint64_t i = ids.offsets[set]; i < ids.offsets[set + 1]; ++i)
-        for (std::uint32_t j = 0; j < points.dimension; ++j, ++out) {
-          const std::uint64_t point = sets[set] + ids.items[i];
-          if (points.scalar == cullhull::ScalarType::f64)
-            std::memcpy(out, points.address(point, j), sizeof *out);
-          else
-            *out = points.at(point, j);
-        }
-  }
-};
-
-/// An array of int64 that ascends, read in place.
-class Offsets {
- public:
-  explicit Offsets(nb::handle array) {
-    if (PyObject_GetBuffer(array.ptr(), &buffer_, PyBUF_ND) != 0) throw nb::python_error();
-  }
-  Offsets(const Offsets&) = delete;
-  Offsets& operator=(const Offsets&) = delete;
-  ~Offsets() { PyBuffer_Release(&buffer_); }
-  const std::uint64_t* data() const { return static_cast<const std::uint64_t*>(buffer_.buf); }
-  std::uint64_t sets() const {
-    if (buffer_.itemsize != sizeof(std::uint64_t) || buffer_.ndim != 1 || buffer_.shape[0] < 1)
-      throw nb::value_error("offsets must be a list of at least one int64");
-    return static_cast<std::uint64_t>(buffer_.shape[0]) - 1;
-  }
-
- private:
-  Py_buffer buffer_{};
-};
-
-std::unique_ptr<Batch> convex_hulls(nb::handle array, nb::handle offset_array,
-                                    const Settings& settings) {
+/// `offset_array`: contiguous, at least one.
+std::unique_ptr<Batch> convex_hulls(nb::handle array, Array<std::int64_t> offset_array,
+                                    const Settings* settings) {
   const Points points(array);
-  const Offsets offsets(offset_array);
-  const std::uint64_t sets = offsets.sets();
+  if (offset_array.size() == 0) throw nb::value_error("offsets must be at least one");
+  const std::uint64_t sets = offset_array.size() - 1;
+  const auto* const offsets = reinterpret_cast<const std::uint64_t*>(offset_array.data());
   auto batch = std::make_unique<Batch>();
-  run(settings, is_brief(points.view()), [&](const Options& options) {
-    batch->hulls = cullhull::convex_hulls(points.view(), offsets.data(), sets, options);
-    batch->gather_vertices(points.view(), offsets.data());
+  run(settings, length_of(points.view()), [&](const Options& options) {
+    batch->hulls = cullhull::convex_hulls(points.view(), offsets, sets, options);
+    batch->gather_vertices(points.view(), offsets);
   });
   return batch;
 }
@@ -89,7 +42,7 @@ using Self = nb::handle_t<Batch>;
 const Batch& batch_in(Self self) { return *nb::inst_ptr<Batch>(self); }
 
 template <class Values>
-ListView<typename Values::value_type> values(Self self, const Values& list) {
+Array<typename Values::value_type> values(Self self, const Values& list) {
   return list_of(list.data(), list.size(), self);
 }
 
@@ -114,8 +67,7 @@ void bind_batch(nb::module_& m) {
                    })
       .def_prop_ro(
           "vertex_offsets",
-          [](Self self) { return signed_list(batch_in(self).hulls.vertices.offsets, self); },
-          nb::rv_policy::reference)
+          [](Self self) { return signed_list(batch_in(self).hulls.vertices.offsets, self); })
       .def_prop_ro("vertices",
                    [](Self self) {
                      const auto& list = batch_in(self).hulls.vertices.items;
@@ -140,8 +92,7 @@ void bind_batch(nb::module_& m) {
                    })
       .def_prop_ro(
           "simplex_offsets",
-          [](Self self) { return signed_list(batch_in(self).hulls.simplices.offsets, self); },
-          nb::rv_policy::reference)
+          [](Self self) { return signed_list(batch_in(self).hulls.simplices.offsets, self); })
       .def_prop_ro("simplices", [](Self self) {
         const auto& list = batch_in(self).hulls.simplices.items;
         return list_of(signed_ids(list), list.size(), self);
@@ -152,12 +103,15 @@ void bind_batch(nb::module_& m) {
 class Grower {
  public:
   explicit Grower(std::uint32_t dimension) : growing_(dimension) {}
+  explicit Grower(const Solid& solid) : growing_(solid.hull(), solid.rows_by_place()) {}
 
-  std::uint64_t add(nb::handle array, const Settings& settings) {
+  std::uint64_t add(nb::handle array, const Settings* settings) {
     const Points points(array);
     const Busy busy(busy_, adding);
     std::uint64_t outside = 0;
-    run(settings, is_brief(points.view()) && growing_.hull().simplex_count() <= 4000,
+    run(settings,
+        std::max(length_of(points.view()),
+                 length_of(points.view(), growing_.hull().simplex_count())),
         [&](const Options& options) { outside = growing_.add(points.view(), options); });
     return outside;
   }
@@ -189,10 +143,12 @@ class Grower {
 
 void bind_many(nb::module_& m) {
   bind_batch(m);
-  m.def("convex_hulls", convex_hulls, nb::arg("points"), nb::arg("offsets"), nb::arg("settings"));
+  m.def("convex_hulls", convex_hulls, nb::arg("points"), nb::arg("offsets"),
+        nb::arg("settings").none());
   nb::class_<Grower>(m, "Grower", "A growing hull: cullhull.GrowingHull wraps it.")
       .def(nb::init<std::uint32_t>(), nb::arg("dimension"))
-      .def("add", &Grower::add, nb::arg("points"), nb::arg("settings"))
+      .def(nb::init<const Solid&>(), nb::arg("solid"))
+      .def("add", &Grower::add, nb::arg("points"), nb::arg("settings").none())
       .def("solid", &Grower::solid)
       .def_prop_ro("dimension", &Grower::dimension);
 }

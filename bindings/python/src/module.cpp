@@ -1,17 +1,22 @@
 // The extension module cullhull._core: thin, complete, and private. What users see is the Python
 // around it (bindings/python/cullhull), which converts arguments and wraps results.
+#define CULLHULL_IMPORTS_NUMPY
 #include <nanobind/nanobind.h>
 
 #include "call.hpp"
 #include "cullhull/version.hpp"
+#include "numpy_api.hpp"
 #include "solid.hpp"
 
 NB_MODULE(_core, m) {
+  if (PyArray_ImportNumPyAPI() < 0) throw nanobind::python_error();
   m.attr("version") = CULLHULL_VERSION;
   binding::bind_call(m);
   binding::bind_hull(m);
   binding::bind_many(m);
+  binding::bind_state(m);
   binding::bind_halfspaces(m);
   binding::bind_device(m);
   binding::bind_tracker(m);
+  binding::bind_simplify(m);
 }

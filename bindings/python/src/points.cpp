@@ -1,9 +1,9 @@
 #include "points.hpp"
 
-#include <cstring>
 #include <limits>
 #include <optional>
-#include <string>
+
+#include "numpy_api.hpp"
 
 namespace binding {
 
@@ -12,16 +12,12 @@ using cullhull::ScalarType;
 
 namespace {
 
-/// `format` as the struct module writes it: one letter, native byte order.
-std::optional<ScalarType> scalar_of(const char* format, Py_ssize_t size) {
-  if (format == nullptr) return ScalarType::u8;  // unsigned bytes, by the buffer protocol
-  if (std::strchr("@=<", *format) != nullptr && *format != '\0') ++format;
-  if (std::strlen(format) != 1) return std::nullopt;
-  const bool is_signed = std::strchr("bhilq", *format) != nullptr;
-  const bool is_unsigned = std::strchr("?BHILQ", *format) != nullptr;
-  if (*format == 'f' && size == 4) return ScalarType::f32;
-  if (*format == 'd' && size == 8) return ScalarType::f64;
-  if (!is_signed && !is_unsigned) return std::nullopt;
+/// By size, because C has several names for an integer of 32 bits.
+std::optional<ScalarType> scalar_of(int type, std::size_t size) {
+  if (type == NPY_FLOAT64) return ScalarType::f64;
+  if (type == NPY_FLOAT32) return ScalarType::f32;
+  if (!PyTypeNum_ISINTEGER(type) && !PyTypeNum_ISBOOL(type)) return std::nullopt;
+  const bool is_signed = PyTypeNum_ISSIGNED(type);
   if (size == 1) return is_signed ? ScalarType::i8 : ScalarType::u8;
   if (size == 2) return is_signed ? ScalarType::i16 : ScalarType::u16;
   if (size == 4) return is_signed ? ScalarType::i32 : ScalarType::u32;
@@ -30,26 +26,24 @@ std::optional<ScalarType> scalar_of(const char* format, Py_ssize_t size) {
 
 }  // namespace
 
-Points::Points(nb::handle array) {
-  if (PyObject_GetBuffer(array.ptr(), &buffer_, PyBUF_RECORDS_RO) != 0) throw nb::python_error();
-  const auto refuse = [this](nb::exception_type type, const std::string& why) {
-    PyBuffer_Release(&buffer_);
-    throw nb::builtin_exception(type, why.c_str());
-  };
-  const std::optional<ScalarType> scalar = scalar_of(buffer_.format, buffer_.itemsize);
-  if (!scalar)
-    refuse(nb::exception_type::type_error,
-           std::string("points of buffer format '") + buffer_.format + "' cannot be read in place");
-  if (buffer_.ndim != 2)
-    refuse(nb::exception_type::value_error, "points must be a 2-D array (points, coordinates)");
-  if (buffer_.shape[1] > std::numeric_limits<std::uint32_t>::max())
-    refuse(nb::exception_type::value_error, "too many coordinates");
-  view_.data = static_cast<const std::byte*>(buffer_.buf);
+Points::Points(nb::handle points) : owner_(nb::borrow(points)) {
+  if (!PyArray_Check(points.ptr())) throw nb::type_error("points must be a NumPy array");
+  auto* const array = reinterpret_cast<PyArrayObject*>(points.ptr());
+  const std::optional<ScalarType> scalar =
+      scalar_of(PyArray_TYPE(array), static_cast<std::size_t>(PyArray_ITEMSIZE(array)));
+  if (!scalar || !PyArray_ISNOTSWAPPED(array))
+    throw nb::type_error("points of this type cannot be read in place");
+  if (PyArray_NDIM(array) != 2)
+    throw nb::value_error("points must be a 2-D array (points, coordinates)");
+  const npy_intp* const shape = PyArray_DIMS(array);
+  if (shape[1] > static_cast<npy_intp>(std::numeric_limits<std::uint32_t>::max()))
+    throw nb::value_error("too many coordinates");
+  view_.data = static_cast<const std::byte*>(PyArray_DATA(array));
   view_.scalar = *scalar;
-  view_.count = static_cast<std::uint64_t>(buffer_.shape[0]);
-  view_.dimension = static_cast<std::uint32_t>(buffer_.shape[1]);
-  view_.point_stride = buffer_.strides[0];
-  view_.coordinate_stride = buffer_.strides[1];
+  view_.count = static_cast<std::uint64_t>(shape[0]);
+  view_.dimension = static_cast<std::uint32_t>(shape[1]);
+  view_.point_stride = PyArray_STRIDES(array)[0];
+  view_.coordinate_stride = PyArray_STRIDES(array)[1];
 }
 
 }  // namespace binding

@@ -1,4 +1,4 @@
-// A Python array as a PointView, read where it lies.
+// A NumPy array as a PointView, read where it lies.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -7,21 +7,18 @@
 
 namespace binding {
 
-/// Holds the buffer of a two-dimensional array for as long as it lives: the owner can neither free
-/// nor resize it meanwhile. Created and destroyed with the GIL held; view() needs none.
+/// Keeps a two-dimensional array alive, and so the memory it lies in: nobody can free it meanwhile.
+/// Created and destroyed with the GIL held; view() needs none.
 class Points {
  public:
-  /// Throws TypeError for what has no buffer or a scalar type that cannot be read in place
-  /// (cullhull/_points.py converts those first), ValueError for another number of axes.
+  /// Throws TypeError for what is no NumPy array or of a scalar type that cannot be read in place
+  /// (cullhull/_arguments.py converts those first), ValueError for another number of axes.
   explicit Points(nanobind::handle array);
-  Points(const Points&) = delete;
-  Points& operator=(const Points&) = delete;
-  ~Points() { PyBuffer_Release(&buffer_); }
 
   const cullhull::PointView& view() const noexcept { return view_; }
 
  private:
-  Py_buffer buffer_{};
+  nanobind::object owner_;
   cullhull::PointView view_;
 };
 

@@ -32,20 +32,15 @@ void require_same_dimension(const Solid& solid, const PointView& points) {
                               ", what is asked about has " + std::to_string(points.dimension));
 }
 
-/// Few questions to a small hull are answered before a thread has started.
-bool brief_question(const Solid& solid, const PointView& points) {
-  return is_brief(points) && solid.hull().dimension <= 4 && solid.hull().simplex_count() <= 4000;
-}
-
 /// Calls ask(query, view, options) under run().
 template <class Ask>
-void ask_all(const Solid& solid, const PointView& view, const Settings& settings, Ask&& ask) {
+void ask_all(const Solid& solid, const PointView& view, const Settings* settings, Ask&& ask) {
   require_same_dimension(solid, view);
-  run(settings, brief_question(solid, view),
+  run(settings, length_of(view, solid.hull().simplex_count()),
       [&](const Options& options) { ask(solid.query(), view, options); });
 }
 
-Array<bool> contains(const Solid& solid, nb::handle array, const Settings& settings) {
+Array<bool> contains(const Solid& solid, nb::handle array, const Settings* settings) {
   const Points points(array);
   Output<std::uint8_t> out(points.view().count);
   ask_all(solid, points.view(), settings,
@@ -55,7 +50,7 @@ Array<bool> contains(const Solid& solid, nb::handle array, const Settings& setti
   return std::move(out).to_array<bool>();
 }
 
-Array<std::int8_t> sides(const Solid& solid, nb::handle array, const Settings& settings) {
+Array<std::int8_t> sides(const Solid& solid, nb::handle array, const Settings* settings) {
   const Points points(array);
   Output<std::int8_t> out(points.view().count);
   ask_all(solid, points.view(), settings,
@@ -65,7 +60,7 @@ Array<std::int8_t> sides(const Solid& solid, nb::handle array, const Settings& s
   return std::move(out).to_array();
 }
 
-Array<double> distances(const Solid& solid, nb::handle array, const Settings& settings) {
+Array<double> distances(const Solid& solid, nb::handle array, const Settings* settings) {
   const Points points(array);
   Output<double> out(points.view().count);
   ask_all(solid, points.view(), settings,
@@ -76,7 +71,7 @@ Array<double> distances(const Solid& solid, nb::handle array, const Settings& se
 }
 
 std::tuple<Array<std::int64_t>, Array<double>> nearest_facets(const Solid& solid, nb::handle array,
-                                                              const Settings& settings) {
+                                                              const Settings* settings) {
   const Points points(array);
   const std::size_t n = points.view().count;
   Output<std::int64_t> facets(n);
@@ -93,7 +88,7 @@ std::tuple<Array<std::int64_t>, Array<double>> nearest_facets(const Solid& solid
   return std::make_tuple(std::move(facets).to_array(), std::move(distance).to_array());
 }
 
-Array<std::int64_t> supports(const Solid& solid, nb::handle array, const Settings& settings) {
+Array<std::int64_t> supports(const Solid& solid, nb::handle array, const Settings* settings) {
   const Points directions(array);
   const std::size_t n = directions.view().count;
   Output<std::int64_t> out(n);
@@ -102,12 +97,12 @@ Array<std::int64_t> supports(const Solid& solid, nb::handle array, const Setting
             std::vector<std::uint64_t> places(n);
             query.supports(view, places.data(), options);
             for (std::size_t i = 0; i < n; ++i)
-              out.data()[i] = static_cast<std::int64_t>(solid.id_of(places[i]));
+              out.data()[i] = static_cast<std::int64_t>(solid.ids()[places[i]]);
           });
   return std::move(out).to_array();
 }
 
-Array<std::int64_t> visible_facets(const Solid& solid, nb::handle array, const Settings& settings) {
+Array<std::int64_t> visible_facets(const Solid& solid, nb::handle array, const Settings* settings) {
   const Points points(array);
   std::vector<std::uint32_t> visible;
   ask_all(solid, points.view(), settings,
@@ -125,7 +120,7 @@ Array<std::int64_t> visible_facets(const Solid& solid, nb::handle array, const S
 using Rays =
     std::tuple<Array<bool>, Array<double>, Array<double>, Array<std::int64_t>, Array<std::int64_t>>;
 Rays rays(const Solid& solid, nb::handle origin_array, nb::handle direction_array,
-          const Settings& settings) {
+          const Settings* settings) {
   const Points origins(origin_array), directions(direction_array);
   require_same_dimension(solid, directions.view());
   if (origins.view().count != directions.view().count)
@@ -158,13 +153,13 @@ Rays rays(const Solid& solid, nb::handle origin_array, nb::handle direction_arra
 }  // namespace
 
 void bind_query(nb::class_<Solid>& c) {
-  c.def("contains", contains, nb::arg("points"), nb::arg("settings"))
-      .def("sides", sides, nb::arg("points"), nb::arg("settings"))
-      .def("distances", distances, nb::arg("points"), nb::arg("settings"))
-      .def("nearest_facets", nearest_facets, nb::arg("points"), nb::arg("settings"))
-      .def("supports", supports, nb::arg("directions"), nb::arg("settings"))
-      .def("visible_facets", visible_facets, nb::arg("points"), nb::arg("settings"))
-      .def("rays", rays, nb::arg("origins"), nb::arg("directions"), nb::arg("settings"));
+  c.def("contains", contains, nb::arg("points"), nb::arg("settings").none())
+      .def("sides", sides, nb::arg("points"), nb::arg("settings").none())
+      .def("distances", distances, nb::arg("points"), nb::arg("settings").none())
+      .def("nearest_facets", nearest_facets, nb::arg("points"), nb::arg("settings").none())
+      .def("supports", supports, nb::arg("directions"), nb::arg("settings").none())
+      .def("visible_facets", visible_facets, nb::arg("points"), nb::arg("settings").none())
+      .def("rays", rays, nb::arg("origins"), nb::arg("directions"), nb::arg("settings").none());
 }
 
 }  // namespace binding

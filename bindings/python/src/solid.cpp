@@ -1,6 +1,7 @@
 #include "solid.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 namespace binding {
@@ -12,10 +13,14 @@ using cullhull::PointView;
 namespace {
 
 std::vector<double> gather(const PointView& points, const std::vector<std::uint64_t>& ids) {
-  std::vector<double> rows;
-  rows.reserve(ids.size() * points.dimension);
+  std::vector<double> rows(ids.size() * points.dimension);
+  double* out = rows.data();
   for (const std::uint64_t id : ids)
-    for (std::uint32_t j = 0; j < points.dimension; ++j) rows.push_back(points.at(id, j));
+    for (std::uint32_t j = 0; j < points.dimension; ++j, ++out)
+      if (points.scalar == cullhull::ScalarType::f64)
+        std::memcpy(out, points.address(id, j), sizeof *out);
+      else
+        *out = points.at(id, j);
   return rows;
 }
 
@@ -26,34 +31,39 @@ std::uint64_t place_of(const std::vector<std::uint64_t>& ids, std::uint64_t id) 
 }  // namespace
 
 Solid::Solid(Hull hull, const PointView& points)
-    : hull_(std::move(hull)), vertex_rows_(gather(points, hull_.vertices)) {
-  sort_ids();
-}
+    : hull_(std::move(hull)), vertex_rows_(gather(points, hull_.vertices)) {}
 
 Solid::Solid(Hull hull, std::vector<double> vertex_rows)
-    : hull_(std::move(hull)), vertex_rows_(std::move(vertex_rows)) {
-  sort_ids();
-}
+    : hull_(std::move(hull)), vertex_rows_(std::move(vertex_rows)) {}
 
-void Solid::sort_ids() {
-  ids_ = hull_.vertices;
-  std::sort(ids_.begin(), ids_.end());  // already so but for polygons, which go round
+const std::vector<std::uint64_t>& Solid::ids() const {
+  std::call_once(sorted_, [this] {
+    ids_ = hull_.vertices;
+    std::sort(ids_.begin(), ids_.end());  // already so but for polygons, which go round
+  });
+  return ids_;
 }
 
 const HullQuery& Solid::query() const {
-  std::call_once(once_, [this] {
+  std::call_once(prepared_, [this] {
     const std::vector<double> rows = rows_by_place();
     query_ = std::make_unique<HullQuery>(
-        PointView::row_major(rows.data(), ids_.size(), hull_.dimension), by_place());
+        PointView::row_major(rows.data(), ids().size(), hull_.dimension), by_place());
   });
   return *query_;
 }
 
 Hull Solid::by_place() const {
   Hull local = hull_;
-  local.rename([this](std::uint64_t id) { return place_of(ids_, id); });
-  local.point_count = ids_.size();
+  local.rename([this](std::uint64_t id) { return place_of(ids(), id); });
+  local.point_count = ids().size();
   return local;
+}
+
+void Solid::renumber(const Solid& whole) {
+  hull_.rename([&](std::uint64_t place) { return whole.ids()[place]; });
+  hull_.point_count = whole.hull().point_count;
+  hull_.scalar = whole.hull().scalar;
 }
 
 std::vector<double> Solid::rows_by_place() const {
@@ -61,7 +71,7 @@ std::vector<double> Solid::rows_by_place() const {
   std::vector<double> rows(vertex_rows_.size());
   for (std::size_t i = 0; i < hull_.vertices.size(); ++i)
     std::copy_n(vertex_rows_.data() + i * d, d,
-                rows.data() + place_of(ids_, hull_.vertices[i]) * d);
+                rows.data() + place_of(ids(), hull_.vertices[i]) * d);
   return rows;
 }
 

@@ -27,19 +27,20 @@ class Solid {
 
   /// Prepared at the first question; any thread may ask, with or without the GIL.
   const cullhull::HullQuery& query() const;
-  /// The id of a vertex by its place among the sorted ids, as query() counts them.
-  std::uint64_t id_of(std::uint64_t place) const { return ids_[place]; }
+  /// The ids of the vertices, ascending: their places in this list are how query() counts them.
+  const std::vector<std::uint64_t>& ids() const;
   /// The hull over its vertices alone, numbered by their place, and their coordinates.
   cullhull::Hull by_place() const;
   std::vector<double> rows_by_place() const;
+  /// This hull was computed over the vertices of `whole` by place: gives it back their ids. To be
+  /// called before any other member.
+  void renumber(const Solid& whole);
 
  private:
-  void sort_ids();
-
   cullhull::Hull hull_;
   std::vector<double> vertex_rows_;
-  std::vector<std::uint64_t> ids_;  // hull_.vertices, ascending
-  mutable std::once_flag once_;
+  mutable std::once_flag sorted_, prepared_;
+  mutable std::vector<std::uint64_t> ids_;  // sorted when first needed
   mutable std::unique_ptr<cullhull::HullQuery> query_;
 };
 
@@ -51,11 +52,24 @@ inline Output<std::int64_t> kept_ids(const cullhull::Survivors& survivors, std::
   return ids;
 }
 
+/// How Python sees a hull whose arrays it shows: by its object, which keeps their memory.
+using SolidHandle = nanobind::handle_t<Solid>;
+inline const cullhull::Hull& hull_in(SolidHandle self) {
+  return nanobind::inst_ptr<Solid>(self)->hull();
+}
+/// Points of a simplex: none where the hull is empty or a single point.
+inline std::size_t simplex_width(const cullhull::Hull& h) {
+  return static_cast<std::size_t>(h.affine_dimension > 0 ? h.affine_dimension : 0);
+}
+
 void bind_hull(nanobind::module_& m);
+void bind_drop_in(nanobind::class_<Solid>& c);
+void bind_state(nanobind::module_& m);
 void bind_query(nanobind::class_<Solid>& c);
 void bind_many(nanobind::module_& m);
 void bind_halfspaces(nanobind::module_& m);
 void bind_device(nanobind::module_& m);
 void bind_tracker(nanobind::module_& m);
+void bind_simplify(nanobind::module_& m);
 
 }  // namespace binding

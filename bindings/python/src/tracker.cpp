@@ -24,18 +24,22 @@ namespace {
 /// itself. A stop that was requested cannot be taken back, so an interrupted tracker starts afresh.
 class Tracker {
  public:
-  explicit Tracker(const Settings& settings) : options_(settings.options) { start(); }
+  /// `frames`: how many there were before, of a tracker that this one goes on for.
+  Tracker(const Settings* settings, std::uint64_t frames)
+      : options_(settings_or_default(settings).options), frames_(frames) {
+    start();
+  }
   Tracker(const Tracker&) = delete;
   Tracker& operator=(const Tracker&) = delete;
 
-  std::unique_ptr<Solid> update(nb::handle array, const Settings& settings) {
+  std::unique_ptr<Solid> update(nb::handle array, const Settings* settings) {
     const Points points(array);
     const Busy busy(busy_, updating);
     std::unique_ptr<Solid> solid;
     try {
-      run(settings, is_brief(points.view()), [&](const Options& call) {
+      run(settings, length_of(points.view()), [&](const Options& call) {
         const std::stop_callback pass_on(call.stop, [this] { stop_.request_stop(); });
-        progress_ = &call.progress;
+        call_ = &call;
         solid = std::make_unique<Solid>(tracker_->update(points.view()), points.view());
       });
     } catch (...) {
@@ -51,6 +55,7 @@ class Tracker {
     start();
     frames_ = frame_ = 0;
   }
+  std::uint64_t frames() const { return frames_; }
   /// Of the last update that succeeded.
   nb::typed<nb::dict, nb::str, nb::any> report() {
     const Busy busy(busy_, updating);
@@ -79,14 +84,17 @@ class Tracker {
     Options options = options_;
     options.stop = stop_.get_token();
     options.progress = [this](const char* phase, double share) {
-      if (*progress_) (*progress_)(phase, share);
+      if (call_->progress) call_->progress(phase, share);
+    };
+    options.poll = [this] {
+      if (call_->poll) call_->poll();
     };
     tracker_ = std::make_unique<HullTracker>(std::move(options));
   }
 
   Options options_;
   std::stop_source stop_;
-  const cullhull::Progress* progress_ = nullptr;  // of the present update
+  const Options* call_ = nullptr;  // of the present update
   std::unique_ptr<HullTracker> tracker_;
   std::uint64_t frames_ = 0, frame_ = 0;
   std::atomic<bool> busy_{false};
@@ -96,8 +104,10 @@ class Tracker {
 
 void bind_tracker(nb::module_& m) {
   nb::class_<Tracker>(m, "Tracker", "Hulls of moving points: cullhull.HullTracker wraps it.")
-      .def(nb::init<const Settings&>(), nb::arg("settings"))
-      .def("update", &Tracker::update, nb::arg("points"), nb::arg("settings"))
+      .def(nb::init<const Settings*, std::uint64_t>(), nb::arg("settings").none(),
+           nb::arg("frames") = 0)
+      .def_prop_ro("frames", &Tracker::frames)
+      .def("update", &Tracker::update, nb::arg("points"), nb::arg("settings").none())
       .def("reset", &Tracker::reset)
       .def_prop_ro("report", &Tracker::report);
 }

@@ -176,6 +176,95 @@ def test_device_arrays_that_are_refused():
         cullhull.convex_hull(Device(), certify=True)
 
 
+class FakeCore:
+    """In the place of the extension: what it is asked to wait for, in order."""
+
+    class DevicePoints:
+        data = 1 << 20
+
+        @staticmethod
+        def from_interface(*fields):
+            return fields
+
+        @classmethod
+        def from_dlpack(cls, capsule, owner):
+            return cls()
+
+    def __init__(self):
+        self.waited = []
+
+    def cuda_status(self):
+        return {"available": True}
+
+    def wait_for_cuda_stream(self, stream):
+        self.waited.append(("stream", stream))
+
+    def wait_for_cuda_device_of(self, memory):
+        self.waited.append(("device", memory))
+
+
+@pytest.fixture
+def fake_core(monkeypatch):
+    from cullhull import _device
+
+    core = FakeCore()
+    monkeypatch.setattr(_device, "_core", core)
+    return core
+
+
+@pytest.mark.parametrize(
+    ("changes", "stream", "waited"),
+    [
+        ({}, 1, [("device", 1 << 20)]),  # PyTorch's: it does not say
+        ({"stream": None}, 1, [("device", 1 << 20)]),
+        ({"stream": 1}, 1, []),
+        ({"stream": 2}, 1, [("stream", 2)]),  # the calling thread's own
+        ({"stream": 1234}, 1234, []),
+    ],
+)
+def test_points_are_read_behind_the_work_that_makes_them(fake_core, changes, stream, waited):
+    from cullhull._device import as_device_points
+
+    view = as_device_points(Device(**changes))
+    assert view[6] == stream and fake_core.waited == waited
+
+
+def test_dlpack_is_told_the_stream_that_reads(fake_core):
+    from cullhull._device import as_device_points
+
+    class Maker(Dlpack):
+        asked = ()
+
+        def __dlpack__(self, **arguments):
+            self.asked = arguments
+            return "capsule"
+
+    maker = Maker(CUBE, device=(2, 0))
+    assert as_device_points(maker) is not None
+    assert maker.asked == {"stream": 1} and fake_core.waited == []
+
+    class OldMaker(Dlpack):
+        def __dlpack__(self):
+            return "capsule"
+
+    assert as_device_points(OldMaker(CUBE, device=(2, 0))) is not None
+    assert fake_core.waited == [("device", 1 << 20)]
+
+
+@pytest.mark.skipif(not cullhull.cuda_status()["available"], reason="needs a CUDA device")
+def test_device_arrays_of_side_streams():
+    torch = pytest.importorskip("torch")
+    points = cullhull.generate("ball", 3_000_000, 3).astype(np.float32)
+    expected = cullhull.convex_hull(points).vertices
+    host = torch.from_numpy(points).pin_memory()
+    for _ in range(20):
+        there = torch.zeros(points.shape, dtype=torch.float32, device="cuda")
+        torch.cuda.synchronize()
+        with torch.cuda.stream(torch.cuda.Stream()):
+            there.copy_(host, non_blocking=True)
+            assert np.array_equal(cullhull.convex_hull(there).vertices, expected)
+
+
 @pytest.mark.skipif(not cullhull.cuda_status()["available"], reason="needs a CUDA device")
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_device_arrays(dtype):

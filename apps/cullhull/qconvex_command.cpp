@@ -1,0 +1,162 @@
+// cullhull qconvex: the words of Qhull's qconvex, for scripts that call that program.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <memory>
+#include <optional>
+
+#include "arguments.hpp"
+#include "commands.hpp"
+#include "cullhull/cullhull.hpp"
+#include "measure.hpp"
+#include "outputs.hpp"
+#include "terminal.hpp"
+
+namespace app {
+namespace {
+
+using cullhull::Error;
+using cullhull::ErrorCode;
+
+constexpr const char* help =
+    "WORDS are those of Qhull's qconvex. Points come from standard input, with Qhull's header or "
+    "in\n"
+    "any other format cullhull reads; texts go to standard output, in the order of the words:\n"
+    "  Fx i o n p f s m G Fa FA FC FD FF Fi FI FM Fn FN Fo Fs FS Ft Fv FV (docs/formats.md)\n"
+    "  TI FILE   read the points from this file      TO FILE   write the texts to this file\n"
+    "  TFn       report a summary when there are n or more facets, on standard error\n"
+    "  Tv        check the result, exactly           Tz        the summary on standard output\n"
+    "The summaries s and FA go to standard error, and s is what is printed without any word.\n"
+    "Words that steer Qhull's way to its result (Pp Qs Qw Qx Qz Q0 to Q14 Tc Tf C-0 Fd) are "
+    "passed\n"
+    "over: there is no tolerance here. Words that ask for another result (QJ, Qt, Qc, QG, ...) "
+    "are\n"
+    "refused.\n"
+    "\n"
+    "Examples:\n"
+    "  rbox 1000 D4 | cullhull qconvex Fx\n"
+    "  cullhull qconvex TI points.txt TO hull.txt i n FS\n"
+    "\n"
+    "Exit status: 0 success; 1 bad input; 2 bad usage; 3 not certified; 4 out of the memory "
+    "budget;\n"
+    "5 backend not available; 130 cancelled.";
+
+struct QconvexArguments {
+  std::vector<std::string> words;
+  RunArguments run;
+};
+
+/// What the words say.
+struct Request {
+  std::string input = "-", output = "-";
+  std::vector<std::string> texts;
+  std::optional<std::uint64_t> report_from;  ///< TFn
+  bool certify = false;
+  bool summary_to_stdout = false;
+};
+
+[[noreturn]] void refuse(const std::string& word, const std::string& why) {
+  throw Error(ErrorCode::invalid_argument, "qconvex " + word + ": " + why);
+}
+
+/// Q0 to Q14, and other words that change how Qhull computes, not what.
+bool is_passed_over(const std::string& word) {
+  static constexpr std::string_view words[] = {"Pp", "Qs", "Qw", "Qx",  "Qz",
+                                               "Tc", "Tf", "Fd", "C-0", "C0"};
+  if (std::find(std::begin(words), std::end(words), word) != std::end(words)) return true;
+  return word.size() >= 2 && word.size() <= 3 && word[0] == 'Q' &&
+         word.find_first_not_of("0123456789", 1) == std::string::npos;
+}
+
+std::uint64_t number_behind(const std::string& word, std::size_t letters) {
+  std::uint64_t value = 0;
+  const char* const end = word.data() + word.size();
+  const auto [at, error] = std::from_chars(word.data() + letters, end, value);
+  if (error != std::errc() || at != end) refuse(word, "needs a whole number, such as TF100");
+  return value;
+}
+
+Request read_words(const std::vector<std::string>& words) {
+  Request request;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string& word = words[i];
+    if (word == "TI" || word == "TO") {
+      if (i + 1 == words.size() || words[i + 1].empty()) refuse(word, "a file name has to follow");
+      (word == "TI" ? request.input : request.output) = words[++i];
+    } else if (word.starts_with("TF")) {
+      request.report_from = number_behind(word, 2);
+    } else if (word == "Tv") {
+      request.certify = true;
+    } else if (word == "Tz") {
+      request.summary_to_stdout = true;
+    } else if (!word.empty() && (word[0] == 'Q' || word[0] == 'C' || word[0] == 'P' ||
+                                 word[0] == 'T' || word == "Fd")) {
+      if (!is_passed_over(word))
+        refuse(word, "asks Qhull for another result, or for a trace of its way to it");
+    } else {
+      cullhull::check_qhull_format(word);
+      request.texts.push_back(word);
+    }
+  }
+  if (request.texts.empty()) request.texts.emplace_back("s");
+  return request;
+}
+
+/// The texts of a hull, the summaries apart.
+struct Texts {
+  std::string text, summary;
+};
+
+Texts texts_of(const Request& request, const cullhull::PointView& points,
+               const cullhull::Hull& hull) {
+  Texts texts;
+  for (const std::string& word : request.texts) {
+    const bool summary = (word == "s" || word == "FA") && !request.summary_to_stdout;
+    (summary ? texts.summary : texts.text) += cullhull::hull_to_qhull_text(points, hull, word);
+  }
+  if (request.report_from && hull.facet_count() >= *request.report_from)
+    texts.summary += cullhull::hull_to_qhull_text(points, hull, "s");
+  return texts;
+}
+
+int run(const QconvexArguments& arguments) {
+  const Request request = read_words(arguments.words);
+  FilePlan plan;
+  plan.reads(request.input);
+  if (request.output != "-") plan.writes_any("TO", request.output);
+  InputArguments from;
+  from.path = request.input;
+  const Input input = open_input(from, arguments.run.threads);
+  const auto found = repeat(arguments.run, 1, [&](const cullhull::Options& options) {
+    return naming_file(request.input, [&] { return cullhull::convex_hull(input.points, options); });
+  });
+  if (request.certify) {
+    const auto checked = repeat(arguments.run, 1, [&](const cullhull::Options& options) {
+      return cullhull::certify(input.points, found.result, options);
+    });
+    if (!checked.result.valid) {
+      complain("not certified: " + checked.result.reason);
+      return not_certified;
+    }
+  }
+  const Texts texts = texts_of(request, input.points, found.result);
+  cullhull::write_text(request.output, texts.text);
+  write_stderr(texts.summary);
+  return 0;
+}
+
+}  // namespace
+
+Command add_qconvex(CLI::App& parent) {
+  auto a = std::make_shared<QconvexArguments>();
+  CLI::App& command =
+      *parent.add_subcommand("qconvex", "The hull by the words of Qhull's program qconvex");
+  command.add_option("WORDS", a->words, "Outputs and files, see below")->type_name("");
+  a->run.add_to(command, true);
+  command.footer(help);
+  return [a] { return run(*a); };
+}
+
+}  // namespace app

@@ -1,0 +1,146 @@
+#include "words.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <numeric>
+
+namespace app {
+namespace {
+
+std::vector<std::string> command_names(const CLI::App& parser) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : parser.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
+  return names;
+}
+
+/// A file, or a name that can only have been meant for one.
+bool looks_like_a_file(const std::string& word) {
+  std::error_code ignored;
+  return word == "-" || std::filesystem::exists(word, ignored) ||
+         word.find_first_of("./") != std::string::npos;
+}
+
+/// Insertions, deletions and replacements that make one word of the other (Levenshtein 1966).
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+std::vector<std::string> option_names(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& name : option->get_snames()) names.push_back("-" + name);
+  }
+  return names;
+}
+
+}  // namespace
+
+bool is_command(const CLI::App& parser, const std::string& word) {
+  const auto names = command_names(parser);
+  return std::find(names.begin(), names.end(), word) != names.end();
+}
+
+std::vector<std::string> spell_out(const std::vector<std::string>& given, const CLI::App& parser) {
+  std::vector<std::string> words = given;
+  // The parser would take the word behind a bare --json for its file.
+  for (std::string& word : words) {
+    if (word == "--") break;
+    if (word == "--json") word = "--json=-";
+  }
+  if (words.empty()) return words;
+  if (words[0] == "help") {
+    words.erase(words.begin());
+    words.emplace_back("--help");
+  } else if (!is_command(parser, words[0]) && (words[0] == "-" || words[0][0] != '-') &&
+             looks_like_a_file(words[0])) {
+    words.insert(words.begin(), "hull");
+  }
+  return words;
+}
+
+std::string nearest(std::string_view word, const std::vector<std::string>& known) {
+  std::string best;
+  std::size_t least = word.size() / 3 + 1;  // farther off it is another word
+  for (const std::string& name : known) {
+    const bool begun = word.size() >= 4 && name.starts_with(word);
+    const std::size_t distance = begun ? 0 : edit_distance(word, name);
+    if (distance > least || (distance == least && !best.empty())) continue;
+    least = distance;
+    best = name;
+  }
+  return best;
+}
+
+std::string unknown_command(const std::string& word, const CLI::App& parser) {
+  const std::string meant = nearest(word, command_names(parser));
+  return "unknown command '" + word + "'" + (meant.empty() ? "" : "; did you mean " + meant + "?") +
+         " (see cullhull --help)";
+}
+
+std::string unexpected_words(const std::vector<std::string>& words, const CLI::App& command) {
+  const std::vector<std::string> names = option_names(command);
+  for (const std::string& word : words) {
+    if (word == "--") break;
+    if (word.size() < 2 || word[0] != '-') continue;
+    const std::string name = word.substr(0, word.find('='));
+    const bool known =
+        std::find(names.begin(), names.end(), name) != names.end() ||
+        (name[1] != '-' && std::find(names.begin(), names.end(), name.substr(0, 2)) != names.end());
+    if (known) continue;
+    const std::string meant = nearest(name, names);
+    return "unknown option " + name + (meant.empty() ? "" : "; did you mean " + meant + "?");
+  }
+  if (!command_names(command).empty() && !command.remaining().empty()) {
+    const std::string word = command.remaining().front();
+    const std::string meant = nearest(word, command_names(command));
+    return "unknown suite '" + word + "'" + (meant.empty() ? "" : "; did you mean " + meant + "?");
+  }
+  std::string list;
+  for (const std::string& word : command.remaining()) list += " '" + word + "'";
+  return "more than is expected:" + list;
+}
+
+const CLI::App& innermost(const CLI::App& parser) {
+  const auto given = parser.get_subcommands();
+  return given.empty() ? parser : innermost(*given.front());
+}
+
+std::string with_arguments_cut(std::string message, const std::vector<std::string>& arguments) {
+  constexpr std::size_t most = 200, head = 120, tail = 60;
+  const auto cut = [&](const std::string& text) {
+    if (text.size() <= most) return;
+    const std::string shorter = text.substr(0, head) + "..." + text.substr(text.size() - tail);
+    for (std::size_t at = 0; (at = message.find(text, at)) != std::string::npos;
+         at += shorter.size())
+      message.replace(at, text.size(), shorter);
+  };
+  for (const std::string& word : arguments) {
+    std::string plain = word;  // as the library repeats it, on one line
+    for (char& c : plain)
+      if (static_cast<unsigned char>(c) < ' ' || c == 127) c = '?';
+    for (const std::string& text : {word, plain}) {
+      cut(text);
+      if (const auto equals = text.find('='); equals != std::string::npos) {
+        cut(text.substr(equals + 1));
+        cut(text.substr(0, equals));
+      }
+    }
+  }
+  return message;
+}
+
+}  // namespace app

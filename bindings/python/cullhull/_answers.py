@@ -1,0 +1,94 @@
+"""Answers that have several parts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from ._hull import Hull
+
+
+class NearestFacets(NamedTuple):
+    """Answer of `Hull.nearest_facets`: one entry a point.
+
+    Attributes
+    ----------
+    facets : (m,) int64
+        The facet on which a nearest point of the boundary lies.
+    distances : (m,) float64
+        Euclidean distance to the boundary, negative inside; units of the points.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 2], [0, 2]])
+    >>> hull.nearest_facets([[1, 5]]).distances
+    array([3.])
+    """
+
+    #: (m,) int64: the facet on which a nearest point of the boundary lies.
+    facets: npt.NDArray[np.int64]
+    #: (m,) float64: Euclidean distance to the boundary, negative inside; units of the points.
+    distances: npt.NDArray[np.float64]
+
+
+class Rays(NamedTuple):
+    """Answer of `Hull.rays`: where the lines origin + t * direction pass through, one entry each.
+
+    Attributes
+    ----------
+    hit : (m,) bool
+        Whether the line meets the hull at all.
+    enter, exit : (m,) float64
+        Parameters t of entry and exit, enter <= exit; 0 where there is no hit.
+    enter_facets, exit_facets : (m,) int64
+        Facets of entry and exit; -1 where there is no hit.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 2], [0, 2]])
+    >>> hull.rays([-1, 1], [[1, 0], [0, 1]]).hit
+    array([ True, False])
+    """
+
+    #: (m,) bool: whether the line meets the hull at all.
+    hit: npt.NDArray[np.bool_]
+    #: (m,) float64: parameters t of entry and exit, enter <= exit; 0 where there is no hit.
+    enter: npt.NDArray[np.float64]
+    exit: npt.NDArray[np.float64]
+    #: (m,) int64: facets of entry and exit; -1 where there is no hit.
+    enter_facets: npt.NDArray[np.int64]
+    exit_facets: npt.NDArray[np.int64]
+
+
+class Simplified(NamedTuple):
+    """Answer of `Hull.simplify`.
+
+    Attributes
+    ----------
+    hull : Hull
+        The exact hull of the vertices that were kept, with the same numbering of points.
+    dropped : int
+        Vertices that were dropped.
+    distance : float
+        No point is farther from `hull`: an upper bound, rounding included; units of the points.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 2], [0, 2], [1, 2.01]])
+    >>> simplified = hull.simplify(0.1)
+    >>> simplified.hull.vertices, simplified.dropped, round(simplified.distance, 4)
+    (array([0, 1, 2, 3]), 1, 0.01)
+    """
+
+    #: The exact hull of the vertices that were kept, with the same numbering of points.
+    hull: Hull
+    #: Vertices that were dropped.
+    dropped: int
+    #: No point is farther from `hull`: an upper bound, rounding included; units of the points.
+    distance: float

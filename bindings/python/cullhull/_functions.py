@@ -1,0 +1,248 @@
+"""The native face: functions that make hulls, cull, check, and generate points."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._arguments import (
+    Backend,
+    CullMethod,
+    Progress,
+    as_count,
+    as_point_set,
+    as_points,
+    settings,
+)
+from ._device import as_device_points
+from ._errors import InvalidArgument, NotCertified, OutOfBudget
+from ._hull import Certificate, Hull
+
+
+def convex_hull(
+    points: Any,
+    *,
+    backend: Backend = "auto",
+    cull: CullMethod = "auto",
+    threads: int | None = None,
+    memory_budget: int | None = None,
+    certify: bool = False,
+    progress: Progress = None,
+) -> Hull:
+    """The exact convex hull of any number of points in any dimension.
+
+    No option changes the result, only how it is reached.
+
+    Parameters
+    ----------
+    points : (n, d) array
+        Read in place, without a copy, for float32, float64, booleans and integers up to 32 bits
+        of any strides (slices, Fortran order, memory maps, fields of records), and for DLPack
+        arrays on the host. Arrays in a CUDA device's memory (``__cuda_array_interface__``, DLPack)
+        are culled there, and only survivors are copied. Other real types are converted to doubles
+        if that is exact. It must not change during the call.
+    backend : 'auto', 'cpu' or 'cuda'
+    cull : 'auto', 'gauge', 'pseudo-hull' or 'none'
+        The filter that drops points strictly inside before the hull is computed.
+    threads : int, optional
+        Threads to use; all the machine offers if not given.
+    memory_budget : int, optional
+        Bytes to allocate beyond the input; half of the machine's memory (of its
+        container's, where that is less) if not given.
+    certify : bool
+        Check the result with an independent exact test, kept as ``hull.certificate``.
+    progress : callable or bool
+        Called now and then as ``progress(phase, share)``, share in [0, 1]; it may raise, which
+        stops the work. True shows a tqdm bar.
+
+    Returns
+    -------
+    Hull
+
+    Raises
+    ------
+    NotFinite (a ValueError)
+        For a NaN, an infinity or a missing value; names the first bad point.
+    InvalidArgument (a ValueError), TypeError
+        For another shape, another type, or an option that is none.
+    OutOfBudget (a MemoryError), BackendUnavailable (a RuntimeError), KeyboardInterrupt
+
+    Examples
+    --------
+    >>> import cullhull, itertools
+    >>> cube = list(itertools.product([0, 1], repeat=3))
+    >>> hull = cullhull.convex_hull(cube, certify=True)
+    >>> hull.volume, hull.facet_count, hull.certificate
+    (1.0, 6, <Certificate: valid>)
+    """
+    chosen = settings(
+        backend=backend,
+        cull=cull,
+        threads=threads,
+        memory_budget=memory_budget,
+        progress=progress,
+    )
+    device = None if type(points) is np.ndarray else as_device_points(points)
+    if device is not None:
+        if certify:
+            raise InvalidArgument("certify=True needs points on the host")
+        return Hull._of(_core.convex_hull_of_device_points(device, chosen))
+    array = as_point_set(points)
+    hull = Hull._of(_core.convex_hull(array, chosen))
+    if certify:
+        hull.certificate = _core.certify(array, hull._solid, chosen)
+        if not hull.certificate:
+            raise NotCertified(hull.certificate.reason)
+    return hull
+
+
+def cull(
+    points: Any,
+    *,
+    backend: Backend = "auto",
+    method: CullMethod = "auto",
+    threads: int | None = None,
+    memory_budget: int | None = None,
+    progress: Progress = None,
+) -> npt.NDArray[np.int64]:
+    """Indices, ascending, of points that may be extreme: the filter alone, in front of other code.
+
+    Every extreme point and every duplicate of one is among them; what is dropped lies strictly
+    inside the hull. ``points[cullhull.cull(points)]`` has the same hull as ``points``.
+
+    Parameters
+    ----------
+    points : (n, d) array
+    method : 'auto', 'gauge', 'pseudo-hull' or 'none'
+        'none' keeps all.
+    backend, threads, memory_budget, progress : as in `convex_hull`
+
+    Returns
+    -------
+    (s,) int64 array
+
+    Raises
+    ------
+    NotFinite, InvalidArgument, OutOfBudget, BackendUnavailable, TypeError : as `convex_hull`
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> points = cullhull.generate("ball", 1_000_000)
+    >>> kept = cullhull.cull(points)
+    >>> len(kept) < 100_000
+    True
+    >>> cullhull.convex_hull(points[kept]).volume == cullhull.convex_hull(points).volume
+    True
+    """
+    chosen = settings(
+        backend=backend,
+        cull=method,
+        threads=threads,
+        memory_budget=memory_budget,
+        progress=progress,
+    )
+    device = as_device_points(points)
+    if device is not None:
+        return _core.cull_device_points(device, chosen)
+    return _core.cull(as_point_set(points), chosen)
+
+
+def certify(
+    points: Any, hull: Hull, *, threads: int | None = None, progress: Progress = None
+) -> Certificate:
+    """An independent, exact check that ``hull`` is the hull of ``points``, with no engine code.
+
+    Parameters
+    ----------
+    points : (n, d) array
+    hull : Hull
+    threads, progress : as in `convex_hull`
+
+    Returns
+    -------
+    Certificate
+        True if proven, else its ``reason`` names the first thing wrong.
+
+    Raises
+    ------
+    TypeError
+        Where `hull` is no `Hull`.
+    InvalidArgument, NotFinite (ValueErrors)
+        For points of another shape or type.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> points = cullhull.generate("ball", 100)
+    >>> hull = cullhull.convex_hull(points)
+    >>> cullhull.certify(points, hull)
+    <Certificate: valid>
+    >>> points[7] = 3
+    >>> bool(cullhull.certify(points, hull))
+    False
+    """
+    if not isinstance(hull, Hull):
+        raise TypeError(f"hull must be a cullhull.Hull, not {type(hull).__name__}")
+    return _core.certify(
+        as_points(points), hull._solid, settings(threads=threads, progress=progress)
+    )
+
+
+def generate(
+    shape: str, count: int, dimension: int = 3, *, seed: int = 1
+) -> npt.NDArray[np.float64]:
+    """Test points: the same arguments give the same bits on every machine.
+
+    Parameters
+    ----------
+    shape : str
+        One of `shapes`.
+    count, dimension : int
+    seed : int
+        From 0 to 2**64 - 1.
+
+    Returns
+    -------
+    (count, dimension) float64 array
+
+    Raises
+    ------
+    InvalidArgument (a ValueError)
+        For an unknown shape, a dimension it does not have, or a number out of range.
+    MemoryError
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> cullhull.generate("cube", 1000, 4).shape
+    (1000, 4)
+    """
+    n = as_count(count, "count")
+    d = as_count(dimension, "dimension", least=1, most=2**32 - 1)
+    chosen = as_count(seed, "seed", most=2**64 - 1)
+    if not isinstance(shape, str):
+        raise TypeError(f"shape must be a string, not {type(shape).__name__}")
+    if n * d >= 2**60:
+        raise OutOfBudget(f"{n} points in {d}D do not fit into memory")
+    return _core.generate(shape, n, d, chosen).reshape(n, d)
+
+
+def shapes() -> dict[str, str]:
+    """The shapes that `generate` knows.
+
+    Returns
+    -------
+    dict of str to str
+        Names, with a description each.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> "sphere" in cullhull.shapes()
+    True
+    """
+    return _core.shapes()

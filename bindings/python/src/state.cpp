@@ -1,0 +1,328 @@
+// Hulls and batches as plain values and arrays, and back: for pickle and what is built on it.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "batch.hpp"
+#include "cullhull/error.hpp"
+#include "solid.hpp"
+
+namespace binding {
+
+using cullhull::EvenArray;
+using cullhull::Hull;
+using cullhull::HullBatch;
+using cullhull::ScalarType;
+
+namespace {
+
+using State = nb::typed<nb::dict, nb::str, nb::any>;
+
+constexpr int state_version = 1;
+
+[[noreturn]] void refuse(const char* what) {
+  throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                        std::string("this is not the pickled state of a hull: ") + what);
+}
+void require(bool holds, const char* what) {
+  if (!holds) refuse(what);
+}
+
+/// What NumPy sees of the library's integers.
+template <class T, bool = std::is_integral_v<T>>
+struct Shown {
+  using type = T;
+};
+template <class T>
+struct Shown<T, true> {
+  using type = std::make_signed_t<T>;
+};
+template <class T>
+using shown_t = typename Shown<std::remove_const_t<T>>::type;
+
+/// A view of `list` in memory that `owner` keeps.
+template <class List>
+nb::object saved(const List& list, nb::handle owner) {
+  using T = shown_t<typename List::value_type>;
+  return list_of(reinterpret_cast<const T*>(list.data()), list.size(), owner);
+}
+/// The same; (count, step) where the items take no memory.
+template <class T>
+nb::object saved(const EvenArray<T>& list, nb::handle owner) {
+  if (list.step() != nullptr) return nb::make_tuple(list.size(), *list.step());
+  return list_of(reinterpret_cast<const shown_t<T>*>(list.data()), list.size(), owner);
+}
+
+nb::object item(const State& state, const char* name) {
+  require(state.contains(name), name);
+  return state[name];
+}
+template <class T>
+T value(const State& state, const char* name) {
+  try {
+    return nb::cast<T>(item(state, name));
+  } catch (const nb::cast_error&) {
+    refuse(name);
+  }
+}
+
+/// Fills a vector of any allocator.
+template <class List>
+void load(const State& state, const char* name, List& list) {
+  using T = typename List::value_type;
+  auto array = value<Array<shown_t<T>>>(state, name);
+  require(array.is_list(), name);
+  const T* const data = reinterpret_cast<const T*>(array.data());
+  list.assign(data, data + array.size());
+}
+template <class T>
+void load(const State& state, const char* name, cullhull::SharedArray<T>& list) {
+  load(state, name, list.edit());
+}
+template <class T>
+void load(const State& state, const char* name, EvenArray<T>& list) {
+  const nb::object stored = item(state, name);
+  if (!nb::isinstance<nb::tuple>(stored)) {
+    load(state, name, list.edit());
+    return;
+  }
+  std::size_t count = 0;
+  T step = 0;
+  const nb::tuple even = nb::borrow<nb::tuple>(stored);
+  require(even.size() == 2 && nb::try_cast(even[0], count) && nb::try_cast(even[1], step), name);
+  list = EvenArray<T>::of_step(count, step);
+}
+
+/// Offsets ascend from 0 to the number of items.
+template <class Offsets>
+void check_offsets(const Offsets& offsets, std::size_t items, const char* name) {
+  require(offsets.size() > 0 && offsets[0] == 0 && offsets[offsets.size() - 1] == items, name);
+  for (std::size_t i = 1; i < offsets.size(); ++i) require(offsets[i - 1] <= offsets[i], name);
+}
+template <class List>
+void check_below(const List& list, std::uint64_t bound, const char* name) {
+  require(std::all_of(list.begin(), list.end(), [bound](auto v) { return v < bound; }), name);
+}
+
+ScalarType scalar_named(const std::string& name) {
+  for (const ScalarType t : {ScalarType::f32, ScalarType::f64, ScalarType::i8, ScalarType::u8,
+                             ScalarType::i16, ScalarType::u16, ScalarType::i32, ScalarType::u32})
+    if (name == cullhull::scalar_name(t)) return t;
+  refuse("scalar");
+}
+
+/// Strings the library has, so that `const char*` in a result stays what it was.
+const char* known(const std::string& text, std::initializer_list<const char*> words) {
+  for (const char* word : words)
+    if (text == word) return word;
+  return "other";
+}
+
+void check_version(const State& state) {
+  const int version = value<int>(state, "version");
+  if (version != state_version)
+    throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                          "a hull pickled by another version of cullhull (state " +
+                              std::to_string(version) + ", this one reads " +
+                              std::to_string(state_version) + ")");
+}
+
+// What both have, member by member: `each(name, member)`.
+
+template <class H, class Each>
+void each_member(H& h, Each&& each) {
+  each("facet_offsets", h.facets.offsets);
+  each("facet_neighbour_offsets", h.facet_neighbours.offsets);
+  each("facet_neighbours", h.facet_neighbours.items);
+  each("facet_planes", h.facet_planes);
+}
+template <class Each>
+void each_list(Hull& h, Each&& each) {
+  each_member(h, each);
+  each("vertices", h.vertices);
+  each("simplices", h.simplices);
+  each("simplex_neighbours", h.simplex_neighbours);
+  each("simplex_facets", h.simplex_facets);
+  each("centroid", h.centroid);
+}
+template <class Each>
+void each_list(HullBatch& b, Each&& each) {
+  each_member(b, each);
+  each("facet_vertices", b.facets.items);
+  each("point_counts", b.point_counts);
+  each("affine_dimensions", b.affine_dimensions);
+  each("volumes", b.volumes);
+  each("areas", b.areas);
+  each("centroids", b.centroids);
+  each("vertex_offsets", b.vertices.offsets);
+  each("vertices", b.vertices.items);
+  each("facet_starts", b.facet_starts);
+  each("simplex_offsets", b.simplices.offsets);
+  each("simplices", b.simplices.items);
+  each("simplex_neighbour_offsets", b.simplex_neighbours.offsets);
+  each("simplex_neighbours", b.simplex_neighbours.items);
+  each("simplex_facet_offsets", b.simplex_facets.offsets);
+  each("simplex_facets", b.simplex_facets.items);
+}
+
+template <class H>
+State saved_lists(const H& h, nb::handle owner) {
+  State state;
+  state["version"] = state_version;
+  state["dimension"] = h.dimension;
+  state["scalar"] = cullhull::scalar_name(h.scalar);
+  each_list(const_cast<H&>(h), [&](const char* name, const auto& list) {  // reads only
+    state[name] = saved(list, owner);
+  });
+  return state;
+}
+template <class H>
+void load_lists(const State& state, H& h) {
+  check_version(state);
+  h.dimension = value<std::uint32_t>(state, "dimension");
+  h.scalar = scalar_named(value<std::string>(state, "scalar"));
+  require(h.dimension > 0 || h.facet_planes.empty(), "dimension");
+  each_list(h, [&](const char* name, auto& list) { load(state, name, list); });
+}
+
+State state_of_solid(SolidHandle self) {
+  const Hull& h = hull_in(self);
+  State state = saved_lists(h, self);
+  state["point_count"] = h.point_count;
+  state["affine_dimension"] = h.affine_dimension;
+  state["volume"] = h.volume;
+  state["area"] = h.area;
+  // Mostly the facets are the simplices, and their lists one.
+  state["facet_vertices"] =
+      h.facets.items.shares(h.simplices) ? nb::none() : saved(h.facets.items, self);
+  state["vertex_rows"] = saved(nb::inst_ptr<Solid>(self)->vertex_rows(), self);
+  const cullhull::Statistics& s = h.statistics;
+  state["statistics"] = nb::make_tuple(
+      s.survivors, s.cull_method, s.cull_reason, s.engine, s.backend, s.threads, s.cull_seconds,
+      s.hull_seconds, s.compute_seconds, s.rung_counts[0], s.rung_counts[1], s.rung_counts[2]);
+  return state;
+}
+
+void load_statistics(const State& state, cullhull::Statistics& s) {
+  const auto all = value<nb::tuple>(state, "statistics");
+  std::string method, engine, backend;
+  require(all.size() == 12 && nb::try_cast(all[0], s.survivors) && nb::try_cast(all[1], method) &&
+              nb::try_cast(all[2], s.cull_reason) && nb::try_cast(all[3], engine) &&
+              nb::try_cast(all[4], backend) && nb::try_cast(all[5], s.threads) &&
+              nb::try_cast(all[6], s.cull_seconds) && nb::try_cast(all[7], s.hull_seconds) &&
+              nb::try_cast(all[8], s.compute_seconds) && nb::try_cast(all[9], s.rung_counts[0]) &&
+              nb::try_cast(all[10], s.rung_counts[1]) && nb::try_cast(all[11], s.rung_counts[2]),
+          "statistics");
+  s.cull_method = known(method, {"none", "gauge", "pseudo-hull"});
+  s.engine = known(engine, {"native", "qhull"});
+  s.backend = known(backend, {"cpu", "cuda"});
+}
+
+/// Whatever a question would go by: a wrong number must not lead out of an array.
+void check(const Hull& h, const std::vector<double>& vertex_rows) {
+  const std::size_t d = h.dimension, k = simplex_width(h), facets = h.facet_count();
+  require(d > 0 && h.affine_dimension >= -1 && h.affine_dimension <= static_cast<int>(d),
+          "affine_dimension");
+  require(vertex_rows.size() == h.vertices.size() * d, "vertex_rows");
+  require(h.centroid.size() == (h.affine_dimension < 0 ? 0 : d), "centroid");
+  require(h.facet_planes.size() == facets * (d + 1), "facet_planes");
+  require(h.facet_neighbours.size() == facets, "facet_neighbours");
+  require(h.simplices.size() == h.simplex_count() * k, "simplices");
+  require(h.simplex_neighbours.size() == h.simplices.size(), "simplex_neighbours");
+  check_offsets(h.facets.offsets, h.facets.items.size(), "facet_offsets");
+  check_offsets(h.facet_neighbours.offsets, h.facet_neighbours.items.size(),
+                "facet_neighbour_offsets");
+  check_below(h.vertices, h.point_count, "vertices");
+  check_below(h.facet_neighbours.items, facets, "facet_neighbours");
+  check_below(h.simplex_neighbours, h.simplex_count(), "simplex_neighbours");
+  check_below(h.simplex_facets, facets, "simplex_facets");
+  std::vector<std::uint64_t> ids = h.vertices;
+  std::sort(ids.begin(), ids.end());
+  require(std::adjacent_find(ids.begin(), ids.end()) == ids.end(), "vertices");
+  const auto is_vertex = [&](std::uint64_t id) {
+    return std::binary_search(ids.begin(), ids.end(), id);
+  };
+  require(std::all_of(h.simplices.begin(), h.simplices.end(), is_vertex), "simplices");
+  require(std::all_of(h.facets.items.begin(), h.facets.items.end(), is_vertex), "facet_vertices");
+}
+
+std::unique_ptr<Solid> solid_of_state(const State& state) {
+  Hull h;
+  load_lists(state, h);
+  h.point_count = value<std::uint64_t>(state, "point_count");
+  h.affine_dimension = value<int>(state, "affine_dimension");
+  h.volume = value<double>(state, "volume");
+  h.area = value<double>(state, "area");
+  if (item(state, "facet_vertices").is_none())
+    h.facets.items = h.simplices;
+  else
+    load(state, "facet_vertices", h.facets.items);
+  load_statistics(state, h.statistics);
+  std::vector<double> vertex_rows;
+  load(state, "vertex_rows", vertex_rows);
+  check(h, vertex_rows);
+  return std::make_unique<Solid>(std::move(h), std::move(vertex_rows));
+}
+
+State state_of_batch(nb::handle_t<Batch> self) {
+  const Batch& batch = *nb::inst_ptr<Batch>(self);
+  State state = saved_lists(batch.hulls, self);
+  state["vertex_rows"] = saved(batch.vertex_rows, self);
+  return state;
+}
+
+/// The lists of all sets; what one set's own hold is checked when it is asked for (Batch::at).
+void check(const Batch& batch) {
+  const HullBatch& b = batch.hulls;
+  const std::size_t sets = b.size(), facets = b.facets.size();
+  require(b.dimension > 0 || sets == 0, "dimension");
+  require(b.affine_dimensions.size() == sets && b.volumes.size() == sets &&
+              b.areas.size() == sets && b.centroids.size() == sets * b.dimension,
+          "affine_dimensions");
+  require(b.vertices.size() == sets && b.simplices.size() == sets &&
+              b.simplex_neighbours.size() == sets && b.simplex_facets.size() == sets &&
+              b.facet_starts.size() == sets + 1 && b.facet_neighbours.size() == facets,
+          "vertices");
+  require(b.facet_planes.size() == facets * (b.dimension + std::size_t{1}), "facet_planes");
+  require(batch.vertex_rows.size() == b.vertices.items.size() * b.dimension, "vertex_rows");
+  check_offsets(b.facet_starts, facets, "facet_starts");
+  check_offsets(b.facets.offsets, b.facets.items.size(), "facet_offsets");
+  check_offsets(b.facet_neighbours.offsets, b.facet_neighbours.items.size(),
+                "facet_neighbour_offsets");
+  check_offsets(b.vertices.offsets, b.vertices.items.size(), "vertex_offsets");
+  check_offsets(b.simplices.offsets, b.simplices.items.size(), "simplex_offsets");
+  check_offsets(b.simplex_neighbours.offsets, b.simplex_neighbours.items.size(),
+                "simplex_neighbour_offsets");
+  check_offsets(b.simplex_facets.offsets, b.simplex_facets.items.size(), "simplex_facet_offsets");
+  for (std::size_t i = 0; i < sets; ++i) {
+    const std::unique_ptr<Solid> solid = batch.at(i);
+    check(solid->hull(), solid->vertex_rows());
+  }
+}
+
+std::unique_ptr<Batch> batch_of_state(const State& state) {
+  auto batch = std::make_unique<Batch>();
+  load_lists(state, batch->hulls);
+  load(state, "vertex_rows", batch->vertex_rows);
+  check(*batch);
+  return batch;
+}
+
+}  // namespace
+
+void bind_state(nb::module_& m) {
+  m.def("state_of_solid", state_of_solid, nb::arg("solid"));
+  m.def("solid_of_state", solid_of_state, nb::arg("state"));
+  m.def("state_of_batch", state_of_batch, nb::arg("batch"));
+  m.def("batch_of_state", batch_of_state, nb::arg("state"));
+}
+
+}  // namespace binding

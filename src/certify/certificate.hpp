@@ -1,0 +1,115 @@
+// The parts of certify(): each throws Fault at the first thing it finds wrong.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "control.hpp"
+#include "cullhull/certify.hpp"
+#include "predicates/orientation.hpp"
+
+namespace cullhull::internal {
+
+struct Fault {
+  std::string reason;
+};
+
+template <class... Parts>
+[[noreturn]] void fault(Parts&&... parts) {
+  std::string text;
+  const auto append = [&](auto&& part) {
+    if constexpr (std::is_integral_v<std::decay_t<decltype(part)>>)
+      text += std::to_string(part);
+    else
+      text += part;
+  };
+  (append(parts), ...);
+  throw Fault{std::move(text)};
+}
+
+/// The simplices of each facet, in order of facet: those of f are simplices[start[f] .. start[f +
+/// 1]).
+struct Members {
+  std::vector<std::uint32_t> start, simplices;
+};
+
+/// The hull under test, with what has been established about it so far.
+struct Subject {
+  const PointView& points;
+  const Hull& hull;
+  const Control& control;
+  unsigned threads;
+  unsigned k = 0;
+
+  std::vector<std::uint64_t> ids;    ///< the hull's vertices, ascending
+  std::vector<double> full;          ///< their coordinates
+  std::vector<unsigned> axes;        ///< the flat projects one to one on these
+  std::vector<double> rows;          ///< vertex coordinates on the axes
+  std::vector<std::uint32_t> index;  ///< simplices x k: positions in `ids`
+  std::vector<std::uint32_t> basis;  ///< k + 1 affinely independent vertices
+  std::vector<double> centre;        ///< the interior point, if one was found among the doubles
+  Members members;                   ///< set once simplex_facets has been checked
+  mutable std::atomic<std::uint64_t> exact_decisions{0};
+  unsigned id_shift = 0;                 ///< ids are looked up by their high bits:
+  std::vector<std::uint32_t> id_bucket;  ///< the first with those, in `ids`
+
+  Subject(const PointView& p, const Hull& h, const Control& c, unsigned t)
+      : points(p), hull(h), control(c), threads(t) {}
+
+  std::uint32_t simplex_count() const { return static_cast<std::uint32_t>(index.size() / k); }
+  const std::uint32_t* simplex(std::uint32_t f) const { return index.data() + std::size_t{f} * k; }
+  const double* row(std::uint32_t v) const { return rows.data() + std::size_t{v} * k; }
+  std::uint32_t neighbour(std::uint32_t f, unsigned j) const {
+    return hull.simplex_neighbours[std::size_t{f} * k + j];
+  }
+  std::uint64_t position(std::uint64_t id) const;  ///< in `ids`; ids.size() if it is no vertex
+  void index_ids();  ///< makes `position` quick; call when ids are set
+
+  /// Asks for what simplices soon after f refer to: it lies anywhere in memory.
+  void prefetch(std::uint64_t f) const {
+    constexpr std::uint64_t far = 24, near = 12;
+    if (f + far < simplex_count())
+      for (unsigned j = 0; j < k; ++j) {
+        const std::size_t g = hull.simplex_neighbours[(f + far) * k + j];
+        __builtin_prefetch(index.data() + g * k);
+        __builtin_prefetch(hull.simplex_neighbours.data() + g * k);
+        __builtin_prefetch(hull.simplex_facets.data() + g);
+        __builtin_prefetch(row(index[(f + far) * k + j]));
+      }
+    if (f + near < simplex_count())
+      for (unsigned j = 0; j < k; ++j) {
+        const std::uint32_t g = neighbour(static_cast<std::uint32_t>(f + near), j);
+        for (unsigned c = 0; c < k; ++c) __builtin_prefetch(row(simplex(g)[c]));
+      }
+  }
+
+  void prefetch_corners(std::uint64_t f) const {
+    constexpr std::uint64_t ahead = 16;
+    if (f + ahead < simplex_count())
+      for (unsigned j = 0; j < k; ++j) __builtin_prefetch(row(index[(f + ahead) * k + j]));
+  }
+
+  /// On which side of simplex f the point x lies; positive is outside. scratch: k + 1 pointers.
+  Sign side(std::uint32_t f, const double* x, const double** scratch) const;
+  /// Orientation of (rows[0], ..., rows[k-1], interior point); rows has room for k + 1.
+  Sign seen(const double** rows) const;
+  /// The simplex whose closed cone from the interior point contains x. Walks from `start`.
+  std::uint32_t locate(const double* x, std::uint32_t start, const double** scratch) const;
+  bool in_cone(std::uint32_t f, const double* x, const double** scratch) const;
+};
+
+/// for_each_chunk, but the fault of the first chunk that has one is thrown at the end.
+void check_chunks(const Subject& s, std::uint64_t count, std::uint64_t chunk_size,
+                  const std::function<void(std::uint64_t begin, std::uint64_t end)>& body);
+
+void check_shape(Subject& s);                  // sizes, ranges, order; fills ids, full, index
+void check_flat(Subject& s);                   // fills basis, axes, rows
+std::uint64_t check_ridges(const Subject& s);  // pairing, orientation, convexity; their number
+void check_interior(Subject& s);               // interior point and the one ray; fills centre
+void check_facets(Subject& s);  // merged facets, extreme vertices, triangulation; fills members
+void check_points(const Subject& s);   // every input point
+void check_numbers(const Subject& s);  // planes, volume, area, centroid
+
+}  // namespace cullhull::internal

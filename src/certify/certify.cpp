@@ -1,0 +1,196 @@
+#include "cullhull/certify.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "certify/certificate.hpp"
+#include "parallel/parallel.hpp"
+
+namespace cullhull {
+namespace internal {
+
+void check_chunks(const Subject& s, std::uint64_t count, std::uint64_t chunk_size,
+                  const std::function<void(std::uint64_t begin, std::uint64_t end)>& body) {
+  std::vector<std::string> faults(chunk_count(count, chunk_size));
+  for_each_chunk(count, chunk_size, s.threads,
+                 [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+                   s.control.check();
+                   try {
+                     body(begin, end);
+                   } catch (const Fault& f) {
+                     faults[chunk] = f.reason;
+                   }
+                 });
+  for (std::string& f : faults)
+    if (!f.empty()) throw Fault{std::move(f)};
+}
+
+std::uint64_t Subject::position(std::uint64_t id) const {
+  const std::uint64_t bucket = id >> id_shift;
+  if (bucket + 1 >= id_bucket.size()) return ids.size();
+  const auto begin = ids.begin() + id_bucket[bucket], end = ids.begin() + id_bucket[bucket + 1];
+  const auto it = std::lower_bound(begin, end, id);
+  return it != end && *it == id ? static_cast<std::uint64_t>(it - ids.begin()) : ids.size();
+}
+
+void Subject::index_ids() {
+  // About as many buckets as ids; they ascend.
+  id_shift = 0;
+  while (ids.back() >> id_shift >= 2 * ids.size()) ++id_shift;
+  id_bucket.assign((ids.back() >> id_shift) + 2, 0);
+  for (const std::uint64_t id : ids) ++id_bucket[(id >> id_shift) + 1];
+  for (std::size_t b = 1; b < id_bucket.size(); ++b) id_bucket[b] += id_bucket[b - 1];
+}
+
+Sign Subject::side(std::uint32_t f, const double* x, const double** scratch) const {
+  for (unsigned j = 0; j < k; ++j) scratch[j] = row(simplex(f)[j]);
+  scratch[k] = x;
+  // A facet at right angles to an axis: equality tells that x is in its plane, as grids have many.
+  for (unsigned c = 0; c < k; ++c) {
+    bool level = true;
+    for (unsigned j = 0; j < k && level; ++j) level = scratch[j][c] == x[c];
+    if (level) return Sign::zero;
+  }
+  if (k > 8) control.check();  // a sign can take milliseconds
+  Rung rung = Rung::filter;
+  const Sign sign = orientation(k, scratch, &rung);
+  if (rung == Rung::exact) exact_decisions.fetch_add(1, std::memory_order_relaxed);
+  return sign;
+}
+
+Sign Subject::seen(const double** r) const {
+  if (k > 8) control.check();
+  if (!centre.empty()) {
+    r[k] = centre.data();
+    Rung rung = Rung::filter;
+    const Sign sign = orientation(k, r, &rung);
+    if (rung == Rung::exact) exact_decisions.fetch_add(1, std::memory_order_relaxed);
+    return sign;
+  }
+  // No double is strictly inside: the centroid of the basis, as an exact rational.
+  exact_decisions.fetch_add(1, std::memory_order_relaxed);
+  std::vector<const double*> corners;
+  for (const std::uint32_t v : basis) corners.push_back(row(v));
+  // det [p1 - p0; ...; o - p0] = (-1)^k det [p0 - o; ...; p(k-1) - o]
+  const Sign sign = orientation_from_centroid_exact(k, r, corners.data());
+  return k % 2 == 0 ? sign : -sign;
+}
+
+bool Subject::in_cone(std::uint32_t f, const double* x, const double** scratch) const {
+  for (unsigned j = 0; j < k; ++j) {
+    for (unsigned i = 0; i < k; ++i) scratch[i] = i == j ? x : row(simplex(f)[i]);
+    if (seen(scratch) == Sign::positive) return false;
+  }
+  return true;
+}
+
+std::uint32_t Subject::locate(const double* x, std::uint32_t start, const double** scratch) const {
+  // A visibility walk on a regular subdivision of the sphere ends; inside a triangulated facet it
+  // might go round in circles, so the slots take turns and the steps are counted.
+  std::uint32_t f = start;
+  const std::uint64_t limit = 1000 + std::uint64_t{4} * simplex_count();
+  for (std::uint64_t step = 0; step < limit; ++step) {
+    bool moved = false;
+    for (unsigned i = 0; i < k && !moved; ++i) {
+      const auto j = static_cast<unsigned>((i + step * 7) % k);
+      for (unsigned c = 0; c < k; ++c) scratch[c] = c == j ? x : row(simplex(f)[c]);
+      if (seen(scratch) != Sign::positive) continue;
+      f = neighbour(f, j);
+      moved = true;
+    }
+    if (!moved) return f;
+    if (step % 4096 == 4095) control.check();
+  }
+  for (f = 0; f < simplex_count(); ++f)
+    if (in_cone(f, x, scratch)) return f;
+  fault("no facet meets the ray towards a point: the surface is not closed");
+}
+
+namespace {
+
+void check_empty(const Hull& h, std::uint64_t n) {
+  if (n == 0 && (!h.vertices.empty() || !h.centroid.empty()))
+    fault("there are no points, but vertices or a centroid");
+  if (!h.simplices.empty() || !h.simplex_facets.empty() || !h.simplex_neighbours.empty() ||
+      h.facets.offsets.size() > 1 || !h.facets.items.empty() ||
+      h.facet_neighbours.offsets.size() > 1 || !h.facet_neighbours.items.empty() ||
+      !h.facet_planes.empty())
+    fault("a hull of affine dimension ", h.affine_dimension, " has no facets");
+  if (h.volume != 0 || h.area != 0) fault("a hull without facets has no volume and no area");
+}
+
+/// k = 0: all points equal the first.
+void check_single(const Subject& s) {
+  const Hull& h = s.hull;
+  check_empty(h, s.points.count);
+  if (h.vertices.size() != 1 || h.vertices[0] != 0) fault("the only vertex should be point 0");
+  const unsigned d = s.points.dimension;
+  std::vector<double> first(d);
+  for (unsigned j = 0; j < d; ++j) first[j] = s.points.at(0, j);
+  check_chunks(s, s.points.count, std::uint64_t{1} << 16,
+               [&](std::uint64_t begin, std::uint64_t end) {
+                 for (std::uint64_t i = begin; i < end; ++i)
+                   for (unsigned j = 0; j < d; ++j) {
+                     const double v = s.points.at(i, j);
+                     if (!std::isfinite(v)) fault("point ", i, " is not finite");
+                     if (v != first[j]) fault("point ", i, " differs from point 0");
+                   }
+               });
+  if (h.centroid != first) fault("the centroid is not the only point");
+}
+
+void check_all(Subject& s, Certificate& out) {
+  const Hull& h = s.hull;
+  const std::uint64_t n = s.points.count;
+  if (s.points.dimension == 0 || (n > 0 && s.points.data == nullptr))
+    throw Error(ErrorCode::invalid_argument, "certify needs points of at least one dimension");
+  if (h.dimension != s.points.dimension) fault("the hull's dimension is not that of the points");
+  if (h.point_count != n) fault("the hull is that of ", h.point_count, " points, not of ", n);
+  if (h.scalar != s.points.scalar) fault("the hull's scalar type is not that of the points");
+  if (h.affine_dimension < -1 || h.affine_dimension > static_cast<std::int64_t>(h.dimension))
+    fault("affine dimension ", h.affine_dimension, " is impossible");
+  if ((n == 0) != (h.affine_dimension == -1))
+    fault("affine dimension ", h.affine_dimension, " is impossible for ", n, " points");
+  if (n == 0) return check_empty(h, 0);
+  if (h.affine_dimension == 0) {
+    check_single(s);
+    out.points_checked = n;
+    return;
+  }
+  s.k = static_cast<unsigned>(h.affine_dimension);
+  s.control.report("certify", 0);
+  check_shape(s);
+  check_flat(s);
+  s.control.report("certify", 0.05);
+  out.ridges_checked = check_ridges(s);
+  s.control.report("certify", 0.2);
+  check_interior(s);
+  s.control.report("certify", 0.4);
+  check_facets(s);
+  s.control.report("certify", 0.5);
+  check_points(s);
+  out.points_checked = n;
+  s.control.report("certify", 0.8);
+  check_numbers(s);
+  s.control.report("certify", 1);
+}
+
+}  // namespace
+}  // namespace internal
+
+Certificate certify(const PointView& points, const Hull& hull, const Options& options) {
+  using namespace internal;
+  const Control control(options);
+  Certificate out;
+  Subject subject(points, hull, control, resolve_threads(options.threads));
+  try {
+    check_all(subject, out);
+    out.valid = true;
+  } catch (const Fault& f) {
+    out.reason = f.reason;
+  }
+  out.exact_decisions = subject.exact_decisions;
+  return out;
+}
+
+}  // namespace cullhull

@@ -1,0 +1,380 @@
+#include "certify/facet_terms.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "predicates/cofactors.hpp"
+#include "predicates/double_double.hpp"
+#include "predicates/double_parts.hpp"
+#include "predicates/minors.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// The flat's measure is at most this many times that of its projection where the library works in
+/// doubles (make_frame).
+constexpr double flat_stretch = 0x1p8;
+
+double length(const double* v, unsigned n) {
+  double square = 0;
+  for (unsigned c = 0; c < n; ++c) square += v[c] * v[c];
+  return std::sqrt(square);
+}
+
+double power(double base, double exponent) { return std::pow(base, exponent); }
+
+/// The arithmetic that `orthogonalise` is written over.
+struct DoubleDoubles {
+  using Real = DoubleDouble;
+  Real zero() const { return 0; }
+  Real difference(double a, double b) const { return DoubleDouble::sum(a, -b); }
+  Real root(const Real& v) const {
+    if (!(v.high > 0)) return 0;
+    const double x = std::sqrt(v.high);
+    return DoubleDouble(x) + (v - DoubleDouble::product(x, x)) / DoubleDouble(2 * x);
+  }
+  bool positive(const Real& v) const { return v.high > 0; }
+  bool less(const Real& a, const Real& b) const { return (a - b).high < 0; }
+  static double rounded(const Real& v) { return v.value(); }
+};
+
+struct WideFloats {
+  using Real = mpf_class;
+  mp_bitcnt_t bits;
+  Real zero() const { return Real(0, bits); }
+  Real difference(double a, double b) const { return Real(a, bits) - Real(b, bits); }
+  Real root(const Real& v) const { return sqrt(v); }
+  bool positive(const Real& v) const { return v > 0; }
+  bool less(const Real& a, const Real& b) const { return a < b; }
+  static double rounded(const Real& v) { return v.get_d(); }
+};
+
+/// Edges of a simplex from its first vertex made orthonormal one by one, each freed twice of those
+/// before it; then a vertex of the basis likewise: what is left of it points inward.
+template <class Arithmetic>
+class Orthogonal {
+ public:
+  using Real = typename Arithmetic::Real;
+  Orthogonal(const Arithmetic& a, unsigned d) : a_(a), d_(d), lengths(a.zero()), measure(a.zero()) {
+    lengths = lengths + Real(1);
+    measure = measure + Real(1);
+  }
+
+  /// False if nothing is left.
+  bool add_edge(const double* from, const double* to) {
+    std::vector<Real> row = edge(from, to);
+    const Real whole = norm(row);
+    if (a_.positive(whole))
+      for (const Real& v : row) unit_edges.push_back(Arithmetic::rounded(Real(v / whole)));
+    const Real rest = free(row);
+    lengths = lengths * whole;
+    measure = measure * rest;
+    if (!a_.positive(rest)) return false;
+    for (Real& v : row) v = v / rest;
+    rows_.push_back(std::move(row));
+    return true;
+  }
+
+  /// Keeps the most upright of the vertices offered.
+  void offer_apex(const double* from, const double* to) {
+    std::vector<Real> row = edge(from, to);
+    const Real whole = norm(row);
+    if (!a_.positive(whole)) return;
+    const Real rest = free(row);
+    const Real ratio = rest / whole;
+    if (!outward.empty() && !a_.less(upright, ratio)) return;
+    if (!a_.positive(rest)) return;
+    upright = ratio;
+    outward = std::move(row);
+    for (Real& v : outward) v = -v / rest;
+  }
+
+ private:
+  const Arithmetic a_;
+  const unsigned d_;
+
+ public:
+  Real lengths, measure, upright = Real(0);
+  std::vector<Real> outward;       ///< the unit normal
+  std::vector<double> unit_edges;  ///< rows
+
+ private:
+  std::vector<Real> edge(const double* from, const double* to) const {
+    std::vector<Real> row;
+    for (unsigned c = 0; c < d_; ++c) row.push_back(a_.difference(to[c], from[c]));
+    return row;
+  }
+  Real norm(const std::vector<Real>& row) const {
+    Real square = a_.zero();
+    for (const Real& v : row) square = square + v * v;
+    return a_.root(square);
+  }
+  Real free(std::vector<Real>& row) const {
+    for (unsigned twice = 0; twice < 2; ++twice)
+      for (const std::vector<Real>& unit : rows_) {
+        Real dot = a_.zero();
+        for (unsigned c = 0; c < d_; ++c) dot = dot + unit[c] * row[c];
+        for (unsigned c = 0; c < d_; ++c) row[c] = row[c] - dot * unit[c];
+      }
+    return norm(row);
+  }
+
+  std::vector<std::vector<Real>> rows_;
+};
+
+/// Edges shorter than this may cost products their digits, or have cost scaling some.
+constexpr double least_edge = 0x1p-80;
+
+/// The cofactor normal of rows of doubles, and the sums of the absolute values of its terms.
+template <unsigned K>
+void minors_of(const double (*rows)[K], double* normal, double* spread) {
+  constexpr unsigned full = (1U << K) - 1;
+  double det[full + 1], perm[full + 1];
+  expand_minors<K, true>(rows, K - 1, det, perm);
+  for (unsigned c = 0; c < K; ++c) {
+    const double minor = det[full & ~(1U << c)];
+    normal[c] = ((K - 1 + c) & 1U) != 0 ? -minor : minor;
+    spread[c] = perm[full & ~(1U << c)];
+  }
+}
+
+}  // namespace
+
+Facets::Facets(const Subject& s) : s_(s), d_(s.hull.dimension), k_(s.k), rows_(s.full.data()) {
+  for (const double v : s.full) largest_ = std::max(largest_, std::fabs(v));
+  if (largest_ > 0 && !(largest_ > 0x1p-20 && largest_ < 0x1p20)) {
+    exponent_ = std::ilogb(largest_) + 1;
+    scaled_.resize(s.full.size());
+    for (std::size_t i = 0; i < scaled_.size(); ++i) scaled_[i] = std::ldexp(s.full[i], -exponent_);
+    rows_ = scaled_.data();
+  }
+  for (unsigned c = 0; c < d_; ++c) {
+    double low = s.full[c], high = low;
+    for (std::size_t i = c; i < s.full.size(); i += d_) {
+      low = std::min(low, s.full[i]);
+      high = std::max(high, s.full[i]);
+    }
+    wild_ = wild_ || (low != high && !(high / 2 - low / 2 > std::ldexp(largest_, -399)));
+  }
+  if (k_ < d_) {
+    constant_.assign(d_, 1);
+    for (std::uint32_t v = 1; v < s.ids.size(); ++v)
+      for (unsigned c = 0; c < d_; ++c)
+        if (s.full[std::size_t{v} * d_ + c] != s.full[c]) constant_[c] = 0;
+  }
+  // docs/exactness.md, "Numbers": four times what the library's arithmetic may lose.
+  const double k = k_, terms = 4 * (minor_roundings(k_ > 1 ? k_ - 1 : 1) + 3);
+  beta_ = 2 * d_ + 48;
+  // Where random edges already are far from right angles, the library takes doubles for longer.
+  for (unsigned i = 1; k_ > 8 && i <= k_; ++i) careful_share_ *= std::sqrt(i / k);
+  if (by_component()) {
+    alpha_ = k_ == 1 ? 0 : terms;
+  } else {
+    alpha_ = k_ <= 8 ? terms * std::sqrt(k) * power(std::max(k - 1, 1.0), (k - 1) / 2)
+                     : 0x1p8 * std::sqrt(k);
+    if (k_ < d_) {
+      alpha_ *= flat_stretch;
+      beta_ *= flat_stretch;
+    }
+  }
+}
+
+double Facets::normal_bound(const FacetTerms& t, std::uint32_t simplex, unsigned c) const {
+  const double underflow = wild_ ? 0x1p-1070 : 0x1p-500;
+  const double share = std::max(t.share, careful_share_);
+  if (by_component()) {
+    const double own = std::fabs(t.normal[c]);
+    if (k_ == 1) return unit * beta_ * own + underflow;
+    return unit *
+               (alpha_ * (t.spread[c] + own * length(t.spread.data(), k_)) / share + beta_ * own) +
+           underflow;
+  }
+  if (!constant_.empty() && constant_[c] != 0) return 0;
+  if (wild_ && k_ < d_) return unit * beta_ * std::fabs(t.normal[c]) + underflow;
+  if (k_ == d_) {  // at right angles to an axis: no operation rounds
+    for (unsigned a = 0; a < d_; ++a) {
+      bool level = true;
+      for (unsigned j = 1; j < k_ && level; ++j)
+        level = s_.row(s_.simplex(simplex)[j])[a] == s_.row(s_.simplex(simplex)[0])[a];
+      if (level) return a == c ? unit * beta_ : 0;
+    }
+  }
+  return unit * (alpha_ / share + beta_);
+}
+
+double Facets::offset_underflow() const {
+  const double least = std::numeric_limits<double>::denorm_min();
+  return wild_ ? least : least * 4 * d_ * std::max(largest_, 1.0) + least;
+}
+
+/// Whether no edge is so short that products of them underflow, or that scaling cost it bits.
+bool Facets::in_range(std::uint32_t simplex) const {
+  const std::uint32_t* v = s_.simplex(simplex);
+  for (unsigned j = 1; j < k_; ++j) {
+    double most = 0;
+    for (unsigned c = 0; c < d_; ++c) most = std::max(most, std::fabs(at(v[j])[c] - at(v[0])[c]));
+    if (!(most > least_edge)) return false;
+  }
+  return true;
+}
+
+template <unsigned K, class Real>
+bool Facets::by_cofactors(std::uint32_t simplex, FacetTerms& out) const {
+  const std::uint32_t* v = s_.simplex(simplex);
+  double rows[K - 1][K], n[K], spread[K];
+  double lengths = 1;
+  for (unsigned i = 1; i < K; ++i) {
+    double most = 0;
+    for (unsigned c = 0; c < K; ++c) {
+      rows[i - 1][c] = at(v[i])[c] - at(v[0])[c];
+      most = std::max(most, std::fabs(rows[i - 1][c]));
+    }
+    if (!(most > least_edge)) return false;
+    lengths *= length(rows[i - 1], K);
+  }
+  minors_of<K>(rows, n, spread);
+  if constexpr (!std::is_same_v<Real, double>) {
+    Real edges[K - 1][K], normal[K];
+    for (unsigned i = 1; i < K; ++i)
+      for (unsigned c = 0; c < K; ++c)
+        edges[i - 1][c] = DoubleDouble::sum(at(v[i])[c], -at(v[0])[c]);
+    cofactors<K, Real>(edges, normal);
+    for (unsigned c = 0; c < K; ++c) n[c] = normal[c].value();
+  }
+  const double l = length(n, K);
+  constexpr double least = std::is_same_v<Real, double> ? 0x1p-12 : 0x1p-40;
+  if (!(l > least * lengths && l > 0x1p-400)) return false;
+  out.normal.resize(K);
+  out.spread.resize(K);
+  for (unsigned c = 0; c < K; ++c) {
+    out.normal[c] = n[c] / l;
+    out.spread[c] = spread[c] / lengths;
+  }
+  out.lengths = lengths;
+  out.share = l / lengths;
+  return true;
+}
+
+bool Facets::quickly(std::uint32_t i, FacetTerms& out) const {
+  if (k_ == 1 || wild_) return false;
+  if (k_ != d_ || k_ > 8) return in_range(i) && orthogonally(i, out);
+  switch (k_) {
+    case 2:
+      return by_cofactors<2, double>(i, out) || by_cofactors<2, DoubleDouble>(i, out);
+    case 3:
+      return by_cofactors<3, double>(i, out) || by_cofactors<3, DoubleDouble>(i, out);
+    case 4:
+      return by_cofactors<4, double>(i, out) || by_cofactors<4, DoubleDouble>(i, out);
+    case 5:
+      return by_cofactors<5, double>(i, out) || by_cofactors<5, DoubleDouble>(i, out);
+    case 6:
+      return by_cofactors<6, double>(i, out) || by_cofactors<6, DoubleDouble>(i, out);
+    case 7:
+      return by_cofactors<7, double>(i, out) || by_cofactors<7, DoubleDouble>(i, out);
+    default:
+      return by_cofactors<8, double>(i, out) || by_cofactors<8, DoubleDouble>(i, out);
+  }
+}
+
+bool Facets::orthogonally(std::uint32_t i, FacetTerms& out) const {
+  const std::uint32_t* v = s_.simplex(i);
+  Orthogonal<DoubleDoubles> o(DoubleDoubles{}, d_);
+  for (unsigned j = 1; j < k_; ++j)
+    if (!o.add_edge(at(v[0]), at(v[j]))) return false;
+  // Orthonormal to 2^-100 over the share of a simplex, so this leaves 2^-60.
+  if (!(o.measure.high > 0x1p-36 * o.lengths.high)) return false;
+  for (const std::uint32_t b : s_.basis) o.offer_apex(at(v[0]), at(b));
+  if (o.outward.empty() || !(o.upright.high > 0x1p-24)) return false;
+  out.normal.resize(d_);
+  out.spread.clear();
+  for (unsigned c = 0; c < d_; ++c) out.normal[c] = o.outward[c].value();
+  out.lengths = o.lengths.value();
+  out.share = o.measure.value() / out.lengths;
+  return out.lengths > 0x1p-400;
+}
+
+mp_bitcnt_t Facets::wide_bits(std::uint32_t simplex) const {
+  int low = 0, high = 0;
+  bool any = false;
+  const auto see = [&](std::uint32_t v) {
+    for (unsigned c = 0; c < d_; ++c) {
+      const double x = s_.full[std::size_t{v} * d_ + c];
+      if (x == 0) continue;
+      const int bottom = lowest_bit_exponent(x), top = std::ilogb(x) + 1;
+      low = any ? std::min(low, bottom) : bottom;
+      high = any ? std::max(high, top) : top;
+      any = true;
+    }
+  };
+  for (unsigned j = 0; j < k_; ++j) see(s_.simplex(simplex)[j]);
+  for (const std::uint32_t b : s_.basis) see(b);
+  see(0);
+  // The rest of an edge is a quotient of Gram minors, integers in units of 2^(2 low): at least
+  // 2^-(k (high - low + 8)) of the edge. As much again for rounding.
+  return static_cast<mp_bitcnt_t>(2 * k_) * static_cast<mp_bitcnt_t>(high - low + 8) + 256;
+}
+
+WideTerms Facets::wide_terms(std::uint32_t i) const {
+  s_.exact_decisions.fetch_add(1, std::memory_order_relaxed);
+  const WideFloats arithmetic{wide_bits(i)};
+  const auto raw = [&](std::uint32_t v) { return s_.full.data() + std::size_t{v} * d_; };
+  const std::uint32_t* v = s_.simplex(i);
+  Orthogonal<WideFloats> o(arithmetic, d_);
+  for (unsigned j = 1; j < k_; ++j)
+    if (!o.add_edge(raw(v[0]), raw(v[j]))) fault("simplex ", i, " is degenerate");
+  for (const std::uint32_t b : s_.basis) o.offer_apex(raw(v[0]), raw(b));
+  if (o.outward.empty()) fault("the plane of simplex ", i, " holds all vertices");
+  return {std::move(o.outward), std::move(o.lengths), std::move(o.measure),
+          std::move(o.unit_edges)};
+}
+
+template <unsigned K>
+void Facets::fill_spread(const WideTerms& w, FacetTerms& out) const {
+  double rows[K - 1][K];
+  for (unsigned i = 0; i + 1 < K; ++i)
+    for (unsigned c = 0; c < K; ++c) rows[i][c] = w.unit_edges[std::size_t{i} * K + c];
+  double normal[K];
+  out.spread.resize(K);
+  minors_of<K>(rows, normal, out.spread.data());
+}
+
+void Facets::exactly(std::uint32_t i, FacetTerms& out) const {
+  const WideTerms w = wide_terms(i);
+  out.normal.clear();
+  for (const mpf_class& n : w.normal) out.normal.push_back(n.get_d());
+  out.share = mpf_class(w.measure / w.lengths).get_d();
+  long shift = -static_cast<long>(exponent_) * static_cast<long>(k_ - 1);
+  mpf_class lengths = w.lengths;
+  if (shift >= 0)
+    mpf_mul_2exp(lengths.get_mpf_t(), lengths.get_mpf_t(), static_cast<mp_bitcnt_t>(shift));
+  else
+    mpf_div_2exp(lengths.get_mpf_t(), lengths.get_mpf_t(), static_cast<mp_bitcnt_t>(-shift));
+  out.lengths = lengths.get_d();
+  out.spread.clear();
+  if (k_ != d_) return;
+  switch (k_) {
+    case 2:
+      return fill_spread<2>(w, out);
+    case 3:
+      return fill_spread<3>(w, out);
+    case 4:
+      return fill_spread<4>(w, out);
+    case 5:
+      return fill_spread<5>(w, out);
+    case 6:
+      return fill_spread<6>(w, out);
+    case 7:
+      return fill_spread<7>(w, out);
+    case 8:
+      return fill_spread<8>(w, out);
+    default:
+      return;
+  }
+}
+
+void Facets::terms(std::uint32_t simplex, FacetTerms& out) const {
+  if (!quickly(simplex, out)) exactly(simplex, out);
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,27 @@
+// The GaugeMap's table of a polytope in space with few facets: every node is held against all of
+// their planes, which is sooner done than a walk from cone to cone.
+#pragma once
+
+#include <cstdint>
+
+#include "cull/gauge_map.hpp"
+#include "cull/gauge_table.hpp"
+
+namespace cullhull::internal {
+
+/// A facet's plane in the frame of a table: q . y is the gauge of y if no facet's is larger;
+/// `slack` covers all that was rounded, for |y| <= 1.
+struct GaugePlanes {
+  std::vector<float> q[3], slack;  // padded to multiples of 16 by copies of the last
+};
+
+/// The largest q . v + cells slack of all planes for each of `count` directions v of integers up to
+/// `cells`.
+void largest_gauges(const GaugePlanes& planes, unsigned cells, const float* x, const float* y,
+                    const float* z, std::uint32_t count, float* gauges);
+
+/// Fills `table` as build_gauge_table does. The polytope must be an exact hull in space, its facets
+/// outward oriented; only they and the vertices are read. False when no useful map exists.
+bool build_gauge_by_planes(const InnerPolytope& polytope, unsigned cells, GaugeTable& table);
+
+}  // namespace cullhull::internal

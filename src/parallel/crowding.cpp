@@ -1,0 +1,64 @@
+#include "parallel/crowding.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+
+namespace cullhull::internal {
+namespace {
+
+using std::chrono::nanoseconds;
+using namespace std::chrono_literals;
+
+/// Shorter waits are none: a slice is longer, and so are most interruptions by devices.
+constexpr nanoseconds noticeable = 400us;
+/// Nobody is asked for so long after the first long wait; twice as long after one that soon
+/// follows.
+constexpr nanoseconds first_rest = 20ms, longest_rest = 640ms;
+
+/// Since the clock's epoch; races between callers cost a rest that is a little shorter or longer.
+std::atomic<std::int64_t> rest_until{0};
+std::atomic<std::int64_t> last_rest{0};
+
+std::int64_t now() {
+  return nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void begin_rest() {
+  const std::int64_t time = now(), until = rest_until.load(std::memory_order_relaxed);
+  if (time < until) return;  // the wait began before the rest
+  const std::int64_t last = last_rest.load(std::memory_order_relaxed);
+  const bool soon = last != 0 && time - until < 2 * last;
+  const std::int64_t rest = soon ? std::min(2 * last, longest_rest.count()) : first_rest.count();
+  last_rest.store(rest, std::memory_order_relaxed);
+  rest_until.store(time + rest, std::memory_order_relaxed);
+}
+
+}  // namespace
+
+bool crowded() noexcept {
+  const std::int64_t until = rest_until.load(std::memory_order_relaxed);
+  return until != 0 && now() < until;
+}
+
+void note_wait(nanoseconds expected, nanoseconds waited) noexcept {
+  if (waited > noticeable + 2 * expected) begin_rest();
+}
+
+void WaitWatch::add(nanoseconds worked, nanoseconds waited) noexcept {
+  constexpr nanoseconds window = 2ms;
+  worked_ += worked;
+  waited_ += waited;
+  if (worked_ + waited_ < window) return;
+  if (2 * waited_ > worked_) begin_rest();
+  worked_ = waited_ = nanoseconds(0);
+}
+
+void note_absence() noexcept { begin_rest(); }
+
+void forget_crowding() noexcept {
+  rest_until = 0;
+  last_rest = 0;
+}
+
+}  // namespace cullhull::internal

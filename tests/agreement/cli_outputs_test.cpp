@@ -1,0 +1,253 @@
+// What the program writes, under which names, and what it refuses to write over.
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "agreement/run_app.hpp"
+#include "cullhull/generate.hpp"
+#include "cullhull/io.hpp"
+
+namespace cullhull {
+namespace {
+
+using testing::Folder;
+using testing::one_line;
+using testing::Ran;
+using testing::read_file;
+using testing::run_app;
+using testing::write_file;
+
+void write_points(const std::string& path, const char* shape, std::uint64_t n, std::uint32_t d,
+                  ScalarType type = ScalarType::f64) {
+  write_npy_points(path, generate(shape, n, d, 3).data(), n, d, type);
+}
+
+/// Exit 2 with one line that holds `part`, and no file that was not there before.
+void expect_refused(const Folder& f, const std::vector<std::string>& arguments,
+                    const std::string& part, const std::string& input = "/dev/null") {
+  const std::size_t before = f.entries();
+  const Ran ran = run_app(arguments, input);
+  std::string line;
+  for (const std::string& a : arguments) line += " " + a;
+  EXPECT_EQ(ran.status, 2) << line << "\n" << ran.err;
+  EXPECT_TRUE(one_line(ran.err)) << line;
+  EXPECT_NE(ran.err.find(part), std::string::npos) << line << "\n" << ran.err;
+  EXPECT_EQ(ran.out, "") << line;
+  EXPECT_EQ(f.entries(), before) << line;
+}
+
+std::vector<std::uint64_t> lines_of(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::uint64_t> numbers;
+  for (std::uint64_t n; in >> n;) numbers.push_back(n);
+  return numbers;
+}
+
+std::vector<std::uint64_t> npy_ids(const std::string& path) {
+  const std::string bytes = read_file(path);
+  EXPECT_EQ(bytes.substr(1, 5), "NUMPY") << path;
+  EXPECT_NE(bytes.find("'<i8'"), std::string::npos) << path;
+  const std::size_t begin = bytes.find('\n') + 1;
+  std::vector<std::uint64_t> ids((bytes.size() - begin) / 8);
+  std::memcpy(ids.data(), bytes.data() + begin, ids.size() * 8);
+  return ids;
+}
+
+TEST(CliOutputs, IdsAsTheNameSays) {
+  const Folder f;
+  write_points(f / "p.npy", "ball", 3000, 3);
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"hull", f / "p.npy", "-q", "--vertices"},
+        {"hull", f / "p.npy", "-q", "--only", "vertices", "--vertices"},
+        {"cull", f / "p.npy", "-q", "-o"}}) {
+    const auto write = [&](const std::string& name) {
+      auto arguments = command;
+      arguments.push_back(f / name);
+      EXPECT_EQ(run_app(arguments).status, 0) << command[0];
+      return read_file(f / name);
+    };
+    write("ids.npy");
+    const auto ids = npy_ids(f / "ids.npy");
+    ASSERT_GT(ids.size(), 100U);
+    EXPECT_EQ(lines_of(write("ids.txt")), ids) << command[0];
+    const std::string csv = write("IDS.CSV");
+    EXPECT_EQ(csv.substr(0, 3), "id\n") << command[0];
+    EXPECT_EQ(lines_of(csv.substr(3)), ids) << command[0];
+  }
+  for (const char* name : {"v.ply", "v.json", "v.xyz", "v", "v."})
+    expect_refused(f, {"hull", f / "p.npy", "--vertices", f / name},
+                   "must end in .npy, .csv or .txt");
+}
+
+TEST(CliOutputs, CullWritesPoints) {
+  const Folder f;
+  for (const ScalarType type : {ScalarType::f64, ScalarType::f32}) {
+    write_points(f / "p.npy", "ball", 5000, 3, type);
+    ASSERT_EQ(run_app({"cull", f / "p.npy", "-q", "-o", f / "ids.npy"}).status, 0);
+    const auto ids = npy_ids(f / "ids.npy");
+    const PointFile all = open_points(f / "p.npy");
+    for (const char* name : {"s.ply", "s.xyz"})
+      ASSERT_EQ(run_app({"cull", f / "p.npy", "-q", "-o", f / name}).status, 0) << name;
+    for (const char* name : {"t.npy", "t.ply", "t.csv", "t.xyz", "t.txt"})
+      ASSERT_EQ(
+          run_app({"cull", f / "p.npy", "-q", "-o", f / "ids.csv", "--points", f / name}).status, 0)
+          << name;
+    for (const char* name : {"s.ply", "s.xyz", "t.npy", "t.ply", "t.csv", "t.xyz", "t.txt"}) {
+      const PointFile some = open_points(f / name);
+      ASSERT_EQ(some.points().count, ids.size()) << name;
+      ASSERT_EQ(some.points().dimension, 3U) << name;
+      const bool binary = std::string(name).ends_with("npy") || std::string(name).ends_with("ply");
+      EXPECT_EQ(some.points().scalar, binary ? type : ScalarType::f64) << name;
+      for (std::size_t i = 0; i < ids.size(); ++i)
+        for (std::uint32_t j = 0; j < 3; ++j)
+          ASSERT_EQ(some.points().at(i, j), all.points().at(ids[i], j)) << name;
+    }
+    EXPECT_EQ(read_file(f / "t.csv").substr(0, 6), "x,y,z\n");
+  }
+  write_points(f / "four.npy", "ball", 5000, 4);
+  expect_refused(f, {"cull", f / "four.npy", "-o", f / "a.ply"}, "dimension 2 or 3");
+  EXPECT_EQ(run_app({"cull", f / "four.npy", "-q", "--points", f / "a.csv"}).status, 0);
+  EXPECT_EQ(open_points(f / "a.csv").points().dimension, 4U);
+}
+
+TEST(CliOutputs, UnknownNamesAreRefusedBeforeTheWork) {
+  const Folder f;
+  const std::string absent = f / "absent.npy";  // the name is judged before the input is opened
+  expect_refused(f, {"cull", absent, "-o", f / "s.obj"},
+                 "must end in .npy, .csv, .txt, .ply or .xyz");
+  expect_refused(f, {"cull", absent, "-o", f / "s"}, "must end in");
+  expect_refused(f, {"cull", absent, "--points", f / "s.off"}, "must end in");
+  expect_refused(f, {"hull", absent, "-o", f / "h.npy"},
+                 "must end in .ply, .obj, .off, .stl, .json or .txt");
+  expect_refused(f, {"hull", absent, "--json=" + (f / "h.ply")}, "end it in .json");
+  expect_refused(f, {"generate", "ball", "-n", "5", "-o", f / "h.ply"}, "must end in .npy");
+  expect_refused(f, {"view", absent, "-o", f / "h.png"}, "must end in .html or .htm");
+  expect_refused(f, {"track", absent, "-o", f / "%d.docx"}, "must end in .ply");
+  expect_refused(f, {"hull", absent, "--vertices", ""}, "empty");
+  expect_refused(f, {"hull", absent, "-o", ""}, "empty");
+  expect_refused(f, {"bench", "machine", "--bytes", "1M", "--json=" + (f / "m.csv")}, ".json");
+}
+
+TEST(CliOutputs, NothingOverwritesAnInput) {
+  const Folder f;
+  const std::string ply = f / "p.ply", npy = f / "p.npy", json = f / "h.json";
+  write_points(npy, "ball", 300, 3);
+  ASSERT_EQ(run_app({"cull", npy, "-q", "--cull", "none", "-o", ply}).status, 0);
+  ASSERT_EQ(run_app({"hull", npy, "-q", "-o", json}).status, 0);
+  std::filesystem::create_symlink(ply, f / "link.ply");
+  std::filesystem::create_hard_link(ply, f / "hard.ply");
+  std::filesystem::create_directory(f / "sub");
+  std::filesystem::create_directory_symlink(f / "", f / "sub/loop");
+  const std::string before = read_file(ply);
+  for (const std::string& name : {ply, f / "link.ply", f / "hard.ply", f / "./p.ply",
+                                  f / "sub/../p.ply", f / "sub/loop/p.ply"}) {
+    expect_refused(f, {"hull", ply, "-o", name}, "would overwrite the input");
+    expect_refused(f, {"hull", name, "-o", ply}, "would overwrite the input");
+    expect_refused(f, {"cull", ply, "-o", name}, "would overwrite the input");
+    expect_refused(f, {"cull", ply, "--points", name}, "would overwrite the input");
+  }
+  expect_refused(f, {"hull", "-", "-o", ply}, "would overwrite the input standard input", ply);
+  expect_refused(f, {"hull", npy, "--vertices", npy}, "would overwrite the input");
+  expect_refused(f, {"certify", npy, json, "--json=" + json}, "would overwrite the input");
+  expect_refused(f, {"info", json, "--json=" + json}, "would overwrite the input");
+  expect_refused(f, {"qconvex", "TI", npy, "TO", npy}, "would overwrite the input");
+  expect_refused(f, {"view", json, "-o", f / "v.html", "--json=" + json},
+                 "would overwrite the input");
+  expect_refused(f, {"track", f / "p*.ply", "-o", f / "p.ply"}, "frame's number");
+  std::filesystem::copy_file(ply, f / "t0.ply");
+  std::filesystem::copy_file(ply, f / "t1.ply");
+  expect_refused(f, {"track", f / "t*.ply", "-o", f / "t%d.ply"}, "would overwrite the input");
+  EXPECT_EQ(read_file(ply), before);
+  // A name that merely looks alike is another file.
+  EXPECT_EQ(run_app({"hull", ply, "-q", "-o", f / "P.ply"}).status, 0);
+}
+
+TEST(CliOutputs, NoTwoOutputsOfOneName) {
+  const Folder f;
+  const std::string p = f / "p.npy";
+  write_points(p, "ball", 300, 3);
+  std::filesystem::create_directory(f / "sub");
+  expect_refused(f, {"hull", p, "-o", f / "a.json", "--json=" + (f / "a.json")}, "-o");
+  expect_refused(f, {"hull", p, "-o", f / "a.txt", "--vertices", f / "./a.txt"}, "--vertices");
+  expect_refused(f, {"hull", p, "-o", f / "a.ply", "-o", f / "sub/../a.ply"}, "a.ply");
+  expect_refused(f, {"cull", p, "-o", f / "a.ply", "--points", f / "a.ply"}, "--points");
+  write_file(f / "old.txt", "");
+  std::filesystem::create_symlink(f / "old.txt", f / "new.txt");
+  expect_refused(f, {"hull", p, "-o", f / "old.txt", "--vertices", f / "new.txt"}, "--vertices");
+  for (const std::vector<std::string>& two : {std::vector<std::string>{"--json", "--format", "i"},
+                                              {"--json", "--vertices", "-"},
+                                              {"--vertices", "-", "-o", "-"},
+                                              {"-o", "-", "-o", "-"}}) {
+    std::vector<std::string> arguments{"hull", p};
+    arguments.insert(arguments.end(), two.begin(), two.end());
+    expect_refused(f, arguments, "standard output");
+  }
+  // Devices have no name to share.
+  EXPECT_EQ(run_app({"hull", p, "-q", "-o", "/dev/null", "--vertices", "/dev/null"}).status, 0);
+}
+
+TEST(CliOutputs, StandardOutputTakesResults) {
+  const Folder f;
+  const std::string p = f / "p.npy";
+  write_points(p, "ball", 300, 3);
+  ASSERT_EQ(run_app({"hull", p, "-q", "-o", f / "h.json"}).status, 0);
+  const Ran ran = run_app({"hull", p, "-o", "-"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(ran.out, read_file(f / "h.json"));
+  ASSERT_EQ(run_app({"cull", p, "-q", "-o", f / "ids.npy"}).status, 0);
+  EXPECT_EQ(run_app({"cull", p, "-o", "-"}).out, read_file(f / "ids.npy"));
+  ASSERT_EQ(run_app({"generate", "ball", "-n", "300", "-q", "-o", f / "g.npy"}).status, 0);
+  EXPECT_EQ(run_app({"generate", "ball", "-n", "300", "-o", "-"}).out, read_file(f / "g.npy"));
+}
+
+TEST(CliOutputs, WhatWasWrittenIsSaid) {
+  const Folder f;
+  const std::string p = f / "p.npy";
+  const Ran made = run_app({"generate", "ball", "-n", "1000", "-o", p});
+  EXPECT_EQ(made.status, 0);
+  EXPECT_NE(made.out.find("points     1,000 x 3 f64, ball, seed 1\n"), std::string::npos)
+      << made.out;
+  EXPECT_NE(made.out.find("wrote      " + p + ", 24,128 bytes\n"), std::string::npos) << made.out;
+  EXPECT_EQ(run_app({"generate", "ball", "-n", "1000", "-q", "-o", p}).out, "");
+  const Ran page = run_app({"view", p, "-o", f / "page.html"});
+  if (page.status != 5) {  // built without three.js
+    EXPECT_EQ(page.status, 0) << page.err;
+    EXPECT_EQ(page.out.find("wrote      " + (f / "page.html") + ", "), 0U) << page.out;
+  }
+  EXPECT_NE(run_app({"hull", p, "-o", f / "h.ply"}).out.find("wrote      " + (f / "h.ply") + ", "),
+            std::string::npos);
+  EXPECT_NE(run_app({"cull", p, "-o", f / "s.npy"}).out.find("wrote      " + (f / "s.npy") + ", "),
+            std::string::npos);
+}
+
+// Binary PLY of polygons with differing numbers of corners is more than some programs read.
+TEST(CliOutputs, TrianglesOnRequest) {
+  const Folder f;
+  const std::string p = f / "p.txt";
+  write_file(p, "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n");
+  for (const std::string name : {"h.ply", "h.off", "h.obj"})
+    ASSERT_EQ(run_app({"hull", p, "-q", "--triangles", "-o", f / name}).status, 0) << name;
+  const std::string ply = read_file(f / "h.ply");
+  EXPECT_NE(ply.find("element face 12\n"), std::string::npos);
+  const std::size_t faces = ply.find("end_header\n") + 11 + std::size_t{8} * 24;
+  ASSERT_EQ(ply.size(), faces + std::size_t{12} * 13);
+  for (std::size_t t = 0; t < 12; ++t) EXPECT_EQ(ply[faces + 13 * t], 3);
+  const std::string off = read_file(f / "h.off");
+  EXPECT_EQ(off.substr(0, 11), "OFF\n8 12 18");
+  std::size_t lines = 0;
+  const std::string obj = read_file(f / "h.obj");
+  for (std::size_t at = obj.find("\nf "); at != std::string::npos; at = obj.find("\nf ", at + 1))
+    ++lines;
+  EXPECT_EQ(lines, 12U);
+  ASSERT_EQ(run_app({"hull", p, "-q", "-o", f / "h.ply"}).status, 0);
+  EXPECT_NE(read_file(f / "h.ply").find("element face 6\n"), std::string::npos);
+  // The hull of points in the plane is one polygon, or a fan.
+  write_file(p, "0 0\n1 0\n0 1\n1 1\n2 0.5\n");
+  ASSERT_EQ(run_app({"hull", p, "-q", "--triangles", "-o", f / "h.off"}).status, 0);
+  EXPECT_EQ(read_file(f / "h.off").substr(0, 9), "OFF\n5 3 7");
+}
+
+}  // namespace
+}  // namespace cullhull

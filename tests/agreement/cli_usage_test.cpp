@@ -1,0 +1,217 @@
+// What the program says: of words it does not know, of arguments it repeats, of what it is doing.
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "agreement/run_app.hpp"
+#include "cullhull/device_points.hpp"
+#include "cullhull/generate.hpp"
+#include "cullhull/io.hpp"
+
+namespace cullhull {
+namespace {
+
+using testing::Folder;
+using testing::one_line;
+using testing::OnTerminal;
+using testing::Ran;
+using testing::run_app;
+using testing::write_file;
+
+void write_points(const std::string& path, const char* shape, std::uint64_t n, std::uint32_t d) {
+  write_npy_points(path, generate(shape, n, d, 3).data(), n, d, ScalarType::f64);
+}
+
+void expect_error(const std::vector<std::string>& arguments, int status, const std::string& part) {
+  const Ran ran = run_app(arguments);
+  std::string line;
+  for (const std::string& a : arguments) line += " " + a;
+  EXPECT_EQ(ran.status, status) << line << "\n" << ran.err;
+  EXPECT_TRUE(one_line(ran.err)) << line;
+  EXPECT_NE(ran.err.find(part), std::string::npos) << line << "\n" << ran.err;
+  EXPECT_EQ(ran.out, "") << line;
+}
+
+TEST(CliUsage, DidYouMean) {
+  const Folder f;
+  write_points(f / "p.npy", "ball", 100, 3);
+  const std::string p = f / "p.npy";
+  expect_error({"hull", p, "--thread", "3"}, 2, "unknown option --thread; did you mean --threads?");
+  expect_error({"hull", p, "--treads=3"}, 2, "unknown option --treads; did you mean --threads?");
+  expect_error({"hull", p, "--certfy"}, 2, "did you mean --certify? (see cullhull hull --help)");
+  expect_error({"cull", p, "--quite"}, 2, "did you mean --quiet?");
+  expect_error({"bench", "rivals", "--workloads", "x"}, 2,
+               "did you mean --workload? (see cullhull bench rivals --help)");
+  expect_error({"hul", p}, 2, "unknown command 'hul'; did you mean hull?");
+  expect_error({"infos"}, 2, "did you mean info?");
+  expect_error({"bench", "rival"}, 2, "unknown suite 'rival'; did you mean rivals?");
+  expect_error({"hull", p, "--columns"}, 2, "--columns needs a value (see cullhull hull --help)");
+  for (const std::vector<std::string>& far :
+       {std::vector<std::string>{"hull", p, "--colour"}, {"fly"}, {"hull", p, "--xyzzy"}}) {
+    const Ran ran = run_app(far);
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_EQ(ran.err.find("did you mean"), std::string::npos) << ran.err;
+  }
+  expect_error({"hull", p, p}, 2, "'" + p + "'");
+}
+
+TEST(CliUsage, HelpByCommand) {
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"hull"},
+                                                  {"generate"},
+                                                  {"bench"},
+                                                  {"bench", "rivals"},
+                                                  {"qconvex"}}) {
+    std::vector<std::string> flag = command, word = command;
+    flag.emplace_back("--help");
+    word.insert(word.begin(), "help");
+    const Ran asked = run_app(word);
+    EXPECT_EQ(asked.status, 0) << command[0] << asked.err;
+    EXPECT_EQ(asked.out, run_app(flag).out) << command[0];
+    EXPECT_NE(asked.out.find("Usage: cullhull " + command[0]), std::string::npos);
+  }
+  EXPECT_EQ(run_app({"help"}).out, run_app({"--help"}).out);
+  expect_error({"help", "hul"}, 2, "did you mean hull?");
+}
+
+TEST(CliUsage, AFileAloneIsHulled) {
+  const Folder f;
+  write_points(f / "p.npy", "ball", 100, 3);
+  const std::string want = run_app({"hull", f / "p.npy", "--format", "Fx"}).out;
+  EXPECT_FALSE(want.empty());
+  EXPECT_EQ(run_app({f / "p.npy", "--format", "Fx"}).out, want);
+  EXPECT_EQ(run_app({"-", "--format", "Fx"}, f / "p.npy").out, want);
+  expect_error({f / "absent.npy"}, 1, "absent.npy: cannot open");
+}
+
+TEST(CliUsage, RepeatedArgumentsAreCutAndEscaped) {
+  const Folder f;
+  const std::string p = f / "p.txt", monster(5000, 'x');
+  write_file(p, "0 0\n1 0\n0 1\n");
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"hull", p, "--" + monster},
+        {monster},
+        {"hull", "./" + monster},
+        {"hull", "--cull=" + monster, p},
+        {"hull", "--memory", monster, p},
+        {"generate", monster, "-n", "5", "-o", "x.npy"},
+        {"hull", p, monster, monster + "y"},
+        {"generate", "ball", "-n", "5", "-o", monster},
+        {"hull", p, "--format", monster},
+        {"hull", p, "--columns", monster},
+        {"qconvex", "TI", monster},
+        {"qconvex", "Q" + monster},
+        {"bench", "rivals", "--workload", monster},
+        {"view", p, "-o", monster}}) {
+    const Ran ran = run_app(arguments);
+    EXPECT_TRUE(ran.status == 1 || ran.status == 2) << arguments[0].substr(0, 20);
+    EXPECT_TRUE(one_line(ran.err)) << ran.err.substr(0, 100);
+    EXPECT_LT(ran.err.size(), 700U) << ran.err.substr(0, 100);
+    EXPECT_NE(ran.err.find("xxx"), std::string::npos) << ran.err.substr(0, 300);
+  }
+  for (const std::string word : {"a\nb", "a\x1b[31mb", "a\rb",
+                                 "a\x7f"
+                                 "b",
+                                 "a\xC2\x9B"
+                                 "31mb"}) {
+    for (const std::vector<std::string>& arguments : {std::vector<std::string>{word},
+                                                      {"hull", word},
+                                                      {"hull", p, "--" + word},
+                                                      {"hull", "./" + word, "-o", word}}) {
+      const Ran ran = run_app(arguments);
+      EXPECT_TRUE(one_line(ran.err)) << ran.err;
+      for (const char c : ran.err.substr(0, ran.err.size() - 1))
+        EXPECT_FALSE(static_cast<unsigned char>(c) < 32 || c == 127) << ran.err;
+      EXPECT_EQ(ran.err.find("\xC2\x9B"), std::string::npos);
+    }
+  }
+}
+
+TEST(CliUsage, SeedsAndBudgetsAreReadWhole) {
+  const Folder f;
+  write_points(f / "p.npy", "ball", 5000, 3);
+  const std::string out = f / "g.npy";
+  for (const std::string seed :
+       {"18446744073709551616", "99999999999999999999999", "-1", "1.5", "0x10", "", "7 ", "+7"})
+    expect_error({"generate", "ball", "-n", "5", "--seed", seed, "-o", out}, 2, "--seed");
+  EXPECT_EQ(
+      run_app({"generate", "ball", "-n", "5", "--seed", "18446744073709551615", "-o", out}).status,
+      0);
+  for (const std::string memory : {"", "K", "-1", "lots"})
+    expect_error({"hull", f / "p.npy", "--memory", memory}, 2, "--memory");
+  expect_error({"hull", f / "p.npy", "--memory="}, 2, "--memory");
+  expect_error({"hull", f / "p.npy", "--cull", "none", "--memory", "1K"}, 4,
+               "1000 bytes (--memory 1K)");
+  expect_error({"hull", f / "p.npy", "--cull", "none", "--memory=1K"}, 4, "(--memory=1K)");
+}
+
+TEST(CliUsage, NotFiniteNamesTheFile) {
+  const Folder f;
+  const std::string p = f / "p.txt", good = f / "a.txt";
+  write_file(p, "0 0\n1 0\n0 nan\n1 1\n");
+  write_file(good, "0 0\n1 0\n0 1\n1 1\n");
+  const std::string want = p + ": point 2, coordinate 1 is NaN";
+  expect_error({"hull", p}, 1, want);
+  expect_error({"hull", p, "--only", "vertices"}, 1, want);
+  expect_error({"cull", p}, 1, want);
+  expect_error({"qconvex", "TI", p, "Fx"}, 1, want);
+  if (run_app({"view", good, "-o", f / "v.html"}).status != 5)
+    expect_error({"view", p, "-o", f / "w.html"}, 1, want);
+  expect_error({"track", good, p}, 1, p + ": frame 1: point 2, coordinate 1 is NaN");
+  const Ran stream = run_app({"hull", "-"}, p);
+  EXPECT_NE(stream.err.find("standard input: point 2"), std::string::npos) << stream.err;
+}
+
+TEST(CliUsage, MeasuresHaveTheNamesOfTheirDimension) {
+  const Folder f;
+  const auto said = [&](const char* text) {
+    write_file(f / "p.txt", text);
+    return run_app({"hull", f / "p.txt"}).out;
+  };
+  const auto has = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  const std::string plane = said("0 0\n2 0\n0 3\n2 3\n");
+  EXPECT_TRUE(has(plane, "\nperimeter  10\n") && has(plane, "\narea       6\n")) << plane;
+  EXPECT_FALSE(has(plane, "volume")) << plane;
+  const std::string flat = said("0 0 1\n2 0 1\n0 3 1\n2 3 1\n");
+  EXPECT_TRUE(has(flat, "\nperimeter  10\n") && has(flat, "\narea       6\n")) << flat;
+  const std::string line = said("0 0 0\n3 4 0\n");
+  EXPECT_TRUE(has(line, "\nlength     5\n")) << line;
+  EXPECT_FALSE(has(line, "area") || has(line, "volume")) << line;
+  const std::string point = said("0 0 0\n0 0 0\n");
+  EXPECT_FALSE(has(point, "area") || has(point, "volume") || has(point, "length")) << point;
+  const std::string solid = said("0 0 0\n1 0 0\n0 1 0\n0 0 1\n");
+  EXPECT_TRUE(has(solid, "\narea ") && has(solid, "\nvolume ")) << solid;
+}
+
+TEST(CliUsage, ProgressHasABarARateAndTheTimeLeft) {
+  const Folder f;
+  OnTerminal frames(
+      {"generate", "ball", "-n", "300k", "--frames", "40", "--motion", "spin", "-o", f / "s.npy"});
+  EXPECT_EQ(frames.wait(), 0) << frames.shown();
+  EXPECT_NE(frames.shown().find("frames     [####"), std::string::npos) << frames.shown();
+  EXPECT_NE(frames.shown().find(" frames/s  "), std::string::npos) << frames.shown();
+  EXPECT_NE(frames.shown().find(" s left"), std::string::npos) << frames.shown();
+  EXPECT_TRUE(frames.shown().ends_with("\r\x1b[K")) << "the line is wiped";
+  write_points(f / "p.npy", "sphere", 4000, 6);
+  OnTerminal hull({"hull", f / "p.npy", "--memory", "64G"});
+  EXPECT_EQ(hull.wait(), 0) << hull.shown();
+  EXPECT_NE(hull.shown().find("hull       ["), std::string::npos) << hull.shown();
+  EXPECT_NE(hull.shown().find(" %/s  "), std::string::npos) << hull.shown();
+  OnTerminal quiet({"hull", f / "p.npy", "-q", "--cull", "none", "--threads", "1"});
+  EXPECT_EQ(quiet.wait(), 0);
+  EXPECT_EQ(quiet.shown(), "");
+}
+
+TEST(CliUsage, NoTimesOfADeviceThatIsNotThere) {
+  if (cuda_status().available) GTEST_SKIP() << "there is a CUDA device";
+  const Folder f;
+  write_points(f / "p.npy", "ball", 300000, 3);
+  const auto json = nlohmann::json::parse(run_app({"cull", f / "p.npy", "--json"}).out);
+  const std::string why = json["cull"]["reason"];
+  EXPECT_NE(why.find("on the CPU"), std::string::npos) << why;
+  EXPECT_EQ(why.find("on a CUDA device"), std::string::npos) << why;
+}
+
+}  // namespace
+}  // namespace cullhull

@@ -1,0 +1,221 @@
+// Planes, measures and coordinates that are wrong by less than the hull's largest extent shows, and
+// right ones of extreme size.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "agreement/point_sets.hpp"
+#include "cullhull/certify.hpp"
+#include "cullhull/hull.hpp"
+#include "io/certify_file.hpp"
+#include "io/json.hpp"
+
+namespace cullhull::testing_support {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+PointView view_of(const PointSet& s) {
+  return PointView::row_major(s.coordinates.data(), s.count(), s.dimension);
+}
+
+std::string reason(const PointSet& s, const Hull& h) { return certify(view_of(s), h).reason; }
+
+PointSet box(std::vector<double> sides) {
+  const auto d = static_cast<unsigned>(sides.size());
+  PointSet s = full_grid(d, 2, 0);
+  for (std::size_t i = 0; i < s.coordinates.size(); ++i) s.coordinates[i] *= sides[i % d];
+  return s;
+}
+
+double* plane(Hull& h, std::size_t f) {
+  return h.facet_planes.data() + f * (h.dimension + std::size_t{1});
+}
+
+/// Spoils the plane of every facet in turn: each time it is refused.
+void expect_each_refused(const PointSet& s, const std::function<bool(double*)>& spoil) {
+  const Hull good = convex_hull(view_of(s));
+  ASSERT_EQ(reason(s, good), "") << s.name;
+  unsigned spoilt = 0;
+  for (std::size_t f = 0; f < good.facet_count(); ++f) {
+    Hull bad = good;
+    if (!spoil(plane(bad, f))) continue;
+    ++spoilt;
+    EXPECT_NE(reason(s, bad).find("facet " + std::to_string(f)), std::string::npos)
+        << s.name << ", facet " << f << ": '" << reason(s, bad) << "'";
+  }
+  EXPECT_GT(spoilt, 0U);
+}
+
+TEST(CertifyNumbers, InfiniteOffsetsOfSmallHullsAreRefused) {
+  const PointSet s = box({1, 1, 1});
+  Hull h = convex_hull(view_of(s));
+  for (std::size_t f = 0; f < h.facet_count(); ++f)
+    std::copy_n(std::vector<double>{1, 0, 0, infinity}.begin(), 4, plane(h, f));
+  EXPECT_NE(reason(s, h), "");
+  for (const double offset : {infinity, -infinity, std::nan("")})
+    expect_each_refused(s, [&](double* p) {
+      p[3] = offset;
+      return true;
+    });
+}
+
+/// 1.2e308 times the square root of 3 is beyond the doubles.
+TEST(CertifyNumbers, AnOffsetThatOverflowsIsInfinite) {
+  PointSet s = named("far corner", 3);
+  const double m = 1.7e308;
+  for (const auto& p : std::vector<std::vector<double>>{{m, m, m}, {m, m, 0}, {m, 0, m}, {0, m, m}})
+    s.add(p);
+  Hull h = convex_hull(view_of(s));
+  unsigned infinite = 0;
+  for (std::size_t f = 0; f < h.facet_count(); ++f) infinite += std::isinf(plane(h, f)[3]);
+  EXPECT_GT(infinite, 0U);
+  EXPECT_EQ(reason(s, h), "");
+  for (std::size_t f = 0; f < h.facet_count(); ++f) {
+    Hull bad = h;
+    double& offset = plane(bad, f)[3];
+    offset = std::isinf(offset) ? -offset : offset < 0 ? -infinity : infinity;
+    EXPECT_NE(reason(s, bad), "") << f;
+  }
+}
+
+TEST(CertifyNumbers, PlanesOfThinBoxes) {
+  for (const auto& sides : std::vector<std::vector<double>>{
+           {1e6, 1, 1e-6}, {1e-310, 1e-310, 1e-310}, {1e6, 1e-6}, {1e300, 1, 1e-300}}) {
+    const PointSet s = box(sides);
+    const auto d = static_cast<unsigned>(sides.size());
+    expect_each_refused(s, [&](double* p) {
+      for (unsigned c = 0; c <= d; ++c) p[c] = -p[c];
+      return true;
+    });
+    for (const double share : {900.0, 1.0, 0.5, 1e-3})
+      for (const double sign : {-1, 1})
+        expect_each_refused(s, [&](double* p) {
+          for (unsigned c = 0; c < d; ++c)
+            if (p[c] != 0) p[d] += sign * share * sides[c];
+          return true;
+        });
+    // Tilted by so little that only the long sides show it.
+    for (unsigned axis = 0; axis < d; ++axis)
+      expect_each_refused(s, [&](double* p) {
+        if (p[axis] != 0) return false;
+        p[axis] = 1e-12;
+        return true;
+      });
+  }
+}
+
+TEST(CertifyNumbers, NormalsOfFlatHullsLieInTheFlat) {
+  PointSet square = named("square in space", 3);
+  for (int i = 0; i < 4; ++i) square.add({1.0 * (i & 1), 1.0 * (i >> 1), 0});
+  expect_each_refused(square, [](double* p) {
+    p[0] = p[1] = 0x1p-40;
+    p[2] = 1;
+    p[3] = 0;
+    return true;
+  });
+  expect_each_refused(square, [](double* p) {
+    p[2] = 1e-12;
+    return true;
+  });
+  PointSet turned = named("square across the diagonal", 3);
+  for (int i = 0; i < 4; ++i) {
+    const double a = i & 1, b = i >> 1;
+    turned.add({a, b, 1 - a - b});
+  }
+  for (const double off : {1.0, 1e-3, 1e-9})
+    expect_each_refused(turned, [&](double* p) {
+      for (unsigned c = 0; c < 3; ++c) p[c] += off;
+      p[3] -= off;  // the plane of the flat
+      return true;
+    });
+  PointSet segment = named("segment", 3);
+  segment.add({0, 0, 0});
+  segment.add({3, 4, 0});
+  expect_each_refused(segment, [](double* p) {
+    // At right angles to the segment but for its length along it.
+    const double n[] = {0.6 + 0.08, 0.8 - 0.06, 0};
+    for (unsigned c = 0; c < 3; ++c) p[c] = std::copysign(n[c], p[c]);
+    return true;
+  });
+}
+
+/// The measures of a hull so small that an absolute tolerance would swallow them.
+TEST(CertifyNumbers, SmallMeasuresAreRelative) {
+  PointSet s = box({1e-110, 3e-110});
+  const Hull good = convex_hull(view_of(s));
+  ASSERT_EQ(reason(s, good), "");
+  ASSERT_GT(good.volume, 0);
+  for (const double wrong : {0.0, 2.2e-308, -good.volume, good.volume * (1 + 1e-12), infinity}) {
+    Hull bad = good;
+    bad.volume = wrong;
+    EXPECT_EQ(reason(s, bad).find("the volume"), 0U) << wrong;
+    bad = good;
+    bad.area = wrong;
+    EXPECT_EQ(reason(s, bad).find("the area"), 0U) << wrong;
+  }
+  PointSet cube = box({1e-110, 1e-110, 1e-110});
+  const Hull none = convex_hull(view_of(cube));
+  EXPECT_EQ(none.volume, 0);  // 1e-330
+  EXPECT_EQ(reason(cube, none), "");
+  for (const double wrong : {2.2e-308, -2.2e-308, 0x1p-1074}) {
+    Hull bad = none;
+    bad.volume = wrong;
+    EXPECT_EQ(reason(cube, bad).find("the volume"), 0U) << wrong;
+  }
+}
+
+/// The centroid of a box goes by its own axis' extent.
+TEST(CertifyNumbers, CentroidsAxisByAxis) {
+  const PointSet s = box({1e6, 1, 1e-6});
+  const Hull good = convex_hull(view_of(s));
+  const double sides[] = {1e6, 1, 1e-6};
+  for (unsigned c = 0; c < 3; ++c)
+    for (const double share : {0.1, 1e-9, -1e-12}) {
+      Hull bad = good;
+      bad.centroid[c] += share * sides[c];
+      EXPECT_EQ(reason(s, bad).find("coordinate " + std::to_string(c) + " of the centroid"), 0U);
+    }
+}
+
+TEST(CertifyNumbers, SimplexesOfManyDimensionsAndAnySize) {
+  for (const double size : {1e308, 1e250, 1.0, 1e-300})
+    for (unsigned d = 12; d <= 30; d += size == 1e308 ? 3 : 6) {
+      PointSet s = named("simplex", d);
+      s.add(std::vector<double>(d, 0));
+      for (unsigned i = 0; i < d; ++i) {
+        std::vector<double> p(d, 0);
+        p[i] = size;
+        s.add(p);
+      }
+      EXPECT_EQ(reason(s, convex_hull(view_of(s))), "") << d << "D, " << size;
+    }
+}
+
+TEST(CertifyNumbers, VertexCoordinatesOfAFile) {
+  const PointSet s = random_set("ball", 30, 3, 1);
+  const Hull hull = convex_hull(view_of(s));
+  std::string text;
+  internal::write_result_json(view_of(s), hull, [&](const std::string& piece) { text += piece; });
+  const auto verdict = [&](const std::string& file) {
+    return internal::certify_source(view_of(s), {"F", file.data(), file.size()}, {}).reason;
+  };
+  EXPECT_EQ(verdict(text), "");
+  const std::size_t at = text.find("\"vertex_coordinates\": [\n[") + 25;
+  const std::size_t end = text.find(',', at);
+  for (const char* wrong : {"0", "1e-300", "0.5"}) {
+    std::string file = text;
+    file.replace(at, end - at, wrong);
+    EXPECT_EQ(verdict(file),
+              "row 0 of vertex_coordinates is not point " + std::to_string(hull.vertices[0]));
+  }
+  const std::size_t list = text.find("\"vertex_coordinates\": [") + 23;
+  std::string empty = text;
+  empty.erase(list, text.find("\"facets\"") - list - 3);
+  EXPECT_THROW(verdict(empty), Error);
+}
+
+}  // namespace
+}  // namespace cullhull::testing_support

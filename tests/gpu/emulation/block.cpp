@@ -1,0 +1,232 @@
+#include "block.hpp"
+
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "emulation.hpp"
+
+namespace emulation {
+
+Index thread_index, block_index, block_size, grid_size;
+
+// Saves what a call must keep and goes on where the other fiber stopped (System V, x86-64 and
+// AArch64).
+extern "C" void emulation_switch(void** from, void* to);
+#if defined(__x86_64__)
+asm(R"(
+.text
+.globl emulation_switch
+.type emulation_switch,@function
+emulation_switch:
+  pushq %rbp
+  pushq %rbx
+  pushq %r12
+  pushq %r13
+  pushq %r14
+  pushq %r15
+  movq %rsp, (%rdi)
+  movq %rsi, %rsp
+  popq %r15
+  popq %r14
+  popq %r13
+  popq %r12
+  popq %rbx
+  popq %rbp
+  ret
+.size emulation_switch,.-emulation_switch
+)");
+#else
+#error "the emulated device switches fibers on x86-64 only"
+#endif
+
+namespace {
+
+constexpr unsigned warp_lanes = 32;
+constexpr std::size_t stack_bytes = 128 << 10;
+constexpr unsigned char garbage = 0xEE, canary = 0x5A;
+constexpr std::size_t canary_bytes = 32;
+
+enum class Waits { no, for_block, for_warp };
+
+struct Fiber {
+  void* stack_pointer = nullptr;
+  char* stack = nullptr;
+  bool done = true;
+  Waits waits = Waits::no;
+  std::uint64_t turn = 0;  ///< the barrier's or the warp's when it began to wait
+};
+
+struct Warp {
+  std::uint64_t values[2][warp_lanes];
+  unsigned arrived = 0;
+  std::uint64_t turn = 0;
+  const char* where = nullptr;
+};
+
+struct Block {
+  std::vector<Fiber> fibers;
+  std::vector<Warp> warps;
+  std::vector<unsigned> order;
+  std::vector<unsigned char> shared;
+  unsigned char* shared_begin = nullptr;
+  const std::function<void()>* body = nullptr;
+  void* scheduler = nullptr;
+  unsigned current = 0, threads = 0, alive = 0, arrived = 0;
+  std::uint64_t turn = 0;
+  const char* where = nullptr;
+};
+
+Block& block() {
+  static Block b;
+  return b;
+}
+
+void suspend() {
+  Block& b = block();
+  emulation_switch(&b.fibers[b.current].stack_pointer, b.scheduler);
+}
+
+extern "C" void emulation_fiber_entry() {
+  Block& b = block();
+  (*b.body)();
+  b.fibers[b.current].done = true;
+  --b.alive;
+  suspend();
+  violation("a thread that had ended went on");
+}
+
+void prepare(Fiber& fiber) {
+  if (fiber.stack == nullptr)
+    fiber.stack = static_cast<char*>(
+        mmap(nullptr, stack_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+  auto* top = reinterpret_cast<void**>(fiber.stack + stack_bytes - 64);
+  *--top = nullptr;  // in the place of a return address: keeps the stack aligned as calls do
+  *--top = reinterpret_cast<void*>(&emulation_fiber_entry);
+  for (int saved = 0; saved < 6; ++saved) *--top = nullptr;
+  fiber.stack_pointer = top;
+  fiber.done = false;
+  fiber.waits = Waits::no;
+}
+
+/// Forwards, backwards or anyhow.
+void vary_order(std::vector<unsigned>& order, unsigned threads) {
+  order.resize(threads);
+  for (unsigned i = 0; i < threads; ++i) order[i] = i;
+  const std::uint64_t choice = random64() % 8;
+  if (choice % 2 == 1) std::reverse(order.begin(), order.end());
+  if (choice >= 6)
+    for (unsigned i = threads; i > 1; --i) std::swap(order[i - 1], order[random64() % i]);
+}
+
+bool must_wait(const Block& b, unsigned thread) {
+  const Fiber& f = b.fibers[thread];
+  return (f.waits == Waits::for_block && f.turn == b.turn) ||
+         (f.waits == Waits::for_warp && f.turn == b.warps[thread / warp_lanes].turn);
+}
+
+/// One turn for every thread that can go on; false: none could.
+bool advance(Block& b) {
+  bool moved = false;
+  for (const unsigned thread : b.order) {
+    Fiber& fiber = b.fibers[thread];
+    if (fiber.done || must_wait(b, thread)) continue;
+    fiber.waits = Waits::no;
+    b.current = thread;
+    thread_index = {thread, 0, 0};
+    moved = true;
+    emulation_switch(&b.scheduler, fiber.stack_pointer);
+  }
+  return moved;
+}
+
+void lay_shared(Block& b, std::size_t bytes) {
+  constexpr std::size_t alignment = 64;
+  if (b.shared.size() < bytes + canary_bytes + alignment)
+    b.shared.resize(bytes + canary_bytes + alignment);
+  const auto address = reinterpret_cast<std::uintptr_t>(b.shared.data());
+  b.shared_begin = b.shared.data() + (alignment - address % alignment) % alignment;
+  std::memset(b.shared_begin, garbage, bytes);
+  std::memset(b.shared_begin + bytes, canary, canary_bytes);
+}
+
+}  // namespace
+
+void run_block(const std::function<void()>& body, unsigned threads, std::size_t shared) {
+  Block& b = block();
+  b.body = &body;
+  b.threads = b.alive = threads;
+  b.arrived = 0;
+  if (b.fibers.size() < threads) b.fibers.resize(threads);
+  b.warps.assign((threads + warp_lanes - 1) / warp_lanes, Warp{});
+  lay_shared(b, shared);
+  for (unsigned t = 0; t < threads; ++t) prepare(b.fibers[t]);
+  vary_order(b.order, threads);
+  while (b.alive > 0)
+    if (!advance(b)) violation("threads wait for others that have left");
+  const unsigned char* end = b.shared_begin + shared;
+  if (!std::all_of(end, end + canary_bytes, [](unsigned char c) { return c == canary; }))
+    violation("a write behind the block's shared memory");
+}
+
+void* dynamic_shared_memory() { return block().shared_begin; }
+
+void barrier(const char* where) {
+  Block& b = block();
+  if (b.arrived == 0)
+    b.where = where;
+  else if (std::strcmp(b.where, where) != 0)
+    violation(std::string("threads of a block meet at two barriers: ") + b.where + ", " + where);
+  if (b.alive != b.threads) violation(std::string("threads have left before ") + where);
+  const std::uint64_t turn = b.turn;
+  if (++b.arrived == b.threads) {
+    b.arrived = 0;
+    ++b.turn;
+    return;
+  }
+  b.fibers[b.current].waits = Waits::for_block;
+  b.fibers[b.current].turn = turn;
+  suspend();
+}
+
+std::uint64_t warp_operation(WarpOperation which, unsigned mask, std::uint64_t value, int argument,
+                             const char* where) {
+  if (mask != 0xFFFFFFFFU) violation(std::string("not all lanes are named at ") + where);
+  Block& b = block();
+  Warp& warp = b.warps[b.current / warp_lanes];
+  const unsigned lane = b.current % warp_lanes;
+  if (warp.arrived == 0)
+    warp.where = where;
+  else if (std::strcmp(warp.where, where) != 0)
+    violation(std::string("lanes of a warp are at two operations: ") + warp.where + ", " + where);
+  // Two sets of values: a lane may come to the next operation while others still read this one's.
+  const std::uint64_t turn = warp.turn;
+  std::uint64_t* values = warp.values[turn % 2];
+  values[lane] = value;
+  if (++warp.arrived == warp_lanes) {
+    warp.arrived = 0;
+    ++warp.turn;
+  } else {
+    b.fibers[b.current].waits = Waits::for_warp;
+    b.fibers[b.current].turn = turn;
+    suspend();
+  }
+  switch (which) {
+    case WarpOperation::shuffle_xor:
+      return values[lane ^ static_cast<unsigned>(argument)];
+    case WarpOperation::shuffle_down:
+      return lane + static_cast<unsigned>(argument) < warp_lanes
+                 ? values[lane + static_cast<unsigned>(argument)]
+                 : value;
+    case WarpOperation::ballot:
+      break;
+  }
+  std::uint64_t bits = 0;
+  for (unsigned i = 0; i < warp_lanes; ++i) bits |= (values[i] & 1) << i;
+  return bits;
+}
+
+}  // namespace emulation

@@ -1,0 +1,144 @@
+// Random calls on the emulated device: sizes, layouts, methods, streams, threads, what fails and
+// when. Each ends with the CPU's hull, bit for bit, or with an error that the failure explains.
+// CULLHULL_RANDOM_RUNS is how many; a failing one names its seed.
+#include <cuda_runtime_api.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "device_sets.hpp"
+#include "emulation.hpp"
+
+namespace cullhull::testing {
+namespace {
+
+using testing_support::canonical_hash;
+
+class RandomCall {
+ public:
+  explicit RandomCall(std::uint64_t seed) : random_(seed), seed_(seed) {}
+
+  void run() {
+    emulation::settings() = {};
+    emulation::restart(seed_);
+    if (one_in(2))
+      run_as<float>();
+    else
+      run_as<double>();
+    emulation::settings() = {};
+  }
+
+ private:
+  std::uint64_t below(std::uint64_t n) { return random_() % n; }
+  bool one_in(std::uint64_t n) { return below(n) == 0; }
+
+  template <class T>
+  std::vector<T> points(unsigned d) {
+    const std::size_t n = one_in(4) ? below(12) : one_in(4) ? 5000 + below(20000) : below(3000);
+    std::vector<T> rows = ball<T>(d, n, random_());
+    if (one_in(4))  // a lattice: many equal and coplanar points
+      for (T& v : rows) v = static_cast<T>(static_cast<int>(v * 4));
+    if (one_in(6))  // a flat
+      for (std::size_t i = 0; i < n; ++i) rows[i * d + d - 1] = T(0.5);
+    if (one_in(6))
+      for (T& v : rows) v = v * T(0x1p-100);
+    return rows;
+  }
+
+  Options options() {
+    Options o;
+    const CullMethod methods[] = {CullMethod::automatic, CullMethod::gauge, CullMethod::pseudo_hull,
+                                  CullMethod::none};
+    o.cull = methods[below(4)];
+    o.backend = one_in(3) ? Backend::automatic : Backend::cuda;
+    o.threads = 1 + static_cast<unsigned>(below(3));
+    if (one_in(2)) o.machine.link_bytes_per_second = 1;
+    return o;
+  }
+
+  void choose_failures() {
+    emulation::Settings& s = emulation::settings();
+    const emulation::Order orders[] = {emulation::Order::late, emulation::Order::shuffled,
+                                       emulation::Order::at_once};
+    s.order = orders[below(3)];
+    s.pools = !one_in(4);
+    s.devices = 1 + static_cast<int>(below(2));
+    if (one_in(4)) s.failing_allocation = 1 + static_cast<long>(below(12));
+    if (one_in(6)) s.failing_allocations_from = 1 + static_cast<long>(below(12));
+    if (one_in(8)) s.failing_pinned_from = 1 + static_cast<long>(below(4));
+    fails_ =
+        s.failing_allocation != 0 || s.failing_allocations_from != 0 || s.failing_pinned_from != 0;
+    if (one_in(4)) keep_memory(0);  // pinned memory is made anew
+  }
+
+  template <class T>
+  void run_as() {
+    const unsigned d = 2 + static_cast<unsigned>(below(4));
+    const std::vector<T> rows = points<T>(d);
+    const std::uint64_t expected = plain_hash(rows, d);
+    const Options o = options();
+    const int holder = static_cast<int>(below(2));
+    emulation::settings().devices = 2;
+    check(cudaSetDevice(holder));
+    // Rows, columns or the first columns of wider records.
+    const std::size_t n = rows.size() / d, extra = one_in(2) ? 0 : below(3);
+    const bool columns = one_in(4);
+    std::vector<T> memory(columns ? n * d : n * (d + extra));
+    for (std::size_t i = 0; i < n; ++i)
+      for (unsigned j = 0; j < d; ++j)
+        memory[columns ? j * n + i : i * (d + extra) + j] = rows[i * d + j];
+    const OnDevice there(memory);
+    const Stream own;
+    const cudaStream_t streams[] = {own, nullptr, cudaStreamPerThread};
+    const std::uint64_t which = below(3);
+    auto view = columns ? DevicePointView::column_major(there.data<T>(), n, d, streams[which])
+                        : DevicePointView::row_major(there.data<T>(), n, d, streams[which]);
+    if (!columns) view.point_stride = static_cast<std::ptrdiff_t>((d + extra) * sizeof(T));
+    emulation::restart(seed_ + 1);
+    choose_failures();
+    emulation::settings().devices = 2;
+    if (which != 0) check(cudaSetDevice(static_cast<int>(below(2))));
+    outcome(expected, o, [&] {
+      return below(4) == 0 ? convex_hull(PointView::row_major(rows.data(), n, d), o)
+                           : convex_hull(view, o);
+    });
+    emulation::settings() = {};
+    emulation::settings().devices = 2;
+    check(cudaSetDevice(holder));
+  }
+
+  template <class Call>
+  void outcome(std::uint64_t expected, const Options& o, const Call& call) const {
+    const std::string what = "seed " + std::to_string(seed_);
+    try {
+      EXPECT_EQ(canonical_hash(call()), expected) << what;
+    } catch (const Error& e) {
+      EXPECT_TRUE(fails_) << what << ": " << e.what();
+      EXPECT_EQ(e.code(), ErrorCode::out_of_budget) << what << ": " << e.what();
+      EXPECT_EQ(o.backend, Backend::cuda) << what << ": " << e.what();
+    }
+  }
+
+  std::mt19937_64 random_;
+  std::uint64_t seed_;
+  bool fails_ = false;
+};
+
+TEST(EmulatedCalls, EndWithTheHullOrAnErrorThatExplains) {
+  const char* wanted = std::getenv("CULLHULL_RANDOM_RUNS");
+  const long runs = wanted != nullptr ? std::atol(wanted) : 200;
+  const char* first = std::getenv("CULLHULL_RANDOM_SEED");
+  const long seed = first != nullptr ? std::atol(first) : 1;
+  for (long i = 0; i < runs; ++i) {
+    RandomCall(static_cast<std::uint64_t>(seed + i)).run();
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_EQ(emulation::counters().live_bytes, 0U) << "memory of a device was not freed";
+}
+
+}  // namespace
+}  // namespace cullhull::testing

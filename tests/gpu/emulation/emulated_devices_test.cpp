@@ -1,0 +1,72 @@
+// What is remembered to the end of a process: devices that cannot be used, one that was lost. A
+// program of its own, each test of which wants a process of its own.
+#include <cuda_runtime_api.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "device_sets.hpp"
+#include "emulation.hpp"
+
+namespace cullhull::testing {
+namespace {
+
+using testing_support::canonical_hash;
+
+TEST(EmulatedDevices, PointsOnAnotherDeviceThanTheCurrentOne) {
+  emulation::settings().devices = 3;
+  emulation::settings().unusable_device = 0;  // too old: nothing of it may be asked
+  const auto rows = ball(3, 20000, 4);
+  const std::uint64_t expected = plain_hash(rows, 3);
+  check(cudaSetDevice(2));
+  const OnDevice there(rows);
+  check(cudaSetDevice(0));
+  const auto view = DevicePointView::row_major(there.data<float>(), 20000, 3);
+  for (const CullMethod method : {CullMethod::gauge, CullMethod::pseudo_hull, CullMethod::none})
+    EXPECT_EQ(canonical_hash(convex_hull(view, on_device(method))), expected);
+  HullTracker tracker(on_device());
+  EXPECT_EQ(canonical_hash(tracker.update(view)), expected);
+  int current = -1;
+  check(cudaGetDevice(&current));
+  EXPECT_EQ(current, 0);
+}
+
+TEST(EmulatedDevices, HostPointsGoToTheDeviceThatTheOptionsName) {
+  emulation::settings().devices = 2;
+  emulation::settings().unusable_device = 0;
+  const auto rows = ball(3, 20000, 4);
+  Options options = on_device();
+  const auto points = PointView::row_major(rows.data(), 20000, 3);
+  EXPECT_THROW(convex_hull(points, options), Error);  // the current one
+  options.device = 1;
+  const Hull hull = convex_hull(points, options);
+  EXPECT_EQ(hull.statistics.backend, "cuda");
+  EXPECT_EQ(canonical_hash(hull), plain_hash(rows, 3));
+  check(cudaSetDevice(1));
+  EXPECT_EQ(current_cuda_device(), 1);
+  options.device = 2;
+  EXPECT_THROW(convex_hull(points, options), Error);
+}
+
+TEST(EmulatedDevices, ALostDeviceIsSaidInEveryLaterCall) {
+  const auto rows = ball(3, 20000, 6);
+  const OnDevice there(rows);
+  const auto view = DevicePointView::row_major(there.data<float>(), 20000, 3);
+  emulation::restart();
+  emulation::settings().failing_launch = 1;
+  for (int i = 0; i < 2; ++i) try {
+      (void)convex_hull(view, on_device());
+      FAIL() << "a hull of a device that is lost";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::backend_unavailable);
+      if (i == 1) {
+        EXPECT_NE(std::string(e.what()).find("restarted"), std::string::npos);
+      }
+    }
+  // The CPU goes on.
+  EXPECT_EQ(canonical_hash(convex_hull(PointView::row_major(rows.data(), 20000, 3))),
+            plain_hash(rows, 3));
+}
+
+}  // namespace
+}  // namespace cullhull::testing

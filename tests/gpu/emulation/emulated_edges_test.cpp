@@ -1,0 +1,257 @@
+// What goes on around the kernels, on the emulated device: streams, threads, several devices,
+// errors of the caller's own, memory that runs out.
+#include <cuda_runtime_api.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "cull/gauge_cuda.hpp"
+#include "cull/gauge_map.hpp"
+#include "device_sets.hpp"
+#include "emulation.hpp"
+#include "tests/made_sets.hpp"
+
+namespace cullhull::testing {
+namespace {
+
+using testing_support::canonical_hash;
+
+class EmulatedEdges : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    emulation::settings() = {};
+    emulation::restart();
+  }
+  void TearDown() override { emulation::settings() = {}; }
+};
+
+/// Points that come to the device on a stream, late.
+class ArrivingPoints {
+ public:
+  ArrivingPoints(const std::vector<float>& rows, unsigned d) : d_(d), n_(rows.size() / d) {
+    const std::size_t bytes = rows.size() * sizeof(float);
+    check(cudaMallocHost(&pinned_, bytes));
+    std::memcpy(pinned_, rows.data(), bytes);
+    check(cudaMalloc(&there_, bytes));
+    check(cudaMemset(there_, 0, bytes));
+    check(cudaDeviceSynchronize());
+  }
+  ~ArrivingPoints() {
+    (void)cudaFree(there_);
+    (void)cudaFreeHost(pinned_);
+  }
+  void send(cudaStream_t stream) const {
+    check(
+        cudaMemcpyAsync(there_, pinned_, n_ * d_ * sizeof(float), cudaMemcpyHostToDevice, stream));
+  }
+  DevicePointView view(cudaStream_t stream) const {
+    return DevicePointView::row_major(static_cast<const float*>(there_), n_, d_, stream);
+  }
+
+ private:
+  unsigned d_;
+  std::size_t n_;
+  void* pinned_ = nullptr;
+  void* there_ = nullptr;
+};
+
+TEST_F(EmulatedEdges, WorkIsOrderedBehindEveryKindOfStream) {
+  const auto rows = ball(3, 20000, 7);
+  const std::uint64_t expected = plain_hash(rows, 3);
+  const Stream own;
+  for (cudaStream_t stream :
+       {cudaStream_t{own}, cudaStream_t{nullptr}, cudaStreamLegacy, cudaStreamPerThread}) {
+    const ArrivingPoints points(rows, 3);
+    points.send(stream);
+    EXPECT_EQ(canonical_hash(convex_hull(points.view(stream), on_device())), expected);
+  }
+}
+
+// The per-thread default stream means the calling thread's: a binding that computes on another
+// thread waits for it first.
+TEST_F(EmulatedEdges, AStreamIsWaitedForOnTheThreadThatNamesIt) {
+  const auto rows = ball(3, 20000, 8);
+  const ArrivingPoints points(rows, 3);
+  points.send(cudaStreamPerThread);
+  wait_for_cuda_stream(cudaStreamPerThread);
+  std::uint64_t found = 0;
+  std::thread([&] {
+    found = canonical_hash(convex_hull(points.view(cudaStreamPerThread), on_device()));
+  }).join();
+  EXPECT_EQ(found, plain_hash(rows, 3));
+}
+
+// For arrays whose maker does not say on which stream they come.
+TEST_F(EmulatedEdges, AllWorkOfTheirDeviceIsWaitedForWhereNoStreamIsSaid) {
+  emulation::settings().devices = 2;
+  check(cudaSetDevice(1));
+  const auto rows = ball(3, 20000, 9);
+  const ArrivingPoints points(rows, 3);
+  const Stream side;
+  points.send(side);
+  check(cudaSetDevice(0));
+  wait_for_cuda_device_of(points.view(nullptr).data);
+  EXPECT_EQ(canonical_hash(convex_hull(points.view(nullptr), on_device())), plain_hash(rows, 3));
+  int current = -1;
+  check(cudaGetDevice(&current));
+  EXPECT_EQ(current, 0);
+}
+
+TEST_F(EmulatedEdges, MapsOfManySizesOnThreadsBesideOneAnother) {
+  emulation::settings().order = emulation::Order::shuffled;
+  std::vector<std::unique_ptr<internal::GaugeMap>> maps;
+  for (const unsigned cells : {16U, 44U, 58U, 80U})
+    maps.push_back(internal::GaugeMap::build(testing_support::cross_polytope(3, 0.125, 1), cells));
+  std::atomic<int> wrong{0};
+  std::vector<std::thread> threads;
+  for (const auto& map : maps)
+    threads.emplace_back([&] {
+      const auto rows = ball(3, 2000, 3);
+      const Options options;
+      const internal::Control control(options);
+      const auto expected = map->survivors(PointView::row_major(rows.data(), 2000, 3), 1, control);
+      const Stream stream;
+      const OnDevice there(rows);
+      const auto view = DevicePointView::row_major(there.data<float>(), 2000, 3, stream);
+      for (int i = 0; i < 40; ++i) try {
+          const auto found = internal::cuda::survivors_of_device_points(map->table(), view);
+          std::vector<std::uint64_t> ids(found.count);
+          internal::cuda::download(ids.data(), found.ids.data(), found.count, stream);
+          if (ids != expected) ++wrong;
+        } catch (const Error&) {
+          ++wrong;
+        }
+    });
+  for (std::thread& t : threads) t.join();
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST_F(EmulatedEdges, AnErrorThatTheCallerLeftUnreadIsNotOurs) {
+  const auto rows = ball(3, 20000, 5);
+  const OnDevice there(rows);
+  const auto view = DevicePointView::row_major(there.data<float>(), 20000, 3);
+  const std::uint64_t expected = plain_hash(rows, 3);
+  void* none = nullptr;
+  for (const CullMethod method : {CullMethod::gauge, CullMethod::pseudo_hull}) {
+    EXPECT_NE(cudaMalloc(&none, std::size_t{1} << 60), cudaSuccess);
+    EXPECT_EQ(canonical_hash(convex_hull(view, on_device(method))), expected);
+  }
+  EXPECT_NE(cudaMalloc(&none, std::size_t{1} << 60), cudaSuccess);
+  EXPECT_EQ(canonical_hash(convex_hull(PointView::row_major(rows.data(), 20000, 3), on_device())),
+            expected);
+}
+
+// While the caller records a graph, asking the default stream fails; that is no broken device.
+TEST_F(EmulatedEdges, AnErrorThatDoesNotStayDoesNotEndTheProcess) {
+  const auto rows = ball(3, 20000, 6);
+  const OnDevice there(rows);
+  const auto view = DevicePointView::row_major(there.data<float>(), 20000, 3);
+  emulation::settings().default_stream_error = cudaErrorStreamCaptureUnsupported;
+  EXPECT_THROW(convex_hull(view, on_device()), Error);
+  emulation::settings().default_stream_error = 0;
+  EXPECT_EQ(canonical_hash(convex_hull(view, on_device())), plain_hash(rows, 3));
+}
+
+TEST_F(EmulatedEdges, PinnedMemoryIsKeptBetweenCalls) {
+  const auto rows = ball(3, 100000, 2);
+  const auto points = PointView::row_major(rows.data(), 100000, 3);
+  (void)convex_hull(points, on_device());
+  const std::uint64_t first = emulation::counters().pinned_allocations;
+  EXPECT_GT(first, 0U);
+  for (int i = 0; i < 3; ++i) (void)convex_hull(points, on_device());
+  EXPECT_EQ(emulation::counters().pinned_allocations, first);
+}
+
+/// A view of the first three of four columns, and a copy that is packed.
+struct Records {
+  explicit Records(std::size_t n) : wide(n * 4), packed(ball(3, n, 1)) {
+    for (std::size_t i = 0; i < n; ++i)
+      for (unsigned j = 0; j < 3; ++j) wide[i * 4 + j] = packed[i * 3 + j];
+  }
+  std::vector<float> wide, packed;
+};
+
+TEST_F(EmulatedEdges, RowsOfWiderRecordsComeBackFromAFullDevice) {
+  const std::size_t n = 30000;
+  const Records records(n);
+  const std::uint64_t expected = plain_hash(records.packed, 3);
+  std::vector<float> columns(n * 3);
+  for (std::size_t i = 0; i < n; ++i)
+    for (unsigned j = 0; j < 3; ++j) columns[j * n + i] = records.packed[i * 3 + j];
+  const OnDevice wide(records.wide), turned(columns), there(records.packed);
+  auto view = DevicePointView::row_major(wide.data<float>(), n, 3);
+  view.point_stride = 4 * sizeof(float);
+  emulation::restart();
+  emulation::settings().failing_allocations_from = 1;
+  for (const DevicePointView& points :
+       {view, DevicePointView::column_major(turned.data<float>(), n, 3),
+        DevicePointView::row_major(there.data<float>(), n, 3)})
+    for (const CullMethod method : {CullMethod::automatic, CullMethod::gauge, CullMethod::none}) {
+      Options options;
+      options.cull = method;
+      EXPECT_EQ(canonical_hash(convex_hull(points, options)), expected);
+    }
+}
+
+/// Runs `call` with the n-th step failing for n = 1, 2, ... until none fails any more.
+void fail_at_every_step(long emulation::Settings::*which, const std::function<void()>& call) {
+  for (long n = 1;; ++n) {
+    emulation::restart();
+    emulation::settings().*which = n;
+    call();
+    emulation::settings().*which = 0;
+    const emulation::Counters seen = emulation::counters();
+    const std::uint64_t steps = which == &emulation::Settings::failing_pinned_from
+                                    ? seen.pinned_allocations + 1
+                                    : seen.allocations + 1;
+    if (static_cast<std::uint64_t>(n) > steps) break;
+    ASSERT_LT(n, 10000);
+  }
+}
+
+TEST_F(EmulatedEdges, EveryAllocationMayFail) {
+  const auto rows = ball(3, 15000, 5);
+  const std::uint64_t expected = plain_hash(rows, 3);
+  const OnDevice there(rows);
+  const auto on_it = DevicePointView::row_major(there.data<float>(), 15000, 3);
+  const auto here = PointView::row_major(rows.data(), 15000, 3);
+  const auto outcome = [&](const std::function<Hull()>& call, Backend backend) {
+    try {
+      EXPECT_EQ(canonical_hash(call()), expected);
+    } catch (const Error& e) {
+      EXPECT_EQ(backend, Backend::cuda) << "automatic has the CPU to fall back on: " << e.what();
+      EXPECT_EQ(e.code(), ErrorCode::out_of_budget) << e.what();
+    }
+  };
+  for (const auto which :
+       {&emulation::Settings::failing_allocation, &emulation::Settings::failing_allocations_from,
+        &emulation::Settings::failing_pinned_from})
+    for (const CullMethod method : {CullMethod::gauge, CullMethod::pseudo_hull})
+      for (const Backend backend : {Backend::automatic, Backend::cuda}) {
+        Options options;
+        options.backend = backend;
+        options.cull = method;
+        options.machine.link_bytes_per_second = 1;  // stay on the device
+        fail_at_every_step(which, [&] {
+          keep_memory(0);
+          outcome([&] { return convex_hull(on_it, options); }, backend);
+        });
+        if (method == CullMethod::pseudo_hull) continue;
+        options.machine.link_bytes_per_second = 1e15;  // go there
+        options.machine.host_read_bytes_per_second = 1;
+        options.machine.host_copy_bytes_per_second = 1e15;
+        fail_at_every_step(which, [&] {
+          keep_memory(0);
+          outcome([&] { return convex_hull(here, options); }, backend);
+        });
+      }
+}
+
+}  // namespace
+}  // namespace cullhull::testing

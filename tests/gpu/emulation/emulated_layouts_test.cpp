@@ -1,0 +1,123 @@
+// Every layout of points at every border of words, tiles, blocks and pieces, as the kernels are
+// really launched, against the CPU's survivors.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "cull/gauge_cuda.hpp"
+#include "cull/gauge_kernel_cuda.hpp"
+#include "cull/gauge_map.hpp"
+#include "device_sets.hpp"
+#include "emulation.hpp"
+#include "tests/made_sets.hpp"
+
+namespace cullhull::testing {
+namespace {
+
+using internal::GaugeMap;
+using testing_support::cross_polytope;
+
+/// Some of them no numbers, huge or tiny: those survive.
+template <class T>
+std::vector<T> strewn_rows(unsigned d, std::size_t n) {
+  std::mt19937_64 random(31 * n + d);
+  std::uniform_real_distribution<double> unit(-1.2 / d - 0.2, 1.2 / d + 0.2);
+  std::vector<T> rows(n * d);
+  for (T& v : rows) v = static_cast<T>(0.125 + unit(random));
+  const double odd[] = {NAN,     INFINITY, -INFINITY, 1e38,  -3e38,  0x1p126,
+                        0x1p127, 0,        -0.0,      1e-44, -1e-40, 3.4e38};
+  for (std::size_t e = 0; e * 7 < rows.size() / 2; ++e)
+    rows[e * 7] = static_cast<T>(odd[e % std::size(odd)]);
+  return rows;
+}
+
+/// One memory layout of the rows.
+template <class T>
+struct Layout {
+  std::string name;
+  std::vector<T> memory;
+  std::size_t first;
+  std::ptrdiff_t point_stride, coordinate_stride;  // in values
+};
+
+template <class T>
+std::vector<Layout<T>> layouts_of(const std::vector<T>& rows, unsigned d, std::size_t n) {
+  const auto step = static_cast<std::ptrdiff_t>(d);
+  std::vector<Layout<T>> all{{"packed", rows, 0, step, 1}};
+  for (std::size_t shift = 1; shift < 16 / sizeof(T); ++shift) {
+    std::vector<T> memory(n * d + shift);
+    std::copy(rows.begin(), rows.end(), memory.begin() + static_cast<std::ptrdiff_t>(shift));
+    all.push_back({"shifted", std::move(memory), shift, step, 1});
+  }
+  std::vector<T> columns(n * d), records(n * (d + 3) + 2, T(NAN)), backwards(n * d);
+  for (std::size_t i = 0; i < n; ++i)
+    for (unsigned j = 0; j < d; ++j) {
+      const T value = rows[i * d + j];
+      columns[j * n + i] = value;
+      records[i * (d + 3) + 2 + j] = value;
+      backwards[(n - 1 - i) * d + (d - 1 - j)] = value;
+    }
+  all.push_back({"columns", columns, 0, 1, static_cast<std::ptrdiff_t>(n)});
+  all.push_back({"records", records, 2, step + 3, 1});
+  if (n > 0) all.push_back({"backwards", backwards, n * d - 1, -step, -1});
+  return all;
+}
+
+template <class T>
+void expect_all_layouts(const GaugeMap& map, unsigned d, std::size_t n) {
+  const Options options;
+  const internal::Control control(options);
+  const std::vector<T> rows = strewn_rows<T>(d, n);
+  const auto here = PointView::row_major(rows.data(), n, d);
+  const auto expected = n > 0 ? map.survivors(here, 1, control) : std::vector<std::uint64_t>{};
+  for (const Layout<T>& layout : layouts_of(rows, d, n)) {
+    const std::string what = layout.name + " " + std::to_string(d) + "D " +
+                             std::to_string(sizeof(T)) + " bytes, " + std::to_string(n);
+    const OnDevice there(layout.memory);
+    DevicePointView view = DevicePointView::row_major(there.data<T>() + layout.first, n, d);
+    view.point_stride = layout.point_stride * static_cast<std::ptrdiff_t>(sizeof(T));
+    view.coordinate_stride = layout.coordinate_stride * static_cast<std::ptrdiff_t>(sizeof(T));
+    const auto found = internal::cuda::survivors_of_device_points(map.table(), view);
+    std::vector<std::uint64_t> ids(found.count);
+    internal::cuda::download(ids.data(), found.ids.data(), found.count, nullptr);
+    ASSERT_EQ(ids, expected) << what;
+    ASSERT_EQ(internal::cuda::survivors_by_pieces(map.table(), view, control), expected) << what;
+    if (ids.empty()) continue;
+    const auto fetched = internal::cuda::download_points(view, ids.data(), ids.size(), control);
+    for (std::size_t k = 0; k < ids.size() * d; ++k) {
+      const auto value = static_cast<double>(rows[ids[k / d] * d + k % d]);
+      ASSERT_TRUE(fetched[k] == value || value != value) << what;
+    }
+  }
+  ASSERT_EQ(internal::cuda::survivors_of_host_points(map.table(), here, 2, control), expected);
+}
+
+TEST(EmulatedLayouts, EveryBorderInEveryDimension) {
+  for (unsigned d = 2; d <= 6; ++d) {
+    const auto map = GaugeMap::build(cross_polytope(d, 0.125, 1), 0,
+                                     internal::cuda::most_gauge_nodes(internal::cuda::device()));
+    for (const std::size_t n : {0U, 1U, 31U, 32U, 33U, 63U, 65U, 127U, 129U, 255U, 257U, 511U, 513U,
+                                1023U, 1025U, 2047U, 2049U}) {
+      emulation::restart(n + d);
+      expect_all_layouts<float>(*map, d, n);
+      expect_all_layouts<double>(*map, d, n);
+    }
+  }
+  for (const unsigned d : {2U, 3U})
+    expect_all_layouts<float>(*GaugeMap::build(cross_polytope(d, 0.125, 1)), d, 32769);
+}
+
+TEST(EmulatedLayouts, ATableBeyondSharedMemory) {
+  const auto map = GaugeMap::build(cross_polytope(3, 0.125, 1), 200);
+  for (const std::size_t n : {1U, 33U, 5000U}) {
+    expect_all_layouts<float>(*map, 3, n);
+    expect_all_layouts<double>(*map, 3, n);
+  }
+}
+
+}  // namespace
+}  // namespace cullhull::testing

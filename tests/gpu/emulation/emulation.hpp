@@ -1,0 +1,56 @@
+// An emulated CUDA device for tests: what a test sets, and what it may count. The run-time library
+// (runtime_api.cpp) is linked in the place of NVIDIA's, the kernels are the project's own text
+// (rewrite_kernels.py). What it shows: accesses beyond or to the wrong side, races between streams,
+// barriers that not all threads reach, launches a device would refuse, every failed allocation.
+// What it cannot: CUB's own code, true concurrency, caches, a device's roundings, speed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+
+namespace emulation {
+
+/// When work that was put on a stream is done.
+enum class Order {
+  at_once,   ///< as soon as it is submitted
+  late,      ///< when somebody waits for it, no earlier: what is not waited for is seen undone
+  shuffled,  ///< at random moments, streams in random turns
+};
+
+struct Settings {
+  bool driver = true;
+  int devices = 1;
+  std::size_t memory = std::size_t{16} << 30;  ///< bytes of a device
+  bool pools = true;                           ///< stream-ordered allocation is there
+  int unusable_device = -1;                    ///< this one is too old
+  /// What everything on default streams answers, as they do while somebody records a graph.
+  int default_stream_error = 0;
+  Order order = Order::late;
+  // The n-th from restart() on fails; 0: none does.
+  long failing_allocation = 0;
+  long failing_allocations_from = 0;  ///< this one and all after it
+  long failing_pinned_from = 0;
+  long failing_launch = 0;  ///< poisons the process, as an illegal address does
+};
+
+/// Changed between calls only.
+Settings& settings();
+/// Counts for `failing_...` and the counters begin anew; the random order of threads with `seed`.
+void restart(std::uint64_t seed = 1);
+
+struct Counters {
+  std::map<std::string, std::uint64_t> launches;  ///< by the kernel's name
+  std::uint64_t allocations = 0, pinned_allocations = 0, copies = 0, waits = 0;
+  std::size_t live_bytes = 0, peak_bytes = 0;  ///< of device memory
+};
+Counters counters();
+
+/// Says what a device would have done wrong, with the place of the running thread, and aborts.
+[[noreturn]] void violation(const std::string& what);
+
+/// xorshift64*: orders of threads and streams, last bits of approximations.
+std::uint64_t random64();
+
+}  // namespace emulation

@@ -1,0 +1,110 @@
+// In the place of CUB: the same results by loops, through as many barriers as CUB would need, with
+// scratch memory that is checked and spoilt.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <numeric>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "device_text.hpp"
+
+namespace cub {
+
+template <class T, int Threads>
+class BlockReduce {
+ public:
+  struct TempStorage {
+    T values[Threads];
+  };
+  explicit BlockReduce(TempStorage& storage) : storage_(storage) {}
+
+  /// Of use to thread 0 alone: the others get garbage.
+  T Sum(T value) {
+    storage_.values[threadIdx.x] = value;
+    emulation::barrier("BlockReduce: written");
+    const T sum = std::accumulate(storage_.values, storage_.values + Threads, T{});
+    emulation::barrier("BlockReduce: read");
+    return threadIdx.x == 0 ? sum : static_cast<T>(0xABABABAB);
+  }
+
+ private:
+  TempStorage& storage_;
+};
+
+template <class T, int Threads>
+class BlockScan {
+ public:
+  struct TempStorage {
+    T values[Threads];
+  };
+  explicit BlockScan(TempStorage& storage) : storage_(storage) {}
+
+  void ExclusiveSum(T value, T& before) {
+    storage_.values[threadIdx.x] = value;
+    emulation::barrier("BlockScan: written");
+    before = std::accumulate(storage_.values, storage_.values + threadIdx.x, T{});
+    emulation::barrier("BlockScan: read");
+  }
+
+ private:
+  TempStorage& storage_;
+};
+
+/// An odd size, so that nobody relies on another.
+inline constexpr std::size_t stand_in_scratch = 1237;
+
+/// True where the call only asked for the size of the scratch memory, or gave too little.
+inline bool scratch_answered(void* scratch, std::size_t& bytes, cudaError_t& status) {
+  status = cudaSuccess;
+  if (scratch == nullptr) {
+    bytes = stand_in_scratch;
+    return true;
+  }
+  if (bytes < stand_in_scratch) status = cudaErrorInvalidValue;
+  return status != cudaSuccess;
+}
+
+struct DeviceScan {
+  template <class In, class Out, class Count>
+  static cudaError_t ExclusiveSum(void* scratch, std::size_t& bytes, In in, Out out, Count count,
+                                  cudaStream_t stream) {
+    cudaError_t status;
+    if (scratch_answered(scratch, bytes, status)) return status;
+    emulation::enqueue(stream, [=] {
+      std::memset(scratch, 0x77, stand_in_scratch);
+      std::decay_t<decltype(in[0])> sum{};
+      for (Count i = 0; i < count; ++i) {
+        const auto value = in[i];
+        out[i] = sum;
+        sum += value;
+      }
+    });
+    return cudaSuccess;
+  }
+};
+
+struct DeviceSelect {
+  /// Writes what is selected in any order of time; the k-th to place k.
+  template <class In, class Out, class Selected, class Count, class Keep>
+  static cudaError_t If(void* scratch, std::size_t& bytes, In in, Out out, Selected* selected,
+                        Count count, Keep keep, cudaStream_t stream) {
+    cudaError_t status;
+    if (scratch_answered(scratch, bytes, status)) return status;
+    emulation::enqueue(stream, [=] {
+      std::memset(scratch, 0x77, stand_in_scratch);
+      std::vector<std::pair<std::ptrdiff_t, std::uint32_t>> kept;
+      for (Count i = 0; i < count; ++i)
+        if (keep(in[i])) kept.emplace_back(kept.size(), in[i]);
+      for (std::size_t i = kept.size(); i > 1; --i)
+        std::swap(kept[i - 1], kept[emulation::random64() % i]);
+      for (const auto& [place, item] : kept) out.assign(place, item);
+      *selected = static_cast<Selected>(kept.size());
+    });
+    return cudaSuccess;
+  }
+};
+
+}  // namespace cub

@@ -1,0 +1,2 @@
+#pragma once
+#include "thrust/iterators_stand_in.hpp"
