@@ -25,8 +25,11 @@ std::stop_source& source() {
   return instance;
 }
 
+void say(const char* text) { (void)!::write(STDERR_FILENO, text, std::strlen(text)); }
+
 [[noreturn]] void end_at_once() {
   cullhull::remove_unfinished_files();
+  say("cullhull: cancelled\n");
   ::_exit(cancelled);
 }
 
