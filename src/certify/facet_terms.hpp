@@ -35,6 +35,8 @@ class Facets {
   /// double.
   const double* at(std::uint32_t v) const { return rows_ + std::size_t{v} * d_; }
   int exponent() const { return exponent_; }
+  /// Whether axes differ so much in extent that doubles in one unit lose some of them.
+  bool wild() const { return wild_; }
   /// What underflow may cost an offset: nothing where axes differ so much that the library computes
   /// planes exactly.
   double offset_underflow() const;

@@ -62,6 +62,7 @@ struct Lane {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
   std::uint64_t rung_counts[3] = {0, 0, 0};
   std::uint64_t random = 0;
+  std::uint64_t streams_done = 0;  ///< in phases that were shared
 };
 
 }  // namespace cullhull::internal

@@ -31,6 +31,7 @@
 #include "hull/facet_store.hpp"
 #include "hull/norm_order.hpp"
 #include "parallel/crew.hpp"
+#include "parallel/crowding.hpp"
 #include "parallel/parallel.hpp"
 #include "predicates/minors.hpp"
 #include "predicates/orientation.hpp"
@@ -94,6 +95,7 @@ class InsertionNd {
   void sieve(NormOrder& order, const std::vector<float>& planes) const;
 
   void insert_round();
+  void review_sharing();
   void advance(Stream& s, Lane& lane);
   void settle();
   bool clear_of_others(const Stream& s) const;
@@ -141,6 +143,7 @@ class InsertionNd {
 
   Crew crew_;
   bool shared_ = false;  ///< whether the crew is at work
+  unsigned batches_shared_ = 0;
   std::deque<Lane> lanes_;
   std::vector<Share> shares_;
   bool same_facets_;  ///< whatever the number of workers
@@ -262,7 +265,8 @@ SimplicialHull InsertionNd<D>::run() {
 template <unsigned D>
 bool InsertionNd<D>::worth_sharing(std::size_t points) const {
   constexpr std::size_t fewest[] = {8000, 1000, 150, 50, 20};
-  return crew_.lanes() > 1 && points >= (dim() < 4 || dim() > 8 ? 1 : fewest[dim() - 4]);
+  return crew_.lanes() > 1 && !crowded() &&
+         points >= (dim() < 4 || dim() > 8 ? 1 : fewest[dim() - 4]);
 }
 
 template <unsigned D>

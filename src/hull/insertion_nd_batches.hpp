@@ -29,9 +29,25 @@ void InsertionNd<D>::in_parallel(const Body& body) {
         const std::size_t i = share.next.fetch_add(1, std::memory_order_relaxed);
         if (i >= share.end) break;
         body(streams_[batch_[i]], lanes_[lane]);
+        ++lanes_[lane].streams_done;
       }
     }
   });
+}
+
+/// Now and then: where the others have done hardly anything, they are not waited for any longer.
+template <unsigned D>
+void InsertionNd<D>::review_sharing() {
+  constexpr unsigned batches = 32;
+  if (!shared_ || ++batches_shared_ % batches != 0) return;
+  std::uint64_t all = 0;
+  for (const Lane& lane : lanes_) all += lane.streams_done;
+  if (8 * (all - lanes_[0].streams_done) < all) {
+    note_absence();
+    shared_ = false;
+    if (!same_facets_) width_ = 1;
+  }
+  for (Lane& lane : lanes_) lane.streams_done = 0;
 }
 
 template <unsigned D>
@@ -62,6 +78,7 @@ void InsertionNd<D>::insert_round() {
       if (streams_[s].next < streams_[s].end) batch_[left++] = s;
     }
     batch_.resize(left);
+    review_sharing();
   }
   adapt(tried, refused, made);
   control_.report("hull", static_cast<double>(end) / static_cast<double>(expected_));

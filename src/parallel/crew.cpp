@@ -48,7 +48,7 @@ class Crew::Phases : public SharedWork {
     const Clock::time_point end = Clock::now();
     Patience patience;
     while (done_.load(std::memory_order_acquire) < count) patience.wait_a_little();
-    note_wait(end - begin, Clock::now() - end);
+    watch_.add(end - begin, Clock::now() - end);
     if (!failed_.load(std::memory_order_acquire)) return;
     failed_ = false;
     std::rethrow_exception(std::exchange(error_, nullptr));
@@ -81,6 +81,7 @@ class Crew::Phases : public SharedWork {
   const Body* body_ = nullptr;
   std::exception_ptr error_;
   std::atomic<bool> failed_{false};
+  WaitWatch watch_;  // the caller's
 };
 
 Crew::Crew(unsigned threads) : lanes_(std::max(1U, threads)) {}

@@ -24,6 +24,16 @@ std::int64_t now() {
   return nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+void begin_rest() {
+  const std::int64_t time = now(), until = rest_until.load(std::memory_order_relaxed);
+  if (time < until) return;  // the wait began before the rest
+  const std::int64_t last = last_rest.load(std::memory_order_relaxed);
+  const bool soon = last != 0 && time - until < 2 * last;
+  const std::int64_t rest = soon ? std::min(2 * last, longest_rest.count()) : first_rest.count();
+  last_rest.store(rest, std::memory_order_relaxed);
+  rest_until.store(time + rest, std::memory_order_relaxed);
+}
+
 }  // namespace
 
 bool crowded() noexcept {
@@ -31,16 +41,20 @@ bool crowded() noexcept {
   return until != 0 && now() < until;
 }
 
-void note_wait(nanoseconds worked, nanoseconds waited) noexcept {
-  if (waited < noticeable + 3 * worked) return;
-  const std::int64_t time = now(), until = rest_until.load(std::memory_order_relaxed);
-  if (time < until) return;  // begun before the rest
-  const std::int64_t last = last_rest.load(std::memory_order_relaxed);
-  const bool soon = last != 0 && time - until < 2 * last;
-  const std::int64_t rest = soon ? std::min(2 * last, longest_rest.count()) : first_rest.count();
-  last_rest.store(rest, std::memory_order_relaxed);
-  rest_until.store(time + rest, std::memory_order_relaxed);
+void note_wait(nanoseconds expected, nanoseconds waited) noexcept {
+  if (waited > noticeable + 2 * expected) begin_rest();
 }
+
+void WaitWatch::add(nanoseconds worked, nanoseconds waited) noexcept {
+  constexpr nanoseconds window = 2ms;
+  worked_ += worked;
+  waited_ += waited;
+  if (worked_ + waited_ < window) return;
+  if (2 * waited_ > worked_) begin_rest();
+  worked_ = waited_ = nanoseconds(0);
+}
+
+void note_absence() noexcept { begin_rest(); }
 
 void forget_crowding() noexcept {
   rest_until = 0;

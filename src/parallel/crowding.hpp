@@ -10,10 +10,22 @@ namespace cullhull::internal {
 /// Whether help is likely to cost more than it saves just now. Any thread may ask: about 30 ns.
 bool crowded() noexcept;
 
-/// A caller was done after `worked` and waited for helpers for `waited` more. What helpers had
-/// begun is expected to take about as long as the caller's own part; far more means that they did
-/// not run. From any thread.
-void note_wait(std::chrono::nanoseconds worked, std::chrono::nanoseconds waited) noexcept;
+/// A caller was done with its own part and waited for helpers for `waited` more. What they had
+/// begun was expected to take `expected`; far more means that they did not run. From any thread.
+void note_wait(std::chrono::nanoseconds expected, std::chrono::nanoseconds waited) noexcept;
+
+/// The same for a caller's many short phases, one after the other: none of them shows, but where
+/// the caller waits a third of the time, two threads are hardly faster than one.
+class WaitWatch {
+ public:
+  void add(std::chrono::nanoseconds worked, std::chrono::nanoseconds waited) noexcept;
+
+ private:
+  std::chrono::nanoseconds worked_{0}, waited_{0};
+};
+
+/// Help was asked for and did hardly any of the work.
+void note_absence() noexcept;
 
 /// Forgets what was seen.
 void forget_crowding() noexcept;

@@ -6,6 +6,13 @@ shift
 here=$(cd "$(dirname "$0")" && pwd)
 "$here/../../../scripts/python-venv.sh" "$folder" test
 
+# Extras of whose parts PyPI may lack one or the other: without it, its tests say so and are skipped.
+for extra in pandas pyarrow polars xarray scikit-image; do
+  "$folder/venv/bin/python" -c "import importlib.metadata as m; m.version('$extra')" 2>/dev/null ||
+    "$folder/venv/bin/pip" install --quiet --disable-pip-version-check --prefer-binary "$extra" ||
+    echo "run.sh: PyPI has not given $extra; its tests are left out" >&2
+done
+
 # trimesh's own tests are in its source archive alone.
 version=$("$folder/venv/bin/python" -c 'import trimesh; print(trimesh.__version__)')
 archive=$folder/trimesh-$version
@@ -20,6 +27,23 @@ if [[ ! -d $archive ]]; then
 fi
 if [[ -f $archive/tests/test_convex.py ]]; then
   export CULLHULL_TRIMESH_TESTS=$archive/tests
+fi
+
+# scikit-image's too. pip would build it to learn its name; without the build's tools in reach it
+# stops once the archive is unpacked, which is all that is wanted.
+if version=$("$folder/venv/bin/python" -c 'import skimage; print(skimage.__version__)' 2>/dev/null); then
+  archive=$folder/scikit-image-$version
+  if [[ ! -d $archive ]]; then
+    mkdir -p "$folder/download/unpacked"
+    TMPDIR=$folder/download/unpacked "$folder/venv/bin/pip" download --quiet \
+      --disable-pip-version-check --no-clean --no-build-isolation --no-deps \
+      --no-binary scikit-image --dest "$folder/download" "scikit-image==$version" 2>/dev/null || true
+    mv "$folder"/download/unpacked/pip-download-*/scikit-image_* "$archive" 2>/dev/null ||
+      echo "run.sh: scikit-image's source archive is out of reach; its own tests are left out" >&2
+    rm -rf "$folder/download/unpacked"
+  fi
+  tests=$(find "$archive" -name test_convex_hull.py -path '*morphology*' 2>/dev/null | head -n 1)
+  if [[ -n $tests ]]; then export CULLHULL_SKIMAGE_TESTS=$tests; fi
 fi
 cd "$folder" # where nothing but the installed package is called cullhull
 exec "$folder/venv/bin/python" -m pytest -q -p no:cacheprovider "$@" "$here"
