@@ -166,6 +166,8 @@ Facets::Facets(const Subject& s) : s_(s), d_(s.hull.dimension), k_(s.k), rows_(s
   // docs/exactness.md, "Numbers": four times what the library's arithmetic may lose.
   const double k = k_, terms = 4 * (minor_roundings(k_ > 1 ? k_ - 1 : 1) + 3);
   beta_ = 2 * d_ + 48;
+  // Where random edges already are far from right angles, the library takes doubles for longer.
+  for (unsigned i = 1; k_ > 8 && i <= k_; ++i) careful_share_ *= std::sqrt(i / k);
   if (by_component()) {
     alpha_ = k_ == 1 ? 0 : terms;
   } else {
@@ -180,7 +182,7 @@ Facets::Facets(const Subject& s) : s_(s), d_(s.hull.dimension), k_(s.k), rows_(s
 
 double Facets::normal_bound(const FacetTerms& t, std::uint32_t simplex, unsigned c) const {
   const double underflow = wild_ ? 0x1p-1070 : 0x1p-500;
-  const double share = std::max(t.share, careful_share);
+  const double share = std::max(t.share, careful_share_);
   if (by_component()) {
     const double own = std::fabs(t.normal[c]);
     if (k_ == 1) return unit * beta_ * own + underflow;

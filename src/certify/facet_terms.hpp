@@ -56,7 +56,7 @@ class Facets {
 
   static constexpr double unit = 0x1p-53;
   /// Planes and measures of simplices flatter than this are computed with more bits than doubles.
-  static constexpr double careful_share = 0x1p-13;
+  double careful_share() const { return careful_share_; }
 
  private:
   template <unsigned K, class Real>
@@ -76,7 +76,7 @@ class Facets {
   const double* rows_;
   std::vector<double> scaled_;
   std::vector<std::uint8_t> constant_;  ///< axes that the flat is at right angles to
-  double alpha_ = 0, beta_ = 0;
+  double alpha_ = 0, beta_ = 0, careful_share_ = 0x1p-13;
 };
 
 }  // namespace cullhull::internal

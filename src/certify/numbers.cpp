@@ -197,8 +197,8 @@ class MeasureCheck {
     }
     return unit * (f_.alpha() * thin(t) * lost + f_.beta() * t.share * kept);
   }
-  static double thin(const FacetTerms& t) {
-    return std::min(1.0, t.share / Facets::careful_share) + 0x1p-48;
+  double thin(const FacetTerms& t) const {
+    return std::min(1.0, t.share / f_.careful_share()) + 0x1p-48;
   }
   static double length(const std::vector<double>& v) {
     double square = 0;

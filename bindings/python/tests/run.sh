@@ -7,27 +7,33 @@ here=$(cd "$(dirname "$0")" && pwd)
 "$here/../../../scripts/python-venv.sh" "$folder" test
 
 # Extras of whose parts PyPI may lack one or the other: without it, its tests say so and are skipped.
-for extra in pandas pyarrow polars xarray scikit-image; do
-  "$folder/venv/bin/python" -c "import importlib.metadata as m; m.version('$extra')" 2>/dev/null ||
+# coxeter's own tests are those of one version.
+coxeter=0.11.0
+for extra in pandas pyarrow polars xarray scikit-image rtree hypothesis miniball "coxeter==$coxeter"; do
+  "$folder/venv/bin/python" -c "import importlib.metadata as m; m.version('${extra%%=*}')" 2>/dev/null ||
     "$folder/venv/bin/pip" install --quiet --disable-pip-version-check --prefer-binary "$extra" ||
     echo "run.sh: PyPI has not given $extra; its tests are left out" >&2
 done
 
-# trimesh's own tests are in its source archive alone.
-version=$("$folder/venv/bin/python" -c 'import trimesh; print(trimesh.__version__)')
-archive=$folder/trimesh-$version
-if [[ ! -d $archive ]]; then
-  mkdir -p "$folder/download"
-  if "$folder/venv/bin/pip" download --quiet --disable-pip-version-check --no-deps \
-    --no-binary trimesh --dest "$folder/download" "trimesh==$version"; then
-    tar -xzf "$folder/download/trimesh-$version.tar.gz" -C "$folder"
-  else
-    echo "run.sh: trimesh's source archive is out of reach; its own tests are left out" >&2
+# Other projects' own tests are in their source archives alone.
+fetch() { # PROJECT VERSION: prints the folder of its tests
+  local archive=$folder/$1-$2
+  if [[ ! -d $archive ]]; then
+    mkdir -p "$folder/download"
+    "$folder/venv/bin/pip" download --quiet --disable-pip-version-check --no-deps \
+      --no-binary "$1" --dest "$folder/download" "$1==$2" >&2 &&
+      tar -xzf "$folder/download/$1-$2.tar.gz" -C "$folder" || true
   fi
-fi
-if [[ -f $archive/tests/test_convex.py ]]; then
-  export CULLHULL_TRIMESH_TESTS=$archive/tests
-fi
+  if [[ -d $archive/tests ]]; then
+    echo "$archive/tests"
+  else
+    echo "run.sh: $1's source archive is out of reach; its own tests are left out" >&2
+  fi
+}
+trimesh=$("$folder/venv/bin/python" -c 'import trimesh; print(trimesh.__version__)')
+CULLHULL_TRIMESH_TESTS=$(fetch trimesh "$trimesh")
+CULLHULL_COXETER_TESTS=$(fetch coxeter "$coxeter")
+export CULLHULL_TRIMESH_TESTS CULLHULL_COXETER_TESTS
 
 # scikit-image's too. pip would build it to learn its name; without the build's tools in reach it
 # stops once the archive is unpacked, which is all that is wanted.
