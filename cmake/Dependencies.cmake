@@ -1,5 +1,4 @@
 # Every dependency is named, with its reason, in docs/dependencies.md.
-find_package(TBB REQUIRED)
 find_package(hwy REQUIRED)
 find_package(Threads REQUIRED)
 include("${CMAKE_CURRENT_LIST_DIR}/Gmp.cmake")

@@ -5,7 +5,7 @@
 # missing; calls apt-get as root, or through sudo.
 set -euo pipefail
 
-build=(g++ cmake ninja-build ccache pkg-config libtbb-dev libhwy-dev libgmp-dev libqhull-dev
+build=(g++ cmake ninja-build ccache pkg-config libhwy-dev libgmp-dev libqhull-dev
   libcli11-dev libfmt-dev nlohmann-json3-dev libfast-float-dev libjs-three)
 test=(libgtest-dev qhull-bin libcgal-dev libboost-dev libcdd-tools lrslib libbenchmark-dev)
 # Ubuntu's chromium is a snap, which has no package; there the viewer's browser test is skipped.

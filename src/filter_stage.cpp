@@ -12,14 +12,11 @@
 #include "parallel/thread_memory.hpp"
 #include "points/gather.hpp"
 #include "points/memory.hpp"
-#include "result/small_hull.hpp"
+#include "result/few_in_space.hpp"
 #include "sample_map.hpp"
 
 namespace cullhull::internal {
 namespace {
-
-/// Up to here all points are held against all facets as soon as against a map.
-constexpr std::uint64_t fewest_by_outermost = 1024;
 
 Array<double> pick_rows(const Array<double>& rows, unsigned d,
                         const std::vector<std::uint64_t>& kept) {
@@ -95,29 +92,50 @@ InnerPolytope polytope_of(const PointView& points, const std::vector<std::uint64
   return polytope;
 }
 
-/// Of some thousand points in space those are kept that are not inside the hull of the outermost in
-/// some hundred directions. False: not tried, or not worth while.
-bool cull_by_outermost(const PointView& points, const Control& control, Filtered& result) {
-  // More directions leave fewer points to the engine, but a map of them takes longer (measured on
-  // balls of 2,000 to 50,000 points).
-  const unsigned size = points.count > 8192 ? points.count > 32768 ? 2 : 1 : 0;
-  constexpr unsigned cones[] = {4, 6, 8}, nodes[] = {8, 12, 16};  // along an edge of the cube
-  OutermostSettings settings;
-  settings.cells = cones[size];
-  settings.most_outside = 0.75;
+/// How fine a map of the outermost points is: cones and cells along an edge of the cube of
+/// directions.
+struct Fineness {
+  unsigned cones, cells;
+};
+
+/// Positions of the points that are not inside the hull of the outermost; false where no map is
+/// worth while.
+bool kept_by_outermost(const PointView& points, Fineness fine, double most_outside,
+                       const Control& control, std::vector<std::uint64_t>& kept) {
+  const OutermostSettings settings{.cells = fine.cones, .most_outside = most_outside};
   const std::vector<std::uint64_t> outermost = outermost_points(points, settings);
   if (outermost.empty()) return false;
-  InnerPolytope polytope = polytope_of(points, outermost);
+  const InnerPolytope polytope = polytope_of(points, outermost);
   if (polytope.dimension == 0) return false;
   control.check();
-  const auto map = GaugeMap::of_few_facets(polytope, nodes[size]);
+  const auto map = GaugeMap::of_few_facets(polytope, fine.cells);
   if (map == nullptr) return false;
-  result.survivors.ids = map->survivors(points, 1, control);
-  result.survivors.all = false;
-  result.survivors.method = "gauge";
-  result.survivors.reason = "a map of the outermost points in " +
-                            std::to_string(6 * settings.cells * settings.cells) + " directions";
-  result.first_pass = result.survivors.ids.size();
+  kept = map->survivors(points, 1, control);
+  return true;
+}
+
+/// The filter of some thousand points in space. False: not worth while. More directions leave fewer
+/// points to the engine, but a map of them takes longer (measured on balls of 2,000 to 50,000
+/// points, and on closed surfaces with relief).
+bool cull_by_outermost(const PointView& points, const Control& control, unsigned threads,
+                       std::uint64_t budget, Filtered& result) {
+  const Fineness first = points.count <= 8192    ? Fineness{4, 8}
+                         : points.count <= 32768 ? Fineness{6, 12}
+                                                 : Fineness{8, 16};
+  constexpr double most_outside = 0.75;
+  Survivors& survivors = result.survivors;
+  if (!kept_by_outermost(points, first, most_outside, control, survivors.ids)) return false;
+  survivors.all = false;
+  survivors.method = "gauge";
+  survivors.reason = "a map of the outermost points in " +
+                     std::to_string(6 * first.cones * first.cones) + " directions";
+  gather_survivors(points, result, control, threads, budget);
+  std::vector<std::uint64_t> kept;
+  if (survivors.ids.size() > MediumHull3D::max_points &&
+      kept_by_outermost(view_of_rows(result, 3), {12, 16}, 1, control, kept)) {
+    keep_of_survivors(result, 3, kept);
+    survivors.method = "gauge x2";
+  }
   return true;
 }
 
@@ -166,8 +184,8 @@ Filtered run_filter(const PointView& points, const Options& options, const Contr
     return run_pseudo_hull(points, control, threads, budget);
   const bool forced = options.cull == CullMethod::gauge;
   if (options.cull == CullMethod::automatic && options.backend != Backend::cuda && d == 3 &&
-      points.count > fewest_by_outermost && points.count <= most_by_outermost &&
-      cull_by_outermost(points, control, result))
+      points.count > most_unfiltered_in_space && points.count <= most_by_outermost &&
+      cull_by_outermost(points, control, threads, budget, result))
     return result;
   result.survivors.reason = why_no_filter(options.cull, points.count, d);
   if (!result.survivors.reason.empty()) return result;

@@ -24,9 +24,9 @@
 #include "points/local_frame.hpp"
 #include "result/build_hull.hpp"
 #include "result/extreme_rows.hpp"
+#include "result/few_in_space.hpp"
 #include "result/polygon_result.hpp"
 #include "small_hull.hpp"
-#include "result/small_hull.hpp"
 
 namespace cullhull {
 namespace internal {
@@ -154,16 +154,13 @@ bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, 
 }
 
 /// Few points in space go straight from their coordinates to the result. False: the engine must.
-bool hull_of_few(const PointView& points, const Survivors& survivors, const Run& run, Hull& hull) {
+bool few_in_space(const PointView& points, const Survivors& survivors, const Run& run, Hull& hull) {
   constexpr std::uint64_t most_memory = 1 << 22;  // of the largest of such results, generously
-  // Where no point is inside, every one is held against twice as many facets as there are points:
-  // then searching for a facet pays from here on.
-  constexpr std::uint64_t most_unfiltered = 1024;
   const std::uint64_t count = survivors.size(points.count);
   if (run.options.engine != Engine::native || run.budget < most_memory ||
-      (survivors.all && count > most_unfiltered))
+      (survivors.all && count > most_unfiltered_in_space))
     return false;
-  return small_hull(points, survivors.all ? nullptr : survivors.ids.data(), count, hull);
+  return hull_of_few(points, survivors.all ? nullptr : survivors.ids.data(), count, hull);
 }
 
 /// Ascending local ids.
@@ -248,7 +245,7 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
     hull.statistics.hull_seconds = seconds_since(start);
     return hull;
   }
-  if (few == Few::at_once && hull_of_few(points, filtered.survivors, run, hull)) {
+  if (few == Few::at_once && few_in_space(points, filtered.survivors, run, hull)) {
     hull.statistics.hull_seconds = seconds_since(start);
     return hull;
   }

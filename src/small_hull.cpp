@@ -6,6 +6,7 @@
 #include "control.hpp"
 #include "parallel/parallel.hpp"
 #include "pipeline.hpp"
+#include "result/few_in_space.hpp"
 #include "result/small_polygon.hpp"
 
 namespace cullhull::internal {
@@ -45,6 +46,13 @@ bool small_hull_2d(const PointView& points, Hull& hull) {
   return true;
 }
 
+/// Whether there are so few points that no filter could help.
+bool few_enough(const PointView& points) {
+  return points.dimension == 2   ? points.count <= SmallPolygon::most_points
+         : points.dimension == 3 ? points.count <= most_unfiltered_in_space
+                                 : false;
+}
+
 }  // namespace
 
 bool takes_small_sets(const Options& options) {
@@ -55,13 +63,13 @@ bool takes_small_sets(const Options& options) {
 }
 
 bool small_hull(const PointView& points, const Options& options, Hull& hull) {
-  if (points.dimension != 2 || points.count > SmallPolygon::most_points ||
-      !takes_small_sets(options))
-    return false;
+  if (!few_enough(points) || !takes_small_sets(options)) return false;
   const Clock::time_point start = Clock::now();
   const Control control(options);
   control.check();
-  if (!small_hull_2d(points, hull)) return false;
+  if (!(points.dimension == 2 ? small_hull_2d(points, hull)
+                              : hull_of_few(points, nullptr, points.count, hull)))
+    return false;
   hull.dimension = points.dimension;
   hull.point_count = points.count;
   hull.scalar = points.scalar;

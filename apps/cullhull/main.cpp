@@ -62,10 +62,12 @@ struct Registered {
 void complain_of_usage(const CLI::ParseError& error, const std::vector<std::string>& given,
                        const std::vector<std::string>& words, const CLI::App& parser) {
   const CLI::App& command = app::innermost(parser);
-  const bool extra =
-      error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError) && !words.empty();
-  const std::string why =
-      extra ? app::unexpected_words({words.begin() + 1, words.end()}, command) : error.what();
+  const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
+  std::string why = error.what();
+  if (code == CLI::ExitCodes::ExtrasError && !words.empty())
+    why = app::unexpected_words({words.begin() + 1, words.end()}, command);
+  if (code == CLI::ExitCodes::ArgumentMismatch && why.ends_with(" missing"))
+    why = why.substr(0, why.find(':')) + " needs a value";
   std::string name = "cullhull";
   for (const CLI::App* at = &command; at->get_parent() != nullptr; at = at->get_parent())
     name.insert(8, " " + at->get_name());

@@ -41,7 +41,7 @@ constexpr const char* help =
     "\n"
     "Exit status: 0 success; 1 bad input; 2 bad usage; 3 not certified; 4 out of the memory "
     "budget;\n"
-    "130 cancelled.";
+    "5 backend not available; 130 cancelled.";
 
 struct QconvexArguments {
   std::vector<std::string> words;

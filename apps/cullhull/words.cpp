@@ -104,6 +104,11 @@ std::string unexpected_words(const std::vector<std::string>& words, const CLI::A
     const std::string meant = nearest(name, names);
     return "unknown option " + name + (meant.empty() ? "" : "; did you mean " + meant + "?");
   }
+  if (!command_names(command).empty() && !command.remaining().empty()) {
+    const std::string word = command.remaining().front();
+    const std::string meant = nearest(word, command_names(command));
+    return "unknown suite '" + word + "'" + (meant.empty() ? "" : "; did you mean " + meant + "?");
+  }
   std::string list;
   for (const std::string& word : command.remaining()) list += " '" + word + "'";
   return "more than is expected:" + list;

@@ -18,5 +18,6 @@
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 #include "cullhull/query.hpp"
+#include "cullhull/simplify.hpp"
 #include "cullhull/track.hpp"
 #include "cullhull/version.hpp"

@@ -50,7 +50,8 @@ struct Hull {
   /// ascending.
   Lists<std::uint32_t> facet_neighbours;
   /// facets x (dimension + 1): outward unit normal, then offset; normal . x + offset <= 0 for every
-  /// point up to rounding. For a flat hull the normal lies in the directions of the flat.
+  /// point up to rounding. For a flat hull the normal lies in the directions of the flat. How
+  /// accurate: docs/exactness.md, "Numbers", which certify() checks.
   Array<double> facet_planes;
 
   /// simplices x k vertex ids: every facet triangulated by pulling from its lowest id

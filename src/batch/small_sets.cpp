@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "hull/small_3d.hpp"
-#include "result/small_hull.hpp"
+#include "result/few_in_space.hpp"
 #include "result/small_measures.hpp"
 
 namespace cullhull::internal {

@@ -161,13 +161,16 @@ void check_all(Subject& s, Certificate& out) {
   s.control.report("certify", 0);
   check_shape(s);
   check_flat(s);
+  s.control.report("certify", 0.05);
   out.ridges_checked = check_ridges(s);
+  s.control.report("certify", 0.2);
   check_interior(s);
-  s.control.report("certify", 0.3);
+  s.control.report("certify", 0.4);
   check_facets(s);
   s.control.report("certify", 0.5);
   check_points(s);
   out.points_checked = n;
+  s.control.report("certify", 0.8);
   check_numbers(s);
   s.control.report("certify", 1);
 }

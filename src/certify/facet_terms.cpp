@@ -24,16 +24,6 @@ double length(const double* v, unsigned n) {
 
 double power(double base, double exponent) { return std::pow(base, exponent); }
 
-template <class Real>
-Real difference(double a, double b) {
-  if constexpr (std::is_same_v<Real, double>)
-    return a - b;
-  else
-    return DoubleDouble::sum(a, -b);
-}
-double value(double v) { return v; }
-double value(const DoubleDouble& v) { return v.value(); }
-
 /// The arithmetic that `orthogonalise` is written over.
 struct DoubleDoubles {
   using Real = DoubleDouble;
@@ -133,26 +123,19 @@ class Orthogonal {
   std::vector<std::vector<Real>> rows_;
 };
 
-/// Sums of the absolute values of the terms of each cofactor, for rows of doubles.
+/// Edges shorter than this may cost products their digits, or have cost scaling some.
+constexpr double least_edge = 0x1p-80;
+
+/// The cofactor normal of rows of doubles, and the sums of the absolute values of its terms.
 template <unsigned K>
-void cofactor_spread(const double (&rows)[K > 1 ? K - 1 : 1][K], double* spread) {
-  if constexpr (K == 1) {
-    spread[0] = 0;
-  } else {
-    constexpr unsigned full = (1U << K) - 1;
-    double sum[full + 1];
-    for (unsigned c = 0; c < K; ++c) sum[1U << c] = std::fabs(rows[0][c]);
-    for (unsigned mask = 3; mask < full; ++mask) {
-      const auto size = static_cast<unsigned>(std::popcount(mask));
-      if (size < 2) continue;
-      double total = 0;
-      for (unsigned rest = mask; rest != 0; rest &= rest - 1) {
-        const auto c = static_cast<unsigned>(std::countr_zero(rest));
-        total += std::fabs(rows[size - 1][c]) * sum[mask & ~(1U << c)];
-      }
-      sum[mask] = total;
-    }
-    for (unsigned c = 0; c < K; ++c) spread[c] = sum[full & ~(1U << c)];
+void minors_of(const double (*rows)[K], double* normal, double* spread) {
+  constexpr unsigned full = (1U << K) - 1;
+  double det[full + 1], perm[full + 1];
+  expand_minors<K, true>(rows, K - 1, det, perm);
+  for (unsigned c = 0; c < K; ++c) {
+    const double minor = det[full & ~(1U << c)];
+    normal[c] = ((K - 1 + c) & 1U) != 0 ? -minor : minor;
+    spread[c] = perm[full & ~(1U << c)];
   }
 }
 
@@ -183,6 +166,8 @@ Facets::Facets(const Subject& s) : s_(s), d_(s.hull.dimension), k_(s.k), rows_(s
   // docs/exactness.md, "Numbers": four times what the library's arithmetic may lose.
   const double k = k_, terms = 4 * (minor_roundings(k_ > 1 ? k_ - 1 : 1) + 3);
   beta_ = 2 * d_ + 48;
+  // Where random edges already are far from right angles, the library takes doubles for longer.
+  for (unsigned i = 1; k_ > 8 && i <= k_; ++i) careful_share_ *= std::sqrt(i / k);
   if (by_component()) {
     alpha_ = k_ == 1 ? 0 : terms;
   } else {
@@ -197,7 +182,7 @@ Facets::Facets(const Subject& s) : s_(s), d_(s.hull.dimension), k_(s.k), rows_(s
 
 double Facets::normal_bound(const FacetTerms& t, std::uint32_t simplex, unsigned c) const {
   const double underflow = wild_ ? 0x1p-1070 : 0x1p-500;
-  const double share = std::max(t.share, careful_share);
+  const double share = std::max(t.share, careful_share_);
   if (by_component()) {
     const double own = std::fabs(t.normal[c]);
     if (k_ == 1) return unit * beta_ * own + underflow;
@@ -229,7 +214,7 @@ bool Facets::in_range(std::uint32_t simplex) const {
   for (unsigned j = 1; j < k_; ++j) {
     double most = 0;
     for (unsigned c = 0; c < d_; ++c) most = std::max(most, std::fabs(at(v[j])[c] - at(v[0])[c]));
-    if (!(most > 0x1p-80)) return false;
+    if (!(most > least_edge)) return false;
   }
   return true;
 }
@@ -237,24 +222,29 @@ bool Facets::in_range(std::uint32_t simplex) const {
 template <unsigned K, class Real>
 bool Facets::by_cofactors(std::uint32_t simplex, FacetTerms& out) const {
   const std::uint32_t* v = s_.simplex(simplex);
-  Real edges[K > 1 ? K - 1 : 1][K] = {};
-  double rows[K > 1 ? K - 1 : 1][K] = {};
-  double lengths = 1, spread[K];
+  double rows[K - 1][K], n[K], spread[K];
+  double lengths = 1;
   for (unsigned i = 1; i < K; ++i) {
+    double most = 0;
     for (unsigned c = 0; c < K; ++c) {
-      edges[i - 1][c] = difference<Real>(at(v[i])[c], at(v[0])[c]);
-      rows[i - 1][c] = value(edges[i - 1][c]);
+      rows[i - 1][c] = at(v[i])[c] - at(v[0])[c];
+      most = std::max(most, std::fabs(rows[i - 1][c]));
     }
+    if (!(most > least_edge)) return false;
     lengths *= length(rows[i - 1], K);
   }
-  Real normal[K];
-  cofactors<K, Real>(edges, normal);
-  double n[K];
-  for (unsigned c = 0; c < K; ++c) n[c] = value(normal[c]);
+  minors_of<K>(rows, n, spread);
+  if constexpr (!std::is_same_v<Real, double>) {
+    Real edges[K - 1][K], normal[K];
+    for (unsigned i = 1; i < K; ++i)
+      for (unsigned c = 0; c < K; ++c)
+        edges[i - 1][c] = DoubleDouble::sum(at(v[i])[c], -at(v[0])[c]);
+    cofactors<K, Real>(edges, normal);
+    for (unsigned c = 0; c < K; ++c) n[c] = normal[c].value();
+  }
   const double l = length(n, K);
   constexpr double least = std::is_same_v<Real, double> ? 0x1p-12 : 0x1p-40;
   if (!(l > least * lengths && l > 0x1p-400)) return false;
-  cofactor_spread<K>(rows, spread);
   out.normal.resize(K);
   out.spread.resize(K);
   for (unsigned c = 0; c < K; ++c) {
@@ -267,8 +257,8 @@ bool Facets::by_cofactors(std::uint32_t simplex, FacetTerms& out) const {
 }
 
 bool Facets::quickly(std::uint32_t i, FacetTerms& out) const {
-  if (k_ == 1 || wild_ || !in_range(i)) return false;
-  if (k_ != d_ || k_ > 8) return orthogonally(i, out);
+  if (k_ == 1 || wild_) return false;
+  if (k_ != d_ || k_ > 8) return in_range(i) && orthogonally(i, out);
   switch (k_) {
     case 2:
       return by_cofactors<2, double>(i, out) || by_cofactors<2, DoubleDouble>(i, out);
@@ -344,8 +334,9 @@ void Facets::fill_spread(const WideTerms& w, FacetTerms& out) const {
   double rows[K - 1][K];
   for (unsigned i = 0; i + 1 < K; ++i)
     for (unsigned c = 0; c < K; ++c) rows[i][c] = w.unit_edges[std::size_t{i} * K + c];
+  double normal[K];
   out.spread.resize(K);
-  cofactor_spread<K>(rows, out.spread.data());
+  minors_of<K>(rows, normal, out.spread.data());
 }
 
 void Facets::exactly(std::uint32_t i, FacetTerms& out) const {

@@ -35,6 +35,8 @@ class Facets {
   /// double.
   const double* at(std::uint32_t v) const { return rows_ + std::size_t{v} * d_; }
   int exponent() const { return exponent_; }
+  /// Whether axes differ so much in extent that doubles in one unit lose some of them.
+  bool wild() const { return wild_; }
   /// What underflow may cost an offset: nothing where axes differ so much that the library computes
   /// planes exactly.
   double offset_underflow() const;
@@ -54,7 +56,7 @@ class Facets {
 
   static constexpr double unit = 0x1p-53;
   /// Planes and measures of simplices flatter than this are computed with more bits than doubles.
-  static constexpr double careful_share = 0x1p-13;
+  double careful_share() const { return careful_share_; }
 
  private:
   template <unsigned K, class Real>
@@ -74,7 +76,7 @@ class Facets {
   const double* rows_;
   std::vector<double> scaled_;
   std::vector<std::uint8_t> constant_;  ///< axes that the flat is at right angles to
-  double alpha_ = 0, beta_ = 0;
+  double alpha_ = 0, beta_ = 0, careful_share_ = 0x1p-13;
 };
 
 }  // namespace cullhull::internal

@@ -3,8 +3,11 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
+#include <limits>
 
 #include "certify/certificate.hpp"
+#include "certify/cones.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -67,57 +70,44 @@ class FlatCheck {
 /// centre, a radius for each cell. docs/exactness.md, "Certificate", has the proof.
 class InnerFilter {
  public:
-  InnerFilter(const Subject& s, std::uint64_t points) : s_(s), k_(s.k) {
-    if (s.centre.empty() || k_ < 2 || k_ > 6) return;
-    for (resolution_ = 256; resolution_ >= 2; resolution_ /= 2)
-      if (nodes() * 16 <= points && nodes() <= 60000) break;
-    if (resolution_ < 2 || !scale_axes() || !find_box()) return;
+  InnerFilter(const Subject& s, const Cones& cones, std::uint64_t points)
+      : s_(s), cones_(cones), k_(s.k) {
+    if (!cones.usable() || k_ > 6) return;
+    choose_resolution(points);
+    for (unsigned j = 0; j < k_; ++j) scale_.push_back(cones.scale(j));
+    if (resolution_ < 2 || !find_box()) return;
     probe_nodes();
   }
+  bool usable() const { return !limits_.empty(); }
 
-  /// True only if x (on the axes) is strictly inside. `hint` receives a simplex near its ray.
-  bool strictly_inside(const double* x, std::uint32_t& hint) const {
-    if (limits_.empty()) return false;
-    double y[6];
-    double radius = 0;
+  /// True only if the point is strictly inside; y: from the centre, in units of the cones. `hint`
+  /// receives a simplex near its ray.
+  template <unsigned K>
+  bool strictly_inside(const double* y, std::uint32_t& hint) const {
+    double radius = 0, around[2 * K];
     unsigned face = 0;
-    for (unsigned j = 0; j < k_; ++j) {
-      y[j] = (x[j] - s_.centre[j]) * scale_[j];
-      if (std::fabs(y[j]) > radius) {
-        radius = std::fabs(y[j]);
-        face = j;
-      }
+    for (unsigned j = 0; j < K; ++j) {  // without a branch: which face it is nobody can foresee
+      const double a = std::fabs(y[j]);
+      face = a > radius ? j : face;
+      radius = a > radius ? a : radius;
+      around[j] = around[j + K] = y[j];
     }
-    if (!(radius <= 0x1p300)) return false;
     if (radius < 0x1p-300) return radius < tiny_;
+    const double middle = 0.5 * resolution_, half = middle / radius;
+    const int last = static_cast<int>(resolution_) - 1;
     std::uint64_t cell = 2 * face + (y[face] < 0);
-    for (unsigned j = 0; j < k_; ++j) {
-      if (j == face) continue;
-      const auto c = static_cast<int>((y[j] / radius + 1) * (0.5 * resolution_));
-      cell = cell * resolution_ + static_cast<unsigned>(std::min<int>(c, resolution_ - 1));
+    for (unsigned j = 1; j < K; ++j) {
+      const auto c = static_cast<int>(around[face + j] * half + middle);
+      cell = cell * resolution_ + static_cast<unsigned>(std::min(c, last));
     }
+    if (radius < limits_[cell]) return true;
     hint = hints_[cell];
-    return radius < limits_[cell];
+    return false;
   }
 
  private:
   std::uint64_t nodes() const {
     return static_cast<std::uint64_t>(2.0 * k_ * std::pow(resolution_ + 1.0, k_ - 1.0));
-  }
-
-  /// Powers of two that make every half extent lie in [1/2, 1) or so.
-  bool scale_axes() {
-    for (unsigned j = 0; j < k_; ++j) {
-      double extent = 0, largest = std::fabs(s_.centre[j]);
-      for (std::uint32_t v = 0; v < s_.ids.size(); ++v) {
-        extent = std::max(extent, std::fabs(s_.row(v)[j] - s_.centre[j]));
-        largest = std::max(largest, std::fabs(s_.row(v)[j]));
-      }
-      if (!(extent > 0x1p-500 && extent < 0x1p500)) return false;
-      scale_.push_back(std::exp2(-std::ilogb(extent) - 1));
-      magnitude_ = std::max(magnitude_, largest * scale_[j]);
-    }
-    return true;
   }
 
   /// Whether centre + t * direction, rounded, is in P. f: start of the walk and the facet reached.
@@ -128,8 +118,25 @@ class InnerFilter {
     return s_.side(f, x, scratch) != Sign::positive;
   }
 
+  /// Finding a node's simplex is a walk like a point's, and both are the shorter the finer the
+  /// grid; beyond some size it no longer lies in the cache. 0: too few points for any.
+  void choose_resolution(std::uint64_t points) {
+    double least = std::numeric_limits<double>::infinity();
+    unsigned best = 0;
+    for (resolution_ = 2; resolution_ <= 256 && nodes() <= 150000; resolution_ *= 2) {
+      const double cost = static_cast<double>(points + nodes()) / resolution_;
+      if (nodes() > points / 2 || cost >= least) continue;
+      least = cost;
+      best = resolution_;
+    }
+    resolution_ = best;
+  }
+
   /// A box around the centre with all corners in P.
   bool find_box() {
+    for (unsigned j = 0; j < k_; ++j)
+      for (std::uint32_t v = 0; v < s_.ids.size(); ++v)
+        magnitude_ = std::max(magnitude_, std::fabs(s_.row(v)[j]) * scale_[j]);
     const double* scratch[7];
     for (double r = 0.5; r >= 0x1p-12; r /= 2) {
       bool all = true;
@@ -152,6 +159,18 @@ class InnerFilter {
     return false;
   }
 
+  /// A radius just inside, where the cones can tell.
+  bool quick_radius(const double* direction, std::uint32_t& f, double& radius) const {
+    double y[6];
+    for (unsigned j = 0; j < k_; ++j) y[j] = 0x1p-10 * direction[j];  // within the planes' reach
+    cones_.strictly_inside(y, f);
+    const double gauge = cones_.value(f, y) * 0x1p10;
+    if (!(gauge > 0.5)) return false;
+    radius = (1 - 0x1p-20) / gauge;
+    for (unsigned j = 0; j < k_; ++j) y[j] = radius * direction[j];
+    return cones_.in_box(y) && cones_.strictly_inside(y, f);
+  }
+
   void probe_nodes() {
     const unsigned per_face_dims = k_ - 1;
     std::uint64_t face_nodes = 1, face_cells = 1;
@@ -167,6 +186,10 @@ class InnerFilter {
       for (std::uint64_t n = begin; n < end; ++n) {
         double direction[6];
         node_direction(n / face_nodes, n % face_nodes, direction);
+        if (quick_radius(direction, f, radius[n])) {
+          simplex[n] = f;
+          continue;
+        }
         double low = 0, high = 2;
         for (unsigned step = 0; step < 10; ++step) {
           const double t = 0.5 * (low + high);
@@ -177,7 +200,7 @@ class InnerFilter {
       }
     });
     hints_.resize(2 * k_ * face_cells);
-    std::vector<double> limits(hints_.size());
+    std::vector<float> limits(hints_.size());
     for (std::uint64_t c = 0; c < limits.size(); ++c) {
       double least = 2;
       for (unsigned corner = 0; corner < (1U << per_face_dims); ++corner) {
@@ -191,7 +214,7 @@ class InnerFilter {
         least = std::min(least, radius[node]);
         hints_[c] = simplex[node];
       }
-      limits[c] = least * (1 - slack_) * (1 - 0x1p-50);
+      limits[c] = static_cast<float>(least * (1 - slack_) * (1 - 0x1p-22));  // rounded down
     }
     limits_ = std::move(limits);
   }
@@ -199,18 +222,20 @@ class InnerFilter {
   void node_direction(std::uint64_t face, std::uint64_t node, double* direction) const {
     const auto axis = static_cast<unsigned>(face / 2);
     direction[axis] = face % 2 ? -1 : 1;
-    for (unsigned j = k_; j-- > 0;) {
-      if (j == axis) continue;
+    for (unsigned i = k_ - 1; i > 0; --i) {  // the other axes in cyclic order, the last one fastest
+      const unsigned j = (axis + i) % k_;
       direction[j] = 2.0 * static_cast<double>(node % (resolution_ + 1)) / resolution_ - 1;
       node /= resolution_ + 1;
     }
   }
 
   const Subject& s_;
+  const Cones& cones_;
   const unsigned k_;
   unsigned resolution_ = 0;
   double magnitude_ = 0, slack_ = 0, tiny_ = 0;
-  std::vector<double> scale_, limits_;
+  std::vector<double> scale_;
+  std::vector<float> limits_;
   std::vector<std::uint32_t> hints_;
 };
 
@@ -233,41 +258,139 @@ class VertexCache {
 
 [[noreturn]] void outside(std::uint64_t i) { fault("point ", i, " lies outside the hull"); }
 
+/// Coordinates [begin, end) of the points as doubles, row after row.
+template <class T>
+void load(const PointView& p, std::uint64_t begin, std::uint64_t end, double* out) {
+  for (std::uint64_t i = begin; i < end; ++i) {
+    const std::byte* at = p.address(i, 0);
+    for (unsigned j = 0; j < p.dimension; ++j) {
+      T v;
+      std::memcpy(&v, at + static_cast<std::ptrdiff_t>(j) * p.coordinate_stride, sizeof v);
+      *out++ = static_cast<double>(v);
+    }
+  }
+}
+
+void load(const PointView& p, std::uint64_t begin, std::uint64_t end, double* out) {
+  switch (p.scalar) {
+    case ScalarType::f32:
+      return load<float>(p, begin, end, out);
+    case ScalarType::f64:
+      return load<double>(p, begin, end, out);
+    case ScalarType::i8:
+      return load<std::int8_t>(p, begin, end, out);
+    case ScalarType::u8:
+      return load<std::uint8_t>(p, begin, end, out);
+    case ScalarType::i16:
+      return load<std::int16_t>(p, begin, end, out);
+    case ScalarType::u16:
+      return load<std::uint16_t>(p, begin, end, out);
+    case ScalarType::i32:
+      return load<std::int32_t>(p, begin, end, out);
+    case ScalarType::u32:
+      return load<std::uint32_t>(p, begin, end, out);
+  }
+}
+
 class Scan {
  public:
-  explicit Scan(const Subject& s) : s_(s), flat_(s), filter_(s, s.points.count - s.ids.size()) {
+  explicit Scan(const Subject& s)
+      : s_(s),
+        flat_(s),
+        cones_(s, s.points.count - s.ids.size()),
+        filter_(s, cones_, s.points.count - s.ids.size()) {
     if (s.k == 1) low_ = s.row(0)[0] < s.row(1)[0] ? 0 : 1;
   }
 
   void range(std::uint64_t begin, std::uint64_t end) const {
-    const unsigned d = s_.hull.dimension, k = s_.k;
-    std::vector<double> x(d), on_axes(k);
-    std::vector<const double*> scratch(k + 1);
-    auto vertex = std::lower_bound(s_.ids.begin(), s_.ids.end(), begin);
-    std::uint32_t f = 0;
-    VertexCache cache(s_);
-    for (std::uint64_t i = begin; i < end; ++i) {
-      for (unsigned j = 0; j < d; ++j) {
-        x[j] = s_.points.at(i, j);
-        if (!std::isfinite(x[j])) fault("point ", i, " is not finite");
-      }
-      const bool is_vertex = vertex != s_.ids.end() && *vertex == i;
-      if (k < d && !flat_.contains(x.data()))
-        fault("point ", i, " is not in the flat of the vertices: affine dimension ", k,
-              " is too low");
-      if (is_vertex) {
-        ++vertex;
-        continue;
-      }
-      for (unsigned j = 0; j < k; ++j) on_axes[j] = x[s_.axes[j]];
-      if (k == 1)
-        check_on_segment(i, on_axes[0]);
-      else if (!filter_.strictly_inside(on_axes.data(), f))
-        check_by_ray(i, on_axes.data(), f, scratch.data(), cache);
+    switch (s_.k) {
+      case 2:
+        return range_in<2>(begin, end);
+      case 3:
+        return range_in<3>(begin, end);
+      case 4:
+        return range_in<4>(begin, end);
+      case 5:
+        return range_in<5>(begin, end);
+      case 6:
+        return range_in<6>(begin, end);
+      default:
+        return range_in<0>(begin, end);
     }
   }
 
  private:
+  /// K: k where the inner filter serves, else 0.
+  template <unsigned K>
+  void range_in(std::uint64_t begin, std::uint64_t end) const {
+    const unsigned d = s_.hull.dimension, k = K ? K : s_.k;
+    constexpr std::uint64_t block = 256;
+    std::vector<double> rows(block * d), on_axes(k);
+    std::uint8_t in_ball[block] = {};
+    std::vector<const double*> scratch(k + 1);
+    auto vertex = std::lower_bound(s_.ids.begin(), s_.ids.end(), begin);
+    std::uint32_t f = 0;
+    VertexCache cache(s_);
+    for (std::uint64_t b = begin; b < end; b += block) {
+      const std::uint64_t stop = std::min(b + block, end);
+      load(s_.points, b, stop, rows.data());
+      if constexpr (K != 0) mark_ball<K>(rows.data(), static_cast<unsigned>(stop - b), in_ball);
+      for (std::uint64_t i = b; i < stop; ++i) {
+        if (in_ball[i - b] != 0) continue;
+        const double* x = rows.data() + (i - b) * d;
+        check_finite(i, x);
+        while (vertex != s_.ids.end() && *vertex < i) ++vertex;
+        if (k < d && !flat_.contains(x))
+          fault("point ", i, " is not in the flat of the vertices: affine dimension ", k,
+                " is too low");
+        if (vertex != s_.ids.end() && *vertex == i) continue;
+        if (k < d) {
+          for (unsigned j = 0; j < k; ++j) on_axes[j] = x[s_.axes[j]];
+          x = on_axes.data();
+        }
+        if (k == 1)
+          check_on_segment(i, x[0]);
+        else if (!surely_inside<K>(x, f))
+          check_by_ray(i, x, f, scratch.data(), cache);
+      }
+    }
+  }
+
+  /// Full dimension: marks points of the ball around the centre, strictly inside by that alone. No
+  /// vertex is among them, and nothing that is not finite.
+  template <unsigned K>
+  void mark_ball(const double* rows, unsigned count, std::uint8_t* in_ball) const {
+    if (s_.hull.dimension != K || !(cones_.ball() > 0)) return;
+    double centre[K], scale[K];
+    for (unsigned j = 0; j < K; ++j) {
+      centre[j] = cones_.centre()[j];
+      scale[j] = cones_.scale(j);
+    }
+    const double ball = cones_.ball();
+    for (unsigned i = 0; i < count; ++i) {
+      double square = 0;
+      for (unsigned j = 0; j < K; ++j) {
+        const double y = (rows[i * K + j] - centre[j]) * scale[j];
+        square += y * y;
+      }
+      in_ball[i] = square < ball;
+    }
+  }
+
+  void check_finite(std::uint64_t i, const double* x) const {
+    for (unsigned j = 0; j < s_.hull.dimension; ++j)
+      if (!std::isfinite(x[j])) fault("point ", i, " is not finite");
+  }
+
+  template <unsigned K>
+  bool surely_inside(const double* x, std::uint32_t& f) const {
+    double y[Cones::max_dimension];
+    if (!cones_.usable() || !cones_.relative(x, y)) return false;
+    if constexpr (K != 0)
+      if (filter_.usable() && filter_.template strictly_inside<K>(y, f)) return true;
+    return cones_.strictly_inside(y, f);
+  }
+
   void check_on_segment(std::uint64_t i, double x) const {
     const double low = s_.row(low_)[0], high = s_.row(1 - low_)[0];
     if (x < low || x > high) outside(i);
@@ -300,6 +423,7 @@ class Scan {
 
   const Subject& s_;
   const FlatCheck flat_;
+  const Cones cones_;
   const InnerFilter filter_;
   unsigned low_ = 0;
 };

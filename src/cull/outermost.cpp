@@ -201,7 +201,7 @@ class Search {
 
   /// Whether enough of a sample lie well beneath the outermost in their cones.
   bool sample_has_inside() {
-    constexpr float nearly = 0.81F;  // of squared distances
+    constexpr float nearly = 0.96F;  // of squared distances
     if (settings_.most_outside >= 1) return true;
     std::uint64_t sampled = 0, outside = 0;
     each_sampled([&](std::uint64_t first) {

@@ -182,7 +182,7 @@ std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subset
   // Waking threads takes longer than a small set does on one.
   constexpr std::uint64_t least_parallel = 1 << 14;
   if (subsets == 1 && threads > 1 && points.count >= least_parallel) {
-    Worker<D, TbbExecutor> worker{TbbExecutor(threads)};
+    Worker<D, ThreadExecutor> worker{ThreadExecutor(threads)};
     filter_subset<D>(points, {points.count, 0, 1}, max_rounds, worker, control, rounds, kept[0],
                      part(0));
     if (record != nullptr) join(parts, D + 1, points.count, threads, *record);

@@ -329,7 +329,7 @@ class Builder {
 
   /// Facet (p, from, to) for each of `count` edges that go round. A plane is N . x - N . p for x
   /// and p from the middle, N the product of the directions from p to the edge's ends;
-  /// docs/exactness.md, "Small sets in a batch", bounds its error in f32.
+  /// docs/exactness.md, "Few points in space", bounds its error in f32.
   HWY_INLINE void create(unsigned p, const Number* from, const Number* to, const Number* slot,
                          unsigned count) {
     double at[3], place[3];

@@ -139,10 +139,10 @@ class SerialExecutor : public HostMemory {
   }
 };
 
-/// The same on the threads of oneTBB.
-class TbbExecutor : public HostMemory {
+/// The same on several threads.
+class ThreadExecutor : public HostMemory {
  public:
-  explicit TbbExecutor(unsigned threads) : threads_(threads) {}
+  explicit ThreadExecutor(unsigned threads) : threads_(threads) {}
 
   template <class Body>
   void for_each(std::uint32_t count, Body&& body) const {

@@ -7,6 +7,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/query.hpp"
+#include "query/hull_arguments.hpp"
 
 namespace cullhull {
 
@@ -19,19 +20,6 @@ struct GrowingHull::State {
     return PointView::row_major(of.data(), of.size() / hull.dimension, hull.dimension);
   }
 };
-
-namespace {
-
-/// The same hull over its vertices alone, in order of their ids (`ids`).
-Hull by_place(Hull hull, const std::vector<std::uint64_t>& ids) {
-  hull.rename([&](std::uint64_t id) {
-    return static_cast<std::uint64_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
-  });
-  hull.point_count = ids.size();
-  return hull;
-}
-
-}  // namespace
 
 GrowingHull::GrowingHull(std::uint32_t dimension) : state_(std::make_unique<State>()) {
   if (dimension == 0)
@@ -75,7 +63,7 @@ std::uint64_t GrowingHull::add(const PointView& points, const Options& options) 
     next = convex_hull(points, options);
     outside = points.count;
   } else {
-    if (!s.query) s.query.emplace(s.view(s.rows), by_place(s.hull, ids));
+    if (!s.query) s.query.emplace(s.view(s.rows), internal::by_place(s.hull, ids));
     std::vector<std::uint8_t> contained(points.count);
     s.query->contains(points, contained.data(), options);
     for (std::uint64_t i = 0; i < points.count; ++i) {

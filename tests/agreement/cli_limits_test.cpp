@@ -176,7 +176,9 @@ TEST(Limits, AFileCutShortIsToldOnce) {
   const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
   const pid_t child = start_app({"hull", path, "-q", "--cull", "gauge", "--repeat", "1000000"},
                                 null, null, err.writer());
-  ::usleep(300000);
+  const std::string maps = "/proc/" + std::to_string(child) + "/maps";
+  while (testing::read_file(maps).find(path) == std::string::npos) ::usleep(1000);
+  ::usleep(300000);  // the header has been read by now, and the points are, again and again
   std::filesystem::resize_file(path, 4096);
   ::usleep(300000);
   const std::string said = err.drain();

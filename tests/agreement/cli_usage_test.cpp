@@ -44,6 +44,8 @@ TEST(CliUsage, DidYouMean) {
                "did you mean --workload? (see cullhull bench rivals --help)");
   expect_error({"hul", p}, 2, "unknown command 'hul'; did you mean hull?");
   expect_error({"infos"}, 2, "did you mean info?");
+  expect_error({"bench", "rival"}, 2, "unknown suite 'rival'; did you mean rivals?");
+  expect_error({"hull", p, "--columns"}, 2, "--columns needs a value (see cullhull hull --help)");
   for (const std::vector<std::string>& far :
        {std::vector<std::string>{"hull", p, "--colour"}, {"fly"}, {"hull", p, "--xyzzy"}}) {
     const Ran ran = run_app(far);

@@ -3,11 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <stop_token>
+#include <thread>
 
 #include "agreement/canonical_hash.hpp"
 #include "agreement/point_sets.hpp"
+#include "cullhull/batch.hpp"
 #include "cullhull/error.hpp"
 
 namespace cullhull {
@@ -71,6 +75,57 @@ TEST(GrowingHull, a_refused_batch_changes_nothing) {
   const double flat_point[] = {1, 2};
   EXPECT_THROW(grown.add(PointView::row_major(flat_point, 1, 2)), Error);
   EXPECT_EQ(grown.add(part_of(bad, 8, 20)), 12U);  // usable afterwards
+}
+
+TEST(GrowingHull, goes_on_from_a_hull) {
+  for (const PointSet& set : {random_set("ball", 200, 3, 3), random_grid(200, 2, 4, 0.1, 5),
+                              flat(120, 2, 4, 5, 2), random_set("sphere", 80, 5, 4)}) {
+    const std::uint64_t half = set.count() / 2;
+    GrowingHull first(set.dimension);
+    first.add(part_of(set, 0, half));
+    GrowingHull next(first.hull(), first.vertex_coordinates());
+    EXPECT_EQ(canonical_hash(next.hull()), canonical_hash(first.hull()));
+    next.add(part_of(set, half, set.count()));
+    EXPECT_EQ(canonical_hash(next.hull()),
+              canonical_hash(convex_hull(part_of(set, 0, set.count()))));
+    EXPECT_EQ(first.hull().point_count, half);
+    std::vector<double> short_by_one = first.vertex_coordinates();
+    short_by_one.pop_back();
+    EXPECT_THROW(GrowingHull(first.hull(), short_by_one), Error);
+  }
+  GrowingHull from_nothing(GrowingHull(2).hull(), {});
+  EXPECT_EQ(from_nothing.hull().affine_dimension, -1);
+  EXPECT_THROW(GrowingHull(Hull{}, {}), Error);  // of no dimension
+}
+
+TEST(Poll, is_called_on_the_calling_thread_and_may_stop_the_call) {
+  const PointSet set = random_set("sphere", 20'000, 3, 1);
+  for (const unsigned threads : {1U, 2U}) {
+    Options options;
+    options.threads = threads;
+    std::atomic<unsigned> calls{0}, elsewhere{0};
+    const std::thread::id here = std::this_thread::get_id();
+    options.poll = [&] {
+      ++calls;
+      if (std::this_thread::get_id() != here) ++elsewhere;
+    };
+    const std::uint64_t hash = canonical_hash(convex_hull(part_of(set, 0, set.count()), options));
+    EXPECT_EQ(hash, canonical_hash(convex_hull(part_of(set, 0, set.count()))));
+    EXPECT_GT(calls, 10U);
+    const std::vector<std::uint64_t> offsets{0, 5'000, 20'000};
+    convex_hulls(part_of(set, 0, set.count()), offsets.data(), 2, options);
+    EXPECT_EQ(elsewhere, 0U);
+
+    std::stop_source stop;
+    options.stop = stop.get_token();
+    options.poll = [&] { stop.request_stop(); };
+    try {
+      convex_hull(part_of(set, 0, set.count()), options);
+      FAIL();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::cancelled);
+    }
+  }
 }
 
 TEST(GrowingHull, knows_what_its_points_are) {

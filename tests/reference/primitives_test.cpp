@@ -80,8 +80,8 @@ void expect_as_plain_loops(Executor executor) {
 
 TEST(Primitives, SerialEqualsPlainLoops) { expect_as_plain_loops(SerialExecutor{}); }
 
-TEST(Primitives, TbbEqualsPlainLoops) {
-  for (const unsigned threads : {1U, 2U, 3U}) expect_as_plain_loops(TbbExecutor(threads));
+TEST(Primitives, ThreadsEqualPlainLoops) {
+  for (const unsigned threads : {1U, 2U, 3U}) expect_as_plain_loops(ThreadExecutor(threads));
 }
 
 TEST(Primitives, KernelBodiesEqualPlainLoops) {
@@ -111,7 +111,7 @@ TEST(Primitives, ExceptionsPassThrough) {
     if (i == 9000) throw std::runtime_error("nine thousand");
   };
   EXPECT_THROW(SerialExecutor{}.for_each(10000, fail), std::runtime_error);
-  EXPECT_THROW(TbbExecutor(2).for_each(10000, fail), std::runtime_error);
+  EXPECT_THROW(ThreadExecutor(2).for_each(10000, fail), std::runtime_error);
 }
 
 }  // namespace

@@ -241,7 +241,7 @@ void expect_stream_order(Executor executor) {
 TEST(FacetStream, CompactionKeepsTheOrderOfCells) {
   expect_stream_order<2>(SerialExecutor{});
   expect_stream_order<3>(SerialExecutor{});
-  expect_stream_order<3>(TbbExecutor(2));
+  expect_stream_order<3>(ThreadExecutor(2));
   expect_stream_order<5>(SerialExecutor{});
 }
 

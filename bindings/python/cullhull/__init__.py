@@ -9,14 +9,14 @@
 True
 
 `convex_hull` is the native function; `ConvexHull` and `HalfspaceIntersection` stand in for SciPy's
-classes of the same names. docs/python.md in the source tree tells the rest.
+classes of the same names, `TolerantConvexHull` for programs that assume tolerances. docs/python.md in the source tree tells the rest.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ._answers import NearestFacets, Rays
+from ._answers import NearestFacets, Rays, Simplified
 from ._core import version as __version__
 from ._device import cuda_status
 from ._drop_in import ConvexHull, HalfspaceIntersection
@@ -38,6 +38,7 @@ from ._functions import certify, convex_hull, cull, generate, shapes
 from ._hull import Certificate, Hull
 from ._lists import Lists
 from ._many import GrowingHull, HullBatch, convex_hulls
+from ._tolerant import TolerantConvexHull
 from ._tracker import HullTracker
 
 if TYPE_CHECKING:
@@ -70,6 +71,8 @@ __all__ = [
     "QhullError",
     "Rays",
     "ShapeWarning",
+    "Simplified",
+    "TolerantConvexHull",
     "__version__",
     "certify",
     "convex_hull",

@@ -182,7 +182,7 @@ class ConvexHull(_Incremental):
         if self._strict and solid.affine_dimension < self.ndim and not self._options.joggled:
             self._grower = None
             _raise_flat(everything, solid.affine_dimension)
-        self._array, self._solid = everything, solid
+        self._array, self._solid = everything, self._settle(solid)
 
     def _grow(self, everything: npt.NDArray[Any], added: npt.NDArray[Any]) -> _core.Solid:
         grower = self._grower
@@ -194,6 +194,10 @@ class ConvexHull(_Incremental):
         grower.add(added, threads=threads, memory_budget=memory_budget, progress=progress)
         self._grower = grower
         return grower.hull._solid
+
+    def _settle(self, solid: _core.Solid) -> _core.Solid:
+        """What is shown of the exact hull."""
+        return solid
 
     def add_points(self, points: Any, restart: bool = False) -> None:
         """Adds points; only with ``incremental=True``.
@@ -245,7 +249,7 @@ class ConvexHull(_Incremental):
 
     def __repr__(self) -> str:
         return (
-            f"<ConvexHull of {self.npoints} points in {self.ndim}D: "
+            f"<{type(self).__name__} of {self.npoints} points in {self.ndim}D: "
             f"{len(self._solid.vertices)} vertices, {self.nsimplex} simplices>"
         )
 
@@ -333,7 +337,12 @@ class ConvexHull(_Incremental):
         """(c, 3) int32: points that ``Qc`` and ``Qi`` ask for, nearest simplices and vertices."""
         if not (self._options.coplanar or self._options.interior):
             return np.empty((0, 3), dtype=np.int32)
-        return _coplanar(self.hull, self._array, self._options)
+        return _coplanar(self.hull, self._array, self._sides(), self._options)
+
+    def _sides(self) -> npt.NDArray[np.int8]:
+        """-1, 0 or 1 a point: inside, on the boundary, outside."""
+        sides: npt.NDArray[np.int8] = self.hull.sides(self._array)
+        return sides
 
 
 _LAZY = _lazy_names(ConvexHull)
@@ -383,8 +392,9 @@ def _solid_without(
     return _core.convex_hull(rest, chosen).skipping(left_out)
 
 
-def _coplanar(hull: Hull, points: npt.NDArray[Any], options: QhullOptions) -> npt.NDArray[Any]:
-    sides = hull.sides(points)
+def _coplanar(
+    hull: Hull, points: npt.NDArray[Any], sides: npt.NDArray[np.int8], options: QhullOptions
+) -> npt.NDArray[Any]:
     wanted = np.zeros(len(points), dtype=bool)
     if options.coplanar:
         wanted |= sides == 0

@@ -167,7 +167,7 @@ Flat input with ``strict=True``, an interior point that is not inside. A subclas
 >>> try:
 ...     cullhull.ConvexHull([[0, 0], [1, 1], [2, 2]], strict=True)
 ... except cullhull.QhullError as error:
-...     print(str(error).splitlines()[0][:54])
+...     print(str(error)[:53])
 QH6154 Qhull precision error: Initial simplex is flat
 """
 

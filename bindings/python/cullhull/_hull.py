@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, _show
-from ._answers import NearestFacets, Rays
+from ._answers import NearestFacets, Rays, Simplified
 from ._arguments import Progress, as_points, as_questions, settings
 from ._errors import InvalidArgument
 from ._lists import Lists
@@ -480,6 +480,93 @@ class Hull:
         """
         chosen = settings(threads=threads, progress=progress)
         return _core.certify(as_points(points), self._solid, chosen)
+
+    # With fewer vertices and planes
+
+    def simplify(
+        self, distance: float, *, threads: int | None = None, progress: Progress = None
+    ) -> Simplified:
+        """Drops vertices within `distance` of the hull of those kept.
+
+        The result is the exact hull of the kept vertices, so it is certified against those, not
+        against all points. It spans the same flat, however large the distance.
+
+        Parameters
+        ----------
+        distance : float
+            Not negative; in the points' units. 0 drops nothing.
+        threads, progress : as in `convex_hull`
+
+        Returns
+        -------
+        Simplified
+            The hull, how many vertices were dropped, and how far they are at most.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For a distance that is negative or not finite.
+        KeyboardInterrupt
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull(cullhull.generate("sphere", 1000, 3))
+        >>> small = hull.simplify(0.05)
+        >>> small.dropped > 500, small.distance <= 0.05
+        (True, True)
+        """
+        solid, dropped, reached = _core.simplify(
+            self._solid, float(distance), settings(threads=threads, progress=progress)
+        )
+        return Simplified(Hull._of(solid), dropped, reached)
+
+    def shared_planes(self, distance: float) -> npt.NDArray[np.int64]:
+        """For each facet one whose plane is within `distance` of all its vertices.
+
+        ``facet_planes[shared_planes(distance)]`` are the planes of facets that are merged where
+        they lie in one plane but for that distance; facets of one plane are connected.
+
+        Parameters
+        ----------
+        distance : float
+            Not negative; in the points' units. 0 gives each facet itself.
+
+        Returns
+        -------
+        (f,) int64
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For a distance that is negative or not finite.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull([[0, 0], [1, -1e-9], [2, 0], [1, 1]])
+        >>> hull.facet_count, len(set(hull.shared_planes(1e-8).tolist()))
+        (4, 3)
+        """
+        return _core.shared_planes(self._solid, float(distance))
+
+    def rounding_distance(self) -> float:
+        """How far points of the hull of others may leave it by turns and shifts in doubles.
+
+        A distance for `simplify` and `shared_planes` where coordinates are rounded.
+
+        Returns
+        -------
+        float
+            64 d^1.5 2^-53 times the largest coordinate of a vertex.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> f"{cullhull.convex_hull([[0, 0], [1, 0], [0, 1]]).rounding_distance():.2g}"
+        '2e-14'
+        """
+        return _core.rounding_distance(self._solid)
 
     # Out of Python
 

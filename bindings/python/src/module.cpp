@@ -18,4 +18,5 @@ NB_MODULE(_core, m) {
   binding::bind_halfspaces(m);
   binding::bind_device(m);
   binding::bind_tracker(m);
+  binding::bind_simplify(m);
 }

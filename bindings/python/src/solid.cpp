@@ -60,6 +60,12 @@ Hull Solid::by_place() const {
   return local;
 }
 
+void Solid::renumber(const Solid& whole) {
+  hull_.rename([&](std::uint64_t place) { return whole.ids()[place]; });
+  hull_.point_count = whole.hull().point_count;
+  hull_.scalar = whole.hull().scalar;
+}
+
 std::vector<double> Solid::rows_by_place() const {
   const std::size_t d = hull_.dimension;
   std::vector<double> rows(vertex_rows_.size());

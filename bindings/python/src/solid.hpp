@@ -32,6 +32,9 @@ class Solid {
   /// The hull over its vertices alone, numbered by their place, and their coordinates.
   cullhull::Hull by_place() const;
   std::vector<double> rows_by_place() const;
+  /// This hull was computed over the vertices of `whole` by place: gives it back their ids. To be
+  /// called before any other member.
+  void renumber(const Solid& whole);
 
  private:
   cullhull::Hull hull_;
@@ -67,5 +70,6 @@ void bind_many(nanobind::module_& m);
 void bind_halfspaces(nanobind::module_& m);
 void bind_device(nanobind::module_& m);
 void bind_tracker(nanobind::module_& m);
+void bind_simplify(nanobind::module_& m);
 
 }  // namespace binding

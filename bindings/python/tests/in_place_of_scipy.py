@@ -17,11 +17,14 @@ ScipyHalfspaces = qhull.HalfspaceIntersection
 
 #: Tests that compare rows with Qhull's, one by one.
 ROW_ORDER = {
-    "test_good2d",
-    "test_good2d_incremental_changes",
-    "test_good2d_inside",
-    "test_good3d",
-    "test_cube_halfspace_intersection",
+    "test_good2d_incremental_changes[new_gen2-expected2-QG4]",
+    "test_good2d_incremental_changes[new_gen2-expected2-QG-4]",
+    "test_good2d_incremental_changes[new_gen3-expected3-QG4]",
+    "test_good2d_incremental_changes[new_gen3-expected3-QG-4]",
+    "test_good3d[False]",
+    "test_good3d[True]",
+    "test_cube_halfspace_intersection[float64]",
+    "test_cube_halfspace_intersection[int]",
     "test_cube",
 }
 
@@ -58,7 +61,7 @@ class HalfspaceIntersection(cullhull.HalfspaceIntersection):
 
 
 def pytest_runtest_setup(item):
-    sorted_rows = item.originalname in ROW_ORDER
+    sorted_rows = item.name in ROW_ORDER
     qhull.ConvexHull = ConvexHull if sorted_rows else cullhull.ConvexHull
     qhull.HalfspaceIntersection = (
         HalfspaceIntersection if sorted_rows else cullhull.HalfspaceIntersection

@@ -6,20 +6,50 @@ shift
 here=$(cd "$(dirname "$0")" && pwd)
 "$here/../../../scripts/python-venv.sh" "$folder" test
 
-# trimesh's own tests are in its source archive alone.
-version=$("$folder/venv/bin/python" -c 'import trimesh; print(trimesh.__version__)')
-archive=$folder/trimesh-$version
-if [[ ! -d $archive ]]; then
-  mkdir -p "$folder/download"
-  if "$folder/venv/bin/pip" download --quiet --disable-pip-version-check --no-deps \
-    --no-binary trimesh --dest "$folder/download" "trimesh==$version"; then
-    tar -xzf "$folder/download/trimesh-$version.tar.gz" -C "$folder"
-  else
-    echo "run.sh: trimesh's source archive is out of reach; its own tests are left out" >&2
+# Extras of whose parts PyPI may lack one or the other: without it, its tests say so and are skipped.
+# coxeter's own tests are those of one version.
+coxeter=0.11.0
+for extra in pandas pyarrow polars xarray scikit-image rtree hypothesis miniball "coxeter==$coxeter"; do
+  "$folder/venv/bin/python" -c "import importlib.metadata as m; m.version('${extra%%=*}')" 2>/dev/null ||
+    "$folder/venv/bin/pip" install --quiet --disable-pip-version-check --prefer-binary "$extra" ||
+    echo "run.sh: PyPI has not given $extra; its tests are left out" >&2
+done
+
+# Other projects' own tests are in their source archives alone.
+fetch() { # PROJECT VERSION: prints the folder of its tests
+  local archive=$folder/$1-$2
+  if [[ ! -d $archive ]]; then
+    mkdir -p "$folder/download"
+    "$folder/venv/bin/pip" download --quiet --disable-pip-version-check --no-deps \
+      --no-binary "$1" --dest "$folder/download" "$1==$2" >&2 &&
+      tar -xzf "$folder/download/$1-$2.tar.gz" -C "$folder" || true
   fi
-fi
-if [[ -f $archive/tests/test_convex.py ]]; then
-  export CULLHULL_TRIMESH_TESTS=$archive/tests
+  if [[ -d $archive/tests ]]; then
+    echo "$archive/tests"
+  else
+    echo "run.sh: $1's source archive is out of reach; its own tests are left out" >&2
+  fi
+}
+trimesh=$("$folder/venv/bin/python" -c 'import trimesh; print(trimesh.__version__)')
+CULLHULL_TRIMESH_TESTS=$(fetch trimesh "$trimesh")
+CULLHULL_COXETER_TESTS=$(fetch coxeter "$coxeter")
+export CULLHULL_TRIMESH_TESTS CULLHULL_COXETER_TESTS
+
+# scikit-image's too. pip would build it to learn its name; without the build's tools in reach it
+# stops once the archive is unpacked, which is all that is wanted.
+if version=$("$folder/venv/bin/python" -c 'import skimage; print(skimage.__version__)' 2>/dev/null); then
+  archive=$folder/scikit-image-$version
+  if [[ ! -d $archive ]]; then
+    mkdir -p "$folder/download/unpacked"
+    TMPDIR=$folder/download/unpacked "$folder/venv/bin/pip" download --quiet \
+      --disable-pip-version-check --no-clean --no-build-isolation --no-deps \
+      --no-binary scikit-image --dest "$folder/download" "scikit-image==$version" 2>/dev/null || true
+    mv "$folder"/download/unpacked/pip-download-*/scikit-image_* "$archive" 2>/dev/null ||
+      echo "run.sh: scikit-image's source archive is out of reach; its own tests are left out" >&2
+    rm -rf "$folder/download/unpacked"
+  fi
+  tests=$(find "$archive" -name test_convex_hull.py -path '*morphology*' 2>/dev/null | head -n 1)
+  if [[ -n $tests ]]; then export CULLHULL_SKIMAGE_TESTS=$tests; fi
 fi
 cd "$folder" # where nothing but the installed package is called cullhull
 exec "$folder/venv/bin/python" -m pytest -q -p no:cacheprovider "$@" "$here"

@@ -165,6 +165,45 @@ def test_a_signal_handler_that_raises():
         signal.signal(signal.SIGALRM, old)
 
 
+@pytest.mark.parametrize(
+    "points",
+    [
+        pytest.param(np.linspace(-1, 1, 1500)[:, None] ** [1, 2, 3, 4], id="here"),
+        pytest.param(cullhull.generate("sphere", 1_000_000, 3), id="on a thread"),
+    ],
+)
+def test_signals_are_heard_during_a_call(points):
+    """Not only after it, when all that came meanwhile are one."""
+    heard = []
+    old = signal.signal(signal.SIGALRM, lambda number, frame: heard.append(number))
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.06, 0.06)
+        cullhull.convex_hull(points, threads=1)
+        signal.setitimer(signal.ITIMER_REAL, 0)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, old)
+    assert len(heard) > 2
+
+
+def test_a_handler_that_raises_stops_a_call_here():
+    def handler(number, frame):
+        raise Refused
+
+    points = np.linspace(-1, 1, 1500)[:, None] ** [1, 2, 3, 4]
+    growing = cullhull.GrowingHull(4)
+    old = signal.signal(signal.SIGALRM, handler)
+    try:
+        for call in (cullhull.convex_hull, cullhull.ConvexHull, growing.add):
+            signal.setitimer(signal.ITIMER_REAL, 0.1)
+            with pytest.raises(Refused):
+                call(points)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, old)
+    assert growing.hull.point_count == 0
+
+
 def _volume(seed):
     return cullhull.convex_hull(cullhull.generate("ball", 30_000, 3, seed=seed)).volume
 

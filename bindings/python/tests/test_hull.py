@@ -171,3 +171,44 @@ def test_generate():
     assert not np.array_equal(a, cullhull.generate("ball", 100, 4, seed=4))
     with pytest.raises(ValueError, match="cucumber"):
         cullhull.generate("cucumber", 10, 3)
+
+
+@pytest.mark.parametrize(
+    "call, name",
+    [
+        (lambda: cullhull.generate("ball", -1), "count"),
+        (lambda: cullhull.generate("ball", 2**63), "count"),
+        (lambda: cullhull.generate("ball", 10, -3), "dimension"),
+        (lambda: cullhull.generate("ball", 10, 0), "dimension"),
+        (lambda: cullhull.generate("ball", 10, 2**32), "dimension"),
+        (lambda: cullhull.generate("ball", 10, seed=-1), "seed"),
+        (lambda: cullhull.generate("ball", 10, seed=2**64), "seed"),
+        (lambda: cullhull.GrowingHull(-1), "dimension"),
+        (lambda: cullhull.GrowingHull(0), "dimension"),
+        (lambda: cullhull.GrowingHull(2**40), "dimension"),
+        (lambda: cullhull.convex_hull(np.eye(3), threads=-1), "threads"),
+        (lambda: cullhull.convex_hull(np.eye(3), memory_budget=-1), "memory_budget"),
+        (lambda: cullhull.convex_hulls(np.eye(3), [-1, 3]), "offsets"),
+        (lambda: cullhull.ConvexHull(np.eye(3), threads=-1), "threads"),
+        (lambda: cullhull.HullTracker(threads=-1), "threads"),
+    ],
+)
+def test_sizes_that_are_none(call, name):
+    with pytest.raises(cullhull.InvalidArgument, match=name) as caught:
+        call()
+    assert "\n" not in str(caught.value) and "incompatible function" not in str(caught.value)
+
+
+def test_sizes_of_another_type():
+    for call in (
+        lambda: cullhull.generate("ball", 1.5),
+        lambda: cullhull.generate("ball", "many"),
+        lambda: cullhull.generate(3, 10),
+        lambda: cullhull.GrowingHull(2.0),
+        lambda: cullhull.GrowingHull("two"),
+    ):
+        with pytest.raises(TypeError) as caught:
+            call()
+        assert "\n" not in str(caught.value) and "incompatible function" not in str(caught.value)
+    with pytest.raises(MemoryError):
+        cullhull.generate("ball", 2**60)

@@ -33,23 +33,73 @@ def test_there_are_examples():
     assert EXAMPLES
 
 
-def test_every_public_name_is_documented():
-    for name in cullhull.__all__:
-        thing = getattr(cullhull, name)
-        if inspect.isclass(thing) or inspect.isfunction(thing):
-            assert inspect.getdoc(thing), name
-        if inspect.isclass(thing):
-            for member, value in vars(thing).items():
-                if not member.startswith("_") and callable(value):
-                    assert inspect.getdoc(value), f"{name}.{member}"
+def members(thing):
+    """Public methods, properties and the like, its own and those of our base classes."""
+    for kind in thing.__mro__:
+        if kind.__module__.startswith("cullhull"):
+            for name, value in vars(kind).items():
+                if not name.startswith("_") and name not in getattr(kind, "__slots__", ()):
+                    yield name, value
+
+
+@pytest.mark.parametrize("name", [n for n in cullhull.__all__ if n != "__version__"])
+def test_every_public_name_is_documented(name):
+    """What it is, takes and gives, what it raises, and an example that runs."""
+    thing = getattr(cullhull, name)
+    text = inspect.getdoc(thing)
+    assert text and ">>>" in text
+    if inspect.isclass(thing) and issubclass(thing, (Exception, Warning)):
+        return
+    if not inspect.isclass(thing):
+        assert "Returns\n---" in text
+        sections = inspect.signature(thing).parameters
+        assert all(argument in text for argument in sections), text
+        assert not sections or ("Parameters\n---" in text and "Raises\n---" in text)
+        return
+    for member, value in members(thing):
+        text = inspect.getdoc(value)
+        assert text, member
+        if inspect.isfunction(value):
+            assert ">>>" in text, member
+            arguments = [a for a in inspect.signature(value).parameters if a not in ("self", "style")]
+            assert all(a in text for a in arguments), member
+            assert not arguments or "Parameters\n---" in text, member
 
 
 def test_the_documentation_is_true():
-    failures, tests = doctest.testmod(cullhull)
-    assert tests > 0 and failures == 0
+    import importlib
+    import pkgutil
+
+    names = [m.name for m in pkgutil.iter_modules(cullhull.__path__) if m.name != "__main__"]
+    modules = [cullhull, *(importlib.import_module(f"cullhull.{name}") for name in names)]
+    results = [doctest.testmod(module) for module in modules]
+    assert sum(tests for _, tests in results) > 100 and not any(failed for failed, _ in results)
+    for kind in (cullhull.Certificate, cullhull.QhullError):
+        examples = doctest.DocTestFinder().find(kind, kind.__name__, globs={})
+        runner = doctest.DocTestRunner()
+        assert [runner.run(example).failed for example in examples if example.examples] == [0]
     page = ROOT / "docs" / "python.md"
     failures, tests = doctest.testfile(str(page), module_relative=False)
     assert tests > 10 and failures == 0
+
+
+def test_no_module_imports_one_that_imports_it():
+    import ast
+
+    needs = {}
+    for path in PACKAGE.glob("*.py"):
+        tree = ast.parse(path.read_text())
+        needs[path.stem] = {
+            name
+            for node in ast.walk(tree)
+            if isinstance(node, ast.ImportFrom) and node.level == 1
+            for name in ([node.module] if node.module else [a.name for a in node.names])
+        } & {p.stem for p in PACKAGE.glob("*.py")}
+    while needs:
+        free = [name for name, others in needs.items() if not others & needs.keys() - {name}]
+        assert free, needs
+        for name in free:
+            del needs[name]
 
 
 def test_import_is_light():
@@ -87,14 +137,22 @@ def test_types(tmp_path):
     )
     shown = run("-m", "mypy", "--strict", "--cache-dir", tmp_path, user, cwd=tmp_path)
     assert "int64" in shown or "signedinteger" in shown
-    user.write_text(user.read_text() + "hull.volume = 'large'\ncullhull.convex_hull(points=1, x=2)\n")
+    user.write_text(
+        user.read_text()
+        + "hull.volume = 'large'\ncullhull.convex_hull(points=1, x=2)\n"
+        + "cullhull.convex_hull(np.eye(3), backend='gpu')\n"
+        + "cullhull.ConvexHull(np.eye(3), cull='all')\n"
+        + "cullhull.cull(np.eye(3), method='some')\n"
+        + "cullhull.HullTracker(backend='gpu')\n"
+    )
     wrong = subprocess.run(
         [sys.executable, "-m", "mypy", "--cache-dir", tmp_path, user],
         capture_output=True,
         text=True,
         cwd=tmp_path,
     )
-    assert wrong.returncode == 1 and "user.py:7" in wrong.stdout and "user.py:8" in wrong.stdout
+    assert wrong.returncode == 1
+    assert all(f"user.py:{line}: error" in wrong.stdout for line in range(7, 13)), wrong.stdout
 
 
 def test_source_archive_is_complete(tmp_path):

@@ -1,4 +1,4 @@
-#include "result/small_hull.hpp"
+#include "result/few_in_space.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -106,7 +106,7 @@ void load_small(const PointView& view, const std::uint64_t* ids, unsigned count,
   load(view, ids, count, points);
 }
 
-bool small_hull(const PointView& view, const std::uint64_t* ids, std::uint64_t count, Hull& hull) {
+bool hull_of_few(const PointView& view, const std::uint64_t* ids, std::uint64_t count, Hull& hull) {
   if (view.dimension != 3 || count < 4 || count > MediumHull3D::max_points) return false;
   const auto n = static_cast<unsigned>(count);
   if (count > SmallHull3D::max_points) {

@@ -15,10 +15,14 @@ void load_small(const PointView& view, const std::uint64_t* ids, unsigned count,
 void load_small(const PointView& view, const std::uint64_t* ids, unsigned count,
                 MediumPoints3D& points);
 
+/// Points of which none may be inside: every one is held against up to twice as many facets as
+/// there are points, and from here on searching for a facet that it sees pays.
+inline constexpr std::uint64_t most_unfiltered_in_space = 1024;
+
 /// The hull of the points with the given ids, which ascend (nullptr: of all points), where they are
 /// few: the same bits as build_hull gives. Fills every field but statistics. False, with `hull` as
 /// it was, for points that are too many or not in space, for flats, coordinates that are not finite
 /// or span too many powers of two, and where many signs or a measure need more than doubles.
-bool small_hull(const PointView& view, const std::uint64_t* ids, std::uint64_t count, Hull& hull);
+bool hull_of_few(const PointView& view, const std::uint64_t* ids, std::uint64_t count, Hull& hull);
 
 }  // namespace cullhull::internal

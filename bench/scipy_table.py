@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""cullhull's drop-in class beside SciPy's, call by call in one run: a table in Markdown.
+
+    build/python/venv/bin/python bench/scipy_table.py [--sizes 10 1k 1M] [--dimensions 2 3]
+        [--shapes gauss ball] [--threads N] [--seconds 1] [--limit 30]
+
+A call is the whole of what programs do: make the hull and read vertices, simplices, equations,
+neighbors, area and volume. Ours and SciPy's go by turns over several sets of a size; the figures are
+medians in microseconds, with the 99th percentile of ours where there are 100 calls or more. A row
+ends where one call of SciPy's takes longer than --limit seconds, or than memory allows.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import scipy.spatial
+
+import cullhull
+
+SIZES = ["10", "30", "100", "300", "1k", "3k", "10k", "30k", "100k", "300k", "1M"]
+SHAPES = ["gauss", "ball", "sphere", "cube"]
+#: More would take SciPy minutes and gigabytes: the simplices of points on a sphere.
+LARGEST_SPHERE = {4: 100_000, 5: 10_000}
+
+
+def number(text: str) -> int:
+    return int(float(text.rstrip("kM")) * {"k": 1e3, "M": 1e6}.get(text[-1], 1))
+
+
+def complete(hull: Any) -> Any:
+    return (hull.vertices, hull.simplices, hull.equations, hull.neighbors, hull.area, hull.volume)
+
+
+def timed(call: Callable[[], Any]) -> tuple[float, Any]:
+    start = time.perf_counter()
+    result = call()
+    return time.perf_counter() - start, result
+
+
+def row(shape: str, n: int, d: int, threads: int | None, seconds: float) -> tuple[list[float], list[float]]:
+    """Seconds of each call, ours and SciPy's, by turns."""
+    count = max(1, min(32, 200_000 // n))
+    sets = [cullhull.generate(shape, n, d, seed=seed) for seed in range(1, count + 1)]
+    ours, theirs = [], []
+    end = time.perf_counter() + seconds
+    turn = 0
+    while turn < 4 or time.perf_counter() < end:
+        points = sets[turn % count]
+        mine, a = timed(lambda: complete(cullhull.ConvexHull(points, threads=threads)))
+        other, b = timed(lambda: complete(scipy.spatial.ConvexHull(points)))
+        if turn < count:  # the same hull
+            assert np.isclose(a[-1], b[-1]) and np.array_equal(np.sort(a[0]), np.sort(b[0]))
+        del a, b
+        if turn > 0:  # the first call of a size finds no warm pages
+            ours.append(mine)
+            theirs.append(other)
+        turn += 1
+    return ours, theirs
+
+
+def percentile(times: list[float], share: float) -> float:
+    return sorted(times)[min(len(times) - 1, int(share * len(times)))]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--sizes", nargs="+", default=SIZES)
+    parser.add_argument("--dimensions", nargs="+", type=int, default=[2, 3, 4, 5])
+    parser.add_argument("--shapes", nargs="+", default=SHAPES)
+    parser.add_argument("--threads", type=int, help="of ours; all the machine offers if not given")
+    parser.add_argument("--seconds", type=float, default=1.0, help="for each row")
+    parser.add_argument("--limit", type=float, default=30.0, help="seconds of one call of SciPy's")
+    arguments = parser.parse_args()
+
+    print("| set | n | cullhull (us) | 99 % | SciPy (us) | ratio |\n|---|---:|---:|---:|---:|---:|")
+    for d in arguments.dimensions:
+        for shape in arguments.shapes:
+            for n in map(number, arguments.sizes):
+                if shape == "sphere" and n > LARGEST_SPHERE.get(d, n):
+                    break
+                ours, theirs = row(shape, n, d, arguments.threads, arguments.seconds)
+                a, b = statistics.median(ours), statistics.median(theirs)
+                worst = f"{percentile(ours, 0.99) * 1e6:,.1f}" if len(ours) >= 100 else ""
+                print(
+                    f"| {d}D {shape} | {n:,} | {a * 1e6:,.1f} | {worst} | {b * 1e6:,.1f} "
+                    f"| {b / a:.1f}x |",
+                    flush=True,
+                )
+                if b > arguments.limit:
+                    break
+
+
+if __name__ == "__main__":
+    main()

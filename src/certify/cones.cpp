@@ -1,0 +1,181 @@
+#include "certify/cones.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "predicates/minors.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+constexpr double u = unit_roundoff;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+template <unsigned K>
+double dot(const double* n, const double* y) {
+  double sum = 0;
+  for (unsigned j = 0; j < K; ++j) sum += n[j] * y[j];
+  return sum;
+}
+
+}  // namespace
+
+Cones::Cones(const Subject& s, std::uint64_t points) : s_(s), k_(s.k), centre_(s.centre) {
+  if (points * 4 < s.simplex_count() || centre_.empty() || k_ < 2 || k_ > max_dimension ||
+      !choose_units())
+    return;
+  planes_.resize(std::size_t{s.simplex_count()} * (k_ + 1));
+  switch (k_) {
+    case 2:
+      build<2>();
+      break;
+    case 3:
+      build<3>();
+      break;
+    case 4:
+      build<4>();
+      break;
+    case 5:
+      build<5>();
+      break;
+    case 6:
+      build<6>();
+      break;
+    case 7:
+      build<7>();
+      break;
+    default:
+      build<8>();
+  }
+  choose_ball();
+}
+
+/// Powers of two that bring every vertex to within 1 of the centre.
+bool Cones::choose_units() {
+  for (unsigned j = 0; j < k_; ++j) {
+    double extent = 0;
+    for (std::uint32_t v = 0; v < s_.ids.size(); ++v)
+      extent = std::max(extent, std::fabs(s_.row(v)[j] - centre_[j]));
+    if (!(extent > 0x1p-500 && extent < 0x1p500)) return false;
+    scale_.push_back(std::exp2(-std::ilogb(extent) - 1));
+    reach_.push_back(extent * scale_.back());
+  }
+  return true;
+}
+
+/// What no plane comes nearer than. The exact plane differs from n by no more than twice its bound,
+/// since the reach of an axis is 1/2 at least.
+void Cones::choose_ball() {
+  double longest = 0;
+  for (std::uint32_t f = 0; f < s_.simplex_count(); ++f) {
+    double square = 0;
+    for (unsigned j = 0; j < k_; ++j) square += plane(f)[j] * plane(f)[j];
+    longest = std::max(longest, std::sqrt(square) + 2 * plane(f)[k_]);
+  }
+  const double radius = (1 - 0x1p-40) / longest;
+  ball_ = radius * radius * (1 - 0x1p-40);
+}
+
+template <unsigned K>
+void Cones::build() {
+  constexpr std::uint64_t chunk = std::uint64_t{1} << 12;
+  constexpr double roundings = minor_roundings(K > 1 ? K - 1 : 1) + 3;
+  check_chunks(s_, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) {
+      s_.prefetch_corners(i);
+      const auto f = static_cast<std::uint32_t>(i);
+      const std::uint32_t* v = s_.simplex(f);
+      double edges[K - 1][K], n[K], spread[K], w[K];
+      for (unsigned j = 0; j < K; ++j) {
+        const double p = s_.row(v[0])[j];
+        w[j] = (p - centre_[j]) * scale_[j];
+        for (unsigned r = 1; r < K; ++r) edges[r - 1][j] = (s_.row(v[r])[j] - p) * scale_[j];
+      }
+      constexpr unsigned full = (1U << K) - 1;
+      double det[full + 1], perm[full + 1];
+      expand_minors<K, true>(edges, K - 1, det, perm);
+      for (unsigned j = 0; j < K; ++j) {
+        const double minor = det[full & ~(1U << j)];
+        n[j] = ((K - 1 + j) & 1U) != 0 ? -minor : minor;
+        spread[j] = perm[full & ~(1U << j)];
+      }
+      double* out = plane(f);
+      double height = 0, lost = 0;
+      for (unsigned j = 0; j < K; ++j) {
+        spread[j] = roundings * u * spread[j] + 0x1p-1000;
+        height += n[j] * w[j];
+        lost += spread[j] * std::fabs(w[j]) + (K + 3) * u * std::fabs(n[j] * w[j]);
+      }
+      lost *= 1.01;
+      out[K] = infinity;
+      for (unsigned j = 0; j < K; ++j) out[j] = 0;
+      if (!(height > 0x1p-900 && lost < height / 2)) continue;
+      double bound = 0x1p-900;
+      for (unsigned j = 0; j < K; ++j) {
+        out[j] = n[j] / height;
+        const double off =
+            (spread[j] + (std::fabs(n[j]) + spread[j]) * (lost / (height - lost))) / height +
+            (K + 5) * u * std::fabs(out[j]);
+        bound += off * reach_[j];
+      }
+      out[K] = 1.02 * bound;
+      if (!(out[K] < 0.125)) {
+        out[K] = infinity;
+        for (unsigned j = 0; j < K; ++j) out[j] = 0;
+      }
+    }
+  });
+}
+
+template <unsigned K>
+bool Cones::strictly_inside_in(const double* y, std::uint32_t& f) const {
+  double own = dot<K>(plane(f), y);
+  for (unsigned step = 0; step < 4096; ++step) {
+    const std::uint32_t* across = s_.hull.simplex_neighbours.data() + std::size_t{f} * K;
+    std::uint32_t best = f;
+    double most = own, beside = -infinity;
+    for (unsigned j = 0; j < K; ++j) {
+      const double* h = plane(across[j]);
+      const double value = dot<K>(h, y);
+      beside = std::max(beside, value + h[K]);
+      if (value > most) {
+        most = value;
+        best = across[j];
+      }
+    }
+    if (best == f) {
+      const double bound = plane(f)[K];
+      return beside < own - bound && own + bound < 1;
+    }
+    f = best;
+    own = most;
+  }
+  return false;
+}
+
+bool Cones::strictly_inside(const double* y, std::uint32_t& f) const {
+  switch (k_) {
+    case 2:
+      return strictly_inside_in<2>(y, f);
+    case 3:
+      return strictly_inside_in<3>(y, f);
+    case 4:
+      return strictly_inside_in<4>(y, f);
+    case 5:
+      return strictly_inside_in<5>(y, f);
+    case 6:
+      return strictly_inside_in<6>(y, f);
+    case 7:
+      return strictly_inside_in<7>(y, f);
+    default:
+      return strictly_inside_in<8>(y, f);
+  }
+}
+
+double Cones::value(std::uint32_t f, const double* y) const {
+  double sum = 0;
+  for (unsigned j = 0; j < k_; ++j) sum += plane(f)[j] * y[j];
+  return sum;
+}
+
+}  // namespace cullhull::internal

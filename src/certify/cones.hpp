@@ -1,0 +1,64 @@
+// Where a point lies by the planes of the simplices in doubles: the quick rung of check_points.
+// docs/exactness.md, "Cones", has the proof.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "certify/certificate.hpp"
+
+namespace cullhull::internal {
+
+/// Planes n . y = 1 of all simplices, y being coordinates from the centre in units of their own for
+/// each axis, with a bound for what rounding may do to n . y.
+class Cones {
+ public:
+  static constexpr unsigned max_dimension = 8;
+
+  /// usable() is false where there is no centre, in other dimensions than 2 to 8, or where extents
+  /// are beyond what doubles take.
+  /// `points`: how many are to be located; few do not pay for the planes.
+  Cones(const Subject& s, std::uint64_t points);
+  bool usable() const { return !planes_.empty(); }
+
+  /// Coordinates from the centre in the planes' units; false if outside of the vertices' box.
+  bool relative(const double* x, double* y) const {
+    for (unsigned j = 0; j < k_; ++j) y[j] = (x[j] - centre_[j]) * scale_[j];
+    return in_box(y);
+  }
+  bool in_box(const double* y) const {
+    bool within = true;
+    for (unsigned j = 0; j < k_; ++j) within = within && std::fabs(y[j]) <= reach_[j];
+    return within;
+  }
+  double scale(unsigned j) const { return scale_[j]; }
+
+  /// True only if the point is strictly inside. Starts at simplex f and leaves the last one there:
+  /// that of the ray through the point, or one nearby.
+  bool strictly_inside(const double* y, std::uint32_t& f) const;
+  /// Points with |y|^2 below this, computed in doubles in any order, are strictly inside; 0 if the
+  /// planes cannot tell.
+  double ball() const { return ball_; }
+  const std::vector<double>& centre() const { return centre_; }
+  /// n . y of simplex f.
+  double value(std::uint32_t f, const double* y) const;
+
+ private:
+  template <unsigned K>
+  void build();
+  template <unsigned K>
+  bool strictly_inside_in(const double* y, std::uint32_t& f) const;
+  bool choose_units();
+  void choose_ball();
+  double* plane(std::uint32_t f) { return planes_.data() + std::size_t{f} * (k_ + 1); }
+  const double* plane(std::uint32_t f) const { return planes_.data() + std::size_t{f} * (k_ + 1); }
+
+  const Subject& s_;
+  const unsigned k_;
+  std::vector<double> centre_, scale_, reach_;
+  double ball_ = 0;
+  std::vector<double> planes_;  ///< k + 1 numbers a simplex: n, then the bound (infinite: unusable)
+};
+
+}  // namespace cullhull::internal

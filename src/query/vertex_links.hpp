@@ -1,0 +1,51 @@
+// Which simplices and which other vertices surround each vertex of a hull.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "cullhull/hull.hpp"
+
+namespace cullhull::internal {
+
+/// Over a hull whose `count` vertices are numbered 0, 1, ...; it must outlive this. Time and memory
+/// O(simplices).
+class VertexLinks {
+ public:
+  VertexLinks(const Hull& hull, std::size_t count)
+      : corners_(hull.simplices), width_(static_cast<std::size_t>(hull.affine_dimension)) {
+    begin_.assign(count + 1, 0);
+    for (const std::uint64_t v : corners_) ++begin_[v + 1];
+    for (std::size_t v = 0; v < count; ++v) begin_[v + 1] += begin_[v];
+    around_.resize(corners_.size());
+    std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
+    for (std::size_t i = 0; i < corners_.size(); ++i)
+      around_[next[corners_[i]]++] = static_cast<std::uint32_t>(i / width_);
+  }
+
+  std::span<const std::uint32_t> simplices(std::uint32_t v) const {
+    return {around_.data() + begin_[v], begin_[v + 1] - begin_[v]};
+  }
+
+  /// The other vertices of these simplices, ascending.
+  void neighbours(std::uint32_t v, std::vector<std::uint32_t>& out) const {
+    out.clear();
+    for (const std::uint32_t s : simplices(v))
+      for (std::size_t j = 0; j < width_; ++j)
+        if (corners_[s * width_ + j] != v)
+          out.push_back(static_cast<std::uint32_t>(corners_[s * width_ + j]));
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+  }
+
+ private:
+  std::span<const std::uint64_t> corners_;
+  std::size_t width_;
+  std::vector<std::size_t> begin_;
+  std::vector<std::uint32_t> around_;
+};
+
+}  // namespace cullhull::internal
