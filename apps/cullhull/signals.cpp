@@ -25,20 +25,12 @@ std::stop_source& source() {
   return instance;
 }
 
-void say(const char* text) { (void)!::write(STDERR_FILENO, text, std::strlen(text)); }
-
-[[noreturn]] void end_at_once() {
-  cullhull::remove_unfinished_files();
-  say("cullhull: cancelled\n");
-  ::_exit(cancelled);
-}
-
 // A thread of its own may lock and allocate, which a signal handler must not.
 void watch(sigset_t signals) {
   for (;;) {
     int signal = 0;
     if (sigwait(&signals, &signal) != 0) return;
-    if (!stoppable || source().stop_requested()) end_at_once();
+    if (!stoppable || source().stop_requested()) end_with_line(cancelled, "cancelled");
     source().request_stop();
   }
 }
