@@ -319,6 +319,7 @@ Hull convex_hull(const PointView& points, const Options& options) {
   check_arguments(points, options);
   if (Hull hull; small_hull(points, options, hull)) return hull;
   Run run(options);
+  const unsigned threads = run.threads;  // at hand: those that pay are planned stage by stage
   const CallScope call;
   const PageScope pages;
   const auto start = Clock::now();
@@ -326,6 +327,7 @@ Hull convex_hull(const PointView& points, const Options& options) {
   Filtered filtered = filter_and_plan(points, run);
   const double cull_seconds = seconds_since(start);
   Hull hull = hull_of_survivors(points, std::move(filtered), run);
+  hull.statistics.threads = threads;
   hull.statistics.cull_seconds = cull_seconds;
   hull.statistics.compute_seconds = seconds_since(start);
   run.control.report("done", 1);
@@ -341,10 +343,10 @@ ExtremePoints extreme_points(const PointView& points, const Options& options) {
 
   ExtremePoints result;
   Statistics& statistics = result.statistics;
+  statistics.threads = run.threads;
   run.control.check();
   if (points.count == 0) return result;
   Filtered filtered = filter_and_plan(points, run);
-  statistics.threads = run.threads;
   statistics.survivors = filtered.survivors.size(points.count);
   statistics.cull_method = filtered.survivors.method;
   statistics.cull_seconds = seconds_since(start);
