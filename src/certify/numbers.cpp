@@ -263,8 +263,7 @@ class MeasureCheck {
 
   WideSums wide_sums() const {
     constexpr std::uint64_t chunk = 256;
-    mp_bitcnt_t bits = 256;
-    for (std::uint32_t i = 0; i < s_.simplex_count(); ++i) bits = std::max(bits, f_.wide_bits(i));
+    constexpr mp_bitcnt_t bits = 4608;  // holds sums of products of doubles
     const WideSums none(d_, mpf_class(0, bits), mpf_class(0, 256));
     std::vector<WideSums> parts((s_.simplex_count() + chunk - 1) / chunk, none);
     check_chunks(s_, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
