@@ -174,7 +174,7 @@ void NormOrder::take_round(std::vector<std::uint32_t>& order) {
 /// Along the curve, in cells some times as many as the points.
 void NormOrder::arrange(Keyed* begin, std::uint32_t size) {
   const unsigned d = points_.dimension, used = std::min(d, 32U);
-  const unsigned bits = std::clamp(static_cast<unsigned>(std::bit_width(size)) / d + 2, 1U,
+  const unsigned bits = std::clamp(static_cast<unsigned>(std::bit_width(size)) / d + 4, 1U,
                                    std::clamp(32U / d, 1U, 10U));
   for_each_chunk(size, chunk, threads_, [&](std::uint64_t, std::uint64_t from, std::uint64_t to) {
     control_.check();
