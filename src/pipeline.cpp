@@ -206,6 +206,15 @@ void extreme_in_space(const PointView& points, Filtered&& filtered, const Run& r
   for (std::uint64_t& v : result.ids) v = input.ids[v];
 }
 
+/// What the filter leaves; `run` then has the threads that pay for the hull of it.
+Filtered filter_and_plan(const PointView& points, Run& run) {
+  const unsigned d = points.dimension;
+  Filtered filtered = run_filter(points, run.options, run.control,
+                                 useful_cull_threads(run.threads, points.count, d), run.budget);
+  run.threads = useful_threads(run.threads, filtered.survivors.size(points.count), d);
+  return filtered;
+}
+
 /// Qhull decides with tolerances, so what it found must be proven before it is called the hull.
 void insist_on_proof(const PointView& points, const Hull& hull, const Options& options) {
   const Certificate certificate = certify(points, hull, options);
@@ -310,14 +319,15 @@ Hull convex_hull(const PointView& points, const Options& options) {
   check_arguments(points, options);
   if (Hull hull; small_hull(points, options, hull)) return hull;
   Run run(options);
-  run.threads = useful_threads(run.threads, points.count, points.dimension);
+  const unsigned threads = run.threads;  // at hand: those that pay are planned stage by stage
   const CallScope call;
   const PageScope pages;
   const auto start = Clock::now();
   run.control.check();
-  Filtered filtered = run_filter(points, options, run.control, run.threads, run.budget);
+  Filtered filtered = filter_and_plan(points, run);
   const double cull_seconds = seconds_since(start);
   Hull hull = hull_of_survivors(points, std::move(filtered), run);
+  hull.statistics.threads = threads;
   hull.statistics.cull_seconds = cull_seconds;
   hull.statistics.compute_seconds = seconds_since(start);
   run.control.report("done", 1);
@@ -327,7 +337,6 @@ Hull convex_hull(const PointView& points, const Options& options) {
 ExtremePoints extreme_points(const PointView& points, const Options& options) {
   check_arguments(points, options);
   Run run(options);
-  run.threads = useful_threads(run.threads, points.count, points.dimension);
   const CallScope call;
   const PageScope pages;
   const auto start = Clock::now();
@@ -337,7 +346,7 @@ ExtremePoints extreme_points(const PointView& points, const Options& options) {
   statistics.threads = run.threads;
   run.control.check();
   if (points.count == 0) return result;
-  Filtered filtered = run_filter(points, options, run.control, run.threads, run.budget);
+  Filtered filtered = filter_and_plan(points, run);
   statistics.survivors = filtered.survivors.size(points.count);
   statistics.cull_method = filtered.survivors.method;
   statistics.cull_seconds = seconds_since(start);

@@ -73,7 +73,7 @@ void write_sequence(const GenerateArguments& arguments, const Made& made) {
   for (std::uint64_t f = 0; f < made.frames; ++f) {
     if (stop_token().stop_requested()) return;  // the writer removes what it has begun
     if (report) report("frames", static_cast<double>(f) / total);
-    moving.frame(f, points.data());
+    moving.frame(f, points.data(), stop_token());
     writer.write(points.data());
   }
 }

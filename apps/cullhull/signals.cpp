@@ -25,17 +25,12 @@ std::stop_source& source() {
   return instance;
 }
 
-[[noreturn]] void end_at_once() {
-  cullhull::remove_unfinished_files();
-  ::_exit(cancelled);
-}
-
 // A thread of its own may lock and allocate, which a signal handler must not.
 void watch(sigset_t signals) {
   for (;;) {
     int signal = 0;
     if (sigwait(&signals, &signal) != 0) return;
-    if (!stoppable || source().stop_requested()) end_at_once();
+    if (!stoppable || source().stop_requested()) end_with_line(cancelled, "cancelled");
     source().request_stop();
   }
 }

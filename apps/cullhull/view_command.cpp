@@ -125,14 +125,22 @@ struct Written {
   std::string page, report;
 };
 
-Written view_points(const ViewArguments& arguments, const cullhull::Options& options) {
-  const Input input = open_input(arguments.input, arguments.run.threads);
+Written view_input(const ViewArguments& arguments, const Input& input,
+                   const cullhull::Options& options) {
   Scene scene(title_of(arguments.input.path), 1, 1);
   const double read = input.file.read_seconds() + warm_pages(input.points);
   const Computed computed =
       naming_file(arguments.input.path, [&] { return compute(input.points, read, options); });
   add_frame(input.points, 0, computed.hull, computed.survivors, computed.report, scene);
   return {scene.page(), computed.report};
+}
+
+Written view_points(const ViewArguments& arguments, const cullhull::Options& options) {
+  // Whoever waits for a pipe has nothing to tidy up: a signal ends that at once.
+  const Input input = open_input(arguments.input, arguments.run.threads);
+  Written written;
+  cancellable([&] { written = view_input(arguments, input, options); });
+  return written;
 }
 
 /// A frame's figures: those of its hull, and how the frame before led to it.
@@ -241,13 +249,14 @@ int run(const ViewArguments& arguments) {
   {
     TerminalProgress progress(arguments.run.quiet);
     options.progress = progress.callback();
-    cancellable([&] {
-      const std::vector<std::string> hulls = hull_files(arguments.input);
-      written = !hulls.empty() ? view_hulls(arguments, hulls, options)
-                : may_be_sequence(arguments.input)
-                    ? view_sequence(arguments, options, options.progress)
-                    : view_points(arguments, options);
-    });
+    const std::vector<std::string> hulls = hull_files(arguments.input);
+    if (hulls.empty() && !may_be_sequence(arguments.input))
+      written = view_points(arguments, options);
+    else
+      cancellable([&] {
+        written = !hulls.empty() ? view_hulls(arguments, hulls, options)
+                                 : view_sequence(arguments, options, options.progress);
+      });
   }
   cullhull::write_text(arguments.output, written.page);
   if (!arguments.json.empty()) cullhull::write_text(arguments.json, written.report);

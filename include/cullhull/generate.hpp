@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,9 +20,9 @@ const std::vector<Shape>& shapes();
 
 /// `count` points of dimension `dimension`, row-major. The same arguments give the same bits on
 /// every machine and thread count. Throws Error{invalid_argument} for an unknown shape or a
-/// dimension the shape does not have.
+/// dimension the shape does not have, Error{cancelled} soon after `stop` is requested.
 std::vector<double> generate(std::string_view shape, std::uint64_t count, std::uint32_t dimension,
-                             std::uint64_t seed = 1);
+                             std::uint64_t seed = 1, const std::stop_token& stop = {});
 
 /// The motions MovingPoints knows, in the order a help text should list them.
 const std::vector<Shape>& motions();
@@ -41,7 +42,8 @@ class MovingPoints {
 
   /// Writes frame `index` < frames, row-major, to `out` (count x dimension). The same arguments
   /// give the same bits on every machine and thread count, in whatever order frames are asked for.
-  void frame(std::uint64_t index, double* out) const;
+  /// Throws Error{cancelled} soon after `stop` is requested.
+  void frame(std::uint64_t index, double* out, const std::stop_token& stop = {}) const;
 
  private:
   friend const std::vector<Shape>& motions();

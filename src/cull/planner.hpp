@@ -14,8 +14,9 @@ std::uint64_t smallest_worth_culling(unsigned d);
 /// Fewer survivors than this are hulled sooner than a second map is built.
 std::uint64_t smallest_worth_refining(unsigned d);
 
-/// Of `threads` those that pay for so many points: one, where all of it takes too little time to be
-/// shared.
+/// Of `threads` those that pay: one, where all of it takes too little time to be shared. For the
+/// filter of so many points, and for the hull of so many that it left.
+unsigned useful_cull_threads(unsigned threads, std::uint64_t count, unsigned d);
 unsigned useful_threads(unsigned threads, std::uint64_t count, unsigned d);
 
 /// Points of the first, small sample, whose hull tells whether the filter pays.

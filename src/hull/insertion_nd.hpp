@@ -232,6 +232,7 @@ bool InsertionNd<D>::centre_inside(const std::vector<double>& centre) const {
   const Sign whole = orientation(d, p.data());
   for (unsigned i = 0; i <= d; ++i) {
     p[i] = centre.data();
+    if constexpr (D == 0) control_.check();  // in 50D an exact sign can take a tenth of a second
     if (orientation(d, p.data()) != whole) return false;
     p[i] = row(i);
   }

@@ -251,6 +251,20 @@ void check_dimension(const ShapeEntry& entry, std::uint32_t dimension) {
                                                ", not " + std::to_string(dimension));
 }
 
+void check(const std::stop_token& stop) {
+  if (stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
+}
+
+/// To zeros. The system clears pages at some gigabytes a second: long enough to be asked to stop.
+void resize_in_steps(std::vector<double>& values, std::size_t size, const std::stop_token& stop) {
+  constexpr std::size_t step = std::size_t{1} << 22;
+  values.reserve(size);
+  while (values.size() < size) {
+    check(stop);
+    values.resize(std::min(size, values.size() + step));
+  }
+}
+
 }  // namespace
 
 const std::vector<Shape>& shapes() {
@@ -263,7 +277,7 @@ const std::vector<Shape>& shapes() {
 }
 
 std::vector<double> generate(std::string_view shape, std::uint64_t count, std::uint32_t dimension,
-                             std::uint64_t seed) {
+                             std::uint64_t seed, const std::stop_token& stop) {
   const auto colon = shape.find(':');
   const ShapeEntry& entry = find_shape(shape.substr(0, colon));
   Job job{dimension, count, seed, 128, 1, 0, {}};
@@ -279,12 +293,13 @@ std::vector<double> generate(std::string_view shape, std::uint64_t count, std::u
     throw Error(ErrorCode::invalid_argument, std::to_string(count) + " points of dimension " +
                                                  std::to_string(dimension) +
                                                  " do not fit into memory");
-  points.resize(count * dimension);
+  resize_in_steps(points, count * dimension, stop);
   if (entry.prepare != nullptr) entry.prepare(job);
   // Part of the contract: another size would draw other points.
   constexpr std::uint64_t chunk_size = 4096;
   internal::for_each_chunk(count, chunk_size, internal::resolve_threads(0),
                            [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+                             check(stop);
                              RandomStream random(seed, chunk);
                              for (std::uint64_t i = begin; i < end; ++i)
                                entry.point(job, random, i, points.data() + i * dimension);

@@ -94,26 +94,4 @@ CULLHULL_HD void expand_minors(const Entry (*m)[D], unsigned rows, T* det, T* pe
   }
 }
 
-/// The same with a run-time dimension; m is row-major with d columns. Doubles only.
-inline void expand_minors(const double* m, unsigned d, unsigned rows, double* det, double* perm) {
-  det[0] = 1;
-  perm[0] = 1;
-  for (unsigned mask = 1; mask < (1U << d); ++mask) {
-    const auto size = static_cast<unsigned>(std::popcount(mask));
-    if (size > rows) continue;
-    const double* row = m + std::size_t{size - 1} * d;
-    double sum = 0, bound = 0;
-    bool negative = ((size - 1) & 1U) != 0;
-    for (unsigned rest = mask; rest != 0; rest &= rest - 1) {
-      const auto j = static_cast<unsigned>(std::countr_zero(rest));
-      const double product = row[j] * det[mask ^ (1U << j)];
-      sum = negative ? sum - product : sum + product;
-      bound += std::abs(row[j]) * perm[mask ^ (1U << j)];
-      negative = !negative;
-    }
-    det[mask] = sum;
-    perm[mask] = bound;
-  }
-}
-
 }  // namespace cullhull::internal

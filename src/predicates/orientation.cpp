@@ -235,19 +235,27 @@ Sign orientation_from_centroid_exact(unsigned d, const double* const* p,
   return determinant_sign(CentroidDifferences(d, p, simplex));
 }
 
+namespace {
+
+/// Rung 2 by elimination, then rung 3 by cofactors.
+Sign eliminated(unsigned d, const double* const* p, Rung* rung) {
+  thread_local OrientedPlane plane;
+  plane.set(d, p);
+  return plane.side(p[d], rung);
+}
+
+}  // namespace
+
 Sign orientation(unsigned d, const double* const* p, Rung* rung) {
-  if (d >= elimination_pays) {
-    thread_local OrientedPlane plane;
-    plane.set(d, p);
-    return plane.side(p[d], rung);
-  }
+  if (d >= elimination_pays) return eliminated(d, p, rung);
   Sign sign = Sign::zero;
-  if (filtered(d, p, sign)) {
-    if (rung != nullptr) *rung = Rung::filter;
-    return sign;
-  }
+  if (rung != nullptr) *rung = Rung::filter;
+  if (filtered(d, p, sign)) return sign;
   if (rung != nullptr) *rung = Rung::exact;
-  return orientation_exact(d, p);
+  if (d < 4) return orientation_exact(d, p);
+  // 128 bits are soonest where they suffice, double-doubles where integers would be long.
+  if (determinant_128(Differences(d, p, d), sign)) return sign;
+  return eliminated(d, p, rung);
 }
 
 unsigned affine_rank_exact(unsigned d, const double* const* p, unsigned count, unsigned* columns) {

@@ -58,24 +58,30 @@ bool SmallPolygon::thin(std::uint32_t count) {
   return false;
 }
 
-/// Every `step`th row that the disc does not contain.
+/// Every `step`th row that the disc does not contain; not all of them where they are more than
+/// `most_kept`.
 void SmallPolygon::keep_rows(std::uint32_t count, std::uint32_t step, const InnerDisc& disc) {
-  const std::size_t most = (std::size_t{count} + step - 1) / step;
-  if (kept_.size() < most) {
-    kept_.resize(most);
-    kept_rows_.resize(2 * most);
+  constexpr std::uint32_t block = 2048;
+  if (kept_.empty()) {
+    kept_.resize(most_kept + block);
+    kept_rows_.resize(2 * kept_.size());
   }
   const double* const rows = rows_;
   std::uint32_t* const kept = kept_.data();
-  double* const to = kept_rows_.data();
   std::uint32_t k = 0;
-  if (step == 1)
-    k = disc.outside(rows, count, kept);
-  else
-    for (std::uint32_t row = 0; row < count; row += step) {
+  for (std::uint32_t begin = 0; begin < count && k <= most_kept; begin += block * step) {
+    const std::uint32_t end = std::min(count, begin + block * step), before = k;
+    if (step == 1) {
+      k += disc.outside(rows + 2 * std::size_t{begin}, end - begin, kept + k);
+      for (std::uint32_t i = before; i < k; ++i) kept[i] += begin;
+      continue;
+    }
+    for (std::uint32_t row = begin; row < end; row += step) {
       kept[k] = row;
       k += !disc.contains(rows[2 * std::size_t{row}], rows[2 * std::size_t{row} + 1]);
     }
+  }
+  double* const to = kept_rows_.data();
   for (std::uint32_t i = 0; i < k; ++i) {
     to[2 * std::size_t{i}] = rows[2 * std::size_t{kept[i]}];
     to[2 * std::size_t{i} + 1] = rows[2 * std::size_t{kept[i]} + 1];

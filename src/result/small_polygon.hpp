@@ -19,6 +19,7 @@ class SmallPolygon {
   /// That are left when what a sample's hull contains is gone.
   static constexpr std::uint64_t most_kept = 4096;
 
+  /// Keeps some 500 KB at most, and 1 MB for points that are no packed doubles.
   explicit SmallPolygon(const Control& control) : series_(control) {}
 
   /// The corners of a set. False where the general way must see to it: other dimensions, few or

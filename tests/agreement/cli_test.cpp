@@ -155,8 +155,7 @@ TEST(Cli, MachineConstantsAreRead) {
       R"({"host_read_bytes_per_second": 3e10, "host_copy_bytes_per_second": 1e10, "cores": 2,
           "link_bytes_per_second": null, "date": "2026-01-01"})");
   EXPECT_EQ(good.status, 0);
-  EXPECT_EQ(nlohmann::json::parse(good.out)["cull"]["reason"],
-            "1000 points are hulled sooner than a map is laid");
+  EXPECT_EQ(nlohmann::json::parse(good.out)["cull"]["reason"], "few points");
   for (const std::string bad :
        {"{", "[]", "{}", R"({"host_read_bytes_per_second": -1, "host_copy_bytes_per_second": 1})",
         R"({"host_read_bytes_per_second": 1, "host_copy_bytes_per_second": 1, "cores": 1.5})"}) {
@@ -411,6 +410,53 @@ TEST(Cli, InterruptedWritingLeavesNoFile) {
   EXPECT_EQ(wait_for(child), 130);
   ::close(null);
   EXPECT_EQ(f.entries(), 0U);
+}
+
+/// Starts the program with a pipe as its input, and a signal once it has read what is there.
+int interrupted_while_reading(const std::vector<std::string>& arguments,
+                              const std::string& errors) {
+  int ends[2] = {};
+  if (::pipe2(ends, O_CLOEXEC) != 0) return -1;
+  const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+  const int err = ::open(errors.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  const pid_t child = start_app(arguments, ends[0], null, err);
+  (void)!::write(ends[1], "0 0 0\n", 6);
+  // Signals are arranged before the first byte is taken: wait until the pipe is empty.
+  for (int unread = 1; unread != 0; ::usleep(1000))
+    if (::ioctl(ends[0], FIONREAD, &unread) != 0) break;
+  ::kill(child, SIGINT);
+  const int status = wait_for(child);
+  for (const int fd : {ends[0], ends[1], null, err}) ::close(fd);
+  return status;
+}
+
+TEST(Cli, EveryCommandSaysThatItWasCancelled) {
+  const Folder f;
+  const std::string errors = f / "errors.txt";
+  const std::vector<std::vector<std::string>> commands = {
+      {"hull", "-"}, {"hull", "-", "--engine", "qhull"}, {"cull", "-", "-o", f / "ids.npy"},
+      {"info", "-"}, {"certify", "-", f / "hull.json"},  {"view", "-", "-o", f / "page.html"}};
+  write_points(f / "p.npy", "ball", 100, 3);
+  ASSERT_EQ(run_app({"hull", f / "p.npy", "-o", f / "hull.json"}).status, 0);
+  for (const auto& command : commands) {
+    EXPECT_EQ(interrupted_while_reading(command, errors), 130) << command[0];
+    EXPECT_EQ(read_file(errors), "cullhull: cancelled\n") << command[0];
+  }
+}
+
+TEST(Cli, QhullHearsAnInterruption) {
+  const Folder f;
+  write_points(f / "p.npy", "sphere", 3000, 8);  // hours of Qhull's work
+  const std::string errors = f / "errors.txt";
+  const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+  const int err = ::open(errors.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  const pid_t child =
+      start_app({"hull", f / "p.npy", "--engine", "qhull", "--cull", "none"}, null, null, err);
+  ::usleep(500000);  // a signal that comes sooner is heard as well
+  ::kill(child, SIGINT);
+  EXPECT_EQ(wait_for(child), 130);
+  EXPECT_EQ(read_file(errors), "cullhull: cancelled\n");
+  for (const int fd : {null, err}) ::close(fd);
 }
 
 TEST(Cli, InterruptedReadingEndsAtOnce) {

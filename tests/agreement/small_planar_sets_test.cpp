@@ -196,6 +196,14 @@ TEST(SmallPlanarSets, HearWhoWantsToStop) {
   EXPECT_EQ(told, 1);
 }
 
+// Whatever was worth sharing: the figure is what the call had at hand.
+TEST(SmallPlanarSets, TellTheThreads) {
+  Options options;
+  options.threads = 2;
+  for (const unsigned n : {10U, 3000U, 70'000U, 600'000U})
+    EXPECT_EQ(convex_hull(view_of(random_set("ball", n, 2, 1)), options).statistics.threads, 2U);
+}
+
 // What the disc contains is strictly inside, to the last bit: points are taken on its rim.
 TEST(InnerDisc, IsStrictlyInside) {
   Random r(15);

@@ -147,7 +147,7 @@ TEST(Text, StopsWhenAsked) {
 TEST(Text, QhullHeaderWithCommasAndSemicolons) {
   for (const char* words :
        {" rbox 10 D3 P0.5,0.5,0.5", " a;b, c ; d", " rbox 1,2;3", " x,", " (1,2)"}) {
-    const auto p = parse("3" + std::string(words) + "\n2\n1 2 3\n4 5 6\n", "txt");
+    const auto p = parse(std::string("3").append(words).append("\n2\n1 2 3\n4 5 6\n"), "txt");
     EXPECT_EQ(rows_of(p.view), (Rows{{1, 2, 3}, {4, 5, 6}})) << words;
     EXPECT_EQ(p.format, "txt") << words;
   }

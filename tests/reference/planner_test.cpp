@@ -148,11 +148,15 @@ TEST(Planner, FindingsAreSaid) {
 }
 
 TEST(Planner, FewPointsAreNotShared) {
-  for (const std::uint64_t few : {0U, 10U, 1000U, 65535U}) EXPECT_EQ(useful_threads(8, few, 2), 1U);
+  for (const std::uint64_t few : {0U, 10U, 1000U, 65535U}) {
+    EXPECT_EQ(useful_threads(8, few, 2), 1U);
+    EXPECT_EQ(useful_cull_threads(8, 2 * few, 2), 1U);
+  }
   EXPECT_EQ(useful_threads(8, 1 << 20, 2), 8U);
   for (const unsigned d : {1U, 2U, 3U, 4U, 6U, 9U}) {
     EXPECT_EQ(useful_threads(8, 100'000'000, d), 8U);
     EXPECT_EQ(useful_threads(1, 100'000'000, d), 1U);
+    EXPECT_EQ(useful_cull_threads(8, 100'000'000, d), 8U);
   }
 }
 

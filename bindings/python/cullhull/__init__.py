@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ._answers import NearestFacets, Rays, Simplified
+from ._answers import NearestFacets, Rays
 from ._core import version as __version__
 from ._device import cuda_status
 from ._drop_in import ConvexHull, HalfspaceIntersection
@@ -35,7 +35,7 @@ from ._errors import (
     ShapeWarning,
 )
 from ._functions import certify, convex_hull, cull, generate, shapes
-from ._hull import Certificate, Hull
+from ._hull import Certificate, Hull, Simplified
 from ._lists import Lists
 from ._many import GrowingHull, HullBatch, convex_hulls
 from ._tolerant import TolerantConvexHull

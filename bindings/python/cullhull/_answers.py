@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-if TYPE_CHECKING:
-    from ._hull import Hull
 
 
 class NearestFacets(NamedTuple):
@@ -63,32 +60,3 @@ class Rays(NamedTuple):
     #: (m,) int64: facets of entry and exit; -1 where there is no hit.
     enter_facets: npt.NDArray[np.int64]
     exit_facets: npt.NDArray[np.int64]
-
-
-class Simplified(NamedTuple):
-    """Answer of `Hull.simplify`.
-
-    Attributes
-    ----------
-    hull : Hull
-        The exact hull of the vertices that were kept, with the same numbering of points.
-    dropped : int
-        Vertices that were dropped.
-    distance : float
-        No point is farther from `hull`: an upper bound, rounding included; units of the points.
-
-    Examples
-    --------
-    >>> import cullhull
-    >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 2], [0, 2], [1, 2.01]])
-    >>> simplified = hull.simplify(0.1)
-    >>> simplified.hull.vertices, simplified.dropped, round(simplified.distance, 4)
-    (array([0, 1, 2, 3]), 1, 0.01)
-    """
-
-    #: The exact hull of the vertices that were kept, with the same numbering of points.
-    hull: Hull
-    #: Vertices that were dropped.
-    dropped: int
-    #: No point is farther from `hull`: an upper bound, rounding included; units of the points.
-    distance: float

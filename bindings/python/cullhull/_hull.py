@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core, _show
-from ._answers import NearestFacets, Rays, Simplified
+from ._answers import NearestFacets, Rays
 from ._arguments import Progress, as_points, as_questions, settings
 from ._errors import InvalidArgument
 from ._lists import Lists
@@ -680,3 +680,32 @@ class Hull:
 
 def _hull_of_state(state: dict[str, Any], certificate: Certificate | None) -> Hull:
     return Hull._of(_core.solid_of_state(state), certificate)
+
+
+class Simplified(NamedTuple):
+    """Answer of `Hull.simplify`.
+
+    Attributes
+    ----------
+    hull : Hull
+        The exact hull of the vertices that were kept, with the same numbering of points.
+    dropped : int
+        Vertices that were dropped.
+    distance : float
+        No point is farther from `hull`: an upper bound, rounding included; units of the points.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 2], [0, 2], [1, 2.01]])
+    >>> simplified = hull.simplify(0.1)
+    >>> simplified.hull.vertices, simplified.dropped, round(simplified.distance, 4)
+    (array([0, 1, 2, 3]), 1, 0.01)
+    """
+
+    #: The exact hull of the vertices that were kept, with the same numbering of points.
+    hull: Hull
+    #: Vertices that were dropped.
+    dropped: int
+    #: No point is farther from `hull`: an upper bound, rounding included; units of the points.
+    distance: float

@@ -76,7 +76,29 @@ class TolerantConvexHull(ConvexHull):
         super().__init__(points, incremental, qhull_options, strict=strict, **choices)
 
     def add_points(self, points: Any, restart: bool = False) -> None:
-        """As of `ConvexHull`: all points so far count, those dropped too."""
+        """Adds points; only with ``incremental=True``. Those dropped before count again.
+
+        Parameters
+        ----------
+        points : (m, d) array
+        restart : bool
+            Compute the hull anew; the result is the same.
+
+        Raises
+        ------
+        RuntimeError
+            Not incremental, or closed.
+        InvalidArgument, NotFinite (ValueErrors), QhullError
+            As for the first points; nothing is added then.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.TolerantConvexHull([[0, 0], [1, 0], [0, 1]], incremental=True)
+        >>> hull.add_points([[1, 1]])
+        >>> hull.volume
+        1.0
+        """
         super().add_points(points, restart or self._grower is None)
 
     def _settle(self, solid: _core.Solid) -> _core.Solid:
@@ -87,6 +109,7 @@ class TolerantConvexHull(ConvexHull):
 
     @_Lazy
     def equations(self) -> npt.NDArray[np.float64]:
+        """(s, d + 1) float64: outward unit normal and offset of each simplex's shared plane."""
         shared = self.hull.shared_planes(self.merge_distance)
         planes: npt.NDArray[np.float64] = self.hull.facet_planes[shared[self.hull.simplex_facets]]
         return planes

@@ -53,13 +53,17 @@ Certificate certify(nb::handle array, const Solid& solid, const Settings* settin
 
 Array<double> generate(const std::string& shape, std::uint64_t count, std::uint32_t dimension,
                        std::uint64_t seed) {
+  constexpr std::uint64_t brief = 100'000, step = 1 << 22;
   std::optional<Output<double>> out;
-  {
-    const nb::gil_scoped_release release;
-    const std::vector<double> points = cullhull::generate(shape, count, dimension, seed);
+  const bool few = dimension > 0 && count < brief / dimension;
+  run(nullptr, few ? Length::brief : Length::long_, [&](const Options& options) {
+    const std::vector<double> points =
+        cullhull::generate(shape, count, dimension, seed, options.stop);
     out.emplace(points.size());
-    std::copy(points.begin(), points.end(), out->data());
-  }
+    for (std::size_t i = 0; i < points.size() && !options.stop.stop_requested(); i += step)
+      std::copy_n(points.data() + i, std::min<std::size_t>(step, points.size() - i),
+                  out->data() + i);
+  });
   return std::move(*out).to_array();
 }
 

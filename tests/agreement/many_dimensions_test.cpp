@@ -1,0 +1,229 @@
+// Hulls of a few points in 9 to 30 dimensions against a slow reference that is exact and shares
+// nothing with the engine: Gale's diagram. With A the points in homogeneous coordinates and g_i the
+// rows of a basis of its null space, the points on a facet are those outside a minimal set J for
+// which the g_j, j in J, have a vanishing combination with positive weights (Gruenbaum, "Convex
+// Polytopes", 5.4).
+#include <gmpxx.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+#include <set>
+#include <vector>
+
+#include "cullhull/certify.hpp"
+#include "cullhull/hull.hpp"
+#include "cullhull/point_view.hpp"
+
+namespace cullhull {
+namespace {
+
+using Points = std::vector<std::vector<double>>;
+using Matrix = std::vector<std::vector<mpq_class>>;
+using Ids = std::vector<std::uint64_t>;
+
+/// To reduced row echelon form; the pivots' columns.
+std::vector<std::size_t> reduce(Matrix& m) {
+  std::vector<std::size_t> pivots;
+  if (m.empty()) return pivots;
+  for (std::size_t c = 0, r = 0; c < m[0].size() && r < m.size(); ++c) {
+    std::size_t i = r;
+    while (i < m.size() && m[i][c] == 0) ++i;
+    if (i == m.size()) continue;
+    std::swap(m[i], m[r]);
+    const mpq_class pivot = m[r][c];
+    for (auto& v : m[r]) v /= pivot;
+    for (std::size_t k = 0; k < m.size(); ++k) {
+      if (k == r || m[k][c] == 0) continue;
+      const mpq_class factor = m[k][c];
+      for (std::size_t j = c; j < m[k].size(); ++j) m[k][j] -= factor * m[r][j];
+    }
+    pivots.push_back(c);
+    ++r;
+  }
+  return pivots;
+}
+
+/// Rows: a basis of the vectors x with m x = 0.
+Matrix null_space(Matrix m, std::size_t columns) {
+  const std::vector<std::size_t> pivots = reduce(m);
+  Matrix basis;
+  for (std::size_t c = 0; c < columns; ++c) {
+    if (std::find(pivots.begin(), pivots.end(), c) != pivots.end()) continue;
+    std::vector<mpq_class> x(columns);
+    x[c] = 1;
+    for (std::size_t r = 0; r < pivots.size(); ++r) x[pivots[r]] = -m[r][c];
+    basis.push_back(x);
+  }
+  return basis;
+}
+
+class GaleReference {
+ public:
+  explicit GaleReference(const Points& points) : n_(points.size()) {
+    Matrix a(points[0].size() + 1, std::vector<mpq_class>(n_));
+    for (std::size_t i = 0; i < n_; ++i) {
+      a[0][i] = 1;
+      for (std::size_t j = 0; j < points[i].size(); ++j) a[j + 1][i] = mpq_class(points[i][j]);
+    }
+    diagram_ = null_space(a, n_);
+    for (std::size_t size = 1; size <= diagram_.size() + 1; ++size) extend({}, 0, size);
+    for (std::size_t i = 0; i < n_; ++i) {
+      // Extreme: all facets of i together leave nothing but i and its equals.
+      std::set<std::uint64_t> common;
+      bool any = false;
+      for (const Ids& facet : facets_) {
+        if (!std::binary_search(facet.begin(), facet.end(), i)) continue;
+        std::set<std::uint64_t> kept;
+        for (const std::uint64_t v : facet)
+          if (!any || common.count(v) != 0) kept.insert(v);
+        common = kept;
+        any = true;
+      }
+      if (any && std::all_of(common.begin(), common.end(),
+                             [&](std::uint64_t v) { return points[v] == points[i] && v >= i; }))
+        vertices_.push_back(i);
+    }
+  }
+
+  const Ids& vertices() const { return vertices_; }
+  /// Vertices of each facet, ascending.
+  std::set<Ids> facets() const {
+    std::set<Ids> all;
+    for (const Ids& facet : facets_) {
+      Ids kept;
+      std::set_intersection(facet.begin(), facet.end(), vertices_.begin(), vertices_.end(),
+                            std::back_inserter(kept));
+      all.insert(kept);
+    }
+    return all;
+  }
+
+ private:
+  void extend(Ids chosen, std::uint64_t from, std::size_t size) {
+    if (chosen.size() == size) return consider(chosen);
+    for (std::uint64_t i = from; i < n_; ++i) {
+      chosen.push_back(i);
+      extend(chosen, i + 1, size);
+      chosen.pop_back();
+    }
+  }
+
+  void consider(const Ids& j) {
+    for (const Ids& smaller : found_)
+      if (std::includes(j.begin(), j.end(), smaller.begin(), smaller.end())) return;
+    Matrix m;
+    for (const auto& row : diagram_) {
+      m.emplace_back();
+      for (const std::uint64_t i : j) m.back().push_back(row[i]);
+    }
+    const Matrix weights = null_space(m, j.size());
+    if (weights.size() != 1) return;
+    const auto sign = [](const mpq_class& v) { return sgn(v); };
+    const int first = sign(weights[0][0]);
+    for (const mpq_class& w : weights[0])
+      if (sign(w) == 0 || sign(w) != first) return;
+    found_.push_back(j);
+    Ids facet;
+    for (std::uint64_t i = 0; i < n_; ++i)
+      if (!std::binary_search(j.begin(), j.end(), i)) facet.push_back(i);
+    facets_.push_back(facet);
+  }
+
+  std::size_t n_;
+  Matrix diagram_;
+  std::vector<Ids> found_, facets_;
+  Ids vertices_;
+};
+
+void expect_reference(const Points& points) {
+  const auto d = static_cast<std::uint32_t>(points[0].size());
+  std::vector<double> rows;
+  for (const auto& p : points) rows.insert(rows.end(), p.begin(), p.end());
+  const PointView view = PointView::row_major(rows.data(), points.size(), d);
+  const Hull hull = convex_hull(view);
+  const GaleReference reference(points);
+  EXPECT_EQ(Ids(hull.vertices.begin(), hull.vertices.end()), reference.vertices());
+  std::set<Ids> facets;
+  for (std::size_t f = 0; f < hull.facet_count(); ++f) {
+    Ids facet;
+    for (std::uint64_t i = hull.facets.offsets[f]; i < hull.facets.offsets[f + 1]; ++i)
+      facet.push_back(hull.facets.items[i]);
+    std::sort(facet.begin(), facet.end());
+    facets.insert(facet);
+  }
+  EXPECT_EQ(facets, reference.facets());
+  const Certificate certificate = certify(view, hull);
+  EXPECT_TRUE(certificate.valid) << certificate.reason;
+}
+
+Points made(std::size_t count, unsigned d, const std::function<double()>& coordinate) {
+  Points p(count, std::vector<double>(d));
+  for (auto& x : p)
+    for (auto& c : x) c = coordinate();
+  return p;
+}
+
+TEST(ManyDimensions, RandomPoints) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (const auto& [d, more] : {std::pair{9U, 6U},
+                                {13U, 2U},
+                                {13U, 4U},
+                                {16U, 3U},
+                                {20U, 3U},
+                                {24U, 3U},
+                                {30U, 2U},
+                                {30U, 3U}})
+    expect_reference(made(d + more, d, [&] { return uniform(random); }));
+}
+
+TEST(ManyDimensions, Lattices) {
+  std::mt19937_64 random(2);
+  for (const auto& [d, more] : {std::pair{9U, 5U}, {10U, 4U}, {13U, 3U}, {16U, 3U}, {20U, 3U}})
+    for (const unsigned size : {2U, 3U})
+      expect_reference(made(d + more, d, [&] { return static_cast<double>(random() % size); }));
+}
+
+TEST(ManyDimensions, Duplicates) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (const unsigned d : {9U, 14U, 20U}) {
+    Points p = made(d + 2, d, [&] { return uniform(random); });
+    p.push_back(p[1]);
+    p.insert(p.begin(), p[4]);
+    expect_reference(p);
+  }
+}
+
+/// Points of a 12-dimensional flat that fills no plane across an axis of 20-space.
+TEST(ManyDimensions, Flats) {
+  std::mt19937_64 random(4);
+  for (const unsigned k : {9U, 12U}) {
+    constexpr unsigned d = 20;
+    Points p = made(k + 3, d, [&] { return static_cast<double>(random() % 4096); });
+    for (auto& x : p)
+      for (unsigned j = k; j < d; ++j) x[j] = x[j % k] + 3 * x[(j + 1) % k] - x[(j * 5) % k];
+    expect_reference(p);
+  }
+}
+
+/// Points on a sphere with small rational coordinates, which no plane but axes' ones has many of.
+TEST(ManyDimensions, Cospherical) {
+  for (const unsigned d : {9U, 11U}) {
+    Points p;  // some corners of the cross-polytope: facets of many shapes
+    for (unsigned j = 0; j < d; ++j) {
+      p.emplace_back(d, 0.0);
+      p.back()[j] = 1;
+      if (j >= 4) continue;
+      p.emplace_back(d, 0.0);
+      p.back()[j] = -1;
+    }
+    expect_reference(p);
+  }
+}
+
+}  // namespace
+}  // namespace cullhull
