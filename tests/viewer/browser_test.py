@@ -243,7 +243,7 @@ class Static(Page):
             self.expect_figures_whole()
 
     def test_plot(self):
-        source = generated("disk.npy", "ball", "-n", "50k", "-d", "2")
+        source = generated("disk.npy", "ball", "-n", "80k", "-d", "2")
         self.expect_figures(self.view(source))
         self.expect_not_blank(5000)
         browser.run("document.getElementById('show-stretch').disabled = true")
@@ -329,7 +329,7 @@ class Moving(Page):
 
     def test_moving_points_are_tracked(self):
         source = generated(
-            "led.npy", "bumpy", "-n", "20k", "-d", "3", "--frames", "4", "--motion", "twist")
+            "led.npy", "bumpy", "-n", "80k", "-d", "3", "--frames", "4", "--motion", "twist")
         reports = self.view(source)
         self.assertEqual([r["track"]["method"] for r in reports],
                          ["static", "gauge", "gauge", "gauge"])
@@ -340,7 +340,7 @@ class Moving(Page):
             self.assertEqual(report["cull"]["survivors"], frame["survivors"])
             self.assertEqual(report["vertex_count"], frame["vertex_count"])
             self.assertEqual(report["track"]["vertices_came"], frame["vertices_came"])
-        self.key(".")  # the first has no frame before, and few enough points to do without a filter
+        self.key(".")  # the first has no frame before
         browser.run("document.activeElement.blur()")
         self.expect_toggles_work(
             ("points", "survivors", "vertices", "faces", "edges", "axes", "stretch"))
