@@ -173,7 +173,7 @@ def test_device_arrays_that_are_refused():
     with pytest.raises(TypeError, match="dict"):
         cullhull.convex_hull(points)
     with pytest.raises(ValueError, match="certify"):
-        cullhull.convex_hull(Device(), certify=True)
+        cullhull.convex_hull(Device(stream=1), certify=True)
 
 
 class FakeCore:
