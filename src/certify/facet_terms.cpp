@@ -1,6 +1,7 @@
 #include "certify/facet_terms.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -315,8 +316,122 @@ mp_bitcnt_t Facets::wide_bits(std::uint32_t simplex) const {
   return static_cast<mp_bitcnt_t>(2 * k_) * static_cast<mp_bitcnt_t>(high - low + 8) + 256;
 }
 
+/// The cofactor normal of a simplex of codimension 1, `from` its first vertex: every product of a
+/// minor has a factor of each other axis, so axes of any proportions leave each component right to
+/// 2^-(bits - 16) of its permanent. Exponents of these numbers know no bounds.
+class Facets::WideCofactors {
+ public:
+  WideCofactors(unsigned k, mp_bitcnt_t bits)
+      : k_(k),
+        bits_(bits),
+        minors_(std::size_t{1} << k, mpf_class(0, bits)),
+        permanents_(minors_) {}
+
+  /// False if the normal, or its height over every vertex offered, is lost in the rounding: then
+  /// more bits are needed.
+  bool find(const std::vector<const double*>& corners, const std::vector<const double*>& apexes) {
+    for (unsigned j = 1; j < k_; ++j) add_edge(corners[0], corners[j]);
+    expand();
+    mpf_class square(0, bits_), spread(0, bits_);
+    for (unsigned c = 0; c < k_; ++c) {
+      const unsigned rest = ((1U << k_) - 1) & ~(1U << c);
+      normal.push_back((k_ - 1 + c) % 2 != 0 ? mpf_class(-minors_[rest]) : minors_[rest]);
+      spread_.push_back(permanents_[rest]);
+      square += normal[c] * normal[c];
+      spread += spread_[c] * spread_[c];
+    }
+    if (!(square > 0) || lost(square, spread)) return false;
+    measure = sqrt(square);
+    const int side = side_of(corners[0], apexes);
+    for (mpf_class& n : normal) n = side > 0 ? mpf_class(-n / measure) : mpf_class(n / measure);
+    return side != 0;
+  }
+
+  std::vector<mpf_class> normal;
+  mpf_class measure, lengths = mpf_class(1, 256);
+  std::vector<double> unit_edges;
+
+ private:
+  /// Whether `part` may be nothing but the rounding of terms that add up to `whole`.
+  bool lost(const mpf_class& part, const mpf_class& whole) const {
+    mpf_class least(whole, 64);
+    mpf_div_2exp(least.get_mpf_t(), least.get_mpf_t(), bits_ / 2);
+    return part <= least;
+  }
+
+  mpf_class difference(double a, double b) const {
+    return mpf_class(a, bits_) - mpf_class(b, bits_);
+  }
+
+  void add_edge(const double* from, const double* to) {
+    mpf_class square(0, bits_);
+    for (unsigned c = 0; c < k_; ++c) {
+      edges_.push_back(difference(to[c], from[c]));
+      square += edges_.back() * edges_.back();
+    }
+    const mpf_class length = sqrt(square);
+    lengths = lengths * length;
+    for (unsigned c = 0; c < k_; ++c)
+      unit_edges.push_back(length > 0 ? mpf_class(edges_[edges_.size() - k_ + c] / length).get_d()
+                                      : 0);
+  }
+
+  /// Minors of the first rows on every set of columns, along the last row (predicates/minors.hpp).
+  void expand() {
+    minors_[0] = permanents_[0] = 1;
+    for (unsigned set = 1; set + 1 < 1U << k_; ++set) {
+      const auto size = static_cast<unsigned>(std::popcount(set));
+      bool negative = size % 2 == 0;
+      mpf_class &sum = minors_[set], &bound = permanents_[set];
+      for (unsigned c = 0; c < k_; ++c) {
+        if ((set >> c & 1) == 0) continue;
+        const mpf_class& entry = edges_[std::size_t{size - 1} * k_ + c];
+        const mpf_class term = entry * minors_[set & ~(1U << c)];
+        sum += negative ? mpf_class(-term) : term;
+        bound += abs(entry) * permanents_[set & ~(1U << c)];
+        negative = !negative;
+      }
+    }
+  }
+
+  /// On which side of the plane the vertices are; 0: none was found far enough from it.
+  int side_of(const double* from, const std::vector<const double*>& apexes) const {
+    for (const double* apex : apexes) {
+      mpf_class height(0, bits_), bound(0, bits_);
+      for (unsigned c = 0; c < k_; ++c) {
+        const mpf_class step = difference(apex[c], from[c]);
+        height += normal[c] * step;
+        bound += spread_[c] * abs(step);
+      }
+      if (height != 0 && !lost(abs(height), bound)) return sgn(height);
+    }
+    return 0;
+  }
+
+  unsigned k_;
+  mp_bitcnt_t bits_;
+  std::vector<mpf_class> edges_, minors_, permanents_, spread_;
+};
+
+bool Facets::wide_cofactors(std::uint32_t i, WideTerms& out) const {
+  const auto row = [&](std::uint32_t v) { return s_.full.data() + std::size_t{v} * d_; };
+  std::vector<const double*> corners, apexes;
+  for (unsigned j = 0; j < k_; ++j) corners.push_back(row(s_.simplex(i)[j]));
+  for (const std::uint32_t b : s_.basis) apexes.push_back(row(b));
+  const mp_bitcnt_t enough = wide_bits(i);
+  for (mp_bitcnt_t bits = 256; bits <= enough; bits *= 2) {
+    WideCofactors cofactors(k_, bits);
+    if (!cofactors.find(corners, apexes)) continue;
+    out = {std::move(cofactors.normal), std::move(cofactors.lengths), std::move(cofactors.measure),
+           std::move(cofactors.unit_edges)};
+    return true;
+  }
+  return false;
+}
+
 WideTerms Facets::wide_terms(std::uint32_t i) const {
   s_.exact_decisions.fetch_add(1, std::memory_order_relaxed);
+  if (WideTerms w; k_ == d_ && k_ >= 2 && k_ <= 8 && wide_cofactors(i, w)) return w;
   const WideFloats arithmetic{wide_bits(i)};
   const auto raw = [&](std::uint32_t v) { return s_.full.data() + std::size_t{v} * d_; };
   const std::uint32_t* v = s_.simplex(i);

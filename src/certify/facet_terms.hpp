@@ -64,6 +64,9 @@ class Facets {
   bool quickly(std::uint32_t simplex, FacetTerms& out) const;
   bool orthogonally(std::uint32_t simplex, FacetTerms& out) const;
   void exactly(std::uint32_t simplex, FacetTerms& out) const;
+  class WideCofactors;
+  /// False where more bits are needed than Gram-Schmidt would take.
+  bool wide_cofactors(std::uint32_t simplex, WideTerms& out) const;
   template <unsigned K>
   void fill_spread(const WideTerms& w, FacetTerms& out) const;
   bool in_range(std::uint32_t simplex) const;

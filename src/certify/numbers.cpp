@@ -176,15 +176,18 @@ class MeasureCheck {
   bool quick() const { return k_ > 1 && !f_.wild(); }
   bool single() const { return h_.facets.size() == s_.simplex_count(); }
 
-  /// Bounds per unit of the product of a simplex's edges: on the measure of its parallelotope, and
-  /// on its height's product with that, `reach` being the step to the apex.
-  double area_bound(const FacetTerms& t) const {
+  /// Bounds on the measure of a simplex's parallelotope, and on its height's product with that,
+  /// `reach` being the step to the apex. The product of the edges' lengths and the measure come
+  /// apart, since their quotient may be beyond doubles.
+  template <class Number>
+  Number area_bound(const FacetTerms& t, const Number& lengths, const Number& measure) const {
     const double spread = f_.by_component() ? length(t.spread) : 1;
-    return unit * (f_.alpha() * spread * thin(t) + f_.beta() * t.share);
+    return unit * (f_.alpha() * spread * thin(t) * lengths + f_.beta() * measure);
   }
   template <class Number>
   Number volume_bound(const FacetTerms& t, const std::vector<Number>& normal,
-                      const std::vector<Number>& reach, const Number& zero) const {
+                      const std::vector<Number>& reach, const Number& zero, const Number& lengths,
+                      const Number& measure) const {
     using std::abs;
     using std::sqrt;
     Number lost = zero, kept = zero;
@@ -195,7 +198,7 @@ class MeasureCheck {
       for (unsigned c = 0; c < d_; ++c) kept += reach[c] * reach[c];
       lost = kept = sqrt(kept);
     }
-    return unit * (f_.alpha() * thin(t) * lost + f_.beta() * t.share * kept);
+    return unit * (f_.alpha() * thin(t) * lost * lengths + f_.beta() * kept * measure);
   }
   double thin(const FacetTerms& t) const {
     return std::min(1.0, t.share / f_.careful_share()) + 0x1p-48;
@@ -236,8 +239,8 @@ class MeasureCheck {
     const double area = t.share * t.lengths, volume = height * area;
     out.area = out.area + DoubleDouble(area);
     out.volume = out.volume + DoubleDouble(volume);
-    out.area_bound += area_bound(t) * t.lengths;
-    out.volume_bound += volume_bound(t, t.normal, reach, 0.0) * t.lengths;
+    out.area_bound += area_bound(t, t.lengths, area);
+    out.volume_bound += volume_bound(t, t.normal, reach, 0.0, t.lengths, area);
     for (unsigned c = 0; c < d_; ++c) {
       double sum = 0;
       for (unsigned j = 0; j < k_; ++j) sum += f_.at(v[j])[c] - o[c];
@@ -260,8 +263,7 @@ class MeasureCheck {
 
   WideSums wide_sums() const {
     constexpr std::uint64_t chunk = 256;
-    mp_bitcnt_t bits = 256;
-    for (std::uint32_t i = 0; i < s_.simplex_count(); ++i) bits = std::max(bits, f_.wide_bits(i));
+    constexpr mp_bitcnt_t bits = 4608;  // holds sums of products of doubles
     const WideSums none(d_, mpf_class(0, bits), mpf_class(0, 256));
     std::vector<WideSums> parts((s_.simplex_count() + chunk - 1) / chunk, none);
     check_chunks(s_, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
@@ -291,8 +293,8 @@ class MeasureCheck {
     const mpf_class volume = height * w.measure;
     out.area += w.measure;
     out.volume += volume;
-    out.area_bound += area_bound(t) * w.lengths;
-    out.volume_bound += volume_bound(t, w.normal, reach, mpf_class(0, bits)) * w.lengths;
+    out.area_bound += area_bound(t, w.lengths, w.measure);
+    out.volume_bound += volume_bound(t, w.normal, reach, mpf_class(0, bits), w.lengths, w.measure);
     for (unsigned c = 0; c < d_; ++c) {
       mpf_class sum(0, bits);
       for (unsigned j = 0; j < k_; ++j) sum += mpf_class(at(v[j])[c], bits) - mpf_class(o[c], bits);

@@ -17,8 +17,12 @@ constexpr std::uint32_t first_round = 64;
 /// of them ever are.
 constexpr std::uint32_t outermost = 1024;
 constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
-/// Points that the covariance is taken from.
-constexpr std::uint32_t covariance_sample = 512;
+/// Points that the covariance is taken from. The higher the dimension, the more it pays that the
+/// order is that of the norm: of 512 points instead of 4096, 6D balls get a tenth more facets made.
+std::uint32_t covariance_sample(std::uint32_t count, unsigned d) {
+  const std::uint64_t share = std::uint64_t{count} * std::min(d - 3, 8U) / 8;
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(share, 512, 4096));
+}
 
 /// Ascends where norms descend: floats that are not negative are ordered as their bits. A hash of
 /// the id breaks ties.
@@ -48,7 +52,7 @@ void with_dimension(unsigned d, const Body& body) {
 class Norm {
  public:
   explicit Norm(const LocalPoints& points) : d_(points.dimension), mean_(d_, 0.0) {
-    const std::uint32_t n = points.count, stride = std::max(1U, n / covariance_sample);
+    const std::uint32_t n = points.count, stride = std::max(1U, n / covariance_sample(n, d_));
     std::uint32_t used = 0;
     for (std::uint64_t i = 0; i < n; i += stride, ++used)
       for (unsigned j = 0; j < d_; ++j) mean_[j] += points.row(static_cast<std::uint32_t>(i))[j];
@@ -174,7 +178,7 @@ void NormOrder::take_round(std::vector<std::uint32_t>& order) {
 /// Along the curve, in cells some times as many as the points.
 void NormOrder::arrange(Keyed* begin, std::uint32_t size) {
   const unsigned d = points_.dimension, used = std::min(d, 32U);
-  const unsigned bits = std::clamp(static_cast<unsigned>(std::bit_width(size)) / d + 2, 1U,
+  const unsigned bits = std::clamp(static_cast<unsigned>(std::bit_width(size)) / d + 4, 1U,
                                    std::clamp(32U / d, 1U, 10U));
   for_each_chunk(size, chunk, threads_, [&](std::uint64_t, std::uint64_t from, std::uint64_t to) {
     control_.check();

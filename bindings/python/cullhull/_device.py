@@ -9,6 +9,7 @@ from . import _core
 from ._errors import BackendUnavailable, InvalidArgument
 
 _DLPACK_CUDA = (2, 13)  # device and managed memory
+_LEGACY_DEFAULT_STREAM, _PER_THREAD_DEFAULT_STREAM = 1, 2  # as both protocols number them
 
 
 def as_device_points(points: Any) -> _core.DevicePoints | None:
@@ -25,8 +26,34 @@ def as_device_points(points: Any) -> _core.DevicePoints | None:
         status = _core.cuda_status()
         if not status["available"]:
             raise BackendUnavailable(f"points in a device's memory: {status['reason']}")
-        return _core.DevicePoints.from_dlpack(points)
+        return _from_dlpack(points)
     return None
+
+
+def _from_dlpack(points: Any) -> _core.DevicePoints:
+    """The maker is told which stream reads: its own default may be not to order anything."""
+    try:
+        capsule = points.__dlpack__(stream=_LEGACY_DEFAULT_STREAM)
+    except TypeError:  # it knows no streams: then all its work is waited for
+        view = _core.DevicePoints.from_dlpack(points.__dlpack__(), points)
+        _core.wait_for_cuda_device_of(view.data)
+        return view
+    return _core.DevicePoints.from_dlpack(capsule, points)
+
+
+def _ordered_stream(interface: dict[str, Any], address: int) -> int:
+    """The stream behind which the points are to be read; what cannot be named is waited for."""
+    stream = operator.index(interface.get("stream") or 0)
+    if stream == 0:  # its maker (PyTorch, say) does not tell on which stream it works
+        if address != 0:
+            _core.wait_for_cuda_device_of(address)
+        return _LEGACY_DEFAULT_STREAM
+    if not 0 < stream < 2**64:
+        raise InvalidArgument("a stream cannot be negative or beyond 64 bits")
+    if stream == _PER_THREAD_DEFAULT_STREAM:  # this thread's; the work is done on another
+        _core.wait_for_cuda_stream(stream)
+        return _LEGACY_DEFAULT_STREAM
+    return stream
 
 
 def _from_interface(interface: Any, owner: Any) -> _core.DevicePoints:
@@ -59,14 +86,13 @@ def _from_interface(interface: Any, owner: Any) -> _core.DevicePoints:
     if not isinstance(data, tuple) or len(data) != 2:
         raise TypeError("data in __cuda_array_interface__ must be (address, read only)")
     address = operator.index(data[0] or 0)
-    # None: nothing to wait for. 1 and 2 name the legacy default stream and the thread's own.
-    stream = operator.index(interface.get("stream") or 0)
-    if not (0 <= address < 2**64 and 0 <= stream < 2**64):
-        raise InvalidArgument("addresses and streams cannot be negative or beyond 64 bits")
+    if not 0 <= address < 2**64:
+        raise InvalidArgument("an address cannot be negative or beyond 64 bits")
     if address == 0 and count * dimension > 0:
         raise InvalidArgument("`points` is at address 0")
     if any(v % size for v in (address, *strides)):
         raise InvalidArgument(f"address and strides must be multiples of {size} bytes")
+    stream = _ordered_stream(interface, address if count * dimension > 0 else 0)
     return _core.DevicePoints.from_interface(
         address, count, dimension, strides[0], strides[1], kind == "<f8", stream, owner
     )

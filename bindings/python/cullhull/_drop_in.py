@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from typing import Any, Generic, NoReturn, TypeVar, overload
 
 import numpy as np
@@ -237,15 +238,18 @@ class ConvexHull(_Incremental):
     def __getstate__(self) -> dict[str, Any]:
         state = {k: v for k, v in self.__dict__.items() if k not in _LAZY}
         state["hull"] = self.hull
-        del state["_solid"], state["_grower"]
+        del state["_solid"]
+        grower = state.pop("_grower")
+        if grower is not None and grower.hull._solid is not self._solid:
+            state["_grower"] = copy(grower)  # it goes on from more than `hull`
         if callable(self._choices[-1]):  # it belongs to this process
             state["_choices"] = (*self._choices[:-1], None)
         return state
 
     def __setstate__(self, state: dict[str, Any]) -> None:
+        self._grower = None
         self.__dict__.update(state)
         self._solid = self.hull._solid
-        self._grower = None
 
     def __repr__(self) -> str:
         return (

@@ -219,7 +219,11 @@ Length length_of(const cullhull::PointView& points) noexcept {
   const std::uint32_t d = points.dimension;
   const std::uint64_t n = points.count;
   if (d <= 3 ? n <= 500 : d == 4 && n <= 50) return Length::brief;
-  const std::uint64_t bound = d <= 3 ? 200'000 : d == 4 ? 20'000 : d == 5 ? 2'000 : d <= 8 ? 50 : 0;
+  const std::uint64_t bound = d <= 3   ? 200'000
+                              : d == 4 ? 20'000
+                              : d == 5 ? 2'000
+                              : d <= 8 ? 50
+                                       : 16;
   return n <= bound ? Length::moderate : Length::long_;
 }
 

@@ -46,9 +46,10 @@ DevicePoints from_interface(std::uintptr_t data, std::uint64_t count, std::uint3
   return points;
 }
 
-/// DLPack orders the producer's work before the default stream, which is the view's.
-DevicePoints from_dlpack(nb::object owner) {
-  const auto array = nb::cast<nb::ndarray<nb::ro, nb::ndim<2>>>(owner);
+/// A capsule of DLPack whose maker was asked to order its work before the default stream, which is
+/// the view's.
+DevicePoints from_dlpack(const nb::object& capsule, nb::object owner) {
+  const auto array = nb::cast<nb::ndarray<nb::ro, nb::ndim<2>>>(capsule);
   const bool is_double = array.dtype() == nb::dtype<double>();
   if (!is_double && array.dtype() != nb::dtype<float>())
     throw nb::builtin_exception(nb::exception_type::type_error,
@@ -100,13 +101,31 @@ nb::typed<nb::dict, nb::str, nb::any> cuda_status() {
 
 void bind_device(nb::module_& m) {
   nb::class_<DevicePoints>(m, "DevicePoints", "Points in a device's memory, and their owner.")
+      .def_prop_ro(
+          "data",
+          [](const DevicePoints& p) { return reinterpret_cast<std::uintptr_t>(p.view.data); })
       .def_static("from_interface", from_interface, nb::arg("data"), nb::arg("count"),
                   nb::arg("dimension"), nb::arg("point_stride"), nb::arg("coordinate_stride"),
                   nb::arg("is_double"), nb::arg("stream"), nb::arg("owner"))
-      .def_static("from_dlpack", from_dlpack, nb::arg("array"));
+      .def_static("from_dlpack", from_dlpack, nb::arg("capsule"), nb::arg("owner"));
   m.def("convex_hull_of_device_points", convex_hull, nb::arg("points"), nb::arg("settings").none());
   m.def("cull_device_points", cull, nb::arg("points"), nb::arg("settings").none());
   m.def("cuda_status", cuda_status);
+  // On the calling thread: the per-thread default stream is its own.
+  m.def(
+      "wait_for_cuda_stream",
+      [](std::uintptr_t stream) {
+        const nb::gil_scoped_release release;
+        cullhull::wait_for_cuda_stream(reinterpret_cast<void*>(stream));
+      },
+      nb::arg("stream"));
+  m.def(
+      "wait_for_cuda_device_of",
+      [](std::uintptr_t memory) {
+        const nb::gil_scoped_release release;
+        cullhull::wait_for_cuda_device_of(reinterpret_cast<const void*>(memory));
+      },
+      nb::arg("memory"));
 }
 
 }  // namespace binding

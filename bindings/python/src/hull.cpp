@@ -56,7 +56,7 @@ Array<double> generate(const std::string& shape, std::uint64_t count, std::uint3
   constexpr std::uint64_t brief = 100'000, step = 1 << 22;
   std::optional<Output<double>> out;
   const bool few = dimension > 0 && count < brief / dimension;
-  run({cullhull::Options{}, nb::none()}, few, [&](const Options& options) {
+  run(nullptr, few ? Length::brief : Length::long_, [&](const Options& options) {
     const std::vector<double> points =
         cullhull::generate(shape, count, dimension, seed, options.stop);
     out.emplace(points.size());

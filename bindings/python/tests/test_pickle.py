@@ -146,6 +146,24 @@ def test_incremental_copies_grow_apart(way):
 
 
 @pytest.mark.parametrize("way", WAYS)
+def test_tolerant_copies_go_on_from_the_exact_hull(way):
+    points = cullhull.generate("sphere", 300, 3)
+    whole, hull = (
+        cullhull.TolerantConvexHull(points[:200], incremental=True, merge_distance=0.2)
+        for _ in range(2)
+    )
+    again = way(hull)
+    assert hull.dropped > 20 and again.dropped == hull.dropped
+    for one in (whole, again):
+        one.add_points(points[200:])
+    assert np.array_equal(again.simplices, whole.simplices)
+    assert np.array_equal(again.equations, whole.equations) and again.distance == whole.distance
+    single = cullhull.TolerantConvexHull(points, merge_distance=0.2)
+    assert np.array_equal(way(single).equations, single.equations)
+    assert repr(way(single)) == repr(single)
+
+
+@pytest.mark.parametrize("way", WAYS)
 def test_halfspaces(way):
     normals = cullhull.generate("sphere", 40, 3)
     cut = cullhull.HalfspaceIntersection(np.column_stack([normals, -np.ones(40)]), np.zeros(3))
