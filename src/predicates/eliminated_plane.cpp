@@ -156,21 +156,32 @@ void EliminatedPlane::bound_inverse(std::vector<double>& x) const {
 /// axes.
 bool EliminatedPlane::bound_error() {
   const unsigned m = d_ - 1;
-  std::vector<double>&z = work_, &v = weight_, &h = image_;
+  std::vector<double>&z = work_, &v = weight_;
   for (unsigned r = 0; r < m; ++r) z[r] = -at(r, m);
   z[m] = 1;
   solve_back(z);
-  double sum = 0;
   for (unsigned r = 0; r < d_; ++r) {
     v[r] = std::max(std::abs(z[r]), 1.0);
     if (!(v[r] < 0x1p60)) return false;
-    sum += v[r];
+    z_[column_[r]] = z[r];
   }
+  error_[column_[m]] = 0;
+  return bound_by_comparison() || bound_by_inverses();
+}
+
+/// Cheap, but the bound grows like a power of d.
+bool EliminatedPlane::bound_by_comparison() {
+  const unsigned m = d_ - 1;
+  const std::vector<double>& v = weight_;
+  std::vector<double>& h = image_;
+  inverted_ = false;
   // h = G (gamma |L| |U| v + what underflow adds): bottom up, as row i of L needs rows above it.
+  double sum = v[m];
   for (unsigned r = 0; r < m; ++r) {
     double a = 0;
     for (unsigned j = r; j < d_; ++j) a += std::abs(at(r, j)) * v[j];
     h[r] = a;
+    sum += v[r];
   }
   const double gamma = (d_ + 1) * unit_roundoff * bound_roundings;
   for (unsigned r = m; r-- > 0;) {
@@ -181,12 +192,127 @@ bool EliminatedPlane::bound_error() {
   shrink_ = 0;
   for (unsigned r = 0; r < m; ++r) {
     h[r] *= bound_roundings;
+    if (!(h[r] <= 0.25 * v[r])) return false;  // NaN too
     shrink_ = std::max(shrink_, h[r] / v[r] * bound_roundings);
+    error_[column_[r]] = 2.75 * h[r];
   }
-  if (!(shrink_ <= 0.25)) return false;
-  for (unsigned r = 0; r < d_; ++r) {
-    z_[column_[r]] = z[r];
-    error_[column_[r]] = r < m ? 2.75 * h[r] : 0;
+  return true;
+}
+
+/// Three times the work of the elimination, and sharp.
+bool EliminatedPlane::bound_by_inverses() {
+  const unsigned m = d_ - 1;
+  inverted_ = true;
+  invert_factors();
+  bound_product();
+  shrink_ = 0;
+  for (unsigned r = 0; r < m; ++r) {
+    if (!(image_[r] <= 0.25)) return false;  // NaN too
+    shrink_ = std::max(shrink_, image_[r]);
+  }
+  std::vector<double>& e = work_;
+  for (unsigned i = 0; i < m; ++i) {
+    double residual = 0, magnitude = 0;
+    for (unsigned j = 0; j < d_; ++j) {
+      const double term = scaled_edge(i, j) * z_[column_[j]];
+      residual += term;
+      magnitude += std::abs(term);
+    }
+    e[i] = (std::abs(residual) + (d_ + 2) * unit_roundoff * magnitude) * bound_roundings +
+           product_tiny;
+  }
+  if (!bound_of_residual(e)) return false;
+  for (unsigned r = 0; r < m; ++r) error_[column_[r]] = e[r];
+  return true;
+}
+
+/// X ~ L^-1 below the diagonal, whose own is 1, and Y ~ V^-1 on it and above.
+void EliminatedPlane::invert_factors() {
+  const unsigned m = d_ - 1;
+  inverse_.assign(std::size_t{m} * m, 0.0);
+  const auto x = [&](unsigned i, unsigned j) -> double& {
+    return inverse_[std::size_t{i} * m + j];
+  };
+  for (unsigned i = 0; i < m; ++i)
+    for (unsigned k = 0; k < i; ++k) {
+      const double l = at(i, k);
+      for (unsigned j = 0; j < k; ++j) x(i, j) -= l * x(k, j);
+      x(i, k) -= l;
+    }
+  for (unsigned i = m; i-- > 0;) {
+    for (unsigned k = i + 1; k < m; ++k)
+      for (unsigned j = k; j < m; ++j) x(i, j) -= at(i, k) * x(k, j);
+    for (unsigned j = i + 1; j < m; ++j) x(i, j) /= at(i, i);
+    x(i, i) = 1 / at(i, i);
+  }
+}
+
+double EliminatedPlane::scaled_edge(unsigned i, unsigned j) const {
+  const unsigned c = column_[j];
+  return (p_[row_[i] + 1][c] - p_[0][c]) * scale_[c];
+}
+
+/// image_ = |I - X E Y| 1, at least.
+void EliminatedPlane::bound_product() {
+  const unsigned m = d_ - 1;
+  const auto x = [&](unsigned i, unsigned j) { return inverse_[std::size_t{i} * m + j]; };
+  product_.assign(std::size_t{m} * m, 0.0);
+  std::vector<double>& magnitude = work_;  // |E| |Y| 1
+  for (unsigned i = 0; i < m; ++i) {
+    double* row = product_.data() + std::size_t{i} * m;
+    magnitude[i] = 0;
+    for (unsigned k = 0; k < m; ++k) {
+      const double e = scaled_edge(i, k);
+      double sum = 0;
+      for (unsigned j = k; j < m; ++j) {
+        row[j] += e * x(k, j);
+        sum += std::abs(x(k, j));
+      }
+      magnitude[i] += std::abs(e) * sum;
+    }
+  }
+  const double gamma = (2 * d_ + 4) * unit_roundoff;
+  for (unsigned i = m; i-- > 0;) {  // upward: rows below are X's no more
+    double* row = product_.data() + std::size_t{i} * m;
+    double all = magnitude[i], rest = 0;
+    for (unsigned k = 0; k < i; ++k) {
+      const double* other = product_.data() + std::size_t{k} * m;
+      for (unsigned j = 0; j < m; ++j) row[j] += x(i, k) * other[j];
+      all += std::abs(x(i, k)) * magnitude[k];
+    }
+    for (unsigned j = 0; j < m; ++j) rest += std::abs(row[j] - (i == j ? 1 : 0));
+    image_[i] = (rest + gamma * all) * bound_roundings + product_tiny;
+  }
+}
+
+/// From bounds of |E z| to bounds of the error of z.
+bool EliminatedPlane::bound_of_residual(std::vector<double>& x) const {
+  const unsigned m = d_ - 1;
+  double worst = 0;
+  if (!inverted_) {
+    bound_inverse(x);
+    for (unsigned i = 0; i < m; ++i) {
+      if (!(x[i] < weight_[i])) return false;  // NaN too
+      worst = std::max(worst, x[i] / weight_[i]);
+    }
+    for (unsigned i = 0; i < m; ++i) x[i] = (x[i] + 1.5 * worst * image_[i]) * bound_roundings;
+    return true;
+  }
+  const auto inverse = [&](unsigned i, unsigned j) {
+    return std::abs(inverse_[std::size_t{i} * m + j]);
+  };
+  for (unsigned i = m; i-- > 0;)
+    for (unsigned j = 0; j < i; ++j) x[i] += inverse(i, j) * x[j];
+  for (unsigned i = 0; i < m; ++i) {
+    if (!(x[i] < 0x1p60)) return false;
+    worst = std::max(worst, x[i]);
+  }
+  for (unsigned i = 0; i < m; ++i) x[i] += 1.5 * worst * image_[i];
+  for (unsigned i = 0; i < m; ++i) {
+    double sum = 0;
+    for (unsigned j = i; j < m; ++j) sum += inverse(i, j) * x[j];
+    x[i] = sum * bound_roundings * bound_roundings;
+    if (!(x[i] < weight_[i])) return false;
   }
   return true;
 }
@@ -224,14 +350,8 @@ bool EliminatedPlane::refine() {
     const double r = std::abs(residual(i, bound));
     work_[i] = r * bound_roundings + bound;
   }
-  bound_inverse(work_);
-  double worst = 0;
-  for (unsigned i = 0; i < m; ++i) {
-    if (!(work_[i] < weight_[i])) return false;  // NaN too
-    worst = std::max(worst, work_[i] / weight_[i]);
-  }
-  for (unsigned i = 0; i < m; ++i)
-    refined_error_[column_[i]] = (work_[i] + 1.5 * worst * image_[i]) * bound_roundings;
+  if (!bound_of_residual(work_)) return false;
+  for (unsigned i = 0; i < m; ++i) refined_error_[column_[i]] = work_[i];
   return true;
 }
 

@@ -43,6 +43,12 @@ class EliminatedPlane {
   void solve(std::vector<double>& x) const;
   void bound_inverse(std::vector<double>& x) const;
   bool bound_error();
+  bool bound_by_comparison();
+  bool bound_by_inverses();
+  void invert_factors();
+  void bound_product();
+  bool bound_of_residual(std::vector<double>& x) const;
+  double scaled_edge(unsigned i, unsigned j) const;
   double residual(unsigned i, double& bound) const;
   Sign decide(const double* x, double value, double bound, bool& known) const;
   bool below_unit(const double* x, double magnitude) const;
@@ -56,6 +62,8 @@ class EliminatedPlane {
   std::vector<DoubleDouble> refined_;
   std::vector<double> refined_error_;
   std::vector<double> weight_, image_, work_;  // v and h of the proof; scratch
+  bool inverted_ = false;                      // whether the bounds are those of the inverses
+  std::vector<double> inverse_, product_;      // of L and V, in one matrix; scratch
   double largest_scale_ = 1;
   double sign_ = 1;  // of the determinant of the first d - 1 pivot columns, with exchanges
   double determinant_log_ = 0;  // log2 of the pivots' product, rounded up

@@ -116,9 +116,11 @@ class Measurer {
     for_each_chunk(hull_.facet_count(), measure_chunk, threads_,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                      control_.check();
-                     for (std::uint64_t i = begin; i < end; ++i)
+                     for (std::uint64_t i = begin; i < end; ++i) {
+                       if (K == 0) control_.check();
                        plane(best.empty() ? i : best[i],
                              hull_.facet_planes.data() + i * (std::size_t{d} + 1));
+                     }
                    });
   }
 
@@ -184,8 +186,10 @@ class Measurer {
                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
                      control_.check();
                      // Short runs in plain arithmetic, then into the wider sum.
-                     for (std::uint64_t b = begin; b < end; b += measure_run)
+                     for (std::uint64_t b = begin; b < end; b += measure_run) {
+                       if (K == 0) control_.check();  // in 50D a run takes hundredths of a second
                        add_run<Real>(b, std::min(b + measure_run, end), parts[chunk]);
+                     }
                    });
     Totals<DoubleDouble> all(d);
     for (const auto& p : parts) all.add(p);
@@ -317,7 +321,10 @@ class Measurer {
                      [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                        control_.check();
                        Normals normals(*this);
-                       for (std::uint64_t i = begin; i < end; ++i) body(i, normals);
+                       for (std::uint64_t i = begin; i < end; ++i) {
+                         if (K == 0) control_.check();
+                         body(i, normals);
+                       }
                      });
     };
     each_chunk(facets, [&](std::uint64_t f, Normals&) {

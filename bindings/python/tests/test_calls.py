@@ -149,6 +149,21 @@ def test_ctrl_c_interrupts():
     assert out == "interrupted\n3\n" and child.returncode == 0
 
 
+def test_points_in_the_making_hear_a_signal():
+    def handler(number, frame):
+        raise Refused
+
+    old = signal.signal(signal.SIGALRM, handler)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        with pytest.raises(Refused):  # some ten seconds of work
+            cullhull.generate("ball", 40_000_000, 6)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, old)
+    assert cullhull.generate("ball", 3, 2).shape == (3, 2)
+
+
 def test_a_signal_handler_that_raises():
     def handler(number, frame):
         raise Refused
