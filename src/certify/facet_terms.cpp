@@ -96,6 +96,18 @@ class Orthogonal {
   const unsigned d_;
 
  public:
+  /// Rows freed twice of one another are orthogonal to the last bits, and what is left of an edge
+  /// is off by those bits of the edge times the reciprocals of what was left of those before it: by
+  /// 2^-bits / share^2 altogether. With a share above 2^-(bits / 8) half of the bits are right.
+  bool trusted(mp_bitcnt_t bits) const {
+    if (outward.empty()) return false;
+    Real least = lengths * Real(1);
+    mpf_div_2exp(least.get_mpf_t(), least.get_mpf_t(), bits / 8);
+    Real steep(1, 64);
+    mpf_div_2exp(steep.get_mpf_t(), steep.get_mpf_t(), bits / 8);
+    return measure > least && upright > steep;
+  }
+
   Real lengths, measure, upright = Real(0);
   std::vector<Real> outward;       ///< the unit normal
   std::vector<double> unit_edges;  ///< rows
@@ -432,16 +444,22 @@ bool Facets::wide_cofactors(std::uint32_t i, WideTerms& out) const {
 WideTerms Facets::wide_terms(std::uint32_t i) const {
   s_.exact_decisions.fetch_add(1, std::memory_order_relaxed);
   if (WideTerms w; k_ == d_ && k_ >= 2 && k_ <= 8 && wide_cofactors(i, w)) return w;
-  const WideFloats arithmetic{wide_bits(i)};
-  const auto raw = [&](std::uint32_t v) { return s_.full.data() + std::size_t{v} * d_; };
+  const auto row = [&](std::uint32_t v) { return s_.full.data() + std::size_t{v} * d_; };
   const std::uint32_t* v = s_.simplex(i);
-  Orthogonal<WideFloats> o(arithmetic, d_);
-  for (unsigned j = 1; j < k_; ++j)
-    if (!o.add_edge(raw(v[0]), raw(v[j]))) fault("simplex ", i, " is degenerate");
-  for (const std::uint32_t b : s_.basis) o.offer_apex(raw(v[0]), raw(b));
-  if (o.outward.empty()) fault("the plane of simplex ", i, " holds all vertices");
-  return {std::move(o.outward), std::move(o.lengths), std::move(o.measure),
-          std::move(o.unit_edges)};
+  const mp_bitcnt_t enough = wide_bits(i);
+  for (mp_bitcnt_t bits = 512;; bits *= 4) {
+    const bool last = bits >= enough;
+    Orthogonal<WideFloats> o(WideFloats{last ? enough : bits}, d_);
+    bool whole = true;
+    for (unsigned j = 1; j < k_ && whole; ++j) whole = o.add_edge(row(v[0]), row(v[j]));
+    if (!whole && last) fault("simplex ", i, " is degenerate");
+    if (!whole) continue;
+    for (const std::uint32_t b : s_.basis) o.offer_apex(row(v[0]), row(b));
+    if (o.outward.empty() && last) fault("the plane of simplex ", i, " holds all vertices");
+    if (!last && !o.trusted(bits)) continue;
+    return {std::move(o.outward), std::move(o.lengths), std::move(o.measure),
+            std::move(o.unit_edges)};
+  }
 }
 
 template <unsigned K>
