@@ -11,7 +11,7 @@ using std::chrono::nanoseconds;
 using namespace std::chrono_literals;
 
 /// Shorter waits are none: a slice is longer, and so are most interruptions by devices.
-constexpr nanoseconds noticeable = 400us;
+constexpr nanoseconds noticeable = 2ms;
 /// Nobody is asked for so long after the first long wait; twice as long after one that soon
 /// follows.
 constexpr nanoseconds first_rest = 20ms, longest_rest = 640ms;
@@ -42,15 +42,17 @@ bool crowded() noexcept {
 }
 
 void note_wait(nanoseconds expected, nanoseconds waited) noexcept {
-  if (waited > noticeable + 2 * expected) begin_rest();
+  // Items of one loop differ by some times: on the mantle of a cylinder a factor of two took them
+  // for absent helpers, and a fifth more time.
+  if (waited > noticeable + 4 * expected) begin_rest();
 }
 
 void WaitWatch::add(nanoseconds worked, nanoseconds waited) noexcept {
-  constexpr nanoseconds window = 2ms;
+  constexpr nanoseconds window = 20ms;  // some slices
   worked_ += worked;
   waited_ += waited;
   if (worked_ + waited_ < window) return;
-  if (2 * waited_ > worked_) begin_rest();
+  if (waited_ > worked_) begin_rest();
   worked_ = waited_ = nanoseconds(0);
 }
 

@@ -15,7 +15,7 @@ bool crowded() noexcept;
 void note_wait(std::chrono::nanoseconds expected, std::chrono::nanoseconds waited) noexcept;
 
 /// The same for a caller's many short phases, one after the other: none of them shows, but where
-/// the caller waits a third of the time, two threads are hardly faster than one.
+/// the caller waits half of the time, two threads are no faster than one. (A third is usual in 6D.)
 class WaitWatch {
  public:
   void add(std::chrono::nanoseconds worked, std::chrono::nanoseconds waited) noexcept;

@@ -42,8 +42,8 @@ class CallScope {
   CallScope& operator=(const CallScope&) = delete;
 };
 
-/// Waits for another thread: awake for some ten microseconds, then in short sleeps, so that a
-/// thread that has no processor gets this one.
+/// Waits for another thread: awake at first, then offering the processor, then in short sleeps, so
+/// that a thread that has no processor gets this one.
 class Patience {
  public:
   void wait_a_little();

@@ -42,10 +42,12 @@ TEST_F(Crowding, ALongWaitIsRememberedAShortOneIsNot) {
 }
 
 TEST_F(Crowding, ShortWaitsCountTogether) {
-  WaitWatch balanced, waiting;
+  WaitWatch balanced, uneven, waiting;
   for (int i = 0; i < 1000; ++i) balanced.add(90us, 10us);
   EXPECT_FALSE(crowded());
-  for (int i = 0; i < 1000; ++i) waiting.add(50us, 50us);
+  for (int i = 0; i < 1000; ++i) uneven.add(60us, 40us);  // two threads still gain
+  EXPECT_FALSE(crowded());
+  for (int i = 0; i < 1000; ++i) waiting.add(40us, 60us);
   EXPECT_TRUE(crowded());
 }
 
