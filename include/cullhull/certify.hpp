@@ -28,8 +28,8 @@ struct Certificate {
 /// beneath the facet its ray meets. So a valid certificate proves that `hull` is the hull of
 /// `points`, that `vertices` are exactly the extreme points (lowest id of equal ones), and that
 /// `facets` are the maximal ones. Planes, measures and centroid are held against the accuracy that
-/// docs/exactness.md ("Numbers") states. What is wrong with hull or points makes the certificate invalid,
-/// whatever it is: lists of wrong lengths and points that are not finite, too.
+/// docs/exactness.md ("Numbers") states. What is wrong with hull or points makes the certificate
+/// invalid, whatever it is: lists of wrong lengths and points that are not finite, too.
 ///
 /// Time O(n * walk + simplices * d^3), memory O(simplices). Thread safe. Options used: threads,
 /// stop, progress. Errors: cancelled; invalid_argument for null data or no dimension.

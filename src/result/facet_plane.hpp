@@ -143,7 +143,8 @@ class FacetPlane {
     for (unsigned c = 0; c < k_; ++c) n[c] = wide[c].value();
     const double l = length(n, k_);
     *error = l + 0x1p-49 * lengths;
-    *reliable = l > 0x1p-40 * conditioned_ * lengths && l > 0x1p-450;  // far from underflow of its square
+    *reliable =
+        l > 0x1p-40 * conditioned_ * lengths && l > 0x1p-450;  // far from underflow of its square
     return l;
   }
 
