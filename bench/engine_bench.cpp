@@ -34,17 +34,17 @@ std::vector<std::string> all_workloads() {
 
 void engine_alone(const std::string& name, const Rows& rows, unsigned threads, unsigned repeat) {
   const Options options;
-  const Control control(options);
+  const Run run(options);
   const LocalFrame frame(cullhull::Array<double>(rows.begin(), rows.end()),
-                         static_cast<std::uint32_t>(rows.size() / 3), 3, threads, control);
+                         static_cast<std::uint32_t>(rows.size() / 3), 3, run.with_threads(threads));
   std::vector<double> times, busy;
   SimplicialHull hull;
   for (unsigned k = 0; k < repeat; ++k) {
     hull = {};
     const double busy_start = bench::processor_ms();
     times.push_back(1e3 * bench::seconds_of([&] {
-                      hull = hull_3d(frame.points(), frame.simplex().data(), std::uint64_t{8} << 30,
-                                     threads, control);
+                      hull = hull_3d(frame.points(), frame.simplex().data(),
+                                     run.with_budget(std::uint64_t{8} << 30).with_threads(threads));
                     }));
     busy.push_back(bench::processor_ms() - busy_start);
   }

@@ -20,8 +20,8 @@
 
 namespace {
 
-using cullhull::internal::Control;
 using cullhull::internal::LocalFrame;
+using cullhull::internal::Run;
 using Clock = std::chrono::steady_clock;
 
 struct Workload {
@@ -92,15 +92,17 @@ void run(const std::string& name, unsigned threads, int repeat) {
   }
   const cullhull::Survivors kept = cullhull::cull(points, options);
   for (int k = 0; k < repeat; ++k) {
-    const Control control(options);
+    const Run run(options);
     const LocalFrame frame(
         cullhull::internal::gather_points(points, kept.all ? nullptr : kept.ids.data(),
-                                          kept.size(points.count), 1, control),
-        static_cast<std::uint32_t>(kept.size(points.count)), w.dimension, threads, control);
+                                          kept.size(points.count), run.with_threads(1)),
+        static_cast<std::uint32_t>(kept.size(points.count)), w.dimension,
+        run.with_threads(threads));
     const auto start = Clock::now();
     const double work_start = processor_milliseconds();
-    const cullhull::internal::SimplicialHull hull = cullhull::internal::hull_nd(
-        frame.points(), frame.simplex().data(), std::uint64_t{16} << 30, threads, control);
+    const cullhull::internal::SimplicialHull hull =
+        cullhull::internal::hull_nd(frame.points(), frame.simplex().data(),
+                                    run.with_budget(std::uint64_t{16} << 30).with_threads(threads));
     engine = std::min(engine, milliseconds(start));
     work = std::min(work, processor_milliseconds() - work_start);
     std::copy_n(hull.rung_counts, 3, rungs);

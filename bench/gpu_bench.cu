@@ -147,17 +147,16 @@ ordered_json row(const char* name, std::uint64_t n, unsigned d, const std::vecto
 
 /// The gauge map's pass over the points alone: the map is made before.
 ordered_json gauge_pass(const Settings& s, const char* name, std::uint64_t n, unsigned d,
-                        const DevicePointView& view, const cullhull::internal::Control& control,
+                        const DevicePointView& view, const cullhull::internal::Run& run,
                         double copy_rate) {
   cullhull::internal::SampledPoints sample;
   sample.count = n;
   sample.dimension = d;
   sample.gather = [&](const std::vector<std::uint64_t>& ids) {
-    return cuda::download_points(view, ids.data(), ids.size(), control);
+    return cuda::download_points(view, ids.data(), ids.size(), run.control);
   };
-  const auto sampled = cullhull::internal::map_of_sample(sample, cullhull::internal::Insist::yes,
-                                                         cuda::most_gauge_nodes(cuda::device()),
-                                                         std::uint64_t{8} << 30, control);
+  const auto sampled = cullhull::internal::map_of_sample(
+      sample, cullhull::internal::Insist::yes, cuda::most_gauge_nodes(cuda::device()), run);
   if (sampled.map == nullptr)
     throw cullhull::Error(cullhull::ErrorCode::invalid_argument, "no map: " + sampled.reason);
   std::uint64_t kept = n;
@@ -206,13 +205,13 @@ ordered_json filters(const Settings& s, double copy_rate) {
     rows.push_back(gauge);
 
     const cullhull::Options defaults;
-    const cullhull::internal::Control control(defaults);
-    rows.push_back(gauge_pass(s, c.name, n, c.d, points.view(), control, copy_rate));
+    const cullhull::internal::Run run(defaults);
+    rows.push_back(gauge_pass(s, c.name, n, c.d, points.view(), run, copy_rate));
     std::vector<std::uint64_t> kept;
     std::vector<cullhull::internal::PseudoHullRound> rounds;
     ordered_json pseudo = row(c.name, n, c.d, timed(s.repeat, [&] {
                                 kept = cullhull::internal::pseudo_hull_survivors_cuda(
-                                    points.view(), {}, control, &rounds);
+                                    points.view(), {}, run.control, &rounds);
                               }));
     pseudo["filter"] = "pseudo-hull";
     pseudo["kept"] = static_cast<double>(kept.size()) / static_cast<double>(n);

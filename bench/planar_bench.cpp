@@ -119,8 +119,9 @@ void run(const std::string& name, const Input& in, unsigned threads, unsigned re
   options.threads = threads;
   std::printf("%-14s %9llu points, %u threads:", name.c_str(),
               static_cast<unsigned long long>(in.view.count), threads);
-  time_it("engine", repeat,
-          [&] { return polygon_of(in.view, false, threads, Control(options)).corners.size(); });
+  time_it("engine", repeat, [&] {
+    return polygon_of(in.view, false, Run(options).with_threads(threads)).corners.size();
+  });
   time_it("extreme", repeat, [&] { return extreme_points(in.view, options).ids.size(); });
   time_it("hull", repeat, [&] { return convex_hull(in.view, options).vertices.size(); });
   std::printf("\n");

@@ -57,16 +57,16 @@ void run(const char* shape, unsigned d, std::uint64_t n, unsigned repeats) {
   Options options;
   std::vector<std::pair<std::string, Clock::time_point>> marks;
   options.progress = [&](const char* phase, double) { marks.emplace_back(phase, Clock::now()); };
-  const Control control(options);
+  const Run run(options);
   const LocalFrame frame(Array<double>(rows.begin(), rows.end()), static_cast<std::uint32_t>(n), d,
-                         2, control);
+                         run.with_threads(2));
   const auto start = Clock::now();
   const LocalPoints& local = frame.points();
   const std::uint64_t budget = ~std::uint64_t{0};
-  const SimplicialHull boundary = d == 2 ? hull_2d(local, 1, control)
-                                  : d == 3
-                                      ? hull_3d(local, frame.simplex().data(), budget, 1, control)
-                                      : hull_nd(local, frame.simplex().data(), budget, 1, control);
+  const SimplicialHull boundary =
+      d == 2   ? hull_2d(local, run.with_threads(1))
+      : d == 3 ? hull_3d(local, frame.simplex().data(), run.with_budget(budget).with_threads(1))
+               : hull_nd(local, frame.simplex().data(), run.with_budget(budget).with_threads(1));
   const std::size_t facets = boundary.facet_count();
   std::printf("%s %uD %llu points, %zu facets; engine %.1f ms\n", shape, d,
               static_cast<unsigned long long>(n), facets, milliseconds(start, Clock::now()));
@@ -79,7 +79,8 @@ void run(const char* shape, unsigned d, std::uint64_t n, unsigned repeats) {
       SimplicialHull copy;
       Surface3D surface;
       if (d == 3)
-        surface = surface_3d(local, frame.simplex().data(), budget, threads, control);
+        surface = surface_3d(local, frame.simplex().data(),
+                             run.with_budget(budget).with_threads(threads));
       else
         copy = boundary;
       Hull hull;
@@ -88,9 +89,9 @@ void run(const char* shape, unsigned d, std::uint64_t n, unsigned repeats) {
       const auto begin = Clock::now();
       const ResultInput input{&view, &local, nullptr, frame.axes().data()};
       if (d == 3)
-        build_hull(input, std::move(surface), control, threads, hull);
+        build_hull(input, std::move(surface), run.with_threads(threads), hull);
       else
-        build_hull(input, std::move(copy), control, threads, hull);
+        build_hull(input, std::move(copy), run.with_threads(threads), hull);
       const auto end = Clock::now();
       const auto cpu_end = cpu();
       user = std::min(user, cpu_end.first - cpu_begin.first);

@@ -24,9 +24,9 @@ const InnerPolytope& polytope(unsigned d) {
   static constexpr std::uint32_t samples[] = {0, 0, 20000, 20000, 20000, 8000, 2000};
   const std::vector<double> rows = generate("ball", samples[d], d);
   const Options options;
-  const internal::Control control(options);
-  const internal::LocalFrame frame(std::vector<double>(rows), samples[d], d, control);
-  const internal::SimplicialHull hull = engine_hull(frame, control);
+  const internal::Run run(options);
+  const internal::LocalFrame frame(std::vector<double>(rows), samples[d], d, run);
+  const internal::SimplicialHull hull = engine_hull(frame, run);
   std::vector<std::uint32_t> local(samples[d], ~0U);
   for (const std::uint32_t v : hull.vertices) {
     if (local[v] == ~0U) {
@@ -48,10 +48,10 @@ void look_up(benchmark::State& state) {
   const std::vector<T> rows(doubles.begin(), doubles.end());
   const auto map = GaugeMap::build(polytope(d));
   const Options options;
-  const internal::Control control(options);
+  const internal::Run run(options);
   const PointView points = PointView::row_major(rows.data(), count, d);
   std::size_t kept = 0;
-  for (auto _ : state) kept = map->survivors(points, 1, control).size();
+  for (auto _ : state) kept = map->survivors(points, run.with_threads(1)).size();
   const double share = static_cast<double>(kept) / static_cast<double>(count);
   if ((place == Place::outside && kept != count) || (place == Place::inside && share > 0.5))
     state.SkipWithError("points are not where they should be");

@@ -9,11 +9,10 @@ void insert(benchmark::State& state, const char* shape) {
   const auto d = static_cast<unsigned>(state.range(0));
   const auto n = static_cast<std::uint64_t>(state.range(1));
   const Options options;
-  const internal::Control control(options);
-  const internal::LocalFrame frame(generate(shape, n, d), static_cast<std::uint32_t>(n), d,
-                                   control);
+  const internal::Run run(options);
+  const internal::LocalFrame frame(generate(shape, n, d), static_cast<std::uint32_t>(n), d, run);
   std::size_t facets = 0;
-  for (auto _ : state) facets = engine_hull(frame, control).facet_count();
+  for (auto _ : state) facets = engine_hull(frame, run).facet_count();
   if (facets <= d + 1) state.SkipWithError("no hull");
   count_items(state, n, "time a point");
   count_items(state, facets, "time a facet");

@@ -10,19 +10,20 @@
 #include "cullhull/options.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::micro {
 
 /// The hull of rows that span their space, by the engine of their dimension, on one thread.
 inline internal::SimplicialHull engine_hull(const internal::LocalFrame& frame,
-                                            const internal::Control& control) {
+                                            const internal::Run& run) {
   const internal::LocalPoints& points = frame.points();
   constexpr std::uint64_t budget = std::uint64_t{8} << 30;
-  return points.dimension == 2 ? internal::hull_2d(points, 1, control)
-         : points.dimension == 3
-             ? internal::hull_3d(points, frame.simplex().data(), budget, 1, control)
-             : internal::hull_nd(points, frame.simplex().data(), budget, 1, control);
+  return points.dimension == 2   ? internal::hull_2d(points, run.with_threads(1))
+         : points.dimension == 3 ? internal::hull_3d(points, frame.simplex().data(),
+                                                     run.with_budget(budget).with_threads(1))
+                                 : internal::hull_nd(points, frame.simplex().data(),
+                                                     run.with_budget(budget).with_threads(1));
 }
 
 /// Time of one of the items that every iteration handles.

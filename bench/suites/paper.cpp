@@ -19,8 +19,8 @@
 #include "geometry/gather.hpp"
 #include "machine.hpp"
 #include "paper/pseudo_hull.hpp"
-#include "parallel/control.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/run.hpp"
 #include "qhull.hpp"
 #include "timing.hpp"
 
@@ -205,12 +205,12 @@ class Suite {
     const std::optional<QhullRun> alone = run_qhull(p.view, limits());
     Array<double> rows;
     const Options by_paper = options(CullMethod::pseudo_hull);
-    const internal::Control control(by_paper);
+    const internal::Run run(by_paper);
     const double filter = seconds_of([&] {
       const Survivors left = cull(p.view, by_paper);
       rows =
           internal::gather_points(p.view, left.all ? nullptr : left.ids.data(), left.size(s.count),
-                                  internal::resolve_threads(settings_.threads), control);
+                                  run.with_threads(internal::resolve_threads(settings_.threads)));
     });
     const std::optional<QhullRun> behind = run_qhull(
         PointView::row_major(rows.data(), rows.size() / s.dimension, s.dimension), limits());

@@ -12,8 +12,7 @@
 #include "batch/planar_sets.hpp"
 #include "batch/small_sets.hpp"
 #include "cullhull/error.hpp"
-#include "parallel/control.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull {
 namespace {
@@ -87,8 +86,8 @@ void clear(HullBatch& b) {
 class Joiner {
  public:
   /// `still`: the sets of the whole over those of it so far and these, to reserve memory by.
-  Joiner(const std::vector<HullBatch>& parts, unsigned threads, double still)
-      : parts_(parts), threads_(threads), still_(still) {}
+  Joiner(const std::vector<HullBatch>& parts, const Run& run, double still)
+      : parts_(parts), run_(run), still_(still) {}
 
   void run(HullBatch& out) {
     join(out, &HullBatch::point_counts);
@@ -106,11 +105,10 @@ class Joiner {
     join_lists(out, &HullBatch::simplex_neighbours);
     join_lists(out, &HullBatch::simplex_facets);
     // One hand-over to the threads for all lists: small sets are done in the time of ten.
-    for_each_chunk(parts_.size(), 4, threads_,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     for (std::uint64_t p = begin; p < end; ++p)
-                       for (const auto& copy : copies_) copy(p);
-                   });
+    run_.each(parts_.size(), 4, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t p = begin; p < end; ++p)
+        for (const auto& copy : copies_) copy(p);
+    });
   }
 
  private:
@@ -189,7 +187,7 @@ class Joiner {
   }
 
   const std::vector<HullBatch>& parts_;
-  const unsigned threads_;
+  const Run& run_;
   const double still_;
   std::vector<std::function<void(std::uint64_t)>> copies_;  // of part p into a list
 };
@@ -250,8 +248,7 @@ Hull HullBatch::hull(std::size_t i) const {
 HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
                        std::uint64_t set_count, const Options& options) {
   check_offsets(points, offsets, set_count);
-  const Control control(options);
-  const unsigned threads = resolve_threads(options.threads);
+  const Run run(options);
   // What is asked for otherwise decides which errors there are.
   const bool plain = options.engine == Engine::native && options.backend != Backend::cuda &&
                      (options.memory_budget == 0 || options.memory_budget >= 1 << 22);
@@ -260,21 +257,20 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
   // thread need not wait for others at the end of a block: in space, where hulls are large, it
   // takes few points, so that its own cache holds them.
   constexpr std::uint64_t chunk = 32;
-  const bool few = threads == 1 && points.dimension > 2;
+  const bool few = run.threads == 1 && points.dimension > 2;
   const std::uint64_t mean = set_count > 0 ? (offsets[set_count] - offsets[0]) / set_count + 1 : 1;
   const std::uint64_t together = (few ? 1U << 14 : 1U << 16) / (mean * chunk);
-  const std::uint64_t fewest = few ? 4 : std::max(32U, 4 * threads);
+  const std::uint64_t fewest = few ? 4 : std::max(32U, 4 * run.threads);
   const std::uint64_t block = chunk * std::clamp<std::uint64_t>(together, fewest, fewest + 128);
   std::vector<HullBatch> parts(std::min(block / chunk, chunk_count(set_count, chunk)));
   std::vector<std::optional<Error>> errors(parts.size());
   const auto hulls_of_chunk = [&](HullBatch& part, std::uint64_t begin, std::uint64_t end) {
-    control.check();
     Options one = options;
     one.threads = 1;
     one.progress = nullptr;
     one.poll = nullptr;  // this may be another thread
     part.dimension = points.dimension;
-    PlanarSets planar(control);
+    PlanarSets planar(run.control);
     for (std::uint64_t i = begin; i < end; ++i) {
       PointView set = points;
       set.count = offsets[i + 1] - offsets[i];
@@ -292,25 +288,24 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
   all.dimension = points.dimension;
   all.scalar = points.scalar;
   for (std::uint64_t first = 0; first < set_count; first += block) {
-    control.report("hulls", static_cast<double>(first) / static_cast<double>(set_count));
+    run.report("hulls", static_cast<double>(first) / static_cast<double>(set_count));
     const std::uint64_t count = std::min(block, set_count - first);
     parts.resize(chunk_count(count, chunk));
-    for_each_chunk(count, chunk, threads,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     clear(parts[c]);
-                     try {
-                       hulls_of_chunk(parts[c], first + begin, first + end);
-                     } catch (const Error& e) {
-                       if (e.code() == ErrorCode::cancelled) throw;
-                       errors[c] = e;
-                     }
-                   });
+    run.each_chunk(count, chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      clear(parts[c]);
+      try {
+        hulls_of_chunk(parts[c], first + begin, first + end);
+      } catch (const Error& e) {
+        if (e.code() == ErrorCode::cancelled) throw;
+        errors[c] = e;
+      }
+    });
     for (const std::optional<Error>& e : errors)
       if (e) throw *e;
     const double still = static_cast<double>(set_count) / static_cast<double>(first + count);
-    Joiner(parts, threads, still).run(all);
+    Joiner(parts, run, still).run(all);
   }
-  control.report("done", 1);
+  run.report("done", 1);
   return all;
 }
 

@@ -28,10 +28,10 @@ namespace cuda {
 
 std::uint32_t most_map_nodes(int device) { return most_gauge_nodes(device_or_current(device)); }
 
-std::vector<std::uint64_t> survivors_there(const GaugeMap& map, const PointView& points, int device,
-                                           unsigned threads, const Control& control) {
-  const DeviceScope scope(device_or_current(device).ordinal);
-  return survivors_of_host_points(map.table(), points, threads, control);
+std::vector<std::uint64_t> survivors_there(const GaugeMap& map, const PointView& points,
+                                           const Run& run) {
+  const DeviceScope scope(device_or_current(run.options.device).ordinal);
+  return survivors_of_host_points(map.table(), points, run);
 }
 
 }  // namespace cuda

@@ -10,7 +10,7 @@
 #include "cull/gauge_map.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/point_view.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -45,10 +45,10 @@ class OutOfMemory : public Error {
 /// Nodes of a map that this device (-1: the current one) can hold close by.
 std::uint32_t most_map_nodes(int device);
 
-/// What the map keeps of points in the host's memory, culled on this device. Throws OutOfMemory,
-/// Failure, Error{cancelled}.
-std::vector<std::uint64_t> survivors_there(const GaugeMap& map, const PointView& points, int device,
-                                           unsigned threads, const Control& control);
+/// What the map keeps of points in the host's memory, culled on the options' device. Throws
+/// OutOfMemory, Failure, Error{cancelled}.
+std::vector<std::uint64_t> survivors_there(const GaugeMap& map, const PointView& points,
+                                           const Run& run);
 
 }  // namespace cuda
 }  // namespace cullhull::internal

@@ -12,28 +12,24 @@
 #include "cull/planner.hpp"
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
-#include "parallel/memory.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 namespace {
 
 class DeviceFilter {
  public:
-  DeviceFilter(const DevicePointView& points, const Options& options, const Control& control,
-               unsigned threads, std::uint64_t budget)
+  DeviceFilter(const DevicePointView& points, const Run& run)
       : points_(points),
-        options_(options),
-        control_(control),
-        threads_(threads),
-        budget_(budget),
-        forced_(options.cull == CullMethod::gauge),
+        run_(run),
+        forced_(run.options.cull == CullMethod::gauge),
         d_(points.dimension) {}
 
   Filtered run() {
     try {
       return cull_there_or_here();
     } catch (const cuda::OutOfMemory& e) {
-      if (options_.backend == Backend::cuda) throw;
+      if (run_.options.backend == Backend::cuda) throw;
       return culled_on_host(e.what());  // packed points are fetched without memory of the device
     }
   }
@@ -42,21 +38,21 @@ class DeviceFilter {
   Filtered cull_there_or_here() {
     Filtered result;
     result.survivors.all = true;
-    if (options_.cull == CullMethod::pseudo_hull && options_.backend != Backend::cpu &&
+    if (run_.options.cull == CullMethod::pseudo_hull && run_.options.backend != Backend::cpu &&
         d_ >= pseudo_hull_min_dimension && d_ <= pseudo_hull_cuda_max_dimension &&
         points_.count > d_ + 1)
       return pseudo_hull_there();
-    if (options_.cull == CullMethod::pseudo_hull) return culled_on_host("");
-    result.survivors.reason = why_no_filter(options_.cull, points_.count, d_);
+    if (run_.options.cull == CullMethod::pseudo_hull) return culled_on_host("");
+    result.survivors.reason = why_no_filter(run_.options.cull, points_.count, d_);
     if (!result.survivors.reason.empty()) return all_points(std::move(result));
-    if (options_.backend == Backend::cpu) return culled_on_host("");
+    if (run_.options.backend == Backend::cpu) return culled_on_host("");
     std::string where = "CUDA device as asked";
-    if (options_.backend == Backend::automatic) {
-      const Placement place = place_of_device_points(points_, options_, threads_);
+    if (run_.options.backend == Backend::automatic) {
+      const Placement place = place_of_device_points(points_, run_);
       if (!place.device) return culled_on_host(place.reason);
       where = place.reason;
     }
-    control_.report("cull", 0);
+    run_.report("cull", 0);
     const SampledMap sampled = first_map();
     result.survivors.reason = sampled.reason;
     if (sampled.map == nullptr) return all_points(std::move(result));
@@ -76,12 +72,12 @@ class DeviceFilter {
 
   /// One pseudo-hull of all points where they lie, so that no second level is needed.
   Filtered pseudo_hull_there() const {
-    control_.report("cull", 0);
+    run_.report("cull", 0);
     Filtered result;
-    std::vector<std::uint64_t> ids = pseudo_hull_survivors_cuda(points_, {}, control_);
+    std::vector<std::uint64_t> ids = pseudo_hull_survivors_cuda(points_, {}, run_.control);
     require_room(ids.size());
-    result.rows = cuda::download_points(points_, ids.data(), ids.size(), control_);
-    check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), threads_);
+    result.rows = cuda::download_points(points_, ids.data(), ids.size(), run_.control);
+    check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), run_);
     result.survivors.all = ids.size() == points_.count;
     if (!result.survivors.all) result.survivors.ids = std::move(ids);
     result.survivors.method = "pseudo-hull";
@@ -96,44 +92,45 @@ class DeviceFilter {
     return std::move(result);
   }
 
-  Array<double> fetch_all() const { return download_all(points_, control_, threads_, budget_); }
+  Array<double> fetch_all() const { return download_all(points_, run_); }
 
   Filtered culled_on_host(const std::string& why) const {
     Array<double> rows = fetch_all();
     const PointView view = PointView::row_major(rows.data(), points_.count, d_);
-    Options here = options_;
-    here.backend = Backend::cpu;
-    Filtered result = run_filter(view, here, control_, threads_, budget_);
+    Options options = run_.options;
+    options.backend = Backend::cpu;
+    Filtered result = run_filter(view, Run(options));
     if (!why.empty()) result.survivors.reason += "; " + why;
     if (result.survivors.all)
       result.rows = std::move(rows);
     else if (result.rows.empty())
-      result.rows = gather_points(view, result.survivors.ids.data(), result.survivors.ids.size(),
-                                  threads_, control_);
+      result.rows =
+          gather_points(view, result.survivors.ids.data(), result.survivors.ids.size(), run_);
     return result;
   }
 
   SampledPoints sampled(const DevicePointView& points) const {
-    return {points.count, d_, threads_, [this, points](const std::vector<std::uint64_t>& ids) {
-              Array<double> rows = cuda::download_points(points, ids.data(), ids.size(), control_);
+    return {points.count, d_, [this, points](const std::vector<std::uint64_t>& ids) {
+              Array<double> rows =
+                  cuda::download_points(points, ids.data(), ids.size(), run_.control);
               // -0 becomes +0, and what is not finite is refused, as everywhere before an engine.
               return gather_points(PointView::row_major(rows.data(), ids.size(), d_), nullptr,
-                                   ids.size(), threads_, control_);
+                                   ids.size(), run_);
             }};
   }
 
   SampledMap first_map() const {
     try {
       return map_of_sample(sampled(points_), forced_ ? Insist::yes : Insist::no,
-                           cuda::most_gauge_nodes(cuda::device()), budget_, control_);
+                           cuda::most_gauge_nodes(cuda::device()), run_);
     } catch (const Error& e) {
       if (e.code() != ErrorCode::not_finite) throw;
     }
-    refuse_first_not_finite(points_, control_);
+    refuse_first_not_finite(points_, run_);
   }
 
   void require_room(std::uint64_t count) const {
-    require_budget(budget_, count * (d_ + 2) * sizeof(double),
+    require_budget(run_.budget, count * (d_ + 2) * sizeof(double),
                    std::to_string(count) + " points that survive the filter");
   }
 
@@ -144,12 +141,11 @@ class DeviceFilter {
     require_room(left.count);
     cuda::DeviceArray<std::byte> rows = rows_of(points_, left);
     DevicePointView view = packed(rows, left.count);
-    control_.report("cull", 0.8);
+    run_.report("cull", 0.8);
     const char* method = "gauge";
     if (left.count >= smallest_worth_refining(d_)) {
-      const SampledMap finer =
-          map_of_sample(finite_sample(view), Insist::late, cuda::most_gauge_nodes(cuda::device()),
-                        budget_, control_);
+      const SampledMap finer = map_of_sample(finite_sample(view), Insist::late,
+                                             cuda::most_gauge_nodes(cuda::device()), run_);
       result.survivors.reason += "; a second map: " + finer.reason;
       if (finer.map != nullptr) {
         const cuda::DeviceIds kept = cuda::survivors_of_device_points(finer.map->table(), view);
@@ -168,8 +164,8 @@ class DeviceFilter {
     }
     std::vector<std::uint64_t> ids(left.count);
     cuda::download(ids.data(), left.ids.data(), left.count, stream);
-    result.rows = cuda::download_points(view, nullptr, left.count, control_);
-    check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), threads_);
+    result.rows = cuda::download_points(view, nullptr, left.count, run_.control);
+    check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), run_);
     result.survivors.ids = std::move(ids);
     result.survivors.method = method;
   }
@@ -183,7 +179,7 @@ class DeviceFilter {
       } catch (const Error& e) {
         if (e.code() != ErrorCode::not_finite) throw;
       }
-      refuse_first_not_finite(points_, control_);
+      refuse_first_not_finite(points_, run_);
     };
     return s;
   }
@@ -208,27 +204,23 @@ class DeviceFilter {
 
   /// With hardly any memory of the device: survivors come back after the first map.
   void cull_by_pieces(const GaugeTable& table, Filtered& result) const {
-    std::vector<std::uint64_t> ids = cuda::survivors_by_pieces(table, points_, control_);
+    std::vector<std::uint64_t> ids = cuda::survivors_by_pieces(table, points_, run_.control);
     require_room(ids.size());
-    result.rows = cuda::download_points(points_, ids.data(), ids.size(), control_);
-    check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), threads_);
+    result.rows = cuda::download_points(points_, ids.data(), ids.size(), run_.control);
+    check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), run_);
     result.survivors.ids = std::move(ids);
-    refine_survivors(result, d_, control_, threads_, budget_);
+    refine_survivors(result, d_, run_);
   }
 
   const DevicePointView& points_;
-  const Options& options_;
-  const Control& control_;
-  unsigned threads_;
-  std::uint64_t budget_;
+  const Run& run_;
   bool forced_;
   unsigned d_;
 };
 
 }  // namespace
 
-Filtered run_device_filter(const DevicePointView& points, const Options& options,
-                           const Control& control, unsigned threads, std::uint64_t budget) {
+Filtered run_device_filter(const DevicePointView& points, const Run& run) {
   if (points.count == 0) {
     (void)cuda::device();
     Filtered nothing;
@@ -240,7 +232,7 @@ Filtered run_device_filter(const DevicePointView& points, const Options& options
   const int ordinal = device_of(points);
   (void)cuda::device(ordinal);
   const cuda::DeviceScope scope(ordinal);
-  return DeviceFilter(points, options, control, threads, budget).run();
+  return DeviceFilter(points, run).run();
 }
 
 }  // namespace cullhull::internal

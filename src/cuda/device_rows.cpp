@@ -6,7 +6,7 @@
 #include "cuda/gauge_kernel.hpp"
 #include "cuda/runtime.hpp"
 #include "geometry/gather.hpp"
-#include "parallel/memory.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -33,27 +33,25 @@ int device_of(const DevicePointView& points) {
   return device;
 }
 
-Placement place_of_device_points(const DevicePointView& points, const Options& options,
-                                 unsigned threads) {
+Placement place_of_device_points(const DevicePointView& points, const Run& run) {
   PlaceQuestion question;
   question.count = points.count;
   question.dimension = points.dimension;
   question.point_bytes = points.dimension * scalar_size(points.scalar);
-  question.threads = threads;
+  question.threads = run.threads;
   question.on_device = true;
-  return choose_place(question, options.machine);
+  return choose_place(question, run.options.machine);
 }
 
-Array<double> download_all(const DevicePointView& points, const Control& control, unsigned threads,
-                           std::uint64_t budget) {
-  require_budget(budget, points.count * points.dimension * 2 * sizeof(double),
+Array<double> download_all(const DevicePointView& points, const Run& run) {
+  require_budget(run.budget, points.count * points.dimension * 2 * sizeof(double),
                  std::to_string(points.count) + " points copied from the device");
-  Array<double> rows = cuda::download_points(points, nullptr, points.count, control);
-  check_rows_finite(rows.data(), points.count, points.dimension, nullptr, threads);
+  Array<double> rows = cuda::download_points(points, nullptr, points.count, run.control);
+  check_rows_finite(rows.data(), points.count, points.dimension, nullptr, run);
   return rows;
 }
 
-void refuse_first_not_finite(const DevicePointView& points, const Control& control) {
+void refuse_first_not_finite(const DevicePointView& points, const Run& run) {
   const auto stream = static_cast<cudaStream_t>(points.stream);
   unsigned long long first = ~0ULL;
   const cuda::DeviceArray<unsigned long long> found(1, stream);
@@ -62,8 +60,8 @@ void refuse_first_not_finite(const DevicePointView& points, const Control& contr
   cuda::download(&first, found.data(), 1, stream);
   if (first < points.count) {
     const std::uint64_t id = first;
-    const Array<double> row = cuda::download_points(points, &id, 1, control);
-    check_rows_finite(row.data(), 1, points.dimension, &id, 1);
+    const Array<double> row = cuda::download_points(points, &id, 1, run.control);
+    check_rows_finite(row.data(), 1, points.dimension, &id, run);
   }
   throw Error(ErrorCode::internal, "points on the device changed during the call");
 }

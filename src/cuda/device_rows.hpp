@@ -6,7 +6,7 @@
 
 #include "cull/planner.hpp"
 #include "cullhull/device_points.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -19,15 +19,13 @@ int device_of_memory(const void* memory);
 int device_of(const DevicePointView& points);
 
 /// Where the planner would cull them.
-Placement place_of_device_points(const DevicePointView& points, const Options& options,
-                                 unsigned threads);
+Placement place_of_device_points(const DevicePointView& points, const Run& run);
 
 /// Packed rows of all points, exactly as they are. Throws Error{not_finite} for the first bad one,
 /// Error{out_of_budget}. Packed points need no memory of the device.
-Array<double> download_all(const DevicePointView& points, const Control& control, unsigned threads,
-                           std::uint64_t budget);
+Array<double> download_all(const DevicePointView& points, const Run& run);
 
 /// Throws Error{not_finite} naming the first point that is not finite; there is one.
-[[noreturn]] void refuse_first_not_finite(const DevicePointView& points, const Control& control);
+[[noreturn]] void refuse_first_not_finite(const DevicePointView& points, const Run& run);
 
 }  // namespace cullhull::internal

@@ -40,7 +40,7 @@ class DeviceFrame final : public FramePoints {
     } else if (run.options.backend == Backend::cpu) {
       copy("");
     } else if (run.options.backend == Backend::automatic) {
-      const Placement place = place_of_device_points(points, run.options, run.threads);
+      const Placement place = place_of_device_points(points, run);
       reason_ = place.reason;
       if (!place.device) copy(place.reason);
     }
@@ -72,7 +72,7 @@ class DeviceFrame final : public FramePoints {
 
   Filtered filter_afresh() override {
     if (here_) return here_->filter_afresh();
-    return run_device_filter(points_, run_.options, run_.control, run_.threads, run_.budget);
+    return run_device_filter(points_, run_);
   }
 
   Hull hull(Filtered&& filtered) override {
@@ -100,7 +100,7 @@ class DeviceFrame final : public FramePoints {
   /// Brings all points to the host; from then on the frame is one of the host.
   void copy(const std::string& why) {
     why_here_ = why;
-    rows_ = download_all(points_, run_.control, run_.threads, run_.budget);
+    rows_ = download_all(points_, run_);
     host_options_ = run_.options;
     host_options_.backend = Backend::cpu;
     host_run_.emplace(host_options_);
@@ -111,11 +111,11 @@ class DeviceFrame final : public FramePoints {
     const Array<double> rows = cuda::download_points(points_, ids.data(), ids.size(), run_.control);
     try {
       return gather_points(PointView::row_major(rows.data(), ids.size(), dimension), nullptr,
-                           ids.size(), run_.threads, run_.control);
+                           ids.size(), run_);
     } catch (const Error& e) {
       if (e.code() != ErrorCode::not_finite) throw;
     }
-    refuse_first_not_finite(points_, run_.control);
+    refuse_first_not_finite(points_, run_);
   }
 
   void scan_there(const GaugeMap& map, Survivors& result) const {
@@ -138,9 +138,9 @@ class DeviceFrame final : public FramePoints {
 
   void fetch_there(Filtered& result) const {
     const std::vector<std::uint64_t>& ids = result.survivors.ids;
-    result.first_pass = ids.size();
+    result.pass_survivors = ids.size();
     result.rows = cuda::download_points(points_, ids.data(), ids.size(), run_.control);
-    check_rows_finite(result.rows.data(), ids.size(), dimension, ids.data(), run_.threads);
+    check_rows_finite(result.rows.data(), ids.size(), dimension, ids.data(), run_);
     run_.control.report("cull", 0.8);
   }
 

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "cuda/gauge_kernel.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull::internal::cuda {
@@ -51,25 +52,11 @@ void pack(const PointView& v, std::uint64_t begin, std::uint64_t end, Out* out) 
 }
 
 void pack(const PointView& v, std::uint64_t begin, std::uint64_t end, std::byte* out) {
-  const auto doubles = reinterpret_cast<double*>(out);
-  switch (v.scalar) {
-    case ScalarType::f32:
-      return pack<float>(v, begin, end, reinterpret_cast<float*>(out));
-    case ScalarType::f64:
-      return pack<double>(v, begin, end, doubles);
-    case ScalarType::i8:
-      return pack<std::int8_t>(v, begin, end, doubles);
-    case ScalarType::u8:
-      return pack<std::uint8_t>(v, begin, end, doubles);
-    case ScalarType::i16:
-      return pack<std::int16_t>(v, begin, end, doubles);
-    case ScalarType::u16:
-      return pack<std::uint16_t>(v, begin, end, doubles);
-    case ScalarType::i32:
-      return pack<std::int32_t>(v, begin, end, doubles);
-    case ScalarType::u32:
-      return pack<std::uint32_t>(v, begin, end, doubles);
-  }
+  with_scalar(v.scalar, [&](auto scalar) {
+    using T = decltype(scalar);
+    using Out = std::conditional_t<std::is_same_v<T, float>, float, double>;
+    pack<T>(v, begin, end, reinterpret_cast<Out*>(out));
+  });
 }
 
 /// One of the two pieces under way: packed points going there, a mask coming back. Everything of a
@@ -125,8 +112,7 @@ class Slot {
 };
 
 std::vector<std::uint64_t> cull_pieces(const GaugeTable& table, const PointView& points,
-                                       std::uint64_t piece, unsigned threads,
-                                       const Control& control) {
+                                       std::uint64_t piece, const Run& run) {
   DevicePointView rows;
   rows.scalar = points.scalar == ScalarType::f32 ? ScalarType::f32 : ScalarType::f64;
   rows.dimension = points.dimension;
@@ -141,14 +127,13 @@ std::vector<std::uint64_t> cull_pieces(const GaugeTable& table, const PointView&
     Slot slots[2] = {{piece, row_bytes}, {piece, row_bytes}};
     unsigned turn = 0;
     for (std::uint64_t first = 0; first < points.count; first += piece, turn ^= 1) {
-      control.check();
+      run.check();
       Slot& slot = slots[turn];
       slot.finish(ids);  // pieces are finished in the order they were started: ids ascend
       rows.count = std::min(piece, points.count - first);
-      for_each_chunk(rows.count, 1 << 16, threads,
-                     [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                       pack(points, first + begin, first + end, slot.rows() + begin * row_bytes);
-                     });
+      run.each(rows.count, 1 << 16, [&](std::uint64_t begin, std::uint64_t end) {
+        pack(points, first + begin, first + end, slot.rows() + begin * row_bytes);
+      });
       slot.start(table, nodes.data(), rows, first);
     }
     slots[turn].finish(ids);
@@ -162,8 +147,7 @@ constexpr std::uint64_t least_piece = 1 << 16;
 }  // namespace
 
 std::vector<std::uint64_t> survivors_of_host_points(const GaugeTable& table,
-                                                    const PointView& points, unsigned threads,
-                                                    const Control& control) {
+                                                    const PointView& points, const Run& run) {
   // Long enough that starting a copy is nothing beside it, short enough that the first and the
   // last, which nothing overlaps, are little of the whole.
   constexpr std::uint64_t piece_bytes = 32 << 20;
@@ -172,7 +156,7 @@ std::vector<std::uint64_t> survivors_of_host_points(const GaugeTable& table,
   piece = std::max(piece, std::uint64_t{128});
   for (;;) {
     try {
-      return cull_pieces(table, points, piece, threads, control);
+      return cull_pieces(table, points, piece, run);
     } catch (const OutOfMemory&) {
       if (piece <= least_piece) throw;
       piece = std::max(least_piece, piece / 2 / 128 * 128);

@@ -7,7 +7,7 @@
 #include "cuda/runtime.hpp"
 #include "cull/gauge_table.hpp"
 #include "cullhull/device_points.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal::cuda {
 
@@ -16,8 +16,7 @@ namespace cullhull::internal::cuda {
 /// device, and one bit a point comes back; two pieces are under way at a time. Where memory is
 /// short, in smaller pieces. Throws OutOfMemory, Failure, Error{cancelled}.
 std::vector<std::uint64_t> survivors_of_host_points(const GaugeTable& table,
-                                                    const PointView& points, unsigned threads,
-                                                    const Control& control);
+                                                    const PointView& points, const Run& run);
 
 /// Ids on the device, ascending.
 struct DeviceIds {

@@ -21,14 +21,12 @@ std::uint32_t cuda::most_map_nodes(int) {
   return 0;
 }
 
-std::vector<std::uint64_t> cuda::survivors_there(const GaugeMap&, const PointView&, int, unsigned,
-                                                 const Control&) {
+std::vector<std::uint64_t> cuda::survivors_there(const GaugeMap&, const PointView&, const Run&) {
   require_cuda();
   return {};
 }
 
-Filtered run_device_filter(const DevicePointView&, const Options&, const Control&, unsigned,
-                           std::uint64_t) {
+Filtered run_device_filter(const DevicePointView&, const Run&) {
   require_cuda();
   return {};
 }

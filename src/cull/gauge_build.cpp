@@ -11,6 +11,7 @@
 
 #include "cull/gauge_constants.hpp"
 #include "cull/gauge_walk.hpp"
+#include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -190,20 +191,11 @@ bool build_as(InnerPolytope&& polytope, const GaugeSettings& settings, GaugeTabl
 
 bool build_gauge_table(InnerPolytope&& polytope, const GaugeSettings& settings, GaugeTable& table,
                        std::unique_ptr<GaugeCones>* cones) {
-  switch (polytope.dimension) {
-    case 2:
-      return build_as<2>(std::move(polytope), settings, table, cones);
-    case 3:
-      return build_as<3>(std::move(polytope), settings, table, cones);
-    case 4:
-      return build_as<4>(std::move(polytope), settings, table, cones);
-    case 5:
-      return build_as<5>(std::move(polytope), settings, table, cones);
-    case 6:
-      return build_as<6>(std::move(polytope), settings, table, cones);
-    default:
-      return false;
-  }
+  const unsigned d = polytope.dimension;
+  if (d < 2 || d > 6) return false;
+  return with_dimension<2, 5, 6>(d, [&](auto k) {
+    return build_as<decltype(k)::value>(std::move(polytope), settings, table, cones);
+  });
 }
 
 }  // namespace cullhull::internal

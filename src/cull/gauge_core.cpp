@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "cull/gauge_levels.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull::internal {
@@ -304,18 +305,9 @@ std::optional<GaugeCore> best_core(const GaugeTable& t, const std::vector<float>
 
 std::optional<GaugeCore> make_core(const GaugeTable& t, const std::vector<float>& probes,
                                    std::uint32_t count, unsigned threads) {
-  switch (t.dimension) {
-    case 2:
-      return best_core<2>(t, probes, count, threads);
-    case 3:
-      return best_core<3>(t, probes, count, threads);
-    case 4:
-      return best_core<4>(t, probes, count, threads);
-    case 5:
-      return best_core<5>(t, probes, count, threads);
-    default:
-      return best_core<6>(t, probes, count, threads);
-  }
+  return with_dimension<2, 5, 6>(t.dimension, [&](auto d) {
+    return best_core<decltype(d)::value>(t, probes, count, threads);
+  });
 }
 
 }  // namespace cullhull::internal

@@ -41,7 +41,7 @@ std::unique_ptr<GaugeMap> GaugeMap::of_few_facets(const InnerPolytope& polytope,
 
 std::vector<std::uint64_t> GaugeMap::outside_cones(const Array<double>& rows,
                                                    const std::vector<char>& certain,
-                                                   unsigned threads, const Control& control) const {
+                                                   const Run& run) const {
   if (table_->cones == nullptr)
     throw Error(ErrorCode::internal, "the gauge map was built without cones");
   constexpr std::uint64_t block = 2048;
@@ -49,16 +49,14 @@ std::vector<std::uint64_t> GaugeMap::outside_cones(const Array<double>& rows,
   const std::uint64_t count = rows.size() / d;
   std::vector<std::uint64_t> kept(count);  // each block writes to its own stretch
   std::vector<std::uint64_t> sizes(chunk_count(count, block));
-  for_each_chunk(count, block, threads,
-                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   std::uint64_t k = begin;
-                   for (std::uint64_t i = begin; i < end; ++i) {
-                     kept[k] = i;
-                     k += certain[i] == 0 && table_->cones->inside(&rows[i * d]) ? 0 : 1;
-                   }
-                   sizes[c] = k - begin;
-                 });
+  run.each_chunk(count, block, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    std::uint64_t k = begin;
+    for (std::uint64_t i = begin; i < end; ++i) {
+      kept[k] = i;
+      k += certain[i] == 0 && table_->cones->inside(&rows[i * d]) ? 0 : 1;
+    }
+    sizes[c] = k - begin;
+  });
   std::uint64_t total = 0;
   for (std::uint64_t c = 0; c < sizes.size(); ++c) {
     std::copy_n(kept.begin() + static_cast<std::ptrdiff_t>(c * block), sizes[c],
@@ -69,8 +67,8 @@ std::vector<std::uint64_t> GaugeMap::outside_cones(const Array<double>& rows,
   return kept;
 }
 
-std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, unsigned threads,
-                                               const Control& control, SurvivorRows* rows) const {
+std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, const Run& run,
+                                               SurvivorRows* rows) const {
   if (points.dimension != table_->dimension)
     throw Error(ErrorCode::internal, "the gauge map has another dimension than the points");
 
@@ -80,19 +78,17 @@ std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, unsigned
   std::vector<std::vector<std::uint16_t>> kept(chunks);
   std::vector<std::vector<double>> kept_rows(rows != nullptr ? chunks : 0);
   std::atomic<std::uint64_t> gathered{0};
-  const GaugeShortcuts shortcuts = make_shortcuts(*table_, points, threads);
+  const GaugeShortcuts shortcuts = make_shortcuts(*table_, points, run.threads);
   static_assert(gauge_chunk <= 65536);
-  for_each_chunk(points.count, gauge_chunk, threads,
-                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   std::array<std::uint32_t, gauge_chunk> ids;
-                   const std::size_t n =
-                       gauge_survivors(*table_, points, begin, end, ids.data(), &shortcuts);
-                   kept[c].assign(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(n));
-                   if (rows == nullptr || gathered.fetch_add(n) + n > rows->most) return;
-                   kept_rows[c].resize(n * d);
-                   gather_rows_at(points, begin, ids.data(), n, kept_rows[c].data());
-                 });
+  run.each_chunk(
+      points.count, gauge_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+        std::array<std::uint32_t, gauge_chunk> ids;
+        const std::size_t n = gauge_survivors(*table_, points, begin, end, ids.data(), &shortcuts);
+        kept[c].assign(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(n));
+        if (rows == nullptr || gathered.fetch_add(n) + n > rows->most) return;
+        kept_rows[c].resize(n * d);
+        gather_rows_at(points, begin, ids.data(), n, kept_rows[c].data());
+      });
 
   std::vector<std::uint64_t> offsets(chunks + 1, 0);
   for (std::uint64_t c = 0; c < chunks; ++c) offsets[c + 1] = offsets[c] + kept[c].size();
@@ -101,7 +97,7 @@ std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, unsigned
   for (std::uint64_t c = 0; c < kept_rows.size(); ++c)
     all = all && kept_rows[c].size() == kept[c].size() * d;
   if (all) rows->rows.resize(offsets[chunks] * d);
-  for_each_chunk(chunks, 64, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+  run.each(chunks, 64, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t c = begin; c < end; ++c) {
       const std::uint64_t first = c * gauge_chunk;
       std::transform(kept[c].begin(), kept[c].end(),

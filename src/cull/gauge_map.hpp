@@ -8,7 +8,7 @@
 
 #include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -71,16 +71,15 @@ class GaugeMap {
   /// Ids (ascending, indices into `points`) of all points that are not provably strictly inside the
   /// polytope; a point with a NaN or an infinity is always among them.
   /// `rows`: gets their coordinates, if given.
-  std::vector<std::uint64_t> survivors(const PointView& points, unsigned threads,
-                                       const Control& control, SurvivorRows* rows = nullptr) const;
+  std::vector<std::uint64_t> survivors(const PointView& points, const Run& run,
+                                       SurvivorRows* rows = nullptr) const;
 
   /// Of packed rows of finite points those that are not provably strictly inside the polytope, by
   /// the facet each one's ray leaves by: a slower test than survivors(), but exact up to rounding.
   /// Positions, ascending; those `certain` are among them without being asked about. Needs a map
   /// built with cones.
   std::vector<std::uint64_t> outside_cones(const Array<double>& rows,
-                                           const std::vector<char>& certain, unsigned threads,
-                                           const Control& control) const;
+                                           const std::vector<char>& certain, const Run& run) const;
 
   /// What the kernels read.
   const GaugeTable& table() const noexcept;

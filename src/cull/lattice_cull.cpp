@@ -304,9 +304,8 @@ class Lines {
 
 class Thinner {
  public:
-  Thinner(const Array<double>& rows, std::uint32_t count, unsigned d, unsigned threads,
-          const Control& control)
-      : rows_(rows), count_(count), d_(d), threads_(threads), control_(control), left_(count) {}
+  Thinner(const Array<double>& rows, std::uint32_t count, unsigned d, const Run& run)
+      : rows_(rows), count_(count), d_(d), run_(run), left_(count) {}
 
   bool run(const std::vector<std::uint32_t>& sample, std::vector<std::uint32_t>& kept) {
     if (!number_by_spacing(sample) && !number_by_rank()) return false;
@@ -320,11 +319,9 @@ class Thinner {
  private:
   template <class Body>
   void each_chunk(std::uint64_t count, const Body& body) const {
-    for_each_chunk(count, chunk_size, threads_,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     body(c, begin, end);
-                   });
+    run_.each_chunk(
+        count, chunk_size,
+        [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) { body(c, begin, end); });
   }
 
   /// Keys of bits b_0, b_1, ..., the last lowest; false if they need more than 64 bits, or a number
@@ -398,7 +395,8 @@ class Thinner {
     unsigned total = 0;
     for (unsigned j = 0; j < d_; ++j) {
       const unsigned left = std::min(64 - total, 32U);
-      if (!axes[j].collect(rows_, count_, d_, j, std::size_t{1} << left, control_)) return false;
+      if (!axes[j].collect(rows_, count_, d_, j, std::size_t{1} << left, run_.control))
+        return false;
       bits[j] = axes[j].bits();
       total += bits[j];
     }
@@ -445,8 +443,8 @@ class Thinner {
 
   const Array<double>& rows_;
   const std::uint32_t count_;
-  const unsigned d_, threads_;
-  const Control& control_;
+  const unsigned d_;
+  const Run& run_;
   std::vector<Field> fields_;
   unsigned total_ = 0;  // bits of a key
   BigArray<Keyed> points_;
@@ -455,14 +453,14 @@ class Thinner {
 
 }  // namespace
 
-bool lattice_cull(const Array<double>& rows, std::uint32_t count, unsigned d, unsigned threads,
-                  const Control& control, std::vector<std::uint32_t>& kept) {
+bool lattice_cull(const Array<double>& rows, std::uint32_t count, unsigned d, const Run& run,
+                  std::vector<std::uint32_t>& kept) {
   if (count == 0) return false;
   std::vector<std::uint32_t> sample = sample_of(count);
   if (surely_no_lattice(rows, d, sample, count)) return false;
   sort_sample(sample);
   if (!looks_like_a_lattice(rows, d, sample, count)) return false;
-  return Thinner(rows, count, d, threads, control).run(sample, kept);
+  return Thinner(rows, count, d, run).run(sample, kept);
 }
 
 }  // namespace cullhull::internal

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cullhull/array.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -17,7 +17,7 @@ namespace cullhull::internal {
 /// else `kept` are ascending indices, the same for any number of threads.
 /// `rows`: count x d finite doubles. Time O(d count); memory 16 bytes a point, at most 96 a point
 /// for the lines of one axis.
-bool lattice_cull(const Array<double>& rows, std::uint32_t count, unsigned d, unsigned threads,
-                  const Control& control, std::vector<std::uint32_t>& kept);
+bool lattice_cull(const Array<double>& rows, std::uint32_t count, unsigned d, const Run& run,
+                  std::vector<std::uint32_t>& kept);
 
 }  // namespace cullhull::internal

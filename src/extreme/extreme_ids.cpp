@@ -40,31 +40,29 @@ std::vector<std::uint32_t> distinct(const LocalPoints& points, const Control& co
 
 }  // namespace
 
-std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, unsigned threads,
-                                       const Control& control) {
+std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, const Run& run) {
   constexpr std::uint64_t chunk = 32;
   std::vector<std::uint8_t> present(points.count, 0);
-  for (const std::uint32_t i : distinct(points, control)) present[i] = 1;
+  for (const std::uint32_t i : distinct(points, run.control)) present[i] = 1;
   // Outermost first: they are the ones that others are inside of.
   std::vector<std::uint32_t> order;
-  for (NormOrder all(points, {}, threads, control); all.left() > 0;) all.take_round(order);
+  for (NormOrder all(points, {}, run); all.left() > 0;) all.take_round(order);
   order.erase(std::remove_if(order.begin(), order.end(), [&](auto i) { return !present[i]; }),
               order.end());
 
   std::vector<std::uint32_t> extreme;
-  const PointColumns others(points, order, control);
+  const PointColumns others(points, order, run.control);
   PointColumns working(points);
   for (std::size_t begin = 0, size = 64; begin < order.size(); begin += size) {
     size = std::clamp<std::size_t>(std::max(working.ids().size() / 4, begin / 8), 64, 8192);
     const std::size_t count = std::min(size, order.size() - begin);
     std::vector<std::uint8_t> inside(count, 0);
     std::vector<std::vector<std::uint32_t>> useful(chunk_count(count, chunk));
-    for_each_chunk(count, chunk, threads,
-                   [&](std::uint64_t c, std::uint64_t from, std::uint64_t to) {
-                     HullMembership membership(points, control);
-                     for (std::uint64_t i = from; i < to; ++i)
-                       inside[i] = membership.inside(order[begin + i], others, working, useful[c]);
-                   });
+    run.each_chunk(count, chunk, [&](std::uint64_t c, std::uint64_t from, std::uint64_t to) {
+      HullMembership membership(points, run.control);
+      for (std::uint64_t i = from; i < to; ++i)
+        inside[i] = membership.inside(order[begin + i], others, working, useful[c]);
+    });
     const auto join = [&](std::uint32_t i) {
       if (!working.contains(i)) working.add(i);
     };
@@ -75,8 +73,8 @@ std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, unsigned threa
     }
     for (const auto& list : useful)
       for (const std::uint32_t i : list) join(i);
-    control.report("extreme points",
-                   static_cast<double>(begin + count) / static_cast<double>(order.size()));
+    run.report("extreme points",
+               static_cast<double>(begin + count) / static_cast<double>(order.size()));
   }
   std::sort(extreme.begin(), extreme.end());
   return extreme;

@@ -5,13 +5,12 @@
 #include <vector>
 
 #include "geometry/local_points.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
 /// Ascending local ids; of equal points the lowest. Time: for h of n points extreme, one linear
 /// program over some h points for each of n, and one pass over all n for each of h. O(n d) memory.
-std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, unsigned threads,
-                                       const Control& control);
+std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, const Run& run);
 
 }  // namespace cullhull::internal

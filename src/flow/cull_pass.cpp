@@ -5,36 +5,33 @@
 
 namespace cullhull::internal {
 
-FirstPass::FirstPass(const PointView& points, const Options& options, unsigned threads)
-    : points_(points),
-      threads_(threads),
-      ordinal_(options.device),
-      insists_(options.backend == Backend::cuda) {
-  if (options.backend == Backend::cpu) {
+CullPass::CullPass(const PointView& points, const Run& run)
+    : points_(points), run_(run), insists_(run.options.backend == Backend::cuda) {
+  if (run.options.backend == Backend::cpu) {
     reason_ = "CPU as asked";
   } else if (insists_) {
     device_ = true;
     reason_ = "CUDA device as asked";
   } else {
-    ask_planner(options);
+    ask_planner();
   }
 }
 
-std::uint32_t FirstPass::most_nodes() const { return device_ ? cuda::most_map_nodes(ordinal_) : 0; }
+std::uint32_t CullPass::most_nodes() const {
+  return device_ ? cuda::most_map_nodes(run_.options.device) : 0;
+}
 
-void FirstPass::cull(const GaugeMap& map, const Control& control, Survivors& result,
-                     SurvivorRows* rows) {
-  result.ids = survivors(map, control, rows);
+void CullPass::cull(const GaugeMap& map, Survivors& result, SurvivorRows* rows) {
+  result.ids = survivors(map, rows);
   result.all = false;
   result.backend = device_ ? "cuda" : "cpu";
   result.reason += "; " + reason_;
 }
 
-std::vector<std::uint64_t> FirstPass::survivors(const GaugeMap& map, const Control& control,
-                                                SurvivorRows* rows) {
+std::vector<std::uint64_t> CullPass::survivors(const GaugeMap& map, SurvivorRows* rows) {
   if (device_) {
     try {
-      return cuda::survivors_there(map, points_, ordinal_, threads_, control);
+      return cuda::survivors_there(map, points_, run_);
     } catch (const cuda::OutOfMemory& e) {
       if (insists_) throw;
       fall_back(e);
@@ -43,32 +40,32 @@ std::vector<std::uint64_t> FirstPass::survivors(const GaugeMap& map, const Contr
       fall_back(e);
     }
   }
-  return map.survivors(points_, threads_, control, rows);
+  return map.survivors(points_, run_, rows);
 }
 
-void FirstPass::ask_planner(const Options& options) {
+void CullPass::ask_planner() {
   PlaceQuestion question;
   question.count = points_.count;
   question.dimension = points_.dimension;
   question.point_bytes = points_.dimension * scalar_size(points_.scalar);
-  question.threads = threads_;
+  question.threads = run_.threads;
   question.device_started = cuda_started();
   question.pinned_bytes = kept_pinned_memory();
-  const Placement place = choose_place(question, options.machine);
+  const Placement place = choose_place(question, run_.options.machine);
   // What a device would take is told only where there may be one.
   reason_ = cuda_in_sight() ? place.reason : place.host_reason;
   device_ = place.device;
   if (!device_) return;
   reason_ = place.host_reason;
   try {
-    require_cuda(ordinal_);
+    require_cuda(run_.options.device);
     reason_ = place.reason;
   } catch (const Error& e) {
     fall_back(e);
   }
 }
 
-void FirstPass::fall_back(const Error& e) {
+void CullPass::fall_back(const Error& e) {
   device_ = false;
   reason_ += std::string(", but ") + e.what();
 }

@@ -13,28 +13,25 @@ namespace cullhull::internal {
 
 /// Where the first pass runs. A device that was asked for has been required before; one that the
 /// planner chose may turn out not to be there, which is no error.
-class FirstPass {
+class CullPass {
  public:
-  /// Decides. Views the points, which must outlive it.
-  FirstPass(const PointView& points, const Options& options, unsigned threads);
+  /// Decides. Views points and run.
+  CullPass(const PointView& points, const Run& run);
 
   /// Nodes of a map the pass can hold close by; 0: the CPU's choice.
   std::uint32_t most_nodes() const;
 
   /// Sets what the map keeps, where that was found, and adds why there to the reason. On the CPU
   /// their rows as well, if asked for.
-  void cull(const GaugeMap& map, const Control& control, Survivors& result,
-            SurvivorRows* rows = nullptr);
+  void cull(const GaugeMap& map, Survivors& result, SurvivorRows* rows = nullptr);
 
  private:
-  void ask_planner(const Options& options);
+  void ask_planner();
   void fall_back(const Error& e);
-  std::vector<std::uint64_t> survivors(const GaugeMap& map, const Control& control,
-                                       SurvivorRows* rows);
+  std::vector<std::uint64_t> survivors(const GaugeMap& map, SurvivorRows* rows);
 
   const PointView& points_;
-  unsigned threads_;
-  int ordinal_;  ///< the device that options name; -1: the current one
+  const Run& run_;
   bool insists_;
   bool device_ = false;
   std::string reason_;

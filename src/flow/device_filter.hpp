@@ -6,15 +6,14 @@
 
 #include "cullhull/device_points.hpp"
 #include "flow/filter_stage.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
 /// As run_filter, but `rows` always holds the coordinates of the survivors (of all points where
 /// `all`), exactly as they are. Throws Error{not_finite} naming the lowest id with a NaN or an
 /// infinity, Error{backend_unavailable} where there is no device or the view is none of its memory.
-Filtered run_device_filter(const DevicePointView& points, const Options& options,
-                           const Control& control, unsigned threads, std::uint64_t budget);
+Filtered run_device_filter(const DevicePointView& points, const Run& run);
 
 /// Throws Error{invalid_argument} for null data, no dimension, a scalar no device takes.
 void check_arguments(const DevicePointView& points);

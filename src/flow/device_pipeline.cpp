@@ -7,8 +7,7 @@
 #include "cullhull/error.hpp"
 #include "flow/device_filter.hpp"
 #include "flow/pipeline.hpp"
-#include "parallel/memory.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull {
 namespace internal {
@@ -17,10 +16,9 @@ namespace {
 
 Filtered filter(const DevicePointView& points, const Options& options) {
   check_arguments(points);
-  const Control control(options);
-  control.check();
-  return run_device_filter(points, options, control, resolve_threads(options.threads),
-                           resolve_budget(options.memory_budget));
+  const Run run(options);
+  run.check();
+  return run_device_filter(points, run);
 }
 
 }  // namespace

@@ -31,13 +31,12 @@ PointView view_of_rows(const Filtered& result, unsigned d) {
 }
 
 /// The paper's two levels: the subsets' pseudo-hulls, then one of all that they left.
-Filtered run_pseudo_hull(const PointView& points, const Control& control, unsigned threads,
-                         std::uint64_t budget) {
+Filtered run_pseudo_hull(const PointView& points, const Run& run) {
   const unsigned d = points.dimension;
   Filtered result;
-  control.report("cull", 0);
+  run.report("cull", 0);
   const PseudoHullSettings by_subsets;
-  result.survivors.ids = pseudo_hull_survivors(points, by_subsets, threads, control);
+  result.survivors.ids = pseudo_hull_survivors(points, by_subsets, run);
   result.survivors.method = "pseudo-hull";
   result.survivors.reason = "filter as asked; the pseudo-hull runs on the CPU";
   if (result.survivors.ids.size() == points.count) {
@@ -45,24 +44,22 @@ Filtered run_pseudo_hull(const PointView& points, const Control& control, unsign
     result.survivors.all = true;
     return result;
   }
-  gather_survivors(points, result, control, threads, budget);
-  const std::uint64_t left = result.first_pass;
+  gather_survivors(points, result, run);
+  const std::uint64_t left = result.pass_survivors;
   // One pseudo-hull of all of them, unless it would be large. A point takes 45 bytes and its
   // coordinates. A sphere, all extreme, has a fifth as many facets as points in its largest round;
   // half are allowed for, each with d cells in each of two arrays.
   const std::uint64_t bytes = left * (8 * d + 45 + d * (12 * d + 8));
   PseudoHullSettings second;
-  second.subsets = bytes <= std::min(budget / 2, std::uint64_t{1} << 30) ? 1 : 0;
-  keep_of_survivors(result, d,
-                    pseudo_hull_survivors(view_of_rows(result, d), second, threads, control));
+  second.subsets = bytes <= std::min(run.budget / 2, std::uint64_t{1} << 30) ? 1 : 0;
+  keep_of_survivors(result, d, pseudo_hull_survivors(view_of_rows(result, d), second, run));
   return result;
 }
 
 /// Fetches samples of points in the host's memory.
-SampledPoints host_points(const PointView& points, unsigned threads, const Control& control) {
-  return {points.count, points.dimension, threads,
-          [&points, &control, threads](const std::vector<std::uint64_t>& ids) {
-            return gather_points(points, ids.data(), ids.size(), threads, control);
+SampledPoints host_points(const PointView& points, const Run& run) {
+  return {points.count, points.dimension, [&points, &run](const std::vector<std::uint64_t>& ids) {
+            return gather_points(points, ids.data(), ids.size(), run);
           }};
 }
 
@@ -100,39 +97,38 @@ struct Fineness {
 
 /// Positions of the points that are not inside the hull of the outermost; false where no map is
 /// worth while.
-bool kept_by_outermost(const PointView& points, Fineness fine, double most_outside,
-                       const Control& control, std::vector<std::uint64_t>& kept) {
+bool kept_by_outermost(const PointView& points, Fineness fine, double most_outside, const Run& run,
+                       std::vector<std::uint64_t>& kept) {
   const OutermostSettings settings{.cells = fine.cones, .most_outside = most_outside};
   const std::vector<std::uint64_t> outermost = outermost_points(points, settings);
   if (outermost.empty()) return false;
   const InnerPolytope polytope = polytope_of(points, outermost);
   if (polytope.dimension == 0) return false;
-  control.check();
+  run.check();
   const auto map = GaugeMap::of_few_facets(polytope, fine.cells);
   if (map == nullptr) return false;
-  kept = map->survivors(points, 1, control);
+  kept = map->survivors(points, run.with_threads(1));
   return true;
 }
 
 /// The filter of some thousand points in space. False: not worth while. More directions leave fewer
 /// points to the engine, but a map of them takes longer (measured on balls of 2,000 to 50,000
 /// points, and on closed surfaces with relief).
-bool cull_by_outermost(const PointView& points, const Control& control, unsigned threads,
-                       std::uint64_t budget, Filtered& result) {
+bool cull_by_outermost(const PointView& points, const Run& run, Filtered& result) {
   const Fineness first = points.count <= 8192    ? Fineness{4, 8}
                          : points.count <= 32768 ? Fineness{6, 12}
                                                  : Fineness{8, 16};
   constexpr double most_outside = 0.75;
   Survivors& survivors = result.survivors;
-  if (!kept_by_outermost(points, first, most_outside, control, survivors.ids)) return false;
+  if (!kept_by_outermost(points, first, most_outside, run, survivors.ids)) return false;
   survivors.all = false;
   survivors.method = "gauge";
   survivors.reason = "a map of the outermost points in " +
                      std::to_string(6 * first.cones * first.cones) + " directions";
-  gather_survivors(points, result, control, threads, budget);
+  gather_survivors(points, result, run);
   std::vector<std::uint64_t> kept;
   if (survivors.ids.size() > MediumHull3D::max_points &&
-      kept_by_outermost(view_of_rows(result, 3), {12, 16}, 1, control, kept)) {
+      kept_by_outermost(view_of_rows(result, 3), {12, 16}, 1, run, kept)) {
     keep_of_survivors(result, 3, kept);
     survivors.method = "gauge x2";
   }
@@ -149,18 +145,16 @@ void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint
   result.survivors.ids = std::move(ids);
 }
 
-void gather_survivors(const PointView& points, Filtered& result, const Control& control,
-                      unsigned threads, std::uint64_t budget) {
+void gather_survivors(const PointView& points, Filtered& result, const Run& run) {
   const std::uint64_t left = result.survivors.ids.size();
-  result.first_pass = left;
-  require_budget(budget, left * (points.dimension + 2) * sizeof(double),
+  result.pass_survivors = left;
+  require_budget(run.budget, left * (points.dimension + 2) * sizeof(double),
                  std::to_string(left) + " points that survive the filter");
   if (result.rows.empty())
-    result.rows = gather_points(points, result.survivors.ids.data(), left, threads, control);
+    result.rows = gather_points(points, result.survivors.ids.data(), left, run);
   else
-    check_rows_finite(result.rows.data(), left, points.dimension, result.survivors.ids.data(),
-                      threads);
-  control.report("cull", 0.8);
+    check_rows_finite(result.rows.data(), left, points.dimension, result.survivors.ids.data(), run);
+  run.report("cull", 0.8);
 }
 
 std::string why_no_filter(CullMethod method, std::uint64_t count, unsigned d) {
@@ -173,40 +167,39 @@ std::string why_no_filter(CullMethod method, std::uint64_t count, unsigned d) {
   return "";
 }
 
-Filtered run_filter(const PointView& points, const Options& options, const Control& control,
-                    unsigned threads, std::uint64_t budget) {
+Filtered run_filter(const PointView& points, const Run& run) {
   Filtered result;
   result.survivors.all = true;
-  result.first_pass = points.count;
+  result.pass_survivors = points.count;
   const unsigned d = points.dimension;
-  if (options.cull == CullMethod::pseudo_hull && d >= pseudo_hull_min_dimension &&
+  if (run.options.cull == CullMethod::pseudo_hull && d >= pseudo_hull_min_dimension &&
       d <= pseudo_hull_max_dimension && points.count > d + 1)
-    return run_pseudo_hull(points, control, threads, budget);
-  const bool forced = options.cull == CullMethod::gauge;
-  if (options.cull == CullMethod::automatic && options.backend != Backend::cuda && d == 3 &&
+    return run_pseudo_hull(points, run);
+  const bool forced = run.options.cull == CullMethod::gauge;
+  if (run.options.cull == CullMethod::automatic && run.options.backend != Backend::cuda && d == 3 &&
       points.count > most_unfiltered_in_space && points.count <= most_by_outermost &&
-      cull_by_outermost(points, control, threads, budget, result))
+      cull_by_outermost(points, run, result))
     return result;
-  result.survivors.reason = why_no_filter(options.cull, points.count, d);
+  result.survivors.reason = why_no_filter(run.options.cull, points.count, d);
   if (!result.survivors.reason.empty()) return result;
 
-  control.report("cull", 0);
-  FirstPass pass(points, options, threads);
+  run.report("cull", 0);
+  CullPass pass(points, run);
   SampledMap sampled;
   try {
-    sampled = map_of_sample(host_points(points, threads, control),
-                            forced ? Insist::yes : Insist::no, pass.most_nodes(), budget, control);
+    sampled = map_of_sample(host_points(points, run), forced ? Insist::yes : Insist::no,
+                            pass.most_nodes(), run);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::not_finite) throw;
-    check_finite(points, nullptr, threads, control);  // names the first bad point, not the sample's
+    check_finite(points, nullptr, run);  // names the first bad point, not the sample's
   }
   result.survivors.reason = sampled.reason;
   if (sampled.map == nullptr) return result;
   result.survivors.method = "gauge";
   SurvivorRows gathered;
   // A second copy for a while; where most points survive, fetching them later costs no more.
-  gathered.most = std::min(budget / (16 * d * sizeof(double)), points.count / 4);
-  pass.cull(*sampled.map, control, result.survivors, &gathered);
+  gathered.most = std::min(run.budget / (16 * d * sizeof(double)), points.count / 4);
+  pass.cull(*sampled.map, result.survivors, &gathered);
   sampled.map.reset();
   if (d == 2 && result.survivors.ids.size() > points.count / 10 * 9) {
     // Points crowd where single precision does not tell them apart. The engine in the plane drops
@@ -218,22 +211,20 @@ Filtered run_filter(const PointView& points, const Options& options, const Contr
   }
   result.rows = std::move(gathered.rows);
 
-  gather_survivors(points, result, control, threads, budget);
-  refine_survivors(result, d, control, threads, budget);
+  gather_survivors(points, result, run);
+  refine_survivors(result, d, run);
   return result;
 }
 
 // Survivors lie near the boundary, so a sample of them gives a much finer polytope.
-void refine_survivors(Filtered& result, unsigned d, const Control& control, unsigned threads,
-                      std::uint64_t budget) {
+void refine_survivors(Filtered& result, unsigned d, const Run& run) {
   const PointView left = view_of_rows(result, d);
   if (left.count < smallest_worth_refining(d)) return;
-  const SampledMap sampled =
-      map_of_sample(host_points(left, threads, control), Insist::late, 0, budget, control);
+  const SampledMap sampled = map_of_sample(host_points(left, run), Insist::late, 0, run);
   result.survivors.reason += "; a second map: " + sampled.reason;
   if (sampled.map == nullptr) return;
   SurvivorRows gathered;
-  const std::vector<std::uint64_t> kept = sampled.map->survivors(left, threads, control, &gathered);
+  const std::vector<std::uint64_t> kept = sampled.map->survivors(left, run, &gathered);
   keep_of_survivors(result, d, kept, std::move(gathered.rows));
   result.survivors.method = "gauge x2";
 }

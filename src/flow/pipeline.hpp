@@ -12,6 +12,9 @@ namespace cullhull::internal {
 /// Throws Error for null data, no dimension, a backend or an engine this build has not.
 void check_arguments(const PointView& points, const Options& options);
 
+/// What the filter leaves; `run` then has the threads that pay for the hull of it.
+Filtered filter_and_plan(const PointView& points, Run& run);
+
 /// Whether few points are hulled without frame and engine, which gives the same bits.
 enum class Few { at_once, by_engine };
 

@@ -7,22 +7,21 @@
 #include "cullhull/error.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
+#include "parallel/xorshift.hpp"
 
 namespace cullhull::internal {
 
-InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, unsigned threads,
-                             std::uint64_t budget, const Control& control) {
+InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, const Run& run) {
   InnerPolytope polytope;
   const auto count = static_cast<std::uint32_t>(rows.size() / d);
   const std::vector<double> original(rows.begin(), rows.end());
-  const LocalFrame frame(std::move(rows), count, d, threads, control);
+  const LocalFrame frame(std::move(rows), count, d, run);
   if (frame.affine_dimension() != static_cast<int>(d)) return polytope;
   SimplicialHull hull;
   try {
-    hull = d == 2 ? hull_2d(frame.points(), threads, control)
-           : d == 3
-               ? hull_3d(frame.points(), frame.simplex().data(), budget, threads, control)
-               : hull_nd(frame.points(), frame.simplex().data(), budget, threads, control, true);
+    hull = d == 2   ? hull_2d(frame.points(), run)
+           : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), run)
+                    : hull_nd(frame.points(), frame.simplex().data(), run, true);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::out_of_budget) throw;
     return polytope;  // the filter is a help, not a need
@@ -50,14 +49,11 @@ namespace {
 /// no period of the input's order can hide points from the sample.
 std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
   std::vector<std::uint64_t> ids(size);
-  std::uint64_t random = 0x9E3779B97F4A7C15ULL;
+  XorShift random;
   const double stretch = static_cast<double>(count) / static_cast<double>(size);
   for (std::uint64_t i = 0; i < size; ++i) {
-    random ^= random << 13;
-    random ^= random >> 7;
-    random ^= random << 17;
     const double at =
-        (static_cast<double>(i) + static_cast<double>(random >> 11) * 0x1p-53) * stretch;
+        (static_cast<double>(i) + static_cast<double>(random.next() >> 11) * 0x1p-53) * stretch;
     ids[i] = std::min(count - 1, static_cast<std::uint64_t>(at));
   }
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
@@ -72,16 +68,15 @@ struct Sampled {
   }
 };
 
-Sampled hull_of_sample(const SampledPoints& points, std::uint64_t size, std::uint64_t budget,
-                       const Control& control) {
+Sampled hull_of_sample(const SampledPoints& points, std::uint64_t size, const Run& run) {
   const std::vector<std::uint64_t> ids = sample_ids(points.count, size);
   // In space few points of a sample are extreme, or no map would be laid: a hull of less than a
   // millisecond, to which threads would only add.
   constexpr std::uint64_t worth_threads = 1 << 15;
-  const unsigned threads = points.dimension == 3 && size < worth_threads ? 1 : points.threads;
+  const unsigned threads = points.dimension == 3 && size < worth_threads ? 1 : run.threads;
   Sampled s;
   s.size = ids.size();
-  s.polytope = inner_polytope(points.gather(ids), points.dimension, threads, budget, control);
+  s.polytope = inner_polytope(points.gather(ids), points.dimension, run.with_threads(threads));
   return s;
 }
 
@@ -98,22 +93,22 @@ std::uint32_t least_nodes(std::uint64_t count, unsigned d, Insist insist) {
 }  // namespace
 
 SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,
-                         std::uint64_t budget, const Control& control) {
+                         const Run& run) {
   const unsigned d = points.dimension;
   const char* const none = "a sample lies in a flat or its hull is too large";
-  Sampled sample = hull_of_sample(points, probe_sample_size(points.count, d), budget, control);
+  Sampled sample = hull_of_sample(points, probe_sample_size(points.count, d), run);
   if (sample.polytope.dimension == 0) return {nullptr, none};
   if (insist == Insist::no && !cull_pays(points.count, d, sample.size, sample.extreme()))
     return {nullptr, sample_finding(sample.size, sample.extreme()) + ", so a filter does not pay"};
   const std::uint64_t size = map_sample_size(points.count, d, sample.size, sample.extreme());
-  if (size > sample.size) sample = hull_of_sample(points, size, budget, control);
+  if (size > sample.size) sample = hull_of_sample(points, size, run);
   if (sample.polytope.dimension == 0) return {nullptr, none};
   const std::string found = sample_finding(sample.size, sample.extreme());
   if (insist != Insist::yes && !map_pays(points.count, d, sample.size, sample.extreme()))
     return {nullptr, found + ", so a map does not pay"};
   const GaugeSettings settings{.least_nodes = least_nodes(points.count, d, insist),
                                .most_nodes = most_nodes,
-                               .threads = points.threads};
+                               .threads = run.threads};
   SampledMap result{GaugeMap::build(std::move(sample.polytope), settings), found};
   result.reason += result.map == nullptr   ? ", but the centre is not safely inside their hull"
                    : insist == Insist::yes ? ", filter as asked"

@@ -10,19 +10,17 @@
 
 #include "cull/gauge_map.hpp"
 #include "cullhull/array.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
 /// The exact hull of some input points, as the filter wants it; dimension 0 if they lie in a flat
 /// or the hull would exceed the budget.
-InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, unsigned threads,
-                             std::uint64_t budget, const Control& control);
+InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, const Run& run);
 
 struct SampledPoints {
   std::uint64_t count = 0;
   unsigned dimension = 0;
-  unsigned threads = 1;  ///< for the hull of the sample
   /// Packed rows of the points with these ids, which ascend.
   std::function<Array<double>(const std::vector<std::uint64_t>& ids)> gather;
 };
@@ -40,6 +38,6 @@ enum class Insist {
 
 /// `most_nodes`: as in GaugeMap::build. A sample whose hull would exceed `budget` gives no map.
 SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,
-                         std::uint64_t budget, const Control& control);
+                         const Run& run);
 
 }  // namespace cullhull::internal

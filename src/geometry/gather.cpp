@@ -6,6 +6,7 @@
 #include <string>
 
 #include "cullhull/error.hpp"
+#include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -31,24 +32,8 @@ void gather_rows_of(const PointView& view, const Id& id, std::uint64_t begin, st
 template <class Id>
 void gather_rows_of(const PointView& view, const Id& id, std::uint64_t begin, std::uint64_t end,
                     double* out) {
-  switch (view.scalar) {
-    case ScalarType::f32:
-      return gather_rows_of<float>(view, id, begin, end, out);
-    case ScalarType::f64:
-      return gather_rows_of<double>(view, id, begin, end, out);
-    case ScalarType::i8:
-      return gather_rows_of<std::int8_t>(view, id, begin, end, out);
-    case ScalarType::u8:
-      return gather_rows_of<std::uint8_t>(view, id, begin, end, out);
-    case ScalarType::i16:
-      return gather_rows_of<std::int16_t>(view, id, begin, end, out);
-    case ScalarType::u16:
-      return gather_rows_of<std::uint16_t>(view, id, begin, end, out);
-    case ScalarType::i32:
-      return gather_rows_of<std::int32_t>(view, id, begin, end, out);
-    case ScalarType::u32:
-      return gather_rows_of<std::uint32_t>(view, id, begin, end, out);
-  }
+  with_scalar(view.scalar,
+              [&](auto scalar) { gather_rows_of<decltype(scalar)>(view, id, begin, end, out); });
 }
 
 void gather_rows(const PointView& view, const std::uint64_t* ids, std::uint64_t begin,
@@ -109,17 +94,15 @@ void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t end, do
 }
 
 Array<double> gather_points(const PointView& view, const std::uint64_t* ids, std::uint64_t count,
-                            unsigned threads, const Control& control) {
+                            const Run& run) {
   const unsigned d = view.dimension;
   Array<double> out(count * d);
   Lowest bad;
-  for_each_chunk(count, chunk_size, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   gather_rows(view, ids, begin, end, out.data() + begin * d);
-                   const std::uint64_t b = first_bad(out.data(), begin * d, end * d);
-                   if (b != end * d) bad.offer(b);
-                 });
+  run.each(count, chunk_size, [&](std::uint64_t begin, std::uint64_t end) {
+    gather_rows(view, ids, begin, end, out.data() + begin * d);
+    const std::uint64_t b = first_bad(out.data(), begin * d, end * d);
+    if (b != end * d) bad.offer(b);
+  });
   if (bad.any()) {
     const std::uint64_t b = bad.value();
     refuse(ids != nullptr ? ids[b / d] : b / d, static_cast<unsigned>(b % d), out[b]);
@@ -128,34 +111,30 @@ Array<double> gather_points(const PointView& view, const std::uint64_t* ids, std
 }
 
 void check_rows_finite(const double* rows, std::uint64_t count, unsigned dimension,
-                       const std::uint64_t* names, unsigned threads) {
+                       const std::uint64_t* names, const Run& run) {
   Lowest bad;
-  for_each_chunk(count, chunk_size, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   const std::uint64_t b = first_bad(rows, begin * dimension, end * dimension);
-                   if (b != end * dimension) bad.offer(b);
-                 });
+  run.each(count, chunk_size, [&](std::uint64_t begin, std::uint64_t end) {
+    const std::uint64_t b = first_bad(rows, begin * dimension, end * dimension);
+    if (b != end * dimension) bad.offer(b);
+  });
   if (!bad.any()) return;
   const std::uint64_t i = bad.value() / dimension;
   refuse(names != nullptr ? names[i] : i, static_cast<unsigned>(bad.value() % dimension),
          rows[bad.value()]);
 }
 
-void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, unsigned threads,
-                  const Control& control) {
+void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, const Run& run) {
   if (view.scalar != ScalarType::f32 && view.scalar != ScalarType::f64) return;
   const unsigned d = view.dimension;
   constexpr std::uint64_t block = 1 << 12;
   Lowest bad;
-  for_each_chunk(ids != nullptr ? ids->size() : view.count, block, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   std::vector<double> rows((end - begin) * d);
-                   gather_rows(view, ids != nullptr ? ids->data() : nullptr, begin, end,
-                               rows.data());
-                   const std::uint64_t b = first_bad(rows.data(), 0, rows.size());
-                   if (b != rows.size()) bad.offer(begin * d + b);
-                 });
+  run.each(ids != nullptr ? ids->size() : view.count, block,
+           [&](std::uint64_t begin, std::uint64_t end) {
+             std::vector<double> rows((end - begin) * d);
+             gather_rows(view, ids != nullptr ? ids->data() : nullptr, begin, end, rows.data());
+             const std::uint64_t b = first_bad(rows.data(), 0, rows.size());
+             if (b != rows.size()) bad.offer(begin * d + b);
+           });
   if (!bad.any()) return;
   const std::uint64_t i = bad.value() / d;
   const auto j = static_cast<unsigned>(bad.value() % d);

@@ -10,7 +10,9 @@
 
 #include "geometry/double_parts.hpp"
 #include "geometry/orientation.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/xorshift.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -26,13 +28,8 @@ std::vector<std::uint32_t> draw_sample(std::uint32_t count) {
     std::iota(sample.begin(), sample.end(), 0U);
     return sample;
   }
-  std::uint64_t random = 0x9E3779B97F4A7C15ULL;
-  for (std::uint32_t& v : sample) {
-    random ^= random << 13;
-    random ^= random >> 7;
-    random ^= random << 17;
-    v = static_cast<std::uint32_t>((random >> 32) * count >> 32);
-  }
+  XorShift random;
+  for (std::uint32_t& v : sample) v = random.below(count);
   return sample;
 }
 
@@ -113,13 +110,8 @@ bool surely_independent(unsigned d, const double* const* p, unsigned rank) {
 }  // namespace
 
 LocalFrame::LocalFrame(Array<double>&& rows, std::uint32_t count, unsigned dimension,
-                       unsigned threads, const Control& control)
-    : control_(control),
-      threads_(threads),
-      raw_(std::move(rows)),
-      count_(count),
-      dimension_(dimension),
-      frame_(dimension) {
+                       const Run& run)
+    : run_(run), raw_(std::move(rows)), count_(count), dimension_(dimension), frame_(dimension) {
   if (count == 0) return;
   measure_axes();
   find_inexact_axes();
@@ -145,11 +137,9 @@ LocalFrame::LocalFrame(Array<double>&& rows, std::uint32_t count, unsigned dimen
 
 template <class Body>
 void LocalFrame::each_chunk(const Body& body) const {
-  for_each_chunk(count_, sweep, threads_,
-                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                   control_.check();
-                   body(c, begin, end);
-                 });
+  run_.each_chunk(count_, sweep, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    body(c, begin, end);
+  });
 }
 
 void LocalFrame::measure_axes() {
@@ -292,7 +282,7 @@ void LocalFrame::find_simplex(const Array<double>& scaled) {
   std::vector<double> basis;  // orthonormal directions, row-major
   const std::vector<std::uint32_t> sample = draw_sample(count_);
   while (simplex_.size() - 1 < varying) {
-    control_.check();
+    run_.check();
     const auto rank = static_cast<unsigned>(simplex_.size() - 1);
     std::uint32_t next = farthest(scaled, basis, rank, &sample);
     if (!independent(next)) {
@@ -334,20 +324,7 @@ std::uint32_t LocalFrame::farthest(const Array<double>& scaled, const std::vecto
     return run([](std::uint64_t i) { return static_cast<std::uint32_t>(i); });
   };
   const auto search_in = [&](std::uint64_t begin, std::uint64_t end) {
-    switch (dimension_) {
-      case 2:
-        return search(std::integral_constant<unsigned, 2>(), begin, end);
-      case 3:
-        return search(std::integral_constant<unsigned, 3>(), begin, end);
-      case 4:
-        return search(std::integral_constant<unsigned, 4>(), begin, end);
-      case 5:
-        return search(std::integral_constant<unsigned, 5>(), begin, end);
-      case 6:
-        return search(std::integral_constant<unsigned, 6>(), begin, end);
-      default:
-        return search(std::integral_constant<unsigned, 0>(), begin, end);
-    }
+    return with_dimension<2, 6, 0>(dimension_, [&](auto d) { return search(d, begin, end); });
   };
   if (among != nullptr) return search_in(0, among->size()).point;
   std::vector<Candidate> best(chunk_count(count_, sweep));
@@ -387,7 +364,7 @@ std::uint32_t LocalFrame::independent_by_scan() {
     };
     std::atomic<std::uint32_t> found{count_};
     each_chunk([&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-      control_.check();
+      run_.check();
       std::vector<double> projected((rank + 2) * (rank + 1));
       std::vector<const double*> p(rank + 2);
       for (unsigned i = 0; i <= rank + 1; ++i) p[i] = projected.data() + i * (rank + 1);

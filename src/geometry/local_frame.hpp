@@ -6,7 +6,7 @@
 
 #include "cullhull/array.hpp"
 #include "geometry/local_points.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -16,12 +16,11 @@ class LocalFrame {
   /// `rows`: count x dimension finite doubles; taken over. Finds the affine dimension exactly,
   /// projects onto as many axes as it has (one to one on the flat) and scales.
   /// Time O(n d^2); memory: rows, and a second copy where scaling is not exact or axes are dropped.
-  LocalFrame(Array<double>&& rows, std::uint32_t count, unsigned dimension, unsigned threads,
-             const Control& control);
+  LocalFrame(Array<double>&& rows, std::uint32_t count, unsigned dimension, const Run& run);
   /// The same of a copy, on one thread.
   LocalFrame(const std::vector<double>& rows, std::uint32_t count, unsigned dimension,
-             const Control& control)
-      : LocalFrame(Array<double>(rows.begin(), rows.end()), count, dimension, 1, control) {}
+             const Run& run)
+      : LocalFrame(Array<double>(rows.begin(), rows.end()), count, dimension, run) {}
 
   int affine_dimension() const { return affine_dimension_; }
   /// The axes kept, ascending; as many as the affine dimension.
@@ -53,8 +52,7 @@ class LocalFrame {
   void keep_axes(Array<double>& rows) const;
   void detect_lattice();
 
-  const Control& control_;
-  unsigned threads_;
+  const Run run_;
   Array<double> raw_, scaled_;
   std::uint32_t count_;
   unsigned dimension_;

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "geometry/curve_keys.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/parallel.hpp"
 #include "parallel/radix_sort.hpp"
 
@@ -30,21 +31,6 @@ std::uint32_t key(double norm, std::uint32_t id) {
   const auto v = static_cast<float>(std::min(norm, 1e30));
   const std::uint32_t tie = id * 0x9E3779B1U >> 24;
   return ~((std::bit_cast<std::uint32_t>(v) & ~0xFFU) | tie);
-}
-
-/// body(std::integral_constant<unsigned, d>()), or with 0 where d is none of the first few.
-template <class Body>
-void with_dimension(unsigned d, const Body& body) {
-  switch (d) {
-    case 4:
-      return body(std::integral_constant<unsigned, 4>());
-    case 5:
-      return body(std::integral_constant<unsigned, 5>());
-    case 6:
-      return body(std::integral_constant<unsigned, 6>());
-    default:
-      return body(std::integral_constant<unsigned, 0>());
-  }
 }
 
 /// |L^-1 (x - mean)|^2 where L L^T is the covariance. A help only: rounding costs nothing but
@@ -108,9 +94,8 @@ class Norm {
 
 }  // namespace
 
-NormOrder::NormOrder(const LocalPoints& points, std::vector<std::uint32_t> left_out,
-                     unsigned threads, const Control& control)
-    : points_(points), threads_(threads), control_(control) {
+NormOrder::NormOrder(const LocalPoints& points, std::vector<std::uint32_t> left_out, const Run& run)
+    : points_(points), run_(run) {
   std::sort(left_out.begin(), left_out.end());
   compute_norms();
   // What is left out goes to the end, and is forgotten.
@@ -127,10 +112,9 @@ void NormOrder::compute_norms() {
   // The last rows, made up to a vector's.
   std::vector<double> end_rows(std::size_t{lanes} * d, 0.0);
   std::copy_n(points_.row(n / lanes * lanes), std::size_t{n % lanes} * d, end_rows.data());
-  with_dimension(d, [&](auto dimension) {
+  with_dimension<4, 6, 0>(d, [&](auto dimension) {
     constexpr unsigned D = decltype(dimension)::value;
-    for_each_chunk(n, chunk, threads_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-      control_.check();
+    run_.each(n, chunk, [&](std::uint64_t begin, std::uint64_t end) {
       double few[D ? D : 1][lanes], norms[lanes];
       std::vector<double> many(D ? 0 : std::size_t{d} * lanes);
       auto* y = D ? few : reinterpret_cast<double(*)[lanes]>(many.data());
@@ -158,8 +142,7 @@ void NormOrder::sort_outermost(std::uint32_t wanted) {
   scratch_.reserve(end - sorted_);
   Keyed* items = items_.data() + sorted_;
   Keyed* other = scratch_.data();
-  radix_sort(items, other, end - sorted_, 32, threads_, control_,
-             [](const Keyed& k) { return k.key; });
+  radix_sort(items, other, end - sorted_, 32, run_, [](const Keyed& k) { return k.key; });
   if (items != items_.data() + sorted_) std::copy_n(items, end - sorted_, other);
   sorted_ = end;
 }
@@ -180,8 +163,7 @@ void NormOrder::arrange(Keyed* begin, std::uint32_t size) {
   const unsigned d = points_.dimension, used = std::min(d, 32U);
   const unsigned bits = std::clamp(static_cast<unsigned>(std::bit_width(size)) / d + 4, 1U,
                                    std::clamp(32U / d, 1U, 10U));
-  for_each_chunk(size, chunk, threads_, [&](std::uint64_t, std::uint64_t from, std::uint64_t to) {
-    control_.check();
+  run_.each(size, chunk, [&](std::uint64_t from, std::uint64_t to) {
     const double cells = static_cast<double>(1U << bits);
     std::uint32_t cell[32 * curve_block] = {}, keys[curve_block];
     for (std::uint64_t i = from; i < to; i += curve_block) {
@@ -200,8 +182,7 @@ void NormOrder::arrange(Keyed* begin, std::uint32_t size) {
   scratch_.reserve(size);
   Keyed* items = begin;
   Keyed* other = scratch_.data();
-  radix_sort(items, other, size, used * bits, threads_, control_,
-             [](const Keyed& k) { return k.key; });
+  radix_sort(items, other, size, used * bits, run_, [](const Keyed& k) { return k.key; });
   if (items != begin) std::copy_n(items, size, begin);
 }
 

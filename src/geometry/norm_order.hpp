@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "geometry/local_points.hpp"
-#include "parallel/control.hpp"
 #include "parallel/raw_array.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -19,8 +19,7 @@ namespace cullhull::internal {
 class NormOrder {
  public:
   /// Of all points but those of `left_out`.
-  NormOrder(const LocalPoints& points, std::vector<std::uint32_t> left_out, unsigned threads,
-            const Control& control);
+  NormOrder(const LocalPoints& points, std::vector<std::uint32_t> left_out, const Run& run);
 
   /// Points that no round has taken yet.
   std::uint32_t left() const { return count_ - taken_; }
@@ -43,8 +42,7 @@ class NormOrder {
   void arrange(Keyed* begin, std::uint32_t size);
 
   const LocalPoints& points_;
-  const unsigned threads_;
-  const Control& control_;
+  const Run run_;
   RawArray<Keyed> items_, scratch_;
   std::uint32_t count_ = 0;   ///< items, those taken included
   std::uint32_t taken_ = 0;   ///< from the front

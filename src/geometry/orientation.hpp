@@ -16,6 +16,20 @@ inline Sign sign_of(double v) {
 /// coordinates, (3) exact arithmetic.
 enum class Rung : std::uint8_t { plane = 0, filter = 1, exact = 2 };
 
+/// How many signs each rung decided.
+struct RungCounts {
+  std::uint64_t of[3] = {0, 0, 0};
+
+  void count(Rung rung) { ++of[static_cast<unsigned>(rung)]; }
+  RungCounts& operator+=(const RungCounts& other) {
+    other.add_to(of);
+    return *this;
+  }
+  void add_to(std::uint64_t* totals) const {
+    for (unsigned r = 0; r < 3; ++r) totals[r] += of[r];
+  }
+};
+
 /// Sign of det [p1 - p0; p2 - p0; ...; pd - p0] (rows), for the d + 1 points p[0..d] of R^d, d
 /// >= 1. Any finite doubles. Swapping two points flips the sign. d = 2: positive means p0, p1, p2
 /// turn left. d = 3: positive means (p1 - p0) x (p2 - p0) points to p3's side. `rung`, if given,

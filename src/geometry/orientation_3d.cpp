@@ -143,8 +143,8 @@ Sign Orientation3D::lattice_cone_side(Point a, Point b, Point p) const {
   return lattice_sign(m);
 }
 
-Sign Orientation3D::side_hard(Point a, Point b, Point c, Point p, std::uint64_t* rungs) const {
-  ++rungs[static_cast<unsigned>(Rung::exact)];
+Sign Orientation3D::side_hard(Point a, Point b, Point c, Point p, RungCounts& rungs) const {
+  rungs.count(Rung::exact);
   if (lattice_) return lattice_side(a, b, c, p);
   Sign sign = Sign::zero;
   if (points_->exact == points_->coordinates &&
@@ -154,7 +154,7 @@ Sign Orientation3D::side_hard(Point a, Point b, Point c, Point p, std::uint64_t*
   return orientation_exact(3, rows);
 }
 
-Sign Orientation3D::cone_side(Point a, Point b, Point p, std::uint64_t* rungs) const {
+Sign Orientation3D::cone_side(Point a, Point b, Point p, RungCounts& rungs) const {
   // det [a - O; b - a; p - a]: only the first row depends on O, and the bound shrinks with the
   // edge.
   Pair m[3][3];
@@ -168,10 +168,10 @@ Sign Orientation3D::cone_side(Point a, Point b, Point p, std::uint64_t* rungs) c
   double det = determinant_3(h[0], h[1], h[2]);
   const double scale = length[1] * length[2];
   if (std::abs(det) > unit_roundoff * scale * (11 * length[0] + 9) + 0x1p-1000) {
-    ++rungs[static_cast<unsigned>(Rung::filter)];
+    rungs.count(Rung::filter);
     return sign_of(det);
   }
-  ++rungs[static_cast<unsigned>(Rung::exact)];
+  rungs.count(Rung::exact);
   if (lattice_) return lattice_cone_side(a, b, p);
   if (points_->exact == points_->coordinates) {
     for (unsigned j = 0; j < 3; ++j) {

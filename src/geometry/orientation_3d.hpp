@@ -45,7 +45,7 @@ class Orientation3D {
     const double* row;
     std::uint32_t id;
   };
-  Sign side(Point a, Point b, Point c, Point p, std::uint64_t* rungs) const {
+  Sign side(Point a, Point b, Point c, Point p, RungCounts& rungs) const {
     double m[3][3];
     for (unsigned j = 0; j < 3; ++j) {
       m[0][j] = b.row[j] - a.row[j];
@@ -59,7 +59,7 @@ class Orientation3D {
             ? 0
             : (minor_roundings(3) + 2) * unit_roundoff * permanent_3(m[0], m[1], m[2]) + 0x1p-1000;
     if (exact_doubles_ || std::abs(det) > bound) {
-      ++rungs[static_cast<unsigned>(Rung::filter)];
+      rungs.count(Rung::filter);
       return sign_of(det);
     }
     return side_hard(a, b, c, p, rungs);
@@ -75,10 +75,10 @@ class Orientation3D {
   }
 
   /// Sign of det [a - O; b - O; p - O].
-  Sign cone_side(Point a, Point b, Point p, std::uint64_t* rungs) const;
+  Sign cone_side(Point a, Point b, Point p, RungCounts& rungs) const;
 
  private:
-  Sign side_hard(Point a, Point b, Point c, Point p, std::uint64_t* rungs) const;
+  Sign side_hard(Point a, Point b, Point c, Point p, RungCounts& rungs) const;
   void find_lattice();
   Sign lattice_side(Point a, Point b, Point c, Point p) const;
   Sign lattice_cone_side(Point a, Point b, Point p) const;

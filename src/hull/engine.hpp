@@ -7,7 +7,8 @@
 
 #include "cullhull/array.hpp"
 #include "geometry/local_points.hpp"
-#include "parallel/control.hpp"
+#include "geometry/orientation.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -23,7 +24,7 @@ struct SimplicialHull {
   /// Pairs (duplicate, vertex): `duplicate` is a point equal to the vertex it was inserted as. The
   /// result takes the lowest id among equals.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
-  std::uint64_t rung_counts[3] = {0, 0, 0};
+  RungCounts rung_counts;
 
   std::size_t facet_count() const { return dimension ? vertices.size() / dimension : 0; }
 };
@@ -35,13 +36,11 @@ constexpr std::uint64_t result_bytes_per_facet(std::uint64_t k, std::uint64_t d)
 
 /// points.dimension >= 2. `simplex`: d + 1 affinely independent points to start from (exactly).
 /// `budget`: bytes the engine may take before it throws Error{out_of_budget}.
-SimplicialHull hull_2d(const LocalPoints& points, unsigned threads, const Control& control);
-SimplicialHull hull_3d(const LocalPoints& points, const std::uint32_t* simplex,
-                       std::uint64_t budget, unsigned threads, const Control& control);
+SimplicialHull hull_2d(const LocalPoints& points, const Run& run);
+SimplicialHull hull_3d(const LocalPoints& points, const std::uint32_t* simplex, const Run& run);
 /// `same_facets`: the same simplices in the same order for any number of threads, which takes a
 /// little longer; else the surface is the same, but coplanar pieces and the order may not be.
-SimplicialHull hull_nd(const LocalPoints& points, const std::uint32_t* simplex,
-                       std::uint64_t budget, unsigned threads, const Control& control,
+SimplicialHull hull_nd(const LocalPoints& points, const std::uint32_t* simplex, const Run& run,
                        bool same_facets = false);
 /// Qhull's answer, or Error{backend_unavailable} when built without libqhull_r, or
 /// Error{not_exact} when Qhull fails or its facets are no closed simplicial surface.

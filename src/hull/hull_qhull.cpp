@@ -180,7 +180,7 @@ class Orienter {
     corners_[hull_.dimension] = points_.exact_row(x);
     Rung rung = Rung::filter;
     const Sign s = orientation(hull_.dimension, corners_.data(), &rung);
-    ++hull_.rung_counts[static_cast<int>(rung)];
+    hull_.rung_counts.count(rung);
     return s;
   }
   /// The vertex of `other` that is not on its ridge with `facet`; two facets with the same vertices

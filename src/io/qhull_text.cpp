@@ -8,6 +8,7 @@
 #include "cullhull/error.hpp"
 #include "io/mesh.hpp"
 #include "io/source.hpp"
+#include "parallel/sorted.hpp"
 
 namespace cullhull {
 namespace internal {
@@ -36,12 +37,6 @@ void append_ids(std::string& out, const std::vector<std::uint64_t>& ids) {
     out += ' ';
   }
   out += '\n';
-}
-
-std::vector<std::uint64_t> sorted_vertices(const Hull& hull) {
-  std::vector<std::uint64_t> ids = hull.vertices;
-  std::sort(ids.begin(), ids.end());
-  return ids;
 }
 
 std::vector<std::uint64_t> simplex_of_facet(const Hull& hull) {
@@ -232,7 +227,7 @@ std::string vertex_coordinates(const PointView& points, const Hull& hull) {
   std::string out;
   append_line(out, hull.dimension);
   append_line(out, hull.vertices.size());
-  for (const std::uint64_t id : sorted_vertices(hull)) append_point(out, points, id);
+  for (const std::uint64_t id : sorted(hull.vertices)) append_point(out, points, id);
   return out;
 }
 
@@ -240,7 +235,7 @@ std::string average_vertex(const PointView& points, const Hull& hull) {
   std::string out;
   append_number(out, std::uint64_t{hull.dimension});
   out += " 1\n";
-  for (const double x : average_of(points, sorted_vertices(hull))) append_padded(out, x);
+  for (const double x : average_of(points, sorted(hull.vertices))) append_padded(out, x);
   return out += '\n';
 }
 

@@ -17,8 +17,6 @@ std::vector<std::uint64_t> qhull_facet(const Hull& hull, std::uint64_t facet,
 /// A simplex of every facet.
 std::vector<std::uint64_t> simplex_of_facet(const Hull& hull);
 
-std::vector<std::uint64_t> sorted_vertices(const Hull& hull);
-
 /// The average of the points with these ids, summed so that huge coordinates do not overflow.
 std::vector<double> average_of(const PointView& points, const std::vector<std::uint64_t>& ids);
 

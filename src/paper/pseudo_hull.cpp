@@ -9,6 +9,7 @@
 
 #include "cullhull/error.hpp"
 #include "paper/pseudo_hull_growth.hpp"
+#include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -29,24 +30,8 @@ void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t count, 
 
 template <unsigned D>
 void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t count, double* out) {
-  switch (view.scalar) {
-    case ScalarType::f32:
-      return load_rows<float, D>(view, begin, count, out);
-    case ScalarType::f64:
-      return load_rows<double, D>(view, begin, count, out);
-    case ScalarType::i8:
-      return load_rows<std::int8_t, D>(view, begin, count, out);
-    case ScalarType::u8:
-      return load_rows<std::uint8_t, D>(view, begin, count, out);
-    case ScalarType::i16:
-      return load_rows<std::int16_t, D>(view, begin, count, out);
-    case ScalarType::u16:
-      return load_rows<std::uint16_t, D>(view, begin, count, out);
-    case ScalarType::i32:
-      return load_rows<std::int32_t, D>(view, begin, count, out);
-    case ScalarType::u32:
-      return load_rows<std::uint32_t, D>(view, begin, count, out);
-  }
+  with_scalar(view.scalar,
+              [&](auto scalar) { load_rows<decltype(scalar), D>(view, begin, count, out); });
 }
 
 /// A point with a NaN or an infinity becomes NaN in every coordinate, so that no comparison holds.
@@ -87,7 +72,7 @@ struct SubsetRecord {
 
 /// Numbers the simplices of all subsets in turn.
 void join(std::vector<SubsetRecord>& parts, unsigned corners_each, std::uint64_t points,
-          unsigned threads, SimplexRecord& record) {
+          const Run& run, SimplexRecord& record) {
   std::uint64_t total = 0;
   for (const SubsetRecord& p : parts) total += p.corners.size();
   if (total / corners_each >= no_item)
@@ -99,12 +84,11 @@ void join(std::vector<SubsetRecord>& parts, unsigned corners_each, std::uint64_t
     record.corners.insert(record.corners.end(), p.corners.begin(), p.corners.end());
     p.corners = {};
   }
-  for_each_chunk(points, block_size * 32, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint64_t i = begin; i < end; ++i)
-                     if (record.simplex_of[i] != no_item)
-                       record.simplex_of[i] += base[i / block_size % parts.size()];
-                 });
+  run.each(points, block_size * 32, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i)
+      if (record.simplex_of[i] != no_item)
+        record.simplex_of[i] += base[i / block_size % parts.size()];
+  });
 }
 
 /// Loads the points of a subset, grows its pseudo-hull and lists the ids that are left, ascending.
@@ -167,8 +151,7 @@ void add(std::vector<PseudoHullRound>& sum, const std::vector<PseudoHullRound>& 
 
 template <unsigned D>
 std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subsets,
-                                        unsigned max_rounds, unsigned threads,
-                                        const Control& control,
+                                        unsigned max_rounds, const Run& run,
                                         std::vector<PseudoHullRound>& rounds,
                                         SimplexRecord* record) {
   std::vector<std::vector<std::uint64_t>> kept(subsets);
@@ -181,26 +164,25 @@ std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subset
   const auto part = [&](std::uint64_t s) { return record != nullptr ? &parts[s] : nullptr; };
   // Waking threads takes longer than a small set does on one.
   constexpr std::uint64_t least_parallel = 1 << 14;
-  if (subsets == 1 && threads > 1 && points.count >= least_parallel) {
-    Worker<D, ThreadExecutor> worker{ThreadExecutor(threads)};
-    filter_subset<D>(points, {points.count, 0, 1}, max_rounds, worker, control, rounds, kept[0],
+  if (subsets == 1 && run.threads > 1 && points.count >= least_parallel) {
+    Worker<D, ThreadExecutor> worker{ThreadExecutor(run.threads)};
+    filter_subset<D>(points, {points.count, 0, 1}, max_rounds, worker, run.control, rounds, kept[0],
                      part(0));
-    if (record != nullptr) join(parts, D + 1, points.count, threads, *record);
+    if (record != nullptr) join(parts, D + 1, points.count, run, *record);
     return merge_subsets(std::move(kept));
   }
   using Serial = Worker<D, SerialExecutor>;
   Pool<Serial> pool;
   std::vector<std::vector<PseudoHullRound>> reports(subsets);
-  for_each_chunk(subsets, 1, threads, [&](std::uint64_t s, std::uint64_t, std::uint64_t) {
-    control.check();
+  run.each_item(subsets, [&](std::uint64_t s) {
     std::unique_ptr<Serial> worker = pool.take();
     if (worker == nullptr) worker = std::make_unique<Serial>(SerialExecutor{});
-    filter_subset<D>(points, {points.count, s, subsets}, max_rounds, *worker, control, reports[s],
-                     kept[s], part(s));
+    filter_subset<D>(points, {points.count, s, subsets}, max_rounds, *worker, run.control,
+                     reports[s], kept[s], part(s));
     pool.give(std::move(worker));
   });
   for (const auto& r : reports) add(rounds, r);
-  if (record != nullptr) join(parts, D + 1, points.count, threads, *record);
+  if (record != nullptr) join(parts, D + 1, points.count, run, *record);
   return merge_subsets(std::move(kept));
 }
 
@@ -231,8 +213,7 @@ std::vector<std::uint64_t> merge_subsets(std::vector<std::vector<std::uint64_t>>
 }
 
 std::vector<std::uint64_t> pseudo_hull_survivors(const PointView& points,
-                                                 const PseudoHullSettings& settings,
-                                                 unsigned threads, const Control& control,
+                                                 const PseudoHullSettings& settings, const Run& run,
                                                  std::vector<PseudoHullRound>* rounds,
                                                  SimplexRecord* record) {
   std::vector<PseudoHullRound> unread;
@@ -240,24 +221,11 @@ std::vector<std::uint64_t> pseudo_hull_survivors(const PointView& points,
   report.clear();
   const unsigned subsets = settings.subsets != 0 ? settings.subsets : subset_count(points.count);
   const unsigned most = settings.max_rounds;
-  switch (points.dimension) {
-    case 2:
-      return survivors_of<2>(points, subsets, most, threads, control, report, record);
-    case 3:
-      return survivors_of<3>(points, subsets, most, threads, control, report, record);
-    case 4:
-      return survivors_of<4>(points, subsets, most, threads, control, report, record);
-    case 5:
-      return survivors_of<5>(points, subsets, most, threads, control, report, record);
-    case 6:
-      return survivors_of<6>(points, subsets, most, threads, control, report, record);
-    case 7:
-      return survivors_of<7>(points, subsets, most, threads, control, report, record);
-    case 8:
-      return survivors_of<8>(points, subsets, most, threads, control, report, record);
-    default:
-      throw Error(ErrorCode::invalid_argument, "the pseudo-hull filter is for 2 to 8 dimensions");
-  }
+  if (points.dimension < pseudo_hull_min_dimension || points.dimension > pseudo_hull_max_dimension)
+    throw Error(ErrorCode::invalid_argument, "the pseudo-hull filter is for 2 to 8 dimensions");
+  return with_dimension<2, 7, 8>(points.dimension, [&](auto d) {
+    return survivors_of<decltype(d)::value>(points, subsets, most, run, report, record);
+  });
 }
 
 }  // namespace cullhull::internal

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cullhull/point_view.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -44,8 +44,7 @@ inline constexpr unsigned pseudo_hull_min_dimension = 2, pseudo_hull_max_dimensi
 /// them depends on `threads`.
 /// Time O(n d^2) a round for the points left, memory O(threads n / subsets + survivors).
 std::vector<std::uint64_t> pseudo_hull_survivors(const PointView& points,
-                                                 const PseudoHullSettings& settings,
-                                                 unsigned threads, const Control& control,
+                                                 const PseudoHullSettings& settings, const Run& run,
                                                  std::vector<PseudoHullRound>* rounds = nullptr,
                                                  SimplexRecord* record = nullptr);
 

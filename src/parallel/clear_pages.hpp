@@ -13,7 +13,7 @@ namespace cullhull::internal {
 /// scattered over it would otherwise have all of it cleared by whoever begins, for which a caller
 /// that wants to stop waits in vain. `check` runs between pages.
 template <class Check>
-void touch_pages(void* block, std::size_t bytes, unsigned threads, const Check& check) {
+void clear_pages_early(void* block, std::size_t bytes, unsigned threads, const Check& check) {
   constexpr std::size_t page = std::size_t{2} << 20;
   if (bytes <= page) return;
   auto* const start = static_cast<volatile std::uint8_t*>(block);

@@ -6,8 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "parallel/control.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -15,8 +14,8 @@ namespace cullhull::internal {
 /// of equal keys stay in order. `scratch` has room for n as well; the two may have changed places
 /// afterwards. The counts of all chunks give each chunk its places, so threads change nothing.
 template <class Item, class Key>
-void radix_sort(Item*& items, Item*& scratch, std::uint32_t n, unsigned bits, unsigned threads,
-                const Control& control, const Key& key) {
+void radix_sort(Item*& items, Item*& scratch, std::uint32_t n, unsigned bits, const Run& run,
+                const Key& key) {
   if (bits == 0 || n < 2) return;
   if (n < 192) {  // counting would cost more
     std::stable_sort(items, items + n,
@@ -37,12 +36,10 @@ void radix_sort(Item*& items, Item*& scratch, std::uint32_t n, unsigned bits, un
       return static_cast<std::uint32_t>(key(k) >> shift) & (buckets - 1);
     };
     std::fill(places.begin(), places.end(), 0U);
-    for_each_chunk(n, chunk_size, threads,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     control.check();
-                     std::uint32_t* counts = places.data() + c * buckets;
-                     for (std::uint64_t i = begin; i < end; ++i) ++counts[digit(items[i])];
-                   });
+    run.each_chunk(n, chunk_size, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      std::uint32_t* counts = places.data() + c * buckets;
+      for (std::uint64_t i = begin; i < end; ++i) ++counts[digit(items[i])];
+    });
     std::uint32_t sum = 0;
     for (unsigned b = 0; b < buckets; ++b)
       for (std::uint64_t c = 0; c < chunks; ++c) {
@@ -50,13 +47,10 @@ void radix_sort(Item*& items, Item*& scratch, std::uint32_t n, unsigned bits, un
         places[c * buckets + b] = sum;
         sum += size;
       }
-    for_each_chunk(n, chunk_size, threads,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     control.check();
-                     std::uint32_t* place = places.data() + c * buckets;
-                     for (std::uint64_t i = begin; i < end; ++i)
-                       scratch[place[digit(items[i])]++] = items[i];
-                   });
+    run.each_chunk(n, chunk_size, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      std::uint32_t* place = places.data() + c * buckets;
+      for (std::uint64_t i = begin; i < end; ++i) scratch[place[digit(items[i])]++] = items[i];
+    });
     std::swap(items, scratch);
   }
 }

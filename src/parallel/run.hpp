@@ -1,4 +1,4 @@
-// What the options of one call come to: handed to every stage.
+// How a call runs: threads, cancellation and progress, memory. Every step is handed one.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace cullhull::internal {
 
-/// Views the options, which must outlive it.
+/// What the options of one call come to; views them, so they must outlive it.
 struct Run {
   explicit Run(const Options& o)
       : options(o),
@@ -17,10 +17,57 @@ struct Run {
         threads(resolve_threads(o.threads)),
         budget(resolve_budget(o.memory_budget)) {}
 
+  Run with_threads(unsigned n) const {
+    Run run = *this;
+    run.threads = n;
+    return run;
+  }
+  Run with_budget(std::uint64_t bytes) const {
+    Run run = *this;
+    run.budget = bytes;
+    return run;
+  }
+
+  /// Throws Error{cancelled} if the caller asked to stop.
+  void check() const { control.check(); }
+  void report(const char* phase, double share) const { control.report(phase, share); }
+
+  /// body(begin, end) for chunks of `grain` items of [0, count), as for_each_chunk; cancellation is
+  /// heard before each of them.
+  template <class Body>
+  void each(std::uint64_t count, std::uint64_t grain, const Body& body) const {
+    for_each_chunk(count, grain, threads,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     control.check();
+                     body(begin, end);
+                   });
+  }
+  /// The same as body(chunk, begin, end): results that are combined in the order of chunks.
+  template <class Body>
+  void each_chunk(std::uint64_t count, std::uint64_t grain, const Body& body) const {
+    for_each_chunk(count, grain, threads,
+                   [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+                     control.check();
+                     body(chunk, begin, end);
+                   });
+  }
+  /// body(i) for every i below `count`, each worth a chunk.
+  template <class Body>
+  void each_item(std::uint64_t count, const Body& body) const {
+    each(count, 1, [&](std::uint64_t i, std::uint64_t) { body(i); });
+  }
+
   const Options& options;
   Control control;
   unsigned threads;
   std::uint64_t budget;  ///< bytes
 };
+
+/// For work on the calling thread that is over before anybody could stop it.
+inline const Run& short_run() {
+  static const Options options;
+  static const Run run = Run(options).with_threads(1);
+  return run;
+}
 
 }  // namespace cullhull::internal

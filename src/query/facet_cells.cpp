@@ -305,7 +305,7 @@ std::uint64_t FacetCells::worthwhile(const FacetSearch& search) {
 /// whose sum with `half` is off by at most 2 u half. The centres are off by 2^-52 at most. Corners
 /// 2^-45 farther out than the cell's hold all such directions.
 std::unique_ptr<FacetCells> FacetCells::build(const FacetSearch& search, const QueryPoints& points,
-                                              unsigned threads, const Control& control) {
+                                              const Run& run) {
   const unsigned k = search.k();
   if (search.exhaustive() || k > FacetCellTable::max_k) return nullptr;
   const DirectionCube cube(k, cell_count(search));
@@ -315,19 +315,16 @@ std::unique_ptr<FacetCells> FacetCells::build(const FacetSearch& search, const Q
   std::unique_ptr<FacetCells> cells(new FacetCells);
   FacetCellTable& t = cells->table_;
   t.starts.assign(cube.size() + 1, 0);
-  for_each_chunk(cube.size(), chunk, threads,
-                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   CellLister lister(search);
-                   for (std::uint64_t cell = begin; cell < end; ++cell) {
-                     const std::vector<std::uint32_t>& list = lister.list(cube, cell);
-                     const std::size_t groups =
-                         (list.size() + FacetCellTable::group - 1) / FacetCellTable::group;
-                     t.starts[cell + 1] = static_cast<std::uint32_t>(groups);
-                     for (std::size_t i = 0; i < groups * FacetCellTable::group; ++i)
-                       lists[c].push_back(i < list.size() ? list[i] : list[0]);
-                   }
-                 });
+  run.each_chunk(cube.size(), chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    CellLister lister(search);
+    for (std::uint64_t cell = begin; cell < end; ++cell) {
+      const std::vector<std::uint32_t>& list = lister.list(cube, cell);
+      const std::size_t groups = (list.size() + FacetCellTable::group - 1) / FacetCellTable::group;
+      t.starts[cell + 1] = static_cast<std::uint32_t>(groups);
+      for (std::size_t i = 0; i < groups * FacetCellTable::group; ++i)
+        lists[c].push_back(i < list.size() ? list[i] : list[0]);
+    }
+  });
   for (std::size_t cell = 0; cell < cube.size(); ++cell) t.starts[cell + 1] += t.starts[cell];
   for (const auto& list : lists) t.facets.insert(t.facets.end(), list.begin(), list.end());
   t.k = k;

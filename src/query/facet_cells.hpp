@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "parallel/run.hpp"
 #include "query/direction_cube.hpp"
 #include "query/facet_search.hpp"
 
@@ -34,7 +35,7 @@ class FacetCells {
 
   /// Null where there is nothing to gain: k above 4, or doubles found no point inside.
   static std::unique_ptr<FacetCells> build(const FacetSearch& search, const QueryPoints& points,
-                                           unsigned threads, const Control& control);
+                                           const Run& run);
   /// Below this many points the cells are not worth making.
   static std::uint64_t worthwhile(const FacetSearch& search);
 

@@ -9,6 +9,7 @@
 #include "cullhull/error.hpp"
 #include "geometry/cofactors.hpp"
 #include "geometry/orientation.hpp"
+#include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -249,16 +250,8 @@ std::uint32_t FacetSearch::climb_as(std::uint32_t f, const double* x) const {
 }
 
 std::uint32_t FacetSearch::climb(std::uint32_t start, const double* x) const {
-  switch (k_) {
-    case 2:
-      return climb_as<2>(start, x);
-    case 3:
-      return climb_as<3>(start, x);
-    case 4:
-      return climb_as<4>(start, x);
-    default:
-      return climb_as<0>(start, x);
-  }
+  return with_dimension<2, 4, 0>(k_,
+                                 [&](auto k) { return climb_as<decltype(k)::value>(start, x); });
 }
 
 /// Collects the facets that doubles cannot tell from the largest and cannot tell to be above x.
@@ -330,16 +323,8 @@ bool FacetSearch::gather_doubt(const double* q, Doubt& doubt) const {
     for (std::uint32_t f = 0; f < count(); ++f) doubt.facets[f] = f;
     return true;
   }
-  switch (k_) {
-    case 2:
-      return explore<2>(x.data(), doubt);
-    case 3:
-      return explore<3>(x.data(), doubt);
-    case 4:
-      return explore<4>(x.data(), doubt);
-    default:
-      return explore<0>(x.data(), doubt);
-  }
+  return with_dimension<2, 4, 0>(
+      k_, [&](auto k) { return explore<decltype(k)::value>(x.data(), doubt); });
 }
 
 Side FacetSearch::exact_side(std::uint32_t f, const double* q) const {

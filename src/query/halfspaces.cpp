@@ -107,9 +107,8 @@ HalfspaceIntersection intersect_halfspaces(const PointView& halfspaces,
   HalfspaceIntersection h;
   const unsigned d = halfspaces.dimension - 1;
   h.dimension = d;
-  const Control control(options);
-  const Array<double> gathered = gather_points(halfspaces, nullptr, halfspaces.count,
-                                               resolve_threads(options.threads), control);
+  const Run run(options);
+  const Array<double> gathered = gather_points(halfspaces, nullptr, halfspaces.count, run);
   const std::vector<double> rows(gathered.begin(), gathered.end());
   if (interior_point != nullptr) {
     h.interior_point.assign(interior_point, interior_point + d);
@@ -118,7 +117,7 @@ HalfspaceIntersection intersect_halfspaces(const PointView& halfspaces,
         throw Error(ErrorCode::not_finite,
                     "the interior point has a coordinate that is not finite");
   } else {
-    h.interior_point = find_interior(rows, d, control);
+    h.interior_point = find_interior(rows, d, run.control);
   }
   h.dual_points = dualise(rows, d, h.interior_point.data());
   h.dual = convex_hull(PointView::row_major(h.dual_points.data(), halfspaces.count, d), options);

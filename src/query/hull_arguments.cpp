@@ -22,12 +22,6 @@ void check_hull_arguments(const PointView& points, const Hull& hull, double dist
                                    std::to_string(points.count) + " points");
 }
 
-std::vector<std::uint64_t> sorted_vertex_ids(const Hull& hull) {
-  std::vector<std::uint64_t> ids = hull.vertices;
-  std::sort(ids.begin(), ids.end());
-  return ids;
-}
-
 std::uint64_t place_of(const std::vector<std::uint64_t>& ids, std::uint64_t id) {
   return static_cast<std::uint64_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
 }

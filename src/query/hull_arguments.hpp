@@ -13,8 +13,6 @@ namespace cullhull::internal {
 /// which some vertex of the hull is none.
 void check_hull_arguments(const PointView& points, const Hull& hull, double distance);
 
-/// The vertices' ids, ascending.
-std::vector<std::uint64_t> sorted_vertex_ids(const Hull& hull);
 /// The place of an id among them.
 std::uint64_t place_of(const std::vector<std::uint64_t>& ids, std::uint64_t id);
 /// Their coordinates, a row each.

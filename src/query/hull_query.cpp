@@ -15,8 +15,7 @@
 #include "cullhull/query.hpp"
 #include "geometry/gather.hpp"
 #include "geometry/orientation.hpp"
-#include "parallel/control.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/run.hpp"
 #include "query/facet_cells.hpp"
 #include "query/facet_search.hpp"
 #include "query/plane_tree.hpp"
@@ -165,10 +164,9 @@ struct HullQuery::State {
     return gauge_map.get();
   }
   /// The same for the facets by cells of directions.
-  const FacetCells* facet_cells(unsigned threads, const Control& control) const {
+  const FacetCells* facet_cells(const Run& run) const {
     std::call_once(cells_once, [&] {
-      if (points.k == points.dimension && facets)
-        cells = FacetCells::build(*facets, points, threads, control);
+      if (points.k == points.dimension && facets) cells = FacetCells::build(*facets, points, run);
     });
     return cells.get();
   }
@@ -359,21 +357,20 @@ double HullQuery::State::end_of_line(const std::vector<double>& x, const std::ve
 template <class Body>
 void HullQuery::State::each(const PointView& view, const Options& options, Body&& body) const {
   check_dimension(view);
-  const Control control(options);
-  const unsigned threads = resolve_threads(options.threads), d = points.dimension;
-  check_finite(view, nullptr, threads, control);
+  const Run run(options);
+  const unsigned d = points.dimension;
+  check_finite(view, nullptr, run);
   constexpr std::uint64_t block = std::uint64_t{1} << 18;  // between two reports
   for (std::uint64_t first = 0; first < view.count; first += block) {
-    control.report("query", static_cast<double>(first) / static_cast<double>(view.count));
-    for_each_chunk(std::min(block, view.count - first), chunk, threads,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control.check();
-                     std::vector<double> p(d);
-                     for (std::uint64_t i = first + begin; i < first + end; ++i) {
-                       for (unsigned j = 0; j < d; ++j) p[j] = view.at(i, j) + 0.0;
-                       body(i, p.data());
-                     }
-                   });
+    run.report("query", static_cast<double>(first) / static_cast<double>(view.count));
+    run.each(std::min(block, view.count - first), chunk,
+             [&](std::uint64_t begin, std::uint64_t end) {
+               std::vector<double> p(d);
+               for (std::uint64_t i = first + begin; i < first + end; ++i) {
+                 for (unsigned j = 0; j < d; ++j) p[j] = view.at(i, j) + 0.0;
+                 body(i, p.data());
+               }
+             });
   }
 }
 
@@ -445,25 +442,22 @@ template <class Out, class Of>
 void HullQuery::State::sides(const PointView& view, Out* out, const Options& options,
                              Of&& of) const {
   check_dimension(view);
-  const Control control(options);
-  const unsigned threads = resolve_threads(options.threads);
-  const ManySides many{*this, view, worth_a_map <= view.count ? map() : nullptr,
-                       facets && view.count >= FacetCells::worthwhile(*facets)
-                           ? facet_cells(threads, control)
-                           : nullptr};
+  const Run run(options);
+  const ManySides many{
+      *this, view, worth_a_map <= view.count ? map() : nullptr,
+      facets && view.count >= FacetCells::worthwhile(*facets) ? facet_cells(run) : nullptr};
   constexpr std::uint64_t block = std::uint64_t{1} << 20;  // between two reports
   const std::uint64_t size = view.count >= block / 4 ? gauge_chunk : chunk;
   for (std::uint64_t first = 0; first < view.count; first += block) {
-    control.report("query", static_cast<double>(first) / static_cast<double>(view.count));
+    run.report("query", static_cast<double>(first) / static_cast<double>(view.count));
     const std::uint64_t count = std::min(block, view.count - first);
     std::vector<std::uint64_t> bad(chunk_count(count, size), view.count);
-    for_each_chunk(count, size, threads,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     control.check();
-                     bad[c] = many.ask(first + begin, first + end, out, of);
-                   });
+    run.each_chunk(count, size, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      bad[c] = many.ask(first + begin, first + end, out, of);
+    });
     const std::vector<std::uint64_t> lowest{*std::min_element(bad.begin(), bad.end())};
-    if (lowest[0] < view.count) check_finite(view, &lowest, 1, control);  // says which, and throws
+    if (lowest[0] < view.count)
+      check_finite(view, &lowest, run.with_threads(1));  // says which, and throws
   }
 }
 
@@ -549,7 +543,7 @@ void HullQuery::rays(const PointView& origins, const PointView& directions, RayH
   state_->check_dimension(directions);
   if (origins.count != directions.count)
     throw Error(ErrorCode::invalid_argument, "there must be as many directions as origins");
-  check_finite(directions, nullptr, resolve_threads(options.threads), Control(options));
+  check_finite(directions, nullptr, Run(options));
   const unsigned d = state_->points.dimension;
   state_->each(origins, options, [&](std::uint64_t i, const double* p) {
     std::vector<double> u(d);

@@ -7,6 +7,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/simplify.hpp"
+#include "parallel/sorted.hpp"
 #include "query/hull_arguments.hpp"
 
 namespace cullhull {
@@ -19,7 +20,7 @@ class Planes {
   Planes(const PointView& points, const Hull& hull, double distance)
       : hull_(hull),
         d_(hull.dimension),
-        ids_(internal::sorted_vertex_ids(hull)),
+        ids_(internal::sorted(hull.vertices)),
         rows_(internal::rows_of(points, ids_)),
         scale_(internal::power_to_unit(rows_)),
         distance_(distance * scale_) {

@@ -9,8 +9,8 @@
 #include <limits>
 #include <utility>
 
-#include "parallel/control.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/run.hpp"
+#include "parallel/sorted.hpp"
 #include "query/hull_arguments.hpp"
 #include "query/nearest_in_hull.hpp"
 #include "query/vertex_links.hpp"
@@ -27,10 +27,9 @@ class Simplifier {
  public:
   Simplifier(const PointView& points, const Hull& hull, double distance, const Options& options)
       : options_(options),
-        control_(options),
-        threads_(resolve_threads(options.threads)),
+        run_(options),
         d_(hull.dimension),
-        ids_(sorted_vertex_ids(hull)),
+        ids_(sorted(hull.vertices)),
         hull_(by_place(hull, ids_)),
         rows_(rows_of(points, ids_)),
         scale_(power_to_unit(rows_)),
@@ -44,8 +43,8 @@ class Simplifier {
   bool run() {
     const std::size_t before = ids_.size();
     while (distance_ > 0 && !candidates_.empty()) {
-      control_.report("simplify",
-                      1 - static_cast<double>(candidates_.size()) / static_cast<double>(before));
+      run_.report("simplify",
+                  1 - static_cast<double>(candidates_.size()) / static_cast<double>(before));
       const VertexLinks links(hull_, ids_.size());
       weigh(links);
       drop(independent(links));
@@ -81,14 +80,13 @@ class Simplifier {
   void weigh(const VertexLinks& links) {
     constexpr std::uint64_t chunk_size = 256;
     std::vector<std::vector<Offer>> found(chunk_count(candidates_.size(), chunk_size));
-    for_each_chunk(candidates_.size(), chunk_size, threads_,
-                   [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     Scale scale(d_);
-                     for (std::uint64_t i = begin; i < end; ++i)
-                       if (offer(links, candidates_[i], scale))
-                         found[chunk].push_back(std::move(scale.offer));
-                   });
+    run_.each_chunk(candidates_.size(), chunk_size,
+                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+                      Scale scale(d_);
+                      for (std::uint64_t i = begin; i < end; ++i)
+                        if (offer(links, candidates_[i], scale))
+                          found[chunk].push_back(std::move(scale.offer));
+                    });
     offers_.clear();
     candidates_.clear();
     for (std::vector<Offer>& part : found)
@@ -219,8 +217,8 @@ class Simplifier {
   }
 
   const Options& options_;
-  const Control control_;
-  const unsigned threads_, d_;
+  const Run run_;
+  const unsigned d_;
   std::vector<std::uint64_t> ids_;  // of the vertices, ascending
   Hull hull_;                       // of rows_, its vertices numbered by their place
   std::vector<double> rows_;

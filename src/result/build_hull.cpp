@@ -25,58 +25,52 @@ void wind_vertices(Hull& hull) {
   }
 }
 
-void begin_hull(const ResultInput& input, unsigned k, const Control& control, Hull& hull) {
+void begin_hull(const ResultInput& input, unsigned k, const Run& run, Hull& hull) {
   hull.dimension = input.view->dimension;
   hull.point_count = input.view->count;
   hull.scalar = input.view->scalar;
   hull.affine_dimension = static_cast<int>(k);
-  control.report("surface", 0);
+  run.report("surface", 0);
 }
 
-void build_any(const ResultInput& input, SimplicialHull&& boundary, const Control& control,
-               unsigned threads, Hull& hull) {
+void build_any(const ResultInput& input, SimplicialHull&& boundary, const Run& run, Hull& hull) {
   const LocalPoints& local = *input.local;
-  Surface surface = make_surface(std::move(boundary), local, threads);
+  Surface surface = make_surface(std::move(boundary), local, run);
   if (surface.k >= 4 && surface.k <= 8 && surface.k == input.view->dimension) {
-    VertexList vertices = list_vertices(surface, local.count, input.ids, threads);
-    const Frame frame = make_frame(*input.view, vertices.ids, input.axes, surface.k, threads);
-    if (!frame.wild &&
-        build_simplicial_nd(input, surface, vertices, frame, threads, control, hull)) {
+    VertexList vertices = list_vertices(surface, local.count, input.ids, run);
+    const Frame frame = make_frame(*input.view, vertices.ids, input.axes, surface.k, run);
+    if (!frame.wild && write_simplices(input, surface, vertices, frame, run, hull)) {
       hull.vertices = std::move(vertices.ids);
       return;
     }
   }
-  control.report("merge", 0);
+  run.report("merge", 0);
   CoplanarPairs pairs;
-  if (surface.k > 1)
-    pairs = coplanar_pairs(surface, local, threads, control, hull.statistics.rung_counts);
-  const Assembled assembled =
-      assemble(input, merge_coplanar(std::move(surface), pairs, local, threads, control), threads,
-               control, hull);
+  if (surface.k > 1) pairs = coplanar_pairs(surface, local, run, hull.statistics.rung_counts);
+  const OrderedFacets assembled =
+      order_facets(input, merge_coplanar(std::move(surface), pairs, local, run), run, hull);
   if (hull.affine_dimension == 2) wind_vertices(hull);
-  control.report("measures", 0);
-  measure(*input.view, assembled.vertices, assembled.index, input.axes, threads, control, hull);
+  run.report("measures", 0);
+  measure(*input.view, assembled.vertices, assembled.index, input.axes, run, hull);
 }
 
 }  // namespace
 
-void build_hull(const ResultInput& input, SimplicialHull&& boundary, const Control& control,
-                unsigned threads, Hull& hull) {
+void build_hull(const ResultInput& input, SimplicialHull&& boundary, const Run& run, Hull& hull) {
   const PageScope pages;
-  begin_hull(input, boundary.dimension, control, hull);
+  begin_hull(input, boundary.dimension, run, hull);
   if (boundary.dimension == 3 && input.view->dimension == 3) {
-    Surface3D surface = to_surface(boundary, *input.local, threads, control);
-    if (build_simplicial_3d(input, surface, threads, control, hull)) return;
+    Surface3D surface = to_surface(boundary, *input.local, run);
+    if (write_triangles(input, surface, run, hull)) return;
   }
-  build_any(input, std::move(boundary), control, threads, hull);
+  build_any(input, std::move(boundary), run, hull);
 }
 
-void build_hull(const ResultInput& input, Surface3D&& boundary, const Control& control,
-                unsigned threads, Hull& hull) {
+void build_hull(const ResultInput& input, Surface3D&& boundary, const Run& run, Hull& hull) {
   const PageScope pages;
-  begin_hull(input, 3, control, hull);
-  if (build_simplicial_3d(input, boundary, threads, control, hull)) return;
-  build_any(input, to_simplicial(std::move(boundary), threads, control), control, threads, hull);
+  begin_hull(input, 3, run, hull);
+  if (write_triangles(input, boundary, run, hull)) return;
+  build_any(input, to_simplicial(std::move(boundary), run), run, hull);
 }
 
 }  // namespace cullhull::internal

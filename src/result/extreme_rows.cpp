@@ -5,25 +5,23 @@
 #include <cstring>
 
 #include "parallel/big_array.hpp"
-#include "parallel/parallel.hpp"
 #include "result/merge.hpp"
+#include "result/ranking.hpp"
 #include "result/vertex_list.hpp"
 
 namespace cullhull::internal {
 
 std::vector<std::uint64_t> extreme_rows(SimplicialHull&& boundary, const LocalPoints& points,
-                                        unsigned threads, const Control& control,
-                                        std::uint64_t* rung_counts) {
-  Surface surface = make_surface(std::move(boundary), points, threads);
-  const auto pairs = coplanar_pairs(surface, points, threads, control, rung_counts);
-  if (!pairs.empty())
-    surface = merge_coplanar(std::move(surface), pairs, points, threads, control).surface;
-  return std::move(list_vertices(surface, points.count, nullptr, threads).ids);
+                                        const Run& run, std::uint64_t* rung_counts) {
+  Surface surface = make_surface(std::move(boundary), points, run);
+  const auto pairs = coplanar_pairs(surface, points, run, rung_counts);
+  if (!pairs.empty()) surface = merge_coplanar(std::move(surface), pairs, points, run).surface;
+  return std::move(list_vertices(surface, points.count, nullptr, run).ids);
 }
 
 std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size_t size,
                                          std::uint32_t count, const std::uint64_t* ids,
-                                         unsigned threads, const Control& control) {
+                                         const Run& run) {
   std::vector<std::uint64_t> out;
   if (size < count / 64) {
     out.assign(corners, corners + size);
@@ -36,30 +34,17 @@ std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size
   BigArray<std::uint8_t> used(count);
   std::memset(used.get(), 0, count);
   // Meanwhile one thread makes room, which takes as long: a vector clears it.
-  for_each_chunk(chunk_count(size, chunk) + 1, 1, threads,
-                 [&](std::uint64_t job, std::uint64_t, std::uint64_t) {
-                   control.check();
-                   if (job == 0) return resize_big(out, size);
-                   // No two corners are equal; neighbouring bytes may be written at once.
-                   const std::uint64_t end = std::min<std::uint64_t>(size, job * chunk);
-                   for (std::uint64_t i = (job - 1) * chunk; i < end; ++i) used[corners[i]] = 1;
-                 });
-  std::vector<std::uint64_t> start(chunk_count(count, chunk) + 1, 0);
-  for_each_chunk(count, chunk, threads,
-                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   std::uint64_t sum = 0;
-                   for (std::uint64_t p = begin; p < end; ++p) sum += used[p];
-                   start[c + 1] = sum;
-                 });
-  for (std::size_t c = 1; c < start.size(); ++c) start[c] += start[c - 1];
-  for_each_chunk(count, chunk, threads,
-                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   std::uint64_t next = start[c];
-                   for (std::uint64_t p = begin; p < end; ++p)
-                     if (used[p]) out[next++] = ids != nullptr ? ids[p] : p;
-                 });
+  run.each_item(chunk_count(size, chunk) + 1, [&](std::uint64_t job) {
+    if (job == 0) return resize_big(out, size);
+    // No two corners are equal; neighbouring bytes may be written at once.
+    const std::uint64_t end = std::min<std::uint64_t>(size, job * chunk);
+    for (std::uint64_t i = (job - 1) * chunk; i < end; ++i) used[corners[i]] = 1;
+  });
+  rank_flagged(
+      used.get(), count, run, [](std::uint32_t) { return true; },
+      [&](std::uint64_t p, std::uint32_t rank) {
+        if (used[p]) out[rank] = ids != nullptr ? ids[p] : p;
+      });
   return out;
 }
 

@@ -5,19 +5,18 @@
 #include <vector>
 
 #include "hull/engine.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
 /// Ascending rows of the extreme points (of equal points the lowest); `boundary` as build_hull
 /// takes it. Adds to `rung_counts`.
 std::vector<std::uint64_t> extreme_rows(SimplicialHull&& boundary, const LocalPoints& points,
-                                        unsigned threads, const Control& control,
-                                        std::uint64_t* rung_counts);
+                                        const Run& run, std::uint64_t* rung_counts);
 
 /// Corners of a polygon among `count` rows, ascending; named by `ids`, which ascend, if not null.
 std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size_t size,
                                          std::uint32_t count, const std::uint64_t* ids,
-                                         unsigned threads, const Control& control);
+                                         const Run& run);
 
 }  // namespace cullhull::internal

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "parallel/parallel.hpp"
+#include "parallel/run.hpp"
 #include "result/facet_plane.hpp"
 #include "result/totals.hpp"
 
@@ -74,21 +74,21 @@ Share<K> facet_share(const Frame& frame, const FacetPlane<K>& plane, const std::
 
 /// The shares of all runs, in canonical order.
 template <unsigned K>
-Totals<DoubleDouble> total_of_runs(const Share<K>* runs, std::uint64_t count, unsigned threads) {
+Totals<DoubleDouble> total_of_runs(const Share<K>* runs, std::uint64_t count, const Run& run) {
   constexpr std::uint64_t runs_a_chunk = measure_chunk / measure_run;
   std::vector<Totals<DoubleDouble>> parts(chunk_count(count, runs_a_chunk),
                                           Totals<DoubleDouble>(K));
-  for_each_chunk(count, runs_a_chunk, threads,
+  run.each_chunk(count, runs_a_chunk,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
                    Totals<DoubleDouble>& t = parts[chunk];
                    for (std::uint64_t i = begin; i < end; ++i) {
-                     const Share<K>& run = runs[i];
-                     t.volume = t.volume + DoubleDouble(run.volume);
-                     t.area = t.area + DoubleDouble(run.area);
+                     const Share<K>& share = runs[i];
+                     t.volume = t.volume + DoubleDouble(share.volume);
+                     t.area = t.area + DoubleDouble(share.area);
                      for (unsigned c = 0; c < K; ++c)
-                       t.moment[c] = t.moment[c] + DoubleDouble(run.moment[c]);
-                     t.error += run.error;
-                     t.area_error += run.area_error;
+                       t.moment[c] = t.moment[c] + DoubleDouble(share.moment[c]);
+                     t.error += share.error;
+                     t.area_error += share.area_error;
                    }
                  });
   Totals<DoubleDouble> all(K);

@@ -73,12 +73,10 @@ namespace {
 template <unsigned K>
 class Measurer {
  public:
-  Measurer(const Frame& frame, const std::vector<std::uint32_t>& index, unsigned threads,
-           const Control& control, Hull& hull)
+  Measurer(const Frame& frame, const std::vector<std::uint32_t>& index, const Run& run, Hull& hull)
       : frame_(frame),
         index_(index),
-        threads_(threads),
-        control_(control),
+        run_(run),
         hull_(hull),
         k_(K ? K : frame.k),
         count_(index.size() / k_),
@@ -113,15 +111,12 @@ class Measurer {
   void planes() {
     const unsigned d = frame_.dimension;
     const std::vector<std::uint32_t> best = widest_simplices();
-    for_each_chunk(hull_.facet_count(), measure_chunk, threads_,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     for (std::uint64_t i = begin; i < end; ++i) {
-                       if (K == 0) control_.check();
-                       plane(best.empty() ? i : best[i],
-                             hull_.facet_planes.data() + i * (std::size_t{d} + 1));
-                     }
-                   });
+    run_.each(hull_.facet_count(), measure_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        if (K == 0) run_.check();
+        plane(best.empty() ? i : best[i], hull_.facet_planes.data() + i * (std::size_t{d} + 1));
+      }
+    });
   }
 
   static constexpr std::uint64_t ahead = 12;
@@ -182,15 +177,14 @@ class Measurer {
     const unsigned d = frame_.dimension;
     std::vector<Totals<DoubleDouble>> parts(chunk_count(count_, measure_chunk),
                                             Totals<DoubleDouble>(d));
-    for_each_chunk(count_, measure_chunk, threads_,
-                   [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     // Short runs in plain arithmetic, then into the wider sum.
-                     for (std::uint64_t b = begin; b < end; b += measure_run) {
-                       if (K == 0) control_.check();  // in 50D a run takes hundredths of a second
-                       add_run<Real>(b, std::min(b + measure_run, end), parts[chunk]);
-                     }
-                   });
+    run_.each_chunk(count_, measure_chunk,
+                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+                      // Short runs in plain arithmetic, then into the wider sum.
+                      for (std::uint64_t b = begin; b < end; b += measure_run) {
+                        if (K == 0) run_.check();  // in 50D a run takes hundredths of a second
+                        add_run<Real>(b, std::min(b + measure_run, end), parts[chunk]);
+                      }
+                    });
     Totals<DoubleDouble> all(d);
     for (const auto& p : parts) all.add(p);
     return all;
@@ -271,13 +265,13 @@ class Measurer {
     const unsigned d = frame_.dimension;
     constexpr std::uint64_t chunk_size = 512;
     std::vector<Totals<Wide>> parts(chunk_count(count_, chunk_size), Totals<Wide>(d));
-    for_each_chunk(count_, chunk_size, threads_,
-                   [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                     for (std::uint64_t i = begin; i < end; ++i) {
-                       control_.check();
-                       add_exactly(i, parts[chunk]);
-                     }
-                   });
+    run_.each_chunk(count_, chunk_size,
+                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+                      for (std::uint64_t i = begin; i < end; ++i) {
+                        run_.check();
+                        add_exactly(i, parts[chunk]);
+                      }
+                    });
     Totals<Wide> all(d);
     for (const auto& p : parts) all.add(p);
     if (all.volume.zero()) throw Error(ErrorCode::internal, "the hull has no volume");
@@ -317,15 +311,13 @@ class Measurer {
     // Lengths are positive, so their bits are ordered as they are.
     BigArray<std::uint64_t> longest(facets), lengths(count_);
     const auto each_chunk = [this](std::uint64_t count, const auto& body) {
-      for_each_chunk(count, measure_chunk, threads_,
-                     [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                       control_.check();
-                       Normals normals(*this);
-                       for (std::uint64_t i = begin; i < end; ++i) {
-                         if (K == 0) control_.check();
-                         body(i, normals);
-                       }
-                     });
+      run_.each(count, measure_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+        Normals normals(*this);
+        for (std::uint64_t i = begin; i < end; ++i) {
+          if (K == 0) run_.check();
+          body(i, normals);
+        }
+      });
     };
     each_chunk(facets, [&](std::uint64_t f, Normals&) {
       longest[f] = 0;
@@ -374,8 +366,7 @@ class Measurer {
 
   const Frame& frame_;
   const std::vector<std::uint32_t>& index_;
-  const unsigned threads_;
-  const Control& control_;
+  const Run& run_;
   Hull& hull_;
   const unsigned k_;
   const std::uint64_t count_;
@@ -384,9 +375,9 @@ class Measurer {
 };
 
 template <unsigned K>
-void measure_all(const Frame& frame, const std::vector<std::uint32_t>& index, unsigned threads,
-                 const Control& control, Hull& hull, bool thin) {
-  Measurer<K> m(frame, index, threads, control, hull);
+void measure_all(const Frame& frame, const std::vector<std::uint32_t>& index, const Run& run,
+                 Hull& hull, bool thin) {
+  Measurer<K> m(frame, index, run, hull);
   thin ? m.run_thin() : m.run();
 }
 
@@ -508,37 +499,37 @@ void finish_measures(const Frame& frame, const Totals<DoubleDouble>& sums, Hull&
 namespace {
 
 void measure_in_frame(const Frame& frame, const std::vector<std::uint32_t>& vertex_index,
-                      unsigned threads, const Control& control, Hull& hull, bool thin) {
-  using Run = void (*)(const Frame&, const std::vector<std::uint32_t>&, unsigned, const Control&,
-                       Hull&, bool);
-  static constexpr Run runs[] = {measure_all<0>, measure_all<0>, measure_all<2>,
-                                 measure_all<3>, measure_all<4>, measure_all<5>,
-                                 measure_all<6>, measure_all<7>, measure_all<8>};
-  runs[frame.k <= 8 ? frame.k : 0](frame, vertex_index, threads, control, hull, thin);
+                      const Run& run, Hull& hull, bool thin) {
+  using Measure =
+      void (*)(const Frame&, const std::vector<std::uint32_t>&, const Run&, Hull&, bool);
+  static constexpr Measure of_dimension[] = {measure_all<0>, measure_all<0>, measure_all<2>,
+                                             measure_all<3>, measure_all<4>, measure_all<5>,
+                                             measure_all<6>, measure_all<7>, measure_all<8>};
+  of_dimension[frame.k <= 8 ? frame.k : 0](frame, vertex_index, run, hull, thin);
 }
 
 }  // namespace
 
 void measure(const PointView& points, const std::vector<std::uint64_t>& vertices,
-             const std::vector<std::uint32_t>& vertex_index, const unsigned* axes, unsigned threads,
-             const Control& control, Hull& hull) {
+             const std::vector<std::uint32_t>& vertex_index, const unsigned* axes, const Run& run,
+             Hull& hull) {
   const auto k = static_cast<unsigned>(hull.affine_dimension);
   hull.facet_planes.clear();
   hull.centroid.clear();
-  const Frame frame = make_frame(points, vertices, axes, k, threads);
+  const Frame frame = make_frame(points, vertices, axes, k, run);
   if (k == 1)
     measure_segment(frame, vertex_index, hull);
   else
-    measure_in_frame(frame, vertex_index, threads, control, hull, false);
+    measure_in_frame(frame, vertex_index, run, hull, false);
 }
 
 void measure_thin(const PointView& points, const std::vector<std::uint64_t>& vertices,
                   const std::vector<std::uint32_t>& vertex_index, const unsigned* axes,
-                  unsigned threads, const Control& control, Hull& hull) {
+                  const Run& run, Hull& hull) {
   hull.centroid.clear();
   const auto k = static_cast<unsigned>(hull.affine_dimension);
-  const Frame frame = make_frame(points, vertices, axes, k, threads);
-  measure_in_frame(frame, vertex_index, threads, control, hull, true);
+  const Frame frame = make_frame(points, vertices, axes, k, run);
+  measure_in_frame(frame, vertex_index, run, hull, true);
 }
 
 }  // namespace cullhull::internal

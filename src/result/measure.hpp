@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cullhull/hull.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -11,13 +11,13 @@ namespace cullhull::internal {
 /// size, so the bits do not depend on `threads`. `vertex_index[i * k + j]`: position, in ascending
 /// order of ids, of vertex j of simplex i; `vertices`: those ids.
 void measure(const PointView& points, const std::vector<std::uint64_t>& vertices,
-             const std::vector<std::uint32_t>& vertex_index, const unsigned* axes, unsigned threads,
-             const Control& control, Hull& hull);
+             const std::vector<std::uint32_t>& vertex_index, const unsigned* axes, const Run& run,
+             Hull& hull);
 
 /// The sums alone, of a simplicial hull whose planes are there and for which sums in doubles have
 /// been found wanting: it is thin.
 void measure_thin(const PointView& points, const std::vector<std::uint64_t>& vertices,
                   const std::vector<std::uint32_t>& vertex_index, const unsigned* axes,
-                  unsigned threads, const Control& control, Hull& hull);
+                  const Run& run, Hull& hull);
 
 }  // namespace cullhull::internal

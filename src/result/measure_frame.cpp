@@ -6,6 +6,7 @@
 
 #include "cullhull/error.hpp"
 #include "geometry/orientation.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/parallel.hpp"
 #include "result/exact_rests.hpp"
 
@@ -179,37 +180,20 @@ void gather(const PointView& points, const std::vector<std::uint64_t>& ids, std:
 
 void gather(const PointView& points, const std::vector<std::uint64_t>& ids, std::uint64_t begin,
             std::uint64_t end, double* out, Range* ranges) {
-  switch (points.scalar) {
-    case ScalarType::f32:
-      return gather<float>(points, ids, begin, end, out, ranges);
-    case ScalarType::f64:
-      return gather<double>(points, ids, begin, end, out, ranges);
-    case ScalarType::i8:
-      return gather<std::int8_t>(points, ids, begin, end, out, ranges);
-    case ScalarType::u8:
-      return gather<std::uint8_t>(points, ids, begin, end, out, ranges);
-    case ScalarType::i16:
-      return gather<std::int16_t>(points, ids, begin, end, out, ranges);
-    case ScalarType::u16:
-      return gather<std::uint16_t>(points, ids, begin, end, out, ranges);
-    case ScalarType::i32:
-      return gather<std::int32_t>(points, ids, begin, end, out, ranges);
-    case ScalarType::u32:
-      return gather<std::uint32_t>(points, ids, begin, end, out, ranges);
-  }
+  with_scalar(points.scalar,
+              [&](auto scalar) { gather<decltype(scalar)>(points, ids, begin, end, out, ranges); });
 }
 
 /// Fills `scaled` and `exponent`; the range of each coordinate as given.
-std::vector<Range> gather_scaled(Frame& f, unsigned threads) {
+std::vector<Range> gather_scaled(Frame& f, const Run& run) {
   const std::vector<std::uint64_t>& ids = *f.vertices;
   const unsigned d = f.dimension;
   f.scaled.resize(ids.size() * d);
   std::vector<Range> parts(chunk_count(ids.size(), gather_chunk) * d);
-  for_each_chunk(ids.size(), gather_chunk, threads,
-                 [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                   gather(*f.points, ids, begin, end, f.scaled.data() + begin * d,
-                          parts.data() + chunk * d);
-                 });
+  run.each_chunk(
+      ids.size(), gather_chunk, [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+        gather(*f.points, ids, begin, end, f.scaled.data() + begin * d, parts.data() + chunk * d);
+      });
   std::vector<Range> ranges(parts.begin(), parts.begin() + d);
   double largest = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -219,11 +203,9 @@ std::vector<Range> gather_scaled(Frame& f, unsigned threads) {
   }
   if (largest > 0) f.exponent = std::ilogb(largest) + 1;
   if (f.exponent != 0)
-    for_each_chunk(f.scaled.size(), gather_chunk * 4, threads,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     for (std::uint64_t i = begin; i < end; ++i)
-                       f.scaled[i] = scale_by(f.scaled[i], -f.exponent);
-                   });
+    run.each(f.scaled.size(), gather_chunk * 4, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) f.scaled[i] = scale_by(f.scaled[i], -f.exponent);
+    });
   return ranges;
 }
 
@@ -239,14 +221,14 @@ const double* Frame::raw_at(std::uint32_t v) const {
 }
 
 Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vertices,
-                 const unsigned* axes, unsigned k, unsigned threads) {
+                 const unsigned* axes, unsigned k, const Run& run) {
   Frame f;
   f.dimension = points.dimension;
   f.k = k;
   f.axes.assign(axes, axes + k);
   f.points = &points;
   f.vertices = &vertices;
-  const std::vector<Range> ranges = gather_scaled(f, threads);
+  const std::vector<Range> ranges = gather_scaled(f, run);
   const auto extent = [&](unsigned c) {
     return scale_by(ranges[c].high, -f.exponent) - scale_by(ranges[c].low, -f.exponent);
   };

@@ -12,6 +12,7 @@
 #include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
 #include "geometry/wide_float.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -56,6 +57,6 @@ struct Frame {
 /// the orientation of the projection, but are chosen so that it shrinks the flat little. The frame
 /// refers to `points` and `vertices`.
 Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vertices,
-                 const unsigned* axes, unsigned k, unsigned threads);
+                 const unsigned* axes, unsigned k, const Run& run);
 
 }  // namespace cullhull::internal

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "geometry/orientation.hpp"
+#include "parallel/disjoint_sets.hpp"
 #include "result/merge_polygons.hpp"
 #include "result/pulling.hpp"
 
@@ -11,11 +12,6 @@ namespace cullhull::internal {
 namespace {
 
 constexpr std::uint32_t none = 0xFFFFFFFFU;
-
-std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
 
 /// A ridge on the border of a merged facet: simplex, slot.
 struct Border {
@@ -48,14 +44,14 @@ class Merger {
   void number_facets(const CoplanarPairs& pairs) {
     const std::size_t n = old_.count();
     facet_.resize(n);
-    std::iota(facet_.begin(), facet_.end(), 0U);
+    DisjointSets sets(n);
+    sets.clear(0, n);
     std::vector<std::uint8_t> merged(n, 0);
     for (const auto& [a, b] : pairs) {
       merged[a] = merged[b] = 1;
-      const std::uint32_t ra = find_root(facet_, a), rb = find_root(facet_, b);
-      facet_[std::max(ra, rb)] = std::min(ra, rb);  // a root is the lowest of its set
+      sets.join(a, b);
     }
-    for (std::uint32_t f = 0; f < n; ++f) facet_[f] = find_root(facet_, f);
+    for (std::uint32_t f = 0; f < n; ++f) facet_[f] = sets.root(f);
     singles_ = static_cast<std::uint32_t>(std::count(merged.begin(), merged.end(), 0));
     std::uint32_t single = 0;
     std::uint32_t next = singles_;
@@ -286,15 +282,15 @@ class Merger {
 }  // namespace
 
 Facets merge_coplanar(Surface&& surface, const CoplanarPairs& pairs, const LocalPoints& points,
-                      unsigned threads, const Control& control) {
+                      const Run& run) {
   if (pairs.empty()) {
     Facets out;
     out.singles = surface.count();
     out.surface = std::move(surface);
     return out;
   }
-  if (surface.k == 3) return merge_polygons(std::move(surface), pairs, threads, control);
-  return Merger(std::move(surface), points, control).run(pairs);
+  if (surface.k == 3) return merge_polygons(std::move(surface), pairs, run);
+  return Merger(std::move(surface), points, run.control).run(pairs);
 }
 
 }  // namespace cullhull::internal

@@ -21,6 +21,6 @@ struct Facets {
 };
 
 Facets merge_coplanar(Surface&& surface, const CoplanarPairs& pairs, const LocalPoints& points,
-                      unsigned threads, const Control& control);
+                      const Run& run);
 
 }  // namespace cullhull::internal

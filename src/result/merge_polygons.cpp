@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "parallel/big_array.hpp"
+#include "parallel/disjoint_sets.hpp"
 #include "parallel/parallel.hpp"
 #include "parallel/radix_sort.hpp"
 
@@ -18,39 +19,6 @@ namespace {
 using Id = std::uint32_t;
 constexpr Id none = 0xFFFFFFFFU;
 constexpr std::memory_order relaxed = std::memory_order_relaxed;
-
-/// Sets of simplices, joined by any number of threads. A set's root is its lowest member, whatever
-/// the order of work.
-class Sets {
- public:
-  explicit Sets(std::size_t n) : parent_(n) {}
-  void clear(std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t i = begin; i < end; ++i) parent_[i] = static_cast<Id>(i);
-  }
-  Id root(Id i) {
-    for (;;) {
-      const Id up = at(i).load(relaxed);
-      if (up == i) return i;
-      const Id over = at(up).load(relaxed);
-      at(i).store(over, relaxed);  // halves the path; i is no root any more
-      i = over;
-    }
-  }
-  void join(Id a, Id b) {
-    for (;;) {
-      a = root(a);
-      b = root(b);
-      if (a == b) return;
-      if (a < b) std::swap(a, b);
-      Id expected = a;
-      if (at(a).compare_exchange_strong(expected, b, relaxed)) return;
-    }
-  }
-
- private:
-  std::atomic_ref<Id> at(Id i) { return std::atomic_ref(parent_[i]); }
-  BigArray<Id> parent_;
-};
 
 /// An edge of a merged facet's border, with the facet on its left seen from outside.
 struct Edge {
@@ -69,9 +37,8 @@ struct Side {
 
 class PolygonMerger {
  public:
-  PolygonMerger(Surface&& surface, const CoplanarPairs& pairs, unsigned threads,
-                const Control& control)
-      : old_(std::move(surface)), pairs_(pairs), threads_(threads), control_(control) {}
+  PolygonMerger(Surface&& surface, const CoplanarPairs& pairs, const Run& run)
+      : old_(std::move(surface)), pairs_(pairs), run_(run) {}
 
   Facets run() {
     number_facets();
@@ -83,15 +50,6 @@ class PolygonMerger {
   }
 
  private:
-  template <class Body>
-  void each_chunk(std::uint64_t count, std::uint64_t size, const Body& body) const {
-    for_each_chunk(count, size, threads_,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     body(c, begin, end);
-                   });
-  }
-
   std::uint64_t merged_count() const { return starts_.size() - 1; }
   bool is_large(std::uint64_t m) const { return starts_[m + 1] - starts_[m] > 1024; }
   bool single(Id facet) const { return facet < out_.singles; }
@@ -102,27 +60,26 @@ class PolygonMerger {
   /// facet_[f]: single simplices first, in their order, then merged ones in that of their first.
   void number_facets() {
     const std::size_t n = old_.count();
-    Sets sets(n);
+    DisjointSets sets(n);
     BigArray<std::uint8_t> merged(n);
-    each_chunk(n, simplex_chunk, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+    run_.each(n, simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
       sets.clear(begin, end);
       std::memset(merged.get() + begin, 0, end - begin);
     });
-    each_chunk(pairs_.size(), simplex_chunk,
-               [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                 for (std::uint64_t i = begin; i < end; ++i) {
-                   const auto [a, b] = pairs_[i];
-                   sets.join(a, b);
-                   std::atomic_ref(merged[a]).store(1, relaxed);
-                   std::atomic_ref(merged[b]).store(1, relaxed);
-                 }
-               });
+    run_.each(pairs_.size(), simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const auto [a, b] = pairs_[i];
+        sets.join(a, b);
+        std::atomic_ref(merged[a]).store(1, relaxed);
+        std::atomic_ref(merged[b]).store(1, relaxed);
+      }
+    });
     facet_ = BigArray<Id>(n);
     struct Count {
       Id singles = 0, roots = 0;
     };
     std::vector<Count> counts(chunk_count(n, simplex_chunk) + 1);
-    each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    run_.each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       Count count;
       for (std::uint64_t f = begin; f < end; ++f) {
         facet_[f] = merged[f] ? sets.root(static_cast<Id>(f)) : none;
@@ -139,12 +96,12 @@ class PolygonMerger {
     out_.singles = singles;
     starts_.assign(counts.back().roots + std::size_t{1}, 0);
     BigArray<Id> number(n);  // of the roots
-    each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    run_.each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       Count at = counts[c];
       for (std::uint64_t f = begin; f < end; ++f)
         if (facet_[f] == f) number[f] = singles + at.roots++;
     });
-    each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    run_.each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       Count at = counts[c];
       for (std::uint64_t f = begin; f < end; ++f)
         facet_[f] = facet_[f] == none ? at.singles++ : number[facet_[f]];
@@ -160,7 +117,7 @@ class PolygonMerger {
       for (unsigned j = 0; j < 3; ++j)
         if (facet_[across(static_cast<Id>(f), j)] != facet_[f]) body(j);
     };
-    each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    run_.each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       std::uint64_t count = 0;
       for (std::uint64_t f = begin; f < end; ++f) each_edge(f, [&](unsigned) { ++count; });
       begins[c + 1] = count;
@@ -168,7 +125,7 @@ class PolygonMerger {
     std::partial_sum(begins.begin(), begins.end(), begins.begin());
     edge_count_ = static_cast<Id>(begins.back());
     BigArray<Edge> memory(edge_count_), other(edge_count_);
-    each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    run_.each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       Edge* out = memory.get() + begins[c];
       for (std::uint64_t f = begin; f < end; ++f)
         each_edge(f, [&](unsigned j) {
@@ -180,15 +137,13 @@ class PolygonMerger {
     });
     Edge *edges = memory.get(), *scratch = other.get();
     radix_sort(edges, scratch, edge_count_,
-               static_cast<unsigned>(std::bit_width(merged_count() - 1)), threads_, control_,
+               static_cast<unsigned>(std::bit_width(merged_count() - 1)), run_,
                [](const Edge& e) { return e.facet; });
     edges_ = edges == memory.get() ? std::move(memory) : std::move(other);
-    each_chunk(edge_count_, simplex_chunk,
-               [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                 for (std::uint64_t i = begin; i < end; ++i)
-                   if (i == 0 || edges_[i - 1].facet != edges_[i].facet)
-                     starts_[edges_[i].facet] = i;
-               });
+    run_.each(edge_count_, simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i)
+        if (i == 0 || edges_[i - 1].facet != edges_[i].facet) starts_[edges_[i].facet] = i;
+    });
     starts_.back() = edge_count_;
     for (std::uint64_t m = 0; m < merged_count(); ++m)
       if (starts_[m] >= starts_[m + 1]) fail_not_exact("a facet has too few corners");
@@ -201,7 +156,7 @@ class PolygonMerger {
   /// is. Facets of many edges one after the other, on all threads each; the others side by side.
   void trace_borders() {
     next_ = BigArray<Id>(edge_count_);
-    each_chunk(merged_count(), 256, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+    run_.each(merged_count(), 256, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t m = begin; m < end; ++m)
         if (!is_large(m)) find_next_of_few(starts_[m], starts_[m + 1]);
     });
@@ -232,7 +187,7 @@ class PolygonMerger {
     BigArray<End> memory(4 * std::size_t{n});
     End *from = memory.get(), *to = from + n, *scratch = to + n, *other = scratch + n;
     std::vector<Id> highest(chunk_count(n, simplex_chunk));
-    each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t b, std::uint64_t e) {
+    run_.each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t b, std::uint64_t e) {
       Id most = 0;
       for (std::uint64_t i = b; i < e; ++i) {
         const Edge& edge = edges_[begin + i];
@@ -245,9 +200,9 @@ class PolygonMerger {
     const auto bits =
         static_cast<unsigned>(std::bit_width(*std::max_element(highest.begin(), highest.end())));
     const auto vertex = [](const End& e) { return e.vertex; };
-    radix_sort(from, scratch, n, bits, threads_, control_, vertex);
-    radix_sort(to, other, n, bits, threads_, control_, vertex);
-    each_chunk(n, simplex_chunk, [&](std::uint64_t, std::uint64_t b, std::uint64_t e) {
+    radix_sort(from, scratch, n, bits, run_, vertex);
+    radix_sort(to, other, n, bits, run_, vertex);
+    run_.each(n, simplex_chunk, [&](std::uint64_t b, std::uint64_t e) {
       for (std::uint64_t i = b; i < e; ++i) {
         if (from[i].vertex != to[i].vertex || (i > 0 && from[i - 1].vertex == from[i].vertex))
           fail_not_exact("a facet's border is not one cycle");
@@ -266,10 +221,10 @@ class PolygonMerger {
     std::vector<std::uint64_t> large;
     for (std::uint64_t m = 0; m < merged_count(); ++m)
       if (is_large(m)) large.push_back(m);
-    each_chunk(large.size(), 1, [&](std::uint64_t i, std::uint64_t, std::uint64_t) {
+    run_.each_chunk(large.size(), 1, [&](std::uint64_t i, std::uint64_t, std::uint64_t) {
       counts[large[i] + 1] = list_sides(large[i]);
     });
-    each_chunk(merged_count(), 256, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+    run_.each(merged_count(), 256, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t m = begin; m < end; ++m)
         if (!is_large(m)) counts[m + 1] = list_sides(m);
     });
@@ -307,7 +262,7 @@ class PolygonMerger {
     Id last_facet = none;
     Id i = start;
     for (steps = 0; steps < size; ++steps, i = next_[i]) {
-      if (steps % 65536 == 65535) control_.check();
+      if (steps % 65536 == 65535) run_.check();
       if (steps > 0 && i == start) fail_not_exact("a facet's border is not one cycle");
       const Edge& e = edges_[i];
       const Id facet = facet_across(e);
@@ -328,16 +283,15 @@ class PolygonMerger {
   /// body(facet, begin, end) for the sides of all merged facets, in stretches.
   template <class Body>
   void each_side(const Body& body) const {
-    each_chunk(corner_starts_.back(), simplex_chunk,
-               [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                 auto at = std::upper_bound(corner_starts_.begin(), corner_starts_.end(), begin);
-                 while (begin < end) {
-                   const std::uint64_t stop = std::min(end, *at);
-                   body(static_cast<std::uint64_t>(at - corner_starts_.begin()) - 1, begin, stop);
-                   begin = stop;
-                   ++at;
-                 }
-               });
+    run_.each(corner_starts_.back(), simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      auto at = std::upper_bound(corner_starts_.begin(), corner_starts_.end(), begin);
+      while (begin < end) {
+        const std::uint64_t stop = std::min(end, *at);
+        body(static_cast<std::uint64_t>(at - corner_starts_.begin()) - 1, begin, stop);
+        begin = stop;
+        ++at;
+      }
+    });
   }
 
   // ------------------------------------------------------------------------------- the new surface
@@ -371,10 +325,9 @@ class PolygonMerger {
     resize_big(s.odd, count);
     resize_big(out_.facet, count);
     place_ = BigArray<Id>(old_.count() * 3);
-    each_chunk(old_.count() * 3, simplex_chunk,
-               [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                 std::fill(place_.get() + begin, place_.get() + end, none);
-               });
+    run_.each(old_.count() * 3, simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      std::fill(place_.get() + begin, place_.get() + end, none);
+    });
     each_side([&](std::uint64_t m, std::uint64_t begin, std::uint64_t end) {
       const std::uint64_t first = corner_starts_[m], sides = corner_starts_[m + 1] - first;
       for (std::uint64_t i = begin; i < end; ++i) {
@@ -382,11 +335,10 @@ class PolygonMerger {
         place_[std::size_t{e.simplex} * 3 + slot_off(e)] = simplex_at(m, i - first, sides);
       }
     });
-    each_chunk(old_.count(), simplex_chunk,
-               [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                 for (std::uint64_t f = begin; f < end; ++f)
-                   if (single(facet_[f])) write_single(static_cast<Id>(f));
-               });
+    run_.each(old_.count(), simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t f = begin; f < end; ++f)
+        if (single(facet_[f])) write_single(static_cast<Id>(f));
+    });
     each_side([&](std::uint64_t m, std::uint64_t begin, std::uint64_t end) {
       const std::uint64_t first = corner_starts_[m], sides = corner_starts_[m + 1] - first;
       for (std::uint64_t i = std::max(begin, first + 1); i < std::min(end, first + sides - 1); ++i)
@@ -442,8 +394,7 @@ class PolygonMerger {
 
   Surface old_;
   const CoplanarPairs& pairs_;
-  const unsigned threads_;
-  const Control& control_;
+  const Run& run_;
   Facets out_;
   BigArray<Id> facet_;                 // of each old simplex
   std::vector<std::uint64_t> starts_;  // of the edges of each merged facet
@@ -457,9 +408,8 @@ class PolygonMerger {
 
 }  // namespace
 
-Facets merge_polygons(Surface&& surface, const CoplanarPairs& pairs, unsigned threads,
-                      const Control& control) {
-  return PolygonMerger(std::move(surface), pairs, threads, control).run();
+Facets merge_polygons(Surface&& surface, const CoplanarPairs& pairs, const Run& run) {
+  return PolygonMerger(std::move(surface), pairs, run).run();
 }
 
 }  // namespace cullhull::internal

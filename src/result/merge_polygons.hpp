@@ -6,7 +6,6 @@
 namespace cullhull::internal {
 
 /// As merge_coplanar, for k = 3 and at least one pair.
-Facets merge_polygons(Surface&& surface, const CoplanarPairs& pairs, unsigned threads,
-                      const Control& control);
+Facets merge_polygons(Surface&& surface, const CoplanarPairs& pairs, const Run& run);
 
 }  // namespace cullhull::internal

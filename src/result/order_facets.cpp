@@ -16,21 +16,19 @@ namespace {
 constexpr std::uint32_t none = 0xFFFFFFFFU;
 
 /// Canonical order of the simplices and everything that follows from it.
-class Assembler {
+class FacetOrderer {
  public:
-  Assembler(const ResultInput& input, Facets&& facets, unsigned threads, const Control& control,
-            Hull& hull)
+  FacetOrderer(const ResultInput& input, Facets&& facets, const Run& run, Hull& hull)
       : input_(input),
         facets_(std::move(facets)),
         surface_(facets_.surface),
         k_(surface_.k),
         count_(surface_.count()),
-        threads_(threads),
-        control_(control),
+        run_(run),
         hull_(hull) {}
 
-  Assembled run() {
-    vertices_ = list_vertices(surface_, input_.local->count, input_.ids, threads_);
+  OrderedFacets run() {
+    vertices_ = list_vertices(surface_, input_.local->count, input_.ids, run_);
     hull_.vertices = vertices_.ids;
     sort_simplices();
     number_facets();
@@ -47,11 +45,10 @@ class Assembler {
 
   template <class Body>
   void each_chunk(std::uint64_t begin, std::uint64_t end, const Body& body) const {
-    for_each_chunk(end - begin, simplex_chunk, threads_,
-                   [&](std::uint64_t c, std::uint64_t from, std::uint64_t to) {
-                     control_.check();
-                     body(c, begin + from, begin + to);
-                   });
+    run_.each_chunk(end - begin, simplex_chunk,
+                    [&](std::uint64_t c, std::uint64_t from, std::uint64_t to) {
+                      body(c, begin + from, begin + to);
+                    });
   }
 
   bool less(const Key& a, const Key& b) const {
@@ -75,7 +72,7 @@ class Assembler {
     });
     Key *keys = memory.get(), *scratch = other.get();
     const auto bits = static_cast<unsigned>(std::bit_width(input_.local->count));
-    radix_sort(keys, scratch, static_cast<std::uint32_t>(count_), bits, threads_, control_,
+    radix_sort(keys, scratch, static_cast<std::uint32_t>(count_), bits, run_,
                [](const Key& k) { return k.first; });
     // A vertex that thousands of simplices share, of a facet with many corners, is sorted by all.
     constexpr std::uint64_t many = 1 << 14;
@@ -118,9 +115,9 @@ class Assembler {
                      unsigned bits) const {
     Key *items = keys + begin, *other = scratch + begin;
     const auto n = static_cast<std::uint32_t>(end - begin);
-    radix_sort(items, other, n, bits, threads_, control_,
+    radix_sort(items, other, n, bits, run_,
                [](const Key& k) { return static_cast<std::uint32_t>(k.rest); });
-    radix_sort(items, other, n, bits, threads_, control_,
+    radix_sort(items, other, n, bits, run_,
                [](const Key& k) { return static_cast<std::uint32_t>(k.rest >> 32); });
     if (items == keys + begin) return;
     each_chunk(begin, end, [&](std::uint64_t, std::uint64_t from, std::uint64_t to) {
@@ -314,8 +311,7 @@ class Assembler {
   const Surface& surface_;
   const unsigned k_;
   const std::size_t count_;
-  const unsigned threads_;
-  const Control& control_;
+  const Run& run_;
   Hull& hull_;
   VertexList vertices_;
   std::vector<std::uint32_t> order_, rank_;           // canonical to old and back
@@ -325,9 +321,8 @@ class Assembler {
 
 }  // namespace
 
-Assembled assemble(const ResultInput& input, Facets&& facets, unsigned threads,
-                   const Control& control, Hull& hull) {
-  return Assembler(input, std::move(facets), threads, control, hull).run();
+OrderedFacets order_facets(const ResultInput& input, Facets&& facets, const Run& run, Hull& hull) {
+  return FacetOrderer(input, std::move(facets), run, hull).run();
 }
 
 }  // namespace cullhull::internal

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 #include "result/build_hull.hpp"
 #include "result/merge.hpp"
 
@@ -12,14 +12,13 @@ namespace cullhull::internal {
 
 /// What the measures need besides the hull: its vertices' ids, ascending, and for every simplex the
 /// places of its vertices among them.
-struct Assembled {
+struct OrderedFacets {
   std::vector<std::uint64_t> vertices;
   std::vector<std::uint32_t> index;
 };
 
 /// Sorts the simplices, numbers the facets, and fills every list of the hull. Its vertices ascend,
 /// which for k = 2 is not their final order.
-Assembled assemble(const ResultInput& input, Facets&& facets, unsigned threads,
-                   const Control& control, Hull& hull);
+OrderedFacets order_facets(const ResultInput& input, Facets&& facets, const Run& run, Hull& hull);
 
 }  // namespace cullhull::internal

@@ -69,32 +69,27 @@ std::uint32_t count_bits(std::uint64_t v) {
 /// Which rows are corners, and how many before each: small enough to stay in the cache.
 class Ranks {
  public:
-  Ranks(const Array<std::uint32_t>& corners, std::uint64_t rows, unsigned threads,
-        const Control& control)
+  Ranks(const Array<std::uint32_t>& corners, std::uint64_t rows, const Run& run)
       : words_(rows / 64 + 1), before_(words_) {
     BigArray<std::uint8_t> used(words_ * 64);
     std::memset(used.get(), 0, words_ * 64);
-    for_each_chunk(corners.size(), chunk, threads,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control.check();
-                     for (std::uint64_t i = begin; i < end; ++i) used[corners[i]] = 1;
-                   });
+    run.each(corners.size(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) used[corners[i]] = 1;
+    });
     bits_ = BigArray<std::uint64_t>(words_);
-    for_each_chunk(words_, chunk / 64, threads,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control.check();
-                     for (std::uint64_t w = begin; w < end; ++w) {
-                       std::uint64_t word = 0;
-                       for (std::uint64_t b = 0; b < 64; b += 8) {
-                         // Eight flags at once: their lowest bits gather in the highest byte.
-                         std::uint64_t flags = 0;
-                         for (std::uint64_t k = 0; k < 8; ++k)
-                           flags |= std::uint64_t{used[64 * w + b + k]} << (8 * k);
-                         word |= (flags * 0x0102040810204080ULL >> 56) << b;
-                       }
-                       bits_[w] = word;
-                     }
-                   });
+    run.each(words_, chunk / 64, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t w = begin; w < end; ++w) {
+        std::uint64_t word = 0;
+        for (std::uint64_t b = 0; b < 64; b += 8) {
+          // Eight flags at once: their lowest bits gather in the highest byte.
+          std::uint64_t flags = 0;
+          for (std::uint64_t k = 0; k < 8; ++k)
+            flags |= std::uint64_t{used[64 * w + b + k]} << (8 * k);
+          word |= (flags * 0x0102040810204080ULL >> 56) << b;
+        }
+        bits_[w] = word;
+      }
+    });
     std::uint32_t sum = 0;
     for (std::uint64_t w = 0; w < words_; ++w) {
       before_[w] = sum;
@@ -144,19 +139,18 @@ struct Corner {
 class Writer {
  public:
   Writer(const PointView& points, const std::uint64_t* ids, const Polygon& polygon,
-         const EdgeKernel& kernel, const Control& control, unsigned threads)
+         const EdgeKernel& kernel, const Run& run)
       : points_(points),
         ids_(ids),
         cycle_(polygon.corners),
         count_(polygon.corners.size()),
         kernel_(kernel),
-        control_(control),
-        threads_(threads),
-        ranks_(polygon.corners, polygon.rows, threads, control) {}
+        run_(run),
+        ranks_(polygon.corners, polygon.rows, run) {}
 
   bool run(Hull& hull) {
-    control_.check();
-    control_.report("facets", 0);
+    run_.check();
+    run_.report("facets", 0);
     switch (points_.scalar) {
       case ScalarType::f64:
         list_corners(Reader<double>{points_});
@@ -168,8 +162,8 @@ class Writer {
         list_corners(Reader<void>{points_});
     }
     neighbours_.resize(2 * count_);
-    touch_pages(neighbours_.data(), 2 * count_ * sizeof(std::uint32_t), threads_,
-                [&] { control_.check(); });
+    clear_pages_early(neighbours_.data(), 2 * count_ * sizeof(std::uint32_t), run_.threads,
+                      [&] { run_.check(); });
     link();
     simplices_.resize(2 * count_);
     facets_.resize(2 * count_);
@@ -178,14 +172,11 @@ class Writer {
     std::vector<PolygonSums> parts(chunk_count(count_, measure_chunk));
     std::atomic<bool> ordinary{true};
     // The vertices are a job of their own, the first: one thread must clear their memory.
-    for_each_chunk(parts.size() + 1, 1, threads_,
-                   [&](std::uint64_t job, std::uint64_t, std::uint64_t) {
-                     control_.check();
-                     if (job == 0) return write_vertices(hull);
-                     const std::uint64_t begin = (job - 1) * measure_chunk;
-                     if (!write(begin, std::min(count_, begin + measure_chunk), parts[job - 1]))
-                       ordinary = false;
-                   });
+    run_.each_item(parts.size() + 1, [&](std::uint64_t job) {
+      if (job == 0) return write_vertices(hull);
+      const std::uint64_t begin = (job - 1) * measure_chunk;
+      if (!write(begin, std::min(count_, begin + measure_chunk), parts[job - 1])) ordinary = false;
+    });
     if (!ordinary) return false;
     PolygonSums all;
     for (const auto& p : parts) all.add(p);
@@ -210,34 +201,29 @@ class Writer {
   template <class Read>
   void list_corners(const Read& read) {
     corners_ = BigArray<Corner>(count_);
-    for_each_chunk(ranks_.words(), chunk / 64, threads_,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     Corner* out = corners_.get() + ranks_.before_word(begin);
-                     for (std::uint64_t w = begin; w < end; ++w)
-                       for (std::uint64_t word = ranks_.word(w); word != 0; word &= word - 1) {
-                         const std::uint64_t i =
-                             id(static_cast<std::uint32_t>(64 * w + std::countr_zero(word)));
-                         *out++ = {kernel_.scaled(read(i)), i, 0};
-                       }
-                   });
+    run_.each(ranks_.words(), chunk / 64, [&](std::uint64_t begin, std::uint64_t end) {
+      Corner* out = corners_.get() + ranks_.before_word(begin);
+      for (std::uint64_t w = begin; w < end; ++w)
+        for (std::uint64_t word = ranks_.word(w); word != 0; word &= word - 1) {
+          const std::uint64_t i = id(static_cast<std::uint32_t>(64 * w + std::countr_zero(word)));
+          *out++ = {kernel_.scaled(read(i)), i, 0};
+        }
+    });
   }
 
   /// The ranks before and after each corner.
   void link() {
-    for_each_chunk(count_, chunk, threads_,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     std::uint32_t before = ranks_(cycle_[begin == 0 ? count_ - 1 : begin - 1]);
-                     std::uint32_t at = ranks_(cycle_[begin]);
-                     for (std::uint64_t i = begin; i < end; ++i) {
-                       const std::uint32_t after = ranks_(cycle_[i + 1 < count_ ? i + 1 : 0]);
-                       std::uint32_t* const to = neighbours_.data() + std::uint64_t{2} * at;
-                       to[0] = before;
-                       to[1] = after;
-                       before = std::exchange(at, after);
-                     }
-                   });
+    run_.each(count_, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      std::uint32_t before = ranks_(cycle_[begin == 0 ? count_ - 1 : begin - 1]);
+      std::uint32_t at = ranks_(cycle_[begin]);
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const std::uint32_t after = ranks_(cycle_[i + 1 < count_ ? i + 1 : 0]);
+        std::uint32_t* const to = neighbours_.data() + std::uint64_t{2} * at;
+        to[0] = before;
+        to[1] = after;
+        before = std::exchange(at, after);
+      }
+    });
   }
 
   /// Simplices [begin, end), whole runs of them.
@@ -279,8 +265,7 @@ class Writer {
   const Array<std::uint32_t>& cycle_;
   const std::uint64_t count_;
   const EdgeKernel& kernel_;
-  const Control& control_;
-  const unsigned threads_;
+  const Run& run_;
   const Ranks ranks_;
   BigArray<Corner> corners_;  // by rank
   Array<std::uint32_t> neighbours_, across_;
@@ -291,10 +276,10 @@ class Writer {
 }  // namespace
 
 bool write_polygon(const PointView& points, const std::uint64_t* ids, const Polygon& polygon,
-                   const Control& control, unsigned threads, Hull& hull) {
+                   const Run& run, Hull& hull) {
   const EdgeKernel kernel(polygon.box);
   if (!kernel.ordinary()) return false;
-  return Writer(points, ids, polygon, kernel, control, threads).run(hull);
+  return Writer(points, ids, polygon, kernel, run).run(hull);
 }
 
 }  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 
 #include "cullhull/hull.hpp"
 #include "hull/plane/polygon.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 #include "result/measure_frame.hpp"
 #include "result/totals.hpp"
 
@@ -59,8 +59,8 @@ struct PlanarMeasures {
   double volume = 0, area = 0, centroid[2] = {};
 };
 
-/// Planes and sums of a polygon's edges, bit for bit as the general way computes them
-/// (triangle_sweep, simplicial_nd, measure.cpp), where coordinates are of ordinary proportions.
+/// Planes and sums of a polygon's edges, bit for bit as the fallback computes them
+/// (triangle_sweep.cpp, write_simplices.cpp, measure.cpp), where coordinates are of ordinary proportions.
 class EdgeKernel {
  public:
   /// `box`: of the corners, which is that of all points.
@@ -98,13 +98,13 @@ class EdgeKernel {
 };
 
 /// Measures from the sums; `first`: the corner with the lowest id, as given. False if rounding
-/// could show (a thin polygon): the general way knows what to do then.
+/// could show (a thin polygon): the fallback handles that.
 bool finish_polygon(const EdgeKernel& kernel, const PolygonSums& sums, const PointView& points,
                     std::uint64_t first, PlanarMeasures& measures);
 
 /// Everything of `hull` but its statistics, from three corners or more. `ids`: the point of each
 /// row, ascending; nullptr: the same. False, and nothing done, where build_hull must.
 bool write_polygon(const PointView& points, const std::uint64_t* ids, const Polygon& polygon,
-                   const Control& control, unsigned threads, Hull& hull);
+                   const Run& run, Hull& hull);
 
 }  // namespace cullhull::internal

@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "parallel/big_array.hpp"
-#include "parallel/control.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/run.hpp"
 #include "result/build_hull.hpp"
 #include "result/facet_share.hpp"
 #include "result/measure.hpp"
@@ -20,22 +19,18 @@ namespace cullhull::internal {
 /// `vertices`: their ids, ascending; hull.simplices are in place.
 template <unsigned K>
 void finish_simplicial(const ResultInput& input, const std::vector<std::uint64_t>& vertices,
-                       const Frame& frame, const Share<K>* runs, unsigned threads,
-                       const Control& control, Hull& hull) {
+                       const Frame& frame, const Share<K>* runs, const Run& run, Hull& hull) {
   const std::uint64_t count = hull.simplices.size() / K;
-  const Totals<DoubleDouble> all = total_of_runs(runs, chunk_count(count, measure_run), threads);
+  const Totals<DoubleDouble> all = total_of_runs(runs, chunk_count(count, measure_run), run);
   if (settled(all, 0x1p-53)) return finish_measures(frame, all, hull);
   std::vector<std::uint32_t> index;
   resize_big(index, count * K);
-  for_each_chunk(index.size(), simplex_chunk, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   for (std::uint64_t i = begin; i < end; ++i)
-                     index[i] = static_cast<std::uint32_t>(
-                         std::lower_bound(vertices.begin(), vertices.end(), hull.simplices[i]) -
-                         vertices.begin());
-                 });
-  measure_thin(*input.view, vertices, index, input.axes, threads, control, hull);
+  run.each(index.size(), simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i)
+      index[i] = static_cast<std::uint32_t>(
+          std::lower_bound(vertices.begin(), vertices.end(), hull.simplices[i]) - vertices.begin());
+  });
+  measure_thin(*input.view, vertices, index, input.axes, run, hull);
 }
 
 }  // namespace cullhull::internal

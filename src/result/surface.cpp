@@ -47,7 +47,7 @@ SortSimplex sort_of(unsigned k) {
 struct ChunkResult {
   CoplanarPairs pairs;
   std::uint64_t ridges = 0;
-  std::uint64_t rungs[3] = {0, 0, 0};
+  RungCounts rungs;
 };
 
 class RidgeScan {
@@ -143,7 +143,7 @@ class RidgeScan {
       control_.check();  // an exact sign can take milliseconds
       Rung rung = Rung::exact;
       sign = plane.ladder.side(points_.exact_row(x), &rung);
-      ++out.rungs[static_cast<unsigned>(rung)];
+      out.rungs.count(rung);
       known = true;
     } else {
       if (filter_) {
@@ -159,7 +159,7 @@ class RidgeScan {
         known =
             points_.small_lattice || std::fabs(value) > plane.reach * largest + determinant_tiny;
         sign = sign_of(value);
-        out.rungs[0] += known;
+        out.rungs.of[0] += known;
       }
     }
     if (!known) sign = exact_side(f, x, out);
@@ -173,11 +173,11 @@ class RidgeScan {
     rows[k] = points_.exact_row(x);
     Rung rung = Rung::exact;
     if (across_an_axis(rows.data(), k)) {
-      ++out.rungs[static_cast<unsigned>(rung)];
+      out.rungs.count(rung);
       return Sign::zero;
     }
     const Sign sign = orientation(k, rows.data(), &rung);
-    ++out.rungs[static_cast<unsigned>(rung)];
+    out.rungs.count(rung);
     return sign;
   }
 
@@ -236,17 +236,15 @@ Scan scan_of(unsigned k) {
 /// A degenerate simplex has a vertex in the span of the opposite ridge, so one of its ridges always
 /// looks coplanar: only those simplices need this test, once each.
 void check_proper(const RidgeScan& ridge_scan, const Scan& scan, std::size_t count,
-                  const CoplanarPairs& pairs, unsigned threads, const Control& control) {
+                  const CoplanarPairs& pairs, const Run& run) {
   if (pairs.empty()) return;
   std::vector<std::uint8_t> coplanar(count, 0);
   for (const auto& [f, g] : pairs) coplanar[f] = coplanar[g] = 1;
-  for_each_chunk(count, simplex_chunk, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   for (std::uint64_t f = begin; f < end; ++f)
-                     if (coplanar[f] != 0 && scan.degenerate(ridge_scan, f))
-                       fail_not_exact("a facet is degenerate");
-                 });
+  run.each(count, simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t f = begin; f < end; ++f)
+      if (coplanar[f] != 0 && scan.degenerate(ridge_scan, f))
+        fail_not_exact("a facet is degenerate");
+  });
 }
 
 }  // namespace
@@ -256,7 +254,7 @@ void fail_not_exact(const char* what) {
               std::string("the engine's boundary is not that of the exact hull: ") + what);
 }
 
-Surface make_surface(SimplicialHull&& boundary, const LocalPoints& points, unsigned threads) {
+Surface make_surface(SimplicialHull&& boundary, const LocalPoints& points, const Run& run) {
   Surface s;
   s.k = boundary.dimension;
   const std::size_t count = boundary.facet_count();
@@ -278,29 +276,27 @@ Surface make_surface(SimplicialHull&& boundary, const LocalPoints& points, unsig
   }
   s.odd.resize(count);
   const SortSimplex sort = sort_of(s.k);
-  for_each_chunk(count, simplex_chunk, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint64_t f = begin; f < end; ++f) {
-                     std::uint32_t* ids = s.ids.data() + f * s.k;
-                     std::uint32_t* neighbours = s.neighbours.data() + f * s.k;
-                     for (unsigned i = 0; i < s.k; ++i) {
-                       if (ids[i] >= points.count) fail_not_exact("an id is out of range");
-                       if (!lowest.empty()) ids[i] = lowest[ids[i]];
-                     }
-                     s.odd[f] = sort(ids, neighbours, s.k);
-                   }
-                 });
+  run.each(count, simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t f = begin; f < end; ++f) {
+      std::uint32_t* ids = s.ids.data() + f * s.k;
+      std::uint32_t* neighbours = s.neighbours.data() + f * s.k;
+      for (unsigned i = 0; i < s.k; ++i) {
+        if (ids[i] >= points.count) fail_not_exact("an id is out of range");
+        if (!lowest.empty()) ids[i] = lowest[ids[i]];
+      }
+      s.odd[f] = sort(ids, neighbours, s.k);
+    }
+  });
   return s;
 }
 
-CoplanarPairs coplanar_pairs(const Surface& surface, const LocalPoints& points, unsigned threads,
-                             const Control& control, std::uint64_t* rung_counts) {
+CoplanarPairs coplanar_pairs(const Surface& surface, const LocalPoints& points, const Run& run,
+                             std::uint64_t* rung_counts) {
   const Scan scan = scan_of(surface.k);
-  const RidgeScan ridge_scan(surface, points, control);
+  const RidgeScan ridge_scan(surface, points, run.control);
   std::vector<ChunkResult> results(chunk_count(surface.count(), simplex_chunk));
-  for_each_chunk(surface.count(), simplex_chunk, threads,
+  run.each_chunk(surface.count(), simplex_chunk,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
                    scan.chunk(ridge_scan, begin, end, results[chunk]);
                  });
   CoplanarPairs pairs;
@@ -308,11 +304,11 @@ CoplanarPairs coplanar_pairs(const Surface& surface, const LocalPoints& points, 
   for (const ChunkResult& r : results) {
     pairs.insert(pairs.end(), r.pairs.begin(), r.pairs.end());
     ridges += r.ridges;
-    for (unsigned i = 0; i < 3; ++i) rung_counts[i] += r.rungs[i];
+    r.rungs.add_to(rung_counts);
   }
   // Each ridge was matched from its lower simplex to one slot of the higher: half of all slots.
   if (2 * ridges != surface.ids.size()) fail_not_exact("a ridge is not shared by two facets");
-  check_proper(ridge_scan, scan, surface.count(), pairs, threads, control);
+  check_proper(ridge_scan, scan, surface.count(), pairs, run);
   return pairs;
 }
 

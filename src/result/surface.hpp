@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hull/engine.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -30,15 +30,15 @@ struct Surface {
 };
 
 /// Takes the engine's simplices over: of equal points the lowest id stands in, ids ascend.
-Surface make_surface(SimplicialHull&& boundary, const LocalPoints& points, unsigned threads);
+Surface make_surface(SimplicialHull&& boundary, const LocalPoints& points, const Run& run);
 
 using CoplanarPairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 /// The pairs of simplices that lie in one hyperplane, in a fixed order. Throws Error{not_exact}
 /// unless every ridge is shared by two coherently oriented simplices, is weakly convex, and no
 /// simplex is degenerate. Adds to `rung_counts`.
-CoplanarPairs coplanar_pairs(const Surface& surface, const LocalPoints& points, unsigned threads,
-                             const Control& control, std::uint64_t* rung_counts);
+CoplanarPairs coplanar_pairs(const Surface& surface, const LocalPoints& points, const Run& run,
+                             std::uint64_t* rung_counts);
 
 [[noreturn]] void fail_not_exact(const char* what);
 

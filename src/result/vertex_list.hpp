@@ -23,6 +23,6 @@ struct VertexList {
 
 /// `ids`: point id of each of `points` local ones; nullptr: the same.
 VertexList list_vertices(const Surface& surface, std::uint32_t points, const std::uint64_t* ids,
-                         unsigned threads);
+                         const Run& run);
 
 }  // namespace cullhull::internal

@@ -30,17 +30,16 @@ namespace cullhull::internal {
 namespace {
 
 template <unsigned K>
-class SortedSimplices {
+class SimplexWriter {
  public:
-  SortedSimplices(const ResultInput& input, const Surface& surface, const VertexList& vertices,
-                  const Frame& frame, unsigned threads, const Control& control, unsigned key_bits)
+  SimplexWriter(const ResultInput& input, const Surface& surface, const VertexList& vertices,
+                const Frame& frame, const Run& run, unsigned key_bits)
       : input_(input),
         surface_(surface),
         vertices_(vertices),
         frame_(frame),
         plane_(frame),
-        threads_(threads),
-        control_(control),
+        run_(run),
         count_(surface.count()),
         shift_(bucket_shift()),
         buckets_(static_cast<std::uint32_t>((vertices.ids.size() - 1) >> shift_) + 1),
@@ -48,13 +47,13 @@ class SortedSimplices {
 
   bool run(Hull& hull) {
     if (coplanar_sample()) return false;
-    control_.report("facets", 0);
+    run_.report("facets", 0);
     deal();
     sort_buckets();
     keys_ = {};
-    control_.report("neighbours", 0);
+    run_.report("neighbours", 0);
     renumber();
-    control_.report("ridges", 0);
+    run_.report("ridges", 0);
     if (!scan(hull.statistics.rung_counts)) return false;
     using Ids = SharedArray<std::uint64_t>;
     hull.simplices = Ids(std::move(simplices_));
@@ -63,8 +62,8 @@ class SortedSimplices {
     hull.facet_neighbours = Lists<std::uint32_t>::of_length(K, std::move(facet_neighbours_));
     hull.facet_planes = std::move(planes_);
     hull.simplex_facets = EvenArray<std::uint32_t>::of_step(count_, 1);
-    control_.report("measures", 0);
-    finish_simplicial<K>(input_, vertices_.ids, frame_, runs_.get(), threads_, control_, hull);
+    run_.report("measures", 0);
+    finish_simplicial<K>(input_, vertices_.ids, frame_, runs_.get(), run_, hull);
     return true;
   }
 
@@ -87,13 +86,12 @@ class SortedSimplices {
   void deal() {
     const std::uint64_t chunks = chunk_count(count_, simplex_chunk);
     std::vector<std::uint32_t> next(chunks * buckets_, 0);
-    for_each_chunk(count_, simplex_chunk, threads_,
-                   [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     std::uint32_t* counts = next.data() + chunk * buckets_;
-                     for (std::uint64_t f = begin; f < end; ++f)
-                       ++counts[vertices_.position(surface_.simplex(f)[0]) >> shift_];
-                   });
+    run_.each_chunk(count_, simplex_chunk,
+                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+                      std::uint32_t* counts = next.data() + chunk * buckets_;
+                      for (std::uint64_t f = begin; f < end; ++f)
+                        ++counts[vertices_.position(surface_.simplex(f)[0]) >> shift_];
+                    });
     bucket_start_.assign(buckets_ + std::size_t{1}, 0);
     std::uint32_t sum = 0;
     for (std::uint32_t b = 0; b < buckets_; ++b) {
@@ -102,18 +100,17 @@ class SortedSimplices {
     }
     bucket_start_[buckets_] = sum;
     keys_ = BigArray<FacetKey>(count_);
-    touch_pages(keys_.get(), count_ * sizeof(FacetKey), threads_, [&] { control_.check(); });
-    for_each_chunk(count_, simplex_chunk, threads_,
-                   [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     std::uint32_t* place = next.data() + chunk * buckets_;
-                     std::uint32_t corners[K];
-                     for (std::uint64_t f = begin; f < end; ++f) {
-                       stored(f, corners);
-                       keys_[place[corners[0] >> shift_]++] =
-                           packing_.key(corners, static_cast<std::uint32_t>(f));
-                     }
-                   });
+    clear_pages_early(keys_.get(), count_ * sizeof(FacetKey), run_.threads, [&] { run_.check(); });
+    run_.each_chunk(count_, simplex_chunk,
+                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+                      std::uint32_t* place = next.data() + chunk * buckets_;
+                      std::uint32_t corners[K];
+                      for (std::uint64_t f = begin; f < end; ++f) {
+                        stored(f, corners);
+                        keys_[place[corners[0] >> shift_]++] =
+                            packing_.key(corners, static_cast<std::uint32_t>(f));
+                      }
+                    });
   }
 
   /// Positions of the vertices, as stored.
@@ -137,15 +134,13 @@ class SortedSimplices {
     corners_ = BigArray<std::uint32_t>(count_ * K);
     simplices_.resize(count_ * K);
     facets_.resize(count_ * K);
-    for_each_chunk(buckets_, 4, threads_,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     Scratch scratch;
-                     for (std::uint64_t b = begin; b < end; ++b) {
-                       sort(static_cast<std::uint32_t>(b), scratch);
-                       write_bucket(static_cast<std::uint32_t>(b), scratch);
-                     }
-                   });
+    run_.each(buckets_, 4, [&](std::uint64_t begin, std::uint64_t end) {
+      Scratch scratch;
+      for (std::uint64_t b = begin; b < end; ++b) {
+        sort(static_cast<std::uint32_t>(b), scratch);
+        write_bucket(static_cast<std::uint32_t>(b), scratch);
+      }
+    });
   }
 
   bool less(const FacetKey& a, const FacetKey& b) const {
@@ -221,35 +216,32 @@ class SortedSimplices {
     const auto of = [&](std::uint64_t i) {
       return surface_.neighbours.data() + std::size_t{order_[i]} * K;
     };
-    for_each_chunk(count_, simplex_chunk, threads_,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     bool open = false;
-                     for (std::uint64_t i = begin; i < end; ++i) {
-                       if (i + far < end) __builtin_prefetch(of(i + far));
-                       if (i + near < end)
-                         for (unsigned j = 0; j < K; ++j)
-                           __builtin_prefetch(rank_.get() + of(i + near)[j]);
-                       const std::uint32_t* across = of(i);
-                       std::uint32_t* next = neighbours_.data() + i * K;
-                       std::uint32_t* ordered = facet_neighbours_.data() + i * K;
-                       for (unsigned j = 0; j < K; ++j) {
-                         const std::uint32_t g = across[j];
-                         open |= g >= count_ || g == order_[i];
-                         next[j] = ordered[j] = rank_[g < count_ ? g : 0];
-                       }
-                       sort_few<K>(ordered);
-                       if (is_odd(&corners_[i * K])) std::swap(next[K - 2], next[K - 1]);
-                     }
-                     if (open) fail_not_exact("a ridge has no second facet");
-                   });
+    run_.each(count_, simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      bool open = false;
+      for (std::uint64_t i = begin; i < end; ++i) {
+        if (i + far < end) __builtin_prefetch(of(i + far));
+        if (i + near < end)
+          for (unsigned j = 0; j < K; ++j) __builtin_prefetch(rank_.get() + of(i + near)[j]);
+        const std::uint32_t* across = of(i);
+        std::uint32_t* next = neighbours_.data() + i * K;
+        std::uint32_t* ordered = facet_neighbours_.data() + i * K;
+        for (unsigned j = 0; j < K; ++j) {
+          const std::uint32_t g = across[j];
+          open |= g >= count_ || g == order_[i];
+          next[j] = ordered[j] = rank_[g < count_ ? g : 0];
+        }
+        sort_few<K>(ordered);
+        if (is_odd(&corners_[i * K])) std::swap(next[K - 2], next[K - 1]);
+      }
+      if (open) fail_not_exact("a ridge has no second facet");
+    });
   }
 
   // ---------------------------------------------------------------- ridges, planes, measures
 
   struct ChunkCounts {
     std::uint64_t ridges = 0;
-    std::uint64_t rungs[3] = {0, 0, 0};
+    RungCounts rungs;
   };
 
   /// False if some simplices are coplanar.
@@ -257,16 +249,15 @@ class SortedSimplices {
     planes_.resize(count_ * (K + 1));
     runs_ = BigArray<Share<K>>(chunk_count(count_, measure_run));
     std::vector<ChunkCounts> counts(chunk_count(count_, simplex_chunk));
-    for_each_chunk(count_, simplex_chunk, threads_,
-                   [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     scan_chunk(begin, end, counts[chunk]);
-                   });
+    run_.each_chunk(count_, simplex_chunk,
+                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+                      scan_chunk(begin, end, counts[chunk]);
+                    });
     if (coplanar_.load()) return false;
     std::uint64_t ridges = 0;
     for (const ChunkCounts& c : counts) {
       ridges += c.ridges;
-      for (unsigned i = 0; i < 3; ++i) rung_counts[i] += c.rungs[i];
+      c.rungs.add_to(rung_counts);
     }
     // Each ridge was matched from its lower simplex to one slot of the higher: half of all slots.
     if (2 * ridges != count_ * K) fail_not_exact("a ridge is not shared by two facets");
@@ -375,7 +366,7 @@ class SortedSimplices {
     bool known = false;
     Sign sign = side(block, lane, ridge.across, known);
     if (known)
-      ++out.rungs[0];
+      out.rungs.count(Rung::plane);
     else
       sign = exact_side(ridge, out);
     if (sign == Sign::positive) fail_not_exact("a ridge is not convex");
@@ -410,7 +401,7 @@ class SortedSimplices {
     rows[K] = input_.local->exact_row(x);
     Rung rung = Rung::exact;
     const Sign sign = orientation(K, rows, &rung);
-    ++out.rungs[static_cast<unsigned>(rung)];
+    out.rungs.count(rung);
     return sign;
   }
 
@@ -468,8 +459,7 @@ class SortedSimplices {
   const VertexList& vertices_;
   const Frame& frame_;
   const FacetPlane<K> plane_;
-  const unsigned threads_;
-  const Control& control_;
+  const Run& run_;
   const std::uint64_t count_;
   const unsigned shift_;
   const std::uint32_t buckets_;
@@ -489,20 +479,18 @@ class SortedSimplices {
 
 template <unsigned K>
 bool build(const ResultInput& input, const Surface& surface, const VertexList& vertices,
-           const Frame& frame, unsigned threads, const Control& control, unsigned key_bits,
-           Hull& hull) {
-  return SortedSimplices<K>(input, surface, vertices, frame, threads, control, key_bits).run(hull);
+           const Frame& frame, const Run& run, unsigned key_bits, Hull& hull) {
+  return SimplexWriter<K>(input, surface, vertices, frame, run, key_bits).run(hull);
 }
 
 }  // namespace
 
-bool build_simplicial_nd(const ResultInput& input, const Surface& surface,
-                         const VertexList& vertices, const Frame& frame, unsigned threads,
-                         const Control& control, Hull& hull, unsigned key_bits) {
+bool write_simplices(const ResultInput& input, const Surface& surface, const VertexList& vertices,
+                     const Frame& frame, const Run& run, Hull& hull, unsigned key_bits) {
   using Build = bool (*)(const ResultInput&, const Surface&, const VertexList&, const Frame&,
-                         unsigned, const Control&, unsigned, Hull&);
+                         const Run&, unsigned, Hull&);
   static constexpr Build builds[] = {build<4>, build<5>, build<6>, build<7>, build<8>};
-  return builds[surface.k - 4](input, surface, vertices, frame, threads, control, key_bits, hull);
+  return builds[surface.k - 4](input, surface, vertices, frame, run, key_bits, hull);
 }
 
 }  // namespace cullhull::internal

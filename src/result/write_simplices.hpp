@@ -10,12 +10,11 @@ namespace cullhull::internal {
 
 /// For k = 4 ... 8 = surface.k and a frame that is not wild: checks every ridge of the surface, as
 /// `coplanar_pairs` does, and fills the hull from it in a few sweeps. Returns false, with the
-/// hull's facets and measures untouched, where some simplices are coplanar and the general way must
+/// hull's facets and measures untouched, where some simplices are coplanar and the fallback must
 /// be gone. `vertices`: those of the surface; hull.vertices must hold their ids. `key_bits`: of
 /// those that simplices are sorted by, at most 128; fewer, so that tests see what happens if they
 /// do not do.
-bool build_simplicial_nd(const ResultInput& input, const Surface& surface,
-                         const VertexList& vertices, const Frame& frame, unsigned threads,
-                         const Control& control, Hull& hull, unsigned key_bits = 128);
+bool write_simplices(const ResultInput& input, const Surface& surface, const VertexList& vertices,
+                     const Frame& frame, const Run& run, Hull& hull, unsigned key_bits = 128);
 
 }  // namespace cullhull::internal

@@ -18,6 +18,7 @@
 #include "parallel/parallel.hpp"
 #include "result/facet_plane.hpp"
 #include "result/facet_share.hpp"
+#include "result/ranking.hpp"
 #include "result/simplicial_measures.hpp"
 #include "result/triangle_sweep.hpp"
 
@@ -33,21 +34,18 @@ constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
 class Vertices3D {
  public:
   Vertices3D(const Surface3D& surface, const LocalPoints& points, const Id* order,
-             const std::uint64_t* ids, unsigned threads, const Control& control)
+             const std::uint64_t* ids, const Run& run)
       : place_(order) {
     // A closed surface of F triangles has F / 2 + 2 vertices: here they are all points.
     all_points_ = surface.live == 2 * std::uint64_t{points.count} - 4;
     resize_big(ids_, surface.live / 2 + 2);
     if (!all_points_) {
-      number(surface, points.count, order, ids, threads, control);
+      number(surface, points.count, order, ids, run);
       return;
     }
-    for_each_chunk(points.count, chunk, threads,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control.check();
-                     for (std::uint64_t p = begin; p < end; ++p)
-                       ids_[p] = ids != nullptr ? ids[p] : p;
-                   });
+    run.each(points.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t p = begin; p < end; ++p) ids_[p] = ids != nullptr ? ids[p] : p;
+    });
   }
 
   std::vector<std::uint64_t>& ids() { return ids_; }
@@ -59,13 +57,12 @@ class Vertices3D {
 
  private:
   void number(const Surface3D& surface, Id points, const Id* order, const std::uint64_t* ids,
-              unsigned threads, const Control& control) {
+              const Run& run) {
     BigArray<std::uint8_t> used(surface.count), extreme(points);
     std::memset(used.get(), 0, surface.count);
     std::memset(extreme.get(), 0, points);
     const auto runs = surface.runs(1 << 15);
-    for_each_chunk(runs.size(), 1, threads, [&](std::uint64_t c, std::uint64_t, std::uint64_t) {
-      control.check();
+    run.each_item(runs.size(), [&](std::uint64_t c) {
       for (Id f = runs[c].first; f < runs[c].second; ++f) {
         const Facet3D& facet = surface.facets[f];
         if (!facet.live()) continue;
@@ -73,40 +70,28 @@ class Vertices3D {
           std::atomic_ref<std::uint8_t>(used[v]).store(1, std::memory_order_relaxed);
       }
     });
-    for_each_chunk(
-        surface.count, chunk, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-          control.check();
-          for (std::uint64_t v = begin; v < end; ++v)
-            if (used[v] != 0)
-              std::atomic_ref<std::uint8_t>(extreme[order[v]]).store(1, std::memory_order_relaxed);
-        });
-    std::vector<Id> start(chunk_count(points, chunk) + 1, 0);
-    for_each_chunk(
-        points, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-          start[c + 1] = std::accumulate(extreme.get() + begin, extreme.get() + end, Id{0});
-        });
-    for (std::size_t c = 1; c < start.size(); ++c) start[c] += start[c - 1];
-    good_ = start.back() == ids_.size();
-    if (!good_) return;
-    locals_ = BigArray<Id>(ids_.size());
+    run.each(surface.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t v = begin; v < end; ++v)
+        if (used[v] != 0)
+          std::atomic_ref<std::uint8_t>(extreme[order[v]]).store(1, std::memory_order_relaxed);
+    });
     BigArray<Id> position(points);
-    for_each_chunk(points, chunk, threads,
-                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     control.check();
-                     Id next = start[c];
-                     for (std::uint64_t p = begin; p < end; ++p) {
-                       position[p] = next;
-                       if (extreme[p] == 0) continue;
-                       locals_[next] = static_cast<Id>(p);
-                       ids_[next++] = ids != nullptr ? ids[p] : p;
-                     }
-                   });
+    const auto prepare = [&](Id vertices) {
+      good_ = vertices == ids_.size();
+      if (good_) locals_ = BigArray<Id>(vertices);
+      return good_;
+    };
+    rank_flagged(extreme.get(), points, run, prepare, [&](std::uint64_t p, Id rank) {
+      position[p] = rank;
+      if (extreme[p] == 0) return;
+      locals_[rank] = static_cast<Id>(p);
+      ids_[rank] = ids != nullptr ? ids[p] : p;
+    });
+    if (!good_) return;
     own_place_ = BigArray<Id>(surface.count);
-    for_each_chunk(surface.count, chunk, threads,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control.check();
-                     for (std::uint64_t v = begin; v < end; ++v) own_place_[v] = position[order[v]];
-                   });
+    run.each(surface.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t v = begin; v < end; ++v) own_place_[v] = position[order[v]];
+    });
     place_ = own_place_.get();
   }
 
@@ -117,58 +102,52 @@ class Vertices3D {
 };
 
 /// Of equal points the lowest id stands in.
-BigArray<Id> with_lowest_ids(const Surface3D& surface, Id points, unsigned threads,
-                             const Control& control) {
+BigArray<Id> with_lowest_ids(const Surface3D& surface, Id points, const Run& run) {
   BigArray<Id> order(surface.count), lowest(points);
-  for_each_chunk(points, chunk, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   std::iota(lowest.get() + begin, lowest.get() + end, static_cast<Id>(begin));
-                 });
+  run.each(points, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    std::iota(lowest.get() + begin, lowest.get() + end, static_cast<Id>(begin));
+  });
   for (const auto& [duplicate, vertex] : surface.duplicates)
     lowest[vertex] = std::min(lowest[vertex], duplicate);
-  for_each_chunk(surface.count, chunk, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   for (std::uint64_t v = begin; v < end; ++v) order[v] = lowest[surface.order[v]];
-                 });
+  run.each(surface.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t v = begin; v < end; ++v) order[v] = lowest[surface.order[v]];
+  });
   return order;
 }
 
 // ---------------------------------------------------------------------------------- the sweeps
 
-class Simplicial3D {
+class TriangleWriter {
  public:
-  Simplicial3D(const ResultInput& input, Surface3D& surface, Vertices3D& vertices, const Id* order,
-               const Frame& frame, unsigned threads, const Control& control, Hull& hull)
+  TriangleWriter(const ResultInput& input, Surface3D& surface, Vertices3D& vertices,
+                 const Id* order, const Frame& frame, const Run& run, Hull& hull)
       : input_(input),
         surface_(surface),
         vertices_(vertices),
         order_(order),
         frame_(frame),
         plane_(frame),
-        threads_(threads),
-        control_(control),
+        run_(run),
         hull_(hull),
         count_(surface.live),
         plain_(input.ids == nullptr && vertices.locals() == nullptr) {}
 
   bool run() {
-    control_.report("ridges", 0);
+    run_.report("ridges", 0);
     place_rows();
     divide();
     if (!sweep()) return false;
     const auto slots = surface_.used.back().second;
     surface_ = {};
     own_rows_ = {};
-    control_.report("facets", 0);
+    run_.report("facets", 0);
     resize(slots);
     write_facets();
     records_ = {};
-    control_.report("neighbours", 0);
+    run_.report("neighbours", 0);
     write_neighbours();
-    control_.report("measures", 0);
-    finish_simplicial<3>(input_, vertices_.ids(), frame_, runs_.get(), threads_, control_, hull_);
+    run_.report("measures", 0);
+    finish_simplicial<3>(input_, vertices_.ids(), frame_, runs_.get(), run_, hull_);
     return true;
   }
 
@@ -189,16 +168,14 @@ class Simplicial3D {
     std::fill_n(source_.factor, 3, 1.0);
     own_rows_ = BigArray<double>(std::size_t{surface_.count} * Shared3D::row_stride);
     const auto vertices = static_cast<Id>(vertices_.ids().size());
-    for_each_chunk(surface_.count, chunk, threads_,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     for (std::uint64_t v = begin; v < end; ++v) {
-                       const Id place = std::min(vertices - 1, source_.place[v]);
-                       double* row = own_rows_.get() + v * Shared3D::row_stride;
-                       std::memcpy(row, frame_.at(place), 3 * sizeof(double));
-                       row[3] = 0;
-                     }
-                   });
+    run_.each(surface_.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t v = begin; v < end; ++v) {
+        const Id place = std::min(vertices - 1, source_.place[v]);
+        double* row = own_rows_.get() + v * Shared3D::row_stride;
+        std::memcpy(row, frame_.at(place), 3 * sizeof(double));
+        row[3] = 0;
+      }
+    });
     source_.rows = own_rows_.get();
   }
 
@@ -215,20 +192,18 @@ class Simplicial3D {
       source_.factor[c] = v < count ? frame_.at(static_cast<Id>(v))[c] / local_row(v)[c] : 1;
     }
     std::atomic<bool> same{true};
-    for_each_chunk(count, chunk, threads_,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     if (!same.load(std::memory_order_relaxed)) return;
-                     std::uint64_t different = 0;
-                     for (std::uint64_t v = begin; v < end; ++v) {
-                       const double* given = frame_.at(static_cast<Id>(v));
-                       const double* ours = local_row(v);
-                       for (unsigned c = 0; c < 3; ++c)
-                         different |= std::bit_cast<std::uint64_t>(given[c]) ^
-                                      std::bit_cast<std::uint64_t>(ours[c] * source_.factor[c]);
-                     }
-                     if (different != 0) same = false;
-                   });
+    run_.each(count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      if (!same.load(std::memory_order_relaxed)) return;
+      std::uint64_t different = 0;
+      for (std::uint64_t v = begin; v < end; ++v) {
+        const double* given = frame_.at(static_cast<Id>(v));
+        const double* ours = local_row(v);
+        for (unsigned c = 0; c < 3; ++c)
+          different |= std::bit_cast<std::uint64_t>(given[c]) ^
+                       std::bit_cast<std::uint64_t>(ours[c] * source_.factor[c]);
+      }
+      if (different != 0) same = false;
+    });
     return same;
   }
 
@@ -252,17 +227,14 @@ class Simplicial3D {
     records_ = BigArray<TriangleRecord>(region_.back());
     starts_ = BigArray<Id>(stretches_.size() * (std::size_t{buckets_} + 1));
     std::vector<Counts> counts(stretches_.size());
-    for_each_chunk(stretches_.size(), 1, threads_,
-                   [&](std::uint64_t s, std::uint64_t, std::uint64_t) {
-                     control_.check();
-                     if (!stop_.load(std::memory_order_relaxed)) sweep_stretch(s, counts[s]);
-                   });
+    run_.each_item(stretches_.size(), [&](std::uint64_t s) {
+      if (!stop_.load(std::memory_order_relaxed)) sweep_stretch(s, counts[s]);
+    });
     if (stop_) return false;
     std::uint64_t live = 0;
     for (const Counts& c : counts) live += c.live;
     if (live != count_) return false;
-    for (const Counts& c : counts)
-      for (unsigned i = 0; i < 3; ++i) hull_.statistics.rung_counts[i] += c.rungs[i];
+    for (const Counts& c : counts) c.rungs.add_to(hull_.statistics.rung_counts);
     bucket_start_.assign(buckets_ + std::size_t{1}, 0);
     for (std::size_t s = 0; s < stretches_.size(); ++s) {
       const Id* start = starts_.get() + s * (std::size_t{buckets_} + 1);
@@ -274,7 +246,7 @@ class Simplicial3D {
 
   struct Counts {
     std::uint64_t live = 0;
-    std::uint64_t rungs[3] = {0, 0, 0};
+    RungCounts rungs;
   };
 
   void sweep_stretch(std::uint64_t s, Counts& out) {
@@ -295,7 +267,7 @@ class Simplicial3D {
       if (stop_.load(std::memory_order_relaxed)) return;
       if (exact_side(r, out) != Sign::negative) stop_ = true;
     }
-    out.rungs[0] += out.live * 3 / 2 - open.size();  // half the ridges of each facet
+    out.rungs.of[0] += out.live * 3 / 2 - open.size();  // half the ridges of each facet
   }
 
   Sign exact_side(const OpenRidge& r, Counts& out) const {
@@ -334,15 +306,14 @@ class Simplicial3D {
   void write_facets() {
     // Buckets side by side read the same lines of the table of starts.
     const std::uint64_t together = buckets_ >= 256 ? 16 : 1;
-    for_each_chunk(buckets_, together, threads_,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     Scratch scratch;
-                     for (std::uint64_t b = begin; b < end; ++b) {
-                       control_.check();
-                       sort(static_cast<Id>(b), scratch);
-                       write_bucket(static_cast<Id>(b), scratch);
-                     }
-                   });
+    run_.each(buckets_, together, [&](std::uint64_t begin, std::uint64_t end) {
+      Scratch scratch;
+      for (std::uint64_t b = begin; b < end; ++b) {
+        run_.check();
+        sort(static_cast<Id>(b), scratch);
+        write_bucket(static_cast<Id>(b), scratch);
+      }
+    });
     join_cut_runs();
   }
 
@@ -481,20 +452,18 @@ class Simplicial3D {
 
   void write_neighbours() {
     Array<Id> neighbours(count_ * 3);
-    for_each_chunk(count_, chunk, threads_,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control_.check();
-                     for (std::uint64_t i = begin; i < end; ++i) {
-                       Id* next = hull_.simplex_neighbours.data() + i * 3;
-                       Id* across = neighbours.data() + i * 3;
-                       for (unsigned j = 0; j < 3; ++j) {
-                         if (i + ahead < end) __builtin_prefetch(&rank_[next[j + ahead * 3]]);
-                         next[j] = rank_[next[j]];
-                       }
-                       // The edge from vertex j is opposite to vertex j + 2.
-                       for (unsigned j = 0; j < 3; ++j) across[j] = next[(j + 2) % 3];
-                     }
-                   });
+    run_.each(count_, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        Id* next = hull_.simplex_neighbours.data() + i * 3;
+        Id* across = neighbours.data() + i * 3;
+        for (unsigned j = 0; j < 3; ++j) {
+          if (i + ahead < end) __builtin_prefetch(&rank_[next[j + ahead * 3]]);
+          next[j] = rank_[next[j]];
+        }
+        // The edge from vertex j is opposite to vertex j + 2.
+        for (unsigned j = 0; j < 3; ++j) across[j] = next[(j + 2) % 3];
+      }
+    });
     using Ids = SharedArray<std::uint64_t>;
     hull_.simplices = Ids(std::move(simplices_));
     hull_.facets = Lists<std::uint64_t, Ids>::of_length(3, hull_.simplices);
@@ -512,8 +481,7 @@ class Simplicial3D {
   const Id* const order_;
   const Frame& frame_;
   const FacetPlane<3> plane_;
-  const unsigned threads_;
-  const Control& control_;
+  const Run& run_;
   Hull& hull_;
   const std::uint64_t count_;
   const bool plain_;  // a vertex's place is its id
@@ -535,19 +503,16 @@ class Simplicial3D {
 
 }  // namespace
 
-bool build_simplicial_3d(const ResultInput& input, Surface3D& surface, unsigned threads,
-                         const Control& control, Hull& hull) {
+bool write_triangles(const ResultInput& input, Surface3D& surface, const Run& run, Hull& hull) {
   if (input.view->dimension != 3 || surface.live < 4) return false;
   BigArray<Id> lowest;
-  if (!surface.duplicates.empty())
-    lowest = with_lowest_ids(surface, input.local->count, threads, control);
+  if (!surface.duplicates.empty()) lowest = with_lowest_ids(surface, input.local->count, run);
   const Id* order = surface.duplicates.empty() ? surface.order.get() : lowest.get();
-  Vertices3D vertices(surface, *input.local, order, input.ids, threads, control);
+  Vertices3D vertices(surface, *input.local, order, input.ids, run);
   if (!vertices.good()) return false;
-  const Frame frame = make_frame(*input.view, vertices.ids(), input.axes, 3, threads);
+  const Frame frame = make_frame(*input.view, vertices.ids(), input.axes, 3, run);
   if (frame.wild) return false;
-  if (!Simplicial3D(input, surface, vertices, order, frame, threads, control, hull).run())
-    return false;
+  if (!TriangleWriter(input, surface, vertices, order, frame, run, hull).run()) return false;
   hull.vertices = std::move(vertices.ids());
   return true;
 }

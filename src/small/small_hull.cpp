@@ -4,8 +4,7 @@
 #include <utility>
 
 #include "parallel/clock.hpp"
-#include "parallel/control.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/run.hpp"
 #include "parallel/thread_memory.hpp"
 #include "small/few_in_space.hpp"
 #include "small/small_polygon.hpp"
@@ -15,9 +14,7 @@ namespace {
 
 /// Kept from call to call; never at work long enough to be stopped.
 struct KeptPolygon {
-  Options options;
-  Control control{options};
-  SmallPolygon polygon{control};
+  SmallPolygon polygon{short_run().control};
 };
 
 bool small_hull_2d(const PointView& points, Hull& hull) {
@@ -43,7 +40,7 @@ bool small_hull_2d(const PointView& points, Hull& hull) {
   hull.facets = Lists<std::uint64_t, Ids>::of_length(2, Ids(std::move(facets)));
   hull.facet_neighbours = Lists<std::uint32_t>::of_length(2, std::move(across));
   hull.facet_planes = std::move(planes);
-  std::copy(polygon.rung_counts(), polygon.rung_counts() + 3, hull.statistics.rung_counts);
+  polygon.rung_counts().add_to(hull.statistics.rung_counts);
   return true;
 }
 

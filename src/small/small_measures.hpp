@@ -76,7 +76,7 @@ class SmallMeasurer {
       if (names_ != nullptr)
         for (std::uint64_t& v : ids_) v = names_[v];
       constexpr unsigned axes_of_space[3] = {0, 1, 2};
-      frame_.emplace(make_frame(view_, ids_, axes_of_space, 3, 1));
+      frame_.emplace(make_frame(view_, ids_, axes_of_space, 3, short_run()));
     }
     return *frame_;
   }

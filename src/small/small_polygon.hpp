@@ -22,13 +22,13 @@ class SmallPolygon {
   /// Keeps some 500 KB at most, and 1 MB for points that are no packed doubles.
   explicit SmallPolygon(const Control& control) : series_(control) {}
 
-  /// The corners of a set. False where the general way must see to it: other dimensions, few or
+  /// The corners of a set. False where the fallback must do it: other dimensions, few or
   /// many points, lines, extraordinary proportions, points that are not finite.
   bool find(const PointView& set);
 
   /// Corners, and so edges.
   std::size_t size() const { return by_rank_.size(); }
-  const std::uint64_t* rung_counts() const { return series_.rung_counts(); }
+  const RungCounts& rung_counts() const { return series_.rung_counts(); }
 
   /// size() planes, and the measures; the same bits as write_polygon's. False as for find, then
   /// nothing was found.

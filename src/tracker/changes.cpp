@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <compare>
 
+#include "parallel/sorted.hpp"
+
 namespace cullhull::internal {
 namespace {
 
@@ -37,15 +39,8 @@ class FacetCursor {
 
 }  // namespace
 
-std::vector<std::uint64_t> ascending_vertices(const Hull& hull) {
-  std::vector<std::uint64_t> ids(hull.vertices.begin(), hull.vertices.end());
-  if (hull.affine_dimension == 2) std::sort(ids.begin(), ids.end());
-  return ids;
-}
-
 void count_changes(const Hull& before, const Hull& after, FrameReport& report) {
-  const std::vector<std::uint64_t> old = ascending_vertices(before),
-                                   now = ascending_vertices(after);
+  const std::vector<std::uint64_t> old = sorted(before.vertices), now = sorted(after.vertices);
   std::uint64_t stayed = 0;
   for (auto a = old.begin(), b = now.begin(); a != old.end() && b != now.end();) {
     if (*a == *b) {

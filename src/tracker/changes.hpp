@@ -6,9 +6,6 @@
 
 namespace cullhull::internal {
 
-/// Ids of the vertices, ascending.
-std::vector<std::uint64_t> ascending_vertices(const Hull& hull);
-
 /// Fills the counts of vertices and facets that came and went. Linear in the sizes of the hulls.
 void count_changes(const Hull& before, const Hull& after, FrameReport& report);
 

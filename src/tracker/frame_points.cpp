@@ -14,34 +14,28 @@ HostFrame::HostFrame(const PointView& points, const Run& run)
   check_arguments(points, run.options);
 }
 
-FirstPass& HostFrame::pass() {
-  if (!pass_) pass_.emplace(points_, run_.options, run_.threads);
+CullPass& HostFrame::pass() {
+  if (!pass_) pass_.emplace(points_, run_);
   return *pass_;
 }
 
 Array<double> HostFrame::gather(const std::vector<std::uint64_t>& ids) {
   try {
-    return gather_points(points_, ids.data(), ids.size(), run_.threads, run_.control);
+    return gather_points(points_, ids.data(), ids.size(), run_);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::not_finite) throw;
-    check_finite(points_, nullptr, run_.threads, run_.control);  // names the first bad point of all
+    check_finite(points_, nullptr, run_);  // names the first bad point of all
     throw;
   }
 }
 
 std::uint32_t HostFrame::most_nodes() { return pass().most_nodes(); }
 
-void HostFrame::scan(const GaugeMap& map, Survivors& result) {
-  pass().cull(map, run_.control, result);
-}
+void HostFrame::scan(const GaugeMap& map, Survivors& result) { pass().cull(map, result); }
 
-void HostFrame::fetch(Filtered& result) {
-  gather_survivors(points_, result, run_.control, run_.threads, run_.budget);
-}
+void HostFrame::fetch(Filtered& result) { gather_survivors(points_, result, run_); }
 
-Filtered HostFrame::filter_afresh() {
-  return run_filter(points_, run_.options, run_.control, run_.threads, run_.budget);
-}
+Filtered HostFrame::filter_afresh() { return run_filter(points_, run_); }
 
 Hull HostFrame::hull(Filtered&& filtered) {
   return hull_of_survivors(points_, std::move(filtered), run_);

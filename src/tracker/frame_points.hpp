@@ -55,11 +55,11 @@ class HostFrame final : public FramePoints {
   Hull hull(Filtered&& filtered) override;
 
  private:
-  FirstPass& pass();
+  CullPass& pass();
 
   const PointView points_;
   const Run& run_;
-  std::optional<FirstPass> pass_;  ///< where it runs is decided when a scan is wanted
+  std::optional<CullPass> pass_;  ///< where it runs is decided when a scan is wanted
 };
 
 /// Points in a device's memory, which only leaders and survivors leave; all of them do where the

@@ -39,13 +39,11 @@ InnerPolytope moved_surface(const Hull& hull, const std::vector<std::uint64_t>& 
   p.vertices = std::move(rows);
   p.neighbours.assign(hull.simplex_neighbours.begin(), hull.simplex_neighbours.end());
   p.facets.resize(hull.simplices.size());
-  for_each_chunk(hull.simplices.size(), 8192, run.threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint64_t i = begin; i < end; ++i)
-                     p.facets[i] = static_cast<std::uint32_t>(
-                         std::lower_bound(leaders.begin(), leaders.end(), hull.simplices[i]) -
-                         leaders.begin());
-                 });
+  run.each(hull.simplices.size(), 8192, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i)
+      p.facets[i] = static_cast<std::uint32_t>(
+          std::lower_bound(leaders.begin(), leaders.end(), hull.simplices[i]) - leaders.begin());
+  });
   return p;
 }
 
@@ -69,8 +67,7 @@ bool filter_by_leaders(FramePoints& points, const Hull& last,
         moved_surface(last, leaders, std::vector<double>(rows.begin(), rows.end()), run), settings);
   if (map == nullptr) {
     settings.convex = true;
-    InnerPolytope polytope =
-        inner_polytope(std::move(rows), d, run.threads, run.budget, run.control);
+    InnerPolytope polytope = inner_polytope(std::move(rows), d, run);
     if (polytope.dimension == 0) return false;
     map = GaugeMap::build(std::move(polytope), settings);
     if (map == nullptr) return false;
@@ -80,12 +77,12 @@ bool filter_by_leaders(FramePoints& points, const Hull& last,
   points.scan(*map, result.survivors);
   scan_seconds = seconds_since(start);
   points.fetch(result);
-  const auto left = static_cast<double>(result.first_pass);
+  const auto left = static_cast<double>(result.pass_survivors);
   if (left <= coherent_share * static_cast<double>(points.count))
-    keep_of_survivors(result, d,
-                      map->outside_cones(result.rows, mark_leaders(result.survivors.ids, leaders),
-                                         run.threads, run.control));
-  refine_survivors(result, d, run.control, run.threads, run.budget);
+    keep_of_survivors(
+        result, d,
+        map->outside_cones(result.rows, mark_leaders(result.survivors.ids, leaders), run));
+  refine_survivors(result, d, run);
   return true;
 }
 

@@ -9,6 +9,7 @@
 #include "geometry/gather.hpp"
 #include "paper/pseudo_hull_math.hpp"
 #include "paper/pseudo_hull_start.hpp"
+#include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -22,7 +23,7 @@ class MovedSimplices {
  public:
   /// `corners`: packed rows, D + 1 for each simplex; they are scaled in place. False if all corners
   /// lie in a flat: no simplex then proves anything.
-  bool build(Array<double>& corners, unsigned threads) {
+  bool build(Array<double>& corners, const Run& run) {
     const auto rows = static_cast<std::uint32_t>(corners.size() / D);
     for (std::uint32_t i = 0; i < rows; ++i)
       for (unsigned k = 0; k < D; ++k) {
@@ -31,11 +32,10 @@ class MovedSimplices {
       }
     if (!axis_scales(box_, scale_)) return false;
     simplices_.resize(rows / (D + 1));
-    for_each_chunk(simplices_.size(), 512, threads,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     for (std::uint64_t s = begin; s < end; ++s)
-                       lay_planes(corners.data() + s * (D + 1) * D, simplices_[s]);
-                   });
+    run.each(simplices_.size(), 512, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t s = begin; s < end; ++s)
+        lay_planes(corners.data() + s * (D + 1) * D, simplices_[s]);
+    });
     return true;
   }
 
@@ -93,9 +93,8 @@ std::vector<std::uint64_t> outside_simplices(const PointView& points,
                                              const MovedSimplices<D>& simplices, const Run& run) {
   const std::uint64_t chunks = chunk_count(points.count, scan_chunk_size);
   std::vector<std::vector<std::uint64_t>> kept(chunks);
-  for_each_chunk(points.count, scan_chunk_size, run.threads,
+  run.each_chunk(points.count, scan_chunk_size,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                   run.control.check();
                    for (std::uint64_t i = begin; i < end; ++i) {
                      double x[D];
                      load_row(points, i, x);
@@ -113,29 +112,16 @@ template <unsigned D>
 bool scan_as(const PointView& points, std::vector<std::uint32_t>& simplex_of,
              Array<double>&& corners, const Run& run, std::vector<std::uint64_t>& ids) {
   MovedSimplices<D> simplices;
-  if (!simplices.build(corners, run.threads)) return false;
+  if (!simplices.build(corners, run)) return false;
   ids = outside_simplices<D>(points, simplex_of, simplices, run);
   return true;
 }
 
 bool scan_as(unsigned d, const PointView& points, std::vector<std::uint32_t>& simplex_of,
              Array<double>&& corners, const Run& run, std::vector<std::uint64_t>& ids) {
-  switch (d) {
-    case 2:
-      return scan_as<2>(points, simplex_of, std::move(corners), run, ids);
-    case 3:
-      return scan_as<3>(points, simplex_of, std::move(corners), run, ids);
-    case 4:
-      return scan_as<4>(points, simplex_of, std::move(corners), run, ids);
-    case 5:
-      return scan_as<5>(points, simplex_of, std::move(corners), run, ids);
-    case 6:
-      return scan_as<6>(points, simplex_of, std::move(corners), run, ids);
-    case 7:
-      return scan_as<7>(points, simplex_of, std::move(corners), run, ids);
-    default:
-      return scan_as<8>(points, simplex_of, std::move(corners), run, ids);
-  }
+  return with_dimension<2, 7, 8>(d, [&](auto k) {
+    return scan_as<decltype(k)::value>(points, simplex_of, std::move(corners), run, ids);
+  });
 }
 
 }  // namespace
@@ -164,12 +150,11 @@ Filtered SimplexMemory::filter(const PointView& points, const Run& run, bool& le
     clear();
     dimension_ = points.dimension;
     SimplexRecord found;
-    result.survivors.ids =
-        pseudo_hull_survivors(points, {}, run.threads, run.control, nullptr, &found);
+    result.survivors.ids = pseudo_hull_survivors(points, {}, run, nullptr, &found);
     remember(found, nullptr, points.count);
   }
   scan_seconds = led ? seconds_since(start) : 0;
-  gather_survivors(points, result, run.control, run.threads, run.budget);
+  gather_survivors(points, result, run);
   grow(points, result, run);
   return result;
 }
@@ -178,11 +163,10 @@ Filtered SimplexMemory::filter(const PointView& points, const Run& run, bool& le
 std::vector<std::uint64_t> SimplexMemory::scan(const PointView& points, const Run& run) {
   Array<double> corners;
   try {
-    corners = gather_points(points, corners_.data(), corners_.size(), run.threads, run.control);
+    corners = gather_points(points, corners_.data(), corners_.size(), run);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::not_finite) throw;
-    check_finite(points, nullptr, run.threads,
-                 run.control);  // names the first bad point, not the first corner
+    check_finite(points, nullptr, run);  // names the first bad point, not the first corner
     throw;
   }
   std::vector<std::uint64_t> ids;
@@ -201,8 +185,7 @@ void SimplexMemory::grow(const PointView& points, Filtered& result, const Run& r
   settings.subsets = left * (8 * d + 49 + d * (12 * d + 8)) <= run.budget / 2 ? 1 : 0;
   SimplexRecord found;
   const PointView rows = PointView::row_major(result.rows.data(), left, d);
-  const auto kept =
-      pseudo_hull_survivors(rows, settings, run.threads, run.control, nullptr, &found);
+  const auto kept = pseudo_hull_survivors(rows, settings, run, nullptr, &found);
   remember(found, &result.survivors.ids, points.count);
   keep_of_survivors(result, d, kept);
 }

@@ -9,6 +9,7 @@
 #include "cullhull/track.hpp"
 #include "flow/pipeline.hpp"
 #include "paper/pseudo_hull.hpp"
+#include "parallel/sorted.hpp"
 #include "tracker/changes.hpp"
 #include "tracker/frame_points.hpp"
 #include "tracker/gauge_scan.hpp"
@@ -63,7 +64,7 @@ struct HullTracker::Impl {
         filter_by_leaders(points, hull, leaders, run, filtered, now.scan_seconds)) {
       now.method = "gauge";
       // Leaders that no longer lead cost a pass: for some frames do without.
-      if (filtered.first_pass > points.count / 3) {
+      if (filtered.pass_survivors > points.count / 3) {
         pause = penalty;
         penalty = std::min<std::uint64_t>(2 * penalty, 16);
       } else {
@@ -94,7 +95,7 @@ struct HullTracker::Impl {
     FrameReport now;
     now.index = index;
     Filtered filtered = filter(points, run, now);
-    now.scan_survivors = filtered.first_pass;
+    now.scan_survivors = filtered.pass_survivors;
     now.survivors = filtered.survivors.size(points.count);
     now.cull_seconds = seconds_since(start);
     Survivors left = filtered.survivors;
@@ -105,7 +106,7 @@ struct HullTracker::Impl {
     next.statistics.compute_seconds = now.compute_seconds;
     // From here on nothing throws but for want of memory, and the last hull is still whole.
     count_changes(follows(points) ? hull : Hull(), next, now);
-    leaders = ascending_vertices(next);
+    leaders = sorted(next.vertices);
     std::swap(hull, next);
     report = now;
     survivors = std::move(left);

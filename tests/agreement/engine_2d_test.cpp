@@ -80,7 +80,7 @@ std::vector<std::uint32_t> cycle_of(const SimplicialHull& h) {
 
 SimplicialHull run(const LocalPoints& points, unsigned threads = 1) {
   const Options options;
-  return hull_2d(points, threads, Control(options));
+  return hull_2d(points, Run(options).with_threads(threads));
 }
 
 void expect_agreement(const Points& p, const char* what) {
@@ -215,7 +215,7 @@ TEST(Hull2d, StopsWhenAsked) {
   options.stop = source.get_token();
   const Points p = {0, 0, 1, 0, 0, 1};
   try {
-    hull_2d(local(p), 1, Control(options));
+    hull_2d(local(p), Run(options).with_threads(1));
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::cancelled);
@@ -224,7 +224,7 @@ TEST(Hull2d, StopsWhenAsked) {
 
 TEST(HullQhull, ClosedConvexSurface) {
   const Options options;
-  const Control control(options);
+  const Run run(options);
   std::mt19937_64 g(5);
   std::normal_distribution<double> normal(0, 0.1);
   for (unsigned d = 2; d <= 6; ++d) {
@@ -233,7 +233,7 @@ TEST(HullQhull, ClosedConvexSurface) {
     const LocalPoints points = local(p, d);
     if (!qhull_available()) {
       try {
-        hull_qhull(points, control);
+        hull_qhull(points, run.control);
         FAIL();
       } catch (const Error& e) {
         EXPECT_EQ(e.code(), ErrorCode::backend_unavailable);
@@ -242,7 +242,7 @@ TEST(HullQhull, ClosedConvexSurface) {
     }
     testing::internal::CaptureStdout();
     testing::internal::CaptureStderr();
-    const SimplicialHull h = hull_qhull(points, control);
+    const SimplicialHull h = hull_qhull(points, run.control);
     EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
     ASSERT_GT(h.facet_count(), d);
@@ -272,7 +272,7 @@ TEST(HullQhull, LowestIdOfEqualPointsIsReported) {
   for (int k = 0; k < 3; ++k)
     for (int i = 0; i < 8; ++i)
       p.insert(p.end(), {i & 1 ? 0.5 : -0.0, i & 2 ? 0.5 : 0, i & 4 ? 0.5 : 0.});
-  const SimplicialHull h = hull_qhull(local(p, 3), Control(options));
+  const SimplicialHull h = hull_qhull(local(p, 3), Run(options).control);
   std::set<std::uint32_t> lowest;
   for (std::uint32_t v : h.vertices) {
     std::uint32_t low = v;
@@ -288,7 +288,7 @@ TEST(HullQhull, FailureIsAnErrorOfOneLine) {
   const Options options;
   const Points flat = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0.5, 0.5, 0};
   try {
-    hull_qhull(local(flat, 3), Control(options));
+    hull_qhull(local(flat, 3), Run(options).control);
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::not_exact);

@@ -139,8 +139,9 @@ TEST(Engine3D, AgreesWithRationalArithmetic) {
 TEST(Engine3D, DeepStartFromAFlatSimplex) {
   const Rows rows = turned(two_circles(4000));
   const Options options;
-  const internal::Control control{options};
-  const internal::LocalFrame frame(Array<double>(rows.begin(), rows.end()), 4000, 3, 2, control);
+  const internal::Run run(options);
+  const internal::LocalFrame frame(Array<double>(rows.begin(), rows.end()), 4000, 3,
+                                   run.with_threads(2));
   std::uint32_t flat[4] = {0, 2, 4, 6};  // on one circle; independent by rounding alone, or not
   const internal::LocalPoints& points = frame.points();
   const double* p[4];
@@ -150,9 +151,10 @@ TEST(Engine3D, DeepStartFromAFlatSimplex) {
     flat[3] = k;
   }
   ASSERT_NE(internal::orientation(3, p), internal::Sign::zero);
-  const auto a = internal::hull_3d(points, flat, std::uint64_t{1} << 32, 1, control);
-  const auto b =
-      internal::hull_3d(points, frame.simplex().data(), std::uint64_t{1} << 32, 2, control);
+  const auto a =
+      internal::hull_3d(points, flat, run.with_budget(std::uint64_t{1} << 32).with_threads(1));
+  const auto b = internal::hull_3d(points, frame.simplex().data(),
+                                   run.with_budget(std::uint64_t{1} << 32).with_threads(2));
   EXPECT_EQ(a.facet_count(), b.facet_count());
 }
 
@@ -161,11 +163,13 @@ TEST(Engine3D, BudgetAndCancellation) {
   std::stop_source stop;
   Options options;
   options.stop = stop.get_token();
-  const internal::Control control{options};
-  const internal::LocalFrame frame(Array<double>(rows.begin(), rows.end()), 50000, 3, 2, control);
+  const internal::Run run(options);
+  const internal::LocalFrame frame(Array<double>(rows.begin(), rows.end()), 50000, 3,
+                                   run.with_threads(2));
   for (const unsigned threads : {1U, 4U}) {
     try {
-      internal::hull_3d(frame.points(), frame.simplex().data(), 1 << 20, threads, control);
+      internal::hull_3d(frame.points(), frame.simplex().data(),
+                        run.with_budget(1 << 20).with_threads(threads));
       ADD_FAILURE() << "100,000 facets do not fit into a megabyte";
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ErrorCode::out_of_budget);
@@ -174,7 +178,8 @@ TEST(Engine3D, BudgetAndCancellation) {
   stop.request_stop();
   for (const unsigned threads : {1U, 4U}) {
     try {
-      internal::hull_3d(frame.points(), frame.simplex().data(), 1 << 30, threads, control);
+      internal::hull_3d(frame.points(), frame.simplex().data(),
+                        run.with_budget(1 << 30).with_threads(threads));
       ADD_FAILURE() << "not cancelled";
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ErrorCode::cancelled);

@@ -15,7 +15,7 @@
 #include "extreme/simplex_inverse.hpp"
 #include "geometry/local_frame.hpp"
 #include "geometry/orientation.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 #include "point_sets.hpp"
 
 namespace cullhull {
@@ -92,7 +92,8 @@ TEST(ExtremePoints, Few) {
 internal::LocalFrame frame_of(const PointSet& set) {
   const Options options;
   return {Array<double>(set.coordinates.begin(), set.coordinates.end()),
-          static_cast<std::uint32_t>(set.count()), set.dimension, 1, internal::Control(options)};
+          static_cast<std::uint32_t>(set.count()), set.dimension,
+          internal::Run(options).with_threads(1)};
 }
 
 /// The scan over boxes against one over all points, in any order of adding.
@@ -194,13 +195,14 @@ TEST(ExtremePoints, RationalSimplexAgrees) {
     const unsigned d = set.dimension;
     const Ids expected = sorted_vertices(convex_hull(view_of(set)));
     const Options options;
-    const internal::Control control(options);
+    const internal::Run run(options);
     const internal::LocalFrame frame(Array<double>(set.coordinates.begin(), set.coordinates.end()),
-                                     static_cast<std::uint32_t>(set.count()), d, 1, control);
+                                     static_cast<std::uint32_t>(set.count()), d,
+                                     run.with_threads(1));
     std::vector<std::uint32_t> all(set.count());
     for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
     for (std::uint32_t i = 0; i < all.size(); ++i)
-      EXPECT_EQ(!internal::inside_exact(frame.points(), i, all, control),
+      EXPECT_EQ(!internal::inside_exact(frame.points(), i, all, run.control),
                 std::binary_search(expected.begin(), expected.end(), i))
           << set.name << " point " << i;
   }

@@ -9,7 +9,7 @@
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
 #include "geometry/local_frame.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull {
 namespace {
@@ -28,11 +28,11 @@ TEST_P(FacetEstimateTest, WithinAFactorOfThree) {
   const auto view = PointView::row_major(x.data(), c.count, c.dimension);
   const auto facets = static_cast<double>(convex_hull(view).facet_count());
   const Options options;
-  const internal::Control control(options);
-  const internal::LocalFrame frame(Array<double>(x.begin(), x.end()), c.count, c.dimension, 1,
-                                   control);
+  const internal::Run run(options);
+  const internal::LocalFrame frame(Array<double>(x.begin(), x.end()), c.count, c.dimension,
+                                   run.with_threads(1));
   for (const unsigned threads : {1U, 2U}) {
-    const auto estimate = internal::estimate_facets(frame.points(), threads, control);
+    const auto estimate = internal::estimate_facets(frame.points(), run.with_threads(threads));
     EXPECT_LT(estimate.facets, 3 * facets);
     EXPECT_GT(estimate.facets, facets / 3);
   }

@@ -302,8 +302,8 @@ TEST(FewPoints, a_map_of_few_facets_drops_what_is_inside) {
       near.add({p[0], p[1], p[2]});
     }
     const Options options;
-    const internal::Control control(options);
-    const std::vector<std::uint64_t> kept = map->survivors(view_of(near), 1, control);
+    const internal::Run run(options);
+    const std::vector<std::uint64_t> kept = map->survivors(view_of(near), run.with_threads(1));
     ASSERT_LT(kept.size(), 4000U) << "nothing was dropped";
     auto next = kept.begin();
     for (std::uint64_t i = 0; i < 4000; ++i) {
@@ -335,7 +335,8 @@ TEST(FewPoints, no_map_of_flat_polytopes) {
     // A map there may be, but none that drops what is on the boundary.
     const double on[] = {0.25, 0.25, 0, 0.25, 0.25, height, 0.5, 0.5, 0};
     const Options options;
-    EXPECT_EQ(map->survivors(PointView::row_major(on, 3, 3), 1, internal::Control(options)).size(),
+    EXPECT_EQ(map->survivors(PointView::row_major(on, 3, 3), internal::Run(options).with_threads(1))
+                  .size(),
               3U);
   }
 }

@@ -11,6 +11,7 @@
 #include "cullhull/cullhull.hpp"
 #include "flow/device_filter.hpp"
 #include "geometry/gather.hpp"
+#include "parallel/sorted.hpp"
 #include "tracker/changes.hpp"
 #include "tracker/gauge_scan.hpp"
 
@@ -32,17 +33,17 @@ class FarFrame final : public FramePoints {
   }
   std::uint32_t most_nodes() override { return 12288; }
   void scan(const GaugeMap& map, Survivors& result) override {
-    result.ids = map.survivors(points_, run_.threads, run_.control);
+    result.ids = map.survivors(points_, run_);
     result.all = false;
     result.backend = "cuda";
   }
   void fetch(Filtered& result) override {
     const auto& ids = result.survivors.ids;
-    fetched += result.first_pass = ids.size();
+    fetched += result.pass_survivors = ids.size();
     result.rows.resize(ids.size() * dimension);
     for (std::size_t i = 0; i < ids.size(); ++i)
       load_row(points_, ids[i], result.rows.data() + i * dimension);
-    check_rows_finite(result.rows.data(), ids.size(), dimension, ids.data(), run_.threads);
+    check_rows_finite(result.rows.data(), ids.size(), dimension, ids.data(), run_);
   }
   Filtered filter_afresh() override { return HostFrame(points_, run_).filter_afresh(); }
   Hull hull(Filtered&& filtered) override {
@@ -76,7 +77,7 @@ int expect_led_frames(const std::vector<std::vector<T>>& frames, unsigned d) {
       FarFrame far(points, run);
       Filtered filtered;
       double seconds = 0;
-      if (filter_by_leaders(far, last, ascending_vertices(last), run, filtered, seconds)) {
+      if (filter_by_leaders(far, last, sorted(last.vertices), run, filtered, seconds)) {
         ++led;
         EXPECT_LT(far.fetched, points.count / 2);
         const std::uint64_t left = filtered.survivors.ids.size();
@@ -125,7 +126,7 @@ TEST(FramePoints, WhatIsNotFiniteIsNamedByItsId) {
   Filtered filtered;
   double seconds = 0;
   try {
-    filter_by_leaders(far, last, ascending_vertices(last), run, filtered, seconds);
+    filter_by_leaders(far, last, sorted(last.vertices), run, filtered, seconds);
     ADD_FAILURE() << "no error";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::not_finite);

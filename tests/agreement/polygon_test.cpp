@@ -1,4 +1,4 @@
-// The 2D result written from the polygon against the general way, bit for bit; extreme points of
+// The 2D result written from the polygon against the fallback, bit for bit; extreme points of
 // the plane; cancelling.
 #include "hull/plane/polygon.hpp"
 
@@ -26,12 +26,12 @@ PointView view_of(const Points& p) { return PointView::row_major(p.data(), p.siz
 /// Frame, surface, general result: none of what is tested here but the engine.
 Hull general(const PointView& view, unsigned threads) {
   const Options options;
-  const Control control(options);
-  const LocalFrame frame(gather_points(view, nullptr, view.count, 1, control),
-                         static_cast<std::uint32_t>(view.count), 2, 1, control);
+  const Run run(options);
+  const LocalFrame frame(gather_points(view, nullptr, view.count, run.with_threads(1)),
+                         static_cast<std::uint32_t>(view.count), 2, run.with_threads(1));
   Hull hull;
   build_hull({&view, &frame.points(), nullptr, frame.axes().data()},
-             hull_2d(frame.points(), threads, control), control, threads, hull);
+             hull_2d(frame.points(), run.with_threads(threads)), run.with_threads(threads), hull);
   return hull;
 }
 
@@ -126,7 +126,7 @@ TEST(PolygonResult, NegativeZerosKeepTheirBits) {
 }
 
 TEST(PolygonResult, Magnitudes) {
-  // Far from the origin, large, small, and what must go the general way: thin, or of unlike ranges.
+  // Far from the origin, large, small, and what must take the fallback: thin, or of unlike ranges.
   std::mt19937_64 g(11);
   std::uniform_real_distribution<double> unit(-1, 1);
   const double tables[][4] = {{1, 1, 1e6, -1e6},      {1e200, 1e200, 0, 0},
@@ -187,9 +187,9 @@ TEST(PolygonResult, CrowdedPoints) {
 
 TEST(Polygon, LinesAndPoints) {
   const Options options;
-  const Control control(options);
+  const Run run(options);
   const auto corners = [&](const Points& p) {
-    const auto c = polygon_of(view_of(p), false, 2, control).corners;
+    const auto c = polygon_of(view_of(p), false, run.with_threads(2)).corners;
     return std::vector<std::uint32_t>(c.begin(), c.end());
   };
   using Rows = std::vector<std::uint32_t>;
@@ -216,15 +216,15 @@ TEST(Polygon, LinesAndPoints) {
 
 TEST(Polygon, SeriesIsTheSame) {
   const Options options;
-  const Control control(options);
-  PolygonSeries series(control);
+  const Run run(options);
+  PolygonSeries series(run.control);
   for (unsigned seed = 1; seed <= 200; ++seed) {
     std::mt19937_64 g(seed);
     const auto n = static_cast<std::uint32_t>(1 + g() % (seed % 10 == 0 ? 3000 : 70));
     const std::uint64_t side = seed % 3 == 0 ? 6 : 1'000'000;
     Points p;
     for (std::uint32_t i = 0; i < 2 * n; ++i) p.push_back(static_cast<double>(g() % side));
-    const Polygon expected = polygon_of(view_of(p), false, 1, control);
+    const Polygon expected = polygon_of(view_of(p), false, run.with_threads(1));
     EXPECT_EQ(series.corners(p.data(), n),
               (std::vector<std::uint32_t>(expected.corners.begin(), expected.corners.end())));
     for (unsigned j = 0; j < 2; ++j) {

@@ -219,8 +219,8 @@ TEST(InnerDisc, IsStrictlyInside) {
       rows.push_back(from + size * thin * std::sin(a));
     }
     const Options none;
-    const Control control(none);
-    PolygonSeries series(control);
+    const Run run(none);
+    PolygonSeries series(run.control);
     const std::vector<std::uint32_t> corners = series.corners(rows.data(), n);
     if (corners.size() < 3) continue;
     const InnerDisc disc(rows.data(), corners, series.box());

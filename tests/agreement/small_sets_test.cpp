@@ -1,4 +1,4 @@
-// Small sets in space have an engine and a result stage of their own: held against the general way,
+// Small sets in space have an engine and a result stage of their own: held against the fallback,
 // which a budget too small for short cuts insists on.
 #include <gtest/gtest.h>
 

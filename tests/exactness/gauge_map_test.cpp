@@ -32,7 +32,8 @@ InnerPolytope polytope_of(const SlowHull& hull) {
 std::vector<std::uint64_t> survivors(const GaugeMap& map, const std::vector<double>& rows,
                                      unsigned d) {
   const Options options;
-  return map.survivors(PointView::row_major(rows.data(), rows.size() / d, d), 1, Control(options));
+  return map.survivors(PointView::row_major(rows.data(), rows.size() / d, d),
+                       Run(options).with_threads(1));
 }
 
 /// Every dropped point is strictly beneath every facet, decided exactly. A filter in doubles spares
@@ -198,7 +199,7 @@ std::vector<std::uint64_t> outside_cones(const GaugeMap& map, const std::vector<
                                          unsigned d) {
   const Options options;
   return map.outside_cones(Array<double>(rows.begin(), rows.end()),
-                           std::vector<char>(rows.size() / d, 0), 2, Control(options));
+                           std::vector<char>(rows.size() / d, 0), Run(options).with_threads(2));
 }
 
 /// All facets positive as seen from the vertices' mean.
@@ -340,8 +341,8 @@ TEST(GaugeMap, KeepsEveryPointThatIsNotFinite) {
     std::vector<float> single;
     for (const double v : rows) single.push_back(static_cast<float>(v));
     const Options options;
-    EXPECT_EQ(map->survivors(PointView::row_major(single.data(), rows.size() / d, d), 1,
-                             Control(options)),
+    EXPECT_EQ(map->survivors(PointView::row_major(single.data(), rows.size() / d, d),
+                             Run(options).with_threads(1)),
               expected)
         << d;
   }
@@ -370,7 +371,7 @@ TEST(GaugeMap, StopsWhenAsked) {
   const auto map = GaugeMap::build(polytope_of(SlowHull(cube(2), 2)));
   const std::vector<double> rows(2000, 0.0);
   try {
-    map->survivors(PointView::row_major(rows.data(), 1000, 2), 1, Control(options));
+    map->survivors(PointView::row_major(rows.data(), 1000, 2), Run(options).with_threads(1));
     FAIL() << "not cancelled";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::cancelled);

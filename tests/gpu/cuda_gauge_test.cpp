@@ -55,17 +55,18 @@ template <class T>
 void expect_same_survivors(const GaugeMap& map, const std::vector<T>& rows, std::size_t n,
                            unsigned d) {
   const Options options;
-  const Control control(options);
+  const Run run(options);
   const auto view = PointView::row_major(rows.data(), n, d);
-  const auto expected = map.survivors(view, 1, control);
+  const auto expected = map.survivors(view, run.with_threads(1));
   const std::string what =
       std::to_string(d) + "D " + scalar_name(view.scalar) + " " + std::to_string(n) + " points";
-  EXPECT_EQ(cuda::survivors_of_host_points(map.table(), view, 2, control), expected) << what;
+  EXPECT_EQ(cuda::survivors_of_host_points(map.table(), view, run.with_threads(2)), expected)
+      << what;
 
   const OnDevice there(rows);
   const auto packed = DevicePointView::row_major(there.data<T>(), n, d);
   EXPECT_EQ(on_host(cuda::survivors_of_device_points(map.table(), packed)), expected) << what;
-  EXPECT_EQ(cuda::survivors_by_pieces(map.table(), packed, control), expected) << what;
+  EXPECT_EQ(cuda::survivors_by_pieces(map.table(), packed, run.control), expected) << what;
 
   // One scalar off the alignment of vectors, and columns.
   std::vector<T> shifted(1 + n * d);
@@ -124,10 +125,10 @@ TEST_F(CudaGauge, IntegersGoAsDoubles) {
   std::vector<std::int16_t> rows(30000);
   for (auto& v : rows) v = static_cast<std::int16_t>(random() % 60 + 30);
   const Options options;
-  const Control control(options);
+  const Run run(options);
   const auto view = PointView::row_major(rows.data(), 10000, 3);
-  EXPECT_EQ(cuda::survivors_of_host_points(map->table(), view, 2, control),
-            map->survivors(view, 1, control));
+  EXPECT_EQ(cuda::survivors_of_host_points(map->table(), view, run.with_threads(2)),
+            map->survivors(view, run.with_threads(1)));
 }
 
 // Several pieces, so that both slots are used more than once.

@@ -74,7 +74,7 @@ std::vector<std::uint32_t> all_rounds(NormOrder& order, std::vector<std::uint32_
 
 TEST(NormOrder, TakesEveryPointOnceForAnyNumberOfThreads) {
   const Options options;
-  const Control control(options);
+  const Run run(options);
   for (const unsigned d : {4U, 5U, 6U, 8U, 11U})
     for (const std::uint32_t n : {1U, 7U, 8U, 9U, 64U, 65U, 96U, 97U, 1023U, 5000U, 40000U}) {
       const Points points("ball", n, d);
@@ -85,7 +85,7 @@ TEST(NormOrder, TakesEveryPointOnceForAnyNumberOfThreads) {
       without.erase(std::unique(without.begin(), without.end()), without.end());
       std::vector<std::uint32_t> first;
       for (const unsigned threads : {1U, 2U, 3U, 8U}) {
-        NormOrder order(points.local, without, threads, control);
+        NormOrder order(points.local, without, run.with_threads(threads));
         std::vector<std::uint32_t> taken = all_rounds(order, nullptr);
         if (threads == 1)
           first = taken;
@@ -102,10 +102,10 @@ TEST(NormOrder, TakesEveryPointOnceForAnyNumberOfThreads) {
 
 TEST(NormOrder, TheOutermostComeFirstWhateverIsDropped) {
   const Options options;
-  const Control control(options);
+  const Run run(options);
   const Points points("ball", 30000, 4);
   for (const bool thin : {false, true}) {
-    NormOrder order(points.local, {}, 2, control);
+    NormOrder order(points.local, {}, run.with_threads(2));
     std::vector<std::uint32_t> taken, dropped;
     order.take_round(taken);
     ASSERT_EQ(taken.size(), 64U);

@@ -72,10 +72,10 @@ inline Hull build(const std::vector<double>& rows, unsigned d, internal::Simplic
   std::vector<unsigned> axes(d);
   std::iota(axes.begin(), axes.end(), 0U);
   const Options options;
-  const internal::Control control(options);
+  const internal::Run run(options);
   Hull hull;
-  internal::build_hull({&view, &local, nullptr, axes.data()}, std::move(boundary), control, threads,
-                       hull);
+  internal::build_hull({&view, &local, nullptr, axes.data()}, std::move(boundary),
+                       run.with_threads(threads), hull);
   return hull;
 }
 

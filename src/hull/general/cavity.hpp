@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/orientation.hpp"
 #include "parallel/raw_array.hpp"
 
 namespace cullhull::internal {
@@ -60,8 +61,7 @@ struct Lane {
   std::vector<const double*> rows, simplex_rows;
   std::vector<double> minors;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
-  std::uint64_t rung_counts[3] = {0, 0, 0};
-  std::uint64_t random = 0;
+  RungCounts rung_counts;
   std::uint64_t streams_done = 0;  ///< in phases that were shared
 };
 

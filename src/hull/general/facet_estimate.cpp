@@ -18,6 +18,7 @@
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/xorshift.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -59,13 +60,8 @@ double facets_per_vertex(double vertices, unsigned d) {
 std::vector<std::uint32_t> random_points(std::uint32_t count, std::uint32_t size) {
   std::vector<std::uint32_t> ids(count);
   for (std::uint32_t i = 0; i < count; ++i) ids[i] = i;
-  std::uint64_t random = 0x9E3779B97F4A7C15ULL;
-  for (std::uint32_t i = 0; i < size; ++i) {
-    random ^= random << 13;
-    random ^= random >> 7;
-    random ^= random << 17;
-    std::swap(ids[i], ids[i + random % (count - i)]);
-  }
+  XorShift random;
+  for (std::uint32_t i = 0; i < size; ++i) std::swap(ids[i], ids[i + random.next() % (count - i)]);
   ids.resize(size);
   return ids;
 }
@@ -75,16 +71,16 @@ struct SampleHull {
 };
 
 SampleHull hull_of(const LocalPoints& points, const std::uint32_t* ids, std::uint32_t size,
-                   unsigned threads, const Control& control) {
+                   const Run& run) {
   const unsigned d = points.dimension;
   Array<double> rows(std::size_t{size} * d);
   for (std::uint32_t i = 0; i < size; ++i)
     std::copy_n(points.row(ids[i]), d, rows.data() + std::size_t{i} * d);
-  const LocalFrame frame(std::move(rows), size, d, threads, control);
+  const LocalFrame frame(std::move(rows), size, d, run);
   SampleHull result;
   if (frame.affine_dimension() != static_cast<int>(d)) return result;
   const SimplicialHull hull = hull_nd(frame.points(), frame.simplex().data(),
-                                      std::uint64_t{1} << 40, threads, control, true);
+                                      run.with_budget(std::uint64_t{1} << 40), true);
   std::vector<std::uint8_t> used(size, 0);
   for (const std::uint32_t v : hull.vertices) used[v] = 1;
   result.facets = static_cast<double>(hull.facet_count());
@@ -94,20 +90,20 @@ SampleHull hull_of(const LocalPoints& points, const std::uint32_t* ids, std::uin
 
 /// Expected number of extreme points among `size` random points, from tests of a few of them.
 double extreme_among(const LocalPoints& points, const std::vector<std::uint32_t>& ids,
-                     std::uint32_t size, unsigned threads, const Control& control) {
+                     std::uint32_t size, const Run& run) {
   constexpr std::uint32_t block = 64, most_tests = 1024, enough = 24;
-  const PointColumns others(points, {ids.begin(), ids.begin() + size}, control);
+  const PointColumns others(points, {ids.begin(), ids.begin() + size}, run.control);
   PointColumns working(
       points, {ids.begin(), ids.begin() + std::min<std::uint32_t>(size, 32 * points.dimension)},
-      control);
+      run.control);
   std::uint32_t tested = 0, found = 0;
   // Where few are extreme, more are tested; those that are not are tested fast.
   while (tested < std::min(most_tests, size) && found < enough) {
     const std::uint32_t count = std::min(block, size - tested);
     std::vector<std::uint8_t> extreme(count, 0);
     std::vector<std::vector<std::uint32_t>> useful(chunk_count(count, 4));
-    for_each_chunk(count, 4, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-      HullMembership membership(points, control);
+    run.each_chunk(count, 4, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      HullMembership membership(points, run.control);
       for (std::uint64_t i = begin; i < end; ++i)
         extreme[i] = !membership.inside(ids[size - 1 - tested - i], others, working, useful[c]);
     });
@@ -168,7 +164,7 @@ double smooth_facets(double vertices, unsigned d) {
   return vertices * facets_per_vertex(std::max(vertices, 1e12), d);
 }
 
-FacetEstimate estimate_facets(const LocalPoints& points, unsigned threads, const Control& control) {
+FacetEstimate estimate_facets(const LocalPoints& points, const Run& run) {
   const unsigned d = points.dimension;
   constexpr std::uint32_t largest_set = 20000;
   constexpr double enough_facets = 40000;  // the last sample has two or three times as many
@@ -178,14 +174,14 @@ FacetEstimate estimate_facets(const LocalPoints& points, unsigned threads, const
   FacetEstimate estimate;
   SampleHull sample;
   for (std::uint32_t size = d > 8 ? affordable_sample(set, d) : std::min(set, 3 * d);;) {
-    sample = hull_of(points, ids.data(), size, threads, control);
+    sample = hull_of(points, ids.data(), size, run);
     if (size == n) return {sample.vertices, sample.facets};
     if (size == set || d > 8 || sample.facets > enough_facets) break;
     size = std::min(set, size + size / 2);
   }
-  double vertices = extreme_among(points, ids, set, threads, control);
+  double vertices = extreme_among(points, ids, set, run);
   if (set < n) {  // by the exponent between a quarter of the set and the set
-    const double quarter = extreme_among(points, ids, set / 4, threads, control);
+    const double quarter = extreme_among(points, ids, set / 4, run);
     const double exponent = std::clamp(std::log(vertices / quarter) / std::log(4.0), 0.0, 1.0);
     vertices *= std::pow(static_cast<double>(n) / set, exponent);
   }
@@ -195,12 +191,11 @@ FacetEstimate estimate_facets(const LocalPoints& points, unsigned threads, const
   return estimate;
 }
 
-void check_facets(const LocalPoints& points, std::uint64_t budget, std::uint64_t bytes_per_facet,
-                  unsigned threads, const Control& control) {
+void check_facets(const LocalPoints& points, std::uint64_t bytes_per_facet, const Run& run) {
   const unsigned d = points.dimension;
-  const double affordable = static_cast<double>(budget) / static_cast<double>(bytes_per_facet);
+  const double affordable = static_cast<double>(run.budget) / static_cast<double>(bytes_per_facet);
   if (std::min(smooth_facets(points.count, d), most_facets(points.count, d)) <= affordable) return;
-  const FacetEstimate e = estimate_facets(points, threads, control);
+  const FacetEstimate e = estimate_facets(points, run);
   if (e.facets <= affordable) return;
   const auto rounded = [](double v) {  // two digits: it is an estimate
     const double unit = std::pow(10.0, std::max(0.0, std::floor(std::log10(std::max(v, 1.0))) - 1));
@@ -214,7 +209,7 @@ void check_facets(const LocalPoints& points, std::uint64_t budget, std::uint64_t
                   rounded(e.vertices) + " extreme points in dimension " + std::to_string(d) +
                   "), which needs about " +
                   rounded(e.facets * static_cast<double>(bytes_per_facet) / 0x1p20) +
-                  " MiB; the memory budget is " + std::to_string(budget >> 20) +
+                  " MiB; the memory budget is " + std::to_string(run.budget >> 20) +
                   " MiB; raise the budget, or ask for the extreme points only");
 }
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "geometry/local_points.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -20,12 +20,11 @@ double smooth_facets(double vertices, unsigned d);
 
 /// Extrapolated from the hulls of small samples and from how many of a few points are extreme.
 /// Usually within a factor of 2. Takes tenths of a second; deterministic.
-FacetEstimate estimate_facets(const LocalPoints& points, unsigned threads, const Control& control);
+FacetEstimate estimate_facets(const LocalPoints& points, const Run& run);
 
 /// Throws Error{out_of_budget} with the estimate if the hull is expected to need more than
 /// `budget` bytes, at `bytes_per_facet`. Costs nothing where n points cannot need that much on a
 /// smooth body.
-void check_facets(const LocalPoints& points, std::uint64_t budget, std::uint64_t bytes_per_facet,
-                  unsigned threads, const Control& control);
+void check_facets(const LocalPoints& points, std::uint64_t bytes_per_facet, const Run& run);
 
 }  // namespace cullhull::internal

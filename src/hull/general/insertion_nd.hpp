@@ -35,15 +35,16 @@
 #include "hull/general/facet_store.hpp"
 #include "parallel/crew.hpp"
 #include "parallel/crowding.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/run.hpp"
+#include "parallel/xorshift.hpp"
 
 namespace cullhull::internal {
 
 template <unsigned D>
 class InsertionNd {
  public:
-  InsertionNd(const LocalPoints& points, const std::uint32_t* simplex, std::uint64_t budget,
-              unsigned threads, bool same_facets, const Control& control);
+  InsertionNd(const LocalPoints& points, const std::uint32_t* simplex, const Run& run,
+              bool same_facets);
   SimplicialHull run();
 
  private:
@@ -123,9 +124,8 @@ class InsertionNd {
   SimplicialHull collect();
 
   const LocalPoints& points_;
-  const Control& control_;
-  unsigned dimension_, threads_;
-  std::uint64_t budget_;
+  const Run& run_;
+  unsigned dimension_;
   std::vector<double> centre_, reach_;
   /// Whether O is centre_, a double; else it is the exact centroid of the simplex.
   bool centre_exact_ = false;
@@ -160,18 +160,15 @@ class InsertionNd {
 // -------------------------------------------------------------------------------- construction
 
 template <unsigned D>
-InsertionNd<D>::InsertionNd(const LocalPoints& points, const std::uint32_t* simplex,
-                            std::uint64_t budget, unsigned threads, bool same_facets,
-                            const Control& control)
+InsertionNd<D>::InsertionNd(const LocalPoints& points, const std::uint32_t* simplex, const Run& run,
+                            bool same_facets)
     : points_(points),
-      control_(control),
+      run_(run),
       dimension_(points.dimension),
-      threads_(threads),
-      budget_(budget),
       centre_(dimension_),
       reach_(dimension_),
       store_(dimension_),
-      crew_(threads),
+      crew_(run.threads),
       shares_(crew_.lanes()),
       same_facets_(same_facets),
       width_(same_facets ? 2 : 1) {
@@ -217,7 +214,7 @@ void InsertionNd<D>::measure_reach() {
   double few[D > 0 ? D : 1] = {};
   double* const reach = D > 0 ? few : reach_.data();
   for (Id k = 0; k < points_.count; ++k) {
-    if (k % 65536 == 0) control_.check();
+    if (k % 65536 == 0) run_.check();
     const double* p = points_.row(k);
     for (unsigned j = 0; j < dim(); ++j) reach[j] = std::max(reach[j], std::abs(p[j] - centre_[j]));
   }
@@ -232,7 +229,7 @@ bool InsertionNd<D>::centre_inside(const std::vector<double>& centre) const {
   const Sign whole = orientation(d, p.data());
   for (unsigned i = 0; i <= d; ++i) {
     p[i] = centre.data();
-    if constexpr (D == 0) control_.check();  // in 50D an exact sign can take a tenth of a second
+    if constexpr (D == 0) run_.check();  // in 50D an exact sign can take a tenth of a second
     if (orientation(d, p.data()) != whole) return false;
     p[i] = row(i);
   }
@@ -243,7 +240,7 @@ template <unsigned D>
 SimplicialHull InsertionNd<D>::run() {
   build_simplex();
   {
-    NormOrder order(points_, order_, threads_, control_);
+    NormOrder order(points_, order_, run_);
     insert_outermost(order);
     while (order.left() > 0) append_round(order);
     expected_ = order_.size();
@@ -301,11 +298,11 @@ void InsertionNd<D>::reserve(std::size_t facets) {
   const std::size_t capacity = std::max(facets, facet_capacity_ + facet_capacity_ / 2);
   // The result takes about as much again beside the records and the claims.
   const std::uint64_t per_facet = store_.bytes_per_facet() + sizeof(std::uint32_t);
-  if (capacity >= horizon_tag || 2 * capacity * per_facet > budget_) {
+  if (capacity >= horizon_tag || 2 * capacity * per_facet > run_.budget) {
     throw Error(ErrorCode::out_of_budget, "the hull has more than " + std::to_string(live_) +
                                               " facets in dimension " + std::to_string(dim()) +
                                               ", which exceeds the memory budget of " +
-                                              std::to_string(budget_ >> 20) +
+                                              std::to_string(run_.budget >> 20) +
                                               " MiB; raise the budget or use fewer dimensions");
   }
   store_.reserve(capacity);
@@ -330,7 +327,7 @@ Sign InsertionNd<D>::lattice_sign(Lane& lane, const Entry& entry) const {
   for (unsigned i = 0; i < D; ++i)
     for (unsigned j = 0; j < D; ++j) m[i][j] = entry(i, j);
   expand_minors<D, false>(m, D, lane.minors.data(), static_cast<double*>(nullptr));
-  ++lane.rung_counts[static_cast<unsigned>(Rung::filter)];
+  lane.rung_counts.count(Rung::filter);
   return sign_of(lane.minors[(1U << D) - 1]);
 }
 
@@ -348,10 +345,10 @@ Sign InsertionNd<D>::side(Lane& lane, Id f, Id point) const {
   }
   for (unsigned i = 0; i < d; ++i) p[i] = exact_row(v[i]);
   p[d] = exact_row(point);
-  if constexpr (D == 0) control_.check();  // beyond 8D a sign can take milliseconds
+  if constexpr (D == 0) run_.check();  // beyond 8D a sign can take milliseconds
   Rung rung = Rung::exact;
   const Sign s = orientation(d, p, &rung);
-  ++lane.rung_counts[static_cast<unsigned>(rung)];
+  lane.rung_counts.count(rung);
   return s;
 }
 
@@ -398,7 +395,7 @@ Sign InsertionNd<D>::cone_side(Lane& lane, Id f, unsigned j, Id point) const {
   const double e = 2 * (error(f) * (1 + std::abs(g)) + error(other) * (1 + std::abs(h)));
   if (g - h > e) return Sign::positive;
   if (h - g > e) return Sign::negative;
-  if constexpr (D == 0) control_.check();
+  if constexpr (D == 0) run_.check();
   const Id* v = store_.vertices(f);
   // An outward facet has orientation (-1)^(d+1) seen from O.
   const auto outward = [d](Sign s) { return d % 2 == 1 ? s : -s; };
@@ -408,12 +405,12 @@ Sign InsertionNd<D>::cone_side(Lane& lane, Id f, unsigned j, Id point) const {
     for (unsigned i = 0; i < d; ++i) p[i + 1] = exact_row(i == j ? point : v[i]);
     Rung rung = Rung::exact;
     const Sign s = orientation(d, p, &rung);
-    ++lane.rung_counts[static_cast<unsigned>(rung)];
+    lane.rung_counts.count(rung);
     return outward(s);
   }
   for (unsigned i = 0; i < d; ++i) p[i] = exact_row(i == j ? point : v[i]);
   for (unsigned i = 0; i <= d; ++i) lane.simplex_rows[i] = exact_row(i);
-  ++lane.rung_counts[static_cast<unsigned>(Rung::exact)];
+  lane.rung_counts.count(Rung::exact);
   return outward(orientation_from_centroid_exact(d, p, lane.simplex_rows.data()));
 }
 
@@ -438,7 +435,7 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate(Lane& lane, Id start, Id poin
   float g = gauge(lane, f);
   for (;;) {
     if (g > 1 + error(f)) {
-      ++lane.rung_counts[0];
+      lane.rung_counts.count(Rung::plane);
       return f;
     }
     const Id* n = store_.neighbours(f);
@@ -457,7 +454,7 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate(Lane& lane, Id start, Id poin
       // A strict maximum beyond the bounds: the ray from O to the point leaves through f, and the
       // point is beneath f. The sums are rounded, by less than 2^-22.
       if (g > e && g + e < 1 - 0x1p-20F && highest < g - e - 0x1p-20F) {
-        ++lane.rung_counts[0];
+        lane.rung_counts.count(Rung::plane);
         return none;
       }
       return locate_exactly(lane, f, point, end);
@@ -477,13 +474,10 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate_exactly(Lane& lane, Id start,
   // A visibility walk on the projection of the hull from O. The projection is a regular subdivision
   // but for its coplanar pieces, so a walk that picks the ridge at random ends with probability 1
   // (Devillers, Pion, Teillaud 2002).
-  lane.random = 0x9E3779B97F4A7C15ULL ^ (std::uint64_t{point} << 20);
+  XorShift random(XorShift::golden ^ (std::uint64_t{point} << 20));
   for (std::uint32_t step = 1;; ++step) {
-    if (step % 256 == 0) control_.check();
-    lane.random ^= lane.random << 13;
-    lane.random ^= lane.random >> 7;
-    lane.random ^= lane.random << 17;
-    const auto first = static_cast<unsigned>(lane.random % d);
+    if (step % 256 == 0) run_.check();
+    const auto first = static_cast<unsigned>(random.next() % d);
     Id next = none;
     for (unsigned k = 0; k < d && next == none; ++k) {
       const unsigned j = (first + k) % d;

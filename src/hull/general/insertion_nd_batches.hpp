@@ -64,7 +64,7 @@ void InsertionNd<D>::insert_round() {
   }
   std::size_t tried = 0, refused = 0, made = 0;
   while (!batch_.empty()) {
-    control_.check();
+    run_.check();
     in_parallel([this](Stream& s, Lane& lane) { advance(s, lane); });
     settle();
     in_parallel([this](Stream& s, Lane& lane) {
@@ -81,7 +81,7 @@ void InsertionNd<D>::insert_round() {
     review_sharing();
   }
   adapt(tried, refused, made);
-  control_.report("hull", static_cast<double>(end) / static_cast<double>(expected_));
+  run_.report("hull", static_cast<double>(end) / static_cast<double>(expected_));
 }
 
 /// As many streams as make a batch worth its hand-overs for every worker, and no more: a stream's

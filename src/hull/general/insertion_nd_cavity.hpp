@@ -28,7 +28,7 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
   for (std::size_t k = 0; k < visible; ++k) {
     if (visible + d > s.visible.size()) s.visible.resize(2 * s.visible.size() + d);
     if (ridges + d > s.horizon.size()) s.horizon.resize(2 * s.horizon.size() + d);
-    if (k % 4096 == 4095) control_.check();
+    if (k % 4096 == 4095) run_.check();
     Id* const list = s.visible.data();
     HorizonRidge* const horizon = s.horizon.data();
     const Id f = list[k];
@@ -85,11 +85,11 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
     store_.neighbours(r.facet)[r.apex] = static_cast<Id>(k) | horizon_tag;
   }
   link(s, lane);
-  control_.check();
+  run_.check();
   // Beyond 8D a plane can take milliseconds: one at a time, so that the caller can stop.
   const std::size_t at_once = D > 0 ? count : 1;
   for (std::size_t k = 0; k < count; k += at_once) {
-    if constexpr (D == 0) control_.check();
+    if constexpr (D == 0) run_.check();
     facet_planes(frame_, point, lane.vertices.data() + k * d, lane.apex.data() + k, at_once,
                  lane.planes.data() + k * (d + 1));
   }
@@ -198,34 +198,32 @@ SimplicialHull InsertionNd<D>::collect() {
   RawArray<Id> number;
   number.reserve(facet_slots_);
   std::vector<Id> before(chunk_count(facet_slots_, chunk) + 1, 0);
-  for_each_chunk(facet_slots_, chunk, threads_,
-                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                   control_.check();
-                   Id count = 0;
-                   for (std::uint64_t f = begin; f < end; ++f)
-                     number[f] = store_.alive(static_cast<Id>(f)) ? count++ : none;
-                   before[c + 1] = count;
-                 });
+  run_.each_chunk(facet_slots_, chunk,
+                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                    Id count = 0;
+                    for (std::uint64_t f = begin; f < end; ++f)
+                      number[f] = store_.alive(static_cast<Id>(f)) ? count++ : none;
+                    before[c + 1] = count;
+                  });
   for (std::size_t c = 1; c < before.size(); ++c) before[c] += before[c - 1];
   result_.dimension = d;
   result_.vertices.resize(std::size_t{before.back()} * d);
   result_.neighbours.resize(std::size_t{before.back()} * d);
-  for_each_chunk(facet_slots_, chunk, threads_,
-                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                   control_.check();
-                   for (std::uint64_t f = begin; f < end; ++f) {
-                     if (number[f] == none) continue;
-                     const std::size_t base = std::size_t{before[c] + number[f]} * d;
-                     const Id* v = store_.vertices(static_cast<Id>(f));
-                     const Id* n = store_.neighbours(static_cast<Id>(f));
-                     for (unsigned j = 0; j < d; ++j) {
-                       result_.vertices[base + j] = order_[v[j]];
-                       result_.neighbours[base + j] = before[n[j] >> chunk_bits] + number[n[j]];
-                     }
-                   }
-                 });
+  run_.each_chunk(facet_slots_, chunk,
+                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                    for (std::uint64_t f = begin; f < end; ++f) {
+                      if (number[f] == none) continue;
+                      const std::size_t base = std::size_t{before[c] + number[f]} * d;
+                      const Id* v = store_.vertices(static_cast<Id>(f));
+                      const Id* n = store_.neighbours(static_cast<Id>(f));
+                      for (unsigned j = 0; j < d; ++j) {
+                        result_.vertices[base + j] = order_[v[j]];
+                        result_.neighbours[base + j] = before[n[j] >> chunk_bits] + number[n[j]];
+                      }
+                    }
+                  });
   for (const Lane& lane : lanes_) {
-    for (unsigned r = 0; r < 3; ++r) result_.rung_counts[r] += lane.rung_counts[r];
+    result_.rung_counts += lane.rung_counts;
     result_.duplicates.insert(result_.duplicates.end(), lane.duplicates.begin(),
                               lane.duplicates.end());
   }

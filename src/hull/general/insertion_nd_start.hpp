@@ -14,12 +14,11 @@ void InsertionNd<D>::append_round(NormOrder& order) {
   const std::size_t begin = order_.size();
   order.take_round(order_);
   starts_.push_back(static_cast<Id>(order_.size()));
-  for_each_chunk(order_.size() - begin, std::uint64_t{1} << 15, threads_,
-                 [&](std::uint64_t, std::uint64_t from, std::uint64_t to) {
-                   control_.check();
-                   for (std::uint64_t k = begin + from; k < begin + to; ++k)
-                     std::copy_n(points_.row(order_[k]), d, ordered_.data() + k * d);
-                 });
+  run_.each(order_.size() - begin, std::uint64_t{1} << 15,
+            [&](std::uint64_t from, std::uint64_t to) {
+              for (std::uint64_t k = begin + from; k < begin + to; ++k)
+                std::copy_n(points_.row(order_[k]), d, ordered_.data() + k * d);
+            });
 }
 
 /// Rounds by rounds, until testing what is left against all facets costs more than it saves.
@@ -87,8 +86,7 @@ void InsertionNd<D>::sieve(NormOrder& order, const std::vector<float>& planes) c
   const std::uint64_t chunk = std::max<std::uint64_t>(1, (1 << 16) / live_) * sieve_block;
   const Id left = order.left();
   std::vector<std::uint8_t> inside(chunk_count(left, sieve_block) * sieve_block);
-  for_each_chunk(left, chunk, threads_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-    control_.check();
+  run_.each(left, chunk, [&](std::uint64_t begin, std::uint64_t end) {
     for (auto k = static_cast<Id>(begin); k < end; k += sieve_block)
       test_block(
           planes, [&](Id i) { return order.left_at(k + i); },

@@ -71,12 +71,11 @@ struct Extent {
 };
 
 /// One look at all points; a second at the chunks that the ends are in.
-Extent measure(const PlanarSource& source, unsigned threads, const Control& control) {
+Extent measure(const PlanarSource& source, const Run& run) {
   const std::uint64_t n = source.count();
   std::vector<Box> boxes(chunk_count(n, chunk));
   std::atomic<bool> bad{false};
-  for_each_chunk(n, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-    control.check();
+  run.each_chunk(n, chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     double room[2 * block];
     for (std::uint64_t b = begin; b < end; b += block) {
       const std::uint64_t size = std::min<std::uint64_t>(block, end - b);
@@ -89,17 +88,17 @@ Extent measure(const PlanarSource& source, unsigned threads, const Control& cont
         widen(boxes[c], box);
     }
   });
-  if (bad) check_finite(source.view(), nullptr, threads, control);  // names the first
+  if (bad) check_finite(source.view(), nullptr, run);  // names the first
   Extent extent{boxes[0], {}};
   Box& all = extent.box;
   for (const Box& box : boxes) widen(all, box);
   std::vector<Corners> corners(boxes.size());
-  for_each_chunk(n, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+  run.each_chunk(n, chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     const Box& box = boxes[c];
     if (box.low[0] != all.low[0] && box.high[0] != all.high[0] && box.low[1] != all.low[1] &&
         box.high[1] != all.high[1])
       return;
-    control.check();
+    run.check();
     double room[2 * block];
     for (std::uint64_t b = begin; b < end; b += block) {
       const std::uint64_t size = std::min<std::uint64_t>(block, end - b);
@@ -124,7 +123,7 @@ class Buckets {
   static constexpr unsigned max_bits = 11;
   static constexpr std::uint32_t wanted_size = 512;
 
-  Buckets(const PlanarSource& source, const Box& box, unsigned threads, const Control& control)
+  Buckets(const PlanarSource& source, const Box& box, const Run& run)
       : source_(source),
         map_(box.low[0], box.high[0]),
         bits_(std::min(max_bits,
@@ -133,8 +132,7 @@ class Buckets {
     const std::size_t buckets = std::size_t{1} << bits_;
     const std::uint64_t n = source.count(), chunks = chunk_count(n, chunk);
     std::vector<std::uint32_t> next(chunks * buckets, 0);
-    for_each_chunk(n, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-      control.check();
+    run.each_chunk(n, chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       std::uint32_t* const counts = next.data() + c * buckets;
       each(begin, end, [&](const Entry& e) { ++counts[bucket(e.key)]; });
     });
@@ -145,9 +143,8 @@ class Buckets {
       for (std::uint64_t c = 0; c < chunks; ++c) sum += std::exchange(next[c * buckets + b], sum);
     }
     start_[buckets] = sum;
-    touch_pages(entries_.get(), n * sizeof(Entry), threads, [&] { control.check(); });
-    for_each_chunk(n, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-      control.check();
+    clear_pages_early(entries_.get(), n * sizeof(Entry), run.threads, [&] { run.check(); });
+    run.each_chunk(n, chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       std::uint32_t* const at = next.data() + c * buckets;
       each(begin, end, [&](const Entry& e) {
         Entry* const to = entries_.get() + at[bucket(e.key)]++;
@@ -186,7 +183,7 @@ class Buckets {
 // -------------------------------------------------------------------------------- chains
 
 /// Rows of the chains of a run of buckets.
-struct Run {
+struct Stretch {
   Array<std::uint32_t> lower, upper;
 };
 
@@ -287,7 +284,7 @@ class JoinedChain {
 
 /// Corners counter-clockwise: the lower chain but its last, then the upper one from its last to its
 /// second. Both begin at the lexicographically first point and end at the last.
-Array<std::uint32_t> cycle(const JoinedChain& lower, const JoinedChain& upper, unsigned threads) {
+Array<std::uint32_t> cycle(const JoinedChain& lower, const JoinedChain& upper, const Run& run) {
   struct Job {
     JoinedChain::Piece piece;
     std::size_t to;
@@ -309,7 +306,7 @@ Array<std::uint32_t> cycle(const JoinedChain& lower, const JoinedChain& upper, u
   }
   if (size == 0) return {lower.pieces()[0].rows->front()};  // all points are equal
   Array<std::uint32_t> corners(size);
-  for_each_chunk(jobs.size(), 1, threads, [&](std::uint64_t j, std::uint64_t, std::uint64_t) {
+  run.each_item(jobs.size(), [&](std::uint64_t j) {
     const Job& job = jobs[j];
     const std::uint32_t* const from = job.piece.rows->data();
     std::uint32_t* const to = corners.data() + job.to;
@@ -337,47 +334,46 @@ std::vector<std::size_t> cut_into_runs(const Buckets& buckets) {
 }
 
 Polygon polygon_of_many(const PlanarSource& source, const Extent& extent, const Turn& plain,
-                        unsigned threads, const Control& control) {
-  const Buckets buckets(source, extent.box, threads, control);
-  control.report("hull", 0.3);
+                        const Run& run) {
+  const Buckets buckets(source, extent.box, run);
+  run.report("hull", 0.3);
   const std::vector<std::size_t> ends = cut_into_runs(buckets);
-  std::vector<Run> runs(ends.size() - 1);
+  std::vector<Stretch> runs(ends.size() - 1);
   std::vector<Turn> turns(runs.size(), plain);
-  for_each_chunk(runs.size(), 1, threads, [&](std::uint64_t r, std::uint64_t, std::uint64_t) {
-    ChainBuilder chains(extent.chord(), plain, control);
+  run.each_item(runs.size(), [&](std::uint64_t r) {
+    ChainBuilder chains(extent.chord(), plain, run.control);
     for (std::size_t b = ends[r]; b < ends[r + 1]; ++b) {
-      control.check();
+      run.check();
       chains.add(buckets.begin(b), buckets.count(b), buckets.low_bits());
     }
     runs[r] = {rows_of(chains.lower(), chains.lower_count()),
                rows_of(chains.upper(), chains.upper_count())};
     turns[r] = chains.turn();
   });
-  control.report("hull", 0.9);
+  run.report("hull", 0.9);
   Turn turn = plain;
   JoinedChain lower(source, 1), upper(source, -1);
   for (std::size_t r = 0; r < runs.size(); ++r) {
-    control.check();
+    run.check();
     lower.join(runs[r].lower, turn);
     upper.join(runs[r].upper, turn);
     turn.add_counts(turns[r]);
   }
   Polygon polygon;
-  polygon.corners = cycle(lower, upper, threads);
+  polygon.corners = cycle(lower, upper, run);
   polygon.rows = source.count();
   polygon.box = extent.box;
-  std::copy(turn.counts(), turn.counts() + 3, polygon.rung_counts);
+  polygon.rung_counts = turn.counts();
   return polygon;
 }
 
 }  // namespace
 
-Polygon polygon_of(const PointView& points, bool lattice, unsigned threads,
-                   const Control& control) {
-  control.check();
-  control.report("hull", 0);
+Polygon polygon_of(const PointView& points, bool lattice, const Run& run) {
+  run.check();
+  run.report("hull", 0);
   const PlanarSource source(points);
-  const Extent extent = measure(source, threads, control);
+  const Extent extent = measure(source, run);
   if (extent.box.low[0] == extent.box.high[0] || extent.box.low[1] == extent.box.high[1]) {
     Polygon flat;  // along an axis: the ends, or one point
     flat.corners = {extent.corners.first().row};
@@ -388,30 +384,27 @@ Polygon polygon_of(const PointView& points, bool lattice, unsigned threads,
     return flat;
   }
   const Turn turn(lattice);
-  const std::vector<std::uint32_t> kept =
-      discard_inner(source, extent.box, extent.corners, threads, control);
-  if (kept.empty()) return polygon_of_many(source, extent, turn, threads, control);
+  const std::vector<std::uint32_t> kept = discard_inner(source, extent.box, extent.corners, run);
+  if (kept.empty()) return polygon_of_many(source, extent, turn, run);
   BigArray<double> rows(2 * kept.size());
-  for_each_chunk(kept.size(), chunk, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   for (std::uint64_t i = begin; i < end; ++i) {
-                     const Entry e = source.entry(kept[i]);
-                     rows[2 * i] = e.x;
-                     rows[2 * i + 1] = e.y;
-                   }
-                 });
+  run.each(kept.size(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) {
+      const Entry e = source.entry(kept[i]);
+      rows[2 * i] = e.x;
+      rows[2 * i + 1] = e.y;
+    }
+  });
   const PlanarSource rest(PointView::row_major(rows.get(), kept.size(), 2));
-  Polygon polygon = polygon_of_many(rest, extent, turn, threads, control);
+  Polygon polygon = polygon_of_many(rest, extent, turn, run);
   for (std::uint32_t& corner : polygon.corners) corner = kept[corner];
   polygon.rows = source.count();
   return polygon;
 }
 
-SimplicialHull hull_2d(const LocalPoints& points, unsigned threads, const Control& control) {
+SimplicialHull hull_2d(const LocalPoints& points, const Run& run) {
   const bool scaled = points.coordinates != points.exact;
   const Polygon polygon = polygon_of(PointView::row_major(points.exact, points.count, 2),
-                                     points.small_lattice && !scaled, threads, control);
+                                     points.small_lattice && !scaled, run);
   const std::size_t n = polygon.corners.size();
   if (n < 3) throw Error(ErrorCode::internal, "hull_2d was given collinear points");
   SimplicialHull hull;
@@ -420,18 +413,17 @@ SimplicialHull hull_2d(const LocalPoints& points, unsigned threads, const Contro
   resize_big(hull.neighbours, 2 * n);
   // Edge i runs from corner i to corner i + 1; it is written end first, so that the inside has
   // negative orientation.
-  for_each_chunk(n, std::uint64_t{1} << 15, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint64_t i = begin; i < end; ++i) {
-                     const std::uint64_t previous = i == 0 ? n - 1 : i - 1;
-                     const std::uint64_t next = i + 1 == n ? 0 : i + 1;
-                     hull.vertices[2 * i] = polygon.corners[next];
-                     hull.vertices[2 * i + 1] = polygon.corners[i];
-                     hull.neighbours[2 * i] = static_cast<std::uint32_t>(previous);
-                     hull.neighbours[2 * i + 1] = static_cast<std::uint32_t>(next);
-                   }
-                 });
-  std::copy(polygon.rung_counts, polygon.rung_counts + 3, hull.rung_counts);
+  run.each(n, std::uint64_t{1} << 15, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) {
+      const std::uint64_t previous = i == 0 ? n - 1 : i - 1;
+      const std::uint64_t next = i + 1 == n ? 0 : i + 1;
+      hull.vertices[2 * i] = polygon.corners[next];
+      hull.vertices[2 * i + 1] = polygon.corners[i];
+      hull.neighbours[2 * i] = static_cast<std::uint32_t>(previous);
+      hull.neighbours[2 * i + 1] = static_cast<std::uint32_t>(next);
+    }
+  });
+  hull.rung_counts = polygon.rung_counts;
   return hull;
 }
 

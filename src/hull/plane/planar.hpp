@@ -45,25 +45,23 @@ class Turn {
     if (det > error) return decided(1);
     if (-det > error) return decided(-1);
     if (lattice_) return decided(det > 0 ? 1 : det < 0 ? -1 : 0);
-    ++counts_[static_cast<int>(Rung::exact)];
+    counts_.count(Rung::exact);
     return exact(a, b, c);
   }
 
-  const std::uint64_t* counts() const { return counts_; }
-  void restart() { counts_[0] = counts_[1] = counts_[2] = 0; }
-  void add_counts(const Turn& other) {
-    for (int i = 0; i < 3; ++i) counts_[i] += other.counts_[i];
-  }
+  const RungCounts& counts() const { return counts_; }
+  void restart() { counts_ = {}; }
+  void add_counts(const Turn& other) { counts_ += other.counts_; }
 
  private:
   int decided(int sign) {
-    ++counts_[static_cast<int>(Rung::filter)];
+    counts_.count(Rung::filter);
     return sign;
   }
   static int exact(const Entry& a, const Entry& b, const Entry& c);
 
   bool lattice_;
-  std::uint64_t counts_[3] = {0, 0, 0};
+  RungCounts counts_;
 };
 
 /// Rows of a view of dimension 2, as packed doubles.

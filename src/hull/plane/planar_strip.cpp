@@ -6,6 +6,7 @@
 
 #include "hull/plane/planar_chains.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/xorshift.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -22,15 +23,12 @@ SampleChains chains_of_sample(const PlanarSource& source, const Box& box, std::u
                               const Control& control) {
   const KeyMap map(box.low[0], box.high[0]);
   std::vector<Entry> entries(size);
-  std::uint64_t random = 0x9E3779B97F4A7C15ULL;
+  XorShift random;
   for (std::uint32_t i = 0; i < size; ++i) {
-    random ^= random << 13;
-    random ^= random >> 7;
-    random ^= random << 17;
     const std::uint64_t stretch = source.count() / size;
     Entry& e = entries[i];
     e = source.entry(
-        static_cast<std::uint32_t>(i * stretch + (random >> 32) * stretch / (1ULL << 32)));
+        static_cast<std::uint32_t>(i * stretch + (random.next() >> 32) * stretch / (1ULL << 32)));
     e.key = map.key(e.x);
   }
   const auto [first, last] = std::minmax_element(entries.begin(), entries.end(), before);
@@ -64,14 +62,12 @@ class Quadrilateral {
 };
 
 std::vector<std::uint32_t> outside(const PlanarSource& source, const Strip& strip,
-                                   const Quadrilateral& middle, unsigned threads,
-                                   const Control& control) {
+                                   const Quadrilateral& middle, const Run& run) {
   constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
   constexpr std::uint32_t block = PlanarSource::block;
   std::vector<std::vector<std::uint32_t>> kept(chunk_count(source.count(), chunk));
-  for_each_chunk(source.count(), chunk, threads,
+  run.each_chunk(source.count(), chunk,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
                    double room[2 * block];
                    std::uint32_t list[block];
                    for (std::uint64_t b = begin; b < end; b += block) {
@@ -156,20 +152,19 @@ double Strip::height(const std::vector<Corner>& chain, std::size_t& from, double
 }
 
 std::vector<std::uint32_t> discard_inner(const PlanarSource& source, const Box& box,
-                                         const Corners& corners, unsigned threads,
-                                         const Control& control) {
+                                         const Corners& corners, const Run& run) {
   const std::uint32_t n = source.count();
   if (n < discard_from) return {};
   // Efron 1965: the share of points outside a sample's hull is about its vertices' share of it. A
   // small sample tells at little cost where most points are extreme.
   SampleChains chains;
   for (const std::uint32_t m : {probe_size, std::min(sample_size, n / 32)}) {
-    chains = chains_of_sample(source, box, m, control);
+    chains = chains_of_sample(source, box, m, run.control);
     if (chains.lower.size() + chains.upper.size() > m / 2) return {};
   }
   const auto strip = std::make_unique<Strip>();
   if (!strip->build(box, chains.lower, chains.upper)) return {};
-  return outside(source, *strip, Quadrilateral(corners), threads, control);
+  return outside(source, *strip, Quadrilateral(corners), run);
 }
 
 }  // namespace cullhull::internal

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "hull/plane/planar.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -84,7 +84,6 @@ class Strip {
 /// Rows that may be extreme, ascending; or nothing where a sample says that discarding does not
 /// pay.
 std::vector<std::uint32_t> discard_inner(const PlanarSource& source, const Box& box,
-                                         const Corners& corners, unsigned threads,
-                                         const Control& control);
+                                         const Corners& corners, const Run& run);
 
 }  // namespace cullhull::internal

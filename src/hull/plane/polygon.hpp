@@ -8,7 +8,7 @@
 #include "cullhull/array.hpp"
 #include "hull/plane/planar_chains.hpp"
 #include "hull/plane/planar_strip.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -18,13 +18,13 @@ struct Polygon {
   Array<std::uint32_t> corners;
   std::uint32_t rows = 0;  ///< there were
   Box box{};               ///< of all points
-  std::uint64_t rung_counts[3] = {0, 0, 0};
+  RungCounts rung_counts;
 };
 
 /// points.dimension == 2, 0 < count < 2^32 - 1. `lattice`: doubles compute every turn exactly.
 /// Points are read where they lie, twice; memory: 24 bytes a point that is not discarded early, and
 /// 8 a corner. Throws Error{not_finite} naming the lowest id with a NaN or an infinity.
-Polygon polygon_of(const PointView& points, bool lattice, unsigned threads, const Control& control);
+Polygon polygon_of(const PointView& points, bool lattice, const Run& run);
 
 /// The same for many small sets one after another: memory is kept, and one thread does all.
 class PolygonSeries {
@@ -35,7 +35,7 @@ class PolygonSeries {
   const std::vector<std::uint32_t>& corners(const double* rows, std::uint32_t count);
   /// Of the points of the last call.
   const Box& box() const { return box_; }
-  const std::uint64_t* rung_counts() const { return chains_.turn().counts(); }
+  const RungCounts& rung_counts() const { return chains_.turn().counts(); }
 
  private:
   Array<Entry> entries_;

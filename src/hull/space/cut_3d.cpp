@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hull/space/engine_3d.hpp"
+#include "parallel/xorshift.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -107,12 +108,9 @@ double Engine3D::share_cut(const Cut3D& cut, const std::vector<Id>& sample) cons
 std::vector<Engine3D::Id> Engine3D::sample_facets() const {
   constexpr std::size_t wanted = 1024;
   std::vector<Id> sample;
-  std::uint64_t random = 0x9E3779B97F4A7C15ULL;
+  XorShift random;
   for (std::size_t tries = 0; tries < 16 * wanted && sample.size() < wanted; ++tries) {
-    random ^= random << 13;
-    random ^= random >> 7;
-    random ^= random << 17;
-    const auto f = static_cast<Id>((random >> 32) * slots_ >> 32);
+    const auto f = random.below(slots_);
     if (in_use(f) && facets_[f].live()) sample.push_back(f);
   }
   if (sample.empty()) sample.push_back(live_facet());

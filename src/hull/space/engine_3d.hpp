@@ -28,8 +28,7 @@ struct Cut3D {
 class Engine3D {
  public:
   /// `simplex`: four independent points; the deeper inside their centroid, the better.
-  Engine3D(const LocalPoints& points, const std::uint32_t* simplex, std::uint64_t budget,
-           const Control& control, unsigned threads);
+  Engine3D(const LocalPoints& points, const std::uint32_t* simplex, const Run& run);
   Surface3D run();
 
  private:
@@ -82,9 +81,7 @@ class Engine3D {
   void permute(Id begin, const Keyed* order);
 
   const LocalPoints& points_;
-  const Control& control_;
-  const std::uint64_t budget_;
-  const unsigned threads_;
+  const Run& run_;
   const Orientation3D predicates_;
   const DirectionKey key_, normal_key_;
   InsertionOrder3D order_;

@@ -4,6 +4,7 @@
 #include "cullhull/error.hpp"
 #include "hull/space/engine_3d.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/xorshift.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -21,13 +22,9 @@ struct Start {
   Start(const LocalPoints& points, const Id* given) {
     std::copy_n(given, 4, simplex);
     std::vector<Id> sample(given, given + 4);
-    std::uint64_t random = 0x9E3779B97F4A7C15ULL;
-    for (unsigned k = 0; k < 124 && points.count > 256; ++k) {
-      random ^= random << 13;
-      random ^= random >> 7;
-      random ^= random << 17;
-      sample.push_back(static_cast<Id>((random >> 32) * points.count >> 32));
-    }
+    XorShift random;
+    for (unsigned k = 0; k < 124 && points.count > 256; ++k)
+      sample.push_back(random.below(points.count));
     // Farthest from the first, from the line, from the plane.
     Id best[4] = {given[0], given[0], given[0], given[0]};
     double axis[3][3] = {};
@@ -58,20 +55,17 @@ struct Start {
 
 }  // namespace
 
-Engine3D::Engine3D(const LocalPoints& points, const Id* simplex, std::uint64_t budget,
-                   const Control& control, unsigned threads)
+Engine3D::Engine3D(const LocalPoints& points, const Id* simplex, const Run& run)
     : points_(points),
-      control_(control),
-      budget_(budget),
-      threads_(threads),
+      run_(run),
       predicates_(points, simplex),
       key_(points, predicates_.centre(), simplex),
       normal_key_(key_.for_normals()),
-      order_(insertion_order_3d(points, key_, simplex, threads, control)) {
-  control_.check();
+      order_(insertion_order_3d(points, key_, simplex, run)) {
+  run_.check();
   copy_rows();
   shared_.predicates = &predicates_;
-  shared_.control = &control_;
+  shared_.control = &run_.control;
   shared_.order = order_.ids.get();
   shared_.rows = rows_.get();
 }
@@ -79,8 +73,7 @@ Engine3D::Engine3D(const LocalPoints& points, const Id* simplex, std::uint64_t b
 void Engine3D::copy_rows() {
   const Id n = points_.count;
   rows_ = BigArray<double>(std::size_t{n} * Shared3D::row_stride);
-  for_each_chunk(n, 1 << 16, threads_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-    control_.check();
+  run_.each(n, 1 << 16, [&](std::uint64_t begin, std::uint64_t end) {
     constexpr std::uint64_t ahead = 24;
     for (std::uint64_t i = begin; i < end; ++i) {
       if (i + ahead < end) __builtin_prefetch(points_.row(order_.ids[i + ahead]));
@@ -126,8 +119,8 @@ Surface3D Engine3D::run() {
   build_simplex();
   const auto& ends = order_.round_ends;
   for (std::size_t r = 0; r + 1 < ends.size(); ++r) {
-    control_.check();
-    control_.report("hull", static_cast<double>(ends[r]) / points_.count);
+    run_.check();
+    run_.report("hull", static_cast<double>(ends[r]) / points_.count);
     const std::uint64_t steps = pieces_[0].steps, inserted = pieces_[0].inserted;
     if (by_normals_) sort_by_normals(r);
     insert_round(ends[r], ends[r + 1]);
@@ -142,22 +135,22 @@ Surface3D Engine3D::run() {
 }
 
 void Engine3D::insert_round(Id begin, Id end) {
-  const bool large = threads_ > 1 && end - begin >= smallest_parallel_round;
+  const bool large = run_.threads > 1 && end - begin >= smallest_parallel_round;
   if (large && few_seen_) {
     screen_and_insert(begin, end);
     return;
   }
   // An insertion adds two facets, but for a moment it has used at most two more.
   const std::uint64_t bound =
-      slots_ + 2 * std::uint64_t{end - begin} + 64 * std::uint64_t{threads_};
-  if (large && bound <= std::min<std::uint64_t>(budget_ / bytes_per_facet, none - 1)) {
+      slots_ + 2 * std::uint64_t{end - begin} + 64 * std::uint64_t{run_.threads};
+  if (large && bound <= std::min<std::uint64_t>(run_.budget / bytes_per_facet, none - 1)) {
     reserve(bound);
     insert_in_pieces(begin, end);
     return;
   }
   give_slots(end - begin);
   const std::function<void(double)> progress = [&](double share) {
-    control_.report("hull", (begin + share * (end - begin)) / points_.count);
+    run_.report("hull", (begin + share * (end - begin)) / points_.count);
   };
   insert_points(shared_, pieces_[0], nullptr, begin, end, &progress);
   take_back_slots();
@@ -165,7 +158,7 @@ void Engine3D::insert_round(Id begin, Id end) {
 
 /// As many to the only piece as it can use and the budget allows.
 void Engine3D::give_slots(Id points) {
-  const std::uint64_t allowed = std::min<std::uint64_t>(budget_ / bytes_per_facet, none - 1);
+  const std::uint64_t allowed = std::min<std::uint64_t>(run_.budget / bytes_per_facet, none - 1);
   const std::uint64_t bound = slots_ + 2 * std::uint64_t{points} + 64;
   const std::uint64_t slots = std::max<std::uint64_t>(slots_, std::min(bound, allowed));
   reserve(slots);
@@ -223,18 +216,16 @@ Surface3D Engine3D::surface() {
   s.count = points_.count;
   s.predicates = predicates_;
   s.duplicates = std::move(pieces_[0].duplicates);
-  std::copy_n(pieces_[0].rungs, 3, s.rung_counts);
+  s.rung_counts = pieces_[0].rungs;
   return s;
 }
 
-Surface3D surface_3d(const LocalPoints& points, const std::uint32_t* simplex, std::uint64_t budget,
-                     unsigned threads, const Control& control) {
-  return Engine3D(points, Start(points, simplex).simplex, budget, control, threads).run();
+Surface3D surface_3d(const LocalPoints& points, const std::uint32_t* simplex, const Run& run) {
+  return Engine3D(points, Start(points, simplex).simplex, run).run();
 }
 
-SimplicialHull hull_3d(const LocalPoints& points, const std::uint32_t* simplex,
-                       std::uint64_t budget, unsigned threads, const Control& control) {
-  return to_simplicial(surface_3d(points, simplex, budget, threads, control), threads, control);
+SimplicialHull hull_3d(const LocalPoints& points, const std::uint32_t* simplex, const Run& run) {
+  return to_simplicial(surface_3d(points, simplex, run), run);
 }
 
 }  // namespace cullhull::internal

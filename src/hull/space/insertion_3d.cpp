@@ -186,7 +186,7 @@ class Inserter {
     for (const Id n : facets_[f].neighbours)
       highest = std::max(highest, gauge(n, y_) + facets_[n].error);
     if (g > e && g + e < 1 && highest < g - e) {
-      ++piece_.rungs[static_cast<unsigned>(Rung::plane)];
+      piece_.rungs.count(Rung::plane);
       return inside;
     }
     return locate_exactly(f, p);
@@ -200,10 +200,7 @@ class Inserter {
     for (Id step = 1;; ++step) {
       if (step % 1024 == 0) s_.control->check();
       ++piece_.steps;
-      piece_.random ^= piece_.random << 13;
-      piece_.random ^= piece_.random >> 7;
-      piece_.random ^= piece_.random << 17;
-      const auto first = static_cast<unsigned>(piece_.random % 3);
+      const auto first = static_cast<unsigned>(piece_.random.next() % 3);
       Id next = inside;
       for (unsigned k = 0; k < 3 && next == inside; ++k) {
         const unsigned j = (first + k) % 3;
@@ -244,7 +241,7 @@ class Inserter {
       if (seed == foreign) return false;
     }
     if (seed == inside) return true;
-    ++piece_.rungs[static_cast<unsigned>(Rung::plane)];
+    piece_.rungs.count(Rung::plane);
     ++piece_.inserted;
     if (!find_cavity(p, seed)) {
       piece_.hint = seed;

@@ -15,6 +15,7 @@
 #include "geometry/local_points.hpp"
 #include "geometry/orientation_3d.hpp"
 #include "parallel/control.hpp"
+#include "parallel/xorshift.hpp"
 
 namespace cullhull::internal {
 
@@ -62,13 +63,13 @@ struct alignas(256) Piece3D {
   std::uint32_t first_owner = 0, owner_count = 1;  // the facets it owns
   std::uint32_t epoch = 0;
   std::uint32_t hint = 0;
-  std::uint64_t random = 0x9E3779B97F4A7C15ULL;
+  XorShift random;
   std::uint32_t next_slot = 0, end_slot = 0;                   // slots never used
   std::vector<std::uint32_t> free;                             // slots used before
   std::vector<std::pair<std::uint32_t, std::uint32_t>> spare;  // ranges of slots never used
   std::vector<std::uint32_t> deferred;  // points that concern other pieces' facets, ascending
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
-  std::uint64_t rungs[3] = {0, 0, 0};
+  RungCounts rungs;
   std::uint64_t steps = 0, inserted = 0;
   Entries3D entries;
 

@@ -20,25 +20,22 @@ void Engine3D::rank_facets() {
   for (const auto& run : runs)
     for (Id f = run.first; f < run.second; ++f)
       if (facets_[f].live()) order.push_back({0, f});
-  for_each_chunk(order.size(), 1 << 13, threads_,
-                 [&](std::uint64_t, std::uint64_t first, std::uint64_t last) {
-                   control_.check();
-                   constexpr std::uint32_t block = DirectionKey::block;
-                   double normals[3][block] = {};
-                   std::uint64_t keys[block];
-                   for (std::uint64_t at = first; at < last; at += block) {
-                     const auto size = static_cast<Id>(std::min<std::uint64_t>(block, last - at));
-                     for (Id i = 0; i < size; ++i)
-                       for (unsigned j = 0; j < 3; ++j)
-                         normals[j][i] = facets_[order[at + i].facet].normal[j];
-                     normal_key_.fine_keys(normals[0], normals[1], normals[2], keys);
-                     for (Id i = 0; i < size; ++i) order[at + i].key = keys[i];
-                   }
-                 });
+  run_.each(order.size(), 1 << 13, [&](std::uint64_t first, std::uint64_t last) {
+    constexpr std::uint32_t block = DirectionKey::block;
+    double normals[3][block] = {};
+    std::uint64_t keys[block];
+    for (std::uint64_t at = first; at < last; at += block) {
+      const auto size = static_cast<Id>(std::min<std::uint64_t>(block, last - at));
+      for (Id i = 0; i < size; ++i)
+        for (unsigned j = 0; j < 3; ++j) normals[j][i] = facets_[order[at + i].facet].normal[j];
+      normal_key_.fine_keys(normals[0], normals[1], normals[2], keys);
+      for (Id i = 0; i < size; ++i) order[at + i].key = keys[i];
+    }
+  });
   BigArray<Ranked> memory(order.size());
   Ranked *ranked = order.data(), *scratch = memory.get();
-  radix_sort(ranked, scratch, static_cast<Id>(order.size()), DirectionKey::fine_bits, threads_,
-             control_, [](const Ranked& r) { return r.key; });
+  radix_sort(ranked, scratch, static_cast<Id>(order.size()), DirectionKey::fine_bits, run_,
+             [](const Ranked& r) { return r.key; });
   for (std::size_t k = 0; k < order.size(); ++k) rank_[ranked[k].facet] = static_cast<Id>(k);
 }
 
@@ -77,24 +74,21 @@ void Engine3D::sort_by_normals(std::size_t round) {
   BigArray<Keyed> memory(2 * std::size_t{n - begin});
   Keyed *keyed = memory.get(), *scratch = memory.get() + (n - begin);
   const Id start = live_facet();
-  for_each_chunk(
-      n - begin, 1 << 14, threads_, [&](std::uint64_t, std::uint64_t first, std::uint64_t last) {
-        control_.check();
-        Id f = start;
-        for (std::uint64_t i = first; i < last; ++i) {
-          const auto position = static_cast<Id>(begin + i);
-          const double* p = shared_.row(position);
-          f = climb(shared_, f, p);
-          const double way = way_across(f, p);
-          keyed[i] = {(rank_[f] << way_bits) | static_cast<Id>(way * (1U << way_bits)), position};
-        }
-      });
+  run_.each(n - begin, 1 << 14, [&](std::uint64_t first, std::uint64_t last) {
+    Id f = start;
+    for (std::uint64_t i = first; i < last; ++i) {
+      const auto position = static_cast<Id>(begin + i);
+      const double* p = shared_.row(position);
+      f = climb(shared_, f, p);
+      const double way = way_across(f, p);
+      keyed[i] = {(rank_[f] << way_bits) | static_cast<Id>(way * (1U << way_bits)), position};
+    }
+  });
   const auto& ends = order_.round_ends;
   for (std::size_t r = round; r + 1 < ends.size(); ++r) {
     const Id offset = ends[r] - begin;
     Keyed *items = keyed + offset, *other = scratch + offset;
-    radix_sort(items, other, ends[r + 1] - ends[r], rank_bits + way_bits, threads_, control_,
-               sort_key);
+    radix_sort(items, other, ends[r + 1] - ends[r], rank_bits + way_bits, run_, sort_key);
     if (items != keyed + offset) std::copy_n(items, ends[r + 1] - ends[r], keyed + offset);
   }
   if (!shorter_walks(begin, ends[round + 1], keyed)) {
@@ -134,8 +128,7 @@ void Engine3D::permute(Id begin, const Keyed* order) {
   const Id n = points_.count;
   BigArray<Id> ids(n);
   BigArray<double> rows(std::size_t{n} * Shared3D::row_stride);
-  for_each_chunk(n, 1 << 16, threads_, [&](std::uint64_t, std::uint64_t first, std::uint64_t last) {
-    control_.check();
+  run_.each(n, 1 << 16, [&](std::uint64_t first, std::uint64_t last) {
     for (std::uint64_t i = first; i < last; ++i) {
       const Id from = i < begin ? static_cast<Id>(i) : order[i - begin].id;
       ids[i] = order_.ids[from];

@@ -7,7 +7,7 @@
 #include "geometry/local_points.hpp"
 #include "hull/space/direction_key.hpp"
 #include "parallel/big_array.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -27,7 +27,6 @@ inline constexpr auto sort_key = [](const Keyed& k) { return k.key; };
 /// The four points of `simplex` come first, as a round of their own; the round after it is small
 /// and not sorted. Deterministic, whatever the number of threads.
 InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKey& key,
-                                    const std::uint32_t* simplex, unsigned threads,
-                                    const Control& control);
+                                    const std::uint32_t* simplex, const Run& run);
 
 }  // namespace cullhull::internal

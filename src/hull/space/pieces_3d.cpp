@@ -12,20 +12,19 @@ void Engine3D::screen_and_insert(Id begin, Id end) {
   constexpr std::uint64_t chunk = 1 << 13;
   std::vector<Piece3D> readers(chunk_count(end - begin, chunk));
   const Id start = live_facet();
-  for_each_chunk(end - begin, chunk, threads_,
-                 [&](std::uint64_t c, std::uint64_t first, std::uint64_t last) {
-                   control_.check();
-                   readers[c].owner_count = none;  // all
-                   readers[c].hint = start;
-                   screen_points(shared_, readers[c], nullptr, static_cast<Id>(begin + first),
-                                 static_cast<Id>(begin + last));
-                 });
+  run_.each_chunk(end - begin, chunk,
+                  [&](std::uint64_t c, std::uint64_t first, std::uint64_t last) {
+                    readers[c].owner_count = none;  // all
+                    readers[c].hint = start;
+                    screen_points(shared_, readers[c], nullptr, static_cast<Id>(begin + first),
+                                  static_cast<Id>(begin + last));
+                  });
   Piece3D& all = pieces_[0];
   std::vector<Id> seen;
   for (Piece3D& r : readers) {
     seen.insert(seen.end(), r.deferred.begin(), r.deferred.end());
     all.duplicates.insert(all.duplicates.end(), r.duplicates.begin(), r.duplicates.end());
-    for (unsigned k = 0; k < 3; ++k) all.rungs[k] += r.rungs[k];
+    all.rungs += r.rungs;
     all.steps += r.steps;
   }
   give_slots(static_cast<Id>(seen.size()));
@@ -36,7 +35,7 @@ void Engine3D::screen_and_insert(Id begin, Id end) {
 /// Cuts the surface into pieces of about equally many new points, fills them side by side, and
 /// joins neighbouring pieces two by two until the points at the last border are in.
 void Engine3D::insert_in_pieces(Id begin, Id end) {
-  const Id count = std::min<Id>(threads_, (end - begin) / (smallest_parallel_round / 4));
+  const Id count = std::min<Id>(run_.threads, (end - begin) / (smallest_parallel_round / 4));
   std::vector<Work> work(count);
   for (Id t = 0; t < count; ++t) {
     const std::uint64_t points = end - begin;
@@ -87,14 +86,13 @@ void Engine3D::divide(std::vector<Work>& work, const Cut3D& cut) const {
   const Id begin = work.front().begin, end = work.back().end;
   constexpr std::uint64_t chunk = 1 << 14;
   std::vector<std::vector<Id>> found(chunk_count(end - begin, chunk) * work.size());
-  for_each_chunk(end - begin, chunk, threads_,
-                 [&](std::uint64_t c, std::uint64_t first, std::uint64_t last) {
-                   control_.check();
-                   for (std::uint64_t i = begin + first; i < begin + last; ++i) {
-                     const auto p = static_cast<Id>(i);
-                     found[c * work.size() + cut.piece_of(shared_.row(p))].push_back(p);
-                   }
-                 });
+  run_.each_chunk(end - begin, chunk,
+                  [&](std::uint64_t c, std::uint64_t first, std::uint64_t last) {
+                    for (std::uint64_t i = begin + first; i < begin + last; ++i) {
+                      const auto p = static_cast<Id>(i);
+                      found[c * work.size() + cut.piece_of(shared_.row(p))].push_back(p);
+                    }
+                  });
   for (std::size_t t = 0; t < work.size(); ++t) {
     work[t].begin = work[t].end = 0;
     for (std::size_t k = t; k < found.size(); k += work.size())
@@ -104,8 +102,7 @@ void Engine3D::divide(std::vector<Work>& work, const Cut3D& cut) const {
 
 void Engine3D::own_facets(const Cut3D& cut) {
   const auto runs = used_slots(1 << 13);
-  for_each_chunk(runs.size(), 1, threads_, [&](std::uint64_t c, std::uint64_t, std::uint64_t) {
-    control_.check();
+  run_.each_item(runs.size(), [&](std::uint64_t c) {
     constexpr std::uint32_t block = DirectionKey::block;
     double middles[3][block] = {};
     std::uint32_t keys[block];
@@ -133,30 +130,27 @@ void Engine3D::find_entries(Id begin, Id end) {
   entries_.resize(end / Entries3D::block - first_block + 1);
   const Id start = live_facet();
   constexpr std::uint64_t chunk = 64;
-  for_each_chunk(entries_.size(), chunk, threads_,
-                 [&](std::uint64_t, std::uint64_t first, std::uint64_t last) {
-                   control_.check();
-                   Piece3D reader;
-                   reader.owner_count = none;  // all
-                   reader.hint = start;
-                   for (std::uint64_t b = first; b < last; ++b) {
-                     const auto position = static_cast<Id>((first_block + b) * Entries3D::block);
-                     const Id p = std::clamp(position, begin, end - 1);
-                     screen_points(shared_, reader, nullptr, p, p + 1);
-                     entries_[b] = {reader.hint, facets_[reader.hint].owner};
-                   }
-                 });
+  run_.each(entries_.size(), chunk, [&](std::uint64_t first, std::uint64_t last) {
+    Piece3D reader;
+    reader.owner_count = none;  // all
+    reader.hint = start;
+    for (std::uint64_t b = first; b < last; ++b) {
+      const auto position = static_cast<Id>((first_block + b) * Entries3D::block);
+      const Id p = std::clamp(position, begin, end - 1);
+      screen_points(shared_, reader, nullptr, p, p + 1);
+      entries_[b] = {reader.hint, facets_[reader.hint].owner};
+    }
+  });
 }
 
 void Engine3D::run_pieces(const std::vector<Work>& work, Id begin, Id end) {
   const auto caller = std::this_thread::get_id();
-  for_each_chunk(pieces_.size(), 1, threads_, [&](std::uint64_t t, std::uint64_t, std::uint64_t) {
-    control_.check();
+  run_.each_item(pieces_.size(), [&](std::uint64_t t) {
     Piece3D& piece = pieces_[t];
     const Work& w = work[t];
     const std::function<void(double)> progress = [&](double share) {
       if (std::this_thread::get_id() == caller)
-        control_.report("hull", (begin + share * (end - begin)) / points_.count);
+        run_.report("hull", (begin + share * (end - begin)) / points_.count);
     };
     if (piece.hint == none) {  // no facet of its own
       piece.deferred = w.positions;
@@ -187,7 +181,7 @@ std::vector<Engine3D::Work> Engine3D::join_pieces() {
       a.spare.insert(a.spare.end(), b.spare.begin(), b.spare.end());
       a.deferred.insert(a.deferred.end(), b.deferred.begin(), b.deferred.end());
       a.duplicates.insert(a.duplicates.end(), b.duplicates.begin(), b.duplicates.end());
-      for (unsigned r = 0; r < 3; ++r) a.rungs[r] += b.rungs[r];
+      a.rungs += b.rungs;
       a.steps += b.steps;
       a.inserted += b.inserted;
     }

@@ -22,14 +22,11 @@ std::vector<Surface3D::Run> Surface3D::runs(std::uint32_t length) const {
   return out;
 }
 
-SimplicialHull to_simplicial(Surface3D&& surface, unsigned threads, const Control& control) {
+SimplicialHull to_simplicial(Surface3D&& surface, const Run& run) {
   const auto runs = surface.runs(1 << 15);
   const Facet3D* facets = surface.facets.data();
   const auto each_run = [&](const auto& body) {
-    for_each_chunk(runs.size(), 1, threads, [&](std::uint64_t c, std::uint64_t, std::uint64_t) {
-      control.check();
-      body(c, runs[c].first, runs[c].second);
-    });
+    run.each_item(runs.size(), [&](std::uint64_t c) { body(c, runs[c].first, runs[c].second); });
   };
   std::vector<Id> first(runs.size() + 1, 0);
   each_run([&](std::uint64_t c, Id begin, Id end) {
@@ -67,12 +64,11 @@ SimplicialHull to_simplicial(Surface3D&& surface, unsigned threads, const Contro
     }
   });
   hull.duplicates = std::move(surface.duplicates);
-  std::copy_n(surface.rung_counts, 3, hull.rung_counts);
+  hull.rung_counts = surface.rung_counts;
   return hull;
 }
 
-Surface3D to_surface(const SimplicialHull& hull, const LocalPoints& points, unsigned threads,
-                     const Control& control) {
+Surface3D to_surface(const SimplicialHull& hull, const LocalPoints& points, const Run& run) {
   const auto fail = [](const char* what) {
     throw Error(ErrorCode::not_exact,
                 std::string("the engine's boundary is not that of the exact hull: ") + what);
@@ -89,18 +85,15 @@ Surface3D to_surface(const SimplicialHull& hull, const LocalPoints& points, unsi
   s.order = BigArray<Id>(points.count);
   s.rows = BigArray<double>(std::size_t{points.count} * Shared3D::row_stride);
   constexpr std::uint64_t chunk = 1 << 15;
-  for_each_chunk(points.count, chunk, threads,
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   control.check();
-                   for (std::uint64_t i = begin; i < end; ++i) {
-                     s.order[i] = static_cast<Id>(i);
-                     double* row = s.rows.get() + i * Shared3D::row_stride;
-                     std::memcpy(row, points.row(static_cast<Id>(i)), 3 * sizeof(double));
-                     row[3] = 0;
-                   }
-                 });
-  for_each_chunk(count, chunk, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-    control.check();
+  run.each(points.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) {
+      s.order[i] = static_cast<Id>(i);
+      double* row = s.rows.get() + i * Shared3D::row_stride;
+      std::memcpy(row, points.row(static_cast<Id>(i)), 3 * sizeof(double));
+      row[3] = 0;
+    }
+  });
+  run.each(count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t f = begin; f < end; ++f) {
       Facet3D& facet = s.facets[f];
       for (unsigned j = 0; j < 3; ++j) {

@@ -12,8 +12,8 @@
 #include "hull/engine.hpp"
 #include "hull/space/insertion_3d.hpp"
 #include "parallel/big_array.hpp"
-#include "parallel/control.hpp"
 #include "parallel/raw_array.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -31,22 +31,20 @@ struct Surface3D {
   std::optional<Orientation3D> predicates;  ///< of the local points; refers to them
   /// As in SimplicialHull.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
-  std::uint64_t rung_counts[3] = {0, 0, 0};
+  RungCounts rung_counts;
 
   /// The used slots in runs of at most `length`.
   std::vector<Run> runs(std::uint32_t length) const;
 };
 
 /// As hull_3d.
-Surface3D surface_3d(const LocalPoints& points, const std::uint32_t* simplex, std::uint64_t budget,
-                     unsigned threads, const Control& control);
+Surface3D surface_3d(const LocalPoints& points, const std::uint32_t* simplex, const Run& run);
 
 /// The facets numbered by ascending slot, with local ids.
-SimplicialHull to_simplicial(Surface3D&& surface, unsigned threads, const Control& control);
+SimplicialHull to_simplicial(Surface3D&& surface, const Run& run);
 
 /// The other way, for another engine's facets; throws Error{not_exact} where they refer to points
 /// or facets that do not exist.
-Surface3D to_surface(const SimplicialHull& hull, const LocalPoints& points, unsigned threads,
-                     const Control& control);
+Surface3D to_surface(const SimplicialHull& hull, const LocalPoints& points, const Run& run);
 
 }  // namespace cullhull::internal

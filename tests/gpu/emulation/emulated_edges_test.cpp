@@ -114,8 +114,9 @@ TEST_F(EmulatedEdges, MapsOfManySizesOnThreadsBesideOneAnother) {
     threads.emplace_back([&] {
       const auto rows = ball(3, 2000, 3);
       const Options options;
-      const internal::Control control(options);
-      const auto expected = map->survivors(PointView::row_major(rows.data(), 2000, 3), 1, control);
+      const internal::Run run(options);
+      const auto expected =
+          map->survivors(PointView::row_major(rows.data(), 2000, 3), run.with_threads(1));
       const Stream stream;
       const OnDevice there(rows);
       const auto view = DevicePointView::row_major(there.data<float>(), 2000, 3, stream);

@@ -70,10 +70,11 @@ std::vector<Layout<T>> layouts_of(const std::vector<T>& rows, unsigned d, std::s
 template <class T>
 void expect_all_layouts(const GaugeMap& map, unsigned d, std::size_t n) {
   const Options options;
-  const internal::Control control(options);
+  const internal::Run run(options);
   const std::vector<T> rows = strewn_rows<T>(d, n);
   const auto here = PointView::row_major(rows.data(), n, d);
-  const auto expected = n > 0 ? map.survivors(here, 1, control) : std::vector<std::uint64_t>{};
+  const auto expected =
+      n > 0 ? map.survivors(here, run.with_threads(1)) : std::vector<std::uint64_t>{};
   for (const Layout<T>& layout : layouts_of(rows, d, n)) {
     const std::string what = layout.name + " " + std::to_string(d) + "D " +
                              std::to_string(sizeof(T)) + " bytes, " + std::to_string(n);
@@ -85,15 +86,17 @@ void expect_all_layouts(const GaugeMap& map, unsigned d, std::size_t n) {
     std::vector<std::uint64_t> ids(found.count);
     internal::cuda::download(ids.data(), found.ids.data(), found.count, nullptr);
     ASSERT_EQ(ids, expected) << what;
-    ASSERT_EQ(internal::cuda::survivors_by_pieces(map.table(), view, control), expected) << what;
+    ASSERT_EQ(internal::cuda::survivors_by_pieces(map.table(), view, run.control), expected)
+        << what;
     if (ids.empty()) continue;
-    const auto fetched = internal::cuda::download_points(view, ids.data(), ids.size(), control);
+    const auto fetched = internal::cuda::download_points(view, ids.data(), ids.size(), run.control);
     for (std::size_t k = 0; k < ids.size() * d; ++k) {
       const auto value = static_cast<double>(rows[ids[k / d] * d + k % d]);
       ASSERT_TRUE(fetched[k] == value || value != value) << what;
     }
   }
-  ASSERT_EQ(internal::cuda::survivors_of_host_points(map.table(), here, 2, control), expected);
+  ASSERT_EQ(internal::cuda::survivors_of_host_points(map.table(), here, run.with_threads(2)),
+            expected);
 }
 
 TEST(EmulatedLayouts, EveryBorderInEveryDimension) {

@@ -1,4 +1,4 @@
-// From 4D on the result made in canonical order is the one that the general way gives, bit for bit,
+// From 4D on the result made in canonical order is the one that the fallback gives, bit for bit,
 // whatever of a simplex fits into its key, and a surface that is not a hull's is refused.
 #include <gtest/gtest.h>
 
@@ -31,12 +31,12 @@ using Rows = std::vector<double>;
 struct Case {
   Case(const Rows& rows, unsigned d, unsigned threads = 1)
       : view(PointView::row_major(rows.data(), rows.size() / d, d)),
-        control(options),
-        frame(gather_points(view, nullptr, view.count, 1, control),
-              static_cast<std::uint32_t>(view.count), d, 1, control),
-        surface(make_surface(hull_nd(frame.points(), frame.simplex().data(), std::uint64_t{1} << 40,
-                                     threads, control),
-                             frame.points(), threads)) {}
+        run(options),
+        frame(gather_points(view, nullptr, view.count, run.with_threads(1)),
+              static_cast<std::uint32_t>(view.count), d, run.with_threads(1)),
+        surface(make_surface(hull_nd(frame.points(), frame.simplex().data(),
+                                     run.with_budget(std::uint64_t{1} << 40).with_threads(threads)),
+                             frame.points(), run.with_threads(threads))) {}
 
   ResultInput input() const { return {&view, &frame.points(), nullptr, frame.axes().data()}; }
   Hull empty_hull() const {
@@ -47,11 +47,12 @@ struct Case {
     return hull;
   }
   bool short_way(unsigned threads, unsigned key_bits, Hull& hull) const {
-    VertexList vertices = list_vertices(surface, frame.points().count, nullptr, threads);
-    const Frame measures =
-        make_frame(view, vertices.ids, frame.axes().data(), view.dimension, threads);
-    if (measures.wild || !build_simplicial_nd(input(), surface, vertices, measures, threads,
-                                              control, hull, key_bits))
+    VertexList vertices =
+        list_vertices(surface, frame.points().count, nullptr, run.with_threads(threads));
+    const Frame measures = make_frame(view, vertices.ids, frame.axes().data(), view.dimension,
+                                      run.with_threads(threads));
+    if (measures.wild || !write_simplices(input(), surface, vertices, measures,
+                                          run.with_threads(threads), hull, key_bits))
       return false;
     hull.vertices = std::move(vertices.ids);
     return true;
@@ -59,7 +60,7 @@ struct Case {
 
   PointView view;
   Options options;
-  Control control;
+  Run run;
   LocalFrame frame;
   Surface surface;
 };
@@ -68,12 +69,14 @@ struct Case {
 std::uint64_t the_general_way(const Rows& rows, unsigned d) {
   Case c(rows, d);
   Hull hull = c.empty_hull();
-  const CoplanarPairs pairs =
-      coplanar_pairs(c.surface, c.frame.points(), 1, c.control, hull.statistics.rung_counts);
-  const Assembled assembled = assemble(
-      c.input(), merge_coplanar(std::move(c.surface), pairs, c.frame.points(), 1, c.control), 1,
-      c.control, hull);
-  measure(c.view, assembled.vertices, assembled.index, c.frame.axes().data(), 1, c.control, hull);
+  const CoplanarPairs pairs = coplanar_pairs(c.surface, c.frame.points(), c.run.with_threads(1),
+                                             hull.statistics.rung_counts);
+  const OrderedFacets assembled = order_facets(
+      c.input(),
+      merge_coplanar(std::move(c.surface), pairs, c.frame.points(), c.run.with_threads(1)),
+      c.run.with_threads(1), hull);
+  measure(c.view, assembled.vertices, assembled.index, c.frame.axes().data(), c.run.with_threads(1),
+          hull);
   hull.vertices = assembled.vertices;
   return testing_support::canonical_hash(hull);
 }
@@ -92,7 +95,7 @@ bool same_both_ways(const Rows& rows, unsigned d) {
   return true;
 }
 
-TEST(SimplicialNd, AsTheGeneralWay) {
+TEST(WriteSimplices, AsTheFallback) {
   const std::uint64_t most[] = {6000, 900, 250, 90, 40};
   for (unsigned d = 4; d <= 8; ++d)
     for (const char* shape : {"sphere", "ball", "gauss"})
@@ -102,7 +105,7 @@ TEST(SimplicialNd, AsTheGeneralWay) {
       }
 }
 
-TEST(SimplicialNd, OtherFrames) {
+TEST(WriteSimplices, OtherFrames) {
   const Rows rows = generate("sphere", 1000, 4);
   const auto changed = [&](const std::function<double(double, unsigned)>& change) {
     Rows other = rows;
@@ -117,7 +120,7 @@ TEST(SimplicialNd, OtherFrames) {
       same_both_ways(changed([](double v, unsigned c) { return c == 2 ? v * 1e-9 : v; }), 4));
 }
 
-TEST(SimplicialNd, EqualPoints) {
+TEST(WriteSimplices, EqualPoints) {
   Rows rows = generate("sphere", 2000, 5);
   for (std::size_t i = 0; i < 2000; i += 3)
     std::copy_n(rows.begin() + static_cast<std::ptrdiff_t>(5 * ((7 * i + 1) % 2000)), 5,
@@ -125,9 +128,9 @@ TEST(SimplicialNd, EqualPoints) {
   EXPECT_TRUE(same_both_ways(rows, 5));
 }
 
-/// Facets that share a hyperplane need the general way, however few they are: a sample is looked at
+/// Facets that share a hyperplane need the fallback, however few they are: a sample is looked at
 /// first, then all.
-TEST(SimplicialNd, CoplanarFacetsAreSeen) {
+TEST(WriteSimplices, CoplanarFacetsAreSeen) {
   Rows rows = generate("sphere", 3000, 4);
   for (const double x : {-1.5, 1.5})
     for (const double y : {-1.5, 1.5})
@@ -136,7 +139,7 @@ TEST(SimplicialNd, CoplanarFacetsAreSeen) {
   EXPECT_FALSE(same_both_ways(generate("grid:4", 200, 4), 4));
 }
 
-TEST(SimplicialNd, RefusesWhatIsNoHull) {
+TEST(WriteSimplices, RefusesWhatIsNoHull) {
   const Rows rows = generate("sphere", 300, 5);
   const auto refused = [&](const std::function<void(Surface&)>& spoil) {
     Case c(rows, 5);

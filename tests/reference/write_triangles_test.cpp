@@ -1,4 +1,4 @@
-// The result made of the 3D engine's own facets is the one that the general way gives, bit for bit,
+// The result made of the 3D engine's own facets is the one that the fallback gives, bit for bit,
 // and a surface that is not a hull's is refused.
 #include <gtest/gtest.h>
 
@@ -26,17 +26,17 @@ using Rows = std::vector<double>;
 struct Case {
   explicit Case(const Rows& rows, unsigned threads = 1)
       : view(PointView::row_major(rows.data(), rows.size() / 3, 3)),
-        control(options),
-        frame(gather_points(view, nullptr, view.count, 1, control),
-              static_cast<std::uint32_t>(view.count), 3, 1, control),
-        surface(surface_3d(frame.points(), frame.simplex().data(), std::uint64_t{1} << 40, threads,
-                           control)) {}
+        run(options),
+        frame(gather_points(view, nullptr, view.count, run.with_threads(1)),
+              static_cast<std::uint32_t>(view.count), 3, run.with_threads(1)),
+        surface(surface_3d(frame.points(), frame.simplex().data(),
+                           run.with_budget(std::uint64_t{1} << 40).with_threads(threads))) {}
 
   ResultInput input() const { return {&view, &frame.points(), nullptr, frame.axes().data()}; }
 
   PointView view;
   Options options;
-  Control control;
+  Run run;
   LocalFrame frame;
   Surface3D surface;
 };
@@ -53,14 +53,15 @@ Hull empty_hull(const Case& c) {
 std::uint64_t the_general_way(const Rows& rows) {
   Case c(rows);
   Hull hull = empty_hull(c);
-  Surface surface =
-      make_surface(to_simplicial(std::move(c.surface), 1, c.control), c.frame.points(), 1);
+  Surface surface = make_surface(to_simplicial(std::move(c.surface), c.run.with_threads(1)),
+                                 c.frame.points(), c.run);
   const CoplanarPairs pairs =
-      coplanar_pairs(surface, c.frame.points(), 1, c.control, hull.statistics.rung_counts);
-  const Assembled assembled =
-      assemble(c.input(), merge_coplanar(std::move(surface), pairs, c.frame.points(), 1, c.control),
-               1, c.control, hull);
-  measure(c.view, assembled.vertices, assembled.index, c.frame.axes().data(), 1, c.control, hull);
+      coplanar_pairs(surface, c.frame.points(), c.run.with_threads(1), hull.statistics.rung_counts);
+  const OrderedFacets assembled = order_facets(
+      c.input(), merge_coplanar(std::move(surface), pairs, c.frame.points(), c.run.with_threads(1)),
+      c.run.with_threads(1), hull);
+  measure(c.view, assembled.vertices, assembled.index, c.frame.axes().data(), c.run.with_threads(1),
+          hull);
   hull.vertices = assembled.vertices;
   return testing_support::canonical_hash(hull);
 }
@@ -70,7 +71,7 @@ bool the_short_way(const Rows& rows, std::uint64_t expected) {
   for (const unsigned threads : {1U, 2U, 5U}) {
     Case c(rows, threads);
     Hull hull = empty_hull(c);
-    if (!build_simplicial_3d(c.input(), c.surface, threads, c.control, hull)) return false;
+    if (!write_triangles(c.input(), c.surface, c.run.with_threads(threads), hull)) return false;
     EXPECT_EQ(testing_support::canonical_hash(hull), expected) << "threads " << threads;
   }
   return true;
@@ -84,7 +85,7 @@ Rows changed(Rows rows, const std::function<double(double, unsigned)>& change) {
   return rows;
 }
 
-TEST(Simplicial3D, AsTheGeneralWay) {
+TEST(WriteTriangles, AsTheFallback) {
   for (const char* shape : {"sphere", "ball", "gauss", "cylinder", "cone", "cyclic"})
     for (const std::uint64_t n : {4, 5, 33, 700, 30'000}) {
       SCOPED_TRACE(std::string(shape) + " " + std::to_string(n));
@@ -92,7 +93,7 @@ TEST(Simplicial3D, AsTheGeneralWay) {
     }
 }
 
-TEST(Simplicial3D, OtherFrames) {
+TEST(WriteTriangles, OtherFrames) {
   const Rows rows = generate("sphere", 9'000, 3);
   const double factors[] = {37.5, 1e-3, 4e5}, far[] = {1000, -77, 0.5};
   EXPECT_TRUE(same_both_ways(changed(rows, [&](double v, unsigned c) { return v * factors[c]; })));
@@ -109,7 +110,7 @@ TEST(Simplicial3D, OtherFrames) {
 }
 
 /// A zero's sign shows in a plane's.
-TEST(Simplicial3D, NegativeZeros) {
+TEST(WriteTriangles, NegativeZeros) {
   std::mt19937 random(7);
   Rows rows = generate("sphere", 3'000, 3);
   for (unsigned i = 0; i < 3; ++i)
@@ -122,7 +123,7 @@ TEST(Simplicial3D, NegativeZeros) {
   EXPECT_TRUE(same_both_ways({1, -0.0, -0.0, -0.0, 1, 0.0, 0.0, -0.0, 1, -0.0, 0.0, -0.0}));
 }
 
-TEST(Simplicial3D, EqualPoints) {
+TEST(WriteTriangles, EqualPoints) {
   std::mt19937 random(3);
   Rows rows = generate("sphere", 20'000, 3);
   for (std::size_t i = 0; i < 20'000; ++i) {
@@ -134,8 +135,8 @@ TEST(Simplicial3D, EqualPoints) {
   EXPECT_TRUE(same_both_ways(rows));
 }
 
-/// Facets that share a plane need the general way, however few they are.
-TEST(Simplicial3D, CoplanarFacetsAreSeen) {
+/// Facets that share a plane need the fallback, however few they are.
+TEST(WriteTriangles, CoplanarFacetsAreSeen) {
   Rows rows = generate("sphere", 5'000, 3);
   for (const double x : {-1.5, 1.5})
     for (const double y : {-1.5, 1.5}) rows.insert(rows.end(), {x, y, 2});
@@ -167,13 +168,13 @@ void fold(Surface3D& s, std::uint32_t f) {
   s.facets[beside_g].neighbours[slot_of(beside_g, &Facet3D::neighbours, f)] = g;
 }
 
-TEST(Simplicial3D, RefusesWhatIsNoHull) {
+TEST(WriteTriangles, RefusesWhatIsNoHull) {
   const Rows rows = generate("sphere", 300, 3);
   const auto refused = [&](const std::function<void(Surface3D&)>& spoil) {
     Case c(rows);
     spoil(c.surface);
     Hull hull = empty_hull(c);
-    return !build_simplicial_3d(c.input(), c.surface, 1, c.control, hull);
+    return !write_triangles(c.input(), c.surface, c.run.with_threads(1), hull);
   };
   EXPECT_FALSE(refused([](Surface3D&) {}));
   EXPECT_TRUE(

@@ -1,0 +1,77 @@
+#include "flow/engine_input.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "cull/lattice_cull.hpp"
+#include "cullhull/error.hpp"
+#include "geometry/gather.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+void thin_lattice(EngineInput& input, unsigned d, const Run& run) {
+  // Below this many points the engine is done before the sorts are.
+  constexpr std::uint64_t worthwhile = 256;
+  std::vector<std::uint32_t> kept;
+  if (input.count < worthwhile ||
+      !lattice_cull(input.rows, static_cast<std::uint32_t>(input.count), d, run, kept) ||
+      kept.size() == input.count)
+    return;
+  Array<double> rows(kept.size() * d);
+  std::vector<std::uint64_t> ids(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    std::copy_n(input.rows.data() + std::size_t{kept[i]} * d, d, rows.data() + i * d);
+    ids[i] = input.all ? kept[i] : input.ids[kept[i]];
+  }
+  input.rows = std::move(rows);
+  input.ids = std::move(ids);
+  input.all = false;
+  input.count = kept.size();
+}
+
+void require_engine_room(std::uint64_t count, unsigned dimension, const Run& run) {
+  if (count >= 0xFFFFFFFF)
+    throw Error(ErrorCode::out_of_budget,
+                std::to_string(count) + " points survive the filter; an engine takes 2^32 - 2");
+  // Coordinates, a copy in the engine's order, keys and ids to sort them by.
+  require_budget(run.budget, count * (2 * dimension * sizeof(double) + 24),
+                 std::to_string(count) + " points that survive the filter");
+}
+
+}  // namespace
+
+EngineInput engine_input(const PointView& points, Filtered&& filtered, const Run& run) {
+  EngineInput input;
+  input.all = filtered.survivors.all;
+  input.count = filtered.survivors.size(points.count);
+  require_engine_room(input.count, points.dimension, run);
+  input.rows = std::move(filtered.rows);
+  if (input.rows.empty())
+    input.rows = gather_points(points, input.all ? nullptr : filtered.survivors.ids.data(),
+                               input.count, run);
+  input.ids = std::move(filtered.survivors.ids);
+  thin_lattice(input, points.dimension, run);
+  return input;
+}
+
+SimplicialHull ends_of_line(const LocalPoints& points) {
+  std::uint32_t low = 0, high = 0;
+  for (std::uint32_t i = 1; i < points.count; ++i) {
+    if (points.exact_row(i)[0] < points.exact_row(low)[0]) low = i;
+    if (points.exact_row(i)[0] > points.exact_row(high)[0]) high = i;
+  }
+  SimplicialHull ends;
+  ends.dimension = 1;
+  ends.vertices = {low, high};
+  ends.neighbours = {1, 0};
+  return ends;
+}
+
+Polygon PlanarRows::hull(const Run& run) const {
+  require_engine_room(rows.count, 2, run);
+  return polygon_of(rows, false, run);
+}
+
+}  // namespace cullhull::internal

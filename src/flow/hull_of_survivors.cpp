@@ -1,0 +1,123 @@
+// The second half of the flow: thin lattices, frame, engine, result.
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "cullhull/certify.hpp"
+#include "cullhull/error.hpp"
+#include "flow/engine_input.hpp"
+#include "flow/pipeline.hpp"
+#include "geometry/local_frame.hpp"
+#include "hull/space/surface_3d.hpp"
+#include "result/build_hull.hpp"
+#include "result/extreme_rows.hpp"
+#include "result/polygon_result.hpp"
+#include "small/few_in_space.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+SimplicialHull run_engine(const LocalFrame& frame, Engine engine, const Run& run) {
+  const LocalPoints& points = frame.points();
+  if (points.dimension == 1) return ends_of_line(points);
+  if (engine == Engine::qhull) return hull_qhull(points, run.control);
+  if (points.dimension == 2) return hull_2d(points, run);
+  return hull_nd(points, frame.simplex().data(), run);
+}
+
+/// False beyond the plane and for flats and polygons of extraordinary proportions: then the corners
+/// alone are left of `filtered`, whose hull is the same.
+bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, Hull& hull) {
+  if (points.dimension != 2 || run.options.engine != Engine::native) return false;
+  const PlanarRows rows(points, filtered);
+  const Polygon polygon = rows.hull(run);
+  const std::uint64_t edges = polygon.corners.size();
+  require_budget(run.budget, edges * 160, std::to_string(edges) + " facets");
+  if (edges >= 3 && write_polygon(points, rows.ids, polygon, run, hull)) {
+    hull.affine_dimension = 2;
+    polygon.rung_counts.add_to(hull.statistics.rung_counts);
+    return true;
+  }
+  filtered.survivors.ids =
+      ascending_ids(polygon.corners.data(), edges, polygon.rows, rows.ids, run);
+  filtered.survivors.all = false;
+  filtered.rows = {};
+  return false;
+}
+
+/// Few points in space go straight from their coordinates to the result. False: the engine must.
+bool few_in_space(const PointView& points, const Survivors& survivors, const Run& run, Hull& hull) {
+  constexpr std::uint64_t most_memory = 1 << 22;  // of the largest of such results, generously
+  const std::uint64_t count = survivors.size(points.count);
+  if (run.options.engine != Engine::native || run.budget < most_memory ||
+      (survivors.all && count > most_unfiltered_in_space))
+    return false;
+  return hull_of_few(points, survivors.all ? nullptr : survivors.ids.data(), count, hull);
+}
+
+/// Qhull decides with tolerances, so what it found must be proven before it is called the hull.
+void insist_on_proof(const PointView& points, const Hull& hull, const Options& options) {
+  const Certificate certificate = certify(points, hull, options);
+  if (!certificate.valid)
+    throw Error(ErrorCode::not_exact, "Qhull's result is not the exact hull (" +
+                                          certificate.reason + "); use the native engine");
+}
+
+/// Frame, engine, result: what the fast paths above leave, and all that another engine is asked
+/// for.
+void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run, Hull& hull) {
+  EngineInput input = engine_input(points, std::move(filtered), run);
+  const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
+                         points.dimension, run);
+  run.check();
+  hull.affine_dimension = frame.affine_dimension();
+  if (hull.affine_dimension == 0) {
+    hull.vertices = {input.all ? 0 : input.ids[0]};
+    for (unsigned j = 0; j < points.dimension; ++j)
+      hull.centroid.push_back(points.at(hull.vertices[0], j));
+  } else {
+    const ResultInput from{&points, &frame.points(), input.all ? nullptr : input.ids.data(),
+                           frame.axes().data()};
+    const auto finish = [&](auto&& boundary, std::uint64_t facets) {
+      boundary.rung_counts.add_to(hull.statistics.rung_counts);
+      const auto k = static_cast<std::uint64_t>(hull.affine_dimension);
+      require_budget(run.budget, facets * result_bytes_per_facet(k, points.dimension),
+                     std::to_string(facets) + " facets");
+      // From 4D on a facet takes some 150 ns: with fewer of them threads cost more than they save.
+      constexpr std::uint64_t worth_threads = std::uint64_t{1} << 14;
+      build_hull(from, std::move(boundary),
+                 k > 3 && facets < worth_threads ? run.with_threads(1) : run, hull);
+    };
+    if (hull.affine_dimension == 3 && run.options.engine == Engine::native) {
+      Surface3D surface = surface_3d(frame.points(), frame.simplex().data(), run);
+      finish(std::move(surface), surface.live);
+    } else {
+      SimplicialHull boundary = run_engine(frame, run.options.engine, run);
+      finish(std::move(boundary), boundary.facet_count());
+    }
+  }
+  if (run.options.engine == Engine::qhull) insist_on_proof(points, hull, run.options);
+}
+
+}  // namespace
+
+Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run, Few few) {
+  const Clock::time_point start = Clock::now();
+  Hull hull;
+  hull.dimension = points.dimension;
+  hull.point_count = points.count;
+  hull.scalar = points.scalar;
+  hull.statistics.threads = run.threads;
+  hull.statistics.engine = run.options.engine == Engine::qhull ? "qhull" : "native";
+  hull.statistics.survivors = filtered.survivors.size(points.count);
+  hull.statistics.cull_method = filtered.survivors.method;
+  hull.statistics.cull_reason = filtered.survivors.reason;
+  hull.statistics.backend = filtered.survivors.backend;
+  if (points.count > 0 && !hull_in_plane(points, filtered, run, hull) &&
+      (few == Few::by_engine || !few_in_space(points, filtered.survivors, run, hull)))
+    hull_by_engine(points, std::move(filtered), run, hull);
+  hull.statistics.hull_seconds = seconds_since(start);
+  return hull;
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,48 @@
+// Union and find.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "parallel/big_array.hpp"
+
+namespace cullhull::internal {
+
+/// Sets of the numbers below n, joined by any number of threads. A set's root is its lowest member,
+/// whatever the order of work.
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t n) : parent_(n) {}
+  /// Each number alone, for those of [begin, end).
+  void clear(std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) parent_[i] = static_cast<std::uint32_t>(i);
+  }
+  /// The lowest member of its set; no more than that while others join.
+  std::uint32_t root(std::uint32_t i) {
+    for (;;) {
+      const std::uint32_t up = at(i).load(std::memory_order_relaxed);
+      if (up == i) return i;
+      const std::uint32_t over = at(up).load(std::memory_order_relaxed);
+      at(i).store(over, std::memory_order_relaxed);  // halves the path; i is no root any more
+      i = over;
+    }
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    for (;;) {
+      a = root(a);
+      b = root(b);
+      if (a == b) return;
+      if (a < b) std::swap(a, b);
+      std::uint32_t expected = a;
+      if (at(a).compare_exchange_strong(expected, b, std::memory_order_relaxed)) return;
+    }
+  }
+
+ private:
+  std::atomic_ref<std::uint32_t> at(std::uint32_t i) { return std::atomic_ref(parent_[i]); }
+  BigArray<std::uint32_t> parent_;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,48 @@
+// From a value known at run time to code compiled for it: scalar types and dimensions.
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+
+#include "cullhull/point_view.hpp"
+
+namespace cullhull::internal {
+
+/// body(T()) for the C++ type T that `type` names.
+template <class Body>
+decltype(auto) with_scalar(ScalarType type, const Body& body) {
+  switch (type) {
+    case ScalarType::f32:
+      return body(float());
+    case ScalarType::f64:
+      return body(double());
+    case ScalarType::i8:
+      return body(std::int8_t());
+    case ScalarType::u8:
+      return body(std::uint8_t());
+    case ScalarType::i16:
+      return body(std::int16_t());
+    case ScalarType::u16:
+      return body(std::uint16_t());
+    case ScalarType::i32:
+      return body(std::int32_t());
+    case ScalarType::u32:
+      break;
+  }
+  return body(std::uint32_t());
+}
+
+/// body(std::integral_constant<unsigned, D>()) for D = d where low <= d <= high, else for D =
+/// `otherwise`: 0, say, for code that learns the dimension at run time.
+template <unsigned low, unsigned high, unsigned otherwise, class Body>
+decltype(auto) with_dimension(unsigned d, const Body& body) {
+  if constexpr (low > high) {
+    return body(std::integral_constant<unsigned, otherwise>());
+  } else {
+    if (d == low) return body(std::integral_constant<unsigned, low>());
+    return with_dimension<low + 1, high, otherwise>(d, body);
+  }
+}
+
+}  // namespace cullhull::internal

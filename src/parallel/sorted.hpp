@@ -1,0 +1,17 @@
+// A sorted copy.
+#pragma once
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace cullhull::internal {
+
+/// Ascending; linear where it is so already.
+template <class T>
+std::vector<T> sorted(std::vector<T> items) {
+  if (!std::is_sorted(items.begin(), items.end())) std::sort(items.begin(), items.end());
+  return items;
+}
+
+}  // namespace cullhull::internal

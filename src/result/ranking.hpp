@@ -1,0 +1,35 @@
+// Numbering those of many items that are flagged, in order.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+#include "parallel/run.hpp"
+
+namespace cullhull::internal {
+
+/// `flags`: 0 or 1 for each of `count` items. Calls prepare(total) with how many are 1, then, if
+/// that returns true, visit(item, rank) for every item, `rank` being the flagged ones before it.
+/// Two passes over the flags, by chunks.
+template <class Prepare, class Visit>
+void rank_flagged(const std::uint8_t* flags, std::uint64_t count, const Run& run,
+                  const Prepare& prepare, const Visit& visit) {
+  constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
+  std::vector<std::uint32_t> start(chunk_count(count, chunk) + 1, 0);
+  run.each_chunk(count, chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    start[c + 1] = std::accumulate(flags + begin, flags + end, std::uint32_t{0});
+  });
+  for (std::size_t c = 1; c < start.size(); ++c) start[c] += start[c - 1];
+  if (!prepare(start.back())) return;
+  run.each_chunk(count, chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    std::uint32_t rank = start[c];
+    for (std::uint64_t i = begin; i < end; ++i) {
+      visit(i, rank);
+      rank += flags[i];
+    }
+  });
+}
+
+}  // namespace cullhull::internal
