@@ -1,0 +1,246 @@
+#include "flow/device_filter.hpp"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cuda/device_rows.hpp"
+#include "cuda/gauge.hpp"
+#include "cuda/gauge_kernel.hpp"
+#include "cuda/pseudo_hull.hpp"
+#include "cuda/runtime.hpp"
+#include "cull/planner.hpp"
+#include "flow/sample_map.hpp"
+#include "geometry/gather.hpp"
+#include "parallel/memory.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+class DeviceFilter {
+ public:
+  DeviceFilter(const DevicePointView& points, const Options& options, const Control& control,
+               unsigned threads, std::uint64_t budget)
+      : points_(points),
+        options_(options),
+        control_(control),
+        threads_(threads),
+        budget_(budget),
+        forced_(options.cull == CullMethod::gauge),
+        d_(points.dimension) {}
+
+  Filtered run() {
+    try {
+      return cull_there_or_here();
+    } catch (const cuda::OutOfMemory& e) {
+      if (options_.backend == Backend::cuda) throw;
+      return culled_on_host(e.what());  // packed points are fetched without memory of the device
+    }
+  }
+
+ private:
+  Filtered cull_there_or_here() {
+    Filtered result;
+    result.survivors.all = true;
+    if (options_.cull == CullMethod::pseudo_hull && options_.backend != Backend::cpu &&
+        d_ >= pseudo_hull_min_dimension && d_ <= pseudo_hull_cuda_max_dimension &&
+        points_.count > d_ + 1)
+      return pseudo_hull_there();
+    if (options_.cull == CullMethod::pseudo_hull) return culled_on_host("");
+    result.survivors.reason = why_no_filter(options_.cull, points_.count, d_);
+    if (!result.survivors.reason.empty()) return all_points(std::move(result));
+    if (options_.backend == Backend::cpu) return culled_on_host("");
+    std::string where = "CUDA device as asked";
+    if (options_.backend == Backend::automatic) {
+      const Placement place = place_of_device_points(points_, options_, threads_);
+      if (!place.device) return culled_on_host(place.reason);
+      where = place.reason;
+    }
+    control_.report("cull", 0);
+    const SampledMap sampled = first_map();
+    result.survivors.reason = sampled.reason;
+    if (sampled.map == nullptr) return all_points(std::move(result));
+    result.survivors.reason += "; " + where;
+    result.survivors.backend = "cuda";
+    result.survivors.method = "gauge";
+    result.survivors.all = false;
+    try {
+      cull_there(sampled.map->table(), result);
+      return result;
+    } catch (const cuda::OutOfMemory&) {
+      result.survivors.reason += "; its memory is nearly full";
+    }
+    cull_by_pieces(sampled.map->table(), result);
+    return result;
+  }
+
+  /// One pseudo-hull of all points where they lie, so that no second level is needed.
+  Filtered pseudo_hull_there() const {
+    control_.report("cull", 0);
+    Filtered result;
+    std::vector<std::uint64_t> ids = pseudo_hull_survivors_cuda(points_, {}, control_);
+    require_room(ids.size());
+    result.rows = cuda::download_points(points_, ids.data(), ids.size(), control_);
+    check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), threads_);
+    result.survivors.all = ids.size() == points_.count;
+    if (!result.survivors.all) result.survivors.ids = std::move(ids);
+    result.survivors.method = "pseudo-hull";
+    result.survivors.backend = "cuda";
+    result.survivors.reason = "filter as asked; the points are on the device";
+    return result;
+  }
+
+  /// All points come to the host: there is nothing to cull.
+  Filtered all_points(Filtered&& result) const {
+    result.rows = fetch_all();
+    return std::move(result);
+  }
+
+  Array<double> fetch_all() const { return download_all(points_, control_, threads_, budget_); }
+
+  Filtered culled_on_host(const std::string& why) const {
+    Array<double> rows = fetch_all();
+    const PointView view = PointView::row_major(rows.data(), points_.count, d_);
+    Options here = options_;
+    here.backend = Backend::cpu;
+    Filtered result = run_filter(view, here, control_, threads_, budget_);
+    if (!why.empty()) result.survivors.reason += "; " + why;
+    if (result.survivors.all)
+      result.rows = std::move(rows);
+    else if (result.rows.empty())
+      result.rows = gather_points(view, result.survivors.ids.data(), result.survivors.ids.size(),
+                                  threads_, control_);
+    return result;
+  }
+
+  SampledPoints sampled(const DevicePointView& points) const {
+    return {points.count, d_, threads_, [this, points](const std::vector<std::uint64_t>& ids) {
+              Array<double> rows = cuda::download_points(points, ids.data(), ids.size(), control_);
+              // -0 becomes +0, and what is not finite is refused, as everywhere before an engine.
+              return gather_points(PointView::row_major(rows.data(), ids.size(), d_), nullptr,
+                                   ids.size(), threads_, control_);
+            }};
+  }
+
+  SampledMap first_map() const {
+    try {
+      return map_of_sample(sampled(points_), forced_ ? Insist::yes : Insist::no,
+                           cuda::most_gauge_nodes(cuda::device()), budget_, control_);
+    } catch (const Error& e) {
+      if (e.code() != ErrorCode::not_finite) throw;
+    }
+    refuse_first_not_finite(points_, control_);
+  }
+
+  void require_room(std::uint64_t count) const {
+    require_budget(budget_, count * (d_ + 2) * sizeof(double),
+                   std::to_string(count) + " points that survive the filter");
+  }
+
+  /// The usual way: both maps there, only what survives the second comes back.
+  void cull_there(const GaugeTable& table, Filtered& result) const {
+    const auto stream = static_cast<cudaStream_t>(points_.stream);
+    cuda::DeviceIds left = cuda::survivors_of_device_points(table, points_);
+    require_room(left.count);
+    cuda::DeviceArray<std::byte> rows = rows_of(points_, left);
+    DevicePointView view = packed(rows, left.count);
+    control_.report("cull", 0.8);
+    const char* method = "gauge";
+    if (left.count >= smallest_worth_refining(d_)) {
+      const SampledMap finer =
+          map_of_sample(finite_sample(view), Insist::late, cuda::most_gauge_nodes(cuda::device()),
+                        budget_, control_);
+      result.survivors.reason += "; a second map: " + finer.reason;
+      if (finer.map != nullptr) {
+        const cuda::DeviceIds kept = cuda::survivors_of_device_points(finer.map->table(), view);
+        cuda::DeviceIds ids;
+        ids.count = kept.count;
+        ids.ids = cuda::DeviceArray<std::uint64_t>(kept.count, stream);
+        cuda::check(
+            cuda::gather_ids(left.ids.data(), kept.ids.data(), kept.count, ids.ids.data(), stream),
+            "gathering ids");
+        cuda::DeviceArray<std::byte> fewer = rows_of(view, kept);
+        rows = std::move(fewer);
+        left = std::move(ids);
+        view = packed(rows, left.count);
+        method = "gauge x2";
+      }
+    }
+    std::vector<std::uint64_t> ids(left.count);
+    cuda::download(ids.data(), left.ids.data(), left.count, stream);
+    result.rows = cuda::download_points(view, nullptr, left.count, control_);
+    check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), threads_);
+    result.survivors.ids = std::move(ids);
+    result.survivors.method = method;
+  }
+
+  /// A sample of survivors; one that is not finite is refused by its id among all points.
+  SampledPoints finite_sample(const DevicePointView& view) const {
+    SampledPoints s = sampled(view);
+    s.gather = [this, gather = std::move(s.gather)](const std::vector<std::uint64_t>& ids) {
+      try {
+        return gather(ids);
+      } catch (const Error& e) {
+        if (e.code() != ErrorCode::not_finite) throw;
+      }
+      refuse_first_not_finite(points_, control_);
+    };
+    return s;
+  }
+
+  cuda::DeviceArray<std::byte> rows_of(const DevicePointView& points,
+                                       const cuda::DeviceIds& which) const {
+    const auto stream = static_cast<cudaStream_t>(points_.stream);
+    cuda::DeviceArray<std::byte> rows(which.count * d_ * scalar_size(points_.scalar), stream);
+    cuda::check(cuda::gather_rows(points, which.ids.data(), which.count, rows.data(), stream),
+                "gathering points");
+    return rows;
+  }
+
+  DevicePointView packed(const cuda::DeviceArray<std::byte>& rows, std::uint64_t count) const {
+    DevicePointView view = points_;
+    view.data = rows.data();
+    view.count = count;
+    view.coordinate_stride = static_cast<std::ptrdiff_t>(scalar_size(points_.scalar));
+    view.point_stride = view.coordinate_stride * static_cast<std::ptrdiff_t>(d_);
+    return view;
+  }
+
+  /// With hardly any memory of the device: survivors come back after the first map.
+  void cull_by_pieces(const GaugeTable& table, Filtered& result) const {
+    std::vector<std::uint64_t> ids = cuda::survivors_by_pieces(table, points_, control_);
+    require_room(ids.size());
+    result.rows = cuda::download_points(points_, ids.data(), ids.size(), control_);
+    check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), threads_);
+    result.survivors.ids = std::move(ids);
+    refine_survivors(result, d_, control_, threads_, budget_);
+  }
+
+  const DevicePointView& points_;
+  const Options& options_;
+  const Control& control_;
+  unsigned threads_;
+  std::uint64_t budget_;
+  bool forced_;
+  unsigned d_;
+};
+
+}  // namespace
+
+Filtered run_device_filter(const DevicePointView& points, const Options& options,
+                           const Control& control, unsigned threads, std::uint64_t budget) {
+  if (points.count == 0) {
+    (void)cuda::device();
+    Filtered nothing;
+    nothing.survivors.all = true;
+    nothing.survivors.reason = "no points";
+    return nothing;
+  }
+  // The device that holds the points may be the only one that can be used.
+  const int ordinal = device_of(points);
+  (void)cuda::device(ordinal);
+  const cuda::DeviceScope scope(ordinal);
+  return DeviceFilter(points, options, control, threads, budget).run();
+}
+
+}  // namespace cullhull::internal

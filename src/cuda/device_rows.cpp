@@ -1,0 +1,81 @@
+#include "cuda/device_rows.hpp"
+
+#include <string>
+
+#include "cuda/gauge.hpp"
+#include "cuda/gauge_kernel.hpp"
+#include "cuda/runtime.hpp"
+#include "geometry/gather.hpp"
+#include "parallel/memory.hpp"
+
+namespace cullhull::internal {
+
+int device_of_memory(const void* memory) {
+  cudaPointerAttributes attributes = {};
+  const cudaError_t status = cudaPointerGetAttributes(&attributes, memory);
+  if (status != cudaSuccess) {
+    (void)cuda::device();  // without a device it has the reason
+    cuda::check(status, "asking where the points are");
+  }
+  if (attributes.type != cudaMemoryTypeDevice && attributes.type != cudaMemoryTypeManaged)
+    throw Error(ErrorCode::invalid_argument,
+                "the points are not in a CUDA device's memory; use PointView for host memory");
+  return attributes.device;
+}
+
+int device_of(const DevicePointView& points) {
+  const int device = device_of_memory(points.data);
+  const auto size = static_cast<std::ptrdiff_t>(scalar_size(points.scalar));
+  if (reinterpret_cast<std::uintptr_t>(points.data) % static_cast<std::uintptr_t>(size) != 0 ||
+      points.point_stride % size != 0 || points.coordinate_stride % size != 0)
+    throw Error(ErrorCode::invalid_argument,
+                "points and strides on a device must be aligned to the scalar's size");
+  return device;
+}
+
+Placement place_of_device_points(const DevicePointView& points, const Options& options,
+                                 unsigned threads) {
+  PlaceQuestion question;
+  question.count = points.count;
+  question.dimension = points.dimension;
+  question.point_bytes = points.dimension * scalar_size(points.scalar);
+  question.threads = threads;
+  question.on_device = true;
+  return choose_place(question, options.machine);
+}
+
+Array<double> download_all(const DevicePointView& points, const Control& control, unsigned threads,
+                           std::uint64_t budget) {
+  require_budget(budget, points.count * points.dimension * 2 * sizeof(double),
+                 std::to_string(points.count) + " points copied from the device");
+  Array<double> rows = cuda::download_points(points, nullptr, points.count, control);
+  check_rows_finite(rows.data(), points.count, points.dimension, nullptr, threads);
+  return rows;
+}
+
+void refuse_first_not_finite(const DevicePointView& points, const Control& control) {
+  const auto stream = static_cast<cudaStream_t>(points.stream);
+  unsigned long long first = ~0ULL;
+  const cuda::DeviceArray<unsigned long long> found(1, stream);
+  cuda::upload(found.data(), &first, 1, stream);
+  cuda::check(cuda::first_not_finite(points, found.data(), stream), "looking for NaN");
+  cuda::download(&first, found.data(), 1, stream);
+  if (first < points.count) {
+    const std::uint64_t id = first;
+    const Array<double> row = cuda::download_points(points, &id, 1, control);
+    check_rows_finite(row.data(), 1, points.dimension, &id, 1);
+  }
+  throw Error(ErrorCode::internal, "points on the device changed during the call");
+}
+
+}  // namespace cullhull::internal
+
+namespace cullhull {
+
+void wait_for_cuda_device_of(const void* memory) {
+  using namespace internal;
+  const cuda::DeviceScope scope(device_of_memory(memory));
+  cuda::check(cudaDeviceSynchronize(), "waiting for the device that holds the points");
+}
+
+}  // namespace cullhull

@@ -1,0 +1,168 @@
+#include "tracker/frame_points.hpp"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "cuda/device_rows.hpp"
+#include "cuda/gauge.hpp"
+#include "cuda/gauge_kernel.hpp"
+#include "cuda/runtime.hpp"
+#include "cull/planner.hpp"
+#include "cullhull/error.hpp"
+#include "flow/device_filter.hpp"
+#include "flow/pipeline.hpp"
+#include "geometry/gather.hpp"
+#include "parallel/memory.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+class DeviceFrame final : public FramePoints {
+ public:
+  DeviceFrame(const DevicePointView& points, const Run& run)
+      : FramePoints(points.count, points.dimension),
+        points_(points),
+        run_(run),
+        reason_("CUDA device as asked") {
+    check_arguments(points);
+    if (count == 0) {
+      (void)cuda::device();
+      return;
+    }
+    const int ordinal = device_of(points);
+    (void)cuda::device(ordinal);
+    scope_.emplace(ordinal);
+    if (run.options.cull == CullMethod::pseudo_hull) {
+      copy("the pseudo-hull tracks on the CPU");
+    } else if (run.options.backend == Backend::cpu) {
+      copy("");
+    } else if (run.options.backend == Backend::automatic) {
+      const Placement place = place_of_device_points(points, run.options, run.threads);
+      reason_ = place.reason;
+      if (!place.device) copy(place.reason);
+    }
+  }
+
+  const PointView* on_host() const override { return here_ ? here_->on_host() : nullptr; }
+
+  Array<double> gather(const std::vector<std::uint64_t>& ids) override {
+    return there_or_here([&] { return gather_there(ids); }, [&] { return here_->gather(ids); });
+  }
+
+  std::uint32_t most_nodes() override {
+    return here_ ? here_->most_nodes() : cuda::most_gauge_nodes(cuda::device());
+  }
+
+  void scan(const GaugeMap& map, Survivors& result) override {
+    const std::string before = result.reason;
+    there_or_here([&] { scan_there(map, result); },
+                  [&] {
+                    result.reason = before;
+                    here_->scan(map, result);
+                    if (!why_here_.empty()) result.reason = before;  // hull() says why
+                  });
+  }
+
+  void fetch(Filtered& result) override {
+    there_or_here([&] { fetch_there(result); }, [&] { here_->fetch(result); });
+  }
+
+  Filtered filter_afresh() override {
+    if (here_) return here_->filter_afresh();
+    return run_device_filter(points_, run_.options, run_.control, run_.threads, run_.budget);
+  }
+
+  Hull hull(Filtered&& filtered) override {
+    if (!here_) return hull_of_rows(filtered, points_, run_.options);
+    if (!why_here_.empty()) filtered.survivors.reason += "; " + why_here_;
+    Hull hull = here_->hull(std::move(filtered));
+    hull.scalar = points_.scalar;
+    return hull;
+  }
+
+ private:
+  /// On the device; where its memory is full, and nobody insists on it, on the host.
+  template <class There, class Here>
+  std::invoke_result_t<Here> there_or_here(const There& there, const Here& here) {
+    if (here_) return here();
+    try {
+      return there();
+    } catch (const cuda::OutOfMemory& e) {
+      if (run_.options.backend == Backend::cuda) throw;
+      copy(e.what());  // packed points are fetched without memory of the device
+    }
+    return here();
+  }
+
+  /// Brings all points to the host; from then on the frame is one of the host.
+  void copy(const std::string& why) {
+    why_here_ = why;
+    rows_ = download_all(points_, run_.control, run_.threads, run_.budget);
+    host_options_ = run_.options;
+    host_options_.backend = Backend::cpu;
+    host_run_.emplace(host_options_);
+    here_.emplace(PointView::row_major(rows_.data(), count, dimension), *host_run_);
+  }
+
+  Array<double> gather_there(const std::vector<std::uint64_t>& ids) const {
+    const Array<double> rows = cuda::download_points(points_, ids.data(), ids.size(), run_.control);
+    try {
+      return gather_points(PointView::row_major(rows.data(), ids.size(), dimension), nullptr,
+                           ids.size(), run_.threads, run_.control);
+    } catch (const Error& e) {
+      if (e.code() != ErrorCode::not_finite) throw;
+    }
+    refuse_first_not_finite(points_, run_.control);
+  }
+
+  void scan_there(const GaugeMap& map, Survivors& result) const {
+    result.all = false;
+    result.backend = "cuda";
+    result.reason += "; " + reason_;
+    try {
+      const cuda::DeviceIds left = cuda::survivors_of_device_points(map.table(), points_);
+      require_room(left.count);
+      result.ids.resize(left.count);
+      cuda::download(result.ids.data(), left.ids.data(), left.count,
+                     static_cast<cudaStream_t>(points_.stream));
+      return;
+    } catch (const cuda::OutOfMemory&) {
+      result.reason += "; its memory is nearly full";
+    }
+    result.ids = cuda::survivors_by_pieces(map.table(), points_, run_.control);
+    require_room(result.ids.size());
+  }
+
+  void fetch_there(Filtered& result) const {
+    const std::vector<std::uint64_t>& ids = result.survivors.ids;
+    result.first_pass = ids.size();
+    result.rows = cuda::download_points(points_, ids.data(), ids.size(), run_.control);
+    check_rows_finite(result.rows.data(), ids.size(), dimension, ids.data(), run_.threads);
+    run_.control.report("cull", 0.8);
+  }
+
+  void require_room(std::uint64_t left) const {
+    require_budget(run_.budget, left * (dimension + 2) * sizeof(double),
+                   std::to_string(left) + " points that survive the filter");
+  }
+
+  const DevicePointView points_;
+  const Run& run_;
+  std::string reason_, why_here_;
+  std::optional<cuda::DeviceScope> scope_;
+  Array<double> rows_;  ///< of all points, once they have been copied
+  Options host_options_;
+  std::optional<Run> host_run_;
+  std::optional<HostFrame> here_;
+};
+
+}  // namespace
+
+std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run& run) {
+  return std::make_unique<DeviceFrame>(points, run);
+}
+
+}  // namespace cullhull::internal

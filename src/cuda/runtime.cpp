@@ -1,0 +1,282 @@
+#include "cuda/runtime.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <map>
+#include <memory>
+#include <mutex>
+
+#include "cuda/reason.hpp"
+
+namespace cullhull::internal::cuda {
+namespace {
+
+/// What broke the context, if anything did; never cleared, as nothing but a new process helps.
+class Poison {
+ public:
+  void set(const std::string& why) {
+    const std::lock_guard lock(mutex_);
+    if (why_.empty()) why_ = why;
+  }
+  std::string get() {
+    const std::lock_guard lock(mutex_);
+    return why_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::string why_;
+};
+
+Poison& poison() {
+  static Poison p;
+  return p;
+}
+
+/// The errors that stay, as the documentation of the run-time library's codes says of each ("leaves
+/// the process in an inconsistent state"). Asking a stream whether it repeats the error would be no
+/// test: default streams answer with errors of their own while a graph is recorded.
+bool sticky(cudaError_t error) {
+  switch (error) {
+    case cudaErrorIllegalAddress:
+    case cudaErrorLaunchTimeout:
+    case cudaErrorAssert:
+    case cudaErrorHardwareStackError:
+    case cudaErrorIllegalInstruction:
+    case cudaErrorMisalignedAddress:
+    case cudaErrorInvalidAddressSpace:
+    case cudaErrorInvalidPc:
+    case cudaErrorLaunchFailure:
+    case cudaErrorContextIsDestroyed:
+    case cudaErrorECCUncorrectable:
+    case cudaErrorNvlinkUncorrectable:
+    case cudaErrorExternalDevice:
+    case cudaErrorUnknown:
+      return true;
+    default:
+      return false;
+  }
+}
+
+std::atomic<bool> found_one{false};
+
+/// A pool of ours, so that the caller's is left as it is. What was freed stays with the pool up to
+/// this size: the next call need not ask the driver.
+constexpr std::uint64_t pool_keeps = std::uint64_t{512} << 20;
+
+cudaMemPool_t make_pool(int ordinal) {
+  int supported = 0;
+  cudaMemPool_t pool = nullptr;
+  cudaMemPoolProps properties = {};
+  properties.allocType = cudaMemAllocationTypePinned;
+  properties.location.type = cudaMemLocationTypeDevice;
+  properties.location.id = ordinal;
+  std::uint64_t keeps = pool_keeps;
+  if (cudaDeviceGetAttribute(&supported, cudaDevAttrMemoryPoolsSupported, ordinal) != cudaSuccess ||
+      supported == 0 || cudaMemPoolCreate(&pool, &properties) != cudaSuccess ||
+      cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &keeps) != cudaSuccess) {
+    (void)cudaGetLastError();  // cudaMalloc will do
+    if (pool != nullptr) (void)cudaMemPoolDestroy(pool);
+    return nullptr;
+  }
+  return pool;
+}
+
+int attribute(cudaDeviceAttr which, int ordinal) {
+  int value = 0;
+  check(cudaDeviceGetAttribute(&value, which, ordinal), "asking the device");
+  return value;
+}
+
+Device query(int ordinal) {
+  Probe probe;
+  int count = 0;
+  probe.error = cudaGetDeviceCount(&count);
+  (void)cudaDriverGetVersion(&probe.driver_version);
+  (void)cudaRuntimeGetVersion(&probe.runtime_version);
+  if (probe.error == cudaSuccess) probe.devices = count;
+  if (probe.error == cudaSuccess && count > 0 && ordinal >= count)
+    throw Failure("there is no CUDA device " + std::to_string(ordinal) + ", only " +
+                  std::to_string(count) + " numbered from 0");
+  Device d;
+  if (probe.error == cudaSuccess && ordinal < count) {
+    const DeviceScope scope(ordinal);
+    cudaDeviceProp properties = {};
+    probe.error = cudaGetDeviceProperties(&properties, ordinal);
+    d.name = properties.name;
+    d.memory = properties.totalGlobalMem;
+    d.capability = probe.capability = 10 * properties.major + properties.minor;
+    probe.name = d.name;
+    if (probe.error == cudaSuccess) probe.code_error = probe_device_code();
+  }
+  const std::string reason = unavailable_reason(probe);
+  if (!reason.empty()) {
+    (void)cudaGetLastError();
+    throw Failure(reason);
+  }
+  d.ordinal = ordinal;
+  d.multiprocessors = static_cast<unsigned>(attribute(cudaDevAttrMultiProcessorCount, ordinal));
+  d.shared_per_multiprocessor =
+      static_cast<std::size_t>(attribute(cudaDevAttrMaxSharedMemoryPerMultiprocessor, ordinal));
+  d.shared_per_block =
+      static_cast<std::size_t>(attribute(cudaDevAttrMaxSharedMemoryPerBlockOptin, ordinal));
+  d.pool = make_pool(ordinal);
+  found_one = true;
+  return d;
+}
+
+}  // namespace
+
+void check(cudaError_t status, const char* doing) {
+  if (status == cudaSuccess) return;
+  const std::string text = std::string(cudaGetErrorString(status));
+  (void)cudaGetLastError();  // it is said now: the next launch must not be blamed for it
+  if (sticky(status)) {
+    poison().set(text);
+    throw Failure("CUDA failed " + std::string(doing) + ": " + text);
+  }
+  if (status == cudaErrorMemoryAllocation)
+    throw OutOfMemory("the CUDA device ran out of memory " + std::string(doing) +
+                      "; use the backend auto or cpu");
+  throw Failure("CUDA failed " + std::string(doing) + ": " + text);
+}
+
+const Device& device(int ordinal) {
+  if (const std::string why = poison().get(); !why.empty())
+    throw Failure("CUDA failed earlier in this process (" + why +
+                  ") and cannot be used until it is restarted");
+  // Devices stay listed to the end of the process: their pools must outlive every array.
+  static std::mutex mutex;
+  static std::map<int, std::unique_ptr<Device>>& known =
+      *new std::map<int, std::unique_ptr<Device>>;
+  const std::lock_guard lock(mutex);
+  std::unique_ptr<Device>& d = known[ordinal];
+  if (d == nullptr) d = std::make_unique<Device>(query(ordinal));
+  return *d;
+}
+
+const Device& device() {
+  int ordinal = 0;
+  if (cudaGetDevice(&ordinal) != cudaSuccess) {
+    (void)cudaGetLastError();
+    ordinal = 0;  // no driver, no device: the query finds out which
+  }
+  return device(ordinal);
+}
+
+bool started() noexcept { return found_one; }
+
+DeviceScope::DeviceScope(int ordinal) {
+  (void)cudaGetLastError();
+  check(cudaGetDevice(&before_), "asking for the current device");
+  if (before_ != ordinal) check(cudaSetDevice(ordinal), "choosing the device");
+}
+
+DeviceScope::~DeviceScope() { (void)cudaSetDevice(before_); }
+
+void* allocate(std::size_t bytes, cudaStream_t stream) {
+  if (bytes == 0) return nullptr;
+  void* memory = nullptr;
+  const cudaMemPool_t pool = device().pool;
+  check(pool != nullptr ? cudaMallocFromPoolAsync(&memory, bytes, pool, stream)
+                        : cudaMalloc(&memory, bytes),
+        "allocating device memory");
+  return memory;
+}
+
+void release(void* memory, cudaStream_t stream) noexcept {
+  if (memory == nullptr) return;
+  // An array ends on the way out of an error as well: what freeing answers helps nobody.
+  try {
+    (void)(device().pool != nullptr ? cudaFreeAsync(memory, stream) : cudaFree(memory));
+  } catch (const Error&) {
+    // The context is lost, and its memory with it.
+  }
+}
+
+namespace {
+
+/// Free blocks of pinned memory, of sizes that are powers of two.
+class PinnedPool {
+ public:
+  void* take(std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    const auto block = free_.find(bytes);
+    if (block == free_.end()) return nullptr;
+    void* memory = block->second;
+    free_.erase(block);
+    kept_ -= bytes;
+    return memory;
+  }
+  /// False: it is full.
+  bool keep(void* memory, std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    if (kept_ + bytes > limit) return false;
+    free_.emplace(bytes, memory);
+    kept_ += bytes;
+    return true;
+  }
+  std::size_t kept() {
+    const std::lock_guard lock(mutex_);
+    return kept_;
+  }
+  void drop() {
+    std::multimap<std::size_t, void*> blocks;
+    {
+      const std::lock_guard lock(mutex_);
+      blocks.swap(free_);
+      kept_ = 0;
+    }
+    for (const auto& [bytes, memory] : blocks) (void)cudaFreeHost(memory);
+  }
+
+ private:
+  /// Both slots of a pass over points of the host, and as much again.
+  static constexpr std::size_t limit = std::size_t{256} << 20;
+  std::mutex mutex_;
+  std::multimap<std::size_t, void*> free_;
+  std::size_t kept_ = 0;
+};
+
+/// Never destroyed: at the end of the process the driver may be gone before it.
+PinnedPool& pinned_pool() {
+  static PinnedPool& pool = *new PinnedPool;
+  return pool;
+}
+
+std::size_t pinned_block(std::size_t bytes) {
+  return std::bit_ceil(std::max<std::size_t>(bytes, 4096));
+}
+
+}  // namespace
+
+void* allocate_pinned(std::size_t bytes) {
+  if (bytes == 0) return nullptr;
+  const std::size_t block = pinned_block(bytes);
+  if (void* memory = pinned_pool().take(block)) return memory;
+  void* memory = nullptr;
+  cudaError_t status = cudaMallocHost(&memory, block);
+  if (status == cudaErrorMemoryAllocation && kept_pinned() > 0) {
+    (void)cudaGetLastError();
+    drop_kept_pinned();
+    status = cudaMallocHost(&memory, block);
+  }
+  check(status, "allocating pinned memory");
+  return memory;
+}
+
+void release_pinned(void* memory, std::size_t bytes) noexcept {
+  if (memory == nullptr) return;
+  try {
+    if (pinned_pool().keep(memory, pinned_block(bytes))) return;
+  } catch (const std::exception&) {
+    // No memory to note it: it goes back.
+  }
+  (void)cudaFreeHost(memory);
+}
+
+std::size_t kept_pinned() noexcept { return pinned_pool().kept(); }
+void drop_kept_pinned() noexcept { pinned_pool().drop(); }
+
+}  // namespace cullhull::internal::cuda

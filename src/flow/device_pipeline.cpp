@@ -1,0 +1,103 @@
+// The flow for points in a device's memory: cull there, then hull the survivors as points of the
+// host under their own names.
+#include <algorithm>
+#include <utility>
+
+#include "cullhull/device_points.hpp"
+#include "cullhull/error.hpp"
+#include "flow/device_filter.hpp"
+#include "flow/pipeline.hpp"
+#include "parallel/backend.hpp"
+#include "parallel/memory.hpp"
+#include "parallel/parallel.hpp"
+
+namespace cullhull {
+namespace internal {
+
+#ifndef CULLHULL_HAVE_CUDA
+Filtered run_device_filter(const DevicePointView&, const Options&, const Control&, unsigned,
+                           std::uint64_t) {
+  require_cuda();
+  return {};
+}
+#endif
+
+namespace {
+
+Filtered filter(const DevicePointView& points, const Options& options) {
+  check_arguments(points);
+  const Control control(options);
+  control.check();
+  return run_device_filter(points, options, control, resolve_threads(options.threads),
+                           resolve_budget(options.memory_budget));
+}
+
+}  // namespace
+
+void check_arguments(const DevicePointView& points) {
+  if (points.dimension == 0)
+    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
+  if (points.data == nullptr && points.count > 0)
+    throw Error(ErrorCode::invalid_argument, "points.data is null");
+  if (points.scalar != ScalarType::f32 && points.scalar != ScalarType::f64)
+    throw Error(ErrorCode::invalid_argument, "points on a device must be f32 or f64");
+}
+
+Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const Options& options) {
+  const Survivors& s = filtered.survivors;
+  const std::uint64_t count = s.size(points.count);
+  Options rest = options;
+  rest.backend = Backend::cpu;
+  rest.cull = CullMethod::none;
+  Hull hull =
+      convex_hull(PointView::row_major(filtered.rows.data(), count, points.dimension), rest);
+  // Survivors ascend, so whatever was ordered by position among them is ordered by id.
+  if (!s.all) hull.rename([&](std::uint64_t position) { return s.ids[position]; });
+  hull.point_count = points.count;
+  hull.scalar = points.scalar;
+  hull.statistics.survivors = count;
+  hull.statistics.cull_method = s.method;
+  hull.statistics.cull_reason = s.reason;
+  hull.statistics.backend = s.backend;
+  return hull;
+}
+
+}  // namespace internal
+
+using namespace internal;
+
+#ifndef CULLHULL_HAVE_CUDA
+void wait_for_cuda_device_of(const void*) { require_cuda(); }
+#endif
+
+Survivors cull(const DevicePointView& points, const Options& options) {
+  const auto start = Clock::now();
+  Filtered filtered = filter(points, options);
+  filtered.survivors.seconds = seconds_since(start);
+  return std::move(filtered.survivors);
+}
+
+Hull convex_hull(const DevicePointView& points, const Options& options,
+                 std::vector<double>* vertex_coordinates) {
+  const auto start = Clock::now();
+  const Filtered filtered = filter(points, options);
+  const double cull_seconds = seconds_since(start);
+  Hull hull = hull_of_rows(filtered, points, options);
+  if (vertex_coordinates != nullptr) {
+    const Survivors& s = filtered.survivors;
+    vertex_coordinates->clear();
+    for (const std::uint64_t v : hull.vertices) {
+      // Survivors ascend, and a vertex is one of them.
+      const auto at = s.all ? v
+                            : static_cast<std::uint64_t>(
+                                  std::lower_bound(s.ids.begin(), s.ids.end(), v) - s.ids.begin());
+      const auto row = filtered.rows.begin() + static_cast<std::ptrdiff_t>(at * points.dimension);
+      vertex_coordinates->insert(vertex_coordinates->end(), row, row + points.dimension);
+    }
+  }
+  hull.statistics.cull_seconds = cull_seconds;
+  hull.statistics.compute_seconds = seconds_since(start);
+  return hull;
+}
+
+}  // namespace cullhull

@@ -1,0 +1,241 @@
+#include "flow/filter_stage.hpp"
+
+#include <algorithm>
+#include <memory>
+
+#include "cull/gauge_map.hpp"
+#include "cull/outermost.hpp"
+#include "cull/planner.hpp"
+#include "flow/cull_pass.hpp"
+#include "flow/sample_map.hpp"
+#include "geometry/gather.hpp"
+#include "paper/pseudo_hull.hpp"
+#include "parallel/memory.hpp"
+#include "parallel/thread_memory.hpp"
+#include "small/few_in_space.hpp"
+#include "small/small_3d.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+Array<double> pick_rows(const Array<double>& rows, unsigned d,
+                        const std::vector<std::uint64_t>& kept) {
+  Array<double> out(kept.size() * d);
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    std::copy_n(rows.data() + kept[i] * d, d, out.data() + i * d);
+  return out;
+}
+
+PointView view_of_rows(const Filtered& result, unsigned d) {
+  return PointView::row_major(result.rows.data(), result.survivors.ids.size(), d);
+}
+
+/// The paper's two levels: the subsets' pseudo-hulls, then one of all that they left.
+Filtered run_pseudo_hull(const PointView& points, const Control& control, unsigned threads,
+                         std::uint64_t budget) {
+  const unsigned d = points.dimension;
+  Filtered result;
+  control.report("cull", 0);
+  const PseudoHullSettings by_subsets;
+  result.survivors.ids = pseudo_hull_survivors(points, by_subsets, threads, control);
+  result.survivors.method = "pseudo-hull";
+  result.survivors.reason = "filter as asked; the pseudo-hull runs on the CPU";
+  if (result.survivors.ids.size() == points.count) {
+    result.survivors.ids = {};
+    result.survivors.all = true;
+    return result;
+  }
+  gather_survivors(points, result, control, threads, budget);
+  const std::uint64_t left = result.first_pass;
+  // One pseudo-hull of all of them, unless it would be large. A point takes 45 bytes and its
+  // coordinates. A sphere, all extreme, has a fifth as many facets as points in its largest round;
+  // half are allowed for, each with d cells in each of two arrays.
+  const std::uint64_t bytes = left * (8 * d + 45 + d * (12 * d + 8));
+  PseudoHullSettings second;
+  second.subsets = bytes <= std::min(budget / 2, std::uint64_t{1} << 30) ? 1 : 0;
+  keep_of_survivors(result, d,
+                    pseudo_hull_survivors(view_of_rows(result, d), second, threads, control));
+  return result;
+}
+
+/// Fetches samples of points in the host's memory.
+SampledPoints host_points(const PointView& points, unsigned threads, const Control& control) {
+  return {points.count, points.dimension, threads,
+          [&points, &control, threads](const std::vector<std::uint64_t>& ids) {
+            return gather_points(points, ids.data(), ids.size(), threads, control);
+          }};
+}
+
+/// The hull of at most as many points as small_hull_3d takes; of dimension 0 where it gives none.
+InnerPolytope polytope_of(const PointView& points, const std::vector<std::uint64_t>& ids) {
+  struct Memory {
+    MediumPoints3D points;
+    MediumHull3D hull;
+  };
+  InnerPolytope polytope;
+  if (ids.size() < 4 || ids.size() > MediumHull3D::max_points) return polytope;
+  Memory& m = thread_memory<Memory>();
+  const auto count = static_cast<unsigned>(ids.size());
+  load_small(points, ids.data(), count, m.points);
+  if (!small_hull_3d(m.points, count, m.hull)) return polytope;
+  MediumHull3D::Number place[MediumHull3D::max_points];
+  for (unsigned v = 0; v < m.hull.vertex_count; ++v) {
+    const unsigned id = m.hull.ids[v];
+    place[id] = static_cast<MediumHull3D::Number>(v);
+    for (const auto& axis : m.points.axes) polytope.vertices.push_back(axis[id]);
+  }
+  polytope.dimension = 3;
+  const std::size_t corners = std::size_t{3} * m.hull.count;
+  polytope.facets.resize(corners);
+  for (std::size_t i = 0; i < corners; ++i) polytope.facets[i] = place[m.hull.vertices[i]];
+  polytope.neighbours.assign(m.hull.opposite, m.hull.opposite + corners);
+  return polytope;
+}
+
+/// How fine a map of the outermost points is: cones and cells along an edge of the cube of
+/// directions.
+struct Fineness {
+  unsigned cones, cells;
+};
+
+/// Positions of the points that are not inside the hull of the outermost; false where no map is
+/// worth while.
+bool kept_by_outermost(const PointView& points, Fineness fine, double most_outside,
+                       const Control& control, std::vector<std::uint64_t>& kept) {
+  const OutermostSettings settings{.cells = fine.cones, .most_outside = most_outside};
+  const std::vector<std::uint64_t> outermost = outermost_points(points, settings);
+  if (outermost.empty()) return false;
+  const InnerPolytope polytope = polytope_of(points, outermost);
+  if (polytope.dimension == 0) return false;
+  control.check();
+  const auto map = GaugeMap::of_few_facets(polytope, fine.cells);
+  if (map == nullptr) return false;
+  kept = map->survivors(points, 1, control);
+  return true;
+}
+
+/// The filter of some thousand points in space. False: not worth while. More directions leave fewer
+/// points to the engine, but a map of them takes longer (measured on balls of 2,000 to 50,000
+/// points, and on closed surfaces with relief).
+bool cull_by_outermost(const PointView& points, const Control& control, unsigned threads,
+                       std::uint64_t budget, Filtered& result) {
+  const Fineness first = points.count <= 8192    ? Fineness{4, 8}
+                         : points.count <= 32768 ? Fineness{6, 12}
+                                                 : Fineness{8, 16};
+  constexpr double most_outside = 0.75;
+  Survivors& survivors = result.survivors;
+  if (!kept_by_outermost(points, first, most_outside, control, survivors.ids)) return false;
+  survivors.all = false;
+  survivors.method = "gauge";
+  survivors.reason = "a map of the outermost points in " +
+                     std::to_string(6 * first.cones * first.cones) + " directions";
+  gather_survivors(points, result, control, threads, budget);
+  std::vector<std::uint64_t> kept;
+  if (survivors.ids.size() > MediumHull3D::max_points &&
+      kept_by_outermost(view_of_rows(result, 3), {12, 16}, 1, control, kept)) {
+    keep_of_survivors(result, 3, kept);
+    survivors.method = "gauge x2";
+  }
+  return true;
+}
+
+}  // namespace
+
+void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept,
+                       Array<double>&& rows) {
+  std::vector<std::uint64_t> ids(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) ids[i] = result.survivors.ids[kept[i]];
+  result.rows = rows.empty() ? pick_rows(result.rows, d, kept) : std::move(rows);
+  result.survivors.ids = std::move(ids);
+}
+
+void gather_survivors(const PointView& points, Filtered& result, const Control& control,
+                      unsigned threads, std::uint64_t budget) {
+  const std::uint64_t left = result.survivors.ids.size();
+  result.first_pass = left;
+  require_budget(budget, left * (points.dimension + 2) * sizeof(double),
+                 std::to_string(left) + " points that survive the filter");
+  if (result.rows.empty())
+    result.rows = gather_points(points, result.survivors.ids.data(), left, threads, control);
+  else
+    check_rows_finite(result.rows.data(), left, points.dimension, result.survivors.ids.data(),
+                      threads);
+  control.report("cull", 0.8);
+}
+
+std::string why_no_filter(CullMethod method, std::uint64_t count, unsigned d) {
+  if (method == CullMethod::none) return "no filter, as asked";
+  if (method == CullMethod::pseudo_hull) return "the pseudo-hull is for 2D to 8D";
+  if (d < GaugeMap::min_dimension || d > GaugeMap::max_dimension)
+    return "the gauge map is for 2D to 6D";
+  if (count <= d + 1 || (method == CullMethod::automatic && count < smallest_worth_culling(d)))
+    return std::to_string(count) + " points are hulled sooner than a map is laid";
+  return "";
+}
+
+Filtered run_filter(const PointView& points, const Options& options, const Control& control,
+                    unsigned threads, std::uint64_t budget) {
+  Filtered result;
+  result.survivors.all = true;
+  result.first_pass = points.count;
+  const unsigned d = points.dimension;
+  if (options.cull == CullMethod::pseudo_hull && d >= pseudo_hull_min_dimension &&
+      d <= pseudo_hull_max_dimension && points.count > d + 1)
+    return run_pseudo_hull(points, control, threads, budget);
+  const bool forced = options.cull == CullMethod::gauge;
+  if (options.cull == CullMethod::automatic && options.backend != Backend::cuda && d == 3 &&
+      points.count > most_unfiltered_in_space && points.count <= most_by_outermost &&
+      cull_by_outermost(points, control, threads, budget, result))
+    return result;
+  result.survivors.reason = why_no_filter(options.cull, points.count, d);
+  if (!result.survivors.reason.empty()) return result;
+
+  control.report("cull", 0);
+  FirstPass pass(points, options, threads);
+  SampledMap sampled;
+  try {
+    sampled = map_of_sample(host_points(points, threads, control),
+                            forced ? Insist::yes : Insist::no, pass.most_nodes(), budget, control);
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::not_finite) throw;
+    check_finite(points, nullptr, threads, control);  // names the first bad point, not the sample's
+  }
+  result.survivors.reason = sampled.reason;
+  if (sampled.map == nullptr) return result;
+  result.survivors.method = "gauge";
+  SurvivorRows gathered;
+  // A second copy for a while; where most points survive, fetching them later costs no more.
+  gathered.most = std::min(budget / (16 * d * sizeof(double)), points.count / 4);
+  pass.cull(*sampled.map, control, result.survivors, &gathered);
+  sampled.map.reset();
+  if (d == 2 && result.survivors.ids.size() > points.count / 10 * 9) {
+    // Points crowd where single precision does not tell them apart. The engine in the plane drops
+    // what is inside by double precision, from the points where they lie.
+    result.survivors.ids = {};
+    result.survivors.all = true;
+    result.survivors.reason += "; it kept nearly all";
+    return result;
+  }
+  result.rows = std::move(gathered.rows);
+
+  gather_survivors(points, result, control, threads, budget);
+  refine_survivors(result, d, control, threads, budget);
+  return result;
+}
+
+// Survivors lie near the boundary, so a sample of them gives a much finer polytope.
+void refine_survivors(Filtered& result, unsigned d, const Control& control, unsigned threads,
+                      std::uint64_t budget) {
+  const PointView left = view_of_rows(result, d);
+  if (left.count < smallest_worth_refining(d)) return;
+  const SampledMap sampled =
+      map_of_sample(host_points(left, threads, control), Insist::late, 0, budget, control);
+  result.survivors.reason += "; a second map: " + sampled.reason;
+  if (sampled.map == nullptr) return;
+  SurvivorRows gathered;
+  const std::vector<std::uint64_t> kept = sampled.map->survivors(left, threads, control, &gathered);
+  keep_of_survivors(result, d, kept, std::move(gathered.rows));
+  result.survivors.method = "gauge x2";
+}
+
+}  // namespace cullhull::internal

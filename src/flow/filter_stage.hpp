@@ -1,0 +1,47 @@
+// The filter as the pipeline runs it: a sample's exact hull becomes the map that culls the rest.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cullhull/array.hpp"
+#include "cullhull/cull.hpp"
+#include "parallel/control.hpp"
+
+namespace cullhull::internal {
+
+/// Survivors of the whole input, with the coordinates of each when they are at hand already.
+struct Filtered {
+  Survivors survivors;
+  Array<double> rows;            ///< packed rows of the survivors; empty: not gathered yet
+  std::uint64_t first_pass = 0;  ///< how many the pass over the whole input left
+};
+
+/// Up to so many points in space the filter is a map of the outermost ones, which takes little more
+/// than a pass. Beyond, a larger sample and a finer map pay.
+inline constexpr std::uint64_t most_by_outermost = 1 << 16;
+
+/// Runs the filter the options ask for. Points that are not finite always survive, so that the
+/// gathering of survivors reports them; `rows` has been checked. A sample whose hull would exceed
+/// the budget gives no map; survivors that exceed it are Error{out_of_budget}.
+Filtered run_filter(const PointView& points, const Options& options, const Control& control,
+                    unsigned threads, std::uint64_t budget);
+
+/// Why the gauge map is not even tried; empty if it is.
+std::string why_no_filter(CullMethod method, std::uint64_t count, unsigned d);
+
+/// Culls the survivors of a first map, whose rows are there, by a second one if it pays.
+void refine_survivors(Filtered& result, unsigned d, const Control& control, unsigned threads,
+                      std::uint64_t budget);
+
+/// Fetches the coordinates of survivors of a first pass where they are not there. Throws
+/// Error{not_finite} for the first bad point.
+void gather_survivors(const PointView& points, Filtered& result, const Control& control,
+                      unsigned threads, std::uint64_t budget);
+
+/// Leaves of the survivors those with the given positions among them. `rows`: theirs, if at hand.
+void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept,
+                       Array<double>&& rows = {});
+
+}  // namespace cullhull::internal

@@ -1,0 +1,124 @@
+#include "flow/sample_map.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "cull/planner.hpp"
+#include "cullhull/error.hpp"
+#include "geometry/local_frame.hpp"
+#include "hull/engine.hpp"
+
+namespace cullhull::internal {
+
+InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, unsigned threads,
+                             std::uint64_t budget, const Control& control) {
+  InnerPolytope polytope;
+  const auto count = static_cast<std::uint32_t>(rows.size() / d);
+  const std::vector<double> original(rows.begin(), rows.end());
+  const LocalFrame frame(std::move(rows), count, d, threads, control);
+  if (frame.affine_dimension() != static_cast<int>(d)) return polytope;
+  SimplicialHull hull;
+  try {
+    hull = d == 2 ? hull_2d(frame.points(), threads, control)
+           : d == 3
+               ? hull_3d(frame.points(), frame.simplex().data(), budget, threads, control)
+               : hull_nd(frame.points(), frame.simplex().data(), budget, threads, control, true);
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::out_of_budget) throw;
+    return polytope;  // the filter is a help, not a need
+  }
+  // Renumber the vertices in use.
+  constexpr std::uint32_t unused = 0xFFFFFFFF;
+  std::vector<std::uint32_t> number(count, unused);
+  for (std::uint32_t& v : hull.vertices) {
+    if (number[v] == unused) {
+      number[v] = static_cast<std::uint32_t>(polytope.vertices.size() / d);
+      polytope.vertices.insert(polytope.vertices.end(), original.begin() + std::size_t{v} * d,
+                               original.begin() + (std::size_t{v} + 1) * d);
+    }
+    v = number[v];
+  }
+  polytope.dimension = d;
+  polytope.facets.assign(hull.vertices.begin(), hull.vertices.end());
+  polytope.neighbours.assign(hull.neighbours.begin(), hull.neighbours.end());
+  return polytope;
+}
+
+namespace {
+
+/// `size` ids spread evenly over [0, count), each at a pseudo-random place in its stretch, so that
+/// no period of the input's order can hide points from the sample.
+std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
+  std::vector<std::uint64_t> ids(size);
+  std::uint64_t random = 0x9E3779B97F4A7C15ULL;
+  const double stretch = static_cast<double>(count) / static_cast<double>(size);
+  for (std::uint64_t i = 0; i < size; ++i) {
+    random ^= random << 13;
+    random ^= random >> 7;
+    random ^= random << 17;
+    const double at =
+        (static_cast<double>(i) + static_cast<double>(random >> 11) * 0x1p-53) * stretch;
+    ids[i] = std::min(count - 1, static_cast<std::uint64_t>(at));
+  }
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
+struct Sampled {
+  InnerPolytope polytope;
+  std::uint64_t size = 0;
+  std::uint64_t extreme() const {
+    return polytope.dimension == 0 ? 0 : polytope.vertices.size() / polytope.dimension;
+  }
+};
+
+Sampled hull_of_sample(const SampledPoints& points, std::uint64_t size, std::uint64_t budget,
+                       const Control& control) {
+  const std::vector<std::uint64_t> ids = sample_ids(points.count, size);
+  // In space few points of a sample are extreme, or no map would be laid: a hull of less than a
+  // millisecond, to which threads would only add.
+  constexpr std::uint64_t worth_threads = 1 << 15;
+  const unsigned threads = points.dimension == 3 && size < worth_threads ? 1 : points.threads;
+  Sampled s;
+  s.size = ids.size();
+  s.polytope = inner_polytope(points.gather(ids), points.dimension, threads, budget, control);
+  return s;
+}
+
+/// In space the hull of few facets has long creases, which a coarse map cuts off: more nodes than
+/// facets ask for pay there. A node costs as much as testing some 40 points, or as the engine
+/// spends on one.
+std::uint32_t least_nodes(std::uint64_t count, unsigned d, Insist insist) {
+  if (d != 3) return 0;
+  const std::uint64_t worth = insist == Insist::late ? std::min<std::uint64_t>(count / 16, 12288)
+                                                     : std::min<std::uint64_t>(count / 1024, 6144);
+  return static_cast<std::uint32_t>(worth);
+}
+
+}  // namespace
+
+SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,
+                         std::uint64_t budget, const Control& control) {
+  const unsigned d = points.dimension;
+  const char* const none = "a sample lies in a flat or its hull is too large";
+  Sampled sample = hull_of_sample(points, probe_sample_size(points.count, d), budget, control);
+  if (sample.polytope.dimension == 0) return {nullptr, none};
+  if (insist == Insist::no && !cull_pays(points.count, d, sample.size, sample.extreme()))
+    return {nullptr, sample_finding(sample.size, sample.extreme()) + ", so a filter does not pay"};
+  const std::uint64_t size = map_sample_size(points.count, d, sample.size, sample.extreme());
+  if (size > sample.size) sample = hull_of_sample(points, size, budget, control);
+  if (sample.polytope.dimension == 0) return {nullptr, none};
+  const std::string found = sample_finding(sample.size, sample.extreme());
+  if (insist != Insist::yes && !map_pays(points.count, d, sample.size, sample.extreme()))
+    return {nullptr, found + ", so a map does not pay"};
+  const GaugeSettings settings{.least_nodes = least_nodes(points.count, d, insist),
+                               .most_nodes = most_nodes,
+                               .threads = points.threads};
+  SampledMap result{GaugeMap::build(std::move(sample.polytope), settings), found};
+  result.reason += result.map == nullptr   ? ", but the centre is not safely inside their hull"
+                   : insist == Insist::yes ? ", filter as asked"
+                                           : ", so the filter pays";
+  return result;
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,45 @@
+// From points to the map that culls them: sample, exact hull of the sample, map. Wherever the
+// points are, only a function that fetches some of them is needed.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cull/gauge_map.hpp"
+#include "cullhull/array.hpp"
+#include "parallel/control.hpp"
+
+namespace cullhull::internal {
+
+/// The exact hull of some input points, as the filter wants it; dimension 0 if they lie in a flat
+/// or the hull would exceed the budget.
+InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, unsigned threads,
+                             std::uint64_t budget, const Control& control);
+
+struct SampledPoints {
+  std::uint64_t count = 0;
+  unsigned dimension = 0;
+  unsigned threads = 1;  ///< for the hull of the sample
+  /// Packed rows of the points with these ids, which ascend.
+  std::function<Array<double>(const std::vector<std::uint64_t>& ids)> gather;
+};
+
+struct SampledMap {
+  std::unique_ptr<GaugeMap> map;  ///< null: culling would not pay, or no map exists
+  std::string reason;             ///< one line, either way
+};
+
+enum class Insist {
+  no,    ///< on a map only if a first small sample says that it pays, then again when all is known
+  late,  ///< points near the boundary: a small sample says nothing, but the map's own does
+  yes,   ///< on a map wherever one exists
+};
+
+/// `most_nodes`: as in GaugeMap::build. A sample whose hull would exceed `budget` gives no map.
+SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,
+                         std::uint64_t budget, const Control& control);
+
+}  // namespace cullhull::internal

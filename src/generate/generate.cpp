@@ -1,0 +1,310 @@
+#include "cullhull/generate.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "cullhull/error.hpp"
+#include "generate/turn.hpp"
+#include "parallel/parallel.hpp"
+#include "parallel/random_stream.hpp"
+
+namespace cullhull {
+namespace {
+
+using internal::RandomStream;
+
+/// A smooth hill or dent of the bumpy surface, around a direction.
+struct Bump {
+  std::vector<double> centre;
+  double height, width;
+};
+
+/// What the points of one call have in common.
+struct Job {
+  std::uint32_t dimension;
+  std::uint64_t count;
+  std::uint64_t seed;
+  std::uint64_t grid_size = 128;
+  std::uint64_t step = 1, shift = 0;  // cyclic: point i is number step * i + shift mod count
+  std::vector<Bump> bumps;
+};
+
+using PointFunction = void (*)(const Job&, RandomStream&, std::uint64_t index, double* row);
+
+double squared_norm(std::uint32_t d, const double* row) {
+  double sum = 0;
+  for (std::uint32_t j = 0; j < d; ++j) sum += row[j] * row[j];
+  return sum;
+}
+
+void random_direction(std::uint32_t d, RandomStream& random, double* row) {
+  double norm = 0;
+  do {
+    for (std::uint32_t j = 0; j < d; ++j) row[j] = random.normal();
+    norm = std::sqrt(squared_norm(d, row));
+  } while (norm == 0);
+  for (std::uint32_t j = 0; j < d; ++j) row[j] /= norm;
+}
+
+// Uniform in the p-ball without rejection or roots: d variables of density exp(-|x|^p), divided by
+// (their sum of powers + an exponential variable)^(1/p) (Barthe, Guedon, Mendelson, Naor, "A
+// probabilistic approach to the geometry of the l_p^n-ball", 2005). Here p = 2, then p = 1.
+void ball_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+  for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] = random.normal();
+  const double length = std::sqrt(squared_norm(job.dimension, row) + 2 * random.exponential());
+  for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] /= length;
+}
+
+void octahedron_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+  double sum = random.exponential();
+  for (std::uint32_t j = 0; j < job.dimension; ++j) {
+    const double e = random.exponential();
+    sum += e;
+    row[j] = (random.bits() >> 63) != 0 ? -e : e;
+  }
+  for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] /= sum;
+}
+
+// d + 1 exponential spacings, scaled to sum 1, are uniform barycentric coordinates.
+void simplex_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+  double sum = random.exponential();
+  for (std::uint32_t j = 0; j < job.dimension; ++j) sum += row[j] = random.exponential();
+  for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] /= sum;
+}
+
+void sphere_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+  random_direction(job.dimension, random, row);
+}
+
+void cube_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+  for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] = random.symmetric();
+}
+
+void cube_surface_point(const Job& job, RandomStream& random, std::uint64_t index, double* row) {
+  cube_point(job, random, index, row);
+  const std::uint64_t face = random.below(2 * std::uint64_t{job.dimension});
+  row[face / 2] = face % 2 == 0 ? -1 : 1;
+}
+
+void gauss_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+  for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] = random.normal();
+}
+
+void grid_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+  for (std::uint32_t j = 0; j < job.dimension; ++j)
+    row[j] = static_cast<double>(random.below(job.grid_size));
+}
+
+void shell_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+  random_direction(job.dimension, random, row);
+  const double radius = 0.9 + 0.1 * random.unit();
+  for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] *= radius;
+}
+
+void cylinder_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+  random_direction(job.dimension - 1, random, row);
+  row[job.dimension - 1] = random.symmetric();
+}
+
+// The mantle's area grows as t^(d-2) with the distance t from the apex: the density of the largest
+// of d - 1 uniform numbers.
+void cone_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+  const std::uint32_t base = job.dimension - 1;
+  random_direction(base, random, row);
+  double t = 0;
+  for (std::uint32_t j = 0; j < base; ++j) t = std::max(t, random.unit());
+  for (std::uint32_t j = 0; j < base; ++j) row[j] *= t;
+  row[base] = 1 - t;
+}
+
+// Parameters are odd or even multiples of a power of two, so that t^k is exact as long as it has
+// 53 bits: k * log2(2 * count) <= 53.
+void cyclic_point(const Job& job, RandomStream&, std::uint64_t index, double* row) {
+  __extension__ using Wide = unsigned __int128;
+  const auto number =
+      static_cast<std::uint64_t>((Wide{job.step} * index + job.shift) % Wide{job.count});
+  double scale = 1;
+  while (scale < static_cast<double>(job.count)) scale *= 2;
+  const double t = (2 * static_cast<double>(number) - static_cast<double>(job.count - 1)) / scale;
+  double power = 1;
+  for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] = power *= t;
+}
+
+// A star-shaped surface: every bump multiplies the radius by 1 + height q^3, q falling from 1 at
+// its centre to 0 at its rim, which keeps the radius positive and the surface twice differentiable.
+void bumpy_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+  random_direction(job.dimension, random, row);
+  double radius = 1;
+  for (const Bump& bump : job.bumps) {
+    double s = 0;
+    for (std::uint32_t j = 0; j < job.dimension; ++j) s += row[j] * bump.centre[j];
+    const double q = 1 - (1 - s) / bump.width;
+    if (q > 0) radius *= 1 + bump.height * q * q * q;
+  }
+  // Fine relief, like scales or a fleece: without it a seventh of the points would be extreme,
+  // which no scanned body shows.
+  double relief = 1;
+  for (std::uint32_t j = 0; j < std::min(job.dimension, 3U); ++j)
+    relief *= internal::turn_by(10 * row[j] + 0.1 * j).sine;
+  radius *= 1 + 0.008 * relief;
+  for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] *= radius * (1 - 0.2 * (j % 3));
+}
+
+void prepare_bumps(Job& job) {
+  RandomStream random(job.seed, ~std::uint64_t{0});
+  job.bumps.resize(48);
+  for (Bump& bump : job.bumps) {
+    bump.centre.resize(job.dimension);
+    random_direction(job.dimension, random, bump.centre.data());
+    bump.height = -0.2 + 0.5 * random.unit();
+    bump.width = 0.05 + 0.45 * random.unit();
+  }
+}
+
+// The seed decides the order of a cyclic polytope's points, by a step coprime to their number.
+void prepare_order(Job& job) {
+  if (job.count < 2) return;
+  RandomStream random(job.seed, ~std::uint64_t{0});
+  do {
+    job.step = random.bits() % job.count;
+  } while (std::gcd(job.step, job.count) != 1);
+  job.shift = random.bits() % job.count;
+}
+
+struct ShapeEntry {
+  Shape shape;
+  std::uint32_t min_dimension, max_dimension;
+  PointFunction point;
+  void (*prepare)(Job&) = nullptr;
+};
+
+constexpr std::uint32_t any = std::numeric_limits<std::uint32_t>::max();
+
+const std::vector<ShapeEntry>& entries() {
+  static const std::vector<ShapeEntry> table = {
+      {{"ball", "uniform in the unit ball"}, 1, any, ball_point},
+      {{"sphere", "uniform on the unit sphere: every point is extreme"}, 1, any, sphere_point},
+      {{"cube", "uniform in [-1, 1)^d"}, 1, any, cube_point},
+      {{"cube-surface", "uniform on the surface of [-1, 1]^d"}, 1, any, cube_surface_point},
+      {{"octahedron", "uniform in the cross-polytope |x1| + ... + |xd| <= 1"},
+       1,
+       any,
+       octahedron_point},
+      {{"polyhedron", "the same as octahedron"}, 1, any, octahedron_point},
+      {{"gauss", "normal: mean 0, variance 1 along every axis"}, 1, any, gauss_point},
+      {{"grid", "integers drawn from [0, 128)^d; grid:K for [0, K)^d, K up to 2^32"},
+       1,
+       any,
+       grid_point},
+      {{"shell", "random directions, radius uniform in [0.9, 1)"}, 1, any, shell_point},
+      {{"cylinder", "on the mantle: unit (d-1)-sphere times [-1, 1)"}, 2, any, cylinder_point},
+      {{"cone", "on the mantle: apex at height 1, unit (d-1)-sphere at height 0"},
+       2,
+       any,
+       cone_point},
+      {{"simplex", "uniform in the simplex x >= 0, x1 + ... + xd <= 1"}, 1, any, simplex_point},
+      {{"cyclic", "on the moment curve (t, t^2, ..., t^d), |t| < 1; the seed orders the points"},
+       1,
+       any,
+       cyclic_point,
+       prepare_order},
+      {{"disk", "ball with d = 2"}, 2, 2, ball_point},
+      {{"circle", "sphere with d = 2"}, 2, 2, sphere_point},
+      {{"bumpy", "a closed star-shaped surface with bumps and fine relief, like a scanned body"},
+       2,
+       any,
+       bumpy_point,
+       prepare_bumps},
+  };
+  return table;
+}
+
+const ShapeEntry& find_shape(std::string_view name) {
+  for (const ShapeEntry& entry : entries())
+    if (name == entry.shape.name) return entry;
+  std::string known;
+  for (const ShapeEntry& entry : entries()) known += std::string(" ") + entry.shape.name;
+  throw Error(ErrorCode::invalid_argument,
+              "unknown shape '" + std::string(name) + "'; known:" + known);
+}
+
+std::uint64_t parse_grid_size(std::string_view text) {
+  std::uint64_t size = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), size);
+  if (error != std::errc() || end != text.data() + text.size() || size == 0 ||
+      size > (std::uint64_t{1} << 32))
+    throw Error(
+        ErrorCode::invalid_argument,
+        "grid:K needs a whole number K from 1 to 4294967296, not '" + std::string(text) + "'");
+  return size;
+}
+
+void check_dimension(const ShapeEntry& entry, std::uint32_t dimension) {
+  if (dimension >= entry.min_dimension && dimension <= entry.max_dimension) return;
+  throw Error(ErrorCode::invalid_argument, std::string("shape '") + entry.shape.name +
+                                               "' needs dimension " +
+                                               std::to_string(entry.min_dimension) +
+                                               (entry.max_dimension == any ? " or more" : "") +
+                                               ", not " + std::to_string(dimension));
+}
+
+void check(const std::stop_token& stop) {
+  if (stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
+}
+
+/// To zeros. The system clears pages at some gigabytes a second: long enough to be asked to stop.
+void resize_in_steps(std::vector<double>& values, std::size_t size, const std::stop_token& stop) {
+  constexpr std::size_t step = std::size_t{1} << 22;
+  values.reserve(size);
+  while (values.size() < size) {
+    check(stop);
+    values.resize(std::min(size, values.size() + step));
+  }
+}
+
+}  // namespace
+
+const std::vector<Shape>& shapes() {
+  static const std::vector<Shape> list = [] {
+    std::vector<Shape> result;
+    for (const ShapeEntry& entry : entries()) result.push_back(entry.shape);
+    return result;
+  }();
+  return list;
+}
+
+std::vector<double> generate(std::string_view shape, std::uint64_t count, std::uint32_t dimension,
+                             std::uint64_t seed, const std::stop_token& stop) {
+  const auto colon = shape.find(':');
+  const ShapeEntry& entry = find_shape(shape.substr(0, colon));
+  Job job{dimension, count, seed, 128, 1, 0, {}};
+  if (colon != std::string_view::npos) {
+    if (entry.point != grid_point)
+      throw Error(ErrorCode::invalid_argument,
+                  "only grid takes a parameter, not '" + std::string(shape) + "'");
+    job.grid_size = parse_grid_size(shape.substr(colon + 1));
+  }
+  check_dimension(entry, dimension);
+  std::vector<double> points;
+  if (count > points.max_size() / dimension)
+    throw Error(ErrorCode::invalid_argument, std::to_string(count) + " points of dimension " +
+                                                 std::to_string(dimension) +
+                                                 " do not fit into memory");
+  resize_in_steps(points, count * dimension, stop);
+  if (entry.prepare != nullptr) entry.prepare(job);
+  // Part of the contract: another size would draw other points.
+  constexpr std::uint64_t chunk_size = 4096;
+  internal::for_each_chunk(count, chunk_size, internal::resolve_threads(0),
+                           [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+                             check(stop);
+                             RandomStream random(seed, chunk);
+                             for (std::uint64_t i = begin; i < end; ++i)
+                               entry.point(job, random, i, points.data() + i * dimension);
+                           });
+  return points;
+}
+
+}  // namespace cullhull

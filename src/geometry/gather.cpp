@@ -1,0 +1,166 @@
+#include "geometry/gather.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <string>
+
+#include "cullhull/error.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+constexpr std::uint64_t chunk_size = 1 << 15;
+
+/// Rows of the points id(i), i in [begin, end).
+template <class T, class Id>
+void gather_rows_of(const PointView& view, const Id& id, std::uint64_t begin, std::uint64_t end,
+                    double* out) {
+  const unsigned d = view.dimension;
+  for (std::uint64_t i = begin; i < end; ++i) {
+    const std::byte* p = view.address(id(i), 0);
+    double* row = out + (i - begin) * d;
+    for (unsigned j = 0; j < d; ++j) {
+      T v;
+      std::memcpy(&v, p + static_cast<std::ptrdiff_t>(j) * view.coordinate_stride, sizeof v);
+      row[j] = static_cast<double>(v) + 0.0;  // + 0.0 turns -0 into +0
+    }
+  }
+}
+
+template <class Id>
+void gather_rows_of(const PointView& view, const Id& id, std::uint64_t begin, std::uint64_t end,
+                    double* out) {
+  switch (view.scalar) {
+    case ScalarType::f32:
+      return gather_rows_of<float>(view, id, begin, end, out);
+    case ScalarType::f64:
+      return gather_rows_of<double>(view, id, begin, end, out);
+    case ScalarType::i8:
+      return gather_rows_of<std::int8_t>(view, id, begin, end, out);
+    case ScalarType::u8:
+      return gather_rows_of<std::uint8_t>(view, id, begin, end, out);
+    case ScalarType::i16:
+      return gather_rows_of<std::int16_t>(view, id, begin, end, out);
+    case ScalarType::u16:
+      return gather_rows_of<std::uint16_t>(view, id, begin, end, out);
+    case ScalarType::i32:
+      return gather_rows_of<std::int32_t>(view, id, begin, end, out);
+    case ScalarType::u32:
+      return gather_rows_of<std::uint32_t>(view, id, begin, end, out);
+  }
+}
+
+void gather_rows(const PointView& view, const std::uint64_t* ids, std::uint64_t begin,
+                 std::uint64_t end, double* out) {
+  if (ids != nullptr)
+    gather_rows_of(
+        view, [ids](std::uint64_t i) { return ids[i]; }, begin, end, out);
+  else
+    gather_rows_of(
+        view, [](std::uint64_t i) { return i; }, begin, end, out);
+}
+
+/// Index of the first non-finite value of [begin, end), or end.
+std::uint64_t first_bad(const double* values, std::uint64_t begin, std::uint64_t end) {
+  double sum = 0;  // x * 0 is NaN exactly for NaN and infinities
+  for (std::uint64_t i = begin; i < end; ++i) sum += values[i] * 0.0;
+  if (sum == 0) return end;
+  while (std::isfinite(values[begin])) ++begin;
+  return begin;
+}
+
+[[noreturn]] void refuse(std::uint64_t point, unsigned coordinate, double value) {
+  throw Error(ErrorCode::not_finite, "point " + std::to_string(point) + ", coordinate " +
+                                         std::to_string(coordinate) + " is " +
+                                         (std::isnan(value) ? "NaN" : "infinite") +
+                                         "; remove or repair such points first");
+}
+
+/// The lowest of the values offered by several threads.
+class Lowest {
+ public:
+  void offer(std::uint64_t v) {
+    std::uint64_t now = value_.load();
+    while (v < now && !value_.compare_exchange_weak(now, v)) {
+    }
+  }
+  bool any() const { return value() != ~std::uint64_t{0}; }
+  std::uint64_t value() const { return value_.load(); }
+
+ private:
+  std::atomic<std::uint64_t> value_{~std::uint64_t{0}};
+};
+
+}  // namespace
+
+void gather_rows_at(const PointView& view, std::uint64_t first, const std::uint32_t* offsets,
+                    std::size_t count, double* out) {
+  gather_rows_of(
+      view, [first, offsets](std::uint64_t i) { return first + offsets[i]; }, 0, count, out);
+}
+
+void load_row(const PointView& view, std::uint64_t point, double* out) {
+  gather_rows(view, nullptr, point, point + 1, out);
+}
+
+void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t end, double* out) {
+  gather_rows(view, nullptr, begin, end, out);
+}
+
+Array<double> gather_points(const PointView& view, const std::uint64_t* ids, std::uint64_t count,
+                            unsigned threads, const Control& control) {
+  const unsigned d = view.dimension;
+  Array<double> out(count * d);
+  Lowest bad;
+  for_each_chunk(count, chunk_size, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   gather_rows(view, ids, begin, end, out.data() + begin * d);
+                   const std::uint64_t b = first_bad(out.data(), begin * d, end * d);
+                   if (b != end * d) bad.offer(b);
+                 });
+  if (bad.any()) {
+    const std::uint64_t b = bad.value();
+    refuse(ids != nullptr ? ids[b / d] : b / d, static_cast<unsigned>(b % d), out[b]);
+  }
+  return out;
+}
+
+void check_rows_finite(const double* rows, std::uint64_t count, unsigned dimension,
+                       const std::uint64_t* names, unsigned threads) {
+  Lowest bad;
+  for_each_chunk(count, chunk_size, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   const std::uint64_t b = first_bad(rows, begin * dimension, end * dimension);
+                   if (b != end * dimension) bad.offer(b);
+                 });
+  if (!bad.any()) return;
+  const std::uint64_t i = bad.value() / dimension;
+  refuse(names != nullptr ? names[i] : i, static_cast<unsigned>(bad.value() % dimension),
+         rows[bad.value()]);
+}
+
+void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, unsigned threads,
+                  const Control& control) {
+  if (view.scalar != ScalarType::f32 && view.scalar != ScalarType::f64) return;
+  const unsigned d = view.dimension;
+  constexpr std::uint64_t block = 1 << 12;
+  Lowest bad;
+  for_each_chunk(ids != nullptr ? ids->size() : view.count, block, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   std::vector<double> rows((end - begin) * d);
+                   gather_rows(view, ids != nullptr ? ids->data() : nullptr, begin, end,
+                               rows.data());
+                   const std::uint64_t b = first_bad(rows.data(), 0, rows.size());
+                   if (b != rows.size()) bad.offer(begin * d + b);
+                 });
+  if (!bad.any()) return;
+  const std::uint64_t i = bad.value() / d;
+  const auto j = static_cast<unsigned>(bad.value() % d);
+  const std::uint64_t point = ids != nullptr ? (*ids)[i] : i;
+  refuse(point, j, view.at(point, j));
+}
+
+}  // namespace cullhull::internal

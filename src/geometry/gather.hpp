@@ -1,0 +1,39 @@
+// Copies chosen points of a view into packed doubles, the one place where scalar types end.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cullhull/array.hpp"
+#include "cullhull/point_view.hpp"
+#include "parallel/control.hpp"
+#include "parallel/parallel.hpp"
+
+namespace cullhull::internal {
+
+/// Row-major doubles of the points `ids` (nullptr: all `count` points of the view). -0 becomes +0.
+/// Throws Error{not_finite} naming the lowest id with a NaN or an infinity; for ids ascending.
+/// Points may lie in a file that is read on the way: this and check_finite listen to `control`.
+Array<double> gather_points(const PointView& view, const std::uint64_t* ids, std::uint64_t count,
+                            unsigned threads, const Control& control);
+
+/// Rows of the points first + offsets[i], i < count, finite or not; -0 becomes +0.
+void gather_rows_at(const PointView& view, std::uint64_t first, const std::uint32_t* offsets,
+                    std::size_t count, double* out);
+
+/// The exact coordinates of one point, finite or not. For loops over many: about as fast as
+/// gather_points where the scalar type stays the same.
+void load_row(const PointView& view, std::uint64_t point, double* out);
+
+/// The same of points [begin, end), row by row.
+void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t end, double* out);
+
+/// Throws as gather_points does; ids: nullptr means all points. Memory O(threads).
+void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, unsigned threads,
+                  const Control& control);
+
+/// The same for packed rows that are copies of points: row i is point names[i], or i if null.
+void check_rows_finite(const double* rows, std::uint64_t count, unsigned dimension,
+                       const std::uint64_t* names, unsigned threads);
+
+}  // namespace cullhull::internal

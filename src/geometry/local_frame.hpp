@@ -1,0 +1,68 @@
+// From gathered points to the engines' frame: scaling, flats, and a simplex to start from.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cullhull/array.hpp"
+#include "geometry/local_points.hpp"
+#include "parallel/control.hpp"
+
+namespace cullhull::internal {
+
+/// Owns what LocalPoints views.
+class LocalFrame {
+ public:
+  /// `rows`: count x dimension finite doubles; taken over. Finds the affine dimension exactly,
+  /// projects onto as many axes as it has (one to one on the flat) and scales.
+  /// Time O(n d^2); memory: rows, and a second copy where scaling is not exact or axes are dropped.
+  LocalFrame(Array<double>&& rows, std::uint32_t count, unsigned dimension, unsigned threads,
+             const Control& control);
+  /// The same of a copy, on one thread.
+  LocalFrame(const std::vector<double>& rows, std::uint32_t count, unsigned dimension,
+             const Control& control)
+      : LocalFrame(Array<double>(rows.begin(), rows.end()), count, dimension, 1, control) {}
+
+  int affine_dimension() const { return affine_dimension_; }
+  /// The axes kept, ascending; as many as the affine dimension.
+  const std::vector<unsigned>& axes() const { return axes_; }
+  /// affine_dimension() + 1 affinely independent points.
+  const std::vector<std::uint32_t>& simplex() const { return simplex_; }
+  const LocalPoints& points() const { return points_; }
+
+ private:
+  struct Axis {
+    double shift = 0;
+    int exponent = 0;  // coordinates are multiplied by 2^-exponent
+    bool constant = true;
+    bool exact = true;
+  };
+  /// body(chunk, begin, end) for chunks of rows, on all threads.
+  template <class Body>
+  void each_chunk(const Body& body) const;
+  void measure_axes();
+  void find_inexact_axes();
+  void scale_rows(Array<double>& rows) const;
+  void find_simplex(const Array<double>& scaled);
+  std::uint32_t lowest_row(const Array<double>& scaled) const;
+  /// `among`: some points; nullptr: all.
+  std::uint32_t farthest(const Array<double>& scaled, const std::vector<double>& basis,
+                         unsigned rank, const std::vector<std::uint32_t>* among) const;
+  bool independent(std::uint32_t candidate);
+  std::uint32_t independent_by_scan();
+  void keep_axes(Array<double>& rows) const;
+  void detect_lattice();
+
+  const Control& control_;
+  unsigned threads_;
+  Array<double> raw_, scaled_;
+  std::uint32_t count_;
+  unsigned dimension_;
+  int affine_dimension_ = -1;
+  std::vector<Axis> frame_;
+  std::vector<unsigned> axes_;
+  std::vector<std::uint32_t> simplex_;
+  LocalPoints points_;
+};
+
+}  // namespace cullhull::internal

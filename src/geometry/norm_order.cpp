@@ -1,0 +1,219 @@
+#include "geometry/norm_order.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <type_traits>
+
+#include "geometry/curve_keys.hpp"
+#include "parallel/parallel.hpp"
+#include "parallel/radix_sort.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+constexpr std::uint32_t first_round = 64;
+/// The outermost that are found and sorted before all are: where the others are thinned first, few
+/// of them ever are.
+constexpr std::uint32_t outermost = 1024;
+constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
+/// Points that the covariance is taken from. The higher the dimension, the more it pays that the
+/// order is that of the norm: of 512 points instead of 4096, 6D balls get a tenth more facets made.
+std::uint32_t covariance_sample(std::uint32_t count, unsigned d) {
+  const std::uint64_t share = std::uint64_t{count} * std::min(d - 3, 8U) / 8;
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(share, 512, 4096));
+}
+
+/// Ascends where norms descend: floats that are not negative are ordered as their bits. A hash of
+/// the id breaks ties.
+std::uint32_t key(double norm, std::uint32_t id) {
+  const auto v = static_cast<float>(std::min(norm, 1e30));
+  const std::uint32_t tie = id * 0x9E3779B1U >> 24;
+  return ~((std::bit_cast<std::uint32_t>(v) & ~0xFFU) | tie);
+}
+
+/// body(std::integral_constant<unsigned, d>()), or with 0 where d is none of the first few.
+template <class Body>
+void with_dimension(unsigned d, const Body& body) {
+  switch (d) {
+    case 4:
+      return body(std::integral_constant<unsigned, 4>());
+    case 5:
+      return body(std::integral_constant<unsigned, 5>());
+    case 6:
+      return body(std::integral_constant<unsigned, 6>());
+    default:
+      return body(std::integral_constant<unsigned, 0>());
+  }
+}
+
+/// |L^-1 (x - mean)|^2 where L L^T is the covariance. A help only: rounding costs nothing but
+/// quality.
+class Norm {
+ public:
+  explicit Norm(const LocalPoints& points) : d_(points.dimension), mean_(d_, 0.0) {
+    const std::uint32_t n = points.count, stride = std::max(1U, n / covariance_sample(n, d_));
+    std::uint32_t used = 0;
+    for (std::uint64_t i = 0; i < n; i += stride, ++used)
+      for (unsigned j = 0; j < d_; ++j) mean_[j] += points.row(static_cast<std::uint32_t>(i))[j];
+    for (double& m : mean_) m /= used;
+    factor_.assign(std::size_t{d_} * d_, 0.0);
+    std::vector<double> y(d_);
+    for (std::uint64_t i = 0; i < n; i += stride) {
+      const double* x = points.row(static_cast<std::uint32_t>(i));
+      for (unsigned j = 0; j < d_; ++j) y[j] = x[j] - mean_[j];
+      for (unsigned j = 0; j < d_; ++j)
+        for (unsigned k = 0; k <= j; ++k) factor_[j * d_ + k] += y[j] * y[k];
+    }
+    for (double& f : factor_) f /= used;
+    factorise();
+  }
+
+  /// Of `lanes` rows that follow one another. D: the dimension where it is known early, else 0.
+  static constexpr unsigned lanes = 8;
+  template <unsigned D>
+  void of_rows(const double* rows, double (*y)[lanes], double* norms) const {
+    const unsigned d = D ? D : d_;
+    std::fill_n(norms, lanes, 0.0);
+    for (unsigned j = 0; j < d; ++j) {
+      for (unsigned l = 0; l < lanes; ++l) y[j][l] = rows[l * d + j] - mean_[j];
+      for (unsigned k = 0; k < j; ++k)
+        for (unsigned l = 0; l < lanes; ++l) y[j][l] -= factor_[j * d + k] * y[k][l];
+      for (unsigned l = 0; l < lanes; ++l) {
+        y[j][l] *= factor_[j * d + j];
+        norms[l] += y[j][l] * y[j][l];
+      }
+    }
+  }
+
+ private:
+  /// Cholesky; the diagonal holds reciprocals. A direction without extent counts as nothing.
+  void factorise() {
+    for (unsigned j = 0; j < d_; ++j) {
+      const double whole = factor_[j * d_ + j];
+      for (unsigned k = 0; k < j; ++k) {
+        double v = factor_[j * d_ + k];
+        for (unsigned l = 0; l < k; ++l) v -= factor_[j * d_ + l] * factor_[k * d_ + l];
+        factor_[j * d_ + k] = v * factor_[k * d_ + k];
+      }
+      double v = whole;
+      for (unsigned k = 0; k < j; ++k) v -= factor_[j * d_ + k] * factor_[j * d_ + k];
+      factor_[j * d_ + j] = v > 0x1p-40 * whole && v > 0x1p-900 ? 1 / std::sqrt(v) : 0;
+    }
+  }
+
+  unsigned d_;
+  std::vector<double> mean_, factor_;
+};
+
+}  // namespace
+
+NormOrder::NormOrder(const LocalPoints& points, std::vector<std::uint32_t> left_out,
+                     unsigned threads, const Control& control)
+    : points_(points), threads_(threads), control_(control) {
+  std::sort(left_out.begin(), left_out.end());
+  compute_norms();
+  // What is left out goes to the end, and is forgotten.
+  count_ = points.count;
+  for (std::size_t k = left_out.size(); k-- > 0;) items_[left_out[k]] = items_[--count_];
+}
+
+void NormOrder::compute_norms() {
+  constexpr unsigned lanes = Norm::lanes;
+  const Norm norm(points_);
+  const std::uint32_t n = points_.count;
+  const unsigned d = points_.dimension;
+  items_.reserve(n);
+  // The last rows, made up to a vector's.
+  std::vector<double> end_rows(std::size_t{lanes} * d, 0.0);
+  std::copy_n(points_.row(n / lanes * lanes), std::size_t{n % lanes} * d, end_rows.data());
+  with_dimension(d, [&](auto dimension) {
+    constexpr unsigned D = decltype(dimension)::value;
+    for_each_chunk(n, chunk, threads_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      control_.check();
+      double few[D ? D : 1][lanes], norms[lanes];
+      std::vector<double> many(D ? 0 : std::size_t{d} * lanes);
+      auto* y = D ? few : reinterpret_cast<double(*)[lanes]>(many.data());
+      for (auto i = static_cast<std::uint32_t>(begin); i < end; i += lanes) {
+        norm.of_rows<D>(i + lanes <= n ? points_.row(i) : end_rows.data(), y, norms);
+        for (std::uint32_t l = 0; l < std::min(lanes, n - i); ++l)
+          items_[i + l] = {key(norms[l], i + l), i + l};
+      }
+    });
+  });
+}
+
+/// At least the outermost `wanted` of all items are sorted afterwards.
+void NormOrder::sort_outermost(std::uint32_t wanted) {
+  if (wanted <= sorted_) return;
+  std::uint32_t end = count_;
+  if (wanted <= outermost && count_ > 4 * outermost) {
+    end = outermost;
+    // Points of equal keys may come in any order of the algorithm's: it is a fixed one.
+    std::nth_element(items_.data() + sorted_, items_.data() + end, items_.data() + count_,
+                     [](const Keyed& a, const Keyed& b) {
+                       return a.key != b.key ? a.key < b.key : a.id < b.id;
+                     });
+  }
+  scratch_.reserve(end - sorted_);
+  Keyed* items = items_.data() + sorted_;
+  Keyed* other = scratch_.data();
+  radix_sort(items, other, end - sorted_, 32, threads_, control_,
+             [](const Keyed& k) { return k.key; });
+  if (items != items_.data() + sorted_) std::copy_n(items, end - sorted_, other);
+  sorted_ = end;
+}
+
+void NormOrder::take_round(std::vector<std::uint32_t>& order) {
+  std::uint32_t size = taken_ == 0 ? first_round : taken_ / 2;
+  if (size > left() || left() - size < (taken_ + size) / 2) size = left();
+  if (taken_ == 0) size = std::min(first_round, left());
+  sort_outermost(taken_ + size);
+  Keyed* items = items_.data() + taken_;
+  if (taken_ > 0) arrange(items, size);
+  for (std::uint32_t k = 0; k < size; ++k) order.push_back(items[k].id);
+  taken_ += size;
+}
+
+/// Along the curve, in cells some times as many as the points.
+void NormOrder::arrange(Keyed* begin, std::uint32_t size) {
+  const unsigned d = points_.dimension, used = std::min(d, 32U);
+  const unsigned bits = std::clamp(static_cast<unsigned>(std::bit_width(size)) / d + 4, 1U,
+                                   std::clamp(32U / d, 1U, 10U));
+  for_each_chunk(size, chunk, threads_, [&](std::uint64_t, std::uint64_t from, std::uint64_t to) {
+    control_.check();
+    const double cells = static_cast<double>(1U << bits);
+    std::uint32_t cell[32 * curve_block] = {}, keys[curve_block];
+    for (std::uint64_t i = from; i < to; i += curve_block) {
+      const std::uint64_t count = std::min<std::uint64_t>(curve_block, to - i);
+      for (std::uint64_t k = 0; k < count; ++k) {
+        const double* x = points_.row(begin[i + k].id);
+        for (unsigned j = 0; j < used; ++j) {
+          const double place = std::clamp((x[j] * 0.5 + 0.5) * cells, 0.0, cells - 1);
+          cell[j * curve_block + k] = static_cast<std::uint32_t>(static_cast<std::int32_t>(place));
+        }
+      }
+      curve_keys(used, bits, cell, keys);
+      for (std::uint64_t k = 0; k < count; ++k) begin[i + k].key = keys[k];
+    }
+  });
+  scratch_.reserve(size);
+  Keyed* items = begin;
+  Keyed* other = scratch_.data();
+  radix_sort(items, other, size, used * bits, threads_, control_,
+             [](const Keyed& k) { return k.key; });
+  if (items != begin) std::copy_n(items, size, begin);
+}
+
+void NormOrder::drop(const std::uint8_t* dropped) {
+  std::uint32_t to = taken_, sorted = taken_;
+  for (std::uint32_t k = taken_; k < count_; ++k) {
+    items_[to] = items_[k];
+    to += dropped[k - taken_] == 0;
+    if (k + 1 == sorted_) sorted = to;
+  }
+  sorted_ = sorted_ <= taken_ ? taken_ : sorted;
+  count_ = to;
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,312 @@
+#include "geometry/orientation.hpp"
+
+#include <gmp.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "geometry/exact_plane.hpp"
+#include "geometry/integer_points.hpp"
+#include "geometry/minors.hpp"
+#include "geometry/oriented_plane.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+__extension__ typedef __int128 Int128;
+
+// ---------------------------------------------------------------------------------------------
+// Rung 2: double arithmetic with a bound from the permanent (docs/exactness.md, "Orientation
+// filter").
+
+template <unsigned D>
+bool filtered(const double* const* p, Sign& sign) {
+  double m[D][D];
+  double largest = 0;
+  for (unsigned i = 0; i < D; ++i)
+    for (unsigned j = 0; j < D; ++j) {
+      m[i][j] = p[i + 1][j] - p[0][j];
+      largest = std::max(largest, std::abs(m[i][j]));
+    }
+  // Within these magnitudes no product overflows (8! 2^800) and every underflow, however amplified
+  // by the factors that follow it, adds up to less than 2^-340.
+  if (!(largest >= 0x1p-100 && largest <= 0x1p100)) return false;
+  double det[1U << D], perm[1U << D];
+  expand_minors<D, true>(m, D, det, perm);
+  constexpr double factor = (minor_roundings(D) + 2) * unit_roundoff;
+  const double value = det[(1U << D) - 1];
+  const double bound = factor * perm[(1U << D) - 1] + 0x1p-340;
+  if (value > bound) {
+    sign = Sign::positive;
+    return true;
+  }
+  if (value < -bound) {
+    sign = Sign::negative;
+    return true;
+  }
+  // All in a plane across an axis, as on a box: a column of zeros (differences of doubles are zero
+  // only where they are equal).
+  for (unsigned j = 0; j < D; ++j) {
+    bool zero = true;
+    for (unsigned i = 0; i < D; ++i) zero &= m[i][j] == 0;
+    if (!zero) continue;
+    sign = Sign::zero;
+    return true;
+  }
+  return false;
+}
+
+bool filtered(unsigned d, const double* const* p, Sign& sign) {
+  switch (d) {
+    case 1:
+      sign = sign_of(p[1][0] < p[0][0] ? -1 : p[1][0] > p[0][0] ? 1 : 0);
+      return true;  // a comparison is exact
+    case 2:
+      return filtered<2>(p, sign);
+    case 3:
+      return filtered<3>(p, sign);
+    case 4:
+      return filtered<4>(p, sign);
+    case 5:
+      return filtered<5>(p, sign);
+    case 6:
+      return filtered<6>(p, sign);
+    default:
+      return false;
+  }
+}
+
+// ---------------------------------------------------------------------------------------------
+// Rung 3: integers. Column j of the points is multiplied by 2^-e_j, the largest power of two that
+// makes all of it integral; signs of determinants do not change under positive column scaling.
+
+/// Rows (d + 1) p[i] - sum of the d + 1 points of a simplex.
+class CentroidDifferences {
+ public:
+  CentroidDifferences(unsigned d, const double* const* p, const double* const* simplex)
+      : points_(d, p, d, simplex, d + 1) {
+    // The sum of d + 1 coordinates and (d + 1) times one each stay below 2^61, so does not
+    // overflow.
+    narrow_ = points_.bits() + bit_length(d + 1) <= 61;
+    if (!narrow_) return;
+    sums_.assign(d, 0);
+    for (unsigned j = 0; j < d; ++j)
+      for (unsigned i = 0; i <= d; ++i) sums_[j] += points_.small(d + i, j);
+  }
+  unsigned columns() const { return points_.dimension(); }
+  bool narrow() const { return narrow_; }
+  std::int64_t small(unsigned i, unsigned j) const {
+    return static_cast<std::int64_t>(columns() + 1) * points_.small(i, j) - sums_[j];
+  }
+  void big(unsigned i, unsigned j, mpz_ptr out, mpz_ptr scratch) const {
+    const unsigned d = columns();
+    points_.big(i, j, out);
+    mpz_mul_ui(out, out, d + 1);
+    for (unsigned k = 0; k <= d; ++k) {
+      points_.big(d + k, j, scratch);
+      mpz_sub(out, out, scratch);
+    }
+  }
+
+ private:
+  IntegerPoints points_;
+  bool narrow_ = false;
+  std::vector<std::int64_t> sums_;
+};
+
+/// Determinant in 128 bits, if it provably fits: sum over columns of the bits of their largest
+/// entry, plus the bits of d!.
+template <unsigned D, class Rows>
+bool determinant_128(const Rows& a, Sign& sign) {
+  std::int64_t m[D][D];
+  int bits = 0;
+  for (unsigned j = 0; j < D; ++j) {
+    std::uint64_t any = 0;
+    for (unsigned i = 0; i < D; ++i) {
+      m[i][j] = a.small(i, j);
+      any |= static_cast<std::uint64_t>(std::abs(m[i][j]));
+    }
+    bits += bit_length(any);
+  }
+  constexpr int factorial_bits[] = {0, 0, 1, 3, 5, 7, 10, 13, 16};
+  if (bits + factorial_bits[D] > 126) return false;
+  Int128 det[1U << D];
+  expand_minors<D, false>(m, D, det, static_cast<Int128*>(nullptr));
+  const Int128 value = det[(1U << D) - 1];
+  sign = value > 0 ? Sign::positive : value < 0 ? Sign::negative : Sign::zero;
+  return true;
+}
+
+template <class Rows>
+bool determinant_128(const Rows& a, Sign& sign) {
+  if (!a.narrow()) return false;
+  switch (a.columns()) {
+    case 2:
+      return determinant_128<2>(a, sign);
+    case 3:
+      return determinant_128<3>(a, sign);
+    case 4:
+      return determinant_128<4>(a, sign);
+    case 5:
+      return determinant_128<5>(a, sign);
+    case 6:
+      return determinant_128<6>(a, sign);
+    case 7:
+      return determinant_128<7>(a, sign);
+    case 8:
+      return determinant_128<8>(a, sign);
+    default:
+      return false;
+  }
+}
+
+/// Numbers kept for reuse by one thread.
+BigNumbers& numbers(std::size_t count) {
+  thread_local BigNumbers kept;
+  kept.resize(count);
+  return kept;
+}
+
+/// Sign of the determinant by fraction-free elimination (Bareiss 1968), where every division is
+/// exact.
+template <class Rows>
+Sign determinant_sign_big(const Rows& rows) {
+  const unsigned n = rows.columns();
+  BigNumbers& m = numbers(std::size_t{n} * n + 1);
+  mpz_ptr t = m[std::size_t{n} * n];
+  const auto at = [&](unsigned i, unsigned j) { return m[std::size_t{i} * n + j]; };
+  for (unsigned i = 0; i < n; ++i)
+    for (unsigned j = 0; j < n; ++j) rows.big(i, j, at(i, j), t);
+  int flips = 1;
+  for (unsigned k = 0; k + 1 < n; ++k) {
+    unsigned pivot = k;
+    while (pivot < n && mpz_sgn(at(pivot, k)) == 0) ++pivot;
+    if (pivot == n) return Sign::zero;
+    if (pivot != k) {
+      for (unsigned j = 0; j < n; ++j) mpz_swap(at(pivot, j), at(k, j));
+      flips = -flips;
+    }
+    for (unsigned i = k + 1; i < n; ++i)
+      for (unsigned j = k + 1; j < n; ++j) {
+        mpz_mul(t, at(i, k), at(k, j));
+        mpz_mul(at(i, j), at(i, j), at(k, k));
+        mpz_sub(at(i, j), at(i, j), t);
+        if (k > 0) mpz_divexact(at(i, j), at(i, j), at(k - 1, k - 1));
+      }
+  }
+  return static_cast<Sign>(flips * mpz_sgn(at(n - 1, n - 1)));
+}
+
+template <class Rows>
+Sign determinant_sign(const Rows& a) {
+  Sign sign = Sign::zero;
+  if (determinant_128(a, sign)) return sign;
+  return determinant_sign_big(a);
+}
+
+/// The cross product of two rows that fit 64 bits, rounded.
+bool narrow_plane(const Differences& a, double* normal) {
+  long exponents[3];
+  for (unsigned j = 0; j < 3; ++j) {
+    const unsigned u = j == 0 ? 1 : 0, v = j == 2 ? 1 : 2;
+    // Entries below 2^63, so each product is below 2^126 and the difference below 2^127.
+    const Int128 value =
+        Int128{a.small(0, u)} * a.small(1, v) - Int128{a.small(0, v)} * a.small(1, u);
+    int e = 0;
+    normal[j] = std::frexp(static_cast<double>(j == 1 ? -value : value), &e);
+    exponents[j] = static_cast<long>(e) - a.exponent(j);
+  }
+  return scale_normal(3, normal, exponents);
+}
+
+}  // namespace
+
+Sign orientation_exact(unsigned d, const double* const* p) {
+  return determinant_sign(Differences(d, p, d));
+}
+
+Sign orientation_from_centroid_exact(unsigned d, const double* const* p,
+                                     const double* const* simplex) {
+  return determinant_sign(CentroidDifferences(d, p, simplex));
+}
+
+namespace {
+
+/// Rung 2 by elimination, then rung 3 by cofactors.
+Sign eliminated(unsigned d, const double* const* p, Rung* rung) {
+  thread_local OrientedPlane plane;
+  plane.set(d, p);
+  return plane.side(p[d], rung);
+}
+
+}  // namespace
+
+Sign orientation(unsigned d, const double* const* p, Rung* rung) {
+  if (d >= elimination_pays) return eliminated(d, p, rung);
+  Sign sign = Sign::zero;
+  if (rung != nullptr) *rung = Rung::filter;
+  if (filtered(d, p, sign)) return sign;
+  if (rung != nullptr) *rung = Rung::exact;
+  if (d < 4) return orientation_exact(d, p);
+  // 128 bits are soonest where they suffice, double-doubles where integers would be long.
+  if (determinant_128(Differences(d, p, d), sign)) return sign;
+  return eliminated(d, p, rung);
+}
+
+unsigned affine_rank_exact(unsigned d, const double* const* p, unsigned count, unsigned* columns) {
+  if (count < 2) return 0;
+  const unsigned rows = count - 1;
+  const Differences a(d, p, rows);
+  BigNumbers& m = numbers(std::size_t{rows} * d + 2);
+  mpz_ptr t = m[std::size_t{rows} * d];
+  mpz_ptr previous = m[std::size_t{rows} * d + 1];
+  const auto at = [&](unsigned i, unsigned j) { return m[std::size_t{i} * d + j]; };
+  for (unsigned i = 0; i < rows; ++i)
+    for (unsigned j = 0; j < d; ++j) a.big(i, j, at(i, j), t);
+  // Columns from left to right: the pivots are those of the row echelon form, which depend on the
+  // flat alone and not on the points that span it.
+  unsigned rank = 0;
+  mpz_set_ui(previous, 1);
+  for (unsigned c = 0; c < d && rank < rows; ++c) {
+    unsigned pivot = rank;
+    while (pivot < rows && mpz_sgn(at(pivot, c)) == 0) ++pivot;
+    if (pivot == rows) continue;
+    for (unsigned j = 0; j < d; ++j) mpz_swap(at(pivot, j), at(rank, j));
+    for (unsigned i = rank + 1; i < rows; ++i) {
+      for (unsigned j = c + 1; j < d; ++j) {
+        mpz_mul(t, at(i, c), at(rank, j));
+        mpz_mul(at(i, j), at(i, j), at(rank, c));
+        mpz_sub(at(i, j), at(i, j), t);
+        mpz_divexact(at(i, j), at(i, j), previous);
+      }
+      mpz_set_ui(at(i, c), 0);
+    }
+    mpz_set(previous, at(rank, c));
+    if (columns != nullptr) columns[rank] = c;
+    ++rank;
+  }
+  return rank;
+}
+
+bool plane_exact(unsigned d, const double* const* p, double* normal) {
+  if (d == 1) {
+    normal[0] = 0.5;
+    return true;
+  }
+  if (d == 3) {
+    const Differences edges(d, p, 2);
+    if (edges.narrow()) return narrow_plane(edges, normal);
+  }
+  thread_local ExactPlane plane;
+  plane.set(d, p);
+  if (plane.degenerate()) return false;
+  plane.normal(normal);
+  return true;
+}
+
+}  // namespace cullhull::internal

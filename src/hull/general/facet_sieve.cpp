@@ -1,0 +1,96 @@
+// The sieve's kernel, compiled once per instruction set.
+#include "hull/general/facet_sieve.hpp"
+
+#include "parallel/simd_targets.hpp"
+
+#define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "hull/general/facet_sieve.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+
+HWY_BEFORE_NAMESPACE();
+namespace cullhull::internal::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using F = hn::CappedTag<float, 16>;
+using V = hn::Vec<F>;
+
+/// Two vectors of points. The largest n . y - level decides: the sign of a difference is exact.
+template <unsigned D>
+void two_vectors(const float* planes, std::size_t count, const float* y, std::uint8_t* beneath) {
+  const F f;
+  const std::size_t lanes = hn::Lanes(f);
+  V a[D], b[D];
+  for (unsigned j = 0; j < D; ++j) {
+    a[j] = hn::LoadU(f, y + j * sieve_block);
+    b[j] = hn::LoadU(f, y + j * sieve_block + lanes);
+  }
+  // Where no point is beneath all of the first facets, the others need not be asked.
+  constexpr std::size_t at_once = 64;
+  V highest_a = hn::Set(f, -1.0F), highest_b = highest_a;
+  for (std::size_t first = 0; first < count; first += at_once) {
+    for (std::size_t i = first; i < std::min(count, first + at_once); ++i) {
+      const float* n = planes + i * (D + 1);
+      V normal = hn::Set(f, n[0]);
+      V sum_a = hn::Mul(normal, a[0]), sum_b = hn::Mul(normal, b[0]);
+      for (unsigned j = 1; j < D; ++j) {
+        normal = hn::Set(f, n[j]);
+        sum_a = hn::MulAdd(normal, a[j], sum_a);
+        sum_b = hn::MulAdd(normal, b[j], sum_b);
+      }
+      const V level = hn::Set(f, n[D]);
+      highest_a = hn::Max(highest_a, hn::Sub(sum_a, level));
+      highest_b = hn::Max(highest_b, hn::Sub(sum_b, level));
+    }
+    if (hn::AllFalse(f, hn::Lt(hn::Min(highest_a, highest_b), hn::Zero(f)))) break;
+  }
+  HWY_ALIGN float out[2 * hn::MaxLanes(F())];
+  hn::Store(highest_a, f, out);
+  hn::Store(highest_b, f, out + lanes);
+  for (std::size_t k = 0; k < 2 * lanes; ++k) beneath[k] = out[k] < 0 ? 1 : 0;
+}
+
+template <unsigned D>
+void block(const float* planes, std::size_t count, const float* y, std::uint8_t* beneath) {
+  const std::size_t step = 2 * hn::Lanes(F());
+  for (std::size_t k = 0; k < sieve_block; k += step)
+    two_vectors<D>(planes, count, y + k, beneath + k);
+}
+
+}  // namespace
+
+void beneath(unsigned d, const float* planes, std::size_t count, const float* y,
+             std::uint8_t* beneath) {
+  switch (d) {
+    case 4:
+      return block<4>(planes, count, y, beneath);
+    case 5:
+      return block<5>(planes, count, y, beneath);
+    case 6:
+      return block<6>(planes, count, y, beneath);
+    case 7:
+      return block<7>(planes, count, y, beneath);
+    default:
+      return block<8>(planes, count, y, beneath);
+  }
+}
+
+}  // namespace cullhull::internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace cullhull::internal {
+
+HWY_EXPORT(beneath);
+
+void beneath_facets(unsigned d, const float* planes, std::size_t count, const float* y,
+                    std::uint8_t* beneath) {
+  HWY_DYNAMIC_DISPATCH(beneath)(d, planes, count, y, beneath);
+}
+
+}  // namespace cullhull::internal
+#endif

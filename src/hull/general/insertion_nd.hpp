@@ -1,0 +1,507 @@
+// Incremental insertion: the exact engine for d >= 4. docs/algorithm.md, "The engine".
+//
+// No conflict lists: a point finds a facet it sees by climbing n . p over neighbouring facets, with
+// planes scaled to n . (x - O) = 1 (linear programming on the dual polytope). What the climb cannot
+// decide beyond its error bounds, an exact walk does.
+//
+// Points are taken in batches from streams that are far apart: every stream finds the cavity of its
+// next point, the hull being read only; cavities that do not touch one another are then replaced
+// all at once. A point whose cavity touches an earlier stream's waits for the next batch.
+//
+// The outermost points come first, by themselves; what their hull has strictly inside is dropped
+// by facet tests (insertion_nd_start.hpp) before it is given a place in the order.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <deque>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "cullhull/error.hpp"
+#include "geometry/minors.hpp"
+#include "geometry/norm_order.hpp"
+#include "geometry/orientation.hpp"
+#include "geometry/oriented_plane.hpp"
+#include "hull/engine.hpp"
+#include "hull/general/cavity.hpp"
+#include "hull/general/facet_planes.hpp"
+#include "hull/general/facet_sieve.hpp"
+#include "hull/general/facet_store.hpp"
+#include "parallel/crew.hpp"
+#include "parallel/crowding.hpp"
+#include "parallel/parallel.hpp"
+
+namespace cullhull::internal {
+
+template <unsigned D>
+class InsertionNd {
+ public:
+  InsertionNd(const LocalPoints& points, const std::uint32_t* simplex, std::uint64_t budget,
+              unsigned threads, bool same_facets, const Control& control);
+  SimplicialHull run();
+
+ private:
+  using Id = std::uint32_t;
+  static constexpr Id none = 0xFFFFFFFF;
+  static constexpr Id dead = FacetStore<D>::dead;
+  /// In loops over records that lie anywhere: how many before its turn a record is asked for.
+  static constexpr std::size_t ahead = 8;
+  /// In a visible facet's neighbour slot across a horizon ridge: the new facet built on it.
+  static constexpr Id horizon_tag = 0x80000000;
+
+  unsigned dim() const {
+    if constexpr (D > 0) return D;
+    return dimension_;
+  }
+  const double* row(Id p) const { return ordered_.data() + std::size_t{p} * dim(); }
+  const double* exact_row(Id p) const { return points_.exact_row(order_[p]); }
+  float error(Id f) const { return store_.plane(f)[dim()]; }
+  float gauge(const float* y, Id f) const {
+    const float* n = store_.plane(f);
+    float sum = n[0] * y[0];
+    for (unsigned j = 1; j < dim(); ++j) sum += n[j] * y[j];
+    return sum;
+  }
+  float gauge(const Lane& lane, Id f) const { return gauge(lane.offset.data(), f); }
+  /// Where x is among the dim() distinct items, of which it is one. Without branches, which nothing
+  /// would predict: sums, because a choice is made a branch by compilers.
+  unsigned index_of(const Id* items, Id x) const {
+    unsigned at = 0;
+    for (unsigned i = 1; i < dim(); ++i) at += i * static_cast<unsigned>(items[i] == x);
+    return at;
+  }
+
+  void choose_centre();
+  void measure_reach();
+  bool centre_inside(const std::vector<double>& centre) const;
+  bool worth_sharing(std::size_t points) const;
+  void build_simplex();
+  void reserve(std::size_t facets);
+
+  void append_round(NormOrder& order);
+  void insert_outermost(NormOrder& order);
+  void list_planes(std::vector<float>& planes) const;
+  template <class At>
+  void test_block(const std::vector<float>& planes, const At& at, std::uint32_t count,
+                  std::uint8_t* inside) const;
+  bool sieve_pays(const NormOrder& order, const std::vector<float>& planes,
+                  std::size_t worth) const;
+  void sieve(NormOrder& order, const std::vector<float>& planes) const;
+
+  void insert_round();
+  void review_sharing();
+  void advance(Stream& s, Lane& lane);
+  void settle();
+  bool clear_of_others(const Stream& s) const;
+  void claim(Stream& s);
+  void adapt(std::size_t tried, std::size_t refused, std::size_t made);
+  template <class Body>
+  void in_parallel(const Body& body);
+
+  void aim(Lane& lane, Id point) const;
+  Id locate(Lane& lane, Id start, Id point, Id& end) const;
+  Id locate_exactly(Lane& lane, Id start, Id point, Id& end) const;
+  template <class Entry>
+  Sign lattice_sign(Lane& lane, const Entry& entry) const;
+  Sign side(Lane& lane, Id f, Id point) const;
+  std::uint32_t seen_among(Lane& lane, const float* y, const Id* facets, unsigned first,
+                           Id point) const;
+  std::uint32_t seen_exactly(Lane& lane, const Id* facets, std::uint32_t which, Id point) const;
+  Sign cone_side(Lane& lane, Id f, unsigned j, Id point) const;
+  bool note_duplicate(Lane& lane, Id f, Id point) const;
+  void find_cavity(Stream& s, Lane& lane, Id seed) const;
+
+  void replace(Stream& s, Lane& lane);
+  void link(const Stream& s, Lane& lane) const;
+  Id turn(const Stream& s, std::size_t k, unsigned i) const;
+  SimplicialHull collect();
+
+  const LocalPoints& points_;
+  const Control& control_;
+  unsigned dimension_, threads_;
+  std::uint64_t budget_;
+  std::vector<double> centre_, reach_;
+  /// Whether O is centre_, a double; else it is the exact centroid of the simplex.
+  bool centre_exact_ = false;
+  PlaneFrame frame_;
+  FacetStore<D> store_;
+  /// Points in insertion order: an id here is a position in `order_`. The simplex comes first.
+  std::vector<Id> order_;
+  std::vector<Id> starts_;  ///< of the rounds in `order_` so far, and the end of the last
+  std::size_t rounds_done_ = 0;
+  RawArray<double> ordered_;
+  std::size_t expected_ = 0;  ///< points in all, as far as is known
+  std::size_t facet_slots_ = 0, facet_capacity_ = 0, live_ = 0;
+  std::vector<Id> free_;
+  Id recent_ = 0;  ///< a facet that is alive
+
+  Crew crew_;
+  bool shared_ = false;  ///< whether the crew is at work
+  unsigned batches_shared_ = 0;
+  std::deque<Lane> lanes_;
+  std::vector<Share> shares_;
+  bool same_facets_;  ///< whatever the number of workers
+  std::vector<Stream> streams_;
+  std::vector<Id> batch_;  ///< streams that have work
+  /// For every facet slot: twice the batch that last claimed it, plus 1 where it was visible.
+  RawArray<std::uint32_t> claims_;
+  std::uint32_t batch_number_ = 0;
+  double width_;  ///< number of streams: see adapt
+  std::uint64_t batch_facets_ = 0;
+  SimplicialHull result_;
+};
+
+// -------------------------------------------------------------------------------- construction
+
+template <unsigned D>
+InsertionNd<D>::InsertionNd(const LocalPoints& points, const std::uint32_t* simplex,
+                            std::uint64_t budget, unsigned threads, bool same_facets,
+                            const Control& control)
+    : points_(points),
+      control_(control),
+      dimension_(points.dimension),
+      threads_(threads),
+      budget_(budget),
+      centre_(dimension_),
+      reach_(dimension_),
+      store_(dimension_),
+      crew_(threads),
+      shares_(crew_.lanes()),
+      same_facets_(same_facets),
+      width_(same_facets ? 2 : 1) {
+  for (unsigned k = 0; k < crew_.lanes(); ++k) lanes_.emplace_back(dimension_);
+  order_.assign(simplex, simplex + dim() + 1);
+  starts_ = {dim() + 1};
+  ordered_.reserve(std::size_t{points.count} * dim());
+  for (Id i = 0; i <= dim(); ++i)
+    std::copy_n(points.row(order_[i]), dim(), ordered_.data() + i * dim());
+  choose_centre();
+  measure_reach();
+  frame_ = {dim(), ordered_.data(), centre_.data(), reach_.data(),
+            points_.exact == points_.coordinates};
+}
+
+/// O: the simplex's centroid, rounded to as few bits as leave it strictly inside, so that exact
+/// arithmetic on lattices stays short. Where even the double nearest to it is not inside, or the
+/// engine's frame is not exact, O is the exact centroid.
+template <unsigned D>
+void InsertionNd<D>::choose_centre() {
+  const unsigned d = dim();
+  std::vector<double> centroid(d, 0.0);
+  for (unsigned j = 0; j < d; ++j) {
+    for (unsigned i = 0; i <= d; ++i) centroid[j] += row(i)[j];
+    centroid[j] /= d + 1;
+  }
+  centre_ = centroid;
+  if (points_.exact == points_.coordinates) {
+    for (const double grid : {0x1p6, 0x1p12, 0x1p24}) {
+      for (unsigned j = 0; j < d; ++j) centre_[j] = std::round(centroid[j] * grid) / grid;
+      centre_exact_ = centre_inside(centre_);
+      if (centre_exact_) break;
+    }
+    if (!centre_exact_) {
+      centre_ = centroid;
+      centre_exact_ = centre_inside(centre_);
+    }
+  }
+}
+
+template <unsigned D>
+void InsertionNd<D>::measure_reach() {
+  double few[D > 0 ? D : 1] = {};
+  double* const reach = D > 0 ? few : reach_.data();
+  for (Id k = 0; k < points_.count; ++k) {
+    if (k % 65536 == 0) control_.check();
+    const double* p = points_.row(k);
+    for (unsigned j = 0; j < dim(); ++j) reach[j] = std::max(reach[j], std::abs(p[j] - centre_[j]));
+  }
+  for (unsigned j = 0; j < dim(); ++j) reach_[j] = reach[j] * (1 + 0x1p-30) + 0x1p-40;
+}
+
+template <unsigned D>
+bool InsertionNd<D>::centre_inside(const std::vector<double>& centre) const {
+  const unsigned d = dim();
+  std::vector<const double*> p(d + 1);
+  for (unsigned i = 0; i <= d; ++i) p[i] = row(i);
+  const Sign whole = orientation(d, p.data());
+  for (unsigned i = 0; i <= d; ++i) {
+    p[i] = centre.data();
+    if constexpr (D == 0) control_.check();  // in 50D an exact sign can take a tenth of a second
+    if (orientation(d, p.data()) != whole) return false;
+    p[i] = row(i);
+  }
+  return true;
+}
+
+template <unsigned D>
+SimplicialHull InsertionNd<D>::run() {
+  build_simplex();
+  {
+    NormOrder order(points_, order_, threads_, control_);
+    insert_outermost(order);
+    while (order.left() > 0) append_round(order);
+    expected_ = order_.size();
+  }
+  const auto rounds = [this] {
+    while (rounds_done_ + 1 < starts_.size()) insert_round();
+  };
+  if (worth_sharing(order_.size() - starts_[rounds_done_])) {
+    shared_ = true;
+    width_ = std::max(width_, 2.0);
+    crew_.session(rounds);
+  } else {
+    rounds();
+  }
+  return collect();
+}
+
+/// Whether so many points take some ten milliseconds: threads hand over twice a batch, and lose
+/// more than they save on a hull of fewer facets, or where one of them has to wait for a processor.
+template <unsigned D>
+bool InsertionNd<D>::worth_sharing(std::size_t points) const {
+  constexpr std::size_t fewest[] = {8000, 1000, 150, 50, 20};
+  return crew_.lanes() > 1 && !crowded() &&
+         points >= (dim() < 4 || dim() > 8 ? 1 : fewest[dim() - 4]);
+}
+
+template <unsigned D>
+void InsertionNd<D>::build_simplex() {
+  const unsigned d = dim();
+  reserve(1024);
+  for (Id i = 0; i <= d; ++i) {
+    Id* v = store_.vertices(i);
+    Id* n = store_.neighbours(i);
+    for (Id k = 0, at = 0; k <= d; ++k) {
+      if (k == i) continue;
+      v[at] = k;
+      n[at] = k;
+      ++at;
+    }
+    if (side(lanes_[0], i, i) == Sign::positive) {
+      std::swap(v[0], v[1]);
+      std::swap(n[0], n[1]);
+    }
+    const std::uint8_t first = 0;
+    std::vector<float> plane(d + 1);
+    facet_planes(frame_, v[0], v, &first, 1, plane.data());
+    std::copy(plane.begin(), plane.end(), store_.plane(i));
+  }
+  facet_slots_ = live_ = d + 1;
+}
+
+template <unsigned D>
+void InsertionNd<D>::reserve(std::size_t facets) {
+  if (facets <= facet_capacity_) return;
+  const std::size_t capacity = std::max(facets, facet_capacity_ + facet_capacity_ / 2);
+  // The result takes about as much again beside the records and the claims.
+  const std::uint64_t per_facet = store_.bytes_per_facet() + sizeof(std::uint32_t);
+  if (capacity >= horizon_tag || 2 * capacity * per_facet > budget_) {
+    throw Error(ErrorCode::out_of_budget, "the hull has more than " + std::to_string(live_) +
+                                              " facets in dimension " + std::to_string(dim()) +
+                                              ", which exceeds the memory budget of " +
+                                              std::to_string(budget_ >> 20) +
+                                              " MiB; raise the budget or use fewer dimensions");
+  }
+  store_.reserve(capacity);
+  claims_.reserve(capacity);
+  std::fill_n(claims_.data() + facet_capacity_, capacity - facet_capacity_, 0);
+  facet_capacity_ = capacity;
+}
+
+// ------------------------------------------------------------------------------------ location
+
+template <unsigned D>
+void InsertionNd<D>::aim(Lane& lane, Id point) const {
+  const double* p = row(point);
+  for (unsigned j = 0; j < dim(); ++j) lane.offset[j] = static_cast<float>(p[j] - centre_[j]);
+}
+
+/// Sign of a determinant on a small lattice: every operation is exact, so is the value.
+template <unsigned D>
+template <class Entry>
+Sign InsertionNd<D>::lattice_sign(Lane& lane, const Entry& entry) const {
+  double m[D][D];
+  for (unsigned i = 0; i < D; ++i)
+    for (unsigned j = 0; j < D; ++j) m[i][j] = entry(i, j);
+  expand_minors<D, false>(m, D, lane.minors.data(), static_cast<double*>(nullptr));
+  ++lane.rung_counts[static_cast<unsigned>(Rung::filter)];
+  return sign_of(lane.minors[(1U << D) - 1]);
+}
+
+/// Exact side of the point against a facet: positive if it sees it.
+template <unsigned D>
+Sign InsertionNd<D>::side(Lane& lane, Id f, Id point) const {
+  const unsigned d = dim();
+  const Id* v = store_.vertices(f);
+  const double** p = lane.rows.data();
+  if constexpr (D > 0 && D < elimination_pays) {
+    if (points_.small_lattice)
+      return lattice_sign(lane, [&](unsigned i, unsigned j) {
+        return row(i + 1 < D ? v[i + 1] : point)[j] - row(v[0])[j];
+      });
+  }
+  for (unsigned i = 0; i < d; ++i) p[i] = exact_row(v[i]);
+  p[d] = exact_row(point);
+  if constexpr (D == 0) control_.check();  // beyond 8D a sign can take milliseconds
+  Rung rung = Rung::exact;
+  const Sign s = orientation(d, p, &rung);
+  ++lane.rung_counts[static_cast<unsigned>(rung)];
+  return s;
+}
+
+/// Which of the facets the point sees, as bits: of dim() facets, or 32 at most from `first`. About
+/// every second is seen, as good as at random: comparisons are signs of differences, so that no
+/// branch is made of them.
+template <unsigned D>
+[[gnu::always_inline]] inline std::uint32_t InsertionNd<D>::seen_among(Lane& lane, const float* y,
+                                                                       const Id* facets,
+                                                                       unsigned first,
+                                                                       Id point) const {
+  const auto negative = [](float x) { return std::bit_cast<std::uint32_t>(x) >> 31; };
+  const unsigned count = D > 0 ? D : std::min(dim() - first, 32U);
+  std::uint32_t above = 0, beneath = 0;
+  for (unsigned j = 0; j < count; ++j) {
+    const float g = gauge(y, facets[first + j]), e = error(facets[first + j]);
+    above |= negative((1 + e) - g) << j;
+    beneath |= negative(g - (1 - e)) << j;
+  }
+  const std::uint32_t doubtful = ~std::uint32_t{0} >> (32 - count) & ~(above | beneath);
+  if (doubtful == 0) [[likely]]
+    return above;
+  return above | seen_exactly(lane, facets + first, doubtful, point);
+}
+
+template <unsigned D>
+std::uint32_t InsertionNd<D>::seen_exactly(Lane& lane, const Id* facets, std::uint32_t which,
+                                           Id point) const {
+  std::uint32_t seen = 0;
+  for (; which != 0; which &= which - 1) {
+    const auto j = static_cast<unsigned>(std::countr_zero(which));
+    seen |= static_cast<std::uint32_t>(side(lane, facets[j], point) == Sign::positive) << j;
+  }
+  return seen;
+}
+
+/// Whether the point lies on the facet's side (positive), on (zero) or beyond (negative) the
+/// hyperplane through O and the ridge opposite to vertex j.
+template <unsigned D>
+Sign InsertionNd<D>::cone_side(Lane& lane, Id f, unsigned j, Id point) const {
+  const unsigned d = dim();
+  const Id other = store_.neighbours(f)[j];
+  const double g = gauge(lane, f), h = gauge(lane, other);
+  const double e = 2 * (error(f) * (1 + std::abs(g)) + error(other) * (1 + std::abs(h)));
+  if (g - h > e) return Sign::positive;
+  if (h - g > e) return Sign::negative;
+  if constexpr (D == 0) control_.check();
+  const Id* v = store_.vertices(f);
+  // An outward facet has orientation (-1)^(d+1) seen from O.
+  const auto outward = [d](Sign s) { return d % 2 == 1 ? s : -s; };
+  const double** p = lane.rows.data();
+  if (centre_exact_) {
+    p[0] = centre_.data();
+    for (unsigned i = 0; i < d; ++i) p[i + 1] = exact_row(i == j ? point : v[i]);
+    Rung rung = Rung::exact;
+    const Sign s = orientation(d, p, &rung);
+    ++lane.rung_counts[static_cast<unsigned>(rung)];
+    return outward(s);
+  }
+  for (unsigned i = 0; i < d; ++i) p[i] = exact_row(i == j ? point : v[i]);
+  for (unsigned i = 0; i <= d; ++i) lane.simplex_rows[i] = exact_row(i);
+  ++lane.rung_counts[static_cast<unsigned>(Rung::exact)];
+  return outward(orientation_from_centroid_exact(d, p, lane.simplex_rows.data()));
+}
+
+template <unsigned D>
+bool InsertionNd<D>::note_duplicate(Lane& lane, Id f, Id point) const {
+  const double* p = exact_row(point);
+  for (unsigned i = 0; i < dim(); ++i) {
+    const Id v = store_.vertices(f)[i];
+    const double* q = exact_row(v);
+    if (std::equal(p, p + dim(), q)) {
+      if (order_[point] < order_[v]) lane.duplicates.emplace_back(order_[point], order_[v]);
+      return true;
+    }
+  }
+  return false;
+}
+
+/// A facet the point sees, or `none`. `end`: where the search came to.
+template <unsigned D>
+typename InsertionNd<D>::Id InsertionNd<D>::locate(Lane& lane, Id start, Id point, Id& end) const {
+  Id f = start;
+  float g = gauge(lane, f);
+  for (;;) {
+    if (g > 1 + error(f)) {
+      ++lane.rung_counts[0];
+      return f;
+    }
+    const Id* n = store_.neighbours(f);
+    for (unsigned j = 0; j < dim(); ++j) store_.prefetch(n[j]);
+    Id best = f;
+    float best_gauge = g, highest = -std::numeric_limits<float>::infinity();
+    for (unsigned j = 0; j < dim(); ++j) {
+      const float h = gauge(lane, n[j]);
+      highest = std::max(highest, h + error(n[j]));
+      best = h > best_gauge ? n[j] : best;
+      best_gauge = std::max(best_gauge, h);
+    }
+    if (best == f) {
+      end = f;
+      const float e = error(f);
+      // A strict maximum beyond the bounds: the ray from O to the point leaves through f, and the
+      // point is beneath f. The sums are rounded, by less than 2^-22.
+      if (g > e && g + e < 1 - 0x1p-20F && highest < g - e - 0x1p-20F) {
+        ++lane.rung_counts[0];
+        return none;
+      }
+      return locate_exactly(lane, f, point, end);
+    }
+    f = best;
+    g = best_gauge;
+  }
+}
+
+template <unsigned D>
+typename InsertionNd<D>::Id InsertionNd<D>::locate_exactly(Lane& lane, Id start, Id point,
+                                                           Id& end) const {
+  if (note_duplicate(lane, start, point)) return none;
+  if (side(lane, start, point) == Sign::positive) return start;
+  const unsigned d = dim();
+  Id f = start;
+  // A visibility walk on the projection of the hull from O. The projection is a regular subdivision
+  // but for its coplanar pieces, so a walk that picks the ridge at random ends with probability 1
+  // (Devillers, Pion, Teillaud 2002).
+  lane.random = 0x9E3779B97F4A7C15ULL ^ (std::uint64_t{point} << 20);
+  for (std::uint32_t step = 1;; ++step) {
+    if (step % 256 == 0) control_.check();
+    lane.random ^= lane.random << 13;
+    lane.random ^= lane.random >> 7;
+    lane.random ^= lane.random << 17;
+    const auto first = static_cast<unsigned>(lane.random % d);
+    Id next = none;
+    for (unsigned k = 0; k < d && next == none; ++k) {
+      const unsigned j = (first + k) % d;
+      if (cone_side(lane, f, j, point) == Sign::negative) next = store_.neighbours(f)[j];
+    }
+    if (next == none) break;
+    f = next;
+    if (gauge(lane, f) > 1 + error(f)) return f;
+  }
+  end = f;
+  const Sign s = side(lane, f, point);
+  if (s == Sign::positive) return f;
+  if (s == Sign::zero) note_duplicate(lane, f, point);
+  return none;
+}
+
+}  // namespace cullhull::internal
+
+#include "hull/general/insertion_nd_batches.hpp"
+#include "hull/general/insertion_nd_cavity.hpp"
+#include "hull/general/insertion_nd_start.hpp"

@@ -1,0 +1,235 @@
+// A part of insertion_nd.hpp: the cavity of a point, the facets that replace it, how they
+// find their neighbours, and the surface in the end.
+#pragma once
+
+#include <cstring>
+
+#include "hull/general/insertion_nd.hpp"
+
+namespace cullhull::internal {
+
+// ----------------------------------------------------------------------------------- insertion
+
+template <unsigned D>
+void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
+  const unsigned d = dim();
+  if (lane.visited_size < facet_slots_) lane.cover(facet_capacity_);
+  std::uint8_t* visited = lane.visited.data();
+  // A copy that nothing written below can change stays in registers.
+  float copy[D > 0 ? D : 1];
+  const float* y = lane.offset.data();
+  if constexpr (D > 0) y = std::copy_n(y, D, copy) - D;
+  constexpr std::size_t early = D == 4 || D == 5 ? 2 : 6;  // cavities of hundreds of facets
+  std::size_t visible = 1, ridges = 0;
+  s.visible.resize(std::max<std::size_t>(s.visible.size(), 64));
+  s.horizon.resize(std::max<std::size_t>(s.horizon.size(), 64));
+  s.visible[0] = seed;
+  visited[seed] = 1;
+  for (std::size_t k = 0; k < visible; ++k) {
+    if (visible + d > s.visible.size()) s.visible.resize(2 * s.visible.size() + d);
+    if (ridges + d > s.horizon.size()) s.horizon.resize(2 * s.horizon.size() + d);
+    if (k % 4096 == 4095) control_.check();
+    Id* const list = s.visible.data();
+    HorizonRidge* const horizon = s.horizon.data();
+    const Id f = list[k];
+    const Id* n = store_.neighbours(f);
+    // Which neighbours are visible is as good as random: no branch on it. A facet beyond the
+    // horizon is tested once for each of its ridges, which costs less than remembering it.
+    for (unsigned first = 0; first < d; first += 32) {
+      std::uint32_t all = seen_among(lane, y, n, first, s.next);
+      for (unsigned j = first; j < std::min(d, first + 32); ++j, all >>= 1) {
+        const Id other = n[j];
+        const std::uint32_t seen = all & 1U, known = visited[other];
+        visited[other] = static_cast<std::uint8_t>(known | seen);
+        list[visible] = other;
+        visible += seen & ~known;
+        horizon[ridges] = {f, other, static_cast<std::uint8_t>(j), 0};
+        ridges += 1 - seen;
+      }
+    }
+    // What is at the end of the list comes last: time to fetch it.
+    if (k + early < visible) {
+      const Id* next = store_.neighbours(list[k + early]);
+      for (unsigned j = 0; j < d; ++j) store_.prefetch(next[j]);
+    }
+  }
+  s.visible.resize(visible);
+  s.seen = visible;
+  s.horizon.resize(ridges);
+  for (const Id f : s.visible) visited[f] = 0;
+  for (std::size_t k = 0; k < ridges; ++k) {
+    if (k + ahead < ridges) __builtin_prefetch(store_.neighbours(s.horizon[k + ahead].outside));
+    HorizonRidge& r = s.horizon[k];
+    r.back = static_cast<std::uint8_t>(index_of(store_.neighbours(r.outside), r.facet));
+  }
+}
+
+/// A new facet on every horizon ridge, in the slots of the visible ones as far as they go: what is
+/// near stays near, and hints stay good.
+template <unsigned D>
+void InsertionNd<D>::replace(Stream& s, Lane& lane) {
+  const unsigned d = dim();
+  const std::size_t count = s.horizon.size();
+  const Id point = s.next - 1;
+  lane.vertices.resize(count * d);
+  lane.neighbours.resize(count * d);
+  lane.apex.resize(count);
+  lane.planes.resize(count * (d + 1));
+  for (std::size_t k = 0; k < count; ++k) {
+    if (k + ahead < count) __builtin_prefetch(store_.vertices(s.horizon[k + ahead].facet));
+    const HorizonRidge& r = s.horizon[k];
+    Id* v = lane.vertices.data() + k * d;
+    std::memcpy(v, store_.vertices(r.facet), d * sizeof(Id));
+    v[r.apex] = point;
+    lane.apex[k] = r.apex;
+    store_.neighbours(r.facet)[r.apex] = static_cast<Id>(k) | horizon_tag;
+  }
+  link(s, lane);
+  control_.check();
+  // Beyond 8D a plane can take milliseconds: one at a time, so that the caller can stop.
+  const std::size_t at_once = D > 0 ? count : 1;
+  for (std::size_t k = 0; k < count; k += at_once) {
+    if constexpr (D == 0) control_.check();
+    facet_planes(frame_, point, lane.vertices.data() + k * d, lane.apex.data() + k, at_once,
+                 lane.planes.data() + k * (d + 1));
+  }
+  const Id* const slot = s.visible.data();
+  for (std::size_t k = count; k < s.seen; ++k) store_.vertices(slot[k])[0] = dead;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (k + ahead < count) {
+      store_.prefetch_to_write(slot[k + ahead]);
+      __builtin_prefetch(store_.neighbours(s.horizon[k + ahead].outside), 1);
+    }
+    const HorizonRidge& r = s.horizon[k];
+    const Id f = slot[k];
+    std::memcpy(store_.plane(f), lane.planes.data() + k * (d + 1), (d + 1) * sizeof(float));
+    std::memcpy(store_.vertices(f), lane.vertices.data() + k * d, d * sizeof(Id));
+    Id* n = store_.neighbours(f);
+    const Id* local = lane.neighbours.data() + k * d;
+    for (unsigned i = 0; i < d; ++i) n[i] = slot[local[i]];
+    n[r.apex] = r.outside;
+    store_.neighbours(r.outside)[r.back] = f;
+  }
+  s.hint = s.visible[0];
+}
+
+/// Finds the other new facets around the new facets, into lane.neighbours (0 across the horizon).
+///
+/// Every ridge through the point belongs to two of them. Each adds one and its number to the table
+/// slot that the ridge's vertices hash to; where a slot counts two, they are the two facets of one
+/// ridge whatever the hash is worth, and the sum tells the other from the one. Where it counts
+/// more, the other one is found by turning.
+template <unsigned D>
+void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
+  const unsigned d = dim();
+  constexpr unsigned sum_bits = 42;
+  const std::size_t count = s.horizon.size();
+  if (count * d >= std::size_t{1} << 20) {  // sums might reach the counts
+    for (std::size_t k = 0; k < count; ++k)
+      for (unsigned i = 0; i < d; ++i)
+        lane.neighbours[k * d + i] = i != lane.apex[k] ? turn(s, k, i) : 0;
+    return;
+  }
+  // Small tables can afford to be wide: fewer slots are crowded.
+  const auto bits = static_cast<unsigned>(std::bit_width(count * d)) + (count * d < 4096 ? 2 : 1);
+  const std::uint32_t shift = 32 - bits, none_of_them = std::uint32_t{1} << bits;
+  if (lane.table.size() <= none_of_them) lane.table.resize(std::size_t{none_of_them} + 1);
+  std::memset(lane.table.data(), 0, (std::size_t{none_of_them} + 1) * sizeof(lane.table[0]));
+  lane.ridges.resize(count * d);
+  std::uint64_t* const table = lane.table.data();
+  for (std::size_t k = 0; k < count; ++k) {
+    const Id* v = lane.vertices.data() + k * d;
+    Id* ridge = lane.ridges.data() + k * d;
+    std::uint32_t whole = 0;
+    for (unsigned i = 0; i < d; ++i) {
+      std::uint32_t h = v[i] * 0x9E3779B1U;
+      h ^= h >> 15;
+      ridge[i] = h;
+      whole += h;
+    }
+    for (unsigned i = 0; i < d; ++i) ridge[i] = ((whole - ridge[i]) * 0x85EBCA6BU) >> shift;
+    ridge[lane.apex[k]] = none_of_them;
+    const std::uint64_t entry = (std::uint64_t{1} << sum_bits) | k;
+    for (unsigned i = 0; i < d; ++i) table[ridge[i]] += entry;
+  }
+  constexpr std::uint64_t sum_mask = (std::uint64_t{1} << sum_bits) - 1;
+  for (std::size_t k = 0; k < count; ++k) {
+    Id* const local = lane.neighbours.data() + k * d;
+    const Id* ridge = lane.ridges.data() + k * d;
+    bool crowded = false;
+    const unsigned apex = lane.apex[k];
+    for (unsigned i = 0; i < d; ++i) {
+      const std::uint64_t entry = table[ridge[i]];
+      local[i] = static_cast<Id>(entry & sum_mask) - static_cast<Id>(k);
+      crowded |= (entry >> sum_bits != 2) & (i != apex);
+    }
+    if (crowded)
+      for (unsigned i = 0; i < d; ++i)
+        if (table[ridge[i]] >> sum_bits != 2 && i != apex) local[i] = turn(s, k, i);
+    local[apex] = 0;
+  }
+}
+
+/// The other new facet at the ridge of new facet k opposite to vertex i: reached by turning,
+/// through visible facets, about what facet k shares with its old one without vertex i.
+template <unsigned D>
+typename InsertionNd<D>::Id InsertionNd<D>::turn(const Stream& s, std::size_t k, unsigned i) const {
+  Id at = s.horizon[k].facet, kept_vertex = store_.vertices(at)[s.horizon[k].apex];
+  unsigned exit = i;
+  for (;;) {
+    const Id next = store_.neighbours(at)[exit];
+    if ((next & horizon_tag) != 0) return next & ~horizon_tag;
+    const Id* v = store_.vertices(next);
+    exit = index_of(v, kept_vertex);
+    kept_vertex = v[index_of(store_.neighbours(next), at)];
+    at = next;
+  }
+}
+
+template <unsigned D>
+SimplicialHull InsertionNd<D>::collect() {
+  const unsigned d = dim();
+  ordered_.release();
+  store_.release_planes();
+  claims_.release();
+  // A facet's number: how many are alive in the chunks before its own, and in this one before it.
+  constexpr unsigned chunk_bits = 14;
+  constexpr std::uint64_t chunk = std::uint64_t{1} << chunk_bits;
+  RawArray<Id> number;
+  number.reserve(facet_slots_);
+  std::vector<Id> before(chunk_count(facet_slots_, chunk) + 1, 0);
+  for_each_chunk(facet_slots_, chunk, threads_,
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control_.check();
+                   Id count = 0;
+                   for (std::uint64_t f = begin; f < end; ++f)
+                     number[f] = store_.alive(static_cast<Id>(f)) ? count++ : none;
+                   before[c + 1] = count;
+                 });
+  for (std::size_t c = 1; c < before.size(); ++c) before[c] += before[c - 1];
+  result_.dimension = d;
+  result_.vertices.resize(std::size_t{before.back()} * d);
+  result_.neighbours.resize(std::size_t{before.back()} * d);
+  for_each_chunk(facet_slots_, chunk, threads_,
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control_.check();
+                   for (std::uint64_t f = begin; f < end; ++f) {
+                     if (number[f] == none) continue;
+                     const std::size_t base = std::size_t{before[c] + number[f]} * d;
+                     const Id* v = store_.vertices(static_cast<Id>(f));
+                     const Id* n = store_.neighbours(static_cast<Id>(f));
+                     for (unsigned j = 0; j < d; ++j) {
+                       result_.vertices[base + j] = order_[v[j]];
+                       result_.neighbours[base + j] = before[n[j] >> chunk_bits] + number[n[j]];
+                     }
+                   }
+                 });
+  for (const Lane& lane : lanes_) {
+    for (unsigned r = 0; r < 3; ++r) result_.rung_counts[r] += lane.rung_counts[r];
+    result_.duplicates.insert(result_.duplicates.end(), lane.duplicates.begin(),
+                              lane.duplicates.end());
+  }
+  return std::move(result_);
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,100 @@
+// A part of insertion_nd.hpp: the outermost points, whose hull decides which others are taken at
+// all.
+#pragma once
+
+#include <algorithm>
+
+#include "hull/general/insertion_nd.hpp"
+
+namespace cullhull::internal {
+
+template <unsigned D>
+void InsertionNd<D>::append_round(NormOrder& order) {
+  const unsigned d = dim();
+  const std::size_t begin = order_.size();
+  order.take_round(order_);
+  starts_.push_back(static_cast<Id>(order_.size()));
+  for_each_chunk(order_.size() - begin, std::uint64_t{1} << 15, threads_,
+                 [&](std::uint64_t, std::uint64_t from, std::uint64_t to) {
+                   control_.check();
+                   for (std::uint64_t k = begin + from; k < begin + to; ++k)
+                     std::copy_n(points_.row(order_[k]), d, ordered_.data() + k * d);
+                 });
+}
+
+/// Rounds by rounds, until testing what is left against all facets costs more than it saves.
+template <unsigned D>
+void InsertionNd<D>::insert_outermost(NormOrder& order) {
+  if (dim() < sieve_min_dimension || dim() > sieve_max_dimension) return;
+  // So many facet tests cost as much as a place in the order and a search. Measured on balls.
+  constexpr std::size_t worth[] = {3000, 4500, 8000, 14000, 25000};
+  const std::size_t most = worth[dim() - sieve_min_dimension];
+  std::vector<float> planes;
+  for (std::size_t asked = 0; order.left() > 0 && live_ < most;) {
+    expected_ = order_.size() + order.left();
+    append_round(order);
+    insert_round();
+    if (order.left() == 0 || live_ < 2 * asked) continue;
+    asked = live_;
+    list_planes(planes);
+    if (sieve_pays(order, planes, most)) sieve(order, planes);
+  }
+}
+
+/// Normals and levels for beneath_facets.
+template <unsigned D>
+void InsertionNd<D>::list_planes(std::vector<float>& planes) const {
+  const unsigned d = dim();
+  planes.resize(live_ * (d + 1));
+  float* out = planes.data();
+  for (Id f = 0; f < facet_slots_; ++f) {
+    if (!store_.alive(f)) continue;
+    out = std::copy_n(store_.plane(f), d, out);
+    *out++ = 1 - error(f);
+  }
+}
+
+/// Which of at most sieve_block points at(0), at(1), ... are certainly strictly inside.
+template <unsigned D>
+template <class At>
+void InsertionNd<D>::test_block(const std::vector<float>& planes, const At& at, std::uint32_t count,
+                                std::uint8_t* inside) const {
+  const unsigned d = dim();
+  alignas(64) float y[sieve_max_dimension * sieve_block];
+  for (std::uint32_t k = 0; k < sieve_block; ++k) {
+    const double* p = points_.row(at(std::min(k, count - 1)));
+    for (unsigned j = 0; j < d; ++j) y[j * sieve_block + k] = static_cast<float>(p[j] - centre_[j]);
+  }
+  beneath_facets(d, planes.data(), planes.size() / (d + 1), y, inside);
+}
+
+/// Whether enough of one block of points, from all over what is left, are inside.
+template <unsigned D>
+bool InsertionNd<D>::sieve_pays(const NormOrder& order, const std::vector<float>& planes,
+                                std::size_t worth) const {
+  std::uint8_t inside[sieve_block];
+  const std::uint64_t left = order.left(), tested = std::min<std::uint64_t>(left, sieve_block);
+  test_block(
+      planes, [&](std::uint64_t k) { return order.left_at(static_cast<Id>(k * left / tested)); },
+      static_cast<std::uint32_t>(tested), inside);
+  const auto found = static_cast<std::uint64_t>(std::count(inside, inside + tested, 1));
+  return found * worth > live_ * tested;
+}
+
+template <unsigned D>
+void InsertionNd<D>::sieve(NormOrder& order, const std::vector<float>& planes) const {
+  // Some hundred microseconds a chunk.
+  const std::uint64_t chunk = std::max<std::uint64_t>(1, (1 << 16) / live_) * sieve_block;
+  const Id left = order.left();
+  std::vector<std::uint8_t> inside(chunk_count(left, sieve_block) * sieve_block);
+  for_each_chunk(left, chunk, threads_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+    control_.check();
+    for (auto k = static_cast<Id>(begin); k < end; k += sieve_block)
+      test_block(
+          planes, [&](Id i) { return order.left_at(k + i); },
+          std::min<Id>(sieve_block, static_cast<Id>(end) - k), inside.data() + k);
+  });
+  order.drop(inside.data());
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,438 @@
+// The hull in the plane: points are dealt to buckets by x, runs of buckets become chains in the
+// cache, and chains are joined from left to right.
+//
+// Everything that decides is exact: comparisons of coordinates, and signs of exact determinants
+// (planar.hpp). How points are cut into runs depends on their number alone.
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <utility>
+
+#include "hull/engine.hpp"
+#include "hull/plane/planar_strip.hpp"
+#include "hull/plane/polygon.hpp"
+#include "parallel/big_array.hpp"
+#include "parallel/clear_pages.hpp"
+#include "parallel/parallel.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+constexpr std::uint32_t block = PlanarSource::block;
+constexpr std::uint64_t chunk = std::uint64_t{1} << 16;
+
+// -------------------------------------------------------------------------------- the box
+
+Box box_of(const double* p, std::uint64_t count) {
+  // Four points at a time, so that no comparison waits for the one before.
+  constexpr std::uint64_t lanes = 8;
+  double low[lanes], high[lanes];
+  for (std::uint64_t j = 0; j < lanes; ++j) low[j] = high[j] = p[j % 2];
+  const std::uint64_t values = 2 * count;
+  std::uint64_t i = 0;
+  for (; i + lanes <= values; i += lanes)
+    for (std::uint64_t j = 0; j < lanes; ++j) {
+      low[j] = p[i + j] < low[j] ? p[i + j] : low[j];
+      high[j] = p[i + j] > high[j] ? p[i + j] : high[j];
+    }
+  for (; i < values; ++i) {
+    low[i % 2] = std::min(low[i % 2], p[i]);
+    high[i % 2] = std::max(high[i % 2], p[i]);
+  }
+  Box box;
+  for (std::uint64_t j = 0; j < 2; ++j) {
+    box.low[j] = std::min({low[j], low[j + 2], low[j + 4], low[j + 6]});
+    box.high[j] = std::max({high[j], high[j + 2], high[j + 4], high[j + 6]});
+  }
+  return box;
+}
+
+bool finite(const double* values, std::uint64_t count) {
+  double sum[8] = {};  // x * 0 is NaN exactly for NaN and infinities
+  std::uint64_t i = 0;
+  for (; i + 8 <= count; i += 8)
+    for (std::uint64_t j = 0; j < 8; ++j) sum[j] += values[i + j] * 0.0;
+  for (; i < count; ++i) sum[0] += values[i] * 0.0;
+  return sum[0] + sum[1] + sum[2] + sum[3] + sum[4] + sum[5] + sum[6] + sum[7] == 0;
+}
+
+void widen(Box& box, const Box& more) {
+  for (unsigned j = 0; j < 2; ++j) {
+    box.low[j] = std::min(box.low[j], more.low[j]);
+    box.high[j] = std::max(box.high[j], more.high[j]);
+  }
+}
+
+struct Extent {
+  Box box;
+  Corners corners;
+
+  Chord chord() const { return {corners.first(), corners.last()}; }
+};
+
+/// One look at all points; a second at the chunks that the ends are in.
+Extent measure(const PlanarSource& source, unsigned threads, const Control& control) {
+  const std::uint64_t n = source.count();
+  std::vector<Box> boxes(chunk_count(n, chunk));
+  std::atomic<bool> bad{false};
+  for_each_chunk(n, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    control.check();
+    double room[2 * block];
+    for (std::uint64_t b = begin; b < end; b += block) {
+      const std::uint64_t size = std::min<std::uint64_t>(block, end - b);
+      const double* p = source.rows(b, b + size, room);
+      if (!finite(p, 2 * size)) bad = true;
+      const Box box = box_of(p, size);
+      if (b == begin)
+        boxes[c] = box;
+      else
+        widen(boxes[c], box);
+    }
+  });
+  if (bad) check_finite(source.view(), nullptr, threads, control);  // names the first
+  Extent extent{boxes[0], {}};
+  Box& all = extent.box;
+  for (const Box& box : boxes) widen(all, box);
+  std::vector<Corners> corners(boxes.size());
+  for_each_chunk(n, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    const Box& box = boxes[c];
+    if (box.low[0] != all.low[0] && box.high[0] != all.high[0] && box.low[1] != all.low[1] &&
+        box.high[1] != all.high[1])
+      return;
+    control.check();
+    double room[2 * block];
+    for (std::uint64_t b = begin; b < end; b += block) {
+      const std::uint64_t size = std::min<std::uint64_t>(block, end - b);
+      const double* p = source.rows(b, b + size, room);
+      for (std::uint64_t i = 0; i < size; ++i) {
+        const double x = p[2 * i], y = p[2 * i + 1];
+        if ((x == all.low[0]) | (x == all.high[0]) | (y == all.low[1]) | (y == all.high[1]))
+          corners[c].add({x, y, static_cast<std::uint32_t>(b + i), 0});
+      }
+    }
+  });
+  for (const Corners& c : corners) extent.corners.add(c);
+  return extent;
+}
+
+// -------------------------------------------------------------------------------- buckets
+
+/// All points as entries, those of a bucket together, buckets ascending by x. Within a bucket they
+/// keep their order, so rows ascend.
+class Buckets {
+ public:
+  static constexpr unsigned max_bits = 11;
+  static constexpr std::uint32_t wanted_size = 512;
+
+  Buckets(const PlanarSource& source, const Box& box, unsigned threads, const Control& control)
+      : source_(source),
+        map_(box.low[0], box.high[0]),
+        bits_(std::min(max_bits,
+                       static_cast<unsigned>(std::bit_width(source.count() / wanted_size)))),
+        entries_(source.count()) {
+    const std::size_t buckets = std::size_t{1} << bits_;
+    const std::uint64_t n = source.count(), chunks = chunk_count(n, chunk);
+    std::vector<std::uint32_t> next(chunks * buckets, 0);
+    for_each_chunk(n, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      control.check();
+      std::uint32_t* const counts = next.data() + c * buckets;
+      each(begin, end, [&](const Entry& e) { ++counts[bucket(e.key)]; });
+    });
+    start_.resize(buckets + 1);
+    std::uint32_t sum = 0;
+    for (std::size_t b = 0; b < buckets; ++b) {
+      start_[b] = sum;
+      for (std::uint64_t c = 0; c < chunks; ++c) sum += std::exchange(next[c * buckets + b], sum);
+    }
+    start_[buckets] = sum;
+    touch_pages(entries_.get(), n * sizeof(Entry), threads, [&] { control.check(); });
+    for_each_chunk(n, chunk, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      control.check();
+      std::uint32_t* const at = next.data() + c * buckets;
+      each(begin, end, [&](const Entry& e) {
+        Entry* const to = entries_.get() + at[bucket(e.key)]++;
+        *to = e;
+        __builtin_prefetch(to + 3, 1);  // stores wait in line for those that miss
+      });
+    });
+  }
+
+  std::size_t size() const { return start_.size() - 1; }
+  unsigned low_bits() const { return 32 - bits_; }
+  const Entry* begin(std::size_t b) const { return entries_.get() + start_[b]; }
+  std::uint32_t count(std::size_t b) const { return start_[b + 1] - start_[b]; }
+
+ private:
+  std::size_t bucket(std::uint32_t key) const { return std::uint64_t{key} >> (32 - bits_); }
+
+  template <class Use>
+  void each(std::uint64_t begin, std::uint64_t end, Use&& use) const {
+    double room[2 * block];
+    for (std::uint64_t b = begin; b < end; b += block) {
+      const std::uint64_t size = std::min<std::uint64_t>(block, end - b);
+      const double* p = source_.rows(b, b + size, room);
+      for (std::uint64_t i = 0; i < size; ++i)
+        use(Entry{p[2 * i], p[2 * i + 1], static_cast<std::uint32_t>(b + i), map_.key(p[2 * i])});
+    }
+  }
+
+  const PlanarSource& source_;
+  const KeyMap map_;
+  const unsigned bits_;
+  BigArray<Entry> entries_;
+  std::vector<std::uint32_t> start_;
+};
+
+// -------------------------------------------------------------------------------- chains
+
+/// Rows of the chains of a run of buckets.
+struct Run {
+  Array<std::uint32_t> lower, upper;
+};
+
+Array<std::uint32_t> rows_of(const Entry* chain, std::uint32_t count) {
+  Array<std::uint32_t> rows(count);
+  for (std::uint32_t i = 0; i < count; ++i) rows[i] = chain[i].row;
+  return rows;
+}
+
+/// A strictly convex chain that grows to the right by whole chains; `side` as in ChainBuilder.
+class JoinedChain {
+ public:
+  /// Rows [begin, end) of a chain.
+  struct Piece {
+    const Array<std::uint32_t>* rows;
+    std::size_t begin, end;
+    std::size_t size() const { return end - begin; }
+  };
+
+  JoinedChain(const PlanarSource& source, int side) : source_(source), side_(side) {}
+
+  /// The union's chain is the beginning of this one and the end of the next, joined by their common
+  /// tangent: found by turns about each until both hold still.
+  void join(const Array<std::uint32_t>& next, Turn& turn) {
+    if (next.empty()) return;
+    std::size_t first = 0;
+    for (;;) {
+      cut(entry(next[first]), turn);
+      const std::size_t better = tangent(next, first, turn);
+      if (better == first) break;
+      first = better;
+    }
+    pieces_.push_back({&next, first, next.size()});
+  }
+
+  const std::vector<Piece>& pieces() const { return pieces_; }
+
+ private:
+  Entry entry(std::uint32_t row) const { return source_.entry(row); }
+
+  /// Drops the end that a point to the right of the chain makes superfluous: from the first vertex
+  /// on at which the turn towards the point is wrong. What turns right at a vertex does so at all
+  /// before.
+  void cut(const Entry& p, Turn& turn) {
+    while (!pieces_.empty()) {
+      Piece& piece = pieces_.back();
+      const bool alone = pieces_.size() == 1;
+      const auto keeps = [&](std::size_t i) {
+        const std::uint32_t previous =
+            i > piece.begin
+                ? (*piece.rows)[i - 1]
+                : (*pieces_[pieces_.size() - 2].rows)[pieces_[pieces_.size() - 2].end - 1];
+        return turn(entry(previous), entry((*piece.rows)[i]), p) == side_;
+      };
+      // Usually all of it stays.
+      if (piece.size() > (alone ? 1 : 0) && keeps(piece.end - 1)) return;
+      std::size_t low = piece.begin + (alone ? 1 : 0), high = piece.end;
+      if (low >= high) return;  // one vertex, the first of all
+      --high;                   // known to be wrong
+      while (low < high) {
+        const std::size_t middle = low + (high - low) / 2;
+        if (keeps(middle))
+          low = middle + 1;
+        else
+          high = middle;
+      }
+      piece.end = low;
+      if (piece.size() > 0) return;
+      pieces_.pop_back();
+    }
+  }
+
+  /// The vertex of `next`, from `first` on, that the chain's last vertex sees outermost: the last
+  /// at which the turn from the one before is wrong.
+  std::size_t tangent(const Array<std::uint32_t>& next, std::size_t first, Turn& turn) const {
+    if (pieces_.empty()) return first;
+    const Piece& piece = pieces_.back();
+    const Entry from = entry((*piece.rows)[piece.end - 1]);
+    const auto wrong = [&](std::size_t i) {
+      return turn(from, entry(next[i - 1]), entry(next[i])) != side_;
+    };
+    if (first + 1 >= next.size() || !wrong(first + 1)) return first;
+    std::size_t low = first + 1, high = next.size() - 1;
+    while (low < high) {
+      const std::size_t middle = low + (high - low + 1) / 2;
+      if (wrong(middle))
+        low = middle;
+      else
+        high = middle - 1;
+    }
+    return low;
+  }
+
+  const PlanarSource& source_;
+  const int side_;
+  std::vector<Piece> pieces_;
+};
+
+/// Corners counter-clockwise: the lower chain but its last, then the upper one from its last to its
+/// second. Both begin at the lexicographically first point and end at the last.
+Array<std::uint32_t> cycle(const JoinedChain& lower, const JoinedChain& upper, unsigned threads) {
+  struct Job {
+    JoinedChain::Piece piece;
+    std::size_t to;
+    bool backwards;
+  };
+  std::vector<Job> jobs;
+  std::size_t size = 0;
+  const auto add = [&](JoinedChain::Piece piece, bool backwards) {
+    jobs.push_back({piece, size, backwards});
+    size += piece.size();
+  };
+  for (const auto& piece : lower.pieces()) add(piece, false);
+  --jobs.back().piece.end;
+  --size;
+  for (std::size_t i = upper.pieces().size(); i-- > 0;) {
+    JoinedChain::Piece piece = upper.pieces()[i];
+    if (i == 0) ++piece.begin;
+    add(piece, true);
+  }
+  if (size == 0) return {lower.pieces()[0].rows->front()};  // all points are equal
+  Array<std::uint32_t> corners(size);
+  for_each_chunk(jobs.size(), 1, threads, [&](std::uint64_t j, std::uint64_t, std::uint64_t) {
+    const Job& job = jobs[j];
+    const std::uint32_t* const from = job.piece.rows->data();
+    std::uint32_t* const to = corners.data() + job.to;
+    if (job.backwards)
+      std::reverse_copy(from + job.piece.begin, from + job.piece.end, to);
+    else
+      std::copy(from + job.piece.begin, from + job.piece.end, to);
+  });
+  return corners;
+}
+
+/// Runs of whole buckets with at least this many points, but the last.
+constexpr std::uint64_t run_size = std::uint64_t{1} << 14;
+
+std::vector<std::size_t> cut_into_runs(const Buckets& buckets) {
+  std::vector<std::size_t> ends{0};
+  std::uint64_t points = 0;
+  for (std::size_t b = 0; b < buckets.size(); ++b) {
+    points += buckets.count(b);
+    if (points < run_size && b + 1 < buckets.size()) continue;
+    ends.push_back(b + 1);
+    points = 0;
+  }
+  return ends;
+}
+
+Polygon polygon_of_many(const PlanarSource& source, const Extent& extent, const Turn& plain,
+                        unsigned threads, const Control& control) {
+  const Buckets buckets(source, extent.box, threads, control);
+  control.report("hull", 0.3);
+  const std::vector<std::size_t> ends = cut_into_runs(buckets);
+  std::vector<Run> runs(ends.size() - 1);
+  std::vector<Turn> turns(runs.size(), plain);
+  for_each_chunk(runs.size(), 1, threads, [&](std::uint64_t r, std::uint64_t, std::uint64_t) {
+    ChainBuilder chains(extent.chord(), plain, control);
+    for (std::size_t b = ends[r]; b < ends[r + 1]; ++b) {
+      control.check();
+      chains.add(buckets.begin(b), buckets.count(b), buckets.low_bits());
+    }
+    runs[r] = {rows_of(chains.lower(), chains.lower_count()),
+               rows_of(chains.upper(), chains.upper_count())};
+    turns[r] = chains.turn();
+  });
+  control.report("hull", 0.9);
+  Turn turn = plain;
+  JoinedChain lower(source, 1), upper(source, -1);
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    control.check();
+    lower.join(runs[r].lower, turn);
+    upper.join(runs[r].upper, turn);
+    turn.add_counts(turns[r]);
+  }
+  Polygon polygon;
+  polygon.corners = cycle(lower, upper, threads);
+  polygon.rows = source.count();
+  polygon.box = extent.box;
+  std::copy(turn.counts(), turn.counts() + 3, polygon.rung_counts);
+  return polygon;
+}
+
+}  // namespace
+
+Polygon polygon_of(const PointView& points, bool lattice, unsigned threads,
+                   const Control& control) {
+  control.check();
+  control.report("hull", 0);
+  const PlanarSource source(points);
+  const Extent extent = measure(source, threads, control);
+  if (extent.box.low[0] == extent.box.high[0] || extent.box.low[1] == extent.box.high[1]) {
+    Polygon flat;  // along an axis: the ends, or one point
+    flat.corners = {extent.corners.first().row};
+    if (!equal(extent.corners.first(), extent.corners.last()))
+      flat.corners.push_back(extent.corners.last().row);
+    flat.rows = source.count();
+    flat.box = extent.box;
+    return flat;
+  }
+  const Turn turn(lattice);
+  const std::vector<std::uint32_t> kept =
+      discard_inner(source, extent.box, extent.corners, threads, control);
+  if (kept.empty()) return polygon_of_many(source, extent, turn, threads, control);
+  BigArray<double> rows(2 * kept.size());
+  for_each_chunk(kept.size(), chunk, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   for (std::uint64_t i = begin; i < end; ++i) {
+                     const Entry e = source.entry(kept[i]);
+                     rows[2 * i] = e.x;
+                     rows[2 * i + 1] = e.y;
+                   }
+                 });
+  const PlanarSource rest(PointView::row_major(rows.get(), kept.size(), 2));
+  Polygon polygon = polygon_of_many(rest, extent, turn, threads, control);
+  for (std::uint32_t& corner : polygon.corners) corner = kept[corner];
+  polygon.rows = source.count();
+  return polygon;
+}
+
+SimplicialHull hull_2d(const LocalPoints& points, unsigned threads, const Control& control) {
+  const bool scaled = points.coordinates != points.exact;
+  const Polygon polygon = polygon_of(PointView::row_major(points.exact, points.count, 2),
+                                     points.small_lattice && !scaled, threads, control);
+  const std::size_t n = polygon.corners.size();
+  if (n < 3) throw Error(ErrorCode::internal, "hull_2d was given collinear points");
+  SimplicialHull hull;
+  hull.dimension = 2;
+  resize_big(hull.vertices, 2 * n);
+  resize_big(hull.neighbours, 2 * n);
+  // Edge i runs from corner i to corner i + 1; it is written end first, so that the inside has
+  // negative orientation.
+  for_each_chunk(n, std::uint64_t{1} << 15, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   for (std::uint64_t i = begin; i < end; ++i) {
+                     const std::uint64_t previous = i == 0 ? n - 1 : i - 1;
+                     const std::uint64_t next = i + 1 == n ? 0 : i + 1;
+                     hull.vertices[2 * i] = polygon.corners[next];
+                     hull.vertices[2 * i + 1] = polygon.corners[i];
+                     hull.neighbours[2 * i] = static_cast<std::uint32_t>(previous);
+                     hull.neighbours[2 * i + 1] = static_cast<std::uint32_t>(next);
+                   }
+                 });
+  std::copy(polygon.rung_counts, polygon.rung_counts + 3, hull.rung_counts);
+  return hull;
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,101 @@
+// Points of the plane as the 2D engine sees them: entries to sort, the exact turn of three, and
+// blocks of coordinates read where they lie.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "cullhull/point_view.hpp"
+#include "geometry/gather.hpp"
+#include "geometry/orientation.hpp"
+
+namespace cullhull::internal {
+
+/// A point at its exact coordinates, with its row in the source and a key that ascends with x.
+struct Entry {
+  double x, y;
+  std::uint32_t row, key;
+};
+
+/// Lexicographic order; of equal points the lowest row comes first.
+inline bool before(const Entry& a, const Entry& b) {
+  return a.x < b.x || (a.x == b.x && (a.y < b.y || (a.y == b.y && a.row < b.row)));
+}
+inline bool equal(const Entry& a, const Entry& b) { return a.x == b.x && a.y == b.y; }
+
+/// Error of (a.x - c.x)(b.y - c.y) - (a.y - c.y)(b.x - c.x), in terms of its two products' sum.
+/// With u = 2^-53 the differences and products are off by the factor (1 + u)^3 at most, the last
+/// subtraction and the evaluation of the bound itself by 1 + u each: (3 + 16u) u (|l| + |r|) covers
+/// them (Shewchuk 1997, ccwerrboundA); the doubled second term covers the sum with `turn_tiny`. A
+/// product may underflow by 2^-1075: `turn_tiny` is far above. Any finite coordinates will do: what
+/// overflows makes the bound infinite or the determinant a NaN, and then nothing is decided.
+inline constexpr double turn_bound = (3 + 32 * 0x1p-53) * 0x1p-53, turn_tiny = 0x1p-1060;
+
+/// Sign of the turn a, b, c: rungs 2 and 3.
+class Turn {
+ public:
+  /// `lattice`: doubles compute the determinant without rounding.
+  explicit Turn(bool lattice = false) : lattice_(lattice) {}
+
+  int operator()(const Entry& a, const Entry& b, const Entry& c) {
+    const double l = (a.x - c.x) * (b.y - c.y);
+    const double r = (a.y - c.y) * (b.x - c.x);
+    const double det = l - r;
+    const double error = turn_bound * (std::fabs(l) + std::fabs(r)) + turn_tiny;
+    if (det > error) return decided(1);
+    if (-det > error) return decided(-1);
+    if (lattice_) return decided(det > 0 ? 1 : det < 0 ? -1 : 0);
+    ++counts_[static_cast<int>(Rung::exact)];
+    return exact(a, b, c);
+  }
+
+  const std::uint64_t* counts() const { return counts_; }
+  void restart() { counts_[0] = counts_[1] = counts_[2] = 0; }
+  void add_counts(const Turn& other) {
+    for (int i = 0; i < 3; ++i) counts_[i] += other.counts_[i];
+  }
+
+ private:
+  int decided(int sign) {
+    ++counts_[static_cast<int>(Rung::filter)];
+    return sign;
+  }
+  static int exact(const Entry& a, const Entry& b, const Entry& c);
+
+  bool lattice_;
+  std::uint64_t counts_[3] = {0, 0, 0};
+};
+
+/// Rows of a view of dimension 2, as packed doubles.
+class PlanarSource {
+ public:
+  /// Rows that are asked for at once: they fit the first cache.
+  static constexpr std::uint32_t block = 1024;
+
+  explicit PlanarSource(const PointView& view) : view_(view) {
+    const auto address = reinterpret_cast<std::uintptr_t>(view.data);
+    if (view.scalar == ScalarType::f64 && view.packed_rows() && address % alignof(double) == 0)
+      packed_ = reinterpret_cast<const double*>(view.data);
+  }
+
+  const PointView& view() const { return view_; }
+  std::uint32_t count() const { return static_cast<std::uint32_t>(view_.count); }
+
+  /// Rows [begin, end), at most `block`: where they are packed doubles themselves, else in `room`.
+  const double* rows(std::uint64_t begin, std::uint64_t end, double* room) const {
+    if (packed_ != nullptr) return packed_ + 2 * begin;
+    load_rows(view_, begin, end, room);
+    return room;
+  }
+  Entry entry(std::uint32_t row) const {
+    double room[2];
+    const double* p = rows(row, row + std::uint64_t{1}, room);
+    return {p[0], p[1], row, 0};
+  }
+
+ private:
+  PointView view_;
+  const double* packed_ = nullptr;
+};
+
+}  // namespace cullhull::internal

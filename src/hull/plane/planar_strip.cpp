@@ -1,0 +1,175 @@
+#include "hull/plane/planar_strip.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "hull/plane/planar_chains.hpp"
+#include "parallel/parallel.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+constexpr std::uint32_t discard_from = 1U << 14, probe_size = 1U << 9, sample_size = 1U << 16;
+
+struct SampleChains {
+  std::vector<Entry> lower, upper;
+};
+
+/// Hull of `size` rows spread evenly, each at a pseudo-random place in its stretch: no period of
+/// the input's order hides points.
+SampleChains chains_of_sample(const PlanarSource& source, const Box& box, std::uint32_t size,
+                              const Control& control) {
+  const KeyMap map(box.low[0], box.high[0]);
+  std::vector<Entry> entries(size);
+  std::uint64_t random = 0x9E3779B97F4A7C15ULL;
+  for (std::uint32_t i = 0; i < size; ++i) {
+    random ^= random << 13;
+    random ^= random >> 7;
+    random ^= random << 17;
+    const std::uint64_t stretch = source.count() / size;
+    Entry& e = entries[i];
+    e = source.entry(
+        static_cast<std::uint32_t>(i * stretch + (random >> 32) * stretch / (1ULL << 32)));
+    e.key = map.key(e.x);
+  }
+  const auto [first, last] = std::minmax_element(entries.begin(), entries.end(), before);
+  ChainBuilder chains({*first, *last}, Turn(), control);
+  chains.add(entries.data(), size, 32);
+  return {{chains.lower(), chains.lower() + chains.lower_count()},
+          {chains.upper(), chains.upper() + chains.upper_count()}};
+}
+
+/// Between the four corners (Akl and Toussaint 1978): what crowds at the ends of the strip, and
+/// copies of the corners themselves.
+class Quadrilateral {
+ public:
+  explicit Quadrilateral(const Corners& corners) : corners_(corners) {}
+
+  /// Strictly inside, or a copy of a corner with a higher row.
+  bool drops(double x, double y, std::uint32_t row) const {
+    bool inside = true;
+    for (unsigned i = 0; i < 4; ++i) {
+      const Entry &a = corners_[i], &b = corners_[(i + 1) % 4];
+      if (x == a.x && y == a.y) return row > a.row;
+      if (equal(a, b)) continue;
+      const double l = (a.x - x) * (b.y - y), r = (a.y - y) * (b.x - x);
+      inside &= l - r > turn_bound * (std::fabs(l) + std::fabs(r)) + turn_tiny;
+    }
+    return inside;
+  }
+
+ private:
+  const Corners& corners_;
+};
+
+std::vector<std::uint32_t> outside(const PlanarSource& source, const Strip& strip,
+                                   const Quadrilateral& middle, unsigned threads,
+                                   const Control& control) {
+  constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
+  constexpr std::uint32_t block = PlanarSource::block;
+  std::vector<std::vector<std::uint32_t>> kept(chunk_count(source.count(), chunk));
+  for_each_chunk(source.count(), chunk, threads,
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   double room[2 * block];
+                   std::uint32_t list[block];
+                   for (std::uint64_t b = begin; b < end; b += block) {
+                     const std::uint64_t n = std::min<std::uint64_t>(block, end - b);
+                     const double* p = source.rows(b, b + n, room);
+                     std::size_t k = 0;
+                     for (std::uint64_t i = 0; i < n; ++i) {
+                       list[k] = static_cast<std::uint32_t>(b + i);
+                       k += !strip.contains(p[2 * i], p[2 * i + 1]);
+                     }
+                     std::size_t left = 0;
+                     for (std::size_t j = 0; j < k; ++j) {
+                       const std::uint32_t row = list[j];
+                       const double* q = p + 2 * (row - b);
+                       if (!middle.drops(q[0], q[1], row)) list[left++] = row;
+                     }
+                     kept[c].insert(kept[c].end(), list, list + left);
+                   }
+                 });
+  std::vector<std::uint32_t> rows;
+  for (const auto& list : kept) rows.insert(rows.end(), list.begin(), list.end());
+  return rows;
+}
+
+}  // namespace
+
+std::vector<Strip::Corner> Strip::gather(const std::vector<Entry>& chain) const {
+  std::vector<Corner> out;
+  for (const Entry& e : chain) {
+    const Corner c{(e.x - low_[0]) * scale_[0], (e.y - low_[1]) * scale_[1]};
+    // Without vertical pieces: of points with one u the innermost counts, which is the later at the
+    // left end and the earlier at the right one. In between, rounding only makes them.
+    if (!out.empty() && out.back().u == c.u) {
+      if (out.size() == 1) out.back().v = c.v;
+      continue;
+    }
+    out.push_back(c);
+  }
+  return out;
+}
+
+bool Strip::build(const Box& box, const std::vector<Entry>& lower,
+                  const std::vector<Entry>& upper) {
+  for (unsigned j = 0; j < 2; ++j) {
+    const double range = box.high[j] - box.low[j];
+    if (!(range > 0x1p-900 && range < 0x1p900)) return false;
+    low_[j] = box.low[j];
+    scale_[j] = std::ldexp(1.0, -std::ilogb(range) - 1);
+  }
+  const std::vector<Corner> below = gather(lower), over = gather(upper);
+  if (below.size() < 2 || over.size() < 2) return false;
+  left_ = below.front().u;
+  right_ = below.back().u;
+  const double range = right_ - left_;
+  if (!(range >= 0x1p-10)) return false;
+  per_unit_ = buckets / range;
+  const double width = range / buckets;
+  std::size_t l = 0, u = 0;
+  for (unsigned i = 0; i < buckets; ++i) {
+    // The bucket of u is (u - left) * per_unit, truncated. Its two roundings, those of the next
+    // lines and that of u itself come to less than 8 * buckets * 2^-53 widths plus 2^-52; a width
+    // is at least 2^-20, so 2^-10 widths more on either side cover them.
+    const double u0 = std::max(left_, left_ + (i - 0x1p-10) * width);
+    const double u1 = std::min(right_, left_ + (i + 1 + 0x1p-10) * width);
+    // A chain's height at u is off by 12 * 2^-53 at most (five roundings of a term below 2, one of
+    // a sum below 2), and the rounded chain's height at u is within 2^-53 of the true chain's
+    // within 2^-53 of u. The true lower chain is convex, the upper concave: over what is between
+    // two such places extremes are at them.
+    constexpr double margin = 0x1p-48;
+    cells_[i].floor = std::max(height(below, l, u0), height(below, l, u1)) + margin;
+    cells_[i].ceiling = std::min(height(over, u, u0), height(over, u, u1)) - margin;
+  }
+  return true;
+}
+
+/// `from` moves to the piece that u is on; u does not decrease by more than a bucket.
+double Strip::height(const std::vector<Corner>& chain, std::size_t& from, double u) {
+  while (from > 0 && chain[from].u > u) --from;
+  while (from + 2 < chain.size() && chain[from + 1].u < u) ++from;
+  const Corner &a = chain[from], &b = chain[from + 1];
+  return a.v + (b.v - a.v) * ((u - a.u) / (b.u - a.u));
+}
+
+std::vector<std::uint32_t> discard_inner(const PlanarSource& source, const Box& box,
+                                         const Corners& corners, unsigned threads,
+                                         const Control& control) {
+  const std::uint32_t n = source.count();
+  if (n < discard_from) return {};
+  // Efron 1965: the share of points outside a sample's hull is about its vertices' share of it. A
+  // small sample tells at little cost where most points are extreme.
+  SampleChains chains;
+  for (const std::uint32_t m : {probe_size, std::min(sample_size, n / 32)}) {
+    chains = chains_of_sample(source, box, m, control);
+    if (chains.lower.size() + chains.upper.size() > m / 2) return {};
+  }
+  const auto strip = std::make_unique<Strip>();
+  if (!strip->build(box, chains.lower, chains.upper)) return {};
+  return outside(source, *strip, Quadrilateral(corners), threads, control);
+}
+
+}  // namespace cullhull::internal

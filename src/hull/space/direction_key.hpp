@@ -1,0 +1,39 @@
+// Where a direction lies on a curve over all directions: the 3D engine's order along the surface.
+#pragma once
+
+#include <cstdint>
+
+#include "geometry/local_points.hpp"
+
+namespace cullhull::internal {
+
+/// Hilbert curves over the faces of the cube of directions, after a linear map that makes the
+/// points round: a thin body's directions would crowd.
+class DirectionKey {
+ public:
+  static constexpr std::uint32_t block = 64;
+
+  DirectionKey(const LocalPoints& points, const double* centre, const std::uint32_t* simplex);
+
+  /// The same for normals of planes, which such a map moves by its inverse's transpose.
+  DirectionKey for_normals() const;
+
+  /// keys[i] in [0, 6 * 4^bits) of the positions (x[i], y[i], z[i]), i < block; bits <= 14.
+  void keys(const double* x, const double* y, const double* z, unsigned bits,
+            std::uint32_t* keys) const;
+  /// The same with 24 bits an axis.
+  static constexpr unsigned fine_bits = 2 * 24 + 3;
+  void fine_keys(const double* x, const double* y, const double* z, std::uint64_t* keys) const;
+
+  struct Map {
+    double centre[3];
+    double linear[3][3];
+  };
+  const Map& map() const { return map_; }
+
+ private:
+  DirectionKey() = default;
+  Map map_;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,103 @@
+// The 3D engine: rounds of sorted insertion, the large ones on several pieces of the surface side
+// by side. docs/algorithm.md, "The engine in 3D".
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "hull/engine.hpp"
+#include "hull/space/insertion_3d.hpp"
+#include "hull/space/order_3d.hpp"
+#include "hull/space/surface_3d.hpp"
+#include "parallel/big_array.hpp"
+#include "parallel/raw_array.hpp"
+
+namespace cullhull::internal {
+
+/// Borders between the pieces of a surface: parallel planes, or keys along the insertion order.
+struct Cut3D {
+  double axis[3] = {0, 0, 0};
+  std::vector<double> levels;       // of the planes, ascending
+  std::vector<std::uint32_t> keys;  // of the first point of each piece but the first
+  bool planes() const { return !levels.empty(); }
+  /// Of planes: where a point is.
+  std::uint32_t piece_of(const double* p) const;
+};
+
+class Engine3D {
+ public:
+  /// `simplex`: four independent points; the deeper inside their centroid, the better.
+  Engine3D(const LocalPoints& points, const std::uint32_t* simplex, std::uint64_t budget,
+           const Control& control, unsigned threads);
+  Surface3D run();
+
+ private:
+  using Id = std::uint32_t;
+  static constexpr Id none = Facet3D::none;
+  /// Below this many points a round is not worth cutting.
+  static constexpr Id smallest_parallel_round = 8192;
+
+  void copy_rows();
+  void build_simplex();
+  void reserve(std::uint64_t slots);
+  void insert_round(Id begin, Id end);
+  void give_slots(Id points);
+  void take_back_slots();
+  /// The slots in use (their facets need not be live), in runs of at most `length`.
+  std::vector<std::pair<Id, Id>> used_slots(Id length) const;
+  /// Whether a slot was ever used: others hold nothing.
+  bool in_use(Id slot) const;
+  Id live_facet() const;
+  Surface3D surface();
+
+  // pieces_3d.cpp
+  struct Work {  // of one piece: positions, or a range of them
+    std::vector<Id> positions;
+    Id begin = 0, end = 0;
+  };
+  void insert_in_pieces(Id begin, Id end);
+  void screen_and_insert(Id begin, Id end);
+  void cut(std::vector<Work>& work);
+  void divide(std::vector<Work>& work, const Cut3D& cut) const;
+  void own_facets(const Cut3D& cut);
+  void find_entries(Id begin, Id end);
+  void run_pieces(const std::vector<Work>& work, Id begin, Id end);
+  std::vector<Work> join_pieces();
+
+  // cut_3d.cpp
+  Cut3D choose_cut(const std::vector<Work>& work) const;
+  Cut3D cut_along_curve(const std::vector<Work>& work) const;
+  Cut3D cut_by_planes(const double* axis, Id begin, Id end, std::size_t count) const;
+  double share_cut(const Cut3D& cut, const std::vector<Id>& sample) const;
+  std::vector<Id> sample_facets() const;
+  std::uint32_t key_of(const double* p) const;
+  void middle(const Facet3D& f, double* out) const;
+
+  // normals_3d.cpp
+  void sort_by_normals(std::size_t round);
+  void rank_facets();
+  double way_across(Id f, const double* p) const;
+  bool shorter_walks(Id begin, Id end, const Keyed* order) const;
+  void permute(Id begin, const Keyed* order);
+
+  const LocalPoints& points_;
+  const Control& control_;
+  const std::uint64_t budget_;
+  const unsigned threads_;
+  const Orientation3D predicates_;
+  const DirectionKey key_, normal_key_;
+  InsertionOrder3D order_;
+  BigArray<double> rows_;
+  RawArray<Facet3D> facets_;
+  Shared3D shared_;
+  Id slots_ = 0;              // in use, or a piece's
+  bool by_normals_ = false;   // the order of the points that are left, and how the surface is cut
+  BigArray<Id> rank_;         // of facets by their normals, when the round began
+  bool normals_help_ = true;  // as far as is known
+  bool few_seen_ = false;     // of the last round's points saw the surface
+  std::vector<Piece3D> pieces_;
+  std::vector<Entries3D::Entry> entries_;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,108 @@
+// Incremental insertion in 3D: what the pieces of a surface share, and a piece of it.
+//
+// The surface is one array of facets. A piece owns some of them and inserts points whose whole
+// cavity is its own; facets next to another piece's are never replaced, so what a piece reads
+// beyond its border does not change, and pieces work side by side without locks.
+// docs/algorithm.md, "The engine in 3D".
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "geometry/local_points.hpp"
+#include "geometry/orientation_3d.hpp"
+#include "parallel/control.hpp"
+
+namespace cullhull::internal {
+
+/// A cache line. The plane is scaled to normal . (x - O) = 1, see docs/exactness.md, "Cached
+/// planes". Vertices are counter-clockwise seen from outside; neighbour j is opposite to vertex j.
+struct alignas(64) Facet3D {
+  static constexpr std::uint32_t none = 0xFFFFFFFF;
+
+  double normal[3];
+  double error;
+  std::uint32_t vertices[3];
+  std::uint32_t neighbours[3];
+  std::uint32_t mark;   // of the last insertion that saw this facet
+  std::uint32_t owner;  // `none`: the slot is free
+
+  bool live() const { return owner != none; }
+};
+static_assert(sizeof(Facet3D) == 64);
+
+/// Points are in insertion order: an id is a position in it.
+struct Shared3D {
+  static constexpr unsigned row_stride = 4;  // a row never straddles cache lines
+
+  const Orientation3D* predicates = nullptr;
+  const Control* control = nullptr;
+  const std::uint32_t* order = nullptr;  // local ids
+  const double* rows = nullptr;
+  Facet3D* facets = nullptr;
+
+  const double* row(std::uint32_t p) const { return rows + std::size_t{p} * row_stride; }
+};
+
+/// Facets to begin walks at, known for every block of points when the surface was cut.
+struct Entries3D {
+  static constexpr std::uint32_t block = 256;
+  struct Entry {
+    std::uint32_t facet, owner;  // at that time
+  };
+  const Entry* entries = nullptr;  // of positions / block - first_block
+  std::uint32_t first_block = 0;
+};
+
+/// What one thread works with. Aligned so that no two threads write to the same lines.
+struct alignas(256) Piece3D {
+  std::uint32_t first_owner = 0, owner_count = 1;  // the facets it owns
+  std::uint32_t epoch = 0;
+  std::uint32_t hint = 0;
+  std::uint64_t random = 0x9E3779B97F4A7C15ULL;
+  std::uint32_t next_slot = 0, end_slot = 0;                   // slots never used
+  std::vector<std::uint32_t> free;                             // slots used before
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> spare;  // ranges of slots never used
+  std::vector<std::uint32_t> deferred;  // points that concern other pieces' facets, ascending
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
+  std::uint64_t rungs[3] = {0, 0, 0};
+  std::uint64_t steps = 0, inserted = 0;
+  Entries3D entries;
+
+  bool owns(std::uint32_t owner) const { return owner - first_owner < owner_count; }
+  bool owns(const Facet3D& f) const { return owns(f.owner); }
+
+  // Scratch: the visible facets, and the horizon edges in cyclic order.
+  struct Crossing {
+    std::uint32_t facet, edge;
+  };
+  std::vector<std::uint32_t> visible;
+  std::vector<Crossing> stack;
+  std::uint32_t visible_capacity = 0, ring_capacity = 0;
+  std::vector<std::uint32_t> ring_start, ring_outside, ring_back, created;
+  std::vector<double> ring_x, ring_y, ring_z, planes, gauges;
+};
+
+/// Inserts the points at the given ascending positions, or [begin, end) where `positions` is null.
+/// Points that concern facets of other pieces are appended to `deferred`.
+/// `progress`: called now and then with the share done; may be null.
+void insert_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
+                   std::uint32_t begin, std::uint32_t end,
+                   const std::function<void(double)>* progress);
+
+/// Appends those of the points (as for insert_points) that see the surface to piece.deferred; the
+/// others are inside for good. Only reads the surface, all of which the piece must own.
+void screen_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
+                   std::uint32_t begin, std::uint32_t end);
+
+/// The facet that the ray from O through p leaves by, as well as doubles can tell, or one that p
+/// sees; climbing from `start` and only reading.
+std::uint32_t climb(const Shared3D& shared, std::uint32_t start, const double* p);
+
+/// Fills normal and error of a facet from its vertices.
+void compute_plane(const Shared3D& shared, Facet3D& facet);
+
+}  // namespace cullhull::internal

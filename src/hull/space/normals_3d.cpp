@@ -1,0 +1,151 @@
+// The 3D engine's second order of insertion, for slivers.
+#include <algorithm>
+#include <bit>
+
+#include "hull/space/engine_3d.hpp"
+#include "parallel/parallel.hpp"
+#include "parallel/radix_sort.hpp"
+
+namespace cullhull::internal {
+
+/// Ranks the facets by their normals, along a curve.
+void Engine3D::rank_facets() {
+  struct Ranked {
+    std::uint64_t key;
+    Id facet;
+  };
+  const auto runs = used_slots(1 << 13);
+  rank_ = BigArray<Id>(slots_);
+  std::vector<Ranked> order;
+  for (const auto& run : runs)
+    for (Id f = run.first; f < run.second; ++f)
+      if (facets_[f].live()) order.push_back({0, f});
+  for_each_chunk(order.size(), 1 << 13, threads_,
+                 [&](std::uint64_t, std::uint64_t first, std::uint64_t last) {
+                   control_.check();
+                   constexpr std::uint32_t block = DirectionKey::block;
+                   double normals[3][block] = {};
+                   std::uint64_t keys[block];
+                   for (std::uint64_t at = first; at < last; at += block) {
+                     const auto size = static_cast<Id>(std::min<std::uint64_t>(block, last - at));
+                     for (Id i = 0; i < size; ++i)
+                       for (unsigned j = 0; j < 3; ++j)
+                         normals[j][i] = facets_[order[at + i].facet].normal[j];
+                     normal_key_.fine_keys(normals[0], normals[1], normals[2], keys);
+                     for (Id i = 0; i < size; ++i) order[at + i].key = keys[i];
+                   }
+                 });
+  BigArray<Ranked> memory(order.size());
+  Ranked *ranked = order.data(), *scratch = memory.get();
+  radix_sort(ranked, scratch, static_cast<Id>(order.size()), DirectionKey::fine_bits, threads_,
+             control_, [](const Ranked& r) { return r.key; });
+  for (std::size_t k = 0; k < order.size(); ++k) rank_[ranked[k].facet] = static_cast<Id>(k);
+}
+
+/// How far a point is on the way across facet f from the neighbour of lowest rank to that of
+/// highest rank, in [0, 1).
+double Engine3D::way_across(Id f, const double* p) const {
+  const Facet3D& facet = facets_[f];
+  Id low = facet.neighbours[0], high = low;
+  for (const Id n : facet.neighbours) {
+    if (rank_[n] < rank_[low]) low = n;
+    if (rank_[n] > rank_[high]) high = n;
+  }
+  double axis[3], least = 0, most = 0, at = 0;
+  for (unsigned j = 0; j < 3; ++j) axis[j] = facets_[high].normal[j] - facets_[low].normal[j];
+  const double* base = shared_.row(facet.vertices[0]);
+  for (unsigned k = 0; k < 4; ++k) {
+    const double* x = k < 3 ? shared_.row(facet.vertices[k]) : p;
+    at = 0;
+    for (unsigned j = 0; j < 3; ++j) at += axis[j] * (x[j] - base[j]);
+    if (k == 3) break;
+    least = std::min(least, at);
+    most = std::max(most, at);
+  }
+  const double way = (at - least) / (most - least);
+  return way > 0 ? std::min(way, 0.999) : 0;  // 0 / 0 as well
+}
+
+/// Sorts the points of each round to come by the normal of the facet they are in or see. Where
+/// facets are slivers, along the rulings of a cone say, they are neighbours exactly if their
+/// normals are close, and those run along a curve.
+void Engine3D::sort_by_normals(std::size_t round) {
+  const Id begin = order_.round_ends[round], n = points_.count;
+  rank_facets();
+  const auto rank_bits = static_cast<unsigned>(std::bit_width(slots_));
+  const unsigned way_bits = std::min(8U, 32 - rank_bits);
+  BigArray<Keyed> memory(2 * std::size_t{n - begin});
+  Keyed *keyed = memory.get(), *scratch = memory.get() + (n - begin);
+  const Id start = live_facet();
+  for_each_chunk(
+      n - begin, 1 << 14, threads_, [&](std::uint64_t, std::uint64_t first, std::uint64_t last) {
+        control_.check();
+        Id f = start;
+        for (std::uint64_t i = first; i < last; ++i) {
+          const auto position = static_cast<Id>(begin + i);
+          const double* p = shared_.row(position);
+          f = climb(shared_, f, p);
+          const double way = way_across(f, p);
+          keyed[i] = {(rank_[f] << way_bits) | static_cast<Id>(way * (1U << way_bits)), position};
+        }
+      });
+  const auto& ends = order_.round_ends;
+  for (std::size_t r = round; r + 1 < ends.size(); ++r) {
+    const Id offset = ends[r] - begin;
+    Keyed *items = keyed + offset, *other = scratch + offset;
+    radix_sort(items, other, ends[r + 1] - ends[r], rank_bits + way_bits, threads_, control_,
+               sort_key);
+    if (items != keyed + offset) std::copy_n(items, ends[r + 1] - ends[r], keyed + offset);
+  }
+  if (!shorter_walks(begin, ends[round + 1], keyed)) {
+    by_normals_ = false;
+    normals_help_ = false;
+    return;
+  }
+  permute(begin, keyed);
+}
+
+/// Tries both orders on stretches of the round's points. Where normals are noise, as on a plane
+/// that was turned, they scatter what directions had in order.
+bool Engine3D::shorter_walks(Id begin, Id end, const Keyed* order) const {
+  constexpr Id stretches = 16, length = 32;
+  if (end - begin < stretches * length) return false;
+  std::uint64_t steps[2] = {0, 0};
+  for (unsigned way = 0; way < 2; ++way) {
+    Piece3D reader;
+    reader.owner_count = none;  // all
+    reader.hint = live_facet();
+    for (Id k = 0; k < stretches; ++k) {
+      const Id first = static_cast<Id>(std::uint64_t{end - begin - length} * k / stretches);
+      Id positions[length];
+      for (Id i = 0; i < length; ++i)
+        positions[i] = way == 0 ? begin + first + i : order[first + i].id;
+      screen_points(shared_, reader, positions, 0, 1);  // the way to the stretch does not count
+      const std::uint64_t before = reader.steps;
+      screen_points(shared_, reader, positions, 1, length);
+      steps[way] += reader.steps - before;
+    }
+  }
+  return steps[1] < steps[0];
+}
+
+/// Brings the points from position `begin` on into the given order of positions.
+void Engine3D::permute(Id begin, const Keyed* order) {
+  const Id n = points_.count;
+  BigArray<Id> ids(n);
+  BigArray<double> rows(std::size_t{n} * Shared3D::row_stride);
+  for_each_chunk(n, 1 << 16, threads_, [&](std::uint64_t, std::uint64_t first, std::uint64_t last) {
+    control_.check();
+    for (std::uint64_t i = first; i < last; ++i) {
+      const Id from = i < begin ? static_cast<Id>(i) : order[i - begin].id;
+      ids[i] = order_.ids[from];
+      std::copy_n(shared_.row(from), Shared3D::row_stride, rows.get() + i * Shared3D::row_stride);
+    }
+  });
+  order_.ids = std::move(ids);
+  rows_ = std::move(rows);
+  shared_.order = order_.ids.get();
+  shared_.rows = rows_.get();
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,161 @@
+#include "hull/space/order_3d.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <numeric>
+
+#include "parallel/parallel.hpp"
+#include "parallel/radix_sort.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// Each round is this many times larger than all before it (8 to 32 measured alike).
+constexpr unsigned round_bits = 4;
+constexpr std::uint32_t first_round = 64;
+
+std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser: a fixed pseudo-random hash
+  x += 0x9E3779B97F4A7C15ULL;
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBULL;
+  return x ^ (x >> 31);
+}
+
+/// Few chunks, as each has counts of its own.
+std::uint64_t sort_chunk(std::uint32_t n) { return std::max<std::uint64_t>(1 << 14, n / 64); }
+
+/// Orders the points within cells finely where many share one: points along curves do, and a walk
+/// through a cell's points in no order is long. `keyed` from `first` on is sorted; cells of more
+/// than `longest` points, which are heaps of them, stay as they are.
+void refine_cells(const LocalPoints& points, const DirectionKey& key, Keyed* keyed,
+                  std::uint32_t first, std::uint32_t n, unsigned threads, const Control& control) {
+  constexpr std::uint64_t chunk_size = 1 << 14, longest = 1 << 17;
+  // Of fewer points the walks stay in the cache, and ordering them costs more than it saves.
+  constexpr std::uint32_t crowd = 4, fewest = 1U << 16;
+  if (n < first + fewest) return;
+  const std::uint64_t count = n - first;
+  const Keyed* const begin_all = keyed + first;
+  std::vector<std::uint64_t> crowded(chunk_count(count, chunk_size), 0);
+  for_each_chunk(count, chunk_size, threads,
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   std::uint64_t sum = 0;
+                   for (std::uint64_t i = std::max<std::uint64_t>(begin, crowd); i < end; ++i)
+                     sum += begin_all[i].key == begin_all[i - crowd].key;
+                   crowded[c] = sum;
+                 });
+  if (std::accumulate(crowded.begin(), crowded.end(), std::uint64_t{0}) < count / 4) return;
+
+  struct Fine {
+    std::uint64_t key;
+    std::uint32_t id;
+    bool operator<(const Fine& o) const { return key < o.key || (key == o.key && id < o.id); }
+  };
+  // Where the cell that place i is in begins, or the next one.
+  const auto cell_begin = [&](std::uint64_t i) {
+    while (i > 0 && i < count && begin_all[i].key == begin_all[i - 1].key) ++i;
+    return i;
+  };
+  for_each_chunk(count, chunk_size, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   constexpr std::uint32_t block = DirectionKey::block;
+                   double x[block] = {}, y[block] = {}, z[block] = {};
+                   std::uint64_t keys[block];
+                   std::vector<Fine> fine;
+                   const std::uint64_t last = cell_begin(end);
+                   for (std::uint64_t at = cell_begin(begin); at < last;) {
+                     std::uint64_t cell_end = at + 1;
+                     while (cell_end < count && begin_all[cell_end].key == begin_all[at].key)
+                       ++cell_end;
+                     const std::uint64_t size = cell_end - at;
+                     if (size > 1 && size <= longest) {
+                       fine.resize(size);
+                       for (std::uint64_t b = 0; b < size; b += block) {
+                         const auto some =
+                             static_cast<std::uint32_t>(std::min<std::uint64_t>(block, size - b));
+                         for (std::uint32_t i = 0; i < some; ++i) {
+                           const double* p = points.row(begin_all[at + b + i].id);
+                           x[i] = p[0];
+                           y[i] = p[1];
+                           z[i] = p[2];
+                         }
+                         key.fine_keys(x, y, z, keys);
+                         for (std::uint32_t i = 0; i < some; ++i)
+                           fine[b + i] = {keys[i], begin_all[at + b + i].id};
+                       }
+                       std::sort(fine.begin(), fine.end());
+                       for (std::uint64_t i = 0; i < size; ++i)
+                         keyed[first + at + i].id = fine[i].id;
+                     }
+                     at = cell_end;
+                   }
+                 });
+}
+
+}  // namespace
+
+InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKey& key,
+                                    const std::uint32_t* simplex, unsigned threads,
+                                    const Control& control) {
+  const std::uint32_t n = points.count;
+  InsertionOrder3D order;
+  unsigned rounds = 1;
+  for (std::uint64_t size = first_round; size < n; size <<= round_bits) ++rounds;
+  // About as many cells as points.
+  order.key_bits = std::clamp((static_cast<unsigned>(std::bit_width(n)) + 1) / 2, 2U, 12U);
+  const unsigned key_width = 2 * order.key_bits + 3;
+  const auto width = key_width + static_cast<unsigned>(std::bit_width(rounds));
+  BigArray<Keyed> memory(2 * std::size_t{n});
+  Keyed *keyed = memory.get(), *scratch = memory.get() + n;
+  const std::uint64_t chunk_size = sort_chunk(n);
+  std::vector<std::array<std::uint32_t, 16>> sizes(chunk_count(n, chunk_size));
+  for_each_chunk(
+      n, chunk_size, threads, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+        control.check();
+        constexpr std::uint32_t block = DirectionKey::block;
+        double x[block] = {}, y[block] = {}, z[block] = {};
+        std::uint32_t keys[block];
+        std::array<std::uint32_t, 16> count{};
+        for (std::uint64_t at = begin; at < end; at += block) {
+          const auto size = static_cast<std::uint32_t>(std::min<std::uint64_t>(block, end - at));
+          for (std::uint32_t i = 0; i < size; ++i) {
+            const double* p = points.row(static_cast<std::uint32_t>(at + i));
+            x[i] = p[0];
+            y[i] = p[1];
+            z[i] = p[2];
+          }
+          key.keys(x, y, z, order.key_bits, keys);
+          for (std::uint32_t i = 0; i < size; ++i) {
+            // Round r > 1 has a share (1 - 1/ratio) ratio^(r - rounds) of the points; 0 is the
+            // simplex.
+            const auto id = static_cast<std::uint32_t>(at + i);
+            const auto back = static_cast<unsigned>(std::countr_zero(mix(id))) / round_bits;
+            unsigned r = back < rounds ? rounds - back : 1;
+            if (id == simplex[0] || id == simplex[1] || id == simplex[2] || id == simplex[3]) r = 0;
+            keyed[id] = {(r << key_width) | (r > 1 ? keys[i] : 0), id};
+            ++count[r];
+          }
+        }
+        sizes[c] = count;
+      });
+  radix_sort(keyed, scratch, n, width, threads, control, sort_key);
+  std::uint32_t unsorted = 0;  // the first rounds
+  for (const auto& count : sizes) unsorted += count[0] + count[1];
+  refine_cells(points, key, keyed, unsorted, n, threads, control);
+  order.ids = BigArray<std::uint32_t>(n);
+  for_each_chunk(n, chunk_size, threads,
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   control.check();
+                   for (std::uint64_t i = begin; i < end; ++i) order.ids[i] = keyed[i].id;
+                 });
+  std::uint32_t sum = 0;
+  for (unsigned r = 0; r <= rounds; ++r) {
+    for (const auto& count : sizes) sum += count[r];
+    if (order.round_ends.empty() || sum > order.round_ends.back()) order.round_ends.push_back(sum);
+  }
+  return order;
+}
+
+}  // namespace cullhull::internal

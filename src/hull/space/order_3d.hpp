@@ -1,0 +1,33 @@
+// The order in which the 3D engine takes its points.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/local_points.hpp"
+#include "hull/space/direction_key.hpp"
+#include "parallel/big_array.hpp"
+#include "parallel/control.hpp"
+
+namespace cullhull::internal {
+
+/// Biased randomised insertion order (Amenta, Choi, Rote 2003): rounds of geometrically growing
+/// random samples, each along the curve of directions.
+struct InsertionOrder3D {
+  BigArray<std::uint32_t> ids;
+  std::vector<std::uint32_t> round_ends;  // ascending, the last is the number of points
+  unsigned key_bits = 0;
+};
+
+struct Keyed {
+  std::uint32_t key, id;
+};
+inline constexpr auto sort_key = [](const Keyed& k) { return k.key; };
+
+/// The four points of `simplex` come first, as a round of their own; the round after it is small
+/// and not sorted. Deterministic, whatever the number of threads.
+InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKey& key,
+                                    const std::uint32_t* simplex, unsigned threads,
+                                    const Control& control);
+
+}  // namespace cullhull::internal

@@ -1,0 +1,333 @@
+#include "result/order_facets.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <numeric>
+
+#include "parallel/big_array.hpp"
+#include "parallel/parallel.hpp"
+#include "parallel/radix_sort.hpp"
+#include "result/vertex_list.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+constexpr std::uint32_t none = 0xFFFFFFFFU;
+
+/// Canonical order of the simplices and everything that follows from it.
+class Assembler {
+ public:
+  Assembler(const ResultInput& input, Facets&& facets, unsigned threads, const Control& control,
+            Hull& hull)
+      : input_(input),
+        facets_(std::move(facets)),
+        surface_(facets_.surface),
+        k_(surface_.k),
+        count_(surface_.count()),
+        threads_(threads),
+        control_(control),
+        hull_(hull) {}
+
+  Assembled run() {
+    vertices_ = list_vertices(surface_, input_.local->count, input_.ids, threads_);
+    hull_.vertices = vertices_.ids;
+    sort_simplices();
+    number_facets();
+    write_simplices();
+    write_facets();
+    return {std::move(vertices_.ids), std::move(vertex_index_)};
+  }
+
+ private:
+  struct Key {
+    std::uint64_t rest;  // the second and third id
+    std::uint32_t first, simplex;
+  };
+
+  template <class Body>
+  void each_chunk(std::uint64_t begin, std::uint64_t end, const Body& body) const {
+    for_each_chunk(end - begin, simplex_chunk, threads_,
+                   [&](std::uint64_t c, std::uint64_t from, std::uint64_t to) {
+                     control_.check();
+                     body(c, begin + from, begin + to);
+                   });
+  }
+
+  bool less(const Key& a, const Key& b) const {
+    if (a.rest != b.rest) return a.rest < b.rest;
+    for (unsigned j = 3; j < k_; ++j) {
+      const std::uint32_t x = surface_.stored(a.simplex, j), y = surface_.stored(b.simplex, j);
+      if (x != y) return x < y;
+    }
+    return false;
+  }
+
+  /// By the first id, then those of each vertex by the rest.
+  void sort_simplices() {
+    BigArray<Key> memory(count_), other(count_);
+    each_chunk(0, count_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t f = begin; f < end; ++f) {
+        const std::uint64_t second = k_ > 1 ? surface_.stored(f, 1) : 0;
+        const std::uint64_t third = k_ > 2 ? surface_.stored(f, 2) : 0;
+        memory[f] = {second << 32 | third, surface_.stored(f, 0), static_cast<std::uint32_t>(f)};
+      }
+    });
+    Key *keys = memory.get(), *scratch = other.get();
+    const auto bits = static_cast<unsigned>(std::bit_width(input_.local->count));
+    radix_sort(keys, scratch, static_cast<std::uint32_t>(count_), bits, threads_, control_,
+               [](const Key& k) { return k.first; });
+    // A vertex that thousands of simplices share, of a facet with many corners, is sorted by all.
+    constexpr std::uint64_t many = 1 << 14;
+    std::vector<std::vector<std::pair<std::uint64_t, std::uint64_t>>> long_runs(
+        chunk_count(count_, simplex_chunk));
+    // Where the first run of each chunk begins, before anything moves.
+    std::vector<std::uint64_t> starts(long_runs.size() + 1, count_);
+    each_chunk(0, count_, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t) {
+      std::uint64_t i = begin;
+      while (i > 0 && i < count_ && keys[i].first == keys[i - 1].first) ++i;
+      starts[c] = i;
+    });
+    each_chunk(0, count_, [&](std::uint64_t c, std::uint64_t, std::uint64_t) {
+      const std::uint64_t last = starts[c + 1];
+      for (std::uint64_t at = starts[c]; at < last;) {
+        std::uint64_t to = at + 1;
+        while (to < last && keys[to].first == keys[at].first) ++to;
+        if (to - at > many && k_ <= 3)
+          long_runs[c].emplace_back(at, to);
+        else if (to - at > 1)
+          std::sort(keys + at, keys + to,
+                    [this](const Key& a, const Key& b) { return less(a, b); });
+        at = to;
+      }
+    });
+    for (const auto& runs : long_runs)
+      for (const auto& [begin, end] : runs) sort_long_run(keys, scratch, begin, end, bits);
+    resize_big(order_, count_);
+    resize_big(rank_, count_);
+    each_chunk(0, count_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        order_[i] = keys[i].simplex;
+        rank_[keys[i].simplex] = static_cast<std::uint32_t>(i);
+      }
+    });
+  }
+
+  /// By the third id, then by the second.
+  void sort_long_run(Key* keys, Key* scratch, std::uint64_t begin, std::uint64_t end,
+                     unsigned bits) const {
+    Key *items = keys + begin, *other = scratch + begin;
+    const auto n = static_cast<std::uint32_t>(end - begin);
+    radix_sort(items, other, n, bits, threads_, control_,
+               [](const Key& k) { return static_cast<std::uint32_t>(k.rest); });
+    radix_sort(items, other, n, bits, threads_, control_,
+               [](const Key& k) { return static_cast<std::uint32_t>(k.rest >> 32); });
+    if (items == keys + begin) return;
+    each_chunk(begin, end, [&](std::uint64_t, std::uint64_t from, std::uint64_t to) {
+      std::copy(scratch + from, scratch + to, keys + from);
+    });
+  }
+
+  std::uint64_t id(std::uint32_t local) const { return input_.ids ? input_.ids[local] : local; }
+
+  /// By the first simplex in canonical order. Without merging, facet i is simplex i.
+  void number_facets() {
+    if (facets_.facet.empty()) {
+      hull_.simplex_facets = EvenArray<std::uint32_t>::of_step(count_, 1);
+      return;
+    }
+    const std::size_t singles = facets_.singles, n = singles + facets_.vertices.size();
+    BigArray<std::uint32_t> first(n);  // simplex of each facet
+    each_chunk(0, n, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t f = begin; f < end; ++f) first[f] = f < singles ? rank_[f] : none;
+    });
+    each_chunk(singles, count_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t f = begin; f < end;) {  // those of a facet follow one another
+        const std::uint32_t facet = facets_.facet[f];
+        std::uint32_t lowest = none;
+        for (; f < end && facets_.facet[f] == facet; ++f) lowest = std::min(lowest, rank_[f]);
+        const std::atomic_ref<std::uint32_t> so_far(first[facet]);
+        std::uint32_t now = so_far.load(std::memory_order_relaxed);
+        while (lowest < now &&
+               !so_far.compare_exchange_weak(now, lowest, std::memory_order_relaxed)) {
+        }
+      }
+    });
+    const auto begins_facet = [&](std::uint64_t i) { return first[facets_.facet[order_[i]]] == i; };
+    std::vector<std::uint32_t> before(chunk_count(count_, simplex_chunk) + 1, 0);
+    each_chunk(0, count_, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) before[c + 1] += begins_facet(i);
+    });
+    std::partial_sum(before.begin(), before.end(), before.begin());
+    facet_rank_ = BigArray<std::uint32_t>(n);
+    facet_order_ = BigArray<std::uint32_t>(n);
+    each_chunk(0, count_, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      std::uint32_t number = before[c];
+      for (std::uint64_t i = begin; i < end; ++i) {
+        if (!begins_facet(i)) continue;
+        facet_rank_[facets_.facet[order_[i]]] = number;
+        facet_order_[number++] = facets_.facet[order_[i]];
+      }
+    });
+    Array<std::uint32_t> numbers(count_);
+    each_chunk(0, count_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i)
+        numbers[i] = facet_rank_[facets_.facet[order_[i]]];
+    });
+    hull_.simplex_facets = std::move(numbers);
+  }
+
+  void write_simplices() {
+    Array<std::uint64_t> simplices(count_ * k_);
+    resize_big(hull_.simplex_neighbours, count_ * k_);
+    resize_big(vertex_index_, count_ * k_);
+    each_chunk(0, count_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        prefetch(i);
+        const std::uint32_t f = order_[i];
+        const std::uint32_t* ids = surface_.simplex(f);
+        const std::uint32_t* next = surface_.neighbours.data() + std::size_t{f} * k_;
+        for (unsigned j = 0; j < k_; ++j) {
+          const unsigned slot = surface_.stored_slot(f, j);
+          simplices[i * k_ + j] = id(ids[slot]);
+          vertex_index_[i * k_ + j] = vertices_.position(ids[slot]);
+          hull_.simplex_neighbours[i * k_ + j] = rank_[next[slot]];
+        }
+      }
+    });
+    hull_.simplices = std::move(simplices);
+  }
+
+  /// The old order knows nothing of the new: two steps of prefetching, records then what they name.
+  void prefetch(std::uint64_t i) const {
+    if (i + 32 >= count_) return;
+    const std::size_t far = std::size_t{order_[i + 32]} * k_,
+                      near = std::size_t{order_[i + 16]} * k_;
+    __builtin_prefetch(surface_.ids.data() + far);
+    __builtin_prefetch(surface_.neighbours.data() + far);
+    __builtin_prefetch(surface_.odd.data() + order_[i + 32]);
+    for (unsigned j = 0; j < k_; ++j) {
+      if (!vertices_.all_points) __builtin_prefetch(&vertices_.positions[surface_.ids[near + j]]);
+      __builtin_prefetch(rank_.data() + surface_.neighbours[near + j]);
+    }
+  }
+
+  void write_facets() {
+    if (facets_.facet.empty()) {
+      write_simplicial_facets();
+      return;
+    }
+    const std::size_t n = facets_.singles + facets_.vertices.size();
+    Array<std::uint64_t> offsets =
+        offsets_of([this](std::size_t m) { return length(facets_.vertices, m); });
+    Array<std::uint64_t> neighbour_offsets =
+        offsets_of([this](std::size_t m) { return length(facets_.neighbours, m); });
+    Array<std::uint64_t> items(offsets[n]);
+    hull_.facet_neighbours.items.resize(neighbour_offsets[n]);
+    each_chunk(0, n, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        std::uint64_t* vertices = items.data() + offsets[i];
+        std::uint32_t* across = hull_.facet_neighbours.items.data() + neighbour_offsets[i];
+        const std::uint32_t facet = facet_order_[i];
+        if (facet < facets_.singles) {
+          write_vertices(rank_[facet], vertices);
+          write_neighbours(rank_[facet], across);
+        } else {
+          write_merged(facet - facets_.singles, vertices, across);
+        }
+      }
+    });
+    hull_.facets = {std::move(offsets), std::move(items)};
+    hull_.facet_neighbours.offsets = std::move(neighbour_offsets);
+  }
+
+  /// Of lists in the facets' order: k items each where a facet is one simplex, else as
+  /// merged_length tells of merged facet m.
+  template <class Length>
+  Array<std::uint64_t> offsets_of(const Length& merged_length) const {
+    const std::size_t n = facets_.singles + facets_.vertices.size();
+    Array<std::uint64_t> offsets(n + 1);
+    std::vector<std::uint64_t> before(chunk_count(n, simplex_chunk) + 1, 0);
+    each_chunk(0, n, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      std::uint64_t sum = 0;
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const std::uint32_t facet = facet_order_[i];
+        offsets[i] = sum;
+        sum += facet < facets_.singles ? k_ : merged_length(facet - facets_.singles);
+      }
+      before[c + 1] = sum;
+    });
+    std::partial_sum(before.begin(), before.end(), before.begin());
+    each_chunk(0, n, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) offsets[i] += before[c];
+    });
+    offsets[n] = before.back();
+    return offsets;
+  }
+
+  template <class T>
+  static std::size_t length(const Lists<T>& lists, std::size_t i) {
+    return lists.offsets[i + 1] - lists.offsets[i];
+  }
+
+  void write_simplicial_facets() {
+    const bool shared = facets_are_simplices(k_);
+    Array<std::uint64_t> items(shared ? 0 : count_ * k_);
+    Array<std::uint32_t> neighbours(count_ * k_);
+    each_chunk(0, count_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        if (!shared) write_vertices(i, items.data() + i * k_);
+        write_neighbours(i, neighbours.data() + i * k_);
+      }
+    });
+    using Ids = SharedArray<std::uint64_t>;
+    hull_.facets =
+        Lists<std::uint64_t, Ids>::of_length(k_, shared ? hull_.simplices : Ids(std::move(items)));
+    hull_.facet_neighbours = Lists<std::uint32_t>::of_length(k_, std::move(neighbours));
+  }
+
+  /// A facet that is simplex i of the canonical order.
+  void write_vertices(std::uint64_t i, std::uint64_t* vertices) const {
+    const std::uint64_t* ids = hull_.simplices.data() + i * k_;
+    for (unsigned j = 0; j < k_; ++j) vertices[j] = ids[k_ == 2 ? 1 - j : j];
+    if (k_ > 3 && vertices[k_ - 2] > vertices[k_ - 1])
+      std::swap(vertices[k_ - 2], vertices[k_ - 1]);
+  }
+  void write_neighbours(std::uint64_t i, std::uint32_t* across) const {
+    const std::uint32_t* next = hull_.simplex_neighbours.data() + i * k_;
+    for (unsigned j = 0; j < k_; ++j)  // k = 3: the edge from vertex j is opposite to vertex j + 2
+      across[j] = hull_.simplex_facets[next[k_ == 2 ? 1 - j : k_ == 3 ? (j + 2) % 3 : j]];
+    if (k_ > 3) std::sort(across, across + k_);
+  }
+
+  void write_merged(std::size_t m, std::uint64_t* vertices, std::uint32_t* across) const {
+    const auto& v = facets_.vertices;
+    for (std::size_t i = v.offsets[m]; i < v.offsets[m + 1]; ++i) *vertices++ = id(v.items[i]);
+    const auto& n = facets_.neighbours;
+    std::uint32_t* out = across;
+    for (std::size_t i = n.offsets[m]; i < n.offsets[m + 1]; ++i) *out++ = facet_rank_[n.items[i]];
+    if (k_ > 3) std::sort(across, out);
+  }
+
+  const ResultInput& input_;
+  Facets facets_;
+  const Surface& surface_;
+  const unsigned k_;
+  const std::size_t count_;
+  const unsigned threads_;
+  const Control& control_;
+  Hull& hull_;
+  VertexList vertices_;
+  std::vector<std::uint32_t> order_, rank_;           // canonical to old and back
+  BigArray<std::uint32_t> facet_rank_, facet_order_;  // old to canonical and back
+  std::vector<std::uint32_t> vertex_index_;
+};
+
+}  // namespace
+
+Assembled assemble(const ResultInput& input, Facets&& facets, unsigned threads,
+                   const Control& control, Hull& hull) {
+  return Assembler(input, std::move(facets), threads, control, hull).run();
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,508 @@
+// From 4D on hulls have so many facets that every pass over them counts, and every byte kept for
+// one. Simplices are sorted first, by keys that hold all of a simplex's vertices; then all that is
+// computed is computed in canonical order, and straight into the result. In that order two facets
+// that share a ridge are mostly near one another: they share their lowest vertex unless the ridge
+// lacks it, and that vertex has some hundred facets.
+//
+// Four sweeps: keys are dealt into buckets by the lowest vertex (deal), buckets are sorted and
+// simplices written (sort_buckets), neighbours are renumbered (renumber), ridges are decided and
+// planes and measures computed (scan).
+#include "result/write_simplices.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "geometry/cofactors.hpp"
+#include "geometry/orientation.hpp"
+#include "parallel/big_array.hpp"
+#include "parallel/clear_pages.hpp"
+#include "parallel/parallel.hpp"
+#include "parallel/sort_few.hpp"
+#include "result/facet_kernel.hpp"
+#include "result/facet_keys.hpp"
+#include "result/facet_share.hpp"
+#include "result/simplicial_measures.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+template <unsigned K>
+class SortedSimplices {
+ public:
+  SortedSimplices(const ResultInput& input, const Surface& surface, const VertexList& vertices,
+                  const Frame& frame, unsigned threads, const Control& control, unsigned key_bits)
+      : input_(input),
+        surface_(surface),
+        vertices_(vertices),
+        frame_(frame),
+        plane_(frame),
+        threads_(threads),
+        control_(control),
+        count_(surface.count()),
+        shift_(bucket_shift()),
+        buckets_(static_cast<std::uint32_t>((vertices.ids.size() - 1) >> shift_) + 1),
+        packing_(vertices.ids.size(), count_, shift_, key_bits) {}
+
+  bool run(Hull& hull) {
+    if (coplanar_sample()) return false;
+    control_.report("facets", 0);
+    deal();
+    sort_buckets();
+    keys_ = {};
+    control_.report("neighbours", 0);
+    renumber();
+    control_.report("ridges", 0);
+    if (!scan(hull.statistics.rung_counts)) return false;
+    using Ids = SharedArray<std::uint64_t>;
+    hull.simplices = Ids(std::move(simplices_));
+    hull.simplex_neighbours = std::move(neighbours_);
+    hull.facets = Lists<std::uint64_t, Ids>::of_length(K, Ids(std::move(facets_)));
+    hull.facet_neighbours = Lists<std::uint32_t>::of_length(K, std::move(facet_neighbours_));
+    hull.facet_planes = std::move(planes_);
+    hull.simplex_facets = EvenArray<std::uint32_t>::of_step(count_, 1);
+    control_.report("measures", 0);
+    finish_simplicial<K>(input_, vertices_.ids, frame_, runs_.get(), threads_, control_, hull);
+    return true;
+  }
+
+ private:
+  static constexpr unsigned lanes = FacetBlock<K>::lanes;
+  static constexpr std::uint64_t most_buckets = 2048;
+
+  /// Buckets of consecutive lowest vertices, of about a thousand simplices.
+  unsigned bucket_shift() const {
+    const std::uint64_t wanted =
+        std::clamp<std::uint64_t>(std::bit_ceil(count_ / 1024), 1, most_buckets);
+    const auto last = static_cast<std::uint32_t>(vertices_.ids.size() - 1);
+    const int bits = static_cast<int>(std::bit_width(last)) - std::countr_zero(wanted);
+    return static_cast<unsigned>(std::max(bits, 0));
+  }
+
+  // ---------------------------------------------------------------- keys, sorted
+
+  /// The arrangement depends on sizes alone.
+  void deal() {
+    const std::uint64_t chunks = chunk_count(count_, simplex_chunk);
+    std::vector<std::uint32_t> next(chunks * buckets_, 0);
+    for_each_chunk(count_, simplex_chunk, threads_,
+                   [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+                     control_.check();
+                     std::uint32_t* counts = next.data() + chunk * buckets_;
+                     for (std::uint64_t f = begin; f < end; ++f)
+                       ++counts[vertices_.position(surface_.simplex(f)[0]) >> shift_];
+                   });
+    bucket_start_.assign(buckets_ + std::size_t{1}, 0);
+    std::uint32_t sum = 0;
+    for (std::uint32_t b = 0; b < buckets_; ++b) {
+      bucket_start_[b] = sum;
+      for (std::uint64_t c = 0; c < chunks; ++c) sum += std::exchange(next[c * buckets_ + b], sum);
+    }
+    bucket_start_[buckets_] = sum;
+    keys_ = BigArray<FacetKey>(count_);
+    touch_pages(keys_.get(), count_ * sizeof(FacetKey), threads_, [&] { control_.check(); });
+    for_each_chunk(count_, simplex_chunk, threads_,
+                   [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+                     control_.check();
+                     std::uint32_t* place = next.data() + chunk * buckets_;
+                     std::uint32_t corners[K];
+                     for (std::uint64_t f = begin; f < end; ++f) {
+                       stored(f, corners);
+                       keys_[place[corners[0] >> shift_]++] =
+                           packing_.key(corners, static_cast<std::uint32_t>(f));
+                     }
+                   });
+  }
+
+  /// Positions of the vertices, as stored.
+  void stored(std::uint64_t f, std::uint32_t* corners) const {
+    const std::uint32_t* ids = surface_.simplex(f);
+    for (unsigned j = 0; j < K; ++j) corners[j] = vertices_.position(ids[j]);
+    const std::uint32_t a = corners[K - 2], b = corners[K - 1];
+    corners[K - 2] = surface_.odd[f] ? b : a;
+    corners[K - 1] = surface_.odd[f] ? a : b;
+  }
+
+  /// Memory of one chunk of buckets.
+  struct Scratch {
+    std::vector<std::uint32_t> start;
+    std::vector<FacetKey> keys;
+  };
+
+  void sort_buckets() {
+    order_ = BigArray<std::uint32_t>(count_);
+    rank_ = BigArray<std::uint32_t>(count_);
+    corners_ = BigArray<std::uint32_t>(count_ * K);
+    simplices_.resize(count_ * K);
+    facets_.resize(count_ * K);
+    for_each_chunk(buckets_, 4, threads_,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     control_.check();
+                     Scratch scratch;
+                     for (std::uint64_t b = begin; b < end; ++b) {
+                       sort(static_cast<std::uint32_t>(b), scratch);
+                       write_bucket(static_cast<std::uint32_t>(b), scratch);
+                     }
+                   });
+  }
+
+  bool less(const FacetKey& a, const FacetKey& b) const {
+    if (packing_.complete() || !packing_.alike(a, b)) return a < b;
+    std::uint32_t v[K], w[K];
+    stored(packing_.number(a), v);
+    stored(packing_.number(b), w);
+    return std::lexicographical_compare(v, v + K, w, w + K);
+  }
+
+  /// Counting sort on the lowest vertex, then by the others.
+  void sort(std::uint32_t b, Scratch& scratch) const {
+    const std::uint32_t begin = bucket_start_[b], end = bucket_start_[b + 1];
+    scratch.start.assign((std::size_t{1} << shift_) + 1, 0);
+    scratch.keys.resize(end - begin);
+    std::uint32_t* start = scratch.start.data();
+    for (std::uint32_t i = begin; i < end; ++i) ++start[packing_.first(keys_[i]) + 1];
+    for (std::size_t v = 1; v < scratch.start.size(); ++v) start[v] += start[v - 1];
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const FacetKey& key = keys_[i];
+      __builtin_prefetch(&rank_[packing_.number(key)], 1);
+      scratch.keys[start[packing_.first(key)]++] = key;
+    }  // start[v] is now the end of vertex v's keys
+    const auto before = [this](const FacetKey& x, const FacetKey& y) { return less(x, y); };
+    FacetKey* keys = scratch.keys.data();
+    for (std::size_t v = 0, from = 0; v + 1 < scratch.start.size(); from = start[v++]) {
+      if (start[v] - from < 2) continue;
+      if (start[v] - from > 16) {
+        std::sort(keys + from, keys + start[v], before);
+        continue;
+      }
+      for (std::size_t i = from + 1; i < start[v]; ++i) {
+        const FacetKey key = keys[i];
+        std::size_t j = i;
+        for (; j > from && before(key, keys[j - 1]); --j) keys[j] = keys[j - 1];
+        keys[j] = key;
+      }
+    }
+  }
+
+  void write_bucket(std::uint32_t b, const Scratch& scratch) {
+    const std::uint32_t base = b << shift_;
+    bool twice = false;
+    for (std::uint64_t i = bucket_start_[b]; i < bucket_start_[b + 1]; ++i) {
+      const FacetKey& key = scratch.keys[i - bucket_start_[b]];
+      const std::uint32_t f = packing_.number(key);
+      order_[i] = f;
+      rank_[f] = static_cast<std::uint32_t>(i);
+      std::uint32_t v[K];
+      if (packing_.complete())
+        packing_.unpack(key, base, v);
+      else
+        stored(f, v);
+      std::copy_n(v, K, &corners_[i * K]);
+      std::uint64_t* simplex = simplices_.data() + i * K;
+      std::uint64_t* facet = facets_.data() + i * K;
+      for (unsigned j = 0; j < K; ++j)
+        facet[j] = simplex[j] = vertices_.plain ? v[j] : vertices_.ids[v[j]];
+      facet[K - 2] = std::min(simplex[K - 2], simplex[K - 1]);
+      facet[K - 1] = std::max(simplex[K - 2], simplex[K - 1]);
+      for (unsigned j = 1; j < K; ++j) twice |= facet[j - 1] == facet[j];
+    }
+    if (twice) fail_not_exact("a simplex uses a point twice");
+  }
+
+  /// Whether the last two of stored vertices were swapped.
+  static bool is_odd(const std::uint32_t* stored) { return stored[K - 2] > stored[K - 1]; }
+
+  void renumber() {
+    constexpr std::uint64_t far = 40, near = 12;
+    neighbours_.resize(count_ * K);
+    facet_neighbours_.resize(count_ * K);
+    const auto of = [&](std::uint64_t i) {
+      return surface_.neighbours.data() + std::size_t{order_[i]} * K;
+    };
+    for_each_chunk(count_, simplex_chunk, threads_,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                     control_.check();
+                     bool open = false;
+                     for (std::uint64_t i = begin; i < end; ++i) {
+                       if (i + far < end) __builtin_prefetch(of(i + far));
+                       if (i + near < end)
+                         for (unsigned j = 0; j < K; ++j)
+                           __builtin_prefetch(rank_.get() + of(i + near)[j]);
+                       const std::uint32_t* across = of(i);
+                       std::uint32_t* next = neighbours_.data() + i * K;
+                       std::uint32_t* ordered = facet_neighbours_.data() + i * K;
+                       for (unsigned j = 0; j < K; ++j) {
+                         const std::uint32_t g = across[j];
+                         open |= g >= count_ || g == order_[i];
+                         next[j] = ordered[j] = rank_[g < count_ ? g : 0];
+                       }
+                       sort_few<K>(ordered);
+                       if (is_odd(&corners_[i * K])) std::swap(next[K - 2], next[K - 1]);
+                     }
+                     if (open) fail_not_exact("a ridge has no second facet");
+                   });
+  }
+
+  // ---------------------------------------------------------------- ridges, planes, measures
+
+  struct ChunkCounts {
+    std::uint64_t ridges = 0;
+    std::uint64_t rungs[3] = {0, 0, 0};
+  };
+
+  /// False if some simplices are coplanar.
+  bool scan(std::uint64_t* rung_counts) {
+    planes_.resize(count_ * (K + 1));
+    runs_ = BigArray<Share<K>>(chunk_count(count_, measure_run));
+    std::vector<ChunkCounts> counts(chunk_count(count_, simplex_chunk));
+    for_each_chunk(count_, simplex_chunk, threads_,
+                   [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+                     control_.check();
+                     scan_chunk(begin, end, counts[chunk]);
+                   });
+    if (coplanar_.load()) return false;
+    std::uint64_t ridges = 0;
+    for (const ChunkCounts& c : counts) {
+      ridges += c.ridges;
+      for (unsigned i = 0; i < 3; ++i) rung_counts[i] += c.rungs[i];
+    }
+    // Each ridge was matched from its lower simplex to one slot of the higher: half of all slots.
+    if (2 * ridges != count_ * K) fail_not_exact("a ridge is not shared by two facets");
+    return true;
+  }
+
+  /// A ridge towards a higher simplex; first that simplex, then its vertex off the ridge.
+  struct Ridge {
+    std::uint32_t simplex, across, slot;
+  };
+  static_assert(simplex_chunk % measure_run == 0 && measure_run % lanes == 0);
+
+  /// Run after run. What a run refers to is asked for while the run before is computed.
+  void scan_chunk(std::uint64_t begin, std::uint64_t end, ChunkCounts& out) {
+    FacetBlock<K> block;
+    for (unsigned c = 0; c < K; ++c) std::fill_n(block.origin[c], lanes, frame_.at(0)[c]);
+    Ridge lists[2][measure_run * K + 1];
+    unsigned count = list_ridges(begin, std::min(end, begin + measure_run), lists[0]);
+    for (std::uint64_t from = begin; from < end; from += measure_run) {
+      if (coplanar_.load(std::memory_order_relaxed)) return;
+      const std::uint64_t to = std::min<std::uint64_t>(end, from + measure_run);
+      Ridge* ridges = lists[(from - begin) / measure_run % 2];
+      const unsigned ahead = list_ridges(to, std::min(end, to + measure_run),
+                                         lists[1 - (from - begin) / measure_run % 2]);
+      out.ridges += count;
+      for (Ridge* r = ridges; r < ridges + count; ++r) match(*r);
+      Share<K> run;
+      const Ridge* ridge = ridges;
+      for (std::uint64_t first = from; first < to; first += lanes) {
+        const auto n = static_cast<unsigned>(std::min<std::uint64_t>(lanes, to - first));
+        for (unsigned lane = 0; lane < lanes; ++lane)
+          load(&corners_[(first + std::min(lane, n - 1)) * K], block, lane);
+        facet_block(block);
+        for (; ridge < ridges + count && ridge->simplex < first + n; ++ridge)
+          check_convex(*ridge, block, static_cast<unsigned>(ridge->simplex - first), out);
+        for (unsigned lane = 0; lane < n; ++lane) run.add(write_plane(first + lane, block, lane));
+      }
+      runs_[from / measure_run] = run;
+      count = ahead;
+    }
+  }
+
+  /// Which of two simplices is the higher is as good as random: no branch.
+  unsigned list_ridges(std::uint64_t from, std::uint64_t to, Ridge* ridges) const {
+    unsigned count = 0;
+    for (std::uint64_t f = from; f < to; ++f)
+      for (unsigned i = 0; i < K; ++i) {
+        const std::uint32_t g = neighbours_[f * K + i];
+        ridges[count] = {static_cast<std::uint32_t>(f), g, i};
+        count += g > f;
+      }
+    for (const Ridge* r = ridges; r < ridges + count; ++r) {
+      __builtin_prefetch(&corners_[std::size_t{r->across} * K]);
+      __builtin_prefetch(&corners_[std::size_t{r->across} * K + K - 1]);
+      __builtin_prefetch(neighbours_.data() + std::size_t{r->across} * K);
+      __builtin_prefetch(neighbours_.data() + std::size_t{r->across} * K + K - 1);
+    }
+    return count;
+  }
+
+  /// Stored vertices, ascending.
+  static void straighten(const std::uint32_t* stored, std::uint32_t* v) {
+    std::copy_n(stored, K, v);
+    v[K - 2] = std::min(stored[K - 2], stored[K - 1]);
+    v[K - 1] = std::max(stored[K - 2], stored[K - 1]);
+  }
+
+  /// Makes `across` the vertex; the two simplices must share the ridge, each say so, and be
+  /// oriented alike.
+  void match(Ridge& ridge) const {
+    const std::uint32_t f = ridge.simplex, g = ridge.across;
+    const std::uint32_t* stored = &corners_[std::size_t{f} * K];
+    const std::uint32_t* other = &corners_[std::size_t{g} * K];
+    std::uint32_t a[K], b[K];
+    straighten(stored, a);
+    straighten(other, b);
+    // If both have the ridge, sums tell the vertex that only g has.
+    std::uint32_t x = stored[ridge.slot];
+    for (unsigned c = 0; c < K; ++c) x += b[c] - a[c];
+    unsigned i = 0, j = 0;  // places of the two vertices that are off the ridge
+    for (unsigned c = 0; c < K; ++c) {
+      i += a[c] < stored[ridge.slot];
+      j += b[c] < x;
+    }
+    bool same = j < K && b[j < K ? j : 0] == x;
+    for (unsigned c = 0; c + 1 < K; ++c) same &= a[c + (c >= i)] == b[c + (c >= j)];
+    const bool odd = is_odd(other);
+    const unsigned slot = odd && j + 2 >= K ? 2 * K - 3 - j : j;
+    if (!same || neighbours_[std::size_t{g} * K + slot] != f)
+      fail_not_exact("neighbouring facets do not share their ridge");
+    if (((i + j + is_odd(stored) + odd) & 1U) == 0)
+      fail_not_exact("neighbouring facets are oriented differently");
+    ridge.across = x;
+    __builtin_prefetch(frame_.at(x));
+  }
+
+  void load(const std::uint32_t* corners, FacetBlock<K>& block, unsigned lane) const {
+    for (unsigned j = 0; j < K; ++j) {
+      const double* p = frame_.at(corners[j]);
+      for (unsigned c = 0; c < K; ++c) block.corner[j][c][lane] = p[c];
+    }
+  }
+
+  void check_convex(const Ridge& ridge, const FacetBlock<K>& block, unsigned lane,
+                    ChunkCounts& out) {
+    bool known = false;
+    Sign sign = side(block, lane, ridge.across, known);
+    if (known)
+      ++out.rungs[0];
+    else
+      sign = exact_side(ridge, out);
+    if (sign == Sign::positive) fail_not_exact("a ridge is not convex");
+    if (sign == Sign::zero) coplanar_.store(true, std::memory_order_relaxed);
+  }
+
+  /// Of a vertex against the simplex of a lane, which is outward oriented: negative where the ridge
+  /// between them is convex. `known`: whether rounding cannot have changed it.
+  Sign side(const FacetBlock<K>& block, unsigned lane, std::uint32_t vertex, bool& known) const {
+    const double* p = frame_.at(vertex);
+    double sum = 0, largest = 0;
+    for (unsigned c = 0; c < K; ++c) {
+      const double d = p[c] - block.corner[0][c][lane];
+      sum = sum + block.normal[c][lane] * d;
+      largest = std::max(largest, std::fabs(d));
+    }
+    const double bound = determinant_error(K) * block.reach[lane] * largest + determinant_tiny;
+    known = std::fabs(sum) > bound || input_.local->small_lattice;
+    return sign_of(sum);
+  }
+
+  Sign exact_side(const Ridge& ridge, ChunkCounts& out) const {
+    // Local ids are those of the surface's simplices.
+    const std::uint32_t g = neighbours_[std::size_t{ridge.simplex} * K + ridge.slot];
+    const std::uint32_t* ids = surface_.simplex(order_[g]);
+    std::uint32_t x = ids[0];
+    for (unsigned j = 1; j < K; ++j)
+      if (vertices_.position(ids[j]) == ridge.across) x = ids[j];
+    const double* rows[K + 1];
+    for (unsigned j = 0; j < K; ++j)
+      rows[j] = input_.local->exact_row(surface_.stored(order_[ridge.simplex], j));
+    rows[K] = input_.local->exact_row(x);
+    Rung rung = Rung::exact;
+    const Sign sign = orientation(K, rows, &rung);
+    ++out.rungs[static_cast<unsigned>(rung)];
+    return sign;
+  }
+
+  Share<K> write_plane(std::uint64_t i, const FacetBlock<K>& block, unsigned lane) {
+    double normal[K], sum[K];
+    for (unsigned c = 0; c < K; ++c) {
+      normal[c] = block.normal[c][lane];
+      sum[c] = block.sum[c][lane];
+    }
+    const bool thin = !(block.length[lane] > conditioned * block.edges[lane]);
+    return facet_share(frame_, plane_, &corners_[i * K], thin, normal, sum,
+                       planes_.data() + i * (K + 1));
+  }
+
+  // ---------------------------------------------------------------- before it all
+
+  /// Whether a few simplices, here and there, have coplanar neighbours: then most would be sorted
+  /// in vain. That none has is no promise.
+  bool coplanar_sample() const {
+    const std::uint64_t blocks = std::min<std::uint64_t>(64, count_ / 128);
+    FacetBlock<K> block;
+    for (unsigned c = 0; c < K; ++c) std::fill_n(block.origin[c], lanes, frame_.at(0)[c]);
+    for (std::uint64_t k = 0; k < blocks; ++k) {
+      const auto at = [&](unsigned lane) {
+        return static_cast<std::uint32_t>(count_ * (k * lanes + lane) / (blocks * lanes));
+      };
+      for (unsigned lane = 0; lane < lanes; ++lane) {
+        std::uint32_t corners[K];
+        stored(at(lane), corners);
+        load(corners, block, lane);
+      }
+      facet_block(block);
+      for (unsigned lane = 0; lane < lanes; ++lane)
+        for (unsigned i = 0; i < K; ++i) {
+          const std::uint32_t g = surface_.neighbours[std::size_t{at(lane)} * K + i];
+          if (g >= count_ || g == at(lane)) fail_not_exact("a ridge has no second facet");
+          const std::uint32_t x = surface_.simplex(g)[opposite_slot<K>(surface_, at(lane), i, g)];
+          bool known = false;
+          const Sign sign = side(block, lane, vertices_.position(x), known);
+          if (known ? sign == Sign::zero : exactly_flat(at(lane), x)) return true;
+        }
+    }
+    return false;
+  }
+
+  bool exactly_flat(std::uint32_t f, std::uint32_t x) const {
+    const double* rows[K + 1];
+    for (unsigned j = 0; j < K; ++j) rows[j] = input_.local->exact_row(surface_.simplex(f)[j]);
+    rows[K] = input_.local->exact_row(x);
+    return orientation(K, rows) == Sign::zero;
+  }
+
+  const ResultInput& input_;
+  const Surface& surface_;
+  const VertexList& vertices_;
+  const Frame& frame_;
+  const FacetPlane<K> plane_;
+  const unsigned threads_;
+  const Control& control_;
+  const std::uint64_t count_;
+  const unsigned shift_;
+  const std::uint32_t buckets_;
+  const FacetKeys<K> packing_;
+  std::vector<std::uint32_t> bucket_start_;  // keys of each bucket
+  BigArray<FacetKey> keys_;
+  BigArray<std::uint32_t> order_;    // the surface's simplices in canonical order
+  BigArray<std::uint32_t> rank_;     // and where each of them is in it
+  BigArray<std::uint32_t> corners_;  // positions of the vertices as stored, in canonical order
+  std::atomic<bool> coplanar_{false};
+  BigArray<Share<K>> runs_;
+  // The result's.
+  Array<std::uint64_t> simplices_, facets_;
+  Array<std::uint32_t> neighbours_, facet_neighbours_;
+  Array<double> planes_;
+};
+
+template <unsigned K>
+bool build(const ResultInput& input, const Surface& surface, const VertexList& vertices,
+           const Frame& frame, unsigned threads, const Control& control, unsigned key_bits,
+           Hull& hull) {
+  return SortedSimplices<K>(input, surface, vertices, frame, threads, control, key_bits).run(hull);
+}
+
+}  // namespace
+
+bool build_simplicial_nd(const ResultInput& input, const Surface& surface,
+                         const VertexList& vertices, const Frame& frame, unsigned threads,
+                         const Control& control, Hull& hull, unsigned key_bits) {
+  using Build = bool (*)(const ResultInput&, const Surface&, const VertexList&, const Frame&,
+                         unsigned, const Control&, unsigned, Hull&);
+  static constexpr Build builds[] = {build<4>, build<5>, build<6>, build<7>, build<8>};
+  return builds[surface.k - 4](input, surface, vertices, frame, threads, control, key_bits, hull);
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,39 @@
+// The cheapest filter in the plane: an ellipse inside the hull of a sample, one comparison a point.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "hull/plane/planar_strip.hpp"
+
+namespace cullhull::internal {
+
+/// Points are seen as u = (x - cx) sx, v = (y - cy) sy: an affine image, in which a disc about the
+/// origin lies inside that of a polygon.
+class InnerDisc {
+ public:
+  struct Test {
+    double centre[2] = {}, scale[2] = {};
+    double limit = 0;
+
+    bool contains(double x, double y) const {
+      const double u = (x - centre[0]) * scale[0], v = (y - centre[1]) * scale[1];
+      return u * u + v * v < limit;
+    }
+  };
+
+  InnerDisc() = default;  ///< contains nothing
+  /// `corners` of `rows` (packed pairs), counter-clockwise, and their box. May contain nothing.
+  InnerDisc(const double* rows, const std::vector<std::uint32_t>& corners, const Box& box);
+
+  /// Certainly strictly inside the polygon. False for what is not finite.
+  bool contains(double x, double y) const { return test_.contains(x, y); }
+  /// Of `count` packed pairs the positions, ascending, of those it does not contain. `out` has room
+  /// for all.
+  std::uint32_t outside(const double* rows, std::uint32_t count, std::uint32_t* out) const;
+
+ private:
+  Test test_;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,84 @@
+#include "small/small_hull.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "flow/pipeline.hpp"
+#include "parallel/control.hpp"
+#include "parallel/parallel.hpp"
+#include "small/few_in_space.hpp"
+#include "small/small_polygon.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// For tools that keep memory from call to call and never run long enough to be stopped.
+const Control& no_control() {
+  static const Options options;
+  static const Control control(options);
+  return control;
+}
+
+bool small_hull_2d(const PointView& points, Hull& hull) {
+  thread_local SmallPolygon polygon(no_control());
+  if (!polygon.find(points)) return false;
+  const std::size_t h = polygon.size();
+  Array<double> planes(3 * h);
+  PlanarMeasures measures;
+  if (!polygon.measure(points, planes.data(), measures)) return false;
+  Array<std::uint64_t> simplices(2 * h), facets(2 * h);
+  Array<std::uint32_t> neighbours(2 * h), across(2 * h);
+  polygon.write_lists(simplices.data(), neighbours.data(), facets.data(), across.data());
+  hull.affine_dimension = 2;
+  hull.vertices.resize(h);
+  polygon.write_vertices(hull.vertices.data());
+  hull.volume = measures.volume;
+  hull.area = measures.area;
+  hull.centroid.assign(measures.centroid, measures.centroid + 2);
+  using Ids = SharedArray<std::uint64_t>;
+  hull.simplices = Ids(std::move(simplices));
+  hull.simplex_neighbours = std::move(neighbours);
+  hull.simplex_facets = EvenArray<std::uint32_t>::of_step(h, 1);
+  hull.facets = Lists<std::uint64_t, Ids>::of_length(2, Ids(std::move(facets)));
+  hull.facet_neighbours = Lists<std::uint32_t>::of_length(2, std::move(across));
+  hull.facet_planes = std::move(planes);
+  std::copy(polygon.rung_counts(), polygon.rung_counts() + 3, hull.statistics.rung_counts);
+  return true;
+}
+
+/// Whether there are so few points that no filter could help.
+bool few_enough(const PointView& points) {
+  return points.dimension == 2   ? points.count <= SmallPolygon::most_points
+         : points.dimension == 3 ? points.count <= most_unfiltered_in_space
+                                 : false;
+}
+
+}  // namespace
+
+bool takes_small_sets(const Options& options) {
+  constexpr std::uint64_t enough = std::uint64_t{1} << 22;
+  return options.engine == Engine::native && options.backend != Backend::cuda &&
+         options.cull == CullMethod::automatic &&
+         (options.memory_budget == 0 || options.memory_budget >= enough);
+}
+
+bool small_hull(const PointView& points, const Options& options, Hull& hull) {
+  if (!few_enough(points) || !takes_small_sets(options)) return false;
+  const Clock::time_point start = Clock::now();
+  const Control control(options);
+  control.check();
+  if (!(points.dimension == 2 ? small_hull_2d(points, hull)
+                              : hull_of_few(points, nullptr, points.count, hull)))
+    return false;
+  hull.dimension = points.dimension;
+  hull.point_count = points.count;
+  hull.scalar = points.scalar;
+  hull.statistics.threads = resolve_threads(options.threads);
+  hull.statistics.survivors = points.count;
+  hull.statistics.cull_reason = "few points";
+  hull.statistics.hull_seconds = hull.statistics.compute_seconds = seconds_since(start);
+  control.report("done", 1);
+  return true;
+}
+
+}  // namespace cullhull::internal

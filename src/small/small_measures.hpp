@@ -1,0 +1,171 @@
+// Planes and measures of hulls of few points.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "cullhull/hull.hpp"
+#include "result/facet_kernel.hpp"
+#include "result/facet_share.hpp"
+#include "small/small_3d.hpp"
+#include "small/small_shares.hpp"
+
+namespace cullhull::internal {
+
+struct SmallMeasures {
+  double volume = 0, area = 0, centroid[3] = {};
+};
+
+/// Sums as Totals<DoubleDouble>, without memory of their own.
+struct SmallTotals {
+  DoubleDouble volume = 0, area = 0, moment[3];
+  double error = 0, area_error = 0;
+};
+
+/// Planes and measures, as the general path computes them.
+template <class Points, class Hull>
+class SmallMeasurer {
+  using Number = typename Hull::Number;
+
+ public:
+  /// `names`: the point of the view that each of `points` is; nullptr: the first, and so on.
+  SmallMeasurer(const PointView& view, const std::uint64_t* names, const Points& points,
+                const Hull& hull, SmallShares<Hull::max_facets>& shares)
+      : view_(view), names_(names), points_(points), hull_(hull), shares_(shares) {}
+
+  /// Planes are written for a multiple of eight facets. False where doubles do not do.
+  bool run(double* planes, SmallMeasures& out) {
+    if (!find_exponent()) return false;
+    small_shares(points_, hull_, exponent_, shares_, planes);
+    for (unsigned w = 0; w < std::size(shares_.open); ++w)
+      for (std::uint64_t rest = shares_.open[w]; rest != 0; rest &= rest - 1)
+        look_again(64 * w + static_cast<unsigned>(std::countr_zero(rest)), planes);
+    if (!hull_.simplicial()) choose_planes(planes);
+    const SmallTotals all = total();
+    if (!settled(all, 0x1p-53)) return false;
+    double origin[3];
+    for (unsigned c = 0; c < 3; ++c)
+      origin[c] = scale_by(points_.axes[c][hull_.ids[0]], -exponent_);
+    if (!finish_quickly(3, exponent_, origin, all.volume, all.area, all.moment, &out.volume,
+                        &out.area, out.centroid))
+      finish_slowly(all, out);
+    return true;
+  }
+
+ private:
+  /// As make_frame finds it; false for frames it calls wild.
+  bool find_exponent() {
+    double largest = 0;
+    for (unsigned c = 0; c < 3; ++c)
+      largest = std::max({largest, std::fabs(hull_.low[c]), std::fabs(hull_.high[c])});
+    exponent_ = std::ilogb(largest) + 1;
+    double narrowest = 1;
+    for (unsigned c = 0; c < 3; ++c)
+      narrowest = std::min(
+          narrowest, scale_by(hull_.high[c], -exponent_) - scale_by(hull_.low[c], -exponent_));
+    return narrowest > std::exp2(-400.0 / 3);
+  }
+
+  const Frame& frame() {
+    if (!frame_) {
+      ids_.assign(hull_.ids, hull_.ids + hull_.vertex_count);
+      if (names_ != nullptr)
+        for (std::uint64_t& v : ids_) v = names_[v];
+      constexpr unsigned axes_of_space[3] = {0, 1, 2};
+      frame_.emplace(make_frame(view_, ids_, axes_of_space, 3, 1));
+    }
+    return *frame_;
+  }
+
+  /// Facet i, which may need more than the vectors do.
+  void look_again(unsigned i, double* planes) {
+    const Frame& f = frame();
+    std::uint32_t corners[3];
+    FacetBlock<3> block;
+    for (unsigned c = 0; c < 3; ++c) std::fill_n(block.origin[c], FacetBlock<3>::lanes, f.at(0)[c]);
+    for (unsigned j = 0; j < 3; ++j) {
+      const Number* at =
+          std::lower_bound(hull_.ids, hull_.ids + hull_.vertex_count, hull_.vertices[3 * i + j]);
+      corners[j] = static_cast<std::uint32_t>(at - hull_.ids);
+      for (unsigned c = 0; c < 3; ++c)
+        std::fill_n(block.corner[j][c], FacetBlock<3>::lanes, f.at(corners[j])[c]);
+    }
+    facet_block(block);
+    const double normal[3] = {block.normal[0][0], block.normal[1][0], block.normal[2][0]};
+    const double sum[3] = {block.sum[0][0], block.sum[1][0], block.sum[2][0]};
+    const Share<3> share = facet_share<3>(f, FacetPlane<3>(f), corners,
+                                          !(block.length[0] > conditioned * block.edges[0]), normal,
+                                          sum, planes + std::size_t{4} * i);
+    shares_.volume[i] = share.volume;
+    shares_.area[i] = share.area;
+    for (unsigned c = 0; c < 3; ++c) shares_.moment[c][i] = share.moment[c];
+    shares_.error[i] = share.error;
+    shares_.area_error[i] = share.area_error;
+  }
+
+  /// Of the planes of a facet's simplices that of the longest normal, the first of equals.
+  void choose_planes(double* planes) const {
+    Number best[Hull::max_facets];
+    unsigned facets = 0;
+    for (unsigned i = 0; i < hull_.count; ++i) {
+      const Number f = hull_.facet_of[i];
+      if (f == facets)
+        best[facets++] = static_cast<Number>(i);
+      else if (shares_.area[i] > shares_.area[best[f]])
+        best[f] = static_cast<Number>(i);
+    }
+    // The simplices of facet f, so its best one, come at f or later: nothing is lost.
+    for (unsigned f = 0; f < facets; ++f)
+      std::copy_n(planes + std::size_t{4} * best[f], 4, planes + std::size_t{4} * f);
+  }
+
+  /// Runs in doubles, then their sum: as total_of_runs, for a single chunk.
+  SmallTotals total() const {
+    static_assert(Hull::max_facets <= measure_chunk);
+    SmallTotals all;
+    for (unsigned first = 0; first < hull_.count; first += measure_run) {
+      const unsigned end = std::min<unsigned>(hull_.count, first + measure_run);
+      Share<3> run;
+      for (unsigned i = first; i < end; ++i) {
+        run.volume += shares_.volume[i];
+        run.area += shares_.area[i];
+        for (unsigned c = 0; c < 3; ++c) run.moment[c] += shares_.moment[c][i];
+        run.error += shares_.error[i];
+        run.area_error += shares_.area_error[i];
+      }
+      all.volume = all.volume + DoubleDouble(run.volume);
+      all.area = all.area + DoubleDouble(run.area);
+      for (unsigned c = 0; c < 3; ++c) all.moment[c] = all.moment[c] + DoubleDouble(run.moment[c]);
+      all.error += run.error;
+      all.area_error += run.area_error;
+    }
+    return all;
+  }
+
+  void finish_slowly(const SmallTotals& all, SmallMeasures& out) {
+    Totals<DoubleDouble> sums(3);
+    sums.volume = all.volume;
+    sums.area = all.area;
+    std::copy_n(all.moment, 3, sums.moment.begin());
+    cullhull::Hull h;
+    finish_measures(frame(), sums, h);
+    out.volume = h.volume;
+    out.area = h.area;
+    std::copy_n(h.centroid.begin(), 3, out.centroid);
+  }
+
+  const PointView& view_;
+  const std::uint64_t* const names_;
+  const Points& points_;
+  const Hull& hull_;
+  int exponent_ = 0;
+  SmallShares<Hull::max_facets>& shares_;
+  std::vector<std::uint64_t> ids_;
+  std::optional<Frame> frame_;
+};
+
+}  // namespace cullhull::internal

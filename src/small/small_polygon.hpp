@@ -1,0 +1,66 @@
+// Small sets of the plane from points to everything a result holds, on one thread and without
+// memory of their own but what is kept from set to set.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cullhull/point_view.hpp"
+#include "hull/plane/polygon.hpp"
+#include "parallel/control.hpp"
+#include "result/polygon_result.hpp"
+#include "small/inner_disc.hpp"
+
+namespace cullhull::internal {
+
+class SmallPolygon {
+ public:
+  static constexpr std::uint64_t most_points = std::uint64_t{1} << 16;
+  /// That are left when what a sample's hull contains is gone.
+  static constexpr std::uint64_t most_kept = 4096;
+
+  /// Keeps some 500 KB at most, and 1 MB for points that are no packed doubles.
+  explicit SmallPolygon(const Control& control) : series_(control) {}
+
+  /// The corners of a set. False where the general way must see to it: other dimensions, few or
+  /// many points, lines, extraordinary proportions, points that are not finite.
+  bool find(const PointView& set);
+
+  /// Corners, and so edges.
+  std::size_t size() const { return by_rank_.size(); }
+  const std::uint64_t* rung_counts() const { return series_.rung_counts(); }
+
+  /// size() planes, and the measures; the same bits as write_polygon's. False as for find, then
+  /// nothing was found.
+  bool measure(const PointView& set, double* planes, PlanarMeasures& measures);
+
+  /// size() ids.
+  void write_vertices(std::uint64_t* vertices) const;
+  /// 2 size() items each.
+  void write_lists(std::uint64_t* simplices, std::uint32_t* simplex_neighbours,
+                   std::uint64_t* facets, std::uint32_t* facet_neighbours) const;
+
+ private:
+  const double* load(const PointView& set);
+  bool thin(std::uint32_t count);
+  void keep_rows(std::uint32_t count, std::uint32_t step, const InnerDisc& disc);
+  void rank(const std::vector<std::uint32_t>& corners);
+
+  PolygonSeries series_;
+  std::vector<double> loaded_;
+  const double* rows_ = nullptr;  // of the set
+  // Rows that may be corners, ascending, and their coordinates; `all_`: these are those of the set.
+  bool all_ = true;
+  std::uint32_t kept_count_ = 0;
+  std::vector<std::uint32_t> kept_;
+  std::vector<double> kept_rows_;
+  std::vector<std::uint32_t> rank_;  // of each of them that is a corner
+  struct Corner {
+    std::uint32_t row, before, after;  // the ranks before and after, counter-clockwise
+    PlanarPoint point;                 // in the kernel's units
+  };
+  std::vector<Corner> by_rank_;
+  std::vector<std::uint32_t> cycle_;  // ranks, counter-clockwise from the lowest
+};
+
+}  // namespace cullhull::internal

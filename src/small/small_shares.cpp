@@ -1,0 +1,181 @@
+#include "small/small_shares.hpp"
+
+#include "parallel/simd_targets.hpp"
+
+// Vectors are kept in arrays below, which sizeless types do not allow.
+#define HWY_DISABLED_TARGETS CULLHULL_SIZELESS_TARGETS
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "small/small_shares.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+
+#include "result/facet_plane.hpp"
+#include "result/measure_frame.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace cullhull::internal::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Tag = hn::CappedTag<double, 8>;
+using V = hn::Vec<Tag>;
+constexpr unsigned block = 8;  // facets whose corners are fetched at once
+
+struct Corners {
+  alignas(64) double at[3][3][block];  // corner, coordinate
+};
+
+/// One vector of facets, from lane `lane` of the corners on. Operation by operation what
+/// facet_block and facet_share do.
+template <class Shares>
+HWY_INLINE void share(const Corners& corners, unsigned lane, const double* origin, double scale,
+                      double unit, unsigned i, Shares& out, double* planes) {
+  const Tag tag;
+  V p[3], u[3], v[3], step[3], sum[3];
+  V square_u = hn::Zero(tag), square_v = hn::Zero(tag), reach = hn::Zero(tag);
+  for (unsigned c = 0; c < 3; ++c) {
+    const auto corner = [&](unsigned j) HWY_ATTR {
+      return hn::Mul(hn::Load(tag, corners.at[j][c] + lane), hn::Set(tag, scale));
+    };
+    p[c] = corner(0);
+    const V q = corner(1), r = corner(2), o = hn::Set(tag, origin[c]);
+    u[c] = hn::Sub(q, p[c]);
+    v[c] = hn::Sub(r, p[c]);
+    square_u = hn::Add(square_u, hn::Mul(u[c], u[c]));
+    square_v = hn::Add(square_v, hn::Mul(v[c], v[c]));
+    step[c] = hn::Sub(p[c], o);
+    reach = hn::Max(reach, hn::Abs(step[c]));
+    sum[c] = hn::Add(hn::Add(hn::Add(hn::Zero(tag), step[c]), hn::Sub(q, o)), hn::Sub(r, o));
+  }
+  const V n[3] = {hn::Sub(hn::Mul(u[1], v[2]), hn::Mul(u[2], v[1])),
+                  hn::Sub(hn::Mul(u[2], v[0]), hn::Mul(u[0], v[2])),
+                  hn::Sub(hn::Mul(u[0], v[1]), hn::Mul(u[1], v[0]))};
+  V square = hn::Zero(tag), volume = hn::Zero(tag), offset = hn::Zero(tag);
+  for (unsigned c = 0; c < 3; ++c) {
+    square = hn::Add(square, hn::Mul(n[c], n[c]));
+    volume = hn::Add(volume, hn::Mul(n[c], step[c]));
+  }
+  const V length = hn::Sqrt(square);
+  V plane[4];
+  for (unsigned c = 0; c < 3; ++c) {
+    plane[c] = hn::Div(n[c], length);
+    offset = hn::Sub(offset, hn::Mul(plane[c], p[c]));
+    hn::Store(hn::Mul(volume, sum[c]), tag, out.moment[c] + i);
+  }
+  plane[3] = hn::Mul(offset, hn::Set(tag, unit));
+  hn::StoreInterleaved4(plane[0], plane[1], plane[2], plane[3], tag, planes + std::size_t{4} * i);
+  hn::Store(volume, tag, out.volume + i);
+  hn::Store(length, tag, out.area + i);
+  hn::Store(length, tag, out.area_error + i);
+  hn::Store(hn::Mul(length, reach), tag, out.error + i);
+  // Well conditioned by a factor of two more than is asked for, so whatever rounding does,
+  // facet_share finds it so as well; and components between 2^-351 and 8, as coordinates are at
+  // most 1.
+  const V shortest =
+      hn::Mul(hn::Set(tag, 4 * conditioned * conditioned), hn::Mul(square_u, square_v));
+  const auto closed = hn::And(hn::Gt(square, shortest), hn::Gt(square, hn::Set(tag, 0x1p-700)));
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(tag, hn::Not(closed), bits);
+  out.open[i / 64] |= std::uint64_t{bits[0]} << i % 64;
+}
+
+template <class Points, class Hull, class Shares>
+HWY_INLINE void all_shares(const Points& points, const Hull& hull, int exponent, Shares& shares,
+                           double* planes) {
+  const Tag tag;
+  const double scale = scale_by(1, -exponent), unit = scale_by(1, exponent);
+  double origin[3];
+  for (unsigned c = 0; c < 3; ++c) origin[c] = points.axes[c][hull.ids[0]] * scale;
+  std::fill(std::begin(shares.open), std::end(shares.open), 0);
+  Corners corners;
+  for (unsigned i = 0; i < hull.count; i += block) {
+    const auto* vertex = hull.vertices + std::size_t{3} * i;
+    for (unsigned lane = 0; lane < block; ++lane)
+      for (unsigned j = 0; j < 3; ++j) {
+        const unsigned id = *vertex++;
+        for (unsigned c = 0; c < 3; ++c) corners.at[j][c][lane] = points.axes[c][id];
+      }
+    for (unsigned lane = 0; lane < block; lane += static_cast<unsigned>(hn::Lanes(tag)))
+      share(corners, lane, origin, scale, unit, i + lane, shares, planes);
+  }
+  // Those repeated to fill the last vector are none.
+  for (unsigned w = 0; w < std::size(shares.open); ++w)
+    if (hull.count < 64 * w + 64)
+      shares.open[w] &= hull.count > 64 * w ? ~(~std::uint64_t{0} << hull.count % 64) : 0;
+}
+
+template <class T, class Short>
+HWY_INLINE void widen_all(const Short* from, std::size_t count, T* to) {
+  const hn::CappedTag<T, 64 / sizeof(T)> tag;
+  const hn::Rebind<Short, decltype(tag)> narrow;
+  for (std::size_t i = 0; i < count; i += hn::Lanes(tag)) {
+    const auto v = hn::LoadU(narrow, from + i);
+    if constexpr (sizeof(T) == 4)
+      hn::StoreU(hn::PromoteTo(tag, v), tag, to + i);
+    else
+      hn::StoreU(hn::PromoteTo(tag, hn::PromoteTo(hn::Rebind<std::uint32_t, decltype(tag)>(), v)),
+                 tag, to + i);
+  }
+}
+
+}  // namespace
+
+void shares_in(const SmallPoints3D& points, const SmallHull3D& hull, int exponent,
+               SmallShares<SmallHull3D::max_facets>& shares, double* planes) {
+  all_shares(points, hull, exponent, shares, planes);
+}
+void medium_shares_in(const MediumPoints3D& points, const MediumHull3D& hull, int exponent,
+                      SmallShares<MediumHull3D::max_facets>& shares, double* planes) {
+  all_shares(points, hull, exponent, shares, planes);
+}
+void widen_8_32(const std::uint8_t* from, std::size_t count, std::uint32_t* to) {
+  widen_all(from, count, to);
+}
+void widen_8_64(const std::uint8_t* from, std::size_t count, std::uint64_t* to) {
+  widen_all(from, count, to);
+}
+void widen_16_32(const std::uint16_t* from, std::size_t count, std::uint32_t* to) {
+  widen_all(from, count, to);
+}
+void widen_16_64(const std::uint16_t* from, std::size_t count, std::uint64_t* to) {
+  widen_all(from, count, to);
+}
+
+}  // namespace cullhull::internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace cullhull::internal {
+
+HWY_EXPORT(shares_in);
+HWY_EXPORT(medium_shares_in);
+HWY_EXPORT(widen_8_32);
+HWY_EXPORT(widen_8_64);
+HWY_EXPORT(widen_16_32);
+HWY_EXPORT(widen_16_64);
+
+void small_shares(const SmallPoints3D& points, const SmallHull3D& hull, int exponent,
+                  SmallShares<SmallHull3D::max_facets>& shares, double* planes) {
+  HWY_DYNAMIC_DISPATCH(shares_in)(points, hull, exponent, shares, planes);
+}
+void small_shares(const MediumPoints3D& points, const MediumHull3D& hull, int exponent,
+                  SmallShares<MediumHull3D::max_facets>& shares, double* planes) {
+  HWY_DYNAMIC_DISPATCH(medium_shares_in)(points, hull, exponent, shares, planes);
+}
+void widen(const std::uint8_t* from, std::size_t count, std::uint32_t* to) {
+  HWY_DYNAMIC_DISPATCH(widen_8_32)(from, count, to);
+}
+void widen(const std::uint8_t* from, std::size_t count, std::uint64_t* to) {
+  HWY_DYNAMIC_DISPATCH(widen_8_64)(from, count, to);
+}
+void widen(const std::uint16_t* from, std::size_t count, std::uint32_t* to) {
+  HWY_DYNAMIC_DISPATCH(widen_16_32)(from, count, to);
+}
+void widen(const std::uint16_t* from, std::size_t count, std::uint64_t* to) {
+  HWY_DYNAMIC_DISPATCH(widen_16_64)(from, count, to);
+}
+
+}  // namespace cullhull::internal
+#endif
