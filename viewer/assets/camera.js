@@ -8,7 +8,8 @@ class Rig {
     this.camera.up.set(0, 0, 1);
     this.target = new THREE.Vector3();
   }
-  fit(extent) {
+  // `numbered`: with room for the axes' numbers.
+  fit(extent, numbered = true) {
     this.radius = Math.hypot(...extent) || 1;
     this.target.set(0, 0, 0);
     this.yaw = -0.9;
@@ -16,12 +17,12 @@ class Rig {
     this.pitch = extent[2] < 0.4 * Math.max(extent[0], extent[1]) ? 0.62 : 0.42;
     this.reach = 1;
     this.update();
-    this.fill(extent);
+    this.fill(extent, numbered);
   }
   // As near as the box around everything, and the numbers on its edges, allow.
-  fill(extent) {
+  fill(extent, numbered) {
     const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => extent.map((e, j) => (i & (1 << j) ? e : -e)));
-    const rim = Math.min(70, 0.14 * Math.min(this.width, this.height));
+    const rim = Math.min(numbered ? 70 : 24, 0.14 * Math.min(this.width, this.height));
     const fits = () => corners.map((c) => this.project(c)).every(([x, y, depth]) =>
       depth > 0 && x > rim && x < this.width - rim && y > rim && y < this.height - rim);
     let near = 0.2, far = 2;

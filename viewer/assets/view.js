@@ -91,7 +91,7 @@ class Viewer {
   // Other axes or proportions: another space, seen whole.
   reframe() {
     this.space = new Space(this.scene, this.axes, this.proportions);
-    this.rig.fit(this.space.extent);
+    this.rig.fit(this.space.extent, this.on.axes);
     this.clip.offer(this.names);
     document.getElementById("glass-choice").hidden = this.flat;
     this.load();
@@ -215,7 +215,7 @@ class Viewer {
 
   buildControls() {
     document.getElementById("title").textContent = document.title;
-    for (const [id, act] of [["nearer", () => this.rig.zoom(1.3)], ["farther", () => this.rig.zoom(1 / 1.3)], ["reset", () => this.rig.fit(this.space.extent)]])
+    for (const [id, act] of [["nearer", () => this.rig.zoom(1.3)], ["farther", () => this.rig.zoom(1 / 1.3)], ["reset", () => this.rig.fit(this.space.extent, this.on.axes)]])
       document.getElementById(id).addEventListener("click", () => {
         act();
         this.invalidate();
@@ -368,7 +368,7 @@ class Viewer {
     else if (event.key === "." && this.timeline) this.timeline.step(1);
     else if (event.key.toLowerCase() === "n") this.step(1);
     else if (event.key.toLowerCase() === "b") this.step(-1);
-    else if (event.key.toLowerCase() === "r") this.rig.fit(this.space.extent);
+    else if (event.key.toLowerCase() === "r") this.rig.fit(this.space.extent, this.on.axes);
     else if (this.keys[event.key.toLowerCase()]) this.keys[event.key.toLowerCase()]();
     else return;
     event.preventDefault();
