@@ -13,7 +13,7 @@ help:
 	@echo "make build    $(BIN) and the libraries"
 	@echo "make test     build and run all tests"
 	@echo "make bench    build the benchmarks, run the smallest, and ours beside Qhull and CGAL"
-	@echo "make docs     reference and guides as HTML in build/docs/"
+	@echo "make docs     guides and reference as a site in build/docs/html/"
 	@echo "make python   the Python package, installed into build/python/venv"
 	@echo "make fuzz     every fuzzer for FUZZ_SECONDS ($(FUZZ_SECONDS)) each"
 	@echo "make format   clang-format over our sources"
@@ -43,10 +43,9 @@ bench:
 	build/release/bin/micro_bench
 	build/release/bin/cullhull bench rivals
 
-docs:
-	@scripts/install-deps.sh build docs
-	@mkdir -p build/docs
-	doxygen docs/Doxyfile
+docs: build
+	@scripts/install-deps.sh docs
+	scripts/docs-site.sh build/docs $(BIN)
 	@echo "written: build/docs/html/index.html"
 
 python:
