@@ -54,9 +54,9 @@ void engine_alone(const std::string& name, const Rows& rows, unsigned threads, u
       "%-22s %8zu points %u threads: %10.4f ms, median %10.4f, processor %10.4f; %zu simplices, "
       "rungs %llu %llu %llu\n",
       name.c_str(), rows.size() / 3, threads, times[0], times[times.size() / 2], busy[0],
-      hull.facet_count(), static_cast<unsigned long long>(hull.rung_counts[0]),
-      static_cast<unsigned long long>(hull.rung_counts[1]),
-      static_cast<unsigned long long>(hull.rung_counts[2]));
+      hull.facet_count(), static_cast<unsigned long long>(hull.rung_counts.of[0]),
+      static_cast<unsigned long long>(hull.rung_counts.of[1]),
+      static_cast<unsigned long long>(hull.rung_counts.of[2]));
   std::fflush(stdout);
 }
 

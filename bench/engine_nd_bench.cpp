@@ -105,7 +105,7 @@ void run(const std::string& name, unsigned threads, int repeat) {
                                     run.with_budget(std::uint64_t{16} << 30).with_threads(threads));
     engine = std::min(engine, milliseconds(start));
     work = std::min(work, processor_milliseconds() - work_start);
-    std::copy_n(hull.rung_counts, 3, rungs);
+    std::copy_n(hull.rung_counts.of, 3, rungs);
   }
   std::printf(
       "%-24s %u thr  survivors %8llu  facets %8llu (%8llu)  filter %8.1f  engine %8.1f (cpu %8.1f) "

@@ -8,7 +8,7 @@
 
 #include "cullhull/certify.hpp"
 #include "geometry/orientation.hpp"
-#include "parallel/control.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
@@ -39,8 +39,7 @@ struct Members {
 struct Subject {
   const PointView& points;
   const Hull& hull;
-  const Control& control;
-  unsigned threads;
+  const Run& run;
   unsigned k = 0;
 
   std::vector<std::uint64_t> ids;    ///< the hull's vertices, ascending
@@ -55,8 +54,7 @@ struct Subject {
   unsigned id_shift = 0;                 ///< ids are looked up by their high bits:
   std::vector<std::uint32_t> id_bucket;  ///< the first with those, in `ids`
 
-  Subject(const PointView& p, const Hull& h, const Control& c, unsigned t)
-      : points(p), hull(h), control(c), threads(t) {}
+  Subject(const PointView& p, const Hull& h, const Run& r) : points(p), hull(h), run(r) {}
 
   std::uint32_t simplex_count() const { return static_cast<std::uint32_t>(index.size() / k); }
   const std::uint32_t* simplex(std::uint32_t f) const { return index.data() + std::size_t{f} * k; }
@@ -112,7 +110,7 @@ struct Subject {
   bool in_cone(std::uint32_t f, const double* x, const double** scratch) const;
 };
 
-/// for_each_chunk, but the fault of the first chunk that has one is thrown at the end.
+/// Run::each, but the fault of the first chunk that has one is thrown at the end.
 void check_chunks(const Subject& s, std::uint64_t count, std::uint64_t chunk_size,
                   const std::function<void(std::uint64_t begin, std::uint64_t end)>& body);
 

@@ -5,7 +5,6 @@
 
 #include "certify/certificate.hpp"
 #include "certify/cones.hpp"
-#include "parallel/parallel.hpp"
 
 namespace cullhull {
 namespace internal {
@@ -13,15 +12,14 @@ namespace internal {
 void check_chunks(const Subject& s, std::uint64_t count, std::uint64_t chunk_size,
                   const std::function<void(std::uint64_t begin, std::uint64_t end)>& body) {
   std::vector<std::string> faults(chunk_count(count, chunk_size));
-  for_each_chunk(count, chunk_size, s.threads,
-                 [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                   s.control.check();
-                   try {
-                     body(begin, end);
-                   } catch (const Fault& f) {
-                     faults[chunk] = f.reason;
-                   }
-                 });
+  s.run.each_chunk(count, chunk_size,
+                   [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+                     try {
+                       body(begin, end);
+                     } catch (const Fault& f) {
+                       faults[chunk] = f.reason;
+                     }
+                   });
   for (std::string& f : faults)
     if (!f.empty()) throw Fault{std::move(f)};
 }
@@ -52,7 +50,7 @@ Sign Subject::side(std::uint32_t f, const double* x, const double** scratch) con
     for (unsigned j = 0; j < k && level; ++j) level = scratch[j][c] == x[c];
     if (level) return Sign::zero;
   }
-  if (k > 8) control.check();  // a sign can take milliseconds
+  if (k > 8) run.check();  // a sign can take milliseconds
   Rung rung = Rung::filter;
   const Sign sign = orientation(k, scratch, &rung);
   if (rung == Rung::exact) exact_decisions.fetch_add(1, std::memory_order_relaxed);
@@ -60,7 +58,7 @@ Sign Subject::side(std::uint32_t f, const double* x, const double** scratch) con
 }
 
 Sign Subject::seen(const double** r) const {
-  if (k > 8) control.check();
+  if (k > 8) run.check();
   if (!centre.empty()) {
     r[k] = centre.data();
     Rung rung = Rung::filter;
@@ -100,7 +98,7 @@ std::uint32_t Subject::locate(const double* x, std::uint32_t start, const double
       moved = true;
     }
     if (!moved) return f;
-    if (step % 4096 == 4095) control.check();
+    if (step % 4096 == 4095) run.check();
   }
   for (f = 0; f < simplex_count(); ++f)
     if (in_cone(f, x, scratch)) return f;
@@ -159,23 +157,23 @@ void check_all(Subject& s, Certificate& out) {
     return;
   }
   s.k = static_cast<unsigned>(h.affine_dimension);
-  s.control.report("certify", 0);
+  s.run.report("certify", 0);
   check_shape(s);
   check_flat(s);
-  s.control.report("certify", 0.05);
+  s.run.report("certify", 0.05);
   Cones cones(s);
   check_interior(s, cones);
-  s.control.report("certify", 0.2);
+  s.run.report("certify", 0.2);
   out.ridges_checked = check_ridges(s, cones);
   check_covering(s, cones);
-  s.control.report("certify", 0.4);
+  s.run.report("certify", 0.4);
   check_facets(s);
-  s.control.report("certify", 0.5);
+  s.run.report("certify", 0.5);
   check_points(s, cones);
   out.points_checked = n;
-  s.control.report("certify", 0.8);
+  s.run.report("certify", 0.8);
   check_numbers(s);
-  s.control.report("certify", 1);
+  s.run.report("certify", 1);
 }
 
 }  // namespace
@@ -183,9 +181,9 @@ void check_all(Subject& s, Certificate& out) {
 
 Certificate certify(const PointView& points, const Hull& hull, const Options& options) {
   using namespace internal;
-  const Control control(options);
+  const Run run(options);
   Certificate out;
-  Subject subject(points, hull, control, resolve_threads(options.threads));
+  Subject subject(points, hull, run);
   try {
     check_all(subject, out);
     out.valid = true;

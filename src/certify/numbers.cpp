@@ -55,7 +55,7 @@ class PlaneCheck {
   }
 
   void check(std::uint32_t f, FacetTerms& terms) const {
-    if (k_ > 8) s_.control.check();
+    if (k_ > 8) s_.run.check();
     const std::uint32_t* begin = s_.members.simplices.data() + s_.members.start[f];
     const std::uint32_t* end = s_.members.simplices.data() + s_.members.start[f + 1];
     // That of a facet's widest simplex counts, as far as doubles can tell the widest.
@@ -211,7 +211,7 @@ class MeasureCheck {
       std::vector<double> reach(d_);
       for (std::uint64_t i = begin; i < end; ++i) {
         s_.prefetch_corners(i);
-        if (k_ > 8) s_.control.check();
+        if (k_ > 8) s_.run.check();
         add(static_cast<std::uint32_t>(i), terms, reach, parts[begin / chunk]);
       }
     });
@@ -262,7 +262,7 @@ class MeasureCheck {
     std::vector<WideSums> parts((s_.simplex_count() + chunk - 1) / chunk, none);
     check_chunks(s_, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) {
-        s_.control.check();
+        s_.run.check();
         add_wide(static_cast<std::uint32_t>(i), bits, parts[begin / chunk]);
       }
     });

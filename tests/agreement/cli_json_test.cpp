@@ -16,14 +16,11 @@ using testing::Ran;
 using testing::read_file;
 using testing::run_app;
 using testing::write_file;
+using testing::write_points;
 
 const JsonSchema& schema() {
   static const JsonSchema instance(json::parse(read_file(CULLHULL_SCHEMA)));
   return instance;
-}
-
-void write_points(const std::string& path, const char* shape, std::uint64_t n, std::uint32_t d) {
-  write_npy_points(path, generate(shape, n, d, 3).data(), n, d, ScalarType::f64);
 }
 
 /// Standard output, checked.

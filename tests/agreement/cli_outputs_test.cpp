@@ -12,30 +12,20 @@
 namespace cullhull {
 namespace {
 
+using testing::expect_error;
 using testing::Folder;
-using testing::one_line;
 using testing::Ran;
 using testing::read_file;
 using testing::run_app;
 using testing::write_file;
-
-void write_points(const std::string& path, const char* shape, std::uint64_t n, std::uint32_t d,
-                  ScalarType type = ScalarType::f64) {
-  write_npy_points(path, generate(shape, n, d, 3).data(), n, d, type);
-}
+using testing::write_points;
 
 /// Exit 2 with one line that holds `part`, and no file that was not there before.
 void expect_refused(const Folder& f, const std::vector<std::string>& arguments,
                     const std::string& part, const std::string& input = "/dev/null") {
   const std::size_t before = f.entries();
-  const Ran ran = run_app(arguments, input);
-  std::string line;
-  for (const std::string& a : arguments) line += " " + a;
-  EXPECT_EQ(ran.status, 2) << line << "\n" << ran.err;
-  EXPECT_TRUE(one_line(ran.err)) << line;
-  EXPECT_NE(ran.err.find(part), std::string::npos) << line << "\n" << ran.err;
-  EXPECT_EQ(ran.out, "") << line;
-  EXPECT_EQ(f.entries(), before) << line;
+  expect_error(arguments, 2, part, input);
+  EXPECT_EQ(f.entries(), before) << part;
 }
 
 std::vector<std::uint64_t> lines_of(const std::string& text) {

@@ -12,12 +12,13 @@
 #include "agreement/run_app.hpp"
 #include "cullhull/device_points.hpp"
 #include "cullhull/generate.hpp"
-#include "cullhull/version.hpp"
 #include "cullhull/io.hpp"
+#include "cullhull/version.hpp"
 
 namespace cullhull {
 namespace {
 
+using testing::expect_error;
 using testing::Folder;
 using testing::one_line;
 using testing::OnTerminal;
@@ -27,21 +28,7 @@ using testing::run_app;
 using testing::start_app;
 using testing::wait_for;
 using testing::write_file;
-
-void write_points(const std::string& path, const char* shape, std::uint64_t n, std::uint32_t d,
-                  ScalarType type = ScalarType::f64) {
-  write_npy_points(path, generate(shape, n, d, 3).data(), n, d, type);
-}
-
-void expect_error(const std::vector<std::string>& arguments, int status, const std::string& part) {
-  const Ran ran = run_app(arguments);
-  std::string line;
-  for (const std::string& a : arguments) line += " " + a;
-  EXPECT_EQ(ran.status, status) << line << "\n" << ran.err;
-  EXPECT_TRUE(one_line(ran.err)) << line;
-  EXPECT_NE(ran.err.find(part), std::string::npos) << line << "\n" << ran.err;
-  EXPECT_EQ(ran.out, "") << line;
-}
+using testing::write_points;
 
 TEST(Cli, HelpTeaches) {
   const Ran main = run_app({"--help"});

@@ -80,7 +80,7 @@ std::vector<std::uint32_t> cycle_of(const SimplicialHull& h) {
 
 SimplicialHull run(const LocalPoints& points, unsigned threads = 1) {
   const Options options;
-  return hull_2d(points, Run(options).with_threads(threads));
+  return hull_2d(points, internal::Run(options).with_threads(threads));
 }
 
 void expect_agreement(const Points& p, const char* what) {
@@ -123,7 +123,7 @@ TEST(Hull2d, NearlyCollinearNeedsExactArithmetic) {
   for (int i = 0; i < 64; ++i) line.insert(line.end(), {i * 0.01, i * 0.01 * 3});
   line.insert(line.end(), {0.0, 0.5});
   const SimplicialHull h = run(local(line));
-  EXPECT_GT(h.rung_counts[2], 0u);
+  EXPECT_GT(h.rung_counts.of[2], 0u);
 }
 
 TEST(Hull2d, TinyAndHugeTogether) {
@@ -204,7 +204,7 @@ TEST(Hull2d, LatticeDecidesWithoutExactArithmetic) {
   LocalPoints l = local(p);
   l.small_lattice = true;
   const SimplicialHull h = run(l);
-  EXPECT_EQ(h.rung_counts[2], 0u);
+  EXPECT_EQ(h.rung_counts.of[2], 0u);
   EXPECT_EQ(canonical(cycle_of(h)), canonical(gift_wrap(p)));
 }
 
@@ -215,7 +215,7 @@ TEST(Hull2d, StopsWhenAsked) {
   options.stop = source.get_token();
   const Points p = {0, 0, 1, 0, 0, 1};
   try {
-    hull_2d(local(p), Run(options).with_threads(1));
+    hull_2d(local(p), internal::Run(options).with_threads(1));
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::cancelled);
@@ -224,7 +224,7 @@ TEST(Hull2d, StopsWhenAsked) {
 
 TEST(HullQhull, ClosedConvexSurface) {
   const Options options;
-  const Run run(options);
+  const internal::Run run(options);
   std::mt19937_64 g(5);
   std::normal_distribution<double> normal(0, 0.1);
   for (unsigned d = 2; d <= 6; ++d) {
@@ -272,7 +272,7 @@ TEST(HullQhull, LowestIdOfEqualPointsIsReported) {
   for (int k = 0; k < 3; ++k)
     for (int i = 0; i < 8; ++i)
       p.insert(p.end(), {i & 1 ? 0.5 : -0.0, i & 2 ? 0.5 : 0, i & 4 ? 0.5 : 0.});
-  const SimplicialHull h = hull_qhull(local(p, 3), Run(options).control);
+  const SimplicialHull h = hull_qhull(local(p, 3), internal::Run(options).control);
   std::set<std::uint32_t> lowest;
   for (std::uint32_t v : h.vertices) {
     std::uint32_t low = v;
@@ -288,7 +288,7 @@ TEST(HullQhull, FailureIsAnErrorOfOneLine) {
   const Options options;
   const Points flat = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0.5, 0.5, 0};
   try {
-    hull_qhull(local(flat, 3), Run(options).control);
+    hull_qhull(local(flat, 3), internal::Run(options).control);
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::not_exact);

@@ -65,7 +65,7 @@ class FarFrame final : public FramePoints {
 template <class T>
 int expect_led_frames(const std::vector<std::vector<T>>& frames, unsigned d) {
   const Options options;
-  const Run run(options);
+  const internal::Run run(options);
   Options plain;
   plain.cull = CullMethod::none;
   Hull last;

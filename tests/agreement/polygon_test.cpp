@@ -26,7 +26,7 @@ PointView view_of(const Points& p) { return PointView::row_major(p.data(), p.siz
 /// Frame, surface, general result: none of what is tested here but the engine.
 Hull general(const PointView& view, unsigned threads) {
   const Options options;
-  const Run run(options);
+  const internal::Run run(options);
   const LocalFrame frame(gather_points(view, nullptr, view.count, run.with_threads(1)),
                          static_cast<std::uint32_t>(view.count), 2, run.with_threads(1));
   Hull hull;
@@ -187,7 +187,7 @@ TEST(PolygonResult, CrowdedPoints) {
 
 TEST(Polygon, LinesAndPoints) {
   const Options options;
-  const Run run(options);
+  const internal::Run run(options);
   const auto corners = [&](const Points& p) {
     const auto c = polygon_of(view_of(p), false, run.with_threads(2)).corners;
     return std::vector<std::uint32_t>(c.begin(), c.end());
@@ -216,7 +216,7 @@ TEST(Polygon, LinesAndPoints) {
 
 TEST(Polygon, SeriesIsTheSame) {
   const Options options;
-  const Run run(options);
+  const internal::Run run(options);
   PolygonSeries series(run.control);
   for (unsigned seed = 1; seed <= 200; ++seed) {
     std::mt19937_64 g(seed);

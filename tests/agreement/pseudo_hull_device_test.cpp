@@ -47,8 +47,9 @@ void expect_as_on_the_host(const PointView& view, const std::string& name) {
     for (const unsigned max_rounds : {0U, 2U, 100U}) {
       const Grown device = grow_emulated<D, T>(view, subsets, max_rounds);
       std::vector<PseudoHullRound> rounds;
-      EXPECT_EQ(device.survivors, pseudo_hull_survivors(view, {subsets, max_rounds},
-                                                        Run(Options{}).with_threads(1), &rounds))
+      EXPECT_EQ(device.survivors,
+                pseudo_hull_survivors(view, {subsets, max_rounds},
+                                      internal::Run(Options{}).with_threads(1), &rounds))
           << name << ", " << D << "D, " << subsets << " subsets";
       ASSERT_EQ(device.rounds.size(), rounds.size()) << name;
       for (std::size_t r = 0; r < rounds.size(); ++r) {

@@ -18,6 +18,9 @@
 #include <string>
 #include <vector>
 
+#include "cullhull/generate.hpp"
+#include "cullhull/io.hpp"
+
 extern char** environ;
 
 namespace cullhull::testing {
@@ -65,11 +68,17 @@ inline int wait_for(pid_t child) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
 }
 
-/// A running program. Standard streams: the given descriptors, -1 for a closed one.
-inline pid_t start_app(const std::vector<std::string>& arguments, int in, int out, int err) {
+/// What a program is started with; views the arguments.
+inline std::vector<char*> argv_of(const std::vector<std::string>& arguments) {
   std::vector<char*> argv{const_cast<char*>(CULLHULL_APP)};
   for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);
+  return argv;
+}
+
+/// A running program. Standard streams: the given descriptors, -1 for a closed one.
+inline pid_t start_app(const std::vector<std::string>& arguments, int in, int out, int err) {
+  const std::vector<char*> argv = argv_of(arguments);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   const int wanted[] = {in, out, err};
@@ -114,9 +123,7 @@ template <class Limit>
 Ran run_limited(const std::vector<std::string>& arguments, const Limit& limit) {
   const Folder folder;
   const std::string out = folder / "out", err = folder / "err";
-  std::vector<char*> argv{const_cast<char*>(CULLHULL_APP)};
-  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-  argv.push_back(nullptr);
+  const std::vector<char*> argv = argv_of(arguments);
   const int fds[] = {::open("/dev/null", O_RDONLY | O_CLOEXEC),
                      ::open(out.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600),
                      ::open(err.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600)};
@@ -140,6 +147,24 @@ inline ::testing::AssertionResult one_line(const std::string& err) {
   if (err.rfind("cullhull: ", 0) == 0 && err.find('\n') + 1 == err.size())
     return ::testing::AssertionSuccess();
   return ::testing::AssertionFailure() << "not one line from cullhull: [" << err << "]";
+}
+
+/// Ends with this status, prints nothing, and says one line that holds `part`.
+inline void expect_error(const std::vector<std::string>& arguments, int status,
+                         const std::string& part, const std::string& input = "/dev/null") {
+  const Ran ran = run_app(arguments, input);
+  std::string line;
+  for (const std::string& a : arguments) line += " " + a;
+  EXPECT_EQ(ran.status, status) << line << "\n" << ran.err;
+  EXPECT_TRUE(one_line(ran.err)) << line;
+  EXPECT_NE(ran.err.find(part), std::string::npos) << line << "\n" << ran.err;
+  EXPECT_EQ(ran.out, "") << line;
+}
+
+/// A file of n points of a shape.
+inline void write_points(const std::string& path, const char* shape, std::uint64_t n,
+                         std::uint32_t d, ScalarType type = ScalarType::f64) {
+  write_npy_points(path, generate(shape, n, d, 3).data(), n, d, type);
 }
 
 /// A program whose standard error is a terminal, so that it tells when it is at work.

@@ -219,7 +219,7 @@ TEST(InnerDisc, IsStrictlyInside) {
       rows.push_back(from + size * thin * std::sin(a));
     }
     const Options none;
-    const Run run(none);
+    const internal::Run run(none);
     PolygonSeries series(run.control);
     const std::vector<std::uint32_t> corners = series.corners(rows.data(), n);
     if (corners.size() < 3) continue;

@@ -33,7 +33,7 @@ std::vector<std::uint64_t> survivors(const GaugeMap& map, const std::vector<doub
                                      unsigned d) {
   const Options options;
   return map.survivors(PointView::row_major(rows.data(), rows.size() / d, d),
-                       Run(options).with_threads(1));
+                       internal::Run(options).with_threads(1));
 }
 
 /// Every dropped point is strictly beneath every facet, decided exactly. A filter in doubles spares
@@ -199,7 +199,8 @@ std::vector<std::uint64_t> outside_cones(const GaugeMap& map, const std::vector<
                                          unsigned d) {
   const Options options;
   return map.outside_cones(Array<double>(rows.begin(), rows.end()),
-                           std::vector<char>(rows.size() / d, 0), Run(options).with_threads(2));
+                           std::vector<char>(rows.size() / d, 0),
+                           internal::Run(options).with_threads(2));
 }
 
 /// All facets positive as seen from the vertices' mean.
@@ -342,7 +343,7 @@ TEST(GaugeMap, KeepsEveryPointThatIsNotFinite) {
     for (const double v : rows) single.push_back(static_cast<float>(v));
     const Options options;
     EXPECT_EQ(map->survivors(PointView::row_major(single.data(), rows.size() / d, d),
-                             Run(options).with_threads(1)),
+                             internal::Run(options).with_threads(1)),
               expected)
         << d;
   }
@@ -371,7 +372,8 @@ TEST(GaugeMap, StopsWhenAsked) {
   const auto map = GaugeMap::build(polytope_of(SlowHull(cube(2), 2)));
   const std::vector<double> rows(2000, 0.0);
   try {
-    map->survivors(PointView::row_major(rows.data(), 1000, 2), Run(options).with_threads(1));
+    map->survivors(PointView::row_major(rows.data(), 1000, 2),
+                   internal::Run(options).with_threads(1));
     FAIL() << "not cancelled";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::cancelled);

@@ -18,7 +18,7 @@ bool thin(const std::vector<double>& rows, std::uint32_t count, unsigned d,
           std::vector<std::uint32_t>& kept, unsigned threads = 1) {
   const Options options;
   return lattice_cull(Array<double>(rows.begin(), rows.end()), count, d,
-                      Run(options).with_threads(threads), kept);
+                      internal::Run(options).with_threads(threads), kept);
 }
 
 /// The obvious reference: a point goes if an equal point comes before it, or if its line along some
@@ -207,8 +207,8 @@ TEST(LatticeCull, Stops) {
   const std::vector<double> rows = generate("grid:8", 5000, 3);
   std::vector<std::uint32_t> kept;
   try {
-    lattice_cull(Array<double>(rows.begin(), rows.end()), 5000, 3, Run(options).with_threads(2),
-                 kept);
+    lattice_cull(Array<double>(rows.begin(), rows.end()), 5000, 3,
+                 internal::Run(options).with_threads(2), kept);
     FAIL() << "did not stop";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::cancelled);

@@ -55,7 +55,7 @@ template <class T>
 void expect_same_survivors(const GaugeMap& map, const std::vector<T>& rows, std::size_t n,
                            unsigned d) {
   const Options options;
-  const Run run(options);
+  const internal::Run run(options);
   const auto view = PointView::row_major(rows.data(), n, d);
   const auto expected = map.survivors(view, run.with_threads(1));
   const std::string what =
@@ -125,7 +125,7 @@ TEST_F(CudaGauge, IntegersGoAsDoubles) {
   std::vector<std::int16_t> rows(30000);
   for (auto& v : rows) v = static_cast<std::int16_t>(random() % 60 + 30);
   const Options options;
-  const Run run(options);
+  const internal::Run run(options);
   const auto view = PointView::row_major(rows.data(), 10000, 3);
   EXPECT_EQ(cuda::survivors_of_host_points(map->table(), view, run.with_threads(2)),
             map->survivors(view, run.with_threads(1)));

@@ -17,7 +17,7 @@ constexpr std::uint32_t many = 100'000;  // several chunks of every sweep
 
 LocalFrame frame_of(const std::vector<double>& rows, unsigned d, unsigned threads) {
   static const Options options;
-  static const Run run(options);
+  static const internal::Run run(options);
   return LocalFrame(Array<double>(rows.begin(), rows.end()),
                     static_cast<std::uint32_t>(rows.size() / d), d, run.with_threads(threads));
 }
