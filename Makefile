@@ -5,7 +5,7 @@ BIN := build/release/bin/cullhull
 FUZZ_SECONDS ?= 60
 FAST := -DCULLHULL_FAST_BUILD=ON
 
-.PHONY: help demo build test bench docs fuzz format python clean
+.PHONY: help demo build test bench docs fuzz format python clean wheel sdist deb static artifacts
 .NOTPARALLEL:
 
 help:
@@ -15,6 +15,10 @@ help:
 	@echo "make bench    build the benchmarks, run the smallest, and ours beside Qhull and CGAL"
 	@echo "make docs     reference and guides as HTML in build/docs/"
 	@echo "make python   the Python package, installed into build/python/venv"
+	@echo "make wheel    the Python package as one file for pip, in build/dist/ (sdist: its sources)"
+	@echo "make deb      Debian packages of program, shared library and headers, in build/dist/"
+	@echo "make static   the program as one file for any Linux, in build/dist/"
+	@echo "make artifacts  all of these, installed and run in empty Debian roots (as root)"
 	@echo "make fuzz     every fuzzer for FUZZ_SECONDS ($(FUZZ_SECONDS)) each"
 	@echo "make format   clang-format over our sources"
 	@echo "make clean    remove build/"
@@ -53,6 +57,19 @@ python:
 	@scripts/install-deps.sh build python
 	scripts/python-venv.sh build/python
 	@echo "try: build/python/venv/bin/python -m cullhull --help"
+
+wheel sdist:
+	@scripts/install-deps.sh build python package
+	scripts/artifacts.sh $@
+
+deb static:
+	@scripts/install-deps.sh build package
+	scripts/artifacts.sh $@
+
+artifacts:
+	@scripts/install-deps.sh build python package
+	scripts/artifacts.sh static wheel sdist deb
+	scripts/check-artifacts.sh
 
 fuzz:
 	@scripts/install-deps.sh build fuzz
