@@ -13,7 +13,7 @@ help:
 	@echo "make build    $(BIN) and the libraries"
 	@echo "make test     build and run all tests"
 	@echo "make bench    build the benchmarks, run the smallest, and ours beside Qhull and CGAL"
-	@echo "make docs     reference and guides as HTML in build/docs/"
+	@echo "make docs     guides and reference as a site in build/docs/html/"
 	@echo "make python   the Python package, installed into build/python/venv"
 	@echo "make wheel    the Python package as one file for pip, in build/dist/ (sdist: its sources)"
 	@echo "make deb      Debian packages of program, shared library and headers, in build/dist/"
@@ -47,10 +47,9 @@ bench:
 	build/release/bin/micro_bench
 	build/release/bin/cullhull bench rivals
 
-docs:
-	@scripts/install-deps.sh build docs
-	@mkdir -p build/docs
-	doxygen docs/Doxyfile
+docs: build
+	@scripts/install-deps.sh docs
+	scripts/docs-site.sh build/docs $(BIN)
 	@echo "written: build/docs/html/index.html"
 
 python:

@@ -12,6 +12,7 @@
 #include "agreement/run_app.hpp"
 #include "cullhull/device_points.hpp"
 #include "cullhull/generate.hpp"
+#include "cullhull/version.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/version.hpp"
 
