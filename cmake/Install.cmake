@@ -1,5 +1,5 @@
 # cmake --install puts the libraries, the headers, the program, its pages and a CMake package in
-# place; with CULLHULL_SHARED the shared library in the place of the static ones. Components: program,
+# place; with CULLHULL_SHARED the shared library instead of the static ones. Components: program,
 # runtime (the shared library) and development.
 include(CMakePackageConfigHelpers)
 set(_package "${CMAKE_INSTALL_LIBDIR}/cmake/cullhull")

@@ -13,13 +13,8 @@ set(CMAKE_SHARED_LINKER_FLAGS_INIT "${_flags}")
 foreach(_kind EXE MODULE)
   set(CMAKE_${_kind}_LINKER_FLAGS_INIT "${_flags} -static-libstdc++ -static-libgcc")
 endforeach()
-if(CULLHULL_STATIC_PROGRAM)
-  list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES CULLHULL_STATIC_PROGRAM)
-  # All of the threads' library: glibc's other parts look for its functions by weak names.
-  string(APPEND CMAKE_EXE_LINKER_FLAGS_INIT
-    " -static -Wl,--whole-archive -lpthread -Wl,--no-whole-archive")
-endif()
 set(CMAKE_CXX_STANDARD_LIBRARIES "${CULLHULL_SYSROOT}/usr/lib/compat.o -lpthread")
+set(CULLHULL_GMP_BY_NAME ON)
 set(CMAKE_FIND_ROOT_PATH "${CULLHULL_SYSROOT}")
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 # Python's headers are this machine's, all else is the folder's.

@@ -18,19 +18,17 @@ version=$(sed -n 's/^#define CULLHULL_VERSION "\(.*\)"$/\1/p' include/cullhull/v
 machine=$(uname -m)
 mkdir -p "$dist"
 
+# One tree for all: build/portable.
 portable() {
   scripts/portable-sysroot.sh "$sysroot"
-  toolchain=("CMAKE_TOOLCHAIN_FILE=$root/cmake/PortableToolchain.cmake" "CULLHULL_SYSROOT=$sysroot"
-    CULLHULL_WITH_QHULL=OFF CULLHULL_WITH_CUDA=OFF)
+  cmake --preset portable "$@"
+  cmake --build build/portable -j "$jobs"
 }
 
 make_static() {
   portable
-  local gmp=$sysroot/usr/lib/x86_64-linux-gnu/libgmp.a
-  cmake --preset static "${toolchain[@]/#/-D}" "-DGMP_LIBRARY=$gmp"
-  cmake --build build/static -j "$jobs" --target cullhull_app
   local file=$dist/cullhull-$version-linux-$machine
-  strip -o "$file" build/static/bin/cullhull
+  strip -o "$file" build/portable/bin/cullhull_static
   if readelf -d "$file" | grep -q NEEDED; then
     echo "artifacts: $file asks for shared libraries" >&2
     exit 1
@@ -49,21 +47,24 @@ import re
 text = open("pyproject.toml").read()
 print(*re.findall(r'"([^"]+)"', re.search(r"^requires = \[(.*?)\]$", text, re.M)[1]), sep="\n")
 PY
-  "$venv/bin/pip" install --quiet -r "$venv/needs" cmake ninja
+  "$venv/bin/pip" install --quiet -r "$venv/needs"
 }
 
 make_wheel() {
   portable
   venv
   rm -rf build/wheel/raw
-  local settings=()
-  for definition in "${toolchain[@]}"; do
+  # In the same tree, where all but the module is compiled already.
+  local settings=(--config-settings build-dir=build/portable)
+  for definition in "CMAKE_TOOLCHAIN_FILE=$root/cmake/PortableToolchain.cmake" \
+    "CULLHULL_SYSROOT=$sysroot" "Python_EXECUTABLE=$venv/bin/python"; do
     settings+=(--config-settings "cmake.define.$definition")
   done
-  PATH="$venv/bin:$PATH" CMAKE_BUILD_PARALLEL_LEVEL=$jobs "$venv/bin/pip" wheel . --quiet --no-deps \
-    --no-build-isolation "${settings[@]}" -w build/wheel/raw
+  PATH="$venv/bin:$PATH" CMAKE_BUILD_PARALLEL_LEVEL=$jobs "$venv/bin/pip" wheel . --quiet \
+    --no-deps --no-build-isolation "${settings[@]}" -w build/wheel/raw
   PATH="$venv/bin:$PATH" LD_LIBRARY_PATH=$sysroot/usr/lib/x86_64-linux-gnu \
     "$venv/bin/auditwheel" repair --strip -w "$dist" build/wheel/raw/*.whl
+  cmake build/portable -DCULLHULL_BUILD_PYTHON=OFF >/dev/null
 }
 
 make_sdist() {
@@ -73,9 +74,7 @@ make_sdist() {
 
 make_deb() {
   portable
-  cmake --preset deb "${toolchain[@]/#/-D}"
-  cmake --build build/deb -j "$jobs"
-  (cd build/deb && cpack -G DEB -B "$dist")
+  (cd build/portable && cpack -G DEB -B "$dist")
   rm -rf "$dist/_CPack_Packages"
 }
 

@@ -48,7 +48,8 @@ debs=("$dist"/*cullhull*_"$version"_*.deb)
 
 here() {
   if [[ -e $static ]]; then
-    "$static" hull "$points" -q -o "$scratch/static.json" && same "static program" "$scratch/static.json"
+    "$static" hull "$points" -q -o "$scratch/static.json" &&
+      same "static program" "$scratch/static.json"
   fi
   for wheel in "${wheels[@]}"; do
     mkdir "$scratch/wheel" && python3 -m zipfile -e "$wheel" "$scratch/wheel"
@@ -71,6 +72,18 @@ here() {
       broken "libcullhull.so shows its inside"
     fi
     readelf -d "$library" | grep -q NODELETE || broken "libcullhull.so can be unloaded"
+    if command -v cmake >/dev/null && command -v c++ >/dev/null; then
+      checks=$((checks + 1))
+      if cmake -S tests/package/consumer -B "$scratch/consumer" \
+        "-DCMAKE_PREFIX_PATH=$scratch/deb/usr" >"$scratch/log" 2>&1 &&
+        cmake --build "$scratch/consumer" >>"$scratch/log" 2>&1 &&
+        LD_LIBRARY_PATH=$(dirname "$library") "$scratch/consumer/consumer" >>"$scratch/log"; then
+        echo "ok    a program built against the packages"
+      else
+        echo "WRONG a program built against the packages:" && tail -n 5 "$scratch/log"
+        failures=$((failures + 1))
+      fi
+    fi
     [[ -e $scratch/deb/usr/share/man/man1/cullhull-hull.1.gz ||
       -e $scratch/deb/usr/share/man/man1/cullhull-hull.1 ]] || broken "no man page"
   fi

@@ -144,8 +144,8 @@ def bash(tree: list[Command]) -> str:
     commands = "|".join(f'"{" ".join(c.words[1:])}"' for c in tree if len(c.words) > 1)
     return f"""# bash completion of cullhull
 _cullhull() {{
-  local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}} path="" known="" words=""
-  local i
+  local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}}
+  local path="" known="" words="" i
   for ((i = 1; i < COMP_CWORD; ++i)); do
     case "${{path:+$path }}${{COMP_WORDS[i]}}" in
     {commands}) path="${{path:+$path }}${{COMP_WORDS[i]}}" ;;
@@ -161,7 +161,8 @@ _cullhull() {{
   case "$path" in
 {chr(10).join(cases)}
   esac
-  mapfile -t COMPREPLY < <(compgen -W "$known" -- "$word"; [[ $word == -* ]] || compgen -f -- "$word")
+  mapfile -t COMPREPLY < <(compgen -W "$known" -- "$word"
+    [[ $word == -* ]] || compgen -f -- "$word")
 }}
 complete -o filenames -F _cullhull cullhull
 """
@@ -183,7 +184,8 @@ def fish(tree: list[Command]) -> str:
         name = command.words[1] if len(command.words) == 2 else ""
         when = f"__fish_seen_subcommand_from {name}" if name else "__fish_use_subcommand"
         for sub, text in command.commands:
-            out.append(f"complete -c cullhull -n {fish_quoted(when)} -a {sub} -d {fish_quoted(text)}")
+            known = f"-a {sub} -d {fish_quoted(text)}"
+            out.append(f"complete -c cullhull -n {fish_quoted(when)} {known}")
         for one in command.options:
             names = "".join(
                 f" -l {n[2:]}" if n.startswith("--") else f" -s {n[1:]}" for n in one.names
@@ -191,9 +193,8 @@ def fish(tree: list[Command]) -> str:
             words = f" -x -a {fish_quoted(' '.join(one.words()))}" if one.words() else ""
             if not words and one.value and not one.value.startswith("[="):
                 words = " -r"
-            out.append(
-                f"complete -c cullhull -n {fish_quoted(when)}{names}{words} -d {fish_quoted(one.text)}"
-            )
+            says = f"-d {fish_quoted(one.text)}"
+            out.append(f"complete -c cullhull -n {fish_quoted(when)}{names}{words} {says}")
     return "\n".join(out) + "\n"
 
 
@@ -218,7 +219,8 @@ def zsh(tree: list[Command]) -> str:
                 specs.append(quoted(f"*{name}{equals}{shown}{action}"))
         specs.append("'*:file:_files'")
         body = " \\\n    ".join(specs)
-        functions.append(f"_{command.name().replace('-', '_')}() {{\n  _arguments -s \\\n    {body}\n}}\n")
+        function = "_" + command.name().replace("-", "_")
+        functions.append(f"{function}() {{\n  _arguments -s \\\n    {body}\n}}\n")
     out += functions
     listed = "\n".join(f"    {quoted(name + ':' + text_of(text))}" for name, text in top.commands)
     cases = "\n".join(
