@@ -4,6 +4,7 @@ JOBS ?= $(shell nproc)
 BIN := build/release/bin/cullhull
 FUZZ_SECONDS ?= 60
 FAST := -DCULLHULL_FAST_BUILD=ON
+SUITES := OFF
 
 .PHONY: help demo build test bench docs fuzz format python clean wheel sdist deb static artifacts
 .NOTPARALLEL:
@@ -30,7 +31,8 @@ demo: build
 
 build:
 	@scripts/install-deps.sh build
-	cmake --preset release $(FAST) -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=OFF
+	cmake --preset release $(FAST) -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=OFF \
+	  -DCULLHULL_WITH_SUITES=$(SUITES)
 	cmake --build build/release -j $(JOBS) --target cullhull_app
 
 test:
@@ -47,6 +49,8 @@ bench:
 	build/release/bin/micro_bench
 	build/release/bin/cullhull bench rivals
 
+# The help of `cullhull bench` is a page.
+docs: SUITES := ON
 docs: build
 	@scripts/install-deps.sh docs
 	scripts/docs-site.sh build/docs $(BIN)

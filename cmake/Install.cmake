@@ -68,3 +68,9 @@ if(CULLHULL_BUILD_APPS)
 endif()
 install(FILES LICENSE packaging/THIRD-PARTY.txt DESTINATION ${CMAKE_INSTALL_DOCDIR}
   COMPONENT program)
+if(CULLHULL_SHARED)  # packages of their own
+  set(_documents "${CMAKE_INSTALL_DATAROOTDIR}/doc/libcullhull")
+  install(FILES LICENSE packaging/THIRD-PARTY.txt COMPONENT runtime
+    DESTINATION ${_documents}${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  install(FILES LICENSE DESTINATION ${_documents}-dev COMPONENT development)
+endif()

@@ -54,7 +54,8 @@ make_wheel() {
   portable
   venv
   rm -rf build/wheel/raw
-  # In the same tree, where all but the module is compiled already.
+  # In the same tree, where all but the module is compiled already; another Python is found anew.
+  cmake build/portable -U 'Python_*' -U '_Python_*' >/dev/null
   local settings=(--config-settings build-dir=build/portable)
   for definition in "CMAKE_TOOLCHAIN_FILE=$root/cmake/PortableToolchain.cmake" \
     "CULLHULL_SYSROOT=$sysroot" "Python_EXECUTABLE=$venv/bin/python"; do

@@ -155,7 +155,7 @@ assert cullhull.certify(points, hull).valid, hull'"
   if [[ $codename == bookworm && ${#debs[@]} -gt 0 ]]; then
     inside "$folder" apt-get -qq update >/dev/null 2>&1 || true
     within "$codename: apt install ./*.deb" "$folder" "rm -f /check/hull.json
-      apt-get install -y --no-install-recommends /check/*.deb && cullhull $hull"
+      apt-get install -y --reinstall --no-install-recommends /check/*.deb && cullhull $hull"
     same "$codename: its hull" "$folder/check/hull.json"
   fi
 }
