@@ -8,6 +8,7 @@
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 struct Certificate {
@@ -36,3 +37,4 @@ struct Certificate {
 Certificate certify(const PointView& points, const Hull& hull, const Options& options = {});
 
 }  // namespace cullhull
+#pragma GCC visibility pop

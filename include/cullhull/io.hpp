@@ -14,6 +14,7 @@
 #include "cullhull/machine.hpp"
 #include "cullhull/point_view.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 struct ReadOptions {
@@ -195,3 +196,4 @@ class NpySequenceWriter {
 };
 
 }  // namespace cullhull
+#pragma GCC visibility pop
