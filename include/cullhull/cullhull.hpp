@@ -19,5 +19,6 @@
 #include "cullhull/point_view.hpp"
 #include "cullhull/query.hpp"
 #include "cullhull/simplify.hpp"
+#include "cullhull/stream.hpp"
 #include "cullhull/track.hpp"
 #include "cullhull/version.hpp"
