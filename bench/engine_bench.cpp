@@ -15,8 +15,8 @@
 
 #include "bench_arguments.hpp"
 #include "families.hpp"
+#include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
-#include "points/local_frame.hpp"
 #include "timing.hpp"
 
 namespace cullhull::internal {

@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "cullhull/cullhull.hpp"
+#include "geometry/gather.hpp"
+#include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
-#include "points/gather.hpp"
-#include "points/local_frame.hpp"
 
 namespace {
 

@@ -13,16 +13,16 @@
 #include <string>
 #include <vector>
 
-#include "cull/gauge_cuda.hpp"
-#include "cull/gauge_kernel_cuda.hpp"
-#include "cull/pseudo_hull_cuda.hpp"
+#include "cuda/gauge.hpp"
+#include "cuda/gauge_kernel.hpp"
+#include "cuda/pseudo_hull.hpp"
+#include "cuda/runtime.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/device_points.hpp"
 #include "cullhull/version.hpp"
+#include "flow/sample_map.hpp"
 #include "machine.hpp"
-#include "parallel/cuda_runtime.hpp"
 #include "qhull.hpp"
-#include "sample_map.hpp"
 #include "timing.hpp"
 
 namespace {

@@ -18,7 +18,7 @@
 #include "cullhull/extreme_points.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
-#include "hull/polygon.hpp"
+#include "hull/plane/polygon.hpp"
 #include "timing.hpp"
 
 namespace cullhull::internal {

@@ -19,9 +19,9 @@
 #include "cullhull/certify.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/options.hpp"
+#include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
 #include "parallel/parallel.hpp"
-#include "points/local_frame.hpp"
 #include "result/build_hull.hpp"
 
 namespace {

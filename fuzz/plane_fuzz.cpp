@@ -5,7 +5,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
 #include "fuzz_points.hpp"
-#include "predicates/orientation.hpp"
+#include "geometry/orientation.hpp"
 #include "tests/agreement/canonical_hash.hpp"
 
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "cullhull/error.hpp"
-#include "points/random_stream.hpp"
+#include "parallel/random_stream.hpp"
 
 namespace cullhull::viewer {
 namespace {

@@ -6,11 +6,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/options.hpp"
+#include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
-#include "points/local_frame.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::micro {
 

@@ -9,8 +9,6 @@
 #include <functional>
 #include <limits>
 
-#include "control.hpp"
-#include "cull/pseudo_hull.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
@@ -18,9 +16,11 @@
 #include "cullhull/hull.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/track.hpp"
+#include "geometry/gather.hpp"
 #include "machine.hpp"
+#include "paper/pseudo_hull.hpp"
+#include "parallel/control.hpp"
 #include "parallel/parallel.hpp"
-#include "points/gather.hpp"
 #include "qhull.hpp"
 #include "timing.hpp"
 

@@ -11,8 +11,8 @@
 
 #include "batch/planar_sets.hpp"
 #include "batch/small_sets.hpp"
-#include "control.hpp"
 #include "cullhull/error.hpp"
+#include "parallel/control.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull {

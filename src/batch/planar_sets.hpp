@@ -1,9 +1,9 @@
 // The fast path of a batch in the plane: sets go straight from points to the lists of the batch.
 #pragma once
 
-#include "control.hpp"
 #include "cullhull/batch.hpp"
-#include "result/small_polygon.hpp"
+#include "parallel/control.hpp"
+#include "small/small_polygon.hpp"
 
 namespace cullhull::internal {
 

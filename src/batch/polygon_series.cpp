@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hull/polygon.hpp"
+#include "hull/plane/polygon.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -4,9 +4,9 @@
 #include <array>
 #include <numeric>
 
-#include "hull/small_3d.hpp"
-#include "result/few_in_space.hpp"
-#include "result/small_measures.hpp"
+#include "small/few_in_space.hpp"
+#include "small/small_3d.hpp"
+#include "small/small_measures.hpp"
 
 namespace cullhull::internal {
 namespace {

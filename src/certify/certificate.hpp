@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "control.hpp"
 #include "cullhull/certify.hpp"
-#include "predicates/orientation.hpp"
+#include "geometry/orientation.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "predicates/minors.hpp"
+#include "geometry/minors.hpp"
 
 namespace cullhull::internal {
 namespace {

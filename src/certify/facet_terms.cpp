@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "predicates/cofactors.hpp"
-#include "predicates/double_double.hpp"
-#include "predicates/double_parts.hpp"
-#include "predicates/minors.hpp"
+#include "geometry/cofactors.hpp"
+#include "geometry/double_double.hpp"
+#include "geometry/double_parts.hpp"
+#include "geometry/minors.hpp"
 
 namespace cullhull::internal {
 namespace {

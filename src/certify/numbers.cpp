@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "certify/facet_terms.hpp"
-#include "predicates/double_double.hpp"
+#include "geometry/double_double.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -1,17 +1,18 @@
+#include "flow/device_filter.hpp"
+
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "cull/gauge_cuda.hpp"
-#include "cull/gauge_kernel_cuda.hpp"
+#include "cuda/device_rows.hpp"
+#include "cuda/gauge.hpp"
+#include "cuda/gauge_kernel.hpp"
+#include "cuda/pseudo_hull.hpp"
+#include "cuda/runtime.hpp"
 #include "cull/planner.hpp"
-#include "cull/pseudo_hull_cuda.hpp"
-#include "device_filter.hpp"
-#include "device_rows_cuda.hpp"
-#include "parallel/cuda_runtime.hpp"
-#include "points/gather.hpp"
-#include "points/memory.hpp"
-#include "sample_map.hpp"
+#include "flow/sample_map.hpp"
+#include "geometry/gather.hpp"
+#include "parallel/memory.hpp"
 
 namespace cullhull::internal {
 namespace {

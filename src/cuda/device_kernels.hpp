@@ -1,13 +1,13 @@
 // The bodies of our kernels for the data-parallel primitives, as plain functions of the place of a
 // thread: all but the launch. A loop over blocks and threads executes them on the host (the tests
-// do), a launch on a device (cuda_executor.cuh). Where a body has phases, all threads of a block
+// do), a launch on a device (executor.cuh). Where a body has phases, all threads of a block
 // wait for one another between them.
 #pragma once
 
 #include <cstdint>
 
+#include "paper/primitives.hpp"
 #include "parallel/host_device.hpp"
-#include "parallel/primitives.hpp"
 
 namespace cullhull::internal {
 

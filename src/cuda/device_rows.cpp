@@ -1,12 +1,12 @@
-#include "device_rows_cuda.hpp"
+#include "cuda/device_rows.hpp"
 
 #include <string>
 
-#include "cull/gauge_cuda.hpp"
-#include "cull/gauge_kernel_cuda.hpp"
-#include "parallel/cuda_runtime.hpp"
-#include "points/gather.hpp"
-#include "points/memory.hpp"
+#include "cuda/gauge.hpp"
+#include "cuda/gauge_kernel.hpp"
+#include "cuda/runtime.hpp"
+#include "geometry/gather.hpp"
+#include "parallel/memory.hpp"
 
 namespace cullhull::internal {
 

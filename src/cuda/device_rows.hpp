@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
 #include "cull/planner.hpp"
 #include "cullhull/device_points.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

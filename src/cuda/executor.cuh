@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include "parallel/cuda_runtime.hpp"
-#include "parallel/device_kernels.hpp"
-#include "parallel/primitives.hpp"
+#include "cuda/device_kernels.hpp"
+#include "cuda/runtime.hpp"
+#include "paper/primitives.hpp"
 
 namespace cullhull::internal {
 

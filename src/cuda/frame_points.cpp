@@ -1,20 +1,21 @@
+#include "tracker/frame_points.hpp"
+
 #include <memory>
 #include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
 
-#include "cull/gauge_cuda.hpp"
-#include "cull/gauge_kernel_cuda.hpp"
+#include "cuda/device_rows.hpp"
+#include "cuda/gauge.hpp"
+#include "cuda/gauge_kernel.hpp"
+#include "cuda/runtime.hpp"
 #include "cull/planner.hpp"
 #include "cullhull/error.hpp"
-#include "device_filter.hpp"
-#include "device_rows_cuda.hpp"
-#include "parallel/cuda_runtime.hpp"
-#include "pipeline.hpp"
-#include "points/gather.hpp"
-#include "points/memory.hpp"
-#include "tracker/frame_points.hpp"
+#include "flow/device_filter.hpp"
+#include "flow/pipeline.hpp"
+#include "geometry/gather.hpp"
+#include "parallel/memory.hpp"
 
 namespace cullhull::internal {
 namespace {

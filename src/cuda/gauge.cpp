@@ -1,11 +1,11 @@
-#include "cull/gauge_cuda.hpp"
+#include "cuda/gauge.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <cstring>
 #include <type_traits>
 
-#include "cull/gauge_kernel_cuda.hpp"
+#include "cuda/gauge_kernel.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull::internal::cuda {

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
+#include "cuda/runtime.hpp"
 #include "cull/gauge_table.hpp"
 #include "cullhull/device_points.hpp"
-#include "parallel/cuda_runtime.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal::cuda {
 

@@ -10,9 +10,9 @@
 #include <cub/block/block_scan.cuh>
 #include <cub/device/device_scan.cuh>
 
-#include "cull/gauge_kernel_cuda.hpp"
+#include "cuda/gauge_kernel.hpp"
+#include "cuda/runtime.hpp"
 #include "cull/gauge_lanes.hpp"
-#include "parallel/cuda_runtime.hpp"
 
 namespace cullhull::internal::cuda {
 namespace {

@@ -1,5 +1,5 @@
 // The kernels of the CUDA GaugeMap as functions that put them on a stream. Callers see to memory
-// and errors (gauge_cuda.cpp); each function returns what its launch returned.
+// and errors (gauge.cpp); each function returns what its launch returned.
 #pragma once
 
 #include <driver_types.h>

@@ -1,5 +1,5 @@
 // A kernel that only exists, to learn whether this build has code for a device.
-#include "parallel/cuda_runtime.hpp"
+#include "cuda/runtime.hpp"
 
 namespace cullhull::internal::cuda {
 namespace {

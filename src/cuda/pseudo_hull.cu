@@ -1,9 +1,9 @@
 #include <algorithm>
 
-#include "cull/pseudo_hull_cuda.hpp"
-#include "cull/pseudo_hull_growth.hpp"
+#include "cuda/executor.cuh"
+#include "cuda/pseudo_hull.hpp"
 #include "cullhull/error.hpp"
-#include "parallel/cuda_executor.cuh"
+#include "paper/pseudo_hull_growth.hpp"
 
 namespace cullhull::internal {
 namespace {

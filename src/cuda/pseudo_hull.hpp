@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
-#include "cull/pseudo_hull.hpp"
 #include "cullhull/device_points.hpp"
+#include "paper/pseudo_hull.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

@@ -1,4 +1,4 @@
-#include "parallel/cuda_reason.hpp"
+#include "cuda/reason.hpp"
 
 #include <cuda_runtime_api.h>
 

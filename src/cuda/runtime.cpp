@@ -1,4 +1,4 @@
-#include "parallel/cuda_runtime.hpp"
+#include "cuda/runtime.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -7,7 +7,7 @@
 #include <memory>
 #include <mutex>
 
-#include "parallel/cuda_reason.hpp"
+#include "cuda/reason.hpp"
 
 namespace cullhull::internal::cuda {
 namespace {

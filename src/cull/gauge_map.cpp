@@ -10,8 +10,8 @@
 #include "cull/gauge_shortcuts.hpp"
 #include "cull/gauge_table.hpp"
 #include "cullhull/error.hpp"
+#include "geometry/gather.hpp"
 #include "parallel/parallel.hpp"
-#include "points/gather.hpp"
 
 namespace cullhull::internal {
 

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "control.hpp"
 #include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "points/gather.hpp"
+#include "geometry/gather.hpp"
 
 namespace cullhull::internal {
 namespace {

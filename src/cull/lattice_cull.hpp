@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
 #include "cullhull/array.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

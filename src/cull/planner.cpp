@@ -42,7 +42,7 @@ constexpr double device_start = 0.25;
 /// Making pinned memory, bytes a second: the system locks and clears its pages, 4 KB each at about
 /// a microsecond. Assumed, not measured: the first call for points of the host pays it.
 constexpr double pin_rate = 4e9;
-/// Two pieces under way of this many bytes each (gauge_cuda.cpp), or of the points if they are few.
+/// Two pieces under way of this many bytes each (cuda/gauge.cpp), or of the points if they are few.
 constexpr double pinned_piece = 32 << 20;
 /// Launches, and waiting for the few words that come back: seconds a call.
 constexpr double device_call = 100e-6;

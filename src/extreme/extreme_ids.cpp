@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "extreme/hull_membership.hpp"
-#include "hull/norm_order.hpp"
+#include "geometry/norm_order.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull::internal {

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "extreme/rational.hpp"
-#include "predicates/minors.hpp"
-#include "predicates/orientation.hpp"
+#include "geometry/minors.hpp"
+#include "geometry/orientation.hpp"
 
 namespace cullhull::internal {
 

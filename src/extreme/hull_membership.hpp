@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
 #include "extreme/point_columns.hpp"
 #include "extreme/simplex_inverse.hpp"
-#include "points/local_points.hpp"
+#include "geometry/local_points.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

@@ -7,7 +7,7 @@
 
 #include "extreme/hull_membership.hpp"
 #include "extreme/rational.hpp"
-#include "predicates/minors.hpp"
+#include "geometry/minors.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
-#include "points/local_points.hpp"
+#include "geometry/local_points.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

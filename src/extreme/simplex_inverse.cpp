@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "predicates/minors.hpp"
+#include "geometry/minors.hpp"
 
 namespace cullhull::internal {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "points/local_points.hpp"
+#include "geometry/local_points.hpp"
 
 namespace cullhull::internal {
 

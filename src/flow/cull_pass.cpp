@@ -1,11 +1,11 @@
-#include "first_pass.hpp"
+#include "flow/cull_pass.hpp"
 
 #include "cull/planner.hpp"
 #include "parallel/backend.hpp"
 #ifdef CULLHULL_HAVE_CUDA
-#include "cull/gauge_cuda.hpp"
-#include "cull/gauge_kernel_cuda.hpp"
-#include "parallel/cuda_runtime.hpp"
+#include "cuda/gauge.hpp"
+#include "cuda/gauge_kernel.hpp"
+#include "cuda/runtime.hpp"
 #endif
 
 namespace cullhull::internal {

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <string>
 
-#include "control.hpp"
 #include "cull/gauge_map.hpp"
 #include "cullhull/cull.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

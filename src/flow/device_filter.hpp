@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "control.hpp"
 #include "cullhull/device_points.hpp"
-#include "filter_stage.hpp"
+#include "flow/filter_stage.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

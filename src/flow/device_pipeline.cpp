@@ -5,11 +5,11 @@
 
 #include "cullhull/device_points.hpp"
 #include "cullhull/error.hpp"
-#include "device_filter.hpp"
+#include "flow/device_filter.hpp"
+#include "flow/pipeline.hpp"
 #include "parallel/backend.hpp"
+#include "parallel/memory.hpp"
 #include "parallel/parallel.hpp"
-#include "pipeline.hpp"
-#include "points/memory.hpp"
 
 namespace cullhull {
 namespace internal {

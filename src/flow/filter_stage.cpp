@@ -1,4 +1,4 @@
-#include "filter_stage.hpp"
+#include "flow/filter_stage.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -6,14 +6,14 @@
 #include "cull/gauge_map.hpp"
 #include "cull/outermost.hpp"
 #include "cull/planner.hpp"
-#include "cull/pseudo_hull.hpp"
-#include "first_pass.hpp"
-#include "hull/small_3d.hpp"
+#include "flow/cull_pass.hpp"
+#include "flow/sample_map.hpp"
+#include "geometry/gather.hpp"
+#include "paper/pseudo_hull.hpp"
+#include "parallel/memory.hpp"
 #include "parallel/thread_memory.hpp"
-#include "points/gather.hpp"
-#include "points/memory.hpp"
-#include "result/few_in_space.hpp"
-#include "sample_map.hpp"
+#include "small/few_in_space.hpp"
+#include "small/small_3d.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "control.hpp"
 #include "cullhull/array.hpp"
 #include "cullhull/cull.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

@@ -1,10 +1,9 @@
 // THE FLOW: validate, cull, hull, result.
-#include "pipeline.hpp"
+#include "flow/pipeline.hpp"
 
 #include <algorithm>
 #include <string>
 
-#include "control.hpp"
 #include "cull/lattice_cull.hpp"
 #include "cull/planner.hpp"
 #include "cullhull/certify.hpp"
@@ -13,20 +12,21 @@
 #include "cullhull/extreme_points.hpp"
 #include "cullhull/hull.hpp"
 #include "extreme/extreme_ids.hpp"
-#include "filter_stage.hpp"
+#include "flow/filter_stage.hpp"
+#include "geometry/gather.hpp"
+#include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
-#include "hull/polygon.hpp"
-#include "hull/surface_3d.hpp"
+#include "hull/plane/polygon.hpp"
+#include "hull/space/surface_3d.hpp"
 #include "parallel/backend.hpp"
+#include "parallel/control.hpp"
 #include "parallel/helpers.hpp"
 #include "parallel/pages.hpp"
-#include "points/gather.hpp"
-#include "points/local_frame.hpp"
 #include "result/build_hull.hpp"
 #include "result/extreme_rows.hpp"
-#include "result/few_in_space.hpp"
 #include "result/polygon_result.hpp"
-#include "small_hull.hpp"
+#include "small/few_in_space.hpp"
+#include "small/small_hull.hpp"
 
 namespace cullhull {
 namespace internal {

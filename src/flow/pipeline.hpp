@@ -5,8 +5,8 @@
 #include <chrono>
 
 #include "cullhull/hull.hpp"
-#include "filter_stage.hpp"
-#include "run.hpp"
+#include "flow/filter_stage.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 

@@ -1,12 +1,12 @@
-#include "sample_map.hpp"
+#include "flow/sample_map.hpp"
 
 #include <algorithm>
 #include <utility>
 
 #include "cull/planner.hpp"
 #include "cullhull/error.hpp"
+#include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
-#include "points/local_frame.hpp"
 
 namespace cullhull::internal {
 

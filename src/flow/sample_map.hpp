@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "control.hpp"
 #include "cull/gauge_map.hpp"
 #include "cullhull/array.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

@@ -7,9 +7,9 @@
 #include <numeric>
 
 #include "cullhull/error.hpp"
+#include "generate/turn.hpp"
 #include "parallel/parallel.hpp"
-#include "points/random_stream.hpp"
-#include "points/turn.hpp"
+#include "parallel/random_stream.hpp"
 
 namespace cullhull {
 namespace {

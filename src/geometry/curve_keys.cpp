@@ -1,11 +1,11 @@
 // Hilbert keys in lanes, compiled once per instruction set.
-#include "hull/curve_keys.hpp"
+#include "geometry/curve_keys.hpp"
 
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "hull/curve_keys.cpp"
+#define HWY_TARGET_INCLUDE "geometry/curve_keys.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 

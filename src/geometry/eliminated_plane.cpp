@@ -1,4 +1,4 @@
-#include "predicates/eliminated_plane.hpp"
+#include "geometry/eliminated_plane.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include "predicates/double_parts.hpp"
-#include "predicates/minors.hpp"
+#include "geometry/double_parts.hpp"
+#include "geometry/minors.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "predicates/double_double.hpp"
-#include "predicates/orientation.hpp"
+#include "geometry/double_double.hpp"
+#include "geometry/orientation.hpp"
 
 namespace cullhull::internal {
 

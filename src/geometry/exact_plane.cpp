@@ -1,4 +1,4 @@
-#include "predicates/exact_plane.hpp"
+#include "geometry/exact_plane.hpp"
 
 #include <algorithm>
 #include <cmath>

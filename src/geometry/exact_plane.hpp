@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "predicates/integer_points.hpp"
-#include "predicates/orientation.hpp"
+#include "geometry/integer_points.hpp"
+#include "geometry/orientation.hpp"
 
 namespace cullhull::internal {
 

@@ -1,4 +1,4 @@
-#include "points/gather.hpp"
+#include "geometry/gather.hpp"
 
 #include <atomic>
 #include <cmath>

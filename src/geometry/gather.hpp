@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
 #include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
+#include "parallel/control.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull::internal {

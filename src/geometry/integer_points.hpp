@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "predicates/double_parts.hpp"
+#include "geometry/double_parts.hpp"
 
 namespace cullhull::internal {
 

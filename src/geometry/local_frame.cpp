@@ -1,4 +1,4 @@
-#include "points/local_frame.hpp"
+#include "geometry/local_frame.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -8,9 +8,9 @@
 #include <type_traits>
 #include <utility>
 
+#include "geometry/double_parts.hpp"
+#include "geometry/orientation.hpp"
 #include "parallel/parallel.hpp"
-#include "predicates/double_parts.hpp"
-#include "predicates/orientation.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -1,11 +1,11 @@
-#include "hull/norm_order.hpp"
+#include "geometry/norm_order.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <type_traits>
 
-#include "hull/curve_keys.hpp"
+#include "geometry/curve_keys.hpp"
 #include "parallel/parallel.hpp"
 #include "parallel/radix_sort.hpp"
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
+#include "geometry/local_points.hpp"
+#include "parallel/control.hpp"
 #include "parallel/raw_array.hpp"
-#include "points/local_points.hpp"
 
 namespace cullhull::internal {
 

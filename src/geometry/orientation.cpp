@@ -1,4 +1,4 @@
-#include "predicates/orientation.hpp"
+#include "geometry/orientation.hpp"
 
 #include <gmp.h>
 
@@ -10,10 +10,10 @@
 #include <memory>
 #include <vector>
 
-#include "predicates/exact_plane.hpp"
-#include "predicates/integer_points.hpp"
-#include "predicates/minors.hpp"
-#include "predicates/oriented_plane.hpp"
+#include "geometry/exact_plane.hpp"
+#include "geometry/integer_points.hpp"
+#include "geometry/minors.hpp"
+#include "geometry/oriented_plane.hpp"
 
 namespace cullhull::internal {
 namespace {

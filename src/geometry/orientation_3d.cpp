@@ -1,8 +1,8 @@
-#include "predicates/orientation_3d.hpp"
+#include "geometry/orientation_3d.hpp"
 
 #include <algorithm>
 
-#include "predicates/double_parts.hpp"
+#include "geometry/double_parts.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdint>
 
-#include "points/local_points.hpp"
-#include "predicates/minors.hpp"
-#include "predicates/orientation.hpp"
+#include "geometry/local_points.hpp"
+#include "geometry/minors.hpp"
+#include "geometry/orientation.hpp"
 
 namespace cullhull::internal {
 

@@ -1,4 +1,4 @@
-#include "predicates/oriented_plane.hpp"
+#include "geometry/oriented_plane.hpp"
 
 #include <algorithm>
 

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "predicates/eliminated_plane.hpp"
-#include "predicates/exact_plane.hpp"
-#include "predicates/orientation.hpp"
+#include "geometry/eliminated_plane.hpp"
+#include "geometry/exact_plane.hpp"
+#include "geometry/orientation.hpp"
 
 namespace cullhull::internal {
 

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
 #include "cullhull/array.hpp"
-#include "points/local_points.hpp"
+#include "geometry/local_points.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

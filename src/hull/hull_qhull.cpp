@@ -17,7 +17,7 @@
 #include <string>
 #include <string_view>
 
-#include "predicates/orientation.hpp"
+#include "geometry/orientation.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -1,4 +1,4 @@
-#include "cull/pseudo_hull.hpp"
+#include "paper/pseudo_hull.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -7,8 +7,8 @@
 #include <mutex>
 #include <string>
 
-#include "cull/pseudo_hull_growth.hpp"
 #include "cullhull/error.hpp"
+#include "paper/pseudo_hull_growth.hpp"
 
 namespace cullhull::internal {
 namespace {

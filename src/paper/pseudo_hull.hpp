@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
 #include "cullhull/point_view.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "control.hpp"
-#include "cull/pseudo_hull.hpp"
-#include "cull/pseudo_hull_math.hpp"
-#include "cull/pseudo_hull_start.hpp"
-#include "cull/pseudo_hull_steps.hpp"
-#include "parallel/primitives.hpp"
+#include "paper/primitives.hpp"
+#include "paper/pseudo_hull.hpp"
+#include "paper/pseudo_hull_math.hpp"
+#include "paper/pseudo_hull_start.hpp"
+#include "paper/pseudo_hull_steps.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

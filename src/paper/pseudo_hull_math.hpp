@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "geometry/minors.hpp"
 #include "parallel/host_device.hpp"
-#include "predicates/minors.hpp"
 
 namespace cullhull::internal {
 

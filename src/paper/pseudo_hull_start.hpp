@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "paper/primitives.hpp"
 #include "parallel/host_device.hpp"
-#include "parallel/primitives.hpp"
 
 namespace cullhull::internal {
 

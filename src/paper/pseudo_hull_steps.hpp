@@ -6,9 +6,9 @@
 #include <bit>
 #include <cstdint>
 
-#include "cull/pseudo_hull_math.hpp"
-#include "cull/pseudo_hull_rows.hpp"
-#include "parallel/primitives.hpp"
+#include "paper/primitives.hpp"
+#include "paper/pseudo_hull_math.hpp"
+#include "paper/pseudo_hull_rows.hpp"
 
 namespace cullhull::internal {
 

@@ -4,7 +4,7 @@
 
 #include "cullhull/error.hpp"
 #ifdef CULLHULL_HAVE_CUDA
-#include "parallel/cuda_runtime.hpp"
+#include "cuda/runtime.hpp"
 #endif
 
 namespace cullhull {

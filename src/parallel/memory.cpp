@@ -1,4 +1,4 @@
-#include "points/memory.hpp"
+#include "parallel/memory.hpp"
 
 #include "cullhull/error.hpp"
 #include "parallel/machine_memory.hpp"

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "control.hpp"
+#include "parallel/control.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull::internal {

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "control.hpp"
+#include "parallel/control.hpp"
+#include "parallel/memory.hpp"
 #include "parallel/parallel.hpp"
-#include "points/memory.hpp"
 
 namespace cullhull::internal {
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "cullhull/error.hpp"
-#include "predicates/cofactors.hpp"
-#include "predicates/orientation.hpp"
+#include "geometry/cofactors.hpp"
+#include "geometry/orientation.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "control.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/query.hpp"
+#include "parallel/control.hpp"
 #include "query/direction_cube.hpp"
 
 namespace cullhull::internal {

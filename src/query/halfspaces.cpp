@@ -6,8 +6,8 @@
 #include <string>
 
 #include "cullhull/error.hpp"
+#include "geometry/gather.hpp"
 #include "parallel/parallel.hpp"
-#include "points/gather.hpp"
 #include "query/inscribed_ball.hpp"
 
 namespace cullhull {

@@ -9,14 +9,14 @@
 #include <optional>
 #include <string>
 
-#include "control.hpp"
 #include "cull/gauge_map.hpp"
 #include "cull/gauge_table.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/query.hpp"
+#include "geometry/gather.hpp"
+#include "geometry/orientation.hpp"
+#include "parallel/control.hpp"
 #include "parallel/parallel.hpp"
-#include "points/gather.hpp"
-#include "predicates/orientation.hpp"
 #include "query/facet_cells.hpp"
 #include "query/facet_search.hpp"
 #include "query/plane_tree.hpp"

@@ -9,7 +9,7 @@
 #include <limits>
 #include <utility>
 
-#include "control.hpp"
+#include "parallel/control.hpp"
 #include "parallel/parallel.hpp"
 #include "query/hull_arguments.hpp"
 #include "query/nearest_in_hull.hpp"

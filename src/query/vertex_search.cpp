@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "result/wide_float.hpp"
+#include "geometry/wide_float.hpp"
 
 namespace cullhull::internal {
 namespace {

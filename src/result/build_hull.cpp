@@ -4,12 +4,12 @@
 
 #include "parallel/pages.hpp"
 #include "parallel/parallel.hpp"
-#include "result/assemble.hpp"
 #include "result/measure.hpp"
 #include "result/merge.hpp"
-#include "result/simplicial_3d.hpp"
-#include "result/simplicial_nd.hpp"
+#include "result/order_facets.hpp"
 #include "result/vertex_list.hpp"
+#include "result/write_simplices.hpp"
+#include "result/write_triangles.hpp"
 
 namespace cullhull::internal {
 namespace {

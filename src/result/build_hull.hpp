@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
 #include "cullhull/hull.hpp"
 #include "hull/engine.hpp"
-#include "hull/surface_3d.hpp"
+#include "hull/space/surface_3d.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

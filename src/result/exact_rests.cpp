@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "cullhull/error.hpp"
-#include "predicates/double_parts.hpp"
+#include "geometry/double_parts.hpp"
 
 namespace cullhull::internal {
 namespace {

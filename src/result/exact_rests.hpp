@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "result/wide_float.hpp"
+#include "geometry/wide_float.hpp"
 
 namespace cullhull::internal {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
 #include "hull/engine.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

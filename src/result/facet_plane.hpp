@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "cullhull/error.hpp"
-#include "predicates/cofactors.hpp"
-#include "predicates/double_double.hpp"
-#include "predicates/orientation.hpp"
+#include "geometry/cofactors.hpp"
+#include "geometry/double_double.hpp"
+#include "geometry/orientation.hpp"
 #include "result/exact_rests.hpp"
 #include "result/measure_frame.hpp"
 

@@ -1,8 +1,8 @@
 // Volume, area, centroid and facet planes of a hull whose combinatorics are final.
 #pragma once
 
-#include "control.hpp"
 #include "cullhull/hull.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

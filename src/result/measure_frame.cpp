@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "cullhull/error.hpp"
+#include "geometry/orientation.hpp"
 #include "parallel/parallel.hpp"
-#include "predicates/orientation.hpp"
 #include "result/exact_rests.hpp"
 
 namespace cullhull::internal {

@@ -11,7 +11,7 @@
 
 #include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
-#include "result/wide_float.hpp"
+#include "geometry/wide_float.hpp"
 
 namespace cullhull::internal {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "predicates/orientation.hpp"
+#include "geometry/orientation.hpp"
 #include "result/merge_polygons.hpp"
 #include "result/pulling.hpp"
 

@@ -1,4 +1,4 @@
-#include "result/assemble.hpp"
+#include "result/order_facets.hpp"
 
 #include <algorithm>
 #include <atomic>

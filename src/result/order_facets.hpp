@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
+#include "parallel/control.hpp"
 #include "result/build_hull.hpp"
 #include "result/merge.hpp"
 

@@ -5,8 +5,8 @@
 #include <cstring>
 
 #include "parallel/big_array.hpp"
+#include "parallel/clear_pages.hpp"
 #include "parallel/parallel.hpp"
-#include "parallel/touch.hpp"
 #include "result/facet_plane.hpp"
 
 namespace cullhull::internal {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstdint>
 
-#include "control.hpp"
 #include "cullhull/hull.hpp"
-#include "hull/polygon.hpp"
+#include "hull/plane/polygon.hpp"
+#include "parallel/control.hpp"
 #include "result/measure_frame.hpp"
 #include "result/totals.hpp"
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
 #include "parallel/big_array.hpp"
+#include "parallel/control.hpp"
 #include "parallel/parallel.hpp"
 #include "result/build_hull.hpp"
 #include "result/facet_share.hpp"

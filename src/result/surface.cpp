@@ -3,11 +3,11 @@
 #include <numeric>
 #include <string>
 
+#include "geometry/cofactors.hpp"
+#include "geometry/orientation.hpp"
+#include "geometry/oriented_plane.hpp"
 #include "parallel/parallel.hpp"
 #include "parallel/sort_few.hpp"
-#include "predicates/cofactors.hpp"
-#include "predicates/orientation.hpp"
-#include "predicates/oriented_plane.hpp"
 
 namespace cullhull::internal {
 namespace {

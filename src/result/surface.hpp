@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "control.hpp"
 #include "hull/engine.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "cullhull/hull.hpp"
-#include "predicates/double_double.hpp"
+#include "geometry/double_double.hpp"
+#include "geometry/wide_float.hpp"
 #include "result/measure_frame.hpp"
-#include "result/wide_float.hpp"
 
 namespace cullhull::internal {
 

@@ -14,7 +14,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "predicates/cofactors.hpp"
+#include "geometry/cofactors.hpp"
 #include "result/facet_plane.hpp"
 
 HWY_BEFORE_NAMESPACE();

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "hull/insertion_3d.hpp"
+#include "hull/space/insertion_3d.hpp"
 
 namespace cullhull::internal {
 

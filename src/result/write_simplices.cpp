@@ -7,7 +7,7 @@
 // Four sweeps: keys are dealt into buckets by the lowest vertex (deal), buckets are sorted and
 // simplices written (sort_buckets), neighbours are renumbered (renumber), ridges are decided and
 // planes and measures computed (scan).
-#include "result/simplicial_nd.hpp"
+#include "result/write_simplices.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -15,12 +15,12 @@
 #include <cmath>
 #include <utility>
 
+#include "geometry/cofactors.hpp"
+#include "geometry/orientation.hpp"
 #include "parallel/big_array.hpp"
+#include "parallel/clear_pages.hpp"
 #include "parallel/parallel.hpp"
 #include "parallel/sort_few.hpp"
-#include "parallel/touch.hpp"
-#include "predicates/cofactors.hpp"
-#include "predicates/orientation.hpp"
 #include "result/facet_kernel.hpp"
 #include "result/facet_keys.hpp"
 #include "result/facet_share.hpp"

@@ -4,7 +4,7 @@
 // second takes a bucket from all stretches, sorts it in the cache and writes the facets out, in
 // order. The third renumbers the neighbours. The sums follow the canonical order, whatever the
 // stretches and buckets are.
-#include "result/simplicial_3d.hpp"
+#include "result/write_triangles.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -13,9 +13,9 @@
 #include <cstring>
 #include <numeric>
 
+#include "geometry/orientation_3d.hpp"
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
-#include "predicates/orientation_3d.hpp"
 #include "result/facet_plane.hpp"
 #include "result/facet_share.hpp"
 #include "result/simplicial_measures.hpp"

@@ -1,7 +1,7 @@
 // The result in 3D where every triangle is a facet: points in general position.
 #pragma once
 
-#include "hull/surface_3d.hpp"
+#include "hull/space/surface_3d.hpp"
 #include "result/build_hull.hpp"
 
 namespace cullhull::internal {

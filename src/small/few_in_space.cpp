@@ -1,4 +1,4 @@
-#include "result/few_in_space.hpp"
+#include "small/few_in_space.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "parallel/thread_memory.hpp"
-#include "result/small_measures.hpp"
+#include "small/small_measures.hpp"
 
 namespace cullhull::internal {
 namespace {

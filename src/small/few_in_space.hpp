@@ -5,7 +5,7 @@
 
 #include "cullhull/hull.hpp"
 #include "cullhull/point_view.hpp"
-#include "hull/small_3d.hpp"
+#include "small/small_3d.hpp"
 
 namespace cullhull::internal {
 

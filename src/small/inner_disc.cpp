@@ -1,4 +1,4 @@
-#include "hull/inner_disc.hpp"
+#include "small/inner_disc.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "hull/planar_strip.hpp"
+#include "hull/plane/planar_strip.hpp"
 
 namespace cullhull::internal {
 

@@ -1,9 +1,9 @@
-#include "hull/inner_disc.hpp"
 #include "parallel/simd_targets.hpp"
+#include "small/inner_disc.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SIZELESS_TARGETS
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "hull/inner_disc_kernel.cpp"
+#define HWY_TARGET_INCLUDE "small/inner_disc_kernel.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 

@@ -1,13 +1,13 @@
 // Insertion of points one by one: each is held against all facets at once, in f32 with a bound, and
 // what that leaves open is decided in doubles, then exactly. Sets are so small that nothing has to
 // be searched: the facets' planes lie in vectors, and an edge's facet is found in a table.
-#include "hull/small_3d.hpp"
+#include "small/small_3d.hpp"
 
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SIZELESS_TARGETS
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "hull/small_3d.cpp"
+#define HWY_TARGET_INCLUDE "small/small_3d.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -15,11 +15,11 @@
 #include <bit>
 #include <cmath>
 
-#include "hull/small_surface.hpp"
+#include "geometry/cofactors.hpp"
+#include "geometry/orientation.hpp"
+#include "geometry/orientation_3d.hpp"
 #include "parallel/thread_memory.hpp"
-#include "predicates/cofactors.hpp"
-#include "predicates/orientation.hpp"
-#include "predicates/orientation_3d.hpp"
+#include "small/small_surface.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::HWY_NAMESPACE {

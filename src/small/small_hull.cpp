@@ -1,13 +1,13 @@
-#include "small_hull.hpp"
+#include "small/small_hull.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "control.hpp"
+#include "flow/pipeline.hpp"
+#include "parallel/control.hpp"
 #include "parallel/parallel.hpp"
-#include "pipeline.hpp"
-#include "result/few_in_space.hpp"
-#include "result/small_polygon.hpp"
+#include "small/few_in_space.hpp"
+#include "small/small_polygon.hpp"
 
 namespace cullhull::internal {
 namespace {

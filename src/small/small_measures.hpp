@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "cullhull/hull.hpp"
-#include "hull/small_3d.hpp"
 #include "result/facet_kernel.hpp"
 #include "result/facet_share.hpp"
-#include "result/small_shares.hpp"
+#include "small/small_3d.hpp"
+#include "small/small_shares.hpp"
 
 namespace cullhull::internal {
 

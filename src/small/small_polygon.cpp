@@ -1,4 +1,4 @@
-#include "result/small_polygon.hpp"
+#include "small/small_polygon.hpp"
 
 #include <algorithm>
 #include <utility>

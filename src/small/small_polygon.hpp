@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
 #include "cullhull/point_view.hpp"
-#include "hull/inner_disc.hpp"
-#include "hull/polygon.hpp"
+#include "hull/plane/polygon.hpp"
+#include "parallel/control.hpp"
 #include "result/polygon_result.hpp"
+#include "small/inner_disc.hpp"
 
 namespace cullhull::internal {
 

@@ -1,11 +1,11 @@
-#include "result/small_shares.hpp"
+#include "small/small_shares.hpp"
 
 #include "parallel/simd_targets.hpp"
 
 // Vectors are kept in arrays below, which sizeless types do not allow.
 #define HWY_DISABLED_TARGETS CULLHULL_SIZELESS_TARGETS
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "result/small_shares.cpp"
+#define HWY_TARGET_INCLUDE "small/small_shares.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 

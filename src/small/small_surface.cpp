@@ -1,4 +1,4 @@
-#include "hull/small_surface.hpp"
+#include "small/small_surface.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "hull/small_3d.hpp"
+#include "small/small_3d.hpp"
 
 namespace cullhull::internal {
 

@@ -3,10 +3,10 @@
 #include <utility>
 
 #include "cullhull/error.hpp"
-#include "device_filter.hpp"
+#include "flow/device_filter.hpp"
+#include "flow/pipeline.hpp"
+#include "geometry/gather.hpp"
 #include "parallel/backend.hpp"
-#include "pipeline.hpp"
-#include "points/gather.hpp"
 
 namespace cullhull::internal {
 

@@ -9,9 +9,9 @@
 #include "cull/gauge_map.hpp"
 #include "cullhull/device_points.hpp"
 #include "cullhull/hull.hpp"
-#include "filter_stage.hpp"
-#include "first_pass.hpp"
-#include "run.hpp"
+#include "flow/cull_pass.hpp"
+#include "flow/filter_stage.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "cull/gauge_map.hpp"
-#include "pipeline.hpp"
-#include "sample_map.hpp"
+#include "flow/pipeline.hpp"
+#include "flow/sample_map.hpp"
 
 namespace cullhull::internal {
 namespace {

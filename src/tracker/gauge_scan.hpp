@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "cullhull/hull.hpp"
-#include "filter_stage.hpp"
-#include "run.hpp"
+#include "flow/filter_stage.hpp"
+#include "parallel/run.hpp"
 #include "tracker/frame_points.hpp"
 
 namespace cullhull::internal {

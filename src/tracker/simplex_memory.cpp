@@ -4,11 +4,11 @@
 #include <string>
 #include <utility>
 
-#include "cull/pseudo_hull_math.hpp"
-#include "cull/pseudo_hull_start.hpp"
 #include "cullhull/error.hpp"
-#include "pipeline.hpp"
-#include "points/gather.hpp"
+#include "flow/pipeline.hpp"
+#include "geometry/gather.hpp"
+#include "paper/pseudo_hull_math.hpp"
+#include "paper/pseudo_hull_start.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "cull/pseudo_hull.hpp"
-#include "filter_stage.hpp"
-#include "run.hpp"
+#include "flow/filter_stage.hpp"
+#include "paper/pseudo_hull.hpp"
+#include "parallel/run.hpp"
 
 namespace cullhull::internal {
 

@@ -5,10 +5,10 @@
 
 #include "cull/gauge_map.hpp"
 #include "cull/planner.hpp"
-#include "cull/pseudo_hull.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/track.hpp"
-#include "pipeline.hpp"
+#include "flow/pipeline.hpp"
+#include "paper/pseudo_hull.hpp"
 #include "tracker/changes.hpp"
 #include "tracker/frame_points.hpp"
 #include "tracker/gauge_scan.hpp"

@@ -8,8 +8,8 @@
 #include <set>
 #include <tuple>
 
+#include "geometry/orientation.hpp"
 #include "hull/engine.hpp"
-#include "predicates/orientation.hpp"
 
 namespace cullhull::internal {
 namespace {

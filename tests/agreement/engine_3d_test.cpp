@@ -8,9 +8,9 @@
 #include "agreement/all_paths.hpp"
 #include "agreement/point_sets.hpp"
 #include "cullhull/generate.hpp"
+#include "geometry/local_frame.hpp"
+#include "geometry/orientation.hpp"
 #include "hull/engine.hpp"
-#include "points/local_frame.hpp"
-#include "predicates/orientation.hpp"
 
 namespace cullhull::testing_support {
 namespace {

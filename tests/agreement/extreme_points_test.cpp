@@ -9,14 +9,14 @@
 #include <random>
 
 #include "all_paths.hpp"
-#include "control.hpp"
 #include "cullhull/generate.hpp"
 #include "extreme/hull_membership.hpp"
 #include "extreme/point_columns.hpp"
 #include "extreme/simplex_inverse.hpp"
+#include "geometry/local_frame.hpp"
+#include "geometry/orientation.hpp"
+#include "parallel/control.hpp"
 #include "point_sets.hpp"
-#include "points/local_frame.hpp"
-#include "predicates/orientation.hpp"
 
 namespace cullhull {
 namespace {

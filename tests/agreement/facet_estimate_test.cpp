@@ -1,15 +1,15 @@
 // The estimate of the number of facets against hulls that were built, and what is refused.
-#include "hull/facet_estimate.hpp"
+#include "hull/general/facet_estimate.hpp"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "control.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
-#include "points/local_frame.hpp"
+#include "geometry/local_frame.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull {
 namespace {

@@ -18,9 +18,9 @@
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/track.hpp"
-#include "pipeline.hpp"
-#include "predicates/orientation.hpp"
-#include "sample_map.hpp"
+#include "flow/pipeline.hpp"
+#include "flow/sample_map.hpp"
+#include "geometry/orientation.hpp"
 
 namespace cullhull {
 namespace {

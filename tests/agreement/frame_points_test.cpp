@@ -9,8 +9,8 @@
 
 #include "canonical_hash.hpp"
 #include "cullhull/cullhull.hpp"
-#include "device_filter.hpp"
-#include "points/gather.hpp"
+#include "flow/device_filter.hpp"
+#include "geometry/gather.hpp"
 #include "tracker/changes.hpp"
 #include "tracker/gauge_scan.hpp"
 

@@ -13,7 +13,7 @@
 #include "cull/gauge_table.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/options.hpp"
-#include "sample_map.hpp"
+#include "flow/sample_map.hpp"
 #include "tests/made_sets.hpp"
 
 namespace cullhull::internal {

@@ -1,6 +1,6 @@
 // The 2D result written from the polygon against the general way, bit for bit; extreme points of
 // the plane; cancelling.
-#include "hull/polygon.hpp"
+#include "hull/plane/polygon.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include "cullhull/certify.hpp"
 #include "cullhull/extreme_points.hpp"
 #include "cullhull/generate.hpp"
+#include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
-#include "points/local_frame.hpp"
 #include "result/build_hull.hpp"
 #include "result/polygon_result.hpp"
 

@@ -7,9 +7,9 @@
 #include <random>
 #include <string>
 
-#include "cull/pseudo_hull.hpp"
-#include "cull/pseudo_hull_growth.hpp"
 #include "cullhull/options.hpp"
+#include "paper/pseudo_hull.hpp"
+#include "paper/pseudo_hull_growth.hpp"
 #include "reference/emulated_executor.hpp"
 #include "tests/made_sets.hpp"
 

@@ -10,8 +10,8 @@
 
 #include "agreement/point_sets.hpp"
 #include "cullhull/error.hpp"
-#include "predicates/orientation.hpp"
-#include "result/wide_float.hpp"
+#include "geometry/orientation.hpp"
+#include "geometry/wide_float.hpp"
 
 namespace cullhull {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <random>
 
-#include "predicates/cofactors.hpp"
+#include "geometry/cofactors.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -1,6 +1,6 @@
 // Searches for violations of the error bound stored with a facet's plane: |g~ - g| <= E max(1,
 // |g|), against rational arithmetic, on regular, thin, tiny, far and nearly degenerate facets.
-#include "hull/facet_planes.hpp"
+#include "hull/general/facet_planes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The facet tests that drop points from 4D on: nothing is dropped that lies on or above a facet.
-#include "hull/facet_sieve.hpp"
+#include "hull/general/facet_sieve.hpp"
 
 #include <gtest/gtest.h>
 

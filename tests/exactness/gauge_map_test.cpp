@@ -9,7 +9,7 @@
 #include <string>
 
 #include "cullhull/options.hpp"
-#include "predicates/orientation.hpp"
+#include "geometry/orientation.hpp"
 #include "tests/reference/slow_hull.hpp"
 
 namespace cullhull::internal {

@@ -1,4 +1,4 @@
-#include "predicates/orientation.hpp"
+#include "geometry/orientation.hpp"
 
 #include <gmp.h>
 #include <gtest/gtest.h>

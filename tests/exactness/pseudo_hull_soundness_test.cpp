@@ -9,8 +9,8 @@
 #include <random>
 #include <string>
 
-#include "cull/pseudo_hull.hpp"
 #include "cullhull/options.hpp"
+#include "paper/pseudo_hull.hpp"
 #include "reference/slow_hull.hpp"
 
 namespace cullhull::internal {

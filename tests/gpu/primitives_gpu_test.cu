@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
+#include "cuda/executor.cuh"
 #include "gpu/device.hpp"
-#include "parallel/cuda_executor.cuh"
 
 namespace cullhull::internal {
 namespace {

@@ -1,7 +1,7 @@
 // Every way in which CUDA can be missing has its own line. Needs no device, only CUDA's headers.
-#include "parallel/cuda_reason.hpp"
-
 #include <gtest/gtest.h>
+
+#include "cuda/reason.hpp"
 
 namespace cullhull::internal::cuda {
 namespace {

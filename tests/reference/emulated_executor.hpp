@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "parallel/device_kernels.hpp"
-#include "parallel/primitives.hpp"
+#include "cuda/device_kernels.hpp"
+#include "paper/primitives.hpp"
 
 namespace cullhull::internal {
 

@@ -11,7 +11,7 @@
 
 #include "cullhull/error.hpp"
 #include "parallel/helpers.hpp"
-#include "points/random_stream.hpp"
+#include "parallel/random_stream.hpp"
 
 namespace cullhull {
 namespace {

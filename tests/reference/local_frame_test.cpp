@@ -1,5 +1,5 @@
 // What the frame of many points is, and that it does not depend on the number of threads.
-#include "points/local_frame.hpp"
+#include "geometry/local_frame.hpp"
 
 #include <gtest/gtest.h>
 

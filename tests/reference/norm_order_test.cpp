@@ -1,6 +1,6 @@
 // The order of the engine for d >= 4: its curve visits cell after neighbouring cell; every point is
 // taken once, the outermost first, whatever is dropped between rounds.
-#include "hull/norm_order.hpp"
+#include "geometry/norm_order.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 
 #include "cullhull/generate.hpp"
 #include "cullhull/options.hpp"
-#include "hull/curve_keys.hpp"
+#include "geometry/curve_keys.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -1,5 +1,5 @@
 // The data-parallel primitives: each executor against plain loops.
-#include "parallel/primitives.hpp"
+#include "paper/primitives.hpp"
 
 #include <gtest/gtest.h>
 

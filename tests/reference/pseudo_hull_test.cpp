@@ -1,5 +1,5 @@
 // The PseudoHull by hand: every step of the paper's Algorithm 1, and the facet stream's addresses.
-#include "cull/pseudo_hull.hpp"
+#include "paper/pseudo_hull.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <random>
 #include <set>
 
-#include "cull/pseudo_hull_growth.hpp"
 #include "cullhull/options.hpp"
-#include "predicates/orientation.hpp"
+#include "geometry/orientation.hpp"
+#include "paper/pseudo_hull_growth.hpp"
 
 namespace cullhull::internal {
 namespace {

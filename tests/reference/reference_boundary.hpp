@@ -6,8 +6,8 @@
 #include <random>
 
 #include "cullhull/certify.hpp"
-#include "points/local_points.hpp"
-#include "predicates/orientation.hpp"
+#include "geometry/local_points.hpp"
+#include "geometry/orientation.hpp"
 #include "result/build_hull.hpp"
 #include "tests/reference/slow_hull.hpp"
 

@@ -1,7 +1,5 @@
 // The result made of the 3D engine's own facets is the one that the general way gives, bit for bit,
 // and a surface that is not a hull's is refused.
-#include "result/simplicial_3d.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,11 +9,12 @@
 #include <vector>
 
 #include "cullhull/generate.hpp"
-#include "hull/surface_3d.hpp"
-#include "points/gather.hpp"
-#include "points/local_frame.hpp"
-#include "result/assemble.hpp"
+#include "geometry/gather.hpp"
+#include "geometry/local_frame.hpp"
+#include "hull/space/surface_3d.hpp"
 #include "result/measure.hpp"
+#include "result/order_facets.hpp"
+#include "result/write_triangles.hpp"
 #include "tests/agreement/canonical_hash.hpp"
 
 namespace cullhull::internal {

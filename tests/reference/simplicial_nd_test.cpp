@@ -1,7 +1,5 @@
 // From 4D on the result made in canonical order is the one that the general way gives, bit for bit,
 // whatever of a simplex fits into its key, and a surface that is not a hull's is refused.
-#include "result/simplicial_nd.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,14 +11,15 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
+#include "geometry/gather.hpp"
+#include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
 #include "parallel/sort_few.hpp"
-#include "points/gather.hpp"
-#include "points/local_frame.hpp"
-#include "result/assemble.hpp"
 #include "result/facet_keys.hpp"
 #include "result/measure.hpp"
 #include "result/merge.hpp"
+#include "result/order_facets.hpp"
+#include "result/write_simplices.hpp"
 #include "tests/agreement/canonical_hash.hpp"
 
 namespace cullhull::internal {

@@ -5,7 +5,7 @@
 // sphere at the size of a sample. Beyond 8D hulls that can be built have few vertices, whatever the
 // body, and are compared with the most facets that as many vertices can have.
 // Vertices: by linear programs, whether each of a few points is extreme among all.
-#include "hull/facet_estimate.hpp"
+#include "hull/general/facet_estimate.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,9 +15,9 @@
 
 #include "cullhull/error.hpp"
 #include "extreme/hull_membership.hpp"
+#include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
 #include "parallel/parallel.hpp"
-#include "points/local_frame.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "control.hpp"
-#include "points/local_points.hpp"
+#include "geometry/local_points.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

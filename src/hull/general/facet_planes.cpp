@@ -5,13 +5,13 @@
 // Laplace expansion over both. The bound uses products of the rows' 1-norms in place of
 // permanents: docs/exactness.md, "Cached planes".
 
-#include "hull/facet_planes.hpp"
+#include "hull/general/facet_planes.hpp"
 
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SIZELESS_TARGETS
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "hull/facet_planes.cpp"
+#define HWY_TARGET_INCLUDE "hull/general/facet_planes.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -20,8 +20,8 @@
 #include <limits>
 #include <utility>
 
-#include "hull/laplace.hpp"
-#include "predicates/minors.hpp"
+#include "geometry/minors.hpp"
+#include "hull/general/laplace.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::HWY_NAMESPACE {
@@ -184,7 +184,7 @@ void planes_of_facets(const PlaneFrame& frame, std::uint32_t apex, const std::ui
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-#include "hull/facet_planes_any.hpp"
+#include "hull/general/facet_planes_any.hpp"
 
 namespace cullhull::internal {
 

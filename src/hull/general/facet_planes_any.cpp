@@ -1,11 +1,11 @@
-#include "hull/facet_planes_any.hpp"
+#include "hull/general/facet_planes_any.hpp"
 
 #include <cmath>
 #include <limits>
 #include <vector>
 
-#include "predicates/eliminated_plane.hpp"
-#include "predicates/minors.hpp"
+#include "geometry/eliminated_plane.hpp"
+#include "geometry/minors.hpp"
 
 namespace cullhull::internal {
 namespace {

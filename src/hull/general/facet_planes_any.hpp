@@ -1,7 +1,7 @@
 // Planes in any dimension, one facet at a time.
 #pragma once
 
-#include "hull/facet_planes.hpp"
+#include "hull/general/facet_planes.hpp"
 
 namespace cullhull::internal {
 

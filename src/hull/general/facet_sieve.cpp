@@ -1,11 +1,11 @@
 // The sieve's kernel, compiled once per instruction set.
-#include "hull/facet_sieve.hpp"
+#include "hull/general/facet_sieve.hpp"
 
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "hull/facet_sieve.cpp"
+#define HWY_TARGET_INCLUDE "hull/general/facet_sieve.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 

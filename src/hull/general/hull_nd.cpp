@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "hull/facet_estimate.hpp"
-#include "hull/insertion_nd.hpp"
+#include "hull/general/facet_estimate.hpp"
+#include "hull/general/insertion_nd.hpp"
 
 namespace cullhull::internal {
 

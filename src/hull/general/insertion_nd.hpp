@@ -24,18 +24,18 @@
 #include <vector>
 
 #include "cullhull/error.hpp"
-#include "hull/cavity.hpp"
+#include "geometry/minors.hpp"
+#include "geometry/norm_order.hpp"
+#include "geometry/orientation.hpp"
+#include "geometry/oriented_plane.hpp"
 #include "hull/engine.hpp"
-#include "hull/facet_planes.hpp"
-#include "hull/facet_sieve.hpp"
-#include "hull/facet_store.hpp"
-#include "hull/norm_order.hpp"
+#include "hull/general/cavity.hpp"
+#include "hull/general/facet_planes.hpp"
+#include "hull/general/facet_sieve.hpp"
+#include "hull/general/facet_store.hpp"
 #include "parallel/crew.hpp"
 #include "parallel/crowding.hpp"
 #include "parallel/parallel.hpp"
-#include "predicates/minors.hpp"
-#include "predicates/orientation.hpp"
-#include "predicates/oriented_plane.hpp"
 
 namespace cullhull::internal {
 
@@ -502,6 +502,6 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate_exactly(Lane& lane, Id start,
 
 }  // namespace cullhull::internal
 
-#include "hull/insertion_nd_batches.hpp"
-#include "hull/insertion_nd_cavity.hpp"
-#include "hull/insertion_nd_start.hpp"
+#include "hull/general/insertion_nd_batches.hpp"
+#include "hull/general/insertion_nd_cavity.hpp"
+#include "hull/general/insertion_nd_start.hpp"

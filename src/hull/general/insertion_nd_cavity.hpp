@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "hull/insertion_nd.hpp"
+#include "hull/general/insertion_nd.hpp"
 
 namespace cullhull::internal {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "hull/insertion_nd.hpp"
+#include "hull/general/insertion_nd.hpp"
 
 namespace cullhull::internal {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <bit>
 
-#include "predicates/minors.hpp"
+#include "geometry/minors.hpp"
 
 namespace cullhull::internal {
 

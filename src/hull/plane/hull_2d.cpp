@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "hull/engine.hpp"
-#include "hull/planar_strip.hpp"
-#include "hull/polygon.hpp"
+#include "hull/plane/planar_strip.hpp"
+#include "hull/plane/polygon.hpp"
 #include "parallel/big_array.hpp"
+#include "parallel/clear_pages.hpp"
 #include "parallel/parallel.hpp"
-#include "parallel/touch.hpp"
 
 namespace cullhull::internal {
 namespace {

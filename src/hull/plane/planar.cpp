@@ -1,4 +1,4 @@
-#include "hull/planar.hpp"
+#include "hull/plane/planar.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -1,4 +1,4 @@
-#include "hull/planar_chains.hpp"
+#include "hull/plane/planar_chains.hpp"
 
 #include <algorithm>
 #include <bit>

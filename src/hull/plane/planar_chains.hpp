@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
 #include "cullhull/array.hpp"
-#include "hull/planar.hpp"
+#include "hull/plane/planar.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

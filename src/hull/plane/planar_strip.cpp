@@ -1,10 +1,10 @@
-#include "hull/planar_strip.hpp"
+#include "hull/plane/planar_strip.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 
-#include "hull/planar_chains.hpp"
+#include "hull/plane/planar_chains.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull::internal {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "control.hpp"
-#include "hull/planar.hpp"
+#include "hull/plane/planar.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

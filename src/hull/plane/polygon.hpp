@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
 #include "cullhull/array.hpp"
-#include "hull/planar_chains.hpp"
-#include "hull/planar_strip.hpp"
+#include "hull/plane/planar_chains.hpp"
+#include "hull/plane/planar_strip.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hull/engine_3d.hpp"
+#include "hull/space/engine_3d.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -1,12 +1,12 @@
 // Compiled once per instruction set and chosen at run time.
 
-#include "hull/direction_key.hpp"
+#include "hull/space/direction_key.hpp"
 
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "hull/direction_key.cpp"
+#define HWY_TARGET_INCLUDE "hull/space/direction_key.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 

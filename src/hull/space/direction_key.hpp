@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "points/local_points.hpp"
+#include "geometry/local_points.hpp"
 
 namespace cullhull::internal {
 

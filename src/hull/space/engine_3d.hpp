@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "hull/engine.hpp"
-#include "hull/insertion_3d.hpp"
-#include "hull/order_3d.hpp"
-#include "hull/surface_3d.hpp"
+#include "hull/space/insertion_3d.hpp"
+#include "hull/space/order_3d.hpp"
+#include "hull/space/surface_3d.hpp"
 #include "parallel/big_array.hpp"
 #include "parallel/raw_array.hpp"
 

@@ -1,12 +1,12 @@
 // The 3D engine's inner loops, compiled once per instruction set and chosen at run time.
 
-#include "hull/insertion_3d.hpp"
+#include "hull/space/insertion_3d.hpp"
 
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "hull/insertion_3d.cpp"
+#define HWY_TARGET_INCLUDE "hull/space/insertion_3d.cpp"
 #include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>

@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "control.hpp"
-#include "points/local_points.hpp"
-#include "predicates/orientation_3d.hpp"
+#include "geometry/local_points.hpp"
+#include "geometry/orientation_3d.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "hull/engine_3d.hpp"
+#include "hull/space/engine_3d.hpp"
 #include "parallel/parallel.hpp"
 #include "parallel/radix_sort.hpp"
 

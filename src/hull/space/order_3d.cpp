@@ -1,4 +1,4 @@
-#include "hull/order_3d.hpp"
+#include "hull/space/order_3d.hpp"
 
 #include <algorithm>
 #include <array>

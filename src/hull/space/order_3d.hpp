@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "control.hpp"
-#include "hull/direction_key.hpp"
+#include "geometry/local_points.hpp"
+#include "hull/space/direction_key.hpp"
 #include "parallel/big_array.hpp"
-#include "points/local_points.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 

@@ -1,4 +1,4 @@
-#include "hull/surface_3d.hpp"
+#include "hull/space/surface_3d.hpp"
 
 #include <algorithm>
 #include <cstring>

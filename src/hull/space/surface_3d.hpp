@@ -8,12 +8,12 @@
 #include <utility>
 #include <vector>
 
-#include "control.hpp"
+#include "geometry/orientation_3d.hpp"
 #include "hull/engine.hpp"
-#include "hull/insertion_3d.hpp"
+#include "hull/space/insertion_3d.hpp"
 #include "parallel/big_array.hpp"
+#include "parallel/control.hpp"
 #include "parallel/raw_array.hpp"
-#include "predicates/orientation_3d.hpp"
 
 namespace cullhull::internal {
 

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "cull/gauge_cuda.hpp"
+#include "cuda/gauge.hpp"
 #include "cull/gauge_map.hpp"
 #include "device_sets.hpp"
 #include "emulation.hpp"

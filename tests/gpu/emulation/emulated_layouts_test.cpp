@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "cull/gauge_cuda.hpp"
-#include "cull/gauge_kernel_cuda.hpp"
+#include "cuda/gauge.hpp"
+#include "cuda/gauge_kernel.hpp"
 #include "cull/gauge_map.hpp"
 #include "device_sets.hpp"
 #include "emulation.hpp"

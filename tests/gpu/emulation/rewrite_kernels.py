@@ -31,21 +31,21 @@ PLANTED = {
         "Shared ? (table.nodes.size() - 1) * sizeof(float) : 0",
     ),
     "short-mask": (
-        "gauge_cuda.cpp",
+        "gauge.cpp",
         "mask(mask_room(points.count), stream)",
         "mask(mask_words(points.count), stream)",
     ),
     "no-wait": (
-        "gauge_cuda.cpp",
+        "gauge.cpp",
         'synchronise(stream_.get(), "culling");',
         "",
     ),
     "other-stream": (
-        "gauge_cuda.cpp",
+        "gauge.cpp",
         "check(gather_rows(part, piece_ids_.data(), n, packed_.data(), stream)",
         "check(gather_rows(part, piece_ids_.data(), n, packed_.data(), nullptr)",
     ),
-    "no-block-barrier": ("cuda_executor.cuh", "    __syncthreads();\n", ""),
+    "no-block-barrier": ("executor.cuh", "    __syncthreads();\n", ""),
 }
 
 
