@@ -95,7 +95,8 @@ class HullStream {
  public:
   /// `options` hold for every call. `threads`: of each push(); with as many pushing threads as
   /// processors, 1 is best. `memory_budget`: for all that the stream holds and needs beside it.
-  /// `progress`: told by one thread at a time, whichever reduces; `poll`: from every pushing thread.
+  /// `progress`: told by one thread at a time, whichever reduces; `poll`: from every pushing
+  /// thread.
   explicit HullStream(Options options = {});
   HullStream(HullStream&&) noexcept;
   HullStream& operator=(HullStream&&) noexcept;

@@ -143,8 +143,8 @@ HullState HullState::from_bytes(std::span<const std::byte> bytes) {
   const std::uint64_t row = std::uint64_t{head.dimension} * scalar_size(state.scalar_);
   // Compared by division: a header can promise any number.
   const std::uint64_t room = bytes.size() - sizeof head - 8;
-  if (head.count > room / (row + 8) || sizeof head + 8 + head.count * 8 + padded(head.count * row) !=
-                                           bytes.size())
+  if (head.count > room / (row + 8) ||
+      sizeof head + 8 + head.count * 8 + padded(head.count * row) != bytes.size())
     bad_state(std::to_string(head.count) + " points of dimension " +
               std::to_string(head.dimension) + " do not fit its " + std::to_string(bytes.size()) +
               " bytes");

@@ -9,6 +9,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/stream.hpp"
 #include "geometry/gather.hpp"
+#include "parallel/helpers.hpp"
 #include "parallel/run.hpp"
 #include "stream/numbered_points.hpp"
 #include "stream/reduce.hpp"
@@ -243,8 +244,7 @@ void HullStream::push(const HullState& state) {
   if (state.dimension_ == 0) return;
   impl_->reduce_if_worth();
   NumberedPoints points{state.dimension_, state.scalar_, state.ids_, state.rows_};
-  const std::uint64_t end =
-      state.ids_.empty() ? 0 : std::max(state.ids_.back() + 1, state.seen_);
+  const std::uint64_t end = state.ids_.empty() ? 0 : std::max(state.ids_.back() + 1, state.seen_);
   impl_->take(std::move(points), state.seen_, end);
 }
 

@@ -43,16 +43,15 @@ const GaugeShortcuts* StreamMap::shortcuts(const PointView& block, unsigned thre
   constexpr std::uint64_t enough_to_show = 1 << 14, many = std::uint64_t{1} << 40;
   const std::lock_guard lock(mutex_);
   if (shortcuts_ == nullptr && block.count >= enough_to_show)
-    shortcuts_ = std::make_unique<const GaugeShortcuts>(
-        make_shortcuts(map_->table(), block, many, threads));
+    shortcuts_ =
+        std::make_unique<const GaugeShortcuts>(make_shortcuts(map_->table(), block, many, threads));
   return shortcuts_.get();
 }
 
 /// Positions, relative to `begin`, of the points left. What the table leaves in doubt the facet
 /// that each point's ray meets decides: it is few of them, and what is left then is outside.
 std::size_t StreamMap::cull_chunk(const PointView& block, std::uint64_t begin, std::uint64_t end,
-                                  const GaugeShortcuts* shortcuts,
-                                  std::uint32_t* positions) const {
+                                  const GaugeShortcuts* shortcuts, std::uint32_t* positions) const {
   const std::size_t doubtful =
       gauge_survivors(map_->table(), block, begin, end, positions, shortcuts);
   // Where most are left the block lies elsewhere, and no facet will drop them.
@@ -76,8 +75,7 @@ void StreamMap::cull(const PointView& block, std::uint64_t first_id, const Run& 
                    run.control.check();
                    std::array<std::uint32_t, gauge_chunk> positions;
                    const std::size_t left = cull_chunk(block, begin, end, quick, positions.data());
-                   if (left > 0)
-                     of_chunk[c].append(block, begin, positions.data(), left, first_id);
+                   if (left > 0) of_chunk[c].append(block, begin, positions.data(), left, first_id);
                  });
   for (const NumberedPoints& part : of_chunk) kept.append(part);
 }
