@@ -292,7 +292,9 @@ void load(const PointView& p, std::uint64_t begin, std::uint64_t end, double* ou
   }
 }
 
-class Scan {
+}  // namespace
+
+class PointCheck::Scan {
  public:
   explicit Scan(const Subject& s)
       : s_(s),
@@ -302,48 +304,55 @@ class Scan {
     if (s.k == 1) low_ = s.row(0)[0] < s.row(1)[0] ? 0 : 1;
   }
 
-  void range(std::uint64_t begin, std::uint64_t end) const {
+  /// Points [begin, end) of a block, of which the first is the point `first` of all.
+  void range(const PointView& block, std::uint64_t first, std::uint64_t begin,
+             std::uint64_t end) const {
     switch (s_.k) {
       case 2:
-        return range_in<2>(begin, end);
+        return range_in<2>(block, first, begin, end);
       case 3:
-        return range_in<3>(begin, end);
+        return range_in<3>(block, first, begin, end);
       case 4:
-        return range_in<4>(begin, end);
+        return range_in<4>(block, first, begin, end);
       case 5:
-        return range_in<5>(begin, end);
+        return range_in<5>(block, first, begin, end);
       case 6:
-        return range_in<6>(begin, end);
+        return range_in<6>(block, first, begin, end);
       default:
-        return range_in<0>(begin, end);
+        return range_in<0>(block, first, begin, end);
     }
   }
 
  private:
   /// K: k where the inner filter serves, else 0.
   template <unsigned K>
-  void range_in(std::uint64_t begin, std::uint64_t end) const {
+  void range_in(const PointView& points, std::uint64_t first, std::uint64_t begin,
+                std::uint64_t end) const {
     const unsigned d = s_.hull.dimension, k = K ? K : s_.k;
     constexpr std::uint64_t block = 256;
     std::vector<double> rows(block * d), on_axes(k);
     std::uint8_t in_ball[block] = {};
     std::vector<const double*> scratch(k + 1);
-    auto vertex = std::lower_bound(s_.ids.begin(), s_.ids.end(), begin);
+    auto vertex = std::lower_bound(s_.ids.begin(), s_.ids.end(), first + begin);
     std::uint32_t f = 0;
     VertexCache cache(s_);
     for (std::uint64_t b = begin; b < end; b += block) {
       const std::uint64_t stop = std::min(b + block, end);
-      load(s_.points, b, stop, rows.data());
+      load(points, b, stop, rows.data());
       if constexpr (K != 0) mark_ball<K>(rows.data(), static_cast<unsigned>(stop - b), in_ball);
-      for (std::uint64_t i = b; i < stop; ++i) {
-        if (in_ball[i - b] != 0) continue;
-        const double* x = rows.data() + (i - b) * d;
+      for (std::uint64_t at = b; at < stop; ++at) {
+        if (in_ball[at - b] != 0) continue;
+        const double* x = rows.data() + (at - b) * d;
+        const std::uint64_t i = first + at;
         check_finite(i, x);
         while (vertex != s_.ids.end() && *vertex < i) ++vertex;
         if (k < d && !flat_.contains(x))
           fault("point ", i, " is not in the flat of the vertices: affine dimension ", k,
                 " is too low");
-        if (vertex != s_.ids.end() && *vertex == i) continue;
+        if (vertex != s_.ids.end() && *vertex == i) {
+          meet_vertex(static_cast<std::size_t>(vertex - s_.ids.begin()), x);
+          continue;
+        }
         if (k < d) {
           for (unsigned j = 0; j < k; ++j) on_axes[j] = x[s_.axes[j]];
           x = on_axes.data();
@@ -354,6 +363,14 @@ class Scan {
           check_by_ray(i, x, f, scratch.data(), cache);
       }
     }
+  }
+
+  /// The point is the one that the hull names: in the same place, where that was not looked up.
+  void meet_vertex(std::size_t v, const double* x) const {
+    const unsigned d = s_.hull.dimension;
+    if (s_.claimed != nullptr && !std::equal(x, x + d, s_.full.data() + v * d))
+      fault("vertex ", s_.ids[v], " has other coordinates than that point");
+    s_.vertices_met.fetch_add(1, std::memory_order_relaxed);
   }
 
   /// Full dimension: marks points of the ball around the centre, strictly inside by that alone. No
@@ -428,12 +445,13 @@ class Scan {
   unsigned low_ = 0;
 };
 
-}  // namespace
+PointCheck::PointCheck(const Subject& s) : scan_(std::make_unique<const Scan>(s)), s_(s) {}
+PointCheck::~PointCheck() = default;
 
-void check_points(const Subject& s) {
-  const Scan scan(s);
-  check_chunks(s, s.points.count, chunk,
-               [&](std::uint64_t begin, std::uint64_t end) { scan.range(begin, end); });
+void PointCheck::check(const PointView& block, std::uint64_t first_id) const {
+  check_chunks(s_, block.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    scan_->range(block, first_id, begin, end);
+  });
 }
 
 }  // namespace cullhull::internal

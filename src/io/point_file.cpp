@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "io/mapped_file.hpp"
+#include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/text_scan.hpp"
 
@@ -65,6 +66,8 @@ std::string format_of_content(const Source& s) {
   return "text";
 }
 
+}  // namespace
+
 std::string choose_format(const Source& source, const ReadOptions& options) {
   static constexpr std::string_view known[] = {"npy", "ply", "obj", "off", "stl",
                                                "xyz", "txt", "csv", "raw"};
@@ -84,8 +87,6 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
   return format_of_content(source);
 }
 
-}  // namespace
-
 PointData read_points(const Source& file, const ReadOptions& options) {
   if (file.size == 0) fail(file, "empty file");
   const Source text = behind_byte_order_mark(file);
@@ -102,25 +103,54 @@ PointData read_points(const Source& file, const ReadOptions& options) {
   return data;
 }
 
-PointData read_raw(const Source& source, const ReadOptions& options) {
+namespace {
+
+std::uint64_t raw_record(const Source& source, const ReadOptions& options) {
   if (options.raw_dimension == 0 || !options.raw_scalar)
     throw Error(ErrorCode::invalid_argument,
                 source.name + ": raw input needs a dimension and a scalar type");
-  const std::uint64_t record =
-      std::uint64_t{options.raw_dimension} * scalar_size(*options.raw_scalar);
-  if (source.size % record != 0)
-    fail_at_byte(source, source.size - source.size % record,
+  return std::uint64_t{options.raw_dimension} * scalar_size(*options.raw_scalar);
+}
+
+void check_whole_records(const Source& source, std::uint64_t size, std::uint64_t record) {
+  if (size % record != 0)
+    fail_at_byte(source, size - size % record,
                  "ends within a point: one takes " + std::to_string(record) + " bytes");
+}
+
+PointData raw_points(const Source& source, std::uint64_t count, const ReadOptions& options) {
   PointData data;
   data.format = "raw";
   data.in_place = true;
+  const auto size = static_cast<std::ptrdiff_t>(scalar_size(*options.raw_scalar));
   data.view = {reinterpret_cast<const std::byte*>(source.data),
                *options.raw_scalar,
                options.raw_dimension,
-               source.size / record,
-               static_cast<std::ptrdiff_t>(record),
-               static_cast<std::ptrdiff_t>(scalar_size(*options.raw_scalar))};
+               count,
+               size * static_cast<std::ptrdiff_t>(options.raw_dimension),
+               size};
   return data;
+}
+
+}  // namespace
+
+PointData read_raw(const Source& source, const ReadOptions& options) {
+  const std::uint64_t record = raw_record(source, options);
+  check_whole_records(source, source.size, record);
+  return raw_points(source, source.size / record, options);
+}
+
+std::optional<RecordLayout> raw_records(const Source& head, std::uint64_t size,
+                                        const ReadOptions& options) {
+  RecordLayout layout;
+  layout.format = "raw";
+  layout.record_bytes = raw_record(head, options);
+  if (size != unknown_size) check_whole_records(head, size, layout.record_bytes);
+  layout.count = size == unknown_size ? unknown_size : size / layout.record_bytes;
+  layout.decode = [options](const Source& records, std::uint64_t, std::uint64_t count) {
+    return raw_points(records, count, options);
+  };
+  return layout;
 }
 
 }  // namespace internal
