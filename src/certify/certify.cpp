@@ -5,9 +5,11 @@
 #include <memory>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "certify/certificate.hpp"
+#include "certify/cones.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull {
@@ -148,7 +150,7 @@ void check_equal(const Subject& s, const PointView& block, std::uint64_t first_i
 }
 
 /// All that can be said without the points.
-void check_hull(Subject& s, Certificate& out) {
+void check_hull(Subject& s, std::optional<Cones>& cones, Certificate& out) {
   const Hull& h = s.hull;
   const std::uint64_t n = s.points.count;
   if (h.dimension != s.points.dimension) fault("the hull's dimension is not that of the points");
@@ -167,9 +169,11 @@ void check_hull(Subject& s, Certificate& out) {
   check_shape(s);
   check_flat(s);
   s.control.report("certify", 0.05);
-  out.ridges_checked = check_ridges(s);
+  cones.emplace(s);
+  check_interior(s, *cones);
   s.control.report("certify", 0.2);
-  check_interior(s);
+  out.ridges_checked = check_ridges(s, *cones);
+  check_covering(s, *cones);
   s.control.report("certify", 0.4);
   check_facets(s);
   s.control.report("certify", 0.5);
@@ -179,9 +183,10 @@ void check_all(Subject& s, Certificate& out) {
   const std::uint64_t n = s.points.count;
   if (s.points.dimension == 0 || (n > 0 && s.points.data == nullptr))
     throw Error(ErrorCode::invalid_argument, "certify needs points of at least one dimension");
-  check_hull(s, out);
+  std::optional<Cones> cones;
+  check_hull(s, cones, out);
   if (s.k > 0)
-    PointCheck(s).check(s.points, 0);
+    PointCheck(s, *cones).check(s.points, 0);
   else
     check_equal(s, s.points, 0);
   out.points_checked = n;
@@ -218,6 +223,7 @@ struct CertifyStream::Impl {
   std::vector<double> claimed;
   PointView none;
   internal::Subject subject{none, hull, control, internal::resolve_threads(options.threads)};
+  std::optional<internal::Cones> cones;
   std::unique_ptr<internal::PointCheck> points;
   Certificate out;
   mutable std::mutex mutex;  ///< of what follows
@@ -261,8 +267,8 @@ CertifyStream::CertifyStream(const Hull& hull, std::vector<double> vertex_coordi
   m.none = {nullptr, hull.scalar, hull.dimension, hull.point_count, 0, 0};
   m.subject.claimed = &m.claimed;
   try {
-    internal::check_hull(m.subject, m.out);
-    if (m.subject.k > 0) m.points = std::make_unique<internal::PointCheck>(m.subject);
+    internal::check_hull(m.subject, m.cones, m.out);
+    if (m.subject.k > 0) m.points = std::make_unique<internal::PointCheck>(m.subject, *m.cones);
   } catch (const internal::Fault& f) {
     m.note(f, 0);
   }
