@@ -69,6 +69,9 @@ std::vector<std::string> input_files(const std::vector<std::string>& words);
 /// Bytes of those that are files; 0 where one is no regular file, so that nobody knows.
 std::uint64_t input_bytes(const std::vector<std::string>& files);
 
+/// Whether these are larger than half of the memory that the options allow (Options::memory_budget).
+bool worth_streaming(const std::vector<std::string>& files, const Options& options);
+
 /// Reads the files one after the other, each once, and visits their points block by block, in
 /// memory O(readers * block). Formats of records (.npy, .ply in binary, raw, ...) and text come in
 /// blocks; those that are neither (.obj, .stl, ...) are read whole, one at a time.

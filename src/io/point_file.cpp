@@ -50,6 +50,7 @@ Source behind_byte_order_mark(const Source& s) {
 std::string format_of_content(const Source& s) {
   if (begins(s, "\x93NUMPY")) return "npy";
   if (begins(s, "ply\n") || begins(s, "ply\r")) return "ply";
+  if (begins(s, "LASF")) return "las";
   if (looks_like_binary_stl(s)) return "stl";
   if (std::memchr(s.data, 0, std::min<std::size_t>(s.size, 4096)) != nullptr)
     fail(s, "not a format known by its content; for raw numbers give dimension and scalar type");
@@ -69,8 +70,8 @@ std::string format_of_content(const Source& s) {
 }  // namespace
 
 std::string choose_format(const Source& source, const ReadOptions& options) {
-  static constexpr std::string_view known[] = {"npy", "ply", "obj", "off", "stl",
-                                               "xyz", "txt", "csv", "raw"};
+  static constexpr std::string_view known[] = {"npy", "ply", "las", "obj", "off",
+                                               "stl", "xyz", "txt", "csv", "raw"};
   const auto is_known = [](const std::string& f) {
     return std::find(std::begin(known), std::end(known), f) != std::end(known);
   };
@@ -78,11 +79,15 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
     if (!is_known(options.format))
       throw Error(ErrorCode::invalid_argument,
                   "unknown format " + quoted_text(options.format) +
-                      "; known are npy ply obj off stl xyz txt csv raw");
+                      "; known are npy ply las obj off stl xyz txt csv raw");
     return options.format;
   }
   const std::string extension = extension_of(source.name);
   if (is_known(extension)) return extension;
+  if (extension == "laz") return "las";  // which says what reads it
+  for (const char* other : {"e57", "parquet", "zarr", "copc"})
+    if (extension == other)
+      fail(source, "." + extension + " is read by the Python package alone: cullhull.read(path)");
   if (options.raw_dimension != 0 || options.raw_scalar) return "raw";
   return format_of_content(source);
 }
@@ -93,6 +98,7 @@ PointData read_points(const Source& file, const ReadOptions& options) {
   const std::string format = choose_format(text, options);
   if (format == "npy") return read_npy(file, options);
   if (format == "raw") return read_raw(file, options);
+  if (format == "las") return read_las(file, options);
   const Source& source = format == "stl" && looks_like_binary_stl(file) ? file : text;
   if (format == "ply") return read_ply(source, options);
   if (format == "obj") return read_obj(source, options);

@@ -83,7 +83,9 @@ struct HullStream::Impl {
     try {
       Options exact = options;
       const std::uint64_t held = 3 * all.size() * all.point_bytes();
-      exact.memory_budget = budget > held ? budget - held : 1;
+      require_budget(budget, held, std::to_string(all.size()) + " points that may be extreme");
+      exact.memory_budget = budget - held;
+      if (exact.memory_budget == 0) exact.memory_budget = 1;  // 0 would be the default
       keep_extreme(all, exact);
       // Where most points are extreme a filter would drop too few to pay.
       if (all.size() < seen_now / 2) next = StreamMap::lay(all, Run(exact));

@@ -14,6 +14,7 @@
 #include "agreement/all_paths.hpp"
 #include "agreement/hard_sets.hpp"
 #include "agreement/point_sets.hpp"
+#include "cullhull/extreme_points.hpp"
 #include "cullhull/generate.hpp"
 
 namespace cullhull::testing_support {
@@ -386,6 +387,32 @@ TEST(Stream, BudgetIsToldAndNothingLost) {
   const StreamReport report = stream.report();
   EXPECT_EQ(report.point_count, pushed);
   EXPECT_EQ(report.extreme + report.waiting, pushed);
+}
+
+// Whatever the budget: an answer or a refusal, in each of several calls.
+TEST(Stream, AnyBudgetIsKeptOrRefused) {
+  PointSet s = named("sphere", 3);
+  s.coordinates = generate("sphere", 20000, 3, 1);
+  const Ids expected = sorted_vertices(convex_hull(view_of(s)));
+  for (std::uint64_t budget = 1; budget < (1U << 26); budget *= 3)
+    for (const unsigned threads : {1U, 2U}) {
+      Options options;
+      options.memory_budget = budget;
+      options.threads = threads;
+      HullStream stream(options);
+      try {
+        for (std::uint64_t at = 0; at < s.count(); at += 1000)
+          stream.push(part_of(view_of(s), at, at + 1000));
+        EXPECT_EQ(stream.state().ids(), expected);
+      } catch (const Error& e) {
+        EXPECT_EQ(e.code(), ErrorCode::out_of_budget) << budget;
+      }
+      try {
+        EXPECT_EQ(extreme_points(view_of(s), options).ids, expected);
+      } catch (const Error& e) {
+        EXPECT_EQ(e.code(), ErrorCode::out_of_budget) << budget;
+      }
+    }
 }
 
 TEST(Stream, CancelledAndTakenUpAgain) {

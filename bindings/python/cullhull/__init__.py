@@ -38,6 +38,8 @@ from ._functions import certify, convex_hull, cull, generate, shapes
 from ._hull import Certificate, Hull, Simplified
 from ._lists import Lists
 from ._many import GrowingHull, HullBatch, convex_hulls
+from ._read import read
+from ._stream import HullState, HullStream
 from ._tolerant import TolerantConvexHull
 from ._tracker import HullTracker
 
@@ -59,6 +61,8 @@ __all__ = [
     "HalfspaceIntersection",
     "Hull",
     "HullBatch",
+    "HullState",
+    "HullStream",
     "HullTracker",
     "InternalError",
     "InvalidArgument",
@@ -80,6 +84,7 @@ __all__ = [
     "cuda_status",
     "cull",
     "generate",
+    "read",
     "shapes",
 ]
 

@@ -318,6 +318,7 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
   if (format == "npy") layout = npy_records(head, from.size, read);
   if (format == "raw") layout = raw_records(head, from.size, read);
   if (format == "ply") layout = ply_records(head, from.size, read);
+  if (format == "las") layout = las_records(head, from.size);
   if (layout) {
     if (from.file.get() >= 0)
       return std::make_unique<RecordBlocks>(std::move(from), std::move(*layout),

@@ -6,6 +6,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/point_blocks.hpp"
 #include "io/source.hpp"
+#include "parallel/memory.hpp"
 
 namespace cullhull {
 namespace {
@@ -49,6 +50,10 @@ std::uint64_t input_bytes(const std::vector<std::string>& files) {
     total += static_cast<std::uint64_t>(status.st_size);
   }
   return total;
+}
+
+bool worth_streaming(const std::vector<std::string>& files, const Options& options) {
+  return input_bytes(files) > internal::resolve_budget(options.memory_budget) / 2;
 }
 
 }  // namespace cullhull

@@ -190,7 +190,7 @@ class Reading {
     if (next_file_ < files_.size()) source = open_source(files_[next_file_], options_);
     const std::lock_guard lock(mutex_);
     if (current_ != active_.end()) {
-      bytes_before_ += last_.taken;
+      bytes_before_ += std::max(last_.taken, input_bytes({files_[current_->file]}));
       last_ = {};
       current_->ended = true;
       finish(std::exchange(current_, active_.end()));
