@@ -1,6 +1,5 @@
 #include "arguments.hpp"
 
-#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -23,7 +22,8 @@ const char* const input_help =
     "Input, by extension, else by content:\n"
     "  .npy   NumPy array of n rows and d columns, either order; read in place\n"
     "  .ply   vertices, binary (read in place) or ASCII      .obj .off .stl   vertices\n"
-    "  .las   LAS 1.0 to 1.4, every point format; read in place: the file's whole numbers, to which\n"
+    "  .las   LAS 1.0 to 1.4, every point format; read in place: the file's whole numbers, to "
+    "which\n"
     "         its scale and offset are not applied\n"
     "  .xyz .txt .csv   a point a line, separated by blanks, commas or semicolons; Qhull's header\n"
     "         (dimension, then count) and cdd's (rbox h) are understood\n"
@@ -157,38 +157,21 @@ std::vector<std::uint32_t> parse_columns(std::string_view text, std::uint32_t di
   return columns;
 }
 
-CLI::Option& needs_value(CLI::Option& option) {
-  const auto check = [](const std::string& word) {
-    return word.empty() ? std::string("needs a value, not an empty word") : std::string();
-  };
-  option.check(check);
-  return option;
-}
-
 std::string input_name(const std::string& path) { return path == "-" ? "standard input" : path; }
 
-void allow_words(CLI::Option& option, const std::vector<std::string>& words) {
-  std::string joined;
-  for (const std::string& word : words) joined += (joined.empty() ? "" : "|") + word;
-  option.type_name(joined)->check(CLI::IsMember(words).description(""));
-}
-
-void allow_range(CLI::Option& option, std::uint32_t least, std::uint32_t greatest) {
-  option.type_name("N")->check(CLI::Range(least, greatest).description(""));
-}
-
-void InputArguments::add_to(CLI::App& command) {
+void InputArguments::add_to(Parser& command) {
   command.add_option("INPUT", path, "File of points, or - for standard input")
       ->type_name("")
       ->required();
   add_format_to(command);
 }
 
-void InputArguments::add_many_to(CLI::App& command) {
+void InputArguments::add_many_to(Parser& command, const std::string& last) {
   command
       .add_option("INPUT", words,
                   "Files of points: one set, in this order. Also folders, patterns in quotes,\n"
-                  "@LIST (a text with one of these a line), and - for standard input")
+                  "@LIST (a text with one of these a line), and - for standard input" +
+                      last)
       ->type_name("")
       ->required();
   add_format_to(command);
@@ -198,7 +181,7 @@ std::vector<std::string> InputArguments::files() const {
   return words.empty() ? std::vector{path} : cullhull::input_files(words);
 }
 
-void InputArguments::add_format_to(CLI::App& command) {
+void InputArguments::add_format_to(Parser& command) {
   allow_words(*command.add_option("--input-format", format,
                                   "Read INPUT as this, whatever its name and content"),
               {"npy", "ply", "las", "obj", "off", "stl", "xyz", "txt", "csv", "raw"});
@@ -281,7 +264,7 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
   return all;
 }
 
-void RunArguments::add_to(CLI::App& command, bool filter) {
+void RunArguments::add_to(Parser& command, bool filter) {
   if (filter) {
     auto& method = *command.add_option("--cull", cull, "Filter; auto sees on a sample if it pays");
     allow_words(method, {"auto", "gauge", "pseudo-hull", "none"});

@@ -10,11 +10,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/options.hpp"
-
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
+#include "parser.hpp"
 
 namespace app {
 
@@ -28,14 +24,14 @@ struct InputArguments {
   /// Where a command takes many: as they were given. Their files are one set of points.
   std::vector<std::string> words;
 
-  void add_to(CLI::App& command);
-  /// INPUT may be several words.
-  void add_many_to(CLI::App& command);
+  void add_to(Parser& command);
+  /// INPUT may be several words; `last`: what the help says of the last of them.
+  void add_many_to(Parser& command, const std::string& last = "");
   /// The files that the words stand for (input_files), or the one path.
   std::vector<std::string> files() const;
 
  private:
-  void add_format_to(CLI::App& command);
+  void add_format_to(Parser& command);
 };
 
 /// An open file and the view of it that was asked for.
@@ -69,7 +65,7 @@ struct RunArguments {
   bool quiet = false;
 
   /// `filter`: with --cull and --backend, which checking a hull does not have.
-  void add_to(CLI::App& command, bool filter);
+  void add_to(Parser& command, bool filter);
   cullhull::Options options() const;
 };
 
@@ -88,9 +84,6 @@ std::uint64_t parse_whole(std::string_view text, std::string_view option);
 /// `dimension`. Throws Error{invalid_argument}.
 std::vector<std::uint32_t> parse_columns(std::string_view text, std::uint32_t dimension);
 
-/// Refuses the empty word, which a script gives where its variable is not set.
-CLI::Option& needs_value(CLI::Option& option);
-
 /// "standard input" for "-".
 std::string input_name(const std::string& path);
 
@@ -104,11 +97,6 @@ auto naming_file(const std::string& path, const Read& read) -> decltype(read()) 
     throw cullhull::Error(e.code(), input_name(path) + ": " + e.what());
   }
 }
-
-/// Limits an option to some words or to a range, and says so in the help without the parser's
-/// jargon.
-void allow_words(CLI::Option& option, const std::vector<std::string>& words);
-void allow_range(CLI::Option& option, std::uint32_t least, std::uint32_t greatest);
 
 /// Appended to the help of every command that reads points.
 extern const char* const input_help;

@@ -1,7 +1,6 @@
 // cullhull certify: an independent check of a hull written earlier.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -150,13 +149,10 @@ int run(CertifyArguments arguments) {
 
 }  // namespace
 
-Command add_certify(CLI::App& parent) {
+Command add_certify(Parser& parent) {
   auto a = std::make_shared<CertifyArguments>();
-  CLI::App& command = *parent.add_subcommand("certify", "Check a hull against its points, exactly");
-  a->input.add_many_to(command);
-  command.get_option("INPUT")->description(
-      "Files of points: one set, in this order (folders, patterns in quotes, @LIST, -), and\n"
-      "last what 'cullhull hull INPUT -o HULL.json' wrote");
+  Parser& command = *parent.add_subcommand("certify", "Check a hull against its points, exactly");
+  a->input.add_many_to(command, ";\nlast what 'cullhull hull INPUT -o HULL.json' wrote");
   a->stream.add_to(command, false);
   add_json_option(command, a->json, "The outcome, counts and times");
   a->run.add_to(command, false);

@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "checkpoint.hpp"
@@ -67,7 +66,7 @@ double megabytes(std::uint64_t bytes) { return static_cast<double>(bytes) / 1e6;
 
 }  // namespace
 
-void StreamArguments::add_to(CLI::App& command, bool states) {
+void StreamArguments::add_to(Parser& command, bool states) {
   allow_words(*command.add_option("--stream", stream,
                                   "Read in blocks, in memory that does not grow with the points;\n"
                                   "auto: several inputs, and what exceeds half of the memory"),

@@ -23,7 +23,7 @@ struct StreamArguments {
   std::uint64_t first_id = 0;
 
   /// `states`: with what makes, keeps and takes in states.
-  void add_to(CLI::App& command, bool states);
+  void add_to(Parser& command, bool states);
   /// Names the outputs to the plan.
   void plan(FilePlan& plan) const;
   /// Whether to read in blocks. `why_not`: what the run needs all points in memory for; empty if
