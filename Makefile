@@ -3,6 +3,7 @@
 JOBS ?= $(shell nproc)
 BIN := build/release/bin/cullhull
 FUZZ_SECONDS ?= 60
+FAST := -DCULLHULL_FAST_BUILD=ON
 
 .PHONY: help demo build test bench docs fuzz format python clean
 .NOTPARALLEL:
@@ -25,18 +26,19 @@ demo: build
 
 build:
 	@scripts/install-deps.sh build
-	cmake --preset release -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=OFF
+	cmake --preset release $(FAST) -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=OFF
 	cmake --build build/release -j $(JOBS) --target cullhull_app
 
 test:
 	@scripts/install-deps.sh build test python
-	cmake --preset release -DCULLHULL_BUILD_TESTS=ON -DCULLHULL_BUILD_BENCH=OFF
+	cmake --preset release $(FAST) -DCULLHULL_WITH_CUDA=AUTO -DCULLHULL_BUILD_TESTS=ON \
+	  -DCULLHULL_BUILD_BENCH=OFF
 	cmake --build build/release -j $(JOBS)
 	ctest --test-dir build/release -j 2 --output-on-failure
 
 bench:
 	@scripts/install-deps.sh build bench
-	cmake --preset release -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=ON
+	cmake --preset release $(FAST) -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=ON
 	cmake --build build/release -j $(JOBS)
 	build/release/bin/micro_bench
 	build/release/bin/cullhull bench rivals

@@ -9,10 +9,12 @@ target_compile_options(cullhull_flags INTERFACE
   "$<${_cuda}:-fmad=false;--expt-relaxed-constexpr;-Xcompiler=-ffp-contract=off,-fno-fast-math>")
 target_compile_options(cullhull_flags INTERFACE
   "$<${_cxx}:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion>"
-  "$<${_cuda}:-Xcompiler=-Wall,-Wextra;-Wno-deprecated-gpu-targets>")
+  "$<${_cuda}:-Xcompiler=-Wall,-Wextra;-Wno-deprecated-gpu-targets>"
+  # No kernel of ours keeps anything in a thread's memory: all of it fits into registers.
+  "$<${_cuda}:-Xptxas=-warn-spills,-warn-lmem-usage>")
 if(CULLHULL_WERROR)
   target_compile_options(cullhull_flags INTERFACE
-    "$<${_cxx}:-Werror>" "$<${_cuda}:-Werror=all-warnings>")
+    "$<${_cxx}:-Werror>" "$<${_cuda}:-Werror=all-warnings;-Xptxas=-Werror>")
 endif()
 if(CULLHULL_SANITIZE)
   # Host code of .cu files only launches kernels: nvcc would need other words for these flags.

@@ -1,5 +1,4 @@
 // cullhull view: points and their hull as one HTML page.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -8,6 +7,7 @@
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "cullhull/cullhull.hpp"
+#include "cullhull/io.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "signals.hpp"
@@ -270,9 +270,9 @@ int run(const ViewArguments& arguments) {
 
 }  // namespace
 
-Command add_view(CLI::App& parent) {
+Command add_view(Parser& parent) {
   auto a = std::make_shared<ViewArguments>();
-  CLI::App& command =
+  Parser& command =
       *parent.add_subcommand("view", "Points and their hull as an HTML page to look at");
   needs_value(*command.add_option("-o,--output", a->output, "Write the page to this file"))
       .type_name("PAGE.html")

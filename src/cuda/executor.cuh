@@ -4,13 +4,11 @@
 #pragma once
 
 #include <thrust/iterator/counting_iterator.h>
-#include <thrust/iterator/tabulate_output_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <cub/device/device_scan.cuh>
-#include <cub/device/device_select.cuh>
 #include <utility>
 #include <vector>
 
@@ -22,6 +20,8 @@ namespace cullhull::internal {
 
 namespace cuda_kernels {
 
+// Bounds of launches name one block a processor where registers are to be had: to let more threads
+// run at a time, ptxas would rather spill some.
 constexpr unsigned block_size = 256;
 /// Reductions of structs: 128 threads with a table of at most 20 KB.
 constexpr unsigned reduce_block_size = 128;
@@ -29,13 +29,14 @@ constexpr unsigned reduce_block_size = 128;
 __device__ inline GridThread here() { return {blockIdx.x, threadIdx.x, blockDim.x, gridDim.x}; }
 
 template <class Body>
-__global__ void __launch_bounds__(block_size) for_each(const ForEachKernel<Body> kernel) {
+__global__ void __launch_bounds__(block_size, 1)
+    for_each(const __grid_constant__ ForEachKernel<Body> kernel) {
   kernel.run(here());
 }
 
 template <class T, class Map, class Combine>
-__global__ void __launch_bounds__(reduce_block_size)
-    reduce(const ReduceKernel<T, Map, Combine> kernel) {
+__global__ void __launch_bounds__(reduce_block_size, 1)
+    reduce(const __grid_constant__ ReduceKernel<T, Map, Combine> kernel) {
   __shared__ alignas(alignof(T)) unsigned char bytes[sizeof(T) * reduce_block_size];
   T* table = reinterpret_cast<T*>(bytes);
   const GridThread at = here();
@@ -49,7 +50,7 @@ __global__ void __launch_bounds__(reduce_block_size)
 
 template <class Body>
 __global__ void __launch_bounds__(block_size)
-    scatter_max(const ScatterMaxKernel<Body> kernel, std::uint32_t* none_of_all) {
+    scatter_max(const __grid_constant__ ScatterMaxKernel<Body> kernel, std::uint32_t* none_of_all) {
   std::uint32_t none = kernel.run(here());
   for (unsigned other = 16; other > 0; other /= 2)
     none += __shfl_down_sync(0xFFFFFFFF, none, other);
@@ -66,12 +67,14 @@ struct KeepAsNumber {
   }
 };
 
-/// The k-th item that a selection writes is i.
-template <class Emit>
-struct EmitSelected {
+/// number[i]: how many are kept of those before item i.
+template <class Keep, class Emit>
+struct EmitKept {
+  Keep keep;
   Emit emit;
-  __host__ __device__ void operator()(std::ptrdiff_t k, std::uint32_t i) const {
-    emit(i, static_cast<std::uint32_t>(k));
+  const std::uint32_t* number;
+  CULLHULL_HD void operator()(std::uint32_t i) const {
+    if (keep(i)) emit(i, number[i]);
   }
 };
 
@@ -102,6 +105,7 @@ class CudaExecutor {
   using Array = CudaArray<T>;
   /// Neighbouring threads read neighbouring items.
   static constexpr std::uint32_t grain = 1;
+  static constexpr bool many_threads = true;
 
   explicit CudaExecutor(cudaStream_t stream)
       : stream_(stream), processors_(cuda::device().multiprocessors) {}
@@ -189,13 +193,12 @@ class CudaExecutor {
   template <class Keep, class Emit>
   std::uint32_t select(std::uint32_t count, const Keep& keep, const Emit& emit) {
     if (count == 0) return 0;
-    std::uint32_t* selected = reserve(words_, 1);
-    const auto out = thrust::make_tabulate_output_iterator(cuda_kernels::EmitSelected<Emit>{emit});
-    with_scratch([&](void* scratch, std::size_t& bytes) {
-      return cub::DeviceSelect::If(scratch, bytes, thrust::make_counting_iterator(std::uint32_t{0}),
-                                   out, selected, std::int64_t{count}, keep, stream_);
-    });
-    return word(selected);
+    // Places first, then what is done with the items: an emit of any length, inlined into a
+    // selection of CUB's, which works on many items a thread, would not fit into registers.
+    std::uint32_t* number = reserve(numbers_, std::size_t{count} + 1);
+    const std::uint32_t kept = enumerate(count, keep, number);
+    for_each(count, cuda_kernels::EmitKept<Keep, Emit>{keep, emit, number});
+    return kept;
   }
 
   CULLHULL_HD static void lower(std::uint32_t& target, std::uint32_t value) {
@@ -228,7 +231,7 @@ class CudaExecutor {
 
   cudaStream_t stream_;
   unsigned processors_;
-  CudaArray<std::uint32_t> words_;
+  CudaArray<std::uint32_t> words_, numbers_;
   CudaArray<std::uint64_t> copies_, partial_, scratch_;
 };
 

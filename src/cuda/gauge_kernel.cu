@@ -54,10 +54,21 @@ struct GlobalNodes {
   __device__ float operator[](std::uint32_t i) const { return __ldg(values + i); }
 };
 
+/// Blocks beside one another on a processor that registers must leave room for. From sm_100 on four
+/// points of four and more coordinates do not fit into 64 registers a thread.
+template <unsigned D>
+constexpr unsigned resident_blocks() {
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 1000
+  return D >= 4 ? 1 : 2;
+#else
+  return 2;
+#endif
+}
+
 /// Blocks stay: each brings the table to its shared memory once, then its warps take groups of
 /// points, evenly spaced. All lanes of a warp leave the loop together, as the shuffles need.
 template <bool Shared, class Layout, class C>
-__global__ void __launch_bounds__(mask_threads, 2)
+__global__ void __launch_bounds__(mask_threads, resident_blocks<Layout::D>())
     mask_kernel(const __grid_constant__ GaugeConstants<Layout::D, C> t,
                 const float* __restrict__ nodes, std::uint32_t node_count, const Layout layout,
                 std::uint64_t count, std::uint32_t* __restrict__ mask) {

@@ -23,7 +23,7 @@ constexpr double minor_roundings(unsigned d) {
 
 /// Minor `mask` of expand_minors, the loops unrolled.
 template <unsigned D, bool Permanent, unsigned mask, class T, class Entry>
-inline void expand_minor(const Entry (*m)[D], unsigned rows, T* det, T* perm) {
+CULLHULL_HD_INLINE void expand_minor(const Entry (*m)[D], unsigned rows, T* det, T* perm) {
   constexpr auto size = static_cast<unsigned>(std::popcount(mask));
   if (size > rows) return;
   const Entry* row = m[size - 1];
@@ -58,39 +58,42 @@ CULLHULL_HD void expand_minors(const Entry (*m)[D], unsigned rows, T* det, T* pe
   constexpr unsigned full = 1U << D;
   det[0] = T(1);
   if constexpr (Permanent) perm[0] = T(1);
-#ifndef __CUDA_ARCH__
-  if constexpr (D <= 5) {
+#ifdef __CUDA_ARCH__
+  constexpr unsigned most_unrolled = D;  // minors stay in registers, which cannot be indexed
+#else
+  constexpr unsigned most_unrolled = 5;
+#endif
+  if constexpr (D <= most_unrolled) {
     [&]<unsigned... k>(std::integer_sequence<unsigned, k...>) {
       (expand_minor<D, Permanent, k + 1>(m, rows, det, perm), ...);
     }
     (std::make_integer_sequence<unsigned, full - 1>());
-    return;
-  }
-#endif
-  for (unsigned mask = 1; mask < full; ++mask) {
-    const unsigned size = static_cast<unsigned>(std::popcount(mask));
-    if (size > rows) continue;
-    const Entry* row = m[size - 1];
-    T sum{}, bound{};
-    bool first = true;
-    bool negative = ((size - 1) & 1U) != 0;  // sign of the lowest column: (-1)^(size-1)
-    for (unsigned rest = mask; rest != 0; rest &= rest - 1) {
-      const unsigned j = static_cast<unsigned>(std::countr_zero(rest));
-      const T product = T(row[j]) * det[mask ^ (1U << j)];
-      if (first) {
-        sum = negative ? -product : product;
-      } else {
-        sum = negative ? sum - product : sum + product;
+  } else {
+    for (unsigned mask = 1; mask < full; ++mask) {
+      const unsigned size = static_cast<unsigned>(std::popcount(mask));
+      if (size > rows) continue;
+      const Entry* row = m[size - 1];
+      T sum{}, bound{};
+      bool first = true;
+      bool negative = ((size - 1) & 1U) != 0;  // sign of the lowest column: (-1)^(size-1)
+      for (unsigned rest = mask; rest != 0; rest &= rest - 1) {
+        const unsigned j = static_cast<unsigned>(std::countr_zero(rest));
+        const T product = T(row[j]) * det[mask ^ (1U << j)];
+        if (first) {
+          sum = negative ? -product : product;
+        } else {
+          sum = negative ? sum - product : sum + product;
+        }
+        if constexpr (Permanent) {
+          const T magnitude = std::abs(T(row[j])) * perm[mask ^ (1U << j)];
+          bound = first ? magnitude : bound + magnitude;
+        }
+        first = false;
+        negative = !negative;
       }
-      if constexpr (Permanent) {
-        const T magnitude = std::abs(T(row[j])) * perm[mask ^ (1U << j)];
-        bound = first ? magnitude : bound + magnitude;
-      }
-      first = false;
-      negative = !negative;
+      det[mask] = sum;
+      if constexpr (Permanent) perm[mask] = bound;
     }
-    det[mask] = sum;
-    if constexpr (Permanent) perm[mask] = bound;
   }
 }
 

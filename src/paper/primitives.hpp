@@ -53,6 +53,8 @@ struct HostMemory {
   using Array = HostArray<T>;
   /// Items that one step of a reduction should take together.
   static constexpr std::uint32_t grain = 512;
+  /// Whether work should be cut finely, even if some is done twice.
+  static constexpr bool many_threads = false;
 
   /// Room for `count` items, whose values are undefined.
   template <class T>

@@ -82,8 +82,12 @@ class PseudoHullGrowth {
     const std::uint32_t cells = facets_ * D;
     executor_.reserve(fan_, facets_);
     executor_.reserve(cell_, cells);
-    executor_.for_each(facets_, ReplaceFacet<D, Rows>{rows_, facets_, facet_.data(), apex_.data(),
-                                                      fan_.data(), cell_.data()});
+    const ReplaceFacet<D, Rows> replace{rows_,        facets_,     facet_.data(),
+                                        apex_.data(), fan_.data(), cell_.data()};
+    if constexpr (Executor::many_threads)
+      executor_.for_each(cells, ReplaceFacetInParts<D, Rows>{replace});
+    else
+      executor_.for_each(facets_, replace);
     const std::uint32_t culled = executor_.scatter_max(
         exterior_, cells, Reassign<D, Rows>{rows_, facets_, points_.data(), fan_.data(), arrays()},
         executor_.reserve(best_, cells));

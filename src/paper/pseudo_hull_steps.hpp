@@ -62,7 +62,8 @@ struct AssignFirst {
 };
 
 /// Facet j is replaced by the D facets through its apex: their planes go to its fan, their
-/// vertices to the cells of the facet stream.
+/// vertices to the cells of the facet stream. Of facet i of them the apex is in the place of
+/// vertex i, which is on the inner side.
 template <unsigned D, class Rows>
 struct ReplaceFacet {
   Rows rows;
@@ -72,27 +73,55 @@ struct ReplaceFacet {
   PseudoFan<D>* fan;
   PseudoFacet<D>* cell;
 
+  /// All D of facet j, for few threads: each row is read once.
   CULLHULL_HD void operator()(std::uint32_t j) const {
     const PseudoFacet<D> parent = facet[j];
-    double at[D][D];
-    for (unsigned k = 0; k < D; ++k) rows.load(parent.vertex[k], at[k]);
-    PseudoFan<D>& out = fan[j];
-    double tip[D];
+    double tip[D], at[D][D];
     rows.load(apex[j], tip);
-    for (unsigned k = 0; k < D; ++k) out.apex[k] = tip[k];
+    for (unsigned k = 0; k < D; ++k) {
+      rows.load(parent.vertex[k], at[k]);
+      fan[j].apex[k] = tip[k];
+    }
     for (unsigned i = 0; i < D; ++i) {
-      // Facet i: the apex in the place of vertex i, which is on the inner side.
       PseudoFacet<D>& child = cell[child_address<D>(facets, j, i)];
       const double* corner[D] = {tip};
       child.vertex[0] = apex[j];
-      for (unsigned k = 0, next = 1; k < D; ++k) {
-        if (k == i) continue;
-        child.vertex[next] = parent.vertex[k];
-        corner[next++] = at[k];
+      for (unsigned k = 1; k < D; ++k) {
+        child.vertex[k] = parent.vertex[before(i, k)];
+        corner[k] = at[before(i, k)];
       }
-      make_plane<D>(corner, at[i], out.plane[i]);
+      make_plane<D>(corner, at[i], fan[j].plane[i]);
     }
   }
+
+  /// Facet i of them alone, for many threads: nothing is indexed but memory that all share, so all
+  /// else fits into registers.
+  CULLHULL_HD void one(std::uint32_t j, unsigned i) const {
+    const PseudoFacet<D>& parent = facet[j];
+    PseudoFacet<D>& child = cell[child_address<D>(facets, j, i)];
+    double at[D][D], inner[D];
+    const double* corner[D];
+    for (unsigned k = 0; k < D; ++k) {
+      child.vertex[k] = k == 0 ? apex[j] : parent.vertex[before(i, k)];
+      rows.load(child.vertex[k], at[k]);
+      corner[k] = at[k];
+    }
+    rows.load(parent.vertex[i], inner);
+    if (i == 0)
+      for (unsigned k = 0; k < D; ++k) fan[j].apex[k] = at[0][k];
+    make_plane<D>(corner, inner, fan[j].plane[i]);
+  }
+
+ private:
+  /// Which of the parent's vertices is vertex k > 0 of facet i.
+  CULLHULL_HD static unsigned before(unsigned i, unsigned k) { return k <= i ? k - 1 : k; }
+};
+
+/// The same, item D j + i being facet i of facet j.
+template <unsigned D, class Rows>
+struct ReplaceFacetInParts {
+  ReplaceFacet<D, Rows> facet;
+  CULLHULL_HD void operator()(std::uint32_t item) const { facet.one(item / D, item % D); }
 };
 
 /// Each exterior point of a facet moves to the nearest of the new ones it is outside of.

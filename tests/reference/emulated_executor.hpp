@@ -14,6 +14,7 @@ namespace cullhull::internal {
 class EmulatedExecutor : public HostMemory {
  public:
   static constexpr std::uint32_t grain = 1;  // as on the device
+  static constexpr bool many_threads = true;
 
   explicit EmulatedExecutor(std::uint32_t blocks = 3, std::uint32_t block_size = 64)
       : blocks_(blocks), block_size_(block_size) {}

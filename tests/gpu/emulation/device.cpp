@@ -237,6 +237,7 @@ void allow_dynamic_shared(const void* function, std::size_t bytes) {
 }
 
 void submit(const Launch& launch, std::function<void()> body) {
+  if (const auto meanwhile = std::exchange(the_settings.before_launch, nullptr)) meanwhile();
   const Lock lock(mutex());
   if (lasting != cudaSuccess) return;
   constexpr std::size_t without_asking = 48 << 10;

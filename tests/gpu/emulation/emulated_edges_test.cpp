@@ -132,6 +132,28 @@ TEST_F(EmulatedEdges, MapsOfManySizesOnThreadsBesideOneAnother) {
   EXPECT_EQ(wrong, 0);
 }
 
+// The limit of a kernel's shared memory is the process's: a smaller table on another thread must
+// not lower it between this thread's asking and its launch.
+TEST_F(EmulatedEdges, ASmallerTableOnAnotherThreadJustBeforeALaunch) {
+  const auto build = [](unsigned cells) {
+    return internal::GaugeMap::build(testing_support::cross_polytope(3, 0.125, 1), cells);
+  };
+  const auto small = build(8), large = build(58);
+  const auto rows = ball(3, 2000, 3);
+  const OnDevice there(rows);
+  const auto view = DevicePointView::row_major(there.data<float>(), 2000, 3);
+  const auto count = [&](const internal::GaugeMap& map) {
+    return internal::cuda::survivors_of_device_points(map.table(), view).count;
+  };
+  const std::uint64_t expected = count(*large);
+  bool met = false;
+  emulation::settings().before_launch = [&] {
+    std::thread([&] { met = count(*small) >= expected; }).join();
+  };
+  EXPECT_EQ(count(*large), expected);
+  EXPECT_TRUE(met);
+}
+
 TEST_F(EmulatedEdges, AnErrorThatTheCallerLeftUnreadIsNotOurs) {
   const auto rows = ball(3, 20000, 5);
   const OnDevice there(rows);

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 
@@ -33,6 +34,9 @@ struct Settings {
   long failing_allocations_from = 0;  ///< this one and all after it
   long failing_pinned_from = 0;
   long failing_launch = 0;  ///< poisons the process, as an illegal address does
+  /// Called once, when a launch has been prepared and not yet been made: what other threads do
+  /// then.
+  std::function<void()> before_launch;
 };
 
 /// Changed between calls only.

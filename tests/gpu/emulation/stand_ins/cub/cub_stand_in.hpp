@@ -6,8 +6,6 @@
 #include <cstring>
 #include <numeric>
 #include <type_traits>
-#include <utility>
-#include <vector>
 
 #include "device_text.hpp"
 
@@ -81,27 +79,6 @@ struct DeviceScan {
         out[i] = sum;
         sum += value;
       }
-    });
-    return cudaSuccess;
-  }
-};
-
-struct DeviceSelect {
-  /// Writes what is selected in any order of time; the k-th to place k.
-  template <class In, class Out, class Selected, class Count, class Keep>
-  static cudaError_t If(void* scratch, std::size_t& bytes, In in, Out out, Selected* selected,
-                        Count count, Keep keep, cudaStream_t stream) {
-    cudaError_t status;
-    if (scratch_answered(scratch, bytes, status)) return status;
-    emulation::enqueue(stream, [=] {
-      std::memset(scratch, 0x77, stand_in_scratch);
-      std::vector<std::pair<std::ptrdiff_t, std::uint32_t>> kept;
-      for (Count i = 0; i < count; ++i)
-        if (keep(in[i])) kept.emplace_back(kept.size(), in[i]);
-      for (std::size_t i = kept.size(); i > 1; --i)
-        std::swap(kept[i - 1], kept[emulation::random64() % i]);
-      for (const auto& [place, item] : kept) out.assign(place, item);
-      *selected = static_cast<Selected>(kept.size());
     });
     return cudaSuccess;
   }

@@ -26,17 +26,4 @@ transform_iterator<In, Map> make_transform_iterator(In in, Map map) {
   return {in, map};
 }
 
-template <class Write>
-struct tabulate_output_iterator {
-  Write write;
-  template <class T>
-  void assign(std::ptrdiff_t place, T value) const {
-    write(place, value);
-  }
-};
-template <class Write>
-tabulate_output_iterator<Write> make_tabulate_output_iterator(Write write) {
-  return {write};
-}
-
 }  // namespace thrust

@@ -1,2 +1,0 @@
-#pragma once
-#include "cub/cub_stand_in.hpp"

@@ -1,2 +1,0 @@
-#pragma once
-#include "thrust/iterators_stand_in.hpp"
