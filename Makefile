@@ -3,6 +3,7 @@
 JOBS ?= $(shell nproc)
 BIN := build/release/bin/cullhull
 FUZZ_SECONDS ?= 60
+FAST := -DCULLHULL_FAST_BUILD=ON
 
 .PHONY: help demo build test bench docs fuzz format python clean
 .NOTPARALLEL:
@@ -12,7 +13,7 @@ help:
 	@echo "make build    $(BIN) and the libraries"
 	@echo "make test     build and run all tests"
 	@echo "make bench    build the benchmarks, run the smallest, and ours beside Qhull and CGAL"
-	@echo "make docs     reference and guides as HTML in build/docs/"
+	@echo "make docs     guides and reference as a site in build/docs/html/"
 	@echo "make python   the Python package, installed into build/python/venv"
 	@echo "make fuzz     every fuzzer for FUZZ_SECONDS ($(FUZZ_SECONDS)) each"
 	@echo "make format   clang-format over our sources"
@@ -25,26 +26,26 @@ demo: build
 
 build:
 	@scripts/install-deps.sh build
-	cmake --preset release -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=OFF
+	cmake --preset release $(FAST) -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=OFF
 	cmake --build build/release -j $(JOBS) --target cullhull_app
 
 test:
 	@scripts/install-deps.sh build test python
-	cmake --preset release -DCULLHULL_BUILD_TESTS=ON -DCULLHULL_BUILD_BENCH=OFF
+	cmake --preset release $(FAST) -DCULLHULL_WITH_CUDA=AUTO -DCULLHULL_BUILD_TESTS=ON \
+	  -DCULLHULL_BUILD_BENCH=OFF
 	cmake --build build/release -j $(JOBS)
 	ctest --test-dir build/release -j 2 --output-on-failure
 
 bench:
 	@scripts/install-deps.sh build bench
-	cmake --preset release -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=ON
+	cmake --preset release $(FAST) -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=ON
 	cmake --build build/release -j $(JOBS)
 	build/release/bin/micro_bench
 	build/release/bin/cullhull bench rivals
 
-docs:
-	@scripts/install-deps.sh build docs
-	@mkdir -p build/docs
-	doxygen docs/Doxyfile
+docs: build
+	@scripts/install-deps.sh docs
+	scripts/docs-site.sh build/docs $(BIN)
 	@echo "written: build/docs/html/index.html"
 
 python:

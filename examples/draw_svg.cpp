@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cullhull/cullhull.hpp>
+#include <cullhull/io.hpp>
 #include <string>
 
 namespace {

@@ -13,7 +13,7 @@ if grep -qx 'ID=debian' /etc/os-release 2>/dev/null; then
   test+=(chromium chromium-driver python3-selenium python3-pil)
 fi
 bench=(libbenchmark-dev libcgal-dev libboost-dev)
-docs=(doxygen)
+docs=(doxygen python3 python3-venv python3-pip)
 fuzz=(clang)
 format=(clang-format)
 python=(python3 python3-dev python3-venv python3-pip)

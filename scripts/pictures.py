@@ -3,10 +3,12 @@
 
 docs/picture.svg         the LiDAR scan, drawn by examples/draw_svg.cpp, if that was built
 docs/view.png            the same scan in `cullhull view`
+docs/showpiece.png       the same page in the dark, the picture alone
+docs/gallery/*.png       what pages of other sets look like
 docs/paper.png           figure 12 of `cullhull bench paper`
 docs/moving-points.png   its figure 16
 
-REPORT.html is what `cullhull bench paper --report REPORT.html` wrote; without it the two figures
+`pictures.py gallery` makes those of pages alone. REPORT.html is what `cullhull bench paper --report REPORT.html` wrote; without it the two figures
 are measured now, at full size (two minutes). BUILD names another folder than build/release.
 """
 import io
@@ -45,11 +47,68 @@ def shot(browser):
 def draw_view(browser, folder):
     page = os.path.join(folder, "scan.html")
     program("cullhull", "view", scan, "-o", page, "-q")
-    browser.screen(1100, 620, fine=FINE)
+    draw_page(browser, page, "view.png", (1100, 620))
+    draw_page(browser, page, "showpiece.png", (1200, 600), dark=True, picture_alone=True,
+              look=(-0.62, 0.52, 0.92), script="set('show-axes', false); set('show-vertices', false);")
+
+
+HELPERS = """
+const set = (id, value) => {
+  const input = document.getElementById(id);
+  if (input.type === 'checkbox') { if (input.checked !== value) input.click(); return; }
+  input.value = value;
+  for (const kind of ['input', 'change']) input.dispatchEvent(new Event(kind, {bubbles: true}));
+};
+"""
+
+
+def draw_page(browser, page, name, size, dark=False, picture_alone=False, script="", after="", look=None, colours=256):
+    """A page of `cullhull view` after a script: the whole of it, or the picture without panel and
+    buttons; `look`: yaw, pitch, and the share of the distance from which all is seen."""
+    browser.screen(*size, dark=dark, fine=FINE)
     browser.open(page)
-    browser.doing(lambda: browser.driver.find_element("id", "show-stretch").click())
-    browser.run("document.activeElement.blur()")
-    save(shot(browser), "view.png", 256)
+    hide = """for (const s of ['.panel', '.corner', '.legend', '.timeline']) document.querySelector(s).style.display = 'none';
+        delete document.documentElement.dataset.moving;"""
+    turn = "" if look is None else (
+        f"viewer.rig.yaw = {look[0]}; viewer.rig.pitch = {look[1]}; viewer.rig.fill(viewer.space.extent, viewer.on.axes);"
+        f"viewer.rig.reach *= {look[2]}; viewer.rig.update();")
+    browser.doing(lambda: browser.run(
+        HELPERS + (hide if picture_alone else "") + script + "viewer.resize(); viewer.reframe();" + turn + after +
+        "document.activeElement.blur(); viewer.invalidate();"))
+    save(shot(browser), name, colours)
+
+
+TWIST = ("cube", "-n", "30k", "-d", "3", "--frames", "20", "--motion", "twist")
+# Sets, how they are made, and what is done in their pages.
+GALLERY = {
+    "filter": (scan, dict(script="set('colour-by', 'role'); set('glass', 16);", picture_alone=True)),
+    "ball": (("ball", "-n", "1M", "-d", "3"), dict(
+        dark=True, picture_alone=True, look=(-0.35, 0.3, 1),
+        script="set('glass', 100); set('clip-axis', '0'); set('clip-place', 560); set('show-axes', false);")),
+    "relief": (("bumpy", "-n", "300k", "-d", "3"), dict(
+        picture_alone=True, script="set('glass', 60); set('show-vertices', false); set('show-axes', false);")),
+    "polyhedron": (("grid:9", "-n", "400", "-d", "3"), dict(
+        after="viewer.pickFacet(7);", script="set('glass', 80);")),
+    "twist-1": (TWIST, dict(picture_alone=True, script="set('show-axes', false); set('glass', 70);")),
+    "twist-20": (TWIST, dict(picture_alone=True, script="set('show-axes', false); set('glass', 70); viewer.go(19);")),
+    "five": (("gauss", "-n", "20k", "-d", "5"), dict(dark=True)),
+    "five-plot": (("gauss", "-n", "20k", "-d", "5"), dict(script="viewer.project([0, 3, -1]);")),
+    "disk": (("disk", "-n", "200k", "-d", "2"), dict(picture_alone=True)),
+    "cone": (("cone", "-n", "3k", "-d", "3"), dict(
+        dark=True, picture_alone=True, script="set('glass', 90); set('show-axes', false);")),
+}
+
+
+def draw_gallery(browser, folder):
+    for name, (source, how) in GALLERY.items():
+        points, page = os.path.join(folder, name + ".npy"), os.path.join(folder, name + ".html")
+        if source == scan:
+            points = scan
+        else:
+            program("cullhull", "generate", *source, "-o", points, "-q")
+        program("cullhull", "view", points, "-o", page, "-q")
+        size = (900, 600) if how.get("picture_alone") else (1100, 620)
+        draw_page(browser, page, f"gallery/{name}.png", size, colours=128, **how)
 
 
 def draw_figure(browser, report, figure, name):
@@ -75,6 +134,9 @@ def main():
     try:
         with tempfile.TemporaryDirectory() as folder:
             draw_view(browser, folder)
+            draw_gallery(browser, folder)
+            if sys.argv[1:] == ["gallery"]:
+                return
             report = os.path.abspath(sys.argv[1]) if len(sys.argv) == 2 else ""
             if not report:
                 report = os.path.join(folder, "paper.html")

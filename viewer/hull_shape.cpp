@@ -53,6 +53,8 @@ void draw_polygon(HullShape& shape) {
 /// Dimension 3: a facet's vertices are in cyclic order; each edge belongs to two facets.
 void draw_polyhedron(const Hull& hull, const Positions& positions, HullShape& shape) {
   for (const std::uint64_t id : hull.simplices) shape.triangles.push_back(position(positions, id));
+  for (std::size_t s = 0; s < hull.simplex_count(); ++s)
+    shape.facets.push_back(hull.simplex_facets[s]);
   const decltype(Hull::facets)& facets = hull.facets;
   for (std::size_t f = 0; f < facets.size(); ++f)
     for (std::uint64_t i = facets.offsets[f]; i < facets.offsets[f + 1]; ++i) {
@@ -183,11 +185,37 @@ HullShape simplified_shape(const Hull& hull, const std::vector<double>& rows,
   const Hull small = convex_hull(PointView::row_major(some.data(), chosen.size(), hull.dimension));
   HullShape shape = hull_shape(small, {}, {small.vertices.size(), 0});
   for (std::uint64_t& v : shape.vertices) v = chosen[small.vertices[v]];
+  shape.facets.clear();  // of another hull
   shape.simplified = true;
   return shape;
 }
 
+/// The shadow on three axes.
+Shadow shadow_on(const std::vector<double>& rows, std::uint32_t dimension,
+                 const std::vector<std::uint64_t>& vertices, const std::uint32_t (&axes)[3]) {
+  std::vector<double> projected;
+  projected.reserve(3 * vertices.size());
+  for (const std::uint64_t v : vertices)
+    for (const std::uint32_t axis : axes) projected.push_back(rows[v * dimension + axis]);
+  const Hull hull = convex_hull(PointView::row_major(projected.data(), vertices.size(), 3));
+  const HullShape shape = hull_shape(hull, {}, {hull.vertices.size(), 0});
+  Shadow shadow{{axes[0], axes[1], axes[2]}, shape.edges, shape.triangles};
+  for (auto* list : {&shadow.edges, &shadow.triangles})
+    for (std::uint32_t& i : *list) i = static_cast<std::uint32_t>(hull.vertices[shape.vertices[i]]);
+  return shadow;
+}
+
 }  // namespace
+
+std::vector<Shadow> shadows(const std::vector<double>& rows, std::uint32_t dimension,
+                            const std::vector<std::uint64_t>& vertices, std::uint32_t axes) {
+  std::vector<Shadow> all;
+  for (std::uint32_t a = 0; a < axes; ++a)
+    for (std::uint32_t b = a + 1; b < axes; ++b)
+      for (std::uint32_t c = b + 1; c < axes; ++c)
+        all.push_back(shadow_on(rows, dimension, vertices, {a, b, c}));
+  return all;
+}
 
 std::vector<std::uint64_t> fair_sample(std::uint64_t count, std::uint64_t most) {
   std::vector<std::uint64_t> ids(std::min(count, most));

@@ -19,6 +19,8 @@ struct HullShape {
   /// Pairs and triples of positions in `vertices` above.
   std::vector<std::uint32_t> edges;
   std::vector<std::uint32_t> triangles;
+  /// For each triangle the facet it is part of; empty unless a 3D hull is drawn whole.
+  std::vector<std::uint32_t> facets;
   /// Edges and triangles are those of the hull of the chosen vertices alone.
   bool simplified = false;
   /// Not every edge between the chosen vertices is there.
@@ -36,5 +38,17 @@ std::vector<std::uint64_t> fair_sample(std::uint64_t count, std::uint64_t most);
 /// limits: up to dimension 3 the hull of a fair sample of the vertices, above a fair sample of the
 /// edges between sampled vertices.
 HullShape hull_shape(const Hull& hull, const std::vector<double>& rows, const ShapeLimits& limits);
+
+/// The shadow that chosen vertices of a hull of dimension 4 or more cast on three of their axes:
+/// the hull of their projections. Edges and triangles name positions in `vertices`, as in a
+/// HullShape.
+struct Shadow {
+  std::uint32_t axes[3];
+  std::vector<std::uint32_t> edges, triangles;
+};
+/// On every three of the first `axes` axes. `rows` has `dimension` numbers for each of the hull's
+/// vertices, `vertices` the positions of those that are drawn.
+std::vector<Shadow> shadows(const std::vector<double>& rows, std::uint32_t dimension,
+                            const std::vector<std::uint64_t>& vertices, std::uint32_t axes);
 
 }  // namespace cullhull::viewer

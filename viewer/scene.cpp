@@ -23,6 +23,8 @@ constexpr std::uint64_t page_bytes = 8'000'000;
 constexpr std::uint64_t most_points = 100'000, most_survivors = 50'000;
 /// Nobody picks three of more axes from a list, and one row must not fill the page.
 constexpr std::uint32_t most_axes = 64;
+/// Of so many axes every three have a shadow of their own in the page (20 of 6 axes).
+constexpr std::uint32_t most_shadow_axes = 6;
 
 /// Ids are written as 32-bit numbers where they fit, else as doubles, exact to 2^53.
 bool wide_ids(std::uint64_t count) { return count > UINT64_C(1) << 32; }
@@ -37,9 +39,9 @@ std::string member(const char* name, std::uint64_t value) {
 }
 
 /// What shapes of dimension k cost for each vertex, beside its row: a polyhedron has up to twice as
-/// many triangles and three times as many edges as vertices. Numbers below 2^16 take two bytes,
-/// so this is the bound for large shapes.
-std::uint64_t shape_bytes(int k) { return k == 3 ? 48 : k == 2 ? 20 : 0; }
+/// many triangles (each with its facet) and three times as many edges as vertices. Numbers below
+/// 2^16 take two bytes, so this is the bound for large shapes.
+std::uint64_t shape_bytes(int k) { return k == 3 ? 56 : k == 2 ? 20 : 0; }
 
 ShapeLimits shape_limits(int k, std::uint64_t bytes, std::uint64_t row_bytes) {
   constexpr std::uint64_t least = 64;
@@ -56,6 +58,7 @@ bool contains(const std::vector<std::uint64_t>& sorted, std::uint64_t id) {
 /// Ids in the order of the page, and the shape that refers to the first of them.
 struct Scene::Rows {
   HullShape shape;
+  std::vector<Shadow> shadows;
   std::vector<std::uint64_t> survivors, points;
   std::uint64_t all_survivors = 0, all_points = 0;  ///< in the input, beside the vertices
 };
@@ -87,11 +90,21 @@ Scene::Rows Scene::choose_rows(const SceneFrame& frame, std::uint64_t row_bytes)
   const int k = hull.affine_dimension;
   Rows rows;
   rows.shape = hull_shape(hull, frame.vertex_rows, shape_limits(k, frame_bytes_, row_bytes));
+  std::uint64_t used =
+      rows.shape.vertices.size() * row_bytes +
+      4 * (rows.shape.edges.size() + rows.shape.triangles.size() + rows.shape.facets.size());
+  if (k >= 4 && axes_ <= most_shadow_axes) {
+    rows.shadows = shadows(frame.vertex_rows, dimension_, rows.shape.vertices, axes_);
+    std::uint64_t bytes = 0;
+    for (const Shadow& s : rows.shadows) bytes += 4 * (s.edges.size() + s.triangles.size());
+    if (bytes > frame_bytes_ / 4)
+      rows.shadows.clear();  // then edges must do
+    else
+      used += bytes;
+  }
   if (frame.points.count == 0) return rows;
 
   const std::uint64_t n = frame.points.count;
-  const std::uint64_t used = rows.shape.vertices.size() * row_bytes +
-                             4 * (rows.shape.edges.size() + rows.shape.triangles.size());
   const std::uint64_t room = (frame_bytes_ - std::min(used, frame_bytes_)) / row_bytes;
   std::vector<std::uint64_t> vertices(hull.vertices.begin(), hull.vertices.end());
   std::sort(vertices.begin(), vertices.end());
@@ -137,6 +150,29 @@ void Scene::write_rows(const SceneFrame& frame, const Rows& rows, std::string& j
     json += array("coordinates", "f32", std::vector<float>(coordinates.begin(), coordinates.end()));
   else
     json += array("coordinates", "f64", coordinates);
+  if (frame.colours.count > 0) write_colours(frame.colours, ids, json);
+}
+
+void Scene::write_colours(const PointView& colours, const std::vector<double>& ids,
+                          std::string& json) {
+  std::vector<std::uint8_t> bytes;
+  for (const double id : ids)
+    for (std::uint32_t c = 0; c < 3; ++c)
+      bytes.push_back(static_cast<std::uint8_t>(colours.at(static_cast<std::uint64_t>(id), c)));
+  json += array("colours", "u8", bytes);
+}
+
+/// Hulls of four to six dimensions: what their vertices look like on three axes.
+void Scene::write_shadows(const Rows& rows, std::string& json) {
+  std::string list;
+  for (const Shadow& s : rows.shadows) {
+    list += fmt::format("{}{{\"axes\":[{},{},{}],", list.empty() ? "" : ",", s.axes[0], s.axes[1],
+                        s.axes[2]);
+    list += indices("edges", s.edges, rows.shape.vertices.size());
+    list += indices("triangles", s.triangles, rows.shape.vertices.size());
+    list.back() = '}';  // in the place of the last comma
+  }
+  json += "\"shadows\":[" + list + "],";
 }
 
 void Scene::add(const SceneFrame& frame) {
@@ -147,8 +183,9 @@ void Scene::add(const SceneFrame& frame) {
   } else if (hull.dimension != dimension_) {
     throw Error(ErrorCode::invalid_argument, "frames of one page have one dimension");
   }
-  const std::uint64_t row_bytes =
-      axes_ * (narrow_scalar(hull.scalar) ? 4U : 8U) + (wide_ids(hull.point_count) ? 8U : 4U);
+  const std::uint64_t row_bytes = axes_ * (narrow_scalar(hull.scalar) ? 4U : 8U) +
+                                  (wide_ids(hull.point_count) ? 8U : 4U) +
+                                  (frame.colours.count > 0 ? 3U : 0U);
   const Rows rows = choose_rows(frame, row_bytes);
   std::string& json = frames_json_;
   json += json.empty() ? "{" : ",\n{";
@@ -166,6 +203,8 @@ void Scene::add(const SceneFrame& frame) {
   write_rows(frame, rows, json);
   json += indices("edges", rows.shape.edges, rows.shape.vertices.size());
   json += indices("triangles", rows.shape.triangles, rows.shape.vertices.size());
+  if (!rows.shape.facets.empty()) json += array("facets", "u32", rows.shape.facets);
+  write_shadows(rows, json);
   json.append("\"report\":").append(frame.report).append("}");
 }
 
@@ -179,8 +218,9 @@ std::string Scene::page() const {
   page.body = assets::view_html;
   page.styles = {assets::view_css};
   page.notice = assets::three_licence_txt;
-  page.scripts = {assets::three_js, assets::data_js,  assets::axes_js, assets::camera_js,
-                  assets::stage_js, assets::panel_js, assets::view_js};
+  page.scripts = {assets::three_js, assets::data_js,   assets::colours_js, assets::shadow_js,
+                  assets::axes_js,  assets::camera_js, assets::stage_js,   assets::panel_js,
+                  assets::tools_js, assets::view_js};
   std::string scene =
       fmt::format("{{\"frame_count\":{},\"dimension\":{},\"axes\":{},\"frames\":[{}]}}", frames_,
                   dimension_, axes_, frames_json_);

@@ -21,6 +21,8 @@ struct SceneFrame {
   std::vector<double> vertex_rows;
   /// The whole input; no points if the hull alone is known.
   PointView points;
+  /// Their colours (u8 red, green, blue), or no points.
+  PointView colours;
   /// Read only if there are points.
   const Survivors* survivors = nullptr;
   /// A JSON object: the figures shown (hull_to_json without lists).
@@ -52,6 +54,8 @@ class Scene {
                       std::uint64_t rows);
   Rows choose_rows(const SceneFrame& frame, std::uint64_t row_bytes) const;
   void write_rows(const SceneFrame& frame, const Rows& rows, std::string& json);
+  void write_colours(const PointView& colours, const std::vector<double>& ids, std::string& json);
+  void write_shadows(const Rows& rows, std::string& json);
 
   std::string title_;
   std::uint64_t frames_;

@@ -1,6 +1,5 @@
 #include "arguments.hpp"
 
-#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -154,27 +153,9 @@ std::vector<std::uint32_t> parse_columns(std::string_view text, std::uint32_t di
   return columns;
 }
 
-CLI::Option& needs_value(CLI::Option& option) {
-  const auto check = [](const std::string& word) {
-    return word.empty() ? std::string("needs a value, not an empty word") : std::string();
-  };
-  option.check(check);
-  return option;
-}
-
 std::string input_name(const std::string& path) { return path == "-" ? "standard input" : path; }
 
-void allow_words(CLI::Option& option, const std::vector<std::string>& words) {
-  std::string joined;
-  for (const std::string& word : words) joined += (joined.empty() ? "" : "|") + word;
-  option.type_name(joined)->check(CLI::IsMember(words).description(""));
-}
-
-void allow_range(CLI::Option& option, std::uint32_t least, std::uint32_t greatest) {
-  option.type_name("N")->check(CLI::Range(least, greatest).description(""));
-}
-
-void InputArguments::add_to(CLI::App& command) {
+void InputArguments::add_to(Parser& command) {
   command.add_option("INPUT", path, "File of points, or - for standard input")
       ->type_name("")
       ->required();
@@ -217,7 +198,7 @@ Input open_input(const InputArguments& arguments, unsigned threads) {
   return input;
 }
 
-void RunArguments::add_to(CLI::App& command, bool filter) {
+void RunArguments::add_to(Parser& command, bool filter) {
   if (filter) {
     auto& method = *command.add_option("--cull", cull, "Filter; auto sees on a sample if it pays");
     allow_words(method, {"auto", "gauge", "pseudo-hull", "none"});

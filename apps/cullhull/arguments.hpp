@@ -10,11 +10,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/options.hpp"
-
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
+#include "parser.hpp"
 
 namespace app {
 
@@ -26,7 +22,7 @@ struct InputArguments {
   std::string type;
   std::string columns;
 
-  void add_to(CLI::App& command);
+  void add_to(Parser& command);
 };
 
 /// An open file and the view of it that was asked for.
@@ -54,7 +50,7 @@ struct RunArguments {
   bool quiet = false;
 
   /// `filter`: with --cull and --backend, which checking a hull does not have.
-  void add_to(CLI::App& command, bool filter);
+  void add_to(Parser& command, bool filter);
   cullhull::Options options() const;
 };
 
@@ -73,9 +69,6 @@ std::uint64_t parse_whole(std::string_view text, std::string_view option);
 /// `dimension`. Throws Error{invalid_argument}.
 std::vector<std::uint32_t> parse_columns(std::string_view text, std::uint32_t dimension);
 
-/// Refuses the empty word, which a script gives where its variable is not set.
-CLI::Option& needs_value(CLI::Option& option);
-
 /// "standard input" for "-".
 std::string input_name(const std::string& path);
 
@@ -89,11 +82,6 @@ auto naming_file(const std::string& path, const Read& read) -> decltype(read()) 
     throw cullhull::Error(e.code(), input_name(path) + ": " + e.what());
   }
 }
-
-/// Limits an option to some words or to a range, and says so in the help without the parser's
-/// jargon.
-void allow_words(CLI::Option& option, const std::vector<std::string>& words);
-void allow_range(CLI::Option& option, std::uint32_t least, std::uint32_t greatest);
 
 /// Appended to the help of every command that reads points.
 extern const char* const input_help;

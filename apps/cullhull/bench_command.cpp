@@ -1,7 +1,6 @@
 // cullhull bench: what this machine can do, and how fast we are on it.
 #include "bench_command.hpp"
 
-#include <CLI/CLI.hpp>
 #include <utility>
 #include <vector>
 
@@ -9,18 +8,18 @@
 
 namespace app {
 
-Command add_bench(CLI::App& parent) {
-  CLI::App& command =
+Command add_bench(Parser& parent) {
+  Parser& command =
       *parent.add_subcommand("bench", "Measurements: this machine, the paper, rivals");
   command.require_subcommand(0, 1);
   command.footer(
       "'cullhull bench SUITE --help' tells more.\n"
       "\n"
       "Exit status: 0 success; 1 the system refused; 2 bad usage; 130 cancelled.");
-  std::vector<std::pair<CLI::App*, Command>> suites;
+  std::vector<std::pair<const Parser*, Command>> suites;
   for (const auto add : {add_bench_machine, add_bench_paper, add_bench_rivals}) {
     Command suite = add(command);
-    suites.emplace_back(command.get_subcommands({}).back(), std::move(suite));
+    suites.emplace_back(command.last_subcommand(), std::move(suite));
   }
   return [suites = std::move(suites)]() -> int {
     for (const auto& [parser, run] : suites)

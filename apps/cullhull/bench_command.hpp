@@ -5,8 +5,8 @@
 
 namespace app {
 
-Command add_bench_machine(CLI::App& bench);
-Command add_bench_paper(CLI::App& bench);
-Command add_bench_rivals(CLI::App& bench);
+Command add_bench_machine(Parser& bench);
+Command add_bench_paper(Parser& bench);
+Command add_bench_rivals(Parser& bench);
 
 }  // namespace app

@@ -1,5 +1,4 @@
 // cullhull bench machine: rates of memory and link, for reports and for the planner.
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -65,9 +64,9 @@ int run(const MachineArguments& arguments) {
 
 }  // namespace
 
-Command add_bench_machine(CLI::App& bench) {
+Command add_bench_machine(Parser& bench) {
   auto a = std::make_shared<MachineArguments>();
-  CLI::App& command = *bench.add_subcommand(
+  Parser& command = *bench.add_subcommand(
       "machine", "Bandwidth of memory, of the link to the device, of the device");
   add_json_option(command, a->json, "The rates");
   command.add_flag("--save", a->save, "Keep the rates for the planner");

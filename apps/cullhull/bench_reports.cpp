@@ -1,11 +1,11 @@
 // cullhull bench paper, cullhull bench rivals: suites that give a report.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <functional>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -39,23 +39,19 @@ struct ReportArguments {
   unsigned repeat = 5;
   bool quiet = false;
 
-  void add_to(CLI::App& command) {
+  void add_to(Parser& command) {
     add_json_option(command, json, "The report");
     command.add_option("--report", page, "The report as one HTML page with charts")
         ->type_name("FILE.html");
     command.add_option("--markdown", markdown, "Its tables as Markdown; - for standard output")
         ->type_name("FILE.md");
-    command.add_option("--scale", scale, fmt::format("Of every size; {:g} if not given", scale))
-        ->check(CLI::Range(1e-6, 100.0).description(""))
-        ->type_name("S");
+    const std::string sizes = fmt::format("Of every size; {:g} if not given", scale);
+    allow_real_range(*command.add_option("--scale", scale, sizes)->type_name("S"), 1e-6, 100);
     allow_range(*command.add_option("--repeat", repeat, "Runs of ours; the median counts"), 1,
                 1000);
-    command
-        .add_option(
-            "--limit", limit,
-            fmt::format("Seconds for one run of a rival, 0 without; {:g} if not given", limit))
-        ->check(CLI::Range(0.0, 1e6).description(""))
-        ->type_name("SECONDS");
+    const std::string runs =
+        fmt::format("Seconds for one run of a rival, 0 without; {:g} if not given", limit);
+    allow_real_range(*command.add_option("--limit", limit, runs)->type_name("SECONDS"), 0, 1e6);
     command.add_flag("-q,--quiet", quiet, "No table and no progress");
   }
 };
@@ -107,7 +103,8 @@ struct RivalArguments : ReportArguments {
 /// "1,2,all"
 std::vector<unsigned> thread_counts(const std::string& text) {
   std::vector<unsigned> counts;
-  for (const std::string& word : CLI::detail::split(text, ',')) {
+  std::istringstream words(text);
+  for (std::string word; std::getline(words, word, ',');) {
     unsigned count = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), count);
     const bool number = error == std::errc() && end == word.data() + word.size();
@@ -182,9 +179,9 @@ std::string rivals_help() {
 
 }  // namespace
 
-Command add_bench_paper(CLI::App& bench) {
+Command add_bench_paper(Parser& bench) {
   auto a = std::make_shared<PaperArguments>();
-  CLI::App& command = *bench.add_subcommand(
+  Parser& command = *bench.add_subcommand(
       "paper", "The evaluation of Tang, Zhao, Tong and Manocha 2012, on this machine");
   a->add_to(command);
   allow_range(*command.add_option("--threads", a->threads, "For ours; 0 means all"), 0, 1024);
@@ -205,11 +202,11 @@ Command add_bench_paper(CLI::App& bench) {
   };
 }
 
-Command add_bench_rivals(CLI::App& bench) {
+Command add_bench_rivals(Parser& bench) {
   auto a = std::make_shared<RivalArguments>();
   a->scale = 0.2;
   a->limit = 30;
-  CLI::App& command =
+  Parser& command =
       *bench.add_subcommand("rivals", "Ours beside Qhull and, where it was built, CGAL");
   a->add_to(command);
   command.add_option("--threads", a->threads, "For ours, e.g. 1,2,4,all; one and all if not given")

@@ -1,7 +1,6 @@
 // cullhull certify: an independent check of a hull written earlier.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -104,9 +103,9 @@ int run(const CertifyArguments& arguments) {
 
 }  // namespace
 
-Command add_certify(CLI::App& parent) {
+Command add_certify(Parser& parent) {
   auto a = std::make_shared<CertifyArguments>();
-  CLI::App& command = *parent.add_subcommand("certify", "Check a hull against its points, exactly");
+  Parser& command = *parent.add_subcommand("certify", "Check a hull against its points, exactly");
   a->input.add_to(command);
   command.add_option("HULL", a->hull, "What 'cullhull hull INPUT -o HULL.json' wrote")
       ->type_name("")

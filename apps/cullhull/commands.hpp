@@ -3,24 +3,22 @@
 
 #include <functional>
 
-namespace CLI {
-class App;
-}
+#include "parser.hpp"
 
 namespace app {
 
 /// Does the work and returns the exit status; throws cullhull::Error.
 using Command = std::function<int()>;
 
-Command add_hull(CLI::App& parent);
-Command add_cull(CLI::App& parent);
-Command add_certify(CLI::App& parent);
-Command add_generate(CLI::App& parent);
-Command add_info(CLI::App& parent);
-Command add_track(CLI::App& parent);
-Command add_view(CLI::App& parent);
-Command add_qconvex(CLI::App& parent);
-Command add_bench(CLI::App& parent);
+Command add_hull(Parser& parent);
+Command add_cull(Parser& parent);
+Command add_certify(Parser& parent);
+Command add_generate(Parser& parent);
+Command add_info(Parser& parent);
+Command add_track(Parser& parent);
+Command add_view(Parser& parent);
+Command add_qconvex(Parser& parent);
+Command add_bench(Parser& parent);
 
 /// Exit statuses (docs/formats.md); 0 is success.
 enum ExitStatus : int {

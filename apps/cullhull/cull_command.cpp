@@ -1,7 +1,6 @@
 // cullhull cull: the filter alone, for use in front of any other hull code.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -135,9 +134,9 @@ int run(const CullArguments& arguments) {
 
 }  // namespace
 
-Command add_cull(CLI::App& parent) {
+Command add_cull(Parser& parent) {
   auto a = std::make_shared<CullArguments>();
-  CLI::App& command =
+  Parser& command =
       *parent.add_subcommand("cull", "The filter alone: ids of the points that may be extreme");
   needs_value(
       *command.add_option("-o,--output", a->output,

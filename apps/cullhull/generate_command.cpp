@@ -1,7 +1,6 @@
 // cullhull generate: seeded point sets.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -139,9 +138,9 @@ int run(const GenerateArguments& arguments) {
 
 }  // namespace
 
-Command add_generate(CLI::App& parent) {
+Command add_generate(Parser& parent) {
   auto a = std::make_shared<GenerateArguments>();
-  CLI::App& command = *parent.add_subcommand("generate", "Make a seeded set of points");
+  Parser& command = *parent.add_subcommand("generate", "Make a seeded set of points");
   command.add_option("SHAPE", a->shape, "One of those below")->type_name("")->required();
   command.add_option("-n,--count", a->count, "How many points, e.g. 100000 or 8M")
       ->type_name("N")

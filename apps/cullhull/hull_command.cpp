@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "cullhull/cullhull.hpp"
+#include "cullhull/io.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "terminal.hpp"
@@ -253,9 +253,9 @@ int run(const HullArguments& arguments) {
 
 }  // namespace
 
-Command add_hull(CLI::App& parent) {
+Command add_hull(Parser& parent) {
   auto a = std::make_shared<HullArguments>();
-  CLI::App& command = *parent.add_subcommand("hull", "The exact convex hull of a file of points");
+  Parser& command = *parent.add_subcommand("hull", "The exact convex hull of a file of points");
   needs_value(*command.add_option("-o,--output", a->outputs, "Write the hull to this file"))
       .allow_extra_args(false)
       ->type_name("FILE");

@@ -1,7 +1,6 @@
 // cullhull info: what is in a file of points.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -115,9 +114,9 @@ int run(const InfoArguments& arguments) {
 
 }  // namespace
 
-Command add_info(CLI::App& parent) {
+Command add_info(Parser& parent) {
   auto a = std::make_shared<InfoArguments>();
-  CLI::App& command =
+  Parser& command =
       *parent.add_subcommand("info", "What is in a file: format, count, scalar type, ranges");
   add_json_option(command, a->json, "The same");
   a->input.add_to(command);

@@ -1,8 +1,7 @@
 // cullhull: exact convex hulls of very large point sets.
-#include <CLI/CLI.hpp>
 #include <new>
-#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commands.hpp"
@@ -53,38 +52,27 @@ int exit_status(cullhull::ErrorCode code) {
   return app::bad_input;
 }
 
-struct Registered {
-  CLI::App* parser;
-  app::Command command;
-};
-
 /// "The words (see cullhull hull --help)" for what the parser did not understand.
-void complain_of_usage(const CLI::ParseError& error, const std::vector<std::string>& given,
-                       const std::vector<std::string>& words, const CLI::App& parser) {
-  const CLI::App& command = app::innermost(parser);
-  const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
-  std::string why = error.what();
-  if (code == CLI::ExitCodes::ExtrasError && !words.empty())
+void complain_of_usage(const app::Parsed& outcome, const std::vector<std::string>& given,
+                       const std::vector<std::string>& words, const app::Parser& parser) {
+  const app::Parser& command = parser.innermost();
+  std::string why = outcome.text;
+  if (outcome.kind == app::Parsed::Kind::unexpected && !words.empty())
     why = app::unexpected_words({words.begin() + 1, words.end()}, command);
-  if (code == CLI::ExitCodes::ArgumentMismatch && why.ends_with(" missing"))
-    why = why.substr(0, why.find(':')) + " needs a value";
-  std::string name = "cullhull";
-  for (const CLI::App* at = &command; at->get_parent() != nullptr; at = at->get_parent())
-    name.insert(8, " " + at->get_name());
-  app::complain(app::with_arguments_cut(why + " (see " + name + " --help)", given));
+  app::complain(app::with_arguments_cut(why + " (see " + command.full_name() + " --help)", given));
 }
 
 int run(const std::vector<std::string>& given) {
-  CLI::App parser(description, "cullhull");
-  parser.set_version_flag("--version", CULLHULL_VERSION);
+  app::Parser parser("cullhull", description);
+  parser.set_version(CULLHULL_VERSION);
   parser.footer(footer);
-  parser.require_subcommand(1);
-  std::vector<Registered> commands;
+  parser.require_subcommand(1, 1);
+  std::vector<std::pair<const app::Parser*, app::Command>> commands;
   for (const auto add :
        {app::add_hull, app::add_cull, app::add_track, app::add_certify, app::add_generate,
         app::add_info, app::add_view, app::add_qconvex, app::add_bench}) {
     app::Command command = add(parser);
-    commands.push_back({parser.get_subcommands({}).back(), std::move(command)});
+    commands.emplace_back(parser.last_subcommand(), std::move(command));
   }
   const std::vector<std::string> words = app::spell_out(given, parser);
   if (!words.empty() && !words[0].empty() && words[0][0] != '-' &&
@@ -92,23 +80,17 @@ int run(const std::vector<std::string>& given) {
     app::complain(app::with_arguments_cut(app::unknown_command(words[0], parser), given));
     return app::bad_usage;
   }
-  try {
-    // The parser takes words from the back.
-    parser.parse(std::vector<std::string>(words.rbegin(), words.rend()));
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() != static_cast<int>(CLI::ExitCodes::Success)) {
-      complain_of_usage(e, given, words, parser);
-      return app::bad_usage;
-    }
-    std::ostringstream text, unused;
-    parser.exit(e, text, unused);  // help or version
-    std::string shown = text.str();
-    if (!shown.ends_with('\n')) shown += '\n';
-    app::write_stdout(shown);
+  const app::Parsed outcome = parser.parse(words);
+  if (outcome.kind == app::Parsed::Kind::help) {
+    app::write_stdout(outcome.text.ends_with('\n') ? outcome.text : outcome.text + '\n');
     return 0;
   }
-  for (const Registered& registered : commands)
-    if (registered.parser->parsed()) return registered.command();
+  if (outcome.kind != app::Parsed::Kind::command) {
+    complain_of_usage(outcome, given, words, parser);
+    return app::bad_usage;
+  }
+  for (const auto& [command, work] : commands)
+    if (command->parsed()) return work();
   return app::bad_usage;
 }
 

@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 
@@ -145,7 +144,7 @@ void FilePlan::writes_frame(const std::string& path) {
     refuse("-o", path, "is the file that " + it->option + " writes");
 }
 
-void add_json_option(CLI::App& command, std::string& path, const std::string& what) {
+void add_json_option(Parser& command, std::string& path, const std::string& what) {
   needs_value(*command.add_option("--json", path, what + " as JSON, on standard output or to FILE"))
       .type_name("[=FILE]");
 }

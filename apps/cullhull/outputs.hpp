@@ -9,10 +9,6 @@
 
 #include "arguments.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace app {
 
 /// "points     20,000 x 3 f64, npy, in place\n"
@@ -77,7 +73,7 @@ class FilePlan {
 };
 
 /// Adds `--json[=FILE]`, which all commands have.
-void add_json_option(CLI::App& command, std::string& path, const std::string& what);
+void add_json_option(Parser& command, std::string& path, const std::string& what);
 
 /// Refuses, before the work, a file that write_hull could not write for points of this dimension:
 /// Error{invalid_argument}, beginning "-o PATH: ".

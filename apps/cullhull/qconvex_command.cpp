@@ -1,7 +1,6 @@
 // cullhull qconvex: the words of Qhull's qconvex, for scripts that call that program.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <memory>
@@ -10,6 +9,7 @@
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "cullhull/cullhull.hpp"
+#include "cullhull/io.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "terminal.hpp"
@@ -149,9 +149,9 @@ int run(const QconvexArguments& arguments) {
 
 }  // namespace
 
-Command add_qconvex(CLI::App& parent) {
+Command add_qconvex(Parser& parent) {
   auto a = std::make_shared<QconvexArguments>();
-  CLI::App& command =
+  Parser& command =
       *parent.add_subcommand("qconvex", "The hull by the words of Qhull's program qconvex");
   command.add_option("WORDS", a->words, "Outputs and files, see below")->type_name("");
   a->run.add_to(command, true);

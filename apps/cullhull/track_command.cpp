@@ -1,7 +1,6 @@
 // cullhull track: the hulls of moving points, frame by frame.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "cullhull/cullhull.hpp"
+#include "cullhull/io.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "signals.hpp"
@@ -338,9 +338,9 @@ int run(const TrackArguments& arguments) {
 
 }  // namespace
 
-Command add_track(CLI::App& parent) {
+Command add_track(Parser& parent) {
   auto a = std::make_shared<TrackArguments>();
-  CLI::App& command =
+  Parser& command =
       *parent.add_subcommand("track", "The exact convex hulls of moving points, frame by frame");
   command
       .add_option("SEQUENCE", a->inputs, "An array (frames, n, d), or files, a folder, a pattern")

@@ -1,5 +1,4 @@
 // cullhull view: points and their hull as one HTML page.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -8,6 +7,7 @@
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "cullhull/cullhull.hpp"
+#include "cullhull/io.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "signals.hpp"
@@ -109,12 +109,14 @@ Computed compute(const cullhull::PointView& points, double read_seconds,
 }
 
 void add_frame(const cullhull::PointView& points, std::uint64_t index, const cullhull::Hull& hull,
-               const cullhull::Survivors& survivors, const std::string& report, Scene& scene) {
+               const cullhull::Survivors& survivors, const std::string& report, Scene& scene,
+               const cullhull::PointView& colours = {}) {
   SceneFrame frame;
   frame.index = index;
   frame.hull = &hull;
   frame.vertex_rows = cullhull::viewer::vertex_rows(points, hull);
   frame.points = points;
+  frame.colours = colours;
   frame.survivors = &survivors;
   frame.report = report;
   scene.add(frame);
@@ -131,7 +133,8 @@ Written view_input(const ViewArguments& arguments, const Input& input,
   const double read = input.file.read_seconds() + warm_pages(input.points);
   const Computed computed =
       naming_file(arguments.input.path, [&] { return compute(input.points, read, options); });
-  add_frame(input.points, 0, computed.hull, computed.survivors, computed.report, scene);
+  add_frame(input.points, 0, computed.hull, computed.survivors, computed.report, scene,
+            input.file.colours());
   return {scene.page(), computed.report};
 }
 
@@ -267,9 +270,9 @@ int run(const ViewArguments& arguments) {
 
 }  // namespace
 
-Command add_view(CLI::App& parent) {
+Command add_view(Parser& parent) {
   auto a = std::make_shared<ViewArguments>();
-  CLI::App& command =
+  Parser& command =
       *parent.add_subcommand("view", "Points and their hull as an HTML page to look at");
   needs_value(*command.add_option("-o,--output", a->output, "Write the page to this file"))
       .type_name("PAGE.html")

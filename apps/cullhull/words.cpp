@@ -1,19 +1,11 @@
 #include "words.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <numeric>
 
 namespace app {
 namespace {
-
-std::vector<std::string> command_names(const CLI::App& parser) {
-  std::vector<std::string> names;
-  for (const CLI::App* command : parser.get_subcommands([](const CLI::App*) { return true; }))
-    names.push_back(command->get_name());
-  return names;
-}
 
 /// A file, or a name that can only have been meant for one.
 bool looks_like_a_file(const std::string& word) {
@@ -38,23 +30,14 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-std::vector<std::string> option_names(const CLI::App& command) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : command.get_options()) {
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-    for (const std::string& name : option->get_snames()) names.push_back("-" + name);
-  }
-  return names;
-}
-
 }  // namespace
 
-bool is_command(const CLI::App& parser, const std::string& word) {
-  const auto names = command_names(parser);
+bool is_command(const Parser& parser, const std::string& word) {
+  const auto names = parser.command_names();
   return std::find(names.begin(), names.end(), word) != names.end();
 }
 
-std::vector<std::string> spell_out(const std::vector<std::string>& given, const CLI::App& parser) {
+std::vector<std::string> spell_out(const std::vector<std::string>& given, const Parser& parser) {
   std::vector<std::string> words = given;
   // The parser would take the word behind a bare --json for its file.
   for (std::string& word : words) {
@@ -85,14 +68,14 @@ std::string nearest(std::string_view word, const std::vector<std::string>& known
   return best;
 }
 
-std::string unknown_command(const std::string& word, const CLI::App& parser) {
-  const std::string meant = nearest(word, command_names(parser));
+std::string unknown_command(const std::string& word, const Parser& parser) {
+  const std::string meant = nearest(word, parser.command_names());
   return "unknown command '" + word + "'" + (meant.empty() ? "" : "; did you mean " + meant + "?") +
          " (see cullhull --help)";
 }
 
-std::string unexpected_words(const std::vector<std::string>& words, const CLI::App& command) {
-  const std::vector<std::string> names = option_names(command);
+std::string unexpected_words(const std::vector<std::string>& words, const Parser& command) {
+  const std::vector<std::string> names = command.option_names();
   for (const std::string& word : words) {
     if (word == "--") break;
     if (word.size() < 2 || word[0] != '-') continue;
@@ -104,19 +87,14 @@ std::string unexpected_words(const std::vector<std::string>& words, const CLI::A
     const std::string meant = nearest(name, names);
     return "unknown option " + name + (meant.empty() ? "" : "; did you mean " + meant + "?");
   }
-  if (!command_names(command).empty() && !command.remaining().empty()) {
+  if (!command.command_names().empty() && !command.remaining().empty()) {
     const std::string word = command.remaining().front();
-    const std::string meant = nearest(word, command_names(command));
+    const std::string meant = nearest(word, command.command_names());
     return "unknown suite '" + word + "'" + (meant.empty() ? "" : "; did you mean " + meant + "?");
   }
   std::string list;
   for (const std::string& word : command.remaining()) list += " '" + word + "'";
   return "more than is expected:" + list;
-}
-
-const CLI::App& innermost(const CLI::App& parser) {
-  const auto given = parser.get_subcommands();
-  return given.empty() ? parser : innermost(*given.front());
 }
 
 std::string with_arguments_cut(std::string message, const std::vector<std::string>& arguments) {

@@ -6,30 +6,25 @@
 #include <string_view>
 #include <vector>
 
-namespace CLI {
-class App;
-}
+#include "parser.hpp"
 
 namespace app {
 
-bool is_command(const CLI::App& parser, const std::string& word);
+bool is_command(const Parser& parser, const std::string& word);
 
 /// The words as the parser takes them: `--json` alone gets its value, `help COMMAND` is
 /// `COMMAND --help`, and a file in the place of a command is `hull FILE`.
-std::vector<std::string> spell_out(const std::vector<std::string>& words, const CLI::App& parser);
+std::vector<std::string> spell_out(const std::vector<std::string>& words, const Parser& parser);
 
 /// The known word that is nearest to a mistyped one; empty if none is near.
 std::string nearest(std::string_view word, const std::vector<std::string>& known);
 
 /// What to say of a first word that is neither a command nor a file.
-std::string unknown_command(const std::string& word, const CLI::App& parser);
+std::string unknown_command(const std::string& word, const Parser& parser);
 
 /// Of words that `command` does not take: which, and which may have been meant. `words` are those
 /// that were given.
-std::string unexpected_words(const std::vector<std::string>& words, const CLI::App& command);
-
-/// The innermost subcommand that was named.
-const CLI::App& innermost(const CLI::App& parser);
+std::string unexpected_words(const std::vector<std::string>& words, const Parser& command);
 
 /// `message` with every argument longer than some 200 characters cut to its ends.
 std::string with_arguments_cut(std::string message, const std::vector<std::string>& arguments);

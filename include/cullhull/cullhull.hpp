@@ -1,4 +1,5 @@
-// Everything: include this one, or the header of the one idea you need.
+// Everything of cullhull::cullhull: include this one, or the header of the one idea you need. Files
+// are read and written by cullhull/io.hpp, which needs cullhull::io.
 #pragma once
 
 #include "cullhull/array.hpp"
@@ -12,7 +13,6 @@
 #include "cullhull/growing_hull.hpp"
 #include "cullhull/halfspaces.hpp"
 #include "cullhull/hull.hpp"
-#include "cullhull/io.hpp"
 #include "cullhull/lists.hpp"
 #include "cullhull/machine.hpp"
 #include "cullhull/options.hpp"

@@ -39,6 +39,8 @@ class PointFile {
   ~PointFile();
 
   const PointView& points() const noexcept;
+  /// Red, green and blue of every point (u8, dimension 3), where a PLY has them; else no points.
+  const PointView& colours() const noexcept;
   const std::string& format() const noexcept;  ///< "npy", "ply (binary little-endian)", ...
   bool mapped() const noexcept;                ///< true when read in place
   double read_seconds() const noexcept;

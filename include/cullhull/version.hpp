@@ -1,3 +1,4 @@
+// The version, which CMake, pip, the program and the documentation read here.
 #pragma once
 
 #define CULLHULL_VERSION_MAJOR 0

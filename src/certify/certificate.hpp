@@ -67,22 +67,34 @@ struct Subject {
   std::uint64_t position(std::uint64_t id) const;  ///< in `ids`; ids.size() if it is no vertex
   void index_ids();  ///< makes `position` quick; call when ids are set
 
-  /// Asks for what simplices soon after f refer to: it lies anywhere in memory.
+  /// Prefetches what the neighbours with higher numbers of simplices soon after f refer to: they
+  /// lie anywhere in memory.
   void prefetch(std::uint64_t f) const {
     constexpr std::uint64_t far = 24, near = 12;
     if (f + far < simplex_count())
       for (unsigned j = 0; j < k; ++j) {
         const std::size_t g = hull.simplex_neighbours[(f + far) * k + j];
+        if (g < f) continue;
         __builtin_prefetch(index.data() + g * k);
         __builtin_prefetch(hull.simplex_neighbours.data() + g * k);
         __builtin_prefetch(hull.simplex_facets.data() + g);
-        __builtin_prefetch(row(index[(f + far) * k + j]));
       }
-    if (f + near < simplex_count())
+    if (f + near < simplex_count() && k <= 4)  // beyond, vertices are few beside simplices
       for (unsigned j = 0; j < k; ++j) {
         const std::uint32_t g = neighbour(static_cast<std::uint32_t>(f + near), j);
+        if (g < f) continue;
         for (unsigned c = 0; c < k; ++c) __builtin_prefetch(row(simplex(g)[c]));
       }
+  }
+
+  /// What `position` of these ids, of rows soon to be read, will look at.
+  void prefetch_positions(const std::uint64_t* far, const std::uint64_t* near) const {
+    for (unsigned j = 0; j < k; ++j) {
+      if (const std::uint64_t b = far[j] >> id_shift; b < id_bucket.size())
+        __builtin_prefetch(id_bucket.data() + b);
+      if (const std::uint64_t b = near[j] >> id_shift; b < id_bucket.size())
+        __builtin_prefetch(ids.data() + id_bucket[b]);
+    }
   }
 
   void prefetch_corners(std::uint64_t f) const {
@@ -104,12 +116,15 @@ struct Subject {
 void check_chunks(const Subject& s, std::uint64_t count, std::uint64_t chunk_size,
                   const std::function<void(std::uint64_t begin, std::uint64_t end)>& body);
 
-void check_shape(Subject& s);                  // sizes, ranges, order; fills ids, full, index
-void check_flat(Subject& s);                   // fills basis, axes, rows
-std::uint64_t check_ridges(const Subject& s);  // pairing, orientation, convexity; their number
-void check_interior(Subject& s);               // interior point and the one ray; fills centre
+void check_shape(Subject& s);  // sizes, ranges, order; fills ids, full, index
+void check_flat(Subject& s);   // fills basis, axes, rows
+class Cones;
+void check_interior(Subject& s, Cones& cones);  // a point beneath all; fills centre, places cones
+std::uint64_t check_ridges(const Subject& s,    // pairing, orientation, convexity; their number
+                           const Cones& cones);
+void check_covering(Subject& s, Cones& cones);  // a ray that meets one simplex alone
 void check_facets(Subject& s);  // merged facets, extreme vertices, triangulation; fills members
-void check_points(const Subject& s);   // every input point
-void check_numbers(const Subject& s);  // planes, volume, area, centroid
+void check_points(const Subject& s, const Cones& cones);  // every input point
+void check_numbers(const Subject& s);                     // planes, volume, area, centroid
 
 }  // namespace cullhull::internal

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "certify/certificate.hpp"
+#include "certify/cones.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull {
@@ -162,13 +163,15 @@ void check_all(Subject& s, Certificate& out) {
   check_shape(s);
   check_flat(s);
   s.control.report("certify", 0.05);
-  out.ridges_checked = check_ridges(s);
+  Cones cones(s);
+  check_interior(s, cones);
   s.control.report("certify", 0.2);
-  check_interior(s);
+  out.ridges_checked = check_ridges(s, cones);
+  check_covering(s, cones);
   s.control.report("certify", 0.4);
   check_facets(s);
   s.control.report("certify", 0.5);
-  check_points(s);
+  check_points(s, cones);
   out.points_checked = n;
   s.control.report("certify", 0.8);
   check_numbers(s);

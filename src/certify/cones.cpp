@@ -1,9 +1,11 @@
 #include "certify/cones.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "geometry/minors.hpp"
+#include "parallel/parallel.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -20,38 +22,33 @@ double dot(const double* n, const double* y) {
 
 }  // namespace
 
-Cones::Cones(const Subject& s, std::uint64_t points) : s_(s), k_(s.k), centre_(s.centre) {
-  if (points * 4 < s.simplex_count() || centre_.empty() || k_ < 2 || k_ > max_dimension ||
-      !choose_units())
-    return;
-  planes_.resize(std::size_t{s.simplex_count()} * (k_ + 1));
+void Cones::place() {
+  drop();
+  centre_ = s_.centre;
+  if (centre_.empty() || k_ < 2 || k_ > max_dimension || !choose_units()) return;
+  planes_.resize(std::size_t{s_.simplex_count()} * (k_ + 1));
   switch (k_) {
     case 2:
-      build<2>();
-      break;
+      return build<2>();
     case 3:
-      build<3>();
-      break;
+      return build<3>();
     case 4:
-      build<4>();
-      break;
+      return build<4>();
     case 5:
-      build<5>();
-      break;
+      return build<5>();
     case 6:
-      build<6>();
-      break;
+      return build<6>();
     case 7:
-      build<7>();
-      break;
+      return build<7>();
     default:
-      build<8>();
+      return build<8>();
   }
-  choose_ball();
 }
 
 /// Powers of two that bring every vertex to within 1 of the centre.
 bool Cones::choose_units() {
+  scale_.clear();
+  reach_.clear();
   for (unsigned j = 0; j < k_; ++j) {
     double extent = 0;
     for (std::uint32_t v = 0; v < s_.ids.size(); ++v)
@@ -63,68 +60,69 @@ bool Cones::choose_units() {
   return true;
 }
 
-/// What no plane comes nearer than. The exact plane differs from n by no more than twice its bound,
-/// since the reach of an axis is 1/2 at least.
-void Cones::choose_ball() {
-  double longest = 0;
-  for (std::uint32_t f = 0; f < s_.simplex_count(); ++f) {
-    double square = 0;
-    for (unsigned j = 0; j < k_; ++j) square += plane(f)[j] * plane(f)[j];
-    longest = std::max(longest, std::sqrt(square) + 2 * plane(f)[k_]);
-  }
-  const double radius = (1 - 0x1p-40) / longest;
-  ball_ = radius * radius * (1 - 0x1p-40);
-}
-
 template <unsigned K>
 void Cones::build() {
   constexpr std::uint64_t chunk = std::uint64_t{1} << 12;
-  constexpr double roundings = minor_roundings(K > 1 ? K - 1 : 1) + 3;
+  std::vector<double> longest(chunk_count(s_.simplex_count(), chunk), 0);
   check_chunks(s_, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    double most = 0;
     for (std::uint64_t i = begin; i < end; ++i) {
       s_.prefetch_corners(i);
       const auto f = static_cast<std::uint32_t>(i);
-      const std::uint32_t* v = s_.simplex(f);
-      double edges[K - 1][K], n[K], spread[K], w[K];
-      for (unsigned j = 0; j < K; ++j) {
-        const double p = s_.row(v[0])[j];
-        w[j] = (p - centre_[j]) * scale_[j];
-        for (unsigned r = 1; r < K; ++r) edges[r - 1][j] = (s_.row(v[r])[j] - p) * scale_[j];
-      }
-      constexpr unsigned full = (1U << K) - 1;
-      double det[full + 1], perm[full + 1];
-      expand_minors<K, true>(edges, K - 1, det, perm);
-      for (unsigned j = 0; j < K; ++j) {
-        const double minor = det[full & ~(1U << j)];
-        n[j] = ((K - 1 + j) & 1U) != 0 ? -minor : minor;
-        spread[j] = perm[full & ~(1U << j)];
-      }
       double* out = plane(f);
-      double height = 0, lost = 0;
-      for (unsigned j = 0; j < K; ++j) {
-        spread[j] = roundings * u * spread[j] + 0x1p-1000;
-        height += n[j] * w[j];
-        lost += spread[j] * std::fabs(w[j]) + (K + 3) * u * std::fabs(n[j] * w[j]);
-      }
-      lost *= 1.01;
-      out[K] = infinity;
-      for (unsigned j = 0; j < K; ++j) out[j] = 0;
-      if (!(height > 0x1p-900 && lost < height / 2)) continue;
-      double bound = 0x1p-900;
-      for (unsigned j = 0; j < K; ++j) {
-        out[j] = n[j] / height;
-        const double off =
-            (spread[j] + (std::fabs(n[j]) + spread[j]) * (lost / (height - lost))) / height +
-            (K + 5) * u * std::fabs(out[j]);
-        bound += off * reach_[j];
-      }
-      out[K] = 1.02 * bound;
-      if (!(out[K] < 0.125)) {
-        out[K] = infinity;
+      if (!build_plane<K>(f, out)) {
         for (unsigned j = 0; j < K; ++j) out[j] = 0;
+        out[K] = infinity;
       }
+      double square = 0;
+      for (unsigned j = 0; j < K; ++j) square += out[j] * out[j];
+      most = std::max(most, std::sqrt(square) + 2 * out[K]);
     }
+    longest[begin / chunk] = most;
   });
+  // What no plane comes nearer than. The exact plane differs from n by no more than twice its
+  // bound, since the reach of an axis is 1/2 at least.
+  const double radius = (1 - 0x1p-40) / *std::max_element(longest.begin(), longest.end());
+  ball_ = radius * radius * (1 - 0x1p-40);
+}
+
+/// False where rounding leaves open on which side the centre is, or how far the plane.
+template <unsigned K>
+bool Cones::build_plane(std::uint32_t f, double* out) const {
+  constexpr double roundings = minor_roundings(K > 1 ? K - 1 : 1) + 3;
+  const std::uint32_t* v = s_.simplex(f);
+  double edges[K - 1][K], n[K], spread[K], w[K];
+  for (unsigned j = 0; j < K; ++j) {
+    const double p = s_.row(v[0])[j];
+    w[j] = (p - centre_[j]) * scale_[j];
+    for (unsigned r = 1; r < K; ++r) edges[r - 1][j] = (s_.row(v[r])[j] - p) * scale_[j];
+  }
+  constexpr unsigned full = (1U << K) - 1;
+  double det[full + 1], perm[full + 1];
+  expand_minors<K, true>(edges, K - 1, det, perm);
+  for (unsigned j = 0; j < K; ++j) {
+    const double minor = det[full & ~(1U << j)];
+    n[j] = ((K - 1 + j) & 1U) != 0 ? -minor : minor;
+    spread[j] = perm[full & ~(1U << j)];
+  }
+  double height = 0, lost = 0;
+  for (unsigned j = 0; j < K; ++j) {
+    spread[j] = roundings * u * spread[j] + 0x1p-1000;
+    height += n[j] * w[j];
+    lost += spread[j] * std::fabs(w[j]) + (K + 3) * u * std::fabs(n[j] * w[j]);
+  }
+  lost *= 1.01;
+  if (!(height > 0x1p-900 && lost < height / 2)) return false;
+  const double relative = lost / (height - lost);
+  double bound = 0x1p-900;
+  for (unsigned j = 0; j < K; ++j) {
+    out[j] = n[j] / height;
+    const double off = (spread[j] + (std::fabs(n[j]) + spread[j]) * relative) / height +
+                       (K + 5) * u * std::fabs(out[j]);
+    bound += off * reach_[j];
+  }
+  out[K] = 1.02 * bound;
+  return out[K] < 0.125;
 }
 
 template <unsigned K>

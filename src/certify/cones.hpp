@@ -1,5 +1,5 @@
-// Where a point lies by the planes of the simplices in doubles: the quick rung of check_points.
-// docs/exactness.md, "Cones", has the proof.
+// Where a point lies by the planes of the simplices in doubles: the quick rung of every check that
+// needs sides. docs/exactness.md, "Cones", has the proof.
 #pragma once
 
 #include <cmath>
@@ -16,11 +16,23 @@ class Cones {
  public:
   static constexpr unsigned max_dimension = 8;
 
-  /// usable() is false where there is no centre, in other dimensions than 2 to 8, or where extents
-  /// are beyond what doubles take.
-  /// `points`: how many are to be located; few do not pay for the planes.
-  Cones(const Subject& s, std::uint64_t points);
+  explicit Cones(const Subject& s) : s_(s), k_(s.k) {}
+  /// Planes around the subject's centre. Afterwards usable() is false where there is no centre, in
+  /// other dimensions than 2 to 8, or where extents are beyond what doubles take.
+  void place();
+  void drop() { planes_.clear(); }
   bool usable() const { return !planes_.empty(); }
+
+  /// The centre is strictly beneath simplex f. False where the plane in doubles cannot tell.
+  bool beneath(std::uint32_t f) const { return std::isfinite(plane(f)[k_]); }
+  /// y, of the vertices' box, is strictly beneath simplex f. False where that cannot be told.
+  template <unsigned K>
+  bool strictly_beneath(std::uint32_t f, const double* y) const {
+    const double* n = plane(f);
+    double sum = n[K];
+    for (unsigned j = 0; j < K; ++j) sum += n[j] * y[j];
+    return sum < 1 - 0x1p-50;
+  }
 
   /// Coordinates from the centre in the planes' units; false if outside of the vertices' box.
   bool relative(const double* x, double* y) const {
@@ -33,6 +45,7 @@ class Cones {
     return within;
   }
   double scale(unsigned j) const { return scale_[j]; }
+  const std::vector<double>& scales() const { return scale_; }
 
   /// True only if the point is strictly inside. Starts at simplex f and leaves the last one there:
   /// that of the ray through the point, or one nearby.
@@ -50,7 +63,8 @@ class Cones {
   template <unsigned K>
   bool strictly_inside_in(const double* y, std::uint32_t& f) const;
   bool choose_units();
-  void choose_ball();
+  template <unsigned K>
+  bool build_plane(std::uint32_t f, double* out) const;
   double* plane(std::uint32_t f) { return planes_.data() + std::size_t{f} * (k_ + 1); }
   const double* plane(std::uint32_t f) const { return planes_.data() + std::size_t{f} * (k_ + 1); }
 

@@ -199,8 +199,7 @@ double Facets::normal_bound(const FacetTerms& t, std::uint32_t simplex, unsigned
   if (by_component()) {
     const double own = std::fabs(t.normal[c]);
     if (k_ == 1) return unit * beta_ * own + underflow;
-    return unit *
-               (alpha_ * (t.spread[c] + own * length(t.spread.data(), k_)) / share + beta_ * own) +
+    return unit * (alpha_ * (t.spread[c] + own * t.spread_length) / share + beta_ * own) +
            underflow;
   }
   if (!constant_.empty() && constant_[c] != 0) return 0;
@@ -260,9 +259,10 @@ bool Facets::by_cofactors(std::uint32_t simplex, FacetTerms& out) const {
   if (!(l > least * lengths && l > 0x1p-400)) return false;
   out.normal.resize(K);
   out.spread.resize(K);
+  const double per_length = 1 / lengths;
   for (unsigned c = 0; c < K; ++c) {
     out.normal[c] = n[c] / l;
-    out.spread[c] = spread[c] / lengths;
+    out.spread[c] = spread[c] * per_length;
   }
   out.lengths = lengths;
   out.share = l / lengths;
@@ -508,6 +508,7 @@ void Facets::exactly(std::uint32_t i, FacetTerms& out) const {
 
 void Facets::terms(std::uint32_t simplex, FacetTerms& out) const {
   if (!quickly(simplex, out)) exactly(simplex, out);
+  out.spread_length = length(out.spread.data(), static_cast<unsigned>(out.spread.size()));
 }
 
 }  // namespace cullhull::internal

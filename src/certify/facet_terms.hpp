@@ -15,6 +15,7 @@ namespace cullhull::internal {
 struct FacetTerms {
   std::vector<double> normal;  ///< outward, of length 1, in the flat
   std::vector<double> spread;  ///< p of the bound; empty where the bound has none
+  double spread_length = 0;    ///< |p|
   double lengths = 0;          ///< product of the edges' lengths from the first vertex
   double share = 0;            ///< measure of their parallelotope over that product
 };

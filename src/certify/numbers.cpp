@@ -181,7 +181,7 @@ class MeasureCheck {
   /// apart, since their quotient may be beyond doubles.
   template <class Number>
   Number area_bound(const FacetTerms& t, const Number& lengths, const Number& measure) const {
-    const double spread = f_.by_component() ? length(t.spread) : 1;
+    const double spread = f_.by_component() ? t.spread_length : 1;
     return unit * (f_.alpha() * spread * thin(t) * lengths + f_.beta() * measure);
   }
   template <class Number>
@@ -203,12 +203,6 @@ class MeasureCheck {
   double thin(const FacetTerms& t) const {
     return std::min(1.0, t.share / f_.careful_share()) + 0x1p-48;
   }
-  static double length(const std::vector<double>& v) {
-    double square = 0;
-    for (const double x : v) square += x * x;
-    return std::sqrt(square);
-  }
-
   QuickSums quick_sums() const {
     constexpr std::uint64_t chunk = std::uint64_t{1} << 12;
     std::vector<QuickSums> parts((s_.simplex_count() + chunk - 1) / chunk, QuickSums(d_, 0.0, 0.0));

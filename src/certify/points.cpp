@@ -8,6 +8,7 @@
 
 #include "certify/certificate.hpp"
 #include "certify/cones.hpp"
+#include "certify/inner_ball.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -258,47 +259,14 @@ class VertexCache {
 
 [[noreturn]] void outside(std::uint64_t i) { fault("point ", i, " lies outside the hull"); }
 
-/// Coordinates [begin, end) of the points as doubles, row after row.
-template <class T>
-void load(const PointView& p, std::uint64_t begin, std::uint64_t end, double* out) {
-  for (std::uint64_t i = begin; i < end; ++i) {
-    const std::byte* at = p.address(i, 0);
-    for (unsigned j = 0; j < p.dimension; ++j) {
-      T v;
-      std::memcpy(&v, at + static_cast<std::ptrdiff_t>(j) * p.coordinate_stride, sizeof v);
-      *out++ = static_cast<double>(v);
-    }
-  }
-}
-
-void load(const PointView& p, std::uint64_t begin, std::uint64_t end, double* out) {
-  switch (p.scalar) {
-    case ScalarType::f32:
-      return load<float>(p, begin, end, out);
-    case ScalarType::f64:
-      return load<double>(p, begin, end, out);
-    case ScalarType::i8:
-      return load<std::int8_t>(p, begin, end, out);
-    case ScalarType::u8:
-      return load<std::uint8_t>(p, begin, end, out);
-    case ScalarType::i16:
-      return load<std::int16_t>(p, begin, end, out);
-    case ScalarType::u16:
-      return load<std::uint16_t>(p, begin, end, out);
-    case ScalarType::i32:
-      return load<std::int32_t>(p, begin, end, out);
-    case ScalarType::u32:
-      return load<std::uint32_t>(p, begin, end, out);
-  }
-}
-
 class Scan {
  public:
-  explicit Scan(const Subject& s)
+  Scan(const Subject& s, const Cones& cones)
       : s_(s),
         flat_(s),
-        cones_(s, s.points.count - s.ids.size()),
-        filter_(s, cones_, s.points.count - s.ids.size()) {
+        cones_(cones),
+        ball_(make_ball(s, cones)),
+        filter_(s, cones, count_outside_ball()) {
     if (s.k == 1) low_ = s.row(0)[0] < s.row(1)[0] ? 0 : 1;
   }
 
@@ -320,61 +288,72 @@ class Scan {
   }
 
  private:
+  static InnerBall make_ball(const Subject& s, const Cones& cones) {
+    if (!cones.usable() || s.k != s.hull.dimension || !(cones.ball() > 0)) return {};
+    return InnerBall(cones.centre(), cones.scales(), cones.ball());
+  }
+
+  /// About how many points the ball leaves to the filter, vertices aside: from a sample.
+  std::uint64_t count_outside_ball() const {
+    constexpr std::uint32_t sample = 256;
+    const std::uint64_t n = s_.points.count, blocks = 32;
+    std::uint64_t left = n;
+    if (ball_.usable() && n > 4 * blocks * sample) {
+      std::uint16_t out[InnerBall::block];
+      std::uint64_t seen = 0;
+      for (std::uint64_t b = 0; b < blocks; ++b)
+        seen += ball_.outside(s_.points, n / blocks * b, sample, out);
+      left = static_cast<std::uint64_t>(static_cast<double>(n) * static_cast<double>(seen + 1) /
+                                        (blocks * sample));
+    }
+    return left > s_.ids.size() ? left - s_.ids.size() : 0;
+  }
+
   /// K: k where the inner filter serves, else 0.
   template <unsigned K>
   void range_in(std::uint64_t begin, std::uint64_t end) const {
-    const unsigned d = s_.hull.dimension, k = K ? K : s_.k;
-    constexpr std::uint64_t block = 256;
-    std::vector<double> rows(block * d), on_axes(k);
-    std::uint8_t in_ball[block] = {};
-    std::vector<const double*> scratch(k + 1);
+    const unsigned d = s_.hull.dimension;
+    std::vector<double> rows(InnerBall::block * std::size_t{d}), on_axes(s_.k);
+    std::uint16_t left[InnerBall::block];
+    std::vector<const double*> scratch(s_.k + 1);
     auto vertex = std::lower_bound(s_.ids.begin(), s_.ids.end(), begin);
     std::uint32_t f = 0;
     VertexCache cache(s_);
-    for (std::uint64_t b = begin; b < end; b += block) {
-      const std::uint64_t stop = std::min(b + block, end);
-      load(s_.points, b, stop, rows.data());
-      if constexpr (K != 0) mark_ball<K>(rows.data(), static_cast<unsigned>(stop - b), in_ball);
-      for (std::uint64_t i = b; i < stop; ++i) {
-        if (in_ball[i - b] != 0) continue;
-        const double* x = rows.data() + (i - b) * d;
-        check_finite(i, x);
+    for (std::uint64_t b = begin; b < end; b += InnerBall::block) {
+      const auto count =
+          static_cast<std::uint32_t>(std::min<std::uint64_t>(InnerBall::block, end - b));
+      std::uint32_t kept = count;
+      if (ball_.usable()) kept = ball_.outside(s_.points, b, count, left);
+      const bool all = kept == count;
+      if (all) load_points(s_.points, b, count, rows.data(), d, 1);
+      for (std::uint32_t r = 0; r < kept; ++r) {
+        const std::uint64_t i = b + (all ? r : left[r]);
+        double* x = rows.data() + std::size_t{r} * d;
+        if (!all) load_points(s_.points, i, 1, x, d, 1);
         while (vertex != s_.ids.end() && *vertex < i) ++vertex;
-        if (k < d && !flat_.contains(x))
-          fault("point ", i, " is not in the flat of the vertices: affine dimension ", k,
-                " is too low");
-        if (vertex != s_.ids.end() && *vertex == i) continue;
-        if (k < d) {
-          for (unsigned j = 0; j < k; ++j) on_axes[j] = x[s_.axes[j]];
-          x = on_axes.data();
-        }
-        if (k == 1)
-          check_on_segment(i, x[0]);
-        else if (!surely_inside<K>(x, f))
-          check_by_ray(i, x, f, scratch.data(), cache);
+        const bool is_vertex = vertex != s_.ids.end() && *vertex == i;
+        check_point<K>(i, x, is_vertex, on_axes.data(), f, scratch.data(), cache);
       }
     }
   }
 
-  /// Full dimension: marks points of the ball around the centre, strictly inside by that alone. No
-  /// vertex is among them, and nothing that is not finite.
   template <unsigned K>
-  void mark_ball(const double* rows, unsigned count, std::uint8_t* in_ball) const {
-    if (s_.hull.dimension != K || !(cones_.ball() > 0)) return;
-    double centre[K], scale[K];
-    for (unsigned j = 0; j < K; ++j) {
-      centre[j] = cones_.centre()[j];
-      scale[j] = cones_.scale(j);
+  void check_point(std::uint64_t i, const double* x, bool is_vertex, double* on_axes,
+                   std::uint32_t& f, const double** scratch, VertexCache& cache) const {
+    const unsigned d = s_.hull.dimension, k = K ? K : s_.k;
+    check_finite(i, x);
+    if (k < d && !flat_.contains(x))
+      fault("point ", i, " is not in the flat of the vertices: affine dimension ", k,
+            " is too low");
+    if (is_vertex) return;
+    if (k < d) {
+      for (unsigned j = 0; j < k; ++j) on_axes[j] = x[s_.axes[j]];
+      x = on_axes;
     }
-    const double ball = cones_.ball();
-    for (unsigned i = 0; i < count; ++i) {
-      double square = 0;
-      for (unsigned j = 0; j < K; ++j) {
-        const double y = (rows[i * K + j] - centre[j]) * scale[j];
-        square += y * y;
-      }
-      in_ball[i] = square < ball;
-    }
+    if (k == 1)
+      check_on_segment(i, x[0]);
+    else if (!surely_inside<K>(x, f))
+      check_by_ray(i, x, f, scratch, cache);
   }
 
   void check_finite(std::uint64_t i, const double* x) const {
@@ -423,15 +402,16 @@ class Scan {
 
   const Subject& s_;
   const FlatCheck flat_;
-  const Cones cones_;
+  const Cones& cones_;
+  const InnerBall ball_;
   const InnerFilter filter_;
   unsigned low_ = 0;
 };
 
 }  // namespace
 
-void check_points(const Subject& s) {
-  const Scan scan(s);
+void check_points(const Subject& s, const Cones& cones) {
+  const Scan scan(s, cones);
   check_chunks(s, s.points.count, chunk,
                [&](std::uint64_t begin, std::uint64_t end) { scan.range(begin, end); });
 }

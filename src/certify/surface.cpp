@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "certify/certificate.hpp"
+#include "certify/cones.hpp"
+#include "parallel/parallel.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -68,6 +71,7 @@ void read_simplices(Subject& s) {
   check_chunks(s, count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) {
       const std::uint64_t* row = h.simplices.data() + i * k;
+      if (i + 24 < count) s.prefetch_positions(row + 24 * k, row + 12 * k);
       for (unsigned j = 0; j < k; ++j) {
         const std::uint64_t at = s.position(row[j]);
         if (at == s.ids.size()) fault("simplex ", i, " uses point ", row[j], ", not a vertex");
@@ -92,48 +96,143 @@ void read_simplices(Subject& s) {
     if (!used[v]) fault("vertex ", s.ids[v], " is on no simplex");
 }
 
-/// The slot of g opposite to the ridge that f shares with it across slot i.
-unsigned opposite_slot(const Subject& s, std::uint32_t f, unsigned i, std::uint32_t g) {
-  const std::uint32_t* a = s.simplex(f);
-  const std::uint32_t* b = s.simplex(g);
-  unsigned odd = s.k;
-  for (unsigned j = 0; j < s.k; ++j) {
-    const std::uint32_t* at = std::find(a, a + s.k, b[j]);
-    const bool shared = at != a + s.k && at != a + i;
-    if (shared) continue;
-    if (odd != s.k) odd = s.k + 1;
-    if (odd == s.k) odd = j;
+/// How simplex b lies across slot i of simplex a: the slot of b opposite to the ridge they share
+/// (k if they share none), and whether the two are oriented alike, as they must be side by side:
+/// then the permutation from a's order, its vertex i replaced by b's, to b's order is odd.
+/// K: k where it is known, else 0; `at` has room for k.
+struct Across {
+  unsigned slot;
+  bool coherent;
+};
+template <unsigned K>
+Across across(unsigned dynamic_k, const std::uint32_t* a, unsigned i, const std::uint32_t* b,
+              unsigned* at) {
+  const unsigned k = K != 0 ? K : dynamic_k;
+  Across result{k, false};
+  unsigned strangers = 0;
+  for (unsigned j = 0; j < k; ++j) {
+    unsigned place = k;
+    for (unsigned c = 0; c < k; ++c) place = a[c] == b[j] ? c : place;
+    const bool shared = place < k && place != i;
+    strangers += !shared;
+    result.slot = shared ? result.slot : j;
+    at[j] = shared ? place : i;
   }
-  if (f == g || odd >= s.k || s.neighbour(g, odd) != f)
+  if (strangers != 1) return {k, false};
+  for (unsigned j = 1; j < k; ++j)
+    for (unsigned c = 0; c < j; ++c) result.coherent ^= at[c] > at[j];
+  return result;
+}
+
+/// Ridges between simplices, each seen from the one with the lower number.
+class RidgeCheck {
+ public:
+  RidgeCheck(const Subject& s, const Cones& cones) : s_(s), cones_(cones) {}
+
+  /// The number of ridges.
+  std::uint64_t run() const {
+    std::vector<std::uint64_t> pairs(chunk_count(s_.simplex_count(), chunk), 0);
+    check_chunks(s_, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      pairs[begin / chunk] = range(begin, end);
+    });
+    const std::uint64_t all = std::accumulate(pairs.begin(), pairs.end(), std::uint64_t{0});
+    // No slot is in two pairs: so twice as many slots as pairs means that all are paired.
+    if (all * 2 != std::uint64_t{s_.simplex_count()} * s_.k) name_the_odd_one();
+    return all;
+  }
+
+ private:
+  std::uint64_t range(std::uint64_t begin, std::uint64_t end) const {
+    if (!cones_.usable()) return range_in<0>(begin, end);
+    switch (s_.k) {
+      case 2:
+        return range_in<2>(begin, end);
+      case 3:
+        return range_in<3>(begin, end);
+      case 4:
+        return range_in<4>(begin, end);
+      case 5:
+        return range_in<5>(begin, end);
+      case 6:
+        return range_in<6>(begin, end);
+      case 7:
+        return range_in<7>(begin, end);
+      default:
+        return range_in<8>(begin, end);
+    }
+  }
+
+  /// K: k where planes in doubles serve, else 0.
+  template <unsigned K>
+  std::uint64_t range_in(std::uint64_t begin, std::uint64_t end) const {
+    const unsigned k = K != 0 ? K : s_.k;
+    std::vector<const double*> scratch(k + 1);
+    std::vector<unsigned> at(k);
+    std::uint64_t pairs = 0;
+    for (std::uint64_t wide = begin; wide < end; ++wide) {
+      const auto f = static_cast<std::uint32_t>(wide);
+      s_.prefetch(f);
+      for (unsigned i = 0; i < k; ++i) {
+        const std::uint32_t g = s_.neighbour(f, i);
+        if (g == f) not_neighbours(f, g);
+        if (g < f) continue;
+        const Across to = across<K>(k, s_.simplex(f), i, s_.simplex(g), at.data());
+        if (to.slot == k || s_.neighbour(g, to.slot) != f) not_neighbours(f, g);
+        if (!to.coherent) fault("simplices ", f, " and ", g, " are oriented differently");
+        ++pairs;
+        check_convex<K>(f, g, s_.row(s_.simplex(g)[to.slot]), scratch.data());
+      }
+    }
+    return pairs;
+  }
+
+  template <unsigned K>
+  void check_convex(std::uint32_t f, std::uint32_t g, const double* apex,
+                    const double** scratch) const {
+    Sign side = Sign::zero;
+    bool known = false;
+    if constexpr (K != 0) {
+      double y[K];
+      known = cones_.relative(apex, y) && cones_.strictly_beneath<K>(f, y);
+    }
+    side = known ? Sign::negative : s_.side(f, apex, scratch);
+    const bool same = s_.hull.simplex_facets[f] == s_.hull.simplex_facets[g];
+    if (side == Sign::positive) fault("the ridge of simplices ", f, " and ", g, " is not convex");
+    if (side == Sign::zero && !same)
+      fault("simplices ", f, " and ", g, " are coplanar, but of different facets");
+    if (side != Sign::zero && same)
+      fault("simplices ", f, " and ", g, " of facet ", s_.hull.simplex_facets[f],
+            " are not coplanar");
+  }
+
+  [[noreturn]] static void not_neighbours(std::uint32_t f, std::uint32_t g) {
     fault("simplices ", f, " and ", g, " do not share a ridge as neighbours");
-  return odd;
-}
-
-/// Whether replacing vertex i of f by vertex j of g reverses the orientation, as it must where the
-/// two lie side by side: the permutation from f's order to g's, with one for the other, is odd.
-bool coherent(const Subject& s, std::uint32_t f, unsigned i, std::uint32_t g, unsigned j,
-              std::vector<std::uint32_t>& order) {
-  const std::uint32_t* b = s.simplex(g);
-  order.assign(s.simplex(f), s.simplex(f) + s.k);
-  order[i] = b[j];
-  bool odd = false;
-  for (unsigned c = 0; c < s.k; ++c) {
-    if (order[c] == b[c]) continue;
-    const auto at = std::find(order.begin() + c, order.end(), b[c]);
-    std::iter_swap(order.begin() + c, at);
-    odd = !odd;
   }
-  return odd;
-}
+  /// Some slot names a simplex of lower number that does not name it back.
+  [[noreturn]] void name_the_odd_one() const {
+    std::vector<unsigned> at(s_.k);
+    for (std::uint32_t f = 0; f < s_.simplex_count(); ++f)
+      for (unsigned i = 0; i < s_.k; ++i) {
+        const std::uint32_t g = s_.neighbour(f, i);
+        const unsigned slot = across<0>(s_.k, s_.simplex(f), i, s_.simplex(g), at.data()).slot;
+        if (slot == s_.k || s_.neighbour(g, slot) != f) not_neighbours(f, g);
+      }
+    fault("neighbours do not come in pairs");
+  }
 
-/// Tries the rounded means of some vertices as interior point.
-bool beneath_all(const Subject& s) {
+  const Subject& s_;
+  const Cones& cones_;
+};
+
+/// Whether the centre, or without one the centroid of the basis, is strictly beneath every simplex;
+/// a fault in the latter case.
+bool beneath_all(const Subject& s, const Cones& cones) {
   const std::uint32_t count = s.simplex_count();
   try {
     check_chunks(s, count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
       std::vector<const double*> scratch(s.k + 1);
       for (std::uint64_t f = begin; f < end; ++f) {
-        s.prefetch_corners(f);
+        if (cones.usable() && cones.beneath(static_cast<std::uint32_t>(f))) continue;
         for (unsigned j = 0; j < s.k; ++j)
           scratch[j] = s.row(s.simplex(static_cast<std::uint32_t>(f))[j]);
         if (s.seen(scratch.data()) != Sign::negative)
@@ -155,16 +254,87 @@ std::vector<double> mean(const Subject& s, const std::vector<std::uint32_t>& ver
   return m;
 }
 
-void choose_centre(Subject& s) {
+/// Tries the rounded means of some vertices as interior point.
+void choose_centre(Subject& s, Cones& cones) {
   std::vector<std::uint32_t> all(s.ids.size());
-  for (std::uint32_t v = 0; v < all.size(); ++v) all[v] = v;
-  s.centre = mean(s, all);
-  if (beneath_all(s)) return;
-  s.centre = mean(s, s.basis);
-  if (beneath_all(s)) return;
+  std::iota(all.begin(), all.end(), 0U);
+  for (const std::vector<std::uint32_t>* vertices : {&all, &s.basis}) {
+    s.centre = mean(s, *vertices);
+    cones.place();
+    if (beneath_all(s, cones)) return;
+  }
   s.centre.clear();
-  beneath_all(s);
+  cones.drop();
+  beneath_all(s, cones);
 }
+
+/// Finds for most simplices in a few operations that the closed cone over them does not contain
+/// the ray towards x: linear functionals L with L(x) > 0 > L(v) for all their corners v.
+class Wedges {
+ public:
+  /// Around the direction of x; contains nothing where planes in doubles do not serve.
+  Wedges(const Subject& s, const Cones& cones, const double* x) : s_(s) {
+    if (!cones.usable()) return;
+    const unsigned k = s.k;
+    double y[Cones::max_dimension];
+    if (!cones.relative(x, y)) return;
+    add_functionals(y);
+    behind_.resize(s.ids.size());
+    check_chunks(s, s.ids.size(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      double v[Cones::max_dimension];
+      for (std::uint64_t i = begin; i < end; ++i) {
+        cones.relative(s.row(static_cast<std::uint32_t>(i)), v);
+        std::uint32_t mask = 0;
+        for (std::size_t l = 0; l * k < functionals_.size(); ++l)
+          mask |= std::uint32_t{value(l, v) < 0} << l;
+        behind_[i] = mask;
+      }
+    });
+  }
+
+  bool surely_misses(std::uint32_t f) const {
+    if (behind_.empty()) return false;
+    std::uint32_t common = ~0U;
+    for (unsigned j = 0; j < s_.k; ++j) common &= behind_[s_.simplex(f)[j]];
+    return common != 0;
+  }
+
+ private:
+  /// Of y, and steep ones that bound the narrow pyramid around it: along each axis both ways.
+  void add_functionals(const double* y) {
+    constexpr double slope = 0x1p-6;
+    const unsigned k = s_.k;
+    double square = 0;
+    for (unsigned c = 0; c < k; ++c) square += y[c] * y[c];
+    if (!(square > 0x1p-100)) return;
+    const double length = std::sqrt(square);
+    for (unsigned c = 0; c < k; ++c) functionals_.push_back(y[c] / length);
+    for (unsigned axis = 0; axis < k; ++axis)
+      for (const double sign : {1.0, -1.0}) {
+        const std::size_t begin = functionals_.size();
+        for (unsigned c = 0; c < k; ++c)
+          functionals_.push_back(sign * ((c == axis) - y[axis] / length * (y[c] / length)) +
+                                 slope * (y[c] / length));
+        if (!(-value(begin / k, y, -1) > 0)) functionals_.resize(begin);
+      }
+    if (!(-value(0, y, -1) > 0)) functionals_.clear();
+  }
+  /// An upper bound of L(v), v having been rounded; of -L(v) for sign -1.
+  double value(std::size_t l, const double* v, double sign = 1) const {
+    const unsigned k = s_.k;
+    double sum = 0, terms = 0;
+    for (unsigned c = 0; c < k; ++c) {
+      const double term = functionals_[l * k + c] * v[c];
+      sum += term;
+      terms += std::fabs(term);
+    }
+    return sign * sum + (k + 4) * 0x1p-53 * terms + 0x1p-1000;
+  }
+
+  const Subject& s_;
+  std::vector<double> functionals_;    ///< rows of k
+  std::vector<std::uint32_t> behind_;  ///< of a vertex: bit l for L_l(v) < 0
+};
 
 /// Whether the closed cone over simplex f contains the mean of the corners of `target`, seen from
 /// the centroid of the basis, in rational arithmetic.
@@ -199,39 +369,6 @@ bool rational_cone(const Subject& s, std::uint32_t f, std::uint32_t target) {
   return true;
 }
 
-/// The ray through simplex `target` must meet no other: with every simplex seen from beneath, the
-/// number met is the number of times the surface covers the sphere of directions.
-void check_covering(Subject& s) {
-  std::vector<const double*> scratch(s.k + 1);
-  // A double strictly within the cone of some simplex.
-  std::vector<double> x;
-  std::uint32_t target = 0;
-  for (; target < s.simplex_count(); ++target) {
-    const std::uint32_t* v = s.simplex(target);
-    x = mean(s, {v, v + s.k});
-    bool inside = true;
-    for (unsigned j = 0; j < s.k && inside; ++j) {
-      for (unsigned i = 0; i < s.k; ++i) scratch[i] = i == j ? x.data() : s.row(v[i]);
-      inside = s.seen(scratch.data()) == Sign::negative;
-    }
-    if (inside) break;
-  }
-  const bool rational = target == s.simplex_count();
-  if (rational) {  // a hull about as thin as the spacing of doubles
-    target = 0;
-    s.centre.clear();
-    beneath_all(s);
-  }
-  check_chunks(s, s.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
-    std::vector<const double*> own(s.k + 1);
-    for (std::uint64_t f = begin; f < end; ++f)
-      if (f != target &&
-          (rational ? rational_cone(s, static_cast<std::uint32_t>(f), target)
-                    : s.in_cone(static_cast<std::uint32_t>(f), x.data(), own.data())))
-        fault("a ray meets simplices ", target, " and ", f, ": the surface covers itself");
-  });
-}
-
 }  // namespace
 
 void check_shape(Subject& s) {
@@ -264,46 +401,54 @@ void check_flat(Subject& s) {
     for (const unsigned a : s.axes) s.rows.push_back(full(v)[a]);
 }
 
-std::uint64_t check_ridges(const Subject& s) {
-  const Hull& h = s.hull;
-  if (s.k == 1) {
-    if (s.simplex_count() != 2 || s.neighbour(0, 0) != 1 || s.neighbour(1, 0) != 0)
-      fault("a segment has two ends, neighbours of one another");
-    if (h.simplex_facets[0] != 0 || h.simplex_facets[1] != 1)
-      fault("each end of a segment is a facet");
-    return 1;
-  }
-  check_chunks(s, s.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
-    std::vector<const double*> scratch(s.k + 1);
-    std::vector<std::uint32_t> order;
-    for (std::uint64_t wide = begin; wide < end; ++wide) {
-      const auto f = static_cast<std::uint32_t>(wide);
-      s.prefetch(f);
-      for (unsigned i = 0; i < s.k; ++i) {
-        const std::uint32_t g = s.neighbour(f, i);
-        const unsigned j = opposite_slot(s, f, i, g);
-        if (g < f) continue;
-        if (!coherent(s, f, i, g, j, order))
-          fault("simplices ", f, " and ", g, " are oriented differently");
-        const Sign side = s.side(f, s.row(s.simplex(g)[j]), scratch.data());
-        const bool same = h.simplex_facets[f] == h.simplex_facets[g];
-        if (side == Sign::positive)
-          fault("the ridge of simplices ", f, " and ", g, " is not convex");
-        if (side == Sign::zero && !same)
-          fault("simplices ", f, " and ", g, " are coplanar, but of different facets");
-        if (side != Sign::zero && same)
-          fault("simplices ", f, " and ", g, " of facet ", h.simplex_facets[f],
-                " are not coplanar");
-      }
-    }
-  });
-  return std::uint64_t{s.simplex_count()} * s.k / 2;
+void check_interior(Subject& s, Cones& cones) {
+  if (s.k > 1) choose_centre(s, cones);
 }
 
-void check_interior(Subject& s) {
+std::uint64_t check_ridges(const Subject& s, const Cones& cones) {
+  if (s.k > 1) return RidgeCheck(s, cones).run();
+  if (s.simplex_count() != 2 || s.neighbour(0, 0) != 1 || s.neighbour(1, 0) != 0)
+    fault("a segment has two ends, neighbours of one another");
+  if (s.hull.simplex_facets[0] != 0 || s.hull.simplex_facets[1] != 1)
+    fault("each end of a segment is a facet");
+  return 1;
+}
+
+/// The ray through some simplex must meet no other: with every simplex seen from beneath, the
+/// number met is the number of times the surface covers the sphere of directions.
+void check_covering(Subject& s, Cones& cones) {
   if (s.k == 1) return;
-  choose_centre(s);
-  check_covering(s);
+  std::vector<const double*> scratch(s.k + 1);
+  // A double strictly within the cone of some simplex.
+  std::vector<double> x;
+  std::uint32_t target = 0;
+  for (; target < s.simplex_count(); ++target) {
+    const std::uint32_t* v = s.simplex(target);
+    x = mean(s, {v, v + s.k});
+    bool inside = true;
+    for (unsigned j = 0; j < s.k && inside; ++j) {
+      for (unsigned i = 0; i < s.k; ++i) scratch[i] = i == j ? x.data() : s.row(v[i]);
+      inside = s.seen(scratch.data()) == Sign::negative;
+    }
+    if (inside) break;
+  }
+  const bool rational = target == s.simplex_count();
+  if (rational) {  // a hull about as thin as the spacing of doubles
+    target = 0;
+    s.centre.clear();
+    cones.drop();
+    beneath_all(s, cones);
+  }
+  const Wedges wedges(s, cones, x.data());
+  check_chunks(s, s.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    std::vector<const double*> own(s.k + 1);
+    for (std::uint64_t wide = begin; wide < end; ++wide) {
+      const auto f = static_cast<std::uint32_t>(wide);
+      if (f == target || wedges.surely_misses(f)) continue;
+      if (rational ? rational_cone(s, f, target) : s.in_cone(f, x.data(), own.data()))
+        fault("a ray meets simplices ", target, " and ", f, ": the surface covers itself");
+    }
+  });
 }
 
 }  // namespace cullhull::internal

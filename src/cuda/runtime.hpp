@@ -1,11 +1,8 @@
 // What our CUDA code needs of the run-time library: errors as exceptions, memory that frees itself,
 // the device. Compiled only where CUDA is; no kernel lives here, so plain C++ may include it.
-//
-// Outcomes, all of them exceptions of ours:
-//   cuda::OutOfMemory     the device (or pinned memory) is full: take smaller pieces, or the CPU
-//   cuda::Failure         no driver, old driver, no device, a failed launch: use the CPU
-// A failed kernel poisons its process's context ("sticky"). That is remembered: every later call
-// says so at once instead of failing somewhere.
+// What fails is cuda::OutOfMemory or cuda::Failure (backend.hpp). A failed kernel poisons its
+// process's context ("sticky"). That is remembered: every later call says so at once instead of
+// failing somewhere.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -15,19 +12,9 @@
 #include <string>
 #include <utility>
 
-#include "cullhull/error.hpp"
+#include "cuda/backend.hpp"
 
 namespace cullhull::internal::cuda {
-
-class Failure : public Error {
- public:
-  explicit Failure(const std::string& message) : Error(ErrorCode::backend_unavailable, message) {}
-};
-
-class OutOfMemory : public Error {
- public:
-  explicit OutOfMemory(const std::string& message) : Error(ErrorCode::out_of_budget, message) {}
-};
 
 /// Throws OutOfMemory or Failure unless `status` is success. `doing` completes "CUDA failed ...".
 void check(cudaError_t status, const char* doing);

@@ -1,12 +1,7 @@
 #include "flow/cull_pass.hpp"
 
+#include "cuda/backend.hpp"
 #include "cull/planner.hpp"
-#include "parallel/backend.hpp"
-#ifdef CULLHULL_HAVE_CUDA
-#include "cuda/gauge.hpp"
-#include "cuda/gauge_kernel.hpp"
-#include "cuda/runtime.hpp"
-#endif
 
 namespace cullhull::internal {
 
@@ -25,12 +20,7 @@ FirstPass::FirstPass(const PointView& points, const Options& options, unsigned t
   }
 }
 
-std::uint32_t FirstPass::most_nodes() const {
-#ifdef CULLHULL_HAVE_CUDA
-  if (device_) return cuda::most_gauge_nodes(cuda::device_or_current(ordinal_));
-#endif
-  return 0;
-}
+std::uint32_t FirstPass::most_nodes() const { return device_ ? cuda::most_map_nodes(ordinal_) : 0; }
 
 void FirstPass::cull(const GaugeMap& map, const Control& control, Survivors& result,
                      SurvivorRows* rows) {
@@ -42,11 +32,9 @@ void FirstPass::cull(const GaugeMap& map, const Control& control, Survivors& res
 
 std::vector<std::uint64_t> FirstPass::survivors(const GaugeMap& map, const Control& control,
                                                 SurvivorRows* rows) {
-#ifdef CULLHULL_HAVE_CUDA
   if (device_) {
     try {
-      const cuda::DeviceScope scope(cuda::device_or_current(ordinal_).ordinal);
-      return cuda::survivors_of_host_points(map.table(), points_, threads_, control);
+      return cuda::survivors_there(map, points_, ordinal_, threads_, control);
     } catch (const cuda::OutOfMemory& e) {
       if (insists_) throw;
       fall_back(e);
@@ -55,7 +43,6 @@ std::vector<std::uint64_t> FirstPass::survivors(const GaugeMap& map, const Contr
       fall_back(e);
     }
   }
-#endif
   return map.survivors(points_, threads_, control, rows);
 }
 

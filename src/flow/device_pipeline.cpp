@@ -7,20 +7,11 @@
 #include "cullhull/error.hpp"
 #include "flow/device_filter.hpp"
 #include "flow/pipeline.hpp"
-#include "parallel/backend.hpp"
 #include "parallel/memory.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull {
 namespace internal {
-
-#ifndef CULLHULL_HAVE_CUDA
-Filtered run_device_filter(const DevicePointView&, const Options&, const Control&, unsigned,
-                           std::uint64_t) {
-  require_cuda();
-  return {};
-}
-#endif
 
 namespace {
 
@@ -65,10 +56,6 @@ Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const
 }  // namespace internal
 
 using namespace internal;
-
-#ifndef CULLHULL_HAVE_CUDA
-void wait_for_cuda_device_of(const void*) { require_cuda(); }
-#endif
 
 Survivors cull(const DevicePointView& points, const Options& options) {
   const auto start = Clock::now();

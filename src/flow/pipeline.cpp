@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "cuda/backend.hpp"
 #include "cull/lattice_cull.hpp"
 #include "cull/planner.hpp"
 #include "cullhull/certify.hpp"
@@ -18,7 +19,6 @@
 #include "hull/engine.hpp"
 #include "hull/plane/polygon.hpp"
 #include "hull/space/surface_3d.hpp"
-#include "parallel/backend.hpp"
 #include "parallel/control.hpp"
 #include "parallel/helpers.hpp"
 #include "parallel/pages.hpp"

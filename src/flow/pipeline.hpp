@@ -2,19 +2,12 @@
 // second.
 #pragma once
 
-#include <chrono>
-
 #include "cullhull/hull.hpp"
 #include "flow/filter_stage.hpp"
+#include "parallel/clock.hpp"
 #include "parallel/run.hpp"
 
 namespace cullhull::internal {
-
-using Clock = std::chrono::steady_clock;
-
-inline double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// Throws Error for null data, no dimension, a backend or an engine this build has not.
 void check_arguments(const PointView& points, const Options& options);

@@ -18,11 +18,12 @@ namespace {
 /// Points looked at before all of them are, when the simplex is chosen: any choice is right, a wide
 /// simplex only makes the engine's first facets better conditioned. Drawn at random, as points in
 /// steps may all lie in a plane (a grid's do); from numbers that are fixed, so the choice is.
-constexpr std::uint32_t simplex_sample = 256;
+constexpr std::uint32_t small_sample = 256, large_sample = 1024, many_points = 1U << 16;
 
 std::vector<std::uint32_t> draw_sample(std::uint32_t count) {
-  std::vector<std::uint32_t> sample(std::min(count, simplex_sample));
-  if (count <= simplex_sample) {
+  const std::uint32_t wanted = count < many_points ? small_sample : large_sample;
+  std::vector<std::uint32_t> sample(std::min(count, wanted));
+  if (count <= wanted) {
     std::iota(sample.begin(), sample.end(), 0U);
     return sample;
   }

@@ -38,6 +38,8 @@ struct PlyHeader {
   std::uint64_t lines = 0;
   std::uint32_t dimension = 0;
   std::array<std::size_t, 3> xyz{};  ///< indices of the properties
+  std::array<std::size_t, 3> rgb{};  ///< likewise, of bytes
+  bool coloured = false;
 };
 
 bool parse_type(std::string_view word, ScalarType& type) {
@@ -168,6 +170,20 @@ class PlyHeaderParser {
       else if (name != "z")
         fail_at_line(source_, it->line, "vertex has no property " + quoted_text(name));
     }
+    find_colours(*it);
+  }
+  /// Colours are an extra: where they are not three bytes, there are none.
+  void find_colours(const Element& vertex) {
+    static constexpr std::string_view names[] = {"red", "green", "blue"};
+    header_.coloured = true;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto is_channel = [&](const Property& p) {
+        return p.name == names[c] && !p.list && p.type == ScalarType::u8;
+      };
+      const auto it = std::find_if(vertex.properties.begin(), vertex.properties.end(), is_channel);
+      header_.coloured = header_.coloured && it != vertex.properties.end();
+      header_.rgb[c] = static_cast<std::size_t>(it - vertex.properties.begin());
+    }
   }
 
   const Source& source_;
@@ -194,6 +210,7 @@ class PlyBinary {
     const Element& e = h_.elements[h_.vertex];
     check_room(e, at);
     PointData data = e.has_list ? read_walking(e, at) : read_records(e, at);
+    if (h_.coloured && !e.has_list) data.colours = colours_of(e, at);
     data.format = swap_ ? "ply (binary big-endian)" : "ply (binary little-endian)";
     return data;
   }
@@ -249,6 +266,20 @@ class PlyBinary {
     if (at < source_.size)
       fail_at_byte(source_, at,
                    std::to_string(source_.size - at) + " bytes after the last element");
+  }
+
+  /// Bytes evenly apart are read where they lie, whatever the coordinates are.
+  PointView colours_of(const Element& e, std::uint64_t at) const {
+    const auto offset = [&](std::size_t c) {
+      return static_cast<std::ptrdiff_t>(e.properties[h_.rgb[c]].offset);
+    };
+    if (offset(2) - offset(1) != offset(1) - offset(0)) return {};
+    return {reinterpret_cast<const std::byte*>(source_.data + at) + offset(0),
+            ScalarType::u8,
+            3,
+            e.count,
+            static_cast<std::ptrdiff_t>(e.min_size),
+            offset(1) - offset(0)};
   }
 
   PointData read_records(const Element& e, std::uint64_t at) const {
@@ -309,7 +340,8 @@ class PlyBinary {
 bool is_data_line(const char* p, const char* end) { return skip_blanks(p, end) < end; }
 
 /// Text numbers are read as doubles, whatever type the header declares for them.
-void parse_vertex(const PlyHeader& h, const char* p, const char* end, double* out) {
+void parse_vertex(const PlyHeader& h, const char* p, const char* end, double* out,
+                  std::uint8_t* colour) {
   const Element& e = h.elements[h.vertex];
   for (std::size_t j = 0; j < e.properties.size(); ++j) {
     double value;
@@ -325,6 +357,10 @@ void parse_vertex(const PlyHeader& h, const char* p, const char* end, double* ou
     }
     for (std::uint32_t c = 0; c < h.dimension; ++c)
       if (h.xyz[c] == j) out[c] = value;
+    if (h.coloured)
+      for (std::size_t c = 0; c < 3; ++c)
+        if (h.rgb[c] == j)  // what is no number is black
+          colour[c] = static_cast<std::uint8_t>(value > 0 ? std::min(value, 255.0) : 0.0);
   }
   p = skip_blanks(p, end);
   if (p < end) throw LineFault{quoted_text(first_word(p, end)) + " after the last property"};
@@ -346,12 +382,19 @@ PointData read_ascii(const Source& source, const PlyHeader& h, const ReadOptions
   const std::uint64_t count = h.elements[h.vertex].count;
   PointData data = parsed_points(count, h.dimension, "ply (ASCII)");
   double* const out = data.storage.as<double>();
+  std::uint8_t* colours = nullptr;
+  if (h.coloured) {
+    data.colour_storage = Buffer(3 * count);
+    colours = data.colour_storage.as<std::uint8_t>();
+    data.colours = PointView::row_major(colours, count, 3);
+  }
   parse_lines(
       source, index, options, is_data_line,
       [&](std::uint64_t line, const char* p, const char* end) {
         if (line >= expected) throw LineFault{"text after the last element"};
         if (line >= first && line - first < count)
-          parse_vertex(h, p, end, out + (line - first) * h.dimension);
+          parse_vertex(h, p, end, out + (line - first) * h.dimension,
+                       colours + (h.coloured ? 3 * (line - first) : 0));
       },
       [](const char*, const char*) {});
   return data;

@@ -42,8 +42,10 @@ class Buffer {
 
 struct PointData {
   PointView view;
+  PointView colours;  ///< u8 red, green, blue, where the file has them
   std::string format;
   Buffer storage;         ///< what `view` points into unless `in_place`
+  Buffer colour_storage;  ///< what `colours` points into unless that is the source
   bool in_place = false;  ///< `view` points into the source
 };
 

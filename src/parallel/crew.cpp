@@ -95,7 +95,7 @@ void Crew::session(const std::function<void()>& main) {
     Phases& phases;
     ~Session() { phases.end(); }
   };
-  const Session session{OpenWork(lanes_ - 1, phases_), *phases_};
+  const Session session{OpenWork(lanes_ - 1, phases_, true), *phases_};
   main();
 }
 

@@ -16,9 +16,14 @@ constexpr nanoseconds noticeable = 2ms;
 /// follows.
 constexpr nanoseconds first_rest = 20ms, longest_rest = 640ms;
 
+/// One long wait alone may be for an item that was long itself (a merged facet of many corners); on
+/// a processor that is taken the next one follows at once.
+constexpr nanoseconds near = 30ms;
+
 /// Since the clock's epoch; races between callers cost a rest that is a little shorter or longer.
 std::atomic<std::int64_t> rest_until{0};
 std::atomic<std::int64_t> last_rest{0};
+std::atomic<std::int64_t> last_wait{0};
 
 std::int64_t now() {
   return nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -44,7 +49,12 @@ bool crowded() noexcept {
 void note_wait(nanoseconds expected, nanoseconds waited) noexcept {
   // Items of one loop differ by some times: on the mantle of a cylinder a factor of two took them
   // for absent helpers, and a fifth more time.
-  if (waited > noticeable + 4 * expected) begin_rest();
+  if (!(waited > noticeable + 4 * expected)) return;
+  const std::int64_t time = now(), last = last_wait.exchange(time, std::memory_order_relaxed);
+  const std::int64_t until = rest_until.load(std::memory_order_relaxed);
+  const bool again = last != 0 && time - waited.count() - last < near.count();
+  const bool after_rest = until != 0 && time - waited.count() - until < near.count();
+  if (again || after_rest) begin_rest();
 }
 
 void WaitWatch::add(nanoseconds worked, nanoseconds waited) noexcept {
@@ -61,6 +71,7 @@ void note_absence() noexcept { begin_rest(); }
 void forget_crowding() noexcept {
   rest_until = 0;
   last_rest = 0;
+  last_wait = 0;
 }
 
 }  // namespace cullhull::internal

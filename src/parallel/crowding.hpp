@@ -11,7 +11,8 @@ namespace cullhull::internal {
 bool crowded() noexcept;
 
 /// A caller was done with its own part and waited for helpers for `waited` more. What they had
-/// begun was expected to take `expected`; far more means that they did not run. From any thread.
+/// begun was expected to take `expected`; far more, twice within some 30 ms or once soon after a
+/// rest, means that they did not run. From any thread.
 void note_wait(std::chrono::nanoseconds expected, std::chrono::nanoseconds waited) noexcept;
 
 /// The same for a caller's many short phases, one after the other: none of them shows, but where

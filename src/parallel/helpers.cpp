@@ -42,12 +42,12 @@ class Helpers {
     return *helpers;
   }
 
-  /// Whether anybody may come.
-  bool open(unsigned wanted, const std::shared_ptr<SharedWork>& work) {
+  /// Whether anybody may come. Work that lasts is opened on a crowded machine too: that may pass.
+  bool open(unsigned wanted, const std::shared_ptr<SharedWork>& work, bool lasting) {
     const unsigned calls = std::max(1U, calls_.load(std::memory_order_relaxed));
     const unsigned cores = machine_threads();
     wanted = std::min(wanted, cores > calls ? cores - calls : 0);
-    if (wanted == 0 || crowded()) return false;
+    if (wanted == 0 || (!lasting && crowded())) return false;
     unsigned wake = 0;
     {
       const std::lock_guard lock(mutex_);
@@ -156,8 +156,8 @@ unsigned machine_threads() {
   return count;
 }
 
-OpenWork::OpenWork(unsigned helpers, const std::shared_ptr<SharedWork>& work) {
-  if (helpers > 0 && Helpers::of_process().open(helpers, work)) open_ = work.get();
+OpenWork::OpenWork(unsigned helpers, const std::shared_ptr<SharedWork>& work, bool lasting) {
+  if (helpers > 0 && Helpers::of_process().open(helpers, work, lasting)) open_ = work.get();
 }
 OpenWork::~OpenWork() {
   if (open_ != nullptr) Helpers::of_process().close(open_);

@@ -22,8 +22,9 @@ class SharedWork {
 class OpenWork {
  public:
   /// Asks for `helpers` of them. Fewer come where the machine has no more processors than there are
-  /// calls at work (CallScope), or while they help others: perhaps none.
-  OpenWork(unsigned helpers, const std::shared_ptr<SharedWork>& work);
+  /// calls at work (CallScope), or while they help others: perhaps none. On a crowded machine only
+  /// `lasting` work, which looks at crowded() itself, is opened.
+  OpenWork(unsigned helpers, const std::shared_ptr<SharedWork>& work, bool lasting = false);
   /// Nobody joins any more; those who did may still be there.
   ~OpenWork();
   OpenWork(const OpenWork&) = delete;

@@ -8,8 +8,6 @@
 #include <map>
 #include <mutex>
 
-#include "parallel/backend.hpp"
-
 #if defined(__linux__)
 #include <sys/mman.h>
 
@@ -200,6 +198,9 @@ void* grow_block(void* block, std::size_t bytes, std::size_t& more) {
   return place;
 }
 
+void keep_pages(std::size_t limit) noexcept { free_pages().limit(limit); }
+std::size_t kept_pages() noexcept { return free_pages().kept(); }
+
 #else
 
 PageScope::PageScope() = default;
@@ -214,23 +215,9 @@ void* grow_block(void* block, std::size_t bytes, std::size_t& more) {
   return larger;
 }
 
+void keep_pages(std::size_t) noexcept {}
+std::size_t kept_pages() noexcept { return 0; }
+
 #endif
 
 }  // namespace cullhull::internal
-
-namespace cullhull {
-
-#if defined(__linux__)
-void keep_memory(std::size_t limit) noexcept {
-  internal::free_pages().limit(limit);
-  if (limit == 0) internal::drop_pinned_memory();
-}
-std::size_t kept_memory() noexcept { return internal::free_pages().kept(); }
-#else
-void keep_memory(std::size_t limit) noexcept {
-  if (limit == 0) internal::drop_pinned_memory();
-}
-std::size_t kept_memory() noexcept { return 0; }
-#endif
-
-}  // namespace cullhull

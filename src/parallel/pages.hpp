@@ -25,4 +25,8 @@ class PageScope {
 inline constexpr std::size_t mapped_block = std::size_t{2} << 20;
 void* grow_block(void* block, std::size_t bytes, std::size_t& more);
 
+/// Sets the limit of what is kept, in bytes, and gives back what is beyond it; what is kept now.
+void keep_pages(std::size_t limit) noexcept;
+std::size_t kept_pages() noexcept;
+
 }  // namespace cullhull::internal

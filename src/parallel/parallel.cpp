@@ -5,6 +5,7 @@
 #include <chrono>
 #include <exception>
 #include <memory>
+#include <vector>
 
 #include "parallel/crowding.hpp"
 #include "parallel/helpers.hpp"
@@ -15,29 +16,41 @@ namespace {
 using Body = std::function<void(std::uint64_t chunk, std::uint64_t begin, std::uint64_t end)>;
 using Clock = std::chrono::steady_clock;
 
-/// A loop that several threads are at. It may outlive the call: `body` is used for chunks only that
-/// the caller waits for.
+/// A loop that several threads are at. Each begins with a contiguous part of the chunks, so that it
+/// stays within its own pages, and goes on with what is left of the others'. The loop may outlive
+/// the call: `body` is used for chunks only that the caller waits for.
 class Loop : public SharedWork {
  public:
-  Loop(std::uint64_t items, std::uint64_t chunk_size, const Body& body)
-      : items_(items), size_(chunk_size), count_(chunk_count(items, chunk_size)), body_(&body) {}
+  Loop(std::uint64_t items, std::uint64_t chunk_size, unsigned parts, const Body& body)
+      : items_(items),
+        size_(chunk_size),
+        count_(chunk_count(items, chunk_size)),
+        body_(&body),
+        parts_(parts) {
+    for (unsigned p = 0; p < parts; ++p) {
+      parts_[p].next.store(count_ * p / parts, std::memory_order_relaxed);
+      parts_[p].end = count_ * (p + 1) / parts;
+    }
+  }
 
-  void join(unsigned) noexcept override { work(); }
+  void join(unsigned k) noexcept override { work(k); }
 
   /// Until no chunk is left that nobody has begun; how many it did.
-  std::uint64_t work() noexcept {
+  std::uint64_t work(unsigned k) noexcept {
     std::uint64_t done = 0;
-    for (std::uint64_t c = next_++; c < count_; c = next_++) {
-      std::uint64_t over = 1;
-      try {
-        (*body_)(c, c * size_, std::min(items_, (c + 1) * size_));
-      } catch (...) {
-        if (!failed_.exchange(true)) error_ = std::current_exception();
-        const std::uint64_t rest = next_.exchange(count_);  // nobody begins another
-        over += rest < count_ ? count_ - rest : 0;
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+      Part& part = parts_[(k + p) % parts_.size()];
+      for (std::uint64_t c = part.next++; c < part.end; c = part.next++) {
+        std::uint64_t over = 1;
+        try {
+          (*body_)(c, c * size_, std::min(items_, (c + 1) * size_));
+        } catch (...) {
+          if (!failed_.exchange(true)) error_ = std::current_exception();
+          over += give_up();
+        }
+        over_.fetch_add(over, std::memory_order_release);
+        ++done;
       }
-      over_.fetch_add(over, std::memory_order_release);
-      ++done;
     }
     return done;
   }
@@ -54,9 +67,24 @@ class Loop : public SharedWork {
   }
 
  private:
+  struct alignas(64) Part {
+    std::atomic<std::uint64_t> next{0};
+    std::uint64_t end = 0;
+  };
+
+  /// Nobody begins another chunk; how many there were.
+  std::uint64_t give_up() noexcept {
+    std::uint64_t left = 0;
+    for (Part& part : parts_) {
+      const std::uint64_t next = part.next.exchange(part.end);
+      left += next < part.end ? part.end - next : 0;
+    }
+    return left;
+  }
+
   const std::uint64_t items_, size_, count_;
   const Body* const body_;
-  alignas(64) std::atomic<std::uint64_t> next_{0};
+  std::vector<Part> parts_;
   alignas(64) std::atomic<std::uint64_t> over_{0};
   std::atomic<bool> failed_{false};
   std::exception_ptr error_;
@@ -77,11 +105,12 @@ void for_each_chunk(std::uint64_t count, std::uint64_t chunk_size, unsigned thre
     return;
   }
   const Clock::time_point begin = Clock::now();
-  const auto loop = std::make_shared<Loop>(count, chunk_size, body);
+  const auto parts = static_cast<unsigned>(std::min<std::uint64_t>(threads, chunks));
+  const auto loop = std::make_shared<Loop>(count, chunk_size, parts, body);
   std::uint64_t done = 0;
   {
-    const OpenWork open(static_cast<unsigned>(std::min<std::uint64_t>(threads, chunks)) - 1, loop);
-    done = loop->work();
+    const OpenWork open(parts - 1, loop);
+    done = loop->work(0);
   }
   loop->wait((Clock::now() - begin) / std::max<std::uint64_t>(done, 1));
 }

@@ -3,7 +3,7 @@
 
 #include "parallel/simd_targets.hpp"
 
-#define HWY_DISABLED_TARGETS CULLHULL_SIZELESS_TARGETS
+#define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "query/facet_cells.cpp"
 #include <hwy/foreach_target.h>

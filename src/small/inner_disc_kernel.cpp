@@ -1,7 +1,7 @@
 #include "parallel/simd_targets.hpp"
 #include "small/inner_disc.hpp"
 
-#define HWY_DISABLED_TARGETS CULLHULL_SIZELESS_TARGETS
+#define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "small/inner_disc_kernel.cpp"
 #include <hwy/foreach_target.h>

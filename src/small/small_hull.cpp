@@ -3,24 +3,25 @@
 #include <algorithm>
 #include <utility>
 
-#include "flow/pipeline.hpp"
+#include "parallel/clock.hpp"
 #include "parallel/control.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/thread_memory.hpp"
 #include "small/few_in_space.hpp"
 #include "small/small_polygon.hpp"
 
 namespace cullhull::internal {
 namespace {
 
-/// For tools that keep memory from call to call and never run long enough to be stopped.
-const Control& no_control() {
-  static const Options options;
-  static const Control control(options);
-  return control;
-}
+/// Kept from call to call; never at work long enough to be stopped.
+struct KeptPolygon {
+  Options options;
+  Control control{options};
+  SmallPolygon polygon{control};
+};
 
 bool small_hull_2d(const PointView& points, Hull& hull) {
-  thread_local SmallPolygon polygon(no_control());
+  SmallPolygon& polygon = thread_memory<KeptPolygon>().polygon;
   if (!polygon.find(points)) return false;
   const std::size_t h = polygon.size();
   Array<double> planes(3 * h);

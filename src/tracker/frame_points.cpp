@@ -6,7 +6,6 @@
 #include "flow/device_filter.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
-#include "parallel/backend.hpp"
 
 namespace cullhull::internal {
 
@@ -47,13 +46,5 @@ Filtered HostFrame::filter_afresh() {
 Hull HostFrame::hull(Filtered&& filtered) {
   return hull_of_survivors(points_, std::move(filtered), run_);
 }
-
-#ifndef CULLHULL_HAVE_CUDA
-std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run&) {
-  check_arguments(points);
-  require_cuda();
-  return nullptr;
-}
-#endif
 
 }  // namespace cullhull::internal

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cullhull/cullhull.hpp"
+#include "cullhull/io.hpp"
 #include "tests/agreement/canonical_hash.hpp"
 
 namespace cullhull {

@@ -12,6 +12,7 @@
 #include "agreement/run_app.hpp"
 #include "cullhull/device_points.hpp"
 #include "cullhull/generate.hpp"
+#include "cullhull/version.hpp"
 #include "cullhull/io.hpp"
 
 namespace cullhull {
@@ -55,7 +56,7 @@ TEST(Cli, HelpTeaches) {
   }
   EXPECT_NE(run_app({"hull", "--help"}).out.find("--certify"), std::string::npos);
   EXPECT_NE(run_app({"generate", "--help"}).out.find("octahedron"), std::string::npos);
-  EXPECT_EQ(run_app({"--version"}).out, "0.1.0\n");
+  EXPECT_EQ(run_app({"--version"}).out, CULLHULL_VERSION "\n");
 }
 
 TEST(Cli, BadUsageIsStatusTwo) {

@@ -13,6 +13,7 @@
 
 #include "canonical_hash.hpp"
 #include "cullhull/cullhull.hpp"
+#include "cullhull/io.hpp"
 #include "tests/made_sets.hpp"
 
 namespace {

@@ -220,7 +220,7 @@ TEST(Certify, InsideOutIsFound) {
       sorted.simplices.edit()[3 * i + j] = b.simplices[3 * order[i] + j];
       sorted.simplex_neighbours[3 * i + j] = rank[b.simplex_neighbours[3 * order[i] + j]];
     }
-  EXPECT_NE(reason(c, sorted).find("not convex"), std::string::npos) << reason(c, sorted);
+  EXPECT_NE(reason(c, sorted).find("not strictly beneath"), std::string::npos) << reason(c, sorted);
 }
 
 TEST(Certify, SplitAndJoinedFacetsAreFound) {

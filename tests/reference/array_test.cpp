@@ -6,10 +6,13 @@
 #include <cstring>
 #include <numeric>
 #include <thread>
+#include <vector>
 
+#include "cullhull/hull.hpp"
 #include "parallel/big_array.hpp"
 #include "parallel/pages.hpp"
 #include "parallel/raw_array.hpp"
+#include "parallel/thread_memory.hpp"
 
 namespace cullhull {
 namespace {
@@ -63,6 +66,21 @@ TEST(Pages, BlocksInUseAreApart) {
   std::thread other(work, 1);
   work(2);
   other.join();
+}
+
+TEST(Pages, KeepNothingFreesTheScratchOfSmallCalls) {
+  const auto hull_of_parabola = [] {
+    std::vector<double> xy;
+    for (int i = 0; i < 50; ++i) xy.insert(xy.end(), {i - 25.0, i * (50.0 - i)});
+    return convex_hull(PointView::row_major(xy.data(), 50, 2)).vertices.size();
+  };
+  ASSERT_EQ(hull_of_parabola(), 50U);
+  EXPECT_GT(internal::thread_memories(), 0U);
+  keep_memory(0);
+  EXPECT_EQ(internal::thread_memories(), 0U);
+  EXPECT_EQ(hull_of_parabola(), 50U);  // made anew
+  EXPECT_EQ(internal::thread_memories(), 1U);
+  keep_memory(std::size_t{1} << 30);
 }
 
 #if defined(__linux__)

@@ -28,10 +28,12 @@ class Crowding : public ::testing::Test {
   void TearDown() override { forget_crowding(); }
 };
 
-TEST_F(Crowding, ALongWaitIsRememberedAShortOneIsNot) {
+TEST_F(Crowding, LongWaitsInARowAreRememberedShortOnesAreNot) {
   note_wait(1ms, 2ms);  // a chunk that took a little longer than the others
   EXPECT_FALSE(crowded());
   note_wait(10us, 300us);
+  EXPECT_FALSE(crowded());
+  note_wait(100us, 1s);  // perhaps for an item that was long itself
   EXPECT_FALSE(crowded());
   note_wait(100us, 1s);
   EXPECT_TRUE(crowded());

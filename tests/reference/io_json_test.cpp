@@ -110,7 +110,7 @@ TEST(Json, TheReportHasTheKeysOfTheContract) {
   const json j = json::parse(hull_to_json(e.view(), e.hull, extras, false));
   EXPECT_EQ(
       j,
-      (json{{"version", "0.1.0"},
+      (json{{"version", CULLHULL_VERSION},
             {"points", {{"count", 9}, {"dimension", 3}, {"scalar", "f64"}}},
             {"schema", json_schema_version},
             {"threads", 2},

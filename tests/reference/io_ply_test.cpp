@@ -51,6 +51,30 @@ TEST(Ply, MixedTypesAndUnevenOffsetsAreConverted) {
   EXPECT_EQ(rows_of(parse(uneven, "ply").view), (Rows{{1, 2, -1}}));
 }
 
+TEST(Ply, ColoursAreThreeBytes) {
+  const std::string names = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  const std::string binary =
+      header("binary_big_endian", "element vertex 2\n" + xyz_double + names) +
+      bytes_of_big_endian(1.0) + bytes_of_big_endian(2.0) + bytes_of_big_endian(3.0) +
+      "\x07\x08\xFF" + bytes_of_big_endian(4.0) + bytes_of_big_endian(5.0) +
+      bytes_of_big_endian(6.0) + "\x01\x02\x03";
+  EXPECT_EQ(rows_of(parse(binary, "ply").colours), (Rows{{7, 8, 255}, {1, 2, 3}}));
+  const std::string ascii = header("ascii", "element vertex 2\n" + names + xyz_double) +
+                            "7 8 255 1 2 3\n300 -1 nan 4 5 6\n";
+  const auto points = parse(ascii, "ply");
+  EXPECT_EQ(rows_of(points.view), (Rows{{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_EQ(rows_of(points.colours), (Rows{{7, 8, 255}, {255, 0, 0}}));
+  // No blue, floats, a list: no colours, and no error.
+  for (const std::string part :
+       {"property uchar red\nproperty uchar green\n",
+        "property float red\nproperty float green\nproperty float blue\n"}) {
+    const std::string text = header("ascii", "element vertex 1\n" + xyz_double + part) +
+                             "1 2 3 4 5" + (part.find("blue") == std::string::npos ? "\n" : " 6\n");
+    EXPECT_EQ(parse(text, "ply").colours.count, 0U);
+    EXPECT_EQ(rows_of(parse(text, "ply").view), (Rows{{1, 2, 3}}));
+  }
+}
+
 TEST(Ply, BigEndianAndPlanar) {
   const std::string bytes =
       header("binary_big_endian", "element vertex 1\nproperty short x\nproperty double y\n") +

@@ -6,6 +6,7 @@ import random
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -98,21 +99,25 @@ class Page(unittest.TestCase):
     def expect_figures(self, report):
         cells = browser.run(
             "return [...document.querySelectorAll('td[data-key]')]"
-            ".map(c => [c.dataset.key, c.dataset.value, c.innerText])")
+            ".map(c => [c.dataset.key, c.dataset.value, c.innerText, c.title])")
         expected = dict(flattened(report))
         expected.pop("schema", None)  # of the report, not of the hull
-        self.assertEqual({k: json.loads(v) for k, v, _ in cells}, expected)
-        for key, value, text in cells:
+        self.assertEqual({k: json.loads(v) for k, v, *_ in cells}, expected)
+        for key, value, text, whole in cells:
             value = json.loads(value)
             if isinstance(value, str):
                 self.assertIn(text, (value, "beyond the doubles"))
             elif isinstance(value, (int, float)) and not isinstance(value, bool):
                 read = text.replace(",", "").replace("−", "-")
                 number = float(read.split()[0])
-                unit = {"ms": 1e-3, "MB": 1e6}.get(read.split()[-1], 1)
-                exact = "seconds" not in key and "bytes" not in key
-                allowed = 0 if exact else max(0.0051 * abs(value), 0.051 * unit)
+                unit = {"ms": 1e-3, "MB": 1e6, "M": 1e6, "G": 1e9}.get(read.split()[-1], 1)
+                digits = read.split()[0].split("e")[0].replace(".", "").lstrip("-0")
+                self.assertLessEqual(len(digits), 6, key)
+                timed = "seconds" in key or "bytes" in key
+                allowed = max(0.0051 * abs(value), 0.051 * unit) if timed else 5e-6 * abs(value)
                 self.assertLessEqual(abs(number * unit - value), allowed, key)
+                if number * unit != value:  # then a hover shows all digits
+                    self.assertEqual(float(whole), value, key)
 
     def expect_figures_whole(self):
         """Every number stands on one line, and the panel is wide enough for it."""
@@ -151,8 +156,6 @@ class Static(Page):
         self.assertEqual(report["cull"]["survivors"], alone["cull"]["survivors"])
         self.expect_not_blank(10_000)
         everything = ("points", "survivors", "vertices", "faces", "edges", "axes")
-        # A ball is as wide as high, nearly: nothing to see when it is stretched, so not tried.
-        browser.run("document.getElementById('show-stretch').disabled = true")
         self.expect_toggles_work(everything)
 
     def test_turning_zooming_and_back(self):
@@ -194,6 +197,131 @@ class Static(Page):
         self.key("\ue00c")  # Escape
         self.assertIn("Click", self.text("picked"))
 
+    def click_at(self, x, y):
+        from selenium.webdriver.common.action_chains import ActionChains
+
+        canvas = browser.driver.find_element("id", "canvas")
+        box = canvas.rect
+        offset = (round(x - box["width"] / 2), round(y - box["height"] / 2))
+        browser.doing(lambda: ActionChains(browser.driver)
+                      .move_to_element_with_offset(canvas, *offset).click().perform())
+
+    def rows_of_box(self, element_id):
+        return dict(browser.run(
+            "return [...document.querySelectorAll(`#${arguments[0]} tr`)]"
+            ".map(r => [r.cells[0].textContent, r.cells[1].title || r.cells[1].textContent])", element_id))
+
+    def choose(self, element_id, value):
+        browser.doing(lambda: browser.run(
+            "const s = document.getElementById(arguments[0]); s.value = arguments[1];"
+            "s.dispatchEvent(new Event('input', {bubbles: true}));"
+            "s.dispatchEvent(new Event('change', {bubbles: true}))", element_id, value))
+
+    def test_facets_are_picked(self):
+        """A box: each facet is four corners, and its plane is that of the hull's own file."""
+        corners = [(x, y, z) for x in (0, 2) for y in (0, 3) for z in (0, 5)]
+        source = written("box.txt", corners)
+        self.view(source)
+        app("hull", source, "-o", path("box.json"), "-q")
+        with open(path("box.json")) as file:
+            hull = json.load(file)
+        bare = browser.picture()
+        for facet in range(6):
+            self.key("]")
+            self.assertIn(f"Facet {facet}", self.text("picked"))
+            shown = self.rows_of_box("picked")
+            self.assertEqual(sorted(int(c) for c in shown["Corners"].split(",")), sorted(hull["facets"][facet]))
+            plane = [float(shown[k].replace("−", "-")) for k in ("Normal x", "Normal y", "Normal z", "Offset")]
+            self.assertEqual(plane, [x + 0.0 for x in hull["facet_planes"][facet]])
+            self.assertIn(float(shown["Area"]), (6, 10, 15))
+        self.key("\ue00c")  # Escape
+        browser.run("document.activeElement.blur()")
+        self.assertEqual(pixels_changed(bare, browser.picture()), 0)
+        stage = browser.driver.find_element("id", "canvas").rect
+        self.click_at(stage["width"] / 2 + 15, stage["height"] / 2 + 25)
+        self.assertIn("Facet", self.text("picked"))
+        self.assertGreater(pixels_changed(bare, browser.picture()), 2000)
+
+    def test_measuring(self):
+        self.view(written("pair.txt", [(0, 0), (3, 4)]))
+        from_to = browser.run(
+            "const s = document.getElementById('canvas').getBoundingClientRect(); return [s.width, s.height]")
+        self.key("m")
+        self.assertIn("Click", self.text("measured"))
+        places = browser.run(
+            "return [0, 1].map(row => viewer.rig.project(viewer.placed(row)).slice(0, 2))")
+        for x, y in places:
+            self.assertTrue(0 < x < from_to[0] and 0 < y < from_to[1])
+            self.click_at(x, y)
+        self.assertEqual(float(self.rows_of_box("measured")["Distance"]), 5)
+        self.key("\ue00c")
+        self.assertFalse(browser.driver.find_element("id", "measured").is_displayed())
+
+    def test_clipping(self):
+        self.view(generated("clip.npy", "ball", "-n", "20k", "-d", "3"))
+        whole = browser.picture()
+        self.choose("clip-axis", "0")
+        half = browser.picture()
+        self.assertGreater(pixels_changed(whole, half), 5000)
+        self.click("clip-flip")
+        self.assertGreater(pixels_changed(half, browser.picture()), 5000)
+        self.choose("clip-axis", "")
+        browser.run("document.activeElement.blur()")
+        self.assertEqual(pixels_changed(whole, browser.picture()), 0)
+
+    def test_saving(self):
+        """The PNG is the picture; the mesh has the hull that the program finds, bit for bit."""
+        from PIL import Image
+
+        source = generated("save.npy", "cube", "-n", "2k", "-d", "3")
+        report = self.view(source)
+        browser.driver.execute_cdp_cmd(
+            "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": folder.name})
+        for button, name in (("save-picture", "save.png"), ("save-mesh", "save-hull.ply")):
+            browser.driver.find_element("id", button).click()
+            end = time.monotonic() + 30
+            while not os.path.exists(path(name)) and time.monotonic() < end:
+                time.sleep(0.05)
+        self.assertEqual(browser.complaints(self.page), [])
+        picture = Image.open(path("save.png")).convert("RGB")
+        self.assertEqual(picture.size, browser.picture("canvas").size)
+        self.assertGreater(len(picture.getcolors(maxcolors=1 << 24)), 100)
+        again = json.loads(app("hull", path("save-hull.ply"), "--json", "-q"))
+        for name in ("vertex_count", "facet_count", "simplex_count"):
+            self.assertEqual(again[name], report[name])
+        self.assertEqual(float(again["volume"]).hex(), float(report["volume"]).hex())
+
+    def test_landscape_opens_in_colours_of_height(self):
+        draw = random.Random(7)
+        rows = [(1000 * draw.random(), 1000 * draw.random(), 40 * draw.random()) for _ in range(3000)]
+        self.view(written("land.txt", rows))
+        self.assertEqual(browser.run("return document.getElementById('proportions').value"), "4")
+        self.assertEqual(browser.run("return document.getElementById('colour-by').value"), "2")
+        coloured = browser.picture()
+        self.assertGreater(len(coloured.getcolors(maxcolors=1 << 24)), 500)
+        self.assertTrue(browser.driver.find_element("id", "legend").is_displayed())
+        self.choose("colour-by", "role")
+        self.assertGreater(pixels_changed(coloured, browser.picture()), 2000)
+        self.assertFalse(browser.driver.find_element("id", "legend").is_displayed())
+
+    def test_colours_of_the_file(self):
+        head = ("ply\nformat ascii 1.0\nelement vertex 600\nproperty float x\nproperty float y\n"
+                "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+                "end_header\n")
+        draw = random.Random(8)
+        with open(path("red.ply"), "w") as file:
+            file.write(head)
+            for _ in range(600):
+                file.write(" ".join(str(draw.uniform(-1, 1)) for _ in range(3)) + " 250 10 20\n")
+        self.view(path("red.ply"))
+        self.assertEqual(browser.run("return document.getElementById('colour-by').value"), "file")
+        red = lambda: sum(n for n, (r, g, b) in browser.picture().getcolors(maxcolors=1 << 24)
+                          if r > 150 and r > 1.6 * g and r > 1.6 * b)
+        coloured = red()
+        self.assertGreater(coloured, 300)
+        self.choose("colour-by", "role")
+        self.assertLess(red(), coloured / 4)  # the orange of survivors comes near
+
     def test_one_point_is_picked_by_a_click(self):
         self.view(written("one.txt", [(3, 4, 5)] * 3))
         self.expect_not_blank(20)
@@ -204,7 +332,7 @@ class Static(Page):
         self.expect_figures(self.view(written("three.txt", [(0, 0, 0), (1, 0, 0.2), (0, 1, 0.5)])))
         self.expect_not_blank(2000)
         self.assertIn("They lie in a plane", self.text("summary"))
-        self.expect_toggles_work(("vertices", "faces", "edges", "axes", "stretch"))
+        self.expect_toggles_work(("vertices", "faces", "edges", "axes"))
 
     def test_flat_set(self):
         draw = random.Random(4)
@@ -246,7 +374,6 @@ class Static(Page):
         source = generated("disk.npy", "ball", "-n", "80k", "-d", "2")
         self.expect_figures(self.view(source))
         self.expect_not_blank(5000)
-        browser.run("document.getElementById('show-stretch').disabled = true")
         self.expect_toggles_work(("points", "survivors", "vertices", "faces", "edges", "axes"))
         before = browser.picture()
         self.key("+")
@@ -265,6 +392,18 @@ class Static(Page):
         choice = Select(browser.driver.find_element("id", "axis-2"))
         browser.doing(lambda: choice.select_by_visible_text("x5"))  # changes places with the first
         self.assertEqual(browser.run("return document.getElementById('axis-0').value"), "2")
+        self.assertGreater(pixels_changed(after, browser.picture()), 1000)
+        # A plot of each pair of axes; its outline is the hull of the projections.
+        self.assertEqual(browser.run("return document.querySelectorAll('#pairs button').length"), 10)
+        self.click("pair-1-3")
+        self.assertEqual([browser.run("return document.getElementById(arguments[0]).value", f"axis-{i}")
+                          for i in range(3)], ["1", "3", "-1"])
+        corners = browser.run(
+            "return [...new Set(viewer.shape.edges)].map(row => viewer.frame.ids[row]).sort((a, b) => a - b)")
+        app("hull", path("d5.npy"), "--columns", "1,3", "--json=" + path("plane.json"), "--vertices",
+            path("plane.csv"), "-q")
+        with open(path("plane.csv")) as file:
+            self.assertEqual(corners, [int(line) for line in file.readlines()[1:]])
         self.assertGreater(pixels_changed(after, browser.picture()), 1000)
 
     def test_hull_file(self):
@@ -317,7 +456,7 @@ class Moving(Page):
             self.expect_figures(reports[frame])
             self.assertGreater(pixels_changed(first, browser.picture("canvas")), 500)
         self.key(".")  # around to the first
-        self.assertEqual(self.text("when"), "frame 0 of 12")
+        self.assertEqual(self.text("when"), "Frame 1 of 12")
         browser.run("document.activeElement.blur()")  # a ring shows where the keyboard is
         self.assertEqual(pixels_changed(first, browser.picture("canvas")), 0)
         before = browser.drawn()
@@ -325,7 +464,7 @@ class Moving(Page):
         while browser.drawn() < before + 3:
             pass
         browser.driver.find_element("id", "play").click()
-        self.assertNotEqual(self.text("when"), "frame 0 of 12")
+        self.assertNotEqual(self.text("when"), "Frame 1 of 12")
 
     def test_moving_points_are_tracked(self):
         source = generated(
@@ -343,7 +482,7 @@ class Moving(Page):
         self.key(".")  # the first has no frame before
         browser.run("document.activeElement.blur()")
         self.expect_toggles_work(
-            ("points", "survivors", "vertices", "faces", "edges", "axes", "stretch"))
+            ("points", "survivors", "vertices", "faces", "edges", "axes"))
 
     def test_hulls_that_track_wrote(self):
         source = generated(
@@ -396,6 +535,11 @@ class Report(unittest.TestCase):
             values = [row["values"].get(name) for row in figure["rows"] for name in names]
             self.assertEqual([json.loads(c) for c in cells], values, figure["id"])
             self.assertEqual(marks, sum(v is not None for v in values), figure["id"])
+            # Nothing is named that was not run.
+            legend = browser.run(
+                "return document.getElementById(arguments[0]).querySelectorAll('.legend span').length",
+                figure["id"])
+            self.assertGreater(legend, 0)
             for row in figure["rows"]:
                 self.assertIn(row["name"], titles)
         light = browser.picture("figures").getpixel((2, 60))

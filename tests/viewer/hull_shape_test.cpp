@@ -84,6 +84,33 @@ TEST(HullShape, FlatsOfAnySpace) {
   }
 }
 
+TEST(HullShape, TrianglesNameTheirFacets) {
+  const Drawn c = draw(grid(3, 3), 3);
+  ASSERT_EQ(c.shape.facets.size(), 12U);
+  EXPECT_EQ(std::set(c.shape.facets.begin(), c.shape.facets.end()).size(), 6U);
+  for (std::size_t t = 0; t < 12; ++t) {
+    const auto facet = c.hull.facets[c.shape.facets[t]];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint64_t id = c.hull.vertices[c.shape.vertices[c.shape.triangles[3 * t + i]]];
+      EXPECT_NE(std::find(facet.begin(), facet.end(), id), facet.end());
+    }
+  }
+  EXPECT_TRUE(draw(generate("ball", 3000, 3), 3, {20, 0}).shape.facets.empty());
+}
+
+TEST(HullShape, ShadowsAreTheHullsOfProjections) {
+  const Drawn c = draw(grid(2, 5), 5);
+  const std::vector<Shadow> all = shadows(c.rows, 5, c.shape.vertices, 5);
+  ASSERT_EQ(all.size(), 10U);  // three of five
+  for (const Shadow& s : all) {
+    EXPECT_TRUE(s.axes[0] < s.axes[1] && s.axes[1] < s.axes[2]);
+    EXPECT_EQ(s.edges.size(), 24U);  // a cube
+    EXPECT_EQ(s.triangles.size(), 36U);
+    for (const std::uint32_t row : s.triangles) EXPECT_LT(row, c.shape.vertices.size());
+  }
+  EXPECT_TRUE(shadows(c.rows, 5, c.shape.vertices, 2).empty());
+}
+
 TEST(HullShape, LimitsHold) {
   const Drawn solid = draw(generate("sphere", 3000, 3, 1), 3, {500, 0});
   EXPECT_TRUE(solid.shape.simplified);

@@ -52,6 +52,10 @@ class Overlay {
     this.taken.push([left, top, width]);
     this.text(text, x, y, align, baseline);
   }
+  // A remark in the corner of the picture.
+  remark(text) {
+    this.text(text, this.width - 14, this.height - 12, "right", "bottom");
+  }
   line(x1, y1, x2, y2) {
     this.pen.beginPath();
     this.pen.moveTo(x1, y1);
@@ -143,6 +147,30 @@ class Overlay {
     }
     const far = 8 + (align === "center" ? 18 : 46);
     this.text(name, middle[0] + far * nx, middle[1] + far * ny, align, baseline, colours.ink);
+  }
+
+  dot(x, y) {
+    const { pen, colours } = this;
+    for (const [colour, radius] of [[colours.paper, 6], [colours.picked, 4]]) {
+      pen.fillStyle = colour;
+      pen.beginPath();
+      pen.arc(x, y, radius, 0, 2 * Math.PI);
+      pen.fill();
+    }
+  }
+  // A measuring line with its length.
+  measure(from, to, label) {
+    const { pen, colours } = this;
+    for (const [colour, width] of [[colours.paper, 5], [colours.picked, 2]]) {
+      pen.strokeStyle = colour;
+      pen.lineWidth = width;
+      this.line(from[0], from[1], to[0], to[1]);
+    }
+    pen.lineWidth = 1;
+    this.dot(from[0], from[1]);
+    this.dot(to[0], to[1]);
+    pen.font = "600 14px system-ui, 'Segoe UI', 'Liberation Sans', sans-serif";
+    this.text(label, (from[0] + to[0]) / 2, (from[1] + to[1]) / 2 - 8, "center", "bottom", colours.ink);
   }
 
   ring(x, y, label) {

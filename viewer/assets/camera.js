@@ -8,13 +8,36 @@ class Rig {
     this.camera.up.set(0, 0, 1);
     this.target = new THREE.Vector3();
   }
-  fit(extent) {
+  // `numbered`: with room for the axes' numbers.
+  fit(extent, numbered = true) {
     this.radius = Math.hypot(...extent) || 1;
     this.target.set(0, 0, 0);
     this.yaw = -0.9;
-    this.pitch = 0.42;
+    // What is flat is looked at from higher up.
+    this.pitch = extent[2] < 0.4 * Math.max(extent[0], extent[1]) ? 0.62 : 0.42;
     this.reach = 1;
     this.update();
+    this.fill(extent, numbered);
+  }
+  // As near as the box around everything, and the numbers on its edges, allow.
+  fill(extent, numbered) {
+    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => extent.map((e, j) => (i & (1 << j) ? e : -e)));
+    const rim = Math.min(numbered ? 70 : 24, 0.14 * Math.min(this.width, this.height));
+    const fits = () => corners.map((c) => this.project(c)).every(([x, y, depth]) =>
+      depth > 0 && x > rim && x < this.width - rim && y > rim && y < this.height - rim);
+    let near = 0.2, far = 2;
+    for (let i = 0; i < 12; ++i) {
+      this.reach = (near + far) / 2;
+      this.update();
+      if (fits()) far = this.reach;
+      else near = this.reach;
+    }
+    this.reach = far;
+    this.update();
+  }
+  // At the target.
+  pixelsPerUnit() {
+    return this.height / (2 * this.distance * Math.tan((this.camera.fov / 2) * (Math.PI / 180)));
   }
   resize(width, height) {
     this.width = width;
@@ -45,13 +68,20 @@ class Rig {
     const u = (m[0] * x + m[4] * y + m[8] * z + m[12]) / w, v = (m[1] * x + m[5] * y + m[9] * z + m[13]) / w;
     return [(u + 1) * this.width / 2, (1 - v) * this.height / 2, w];
   }
+  // Where the line of sight through a place on the screen begins, and where it goes.
+  sight(sx, sy) {
+    const e = this.camera.matrixWorld.elements;
+    const unit = Math.tan((this.camera.fov / 2) * (Math.PI / 180)) / (this.height / 2);
+    const u = (sx - this.width / 2) * unit, v = (this.height / 2 - sy) * unit;
+    return { from: [e[12], e[13], e[14]], along: [0, 1, 2].map((i) => u * e[i] + v * e[4 + i] - e[8 + i]) };
+  }
   drag(dx, dy) {
     this.yaw -= dx * 0.008;
     this.pitch = Math.max(-1.55, Math.min(1.55, this.pitch + dy * 0.008));
     this.update();
   }
   pan(dx, dy) {
-    const unit = (2 * this.distance * Math.tan((this.camera.fov / 2) * (Math.PI / 180))) / this.height;
+    const unit = 1 / this.pixelsPerUnit();
     const e = this.camera.matrixWorld.elements;
     for (const [i, name] of [[0, "x"], [1, "y"], [2, "z"]])
       this.target[name] += unit * (dy * e[4 + i] - dx * e[i]);
@@ -86,6 +116,9 @@ class PlotRig {
     if (!this.extent) return;
     if (moved) this.update();
     else this.fit(this.extent);
+  }
+  pixelsPerUnit() {
+    return 1 / this.unit;
   }
   // The middle of the frame, not of the canvas, shows (x, y).
   middle() {

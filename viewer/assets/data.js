@@ -11,12 +11,18 @@ function decodeBytes(text) {
 function readScene() {
   const scene = JSON.parse(document.getElementById("scene").textContent);
   const bytes = decodeBytes(document.getElementById("bytes").textContent);
-  const kinds = { u16: Uint16Array, u32: Uint32Array, f32: Float32Array, f64: Float64Array };
-  for (const frame of scene.frames)
-    for (const name of ["ids", "coordinates", "edges", "triangles"]) {
-      const [offset, length, kind] = frame[name];
-      frame[name] = new kinds[kind](bytes, offset, length);
+  const kinds = { u8: Uint8Array, u16: Uint16Array, u32: Uint32Array, f32: Float32Array, f64: Float64Array };
+  const unpack = (holder, names) => {
+    for (const name of names) {
+      if (!holder[name]) continue;  // colours, facets: not in every page
+      const [offset, length, kind] = holder[name];
+      holder[name] = new kinds[kind](bytes, offset, length);
     }
+  };
+  for (const frame of scene.frames) {
+    unpack(frame, ["ids", "coordinates", "colours", "edges", "triangles", "facets"]);
+    for (const shadow of frame.shadows || []) unpack(shadow, ["edges", "triangles"]);
+  }
   scene.ranges = axisRanges(scene);
   return scene;
 }
@@ -37,17 +43,18 @@ function axisRanges(scene) {
   return ranges;
 }
 
-// From coordinates to the picture's units, in which the longest axis (stretched: every axis) runs
-// from -1 to 1. Done in doubles, and with halves, so that no coordinate is too large; only what
-// comes out is narrowed to floats.
+// From coordinates to the picture's units, in which the longest axis runs from -1 to 1. `proportions`
+// is "equal" (so does every axis) or what the last axis is multiplied by. Done in doubles, and with
+// halves, so that no coordinate is too large; only what comes out is narrowed to floats.
 class Space {
-  constructor(scene, axes, stretched) {
+  constructor(scene, axes, proportions) {
     this.width = scene.axes;
     this.axes = axes;
     const half = axes.map((a) => (a < 0 ? 0 : scene.ranges[a].high / 2 - scene.ranges[a].low / 2));
     const longest = Math.max(...half);
     this.centre = axes.map((a) => (a < 0 ? 0 : scene.ranges[a].high / 2 + scene.ranges[a].low / 2));
-    this.scale = half.map((h) => (stretched ? h : longest) || 1);
+    const factors = [1, 1, proportions === "equal" ? 1 : Number(proportions)];
+    this.scale = half.map((h, i) => (proportions === "equal" ? h : longest / factors[i]) || 1);
     this.extent = half.map((h, i) => h / this.scale[i]);
   }
   place(coordinates, row, out, at) {

@@ -30,22 +30,46 @@ const figureNames = {
   "points.count": "Points", "points.dimension": "Dimension", "points.scalar": "Scalar type",
   affine_dimension: "Affine dimension", vertex_count: "Vertices", facet_count: "Facets",
   simplex_count: "Simplices", centroid: "Centroid", "cull.method": "Filter", "cull.survivors": "Survivors",
-  "cull.seconds": "Filtering", "cull.reason": "Why", "hull.engine": "Engine", "hull.seconds": "Hull", read_seconds: "Reading",
+  "cull.seconds": "Filtering", "cull.reason": "Why this filter", "hull.engine": "Engine", "hull.seconds": "Hull", read_seconds: "Reading",
   compute_seconds: "Computing", compute_seconds_all: "Each run", peak_bytes: "Peak memory", certified: "Certified",
   threads: "Threads", backend: "Backend", version: "cullhull",
-  "track.method": "Tracking", "track.scan_survivors": "Left by the scan", "track.scan_seconds": "Scan",
+  "track.method": "Tracking", "track.scan_survivors": "Left by the scan", "track.scan_seconds": "Scanning",
   "track.vertices_came": "Vertices that came", "track.vertices_went": "Vertices that went",
   "track.facets_came": "Facets that came", "track.facets_went": "Facets that went",
 };
 const resultFigures = new Set(["points.count", "points.dimension", "points.scalar", "affine_dimension", "vertex_count", "facet_count", "simplex_count", "area", "volume", "centroid", "cull.survivors",
   "track.vertices_came", "track.vertices_went", "track.facets_came", "track.facets_went"]);
 
-// All digits that tell the double from its neighbours; groups of three before the point.
+// At most six digits; groups of three before the point.
 function numberText(value) {
   const size = Math.abs(value);
-  if (size >= 1e15 || (size < 1e-4 && size > 0)) return value.toExponential().replace("e+", "e").replaceAll("-", "−");
-  const [whole, rest] = String(size).split(".");
-  return (value < 0 ? "−" : "") + whole.replace(/\B(?=(\d{3})+$)/g, ",") + (rest ? "." + rest : "");
+  const short = Number(size.toPrecision(6));
+  if (short >= 1e15 || (short < 1e-4 && short > 0)) return value.toExponential(Math.min(5, digitsOf(value) - 1)).replace("e+", "e").replaceAll("-", "−");
+  const [unit, name] = short >= 1e9 ? [1e9, " G"] : short >= 1e6 ? [1e6, " M"] : [1, ""];
+  const [whole, rest] = String(Number((size / unit).toPrecision(6))).split(".");
+  return (value < 0 ? "−" : "") + whole.replace(/\B(?=(\d{3})+$)/g, ",") + (rest ? "." + rest : "") + name;
+}
+function digitsOf(value) {
+  return value.toExponential().replace(/e.*|[-.]/g, "").length;
+}
+// All digits that tell the double from its neighbours.
+function wholeText(value) {
+  return Array.isArray(value) ? value.map(wholeText).join(", ") : String(value);
+}
+// A cell of a table; where its text has fewer digits than the number, a hover (a tap) shows all.
+function numberCell(value, attributes = {}, lines = [numberText(value)]) {
+  const whole = wholeText(value);
+  const shown = lines.join(", ").replaceAll(",", "").replaceAll("−", "-");
+  const cell = element("td", { class: "number", ...attributes }, ...(lines.length > 1 ? lines.map((l) => element("div", {}, l)) : lines));
+  if (shown === whole.replaceAll(",", "")) return cell;
+  cell.title = whole;
+  const short = [...cell.childNodes];
+  cell.addEventListener("click", () => {
+    if (cell.dataset.whole) cell.replaceChildren(...short);
+    else cell.replaceChildren(...[value].flat().map((v) => element("div", {}, String(v))));
+    cell.dataset.whole = cell.dataset.whole ? "" : "yes";
+  });
+  return cell;
 }
 
 function figureText(key, value) {
@@ -67,8 +91,9 @@ function showFigures(report) {
     if (Array.isArray(value) && value.length === 0) continue;
     if (key === "schema") continue;  // of the report, not of the hull
     const number = typeof value === "number" || key === "centroid";
-    const lines = key === "centroid" ? value.map((v) => element("div", {}, figureText(key, v))) : [figureText(key, value)];
-    const cell = element("td", { class: number ? "number" : "", "data-key": key, "data-value": JSON.stringify(value) }, ...lines);
+    const lines = key === "centroid" ? value.map((v) => figureText(key, v)) : [figureText(key, value)];
+    const about = { "data-key": key, "data-value": JSON.stringify(value) };
+    const cell = number ? numberCell(value, about, lines) : element("td", about, ...lines);
     rows[resultFigures.has(key) ? "result" : "run"].push(element("tr", {}, element("th", { scope: "row" }, names[key] || key), cell));
   }
   for (const id in rows) document.querySelector(`#${id} tbody`).replaceChildren(...rows[id]);
@@ -110,7 +135,7 @@ function notesOf(scene, frame) {
   if (scene.frame_count > scene.frames.length)
     notes.push(`${scene.frames.length} of ${grouped.format(scene.frame_count)} frames are in this page.`);
   if (frame.affine_dimension > 3)
-    notes.push("Seen is the shadow of the hull on the three axes chosen: all its vertices and edges, projected.");
+    notes.push("Seen is the shadow of the hull on the axes chosen: the outline of all its vertices, projected.");
   return notes;
 }
 
@@ -124,16 +149,28 @@ function rowKind(frame, row) {
   return row < frame.vertices ? "Vertex" : row < frame.vertices + frame.survivors ? "Survivor" : "Dropped point";
 }
 
-function showPicked(scene, frame, row) {
-  const box = document.getElementById("picked");
-  if (row === null) {
-    box.replaceChildren(element("span", { class: "soft" }, "Click a vertex to read its id and coordinates."));
-    return;
-  }
+function tableOf(rows) {
+  const lines = rows.map(([name, cell]) => element("tr", {}, element("th", { scope: "row" }, name), cell));
+  return element("div", { class: rows.length > 8 ? "many" : "" }, element("table", {}, element("tbody", {}, ...lines)));
+}
+
+function showNothingPicked(facets) {
+  document.getElementById("picked").replaceChildren(element("span", { class: "soft" },
+    `Click a vertex${facets ? " or a facet" : ""} to read it; with faces off, any point.`));
+}
+function showPickedRow(scene, frame, row) {
   const rows = [];
   for (let axis = 0; axis < scene.axes; ++axis)
-    rows.push(element("tr", {}, element("th", { scope: "row" }, axisName(axis, scene.dimension)),
-      element("td", { class: "number" }, String(frame.coordinates[row * scene.axes + axis]))));
-  box.replaceChildren(element("strong", {}, `${rowKind(frame, row)} ${frame.ids[row]}`),
-    element("div", { class: rows.length > 8 ? "many" : "" }, element("table", {}, element("tbody", {}, ...rows))));
+    rows.push([axisName(axis, scene.dimension), element("td", { class: "number" }, String(frame.coordinates[row * scene.axes + axis]))]);
+  document.getElementById("picked").replaceChildren(element("strong", {}, `${rowKind(frame, row)} ${frame.ids[row]}`), tableOf(rows));
+}
+// `facet`: what facetFigures (tools.js) found.
+function showPickedFacet(scene, facet) {
+  const rows = [
+    ["Corners", element("td", {}, facet.corners.slice(0, 24).join(", ") + (facet.corners.length > 24 ? ", …" : ""))],
+    ["Area", numberCell(facet.area)],
+    ...facet.normal.map((v, i) => ["Normal " + axisName(i, scene.dimension), numberCell(v)]),
+    ["Offset", numberCell(facet.offset)],
+  ];
+  document.getElementById("picked").replaceChildren(element("strong", {}, `Facet ${facet.id}`), tableOf(rows));
 }

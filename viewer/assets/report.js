@@ -24,6 +24,10 @@
     return (v !== 0 && v < 0.1 ? v.toPrecision(2) : v.toFixed(v < 10 ? 2 : 1)) + " " + unit;
   }
 
+  function capital(text) {
+    return text === "" || text.startsWith("cullhull") ? text : text[0].toUpperCase() + text.slice(1);
+  }
+
   // Along an axis: no digits but those that tell.
   function tickText(v, unit) {
     if (v === 0) return "0";
@@ -63,7 +67,8 @@
   function namesOf(figure) {
     const names = [];
     for (const row of figure.rows)
-      for (const name of Object.keys(row.values)) if (!names.includes(name)) names.push(name);
+      for (const [name, value] of Object.entries(row.values))
+        if (value !== null && !names.includes(name)) names.push(name);
     return names;
   }
 
@@ -72,7 +77,7 @@
     names.forEach((name, i) => {
       const item = add(box, "span");
       add(item, "i", {style: "background:" + colours[i % colours.length]});
-      item.append(name);
+      item.append(capital(name));
     });
   }
 
@@ -98,7 +103,9 @@
     const heads = figure.rows.map((row) => inLines([row.name, ratioOf(row), row.paper ? "paper: " + row.paper : "",
       row.bandwidth_share ? `culls at ${percent(row.bandwidth_share)} of read bandwidth` : "",
       row.slower ? "slower " + row.slower : ""].filter(Boolean), width - 24));
-    const height = heads.reduce((sum, lines) => sum + lines.length * label + 2 + names.length * (thick + 2) + gap, 34);
+    // A rival that was not run has no place: one that was stopped has, and says so.
+    const ran = figure.rows.map((row) => names.filter((name) => typeof row.values[name] === "number"));
+    const height = heads.reduce((sum, lines, r) => sum + lines.length * label + 2 + ran[r].length * (thick + 2) + gap, 34);
     const svg = add(parent, "svg", {viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": figure.title});
     const all = figure.rows.flatMap((r) => Object.values(r.values)).filter((v) => v !== null);
     const left = 12, right = width - 92, scale = scaleOf(all, left, right);
@@ -114,15 +121,13 @@
         y += label;
       }
       y += 2;
-      names.forEach((name, i) => {
+      for (const name of ran[r]) {
         const v = row.values[name];
-        if (v !== null && v !== undefined) {
-          const end = Math.max(scale.at(v), left + 1);
-          add(svg, "rect", {x: left, y, width: end - left, height: thick, fill: colours[i % colours.length], rx: 2});
-          add(svg, "text", {x: end + 5, y: y + 12}, (row.unfinished.includes(name) ? "> " : "") + amount(v, figure.unit));
-        }
+        const end = Math.max(scale.at(v), left + 1);
+        add(svg, "rect", {x: left, y, width: end - left, height: thick, fill: colours[names.indexOf(name) % colours.length], rx: 2});
+        add(svg, "text", {x: end + 5, y: y + 12}, (row.unfinished.includes(name) ? "> " : "") + amount(v, figure.unit));
         y += thick + 2;
-      });
+      }
       y += gap;
     });
     legend(parent, names);
@@ -171,7 +176,7 @@
     const box = add(add(parent, "details"), "div", {class: "wide"});
     box.parentNode.prepend(Object.assign(document.createElement("summary"), {textContent: "Numbers"}));
     const names = namesOf(figure), grid = add(box, "table"), head = add(grid, "tr");
-    for (const name of ["", ...names, "ratio", "the paper", "of read bandwidth ¹", "check"]) add(head, "th", {}, name);
+    for (const name of ["", ...names, "ratio", "the paper", "of read bandwidth ¹", "check"]) add(head, "th", {}, capital(name));
     for (const row of figure.rows) {
       const line = add(grid, "tr");
       add(line, "th", {}, row.name);
@@ -215,7 +220,7 @@
     machine.push([`read bandwidth, ${threads} thread${threads === "1" ? "" : "s"}`, (rate / 1e9).toFixed(1) + " GB/s"]);
   for (const [key, value] of machine) {
     const line = add(document.getElementById("machine"), "tr");
-    add(line, "th", {}, key);
+    add(line, "th", {}, capital(key));
     add(line, "td", {}, value);
   }
   draw();

@@ -3,23 +3,78 @@
 // near side over them. The near side is first laid into the depth buffer alone, which tells far
 // edges and vertices (drawn faintly) from near ones whether or not the surface is shown.
 
-const dotShader = {
-  vertex: `uniform float size, near, far;
+// A clip plane (a, b, c, w) hides what lies beyond it: a x + b y + c z > w.
+const clipped = {
+  vertex: "varying vec3 inside;\n",
+  fragment: "uniform vec4 clip;\nvarying vec3 inside;\nvoid cut() { if (dot(clip.xyz, inside) > clip.w) discard; }\n",
+};
+
+const shaders = {
+  dot: {
+    vertex: `uniform float size, near, far;
+attribute vec3 tint;
 varying float fade;
+varying vec3 own;
 void main() {
+  inside = position;
+  own = tint;
   vec4 seen = modelViewMatrix * vec4(position, 1.0);
   gl_Position = projectionMatrix * seen;
   gl_PointSize = size;
   fade = clamp((-seen.z - near) / (far - near), 0.0, 1.0);
 }`,
-  fragment: `uniform vec3 colour, paper;
-uniform float alpha, haze;
+    fragment: `uniform vec3 colour, paper;
+uniform float alpha, haze, tinted;
 varying float fade;
+varying vec3 own;
 void main() {
+  cut();
   vec2 from = 2.0 * gl_PointCoord - 1.0;
   if (dot(from, from) > 1.0) discard;
-  gl_FragColor = vec4(mix(colour, paper, haze * fade), alpha);
+  gl_FragColor = vec4(mix(mix(colour, own, tinted), paper, haze * fade), alpha);
 }`,
+  },
+  line: {
+    vertex: `void main() {
+  inside = position;
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+}`,
+    fragment: `uniform vec3 colour;
+uniform float alpha;
+void main() {
+  cut();
+  gl_FragColor = vec4(colour, alpha);
+}`,
+  },
+  // Each facet has one normal, so that facets are told apart by their light; where one looks along
+  // the surface it is less transparent, as glass is.
+  surface: {
+    vertex: `varying vec3 seen;
+void main() {
+  inside = position;
+  vec4 at = modelViewMatrix * vec4(position, 1.0);
+  seen = at.xyz;
+  gl_Position = projectionMatrix * at;
+}`,
+    fragment: `uniform vec3 lit, shade;
+uniform float alpha, plain;
+varying vec3 seen;
+void main() {
+  cut();
+  if (plain > 0.5) {
+    gl_FragColor = vec4(lit, alpha);
+    return;
+  }
+  vec3 toEye = normalize(-seen);
+  vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
+  float facing = dot(normal, toEye);
+  if (facing < 0.0) { normal = -normal; facing = -facing; }
+  float light = max(0.0, dot(normal, normalize(vec3(-0.55, 0.75, 0.6))));
+  float rim = 1.0 - facing;
+  vec3 colour = mix(shade, lit, 0.12 + 0.88 * light);
+  gl_FragColor = vec4(colour, alpha + (1.0 - alpha) * 0.45 * rim * rim);
+}`,
+  },
 };
 
 // Smoothing doubles the time of a picture where the processor draws it, and is not seen where
@@ -36,47 +91,46 @@ function smoothingPays() {
 }
 
 class Stage {
-  constructor(canvas, flat) {
-    this.flat = flat;
+  constructor(canvas) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: smoothingPays() });
     this.scene = new THREE.Scene();
-    this.light = new THREE.DirectionalLight(0xffffff, 0.55);
-    this.scene.add(this.light, new THREE.AmbientLight(0xffffff, 0.55));
+    this.clip = { value: new THREE.Vector4(0, 0, 0, 1) };
+    this.glass = 0.5;
     this.parts = {};
     this.make();
   }
 
+  material(kind, own, settings) {
+    const uniforms = { clip: this.clip };
+    for (const name in own) uniforms[name] = name === "clip" ? own.clip : { value: own[name] };
+    return new THREE.ShaderMaterial({
+      uniforms, vertexShader: clipped.vertex + shaders[kind].vertex, fragmentShader: clipped.fragment + shaders[kind].fragment,
+      extensions: { derivatives: kind === "surface" }, transparent: true, ...settings,
+    });
+  }
   make() {
-    const dots = (order, settings) => {
-      const uniforms = { size: 1, near: 0, far: 1, alpha: 1, haze: this.flat ? 0 : 0.6 };
-      for (const name in uniforms) uniforms[name] = { value: uniforms[name] };
-      uniforms.colour = { value: new THREE.Color() };
-      uniforms.paper = { value: new THREE.Color() };
-      const material = new THREE.ShaderMaterial({
-        uniforms, vertexShader: dotShader.vertex, fragmentShader: dotShader.fragment, transparent: true, ...settings,
-      });
-      return this.part(new THREE.Points(new THREE.BufferGeometry(), material), order);
-    };
-    const surface = (order, settings, plain = this.flat) => {
-      const kind = plain ? THREE.MeshBasicMaterial : THREE.MeshPhongMaterial;
-      const lit = plain ? {} : { flatShading: true, shininess: 12, specular: 0x222222 };
-      return this.part(new THREE.Mesh(new THREE.BufferGeometry(), new kind({ transparent: true, depthWrite: false, ...lit, ...settings })), order);
-    };
-    const lines = (order, settings) =>
-      this.part(new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ transparent: true, depthWrite: false, ...settings })), order);
+    const colour = () => new THREE.Color();
+    const dots = (order, settings) => this.part(new THREE.Points(new THREE.BufferGeometry(), this.material("dot",
+      { size: 1, near: 0, far: 1, alpha: 1, haze: 0, tinted: 0, colour: colour(), paper: colour() }, settings)), order);
+    const lines = (order, settings = {}, own = {}) => this.part(new THREE.LineSegments(new THREE.BufferGeometry(),
+      this.material("line", { colour: colour(), alpha: 1, ...own }, { depthWrite: false, ...settings })), order);
+    const surface = (order, settings) => this.part(new THREE.Mesh(new THREE.BufferGeometry(),
+      this.material("surface", { lit: colour(), shade: colour(), alpha: 1, plain: 0 }, { depthWrite: false, ...settings })), order);
+    const whole = { value: new THREE.Vector4(0, 0, 0, 1) };
     this.parts = {
-      box: lines(0, { opacity: 0.55 }),
+      box: lines(0, {}, { alpha: 0.55, clip: whole }),
       points: dots(1, {}),
       survivors: dots(2, {}),
       back: surface(3, { side: THREE.BackSide }),
+      depth: surface(4, { side: THREE.DoubleSide, depthWrite: true, colorWrite: false, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 2 }),
       farEdges: lines(5, { depthFunc: THREE.GreaterDepth }),
       farVertices: dots(5, { depthFunc: THREE.GreaterDepth, depthWrite: false }),
-      front: surface(6, { side: this.flat ? THREE.DoubleSide : THREE.FrontSide }),
-      edges: lines(7, {}),
+      front: surface(6, { side: THREE.FrontSide }),
+      facet: surface(6.5, { side: THREE.DoubleSide }),
+      web: lines(7),
+      edges: lines(7),
       vertices: dots(8, { depthWrite: false }),
     };
-    this.parts.depth = surface(4, { side: THREE.DoubleSide, depthWrite: true, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 2 }, true);
-    this.parts.depth.material.colorWrite = false;
   }
   part(object, order) {
     object.renderOrder = order;
@@ -85,61 +139,100 @@ class Stage {
     return object;
   }
 
-  // Shows a frame. All parts of the hull share one list of positions.
-  load(frame, space) {
-    const fill = (names, positions, index) => {
-      const geometry = new THREE.BufferGeometry();
-      geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
-      if (index) geometry.setIndex(new THREE.BufferAttribute(index, 1));
-      const old = new Set(names.map((name) => this.parts[name].geometry));
-      for (const name of names) this.parts[name].geometry = geometry;
-      for (const geometry of old) geometry.dispose();
-    };
+  // Shows a frame on the axes of `space`: `shape` says which rows edges and triangles join. All
+  // parts of the hull share one list of positions.
+  load(frame, space, shape, flat) {
     const { vertices, survivors, points } = frame;
+    this.flat = flat;
     const hull = space.positions(frame, 0, vertices);
-    fill(["vertices", "farVertices"], hull);
-    fill(["edges", "farEdges"], hull, frame.edges);
-    fill(["front", "back", "depth"], hull, frame.triangles);
-    fill(["survivors"], space.positions(frame, vertices, survivors));
-    fill(["points"], space.positions(frame, vertices + survivors, points));
-    fill(["box"], boxEdges(space.extent));
+    this.hull = hull;
+    this.shape = shape;
+    this.fill(["vertices", "farVertices"], hull);
+    this.fill(["edges", "farEdges"], hull, shape.edges);
+    this.fill(["web"], hull, frame.affine_dimension > 3 ? frame.edges : new Uint32Array(0));
+    this.fill(["front", "back", "depth"], hull, shape.triangles);
+    this.fill(["survivors"], space.positions(frame, vertices, survivors));
+    this.fill(["points"], space.positions(frame, vertices + survivors, points));
+    this.fill(["box"], boxEdges(space.extent));
+    this.mark(null);
     // Directions the hull has no thickness in have no near and no far side.
-    this.solid = frame.affine_dimension === 3 && space.extent.every((e) => e > 0);
+    this.solid = !flat && shape.triangles.length > 0 && frame.affine_dimension >= 3 && space.extent.every((e) => e > 0);
+    this.parts.front.material.side = this.solid ? THREE.FrontSide : THREE.DoubleSide;
+    for (const name of ["front", "back", "facet"]) this.parts[name].material.uniforms.plain.value = flat ? 1 : 0;
     this.style(frame);
   }
+  fill(names, positions, index) {
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
+    if (index) geometry.setIndex(new THREE.BufferAttribute(index, 1));
+    const old = new Set(names.map((name) => this.parts[name].geometry));
+    for (const name of names) this.parts[name].geometry = geometry;
+    for (const geometry of old) geometry.dispose();
+  }
+  // Three bytes for each survivor, then for each dropped point; null: the parts' own colours.
+  tint(bytes, survivors) {
+    for (const [name, from, to] of [["survivors", 0, 3 * survivors], ["points", 3 * survivors, undefined]]) {
+      const part = this.parts[name];
+      part.material.uniforms.tinted.value = bytes ? 1 : 0;
+      if (bytes) part.geometry.setAttribute("tint", new THREE.BufferAttribute(bytes.slice(from, to), 3, true));
+    }
+  }
+  // One facet, by some of the shape's triangles, stands out.
+  mark(triangles) {
+    const index = [];
+    for (const t of triangles || []) index.push(...this.shape.triangles.slice(3 * t, 3 * t + 3));
+    this.fill(["facet"], this.hull, Uint32Array.from(index));
+    this.parts.facet.visible = index.length > 0;
+  }
 
-  // Few things are drawn large, many small and thin.
-  style({ vertices, survivors, points, edges, affine_dimension }) {
-    const ease = (count, few, many, large, small) => {
-      const t = Math.min(1, Math.max(0, Math.log(Math.max(1, count) / few) / Math.log(many / few)));
-      return large + (small - large) * t;
-    };
+  // Few things are drawn large, many small and thin. What lies on the hull goes by the room that it
+  // has there, so that a dense hull is not drowned and details come forward as one zooms in.
+  style(frame) {
     const p = this.parts;
     const dot = (part, size, alpha) => {
       part.userData.size = size;
       part.material.uniforms.alpha.value = alpha;
     };
-    dot(p.points, ease(points, 100, 30000, 4, 1.6), ease(points, 1000, 100000, 0.9, 0.55));
-    dot(p.survivors, ease(survivors, 50, 20000, 5.5, 2.2), ease(survivors, 1000, 50000, 1, 0.8));
-    dot(p.vertices, ease(vertices, 30, 10000, 8, 2.4), 1);
-    dot(p.farVertices, p.vertices.userData.size, this.solid ? ease(vertices, 300, 10000, 0.35, 0.1) : 1);
-    const lines = edges.length / 2;
-    p.edges.material.opacity = affine_dimension > 3 ? ease(lines, 100, 100000, 0.6, 0.03) : ease(lines, 1000, 40000, 0.9, 0.16);
-    p.farEdges.material.opacity = this.solid ? ease(lines, 300, 30000, 0.3, 0.05) : p.edges.material.opacity;
-    p.front.material.opacity = this.flat ? 0.18 : 0.28;
-    p.back.material.opacity = 0.2;
+    dot(p.points, eased(frame.points, 100, 30000, 4, 2.2), eased(frame.points, 1000, 100000, 0.9, 0.7));
+    dot(p.survivors, eased(frame.survivors, 50, 20000, 5.5, 2.4), eased(frame.survivors, 1000, 50000, 1, 0.85));
+    // In pictures' units: between vertices, and between edges.
+    const extent = this.flat ? perimeter(this.hull, this.shape.edges) : Math.sqrt(surfaceArea(this.hull, this.shape.triangles));
+    this.apart = this.flat ? extent / Math.max(1, frame.vertices) : extent / Math.sqrt(Math.max(1, frame.vertices));
+    this.lines = frame.edges.length / 2;
+  }
+  styleFor(pixelsPerUnit) {
+    const p = this.parts;
+    const room = this.apart > 0 ? this.apart * pixelsPerUnit : 60;
+    const size = Math.max(1.6, Math.min(8, this.flat ? 0.5 * room : 0.2 * room));
+    const far = Math.max(0.1, Math.min(0.35, room / 60));
+    for (const part of [p.vertices, p.farVertices]) part.userData.size = size;
+    p.vertices.material.uniforms.alpha.value = 1;
+    p.farVertices.material.uniforms.alpha.value = this.solid ? far : 1;
+    // Dots that are coloured to be looked at keep the front of the stage.
+    const tinted = p.points.material.uniforms.tinted.value > 0;
+    p.edges.material.uniforms.alpha.value = this.flat ? 1 : Math.max(0.14, Math.min(tinted ? 0.55 : 0.95, room / 38));
+    p.farEdges.material.uniforms.alpha.value = Math.max(0.05, Math.min(tinted ? 0.18 : 0.3, room / 110));
+    p.web.material.uniforms.alpha.value = eased(this.lines, 100, 100000, 0.5, 0.03);
+    p.front.material.uniforms.alpha.value = this.flat ? 0.16 : this.glass;
+    p.back.material.uniforms.alpha.value = 0.75 * this.glass * (1 - this.glass) + 0.1;
+    p.facet.material.uniforms.alpha.value = this.flat ? 0.5 : 0.8;
   }
 
   colour(colours) {
     this.renderer.setClearColor(colours.paper, 1);
-    const p = this.parts;
+    const set = (part, name, colour) => this.parts[part].material.uniforms[name].value.set(colours[colour]);
     for (const [name, colour] of [["points", "points"], ["survivors", "survivors"], ["vertices", "vertices"], ["farVertices", "vertices"]]) {
-      p[name].material.uniforms.colour.value.set(colours[colour]);
-      p[name].material.uniforms.paper.value.set(colours.paper);
+      set(name, "colour", colour);
+      set(name, "paper", "paper");
     }
-    for (const name of ["front", "back"]) p[name].material.color.set(colours.hull);
-    for (const name of ["edges", "farEdges"]) p[name].material.color.set(colours.edges);
-    p.box.material.color.set(colours.axes);
+    for (const name of ["front", "back"]) {
+      set(name, "lit", "lit");
+      set(name, "shade", "shade");
+    }
+    set("facet", "lit", "picked");
+    set("facet", "shade", "picked");
+    for (const name of ["edges", "farEdges", "web"]) set(name, "colour", "edges");
+    set("box", "colour", "axes");
   }
 
   show(on) {
@@ -150,8 +243,9 @@ class Stage {
     p.farVertices.visible = on.vertices && this.solid;
     p.edges.visible = on.edges;
     p.farEdges.visible = on.edges && this.solid;
+    p.web.visible = on.web;
     p.front.visible = on.faces;
-    p.back.visible = on.faces && !this.flat;
+    p.back.visible = on.faces && this.solid;
     p.depth.visible = this.solid;
     p.box.visible = on.axes && !this.flat;
   }
@@ -163,21 +257,44 @@ class Stage {
   }
 
   render(rig) {
-    const camera = rig.camera;
-    if (!this.flat) {
-      // From above the eye's left shoulder.
-      const e = camera.matrixWorld.elements;
-      this.light.position.set(e[8] - 0.5 * e[0] + 0.7 * e[4], e[9] - 0.5 * e[1] + 0.7 * e[5], e[10] - 0.5 * e[2] + 0.7 * e[6]);
-    }
+    this.styleFor(rig.pixelsPerUnit());
     for (const name of ["points", "survivors", "vertices", "farVertices"]) {
       const { uniforms } = this.parts[name].material;
       uniforms.size.value = this.parts[name].userData.size * this.ratio;
+      uniforms.haze.value = this.flat ? 0 : uniforms.tinted.value ? 0.25 : 0.6;
       if (this.flat) continue;
       uniforms.near.value = rig.distance - rig.radius;
       uniforms.far.value = rig.distance + rig.radius;
     }
-    this.renderer.render(this.scene, camera);
+    this.renderer.render(this.scene, rig.camera);
   }
+}
+
+// From `large` at `few` to `small` at `many`, evenly in the logarithm.
+function eased(count, few, many, large, small) {
+  const t = Math.min(1, Math.max(0, Math.log(Math.max(1, count) / few) / Math.log(many / few)));
+  return large + (small - large) * t;
+}
+
+function surfaceArea(positions, triangles) {
+  let twice = 0;
+  for (let i = 0; i < triangles.length; i += 3) twice += Math.hypot(...crossOf(positions, triangles, i));
+  return twice / 2;
+}
+// The cross product of two edges of a triangle: its direction, and twice its area.
+function crossOf(positions, triangles, i) {
+  const [a, b, c] = [0, 1, 2].map((k) => 3 * triangles[i + k]);
+  const u = [0, 1, 2].map((k) => positions[b + k] - positions[a + k]);
+  const v = [0, 1, 2].map((k) => positions[c + k] - positions[a + k]);
+  return [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+}
+function perimeter(positions, edges) {
+  let sum = 0;
+  for (let i = 0; i < edges.length; i += 2) {
+    const a = 3 * edges[i], b = 3 * edges[i + 1];
+    sum += Math.hypot(positions[a] - positions[b], positions[a + 1] - positions[b + 1]);
+  }
+  return sum;
 }
 
 function boxEdges([x, y, z]) {

@@ -5,23 +5,37 @@
 class Viewer {
   constructor(scene) {
     this.scene = scene;
-    this.flat = scene.dimension <= 2;
     this.axes = [0, 1, 2].map((axis) => (axis < scene.axes ? axis : -1));
-    this.on = { points: true, survivors: true, vertices: true, faces: true, edges: true, axes: true, stretch: false };
+    this.on = { points: true, survivors: true, vertices: true, faces: true, edges: true, axes: true, web: false };
     this.at = 0;
-    this.picked = null;  // an id
+    this.picked = null;  // the id of a point
+    this.facet = null;   // what facetFigures found
     this.canvas = document.getElementById("canvas");
     this.overlay = new Overlay(document.getElementById("overlay"));
-    this.stage = new Stage(this.canvas, this.flat);
-    this.rig = this.flat ? new PlotRig() : new Rig();
+    this.stage = new Stage(this.canvas);
+    this.rigs = { plot: new PlotRig(), solid: new Rig() };
+    this.proportions = String(heightFactor(scene));
+    this.colourBy = scene.frames.some((f) => f.colours) ? "file" : this.proportions !== "1" ? "2" : "role";
+    this.measure = new Measure(this);
+    this.clip = new Clip(this);
     this.dark = window.matchMedia("(prefers-color-scheme: dark)");
     this.dark.addEventListener("change", () => this.readColours());
-    handle(this.canvas, () => this.rig, () => this.invalidate(), (x, y, radius) => this.pick(this.rowAt(x, y, radius)));
+    handle(this.canvas, () => this.rig, () => this.invalidate(), (x, y, radius) => this.click(x, y, radius));
     this.buildControls();
     new ResizeObserver(() => this.resize()).observe(this.canvas);
     this.readColours();
-    this.measure();
+    this.measureStage();
     this.reframe();
+  }
+  // A plot of two axes, or a picture of three to turn.
+  get flat() {
+    return this.axes[2] < 0;
+  }
+  get rig() {
+    return this.flat ? this.rigs.plot : this.rigs.solid;
+  }
+  get names() {
+    return this.axes.filter((a) => a >= 0).map((a) => axisName(a, this.scene.dimension));
   }
   get frame() {
     return this.scene.frames[this.at];
@@ -38,12 +52,13 @@ class Viewer {
   draw() {
     this.stage.show(this.on);
     this.stage.render(this.rig);
-    const names = this.axes.map((a) => (a < 0 ? undefined : axisName(a, this.scene.dimension)));
     this.overlay.begin(this.width, this.height, this.ratio, this.colours);
     if (this.on.axes && this.frame.vertices > 0) {
-      if (this.flat) this.overlay.plot(this.space, this.rig, names);
-      else this.overlay.box(this.space, this.rig, names);
+      if (this.flat) this.overlay.plot(this.space, this.rig, this.names);
+      else this.overlay.box(this.space, this.rig, this.names);
+      if (!this.flat && Number(this.proportions) > 1) this.overlay.remark(`${this.names[2]} × ${this.proportions}`);
     }
+    this.measure.draw(this.overlay, this.rig, this.space);
     const row = this.pickedRow();
     if (row !== null) {
       const [x, y, depth] = this.rig.project(this.placed(row));
@@ -55,34 +70,58 @@ class Viewer {
   readColours() {
     const style = getComputedStyle(document.documentElement);
     this.colours = {};
-    for (const name of ["paper", "ink", "soft", "points", "survivors", "vertices", "hull", "edges", "axes"])
+    for (const name of ["paper", "ink", "soft", "points", "survivors", "vertices", "hull", "lit", "shade", "picked", "edges", "axes"])
       this.colours[name] = style.getPropertyValue("--" + name).trim();
     this.stage.colour(this.colours);
+    this.drawPairs();
     this.invalidate();
   }
-  measure() {
+  measureStage() {
     this.width = Math.max(1, this.canvas.clientWidth);
     this.height = Math.max(1, this.canvas.clientHeight);
     this.ratio = Math.min(3, window.devicePixelRatio || 1);
     this.stage.resize(this.width, this.height, this.ratio);
-    this.rig.resize(this.width, this.height);
+    for (const rig of Object.values(this.rigs)) rig.resize(this.width, this.height);
   }
   resize() {
-    this.measure();
+    this.measureStage();
     this.draw();  // at once: a resized canvas is blank until drawn
   }
 
-  // Other axes, or stretched: another space, seen whole.
+  // Other axes or proportions: another space, seen whole.
   reframe() {
-    this.space = new Space(this.scene, this.axes, this.on.stretch);
-    this.rig.fit(this.space.extent);
+    this.space = new Space(this.scene, this.axes, this.proportions);
+    this.rig.fit(this.space.extent, this.on.axes);
+    this.clip.offer(this.names);
+    document.getElementById("glass-choice").hidden = this.flat;
     this.load();
   }
   load() {
-    this.stage.load(this.frame, this.space);
-    showFigures(this.frame.report);
-    showNotes(this.scene, this.frame);
+    const frame = this.frame;
+    this.shape = shapeOn(this.scene, frame, this.axes);
+    this.stage.load(frame, this.space, this.shape, this.flat);
+    this.tint();
+    if (this.facet) this.pickFacet(null);
+    showFigures(frame.report);
+    showNotes(this.scene, frame);
     this.showPick();
+    this.drawPairs();
+    this.invalidate();
+  }
+  tint() {
+    const byAxis = this.colourBy !== "role" && this.colourBy !== "file";
+    if (byAxis) {
+      this.ranges = this.ranges || {};
+      this.ranges[this.colourBy] = this.ranges[this.colourBy] || colourRange(this.scene, Number(this.colourBy));
+    }
+    const range = byAxis ? this.ranges[this.colourBy] : null;
+    this.stage.tint(rowColours(this.scene, this.frame, this.colourBy, range), this.frame.survivors);
+    document.getElementById("legend").hidden = !byAxis;
+    if (byAxis) {
+      const name = axisName(Number(this.colourBy), this.scene.dimension);
+      document.getElementById("legend-low").textContent = `${name} ${numberText(Number(range.low.toPrecision(4)))}`;
+      document.getElementById("legend-high").textContent = numberText(Number(range.high.toPrecision(4)));
+    }
     this.invalidate();
   }
 
@@ -98,21 +137,61 @@ class Viewer {
   }
   pick(row) {
     this.picked = row === null ? null : this.frame.ids[row];
+    if (this.facet) this.pickFacet(null);
+    this.showPick();
+    this.invalidate();
+  }
+  get hasFacets() {
+    return !this.flat && Boolean(this.shape && this.shape.facets);
+  }
+  pickFacet(facet) {
+    this.facet = facet === null ? null : facetFigures(this.scene, this.frame, facet);
+    this.stage.mark(this.facet && this.facet.triangles);
+    if (this.facet) this.picked = null;
     this.showPick();
     this.invalidate();
   }
   showPick() {
-    showPicked(this.scene, this.frame, this.pickedRow());
+    const row = this.pickedRow();
+    if (this.facet) showPickedFacet(this.scene, this.facet);
+    else if (row !== null) showPickedRow(this.scene, this.frame, row);
+    else showNothingPicked(this.hasFacets);
   }
-  // The row drawn nearest to a place on the screen: vertices before others, near before far.
-  rowAt(x, y, radius) {
+  // What a click means: a vertex, else the facet in front, else any point.
+  click(x, y, radius) {
+    const vertex = this.rowAt(x, y, radius, ["vertices"]);
+    const hit = vertex === null ? this.surfaceAt(x, y) : null;
+    const row = vertex !== null || hit ? vertex : this.rowAt(x, y, radius, ["survivors", "points"]);
+    if (this.measure.on) this.measure.add(this.endOf(row, hit));
+    else if (hit && this.hasFacets) this.pickFacet(this.shape.facets[hit.triangle]);
+    else this.pick(row);
+  }
+  surfaceAt(x, y) {
+    if (this.flat || !this.on.faces || this.scene.axes > 3) return null;
+    return triangleAt(this.stage.hull, this.shape.triangles, this.rig.sight(x, y), this.stage.clip.value);
+  }
+  // One end of a measuring line.
+  endOf(row, hit) {
+    if (row !== null) {
+      const coordinates = [...this.frame.coordinates.slice(row * this.scene.axes, (row + 1) * this.scene.axes)];
+      return { coordinates, name: `${rowKind(this.frame, row).toLowerCase()} ${this.frame.ids[row]}` };
+    }
+    if (!hit) return null;
+    const coordinates = hit.place.map((p, i) => this.space.toValue(i, p)).slice(0, this.scene.axes);
+    return { coordinates, name: "a place on the hull" };
+  }
+  // The row drawn nearest to a place on the screen: near before far.
+  rowAt(x, y, radius, names) {
     const { vertices, survivors, points } = this.frame;
     const groups = [["vertices", 0, vertices], ["survivors", vertices, survivors], ["points", vertices + survivors, points]];
+    const clip = this.stage.clip.value;
     for (const [name, from, count] of groups) {
-      if (!this.on[name]) continue;
+      if (!this.on[name] || !names.includes(name)) continue;
       let best = null, least = Infinity;
       for (let row = from; row < from + count; ++row) {
-        const [u, v, depth] = this.rig.project(this.placed(row));
+        const place = this.placed(row);
+        if (clip.x * place[0] + clip.y * place[1] + clip.z * place[2] > clip.w) continue;
+        const [u, v, depth] = this.rig.project(place);
         const off = Math.hypot(u - x, v - y);
         if (depth <= 0 || off > radius) continue;
         const score = off / radius + (this.flat ? 0 : depth / this.rig.radius);
@@ -128,30 +207,44 @@ class Viewer {
     const row = this.pickedRow();
     this.pick(row === null || row >= count ? (by > 0 ? 0 : count - 1) : (row + by + count) % count);
   }
+  stepFacet(by) {
+    if (!this.hasFacets) return;
+    const count = this.frame.report.facet_count;
+    this.pickFacet(this.facet === null ? (by > 0 ? 0 : count - 1) : (this.facet.id + by + count) % count);
+  }
 
   buildControls() {
     document.getElementById("title").textContent = document.title;
-    for (const [id, act] of [["nearer", () => this.rig.zoom(1.3)], ["farther", () => this.rig.zoom(1 / 1.3)], ["reset", () => this.rig.fit(this.space.extent)]])
+    for (const [id, act] of [["nearer", () => this.rig.zoom(1.3)], ["farther", () => this.rig.zoom(1 / 1.3)], ["reset", () => this.rig.fit(this.space.extent, this.on.axes)]])
       document.getElementById(id).addEventListener("click", () => {
         act();
         this.invalidate();
       });
     this.buildToggles();
+    this.buildChoices();
     if (this.scene.axes > 3) this.buildAxes();
+    document.getElementById("save-picture").addEventListener("click", () => savePicture(this));
+    const mesh = document.getElementById("save-mesh");
+    mesh.disabled = this.scene.frames.every((f) => f.triangles.length === 0 && !f.shadows);
+    mesh.addEventListener("click", () =>
+      saveBlob(new Blob([meshText(this.scene, this.frame, this.axes, this.shape)], { type: "application/octet-stream" }), fileStem() + "-hull.ply"));
     if (this.scene.frames.length > 1) this.timeline = new Timeline(this.scene, (at) => this.go(at));
     document.addEventListener("keydown", (event) => this.key(event));
   }
   buildToggles() {
     const any = (name) => this.scene.frames.some((f) => f[name] > 0 || f[name].length > 0);
+    const high = this.scene.frames.some((f) => f.affine_dimension > 3);
+    const shadowed = high && this.scene.frames.some((f) => f.shadows);
     const toggles = [
       ["points", "Dropped", "P", "points", "", any("points")],
       ["survivors", "Survivors", "S", "survivors", "", any("survivors")],
       ["vertices", "Vertices", "V", "vertices", "", any("vertices")],
-      ["faces", this.flat ? "Area" : "Faces", "F", "hull", "area", any("triangles")],
-      ["edges", "Edges", "E", "edges", "stroke", any("edges")],
+      ["faces", this.flat ? "Area" : "Faces", "F", "hull", "area", high || any("triangles")],
+      ["edges", high ? "Outline" : "Edges", "E", "edges", "stroke", any("edges")],
       ["axes", "Axes", "A", "axes", "stroke", true],
-      ["stretch", "Stretch", "X", "", "", this.scene.axes > 1],
     ];
+    if (high) toggles.push(["web", "All edges", "W", "edges", "stroke", any("edges")]);
+    this.on.web = high && !shadowed;
     this.keys = {};
     for (const [name, label, key, colour, shape, there] of toggles) {
       const box = element("input", { type: "checkbox", id: "show-" + name });
@@ -160,7 +253,6 @@ class Viewer {
       this.on[name] = box.checked;
       box.addEventListener("change", () => {
         this.on[name] = box.checked;
-        if (name === "stretch") this.reframe();
         this.invalidate();
       });
       this.keys[key.toLowerCase()] = () => box.click();
@@ -170,22 +262,78 @@ class Viewer {
       document.getElementById("toggles").append(line);
     }
   }
+  buildChoices() {
+    const choice = (id, options, value, act) => {
+      const select = document.getElementById(id);
+      select.replaceChildren(...options.map(([v, text]) => element("option", { value: v }, text)));
+      select.value = value;
+      select.addEventListener("change", () => act(select.value));
+      document.getElementById(id === "colour-by" ? "colour-choice" : "proportions-choice").hidden = options.length < 2;
+    };
+    const dots = this.scene.frames.some((f) => f.survivors + f.points > 0);
+    const by = dots ? [["role", "Kept or dropped"]] : [];
+    if (dots && this.scene.frames.some((f) => f.colours)) by.push(["file", "Colours of the file"]);
+    for (let axis = 0; dots && axis < this.scene.axes; ++axis)
+      by.push([String(axis), axis === 2 && this.scene.dimension === 3 ? "Height (z)" : axisName(axis, this.scene.dimension)]);
+    choice("colour-by", by, this.colourBy, (value) => {
+      this.colourBy = value;
+      this.tint();
+    });
+    const heights = this.scene.axes === 3 ? ["2", "4", "8", "16"].map((f) => [f, `Heights × ${f}`]) : [];
+    const proportions = this.scene.axes > 1 ? [["1", "True"], ...heights, ["equal", "Equal sides"]] : [];
+    choice("proportions", proportions, this.proportions, (value) => {
+      this.proportions = value;
+      this.reframe();
+    });
+    // Dots that were coloured to be looked at are seen through clear glass.
+    this.stage.glass = this.colourBy === "role" ? 0.5 : 0.14;
+    const glass = document.getElementById("glass");
+    glass.value = 100 * this.stage.glass;
+    glass.addEventListener("input", () => {
+      this.stage.glass = glass.value / 100;
+      this.invalidate();
+    });
+  }
+
   buildAxes() {
     document.getElementById("axis-choice").hidden = false;
     [0, 1, 2].forEach((i) => {
       const choice = element("select", { id: "axis-" + i });
       for (let axis = 0; axis < this.scene.axes; ++axis)
         choice.append(element("option", { value: axis }, axisName(axis, this.scene.dimension)));
+      if (i === 2) choice.append(element("option", { value: -1 }, "None"));
       choice.value = this.axes[i];
       choice.addEventListener("change", () => this.choose(i, Number(choice.value)));
       document.getElementById("axes").append(element("label", {}, ["Right", "Back", "Up"][i], choice));
     });
+    // A small picture of every pair of axes; of very many axes there would be too many.
+    this.pairs = [];
+    for (let a = 0; this.scene.axes <= 8 && a < this.scene.axes; ++a)
+      for (let b = a + 1; b < this.scene.axes; ++b) {
+        const canvas = element("canvas", { "aria-hidden": "true" });
+        const name = `${axisName(a, this.scene.dimension)}, ${axisName(b, this.scene.dimension)}`;
+        const button = element("button", { type: "button", id: `pair-${a}-${b}`, title: `Plot of ${name}` }, canvas, name);
+        button.addEventListener("click", () => this.project([a, b, -1]));
+        document.getElementById("pairs").append(button);
+        this.pairs.push({ a, b, canvas, button });
+      }
   }
-  // An axis that is taken changes places.
+  drawPairs() {
+    for (const { a, b, canvas, button } of this.pairs || []) {
+      button.setAttribute("aria-pressed", String(this.flat && this.axes[0] === a && this.axes[1] === b));
+      drawThumbnail(canvas, this.scene, this.frame, a, b, this.colours);
+    }
+  }
+  // An axis that is taken changes places; two of none cannot be.
   choose(i, axis) {
-    const other = this.axes.indexOf(axis);
-    if (other >= 0) this.axes[other] = this.axes[i];
-    this.axes[i] = axis;
+    const axes = [...this.axes];
+    const other = axis < 0 ? -1 : axes.indexOf(axis);
+    if (other >= 0) axes[other] = axes[i] >= 0 ? axes[i] : [0, 1, 2].find((a) => !axes.includes(a));
+    axes[i] = axis;
+    this.project(axes);
+  }
+  project(axes) {
+    this.axes = axes;
     this.axes.forEach((a, j) => (document.getElementById("axis-" + j).value = a));
     this.reframe();
   }
@@ -209,13 +357,18 @@ class Viewer {
       else this.rig.drag(dx * 18, dy * 18);
     } else if (event.key === "+" || event.key === "=") this.rig.zoom(1.2);
     else if (event.key === "-") this.rig.zoom(1 / 1.2);
-    else if (event.key === "Escape") this.pick(null);
+    else if (event.key === "Escape") {
+      if (this.measure.on) this.measure.toggle();
+      this.pick(null);
+    } else if (event.key.toLowerCase() === "m") this.measure.toggle();
+    else if (event.key === "]") this.stepFacet(1);
+    else if (event.key === "[") this.stepFacet(-1);
     else if (event.key === " " && this.timeline && tag !== "BUTTON" && tag !== "INPUT" && tag !== "SUMMARY") this.timeline.toggle();
     else if (event.key === "," && this.timeline) this.timeline.step(-1);
     else if (event.key === "." && this.timeline) this.timeline.step(1);
     else if (event.key.toLowerCase() === "n") this.step(1);
     else if (event.key.toLowerCase() === "b") this.step(-1);
-    else if (event.key.toLowerCase() === "r") this.rig.fit(this.space.extent);
+    else if (event.key.toLowerCase() === "r") this.rig.fit(this.space.extent, this.on.axes);
     else if (this.keys[event.key.toLowerCase()]) this.keys[event.key.toLowerCase()]();
     else return;
     event.preventDefault();
@@ -240,7 +393,7 @@ class Timeline {
   }
   label() {
     const frame = this.scene.frames[this.time.value];
-    this.when.textContent = `frame ${frame.index} of ${this.scene.frame_count}`;
+    this.when.textContent = `Frame ${frame.index + 1} of ${this.scene.frame_count}`;
   }
   show(at) {
     this.time.value = at;
@@ -267,7 +420,7 @@ function start() {
     message.hidden = false;
   }
   try {
-    new Viewer(scene);
+    window.viewer = new Viewer(scene);
   } catch (error) {
     message.textContent = "This browser offers no WebGL, which the picture needs. The figures are all here.";
     message.hidden = false;

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from ._answers import NearestFacets, Rays
 from ._core import version as __version__
 from ._device import cuda_status
-from ._drop_in import ConvexHull, HalfspaceIntersection
+from ._drop_in import ConvexHull
 from ._errors import (
     BackendUnavailable,
     BadFile,
@@ -35,6 +35,7 @@ from ._errors import (
     ShapeWarning,
 )
 from ._functions import certify, convex_hull, cull, generate, shapes
+from ._halfspaces import HalfspaceIntersection
 from ._hull import Certificate, Hull, Simplified
 from ._lists import Lists
 from ._many import GrowingHull, HullBatch, convex_hulls

@@ -1,10 +1,9 @@
-"""Classes that stand in for scipy.spatial.ConvexHull and scipy.spatial.HalfspaceIntersection."""
+"""The class that stands in for scipy.spatial.ConvexHull."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from copy import copy
-from typing import Any, Generic, NoReturn, TypeVar, overload
+from typing import Any, NoReturn
 
 import numpy as np
 import numpy.typing as npt
@@ -13,66 +12,12 @@ from . import _core
 from ._arguments import Backend, CullMethod, Progress, as_point_set, as_points, settings
 from ._errors import InvalidArgument, qhull_error
 from ._hull import Hull
+from ._incremental import Incremental, Lazy, lazy_names
 from ._many import GrowingHull
-from ._qhull_options import NOTHING, QhullOptions, parse
-
-T = TypeVar("T")
+from ._qhull_options import QhullOptions, parse
 
 
-class _Lazy(Generic[T]):
-    """An attribute made when first asked for and then the object's own, to be read and replaced.
-
-    As functools.cached_property, without its lock, which takes longer than many of these.
-    """
-
-    def __init__(self, make: Callable[[Any], T]) -> None:
-        self._make = make
-        self._name = make.__name__
-        self.__doc__ = make.__doc__
-
-    @overload
-    def __get__(self, owner: None, kind: Any = None) -> _Lazy[T]: ...
-    @overload
-    def __get__(self, owner: object, kind: Any = None) -> T: ...
-    def __get__(self, owner: Any, kind: Any = None) -> Any:
-        if owner is None:
-            return self
-        value = owner.__dict__[self._name] = self._make(owner)
-        return value
-
-
-def _lazy_names(kind: type) -> frozenset[str]:
-    return frozenset(name for name, value in vars(kind).items() if isinstance(value, _Lazy))
-
-
-class _Incremental:
-    """What both classes share: points may be added until close()."""
-
-    _open: bool
-
-    def close(self) -> None:
-        """Ends incremental use; nothing can be added any more.
-
-        >>> import cullhull
-        >>> with cullhull.ConvexHull([[0, 0], [1, 0], [0, 1]], incremental=True) as hull:
-        ...     hull.add_points([[1, 1]])
-        >>> hull.volume
-        1.0
-        """
-        self._open = False
-
-    def _require_open(self) -> None:
-        if not self._open:
-            raise RuntimeError("incremental mode not enabled or already closed")
-
-    def __enter__(self) -> Any:
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        self.close()
-
-
-class ConvexHull(_Incremental):
+class ConvexHull(Incremental):
     """In place of `scipy.spatial.ConvexHull`: the same attributes, exact, and faster.
 
     Pickles, copies and is sent between processes as SciPy's; also while incremental.
@@ -277,42 +222,42 @@ class ConvexHull(_Incremental):
         """Volume; in 2D the area."""
         return self._solid.volume
 
-    @_Lazy
+    @Lazy
     def hull(self) -> Hull:
         """The native hull."""
         return Hull._of(self._solid)
 
-    @_Lazy
+    @Lazy
     def points(self) -> npt.NDArray[np.float64]:
         """(n, d) float64: the points."""
         return np.ascontiguousarray(self._array, dtype=np.float64)
 
-    @_Lazy
+    @Lazy
     def vertices(self) -> npt.NDArray[Any]:
         """(v,) int32: indices of the vertices, ascending; in 2D counter-clockwise."""
         return self._solid.scipy_vertices()
 
-    @_Lazy
+    @Lazy
     def simplices(self) -> npt.NDArray[Any]:
         """(s, k) int32: indices of the simplices' vertices, oriented outward."""
         return self._solid.scipy_simplices()
 
-    @_Lazy
+    @Lazy
     def neighbors(self) -> npt.NDArray[Any]:
         """(s, k) int32: entry j is the simplex opposite to vertex j."""
         return self._solid.scipy_neighbors()
 
-    @_Lazy
+    @Lazy
     def equations(self) -> npt.NDArray[np.float64]:
         """(s, d + 1) float64: outward unit normal and offset of each simplex."""
         return self._solid.scipy_equations()
 
-    @_Lazy
+    @Lazy
     def min_bound(self) -> npt.NDArray[np.float64]:
         """(d,) float64: the least coordinates."""
         return self._bound(np.min)
 
-    @_Lazy
+    @Lazy
     def max_bound(self) -> npt.NDArray[np.float64]:
         """(d,) float64: the largest coordinates."""
         return self._bound(np.max)
@@ -324,7 +269,7 @@ class ConvexHull(_Incremental):
         bound: npt.NDArray[np.float64] = extreme(corners, axis=0)
         return bound
 
-    @_Lazy
+    @Lazy
     def good(self) -> npt.NDArray[np.bool_] | None:
         """(s,) bool with ``QGn``: the simplices that point n sees, or does not see; else None."""
         point = self._options.good_point
@@ -336,7 +281,7 @@ class ConvexHull(_Incremental):
             visible = ~visible
         return visible[self.hull.simplex_facets]
 
-    @_Lazy
+    @Lazy
     def coplanar(self) -> npt.NDArray[Any]:
         """(c, 3) int32: points that ``Qc`` and ``Qi`` ask for, nearest simplices and vertices."""
         if not (self._options.coplanar or self._options.interior):
@@ -349,7 +294,7 @@ class ConvexHull(_Incremental):
         return sides
 
 
-_LAZY = _lazy_names(ConvexHull)
+_LAZY = lazy_names(ConvexHull)
 
 
 def _raise_flat(points: npt.NDArray[Any], affine_dimension: int) -> NoReturn:
@@ -434,216 +379,3 @@ def _nearest(
         [np.argmin(((at - points[i]) ** 2).sum(axis=1)) for i in ids], dtype=np.int64
     )
     return np.column_stack([simplices[first[nearest] // corners.shape[1]], vertices[nearest]])
-
-
-class HalfspaceIntersection(_Incremental):
-    """In place of `scipy.spatial.HalfspaceIntersection`.
-
-    Parameters
-    ----------
-    halfspaces : (m, d + 1) array
-        Rows ``[a, b]`` of inequalities ``a @ x + b <= 0``.
-    interior_point : (d,) array, optional
-        Strictly inside all of them. Found by linear programming if not given.
-    incremental : bool
-        Allow `add_halfspaces`.
-    qhull_options : str, optional
-        As in `ConvexHull`; ``QGn`` raises, ``Qc`` and ``Qi`` show nothing.
-    threads, memory_budget, progress : as in `convex_hull`
-
-    Attributes
-    ----------
-    ndim, nineq, npoints : int: d, m, m
-    min_bound, max_bound : (d + 1,) float64: of the rows of halfspaces
-    halfspaces : (m, d + 1) float64
-    interior_point : (d,) float64
-    intersections : (v, d) float64: the vertices of the polyhedron, one a dual facet; not finite
-        where the polyhedron is unbounded and has no such vertex
-    dual_points : (m, d) float64
-    dual_facets : list of lists of int: the dual hull's facets, coplanar pieces merged
-    dual_vertices : (w,) int64, ascending: halfspaces that bound the polyhedron
-    dual_equations : (v, d + 1) float64
-    dual_area, dual_volume : float
-    is_bounded : bool
-    dual : the dual's native `Hull`
-
-    Raises
-    ------
-    QhullError (a RuntimeError)
-        Where the interior point is not strictly inside.
-    InvalidArgument, NotFinite (ValueErrors), TypeError
-        For another shape or type, a NaN or an infinity, and where no interior point is found.
-    OutOfBudget (a MemoryError), KeyboardInterrupt
-
-    Examples
-    --------
-    >>> import cullhull
-    >>> square = [[-1.0, 0, 0], [0, -1, 0], [1, 0, -2], [0, 1, -2]]
-    >>> cut = cullhull.HalfspaceIntersection(square, [1.0, 1.0])
-    >>> cut
-    <HalfspaceIntersection of 4 halfspaces in 2D: 4 vertices, bounded>
-    >>> cut.intersections.tolist()
-    [[0.0, 2.0], [0.0, 0.0], [2.0, 0.0], [2.0, 2.0]]
-    """
-
-    dual: Hull
-    is_bounded: bool
-    interior_point: npt.NDArray[np.float64]
-    dual_points: npt.NDArray[np.float64]
-    intersections: npt.NDArray[np.float64]
-
-    def __init__(
-        self,
-        halfspaces: Any,
-        interior_point: Any = None,
-        incremental: bool = False,
-        qhull_options: str | None = None,
-        *,
-        threads: int | None = None,
-        memory_budget: int | None = None,
-        progress: Progress = None,
-    ) -> None:
-        array = as_points(halfspaces, "halfspaces")
-        if array.shape[0] == 0:
-            raise InvalidArgument("No halfspaces given")
-        self.ndim = array.shape[1] - 1
-        if self.ndim < 2:
-            raise InvalidArgument("Need at least 2-D data")
-        if parse(qhull_options).good_point is not None:
-            raise InvalidArgument("QGn leaves a point out, which halfspaces have no use for")
-        self._choices = (threads, memory_budget, progress)
-        if interior_point is not None:
-            point = as_points(np.atleast_1d(interior_point), "interior_point", axes=1)
-            if point.shape != (self.ndim,):
-                raise InvalidArgument(
-                    f"Feasible point must be a (ndim-1,) array: ({self.ndim},), not {point.shape}"
-                )
-            interior_point = point.astype(np.float64)
-        self._open = bool(incremental)
-        self._compute(array, interior_point)
-
-    def _compute(
-        self, halfspaces: npt.NDArray[Any], interior: npt.NDArray[np.float64] | None
-    ) -> None:
-        if interior is not None:
-            _require_feasible(halfspaces, interior)
-        point = None if interior is None else interior[np.newaxis, :]
-        threads, memory_budget, progress = self._choices
-        chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
-        result = _core.intersect_halfspaces(halfspaces, point, chosen)
-        self._array = halfspaces
-        self.interior_point, self.dual_points, solid, self.is_bounded, self.intersections = result
-        self.dual = Hull._of(solid)
-        for name in _LAZY_OF_HALFSPACES:
-            self.__dict__.pop(name, None)
-
-    def add_halfspaces(self, halfspaces: Any, restart: bool = False) -> None:
-        """Adds halfspaces; only with ``incremental=True``.
-
-        Parameters
-        ----------
-        halfspaces : (m, d + 1) array, or (d + 1,) for one
-        restart : bool
-            The result does not depend on it.
-
-        Raises
-        ------
-        RuntimeError
-            Not incremental, or closed.
-        InvalidArgument, NotFinite (ValueErrors), QhullError
-            As for the first halfspaces; nothing is added then.
-
-        Examples
-        --------
-        >>> import cullhull
-        >>> square = [[-1.0, 0, 0], [0, -1, 0], [1, 0, -2], [0, 1, -2]]
-        >>> cut = cullhull.HalfspaceIntersection(square, [0.5, 0.5], incremental=True)
-        >>> cut.add_halfspaces([1.0, 1.0, -2.0])
-        >>> len(cut.intersections)
-        3
-        """
-        self._require_open()
-        array = as_points(np.atleast_2d(halfspaces), "halfspaces")
-        if array.shape[1] != self.ndim + 1:
-            raise InvalidArgument(f"`halfspaces` should have {self.ndim + 1} columns")
-        everything = np.concatenate([self._array, array], dtype=np.float64)
-        self._compute(everything, self.interior_point)
-
-    def __getstate__(self) -> dict[str, Any]:
-        state = {k: v for k, v in self.__dict__.items() if k not in _LAZY_OF_HALFSPACES}
-        if callable(self._choices[-1]):  # it belongs to this process
-            state["_choices"] = (*self._choices[:-1], None)
-        return state
-
-    def __repr__(self) -> str:
-        return (
-            f"<HalfspaceIntersection of {self.nineq} halfspaces in {self.ndim}D: "
-            f"{np.isfinite(self.intersections).all(axis=1).sum()} vertices, "
-            f"{'bounded' if self.is_bounded else 'unbounded'}>"
-        )
-
-    @property
-    def nineq(self) -> int:
-        """Number of halfspaces."""
-        return len(self._array)
-
-    @property
-    def npoints(self) -> int:
-        """Number of dual points: of halfspaces."""
-        return len(self._array)
-
-    @property
-    def min_bound(self) -> npt.NDArray[np.float64]:
-        """(d + 1,) float64: the least entries of the rows."""
-        bound: npt.NDArray[np.float64] = self.halfspaces.min(axis=0)
-        return bound
-
-    @property
-    def max_bound(self) -> npt.NDArray[np.float64]:
-        """(d + 1,) float64: the largest entries of the rows."""
-        bound: npt.NDArray[np.float64] = self.halfspaces.max(axis=0)
-        return bound
-
-    @_Lazy
-    def halfspaces(self) -> npt.NDArray[np.float64]:
-        """(m, d + 1) float64: the rows."""
-        return np.ascontiguousarray(self._array, dtype=np.float64)
-
-    @_Lazy
-    def dual_facets(self) -> list[list[int]]:
-        """Lists of int: the dual hull's facets, coplanar pieces merged."""
-        return self.dual.facets.tolist()
-
-    @_Lazy
-    def dual_vertices(self) -> npt.NDArray[Any]:
-        """(w,) int64, ascending: halfspaces that bound the polyhedron."""
-        return np.sort(self.dual.vertices)
-
-    @property
-    def dual_equations(self) -> npt.NDArray[np.float64]:
-        """(v, d + 1) float64: planes of the dual facets."""
-        return self.dual.facet_planes
-
-    @property
-    def dual_area(self) -> float:
-        """The dual hull's area."""
-        return self.dual.area
-
-    @property
-    def dual_volume(self) -> float:
-        """The dual hull's volume."""
-        return self.dual.volume
-
-
-_LAZY_OF_HALFSPACES = _lazy_names(HalfspaceIntersection)
-
-
-def _require_feasible(halfspaces: npt.NDArray[Any], interior: npt.NDArray[np.float64]) -> None:
-    """SciPy's error, and its name for the row at fault."""
-    with np.errstate(all="ignore"):
-        values = halfspaces[:, :-1] @ interior + halfspaces[:, -1]
-    bad = np.flatnonzero(values >= 0)
-    if bad.size:
-        raise qhull_error()(
-            f"feasible point is not clearly inside halfspace {bad[0]}: {halfspaces[bad[0]]}"
-        )

@@ -8,8 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._drop_in import ConvexHull, _Lazy
+from ._drop_in import ConvexHull
 from ._errors import InvalidArgument
+from ._incremental import Lazy
 
 
 class TolerantConvexHull(ConvexHull):
@@ -107,7 +108,7 @@ class TolerantConvexHull(ConvexHull):
         self.merge_distance = distance
         return kept
 
-    @_Lazy
+    @Lazy
     def equations(self) -> npt.NDArray[np.float64]:
         """(s, d + 1) float64: outward unit normal and offset of each simplex's shared plane."""
         shared = self.hull.shared_planes(self.merge_distance)

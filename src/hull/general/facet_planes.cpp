@@ -9,7 +9,7 @@
 
 #include "parallel/simd_targets.hpp"
 
-#define HWY_DISABLED_TARGETS CULLHULL_SIZELESS_TARGETS
+#define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "hull/general/facet_planes.cpp"
 #include <hwy/foreach_target.h>

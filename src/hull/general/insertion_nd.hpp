@@ -142,8 +142,8 @@ class InsertionNd {
   Id recent_ = 0;  ///< a facet that is alive
 
   Crew crew_;
-  bool shared_ = false;  ///< whether the crew is at work
-  unsigned batches_shared_ = 0;
+  bool shared_ = false;                         ///< whether the crew is at work
+  unsigned batches_shared_ = 0, absences_ = 0;  ///< since the last review; in a row
   std::deque<Lane> lanes_;
   std::vector<Share> shares_;
   bool same_facets_;  ///< whatever the number of workers
@@ -262,12 +262,11 @@ SimplicialHull InsertionNd<D>::run() {
 }
 
 /// Whether so many points take some ten milliseconds: threads hand over twice a batch, and lose
-/// more than they save on a hull of fewer facets, or where one of them has to wait for a processor.
+/// more than they save on a hull of fewer facets.
 template <unsigned D>
 bool InsertionNd<D>::worth_sharing(std::size_t points) const {
   constexpr std::size_t fewest[] = {8000, 1000, 150, 50, 20};
-  return crew_.lanes() > 1 && !crowded() &&
-         points >= (dim() < 4 || dim() > 8 ? 1 : fewest[dim() - 4]);
+  return crew_.lanes() > 1 && points >= (dim() < 4 || dim() > 8 ? 1 : fewest[dim() - 4]);
 }
 
 template <unsigned D>

@@ -13,7 +13,7 @@ template <class Body>
 void InsertionNd<D>::in_parallel(const Body& body) {
   // Below some tens of microseconds waking nobody is faster.
   const std::size_t count = batch_.size(), lanes = lanes_.size();
-  if (batch_facets_ < 100 || !shared_ || count == 1) {
+  if (batch_facets_ < 100 || !shared_ || count == 1 || crowded()) {
     for (const Id s : batch_) body(streams_[s], lanes_[0]);
     return;
   }
@@ -33,17 +33,22 @@ void InsertionNd<D>::in_parallel(const Body& body) {
       }
     }
   });
+  ++batches_shared_;
 }
 
-/// Now and then: where the others have done hardly anything, they are not waited for any longer.
+/// Now and then: where the others have done hardly anything, they are left in peace for a while,
+/// and from the third time in a row on for good.
 template <unsigned D>
 void InsertionNd<D>::review_sharing() {
-  constexpr unsigned batches = 32;
-  if (!shared_ || ++batches_shared_ % batches != 0) return;
+  constexpr unsigned batches = 64, most_absences = 3;
+  if (batches_shared_ < batches) return;
+  batches_shared_ = 0;
   std::uint64_t all = 0;
   for (const Lane& lane : lanes_) all += lane.streams_done;
-  if (8 * (all - lanes_[0].streams_done) < all) {
-    note_absence();
+  const bool absent = 8 * (all - lanes_[0].streams_done) < all;
+  absences_ = absent ? absences_ + 1 : 0;
+  if (absent) note_absence();
+  if (absences_ == most_absences) {
     shared_ = false;
     if (!same_facets_) width_ = 1;
   }

@@ -1,9 +1,8 @@
 // The hull of a cube's corners and its centre, through the package's targets alone.
 #include <cstdio>
-#ifdef CONSUMER_HAS_IO
 #include <cullhull/cullhull.hpp>
-#else
-#include <cullhull/hull.hpp>
+#ifdef CONSUMER_HAS_IO
+#include <cullhull/io.hpp>
 #endif
 
 int main() {

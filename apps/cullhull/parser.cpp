@@ -1,0 +1,145 @@
+#include "parser.hpp"
+
+#include <CLI/CLI.hpp>
+#include <sstream>
+
+namespace app {
+// --------------------------------------------------------------------------------- Option
+
+Option* Option::type_name(const std::string& name) {
+  option_->type_name(name);
+  return this;
+}
+
+Option* Option::required() {
+  option_->required();
+  return this;
+}
+
+Option* Option::allow_extra_args(bool several) {
+  option_->allow_extra_args(several);
+  return this;
+}
+
+Option& needs_value(Option& option) {
+  const auto check = [](const std::string& word) {
+    return word.empty() ? std::string("needs a value, not an empty word") : std::string();
+  };
+  option.option_->check(check);
+  return option;
+}
+
+void allow_words(Option& option, const std::vector<std::string>& words) {
+  std::string joined;
+  for (const std::string& word : words) joined += (joined.empty() ? "" : "|") + word;
+  option.option_->type_name(joined)->check(CLI::IsMember(words).description(""));
+}
+
+void allow_range(Option& option, std::uint32_t least, std::uint32_t greatest) {
+  option.option_->type_name("N")->check(CLI::Range(least, greatest).description(""));
+}
+
+void allow_real_range(Option& option, double least, double greatest) {
+  option.option_->check(CLI::Range(least, greatest).description(""));
+}
+
+// --------------------------------------------------------------------------------- Parser
+
+Parser::Parser(const std::string& name, const std::string& description)
+    : name_(name), owned_(std::make_unique<CLI::App>(description, name)), app_(owned_.get()) {}
+
+Parser::Parser(Parser& parent, const std::string& name, const std::string& description)
+    : name_(name), parent_(&parent), app_(parent.app_->add_subcommand(name, description)) {}
+
+Parser::~Parser() = default;
+
+Parser* Parser::add_subcommand(const std::string& name, const std::string& description) {
+  subcommands_.emplace_back(new Parser(*this, name, description));
+  return last_subcommand();
+}
+
+Parser* Parser::last_subcommand() { return subcommands_.back().get(); }
+
+void Parser::require_subcommand(std::uint32_t least, std::uint32_t most) {
+  app_->require_subcommand(least, most);
+}
+
+void Parser::footer(const std::string& text) { app_->footer(text); }
+
+void Parser::set_version(const std::string& version) {
+  app_->set_version_flag("--version", version);
+}
+
+Option* Parser::keep(CLI::Option* option) {
+  options_.emplace_back(new Option(option));
+  return options_.back().get();
+}
+
+template <class Value>
+Option* Parser::add_option(const std::string& names, Value& value, const std::string& description) {
+  return keep(app_->add_option(names, value, description));
+}
+
+template Option* Parser::add_option(const std::string&, std::string&, const std::string&);
+template Option* Parser::add_option(const std::string&, std::uint32_t&, const std::string&);
+template Option* Parser::add_option(const std::string&, std::uint64_t&, const std::string&);
+template Option* Parser::add_option(const std::string&, double&, const std::string&);
+template Option* Parser::add_option(const std::string&, std::vector<std::string>&,
+                                    const std::string&);
+template Option* Parser::add_option(const std::string&, std::vector<std::uint32_t>&,
+                                    const std::string&);
+
+Option* Parser::add_flag(const std::string& names, bool& value, const std::string& description) {
+  return keep(app_->add_flag(names, value, description));
+}
+
+Parsed Parser::parse(const std::vector<std::string>& words) {
+  try {
+    // The parser takes words from the back.
+    app_->parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  } catch (const CLI::ParseError& error) {
+    const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
+    if (code == CLI::ExitCodes::ExtrasError) return {Parsed::Kind::unexpected, error.what()};
+    if (code != CLI::ExitCodes::Success) {
+      std::string why = error.what();
+      if (code == CLI::ExitCodes::ArgumentMismatch && why.ends_with(" missing"))
+        why = why.substr(0, why.find(':')) + " needs a value";
+      return {Parsed::Kind::usage, why};
+    }
+    std::ostringstream text, unused;
+    app_->exit(error, text, unused);
+    return {Parsed::Kind::help, text.str()};
+  }
+  return {};
+}
+
+bool Parser::parsed() const { return app_->parsed(); }
+
+const Parser& Parser::innermost() const {
+  for (const auto& subcommand : subcommands_)
+    if (subcommand->parsed()) return subcommand->innermost();
+  return *this;
+}
+
+std::vector<std::string> Parser::remaining() const { return app_->remaining(); }
+
+std::string Parser::full_name() const {
+  return parent_ == nullptr ? name_ : parent_->full_name() + " " + name_;
+}
+
+std::vector<std::string> Parser::command_names() const {
+  std::vector<std::string> names;
+  for (const auto& subcommand : subcommands_) names.push_back(subcommand->name());
+  return names;
+}
+
+std::vector<std::string> Parser::option_names() const {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app_->get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& name : option->get_snames()) names.push_back("-" + name);
+  }
+  return names;
+}
+
+}  // namespace app

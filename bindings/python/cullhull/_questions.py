@@ -1,0 +1,285 @@
+"""The questions one can ask a hull about points and directions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._answers import NearestFacets, Rays
+from ._arguments import Progress, as_questions, settings
+from ._errors import InvalidArgument
+
+
+class Questions:
+    """The part of `Hull` that answers them, from the native hull alone."""
+
+    __slots__ = ()
+
+    _solid: _core.Solid
+
+    def contains(
+        self, points: Any, *, threads: int | None = None, progress: Progress = None
+    ) -> Any:
+        """Whether each point lies in the hull or on its boundary; exact.
+
+        Parameters
+        ----------
+        points : (m, d) or (d,) array
+        threads : int, optional
+            Threads to use; all the machine offers if not given.
+        progress : callable or bool
+            As in `convex_hull`.
+
+        Returns
+        -------
+        (m,) bool array; a bool for one point (d,)
+            For a flat hull, points off the flat are outside.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another dimension, or an empty hull.
+        NotFinite (a ValueError)
+            For a NaN or an infinity.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0.5]])
+        >>> hull.contains([[1, 0], [1, 2]]), hull.contains([2, 1])
+        (array([ True, False]), True)
+        """
+        array, single = as_questions(points, self._solid.dimension, "points")
+        answer = self._solid.contains(array, settings(threads=threads, progress=progress))
+        return bool(answer[0]) if single else answer
+
+    def sides(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Any:
+        """Where each point lies, exactly: -1 inside, 0 on the boundary, 1 outside.
+
+        Parameters
+        ----------
+        points : (m, d) or (d,) array
+        threads : int, optional
+            Threads to use; all the machine offers if not given.
+        progress : callable or bool
+            As in `convex_hull`.
+
+        Returns
+        -------
+        (m,) int8 array; an int for one point (d,)
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another dimension, or an empty hull.
+        NotFinite (a ValueError)
+            For a NaN or an infinity.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0.5]])
+        >>> hull.sides([[1, 0.5], [1, 0], [1, 2]])
+        array([-1,  0,  1], dtype=int8)
+        """
+        array, single = as_questions(points, self._solid.dimension, "points")
+        answer = self._solid.sides(array, settings(threads=threads, progress=progress))
+        return int(answer[0]) if single else answer
+
+    def distance(
+        self, points: Any, *, threads: int | None = None, progress: Progress = None
+    ) -> Any:
+        """Euclidean distance to the hull in the points' units; inside, minus that to the boundary.
+
+        Parameters
+        ----------
+        points : (m, d) or (d,) array
+        threads : int, optional
+            Threads to use; all the machine offers if not given.
+        progress : callable or bool
+            As in `convex_hull`.
+
+        Returns
+        -------
+        (m,) float64 array; a float for one point (d,)
+            Relative error about 2**-40 of the hull's extent.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another dimension, or an empty hull.
+        NotFinite (a ValueError)
+            For a NaN or an infinity.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0.5]])
+        >>> hull.distance([[1, 0.5], [5, 5]])
+        array([-0.5,  5. ])
+        """
+        array, single = as_questions(points, self._solid.dimension, "points")
+        answer = self._solid.distances(array, settings(threads=threads, progress=progress))
+        return float(answer[0]) if single else answer
+
+    def nearest_facets(
+        self, points: Any, *, threads: int | None = None, progress: Progress = None
+    ) -> NearestFacets:
+        """The facet nearest to each point, and the signed distance.
+
+        Parameters
+        ----------
+        points : (m, d) or (d,) array
+        threads : int, optional
+            Threads to use; all the machine offers if not given.
+        progress : callable or bool
+            As in `convex_hull`.
+
+        Returns
+        -------
+        NearestFacets
+            ``facets``, (m,) int64, and ``distances``, (m,) float64.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another dimension, or an empty hull.
+        NotFinite (a ValueError)
+            For a NaN or an infinity.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0.5]])
+        >>> hull.nearest_facets([[1.0, 0.25]]).distances
+        array([-0.25])
+        """
+        array, _ = as_questions(points, self._solid.dimension, "points")
+        facets, distances = self._solid.nearest_facets(
+            array, settings(threads=threads, progress=progress)
+        )
+        return NearestFacets(facets, distances)
+
+    def support(
+        self, directions: Any, *, threads: int | None = None, progress: Progress = None
+    ) -> Any:
+        """Index of the vertex farthest along each direction; exact, the lowest index of several.
+
+        Parameters
+        ----------
+        directions : (m, d) or (d,) array
+            Of any length.
+        threads : int, optional
+            Threads to use; all the machine offers if not given.
+        progress : callable or bool
+            As in `convex_hull`.
+
+        Returns
+        -------
+        (m,) int64 array; an int for one direction (d,)
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another dimension, or an empty hull.
+        NotFinite (a ValueError)
+            For a NaN or an infinity.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0.5]])
+        >>> hull.support([[1, 1], [-1, -1]]), hull.support([0, 1])
+        (array([2, 0]), 2)
+        """
+        array, single = as_questions(directions, self._solid.dimension, "directions")
+        answer = self._solid.supports(array, settings(threads=threads, progress=progress))
+        return int(answer[0]) if single else answer
+
+    def visible_from(self, point: Any) -> npt.NDArray[np.int64]:
+        """The facets that a point lies strictly above; exact.
+
+        Parameters
+        ----------
+        point : (d,) array
+
+        Returns
+        -------
+        (v,) int64 array
+            Indices of facets, ascending.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another dimension, or an empty hull.
+        NotFinite (a ValueError)
+            For a NaN or an infinity.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0.5]])
+        >>> facets = hull.visible_from([3, 0.5])
+        >>> [hull.facets[f].tolist() for f in facets]
+        [[1, 2]]
+        """
+        array, single = as_questions(point, self._solid.dimension, "point")
+        if not single:
+            raise InvalidArgument("`point` should be one point, shape (d,)")
+        return self._solid.visible_facets(array, settings())
+
+    def rays(
+        self,
+        origins: Any,
+        directions: Any,
+        *,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Rays:
+        """Where the lines ``origin + t * direction`` enter and leave the hull.
+
+        Only for full-dimensional hulls.
+
+        Parameters
+        ----------
+        origins, directions : (m, d) arrays
+            Or one of them (d,), to stand for all.
+        threads : int, optional
+            Threads to use; all the machine offers if not given.
+        progress : callable or bool
+            As in `convex_hull`.
+
+        Returns
+        -------
+        Rays
+            ``hit``, ``enter``, ``exit``, ``enter_facets``, ``exit_facets``, (m,) each.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another dimension, unequal numbers of both, or a flat hull.
+        NotFinite (a ValueError)
+            For a NaN or an infinity.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0.5]])
+        >>> found = hull.rays([1, 0.5], [[1, 0], [0, 1]])
+        >>> found.enter, found.exit
+        (array([-1. , -0.5]), array([1. , 0.5]))
+        """
+        from_, _ = as_questions(origins, self._solid.dimension, "origins")
+        to, _ = as_questions(directions, self._solid.dimension, "directions")
+        count = max(len(from_), len(to)) if min(len(from_), len(to)) > 0 else 0
+        if len(from_) == 1:
+            from_ = np.broadcast_to(from_, (count, self._solid.dimension))
+        if len(to) == 1:
+            to = np.broadcast_to(to, (count, self._solid.dimension))
+        hit, enter, exit, first, last = self._solid.rays(
+            from_, to, settings(threads=threads, progress=progress)
+        )
+        return Rays(hit, enter, exit, first, last)

@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Builds the documentation's site: scripts/docs-site.sh FOLDER PROGRAM. FOLDER/html is the site, PROGRAM
+# the built cullhull whose help becomes pages. Any warning is an error, and so is a broken local link.
+# Exit status 77: this machine cannot do it (no Doxygen, or no packages from PyPI).
+set -euo pipefail
+folder=$(realpath -m "${1:?usage: scripts/docs-site.sh FOLDER PROGRAM}")
+program=$(realpath "${2:?usage: scripts/docs-site.sh FOLDER PROGRAM}")
+cd "$(dirname "$0")/.."
+
+if ! command -v doxygen >/dev/null; then
+  echo "docs-site: there is no doxygen (scripts/install-deps.sh docs)" >&2
+  exit 77
+fi
+scripts/docs-venv.sh "$folder"
+mkdir -p "$folder/doxygen"
+{ cat docs/Doxyfile; echo "OUTPUT_DIRECTORY = $folder/doxygen"; } | doxygen -
+"$folder/venv/bin/python" scripts/docs_source.py "$program" "$folder/doxygen/xml" "$folder/source"
+"$folder/venv/bin/python" -m sphinx -q -W --keep-going -b html -c docs \
+  -d "$folder/doctrees" -D "breathe_projects.cullhull=$folder/doxygen/xml" "$folder/source" "$folder/html"
+"$folder/venv/bin/python" scripts/check_links.py "$folder/html"

@@ -1,0 +1,149 @@
+#!/usr/bin/env python3
+"""docs_source.py PROGRAM XML FOLDER: arranges what Sphinx reads.
+
+FOLDER gets the Markdown of docs/ and of the root side by side, each page as it is but for its links:
+they are relative to where the page lies in the tree, and so that they hold on a code host. A link to
+a page of the site (or to a public header, which has one) is turned towards it, one to any other file
+of the tree becomes the file's name. Added are a page for every command, from PROGRAM's help, and one for every public header, for which
+Doxygen has left XML (whose private parts are taken out).
+"""
+
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+root = pathlib.Path(__file__).resolve().parent.parent
+TOP = ["README", "HACKING", "CHANGELOG", "CONTRIBUTING", "SECURITY"]
+COMMANDS = ["hull", "cull", "track", "certify", "generate", "info", "view", "qconvex", "bench"]
+
+
+def pages():
+    """Every page: where it lies in the tree, and where in the site."""
+    found = {root / f"{name}.md": pathlib.PurePosixPath(f"{name.lower()}.md") for name in TOP}
+    for path in sorted((root / "docs").rglob("*.md")):
+        found[path] = pathlib.PurePosixPath(path.relative_to(root / "docs").as_posix())
+    found[root / "data" / "README.md"] = pathlib.PurePosixPath("reference/data.md")
+    return found
+
+
+def headers():
+    """Every public header and its page; the umbrella and the version need none."""
+    return {
+        header: pathlib.PurePosixPath(f"reference/cpp/{header.stem}.md")
+        for header in sorted((root / "include" / "cullhull").glob("*.hpp"))
+        if header.stem not in ("cullhull", "version")
+    }
+
+
+def turned(text, path, found, kept):
+    """The text with its links as they must be in the site; `kept` takes the files they need."""
+    here = found[path]
+
+    def replace(match):
+        bang, label, target = match[1], match[2], match[3]
+        name, _, anchor = target.partition("#")
+        if re.match(r"[a-z]+:", target) or name == "":
+            return match[0]
+        file = (path.parent / name).resolve()
+        if file in found:
+            goal = found[file]
+        elif file.is_file() and (bang or file.is_relative_to(root / "docs")):
+            goal = pathlib.PurePosixPath(file.relative_to(root).as_posix().removeprefix("docs/"))
+            kept[goal] = file
+        elif file.exists():  # of the tree, not of the site
+            return label if "`" in label else f"`{file.relative_to(root).as_posix()}`"
+        else:
+            sys.exit(f"{path.relative_to(root)}: there is no {target}")
+        turned_name = os.path.relpath(str(goal), str(here.parent))
+        return f"{bang}[{label}]({turned_name}{'#' + anchor if anchor else ''})"
+
+    code = re.compile(r"(^```.*?^```$)", re.M | re.S)
+    parts = code.split(text)
+    for i in range(0, len(parts), 2):
+        parts[i] = re.sub(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)", replace, parts[i])
+    return "".join(parts)
+
+
+def help_of(program, *words):
+    return subprocess.run([program, *words, "--help"], check=True, capture_output=True, text=True).stdout
+
+
+def write(folder, name, text):
+    path = folder / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    # An unchanged page keeps its time, so that Sphinx need not read it again.
+    if not path.exists() or path.read_text() != text:
+        path.write_text(text)
+    return path
+
+
+def command_pages(program, folder):
+    """A page for each command; suites of bench are commands of their own."""
+    written = set()
+    for name in COMMANDS:
+        text = help_of(program, name)
+        page = f"# cullhull {name}\n\n{text.splitlines()[0]}.\n\n```text\n{text.rstrip()}\n```\n"
+        if name == "bench":
+            for suite in re.findall(r"^  (\w+) {3,}", text.split("Subcommands:")[1], re.M):
+                part = help_of(program, name, suite)
+                page += f"\n## cullhull bench {suite}\n\n```text\n{part.rstrip()}\n```\n"
+        written.add(write(folder, f"reference/commands/{name}.md", page))
+    return written
+
+
+def first_comment(header):
+    """What the header says it holds."""
+    lines = []
+    for line in header.read_text().splitlines():
+        if not line.startswith("//"):
+            break
+        lines.append(line[2:].strip())
+    return " ".join(lines)
+
+
+def header_pages(folder):
+    """A page for each public header, by Doxygen and Breathe."""
+    written = set()
+    for header, page in headers().items():
+        body = f"# {header.name}\n\n`#include <cullhull/{header.name}>`\n\n{first_comment(header)}\n\n"
+        body += f"```{{eval-rst}}\n.. doxygenfile:: {header.name}\n```\n"
+        written.add(write(folder, str(page), body))
+    return written
+
+
+def without_private(xml):
+    for path in pathlib.Path(xml).glob("*.xml"):
+        text = path.read_text()
+        public = re.sub(r'<sectiondef kind="private-[\w-]+">.*?</sectiondef>', "", text, flags=re.S)
+        if public != text:
+            path.write_text(public)
+
+
+def main():
+    if len(sys.argv) != 4:
+        sys.exit(__doc__)
+    program, xml, folder = sys.argv[1], sys.argv[2], pathlib.Path(sys.argv[3])
+    without_private(xml)
+    folder.mkdir(parents=True, exist_ok=True)
+    found, kept = pages(), {}
+    found = {path: site for path, site in found.items() if path.exists()}
+    written = set()
+    goals = found | headers()
+    for path, site in found.items():
+        written.add(write(folder, str(site), turned(path.read_text(), path, goals, kept)))
+    for goal, file in kept.items():
+        target = folder / goal
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if not target.exists() or target.read_bytes() != file.read_bytes():
+            shutil.copyfile(file, target)
+        written.add(target)
+    written |= command_pages(program, folder) | header_pages(folder)
+    for path in folder.rglob("*"):  # pages that were
+        if path.is_file() and path not in written:
+            path.unlink()
+
+
+main()

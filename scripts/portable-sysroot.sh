@@ -1,0 +1,100 @@
+#!/usr/bin/env bash
+# Makes a folder to build against, so that what is built runs on any Linux of the last years:
+#   scripts/portable-sysroot.sh FOLDER
+# It holds the C library of Debian 11 (glibc 2.31), static Highway and fmt built for it from
+# Debian's sources, and this machine's headers of what is header-only. The compiler stays this
+# machine's own; cmake/PortableToolchain.cmake points it there. Needs a Debian and its mirror
+# (CULLHULL_MIRROR names another). Exit status 77: not possible here. Does nothing where FOLDER is
+# complete.
+set -euo pipefail
+folder=$(realpath -m "${1:?usage: scripts/portable-sysroot.sh FOLDER}")
+root=$(realpath "$(dirname "${BASH_SOURCE[0]}")/..")
+mirror=${CULLHULL_MIRROR:-http://deb.debian.org/debian}
+[[ -e $folder/complete ]] && exit 0
+
+give_up() {
+  echo "portable-sysroot: $*" >&2
+  exit 77
+}
+[[ $(dpkg --print-architecture 2>/dev/null) == amd64 ]] || give_up "only on Debian, amd64"
+codename=$(. /etc/os-release && echo "$VERSION_CODENAME")
+
+rm -rf "$folder"
+mkdir -p "$folder/usr/include" "$folder/download"
+cd "$folder/download"
+
+# An apt of our own, so that the machine's is left as it is: fetch NAME "SOURCES LINE" COMMAND...
+fetch() {
+  local state=$PWD/$1
+  mkdir -p "$state/lists/partial" "$state/cache/archives/partial"
+  echo "$2" >"$state/sources.list"
+  touch "$state/status"
+  local options=(-qq -o "Dir::Etc::sourcelist=$state/sources.list" -o Dir::Etc::sourceparts=/dev/null
+    -o "Dir::State::lists=$state/lists" -o "Dir::State::status=$state/status"
+    -o "Dir::Cache=$state/cache" -o APT::Sandbox::User=root)
+  apt-get "${options[@]}" update || give_up "$mirror has not given its lists"
+  apt-get "${options[@]}" "${@:3}" || give_up "$mirror has not given: ${*:4}"
+}
+keys=/usr/share/keyrings/debian-archive-keyring.gpg
+[[ -e $keys ]] || give_up "no $keys (Debian: debian-archive-keyring)"
+fetch old "deb [signed-by=$keys] $mirror bullseye main" \
+  download libc6 libc6-dev linux-libc-dev libcrypt1 libcrypt-dev libgcc-10-dev
+fetch source "deb-src [signed-by=$keys] $mirror $codename main" source --download-only highway fmtlib
+
+for package in libc6_* libc6-dev_* linux-libc-dev_* libcrypt1_* libcrypt-dev_*; do
+  dpkg -x "$package" "$folder"
+done
+# Links to absolute paths would lead out of the folder.
+find "$folder" -type l | while read -r link; do
+  target=$(readlink "$link")
+  [[ $target == /* ]] || continue
+  ln -sfn "$(realpath -m --relative-to="$(dirname "$link")" "$folder$target")" "$link"
+done
+# The unwinder of a newer libgcc asks the C library for what only glibc 2.35 has.
+dpkg -x libgcc-10-dev_* unwinder
+mkdir "$folder/usr/lib/unwinder"
+cp unwinder/usr/lib/gcc/x86_64-linux-gnu/10/libgcc*.a "$folder/usr/lib/unwinder"
+
+# This machine's C++ library, whose archive names two things that glibc 2.31 does not have.
+ln -s /usr/include/c++ "$folder/usr/include/c++"
+ln -s /usr/include/x86_64-linux-gnu/c++ "$folder/usr/include/x86_64-linux-gnu/c++"
+cat >compat.c <<'C'
+#include <stdint.h>
+#include <sys/random.h>
+#define OURS __attribute__((visibility("hidden")))
+OURS char __libc_single_threaded = 0; /* glibc 2.32: that no lock is needed; 0 is always true */
+OURS uint32_t arc4random(void) {      /* glibc 2.36 */
+  uint32_t value;
+  while (getrandom(&value, sizeof value, 0) != sizeof value) {
+  }
+  return value;
+}
+C
+cc --sysroot="$folder" -O2 -fPIC -c compat.c -o "$folder/usr/lib/compat.o"
+
+# Header-only libraries, GMP (whose archive asks little of the C library) and three.js.
+copy() { mkdir -p "$folder$(dirname "$1")" && cp -rL "$1" "$folder$1"; }
+for path in /usr/include/{CLI,nlohmann,fast_float} /usr/share/cmake/{CLI11,nlohmann_json} \
+  /usr/lib/cmake/FastFloat /usr/include/gmpxx.h /usr/include/x86_64-linux-gnu/gmp.h \
+  /usr/lib/x86_64-linux-gnu/libgmp.a /usr/share/javascript/three; do
+  [[ -e $path ]] || give_up "no $path (scripts/install-deps.sh build)"
+  copy "$path"
+done
+rm -f "$folder"/usr/lib/x86_64-linux-gnu/libgmp.so*
+
+build() { # build SOURCE-ARCHIVE CMAKE-OPTIONS...: installed into the folder
+  local name=${1%%_*}
+  mkdir "$name" && tar xf "$1" -C "$name" --strip-components=1
+  cmake -S "$name" -B "$name/build" -G Ninja -DCMAKE_BUILD_TYPE=Release \
+    -DCMAKE_TOOLCHAIN_FILE="$root/cmake/PortableToolchain.cmake" -DCULLHULL_SYSROOT="$folder" \
+    -DCMAKE_INSTALL_PREFIX=/usr -DCMAKE_INSTALL_LIBDIR=lib/x86_64-linux-gnu \
+    -DCMAKE_POSITION_INDEPENDENT_CODE=ON -DBUILD_SHARED_LIBS=OFF "${@:2}" >"$name.log"
+  cmake --build "$name/build" >>"$name.log"
+  DESTDIR="$folder" cmake --install "$name/build" >>"$name.log"
+}
+build highway_*.orig.tar.gz -DHWY_ENABLE_TESTS=OFF -DHWY_ENABLE_EXAMPLES=OFF \
+  -DHWY_ENABLE_CONTRIB=OFF -DBUILD_TESTING=OFF
+build fmtlib_*.orig.tar.gz -DFMT_TEST=OFF -DFMT_DOC=OFF
+cd "$folder"
+rm -rf download
+touch complete

@@ -1,0 +1,58 @@
+// The CUDA backend of builds without it: everything says so.
+#include "cuda/backend.hpp"
+#include "cullhull/device_points.hpp"
+#include "flow/device_filter.hpp"
+#include "tracker/frame_points.hpp"
+
+namespace cullhull {
+namespace internal {
+
+void require_cuda(int) {
+  throw Error(ErrorCode::backend_unavailable,
+              "this build has no CUDA backend; use the backend auto or cpu");
+}
+bool cuda_started() noexcept { return false; }
+std::size_t kept_pinned_memory() noexcept { return 0; }
+void drop_pinned_memory() noexcept {}
+bool cuda_in_sight() noexcept { return false; }
+
+std::uint32_t cuda::most_map_nodes(int) {
+  require_cuda();
+  return 0;
+}
+
+std::vector<std::uint64_t> cuda::survivors_there(const GaugeMap&, const PointView&, int, unsigned,
+                                                 const Control&) {
+  require_cuda();
+  return {};
+}
+
+Filtered run_device_filter(const DevicePointView&, const Options&, const Control&, unsigned,
+                           std::uint64_t) {
+  require_cuda();
+  return {};
+}
+
+std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run&) {
+  check_arguments(points);
+  require_cuda();
+  return nullptr;
+}
+
+}  // namespace internal
+
+int current_cuda_device() noexcept { return -1; }
+void wait_for_cuda_stream(void*) { internal::require_cuda(); }
+void wait_for_cuda_device_of(const void*) { internal::require_cuda(); }
+
+CudaStatus cuda_status() {
+  CudaStatus status;
+  try {
+    internal::require_cuda();
+  } catch (const Error& e) {
+    status.reason = e.what();
+  }
+  return status;
+}
+
+}  // namespace cullhull

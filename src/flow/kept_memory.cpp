@@ -1,0 +1,18 @@
+// What the library keeps from call to call: pages, pinned memory, and scratch of threads.
+#include "cuda/backend.hpp"
+#include "cullhull/array.hpp"
+#include "parallel/pages.hpp"
+#include "parallel/thread_memory.hpp"
+
+namespace cullhull {
+
+void keep_memory(std::size_t limit) noexcept {
+  internal::keep_pages(limit);
+  if (limit > 0) return;
+  internal::drop_pinned_memory();
+  internal::drop_thread_memory();
+}
+
+std::size_t kept_memory() noexcept { return internal::kept_pages(); }
+
+}  // namespace cullhull

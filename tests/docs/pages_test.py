@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""pages_test.py: what must hold of the pages as they lie in the tree, whoever shows them: links and
+pictures lead to something, lines are not long, files that are named exist, the version is one."""
+
+import re
+import unittest
+
+import samples
+
+ROOT = samples.ROOT
+FACE = [ROOT / f"{name}.md" for name in ("README", "HACKING", "CHANGELOG", "CONTRIBUTING", "SECURITY")]
+PAGES = FACE + sorted((ROOT / "docs").rglob("*.md"))
+
+
+def without_code(text):
+    return re.sub(r"^```.*?^```$", "", text, flags=re.M | re.S)
+
+
+class Pages(unittest.TestCase):
+    def test_links_and_pictures_lead_somewhere(self):
+        broken, checked = [], 0
+        for page in PAGES:
+            for target in re.findall(r"\]\(([^)\s]+)\)", without_code(page.read_text())):
+                if re.match(r"[a-z]+:", target):
+                    continue
+                name, _, anchor = target.partition("#")
+                file = (page.parent / name).resolve() if name else page
+                checked += 1
+                if not file.exists():
+                    broken.append(f"{page.relative_to(ROOT)}: {target}")
+        self.assertEqual(broken, [])
+        self.assertGreater(checked, 100)
+
+    def test_lines_are_at_most_100_columns(self):
+        long = []
+        for page in PAGES:
+            for number, line in enumerate(page.read_text().splitlines(), 1):
+                # Tables cannot be broken; combining marks take no column.
+                width = len(re.sub("[\u0300-\u036f]", "", line))
+                if width > 100 and not line.lstrip().startswith(("|", "!")):
+                    long.append(f"{page.relative_to(ROOT)}:{number}: {width}")
+        self.assertEqual(long, [])
+
+    def test_files_that_are_named_exist(self):
+        absent = []
+        name = re.compile(r"`((?:src|include|apps|tests|bench|bindings|viewer|scripts|examples|docs|fuzz)/[^`\s]*)`")
+        for page in PAGES:
+            if page.name == "CHANGELOG.md":
+                continue  # tells of what was
+            for target in name.findall(page.read_text()):
+                if re.search(r"NAME|[<>(){}]", target):
+                    continue
+                # `src/x/y_*`, `src/x/y.*` and folders are patterns
+                # a benchmark is named by its program
+                if not list(ROOT.glob(target.rstrip("/"))) and not list(ROOT.glob(target + ".cpp")):
+                    absent.append(f"{page.relative_to(ROOT)}: {target}")
+        self.assertEqual(absent, [])
+
+    def test_the_version_is_one(self):
+        header = (ROOT / "include" / "cullhull" / "version.hpp").read_text()
+        version = re.search(r'define CULLHULL_VERSION "([^"]+)"', header)[1]
+        parts = re.findall(r"CULLHULL_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)", header)
+        self.assertEqual(".".join(parts), version)
+        cited = re.search(r"^version: (\S+)$", (ROOT / "CITATION.cff").read_text(), re.M)[1]
+        self.assertEqual(cited, version)
+        self.assertIn(f"## [{version}]", (ROOT / "CHANGELOG.md").read_text())
+        self.assertNotRegex((ROOT / "CMakeLists.txt").read_text(), r"project\(cullhull VERSION \d")
+
+    def test_pictures_of_the_gallery_are_small(self):
+        pictures = [p for p in (ROOT / "docs").rglob("*") if p.suffix in (".png", ".svg")]
+        self.assertLess(sum(p.stat().st_size for p in pictures), 2_000_000)
+        named = (ROOT / "docs" / "gallery.md").read_text()
+        for picture in (ROOT / "docs" / "gallery").iterdir():
+            self.assertIn(f"gallery/{picture.name}", named)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,147 @@
+// Which folder may include which: the layers of HACKING.md, held against every include.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Folders of src/ from below: each may include those of lower layers and itself.
+const std::vector<std::vector<std::string>> layers = {
+    {"parallel"},      {"geometry"}, {"extreme", "cull", "paper"},  {"hull"}, {"result"},
+    {"small", "cuda"}, {"flow"},     {"query", "tracker", "batch"},
+};
+/// Folders beside the layers, and all that they may include but themselves.
+const std::map<std::string, std::vector<std::string>> beside = {
+    {"certify", {"geometry", "parallel"}},
+    {"generate", {"parallel"}},
+    {"io", {"parallel"}},
+};
+
+/// The number of a folder's layer; -1: it has none.
+int layer_of(const std::string& folder) {
+  for (std::size_t i = 0; i < layers.size(); ++i)
+    if (std::count(layers[i].begin(), layers[i].end(), folder) > 0) return static_cast<int>(i);
+  return -1;
+}
+
+bool may_include(const std::string& from, const std::string& to, bool is_header) {
+  if (from == to) return true;
+  if (const auto only = beside.find(from); only != beside.end())
+    return std::count(only->second.begin(), only->second.end(), to) > 0;
+  // Headers of cuda/ lie below the flow; its sources implement what flow and tracker declare.
+  if (from == "cuda" && !is_header) return to == "flow" || to == "tracker" || layer_of(to) < 5;
+  return layer_of(to) >= 0 && layer_of(to) < layer_of(from);
+}
+
+/// The first folder of a path; empty for a file alone.
+std::string folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.begin()->string() : std::string();
+}
+
+std::vector<std::string> includes_of(const fs::path& file) {
+  static const std::regex include(R"re(^\s*#\s*include\s+["<]([^">]+)[">])re");
+  std::vector<std::string> names;
+  std::ifstream in(file);
+  std::smatch match;
+  for (std::string line; std::getline(in, line);)
+    if (std::regex_search(line, match, include)) names.push_back(match[1]);
+  return names;
+}
+
+std::vector<fs::path> sources_below(const fs::path& folder) {
+  std::vector<fs::path> files;
+  if (!fs::exists(folder)) return files;
+  static const std::vector<std::string> kinds{".cpp", ".hpp", ".cu", ".cuh"};
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (std::count(kinds.begin(), kinds.end(), entry.path().extension()) > 0)
+      files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// What is wrong with the tree under `root`, one line each: src/ by its layers, include/ by itself
+/// alone, viewer/ over public headers and parallel.
+std::vector<std::string> faults(const fs::path& root) {
+  std::vector<std::string> found;
+  for (const char* part : {"src", "include", "viewer"})
+    for (const fs::path& file : sources_below(root / part)) {
+      const std::string name = file.lexically_relative(root).generic_string();
+      const std::string from = folder_of(file.lexically_relative(root / part));
+      const bool in_src = std::string(part) == "src";
+      if (in_src && layer_of(from) < 0 && beside.count(from) == 0) {
+        found.push_back(name + " is in no folder that has a layer");
+        continue;
+      }
+      for (const std::string& included : includes_of(file)) {
+        if (!fs::exists(root / "src" / included)) continue;  // public, or none of ours
+        const std::string to = folder_of(included);
+        const std::string extension = file.extension().string();
+        const bool is_header = extension == ".hpp" || extension == ".cuh";
+        if (in_src ? !may_include(from, to, is_header)
+                   : std::string(part) == "include" || to != "parallel")
+          found.push_back(name + " includes " + included);
+      }
+    }
+  return found;
+}
+
+TEST(Layers, NoIncludeRunsUpOrSideways) {
+  const fs::path root = CULLHULL_ROOT;
+  EXPECT_GT(sources_below(root / "src").size(), 200U);
+  EXPECT_GT(sources_below(root / "include").size(), 15U);
+  EXPECT_EQ(faults(root), std::vector<std::string>());
+}
+
+TEST(Layers, PlantedFaultsAreFound) {
+  const fs::path root = fs::path(testing::TempDir()) / "cullhull_layers";
+  fs::remove_all(root);
+  const auto plant = [&](const char* name, const char* included) {
+    fs::create_directories((root / name).parent_path());
+    std::ofstream(root / name) << "// a file\n#include <vector>\n  # include \"" << included
+                               << "\"\n";
+  };
+  // In order: these are as they should be …
+  plant("src/parallel/a.hpp", "cullhull/a.hpp");
+  plant("src/geometry/a.hpp", "parallel/a.hpp");
+  plant("src/result/b.hpp", "geometry/a.hpp");
+  plant("src/flow/a.hpp", "result/b.hpp");
+  plant("src/paper/a.hpp", "geometry/a.hpp");
+  plant("src/cuda/a.cpp", "flow/a.hpp");
+  plant("src/certify/a.cpp", "geometry/a.hpp");
+  plant("include/cullhull/a.hpp", "cullhull/b.hpp");
+  plant("viewer/a.cpp", "parallel/a.hpp");
+  EXPECT_EQ(faults(root), std::vector<std::string>());
+  // … and these are not: up, sideways, the certificate, a public header, and where there is no
+  // layer.
+  plant("src/geometry/up.hpp", "result/b.hpp");
+  plant("src/cull/sideways.cpp", "paper/a.hpp");
+  plant("src/cuda/up.hpp", "flow/a.hpp");
+  plant("src/certify/trusting.cpp", "result/b.hpp");
+  plant("src/io/knowing.cpp", "geometry/a.hpp");
+  plant("src/elsewhere/a.cpp", "parallel/a.hpp");
+  plant("src/loose.cpp", "parallel/a.hpp");
+  plant("include/cullhull/private.hpp", "parallel/a.hpp");
+  plant("viewer/deep.cpp", "geometry/a.hpp");
+  EXPECT_EQ(faults(root), (std::vector<std::string>{
+                              "src/certify/trusting.cpp includes result/b.hpp",
+                              "src/cuda/up.hpp includes flow/a.hpp",
+                              "src/cull/sideways.cpp includes paper/a.hpp",
+                              "src/elsewhere/a.cpp is in no folder that has a layer",
+                              "src/geometry/up.hpp includes result/b.hpp",
+                              "src/io/knowing.cpp includes geometry/a.hpp",
+                              "src/loose.cpp is in no folder that has a layer",
+                              "include/cullhull/private.hpp includes parallel/a.hpp",
+                              "viewer/deep.cpp includes geometry/a.hpp",
+                          }));
+  fs::remove_all(root);
+}
+
+}  // namespace

@@ -1,0 +1,50 @@
+"use strict";
+// What dots are coloured by: what the filter made of them, the file's own colours, or a coordinate.
+
+// Viridis (matplotlib, CC0), at nine places.
+const scaleStops = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"]
+  .map((c) => [1, 3, 5].map((i) => parseInt(c.slice(i, i + 2), 16)));
+
+// The colour at t of [0, 1], as three bytes.
+function scaleColour(t, out, at) {
+  const place = Math.max(0, Math.min(1, t)) * (scaleStops.length - 1);
+  const i = Math.min(scaleStops.length - 2, Math.floor(place)), f = place - i;
+  for (let c = 0; c < 3; ++c) out[at + c] = Math.round(scaleStops[i][c] * (1 - f) + scaleStops[i + 1][c] * f);
+}
+
+// The range that a scale of colours covers: without the outermost two per cent at either end, so
+// that one bird above a landscape does not take all the colours.
+function colourRange(scene, axis) {
+  const values = [];
+  for (const frame of scene.frames) {
+    const step = Math.max(1, Math.floor((frame.ids.length * scene.frames.length) / 20000));
+    for (let row = 0; row < frame.ids.length; row += step) values.push(frame.coordinates[row * scene.axes + axis]);
+  }
+  values.sort((a, b) => a - b);
+  const at = (share) => values[Math.min(values.length - 1, Math.floor(share * values.length))] || 0;
+  const low = at(0.02), high = at(0.98);
+  return low < high ? { low, high } : { low: values[0] || 0, high: values[values.length - 1] || 0 };
+}
+
+// Three bytes for each row that is no vertex; null where the stage's own colours do.
+function rowColours(scene, frame, by, range) {
+  if (by === "role") return null;
+  const count = frame.ids.length - frame.vertices;
+  if (by === "file") return frame.colours ? frame.colours.subarray(3 * frame.vertices) : null;
+  const axis = Number(by), span = range.high / 2 - range.low / 2 || 1;
+  const out = new Uint8Array(3 * count);
+  for (let i = 0; i < count; ++i) {
+    const x = frame.coordinates[(frame.vertices + i) * scene.axes + axis];
+    scaleColour((x / 2 - range.low / 2) / span, out, 3 * i);
+  }
+  return out;
+}
+
+// How much heights of a thin set are drawn larger, so that it does not open as a wafer.
+function heightFactor(scene) {
+  if (scene.axes !== 3) return 1;
+  const [x, y, z] = scene.ranges.map((r) => r.high / 2 - r.low / 2);
+  const share = z / Math.max(x, y);
+  if (!(share > 0) || share >= 1 / 8 || x === 0 || y === 0) return 1;
+  return [2, 4, 8, 16].find((f) => share * f >= 1 / 7) || 16;
+}
