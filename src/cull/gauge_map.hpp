@@ -81,6 +81,9 @@ class GaugeMap {
   std::vector<std::uint64_t> outside_cones(const Array<double>& rows,
                                            const std::vector<char>& certain, const Run& run) const;
 
+  /// The same test of one point.
+  bool inside_cones(const double* row) const;
+
   /// What the kernels read.
   const GaugeTable& table() const noexcept;
 
