@@ -10,6 +10,7 @@
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 struct Certificate {
@@ -60,3 +61,4 @@ class CertifyStream {
 };
 
 }  // namespace cullhull
+#pragma GCC visibility pop

@@ -15,6 +15,7 @@
 #include "cullhull/point_view.hpp"
 #include "cullhull/stream.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 struct ReadOptions {
@@ -206,3 +207,4 @@ class NpySequenceWriter {
 };
 
 }  // namespace cullhull
+#pragma GCC visibility pop
