@@ -71,13 +71,14 @@ struct Subject {
   /// lie anywhere in memory.
   void prefetch(std::uint64_t f) const {
     constexpr std::uint64_t far = 24, near = 12;
+    const std::uint32_t* facets = hull.simplex_facets.data();  // null where i is on facet i
     if (f + far < simplex_count())
       for (unsigned j = 0; j < k; ++j) {
         const std::size_t g = hull.simplex_neighbours[(f + far) * k + j];
         if (g < f) continue;
         __builtin_prefetch(index.data() + g * k);
         __builtin_prefetch(hull.simplex_neighbours.data() + g * k);
-        __builtin_prefetch(hull.simplex_facets.data() + g);
+        if (facets != nullptr) __builtin_prefetch(facets + g);
       }
     if (f + near < simplex_count() && k <= 4)  // beyond, vertices are few beside simplices
       for (unsigned j = 0; j < k; ++j) {

@@ -7,7 +7,8 @@ namespace cullhull::internal {
 
 InnerDisc::InnerDisc(const double* rows, const std::vector<std::uint32_t>& corners,
                      const Box& box) {
-  auto& [centre, scale, limit] = test_;
+  // No structured binding: lambdas below capture these.
+  double(&centre)[2] = test_.centre, (&scale)[2] = test_.scale;
   for (unsigned j = 0; j < 2; ++j) {
     const double range = box.high[j] - box.low[j];
     if (!(range > 0x1p-900 && range < 0x1p900)) return;
@@ -47,7 +48,7 @@ InnerDisc::InnerDisc(const double* rows, const std::vector<std::uint32_t>& corne
   }
   // What contains() computes is within the factor 1 + 2^-48 of the square of the distance from the
   // origin, and so is the square of `least` rounded.
-  limit = least * least * (1 - 0x1p-46);
+  test_.limit = least * least * (1 - 0x1p-46);
 }
 
 }  // namespace cullhull::internal
