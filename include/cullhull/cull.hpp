@@ -17,7 +17,7 @@ struct Survivors {
   std::vector<std::uint64_t> ids;
   /// True when nothing was dropped; `ids` is then empty and stands for 0 ... count-1.
   bool all = false;
-  /// What was used in the end: "gauge", "gauge x2", "pseudo-hull", "none".
+  /// What was used in the end: "gauge", "gauge x2", "pseudo-hull", "gauge, pseudo-hull", "none".
   const char* method = "none";
   /// Where the points were culled: "cpu" or "cuda".
   const char* backend = "cpu";

@@ -125,7 +125,8 @@ class DeviceFilter {
   SampledMap first_map() const {
     try {
       return map_of_sample(sampled(points_), forced_ ? Insist::yes : Insist::no,
-                           cuda::most_gauge_nodes(cuda::device()), budget_, control_);
+                           cuda::most_gauge_nodes(cuda::device()), budget_, control_,
+                           grows_later() ? 4 : ~std::uint64_t{0});
     } catch (const Error& e) {
       if (e.code() != ErrorCode::not_finite) throw;
     }
@@ -137,7 +138,32 @@ class DeviceFilter {
                    std::to_string(count) + " points that survive the filter");
   }
 
-  /// The usual way: both maps there, only what survives the second comes back.
+  /// Whether a pseudo-hull of what the first map leaves takes the place of a second map. It needs
+  /// nothing of the CPU, and no sample whose hull is as good: so the first map may be of a small
+  /// one, and keep some more. Of a ball in space it leaves 47,169 of 8M points, where two maps
+  /// leave 79,161; in the plane the hull's vertices alone. From 4D on it leaves more than a map.
+  bool grows_later() const { return d_ <= 3; }
+
+  /// Of the rows of `left` those that the second filter keeps; all, where there is none.
+  cuda::DeviceIds kept_of(const DevicePointView& view, Filtered& result) const {
+    // A ball takes 13 to 16 rounds; what is outside after them survives.
+    constexpr unsigned most_rounds = 24;
+    if (grows_later()) {
+      cuda::DeviceIds kept = pseudo_hull_survivors_there(view, most_rounds, control_);
+      result.survivors.method = "gauge, pseudo-hull";
+      result.survivors.reason += "; a pseudo-hull of what it left";
+      return kept;
+    }
+    const SampledMap finer =
+        map_of_sample(finite_sample(view), Insist::late, cuda::most_gauge_nodes(cuda::device()),
+                      budget_, control_);
+    result.survivors.reason += "; a second map: " + finer.reason;
+    if (finer.map == nullptr) return {};
+    result.survivors.method = "gauge x2";
+    return cuda::survivors_of_device_points(finer.map->table(), view);
+  }
+
+  /// The usual way: both filters there, only what survives the second comes back.
   void cull_there(const GaugeTable& table, Filtered& result) const {
     const auto stream = static_cast<cudaStream_t>(points_.stream);
     cuda::DeviceIds left = cuda::survivors_of_device_points(table, points_);
@@ -145,14 +171,9 @@ class DeviceFilter {
     cuda::DeviceArray<std::byte> rows = rows_of(points_, left);
     DevicePointView view = packed(rows, left.count);
     control_.report("cull", 0.8);
-    const char* method = "gauge";
     if (left.count >= smallest_worth_refining(d_)) {
-      const SampledMap finer =
-          map_of_sample(finite_sample(view), Insist::late, cuda::most_gauge_nodes(cuda::device()),
-                        budget_, control_);
-      result.survivors.reason += "; a second map: " + finer.reason;
-      if (finer.map != nullptr) {
-        const cuda::DeviceIds kept = cuda::survivors_of_device_points(finer.map->table(), view);
+      const cuda::DeviceIds kept = kept_of(view, result);
+      if (kept.ids.data() != nullptr) {
         cuda::DeviceIds ids;
         ids.count = kept.count;
         ids.ids = cuda::DeviceArray<std::uint64_t>(kept.count, stream);
@@ -163,7 +184,6 @@ class DeviceFilter {
         rows = std::move(fewer);
         left = std::move(ids);
         view = packed(rows, left.count);
-        method = "gauge x2";
       }
     }
     std::vector<std::uint64_t> ids(left.count);
@@ -171,7 +191,6 @@ class DeviceFilter {
     result.rows = cuda::download_points(view, nullptr, left.count, control_);
     check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), threads_);
     result.survivors.ids = std::move(ids);
-    result.survivors.method = method;
   }
 
   /// A sample of survivors; one that is not finite is refused by its id among all points.

@@ -29,68 +29,91 @@ void require_aligned(const DevicePointView& points) {
                 "points on a device must be aligned to their scalar type");
 }
 
+/// Pseudo-hulls of subsets of points where they lie, and the ids that each leaves.
 template <unsigned D, class T>
-std::vector<std::uint64_t> survivors_of(const DevicePointView& points, unsigned subsets,
-                                        unsigned max_rounds, const Control& control,
-                                        std::vector<PseudoHullRound>& rounds) {
-  require_aligned<T>(points);
-  PseudoHullGrowth<D, CudaExecutor, RowsInPlace<D, T>> growth{
-      CudaExecutor(static_cast<cudaStream_t>(points.stream))};
-  CudaArray<std::uint64_t> ids;
-  const PointView view{static_cast<const std::byte*>(points.data),
-                       points.scalar,
-                       D,
-                       points.count,
-                       points.point_stride,
-                       points.coordinate_stride};
-  std::vector<std::vector<std::uint64_t>> kept(subsets);
-  for (unsigned s = 0; s < subsets; ++s) {
-    control.check();
-    const PseudoSubset subset{points.count, s, subsets};
-    const auto size = static_cast<std::uint32_t>(subset.size());
-    growth.run(rows_in_place<D, T>(view, subset), size, max_rounds, control, rounds);
-    CudaExecutor& executor = growth.executor();
-    const std::uint64_t left = growth.left();
-    kept[s].resize(left);
-    const std::uint32_t listed = executor.select(size, NotCulled{growth.culled()},
-                                                 EmitId{subset, executor.reserve(ids, left)});
-    if (listed != left) throw Error(ErrorCode::internal, "the device lost count of the survivors");
-    if (left != 0) executor.fetch(ids.data(), left, kept[s].data());
+class SubsetFilter {
+ public:
+  explicit SubsetFilter(const DevicePointView& points)
+      : points_(points),
+        view_{static_cast<const std::byte*>(points.data),
+              points.scalar,
+              D,
+              points.count,
+              points.point_stride,
+              points.coordinate_stride},
+        growth_(CudaExecutor(static_cast<cudaStream_t>(points.stream))) {
+    require_aligned<T>(points);
   }
-  return merge_subsets(std::move(kept));
-}
 
-template <unsigned D>
-std::vector<std::uint64_t> survivors_of(const DevicePointView& points, unsigned subsets,
-                                        unsigned max_rounds, const Control& control,
-                                        std::vector<PseudoHullRound>& rounds) {
-  if (points.scalar == ScalarType::f32)
-    return survivors_of<D, float>(points, subsets, max_rounds, control, rounds);
-  if (points.scalar == ScalarType::f64)
-    return survivors_of<D, double>(points, subsets, max_rounds, control, rounds);
-  throw Error(ErrorCode::invalid_argument,
-              "the pseudo-hull filter on a device is for f32 and f64 points");
+  /// How many points of the subset survive.
+  std::uint32_t run(const PseudoSubset& subset, unsigned max_rounds, const Control& control,
+                    std::vector<PseudoHullRound>& rounds) {
+    control.check();
+    growth_.run(rows_in_place<D, T>(view_, subset), size_of(subset), max_rounds, control, rounds);
+    return growth_.left();
+  }
+  /// Their ids, to memory of the device.
+  void list(const PseudoSubset& subset, std::uint64_t* ids) {
+    const std::uint32_t listed = growth_.executor().select(
+        size_of(subset), NotCulled{growth_.culled()}, EmitId{subset, ids});
+    if (listed != growth_.left())
+      throw Error(ErrorCode::internal, "the device lost count of the survivors");
+  }
+  CudaExecutor& executor() { return growth_.executor(); }
+
+ private:
+  static std::uint32_t size_of(const PseudoSubset& subset) {
+    return static_cast<std::uint32_t>(subset.size());
+  }
+
+  const DevicePointView& points_;
+  PointView view_;
+  PseudoHullGrowth<D, CudaExecutor, RowsInPlace<D, T>> growth_;
+};
+
+/// Calls use.template operator()<D, T>() with the points' dimension and scalar.
+template <class Use>
+auto with_point_types(const DevicePointView& points, const Use& use) {
+  const auto of_dimension = [&]<unsigned D>() {
+    if (points.scalar == ScalarType::f32) return use.template operator()<D, float>();
+    if (points.scalar == ScalarType::f64) return use.template operator()<D, double>();
+    throw Error(ErrorCode::invalid_argument,
+                "the pseudo-hull filter on a device is for f32 and f64 points");
+  };
+  switch (points.dimension) {
+    case 2:
+      return of_dimension.template operator()<2>();
+    case 3:
+      return of_dimension.template operator()<3>();
+    case 4:
+      return of_dimension.template operator()<4>();
+    case 5:
+      return of_dimension.template operator()<5>();
+    case 6:
+      return of_dimension.template operator()<6>();
+    default:
+      throw Error(ErrorCode::invalid_argument,
+                  "the pseudo-hull filter on a device is for 2 to 6 dimensions");
+  }
 }
 
 std::vector<std::uint64_t> survivors_of(const DevicePointView& points, unsigned subsets,
                                         unsigned max_rounds, const Control& control,
                                         std::vector<PseudoHullRound>& rounds) {
   rounds.clear();
-  switch (points.dimension) {
-    case 2:
-      return survivors_of<2>(points, subsets, max_rounds, control, rounds);
-    case 3:
-      return survivors_of<3>(points, subsets, max_rounds, control, rounds);
-    case 4:
-      return survivors_of<4>(points, subsets, max_rounds, control, rounds);
-    case 5:
-      return survivors_of<5>(points, subsets, max_rounds, control, rounds);
-    case 6:
-      return survivors_of<6>(points, subsets, max_rounds, control, rounds);
-    default:
-      throw Error(ErrorCode::invalid_argument,
-                  "the pseudo-hull filter on a device is for 2 to 6 dimensions");
-  }
+  return with_point_types(points, [&]<unsigned D, class T>() {
+    SubsetFilter<D, T> filter(points);
+    CudaArray<std::uint64_t> ids;
+    std::vector<std::vector<std::uint64_t>> kept(subsets);
+    for (unsigned s = 0; s < subsets; ++s) {
+      const PseudoSubset subset{points.count, s, subsets};
+      const std::uint32_t left = filter.run(subset, max_rounds, control, rounds);
+      kept[s].resize(left);
+      filter.list(subset, filter.executor().reserve(ids, left));
+      if (left != 0) filter.executor().fetch(ids.data(), left, kept[s].data());
+    }
+    return merge_subsets(std::move(kept));
+  });
 }
 
 }  // namespace
@@ -117,6 +140,23 @@ std::vector<std::uint64_t> pseudo_hull_survivors_cuda(const DevicePointView& poi
       if (points.count / subsets < 4 * least_points) throw;
     }
   }
+}
+
+cuda::DeviceIds pseudo_hull_survivors_there(const DevicePointView& points, unsigned max_rounds,
+                                            const Control& control,
+                                            std::vector<PseudoHullRound>* rounds) {
+  std::vector<PseudoHullRound> unread;
+  if (points.count > pseudo_hull_most_points)
+    throw Error(ErrorCode::out_of_budget, "too many points for a single pseudo-hull");
+  return with_point_types(points, [&]<unsigned D, class T>() {
+    SubsetFilter<D, T> filter(points);
+    const PseudoSubset all{points.count, 0, 1};
+    cuda::DeviceIds left;
+    left.count = filter.run(all, max_rounds, control, rounds != nullptr ? *rounds : unread);
+    left.ids = cuda::DeviceArray<std::uint64_t>(left.count, filter.executor().stream());
+    filter.list(all, left.ids.data());
+    return left;
+  });
 }
 
 }  // namespace cullhull::internal

@@ -98,14 +98,15 @@ std::uint32_t least_nodes(std::uint64_t count, unsigned d, Insist insist) {
 }  // namespace
 
 SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,
-                         std::uint64_t budget, const Control& control) {
+                         std::uint64_t budget, const Control& control, std::uint64_t most_probes) {
   const unsigned d = points.dimension;
   const char* const none = "a sample lies in a flat or its hull is too large";
   Sampled sample = hull_of_sample(points, probe_sample_size(points.count, d), budget, control);
   if (sample.polytope.dimension == 0) return {nullptr, none};
   if (insist == Insist::no && !cull_pays(points.count, d, sample.size, sample.extreme()))
     return {nullptr, sample_finding(sample.size, sample.extreme()) + ", so a filter does not pay"};
-  const std::uint64_t size = map_sample_size(points.count, d, sample.size, sample.extreme());
+  std::uint64_t size = map_sample_size(points.count, d, sample.size, sample.extreme());
+  if (size / most_probes >= sample.size) size = most_probes * sample.size;
   if (size > sample.size) sample = hull_of_sample(points, size, budget, control);
   if (sample.polytope.dimension == 0) return {nullptr, none};
   const std::string found = sample_finding(sample.size, sample.extreme());

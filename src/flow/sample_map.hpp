@@ -39,7 +39,9 @@ enum class Insist {
 };
 
 /// `most_nodes`: as in GaugeMap::build. A sample whose hull would exceed `budget` gives no map.
+/// `most_probes`: the map's sample is at most so many times as large as the first.
 SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,
-                         std::uint64_t budget, const Control& control);
+                         std::uint64_t budget, const Control& control,
+                         std::uint64_t most_probes = ~std::uint64_t{0});
 
 }  // namespace cullhull::internal

@@ -221,6 +221,34 @@ TEST_F(EmulatedEdges, RowsOfWiderRecordsComeBackFromAFullDevice) {
     }
 }
 
+// In space the CPU is left one map of a small sample and the hull of few points.
+TEST_F(EmulatedEdges, APseudoHullTakesThePlaceOfASecondMap) {
+  const std::size_t n = 500000;
+  const auto rows = ball(3, n, 4);
+  Options here;
+  here.backend = Backend::cpu;
+  here.cull = CullMethod::gauge;
+  const Hull expected = convex_hull(PointView::row_major(rows.data(), n, 3), here);
+  const OnDevice there(rows);
+  const auto view = DevicePointView::row_major(there.data<float>(), n, 3);
+  emulation::restart();
+  const Hull found = convex_hull(view, on_device());
+  EXPECT_EQ(canonical_hash(found), canonical_hash(expected));
+  EXPECT_STREQ(found.statistics.cull_method, "gauge, pseudo-hull");
+  EXPECT_LT(2 * found.statistics.survivors, expected.statistics.survivors * 3 / 2);
+  EXPECT_EQ(emulation::counters().launches["count_kernel"], 1U) << "one map";
+  // Its memory is full where the pseudo-hull begins: the CPU's second filter takes over.
+  const long before = static_cast<long>(emulation::counters().allocations);
+  for (const long failing : {before / 3, before / 2, before - 2}) {
+    emulation::restart();
+    emulation::settings().failing_allocations_from = failing;
+    Options options = on_device();
+    options.backend = Backend::automatic;
+    options.machine.link_bytes_per_second = 1;
+    EXPECT_EQ(canonical_hash(convex_hull(view, options)), canonical_hash(expected)) << failing;
+  }
+}
+
 /// Runs `call` with the n-th step failing for n = 1, 2, ... until none fails any more.
 void fail_at_every_step(long emulation::Settings::*which, const std::function<void()>& call) {
   for (long n = 1;; ++n) {
