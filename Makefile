@@ -4,8 +4,9 @@ JOBS ?= $(shell nproc)
 BIN := build/release/bin/cullhull
 FUZZ_SECONDS ?= 60
 FAST := -DCULLHULL_FAST_BUILD=ON
+SUITES := OFF
 
-.PHONY: help demo build test bench docs fuzz format python clean
+.PHONY: help demo build test bench docs fuzz format python clean wheel sdist deb static artifacts
 .NOTPARALLEL:
 
 help:
@@ -15,6 +16,10 @@ help:
 	@echo "make bench    build the benchmarks, run the smallest, and ours beside Qhull and CGAL"
 	@echo "make docs     guides and reference as a site in build/docs/html/"
 	@echo "make python   the Python package, installed into build/python/venv"
+	@echo "make wheel    the Python package as one file for pip, in build/dist/ (sdist: its sources)"
+	@echo "make deb      Debian packages of program, shared library and headers, in build/dist/"
+	@echo "make static   the program as one file for any Linux, in build/dist/"
+	@echo "make artifacts  all of these, installed and run in empty Debian roots (as root)"
 	@echo "make fuzz     every fuzzer for FUZZ_SECONDS ($(FUZZ_SECONDS)) each"
 	@echo "make format   clang-format over our sources"
 	@echo "make clean    remove build/"
@@ -26,7 +31,8 @@ demo: build
 
 build:
 	@scripts/install-deps.sh build
-	cmake --preset release $(FAST) -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=OFF
+	cmake --preset release $(FAST) -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=OFF \
+	  -DCULLHULL_WITH_SUITES=$(SUITES)
 	cmake --build build/release -j $(JOBS) --target cullhull_app
 
 test:
@@ -43,6 +49,8 @@ bench:
 	build/release/bin/micro_bench
 	build/release/bin/cullhull bench rivals
 
+# The help of `cullhull bench` is a page.
+docs: SUITES := ON
 docs: build
 	@scripts/install-deps.sh docs
 	scripts/docs-site.sh build/docs $(BIN)
@@ -52,6 +60,19 @@ python:
 	@scripts/install-deps.sh build python
 	scripts/python-venv.sh build/python
 	@echo "try: build/python/venv/bin/python -m cullhull --help"
+
+wheel sdist:
+	@scripts/install-deps.sh build python package
+	scripts/artifacts.sh $@
+
+deb static:
+	@scripts/install-deps.sh build package
+	scripts/artifacts.sh $@
+
+artifacts:
+	@scripts/install-deps.sh build python package
+	scripts/artifacts.sh static wheel sdist deb
+	scripts/check-artifacts.sh
 
 fuzz:
 	@scripts/install-deps.sh build fuzz

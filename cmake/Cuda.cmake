@@ -1,7 +1,7 @@
-# The CUDA backend is compiled where it is asked for and left out elsewhere: same API, and asking for
-# it is Error{backend_unavailable}. `make test` asks for it wherever nvcc works. The run-time library
-# is linked statically and finds the driver when it is first asked, so the programs start on machines
-# without one.
+# The CUDA backend is compiled where it is asked for and left out elsewhere: same API, and asking
+# for it is Error{backend_unavailable}. `make test` asks for it wherever nvcc works. The run-time
+# library is linked statically and finds the driver when it is first asked, so the programs start on
+# machines without one.
 set(CULLHULL_WITH_CUDA OFF CACHE STRING "The CUDA backend: OFF, ON or AUTO (where nvcc works)")
 set_property(CACHE CULLHULL_WITH_CUDA PROPERTY STRINGS AUTO ON OFF)
 # "fat": code for every architecture from sm_75 to sm_120, and PTX for later ones; the preset `cuda`

@@ -1,5 +1,5 @@
-# What halves the time of a build from nothing, off unless CULLHULL_FAST_BUILD: every source compiles
-# alone too, as the other presets see to, and ccache shares more between folders that way.
+# What halves the time of a build from nothing, off unless CULLHULL_FAST_BUILD: every source must
+# compile alone too, as the other presets see to, and ccache shares more between folders that way.
 
 # cullhull_precompile(TARGET [HEADER...]): the standard headers that most sources include, and those
 # named, are compiled once for all sources of TARGET.

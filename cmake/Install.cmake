@@ -1,26 +1,76 @@
-# cmake --install puts the libraries, the headers, the program and a CMake package in place.
+# cmake --install puts the libraries, the headers, the program, its pages and a CMake package in
+# place; with CULLHULL_SHARED the shared library instead of the static ones. Components: program,
+# runtime (the shared library) and development.
 include(CMakePackageConfigHelpers)
-set(_dir "${CMAKE_INSTALL_LIBDIR}/cmake/cullhull")
-set(_targets cullhull)
-if(CULLHULL_BUILD_IO)
-  list(APPEND _targets cullhull_io)
+set(_package "${CMAKE_INSTALL_LIBDIR}/cmake/cullhull")
+if(CULLHULL_SHARED)
+  set(_libraries cullhull_shared cullhull_shared_io)
+else()
+  set(_libraries cullhull)
+  if(CULLHULL_BUILD_IO)
+    list(APPEND _libraries cullhull_io)
+  endif()
 endif()
-install(TARGETS ${_targets} EXPORT cullhullTargets
-  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
-  RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(DIRECTORY include/cullhull DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(EXPORT cullhullTargets NAMESPACE cullhull:: DESTINATION ${_dir})
+install(TARGETS ${_libraries} EXPORT cullhullTargets
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime
+    NAMELINK_COMPONENT development
+  INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(DIRECTORY include/cullhull DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+install(EXPORT cullhullTargets NAMESPACE cullhull:: DESTINATION ${_package}
+  COMPONENT development)
+if(CULLHULL_HAVE_CUDA AND NOT CULLHULL_SHARED)
+  get_target_property(_cudart CUDA::cudart_static IMPORTED_LOCATION)
+  install(FILES "${_cudart}" DESTINATION ${CMAKE_INSTALL_LIBDIR}/cullhull
+    RENAME libcudart_static.a COMPONENT development)
+endif()
+
 set(CULLHULL_HAVE_QHULL OFF)
 if(CULLHULL_WITH_QHULL AND TARGET Qhull::qhull_r)
   set(CULLHULL_HAVE_QHULL ON)
 endif()
 configure_package_config_file(cmake/cullhullConfig.cmake.in
-  "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfig.cmake" INSTALL_DESTINATION ${_dir})
+  "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfig.cmake" INSTALL_DESTINATION ${_package})
 write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/cullhullConfigVersion.cmake"
   COMPATIBILITY SameMinorVersion)
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfig.cmake"
   "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfigVersion.cmake" cmake/Gmp.cmake
-  DESTINATION ${_dir})
+  DESTINATION ${_package} COMPONENT development)
+
+# pkg-config: static libraries name what they need, the shared one needs nothing.
+set(_pc_requires "")
+set(_pc_libraries "-lcullhull")
+if(NOT CULLHULL_SHARED)
+  set(_pc_requires "libhwy gmp")
+  if(CULLHULL_BUILD_IO)
+    set(_pc_libraries "-lcullhull_io -lcullhull")
+    string(APPEND _pc_requires " fmt")
+  endif()
+  if(CULLHULL_HAVE_QHULL)
+    string(APPEND _pc_requires " qhull_r")
+  endif()
+  if(CULLHULL_HAVE_CUDA)
+    string(APPEND _pc_libraries " -L\${libdir}/cullhull -lcudart_static -lrt -ldl")
+  endif()
+  string(APPEND _pc_libraries " -pthread")
+endif()
+file(RELATIVE_PATH _pc_prefix "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" /)
+string(REGEX REPLACE "/$" "" _pc_prefix "${_pc_prefix}")
+configure_file(cmake/cullhull.pc.in "${CMAKE_CURRENT_BINARY_DIR}/cullhull.pc" @ONLY)
+install(FILES "${CMAKE_CURRENT_BINARY_DIR}/cullhull.pc"
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
+
 if(CULLHULL_BUILD_APPS)
-  install(TARGETS cullhull_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS cullhull_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+  if(CULLHULL_BUILD_PAGES)
+    include(cmake/Pages.cmake)
+  endif()
+endif()
+install(FILES LICENSE packaging/THIRD-PARTY.txt DESTINATION ${CMAKE_INSTALL_DOCDIR}
+  COMPONENT program)
+if(CULLHULL_SHARED)  # packages of their own
+  set(_documents "${CMAKE_INSTALL_DATAROOTDIR}/doc/libcullhull")
+  install(FILES LICENSE packaging/THIRD-PARTY.txt COMPONENT runtime
+    DESTINATION ${_documents}${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  install(FILES LICENSE DESTINATION ${_documents}-dev COMPONENT development)
 endif()

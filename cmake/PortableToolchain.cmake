@@ -1,22 +1,20 @@
 # Builds for any Linux with glibc 2.31 or later, whatever this machine has: against the folder that
-# scripts/portable-sysroot.sh makes (-DCULLHULL_SYSROOT=...), with the C++ library linked statically.
+# scripts/portable-sysroot.sh makes (-DCULLHULL_SYSROOT=...).
 set(CMAKE_SYSROOT "${CULLHULL_SYSROOT}")
 set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES CULLHULL_SYSROOT)
 # The compiler's own search path ends at this machine's C library: the folder's comes first.
 set(_lib "${CULLHULL_SYSROOT}/usr/lib/x86_64-linux-gnu")
 set(_flags "-B${_lib}/ -L${CULLHULL_SYSROOT}/usr/lib/unwinder -L${_lib}")
 string(APPEND _flags " -L${CULLHULL_SYSROOT}/lib/x86_64-linux-gnu")
-string(APPEND _flags " -static-libstdc++ -static-libgcc -Wl,--exclude-libs,ALL")
-foreach(_kind EXE SHARED MODULE)
-  set(CMAKE_${_kind}_LINKER_FLAGS_INIT "${_flags}")
+string(APPEND _flags " -Wl,--exclude-libs,ALL")
+# Programs and Python modules bring the C++ library. The shared library does not: exceptions pass
+# between it and those who use it.
+set(CMAKE_SHARED_LINKER_FLAGS_INIT "${_flags}")
+foreach(_kind EXE MODULE)
+  set(CMAKE_${_kind}_LINKER_FLAGS_INIT "${_flags} -static-libstdc++ -static-libgcc")
 endforeach()
-if(CULLHULL_STATIC_PROGRAM)
-  list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES CULLHULL_STATIC_PROGRAM)
-  # All of the threads' library: glibc's other parts look for its functions by weak names.
-  string(APPEND CMAKE_EXE_LINKER_FLAGS_INIT
-    " -static -Wl,--whole-archive -lpthread -Wl,--no-whole-archive")
-endif()
 set(CMAKE_CXX_STANDARD_LIBRARIES "${CULLHULL_SYSROOT}/usr/lib/compat.o -lpthread")
+set(CULLHULL_GMP_BY_NAME ON)
 set(CMAKE_FIND_ROOT_PATH "${CULLHULL_SYSROOT}")
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 # Python's headers are this machine's, all else is the folder's.

@@ -64,6 +64,8 @@ def turned(text, path, found, kept):
     parts = code.split(text)
     for i in range(0, len(parts), 2):
         parts[i] = re.sub(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)", replace, parts[i])
+    for i in range(1, len(parts), 2):  # doctest wants a blank line at the end, readers do not
+        parts[i] = re.sub(r"\n+```$", "\n```", parts[i])
     return "".join(parts)
 
 
@@ -85,11 +87,12 @@ def command_pages(program, folder):
     written = set()
     for name in COMMANDS:
         text = help_of(program, name)
-        page = f"# cullhull {name}\n\n{text.splitlines()[0]}.\n\n```text\n{text.rstrip()}\n```\n"
+        about, rest = text.split("\n", 1)
+        page = f"# cullhull {name}\n\n{about}.\n\n```text\n{rest.strip()}\n```\n"
         if name == "bench":
             for suite in re.findall(r"^  (\w+) {3,}", text.split("Subcommands:")[1], re.M):
-                part = help_of(program, name, suite)
-                page += f"\n## cullhull bench {suite}\n\n```text\n{part.rstrip()}\n```\n"
+                about, rest = help_of(program, name, suite).split("\n", 1)
+                page += f"\n## cullhull bench {suite}\n\n{about}.\n\n```text\n{rest.strip()}\n```\n"
         written.add(write(folder, f"reference/commands/{name}.md", page))
     return written
 

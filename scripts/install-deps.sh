@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the packages cullhull is built from: the one list there is (docs/dependencies.md says why
 # each). Debian 12, Ubuntu 24.04 and later. Usage: scripts/install-deps.sh [PART ...]
-# Parts: build (always included), test, bench, docs, fuzz, format, python. Does nothing where nothing is
+# Parts: build (always included), test, bench, docs, fuzz, format, python, package. Does nothing where nothing is
 # missing; calls apt-get as root, or through sudo.
 set -euo pipefail
 
@@ -17,6 +17,7 @@ docs=(doxygen python3 python3-venv python3-pip)
 fuzz=(clang)
 format=(clang-format)
 python=(python3 python3-dev python3-venv python3-pip)
+package=(python3 dpkg-dev file debootstrap debian-archive-keyring)
 
 wanted=("${build[@]}")
 for part in "$@"; do
@@ -28,8 +29,9 @@ for part in "$@"; do
     fuzz) wanted+=("${fuzz[@]}") ;;
     format) wanted+=("${format[@]}") ;;
     python) wanted+=("${python[@]}") ;;
+    package) wanted+=("${package[@]}") ;;
     *)
-      echo "install-deps: unknown part '$part'; known: build test bench docs fuzz format python" >&2
+      echo "install-deps: unknown part '$part'; known: build test bench docs fuzz format python package" >&2
       exit 2
       ;;
   esac

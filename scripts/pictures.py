@@ -49,7 +49,7 @@ def draw_view(browser, folder):
     program("cullhull", "view", scan, "-o", page, "-q")
     draw_page(browser, page, "view.png", (1100, 620))
     draw_page(browser, page, "showpiece.png", (1200, 600), dark=True, picture_alone=True,
-              look=(-0.62, 0.52, 0.92), script="set('show-axes', false); set('show-vertices', false);")
+              look=(-0.62, 0.52, 0.92), script="set('show-axes', false); set('show-vertices', false); set('glass', 9);")
 
 
 HELPERS = """

@@ -72,15 +72,14 @@ OURS uint32_t arc4random(void) {      /* glibc 2.36 */
 C
 cc --sysroot="$folder" -O2 -fPIC -c compat.c -o "$folder/usr/lib/compat.o"
 
-# Header-only libraries, GMP (whose archive asks little of the C library) and three.js.
+# Header-only libraries, GMP (which asks glibc 2.14) and three.js.
 copy() { mkdir -p "$folder$(dirname "$1")" && cp -rL "$1" "$folder$1"; }
 for path in /usr/include/{CLI,nlohmann,fast_float} /usr/share/cmake/{CLI11,nlohmann_json} \
   /usr/lib/cmake/FastFloat /usr/include/gmpxx.h /usr/include/x86_64-linux-gnu/gmp.h \
-  /usr/lib/x86_64-linux-gnu/libgmp.a /usr/share/javascript/three; do
+  /usr/lib/x86_64-linux-gnu/libgmp.{a,so,so.10} /usr/share/javascript/three; do
   [[ -e $path ]] || give_up "no $path (scripts/install-deps.sh build)"
   copy "$path"
 done
-rm -f "$folder"/usr/lib/x86_64-linux-gnu/libgmp.so*
 
 build() { # build SOURCE-ARCHIVE CMAKE-OPTIONS...: installed into the folder
   local name=${1%%_*}
@@ -95,6 +94,15 @@ build() { # build SOURCE-ARCHIVE CMAKE-OPTIONS...: installed into the folder
 build highway_*.orig.tar.gz -DHWY_ENABLE_TESTS=OFF -DHWY_ENABLE_EXAMPLES=OFF \
   -DHWY_ENABLE_CONTRIB=OFF -DBUILD_TESTING=OFF
 build fmtlib_*.orig.tar.gz -DFMT_TEST=OFF -DFMT_DOC=OFF
+# Highway 1.0 installs no CMake package.
+mkdir -p "$folder/usr/lib/x86_64-linux-gnu/cmake/hwy"
+cat >"$folder/usr/lib/x86_64-linux-gnu/cmake/hwy/hwy-config.cmake" <<'CMAKE'
+if(NOT TARGET hwy::hwy)
+  add_library(hwy::hwy STATIC IMPORTED)
+  set_target_properties(hwy::hwy PROPERTIES
+    IMPORTED_LOCATION "${CMAKE_CURRENT_LIST_DIR}/../../libhwy.a")
+endif()
+CMAKE
 cd "$folder"
 rm -rf download
 touch complete

@@ -15,8 +15,8 @@ give_up() {
 }
 
 command -v "$python" >/dev/null || give_up "there is no $python"
-"$python" -c 'import sys; sys.exit(sys.version_info < (3, 10))' ||
-  give_up "$("$python" --version) is too old; 3.10 is needed (PYTHON=... chooses another)"
+"$python" -c 'import sys; sys.exit(sys.version_info < (3, 9))' ||
+  give_up "$("$python" --version) is too old; 3.9 is needed (PYTHON=... chooses another)"
 if [[ ! -x $folder/venv/bin/pip ]]; then
   "$python" -m venv "$folder/venv" >/dev/null ||
     give_up "$python cannot make a virtual environment (Debian: apt-get install python3-venv)"

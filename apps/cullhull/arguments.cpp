@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "cullhull/error.hpp"
+#include "cullhull/point_blocks.hpp"
 #include "signals.hpp"
 
 namespace app {
@@ -21,6 +22,9 @@ const char* const input_help =
     "Input, by extension, else by content:\n"
     "  .npy   NumPy array of n rows and d columns, either order; read in place\n"
     "  .ply   vertices, binary (read in place) or ASCII      .obj .off .stl   vertices\n"
+    "  .las   LAS 1.0 to 1.4, every point format; read in place: the file's whole numbers, to "
+    "which\n"
+    "         its scale and offset are not applied\n"
     "  .xyz .txt .csv   a point a line, separated by blanks, commas or semicolons; Qhull's header\n"
     "         (dimension, then count) and cdd's (rbox h) are understood\n"
     "  raw    nothing but coordinates: say --input-format raw --dim D --type f64\n"
@@ -65,8 +69,8 @@ bool evenly_spaced(const std::vector<std::uint32_t>& columns) {
   return true;
 }
 
-void select_columns(Input& input, const std::vector<std::uint32_t>& columns) {
-  PointView& view = input.points;
+PointView select_columns(PointView view, const std::vector<std::uint32_t>& columns,
+                         std::vector<std::byte>& gathered) {
   const auto d = static_cast<std::uint32_t>(columns.size());
   if (evenly_spaced(columns)) {
     view.data += static_cast<std::ptrdiff_t>(columns[0]) * view.coordinate_stride;
@@ -74,17 +78,17 @@ void select_columns(Input& input, const std::vector<std::uint32_t>& columns) {
       view.coordinate_stride *=
           static_cast<std::ptrdiff_t>(columns[1]) - static_cast<std::ptrdiff_t>(columns[0]);
     view.dimension = d;
-    return;
+    return view;
   }
   const std::size_t size = cullhull::scalar_size(view.scalar);
-  input.gathered.resize(view.count * d * size);
-  std::byte* out = input.gathered.data();
+  gathered.resize(view.count * d * size);
+  std::byte* out = gathered.data();
   for (std::uint64_t i = 0; i < view.count; ++i)
     for (const std::uint32_t j : columns) {
       std::memcpy(out, view.address(i, j), size);
       out += size;
     }
-  view = {input.gathered.data(),
+  return {gathered.data(),
           view.scalar,
           d,
           view.count,
@@ -159,9 +163,28 @@ void InputArguments::add_to(Parser& command) {
   command.add_option("INPUT", path, "File of points, or - for standard input")
       ->type_name("")
       ->required();
+  add_format_to(command);
+}
+
+void InputArguments::add_many_to(Parser& command, const std::string& last) {
+  command
+      .add_option("INPUT", words,
+                  "Files of points: one set, in this order. Also folders, patterns in quotes,\n"
+                  "@LIST (a text with one of these a line), and - for standard input" +
+                      last)
+      ->type_name("")
+      ->required();
+  add_format_to(command);
+}
+
+std::vector<std::string> InputArguments::files() const {
+  return words.empty() ? std::vector{path} : cullhull::input_files(words);
+}
+
+void InputArguments::add_format_to(Parser& command) {
   allow_words(*command.add_option("--input-format", format,
                                   "Read INPUT as this, whatever its name and content"),
-              {"npy", "ply", "obj", "off", "stl", "xyz", "txt", "csv", "raw"});
+              {"npy", "ply", "las", "obj", "off", "stl", "xyz", "txt", "csv", "raw"});
   allow_range(*command.add_option("--dim", dimension, "Coordinates of a point, for raw input"), 1,
               1U << 20);
   allow_words(*command.add_option("--type", type, "Scalar type, for raw input"), scalar_names());
@@ -180,9 +203,14 @@ cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned thr
   return options;
 }
 
+PointView columns_of(const InputArguments& arguments, const PointView& view,
+                     std::vector<std::byte>& gathered) {
+  if (arguments.columns.empty()) return view;
+  return select_columns(view, parse_columns(arguments.columns, view.dimension), gathered);
+}
+
 void choose_columns(const InputArguments& arguments, Input& input) {
-  if (!arguments.columns.empty())
-    select_columns(input, parse_columns(arguments.columns, input.points.dimension));
+  input.points = columns_of(arguments, input.points, input.gathered);
 }
 
 Input open_input(const InputArguments& arguments, unsigned threads) {
@@ -196,6 +224,44 @@ Input open_input(const InputArguments& arguments, unsigned threads) {
   input.points = input.file.points();
   choose_columns(arguments, input);
   return input;
+}
+
+Input open_inputs(const InputArguments& arguments, const std::vector<std::string>& files,
+                  unsigned threads) {
+  InputArguments one = arguments;
+  one.path = files[0];
+  if (files.size() == 1) return open_input(one, threads);
+  std::vector<Input> parts;
+  Input all;
+  for (const std::string& file : files) {
+    one.path = file;
+    parts.push_back(open_input(one, threads));
+    const PointView& part = parts.back().points;
+    if (all.points.count == 0) all.points.scalar = part.scalar;
+    if (part.count > 0 && part.scalar != all.points.scalar) all.points.scalar = ScalarType::f64;
+    if (part.dimension != parts[0].points.dimension)
+      throw Error(ErrorCode::bad_file,
+                  file + ": points of dimension " + std::to_string(part.dimension) + ", but of " +
+                      std::to_string(parts[0].points.dimension) + " in " + files[0]);
+    all.points.count += part.count;
+  }
+  const std::uint32_t d = parts[0].points.dimension;
+  const std::size_t size = cullhull::scalar_size(all.points.scalar);
+  all.gathered.resize(all.points.count * d * size);
+  std::byte* out = all.gathered.data();
+  for (const Input& part : parts)
+    for (std::uint64_t i = 0; i < part.points.count; ++i)
+      for (std::uint32_t j = 0; j < d; ++j, out += size) {
+        const double wide = part.points.at(i, j);
+        const bool same = part.points.scalar == all.points.scalar;
+        std::memcpy(out,
+                    same ? part.points.address(i, j) : reinterpret_cast<const std::byte*>(&wide),
+                    size);
+      }
+  all.file = std::move(parts[0].file);
+  const auto stride = static_cast<std::ptrdiff_t>(size);
+  all.points = {all.gathered.data(), all.points.scalar, d, all.points.count, stride * d, stride};
+  return all;
 }
 
 void RunArguments::add_to(Parser& command, bool filter) {

@@ -21,8 +21,17 @@ struct InputArguments {
   std::uint32_t dimension = 0;
   std::string type;
   std::string columns;
+  /// Where a command takes many: as they were given. Their files are one set of points.
+  std::vector<std::string> words;
 
   void add_to(Parser& command);
+  /// INPUT may be several words; `last`: what the help says of the last of them.
+  void add_many_to(Parser& command, const std::string& last = "");
+  /// The files that the words stand for (input_files), or the one path.
+  std::vector<std::string> files() const;
+
+ private:
+  void add_format_to(Parser& command);
 };
 
 /// An open file and the view of it that was asked for.
@@ -34,12 +43,18 @@ struct Input {
 };
 
 Input open_input(const InputArguments& arguments, unsigned threads = 0);
+/// All of these files' points in memory, one after the other.
+Input open_inputs(const InputArguments& arguments, const std::vector<std::string>& files,
+                  unsigned threads);
 
 /// How open_input would open it.
 cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads);
 
 /// Makes input.points the view of the columns asked for, all if none were.
 void choose_columns(const InputArguments& arguments, Input& input);
+/// The same of any view; `gathered` holds what no stride describes.
+cullhull::PointView columns_of(const InputArguments& arguments, const cullhull::PointView& view,
+                               std::vector<std::byte>& gathered);
 
 /// How to run: everything that ends up in cullhull::Options.
 struct RunArguments {

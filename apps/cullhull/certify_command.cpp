@@ -13,6 +13,7 @@
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "signals.hpp"
+#include "streaming.hpp"
 #include "terminal.hpp"
 
 namespace app {
@@ -38,11 +39,12 @@ struct CertifyArguments {
   RunArguments run;
   std::string hull;
   std::string json;
+  StreamArguments stream;
+  std::vector<std::string> files;  ///< that the words of the input stand for
 };
 
-std::string report(const Input& input, const cullhull::Certificate& certificate, unsigned threads,
-                   double seconds) {
-  const cullhull::PointView& points = input.points;
+std::string report(const cullhull::PointView& points, const cullhull::Certificate& certificate,
+                   unsigned threads, double read_seconds, double seconds) {
   nlohmann::ordered_json json;
   json["version"] = CULLHULL_VERSION;
   json["schema"] = cullhull::json_schema_version;
@@ -56,37 +58,81 @@ std::string report(const Input& input, const cullhull::Certificate& certificate,
   json["points_checked"] = certificate.points_checked;
   json["ridges_checked"] = certificate.ridges_checked;
   json["exact_decisions"] = certificate.exact_decisions;
-  json["read_seconds"] = input.file.read_seconds();
+  json["read_seconds"] = read_seconds;
   json["certify_seconds"] = seconds;
   json["peak_bytes"] = peak_bytes();
   // A reason may quote what the file says, whatever its bytes.
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
 }
 
-int run(const CertifyArguments& arguments) {
-  FilePlan plan;
-  plan.reads({arguments.input.path, arguments.hull});
-  plan.writes_json(arguments.json);
-  if (arguments.input.path == "-" && arguments.hull == "-")
-    throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
-                          "only one of INPUT and HULL can be standard input");
-  const Input input = open_input(arguments.input, arguments.run.threads);
+struct Outcome {
   cullhull::Certificate certificate;
+  cullhull::PointView points;  ///< number, dimension and scalar type alone
+  double read_seconds = 0, seconds = 0;
+};
+
+Outcome certify_in_memory(const CertifyArguments& arguments) {
+  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads);
+  Outcome outcome;
+  outcome.points = input.points;
+  outcome.read_seconds = input.file.read_seconds();
   const Stopwatch watch;
-  {
-    TerminalProgress progress(arguments.run.quiet);
-    cullhull::Options options = arguments.run.options();
-    options.progress = progress.callback();
-    cancellable([&] {
-      naming_file(arguments.input.path, [&] {
-        certificate = cullhull::certify_file(input.points, arguments.hull, options);
-      });
+  TerminalProgress progress(arguments.run.quiet);
+  cullhull::Options options = arguments.run.options();
+  options.progress = progress.callback();
+  cancellable([&] {
+    naming_file(arguments.input.path, [&] {
+      outcome.certificate = cullhull::certify_file(input.points, arguments.hull, options);
     });
-  }
-  const double seconds = watch.seconds();
+  });
+  outcome.seconds = watch.seconds();
+  return outcome;
+}
+
+Outcome certify_streamed(const CertifyArguments& arguments) {
+  Outcome outcome;
+  std::vector<double> rows;
+  const cullhull::Hull hull = cullhull::hull_from_json(arguments.hull, &rows);
+  outcome.points.count = hull.point_count;
+  outcome.points.dimension = hull.dimension;
+  outcome.points.scalar = hull.scalar;
+  const Stopwatch watch;
+  cullhull::Options options = arguments.run.options();
+  cullhull::CertifyStream check(hull, std::move(rows), options);
+  stream_blocks(
+      arguments.input, arguments.files, arguments.run,
+      [&](const cullhull::PointView& block, std::uint64_t first) { check.push(block, first); });
+  outcome.certificate = check.finish();
+  outcome.seconds = watch.seconds();
+  return outcome;
+}
+
+int run(CertifyArguments arguments) {
+  if (arguments.input.words.size() < 2)
+    throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                          "certify needs the points and, last, the hull that is to be checked");
+  arguments.hull = arguments.input.words.back();
+  arguments.input.words.pop_back();
+  arguments.files = arguments.input.files();
+  arguments.input.path = arguments.files.size() == 1
+                             ? arguments.files[0]
+                             : fmt::format("{} inputs", arguments.files.size());
+  FilePlan plan;
+  plan.reads(arguments.files);
+  plan.reads(arguments.hull);
+  plan.writes_json(arguments.json);
+  for (const std::string& file : arguments.files)
+    if (file == "-" && arguments.hull == "-")
+      throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                            "only one of INPUT and HULL can be standard input");
+  const Outcome outcome = arguments.stream.wanted(arguments.files, arguments.run, "")
+                              ? certify_streamed(arguments)
+                              : certify_in_memory(arguments);
+  const cullhull::Certificate& certificate = outcome.certificate;
   if (!arguments.json.empty())
     cullhull::write_text(arguments.json,
-                         report(input, certificate, threads_used(arguments.run.threads), seconds));
+                         report(outcome.points, certificate, threads_used(arguments.run.threads),
+                                outcome.read_seconds, outcome.seconds));
   if (!certificate.valid) {
     complain("not certified: " + certificate.reason);
     return not_certified;
@@ -96,7 +142,7 @@ int run(const CertifyArguments& arguments) {
                              "{:.6f} seconds\n",
                              grouped(certificate.points_checked),
                              grouped(certificate.ridges_checked),
-                             grouped(certificate.exact_decisions), seconds) +
+                             grouped(certificate.exact_decisions), outcome.seconds) +
                  wrote_line(arguments.json));
   return 0;
 }
@@ -106,10 +152,8 @@ int run(const CertifyArguments& arguments) {
 Command add_certify(Parser& parent) {
   auto a = std::make_shared<CertifyArguments>();
   Parser& command = *parent.add_subcommand("certify", "Check a hull against its points, exactly");
-  a->input.add_to(command);
-  command.add_option("HULL", a->hull, "What 'cullhull hull INPUT -o HULL.json' wrote")
-      ->type_name("")
-      ->required();
+  a->input.add_many_to(command, ";\nlast what 'cullhull hull INPUT -o HULL.json' wrote");
+  a->stream.add_to(command, false);
   add_json_option(command, a->json, "The outcome, counts and times");
   a->run.add_to(command, false);
   command.footer(std::string(input_help) + "\n\n" + examples);

@@ -12,6 +12,7 @@
 #include "cullhull/version.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
+#include "streaming.hpp"
 
 namespace app {
 namespace {
@@ -43,13 +44,14 @@ struct CullArguments {
   std::string points;
   std::string json;
   unsigned repeat = 1;
+  StreamArguments stream;
+  std::vector<std::string> files;  ///< that the words of the input stand for
 };
 
 using Outcome = Repeated<cullhull::Survivors>;
 
-std::string report(const CullArguments& arguments, const Input& input, const Outcome& outcome,
-                   double read_seconds) {
-  const cullhull::PointView& points = input.points;
+std::string report(const CullArguments& arguments, const cullhull::PointView& points,
+                   const Outcome& outcome, double read_seconds) {
   nlohmann::ordered_json json;
   json["version"] = CULLHULL_VERSION;
   json["schema"] = cullhull::json_schema_version;
@@ -77,6 +79,11 @@ std::string summary(const Input& input, const Outcome& outcome, double read_seco
          fmt::format("seconds    {:.6f}; reading {:.6f}\n", median(outcome.seconds), read_seconds);
 }
 
+std::string wrote_lines(const CullArguments& arguments) {
+  return wrote_line(arguments.output) + wrote_line(arguments.points) + wrote_line(arguments.json) +
+         wrote_line(arguments.stream.partial);
+}
+
 /// -o names ids or points, and the name tells which.
 bool holds_points(const std::string& path) {
   const std::string ending = ending_of(path);
@@ -85,10 +92,11 @@ bool holds_points(const std::string& path) {
 
 FilePlan plan_files(const CullArguments& arguments) {
   FilePlan plan;
-  plan.reads(arguments.input.path);
+  plan.reads(arguments.files);
   plan.writes("-o", arguments.output, {".npy", ".csv", ".txt", ".ply", ".xyz"});
   plan.writes("--points", arguments.points, point_endings);
   plan.writes_json(arguments.json);
+  arguments.stream.plan(plan);
   return plan;
 }
 
@@ -114,9 +122,8 @@ void write_survivors(const CullArguments& arguments, const cullhull::PointView& 
   if (!arguments.points.empty()) cullhull::write_points(arguments.points, points, survivors.ids);
 }
 
-int run(const CullArguments& arguments) {
-  const FilePlan plan = plan_files(arguments);
-  const Input input = open_input(arguments.input, arguments.run.threads);
+int run_in_memory(const CullArguments& arguments, const FilePlan& plan) {
+  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads);
   for (const std::string& path : {arguments.output, arguments.points})
     check_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
@@ -125,11 +132,58 @@ int run(const CullArguments& arguments) {
   });
   write_survivors(arguments, input.points, outcome.result);
   if (!arguments.json.empty())
-    cullhull::write_text(arguments.json, report(arguments, input, outcome, read_seconds));
+    cullhull::write_text(arguments.json, report(arguments, input.points, outcome, read_seconds));
   if (!arguments.run.quiet && !plan.uses_stdout())
-    write_stdout(summary(input, outcome, read_seconds) + wrote_line(arguments.output) +
-                 wrote_line(arguments.points) + wrote_line(arguments.json));
+    write_stdout(summary(input, outcome, read_seconds) + wrote_lines(arguments));
   return 0;
+}
+
+/// In one pass nothing finer is known than at its end: what is left are the extreme points.
+int run_streamed(const CullArguments& arguments, const FilePlan& plan) {
+  Streamed streamed =
+      stream_state(arguments.input, arguments.files, arguments.stream, arguments.run);
+  const cullhull::HullState& state = streamed.state;
+  for (const std::string& path : {arguments.output, arguments.points})
+    check_dimension(path, state.dimension());
+  if (!arguments.stream.partial.empty()) cullhull::write_state(arguments.stream.partial, state);
+  if (holds_points(arguments.output))
+    cullhull::write_points(arguments.output, state);
+  else if (!arguments.output.empty())
+    cullhull::write_ids(arguments.output, state.ids());
+  if (!arguments.points.empty()) cullhull::write_points(arguments.points, state);
+  if (!arguments.json.empty()) {
+    Outcome outcome;
+    outcome.result.ids = state.ids();
+    outcome.result.method = "stream";
+    outcome.result.reason = "points in blocks, of which the extreme ones are left";
+    outcome.seconds = {streamed.seconds};
+    cullhull::PointView all = state.points();
+    all.count = state.point_count();
+    cullhull::write_text(arguments.json, report(arguments, all, outcome, 0));
+  }
+  if (!arguments.run.quiet && !plan.uses_stdout())
+    write_stdout(streamed_points_line(streamed, arguments.files.size()) +
+                 survivors_line(state.ids().size(), state.point_count(), "stream") +
+                 fmt::format("seconds    {:.6f}\n", streamed.seconds) + wrote_lines(arguments));
+  remove_checkpoint(arguments.stream);
+  return 0;
+}
+
+std::string needs_memory(const CullArguments& arguments) {
+  if (arguments.repeat > 1) return "--repeat";
+  if (arguments.run.cull != "auto") return "--cull " + arguments.run.cull;
+  return arguments.run.backend == "cuda" ? "--backend cuda" : "";
+}
+
+int run(CullArguments arguments) {
+  arguments.files = arguments.input.files();
+  arguments.input.path = arguments.files.size() == 1
+                             ? arguments.files[0]
+                             : fmt::format("{} inputs", arguments.files.size());
+  const FilePlan plan = plan_files(arguments);
+  return arguments.stream.wanted(arguments.files, arguments.run, needs_memory(arguments))
+             ? run_streamed(arguments, plan)
+             : run_in_memory(arguments, plan);
 }
 
 }  // namespace
@@ -148,7 +202,8 @@ Command add_cull(Parser& parent) {
   a->run.add_to(command, true);
   allow_range(*command.add_option("--repeat", a->repeat, "Compute N times, report the median"), 1,
               1000000);
-  a->input.add_to(command);
+  a->stream.add_to(command, true);
+  a->input.add_many_to(command);
   command.footer(std::string(input_help) + "\n\n" + examples);
   return [a] { return run(*a); };
 }

@@ -13,6 +13,7 @@
 #include "cullhull/io.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
+#include "streaming.hpp"
 #include "terminal.hpp"
 
 namespace app {
@@ -62,6 +63,8 @@ struct HullArguments {
   unsigned repeat = 1;
   bool certify = false;
   bool triangles = false;
+  StreamArguments stream;
+  std::vector<std::string> files;  ///< that the words of the input stand for
 };
 
 struct Outcome : Repeated<Hull> {
@@ -83,10 +86,11 @@ std::vector<std::string> format_words(const std::vector<std::string>& given) {
 
 FilePlan plan_files(const HullArguments& arguments) {
   FilePlan plan;
-  plan.reads(arguments.input.path);
+  plan.reads(arguments.files);
   for (const std::string& path : arguments.outputs) plan.writes("-o", path, hull_endings);
   plan.writes("--vertices", arguments.vertices, id_endings);
   plan.writes_json(arguments.json);
+  arguments.stream.plan(plan);
   if (!arguments.formats.empty()) plan.prints("--format");
   return plan;
 }
@@ -120,61 +124,83 @@ Outcome compute(const HullArguments& arguments, const cullhull::PointView& point
   return outcome;
 }
 
-std::string summary(const Input& input, const Outcome& outcome, double read_seconds,
-                    std::uint64_t peak) {
-  const Hull& hull = outcome.result;
-  const cullhull::Statistics& s = hull.statistics;
-  std::string text =
-      points_line(input) + survivors_line(s.survivors, hull.point_count, s.cull_method);
+/// Counts and measures.
+std::string hull_lines(const Hull& hull) {
+  std::string text;
   if (hull.affine_dimension >= 0 && hull.affine_dimension != static_cast<int>(hull.dimension))
     text += fmt::format("flat       the points span dimension {} only; the hull is taken there\n",
                         hull.affine_dimension);
   text +=
       fmt::format("vertices   {}\nfacets     {} ({} simplices)\n", grouped(hull.vertices.size()),
                   grouped(hull.facet_count()), grouped(hull.simplex_count()));
-  text += measure_lines(hull.affine_dimension, hull.area, hull.volume);
-  text += fmt::format("seconds    {:.6f} = cull {:.6f} + hull {:.6f}; reading {:.6f}\n",
-                      s.compute_seconds, s.cull_seconds, s.hull_seconds, read_seconds);
-  if (outcome.seconds.size() > 1)
-    text += fmt::format("           the median of {} runs\n", outcome.seconds.size());
-  text +=
+  return text + measure_lines(hull.affine_dimension, hull.area, hull.volume);
+}
+
+std::string run_lines(const Hull& hull, const std::optional<Certificate>& certificate,
+                      std::uint64_t peak) {
+  const cullhull::Statistics& s = hull.statistics;
+  std::string text =
       fmt::format("run        {} engine, {}, {} thread{}, peak memory {:.1f} MB\n", s.engine,
                   s.backend, s.threads, s.threads == 1 ? "" : "s", static_cast<double>(peak) / 1e6);
-  if (outcome.certificate)
-    text += fmt::format("certified  {}\n", outcome.certificate->valid ? "yes" : "NO");
+  if (certificate) text += fmt::format("certified  {}\n", certificate->valid ? "yes" : "NO");
   return text;
+}
+
+std::string summary(const Input& input, const Outcome& outcome, double read_seconds,
+                    std::uint64_t peak) {
+  const Hull& hull = outcome.result;
+  const cullhull::Statistics& s = hull.statistics;
+  return points_line(input) + survivors_line(s.survivors, hull.point_count, s.cull_method) +
+         hull_lines(hull) +
+         fmt::format("seconds    {:.6f} = cull {:.6f} + hull {:.6f}; reading {:.6f}\n",
+                     s.compute_seconds, s.cull_seconds, s.hull_seconds, read_seconds) +
+         (outcome.seconds.size() > 1
+              ? fmt::format("           the median of {} runs\n", outcome.seconds.size())
+              : std::string()) +
+         run_lines(hull, outcome.certificate, peak);
 }
 
 /// What was written, by name.
 std::string wrote_lines(const HullArguments& arguments) {
   std::string text;
   for (const std::string& path : arguments.outputs) text += wrote_line(path);
-  return text + wrote_line(arguments.vertices) + wrote_line(arguments.json);
+  return text + wrote_line(arguments.vertices) + wrote_line(arguments.json) +
+         wrote_line(arguments.stream.partial);
 }
 
-void write_results(const HullArguments& arguments, const FilePlan& plan, const Input& input,
-                   const Outcome& outcome, double read_seconds, std::uint64_t peak) {
-  const Hull& hull = outcome.result;
+/// `points`: all of them, or their state.
+template <class Points>
+void write_results(const HullArguments& arguments, const Points& points, const Hull& hull,
+                   const cullhull::JsonExtras& extras) {
   const auto faces = arguments.triangles ? cullhull::Faces::triangles : cullhull::Faces::polygons;
   for (const std::string& path : arguments.outputs)
-    cullhull::write_hull(path, input.points, hull, "", faces);
+    cullhull::write_hull(path, points, hull, "", faces);
   if (!arguments.vertices.empty()) {
     std::vector<std::uint64_t> ids = hull.vertices;
     std::sort(ids.begin(), ids.end());  // in 2D they come counter-clockwise
     cullhull::write_ids(arguments.vertices, ids);
   }
-  if (!arguments.json.empty()) {
-    cullhull::JsonExtras extras;
-    extras.read_seconds = read_seconds;
-    extras.compute_seconds_all = outcome.seconds;
-    extras.peak_bytes = peak;
-    if (outcome.certificate) extras.certified = outcome.certificate->valid;
-    cullhull::write_text(arguments.json, cullhull::hull_to_json(input.points, hull, extras, false));
-  }
+  if (!arguments.json.empty())
+    cullhull::write_text(arguments.json, cullhull::hull_to_json(points, hull, extras, false));
   for (const std::string& word : format_words(arguments.formats))
-    write_stdout(cullhull::hull_to_qhull_text(input.points, hull, word));
-  if (!arguments.run.quiet && !plan.uses_stdout())
-    write_stdout(summary(input, outcome, read_seconds, peak) + wrote_lines(arguments));
+    write_stdout(cullhull::hull_to_qhull_text(points, hull, word));
+}
+
+cullhull::JsonExtras extras_of(const std::optional<Certificate>& certificate,
+                               const std::vector<double>& seconds, double read_seconds,
+                               std::uint64_t peak) {
+  cullhull::JsonExtras extras;
+  extras.read_seconds = read_seconds;
+  extras.compute_seconds_all = seconds;
+  extras.peak_bytes = peak;
+  if (certificate) extras.certified = certificate->valid;
+  return extras;
+}
+
+int exit_of(const std::optional<Certificate>& certificate) {
+  if (!certificate || certificate->valid) return 0;
+  complain("not certified: " + certificate->reason);
+  return not_certified;
 }
 
 // ---------------------------------------------------------------------------- --only vertices
@@ -209,13 +235,16 @@ std::string extreme_json(const cullhull::PointView& view, const Extreme& found, 
       fmt::join(found.seconds, ", "), peak, fmt::join(points.ids, ", "));
 }
 
-int run_vertices_only(const HullArguments& arguments, const FilePlan& plan) {
+void check_vertices_only(const HullArguments& arguments) {
   if (!arguments.outputs.empty() || !arguments.formats.empty() || arguments.certify ||
       arguments.engine != "native")
     throw Error(ErrorCode::invalid_argument,
                 "--only vertices finds no facets: it goes with --vertices and --json, not with -o, "
                 "--format, --certify or --engine qhull");
-  const Input input = open_input(arguments.input, arguments.run.threads);
+}
+
+int run_vertices_only(const HullArguments& arguments, const FilePlan& plan) {
+  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const Extreme found = find_repeatedly(arguments, [&](const cullhull::Options& options) {
     return cullhull::extreme_points(input.points, options);
@@ -234,21 +263,146 @@ int run_vertices_only(const HullArguments& arguments, const FilePlan& plan) {
   return 0;
 }
 
-int run(const HullArguments& arguments) {
-  (void)format_words(arguments.formats);  // refused before the work
-  const FilePlan plan = plan_files(arguments);
+// ---------------------------------------------------------------------------- in blocks
+
+/// The first thing asked for that needs all points in memory; empty if nothing does.
+std::string needs_memory(const HullArguments& arguments) {
+  if (arguments.repeat > 1) return "--repeat";
+  if (arguments.engine != "native") return "--engine " + arguments.engine;
+  if (arguments.run.cull != "auto") return "--cull " + arguments.run.cull;
+  if (arguments.run.backend == "cuda") return "--backend cuda";
+  for (const std::string& word : format_words(arguments.formats))
+    for (const char* whole : {"o", "f", "FF", "Ft", "FN"})
+      if (word == whole) return "--format " + word;
+  return "";
+}
+
+/// Reads everything once more and holds it against the hull.
+Certificate certify_streamed(const HullArguments& arguments, const Streamed& streamed,
+                             const Hull& hull) {
+  for (const std::string& file : arguments.files)
+    if (file == "-" || ending_of(file) == ".hullstate" || arguments.stream.first_id > 0)
+      throw Error(ErrorCode::invalid_argument,
+                  "--certify reads all points once more, from 0 on: "
+                  "not from " +
+                      input_name(file));
+  std::vector<double> rows;
+  const cullhull::PointView points = streamed.state.points();
+  const std::vector<std::uint64_t>& ids = streamed.state.ids();
+  for (const std::uint64_t v : hull.vertices) {
+    const auto row = std::lower_bound(ids.begin(), ids.end(), v) - ids.begin();
+    for (std::uint32_t j = 0; j < points.dimension; ++j)
+      rows.push_back(points.at(static_cast<std::uint64_t>(row), j));
+  }
+  cullhull::Options options = arguments.run.options();
+  options.threads = 1;  // those that read work
+  cullhull::CertifyStream check(hull, std::move(rows), options);
+  stream_blocks(
+      arguments.input, arguments.files, arguments.run,
+      [&](const cullhull::PointView& block, std::uint64_t first) { check.push(block, first); });
+  return check.finish();
+}
+
+Hull hull_of_state(const HullArguments& arguments, const Streamed& streamed) {
+  const Stopwatch watch;
+  Repeated<Hull> found = repeat(arguments.run, 1, [&](const cullhull::Options& options) {
+    return streamed.state.hull(options);
+  });
+  cullhull::Statistics& s = found.result.statistics;
+  s.survivors = streamed.state.ids().size();
+  s.cull_method = "stream";
+  s.cull_reason =
+      fmt::format("points in {} blocks, {} maps, {} exact reductions", streamed.read.blocks,
+                  streamed.report.maps, streamed.report.reductions);
+  s.cull_seconds = streamed.seconds;
+  s.hull_seconds = watch.seconds();
+  s.compute_seconds = s.cull_seconds + s.hull_seconds;
+  return std::move(found.result);
+}
+
+/// The state's points, under their ids.
+std::string extreme_json_of(const HullArguments& arguments, const Streamed& streamed) {
+  cullhull::PointView all = streamed.state.points();
+  Extreme found;
+  found.result = cullhull::extreme_points(all, arguments.run.options());
+  found.result.ids = streamed.state.ids();
+  found.seconds = {streamed.seconds};
+  cullhull::Statistics& s = found.result.statistics;
+  s.cull_method = "stream";
+  s.survivors = all.count;
+  s.cull_seconds = s.compute_seconds = streamed.seconds;
+  all.count = streamed.state.point_count();
+  return extreme_json(all, found, 0, peak_bytes());
+}
+
+std::string state_lines(const HullArguments& arguments, const Streamed& streamed) {
+  return streamed_points_line(streamed, arguments.files.size()) +
+         survivors_line(streamed.state.ids().size(), streamed.state.point_count(), "stream");
+}
+
+int run_streamed(const HullArguments& arguments, const FilePlan& plan) {
+  const Streamed streamed =
+      stream_state(arguments.input, arguments.files, arguments.stream, arguments.run);
+  const cullhull::HullState& state = streamed.state;
+  const bool speaks = !arguments.run.quiet && !plan.uses_stdout();
+  if (!arguments.stream.partial.empty()) cullhull::write_state(arguments.stream.partial, state);
+  const bool only_vertices = !arguments.only.empty();
+  const bool only_state = !arguments.stream.partial.empty() && arguments.outputs.empty() &&
+                          arguments.vertices.empty() && arguments.json.empty() &&
+                          arguments.formats.empty() && !arguments.certify;
+  if (only_vertices || only_state) {
+    if (!arguments.vertices.empty()) cullhull::write_ids(arguments.vertices, state.ids());
+    if (!arguments.json.empty())
+      cullhull::write_text(arguments.json, extreme_json_of(arguments, streamed));
+    if (speaks)
+      write_stdout(state_lines(arguments, streamed) +
+                   fmt::format("seconds    {:.6f}\n", streamed.seconds) + wrote_lines(arguments));
+    remove_checkpoint(arguments.stream);
+    return 0;
+  }
+  for (const std::string& path : arguments.outputs) check_hull_dimension(path, state.dimension());
+  const Hull hull = hull_of_state(arguments, streamed);
+  std::optional<Certificate> certificate;
+  if (arguments.certify) certificate = certify_streamed(arguments, streamed, hull);
+  const std::uint64_t peak = peak_bytes();
+  write_results(arguments, state, hull,
+                extras_of(certificate, {hull.statistics.compute_seconds}, 0, peak));
+  if (speaks)
+    write_stdout(state_lines(arguments, streamed) + hull_lines(hull) +
+                 fmt::format("seconds    {:.6f} = stream {:.6f} + hull {:.6f}\n",
+                             hull.statistics.compute_seconds, hull.statistics.cull_seconds,
+                             hull.statistics.hull_seconds) +
+                 run_lines(hull, certificate, peak) + wrote_lines(arguments));
+  remove_checkpoint(arguments.stream);
+  return exit_of(certificate);
+}
+
+int run_in_memory(const HullArguments& arguments, const FilePlan& plan) {
   if (!arguments.only.empty()) return run_vertices_only(arguments, plan);
-  const Input input = open_input(arguments.input, arguments.run.threads);
+  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads);
   for (const std::string& path : arguments.outputs)
     check_hull_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const Outcome outcome = compute(arguments, input.points);
-  write_results(arguments, plan, input, outcome, read_seconds, peak_bytes());
-  if (outcome.certificate && !outcome.certificate->valid) {
-    complain("not certified: " + outcome.certificate->reason);
-    return not_certified;
-  }
-  return 0;
+  const std::uint64_t peak = peak_bytes();
+  write_results(arguments, input.points, outcome.result,
+                extras_of(outcome.certificate, outcome.seconds, read_seconds, peak));
+  if (!arguments.run.quiet && !plan.uses_stdout())
+    write_stdout(summary(input, outcome, read_seconds, peak) + wrote_lines(arguments));
+  return exit_of(outcome.certificate);
+}
+
+int run(HullArguments arguments) {
+  (void)format_words(arguments.formats);  // refused before the work
+  arguments.files = arguments.input.files();
+  arguments.input.path = arguments.files.size() == 1
+                             ? arguments.files[0]
+                             : fmt::format("{} inputs", arguments.files.size());
+  const FilePlan plan = plan_files(arguments);
+  if (!arguments.only.empty()) check_vertices_only(arguments);
+  return arguments.stream.wanted(arguments.files, arguments.run, needs_memory(arguments))
+             ? run_streamed(arguments, plan)
+             : run_in_memory(arguments, plan);
 }
 
 }  // namespace
@@ -279,7 +433,8 @@ Command add_hull(Parser& parent) {
               1000000);
   command.add_flag("--certify", a->certify,
                    "Check the result exactly, by none of the engine's code");
-  a->input.add_to(command);
+  a->stream.add_to(command, true);
+  a->input.add_many_to(command);
   command.footer(std::string(input_help) + "\n\n" + examples);
   return [a] { return run(*a); };
 }

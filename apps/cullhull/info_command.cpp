@@ -1,9 +1,11 @@
 // cullhull info: what is in a file of points.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "arguments.hpp"
@@ -11,6 +13,7 @@
 #include "cullhull/io.hpp"
 #include "cullhull/version.hpp"
 #include "outputs.hpp"
+#include "streaming.hpp"
 #include "terminal.hpp"
 
 namespace app {
@@ -27,9 +30,28 @@ struct Scan {
   std::vector<Range> axes;
   std::uint64_t not_finite = 0;
   std::uint64_t first_not_finite = none;
+
+  /// Takes in what was found in other points.
+  void add(const Scan& other) {
+    if (axes.size() < other.axes.size()) axes.resize(other.axes.size());
+    for (std::size_t j = 0; j < other.axes.size(); ++j) {
+      axes[j].least = std::min(axes[j].least, other.axes[j].least);
+      axes[j].greatest = std::max(axes[j].greatest, other.axes[j].greatest);
+    }
+    not_finite += other.not_finite;
+    first_not_finite = std::min(first_not_finite, other.first_not_finite);
+  }
 };
 
-Scan scan(const cullhull::PointView& points) {
+/// What is told besides.
+struct Described {
+  cullhull::PointView points;  ///< number, dimension, scalar type and strides alone
+  std::string format;
+  bool in_place = false;
+  double read_seconds = 0;
+};
+
+Scan scan(const cullhull::PointView& points, std::uint64_t first_id = 0) {
   Scan result;
   result.axes.resize(points.dimension);
   for (std::uint64_t i = 0; i < points.count; ++i) {
@@ -41,7 +63,7 @@ Scan scan(const cullhull::PointView& points) {
       if (x > result.axes[j].greatest) result.axes[j].greatest = x;
     }
     if (finite) continue;
-    if (result.not_finite++ == 0) result.first_not_finite = i;
+    if (result.not_finite++ == 0) result.first_not_finite = first_id + i;
   }
   return result;
 }
@@ -53,7 +75,7 @@ nlohmann::ordered_json number(double value, bool any) {
   return value;
 }
 
-std::string report(const Input& input, const Scan& found) {
+std::string report(const Described& input, const Scan& found) {
   using Json = nlohmann::ordered_json;
   const cullhull::PointView& points = input.points;
   Json json;
@@ -62,8 +84,8 @@ std::string report(const Input& input, const Scan& found) {
   json["points"] = {{"count", points.count},
                     {"dimension", points.dimension},
                     {"scalar", cullhull::scalar_name(points.scalar)}};
-  json["format"] = input.file.format();
-  json["in_place"] = input.file.mapped();
+  json["format"] = input.format;
+  json["in_place"] = input.in_place;
   json["point_stride"] = points.point_stride;
   json["coordinate_stride"] = points.coordinate_stride;
   json["axes"] = Json::array();
@@ -74,16 +96,16 @@ std::string report(const Input& input, const Scan& found) {
   }
   json["not_finite"] = found.not_finite;
   json["first_not_finite"] = found.not_finite > 0 ? Json(found.first_not_finite) : Json();
-  json["read_seconds"] = input.file.read_seconds();
+  json["read_seconds"] = input.read_seconds;
   return json.dump(2) + '\n';
 }
 
-std::string summary(const Input& input, const Scan& found) {
+std::string summary(const Described& input, const Scan& found) {
   const cullhull::PointView& points = input.points;
   std::string text = fmt::format(
       "format     {}{}\npoints     {}\ndimension  {}\nscalar     {}\nstrides    {} bytes from "
       "point to point, {} from coordinate to coordinate\n",
-      input.file.format(), input.file.mapped() ? ", read in place" : "", grouped(points.count),
+      input.format, input.in_place ? ", read in place" : "", grouped(points.count),
       points.dimension, cullhull::scalar_name(points.scalar), points.point_stride,
       points.coordinate_stride);
   for (std::uint32_t j = 0; points.count > 0 && j < points.dimension; ++j)
@@ -98,15 +120,42 @@ std::string summary(const Input& input, const Scan& found) {
 
 struct InfoArguments {
   InputArguments input;
+  StreamArguments stream;
   std::string json;
 };
 
+Described describe(const InputArguments& arguments, const std::vector<std::string>& files,
+                   Scan& found) {
+  const Input input = open_inputs(arguments, files, 0);
+  found = scan(input.points);
+  return {input.points, input.file.format(), input.file.mapped(), input.file.read_seconds()};
+}
+
+Described describe_streamed(const InputArguments& arguments, const std::vector<std::string>& files,
+                            Scan& found) {
+  std::mutex mutex;
+  cullhull::PointView shape;
+  const cullhull::BlockSummary read = stream_blocks(
+      arguments, files, RunArguments{}, [&](const cullhull::PointView& block, std::uint64_t first) {
+        const Scan part = scan(block, first);
+        const std::lock_guard lock(mutex);
+        found.add(part);
+        if (first == 0) shape = block;
+      });
+  shape.count = read.end.points;
+  shape.scalar = read.scalar;
+  return {shape, read.format, false, 0};
+}
+
 int run(const InfoArguments& arguments) {
+  const std::vector<std::string> files = arguments.input.files();
   FilePlan plan;
-  plan.reads(arguments.input.path);
+  plan.reads(files);
   plan.writes_json(arguments.json);
-  const Input input = open_input(arguments.input);
-  const Scan found = scan(input.points);
+  Scan found;
+  const bool streamed = arguments.stream.wanted(files, RunArguments{}, "");
+  const Described input = streamed ? describe_streamed(arguments.input, files, found)
+                                   : describe(arguments.input, files, found);
   if (!arguments.json.empty()) cullhull::write_text(arguments.json, report(input, found));
   if (!plan.uses_stdout()) write_stdout(summary(input, found) + wrote_line(arguments.json));
   return 0;
@@ -119,7 +168,8 @@ Command add_info(Parser& parent) {
   Parser& command =
       *parent.add_subcommand("info", "What is in a file: format, count, scalar type, ranges");
   add_json_option(command, a->json, "The same");
-  a->input.add_to(command);
+  a->stream.add_to(command, false);
+  a->input.add_many_to(command);
   command.footer(std::string(input_help) +
                  "\n\nExit status: 0 success; 1 bad input; 2 bad usage; 130 cancelled.");
   return [a] { return run(*a); };

@@ -234,7 +234,8 @@ Written view_hulls(const ViewArguments& arguments, const std::vector<std::string
     const cullhull::Hull hull = cullhull::hull_from_json(files[i], &frame.vertex_rows);
     frame.index = i;
     frame.hull = &hull;
-    frame.report = cullhull::viewer::result_figures(cullhull::hull_to_json({}, hull, {}, false));
+    frame.report = cullhull::viewer::result_figures(
+        cullhull::hull_to_json(cullhull::PointView{}, hull, {}, false));
     chosen.add(frame.report);
     scene.add(frame);
   }

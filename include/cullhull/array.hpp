@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 namespace internal {
@@ -64,3 +65,4 @@ template <class T>
 using Array = std::vector<T, ArrayAllocator<T>>;
 
 }  // namespace cullhull
+#pragma GCC visibility pop

@@ -8,6 +8,7 @@
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 /// The hulls of many sets, end to end. Every list holds what the member of the same name in Hull
@@ -46,3 +47,4 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
                        std::uint64_t set_count, const Options& options = {});
 
 }  // namespace cullhull
+#pragma GCC visibility pop

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "cullhull/hull.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 struct Certificate {
@@ -35,4 +38,27 @@ struct Certificate {
 /// stop, progress. Errors: cancelled; invalid_argument for null data or no dimension.
 Certificate certify(const PointView& points, const Hull& hull, const Options& options = {});
 
+/// certify() of points that come in pieces: the same proof, in memory O(simplices).
+class CertifyStream {
+ public:
+  /// Checks the hull by itself. `vertex_coordinates`: a row for each of hull.vertices, in that
+  /// order; each is held against its point when that comes. The hull has to outlive the object.
+  CertifyStream(const Hull& hull, std::vector<double> vertex_coordinates,
+                const Options& options = {});
+  CertifyStream(CertifyStream&&) noexcept;
+  CertifyStream& operator=(CertifyStream&&) noexcept;
+  ~CertifyStream();
+
+  /// Points first_id, first_id + 1, ... of all; any order of blocks, any threads. Each point is to
+  /// come once.
+  void push(const PointView& block, std::uint64_t first_id);
+  /// When all points have come. Of several faults that of the lowest block is told.
+  Certificate finish();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
 }  // namespace cullhull
+#pragma GCC visibility pop

@@ -8,6 +8,7 @@
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 /// What a filter kept. `ids` are ascending. Every extreme point of the input, and every duplicate
@@ -35,3 +36,4 @@ struct Survivors {
 Survivors cull(const PointView& points, const Options& options = {});
 
 }  // namespace cullhull
+#pragma GCC visibility pop

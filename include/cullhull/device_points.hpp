@@ -13,6 +13,7 @@
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 /// Non-owning view of points that a device can read (device or managed memory), like PointView:
@@ -106,3 +107,4 @@ Hull convex_hull(const DevicePointView& points, const Options& options = {},
                  std::vector<double>* vertex_coordinates = nullptr);
 
 }  // namespace cullhull
+#pragma GCC visibility pop

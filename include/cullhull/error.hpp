@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 /// What went wrong; the command line maps each code to one exit status (docs/formats.md).
@@ -31,3 +32,4 @@ class Error : public std::runtime_error {
 };
 
 }  // namespace cullhull
+#pragma GCC visibility pop

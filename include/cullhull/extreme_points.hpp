@@ -8,6 +8,7 @@
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 struct ExtremePoints {
@@ -26,3 +27,4 @@ struct ExtremePoints {
 ExtremePoints extreme_points(const PointView& points, const Options& options = {});
 
 }  // namespace cullhull
+#pragma GCC visibility pop

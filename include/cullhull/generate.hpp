@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 struct Shape {
@@ -53,3 +54,4 @@ class MovingPoints {
 };
 
 }  // namespace cullhull
+#pragma GCC visibility pop

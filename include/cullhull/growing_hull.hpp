@@ -9,6 +9,7 @@
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 /// Keeps the hull of all points added so far, without keeping the points: only the vertices'
@@ -46,3 +47,4 @@ class GrowingHull {
 };
 
 }  // namespace cullhull
+#pragma GCC visibility pop

@@ -8,6 +8,7 @@
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 /// A polyhedron given by halfspaces a . x + b <= 0, row i being (a_1, ..., a_d, b).
@@ -42,3 +43,4 @@ HalfspaceIntersection intersect_halfspaces(const PointView& halfspaces,
                                            const Options& options = {});
 
 }  // namespace cullhull
+#pragma GCC visibility pop

@@ -12,6 +12,7 @@
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 struct Statistics {
@@ -98,3 +99,4 @@ struct Hull {
 Hull convex_hull(const PointView& points, const Options& options = {});
 
 }  // namespace cullhull
+#pragma GCC visibility pop

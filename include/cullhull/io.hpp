@@ -13,7 +13,9 @@
 #include "cullhull/hull.hpp"
 #include "cullhull/machine.hpp"
 #include "cullhull/point_view.hpp"
+#include "cullhull/stream.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 struct ReadOptions {
@@ -124,6 +126,10 @@ enum class Faces {
 /// Error{io} with the system's reason.
 void write_hull(const std::string& path, const PointView& points, const Hull& hull,
                 const std::string& format = "", Faces faces = Faces::polygons);
+/// The same bytes from the points' state and its hull(). Formats that list every point are refused:
+/// Error{invalid_argument}.
+void write_hull(const std::string& path, const HullState& state, const Hull& hull,
+                const std::string& format = "", Faces faces = Faces::polygons);
 
 /// For a handler of SIGINT or SIGTERM (async-signal-safe): removes the temporary files of writers
 /// that have not finished.
@@ -132,6 +138,8 @@ void remove_unfinished_files() noexcept;
 /// The run's report as JSON, with the lists of write_hull(".json") if `with_lists`; the keys are
 /// listed in docs/formats.md.
 std::string hull_to_json(const PointView& points, const Hull& hull, const JsonExtras& extras,
+                         bool with_lists);
+std::string hull_to_json(const HullState& state, const Hull& hull, const JsonExtras& extras,
                          bool with_lists);
 /// Reads what write_hull(".json") or hull_to_json with lists wrote. Every size, offset and index is
 /// checked, so that the result can be handed to certify(); its statistics are not in the file.
@@ -152,6 +160,8 @@ MachineConstants machine_from_json(const std::string& path);
 /// each holds. Throws Error{invalid_argument} for other words, naming why if Qhull knows them, and
 /// for G, m and FM of a hull that is neither 2D nor 3D.
 std::string hull_to_qhull_text(const PointView& points, const Hull& hull, std::string_view what);
+/// The same from a state; o, f, FF, Ft and FN list every point and are refused.
+std::string hull_to_qhull_text(const HullState& state, const Hull& hull, std::string_view what);
 
 /// The words hull_to_qhull_text knows.
 const std::vector<std::string>& qhull_formats();
@@ -173,6 +183,8 @@ void write_ids(const std::string& path, const std::vector<std::uint64_t>& ids,
 /// .csv below a line of column names. Throws as write_ids does.
 void write_points(const std::string& path, const PointView& points,
                   const std::vector<std::uint64_t>& ids, const std::string& format = "");
+/// Likewise the extreme points that a state holds.
+void write_points(const std::string& path, const HullState& state, const std::string& format = "");
 
 /// (n) int64, or (n, d) arrays in NumPy's format.
 void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& ids);
@@ -195,3 +207,4 @@ class NpySequenceWriter {
 };
 
 }  // namespace cullhull
+#pragma GCC visibility pop

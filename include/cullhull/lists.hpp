@@ -16,6 +16,7 @@
 
 #include "cullhull/array.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 /// An Array to read, whose copies share memory. It is a value all the same: `edit` gives an array
@@ -199,3 +200,4 @@ struct Lists {
 };
 
 }  // namespace cullhull
+#pragma GCC visibility pop

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 /// Rates that decide where points are culled. The defaults are cautious guesses; `cullhull bench
@@ -17,3 +18,4 @@ struct MachineConstants {
 };
 
 }  // namespace cullhull
+#pragma GCC visibility pop

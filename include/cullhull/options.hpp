@@ -7,6 +7,7 @@
 
 #include "cullhull/machine.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 enum class Backend { automatic, cpu, cuda };
@@ -43,3 +44,4 @@ struct Options {
 };
 
 }  // namespace cullhull
+#pragma GCC visibility pop

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 /// Scalar types that can be read in place. Every value of each is exactly a double.
@@ -89,3 +90,4 @@ struct PointView {
 };
 
 }  // namespace cullhull
+#pragma GCC visibility pop

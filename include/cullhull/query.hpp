@@ -11,6 +11,7 @@
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 /// Where a point lies; for a flat hull, within its flat (off the flat is outside).
@@ -89,3 +90,4 @@ class HullQuery {
 };
 
 }  // namespace cullhull
+#pragma GCC visibility pop

@@ -9,6 +9,7 @@
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 struct Simplification {
@@ -53,3 +54,4 @@ std::vector<std::uint32_t> shared_planes(const PointView& points, const Hull& hu
 double rounding_distance(const PointView& points, const Hull& hull);
 
 }  // namespace cullhull
+#pragma GCC visibility pop

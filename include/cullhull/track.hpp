@@ -9,6 +9,7 @@
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 /// What one frame cost, and what it changed.
@@ -71,3 +72,4 @@ class HullTracker {
 };
 
 }  // namespace cullhull
+#pragma GCC visibility pop

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,10 @@ struct Subject {
   unsigned threads;
   unsigned k = 0;
 
+  /// Points that come in pieces: `points` has their number and no data, and this the coordinates
+  /// that the vertices are said to have, by ascending id.
+  const std::vector<double>* claimed = nullptr;
+
   std::vector<std::uint64_t> ids;    ///< the hull's vertices, ascending
   std::vector<double> full;          ///< their coordinates
   std::vector<unsigned> axes;        ///< the flat projects one to one on these
@@ -52,8 +57,9 @@ struct Subject {
   std::vector<double> centre;        ///< the interior point, if one was found among the doubles
   Members members;                   ///< set once simplex_facets has been checked
   mutable std::atomic<std::uint64_t> exact_decisions{0};
-  unsigned id_shift = 0;                 ///< ids are looked up by their high bits:
-  std::vector<std::uint32_t> id_bucket;  ///< the first with those, in `ids`
+  mutable std::atomic<std::uint64_t> vertices_met{0};  ///< among the points, with these coordinates
+  unsigned id_shift = 0;                               ///< ids are looked up by their high bits:
+  std::vector<std::uint32_t> id_bucket;                ///< the first with those, in `ids`
 
   Subject(const PointView& p, const Hull& h, const Control& c, unsigned t)
       : points(p), hull(h), control(c), threads(t) {}
@@ -71,13 +77,14 @@ struct Subject {
   /// lie anywhere in memory.
   void prefetch(std::uint64_t f) const {
     constexpr std::uint64_t far = 24, near = 12;
+    const std::uint32_t* facets = hull.simplex_facets.data();  // null where i is on facet i
     if (f + far < simplex_count())
       for (unsigned j = 0; j < k; ++j) {
         const std::size_t g = hull.simplex_neighbours[(f + far) * k + j];
         if (g < f) continue;
         __builtin_prefetch(index.data() + g * k);
         __builtin_prefetch(hull.simplex_neighbours.data() + g * k);
-        __builtin_prefetch(hull.simplex_facets.data() + g);
+        if (facets != nullptr) __builtin_prefetch(facets + g);
       }
     if (f + near < simplex_count() && k <= 4)  // beyond, vertices are few beside simplices
       for (unsigned j = 0; j < k; ++j) {
@@ -124,7 +131,21 @@ std::uint64_t check_ridges(const Subject& s,    // pairing, orientation, convexi
                            const Cones& cones);
 void check_covering(Subject& s, Cones& cones);  // a ray that meets one simplex alone
 void check_facets(Subject& s);  // merged facets, extreme vertices, triangulation; fills members
-void check_points(const Subject& s, const Cones& cones);  // every input point
-void check_numbers(const Subject& s);                     // planes, volume, area, centroid
+
+/// Every input point, piece by piece: what is made for all of them. Thread safe.
+class PointCheck {
+ public:
+  PointCheck(const Subject& s, const Cones& cones);
+  ~PointCheck();
+  /// Points of a block, of which the first is the point `first_id` of all.
+  void check(const PointView& block, std::uint64_t first_id) const;
+
+ private:
+  class Scan;
+  std::unique_ptr<const Scan> scan_;
+  const Subject& s_;
+};
+
+void check_numbers(const Subject& s);  // planes, volume, area, centroid
 
 }  // namespace cullhull::internal

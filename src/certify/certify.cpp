@@ -2,6 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <mutex>
+#include <numeric>
+#include <optional>
+#include <utility>
 
 #include "certify/certificate.hpp"
 #include "certify/cones.hpp"
@@ -121,30 +126,33 @@ void check_empty(const Hull& h, std::uint64_t n) {
 }
 
 /// k = 0: all points equal the first.
-void check_single(const Subject& s) {
+void check_single(Subject& s) {
   const Hull& h = s.hull;
   check_empty(h, s.points.count);
   if (h.vertices.size() != 1 || h.vertices[0] != 0) fault("the only vertex should be point 0");
-  const unsigned d = s.points.dimension;
-  std::vector<double> first(d);
-  for (unsigned j = 0; j < d; ++j) first[j] = s.points.at(0, j);
-  check_chunks(s, s.points.count, std::uint64_t{1} << 16,
-               [&](std::uint64_t begin, std::uint64_t end) {
-                 for (std::uint64_t i = begin; i < end; ++i)
-                   for (unsigned j = 0; j < d; ++j) {
-                     const double v = s.points.at(i, j);
-                     if (!std::isfinite(v)) fault("point ", i, " is not finite");
-                     if (v != first[j]) fault("point ", i, " differs from point 0");
-                   }
-               });
-  if (h.centroid != first) fault("the centroid is not the only point");
+  s.full.resize(s.points.dimension);
+  for (unsigned j = 0; j < s.points.dimension; ++j)
+    s.full[j] = s.claimed != nullptr ? (*s.claimed)[j] : s.points.at(0, j);
+  if (h.centroid != s.full) fault("the centroid is not the only point");
 }
 
-void check_all(Subject& s, Certificate& out) {
+/// k = 0: each is the only one.
+void check_equal(const Subject& s, const PointView& block, std::uint64_t first_id) {
+  check_chunks(s, block.count, std::uint64_t{1} << 16, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i)
+      for (unsigned j = 0; j < block.dimension; ++j) {
+        const double v = block.at(i, j);
+        if (!std::isfinite(v)) fault("point ", first_id + i, " is not finite");
+        if (v != s.full[j]) fault("point ", first_id + i, " differs from point 0");
+      }
+    if (begin + first_id == 0) ++s.vertices_met;
+  });
+}
+
+/// All that can be said without the points.
+void check_hull(Subject& s, std::optional<Cones>& cones, Certificate& out) {
   const Hull& h = s.hull;
   const std::uint64_t n = s.points.count;
-  if (s.points.dimension == 0 || (n > 0 && s.points.data == nullptr))
-    throw Error(ErrorCode::invalid_argument, "certify needs points of at least one dimension");
   if (h.dimension != s.points.dimension) fault("the hull's dimension is not that of the points");
   if (h.point_count != n) fault("the hull is that of ", h.point_count, " points, not of ", n);
   if (h.scalar != s.points.scalar) fault("the hull's scalar type is not that of the points");
@@ -152,27 +160,37 @@ void check_all(Subject& s, Certificate& out) {
     fault("affine dimension ", h.affine_dimension, " is impossible");
   if ((n == 0) != (h.affine_dimension == -1))
     fault("affine dimension ", h.affine_dimension, " is impossible for ", n, " points");
+  if (s.claimed != nullptr && s.claimed->size() != h.vertices.size() * h.dimension)
+    fault("the vertices are ", h.vertices.size(), ", but their coordinates ", s.claimed->size());
   if (n == 0) return check_empty(h, 0);
-  if (h.affine_dimension == 0) {
-    check_single(s);
-    out.points_checked = n;
-    return;
-  }
+  if (h.affine_dimension == 0) return check_single(s);
   s.k = static_cast<unsigned>(h.affine_dimension);
   s.control.report("certify", 0);
   check_shape(s);
   check_flat(s);
   s.control.report("certify", 0.05);
-  Cones cones(s);
-  check_interior(s, cones);
+  cones.emplace(s);
+  check_interior(s, *cones);
   s.control.report("certify", 0.2);
-  out.ridges_checked = check_ridges(s, cones);
-  check_covering(s, cones);
+  out.ridges_checked = check_ridges(s, *cones);
+  check_covering(s, *cones);
   s.control.report("certify", 0.4);
   check_facets(s);
   s.control.report("certify", 0.5);
-  check_points(s, cones);
+}
+
+void check_all(Subject& s, Certificate& out) {
+  const std::uint64_t n = s.points.count;
+  if (s.points.dimension == 0 || (n > 0 && s.points.data == nullptr))
+    throw Error(ErrorCode::invalid_argument, "certify needs points of at least one dimension");
+  std::optional<Cones> cones;
+  check_hull(s, cones, out);
+  if (s.k > 0)
+    PointCheck(s, *cones).check(s.points, 0);
+  else
+    check_equal(s, s.points, 0);
   out.points_checked = n;
+  if (s.k == 0) return;
   s.control.report("certify", 0.8);
   check_numbers(s);
   s.control.report("certify", 1);
@@ -194,6 +212,111 @@ Certificate certify(const PointView& points, const Hull& hull, const Options& op
   }
   out.exact_decisions = subject.exact_decisions;
   return out;
+}
+
+// ------------------------------------------------------------------------------- in pieces
+
+struct CertifyStream::Impl {
+  Options options;
+  internal::Control control{options};
+  const Hull& hull;
+  std::vector<double> claimed;
+  PointView none;
+  internal::Subject subject{none, hull, control, internal::resolve_threads(options.threads)};
+  std::optional<internal::Cones> cones;
+  std::unique_ptr<internal::PointCheck> points;
+  Certificate out;
+  mutable std::mutex mutex;  ///< of what follows
+  std::uint64_t at = 0;      ///< the lowest point id a fault was found from
+  std::uint64_t checked = 0;
+
+  Impl(const Hull& h, std::vector<double>&& rows, const Options& o)
+      : options(o), hull(h), claimed(std::move(rows)) {
+    sort_claimed();
+  }
+
+  /// From the hull's order, which goes around a polygon, to ascending ids.
+  void sort_claimed() {
+    const std::size_t n = hull.vertices.size(), d = hull.dimension;
+    if (claimed.size() != n * d || std::is_sorted(hull.vertices.begin(), hull.vertices.end()))
+      return;
+    std::vector<std::size_t> order(n);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return hull.vertices[a] < hull.vertices[b]; });
+    std::vector<double> sorted;
+    for (const std::size_t i : order)
+      sorted.insert(sorted.end(), claimed.begin() + static_cast<std::ptrdiff_t>(i * d),
+                    claimed.begin() + static_cast<std::ptrdiff_t>((i + 1) * d));
+    claimed = std::move(sorted);
+  }
+
+  /// Keeps the fault of the lowest block, so that it does not depend on the order of pushes.
+  void note(const internal::Fault& f, std::uint64_t first_id) {
+    const std::lock_guard lock(mutex);
+    if (!out.reason.empty() && at <= first_id) return;
+    out.reason = f.reason;
+    at = first_id;
+  }
+};
+
+CertifyStream::CertifyStream(const Hull& hull, std::vector<double> vertex_coordinates,
+                             const Options& options)
+    : impl_(std::make_unique<Impl>(hull, std::move(vertex_coordinates), options)) {
+  Impl& m = *impl_;
+  m.none = {nullptr, hull.scalar, hull.dimension, hull.point_count, 0, 0};
+  m.subject.claimed = &m.claimed;
+  try {
+    internal::check_hull(m.subject, m.cones, m.out);
+    if (m.subject.k > 0) m.points = std::make_unique<internal::PointCheck>(m.subject, *m.cones);
+  } catch (const internal::Fault& f) {
+    m.note(f, 0);
+  }
+}
+CertifyStream::CertifyStream(CertifyStream&&) noexcept = default;
+CertifyStream& CertifyStream::operator=(CertifyStream&&) noexcept = default;
+CertifyStream::~CertifyStream() = default;
+
+void CertifyStream::push(const PointView& block, std::uint64_t first_id) {
+  Impl& m = *impl_;
+  if (block.dimension == 0 || (block.count > 0 && block.data == nullptr))
+    throw Error(ErrorCode::invalid_argument, "certify needs points of at least one dimension");
+  {
+    const std::lock_guard lock(m.mutex);
+    m.checked += block.count;
+    if (!m.out.reason.empty() && m.at <= first_id) return;
+  }
+  try {
+    if (block.dimension != m.hull.dimension)
+      internal::fault("the hull's dimension is not that of the points");
+    if (m.hull.affine_dimension < 0) {
+      if (block.count > 0) internal::fault("the hull is that of no points");
+    } else if (m.points != nullptr) {
+      m.points->check(block, first_id);
+    } else {
+      internal::check_equal(m.subject, block, first_id);
+    }
+  } catch (const internal::Fault& f) {
+    m.note(f, first_id);
+  }
+}
+
+Certificate CertifyStream::finish() {
+  Impl& m = *impl_;
+  try {
+    if (m.out.reason.empty() && m.checked != m.hull.point_count)
+      internal::fault("the hull is that of ", m.hull.point_count, " points, not of ", m.checked);
+    if (m.out.reason.empty() && m.subject.vertices_met != m.hull.vertices.size())
+      internal::fault("of ", m.hull.vertices.size(), " vertices, ", m.subject.vertices_met.load(),
+                      " are among the points");
+    if (m.out.reason.empty() && m.subject.k > 0) internal::check_numbers(m.subject);
+  } catch (const internal::Fault& f) {
+    m.note(f, ~std::uint64_t{0});
+  }
+  m.out.valid = m.out.reason.empty();
+  m.out.points_checked = m.checked;
+  m.out.exact_decisions = m.subject.exact_decisions;
+  return m.out;
 }
 
 }  // namespace cullhull

@@ -2,7 +2,7 @@
 
 #include "parallel/simd_targets.hpp"
 
-#define HWY_DISABLED_TARGETS CULLHULL_SKIPPED_TARGETS
+#define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "certify/inner_ball.cpp"
 #include <hwy/foreach_target.h>

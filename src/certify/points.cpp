@@ -259,7 +259,9 @@ class VertexCache {
 
 [[noreturn]] void outside(std::uint64_t i) { fault("point ", i, " lies outside the hull"); }
 
-class Scan {
+}  // namespace
+
+class PointCheck::Scan {
  public:
   Scan(const Subject& s, const Cones& cones)
       : s_(s),
@@ -270,20 +272,22 @@ class Scan {
     if (s.k == 1) low_ = s.row(0)[0] < s.row(1)[0] ? 0 : 1;
   }
 
-  void range(std::uint64_t begin, std::uint64_t end) const {
+  /// Points [begin, end) of a block, of which the first is the point `first` of all.
+  void range(const PointView& block, std::uint64_t first, std::uint64_t begin,
+             std::uint64_t end) const {
     switch (s_.k) {
       case 2:
-        return range_in<2>(begin, end);
+        return range_in<2>(block, first, begin, end);
       case 3:
-        return range_in<3>(begin, end);
+        return range_in<3>(block, first, begin, end);
       case 4:
-        return range_in<4>(begin, end);
+        return range_in<4>(block, first, begin, end);
       case 5:
-        return range_in<5>(begin, end);
+        return range_in<5>(block, first, begin, end);
       case 6:
-        return range_in<6>(begin, end);
+        return range_in<6>(block, first, begin, end);
       default:
-        return range_in<0>(begin, end);
+        return range_in<0>(block, first, begin, end);
     }
   }
 
@@ -298,7 +302,9 @@ class Scan {
     constexpr std::uint32_t sample = 256;
     const std::uint64_t n = s_.points.count, blocks = 32;
     std::uint64_t left = n;
-    if (ball_.usable() && n > 4 * blocks * sample) {
+    if (s_.points.data == nullptr) {
+      left = n / 2;  // they are yet to come
+    } else if (ball_.usable() && n > 4 * blocks * sample) {
       std::uint16_t out[InnerBall::block];
       std::uint64_t seen = 0;
       for (std::uint64_t b = 0; b < blocks; ++b)
@@ -311,30 +317,40 @@ class Scan {
 
   /// K: k where the inner filter serves, else 0.
   template <unsigned K>
-  void range_in(std::uint64_t begin, std::uint64_t end) const {
+  void range_in(const PointView& points, std::uint64_t first, std::uint64_t begin,
+                std::uint64_t end) const {
     const unsigned d = s_.hull.dimension;
     std::vector<double> rows(InnerBall::block * std::size_t{d}), on_axes(s_.k);
     std::uint16_t left[InnerBall::block];
     std::vector<const double*> scratch(s_.k + 1);
-    auto vertex = std::lower_bound(s_.ids.begin(), s_.ids.end(), begin);
+    auto vertex = std::lower_bound(s_.ids.begin(), s_.ids.end(), first + begin);
     std::uint32_t f = 0;
     VertexCache cache(s_);
     for (std::uint64_t b = begin; b < end; b += InnerBall::block) {
       const auto count =
           static_cast<std::uint32_t>(std::min<std::uint64_t>(InnerBall::block, end - b));
       std::uint32_t kept = count;
-      if (ball_.usable()) kept = ball_.outside(s_.points, b, count, left);
+      if (ball_.usable()) kept = ball_.outside(points, b, count, left);
       const bool all = kept == count;
-      if (all) load_points(s_.points, b, count, rows.data(), d, 1);
+      if (all) load_points(points, b, count, rows.data(), d, 1);
       for (std::uint32_t r = 0; r < kept; ++r) {
-        const std::uint64_t i = b + (all ? r : left[r]);
+        const std::uint64_t at = b + (all ? r : left[r]), i = first + at;
         double* x = rows.data() + std::size_t{r} * d;
-        if (!all) load_points(s_.points, i, 1, x, d, 1);
+        if (!all) load_points(points, at, 1, x, d, 1);
         while (vertex != s_.ids.end() && *vertex < i) ++vertex;
         const bool is_vertex = vertex != s_.ids.end() && *vertex == i;
+        if (is_vertex) meet_vertex(static_cast<std::size_t>(vertex - s_.ids.begin()), x);
         check_point<K>(i, x, is_vertex, on_axes.data(), f, scratch.data(), cache);
       }
     }
+  }
+
+  /// The point is the one that the hull names: in the same place, where that was not looked up.
+  void meet_vertex(std::size_t v, const double* x) const {
+    const unsigned d = s_.hull.dimension;
+    if (s_.claimed != nullptr && !std::equal(x, x + d, s_.full.data() + v * d))
+      fault("vertex ", s_.ids[v], " has other coordinates than that point");
+    s_.vertices_met.fetch_add(1, std::memory_order_relaxed);
   }
 
   template <unsigned K>
@@ -408,12 +424,14 @@ class Scan {
   unsigned low_ = 0;
 };
 
-}  // namespace
+PointCheck::PointCheck(const Subject& s, const Cones& cones)
+    : scan_(std::make_unique<const Scan>(s, cones)), s_(s) {}
+PointCheck::~PointCheck() = default;
 
-void check_points(const Subject& s, const Cones& cones) {
-  const Scan scan(s, cones);
-  check_chunks(s, s.points.count, chunk,
-               [&](std::uint64_t begin, std::uint64_t end) { scan.range(begin, end); });
+void PointCheck::check(const PointView& block, std::uint64_t first_id) const {
+  check_chunks(s_, block.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    scan_->range(block, first_id, begin, end);
+  });
 }
 
 }  // namespace cullhull::internal

@@ -57,7 +57,8 @@ void read_vertices(Subject& s) {
   check_chunks(s, s.ids.size(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i)
       for (unsigned j = 0; j < d; ++j) {
-        s.full[i * d + j] = s.points.at(s.ids[i], j);
+        s.full[i * d + j] =
+            s.claimed != nullptr ? (*s.claimed)[i * d + j] : s.points.at(s.ids[i], j);
         if (!std::isfinite(s.full[i * d + j])) fault("point ", s.ids[i], " is not finite");
       }
   });

@@ -11,7 +11,7 @@
 #include "cull/gauge_table.hpp"
 #include "parallel/simd_targets.hpp"
 
-#define HWY_DISABLED_TARGETS CULLHULL_SKIPPED_TARGETS
+#define HWY_DISABLED_TARGETS (CULLHULL_SIZELESS_TARGETS | HWY_SSE4)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "cull/gauge_kernel.cpp"
 #include <hwy/cache_control.h>

@@ -39,6 +39,8 @@ std::unique_ptr<GaugeMap> GaugeMap::of_few_facets(const InnerPolytope& polytope,
   return std::unique_ptr<GaugeMap>(new GaugeMap(std::move(table)));
 }
 
+bool GaugeMap::inside_cones(const double* row) const { return table_->cones->inside(row); }
+
 std::vector<std::uint64_t> GaugeMap::outside_cones(const Array<double>& rows,
                                                    const std::vector<char>& certain,
                                                    unsigned threads, const Control& control) const {
@@ -80,7 +82,7 @@ std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, unsigned
   std::vector<std::vector<std::uint16_t>> kept(chunks);
   std::vector<std::vector<double>> kept_rows(rows != nullptr ? chunks : 0);
   std::atomic<std::uint64_t> gathered{0};
-  const GaugeShortcuts shortcuts = make_shortcuts(*table_, points, threads);
+  const GaugeShortcuts shortcuts = make_shortcuts(*table_, points, points.count, threads);
   static_assert(gauge_chunk <= 65536);
   for_each_chunk(points.count, gauge_chunk, threads,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {

@@ -82,6 +82,9 @@ class GaugeMap {
                                            const std::vector<char>& certain, unsigned threads,
                                            const Control& control) const;
 
+  /// The same test of one point.
+  bool inside_cones(const double* row) const;
+
   /// What the kernels read.
   const GaugeTable& table() const noexcept;
 

@@ -15,7 +15,9 @@ struct GaugeShortcuts {
   bool any() const { return core || levels; }
 };
 
-/// Those that pay for a pass over so many points; a few of the points decide.
-GaugeShortcuts make_shortcuts(const GaugeTable& table, const PointView& points, unsigned threads);
+/// Those that pay for a pass over `count` points like these, which are 512 or more where `count` is
+/// large; a few of them decide.
+GaugeShortcuts make_shortcuts(const GaugeTable& table, const PointView& points, std::uint64_t count,
+                              unsigned threads);
 
 }  // namespace cullhull::internal

@@ -110,6 +110,7 @@ void Orientation3D::find_lattice() {
     for (unsigned j = 0; j < 3; ++j) {
       const double v = points_->row(i)[j];
       if (v == 0) continue;
+      if (!(std::abs(v) <= 1)) return;  // not of a local frame
       const int b = 1 - lowest_bit_exponent(v);
       if (b <= bits[j]) continue;
       sum += b - bits[j];

@@ -149,7 +149,7 @@ void write_measures(JsonWriter& w, const Hull& hull) {
   w.flat("centroid", hull.centroid);
 }
 
-void write_lists(JsonWriter& w, const PointView& points, const Hull& hull) {
+void write_lists(JsonWriter& w, const Coordinates& points, const Hull& hull) {
   const auto k = static_cast<std::uint64_t>(std::max(hull.affine_dimension, 0));
   w.flat("vertices", hull.vertices);
   std::vector<double> row(hull.dimension);
@@ -183,7 +183,7 @@ void write_run(JsonWriter& w, const Hull& hull, const JsonExtras& extras) {
 
 }  // namespace
 
-void write_result_json(const PointView& points, const Hull& hull, const TextSink& sink) {
+void write_result_json(const Coordinates& points, const Hull& hull, const TextSink& sink) {
   JsonWriter w(sink);
   w.open();
   write_points(w, hull);
@@ -194,8 +194,10 @@ void write_result_json(const PointView& points, const Hull& hull, const TextSink
 
 }  // namespace internal
 
-std::string hull_to_json(const PointView& points, const Hull& hull, const JsonExtras& extras,
-                         bool with_lists) {
+namespace {
+
+std::string report_json(const internal::Coordinates& points, const Hull& hull,
+                        const JsonExtras& extras, bool with_lists) {
   std::string text;
   const internal::TextSink sink = [&](const std::string& piece) { text += piece; };
   internal::JsonWriter w(sink);
@@ -220,6 +222,18 @@ std::string hull_to_json(const PointView& points, const Hull& hull, const JsonEx
   if (with_lists) internal::write_lists(w, points, hull);
   w.close();
   return text;
+}
+
+}  // namespace
+
+std::string hull_to_json(const PointView& points, const Hull& hull, const JsonExtras& extras,
+                         bool with_lists) {
+  return report_json(points, hull, extras, with_lists);
+}
+
+std::string hull_to_json(const HullState& state, const Hull& hull, const JsonExtras& extras,
+                         bool with_lists) {
+  return report_json(state, hull, extras, with_lists);
 }
 
 }  // namespace cullhull

@@ -6,12 +6,13 @@
 
 #include "cullhull/hull.hpp"
 #include "cullhull/io.hpp"
+#include "io/coordinates.hpp"
 
 namespace cullhull::internal {
 
 using TextSink = std::function<void(const std::string&)>;
 
 /// The result alone: the same bytes for every thread count, filter and backend.
-void write_result_json(const PointView& points, const Hull& hull, const TextSink& sink);
+void write_result_json(const Coordinates& points, const Hull& hull, const TextSink& sink);
 
 }  // namespace cullhull::internal

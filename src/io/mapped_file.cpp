@@ -15,6 +15,10 @@
 #include "parallel/machine_memory.hpp"
 #include "parallel/parallel.hpp"
 
+#if defined(__linux__) && !defined(MADV_POPULATE_READ)
+#define MADV_POPULATE_READ 22  // Linux 5.14: the C library's headers may be older than the kernel
+#endif
+
 namespace cullhull {
 namespace internal {
 namespace {

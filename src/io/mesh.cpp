@@ -39,7 +39,7 @@ void triangulate(HullMesh& mesh) {
 
 }  // namespace
 
-HullMesh make_mesh(const PointView& points, const Hull& hull, const std::string& format,
+HullMesh make_mesh(const Coordinates& points, const Hull& hull, const std::string& format,
                    Faces faces) {
   if (hull.dimension != 2 && hull.dimension != 3)
     throw Error(ErrorCode::invalid_argument,

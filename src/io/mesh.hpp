@@ -8,6 +8,7 @@
 
 #include "cullhull/hull.hpp"
 #include "cullhull/io.hpp"
+#include "io/coordinates.hpp"
 #include "io/output_file.hpp"
 
 namespace cullhull::internal {
@@ -22,7 +23,7 @@ struct HullMesh {
 };
 
 /// Throws Error{invalid_argument} unless the points are 2D or 3D.
-HullMesh make_mesh(const PointView& points, const Hull& hull, const std::string& format,
+HullMesh make_mesh(const Coordinates& points, const Hull& hull, const std::string& format,
                    Faces faces);
 
 void write_ply(OutputFile& out, const HullMesh& mesh);

@@ -9,6 +9,7 @@
 
 #include "io/lines.hpp"
 #include "io/output_file.hpp"
+#include "io/records.hpp"
 #include "io/source.hpp"
 #include "parallel/parallel.hpp"
 
@@ -218,9 +219,11 @@ std::uint64_t widen(const char* from, std::uint64_t count, bool swap, double* to
 
 namespace {
 
-/// n x d numbers at `data` as points; in place where they can be.
+/// n x d numbers at `data` as points; in place where they can be. `first`: the index of the first
+/// in its array, for messages.
 PointData points_of_array(const Source& source, const char* data, std::uint64_t n, std::uint64_t d,
-                          const Dtype& type, bool fortran, const ReadOptions& options) {
+                          const Dtype& type, bool fortran, const ReadOptions& options,
+                          std::uint64_t first = 0) {
   const std::uint64_t items = n * d, bytes = items * type.size;
   PointData result;
   result.format = "npy";
@@ -234,8 +237,8 @@ PointData points_of_array(const Source& source, const char* data, std::uint64_t 
                                   ? widen<std::int64_t>(data, items, type.big_endian, to, options)
                                   : widen<std::uint64_t>(data, items, type.big_endian, to, options);
     if (bad < items)
-      fail(source, "value at index (" + std::to_string(fortran ? bad % n : bad / d) + ", " +
-                       std::to_string(fortran ? bad / n : bad % d) +
+      fail(source, "value at index (" + std::to_string(first + (fortran ? bad % n : bad / d)) +
+                       ", " + std::to_string(fortran ? bad / n : bad % d) +
                        ") is a 64-bit integer that no double equals");
     base = result.storage.data();
     result.view.scalar = ScalarType::f64;
@@ -275,25 +278,60 @@ void check_extent(const Source& source, const Header& h, const Dtype& type,
     fail_at_byte(source, h.data_offset,
                  "shape (" + shape + ") of " + quoted_text(h.descr) + " needs more than the " +
                      std::to_string(have) + " bytes that follow");
-  if (bytes < have)
+  if (bytes < have && file_size != unknown_size)
     fail_at_byte(source, h.data_offset + bytes,
                  std::to_string(have - bytes) + " bytes after the array");
 }
 
 }  // namespace
 
+namespace {
+
+struct PointArray {
+  Header header;
+  Dtype type;
+  std::uint64_t count, dimension;
+};
+
+PointArray parse_points(const Source& head, std::uint64_t file_size) {
+  PointArray a{parse_header(head), {}, 0, 1};
+  a.type = parse_dtype(head, a.header.descr);
+  const std::vector<std::uint64_t>& shape = a.header.shape;
+  if (shape.size() == 3)
+    fail(head, "array of 3 axes (frames, n, d): moving points, for the command track");
+  if (shape.empty() || shape.size() > 2)
+    fail(head, "array of " + std::to_string(shape.size()) + " axes; points need (n, d) or (n,)");
+  a.count = shape[0];
+  if (shape.size() == 2) a.dimension = shape[1];
+  if (a.dimension == 0 || a.dimension > UINT32_MAX)
+    fail(head, "points of dimension " + std::to_string(a.dimension));
+  check_extent(head, a.header, a.type, file_size);
+  return a;
+}
+
+}  // namespace
+
 PointData read_npy(const Source& source, const ReadOptions& options) {
-  const Header h = parse_header(source);
-  const Dtype type = parse_dtype(source, h.descr);
-  if (h.shape.size() == 3)
-    fail(source, "array of 3 axes (frames, n, d): moving points, for the command track");
-  if (h.shape.empty() || h.shape.size() > 2)
-    fail(source,
-         "array of " + std::to_string(h.shape.size()) + " axes; points need (n, d) or (n,)");
-  const std::uint64_t n = h.shape[0], d = h.shape.size() == 2 ? h.shape[1] : 1;
-  if (d == 0 || d > UINT32_MAX) fail(source, "points of dimension " + std::to_string(d));
-  check_extent(source, h, type, source.size);
-  return points_of_array(source, source.data + h.data_offset, n, d, type, h.fortran, options);
+  const PointArray a = parse_points(source, source.size);
+  return points_of_array(source, source.data + a.header.data_offset, a.count, a.dimension, a.type,
+                         a.header.fortran, options);
+}
+
+std::optional<RecordLayout> npy_records(const Source& head, std::uint64_t size,
+                                        const ReadOptions& options) {
+  const PointArray a = parse_points(head, size);
+  RecordLayout layout;
+  layout.format = "npy";
+  layout.offset = a.header.data_offset;
+  layout.count = a.count;
+  const bool columns = a.header.fortran && a.dimension > 1;
+  layout.columns = columns ? static_cast<std::uint32_t>(a.dimension) : 1;
+  layout.record_bytes = a.type.size * (columns ? 1 : a.dimension);
+  layout.decode = [=, type = a.type, d = a.dimension](const Source& records, std::uint64_t first,
+                                                      std::uint64_t count) {
+    return points_of_array(records, records.data, count, d, type, columns, options, first);
+  };
+  return layout;
 }
 
 bool NpyFrames::read_header(const Source& head, std::uint64_t file_size) {

@@ -3,9 +3,12 @@
 #include <array>
 #include <cstring>
 #include <limits>
+#include <memory>
+#include <optional>
 
 #include "io/lines.hpp"
 #include "io/mesh.hpp"
+#include "io/records.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -199,6 +202,47 @@ double load(const char* p, ScalarType type, bool swap) {
   return PointView{reinterpret_cast<const std::byte*>(bytes), type, 1, 1, 0, 0}.at(0, 0);
 }
 
+/// Vertices without lists, where their records begin.
+PointData vertices_of_records(const char* records, std::uint64_t count, const PlyHeader& h,
+                              bool swap, const ReadOptions& options) {
+  const Element& e = h.elements[h.vertex];
+  const Property& x = e.properties[h.xyz[0]];
+  const Property& y = e.properties[h.xyz[1]];
+  const Property& last = e.properties[h.xyz[h.dimension - 1]];
+  const auto step = static_cast<std::int64_t>(y.offset) - static_cast<std::int64_t>(x.offset);
+  const bool even =
+      h.dimension == 2 ||
+      static_cast<std::int64_t>(last.offset) - static_cast<std::int64_t>(y.offset) == step;
+  if (!swap && even && x.type == y.type && x.type == last.type) {
+    PointData data;
+    data.in_place = true;
+    data.view = {reinterpret_cast<const std::byte*>(records + x.offset),
+                 x.type,
+                 h.dimension,
+                 count,
+                 static_cast<std::ptrdiff_t>(e.min_size),
+                 static_cast<std::ptrdiff_t>(step)};
+    return data;
+  }
+  PointData data = parsed_points(count, h.dimension, "");
+  double* const out = data.storage.as<double>();
+  const std::uint32_t d = h.dimension;
+  for_each_chunk(count, std::uint64_t{1} << 16, resolve_threads(options.threads),
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   check_stop(options);
+                   for (std::uint64_t i = begin; i < end; ++i)
+                     for (std::uint32_t j = 0; j < d; ++j) {
+                       const Property& p = e.properties[h.xyz[j]];
+                       out[i * d + j] = load(records + i * e.min_size + p.offset, p.type, swap);
+                     }
+                 });
+  return data;
+}
+
+const char* binary_name(bool swap) {
+  return swap ? "ply (binary big-endian)" : "ply (binary little-endian)";
+}
+
 class PlyBinary {
  public:
   PlyBinary(const Source& source, const PlyHeader& header, const ReadOptions& options)
@@ -211,8 +255,23 @@ class PlyBinary {
     check_room(e, at);
     PointData data = e.has_list ? read_walking(e, at) : read_records(e, at);
     if (h_.coloured && !e.has_list) data.colours = colours_of(e, at);
-    data.format = swap_ ? "ply (binary big-endian)" : "ply (binary little-endian)";
+    data.format = binary_name(swap_);
     return data;
+  }
+
+  /// Where the vertices begin, if these and what precedes them are records of one size, and nothing
+  /// after them is missing. Reads no byte behind the header.
+  std::optional<std::uint64_t> records() const {
+    std::uint64_t at = static_cast<std::uint64_t>(h_.body - source_.data);
+    for (std::size_t i = 0; i <= h_.vertex; ++i) {
+      const Element& e = h_.elements[i];
+      if (e.has_list) return std::nullopt;
+      if (i < h_.vertex) at = skip(e, at);
+    }
+    const Element& e = h_.elements[h_.vertex];
+    check_room(e, at);
+    if (source_.size != unknown_size) check_rest(at + e.count * e.min_size);
+    return at;
   }
 
  private:
@@ -284,38 +343,7 @@ class PlyBinary {
 
   PointData read_records(const Element& e, std::uint64_t at) const {
     check_rest(at + e.count * e.min_size);
-    const Property& x = e.properties[h_.xyz[0]];
-    const Property& y = e.properties[h_.xyz[1]];
-    const Property& last = e.properties[h_.xyz[h_.dimension - 1]];
-    const auto step = static_cast<std::int64_t>(y.offset) - static_cast<std::int64_t>(x.offset);
-    const bool even =
-        h_.dimension == 2 ||
-        static_cast<std::int64_t>(last.offset) - static_cast<std::int64_t>(y.offset) == step;
-    if (!swap_ && even && x.type == y.type && x.type == last.type) {
-      PointData data;
-      data.in_place = true;
-      data.view = {reinterpret_cast<const std::byte*>(source_.data + at + x.offset),
-                   x.type,
-                   h_.dimension,
-                   e.count,
-                   static_cast<std::ptrdiff_t>(e.min_size),
-                   static_cast<std::ptrdiff_t>(step)};
-      return data;
-    }
-    PointData data = parsed_points(e.count, h_.dimension, "");
-    double* const out = data.storage.as<double>();
-    const std::uint32_t d = h_.dimension;
-    for_each_chunk(e.count, std::uint64_t{1} << 16, resolve_threads(options_.threads),
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     check_stop(options_);
-                     for (std::uint64_t i = begin; i < end; ++i)
-                       for (std::uint32_t j = 0; j < d; ++j) {
-                         const Property& p = e.properties[h_.xyz[j]];
-                         out[i * d + j] =
-                             load(source_.data + at + i * e.min_size + p.offset, p.type, swap_);
-                       }
-                   });
-    return data;
+    return vertices_of_records(source_.data + at, e.count, h_, swap_, options_);
   }
   PointData read_walking(const Element& e, std::uint64_t at) const {
     PointData data = parsed_points(e.count, h_.dimension, "");
@@ -406,6 +434,27 @@ PointData read_ply(const Source& source, const ReadOptions& options) {
   const PlyHeader header = PlyHeaderParser(source).parse();
   if (header.encoding == Encoding::ascii) return read_ascii(source, header, options);
   return PlyBinary(source, header, options).read();
+}
+
+std::optional<RecordLayout> ply_records(const Source& head, std::uint64_t size,
+                                        const ReadOptions& options) {
+  const auto header = std::make_shared<const PlyHeader>(PlyHeaderParser(head).parse());
+  if (header->encoding == Encoding::ascii) return std::nullopt;
+  const Source whole{head.name, head.data, size};
+  const auto begin = PlyBinary(whole, *header, options).records();
+  if (!begin) return std::nullopt;
+  const Element& e = header->elements[header->vertex];
+  const bool swap = header->encoding == Encoding::big;
+  RecordLayout layout;
+  layout.format = binary_name(swap);
+  layout.offset = *begin;
+  layout.count = e.count;
+  layout.record_bytes = e.min_size;
+  layout.ends_file = false;
+  layout.decode = [=](const Source& records, std::uint64_t, std::uint64_t count) {
+    return vertices_of_records(records.data, count, *header, swap, options);
+  };
+  return layout;
 }
 
 void write_ply(OutputFile& out, const HullMesh& mesh) {

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "io/mapped_file.hpp"
+#include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/text_scan.hpp"
 
@@ -50,6 +51,7 @@ Source behind_byte_order_mark(const Source& s) {
 std::string format_of_content(const Source& s) {
   if (begins(s, "\x93NUMPY")) return "npy";
   if (begins(s, "ply\n") || begins(s, "ply\r")) return "ply";
+  if (begins(s, "LASF")) return "las";
   if (looks_like_binary_stl(s)) return "stl";
   if (std::memchr(s.data, 0, std::min<std::size_t>(s.size, 4096)) != nullptr)
     fail(s, "not a format known by its content; for raw numbers give dimension and scalar type");
@@ -66,9 +68,11 @@ std::string format_of_content(const Source& s) {
   return "text";
 }
 
+}  // namespace
+
 std::string choose_format(const Source& source, const ReadOptions& options) {
-  static constexpr std::string_view known[] = {"npy", "ply", "obj", "off", "stl",
-                                               "xyz", "txt", "csv", "raw"};
+  static constexpr std::string_view known[] = {"npy", "ply", "las", "obj", "off",
+                                               "stl", "xyz", "txt", "csv", "raw"};
   const auto is_known = [](const std::string& f) {
     return std::find(std::begin(known), std::end(known), f) != std::end(known);
   };
@@ -76,16 +80,18 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
     if (!is_known(options.format))
       throw Error(ErrorCode::invalid_argument,
                   "unknown format " + quoted_text(options.format) +
-                      "; known are npy ply obj off stl xyz txt csv raw");
+                      "; known are npy ply las obj off stl xyz txt csv raw");
     return options.format;
   }
   const std::string extension = extension_of(source.name);
   if (is_known(extension)) return extension;
+  if (extension == "laz") return "las";  // which says what reads it
+  for (const char* other : {"e57", "parquet", "zarr", "copc"})
+    if (extension == other)
+      fail(source, "." + extension + " is read by the Python package alone: cullhull.read(path)");
   if (options.raw_dimension != 0 || options.raw_scalar) return "raw";
   return format_of_content(source);
 }
-
-}  // namespace
 
 PointData read_points(const Source& file, const ReadOptions& options) {
   if (file.size == 0) fail(file, "empty file");
@@ -93,6 +99,7 @@ PointData read_points(const Source& file, const ReadOptions& options) {
   const std::string format = choose_format(text, options);
   if (format == "npy") return read_npy(file, options);
   if (format == "raw") return read_raw(file, options);
+  if (format == "las") return read_las(file, options);
   const Source& source = format == "stl" && looks_like_binary_stl(file) ? file : text;
   if (format == "ply") return read_ply(source, options);
   if (format == "obj") return read_obj(source, options);
@@ -103,25 +110,54 @@ PointData read_points(const Source& file, const ReadOptions& options) {
   return data;
 }
 
-PointData read_raw(const Source& source, const ReadOptions& options) {
+namespace {
+
+std::uint64_t raw_record(const Source& source, const ReadOptions& options) {
   if (options.raw_dimension == 0 || !options.raw_scalar)
     throw Error(ErrorCode::invalid_argument,
                 source.name + ": raw input needs a dimension and a scalar type");
-  const std::uint64_t record =
-      std::uint64_t{options.raw_dimension} * scalar_size(*options.raw_scalar);
-  if (source.size % record != 0)
-    fail_at_byte(source, source.size - source.size % record,
+  return std::uint64_t{options.raw_dimension} * scalar_size(*options.raw_scalar);
+}
+
+void check_whole_records(const Source& source, std::uint64_t size, std::uint64_t record) {
+  if (size % record != 0)
+    fail_at_byte(source, size - size % record,
                  "ends within a point: one takes " + std::to_string(record) + " bytes");
+}
+
+PointData raw_points(const Source& source, std::uint64_t count, const ReadOptions& options) {
   PointData data;
   data.format = "raw";
   data.in_place = true;
+  const auto size = static_cast<std::ptrdiff_t>(scalar_size(*options.raw_scalar));
   data.view = {reinterpret_cast<const std::byte*>(source.data),
                *options.raw_scalar,
                options.raw_dimension,
-               source.size / record,
-               static_cast<std::ptrdiff_t>(record),
-               static_cast<std::ptrdiff_t>(scalar_size(*options.raw_scalar))};
+               count,
+               size * static_cast<std::ptrdiff_t>(options.raw_dimension),
+               size};
   return data;
+}
+
+}  // namespace
+
+PointData read_raw(const Source& source, const ReadOptions& options) {
+  const std::uint64_t record = raw_record(source, options);
+  check_whole_records(source, source.size, record);
+  return raw_points(source, source.size / record, options);
+}
+
+std::optional<RecordLayout> raw_records(const Source& head, std::uint64_t size,
+                                        const ReadOptions& options) {
+  RecordLayout layout;
+  layout.format = "raw";
+  layout.record_bytes = raw_record(head, options);
+  if (size != unknown_size) check_whole_records(head, size, layout.record_bytes);
+  layout.count = size == unknown_size ? unknown_size : size / layout.record_bytes;
+  layout.decode = [options](const Source& records, std::uint64_t, std::uint64_t count) {
+    return raw_points(records, count, options);
+  };
+  return layout;
 }
 
 }  // namespace internal

@@ -20,7 +20,7 @@ void require_picture(const Hull& hull, const char* what) {
 }
 
 /// "{x, y, z}" with eight digits, which is what these programs get from Qhull.
-std::string bracketed(const PointView& points, std::uint64_t id, char open, char close) {
+std::string bracketed(const Coordinates& points, std::uint64_t id, char open, char close) {
   std::string out(1, open);
   for (std::uint32_t j = 0; j < points.dimension; ++j) {
     char number[400];
@@ -31,7 +31,7 @@ std::string bracketed(const PointView& points, std::uint64_t id, char open, char
 }
 
 /// The facets of a list, each as its corners between brackets.
-std::string bracketed_facets(const PointView& points, const Hull& hull, const char* before_each,
+std::string bracketed_facets(const Coordinates& points, const Hull& hull, const char* before_each,
                              const char* after_each, char open, char close) {
   std::string out;
   const bool plane = hull.dimension == 2;
@@ -50,7 +50,7 @@ std::string bracketed_facets(const PointView& points, const Hull& hull, const ch
 }
 
 /// Coordinates on a line, the third one 0 in the plane.
-void append_3d(std::string& out, const PointView& points, std::uint64_t id) {
+void append_3d(std::string& out, const Coordinates& points, std::uint64_t id) {
   for (std::uint32_t j = 0; j < 3; ++j)
     append_padded(out, j < points.dimension ? points.at(id, j) : 0.0);
   out += '\n';
@@ -66,20 +66,20 @@ void append_colour(std::string& out, const Hull& hull, std::uint64_t facet) {
 
 }  // namespace
 
-std::string mathematica_text(const PointView& points, const Hull& hull) {
+std::string mathematica_text(const Coordinates& points, const Hull& hull) {
   require_picture(hull, "m");
   const char* const begin = hull.dimension == 2 ? "Line[{" : "Polygon[{";
   return "{\n" + bracketed_facets(points, hull, begin, "}]", '{', '}') + "}\n";
 }
 
-std::string maple_text(const PointView& points, const Hull& hull) {
+std::string maple_text(const Coordinates& points, const Hull& hull) {
   require_picture(hull, "FM");
   const std::string body = bracketed_facets(points, hull, "[", "]", '[', ']');
   return hull.dimension == 2 ? "PLOT(CURVES(\n" + body + "));\n"
                              : "PLOT3D(POLYGONS(\n" + body + "));\n";
 }
 
-std::string geomview_text(const PointView& points, const Hull& hull) {
+std::string geomview_text(const Coordinates& points, const Hull& hull) {
   require_picture(hull, "G");
   const bool plane = hull.dimension == 2;
   std::string out = plane ? "{appearance {linewidth 3} LIST # cullhull\n"

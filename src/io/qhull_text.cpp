@@ -25,7 +25,7 @@ void append_line(std::string& out, std::uint64_t v) {
   out += '\n';
 }
 
-void append_point(std::string& out, const PointView& points, std::uint64_t id) {
+void append_point(std::string& out, const Coordinates& points, std::uint64_t id) {
   for (std::uint32_t j = 0; j < points.dimension; ++j) append_padded(out, points.at(id, j));
   out += '\n';
 }
@@ -76,7 +76,7 @@ std::vector<std::uint64_t> qhull_facet(const Hull& hull, std::uint64_t i, std::u
   return ids;
 }
 
-std::vector<double> average_of(const PointView& points, const std::vector<std::uint64_t>& ids) {
+std::vector<double> average_of(const Coordinates& points, const std::vector<std::uint64_t>& ids) {
   std::vector<double> average(points.dimension, 0);
   const auto n = static_cast<double>(ids.size());
   for (std::uint32_t j = 0; j < points.dimension; ++j)
@@ -88,7 +88,7 @@ namespace {
 
 /// The k-measure of the simplex on these k + 1 points: the product of the edges' parts at right
 /// angles to those before (Gram and Schmidt, twice for slivers), over k!. Scaled by powers of two.
-double simplex_measure(const PointView& points, const std::uint64_t* ids, std::size_t k) {
+double simplex_measure(const Coordinates& points, const std::uint64_t* ids, std::size_t k) {
   const std::uint32_t d = points.dimension;
   std::vector<double> edges(k * d);
   double largest = 0;
@@ -144,7 +144,7 @@ void append_off_counts(std::string& out, std::uint32_t dimension, std::uint64_t 
   append_line(out, ridges);
 }
 
-std::string off_like(const PointView& points, const Hull& hull) {
+std::string off_like(const Coordinates& points, const Hull& hull) {
   std::string out;
   append_off_counts(out, hull.dimension, points.count, hull.facet_count(),
                     hull.facet_neighbours.items.size() / 2);
@@ -161,7 +161,7 @@ std::string off_like(const PointView& points, const Hull& hull) {
 
 /// Ft: facets that are no simplices are cut into pyramids over their ridges, around a point added
 /// for each: the average of its vertices. The ridges are those of our simplices between two facets.
-std::string centred_triangulation(const PointView& points, const Hull& hull) {
+std::string centred_triangulation(const Coordinates& points, const Hull& hull) {
   const auto k = static_cast<std::uint64_t>(std::max(hull.affine_dimension, 0));
   std::vector<std::uint64_t> centre(hull.facet_count(), 0);
   std::string centres, list;
@@ -228,7 +228,7 @@ std::string cdd_normals(const Hull& hull) {
   return out += "end\n";
 }
 
-std::string vertex_coordinates(const PointView& points, const Hull& hull) {
+std::string vertex_coordinates(const Coordinates& points, const Hull& hull) {
   std::string out;
   append_line(out, hull.dimension);
   append_line(out, hull.vertices.size());
@@ -236,7 +236,7 @@ std::string vertex_coordinates(const PointView& points, const Hull& hull) {
   return out;
 }
 
-std::string average_vertex(const PointView& points, const Hull& hull) {
+std::string average_vertex(const Coordinates& points, const Hull& hull) {
   std::string out;
   append_number(out, std::uint64_t{hull.dimension});
   out += " 1\n";
@@ -268,7 +268,7 @@ std::string counted_lists(std::uint64_t count, const List& list) {
   return out;
 }
 
-std::string facets_of_points(const PointView& points, const Hull& hull) {
+std::string facets_of_points(const Coordinates& points, const Hull& hull) {
   std::vector<std::vector<std::uint64_t>> of(points.count);
   for (std::uint64_t i = 0; i < hull.facet_count(); ++i)
     for (const std::uint64_t id : facet_vertices(hull, i)) of[id].push_back(i);
@@ -280,7 +280,7 @@ std::vector<std::uint64_t> neighbours_of(const Hull& hull, std::uint64_t i) {
   return {lists.items.data() + lists.offsets[i], lists.items.data() + lists.offsets[i + 1]};
 }
 
-std::string facet_centres(const PointView& points, const Hull& hull) {
+std::string facet_centres(const Coordinates& points, const Hull& hull) {
   std::string out;
   append_line(out, hull.dimension);
   append_line(out, hull.facet_count());
@@ -291,7 +291,7 @@ std::string facet_centres(const PointView& points, const Hull& hull) {
   return out;
 }
 
-std::string facet_areas(const PointView& points, const Hull& hull) {
+std::string facet_areas(const Coordinates& points, const Hull& hull) {
   std::string out;
   append_line(out, hull.facet_count());
   for (const double measure : facet_measures(points, hull)) {
@@ -351,7 +351,7 @@ std::string summary(const Hull& hull, bool measures) {
 
 /// f, and FF without what is between the facets: every vertex and facet with all that is known of
 /// it. Vertices are numbered in the order of hull.vertices, facets in ours.
-std::string dump(const PointView& points, const Hull& hull) {
+std::string dump(const Coordinates& points, const Hull& hull) {
   const std::uint64_t width = std::uint64_t{hull.dimension} + 1;
   std::string out = "Vertices and facets:\n";
   std::vector<std::uint64_t> number(points.count, 0);
@@ -406,7 +406,7 @@ std::string refused_word(std::string_view what) {
 
 }  // namespace
 
-std::vector<double> facet_measures(const PointView& points, const Hull& hull) {
+std::vector<double> facet_measures(const Coordinates& points, const Hull& hull) {
   const auto k = static_cast<std::uint64_t>(std::max(hull.affine_dimension, 1));
   std::vector<double> measures(hull.facet_count(), 0);
   for (std::uint64_t s = 0; s < hull.simplex_count(); ++s)
@@ -435,9 +435,21 @@ void check_qhull_format(std::string_view what) {
               "unknown text format " + internal::quoted_text(what) + "; known are" + list);
 }
 
-std::string hull_to_qhull_text(const PointView& points, const Hull& hull, std::string_view what) {
+namespace {
+
+/// Whether the text has something of every point, extreme or not.
+bool lists_all_points(std::string_view what) {
+  return what == "o" || what == "f" || what == "FF" || what == "Ft" || what == "FN";
+}
+
+std::string qhull_text(const internal::Coordinates& points, const Hull& hull,
+                       std::string_view what) {
   using namespace internal;
   check_qhull_format(what);
+  if (!points.complete() && lists_all_points(what))
+    throw Error(ErrorCode::invalid_argument,
+                "--format " + std::string(what) +
+                    " lists every point, of which a stream keeps the extreme ones alone");
   if (what == "Fx") return extreme_ids(hull);
   if (what == "i") return incidences(hull);
   if (what == "o") return off_like(points, hull);
@@ -460,6 +472,16 @@ std::string hull_to_qhull_text(const PointView& points, const Hull& hull, std::s
   const std::uint64_t count = hull.facet_count();
   if (what == "Fn") return counted_lists(count, [&](auto i) { return neighbours_of(hull, i); });
   return counted_lists(count, [&](auto i) { return facet_vertices(hull, i); });  // Fv
+}
+
+}  // namespace
+
+std::string hull_to_qhull_text(const PointView& points, const Hull& hull, std::string_view what) {
+  return qhull_text(points, hull, what);
+}
+
+std::string hull_to_qhull_text(const HullState& state, const Hull& hull, std::string_view what) {
+  return qhull_text(state, hull, what);
 }
 
 }  // namespace cullhull

@@ -7,6 +7,7 @@
 
 #include "cullhull/hull.hpp"
 #include "cullhull/io.hpp"
+#include "io/coordinates.hpp"
 
 namespace cullhull::internal {
 
@@ -20,21 +21,21 @@ std::vector<std::uint64_t> simplex_of_facet(const Hull& hull);
 std::vector<std::uint64_t> sorted_vertices(const Hull& hull);
 
 /// The average of the points with these ids, summed so that huge coordinates do not overflow.
-std::vector<double> average_of(const PointView& points, const std::vector<std::uint64_t>& ids);
+std::vector<double> average_of(const Coordinates& points, const std::vector<std::uint64_t>& ids);
 
 /// The (k-1)-measure of each facet.
-std::vector<double> facet_measures(const PointView& points, const Hull& hull);
+std::vector<double> facet_measures(const Coordinates& points, const Hull& hull);
 
 /// "%6s ", as Qhull pads its numbers.
 void append_padded(std::string& out, double v);
 void append_line(std::string& out, std::uint64_t v);
-void append_point(std::string& out, const PointView& points, std::uint64_t id);
+void append_point(std::string& out, const Coordinates& points, std::uint64_t id);
 void append_ids(std::string& out, const std::vector<std::uint64_t>& ids);
 
 /// For programs that draw: Geomview (G), Mathematica (m), Maple (FM). Error{invalid_argument}
 /// unless the hull is one of 2D or 3D points and spans them.
-std::string geomview_text(const PointView& points, const Hull& hull);
-std::string mathematica_text(const PointView& points, const Hull& hull);
-std::string maple_text(const PointView& points, const Hull& hull);
+std::string geomview_text(const Coordinates& points, const Hull& hull);
+std::string mathematica_text(const Coordinates& points, const Hull& hull);
+std::string maple_text(const Coordinates& points, const Hull& hull);
 
 }  // namespace cullhull::internal

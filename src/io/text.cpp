@@ -129,6 +129,39 @@ const char* format_name(Preamble::Kind kind) {
 
 }  // namespace
 
+namespace {
+
+/// Finds the line that is too short for its points without allocating for what it promises.
+[[noreturn]] void find_short_line(const Source& source, const LineIndex& index,
+                                  const Preamble& preamble, const ReadOptions& options) {
+  const std::uint32_t d = preamble.dimension;
+  parse_lines(
+      source, index, options, is_point_line,
+      [&](std::uint64_t, const char* p, const char* end) {
+        if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, d);
+        if (split_fields(p, end).list.size() != d) throw LineFault{explain_row(p, end, d)};
+      },
+      [](const char*, const char*) {});
+  fail(source, "too short for its points");
+}
+
+PointData parse_rows(const Source& source, const LineIndex& index, const Preamble& preamble,
+                     const ReadOptions& options) {
+  const std::uint32_t d = preamble.dimension;
+  PointData data = parsed_points(index.points, d, format_name(preamble.kind));
+  double* const out = data.storage.as<double>();
+  parse_lines(
+      source, index, options, is_point_line,
+      [&](std::uint64_t point, const char* p, const char* end) {
+        if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, d);
+        if (!parse_row(p, end, d, out + point * d)) throw LineFault{explain_row(p, end, d)};
+      },
+      [](const char*, const char*) {});
+  return data;
+}
+
+}  // namespace
+
 PointData read_text(const Source& file, const ReadOptions& options, bool csv) {
   const Preamble preamble = find_preamble(file, csv);
   const std::uint32_t d = preamble.dimension;
@@ -141,27 +174,18 @@ PointData read_text(const Source& file, const ReadOptions& options, bool csv) {
                      std::to_string(index.points) + " lines follow");
   // Every coordinate takes a character and, but for the file's last, a separator.
   std::uint64_t coordinates = 0;
-  if (!multiply(index.points, d, coordinates) || coordinates > source.size / 2 + 1) {
-    // Some line is too short: find it without allocating for what it promises.
-    parse_lines(
-        source, index, options, is_point_line,
-        [&](std::uint64_t, const char* p, const char* end) {
-          if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, d);
-          if (split_fields(p, end).list.size() != d) throw LineFault{explain_row(p, end, d)};
-        },
-        [](const char*, const char*) {});
-    fail(source, "too short for its points");
-  }
-  PointData data = parsed_points(index.points, d, format_name(preamble.kind));
-  double* const out = data.storage.as<double>();
-  parse_lines(
-      source, index, options, is_point_line,
-      [&](std::uint64_t point, const char* p, const char* end) {
-        if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, d);
-        if (!parse_row(p, end, d, out + point * d)) throw LineFault{explain_row(p, end, d)};
-      },
-      [](const char*, const char*) {});
-  return data;
+  if (!multiply(index.points, d, coordinates) || coordinates > source.size / 2 + 1)
+    find_short_line(source, index, preamble, options);
+  return parse_rows(source, index, preamble, options);
+}
+
+PointData read_text_piece(const Source& piece, std::uint64_t lines_before, const Preamble& preamble,
+                          const ReadOptions& options) {
+  const LineIndex index = index_lines(piece, piece.data, lines_before, options, is_point_line);
+  std::uint64_t coordinates = 0;
+  if (!multiply(index.points, preamble.dimension, coordinates) || coordinates > piece.size / 2 + 1)
+    find_short_line(piece, index, preamble, options);
+  return parse_rows(piece, index, preamble, options);
 }
 
 }  // namespace cullhull::internal

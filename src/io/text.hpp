@@ -49,4 +49,9 @@ struct Preamble {
 /// `csv`: the first line may be words. Throws Error{bad_file}.
 Preamble find_preamble(const Source& source, bool csv);
 
+/// The points of some whole lines of a text, of which `lines_before` precede them. Those of cdd's
+/// header end before their file does, so that they are not read in pieces.
+PointData read_text_piece(const Source& piece, std::uint64_t lines_before, const Preamble& preamble,
+                          const ReadOptions& options);
+
 }  // namespace cullhull::internal

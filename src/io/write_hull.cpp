@@ -29,9 +29,14 @@ void refuse_format(const std::string& path, const std::string& format, const cha
 
 }  // namespace internal
 
-void write_hull(const std::string& path, const PointView& points, const Hull& hull,
-                const std::string& format, Faces faces) {
+namespace {
+
+/// `Points`: PointView or HullState.
+template <class Points>
+void write_hull_of(const std::string& path, const Points& of, const Hull& hull,
+                   const std::string& format, Faces faces) {
   using namespace internal;
+  const Coordinates points(of);
   if (points.count != hull.point_count || points.dimension != hull.dimension)
     throw Error(ErrorCode::invalid_argument, "the hull is not that of these points");
   const std::string f = output_format(path, format, "json");
@@ -49,15 +54,27 @@ void write_hull(const std::string& path, const PointView& points, const Hull& hu
     out.commit();
   } else if (f == "txt") {
     // As `p`, with a word after the dimension: so that no reader takes a 1D header for points.
-    std::string text = hull_to_qhull_text(points, hull, "p");
+    std::string text = hull_to_qhull_text(of, hull, "p");
     text.insert(text.find('\n'), " vertices of a convex hull");
     write_text(path, text);
   } else {
     const auto& qhull = qhull_formats();
     if (std::find(qhull.begin(), qhull.end(), f) == qhull.end())
       refuse_format(path, f, ".ply .obj .off .stl .json .txt");
-    write_text(path, hull_to_qhull_text(points, hull, f));
+    write_text(path, hull_to_qhull_text(of, hull, f));
   }
+}
+
+}  // namespace
+
+void write_hull(const std::string& path, const PointView& points, const Hull& hull,
+                const std::string& format, Faces faces) {
+  write_hull_of(path, points, hull, format, faces);
+}
+
+void write_hull(const std::string& path, const HullState& state, const Hull& hull,
+                const std::string& format, Faces faces) {
+  write_hull_of(path, state, hull, format, faces);
 }
 
 }  // namespace cullhull

@@ -3,6 +3,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
+#include "io/coordinates.hpp"
 #include "io/mesh.hpp"
 #include "io/npy.hpp"
 #include "io/output_file.hpp"
@@ -13,7 +14,7 @@ namespace internal {
 namespace {
 
 /// The rows as they are in memory, packed. The machine is little-endian, as .npy and .ply are here.
-void write_rows(OutputFile& out, const PointView& points, const std::vector<std::uint64_t>& ids) {
+void write_rows(OutputFile& out, const Coordinates& points, const std::vector<std::uint64_t>& ids) {
   const std::size_t size = scalar_size(points.scalar);
   std::vector<char> row(points.dimension * size);
   for (const std::uint64_t id : ids) {
@@ -46,7 +47,7 @@ const char* ply_type(ScalarType type) {
   return "double";
 }
 
-void write_ply_points(OutputFile& out, const PointView& points,
+void write_ply_points(OutputFile& out, const Coordinates& points,
                       const std::vector<std::uint64_t>& ids) {
   std::string head = "ply\nformat binary_little_endian 1.0\nelement vertex ";
   append_number(head, std::uint64_t{ids.size()});
@@ -57,7 +58,7 @@ void write_ply_points(OutputFile& out, const PointView& points,
 }
 
 /// Every number as a double: the shortest decimal of a 32-bit float would be another double.
-void write_text_points(OutputFile& out, const PointView& points,
+void write_text_points(OutputFile& out, const Coordinates& points,
                        const std::vector<std::uint64_t>& ids, char separator) {
   std::string line;
   for (const std::uint64_t id : ids) {
@@ -103,8 +104,10 @@ void write_ids(const std::string& path, const std::vector<std::uint64_t>& ids,
   out.commit();
 }
 
-void write_points(const std::string& path, const PointView& points,
-                  const std::vector<std::uint64_t>& ids, const std::string& format) {
+namespace {
+
+void write_points_of(const std::string& path, const internal::Coordinates& points,
+                     const std::vector<std::uint64_t>& ids, const std::string& format) {
   using namespace internal;
   const std::string f = output_format(path, format, "npy");
   if (f != "npy" && f != "ply" && f != "csv" && f != "xyz" && f != "txt")
@@ -123,6 +126,17 @@ void write_points(const std::string& path, const PointView& points,
     write_text_points(out, points, ids, f == "csv" ? ',' : ' ');
   }
   out.commit();
+}
+
+}  // namespace
+
+void write_points(const std::string& path, const PointView& points,
+                  const std::vector<std::uint64_t>& ids, const std::string& format) {
+  write_points_of(path, points, ids, format);
+}
+
+void write_points(const std::string& path, const HullState& state, const std::string& format) {
+  write_points_of(path, state, state.ids(), format);
 }
 
 }  // namespace cullhull

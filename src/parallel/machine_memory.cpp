@@ -1,5 +1,6 @@
 #include "parallel/machine_memory.hpp"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -54,7 +55,11 @@ std::uint64_t machine_memory() {
     const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
     if (pages <= 0 || size <= 0) return 0;
     const auto physical = static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(size);
-    return std::min(physical, group_memory_limit("/proc/self/cgroup", "/sys/fs/cgroup"));
+    rlimit addresses{};
+    const bool limited =
+        getrlimit(RLIMIT_AS, &addresses) == 0 && addresses.rlim_cur != RLIM_INFINITY;
+    return std::min({physical, group_memory_limit("/proc/self/cgroup", "/sys/fs/cgroup"),
+                     limited ? std::uint64_t{addresses.rlim_cur} : no_limit});
   }();
   return bytes;
 }

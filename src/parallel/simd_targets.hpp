@@ -4,16 +4,15 @@
 // Every set costs its share of a kernel's compile time, and every machine runs the best that is
 // left. All sets give the same bits. On x86-64 kernels are compiled for AVX-512, AVX2 and as plain
 // vectors of 128 bits that the compiler lowers to SSE2; the filter's kernel, where shuffles count,
-// for SSSE3 too, which takes half the time of plain vectors. SSE4 gains nothing over SSSE3 there,
+// for SSSE3 too, which takes half the time of plain vectors there. SSE4 gains nothing over SSSE3,
 // and neither gains anything over plain vectors in kernels of doubles, two of which fill a vector
 // (measured on hulls of balls, spheres and circles in 2D to 4D).
 #pragma once
 
-/// SSE4, and what has no vector size at compile time, so that vectors cannot be kept in arrays as
-/// most kernels do: NEON or plain code serves those machines. A kernel says
-///   #define HWY_DISABLED_TARGETS CULLHULL_SKIPPED_TARGETS
-#define CULLHULL_SKIPPED_TARGETS \
-  (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV | HWY_SSE4)
+/// Targets whose vectors have no size at compile time and so cannot be kept in arrays, which most
+/// kernels do: NEON or plain code serves those machines. A kernel says
+///   #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
+#define CULLHULL_SIZELESS_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 
-/// Those, and SSSE3.
-#define CULLHULL_SPARED_TARGETS (CULLHULL_SKIPPED_TARGETS | HWY_SSSE3)
+/// Those, and what gains nothing over plain vectors.
+#define CULLHULL_SPARED_TARGETS (CULLHULL_SIZELESS_TARGETS | HWY_SSSE3 | HWY_SSE4)

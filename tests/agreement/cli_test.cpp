@@ -12,8 +12,8 @@
 #include "agreement/run_app.hpp"
 #include "cullhull/device_points.hpp"
 #include "cullhull/generate.hpp"
-#include "cullhull/version.hpp"
 #include "cullhull/io.hpp"
+#include "cullhull/version.hpp"
 
 namespace cullhull {
 namespace {
@@ -443,6 +443,32 @@ TEST(Cli, EveryCommandSaysThatItWasCancelled) {
     EXPECT_EQ(interrupted_while_reading(command, errors), 130) << command[0];
     EXPECT_EQ(read_file(errors), "cullhull: cancelled\n") << command[0];
   }
+}
+
+TEST(Cli, LongWorkSaysThatItWasCancelled) {
+  const Folder f;
+  std::vector<std::string> tracked = {"track", "--certify", "--cull", "none"};
+  write_points(f / "p.npy", "sphere", 2000, 5);  // each frame takes some tenths of a second
+  for (int frame = 0; frame < 200; ++frame) tracked.push_back(f / "p.npy");
+  const std::vector<std::vector<std::string>> commands = {
+      {"generate", "ball", "-n", "300M", "-d", "3", "-o", f / "ball.npy"},
+      {"bench", "rivals", "--scale", "1", "--workload", "sphere-3d-1M", "--repeat", "100"},
+      tracked};
+  const std::string errors = f / "errors.txt";
+  const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+  for (const auto& command : commands) {
+    // Measurements are left out of some builds.
+    if (command[0] == "bench" && run_app({"bench", "--help"}).status != 0) continue;
+    const int err = ::open(errors.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    const pid_t child = start_app(command, null, null, err);
+    ::usleep(500000);  // a signal that comes sooner is heard as well
+    ::kill(child, SIGINT);
+    EXPECT_EQ(wait_for(child), 130) << command[0];
+    EXPECT_EQ(read_file(errors), "cullhull: cancelled\n") << command[0];
+    ::close(err);
+  }
+  ::close(null);
+  EXPECT_FALSE(std::filesystem::exists(f / "ball.npy"));
 }
 
 TEST(Cli, QhullHearsAnInterruption) {

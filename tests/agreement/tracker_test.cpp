@@ -39,6 +39,11 @@ void* operator new(std::size_t n, std::align_val_t a) {
   const auto align = static_cast<std::size_t>(a);
   return counted(std::aligned_alloc(align, (n + align - 1) / align * align));
 }
+void* operator new(std::size_t n, const std::nothrow_t&) noexcept {
+  void* const p = std::malloc(n > 0 ? n : 1);
+  return p == nullptr ? p : counted(p);
+}
+void operator delete(void* p, const std::nothrow_t&) noexcept { uncounted(p); }
 void operator delete(void* p) noexcept { uncounted(p); }
 void operator delete(void* p, std::size_t) noexcept { uncounted(p); }
 void operator delete(void* p, std::align_val_t) noexcept { uncounted(p); }

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "cullhull/version.hpp"
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {

@@ -23,17 +23,26 @@ class Rig {
   fill(extent, numbered) {
     const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => extent.map((e, j) => (i & (1 << j) ? e : -e)));
     const rim = Math.min(numbered ? 70 : 24, 0.14 * Math.min(this.width, this.height));
-    const fits = () => corners.map((c) => this.project(c)).every(([x, y, depth]) =>
+    const seen = () => corners.map((c) => this.project(c));
+    const fits = () => seen().every(([x, y, depth]) =>
       depth > 0 && x > rim && x < this.width - rim && y > rim && y < this.height - rim);
-    let near = 0.2, far = 2;
-    for (let i = 0; i < 12; ++i) {
-      this.reach = (near + far) / 2;
+    // The middle of what is seen comes to the middle of the picture, which makes room to come nearer.
+    for (let round = 0; round < 3; ++round) {
+      let near = 0.2, far = 2;
+      for (let i = 0; i < 12; ++i) {
+        this.reach = (near + far) / 2;
+        this.update();
+        if (fits()) far = this.reach;
+        else near = this.reach;
+      }
+      this.reach = far;
       this.update();
-      if (fits()) far = this.reach;
-      else near = this.reach;
+      const off = [0, 1].map((i) => {
+        const places = seen().map((s) => s[i]);
+        return (Math.min(...places) + Math.max(...places)) / 2;
+      });
+      this.pan(this.width / 2 - off[0], this.height / 2 - off[1]);
     }
-    this.reach = far;
-    this.update();
   }
   // At the target.
   pixelsPerUnit() {

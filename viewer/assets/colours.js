@@ -13,7 +13,8 @@ function scaleColour(t, out, at) {
 }
 
 // The range that a scale of colours covers: without the outermost two per cent at either end, so
-// that one bird above a landscape does not take all the colours.
+// that one bird above a landscape does not take all the colours. Where most values are low, as those
+// of the ground between trees, the scale is bent (t to a power) so that they share in the colours.
 function colourRange(scene, axis) {
   const values = [];
   for (const frame of scene.frames) {
@@ -22,8 +23,21 @@ function colourRange(scene, axis) {
   }
   values.sort((a, b) => a - b);
   const at = (share) => values[Math.min(values.length - 1, Math.floor(share * values.length))] || 0;
-  const low = at(0.02), high = at(0.98);
-  return low < high ? { low, high } : { low: values[0] || 0, high: values[values.length - 1] || 0 };
+  let low = at(0.02), high = at(0.98);
+  if (!(low < high)) [low, high] = [values[0] || 0, values[values.length - 1] || 0];
+  const median = (at(0.5) / 2 - low / 2) / (high / 2 - low / 2 || 1);
+  const power = median > 0 && median < 1 ? Math.log(0.4) / Math.log(median) : 1;
+  return { low, high, power: Math.max(0.4, Math.min(1, power)) };
+}
+
+// The scale as a bar, even in the values.
+function scaleGradient(range) {
+  const stops = [], colour = [0, 0, 0];
+  for (let i = 0; i <= 16; ++i) {
+    scaleColour((i / 16) ** range.power, colour, 0);
+    stops.push(`rgb(${colour.join(",")})`);
+  }
+  return `linear-gradient(to right, ${stops.join(", ")})`;
 }
 
 // Three bytes for each row that is no vertex; null where the stage's own colours do.
@@ -35,7 +49,7 @@ function rowColours(scene, frame, by, range) {
   const out = new Uint8Array(3 * count);
   for (let i = 0; i < count; ++i) {
     const x = frame.coordinates[(frame.vertices + i) * scene.axes + axis];
-    scaleColour((x / 2 - range.low / 2) / span, out, 3 * i);
+    scaleColour(Math.max(0, (x / 2 - range.low / 2) / span) ** range.power, out, 3 * i);
   }
   return out;
 }

@@ -203,13 +203,13 @@ class Stage {
   styleFor(pixelsPerUnit) {
     const p = this.parts;
     const room = this.apart > 0 ? this.apart * pixelsPerUnit : 60;
-    const size = Math.max(1.6, Math.min(8, this.flat ? 0.5 * room : 0.2 * room));
+    // Dots that are coloured to be looked at keep the front of the stage.
+    const tinted = p.points.material.uniforms.tinted.value > 0;
+    const size = Math.max(1.6, Math.min(tinted ? 4.5 : 8, this.flat ? 0.5 * room : 0.2 * room));
     const far = Math.max(0.1, Math.min(0.35, room / 60));
     for (const part of [p.vertices, p.farVertices]) part.userData.size = size;
     p.vertices.material.uniforms.alpha.value = 1;
     p.farVertices.material.uniforms.alpha.value = this.solid ? far : 1;
-    // Dots that are coloured to be looked at keep the front of the stage.
-    const tinted = p.points.material.uniforms.tinted.value > 0;
     p.edges.material.uniforms.alpha.value = this.flat ? 1 : Math.max(0.14, Math.min(tinted ? 0.55 : 0.95, room / 38));
     p.farEdges.material.uniforms.alpha.value = Math.max(0.05, Math.min(tinted ? 0.18 : 0.3, room / 110));
     p.web.material.uniforms.alpha.value = eased(this.lines, 100, 100000, 0.5, 0.03);

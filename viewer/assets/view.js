@@ -119,6 +119,7 @@ class Viewer {
     document.getElementById("legend").hidden = !byAxis;
     if (byAxis) {
       const name = axisName(Number(this.colourBy), this.scene.dimension);
+      document.querySelector("#legend i").style.background = scaleGradient(range);
       document.getElementById("legend-low").textContent = `${name} ${numberText(Number(range.low.toPrecision(4)))}`;
       document.getElementById("legend-high").textContent = numberText(Number(range.high.toPrecision(4)));
     }

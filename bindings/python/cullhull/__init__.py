@@ -39,6 +39,8 @@ from ._halfspaces import HalfspaceIntersection
 from ._hull import Certificate, Hull, Simplified
 from ._lists import Lists
 from ._many import GrowingHull, HullBatch, convex_hulls
+from ._read import read
+from ._stream import HullState, HullStream
 from ._tolerant import TolerantConvexHull
 from ._tracker import HullTracker
 
@@ -60,6 +62,8 @@ __all__ = [
     "HalfspaceIntersection",
     "Hull",
     "HullBatch",
+    "HullState",
+    "HullStream",
     "HullTracker",
     "InternalError",
     "InvalidArgument",
@@ -81,6 +85,7 @@ __all__ = [
     "cuda_status",
     "cull",
     "generate",
+    "read",
     "shapes",
 ]
 

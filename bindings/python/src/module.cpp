@@ -19,4 +19,5 @@ NB_MODULE(_core, m) {
   binding::bind_device(m);
   binding::bind_tracker(m);
   binding::bind_simplify(m);
+  binding::bind_stream(m);
 }

@@ -71,5 +71,6 @@ void bind_halfspaces(nanobind::module_& m);
 void bind_device(nanobind::module_& m);
 void bind_tracker(nanobind::module_& m);
 void bind_simplify(nanobind::module_& m);
+void bind_stream(nanobind::module_& m);
 
 }  // namespace binding

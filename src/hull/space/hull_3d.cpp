@@ -169,7 +169,8 @@ void Engine3D::give_slots(Id points) {
   const std::uint64_t bound = slots_ + 2 * std::uint64_t{points} + 64;
   const std::uint64_t slots = std::max<std::uint64_t>(slots_, std::min(bound, allowed));
   reserve(slots);
-  pieces_[0].spare.emplace_back(slots_, static_cast<Id>(slots));
+  // Spare ranges are never empty: where the budget gives no more, the next facet must find none.
+  if (slots > slots_) pieces_[0].spare.emplace_back(slots_, static_cast<Id>(slots));
   slots_ = static_cast<Id>(slots);
 }
 

@@ -1,6 +1,7 @@
 // The hull of a cube's corners and its centre, through the package's targets alone.
 #include <cstdio>
 #include <cullhull/cullhull.hpp>
+#include <limits>
 #ifdef CONSUMER_HAS_IO
 #include <cullhull/io.hpp>
 #endif
@@ -14,6 +15,14 @@ int main() {
   std::printf("%zu vertices, %zu facets, volume %g\n", hull.vertices.size(), hull.facets.size(),
               hull.volume);
   if (hull.vertices.size() != 8 || hull.facets.size() != 6 || hull.volume != 8) return 1;
+  points[3][1] = std::numeric_limits<double>::quiet_NaN();
+  try {  // errors cross the border of a shared library
+    cullhull::convex_hull(view);
+    return 1;
+  } catch (const cullhull::Error& e) {
+    if (e.code() != cullhull::ErrorCode::not_finite) return 1;
+  }
+  points[3][1] = 1;
 #ifdef CONSUMER_HAS_IO
   if (cullhull::hull_to_qhull_text(view, hull, "Fx").empty()) return 1;
 #endif

@@ -1,0 +1,190 @@
+#include "streaming.hpp"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "checkpoint.hpp"
+#include "cullhull/error.hpp"
+#include "measure.hpp"
+#include "signals.hpp"
+#include "terminal.hpp"
+
+namespace app {
+namespace {
+
+using cullhull::BlockPosition;
+using cullhull::Error;
+using cullhull::ErrorCode;
+
+bool is_state(const std::string& file) { return ending_of(file) == ".hullstate"; }
+
+/// What a checkpoint must be of, so that a run goes on from it: the same files, read alike.
+std::string identity_of(const InputArguments& input, const std::vector<std::string>& files,
+                        const StreamArguments& stream) {
+  std::string text = fmt::format("{} {} {} {} {} {}\n", input.format, input.dimension, input.type,
+                                 input.columns, stream.first_id, stream.global_ids);
+  for (const std::string& file : files) {
+    struct stat status {};
+    if (::stat(file.c_str(), &status) != 0 || !S_ISREG(status.st_mode))
+      throw Error(ErrorCode::invalid_argument,
+                  "--checkpoint " + stream.checkpoint + ": " + input_name(file) +
+                      " is no file that could be read from its middle");
+    text += fmt::format("{} {} {}.{}\n", file, status.st_size, status.st_mtim.tv_sec,
+                        status.st_mtim.tv_nsec);
+  }
+  return text;
+}
+
+std::optional<Checkpoint> checkpoint_of(const StreamArguments& stream, const std::string& inputs) {
+  if (stream.checkpoint.empty()) return std::nullopt;
+  std::optional<Checkpoint> found = read_checkpoint(stream.checkpoint);
+  if (found && found->inputs != inputs)
+    throw Error(ErrorCode::invalid_argument,
+                "--checkpoint " + stream.checkpoint +
+                    ": is of other inputs, or of some that have changed; remove it to begin anew");
+  return found;
+}
+
+/// Columns of blocks, each thread with memory of its own for those that no stride describes.
+cullhull::PointView block_columns(const InputArguments& input, const cullhull::PointView& block) {
+  thread_local std::vector<std::byte> gathered;
+  return columns_of(input, block, gathered);
+}
+
+cullhull::BlockOptions block_options(const InputArguments& input, const RunArguments& run,
+                                     const cullhull::Options& options) {
+  cullhull::BlockOptions blocks;
+  blocks.read = read_options(input, run.threads);
+  blocks.read.stop = options.stop;
+  return blocks;
+}
+
+double megabytes(std::uint64_t bytes) { return static_cast<double>(bytes) / 1e6; }
+
+}  // namespace
+
+void StreamArguments::add_to(Parser& command, bool states) {
+  allow_words(*command.add_option("--stream", stream,
+                                  "Read in blocks, in memory that does not grow with the points;\n"
+                                  "auto: several inputs, and what exceeds half of the memory"),
+              {"auto", "on", "off"});
+  if (!states) return;
+  needs_value(*command.add_option("--partial", partial,
+                                  "Write what these points contribute to any hull: .hullstate,\n"
+                                  "which is an INPUT like others, or .npz for NumPy"))
+      .type_name("OUT.hullstate");
+  command.add_flag("--global-ids", global_ids,
+                   "States among the inputs keep their ids; else they are numbered on");
+  command.add_option("--first-id", first_id, "Id of the first point")->type_name("N");
+  needs_value(*command.add_option("--checkpoint", checkpoint,
+                                  "Keep here how far it came, every minute and on Ctrl-C; go on\n"
+                                  "from it if it is there"))
+      .type_name("FILE");
+  allow_range(*command.add_option("--checkpoint-every", every, "Seconds"), 0, 86400);
+}
+
+void StreamArguments::plan(FilePlan& plan) const {
+  plan.writes("--partial", partial, {".hullstate", ".npz"});
+  if (!checkpoint.empty()) plan.writes_any("--checkpoint", checkpoint);
+}
+
+bool StreamArguments::wanted(const std::vector<std::string>& files, const RunArguments& run,
+                             const std::string& why_not) const {
+  const bool states = std::any_of(files.begin(), files.end(), is_state);
+  std::string what = stream == "on"        ? "--stream on"
+                     : !partial.empty()    ? "--partial"
+                     : !checkpoint.empty() ? "--checkpoint"
+                     : first_id > 0        ? "--first-id"
+                     : states              ? "a .hullstate among the inputs"
+                                           : "";
+  if (!what.empty() && stream == "off")
+    throw Error(ErrorCode::invalid_argument, what + " reads in blocks, which --stream off forbids");
+  if (!what.empty() && !why_not.empty())
+    throw Error(ErrorCode::invalid_argument,
+                what + " reads in blocks, but " + why_not + " needs all points in memory");
+  if (!what.empty()) return true;
+  if (stream == "off" || !why_not.empty()) return false;
+  return files.size() > 1 || cullhull::worth_streaming(files, run.options());
+}
+
+Streamed stream_state(const InputArguments& input, const std::vector<std::string>& files,
+                      const StreamArguments& stream, const RunArguments& run) {
+  const Stopwatch watch;
+  const std::string inputs = stream.checkpoint.empty() ? "" : identity_of(input, files, stream);
+  std::optional<Checkpoint> from = checkpoint_of(stream, inputs);
+  cullhull::Options options = run.options();
+  cullhull::BlockOptions blocks = block_options(input, run, options);
+  // The threads that read do the work. Where a checkpoint is kept, no block may be left half done.
+  options.threads = 1;
+  if (!stream.checkpoint.empty()) options.stop = {};
+  cullhull::HullStream hull(options);
+  if (from) {
+    hull.push(from->state);
+    blocks.from = from->position;
+    from.reset();
+  }
+  TerminalProgress progress(run.quiet, megabytes(cullhull::input_bytes(files)), "MB");
+  blocks.progress = progress.callback();
+  cullhull::BlockVisitor visitor;
+  visitor.points = [&](const cullhull::PointView& block, std::uint64_t first) {
+    hull.push(block_columns(input, block), stream.first_id + first);
+  };
+  visitor.state = [&](const cullhull::HullState& state, std::uint64_t first) {
+    if (stream.global_ids) return hull.push(state);
+    if (!state.ids().empty() && state.ids().back() >= state.point_count())
+      throw Error(ErrorCode::invalid_argument,
+                  "a state with ids beyond its number of points is a part that was numbered as "
+                  "one: give --global-ids");
+    cullhull::HullState shifted = state;
+    shifted.shift_ids(stream.first_id + first);
+    hull.push(shifted);
+  };
+  if (!stream.checkpoint.empty()) {
+    visitor.pause_seconds = stream.every;
+    visitor.pause = [&](const BlockPosition& at) {
+      write_checkpoint(stream.checkpoint, {at, hull.state(), inputs});
+    };
+  }
+  Streamed result;
+  cancellable([&] {
+    result.read = cullhull::visit_blocks(files, visitor, blocks);
+    result.state = hull.state();
+  });
+  result.report = hull.report();
+  result.seconds = watch.seconds();
+  return result;
+}
+
+cullhull::BlockSummary stream_blocks(
+    const InputArguments& input, const std::vector<std::string>& files, const RunArguments& run,
+    const std::function<void(const cullhull::PointView&, std::uint64_t first_id)>& points) {
+  TerminalProgress progress(run.quiet, megabytes(cullhull::input_bytes(files)), "MB");
+  cullhull::Options options = run.options();
+  cullhull::BlockOptions blocks = block_options(input, run, options);
+  blocks.progress = progress.callback();
+  cullhull::BlockVisitor visitor;
+  visitor.points = [&](const cullhull::PointView& block, std::uint64_t first) {
+    points(block_columns(input, block), first);
+  };
+  cullhull::BlockSummary summary;
+  cancellable([&] { summary = cullhull::visit_blocks(files, visitor, blocks); });
+  return summary;
+}
+
+void remove_checkpoint(const StreamArguments& stream) {
+  if (!stream.checkpoint.empty()) ::unlink(stream.checkpoint.c_str());
+}
+
+std::string streamed_points_line(const Streamed& streamed, std::size_t files) {
+  const cullhull::HullState& state = streamed.state;
+  return fmt::format("points     {} x {} {}, {}, {} block{} of {} input{}\n",
+                     grouped(state.point_count()), state.dimension(),
+                     cullhull::scalar_name(state.scalar()), streamed.read.format,
+                     grouped(streamed.read.blocks), streamed.read.blocks == 1 ? "" : "s", files,
+                     files == 1 ? "" : "s");
+}
+
+}  // namespace app

@@ -1,0 +1,169 @@
+"""Points from files whose readers are Python packages: LAZ, E57, Parquet, Zarr; and .npy."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._arguments import as_count
+from ._errors import BadFile, InvalidArgument
+
+Columns = Sequence[str] | Sequence[int] | None
+
+
+def read(
+    path: str | os.PathLike[str],
+    *,
+    columns: Columns = None,
+    chunks: int | None = None,
+) -> Any:
+    """The points of a file, for the formats that have a reader in Python alone.
+
+    .las and .laz (LAZ and COPC: ``pip install laspy[lazrs]``) give the file's whole numbers, to
+    which its scale and offset are not applied, so that a hull of them is exact; .e57 needs pye57,
+    .parquet pyarrow, .zarr zarr; .npy is mapped. All other formats are the program's
+    (``python -m cullhull hull FILE``).
+
+    Parameters
+    ----------
+    path : str or path
+    columns : names or numbers, optional
+        Which coordinates: names of Parquet's columns, else numbers. By default x, y, z of a
+        Parquet file that has them, else all.
+    chunks : int, optional
+        At most so many points at a time: an iterator of arrays instead of one.
+
+    Returns
+    -------
+    (n, d) array, or an iterator of them
+
+    Raises
+    ------
+    BadFile, InvalidArgument (ValueErrors), OSError
+    ImportError
+        Where the format's package is not installed; it says which.
+
+    Examples
+    --------
+    >>> import cullhull, numpy, os, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = os.path.join(folder, "points.npy")
+    ...     numpy.save(path, cullhull.generate("ball", 1000))
+    ...     stream = cullhull.HullStream()
+    ...     stream.extend(cullhull.read(path, chunks=100))
+    >>> stream.point_count
+    1000
+    """
+    size = None if chunks is None else as_count(chunks, "chunks", least=1)
+    name = os.fspath(path)
+    ending = os.path.splitext(name)[1].lower()
+    reader = _READERS.get(ending)
+    if reader is None:
+        raise BadFile(
+            f"{name}: read reads {' '.join(_READERS)}; the program reads more: "
+            "python -m cullhull hull FILE"
+        )
+    pieces = reader(name, columns, size or 1 << 20)
+    if size is not None:
+        return pieces
+    parts = list(pieces)
+    if not parts:
+        raise BadFile(f"{name}: no points")
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+
+def _package(name: str, ending: str, install: str) -> Any:
+    import importlib
+
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        raise ImportError(
+            f"{ending} files are read with {name}, which is not installed: pip install {install}"
+        ) from None
+
+
+def _numbers(columns: Columns, width: int, name: str) -> list[int]:
+    if columns is None:
+        return list(range(width))
+    numbers = [c for c in columns if isinstance(c, (int, np.integer)) and 0 <= c < width]
+    if len(numbers) != len(columns) or not numbers:
+        raise InvalidArgument(f"{name}: columns must be numbers from 0 to {width - 1}")
+    return [int(c) for c in numbers]
+
+
+def _slices(array: Any, columns: Columns, size: int, name: str) -> Iterator[npt.NDArray[Any]]:
+    if array.ndim != 2:
+        raise BadFile(f"{name}: array of {array.ndim} axes; points need (n, d)")
+    taken = _numbers(columns, array.shape[1], name)
+    for start in range(0, array.shape[0], size):
+        block = np.asarray(array[start : start + size])
+        yield block if columns is None else block[:, taken]
+
+
+def _npy(name: str, columns: Columns, size: int) -> Iterator[npt.NDArray[Any]]:
+    return _slices(np.load(name, mmap_mode="r"), columns, size, name)
+
+
+def _zarr(name: str, columns: Columns, size: int) -> Iterator[npt.NDArray[Any]]:
+    return _slices(_package("zarr", ".zarr", "zarr").open(name, mode="r"), columns, size, name)
+
+
+def _las(name: str, columns: Columns, size: int) -> Iterator[npt.NDArray[Any]]:
+    laspy = _package("laspy", ".las and .laz", "'laspy[lazrs]'")
+    taken = _numbers(columns, 3, name)
+    try:
+        with laspy.open(name) as file:
+            for points in file.chunk_iterator(size):
+                axes = (points.X, points.Y, points.Z)
+                yield np.column_stack([np.asarray(axes[j], dtype=np.int32) for j in taken])
+    except laspy.errors.LaspyException as error:
+        raise BadFile(f"{name}: {error}") from None
+
+
+def _e57(name: str, columns: Columns, size: int) -> Iterator[npt.NDArray[Any]]:
+    pye57 = _package("pye57", ".e57", "pye57")
+    taken = _numbers(columns, 3, name)
+    file = pye57.E57(name)
+    for scan in range(file.scan_count):
+        axes = file.read_scan(scan, ignore_missing_fields=True)
+        rows = np.column_stack([axes[f"cartesian{'XYZ'[j]}"] for j in taken])
+        for start in range(0, len(rows), size):
+            yield rows[start : start + size]
+
+
+def _parquet(name: str, columns: Columns, size: int) -> Iterator[npt.NDArray[Any]]:
+    parquet = _package("pyarrow.parquet", ".parquet", "pyarrow")
+    file = parquet.ParquetFile(name)
+    names = list(file.schema_arrow.names)
+    if columns is None:
+        xyz = [c for c in "xyz" if c in names]
+        wanted = xyz if len(xyz) >= 2 else names
+    elif all(isinstance(c, str) for c in columns):
+        wanted = [str(c) for c in columns]
+    else:
+        wanted = [names[j] for j in _numbers(columns, len(names), name)]
+    missing = [c for c in wanted if c not in names]
+    if missing:
+        raise InvalidArgument(f"{name}: no column {missing[0]!r}; there are {', '.join(names)}")
+    for batch in file.iter_batches(batch_size=size, columns=wanted):
+        for column in wanted:
+            if batch.column(column).null_count:
+                raise BadFile(f"{name}: column {column!r} has missing values")
+        yield np.column_stack(
+            [batch.column(column).to_numpy(zero_copy_only=False) for column in wanted]
+        )
+
+
+_READERS = {
+    ".npy": _npy,
+    ".las": _las,
+    ".laz": _las,
+    ".e57": _e57,
+    ".parquet": _parquet,
+    ".zarr": _zarr,
+}

@@ -1,0 +1,400 @@
+"""Hulls of points that come in pieces: more than memory holds, from many threads or machines."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._arguments import Progress, as_count, as_points, settings
+from ._hull import Hull
+
+_DTYPES = {
+    "f32": np.float32,
+    "f64": np.float64,
+    "i8": np.int8,
+    "u8": np.uint8,
+    "i16": np.int16,
+    "u16": np.uint16,
+    "i32": np.int32,
+    "u32": np.uint32,
+}
+
+
+class HullState:
+    """All that some points contribute to a hull: the extreme ones, each with its index among all
+    points and its coordinates; of equal points the first.
+
+    States merge: any order and any tree of merging gives the same state, and `hull` of it is that of
+    `convex_hull` of all points at once, bit for bit. So parts can be worked on anywhere. States are
+    values: nothing changes one. They pickle, and compare by their content.
+
+    Parameters
+    ----------
+    points : (n, d) array, optional
+        None: the state of no points, which merges with any.
+    first_id : int
+        The index of the first of them among all points.
+    threads, memory_budget, progress : as in `convex_hull`
+
+    Raises
+    ------
+    InvalidArgument, NotFinite (ValueErrors), TypeError, OutOfBudget (a MemoryError)
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> points = cullhull.generate("ball", 10_000)
+    >>> parts = [cullhull.HullState(points[i : i + 2500], i) for i in range(0, 10_000, 2500)]
+    >>> state = parts[3] | parts[0] | parts[2] | parts[1]
+    >>> state.point_count
+    10000
+    >>> bool((state.hull().vertices == cullhull.convex_hull(points).vertices).all())
+    True
+    """
+
+    __slots__ = ("_state",)
+
+    def __init__(
+        self,
+        points: Any = None,
+        first_id: int = 0,
+        *,
+        threads: int | None = None,
+        memory_budget: int | None = None,
+        progress: Progress = None,
+    ) -> None:
+        if points is None:
+            self._state = _core.State()
+            return
+        chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+        first = as_count(first_id, "first_id")
+        self._state = _core.state_of(as_points(points), first, chosen)
+
+    @classmethod
+    def _of(cls, state: _core.State) -> HullState:
+        new = object.__new__(cls)
+        new._state = state
+        return new
+
+    @property
+    def dimension(self) -> int:
+        """d; 0 while it is not known."""
+        return self._state.dimension
+
+    @property
+    def point_count(self) -> int:
+        """How many points it stands for."""
+        return self._state.point_count
+
+    def __len__(self) -> int:
+        """How many of them are extreme."""
+        return self._state.count
+
+    @property
+    def ids(self) -> npt.NDArray[np.uint64]:
+        """Indices of the extreme points among all, ascending."""
+        return np.frombuffer(self._state.ids(), dtype=np.uint64)
+
+    @property
+    def points(self) -> npt.NDArray[Any]:
+        """Their coordinates in that order, of the type they were given in."""
+        rows = np.frombuffer(self._state.rows(), dtype=_DTYPES[self._state.scalar])
+        return rows.reshape(len(self), self.dimension)
+
+    def to_arrays(self) -> dict[str, npt.NDArray[Any]]:
+        """``ids``, ``points`` and ``point_count``, as any engine can carry them.
+
+        >>> import cullhull
+        >>> sorted(cullhull.HullState([[0, 0], [1, 0], [0, 1]]).to_arrays())
+        ['ids', 'point_count', 'points']
+        """
+        return {
+            "ids": self.ids,
+            "points": self.points,
+            "point_count": np.array([self.point_count], dtype=np.uint64),
+        }
+
+    def merge(
+        self,
+        other: HullState,
+        *,
+        threads: int | None = None,
+        memory_budget: int | None = None,
+        progress: Progress = None,
+    ) -> HullState:
+        """The state of both sets of points; ``a | b`` is the same.
+
+        Parameters
+        ----------
+        other : HullState
+            Of other points, with other indices.
+        threads, memory_budget, progress : as in `convex_hull`
+
+        Returns
+        -------
+        HullState
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            Where dimensions differ.
+        OutOfBudget (a MemoryError)
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> a = cullhull.HullState([[0, 0], [1, 0]])
+        >>> a.merge(cullhull.HullState([[0, 1]], 2)).hull().volume
+        0.5
+        """
+        if not isinstance(other, HullState):
+            raise TypeError(f"other must be a HullState, not {type(other).__name__}")
+        chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+        return HullState._of(self._state.merged(other._state, chosen))
+
+    def __or__(self, other: object) -> HullState:
+        if not isinstance(other, HullState):
+            return NotImplemented
+        return self.merge(other)
+
+    def shifted(self, offset: int) -> HullState:
+        """With ``offset`` added to every index: a part that was counted from 0, in its place.
+
+        >>> import cullhull
+        >>> cullhull.HullState([[0, 0], [1, 0]]).shifted(10).ids.tolist()
+        [10, 11]
+        """
+        return HullState._of(self._state.shifted(as_count(offset, "offset")))
+
+    def hull(
+        self,
+        *,
+        threads: int | None = None,
+        memory_budget: int | None = None,
+        progress: Progress = None,
+    ) -> Hull:
+        """The hull of all the points it stands for; indices count among all.
+
+        Parameters
+        ----------
+        threads, memory_budget, progress : as in `convex_hull`
+
+        Returns
+        -------
+        Hull
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            Where no points and so no dimension are known.
+        OutOfBudget (a MemoryError)
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> cullhull.HullState([[0, 0], [2, 0], [0, 2], [1, 1]]).hull().volume
+        2.0
+        """
+        chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+        return Hull._of(self._state.solid(chosen))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a file that appears whole or not at all: .hullstate, or .npz with `to_arrays`.
+
+        Raises
+        ------
+        FileError (an OSError), InvalidArgument (a ValueError)
+
+        Examples
+        --------
+        >>> import cullhull, os, tempfile
+        >>> state = cullhull.HullState([[0, 0], [2, 0], [0, 2]])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     state.save(os.path.join(folder, "part.hullstate"))
+        ...     cullhull.HullState.load(os.path.join(folder, "part.hullstate")) == state
+        True
+        """
+        self._state.save(os.fspath(path))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> HullState:
+        """Reads a .hullstate, which `save` or ``cullhull hull --partial`` wrote.
+
+        Raises
+        ------
+        FileError (an OSError), BadFile (a ValueError)
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> try:
+        ...     cullhull.HullState.load("/no/such/file.hullstate")
+        ... except OSError as error:
+        ...     type(error).__name__
+        'FileError'
+        """
+        return cls._of(_core.State.load(os.fspath(path)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _state_of, (self._state.to_bytes(),)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, HullState):
+            return NotImplemented
+        return self._state.same(other._state)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return (
+            f"<HullState: {len(self)} extreme of {self.point_count} points"
+            + (f" in {self.dimension}D>" if self.dimension else ">")
+        )
+
+
+def _state_of(data: bytes) -> HullState:
+    return HullState._of(_core.State.from_bytes(data))
+
+
+class HullStream:
+    """The hull of points pushed block by block, in any order, from any threads: one pass, in memory
+    for the extreme points and a block. The GIL is free while a block is worked on.
+
+    Parameters
+    ----------
+    threads, memory_budget : as in `convex_hull`, for every call
+        With several pushing threads ``threads=1`` is best.
+
+    Raises
+    ------
+    InvalidArgument (a ValueError), TypeError
+        For an option that is none.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> points = cullhull.generate("ball", 10_000)
+    >>> stream = cullhull.HullStream()
+    >>> stream.extend(points[i : i + 1000] for i in range(0, 10_000, 1000))
+    >>> stream.point_count
+    10000
+    >>> bool((stream.hull().simplices == cullhull.convex_hull(points).simplices).all())
+    True
+    """
+
+    __slots__ = ("_choices", "_stream")
+
+    def __init__(self, *, threads: int | None = None, memory_budget: int | None = None) -> None:
+        self._choices = (threads, memory_budget)
+        self._stream = _core.Stream(settings(threads=threads, memory_budget=memory_budget))
+
+    def push(self, points: Any, first_id: int | None = None) -> None:
+        """Takes in a block.
+
+        A push that raises an `Error` leaves the stream as it was; one that is interrupted
+        (KeyboardInterrupt) has been done.
+
+        Parameters
+        ----------
+        points : (n, d) array, or HullState
+            Read in place. A state stands for the points it was made of.
+        first_id : int, optional
+            The index of the block's first point among all; by default the one after the highest so
+            far.
+
+        Raises
+        ------
+        InvalidArgument, NotFinite (ValueErrors), TypeError
+        OutOfBudget (a MemoryError)
+            Where the points that may be extreme exceed the memory.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> stream = cullhull.HullStream()
+        >>> stream.push([[0, 1], [5, 5]], first_id=2)
+        >>> stream.push([[0, 0], [1, 0]], first_id=0)
+        >>> stream.hull().vertices.tolist()
+        [0, 1, 3, 2]
+        """
+        if isinstance(points, HullState):
+            if first_id is not None:
+                points = points.shifted(first_id)
+            self._stream.push_state(points._state)
+            return
+        first = None if first_id is None else as_count(first_id, "first_id")
+        self._stream.push(as_points(points), first)
+
+    def extend(self, blocks: Iterable[Any]) -> None:
+        """Pushes every block of an iterable, one after the other.
+
+        >>> import cullhull
+        >>> stream = cullhull.HullStream()
+        >>> stream.extend([[[0, 0], [1, 0]], [[0, 1]]])
+        >>> stream.hull().volume
+        0.5
+        """
+        for block in blocks:
+            self.push(block)
+
+    def state(self) -> HullState:
+        """The state of all that was pushed.
+
+        >>> import cullhull
+        >>> stream = cullhull.HullStream()
+        >>> stream.push([[0, 0], [1, 0], [0, 1]])
+        >>> len(stream.state())
+        3
+        """
+        return HullState._of(self._stream.state())
+
+    def hull(self, *, progress: Progress = None) -> Hull:
+        """The hull of all that was pushed, as `convex_hull` of it gives.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            Before the first block.
+        OutOfBudget (a MemoryError)
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> stream = cullhull.HullStream()
+        >>> stream.push([[0, 0], [1, 0], [0, 1]])
+        >>> stream.hull().volume
+        0.5
+        """
+        threads, memory_budget = self._choices
+        return self.state().hull(threads=threads, memory_budget=memory_budget, progress=progress)
+
+    @property
+    def point_count(self) -> int:
+        """How many points were pushed."""
+        return self.report["point_count"]
+
+    @property
+    def report(self) -> dict[str, int]:
+        """How it got on: ``point_count``, ``extreme`` points found exactly so far, points
+        ``waiting`` beside them, ``reductions`` (exact looks) and ``maps`` (filters laid)."""
+        return self._stream.report
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _stream_of, (self._choices, self.state())
+
+    def __repr__(self) -> str:
+        report = self.report
+        held = report["extreme"] + report["waiting"]
+        return f"<HullStream: {report['point_count']} points, {held} of them held>"
+
+
+def _stream_of(choices: Any, state: HullState) -> HullStream:
+    threads, memory_budget = choices
+    stream = HullStream(threads=threads, memory_budget=memory_budget)
+    stream.push(state)
+    return stream

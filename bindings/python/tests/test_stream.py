@@ -1,0 +1,230 @@
+"""Points in pieces give the bits of all of them at once."""
+
+import concurrent.futures
+import copy
+import pickle
+import random
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import cullhull
+
+
+ARRAYS = (
+    *("vertices", "vertex_points", "facet_planes", "simplices", "simplex_neighbours"),
+    *("simplex_facets", "centroid"),
+)
+
+
+def same(a, b):
+    """Every list and number, bit for bit; statistics aside."""
+    for name in ARRAYS:
+        x, y = getattr(a, name), getattr(b, name)
+        if x.dtype != y.dtype or x.shape != y.shape or x.tobytes() != y.tobytes():
+            return False
+    return (
+        a.facets.tolist() == b.facets.tolist()
+        and a.facet_neighbours.tolist() == b.facet_neighbours.tolist()
+        and (a.volume, a.area, a.point_count) == (b.volume, b.area, b.point_count)
+    )
+
+
+@pytest.mark.parametrize("dimension", [1, 2, 3, 4])
+@pytest.mark.parametrize("dtype", [np.float32, np.float64, np.int16])
+def test_blocks_in_any_order_give_the_whole(dimension, dtype):
+    points = (cullhull.generate("ball", 4000, dimension) * 500).astype(dtype)
+    whole = cullhull.convex_hull(points)
+    starts = list(range(0, 4000, 700))
+    random.Random(1).shuffle(starts)
+    stream = cullhull.HullStream()
+    for start in starts:
+        stream.push(points[start : start + 700], start)
+    assert stream.point_count == 4000
+    assert same(stream.hull(), whole)
+    state = stream.state()
+    assert state.points.dtype == dtype
+    assert np.array_equal(state.points, points[state.ids.astype(int)])
+    assert np.array_equal(state.ids, np.sort(whole.vertices))
+
+
+def test_iterators_lists_and_strides():
+    points = cullhull.generate("ball", 5000)
+    stream = cullhull.HullStream()
+    stream.extend(points[i : i + 100].tolist() for i in range(0, 5000, 100))
+    assert same(stream.hull(), cullhull.convex_hull(points))
+    other = cullhull.HullStream()
+    other.push(np.asfortranarray(points)[::-1])
+    assert other.hull().volume == cullhull.convex_hull(points[::-1]).volume
+
+
+def test_many_threads_push_at_once_without_the_gil():
+    points = cullhull.generate("gauss", 400_000)
+    stream = cullhull.HullStream(threads=1)
+    starts = range(0, 400_000, 5000)
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        list(pool.map(lambda i: stream.push(points[i : i + 5000], i), starts))
+    assert same(stream.hull(), cullhull.convex_hull(points))
+
+
+def test_other_threads_run_while_one_pushes():
+    points = cullhull.generate("sphere", 300_000)
+    ticks, done = [], threading.Event()
+
+    def tick():
+        while not done.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.001)
+
+    clock = threading.Thread(target=tick)
+    clock.start()
+    stream = cullhull.HullStream()
+    stream.push(points)
+    stream.state()
+    done.set()
+    clock.join()
+    assert len(ticks) > 3
+
+
+def test_states_merge_in_any_tree():
+    points = np.concatenate([cullhull.generate("cube", 3000), cullhull.generate("cube", 1000)])
+    whole = cullhull.HullState(points)
+    parts = [cullhull.HullState(points[i : i + 500], i) for i in range(0, 4000, 500)]
+    for seed in range(5):
+        states = list(parts)
+        rng = random.Random(seed)
+        while len(states) > 1:
+            rng.shuffle(states)
+            states.append(states.pop() | pickle.loads(pickle.dumps(states.pop())))
+        assert states[0] == whole
+    assert cullhull.HullState() | whole == whole
+    assert whole != parts[0]
+    assert same(whole.hull(), cullhull.convex_hull(points))
+
+
+def test_saved_and_loaded(tmp_path):
+    points = cullhull.generate("ball", 2000).astype(np.float32)
+    state = cullhull.HullState(points, 5)
+    state.save(tmp_path / "a.hullstate")
+    assert cullhull.HullState.load(tmp_path / "a.hullstate") == state
+    state.save(tmp_path / "a.npz")
+    arrays = np.load(tmp_path / "a.npz")
+    for name, array in state.to_arrays().items():
+        assert np.array_equal(arrays[name], array)
+        assert arrays[name].dtype == array.dtype
+    data = bytearray((tmp_path / "a.hullstate").read_bytes())
+    data[100] ^= 1
+    (tmp_path / "b.hullstate").write_bytes(data)
+    with pytest.raises(cullhull.BadFile, match="b.hullstate"):
+        cullhull.HullState.load(tmp_path / "b.hullstate")
+    with pytest.raises(ValueError):
+        state.save(tmp_path / "a.txt")
+
+
+def test_copies_go_on_by_themselves():
+    points = cullhull.generate("ball", 3000)
+    stream = cullhull.HullStream(threads=1)
+    stream.push(points[:1000])
+    copies = [copy.copy(stream), copy.deepcopy(stream), pickle.loads(pickle.dumps(stream))]
+    for each in copies:
+        each.push(points[1000:], 1000)
+        assert same(each.hull(), cullhull.convex_hull(points))
+    assert stream.point_count == 1000
+
+
+def test_a_push_that_fails_leaves_everything_as_it_was():
+    points = cullhull.generate("ball", 1000)
+    stream = cullhull.HullStream()
+    stream.push(points)
+    bad = points.copy()
+    bad[17, 1] = np.nan
+    with pytest.raises(cullhull.NotFinite, match="point 1017, coordinate 1"):
+        stream.push(bad)
+    with pytest.raises(ValueError, match="dimension"):
+        stream.push(points[:, :2])
+    with pytest.raises(TypeError):
+        stream.push(np.array([["a", "b", "c"]]))
+    with pytest.raises(ValueError):
+        stream.push(points, -1)
+    assert stream.point_count == 1000
+    stream.push(points)
+    assert stream.point_count == 2000
+    assert same(stream.hull(), cullhull.convex_hull(np.concatenate([points, points])))
+
+
+def test_nothing_has_no_hull():
+    with pytest.raises(ValueError, match="dimension"):
+        cullhull.HullStream().hull()
+    assert len(cullhull.HullState()) == 0
+    assert cullhull.HullState(np.empty((0, 3))).hull().affine_dimension == -1
+    with pytest.raises(TypeError):
+        cullhull.HullState().merge([[1, 2]])
+
+
+def test_budget():
+    stream = cullhull.HullStream(memory_budget=4 << 20)
+    points = cullhull.generate("sphere", 100_000)
+    with pytest.raises(MemoryError, match="the stream holds"):
+        for i in range(0, 100_000, 5000):
+            stream.push(points[i : i + 5000])
+    assert 5000 <= stream.point_count < 100_000
+
+
+def test_shown():
+    assert repr(cullhull.HullStream()) == "<HullStream: 0 points, 0 of them held>"
+    assert "3 extreme of 4 points in 2D" in repr(
+        cullhull.HullState([[0, 0], [3, 0], [0, 3], [1, 1]])
+    )
+
+
+def test_read_npy_in_chunks(tmp_path):
+    points = cullhull.generate("ball", 1000, 4).astype(np.float32)
+    np.save(tmp_path / "a.npy", points)
+    assert np.array_equal(cullhull.read(tmp_path / "a.npy"), points)
+    blocks = list(cullhull.read(tmp_path / "a.npy", columns=[0, 2, 3], chunks=300))
+    assert [len(b) for b in blocks] == [300, 300, 300, 100]
+    assert np.array_equal(np.concatenate(blocks), points[:, [0, 2, 3]])
+    with pytest.raises(ValueError, match="columns must be numbers from 0 to 3"):
+        list(cullhull.read(tmp_path / "a.npy", columns=[4], chunks=10))
+    with pytest.raises(cullhull.BadFile, match="the program reads more"):
+        cullhull.read(tmp_path / "a.obj")
+
+
+def test_read_parquet_by_column(tmp_path):
+    pa = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    points = cullhull.generate("ball", 1000)
+    table = pa.table(
+        {"name": ["a"] * 1000, "x": points[:, 0], "y": points[:, 1], "z": points[:, 2]}
+    )
+    parquet.write_table(table, tmp_path / "a.parquet", row_group_size=128)
+    assert np.array_equal(cullhull.read(tmp_path / "a.parquet"), points)
+    blocks = list(cullhull.read(tmp_path / "a.parquet", columns=["z", "x"], chunks=100))
+    assert np.array_equal(np.concatenate(blocks), points[:, [2, 0]])
+    with pytest.raises(ValueError, match="no column 'w'"):
+        cullhull.read(tmp_path / "a.parquet", columns=["w"])
+    holes = pa.table({"x": [1.0, None], "y": [1.0, 2.0]})
+    parquet.write_table(holes, tmp_path / "b.parquet")
+    with pytest.raises(cullhull.BadFile, match="missing"):
+        cullhull.read(tmp_path / "b.parquet")
+
+
+@pytest.mark.parametrize("point_format", range(11))
+@pytest.mark.parametrize("ending", ["las", "laz"])
+def test_las_of_every_point_format(tmp_path, point_format, ending):
+    laspy = pytest.importorskip("laspy")
+    if ending == "laz":
+        pytest.importorskip("lazrs")
+        if point_format in (4, 5, 9, 10):
+            pytest.skip("lazrs does not compress waveforms")
+    points = (cullhull.generate("ball", 500) * 1e6).astype(np.int32)
+    version = "1.4" if point_format > 5 else "1.3" if point_format > 3 else "1.2"
+    las = laspy.create(point_format=point_format, file_version=version)
+    las.header.scales, las.header.offsets = [0.01, 0.01, 0.01], [100, 200, 300]
+    las.X, las.Y, las.Z = points.T
+    path = tmp_path / f"a.{ending}"
+    las.write(str(path))
+    assert np.array_equal(cullhull.read(path), points)
+    assert np.array_equal(np.concatenate(list(cullhull.read(path, chunks=77))), points)

@@ -1,0 +1,130 @@
+// Hulls of points that come in pieces: more than memory holds, from many threads or many machines.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "cullhull/certify.hpp"
+#include "cullhull/hull.hpp"
+#include "cullhull/options.hpp"
+#include "cullhull/point_view.hpp"
+
+namespace cullhull {
+
+/// All that a set of points contributes to a hull: its extreme points, each with its global id and
+/// its coordinates bit for bit as given; of equal points the one with the lowest id. Flats and
+/// empty sets are states like others.
+///
+/// States merge: merging is associative and commutative, so any order and any tree of merges of the
+/// parts' states gives the state of the whole, and its hull() is that of convex_hull of all points
+/// in memory, bit for bit. Parts of different scalar types merge to f64, which holds every value.
+///
+/// A value: copies are independent; one object is for one thread at a time.
+class HullState {
+ public:
+  /// Of no points; the dimension is that of the first points or state merged.
+  HullState();
+  /// Of no points of this dimension. Error{invalid_argument} for 0.
+  explicit HullState(std::uint32_t dimension, ScalarType scalar = ScalarType::f64);
+  /// Of points, which have the ids first_id, first_id + 1, ... Errors and time as
+  /// extreme_points(); not_finite names the global id.
+  explicit HullState(const PointView& points, std::uint64_t first_id = 0,
+                     const Options& options = {});
+
+  std::uint32_t dimension() const noexcept { return dimension_; }  ///< 0: not known yet
+  ScalarType scalar() const noexcept { return scalar_; }
+  std::uint64_t point_count() const noexcept { return seen_; }  ///< points it stands for
+
+  /// Global ids of the extreme points, ascending.
+  const std::vector<std::uint64_t>& ids() const noexcept { return ids_; }
+  /// Their coordinates, packed rows of scalar(), in that order; valid while the state is not
+  /// changed.
+  PointView points() const noexcept;
+
+  /// Takes in another set's points; the two may overlap in nothing but equal points. Errors as
+  /// extreme_points, after which the state is what it was. Error{invalid_argument} where dimensions
+  /// differ.
+  void merge(const HullState& other, const Options& options = {});
+
+  /// Adds `offset` to every id: a part that was numbered from 0 takes its place in the whole.
+  /// Error{invalid_argument} where an id would reach 2^64.
+  void shift_ids(std::uint64_t offset);
+
+  /// What convex_hull() gives for all the points, ids being the global ones; bit for bit but for
+  /// `statistics`, which are those of the last step. Errors as convex_hull; Error{invalid_argument}
+  /// while no dimension is known.
+  Hull hull(const Options& options = {}) const;
+
+  /// The state as a versioned record with a check sum (docs/formats.md, ".hullstate").
+  std::vector<std::byte> to_bytes() const;
+  /// Reads what to_bytes() wrote; every number is checked. Throws Error{bad_file}.
+  static HullState from_bytes(std::span<const std::byte> bytes);
+
+  friend bool operator==(const HullState&, const HullState&) = default;
+
+ private:
+  friend class HullStream;
+  std::uint32_t dimension_ = 0;
+  ScalarType scalar_ = ScalarType::f64;
+  std::uint64_t seen_ = 0;
+  std::vector<std::uint64_t> ids_;
+  std::vector<std::byte> rows_;
+};
+
+/// How a stream has got on.
+struct StreamReport {
+  std::uint64_t point_count = 0;  ///< pushed
+  std::uint64_t extreme = 0;      ///< extreme points of what was looked at exactly so far
+  std::uint64_t waiting = 0;      ///< points held beside them, not known to be inside
+  std::uint64_t reductions = 0;   ///< times that extreme points were found exactly
+  std::uint64_t maps = 0;         ///< filters laid
+};
+
+/// The hull of points that are pushed block by block, in any order of blocks, from one thread or
+/// many. A block is culled where it lies, with a filter laid on the hull of what came before; what
+/// is left waits, and when it has grown as large as the hull so far, its extreme points are found
+/// exactly and a finer filter is laid. One pass; memory O(extreme points + a block).
+///
+/// push(), state(), hull() and report() may be called from any threads at once.
+///
+/// Points beyond 6D are not filtered by a map; their extreme points are found without facets.
+class HullStream {
+ public:
+  /// `options` hold for every call. `threads`: of each push(); with as many pushing threads as
+  /// processors, 1 is best. `memory_budget`: for all that the stream holds and needs beside it.
+  /// `progress`: told by one thread at a time, whichever reduces; `poll`: from every pushing
+  /// thread.
+  explicit HullStream(Options options = {});
+  HullStream(HullStream&&) noexcept;
+  HullStream& operator=(HullStream&&) noexcept;
+  ~HullStream();
+
+  /// Points with the ids first_id, first_id + 1, ...; each id is to be pushed once. The first block
+  /// decides the dimension. Blocks may be of any size, of 0 points too.
+  ///
+  /// Errors, after which the stream is as if the block had not come: not_finite, naming the global
+  /// id; out_of_budget, where the points that may be extreme exceed the memory: what was pushed
+  /// before is still there; cancelled; invalid_argument (another dimension, null data, ids beyond
+  /// 2^64).
+  void push(const PointView& block, std::uint64_t first_id);
+  /// The same with the ids that follow the highest one so far (of a state: known of or counted).
+  void push(const PointView& block);
+  /// Takes in what a state stands for.
+  void push(const HullState& state);
+
+  /// The state of all that was pushed (by pushes that have returned). Errors as push().
+  HullState state();
+  /// Its hull: state().hull(options).
+  Hull hull();
+
+  StreamReport report() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cullhull

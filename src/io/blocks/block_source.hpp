@@ -1,0 +1,65 @@
+// One input as a sequence of blocks: what is done in order, and what any thread may do then.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "cullhull/point_blocks.hpp"
+#include "io/source.hpp"
+
+namespace cullhull::internal {
+
+/// Memory that a reading thread keeps from block to block.
+class BlockMemory {
+ public:
+  /// Room for so many bytes, with the first `keep` of what was there.
+  char* room(std::size_t bytes, std::size_t keep = 0);
+  std::size_t size() const { return size_; }
+
+ private:
+  Buffer buffer_;
+  std::size_t size_ = 0;
+};
+
+struct LoadedBlock {
+  PointData data;
+  std::optional<HullState> state;  ///< in the place of points
+
+  std::uint64_t count() const { return state ? state->point_count() : data.view.count; }
+  std::uint32_t dimension() const { return state ? state->dimension() : data.view.dimension; }
+  ScalarType scalar() const { return state ? state->scalar() : data.view.scalar; }
+};
+
+struct BlockTask {
+  std::optional<std::uint64_t> count;  ///< of points, where that is known without loading
+  /// For any thread; the memory is that which next() was given.
+  std::function<LoadedBlock()> load;
+  /// Where the input stands behind this block; of points only where `count` is known.
+  std::uint64_t file_points = 0, file_bytes = 0, file_lines = 0;
+  std::uint64_t taken = 0;  ///< of the input's bytes on disk, up to here
+};
+
+class BlockSource {
+ public:
+  virtual ~BlockSource() = default;
+  /// The next block, false at the end. By one thread at a time, in order; may read into `memory`,
+  /// which stays as it is until the task has been loaded and visited.
+  virtual bool next(BlockTask& task, BlockMemory& memory) = 0;
+  /// Passes what was visited before; called before next().
+  virtual void go_on_from(const BlockPosition& from) = 0;
+  /// Once all tasks were loaded: whether the whole is what its beginning promised.
+  virtual void finish() const {}
+  const std::string& name() const { return name_; }
+  const std::string& format() const { return format_; }
+
+ protected:
+  std::string name_, format_;
+};
+
+/// Opens an input and finds its format.
+std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOptions& options);
+
+}  // namespace cullhull::internal

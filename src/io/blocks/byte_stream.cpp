@@ -1,0 +1,130 @@
+#include "io/blocks/byte_stream.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include "cullhull/error.hpp"
+#include "io/records.hpp"
+#include "io/source.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+constexpr std::size_t head_bytes = std::size_t{1} << 20;
+
+[[noreturn]] void refuse(const std::string& name, const char* doing, int error) {
+  throw Error(ErrorCode::io, name + ": " + doing + ": " + std::system_category().message(error));
+}
+
+/// Of a descriptor, from where it stands.
+class FileBytes : public ByteStream {
+ public:
+  FileBytes(std::string name, int fd, bool waits, std::stop_token stop)
+      : name_(std::move(name)), fd_(fd), waits_(waits), stop_(std::move(stop)) {}
+  std::size_t read(char* out, std::size_t size) override {
+    std::size_t have = 0;
+    while (have < size) {
+      wait();
+      const ssize_t got = ::read(fd_, out + have, size - have);
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) refuse(name_, "cannot read", errno);
+      if (got == 0) break;
+      have += static_cast<std::size_t>(got);
+    }
+    taken_ += have;
+    return have;
+  }
+  std::uint64_t taken() const override { return taken_; }
+
+ private:
+  /// A pipe may have nothing for long: then it is asked now and then whether to go on.
+  void wait() const {
+    if (!waits_) return;
+    pollfd asked{fd_, POLLIN, 0};
+    do {
+      if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
+    } while (::poll(&asked, 1, 100) == 0);
+  }
+
+  std::string name_;
+  int fd_;
+  bool waits_;
+  std::stop_token stop_;
+  std::uint64_t taken_ = 0;
+};
+
+/// Another stream behind bytes that were taken from it, and what keeps its file open.
+class WithHead : public ByteStream {
+ public:
+  WithHead(Descriptor file, std::unique_ptr<ByteStream> rest, std::string head)
+      : file_(std::move(file)), rest_(std::move(rest)), head_(std::move(head)) {}
+  std::size_t read(char* out, std::size_t size) override {
+    const std::size_t first = std::min(size, head_.size() - at_);
+    std::memcpy(out, head_.data() + at_, first);
+    at_ += first;
+    return first < size ? first + rest_->read(out + first, size - first) : first;
+  }
+  std::uint64_t taken() const override { return rest_->taken(); }
+
+ private:
+  Descriptor file_;
+  std::unique_ptr<ByteStream> rest_;
+  std::string head_;
+  std::size_t at_ = 0;
+};
+
+}  // namespace
+
+Descriptor::~Descriptor() {
+  if (fd_ > 0) ::close(fd_);
+}
+
+OpenedBytes open_bytes(const std::string& path, const std::stop_token& stop) {
+  OpenedBytes opened;
+  opened.name = display_name(path);
+  opened.size = unknown_size;
+  Descriptor file(path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.get() < 0) refuse(opened.name, "cannot open", errno);
+  struct stat status {};
+  if (::fstat(file.get(), &status) != 0) refuse(opened.name, "cannot read", errno);
+  if (S_ISDIR(status.st_mode)) refuse(opened.name, "cannot read", EISDIR);
+  const bool regular = S_ISREG(status.st_mode);
+  auto bytes = std::make_unique<FileBytes>(opened.name, file.get(), !regular, stop);
+  opened.head.resize(head_bytes);
+  opened.head.resize(bytes->read(opened.head.data(), head_bytes));
+  if (opened.head.empty()) fail({opened.name, nullptr, 0}, "empty file");
+  // Files of /proc have no size, and standard input may be a file that others read, too.
+  if (path != "-" && regular && status.st_size > 0) {
+    opened.size = static_cast<std::uint64_t>(status.st_size);
+    (void)posix_fadvise(file.get(), 0, 0, POSIX_FADV_SEQUENTIAL);  // a hint
+    opened.file = Descriptor(::dup(file.get()));
+    if (opened.file.get() < 0) refuse(opened.name, "cannot open", errno);
+  } else {
+#ifdef F_SETPIPE_SZ
+    (void)::fcntl(file.get(), F_SETPIPE_SZ, 1 << 20);  // a hint, and no pipe perhaps
+#endif
+  }
+  opened.stream = std::make_unique<WithHead>(std::move(file), std::move(bytes), opened.head);
+  return opened;
+}
+
+void read_at(const OpenedBytes& from, char* out, std::size_t size, std::uint64_t offset) {
+  while (size > 0) {
+    const ssize_t got = ::pread(from.file.get(), out, size, static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) refuse(from.name, "cannot read", errno);
+    if (got == 0) throw Error(ErrorCode::io, from.name + ": shrank while it was being read");
+    out += got;
+    offset += static_cast<std::uint64_t>(got);
+    size -= static_cast<std::size_t>(got);
+  }
+}
+
+}  // namespace cullhull::internal

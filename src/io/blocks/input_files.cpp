@@ -1,0 +1,59 @@
+// Which files some words stand for.
+#include <sys/stat.h>
+
+#include <fstream>
+
+#include "cullhull/error.hpp"
+#include "cullhull/point_blocks.hpp"
+#include "io/source.hpp"
+#include "parallel/memory.hpp"
+
+namespace cullhull {
+namespace {
+
+/// A file, folder or pattern a line; blank lines and lines that begin with # are left out.
+std::vector<std::string> listed(const std::string& path) {
+  std::ifstream list(path);
+  if (!list) throw Error(ErrorCode::io, internal::display_name(path) + ": cannot open the list");
+  std::vector<std::string> words;
+  for (std::string line; std::getline(list, line);) {
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
+    if (!line.empty() && line[0] != '#') words.push_back(line);
+  }
+  return words;
+}
+
+}  // namespace
+
+std::vector<std::string> input_files(const std::vector<std::string>& words) {
+  std::vector<std::string> spelled_out;
+  for (const std::string& word : words) {
+    struct stat status {};
+    if (word.size() > 1 && word[0] == '@' && ::stat(word.c_str(), &status) != 0)
+      for (std::string& line : listed(word.substr(1))) spelled_out.push_back(std::move(line));
+    else
+      spelled_out.push_back(word);
+  }
+  if (spelled_out.empty()) throw Error(ErrorCode::invalid_argument, "no input is named");
+  std::vector<std::string> files = sequence_files(spelled_out);
+  std::size_t streams = 0;
+  for (const std::string& file : files) streams += file == "-";
+  if (streams > 1) throw Error(ErrorCode::invalid_argument, "standard input can be read only once");
+  return files;
+}
+
+std::uint64_t input_bytes(const std::vector<std::string>& files) {
+  std::uint64_t total = 0;
+  for (const std::string& file : files) {
+    struct stat status {};
+    if (file == "-" || ::stat(file.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return 0;
+    total += static_cast<std::uint64_t>(status.st_size);
+  }
+  return total;
+}
+
+bool worth_streaming(const std::vector<std::string>& files, const Options& options) {
+  return input_bytes(files) > internal::resolve_budget(options.memory_budget) / 2;
+}
+
+}  // namespace cullhull

@@ -1,0 +1,331 @@
+// visit_blocks: threads that take the next block, read it, and hand it to the visitor.
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <list>
+#include <mutex>
+#include <system_error>
+#include <thread>
+
+#include "cullhull/error.hpp"
+#include "cullhull/point_blocks.hpp"
+#include "io/blocks/block_source.hpp"
+#include "parallel/parallel.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// An input of which blocks are under way.
+struct ActiveInput {
+  std::unique_ptr<BlockSource> source;
+  std::uint64_t file = 0;           ///< its place among the inputs
+  std::uint64_t points_before = 0;  ///< of all inputs before it; known with its first block's id
+  std::uint64_t under_way = 0;
+  bool begun = false, ended = false;
+};
+
+using InputPlace = std::list<ActiveInput>::iterator;
+
+/// A block from when it is taken to when it has been visited. Blocks are numbered in order.
+struct Taken {
+  BlockTask task;
+  InputPlace input;
+  std::uint64_t number = 0, first_id = 0;
+};
+
+class Reading {
+ public:
+  Reading(const std::vector<std::string>& files, const BlockVisitor& visitor,
+          const BlockOptions& options)
+      : files_(files),
+        visitor_(visitor),
+        options_(options),
+        total_bytes_(input_bytes(files)),
+        next_file_(options.from.file),
+        named_points_(options.from.points),
+        bytes_before_(options.from.bytes) {}
+
+  BlockSummary run() {
+    std::vector<std::thread> threads = start();
+    std::exception_ptr of_caller;
+    try {
+      watch();
+    } catch (...) {
+      of_caller = std::current_exception();
+      const std::lock_guard lock(mutex_);
+      stop_ = true;
+      paused_ = false;
+      changed_.notify_all();
+    }
+    for (std::thread& t : threads) t.join();
+    if (of_caller != nullptr) std::rethrow_exception(of_caller);
+    if (error_ != nullptr) std::rethrow_exception(error_);
+    summary_.end = position();
+    if (cancelled_) {
+      if (visitor_.pause) visitor_.pause(summary_.end);
+      throw Error(ErrorCode::cancelled, "cancelled");
+    }
+    return summary_;
+  }
+
+ private:
+  // ----------------------------------------------------------------- the thread that asked
+
+  std::vector<std::thread> start() {
+    const unsigned readers =
+        options_.readers > 0 ? options_.readers : resolve_threads(options_.read.threads) + 1;
+    std::vector<std::thread> threads;
+    working_ = readers;
+    for (unsigned t = 0; t < readers; ++t) try {
+        threads.emplace_back([this] { work(); });
+      } catch (const std::system_error&) {  // as many as the system gives, but one
+        if (threads.empty()) throw;
+        const std::lock_guard lock(mutex_);
+        --working_;
+      }
+    return threads;
+  }
+
+  /// Progress, cancellation, pauses, until the threads are done.
+  void watch() {
+    Clock::time_point last_pause = Clock::now();
+    const auto wait = std::chrono::milliseconds(50);
+    std::unique_lock lock(mutex_);
+    while (!done_.wait_for(lock, wait, [&] { return working_ == 0; })) {
+      if (options_.read.stop.stop_requested()) {
+        stop_ = cancelled_ = true;
+        continue;
+      }
+      const std::chrono::duration<double> since = Clock::now() - last_pause;
+      const bool pause = visitor_.pause && since.count() >= visitor_.pause_seconds;
+      if (pause) {
+        paused_ = true;
+        changed_.wait(lock, [&] { return under_way_ == 0 || stop_; });
+      }
+      const bool quiet = pause && !stop_;
+      const BlockPosition at = position();
+      lock.unlock();
+      tell(at);
+      if (quiet) {
+        visitor_.pause(at);
+        last_pause = Clock::now();
+      }
+      lock.lock();
+      paused_ = false;
+      changed_.notify_all();
+    }
+  }
+
+  void tell(const BlockPosition& at) const {
+    if (options_.poll) options_.poll();
+    if (options_.progress && total_bytes_ > 0)
+      options_.progress("read", static_cast<double>(at.bytes) / static_cast<double>(total_bytes_));
+  }
+
+  /// Of the last block taken; with `mutex_` locked or all threads gone.
+  BlockPosition position() const {
+    BlockPosition at;
+    at.file = next_file_;
+    at.points = named_points_;
+    at.bytes = bytes_before_ + last_.taken;
+    if (current_ == active_.end()) return at;
+    at.file = current_->file;
+    at.file_points = current_->begun ? named_points_ - current_->points_before : 0;
+    at.file_bytes = last_.file_bytes;
+    at.file_lines = last_.file_lines;
+    at.input_bytes = last_.taken;
+    return at;
+  }
+
+  // ----------------------------------------------------------------- threads that read
+
+  void work() {
+    BlockMemory memory;
+    for (Taken taken; take(taken, memory);) try {
+        const LoadedBlock block = taken.task.load();
+        name(taken, block);
+        visit(taken, block);
+        pass_on(taken);
+      } catch (...) {
+        note_error(taken.number);
+      }
+    const std::lock_guard lock(mutex_);
+    --working_;
+    done_.notify_all();
+  }
+
+  /// The next block; false when there is none, or reading has to stop.
+  bool take(Taken& taken, BlockMemory& memory) {
+    const std::lock_guard turn(taking_);  // one thread at a time asks the input, in order
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return !paused_ || stop_; });
+      if (stop_ || ended_) return false;
+      ++under_way_;
+    }
+    try {
+      taken.task = {};
+      while (current_ == active_.end() || !current_->source->next(taken.task, memory))
+        if (!open_next()) return false;
+      const std::lock_guard lock(mutex_);
+      taken.number = next_number_++;
+      taken.input = current_;
+      ++current_->under_way;
+      last_ = taken.task;
+      last_.load = nullptr;
+      // Where the counts of all before are known, so is the first id.
+      if (taken.task.count && taken.number == next_named_) assign(taken, *taken.task.count);
+      return true;
+    } catch (...) {
+      note_error(next_number_);
+      return false;
+    }
+  }
+
+  bool open_next() {
+    std::unique_ptr<BlockSource> source;
+    if (next_file_ < files_.size()) source = open_source(files_[next_file_], options_);
+    const std::lock_guard lock(mutex_);
+    if (current_ != active_.end()) {
+      bytes_before_ += std::max(last_.taken, input_bytes({files_[current_->file]}));
+      last_ = {};
+      current_->ended = true;
+      finish(std::exchange(current_, active_.end()));
+    }
+    if (source == nullptr) {
+      ended_ = true;
+      leave();
+      return false;
+    }
+    active_.push_back({std::move(source), next_file_, 0, 0, false, false});
+    current_ = std::prev(active_.end());
+    if (summary_.format.empty()) summary_.format = current_->source->format();
+    if (next_file_ == options_.from.file) {
+      current_->source->go_on_from(options_.from);
+      // Ids go on from there; bytes are counted from the beginning of the input again.
+      current_->begun = options_.from.file_points > 0;
+      current_->points_before = options_.from.points - options_.from.file_points;
+      bytes_before_ -= std::min(bytes_before_, options_.from.input_bytes);
+    }
+    ++next_file_;
+    return true;
+  }
+
+  /// With `mutex_` locked.
+  void assign(Taken& taken, std::uint64_t count) {
+    taken.first_id = named_points_;
+    if (!std::exchange(taken.input->begun, true)) taken.input->points_before = named_points_;
+    named_points_ += count;
+    next_named_ = taken.number + 1;
+    changed_.notify_all();
+  }
+
+  /// Gives a block its first id, once all before have theirs, and holds it against them.
+  void name(Taken& taken, const LoadedBlock& block) {
+    std::unique_lock lock(mutex_);
+    if (next_named_ <= taken.number) {
+      changed_.wait(lock, [&] {
+        return next_named_ == taken.number || (error_ != nullptr && error_at_ < taken.number);
+      });
+      if (next_named_ != taken.number) throw Error(ErrorCode::cancelled, "cancelled");
+      assign(taken, block.count());
+    }
+    if (block.dimension() == 0) return;
+    if (summary_.dimension == 0) {
+      summary_.dimension = block.dimension();
+      first_name_ = taken.input->source->name();
+    }
+    if (block.dimension() != summary_.dimension)
+      throw Error(ErrorCode::bad_file, taken.input->source->name() + ": points of dimension " +
+                                           std::to_string(block.dimension()) + ", but of " +
+                                           std::to_string(summary_.dimension) + " in " +
+                                           first_name_);
+    if (block.count() == 0) return;
+    if (!std::exchange(any_points_, true)) summary_.scalar = block.scalar();
+    if (summary_.scalar != block.scalar()) summary_.scalar = ScalarType::f64;
+  }
+
+  void visit(const Taken& taken, const LoadedBlock& block) const {
+    const std::string& file = taken.input->source->name();
+    if (block.state) {
+      if (!visitor_.state)
+        throw Error(ErrorCode::invalid_argument,
+                    file + ": holds the extreme points of a part, which are not all its points");
+      visitor_.state(*block.state, taken.first_id);
+      return;
+    }
+    try {
+      visitor_.points(block.data.view, taken.first_id);
+    } catch (const Error& e) {
+      if (e.code() != ErrorCode::not_finite) throw;
+      throw Error(e.code(), file + ": " + e.what());
+    }
+  }
+
+  void pass_on(const Taken& taken) {
+    const std::lock_guard lock(mutex_);
+    ++summary_.blocks;
+    --taken.input->under_way;
+    finish(taken.input);
+    leave();
+  }
+
+  /// With `mutex_` locked.
+  void finish(InputPlace input) {
+    if (!input->ended || input->under_way > 0) return;
+    input->source->finish();
+    active_.erase(input);
+  }
+  void leave() {
+    --under_way_;
+    changed_.notify_all();
+  }
+
+  /// The error of the lowest block is what is told, whichever came first.
+  void note_error(std::uint64_t number) {
+    const std::lock_guard lock(mutex_);
+    if (error_ == nullptr || number < error_at_) {
+      error_ = std::current_exception();
+      error_at_ = number;
+    }
+    stop_ = true;
+    leave();
+  }
+
+  const std::vector<std::string>& files_;
+  const BlockVisitor& visitor_;
+  const BlockOptions& options_;
+  const std::uint64_t total_bytes_;
+
+  std::mutex taking_;  ///< locked before `mutex_`
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_, done_;
+  unsigned working_ = 0;  ///< threads
+  bool stop_ = false, cancelled_ = false, ended_ = false, paused_ = false;
+  std::uint64_t under_way_ = 0;  ///< blocks
+  std::list<ActiveInput> active_;
+  InputPlace current_ = active_.end();
+  std::uint64_t next_file_, next_number_ = 0;
+  std::uint64_t next_named_ = 0, named_points_;
+  std::uint64_t bytes_before_;
+  BlockTask last_;  ///< taken
+  std::exception_ptr error_;
+  std::uint64_t error_at_ = 0;
+  bool any_points_ = false;
+  std::string first_name_;
+  BlockSummary summary_;
+};
+
+}  // namespace
+}  // namespace internal
+
+BlockSummary visit_blocks(const std::vector<std::string>& files, const BlockVisitor& visitor,
+                          const BlockOptions& options) {
+  return internal::Reading(files, visitor, options).run();
+}
+
+}  // namespace cullhull

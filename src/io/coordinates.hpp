@@ -1,0 +1,47 @@
+// Coordinates by point id, for writers: of all points, or of those alone that a state holds.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "cullhull/point_view.hpp"
+#include "cullhull/stream.hpp"
+
+namespace cullhull::internal {
+
+/// Views what it is made of.
+class Coordinates {
+ public:
+  Coordinates(const PointView& all)  // NOLINT: that is what most callers have
+      : count(all.count), dimension(all.dimension), scalar(all.scalar), rows_(all) {}
+  Coordinates(const HullState& state)  // NOLINT
+      : count(state.point_count()),
+        dimension(state.dimension()),
+        scalar(state.scalar()),
+        rows_(state.points()),
+        ids_(&state.ids()) {}
+
+  /// Whether every point is there, not only those that are extreme.
+  bool complete() const noexcept { return ids_ == nullptr; }
+
+  double at(std::uint64_t id, std::uint32_t j) const noexcept { return rows_.at(row(id), j); }
+  const std::byte* address(std::uint64_t id, std::uint32_t j) const noexcept {
+    return rows_.address(row(id), j);
+  }
+
+  const std::uint64_t count;  ///< of points, here or not
+  const std::uint32_t dimension;
+  const ScalarType scalar;
+  std::ptrdiff_t coordinate_stride() const noexcept { return rows_.coordinate_stride; }
+
+ private:
+  std::uint64_t row(std::uint64_t id) const noexcept {
+    if (ids_ == nullptr) return id;
+    return static_cast<std::uint64_t>(std::lower_bound(ids_->begin(), ids_->end(), id) -
+                                      ids_->begin());
+  }
+  PointView rows_;
+  const std::vector<std::uint64_t>* ids_ = nullptr;
+};
+
+}  // namespace cullhull::internal

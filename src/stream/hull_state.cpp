@@ -1,0 +1,174 @@
+// HullState: what a set of points contributes to any hull, as a value that merges and travels.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "cullhull/error.hpp"
+#include "cullhull/stream.hpp"
+#include "stream/numbered_points.hpp"
+#include "stream/reduce.hpp"
+
+namespace cullhull {
+
+using namespace internal;
+
+HullState::HullState() = default;
+
+HullState::HullState(std::uint32_t dimension, ScalarType scalar)
+    : dimension_(dimension), scalar_(scalar) {
+  if (dimension == 0)
+    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
+}
+
+HullState::HullState(const PointView& points, std::uint64_t first_id, const Options& options) {
+  HullStream stream(options);
+  stream.push(points, first_id);
+  *this = stream.state();
+}
+
+PointView HullState::points() const noexcept {
+  const auto size = static_cast<std::ptrdiff_t>(scalar_size(scalar_));
+  return {rows_.data(), scalar_, dimension_, ids_.size(), size * dimension_, size};
+}
+
+void HullState::merge(const HullState& other, const Options& options) {
+  if (other.dimension_ == 0) return;
+  if (dimension_ != 0 && dimension_ != other.dimension_)
+    throw Error(ErrorCode::invalid_argument,
+                "a state of dimension " + std::to_string(other.dimension_) +
+                    " cannot be merged into one of dimension " + std::to_string(dimension_));
+  const ScalarType scalar = common_scalar(scalar_, seen_, other.scalar_, other.seen_);
+  NumberedPoints mine{dimension_, scalar_, ids_, rows_};
+  NumberedPoints theirs{other.dimension_, other.scalar_, other.ids_, other.rows_};
+  if (seen_ == 0) {
+    const bool known = dimension_ != 0;
+    *this = other;
+    if (known) scalar_ = scalar;
+    return;
+  }
+  if (other.seen_ > 0) {
+    if (scalar != mine.scalar) mine.widen();
+    if (scalar != theirs.scalar) theirs.widen();
+    mine.append(theirs);
+    keep_extreme(mine, options);
+  }
+  ids_ = std::move(mine.ids);
+  rows_ = std::move(mine.rows);
+  scalar_ = scalar;
+  seen_ += other.seen_;
+}
+
+void HullState::shift_ids(std::uint64_t offset) {
+  if (!ids_.empty() && ids_.back() + offset < offset)
+    throw Error(ErrorCode::invalid_argument, "ids of the points exceed 2^64");
+  for (std::uint64_t& id : ids_) id += offset;
+}
+
+Hull HullState::hull(const Options& options) const {
+  if (dimension_ == 0)
+    throw Error(ErrorCode::invalid_argument,
+                "a state without points has no dimension: say HullState(dimension)");
+  Hull hull = convex_hull(points(), options);
+  hull.rename([&](std::uint64_t place) { return ids_[place]; });
+  hull.point_count = seen_;
+  return hull;
+}
+
+// ------------------------------------------------------------------------------- as bytes
+
+namespace {
+
+constexpr char magic[8] = {'\x93', 'C', 'U', 'L', 'L', 'H', 'S', '\n'};
+constexpr std::uint32_t version = 1;
+
+/// All that precedes ids and coordinates; little-endian, as every machine that this runs on.
+struct Head {
+  char magic[8];
+  std::uint32_t version, dimension;
+  std::uint32_t scalar, unused;
+  std::uint64_t seen, count;
+};
+static_assert(sizeof(Head) == 40 && std::endian::native == std::endian::little);
+
+/// FNV-1a by words of 8 bytes, turned so that high bits spread, too: each step is one to one in the
+/// word, so that one that has changed always shows. `size` is a multiple of 8.
+std::uint64_t checksum(const std::byte* data, std::size_t size) {
+  std::uint64_t sum = 0xcbf29ce484222325ULL;
+  for (std::size_t i = 0; i < size; i += 8) {
+    std::uint64_t word;
+    std::memcpy(&word, data + i, 8);
+    sum = std::rotl((sum ^ word) * 0x100000001b3ULL, 29);
+  }
+  return sum;
+}
+
+std::size_t padded(std::size_t bytes) { return (bytes + 7) / 8 * 8; }
+
+[[noreturn]] void bad_state(const std::string& why) {
+  throw Error(ErrorCode::bad_file, "hull state: " + why);
+}
+
+}  // namespace
+
+std::vector<std::byte> HullState::to_bytes() const {
+  const std::size_t ids = ids_.size() * sizeof(std::uint64_t), rows = rows_.size();
+  std::vector<std::byte> bytes(sizeof(Head) + ids + padded(rows) + 8);
+  Head head{{}, version, dimension_, static_cast<std::uint32_t>(scalar_), 0, seen_, ids_.size()};
+  std::memcpy(head.magic, magic, sizeof magic);
+  std::memcpy(bytes.data(), &head, sizeof head);
+  if (ids > 0) std::memcpy(bytes.data() + sizeof head, ids_.data(), ids);
+  if (rows > 0) std::memcpy(bytes.data() + sizeof head + ids, rows_.data(), rows);
+  const std::uint64_t sum = checksum(bytes.data(), bytes.size() - 8);
+  std::memcpy(bytes.data() + bytes.size() - 8, &sum, 8);
+  return bytes;
+}
+
+HullState HullState::from_bytes(std::span<const std::byte> bytes) {
+  Head head;
+  if (bytes.size() < sizeof head + 8) bad_state("too short to be one");
+  std::memcpy(&head, bytes.data(), sizeof head);
+  if (std::memcmp(head.magic, magic, sizeof magic) != 0) bad_state("does not begin as one does");
+  if (head.version != version)
+    bad_state("version " + std::to_string(head.version) + "; this program reads version " +
+              std::to_string(version));
+  if (head.scalar > static_cast<std::uint32_t>(ScalarType::u32))
+    bad_state("unknown scalar type " + std::to_string(head.scalar));
+  HullState state;
+  state.dimension_ = head.dimension;
+  state.scalar_ = static_cast<ScalarType>(head.scalar);
+  state.seen_ = head.seen;
+  const std::uint64_t row = std::uint64_t{head.dimension} * scalar_size(state.scalar_);
+  // Compared by division: a header can promise any number.
+  const std::uint64_t room = bytes.size() - sizeof head - 8;
+  if (head.count > room / (row + 8) ||
+      sizeof head + 8 + head.count * 8 + padded(head.count * row) != bytes.size())
+    bad_state(std::to_string(head.count) + " points of dimension " +
+              std::to_string(head.dimension) + " do not fit its " + std::to_string(bytes.size()) +
+              " bytes");
+  std::uint64_t sum = 0;
+  std::memcpy(&sum, bytes.data() + bytes.size() - 8, 8);
+  if (sum != checksum(bytes.data(), bytes.size() - 8)) bad_state("its check sum is wrong");
+  if (head.count > head.seen || (head.seen > 0 && (head.count == 0 || head.dimension == 0)))
+    bad_state(std::to_string(head.count) + " extreme points of " + std::to_string(head.seen));
+  state.ids_.resize(head.count);
+  state.rows_.resize(head.count * row);
+  const std::byte* at = bytes.data() + sizeof head;
+  if (head.count > 0) {
+    std::memcpy(state.ids_.data(), at, head.count * 8);
+    std::memcpy(state.rows_.data(), at + head.count * 8, head.count * row);
+  }
+  const auto descends = [](std::uint64_t a, std::uint64_t b) { return a >= b; };
+  if (std::adjacent_find(state.ids_.begin(), state.ids_.end(), descends) != state.ids_.end())
+    bad_state("its ids do not ascend");
+  const PointView points = state.points();
+  for (std::uint64_t i = 0; i < points.count; ++i)
+    for (std::uint32_t j = 0; j < points.dimension; ++j)
+      if (!std::isfinite(points.at(i, j)))
+        bad_state("point " + std::to_string(state.ids_[i]) + " is not finite");
+  return state;
+}
+
+}  // namespace cullhull

@@ -1,0 +1,102 @@
+#include "stream/numbered_points.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+
+namespace cullhull::internal {
+
+void copy_rows(const PointView& from, std::uint64_t first, const std::uint32_t* positions,
+               std::size_t count, std::byte* out) {
+  const std::size_t size = scalar_size(from.scalar), row = from.dimension * size;
+  if (positions == nullptr && from.packed_rows()) {
+    if (count > 0) std::memcpy(out, from.address(first, 0), count * row);
+    return;
+  }
+  const bool together = from.coordinate_stride == static_cast<std::ptrdiff_t>(size);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::byte* p = from.address(first + (positions != nullptr ? positions[i] : i), 0);
+    if (together) {
+      std::memcpy(out, p, row);
+      out += row;
+      continue;
+    }
+    for (std::uint32_t j = 0; j < from.dimension; ++j, out += size, p += from.coordinate_stride)
+      std::memcpy(out, p, size);
+  }
+}
+
+PointView NumberedPoints::view() const {
+  const auto size = static_cast<std::ptrdiff_t>(scalar_size(scalar));
+  return {rows.data(), scalar, dimension, ids.size(), size * dimension, size};
+}
+
+void NumberedPoints::grow(std::size_t more) {
+  const std::size_t before = ids.size();
+  rows.resize((before + more) * row_bytes());
+  try {
+    ids.resize(before + more);
+  } catch (...) {
+    rows.resize(before * row_bytes());
+    throw;
+  }
+}
+
+void NumberedPoints::append(const PointView& from, std::uint64_t first,
+                            const std::uint32_t* positions, std::size_t count,
+                            std::uint64_t first_id) {
+  const std::size_t before = ids.size();
+  grow(count);
+  copy_rows(from, first, positions, count, rows.data() + before * row_bytes());
+  for (std::size_t i = 0; i < count; ++i)
+    ids[before + i] = first_id + first + (positions != nullptr ? positions[i] : i);
+}
+
+void NumberedPoints::append(const NumberedPoints& other) {
+  const std::size_t before = ids.size();
+  grow(other.size());
+  std::copy(other.ids.begin(), other.ids.end(), ids.begin() + static_cast<std::ptrdiff_t>(before));
+  std::copy(other.rows.begin(), other.rows.end(),
+            rows.begin() + static_cast<std::ptrdiff_t>(before * row_bytes()));
+}
+
+void NumberedPoints::widen() {
+  if (scalar == ScalarType::f64) return;
+  const PointView narrow = view();
+  std::vector<std::byte> wide(ids.size() * dimension * sizeof(double));
+  std::byte* out = wide.data();
+  for (std::uint64_t i = 0; i < narrow.count; ++i)
+    for (std::uint32_t j = 0; j < dimension; ++j, out += sizeof(double)) {
+      const double v = narrow.at(i, j);
+      std::memcpy(out, &v, sizeof v);
+    }
+  rows = std::move(wide);
+  scalar = ScalarType::f64;
+}
+
+void NumberedPoints::sort() {
+  const auto descends = [](std::uint64_t a, std::uint64_t b) { return a >= b; };
+  if (std::adjacent_find(ids.begin(), ids.end(), descends) == ids.end()) return;
+  std::vector<std::uint64_t> order(ids.size());
+  std::iota(order.begin(), order.end(), std::uint64_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::uint64_t a, std::uint64_t b) { return ids[a] < ids[b]; });
+  const auto same = [&](std::uint64_t a, std::uint64_t b) { return ids[a] == ids[b]; };
+  order.erase(std::unique(order.begin(), order.end(), same), order.end());
+  keep(order);
+}
+
+void NumberedPoints::keep(const std::vector<std::uint64_t>& places) {
+  NumberedPoints kept{dimension, scalar, {}, {}};
+  kept.ids.reserve(places.size());
+  kept.rows.resize(places.size() * row_bytes());
+  std::byte* out = kept.rows.data();
+  for (const std::uint64_t place : places) {
+    kept.ids.push_back(ids[place]);
+    std::memcpy(out, rows.data() + place * row_bytes(), row_bytes());
+    out += row_bytes();
+  }
+  *this = std::move(kept);
+}
+
+}  // namespace cullhull::internal

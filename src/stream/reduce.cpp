@@ -1,0 +1,68 @@
+#include "stream/reduce.hpp"
+
+#include <algorithm>
+
+#include "cullhull/error.hpp"
+#include "cullhull/extreme_points.hpp"
+#include "cullhull/hull.hpp"
+#include "geometry/gather.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// From 4D to 6D a hull finds the extreme points sooner than linear programs do, if its facets fit.
+std::vector<std::uint64_t> extreme_places(const PointView& points, const Options& options) {
+  if (points.dimension >= 4 && points.dimension <= 6) try {
+      std::vector<std::uint64_t> places = convex_hull(points, options).vertices;
+      std::sort(places.begin(), places.end());  // a flat may be a polygon
+      return places;
+    } catch (const Error& e) {
+      if (e.code() != ErrorCode::out_of_budget) throw;
+    }
+  return extreme_points(points, options).ids;
+}
+
+}  // namespace
+
+void keep_extreme(NumberedPoints& points, const Options& options) {
+  points.sort();
+  if (points.size() < 2) return;
+  const std::vector<std::uint64_t> places = extreme_places(points.view(), options);
+  if (places.size() < points.size()) points.keep(places);
+}
+
+ScalarType common_scalar(ScalarType a, std::uint64_t count_a, ScalarType b, std::uint64_t count_b) {
+  if (a == b || (count_b == 0 && count_a > 0)) return a;
+  return count_a == 0 && count_b > 0 ? b : ScalarType::f64;
+}
+
+void refuse_not_finite(const NumberedPoints& points, unsigned threads) {
+  const Options options;
+  const PointView view = points.view();
+  try {
+    check_finite(view, nullptr, threads, Control(options));
+  } catch (const Error&) {
+    // Its message has the place among these: the same of one row has the id.
+    std::vector<double> row(view.dimension);
+    for (std::uint64_t i = 0; i < view.count; ++i) {
+      load_row(view, i, row.data());
+      check_rows_finite(row.data(), 1, view.dimension, &points.ids[i], 1);
+    }
+    throw;
+  }
+}
+
+void check_block(const PointView& block, std::uint64_t first_id, std::uint32_t dimension) {
+  if (block.dimension == 0)
+    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
+  if (dimension != 0 && block.dimension != dimension)
+    throw Error(ErrorCode::invalid_argument,
+                "points of dimension " + std::to_string(block.dimension) +
+                    " among points of dimension " + std::to_string(dimension));
+  if (block.data == nullptr && block.count > 0)
+    throw Error(ErrorCode::invalid_argument, "points.data is null");
+  if (block.count > 0 && first_id + (block.count - 1) < first_id)
+    throw Error(ErrorCode::invalid_argument, "ids of the points exceed 2^64");
+}
+
+}  // namespace cullhull::internal

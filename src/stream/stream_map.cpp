@@ -1,0 +1,83 @@
+#include "stream/stream_map.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "cull/gauge_table.hpp"
+#include "flow/sample_map.hpp"
+#include "geometry/gather.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// Beyond so many points a finer polytope drops hardly more, as nodes are limited by the cache.
+constexpr std::uint64_t most_corners[] = {1 << 16, 1 << 15, 8000, 2500, 800};
+
+/// All of them, or as many as are worth it, evenly by id.
+Array<double> corners_of(const NumberedPoints& extreme) {
+  const std::uint64_t count = extreme.size(), most = most_corners[extreme.dimension - 2];
+  const std::uint64_t taken = std::min(count, most);
+  Array<double> rows(taken * extreme.dimension);
+  const PointView view = extreme.view();
+  for (std::uint64_t i = 0; i < taken; ++i)
+    load_row(view, i * count / taken, rows.data() + i * extreme.dimension);
+  return rows;
+}
+
+}  // namespace
+
+std::unique_ptr<StreamMap> StreamMap::lay(const NumberedPoints& extreme, const Run& run) {
+  const unsigned d = extreme.dimension;
+  if (d < GaugeMap::min_dimension || d > GaugeMap::max_dimension || extreme.size() <= d)
+    return nullptr;
+  InnerPolytope polytope =
+      inner_polytope(corners_of(extreme), d, run.threads, run.budget, run.control);
+  if (polytope.dimension == 0) return nullptr;
+  auto map = GaugeMap::build(std::move(polytope), {.cones = true, .threads = run.threads});
+  if (map == nullptr) return nullptr;
+  return std::unique_ptr<StreamMap>(new StreamMap(std::move(map)));
+}
+
+// Made on the first block that is large enough to show what they save: a stream has many more.
+const GaugeShortcuts* StreamMap::shortcuts(const PointView& block, unsigned threads) const {
+  constexpr std::uint64_t enough_to_show = 1 << 14, many = std::uint64_t{1} << 40;
+  const std::lock_guard lock(mutex_);
+  if (shortcuts_ == nullptr && block.count >= enough_to_show)
+    shortcuts_ =
+        std::make_unique<const GaugeShortcuts>(make_shortcuts(map_->table(), block, many, threads));
+  return shortcuts_.get();
+}
+
+/// Positions, relative to `begin`, of the points left. What the table leaves in doubt the facet
+/// that each point's ray meets decides: it is few of them, and what is left then is outside.
+std::size_t StreamMap::cull_chunk(const PointView& block, std::uint64_t begin, std::uint64_t end,
+                                  const GaugeShortcuts* shortcuts, std::uint32_t* positions) const {
+  const std::size_t doubtful =
+      gauge_survivors(map_->table(), block, begin, end, positions, shortcuts);
+  // Where most are left the block lies elsewhere, and no facet will drop them.
+  if (doubtful > (end - begin) / 2) return doubtful;
+  double row[GaugeMap::max_dimension];
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < doubtful; ++i) {
+    load_row(block, begin + positions[i], row);
+    if (!map_->inside_cones(row)) positions[left++] = positions[i];
+  }
+  return left;
+}
+
+void StreamMap::cull(const PointView& block, std::uint64_t first_id, const Run& run,
+                     NumberedPoints& kept) const {
+  const GaugeShortcuts* quick = shortcuts(block, run.threads);
+  const std::uint64_t chunks = chunk_count(block.count, gauge_chunk);
+  std::vector<NumberedPoints> of_chunk(chunks, {kept.dimension, kept.scalar, {}, {}});
+  for_each_chunk(block.count, gauge_chunk, run.threads,
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+                   run.control.check();
+                   std::array<std::uint32_t, gauge_chunk> positions;
+                   const std::size_t left = cull_chunk(block, begin, end, quick, positions.data());
+                   if (left > 0) of_chunk[c].append(block, begin, positions.data(), left, first_id);
+                 });
+  for (const NumberedPoints& part : of_chunk) kept.append(part);
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,39 @@
+// The filter of a stream: a gauge map on the hull of what came before, for all blocks that follow.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "cull/gauge_map.hpp"
+#include "cull/gauge_shortcuts.hpp"
+#include "parallel/run.hpp"
+#include "stream/numbered_points.hpp"
+
+namespace cullhull::internal {
+
+/// Thread safe once made.
+class StreamMap {
+ public:
+  /// On the hull of these points, all extreme; null where there is no useful one: in a flat, beyond
+  /// 6D, for too few points, or where the hull exceeds the budget.
+  static std::unique_ptr<StreamMap> lay(const NumberedPoints& extreme, const Run& run);
+
+  /// Adds to `kept` the points of a block that are not provably strictly inside; a point that is
+  /// not finite is among them. `kept` has the block's dimension and scalar type.
+  void cull(const PointView& block, std::uint64_t first_id, const Run& run,
+            NumberedPoints& kept) const;
+
+ private:
+  explicit StreamMap(std::unique_ptr<GaugeMap> map) : map_(std::move(map)) {}
+  const GaugeShortcuts* shortcuts(const PointView& block, unsigned threads) const;
+  std::size_t cull_chunk(const PointView& block, std::uint64_t begin, std::uint64_t end,
+                         const GaugeShortcuts* shortcuts, std::uint32_t* positions) const;
+
+  std::unique_ptr<GaugeMap> map_;
+  mutable std::mutex mutex_;
+  mutable std::unique_ptr<const GaugeShortcuts> shortcuts_;
+};
+
+}  // namespace cullhull::internal

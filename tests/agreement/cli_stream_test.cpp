@@ -1,0 +1,425 @@
+// The program over points in many files and blocks: the bytes that one file in memory gives.
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <thread>
+
+#include "agreement/run_app.hpp"
+#include "cullhull/generate.hpp"
+#include "cullhull/io.hpp"
+#include "cullhull/point_blocks.hpp"
+
+namespace cullhull {
+namespace {
+
+using testing::Folder;
+using testing::one_line;
+using testing::Ran;
+using testing::read_file;
+using testing::run_app;
+using testing::run_limited;
+using testing::write_file;
+
+void write_npy(const std::string& path, const std::vector<double>& rows, std::uint32_t d,
+               ScalarType type = ScalarType::f64) {
+  write_npy_points(path, rows.data(), rows.size() / d, d, type);
+}
+
+std::vector<double> part(const std::vector<double>& rows, std::uint32_t d, std::size_t from,
+                         std::size_t to) {
+  return {rows.begin() + static_cast<std::ptrdiff_t>(from * d),
+          rows.begin() + static_cast<std::ptrdiff_t>(to * d)};
+}
+
+std::vector<std::uint64_t> all_ids(std::size_t n) {
+  std::vector<std::uint64_t> ids(n);
+  for (std::size_t i = 0; i < n; ++i) ids[i] = i;
+  return ids;
+}
+
+/// Tiles of unequal size, one of them of one point, in a format of points.
+std::vector<std::string> write_tiles(const Folder& f, const std::vector<double>& rows,
+                                     std::uint32_t d, const std::string& ending) {
+  std::vector<std::string> names;
+  const std::size_t n = rows.size() / d;
+  std::size_t at = 0;
+  for (std::size_t k = 0; at < n; ++k) {
+    const std::size_t to = std::min(n, at + (k == 3 ? 1 : 1 + 37 * k * k));
+    const std::vector<double> tile = part(rows, d, at, to);
+    const std::string name = f / ("tile" + std::to_string(k) + ending);
+    if (ending == ".raw")
+      write_file(name, {reinterpret_cast<const char*>(tile.data()), tile.size() * 8});
+    else
+      write_points(name, PointView::row_major(tile.data(), to - at, d), all_ids(to - at));
+    names.push_back(name);
+    at = to;
+  }
+  return names;
+}
+
+/// Runs and expects success; what was written with -o.
+std::string hull_bytes(const Folder& f, std::vector<std::string> arguments,
+                       const std::string& input = "/dev/null") {
+  const std::string out = f / "out.json";
+  std::filesystem::remove(out);
+  arguments.insert(arguments.begin(), "hull");
+  arguments.insert(arguments.end(), {"-o", out});
+  const Ran ran = run_app(arguments, input);
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  return read_file(out);
+}
+
+TEST(CliStream, TilesGiveTheBytesOfTheWhole) {
+  for (const std::uint32_t d : {2U, 3U}) {
+    const Folder f;
+    const std::vector<double> rows = generate("ball", 30000, d, 5);
+    write_npy(f / "whole.npy", rows, d);
+    const std::string expected = hull_bytes(f, {f / "whole.npy"});
+    ASSERT_FALSE(expected.empty());
+    EXPECT_EQ(hull_bytes(f, {f / "whole.npy", "--stream", "on"}), expected);
+    EXPECT_EQ(hull_bytes(f, {"-", "--stream", "on"}, f / "whole.npy"), expected);
+    for (const std::string ending : {".npy", ".ply", ".csv", ".xyz", ".raw"}) {
+      SCOPED_TRACE(ending);
+      const Folder tiles_folder;
+      std::vector<std::string> tiles = write_tiles(tiles_folder, rows, d, ending), raw;
+      ASSERT_GT(tiles.size(), 8U);
+      if (ending == ".raw") raw = {"--type", "f64", "--dim", std::to_string(d)};
+      const auto with_raw = [&](std::vector<std::string> words) {
+        words.insert(words.end(), raw.begin(), raw.end());
+        return words;
+      };
+      EXPECT_EQ(hull_bytes(f, with_raw(tiles)), expected);
+      EXPECT_EQ(hull_bytes(f, with_raw({tiles_folder / ("tile*" + ending)})), expected);
+      std::string list = "# tiles in order\n\n";
+      for (const std::string& tile : tiles) list += tile + "\n";
+      write_file(f / "list.txt", list);
+      EXPECT_EQ(hull_bytes(f, with_raw({"@" + (f / "list.txt")})), expected);
+      tiles.insert(tiles.end(), {"--stream", "off"});
+      EXPECT_EQ(hull_bytes(f, with_raw(tiles)), expected);
+    }
+  }
+}
+
+TEST(CliStream, EveryOtherFormatComesInTilesToo) {
+  const Folder f;
+  std::vector<double> rows = generate("sphere", 300, 3, 5);
+  for (double& v : rows) v = static_cast<float>(v);
+  write_npy(f / "whole.npy", rows, 3);
+  const std::string expected = hull_bytes(f, {f / "whole.npy"});
+  // A Fortran-ordered array, big-endian, integers of 64 bits, Qhull's header, ASCII .ply, .obj.
+  std::string obj,
+      ascii =
+          "ply\nformat ascii 1.0\nelement vertex 100\nproperty float x\n"
+          "property float y\nproperty float z\nend_header\n",
+      qhull = "3 rbox\n100\n";
+  char line[200];
+  for (std::size_t i = 0; i < 300; ++i) {
+    std::snprintf(line, sizeof line, "%.17g %.17g %.17g\n", rows[3 * i], rows[3 * i + 1],
+                  rows[3 * i + 2]);
+    if (i < 100) obj += std::string("v ") + line;
+    if (i >= 100 && i < 200) ascii += line;
+    if (i >= 200) qhull += line;
+  }
+  write_file(f / "a.obj", obj);
+  write_file(f / "b.ply", ascii);
+  write_file(f / "c.txt", qhull);
+  EXPECT_EQ(hull_bytes(f, {f / "a.obj", f / "b.ply", f / "c.txt"}), expected);
+  EXPECT_EQ(hull_bytes(f, {f / "a.obj", f / "b.ply", "-"}, f / "c.txt"), expected);
+
+  std::string columns = "\x93NUMPY\x01" + std::string(1, '\0') + "\x76" + std::string(1, '\0') +
+                        "{'descr': '>f8', 'fortran_order': True, 'shape': (300, 3), }";
+  columns.resize(127, ' ');
+  columns += '\n';
+  for (std::size_t j = 0; j < 3; ++j)
+    for (std::size_t i = 0; i < 300; ++i) {
+      const char* v = reinterpret_cast<const char*>(&rows[3 * i + j]);
+      for (int b = 7; b >= 0; --b) columns += v[b];
+    }
+  write_file(f / "columns.npy", columns);
+  EXPECT_EQ(hull_bytes(f, {f / "columns.npy", "--stream", "on"}), expected);
+}
+
+TEST(CliStream, PartsAsStatesPutTogether) {
+  const Folder f;
+  const std::vector<double> rows = generate("ball", 20000, 3, 6);
+  write_npy(f / "whole.npy", rows, 3);
+  write_npy(f / "a.npy", part(rows, 3, 0, 7000), 3);
+  write_npy(f / "b.npy", part(rows, 3, 7000, 20000), 3);
+  const std::string expected = hull_bytes(f, {f / "whole.npy"});
+  for (const std::string name : {"a", "b"}) {
+    const Ran ran =
+        run_app({"hull", f / (name + ".npy"), "--partial", f / (name + ".hullstate"), "--quiet"});
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    EXPECT_EQ(ran.out, "");
+  }
+  EXPECT_EQ(hull_bytes(f, {f / "a.hullstate", f / "b.hullstate"}), expected);
+  EXPECT_EQ(hull_bytes(f, {f / "a.hullstate", f / "b.npy"}), expected);
+  EXPECT_EQ(hull_bytes(f, {f / "a.npy", "-"}, f / "b.hullstate"), expected);
+
+  // The same with ids that are the whole's from the start.
+  EXPECT_EQ(
+      run_app({"hull", f / "b.npy", "--partial", f / "g.hullstate", "--first-id", "7000"}).status,
+      0);
+  EXPECT_EQ(hull_bytes(f, {f / "g.hullstate", f / "a.hullstate", "--global-ids"}), expected);
+  const Ran mixed = run_app({"hull", f / "g.hullstate"});
+  EXPECT_EQ(mixed.status, 2);
+  EXPECT_NE(mixed.err.find("--global-ids"), std::string::npos) << mixed.err;
+
+  const HullState state = read_state(f / "a.hullstate");
+  EXPECT_EQ(state.point_count(), 7000U);
+  std::string broken = read_file(f / "a.hullstate");
+  broken[200] = static_cast<char>(broken[200] ^ 1);
+  write_file(f / "broken.hullstate", broken);
+  const Ran ran = run_app({"hull", f / "broken.hullstate"});
+  EXPECT_EQ(ran.status, 1);
+  EXPECT_TRUE(one_line(ran.err));
+  EXPECT_NE(ran.err.find("broken.hullstate: hull state: its check sum"), std::string::npos);
+
+  EXPECT_EQ(run_app({"hull", f / "a.npy", "--partial", f / "a.npz"}).status, 0);
+  EXPECT_EQ(read_file(f / "a.npz").substr(0, 2), "PK");
+}
+
+TEST(CliStream, CertifiesInBlocks) {
+  const Folder f;
+  const std::vector<double> rows = generate("ball", 20000, 3, 7);
+  write_npy(f / "a.npy", part(rows, 3, 0, 7000), 3);
+  write_npy(f / "b.npy", part(rows, 3, 7000, 20000), 3);
+  const std::string a = f / "a.npy", b = f / "b.npy", hull = f / "hull.json";
+  EXPECT_EQ(run_app({"hull", a, b, "-o", hull, "--certify"}).status, 0);
+  EXPECT_EQ(run_app({"certify", a, b, hull}).status, 0);
+  EXPECT_EQ(run_app({"certify", a, b, hull, "--stream", "off"}).status, 0);
+  for (const auto& wrong : std::vector<std::vector<std::string>>{{b, a}, {a}, {a, b, a}}) {
+    std::vector<std::string> words{"certify"};
+    words.insert(words.end(), wrong.begin(), wrong.end());
+    words.insert(words.end(), {hull, "--stream", "on"});
+    const Ran ran = run_app(words);
+    EXPECT_EQ(ran.status, 3);
+    EXPECT_TRUE(one_line(ran.err));
+  }
+  // A point beyond the hull, and one that has left its vertex, both far into the second file.
+  for (const double far : {5.0, 0.0}) {
+    std::vector<double> changed = rows;
+    const auto result = nlohmann::json::parse(read_file(hull));
+    const std::size_t vertex = result["vertices"].back();
+    for (int j = 0; j < 3; ++j) changed[3 * vertex + static_cast<std::size_t>(j)] = far;
+    write_npy(f / "c.npy", part(changed, 3, 7000, 20000), 3);
+    const Ran ran = run_app({"certify", a, f / "c.npy", hull});
+    EXPECT_EQ(ran.status, 3) << far;
+    // A point far outside is named; one that lies inside is only missed.
+    const std::string say = far > 0 ? std::to_string(vertex) : "are among the points";
+    EXPECT_NE(ran.err.find(say), std::string::npos) << ran.err;
+  }
+}
+
+TEST(CliStream, InfoAndCullTakeMany) {
+  const Folder f;
+  const std::vector<double> rows = generate("ball", 9000, 3, 8);
+  write_npy(f / "whole.npy", rows, 3);
+  write_npy(f / "a.npy", part(rows, 3, 0, 4000), 3);
+  write_npy(f / "b.npy", part(rows, 3, 4000, 9000), 3);
+  const auto info = [](std::vector<std::string> words) {
+    words.insert(words.begin(), "info");
+    words.emplace_back("--json");
+    return nlohmann::json::parse(run_app(words).out);
+  };
+  const auto whole = info({f / "whole.npy"}), both = info({f / "a.npy", f / "b.npy"});
+  EXPECT_EQ(both["axes"], whole["axes"]);
+  EXPECT_EQ(both["points"], whole["points"]);
+  EXPECT_EQ(run_app({"cull", f / "a.npy", f / "b.npy", "-o", f / "ids.csv"}).status, 0);
+  EXPECT_EQ(run_app({"hull", f / "whole.npy", "--vertices", f / "vertices.csv"}).status, 0);
+  EXPECT_EQ(read_file(f / "ids.csv"), read_file(f / "vertices.csv"));
+  EXPECT_EQ(run_app({"cull", f / "a.npy", f / "b.npy", "-o", f / "points.ply"}).status, 0);
+  EXPECT_NE(read_file(f / "points.ply").find("property double z"), std::string::npos);
+}
+
+TEST(CliStream, ErrorsNameTheFileAndThePoint) {
+  const Folder f;
+  std::vector<double> rows = generate("ball", 3000, 3, 9);
+  write_npy(f / "a.npy", rows, 3);
+  write_npy(f / "flat.npy", generate("ball", 10, 2, 9), 2);
+  rows[3 * 1234 + 1] = std::nan("");
+  write_npy(f / "b.npy", rows, 3);
+  write_file(f / "lines.csv", "x,y,z\n1,2,3\n4,5\n");
+  write_file(f / "short.npy", read_file(f / "a.npy").substr(0, 5000));
+  const struct {
+    std::vector<std::string> words;
+    const char* say;
+  } cases[] = {
+      {{f / "a.npy", f / "b.npy"}, "b.npy: point 4234, coordinate 1 is NaN"},
+      {{f / "a.npy", f / "flat.npy"}, "flat.npy: points of dimension 2, but of 3 in"},
+      {{f / "a.npy", f / "lines.csv"}, "lines.csv:3: "},
+      {{f / "a.npy", f / "short.npy"}, "short.npy: byte 128: shape"},
+      {{f / "a.npy", f / "none.npy"}, "none.npy: cannot open"},
+      {{"@" + (f / "none.txt")}, "none.txt: cannot open the list"},
+  };
+  for (const auto& c : cases) {
+    std::vector<std::string> words{"hull", "--stream", "on"};
+    words.insert(words.end(), c.words.begin(), c.words.end());
+    const Ran ran = run_app(words);
+    EXPECT_EQ(ran.status, 1) << c.say;
+    EXPECT_TRUE(one_line(ran.err));
+    EXPECT_NE(ran.err.find(c.say), std::string::npos) << ran.err;
+  }
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"--stream", "on", "--repeat", "2"},
+        {"--stream", "off", "--partial", f / "p.hullstate"},
+        {"--stream", "on", "--format", "o"},
+        {"--partial", f / "p.npy"},
+        {"--checkpoint", f / "a.npy"}}) {
+    std::vector<std::string> all{"hull", f / "a.npy"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Ran ran = run_app(all);
+    EXPECT_EQ(ran.status, 2) << words[0] << words[1];
+    EXPECT_TRUE(one_line(ran.err));
+  }
+}
+
+TEST(CliStream, BudgetIsToldInOneLine) {
+  const Folder f;
+  write_npy(f / "sphere.npy", generate("sphere", 300000, 3, 1), 3, ScalarType::f32);
+  const Ran ran = run_app({"hull", f / "sphere.npy", "--stream", "on", "--memory", "8MiB"});
+  EXPECT_EQ(ran.status, 4);
+  EXPECT_TRUE(one_line(ran.err));
+  EXPECT_NE(ran.err.find("the stream holds "), std::string::npos) << ran.err;
+}
+
+TEST(CliStream, AFileLargerThanTheAddressSpace) {
+  const Folder f;
+  std::vector<double> rows = generate("ball", 1 << 20, 3, 2);
+  const std::vector<double> once = rows;
+  for (int k = 0; k < 11; ++k) rows.insert(rows.end(), once.begin(), once.end());
+  write_npy(f / "big.npy", rows, 3);  // 288 MiB
+  write_npy(f / "once.npy", once, 3);
+  const Ran ran = run_limited(
+      {"hull", f / "big.npy", "--vertices", f / "ids.csv", "--threads", "2", "--quiet"}, [] {
+        const rlimit limit{200 << 20, 200 << 20};
+        ::setrlimit(RLIMIT_AS, &limit);
+      });
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(run_app({"hull", f / "once.npy", "--vertices", f / "once.csv"}).status, 0);
+  EXPECT_EQ(read_file(f / "ids.csv"), read_file(f / "once.csv"));
+}
+
+// ------------------------------------------------------------------------------- checkpoints
+
+/// A text that takes long enough to be cut off at any moment.
+void write_slow_input(const Folder& f) {
+  const std::vector<double> rows = generate("ball", 400000, 3, 11);
+  write_points(f / "slow.csv", PointView::row_major(rows.data(), rows.size() / 3, 3),
+               all_ids(rows.size() / 3));
+  write_npy(f / "more.npy", generate("sphere", 3000, 3, 12), 3);
+}
+
+std::vector<std::string> checkpointed(const Folder& f) {
+  return {"hull",
+          f / "slow.csv",
+          f / "more.npy",
+          "--checkpoint",
+          f / "run.checkpoint",
+          "--checkpoint-every",
+          "0",
+          "-o",
+          f / "hull.json",
+          "--quiet"};
+}
+
+pid_t start_quietly(const std::vector<std::string>& words) {
+  const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+  const pid_t child = testing::start_app(words, null, null, null);
+  ::close(null);
+  return child;
+}
+
+TEST(CliStream, KilledAtAnyMomentAndResumed) {
+  const Folder f;
+  write_slow_input(f);
+  const std::string expected = hull_bytes(f, {f / "slow.csv", f / "more.npy"});
+  std::mt19937 random(3);
+  int killed = 0, resumed = 0;
+  for (int round = 0; round < 200; ++round) {
+    const bool going_on = std::filesystem::exists(f / "run.checkpoint");
+    const pid_t child = start_quietly(checkpointed(f));
+    if (killed < 20) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(40 + random() % 400));
+      ::kill(child, SIGKILL);
+    }
+    const int status = testing::wait_for(child);
+    if (status == 1000 + SIGKILL) {
+      ++killed;
+      resumed += going_on;
+      continue;
+    }
+    ASSERT_EQ(status, 0);
+    EXPECT_EQ(read_file(f / "hull.json"), expected) << killed << " times killed";
+    EXPECT_FALSE(std::filesystem::exists(f / "run.checkpoint"));
+    if (killed >= 20) break;
+  }
+  EXPECT_GE(killed, 20);
+  EXPECT_GT(resumed, 0);
+}
+
+TEST(CliStream, InterruptedAndResumed) {
+  const Folder f;
+  write_slow_input(f);
+  const std::string expected = hull_bytes(f, {f / "slow.csv", f / "more.npy"});
+  std::vector<std::string> words = checkpointed(f);
+  *std::find(words.begin(), words.end(), "0") = "1000";  // on Ctrl-C alone
+  int interrupted = 0;
+  for (int round = 0; round < 40 && interrupted < 3; ++round) {
+    const pid_t child = start_quietly(words);
+    std::this_thread::sleep_for(std::chrono::milliseconds(150 + 20 * round));
+    ::kill(child, SIGINT);
+    if (testing::wait_for(child) != 130) continue;
+    if (std::filesystem::exists(f / "run.checkpoint")) ++interrupted;
+  }
+  EXPECT_GT(interrupted, 0);
+  EXPECT_EQ(run_app(words).status, 0);
+  EXPECT_EQ(read_file(f / "hull.json"), expected);
+}
+
+TEST(CliStream, AFullDiskLeavesTheCheckpointBefore) {
+  const Folder f;
+  write_slow_input(f);
+  // One good checkpoint first.
+  while (!std::filesystem::exists(f / "run.checkpoint")) {
+    const pid_t child = start_quietly(checkpointed(f));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    ::kill(child, SIGKILL);
+    testing::wait_for(child);
+  }
+  const std::string before = read_file(f / "run.checkpoint");
+  const Ran ran = run_limited(checkpointed(f), [] {
+    const rlimit limit{1000, 1000};  // bytes a file may have, as on a full disk
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  });
+  EXPECT_EQ(ran.status, 1);
+  EXPECT_TRUE(one_line(ran.err));
+  EXPECT_NE(ran.err.find("run.checkpoint: cannot write"), std::string::npos) << ran.err;
+  EXPECT_EQ(read_file(f / "run.checkpoint"), before);
+}
+
+TEST(CliStream, ACheckpointOfOtherInputsIsRefused) {
+  const Folder f;
+  write_slow_input(f);
+  while (!std::filesystem::exists(f / "run.checkpoint")) {
+    const pid_t child = start_quietly(checkpointed(f));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    ::kill(child, SIGKILL);
+    testing::wait_for(child);
+  }
+  const Ran other = run_app({"hull", f / "more.npy", "--checkpoint", f / "run.checkpoint"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.err.find("is of other inputs"), std::string::npos) << other.err;
+  write_file(f / "broken", "something else");
+  const Ran broken = run_app({"hull", f / "more.npy", "--checkpoint", f / "broken"});
+  EXPECT_EQ(broken.status, 1);
+  EXPECT_TRUE(one_line(broken.err));
+  EXPECT_EQ(read_file(f / "broken"), "something else");
+}
+
+}  // namespace
+}  // namespace cullhull
