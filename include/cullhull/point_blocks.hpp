@@ -11,6 +11,7 @@
 #include "cullhull/options.hpp"
 #include "cullhull/stream.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 /// How far a reading has come: all blocks before it have been visited.
@@ -61,7 +62,7 @@ struct BlockOptions {
 };
 
 /// The files that such words stand for, in order: a file, "-" (standard input), a folder (its files
-/// but hidden ones), a pattern with * ? [ ], or @LIST, a text with one of these a line. Files of
+/// but hidden ones), a pattern with * ? [ ], or `@LIST`, a text with one of these a line. Files of
 /// folders and patterns are ordered by name, numbers in names by value (2 before 10).
 /// Throws Error{io}, Error{invalid_argument}.
 std::vector<std::string> input_files(const std::vector<std::string>& words);
@@ -87,3 +88,4 @@ void write_state(const std::string& path, const HullState& state);
 HullState read_state(const std::string& path);
 
 }  // namespace cullhull
+#pragma GCC visibility pop

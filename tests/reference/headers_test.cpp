@@ -27,5 +27,19 @@ TEST(Headers, OneBringsThemAll) {
   EXPECT_GT(headers, 15);
 }
 
+// The shared library hides what no public header shows.
+TEST(Headers, WhatTheyDeclareIsVisible) {
+  for (const auto& entry : std::filesystem::directory_iterator(CULLHULL_HEADERS)) {
+    std::ostringstream text;
+    text << std::ifstream(entry.path()).rdbuf();
+    if (text.str().find("\nnamespace cullhull {") == std::string::npos) continue;
+    const auto push =
+        text.str().find("\n#pragma GCC visibility push(default)\nnamespace cullhull {");
+    const auto pop = text.str().find("\n}  // namespace cullhull\n#pragma GCC visibility pop\n");
+    EXPECT_TRUE(push != std::string::npos && pop != std::string::npos && push < pop)
+        << entry.path();
+  }
+}
+
 }  // namespace
 }  // namespace cullhull
