@@ -11,6 +11,7 @@
 #include "cullhull/options.hpp"
 #include "cullhull/stream.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 /// How far a reading has come: all blocks before it have been visited.
@@ -87,3 +88,4 @@ void write_state(const std::string& path, const HullState& state);
 HullState read_state(const std::string& path);
 
 }  // namespace cullhull
+#pragma GCC visibility pop

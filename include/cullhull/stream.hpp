@@ -12,6 +12,7 @@
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull {
 
 /// All that a set of points contributes to a hull: its extreme points, each with its global id and
@@ -128,3 +129,4 @@ class HullStream {
 };
 
 }  // namespace cullhull
+#pragma GCC visibility pop
