@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +12,7 @@ import numpy.typing as npt
 from ._arguments import as_count
 from ._errors import BadFile, InvalidArgument
 
-Columns = Sequence[str] | Sequence[int] | None
+Columns = Union[Sequence[str], Sequence[int], None]
 
 
 def read(
