@@ -2,13 +2,17 @@
 # Everything that needs a GPU, in one go, on a machine that has one but none of our libraries:
 #
 #   scripts/gpu-check.sh stage [BUNDLE.tar.gz]
-#       here: builds GPU tests, their host twins, cullhull and gpu_bench, and packs them with the
-#       shared libraries they use. Default: build/gpu-check.tar.gz
-#   scripts/gpu-check.sh run [--only PART,...] [--results FOLDER] [BUNDLE.tar.gz]
-#       there: unpacks and runs the parts cpu (host twins and a hull, no device needed), tests,
-#       sanitizer (compute-sanitizer's four tools on small sizes), bench. Writes
-#       gpu-check-DATE.txt (device, command, what passed), gpu-check-DATE.log (all output) and
-#       gpu-bench-DATE.json to FOLDER, default bench/results.
+#       here: builds GPU tests, their host twins, cullhull, gpu_passes and gpu_bench, and packs them
+#       with the shared libraries they use, the C library and its loader among them: where the
+#       machine's own is older, the programs are started by that. Default: build/gpu-check.tar.gz
+#   scripts/gpu-check.sh run [--call 1|2] [--only PART,...] [--seconds T] [--results FOLDER]
+#                            [BUNDLE.tar.gz]
+#       there: unpacks and runs, within T seconds (460), the parts cpu (host twins and a hull, no
+#       device needed), tests, passes (every kind of points, kernels by events), bench (beside
+#       Qhull), sanitizer (compute-sanitizer's four tools on small sizes). Call 1 is all but the
+#       last, call 2 the last. Writes gpu-check-DATE.txt (device, driver, command, what passed),
+#       gpu-check-DATE.log (all output), gpu-passes-DATE.jsonl and gpu-bench-DATE.json to FOLDER,
+#       default bench/results, each line as soon as it is known.
 #
 # Exit status of run: 0 all passed; 1 something failed; 2 bad usage; 5 no device that can be used.
 set -euo pipefail
@@ -32,31 +36,40 @@ stage() {
   cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCULLHULL_WITH_CUDA=ON \
     -DCULLHULL_CUDA_ARCHITECTURES="${GPU_CHECK_ARCHITECTURES:-75-virtual;90-real}" \
     -DCULLHULL_BUILD_TESTS=ON -DCULLHULL_BUILD_BENCH=ON -DCULLHULL_BUILD_EXAMPLES=OFF \
-    -DCMAKE_BUILD_RPATH='$ORIGIN/../lib' -DCMAKE_EXE_LINKER_FLAGS=-Wl,--disable-new-dtags
+    -DCMAKE_BUILD_RPATH='$ORIGIN/../lib' \
+    -DCMAKE_EXE_LINKER_FLAGS="-Wl,--disable-new-dtags -static-libstdc++ -static-libgcc"
   local gpu=() twins=(primitives_test pseudo_hull_test pseudo_hull_device_test) test
   for test in tests/gpu/*_test.cu tests/gpu/*_test.cpp; do
     [[ -e $test ]] && test=${test##*/} && gpu+=("${test%.*}")
   done
-  cmake --build "$build" -j "${JOBS:-$(nproc)}" --target cullhull_app gpu_bench "${gpu[@]}" \
+  cmake --build "$build" -j "${JOBS:-$(nproc)}" --target cullhull_app gpu_bench gpu_passes "${gpu[@]}" \
     "${twins[@]}"
 
   rm -rf "$folder"
-  mkdir -p "$folder/bin/gpu" "$folder/bin/cpu" "$folder/lib"
-  cp "$build"/bin/{cullhull,gpu_bench} "$folder/bin/"
+  mkdir -p "$folder/bin/gpu" "$folder/bin/cpu" "$folder/lib" "$folder/system"
+  cp "$build"/bin/{cullhull,gpu_bench,gpu_passes} "$folder/bin/"
   (cd "$build/bin" && cp "${gpu[@]}" "../bundle/bin/gpu/" && cp "${twins[@]}" "../bundle/bin/cpu/")
   # From bin/gpu the libraries are one folder farther up.
   ln -s ../lib "$folder/bin/lib"
-  # The C library is the machine's own: a newer one runs what an older one linked.
+  # The C library is the machine's own where that is not older: then ours stays in its folder.
   local library
-  ldd "$folder"/bin/{cullhull,gpu_bench} "$folder"/bin/*/*_test | awk '$2 == "=>" && $3 ~ /^\// {print $3}' |
+  ldd "$folder"/bin/{cullhull,gpu_bench,gpu_passes} "$folder"/bin/*/*_test | awk '$2 == "=>" && $3 ~ /^\// {print $3}' |
     sort -u | while read -r library; do
     case "${library##*/}" in
-      libc.so.* | libm.so.* | libdl.so.* | librt.so.* | libpthread.so.*) ;;
+      libc.so.* | libm.so.* | libdl.so.* | librt.so.* | libpthread.so.*)
+        cp -L "$library" "$folder/system/"
+        ;;
       *) cp -L "$library" "$folder/lib/" ;;
     esac
   done
+  local system
+  system=$(dirname "$(ldd "$folder/bin/cullhull" | awk '$1 ~ /^libc\.so/ {print $3}')")
+  for library in libdl.so.2 librt.so.1 libpthread.so.0; do # the driver's, which may name them
+    cp -L "$system/$library" "$folder/system/"
+  done
+  cp -L "$(ldd "$folder/bin/cullhull" | awk '$1 ~ /ld-linux/ {print $1}')" "$folder/system/loader"
   cp scripts/gpu-check.sh "$folder/"
-  strip "$folder"/bin/{cullhull,gpu_bench} "$folder"/bin/*/*_test
+  strip "$folder"/bin/{cullhull,gpu_bench,gpu_passes} "$folder"/bin/*/*_test
   {
     echo "commit $(git rev-parse HEAD 2>/dev/null || echo unknown)$(git diff --quiet HEAD 2>/dev/null || echo ', changed')"
     echo "built $(date -u +%Y-%m-%dT%H:%M:%SZ) with $(nvcc --version 2>/dev/null | tail -1 || echo nvcc)"
@@ -65,19 +78,45 @@ stage() {
   tar -C "$folder" -czf "$bundle" .
   local bytes
   bytes=$(stat -c %s "$bundle")
-  ((bytes < 64 << 20)) || fail 1 "$bundle has $bytes bytes, more than 64 MiB"
+  ((bytes < 40 << 20)) || fail 1 "$bundle has $bytes bytes, more than 40 MiB"
   echo "$me: $bundle, $bytes bytes; carry it to a machine with a GPU, unpack it, ./gpu-check.sh run"
 }
 
 # ---- run --------------------------------------------------------------------------------------
 
 failures=0
-# NAME COMMAND...: its output goes to the log, its outcome to the summary.
+launcher=() # how a program of the bundle is started; nothing where it starts by itself
+
+find_launcher() {
+  if "$root/bin/cullhull" --version >>"$log" 2>&1; then
+    echo "C library: this machine's" >>"$summary"
+    return
+  fi
+  # The driver's libraries lie where this machine's own loader knows, or where containers have them.
+  local folders="$root/lib:$root/system" driver
+  for driver in /usr/lib/x86_64-linux-gnu /lib/x86_64-linux-gnu /usr/lib64 /usr/local/nvidia/lib64; do
+    [[ -e $driver/libcuda.so.1 ]] && folders+=:$driver
+  done
+  launcher=("$root/system/loader" --library-path "$folders")
+  "${launcher[@]}" "$root/bin/cullhull" --version >>"$log" 2>&1 ||
+    fail 1 "the bundle's programs do not start here; see $log"
+  echo "C library: the bundle's" >>"$summary"
+}
+
+left() { echo $((deadline - SECONDS)); }
+
+# NAME COMMAND...: its output goes to the log as it comes, its outcome to the summary. No step goes
+# on beyond the end of the whole.
 step() {
   local name=$1 status=0 start=$SECONDS
   shift
+  if (($(left) < 2)); then
+    echo "LEFT OUT: no time left  $name" | tee -a "$summary"
+    failures=$((failures + 1))
+    return
+  fi
   echo "== $name: $*" >>"$log"
-  "$@" >>"$log" 2>&1 || status=$?
+  timeout "$(left)" "$@" >>"$log" 2>&1 || status=$?
   local line="passed"
   ((status == 0)) || line="FAILED with status $status"
   ((status == 124)) && line="FAILED: not done in time"
@@ -86,24 +125,31 @@ step() {
 }
 
 # A test that skips has not passed here.
-all_of() {
-  local out status=0
-  out=$("$@" 2>&1) || status=$?
-  echo "$out"
-  ((status == 0)) || return "$status"
-  ! grep -q '\[  SKIPPED \]' <<<"$out"
+step_of_all() { # NAME COMMAND...
+  local before=$failures from
+  from=$(wc -l <"$log")
+  step "$@"
+  if ((failures == before)) && tail -n "+$((from + 1))" "$log" | grep -q '\[  SKIPPED \]'; then
+    echo "FAILED: skipped  $1" | tee -a "$summary"
+    failures=$((failures + 1))
+  fi
 }
 
 run_cpu() {
   local test
-  for test in "$root"/bin/cpu/*_test; do step "cpu ${test##*/}" "$test" --gtest_brief=1; done
-  step "cpu generate" "$root/bin/cullhull" generate ball -n 100000 -d 3 --type f32 -o "$scratch/p.npy"
-  step "cpu hull" "$root/bin/cullhull" hull "$scratch/p.npy" --backend cpu --certify
+  for test in "$root"/bin/cpu/*_test; do
+    step "cpu ${test##*/}" "${launcher[@]}" "$test" --gtest_brief=1
+  done
+  step "cpu generate" "${launcher[@]}" "$root/bin/cullhull" generate ball -n 100000 -d 3 --type f32 -o "$scratch/p.npy"
+  step "cpu hull" "${launcher[@]}" "$root/bin/cullhull" hull "$scratch/p.npy" --backend cpu --certify
 }
 
 need_device() {
   local report reason
-  report=$("$root/bin/cullhull" bench machine --bytes 1MiB --passes 1 --json) ||
+  if [[ -r /proc/driver/nvidia/version ]]; then
+    sed -n 's/^NVRM version: /driver /p' /proc/driver/nvidia/version >>"$summary"
+  fi
+  report=$("${launcher[@]}" "$root/bin/cullhull" bench machine --bytes 1MiB --passes 1 --json) ||
     fail 1 "cullhull bench machine does not run here"
   reason=$(sed -n 's/^ *"no_device": "\(.*\)",\{0,1\}$/\1/p' <<<"$report")
   if [[ -n $reason ]]; then
@@ -115,8 +161,10 @@ need_device() {
 
 run_tests() {
   local test
-  for test in "$root"/bin/gpu/*_test; do step "gpu ${test##*/}" all_of "$test" --gtest_brief=0; done
-  step "gpu hull" "$root/bin/cullhull" hull "$scratch/p.npy" --backend cuda --certify
+  for test in "$root"/bin/gpu/*_test; do
+    step_of_all "gpu ${test##*/}" "${launcher[@]}" "$test" --gtest_brief=0
+  done
+  step "gpu hull" "${launcher[@]}" "$root/bin/cullhull" hull "$scratch/p.npy" --backend cuda --certify
 }
 
 run_sanitizer() {
@@ -130,24 +178,42 @@ run_sanitizer() {
   for tool in memcheck racecheck initcheck synccheck; do
     for test in "$root"/bin/gpu/*_test; do
       step "$tool ${test##*/}" env CULLHULL_GPU_TESTS=short timeout "$sanitizer_seconds" \
-        "$sanitizer" --tool "$tool" --error-exitcode 9 "$test" --gtest_filter=-*Large* --gtest_brief=1
+        "$sanitizer" --tool "$tool" --error-exitcode 9 "${launcher[@]}" "$test" --gtest_filter=-*Large* --gtest_brief=1
     done
   done
 }
 
+run_passes() {
+  # What is left is for gpu_bench, which has the rivals.
+  step "passes" "${launcher[@]}" "$root/bin/gpu_passes" --out "$results/gpu-passes-$date.jsonl" \
+    --seconds $(($(left) / 2))
+  if [[ -f $results/gpu-passes-$date.jsonl ]]; then
+    cat "$results/gpu-passes-$date.jsonl" >>"$summary"
+  fi
+}
+
 run_bench() {
-  step "bench" "$root/bin/gpu_bench" --json "$results/gpu-bench-$date.json"
+  step "bench" "${launcher[@]}" "$root/bin/gpu_bench" --json "$results/gpu-bench-$date.json"
   sed -n '/^== bench: /,$p' "$log" | tail -n +2 >>"$summary"
 }
 
 wants() { [[ ,$only, == *",$1,"* ]]; }
 
 run() {
-  local only=cpu,tests,sanitizer,bench bundle="" words="$0 run $*"
+  local only=cpu,tests,passes,bench,sanitizer bundle="" words="$0 run $*" seconds=460
   results=""
   while (($#)); do
     case "$1" in
       --only) only=${2:?} && shift ;;
+      --call)
+        case "${2:?}" in
+          1) only=cpu,tests,passes,bench ;;
+          2) only=sanitizer ;;
+          *) fail 2 "there are calls 1 and 2" ;;
+        esac
+        shift
+        ;;
+      --seconds) seconds=${2:?} && shift ;;
       --results) results=${2:?} && shift ;;
       -*) fail 2 "unknown option $1" ;;
       *) bundle=$1 ;;
@@ -156,8 +222,9 @@ run() {
   done
   local part
   for part in ${only//,/ }; do
-    [[ " cpu tests sanitizer bench " == *" $part "* ]] || fail 2 "unknown part $part"
+    [[ " cpu tests passes bench sanitizer " == *" $part "* ]] || fail 2 "unknown part $part"
   done
+  deadline=$((SECONDS + seconds))
   scratch=$(mktemp -d)
   trap 'rm -rf "$scratch"' EXIT
   if [[ -z $bundle && -d $here/bin/gpu ]]; then # unpacked already
@@ -178,14 +245,16 @@ run() {
     echo "command $words"
     cat "$root/about.txt"
   } | tee "$summary"
+  find_launcher
   if wants cpu; then run_cpu; fi
-  if wants tests || wants sanitizer || wants bench; then
+  if wants tests || wants passes || wants bench || wants sanitizer; then
     need_device
     [[ -f $scratch/p.npy ]] ||
-      "$root/bin/cullhull" generate ball -n 100000 -d 3 --type f32 -o "$scratch/p.npy"
+      "${launcher[@]}" "$root/bin/cullhull" generate ball -n 100000 -d 3 --type f32 -o "$scratch/p.npy"
     if wants tests; then run_tests; fi
-    if wants sanitizer; then run_sanitizer; fi
+    if wants passes; then run_passes; fi
     if wants bench; then run_bench; fi
+    if wants sanitizer; then run_sanitizer; fi
   fi
   ((failures == 0)) || fail 1 "$failures steps failed; see $log"
   echo "$me: all passed; results in $results"
@@ -195,5 +264,5 @@ case "${1:-}" in
   stage | run)
     "$@"
     ;;
-  *) fail 2 "usage: $0 stage [BUNDLE.tar.gz] | run [--only PART,...] [--results FOLDER] [BUNDLE.tar.gz]" ;;
+  *) fail 2 "usage: $0 stage [BUNDLE.tar.gz] | run [--call 1|2] [--only PART,...] [--seconds T] [--results FOLDER] [BUNDLE.tar.gz]" ;;
 esac

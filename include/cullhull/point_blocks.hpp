@@ -62,7 +62,7 @@ struct BlockOptions {
 };
 
 /// The files that such words stand for, in order: a file, "-" (standard input), a folder (its files
-/// but hidden ones), a pattern with * ? [ ], or @LIST, a text with one of these a line. Files of
+/// but hidden ones), a pattern with * ? [ ], or `@LIST`, a text with one of these a line. Files of
 /// folders and patterns are ordered by name, numbers in names by value (2 before 10).
 /// Throws Error{io}, Error{invalid_argument}.
 std::vector<std::string> input_files(const std::vector<std::string>& words);

@@ -108,6 +108,19 @@ class Orthogonal {
     return measure > least && upright > steep;
   }
 
+  /// The plane's height over `origin`. False where so many bits may not tell it.
+  bool find_height(const double* from, const double* origin, mp_bitcnt_t bits, Real& height) const {
+    Real square = a_.zero();
+    for (unsigned c = 0; c < d_; ++c) {
+      const Real step = a_.difference(from[c], origin[c]);
+      height += outward[c] * step;
+      square += step * step;
+    }
+    Real least = a_.root(square);
+    mpf_div_2exp(least.get_mpf_t(), least.get_mpf_t(), bits / 4);
+    return height > least;
+  }
+
   Real lengths, measure, upright = Real(0);
   std::vector<Real> outward;       ///< the unit normal
   std::vector<double> unit_edges;  ///< rows
@@ -339,9 +352,10 @@ class Facets::WideCofactors {
         minors_(std::size_t{1} << k, mpf_class(0, bits)),
         permanents_(minors_) {}
 
-  /// False if the normal, or its height over every vertex offered, is lost in the rounding: then
-  /// more bits are needed.
-  bool find(const std::vector<const double*>& corners, const std::vector<const double*>& apexes) {
+  /// False if the normal, or its height over every vertex offered or over `origin` (null if that is
+  /// on the plane), is lost in the rounding: then more bits are needed.
+  bool find(const std::vector<const double*>& corners, const std::vector<const double*>& apexes,
+            const double* origin) {
     for (unsigned j = 1; j < k_; ++j) add_edge(corners[0], corners[j]);
     expand();
     mpf_class square(0, bits_), spread(0, bits_);
@@ -356,11 +370,11 @@ class Facets::WideCofactors {
     measure = sqrt(square);
     const int side = side_of(corners[0], apexes);
     for (mpf_class& n : normal) n = side > 0 ? mpf_class(-n / measure) : mpf_class(n / measure);
-    return side != 0;
+    return side != 0 && (origin == nullptr || find_height(corners[0], origin));
   }
 
   std::vector<mpf_class> normal;
-  mpf_class measure, lengths = mpf_class(1, 256);
+  mpf_class measure, height = mpf_class(0, 256), lengths = mpf_class(1, 256);
   std::vector<double> unit_edges;
 
  private:
@@ -406,6 +420,17 @@ class Facets::WideCofactors {
     }
   }
 
+  bool find_height(const double* from, const double* origin) {
+    height.set_prec(bits_);
+    mpf_class bound(0, bits_);
+    for (unsigned c = 0; c < k_; ++c) {
+      const mpf_class step = difference(from[c], origin[c]);
+      height += normal[c] * step;
+      bound += spread_[c] * abs(step);
+    }
+    return !lost(height, mpf_class(bound / measure));
+  }
+
   /// On which side of the plane the vertices are; 0: none was found far enough from it.
   int side_of(const double* from, const std::vector<const double*>& apexes) const {
     for (const double* apex : apexes) {
@@ -425,7 +450,7 @@ class Facets::WideCofactors {
   std::vector<mpf_class> edges_, minors_, permanents_, spread_;
 };
 
-bool Facets::wide_cofactors(std::uint32_t i, WideTerms& out) const {
+bool Facets::wide_cofactors(std::uint32_t i, const double* origin, WideTerms& out) const {
   const auto row = [&](std::uint32_t v) { return s_.full.data() + std::size_t{v} * d_; };
   std::vector<const double*> corners, apexes;
   for (unsigned j = 0; j < k_; ++j) corners.push_back(row(s_.simplex(i)[j]));
@@ -433,9 +458,9 @@ bool Facets::wide_cofactors(std::uint32_t i, WideTerms& out) const {
   const mp_bitcnt_t enough = wide_bits(i);
   for (mp_bitcnt_t bits = 256; bits <= enough; bits *= 2) {
     WideCofactors cofactors(k_, bits);
-    if (!cofactors.find(corners, apexes)) continue;
+    if (!cofactors.find(corners, apexes, origin)) continue;
     out = {std::move(cofactors.normal), std::move(cofactors.lengths), std::move(cofactors.measure),
-           std::move(cofactors.unit_edges)};
+           std::move(cofactors.height), std::move(cofactors.unit_edges)};
     return true;
   }
   return false;
@@ -443,8 +468,11 @@ bool Facets::wide_cofactors(std::uint32_t i, WideTerms& out) const {
 
 WideTerms Facets::wide_terms(std::uint32_t i) const {
   s_.exact_decisions.fetch_add(1, std::memory_order_relaxed);
-  if (WideTerms w; k_ == d_ && k_ >= 2 && k_ <= 8 && wide_cofactors(i, w)) return w;
   const auto row = [&](std::uint32_t v) { return s_.full.data() + std::size_t{v} * d_; };
+  std::vector<const double*> scratch(k_ + 1);
+  const bool level = s_.side(i, s_.row(0), scratch.data()) == Sign::zero;
+  const double* const origin = level ? nullptr : row(0);
+  if (WideTerms w; k_ == d_ && k_ >= 2 && k_ <= 8 && wide_cofactors(i, origin, w)) return w;
   const std::uint32_t* v = s_.simplex(i);
   const mp_bitcnt_t enough = wide_bits(i);
   for (mp_bitcnt_t bits = 512;; bits *= 4) {
@@ -457,7 +485,9 @@ WideTerms Facets::wide_terms(std::uint32_t i) const {
     for (const std::uint32_t b : s_.basis) o.offer_apex(row(v[0]), row(b));
     if (o.outward.empty() && last) fault("the plane of simplex ", i, " holds all vertices");
     if (!last && !o.trusted(bits)) continue;
-    return {std::move(o.outward), std::move(o.lengths), std::move(o.measure),
+    mpf_class height(0, last ? enough : bits);
+    if (!level && !o.find_height(row(v[0]), origin, bits, height) && !last) continue;
+    return {std::move(o.outward), std::move(o.lengths), std::move(o.measure), std::move(height),
             std::move(o.unit_edges)};
   }
 }

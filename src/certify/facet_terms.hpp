@@ -24,6 +24,7 @@ struct FacetTerms {
 struct WideTerms {
   std::vector<mpf_class> normal;
   mpf_class lengths, measure;
+  mpf_class height;                ///< of the plane over vertex 0, exactly 0 where that is on it
   std::vector<double> unit_edges;  ///< rows, each of length 1
 };
 
@@ -67,7 +68,7 @@ class Facets {
   void exactly(std::uint32_t simplex, FacetTerms& out) const;
   class WideCofactors;
   /// False where more bits are needed than Gram-Schmidt would take.
-  bool wide_cofactors(std::uint32_t simplex, WideTerms& out) const;
+  bool wide_cofactors(std::uint32_t simplex, const double* origin, WideTerms& out) const;
   template <unsigned K>
   void fill_spread(const WideTerms& w, FacetTerms& out) const;
   bool in_range(std::uint32_t simplex) const;

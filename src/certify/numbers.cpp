@@ -278,13 +278,10 @@ class MeasureCheck {
     const std::uint32_t* v = s_.simplex(i);
     const auto at = [&](std::uint32_t u) { return s_.full.data() + std::size_t{u} * d_; };
     const double* o = at(0);
-    mpf_class height(0, bits);
     std::vector<mpf_class> reach;
-    for (unsigned c = 0; c < d_; ++c) {
+    for (unsigned c = 0; c < d_; ++c)
       reach.push_back(mpf_class(at(v[0])[c], bits) - mpf_class(o[c], bits));
-      height += w.normal[c] * reach[c];
-    }
-    const mpf_class volume = height * w.measure;
+    const mpf_class volume(w.height * w.measure, bits);
     out.area += w.measure;
     out.volume += volume;
     out.area_bound += area_bound(t, w.lengths, w.measure);

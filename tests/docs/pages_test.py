@@ -66,6 +66,18 @@ class Pages(unittest.TestCase):
         self.assertIn(f"## [{version}]", (ROOT / "CHANGELOG.md").read_text())
         self.assertNotRegex((ROOT / "CMakeLists.txt").read_text(), r"project\(cullhull VERSION \d")
 
+    def test_every_header_is_in_the_reference(self):
+        listed = (ROOT / "docs" / "reference" / "cpp.md").read_text()
+        for header in (ROOT / "include" / "cullhull").glob("*.hpp"):
+            if header.stem not in ("cullhull", "version"):
+                self.assertIn(f"/{header.name})", listed)
+
+    def test_every_page_is_in_a_list_of_the_site(self):
+        index = (ROOT / "docs" / "index.md").read_text()
+        for page in (ROOT / "docs").glob("*.md"):
+            if page.stem != "index":
+                self.assertRegex(index, rf"(?m)^(?:.*<)?{page.stem}>?$")
+
     def test_pictures_of_the_gallery_are_small(self):
         pictures = [p for p in (ROOT / "docs").rglob("*") if p.suffix in (".png", ".svg")]
         self.assertLess(sum(p.stat().st_size for p in pictures), 2_000_000)

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <random>
 
 #include "agreement/point_sets.hpp"
 #include "cullhull/certify.hpp"
@@ -168,6 +169,24 @@ TEST(CertifyNumbers, SmallMeasuresAreRelative) {
 }
 
 /// The centroid of a box goes by its own axis' extent.
+/// The volume of a triangle as long as 1e308 and as wide as 1e-289, one edge of which is shorter
+/// still: found by fuzzing.
+TEST(CertifyNumbers, VolumesBelowEveryDouble) {
+  PointSet s{"thin", 2, {1e308, 2.061491772686043e-289, 7.748611111577175e-304, 0, 0, 0}};
+  EXPECT_EQ(reason(s, convex_hull(view_of(s))), "");
+  std::mt19937_64 random(7);
+  for (unsigned run = 0; run < 300; ++run) {
+    const unsigned d = 2 + run % 3;
+    PointSet wild{"magnitudes, run " + std::to_string(run), d, {}};
+    for (unsigned i = 0; i < (d + 1 + run % 5) * d; ++i) {
+      const int exponent = static_cast<int>(random() % 2040) - 1020;
+      const double v = std::ldexp(1 + static_cast<double>(random() % 4096) / 4096, exponent);
+      wild.coordinates.push_back(random() % 4 == 0 ? 0 : random() % 2 == 0 ? v : -v);
+    }
+    EXPECT_EQ(reason(wild, convex_hull(view_of(wild))), "") << wild.name;
+  }
+}
+
 TEST(CertifyNumbers, CentroidsAxisByAxis) {
   const PointSet s = box({1e6, 1, 1e-6});
   const Hull good = convex_hull(view_of(s));

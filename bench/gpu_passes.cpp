@@ -1,0 +1,451 @@
+// What a device does with each kind of points, piece by piece: gpu_passes [--out FILE] [--scale S]
+// [--seconds T]
+//
+// One JSON object a line, written as soon as it is known: a run that is cut off has told the rest.
+// Kernels are timed by events of their stream, everything else by the caller's clock; medians of
+// five after a first that is not counted. Parts that do not fit into the device's memory, or begin
+// after T seconds, are left out and say so. Exit status 5: no device.
+#include <cuda_runtime_api.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "cuda/gauge.hpp"
+#include "cuda/gauge_kernel.hpp"
+#include "cuda/pseudo_hull.hpp"
+#include "cuda/runtime.hpp"
+#include "cull/gauge_map.hpp"
+#include "cullhull/cullhull.hpp"
+#include "cullhull/device_points.hpp"
+#include "flow/sample_map.hpp"
+#include "geometry/gather.hpp"
+
+namespace {
+
+namespace cuda = cullhull::internal::cuda;
+using namespace cullhull;
+using nlohmann::ordered_json;
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+double median(std::vector<double> times) {
+  std::sort(times.begin(), times.end());
+  return times[times.size() / 2];
+}
+
+constexpr unsigned repeats = 5;
+
+double wall(const std::function<void()>& work) {
+  work();
+  std::vector<double> times;
+  for (unsigned k = 0; k < repeats; ++k) {
+    const auto start = Clock::now();
+    work();
+    times.push_back(seconds_since(start));
+  }
+  return median(times);
+}
+
+/// Of what `work` puts on the stream.
+double by_events(cudaStream_t stream, const std::function<void()>& work) {
+  cudaEvent_t begin = nullptr, end = nullptr;
+  cuda::check(cudaEventCreate(&begin), "making an event");
+  cuda::check(cudaEventCreate(&end), "making an event");
+  std::vector<double> times;
+  for (unsigned k = 0; k <= repeats; ++k) {
+    cuda::check(cudaEventRecord(begin, stream), "recording an event");
+    work();
+    cuda::check(cudaEventRecord(end, stream), "recording an event");
+    cuda::check(cudaEventSynchronize(end), "waiting for an event");
+    float milliseconds = 0;
+    cuda::check(cudaEventElapsedTime(&milliseconds, begin, end), "reading an event");
+    if (k > 0) times.push_back(1e-3 * milliseconds);
+  }
+  (void)cudaEventDestroy(begin);
+  (void)cudaEventDestroy(end);
+  return median(times);
+}
+
+/// Uniform in the ball; a million points, repeated as often as it takes.
+template <class T>
+std::vector<T> ball(unsigned d, std::uint64_t n) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> unit;
+  std::vector<T> rows(n * d);
+  for (std::uint64_t i = 0; i < n; ++i) {
+    double x[8], square = 0;
+    for (unsigned j = 0; j < d; ++j) x[j] = normal(random), square += x[j] * x[j];
+    const double scale = std::pow(unit(random), 1.0 / d) / std::sqrt(square);
+    for (unsigned j = 0; j < d; ++j) rows[i * d + j] = static_cast<T>(x[j] * scale);
+  }
+  return rows;
+}
+
+class Passes {
+ public:
+  Passes(double scale, double seconds, const std::string& file)
+      : scale_(scale), seconds_(seconds), start_(Clock::now()) {
+    if (!file.empty()) out_.open(file, std::ios::app);
+  }
+
+  void run() {
+    part("device", [&] { return about(); });
+    part("copy on the device", [&] { return copy_rate(); });
+    part("link, pinned memory", [&] { return link(); });
+    for (const unsigned d : {3U, 2U, 4U, 5U, 6U})
+      part("pass, f32", [&] { return pass<float>(d, Layout::packed); });
+    part("pass, f64", [&] { return pass<double>(3, Layout::packed); });
+    part("pass, f32, columns", [&] { return pass<float>(3, Layout::columns); });
+    part("pass, f32, misaligned", [&] { return pass<float>(3, Layout::misaligned); });
+    part("hull, points on the device", [&] { return hull_there(); });
+    part("hull, points on the host", [&] { return hull_from_host(); });
+    part("hulls on threads beside one another", [&] { return hulls_on_threads(); });
+    part("pseudo-hull", [&] { return pseudo_hull(); });
+    part("moving points", [&] { return tracker(); });
+    part("pass, more than 2^31 points", [&] { return many_points(); });
+  }
+  bool failed() const { return failed_; }
+
+ private:
+  enum class Layout { packed, columns, misaligned };
+
+  std::uint64_t scaled(double n) const {
+    return std::max<std::uint64_t>(5000, static_cast<std::uint64_t>(n * scale_));
+  }
+
+  void part(const char* name, const std::function<ordered_json()>& work) {
+    ordered_json line;
+    line["part"] = name;
+    if (seconds_since(start_) > seconds_) {
+      line["left_out"] = "no time left";
+    } else {
+      try {
+        line.update(work());
+      } catch (const cuda::OutOfMemory& e) {
+        line["left_out"] = e.what();
+      } catch (const std::exception& e) {
+        line["error"] = e.what();
+        failed_ = true;
+      }
+    }
+    line["at_seconds"] = seconds_since(start_);
+    const std::string text = line.dump();
+    std::printf("%s\n", text.c_str());
+    std::fflush(stdout);
+    if (out_.is_open()) out_ << text << std::endl;
+  }
+
+  ordered_json about() const {
+    const CudaStatus status = cuda_status();
+    return {{"name", status.device},           {"compute_capability", status.compute_capability},
+            {"driver", status.driver_version}, {"runtime", status.runtime_version},
+            {"memory", status.memory_bytes},   {"processors", cuda::device().multiprocessors}};
+  }
+
+  /// Bytes read and bytes written, together, a second.
+  ordered_json copy_rate() {
+    const std::uint64_t bytes = scaled(1 << 30);
+    const cuda::Stream stream;
+    const cuda::DeviceArray<std::byte> from(bytes, stream.get()), to(bytes, stream.get());
+    cuda::check(cudaMemsetAsync(from.data(), 1, bytes, stream.get()), "clearing");
+    const double took = by_events(stream.get(), [&] {
+      cuda::check(
+          cudaMemcpyAsync(to.data(), from.data(), bytes, cudaMemcpyDeviceToDevice, stream.get()),
+          "copying");
+    });
+    copy_rate_ = 2 * static_cast<double>(bytes) / took;
+    return {{"bytes_per_second", copy_rate_}};
+  }
+
+  ordered_json link() const {
+    const std::uint64_t bytes = scaled(1 << 28);
+    const cuda::Stream stream;
+    const cuda::DeviceArray<std::byte> there(bytes, stream.get());
+    const cuda::PinnedArray<std::byte> here(bytes);
+    std::fill_n(here.data(), bytes, std::byte{1});
+    const double to = by_events(stream.get(), [&] {
+      cuda::check(
+          cudaMemcpyAsync(there.data(), here.data(), bytes, cudaMemcpyHostToDevice, stream.get()),
+          "copying");
+    });
+    const double from = by_events(stream.get(), [&] {
+      cuda::check(
+          cudaMemcpyAsync(here.data(), there.data(), bytes, cudaMemcpyDeviceToHost, stream.get()),
+          "copying");
+    });
+    const auto b = static_cast<double>(bytes);
+    return {{"to_device_bytes_per_second", b / to}, {"from_device_bytes_per_second", b / from}};
+  }
+
+  /// `n` values on the device: those given, again and again.
+  template <class T>
+  cuda::DeviceArray<T> repeated(const std::vector<T>& values, std::uint64_t n,
+                                cudaStream_t stream) const {
+    cuda::DeviceArray<T> all(n, stream);
+    std::uint64_t have = std::min<std::uint64_t>(n, values.size());
+    cuda::upload(all.data(), values.data(), have, stream);
+    while (have < n) {
+      const std::uint64_t more = std::min(have, n - have);
+      cuda::check(cudaMemcpyAsync(all.data() + have, all.data(), more * sizeof(T),
+                                  cudaMemcpyDeviceToDevice, stream),
+                  "copying");
+      have += more;
+    }
+    cuda::synchronise(stream, "copying");
+    return all;
+  }
+
+  template <class T>
+  static std::unique_ptr<internal::GaugeMap> map_of(const std::vector<T>& rows, unsigned d) {
+    const Options options;
+    const internal::Control control(options);
+    const auto view = PointView::row_major(rows.data(), rows.size() / d, d);
+    internal::SampledPoints sample{view.count, d, 1, [&](const std::vector<std::uint64_t>& ids) {
+                                     return internal::gather_points(view, ids.data(), ids.size(), 1,
+                                                                    control);
+                                   }};
+    auto sampled = internal::map_of_sample(sample, internal::Insist::yes,
+                                           cuda::most_gauge_nodes(cuda::device()),
+                                           std::uint64_t{4} << 30, control);
+    if (sampled.map == nullptr) throw std::runtime_error("no map: " + sampled.reason);
+    return std::move(sampled.map);
+  }
+
+  /// The kernel alone, by events, and with counting and listing, by the caller's clock.
+  ordered_json time_pass(const internal::GaugeMap& map, const DevicePointView& view) const {
+    const auto stream = static_cast<cudaStream_t>(view.stream);
+    const internal::GaugeTable& table = map.table();
+    const cuda::DeviceArray<float> nodes(table.nodes.size(), stream);
+    cuda::upload(nodes.data(), table.nodes.data(), table.nodes.size(), stream);
+    const cuda::DeviceArray<std::uint32_t> mask(cuda::mask_room(view.count), stream);
+    const double kernel = by_events(stream, [&] {
+      cuda::check(cuda::gauge_mask(table, nodes.data(), view, mask.data(), cuda::device(), stream),
+                  "culling");
+    });
+    std::uint64_t kept = 0;
+    const double listed = wall([&] { kept = cuda::survivors_of_device_points(table, view).count; });
+    const auto n = static_cast<double>(view.count);
+    const double bytes = n * view.dimension * static_cast<double>(scalar_size(view.scalar));
+    ordered_json json = {{"dimension", view.dimension},          {"count", view.count},
+                         {"nodes", table.nodes.size()},          {"kernel_seconds", kernel},
+                         {"points_per_second", n / kernel},      {"with_list_seconds", listed},
+                         {"kept", static_cast<double>(kept) / n}};
+    if (copy_rate_ > 0) json["share_of_copy"] = bytes / kernel / copy_rate_;
+    return json;
+  }
+
+  template <class T>
+  ordered_json pass(unsigned d, Layout layout) const {
+    const std::vector<T> rows = ball<T>(d, scaled(1e6));
+    const auto map = map_of(rows, d);
+    const std::uint64_t n = scaled(layout == Layout::packed && d == 3 ? 1e8 : 3e7);
+    const cuda::Stream stream;
+    const bool shifted = layout == Layout::misaligned;
+    const cuda::DeviceArray<T> there = repeated(rows, n * d + (shifted ? d : 0), stream.get());
+    // Columns of such memory are other points of the same ball's box: the pass takes as long.
+    DevicePointView view =
+        layout == Layout::columns
+            ? DevicePointView::column_major(there.data(), n, d, stream.get())
+            : DevicePointView::row_major(there.data() + (shifted ? d : 0), n, d, stream.get());
+    return time_pass(*map, view);
+  }
+
+  ordered_json many_points() const {
+    const std::uint64_t n = scale_ < 1 ? scaled(1e6) : (std::uint64_t{1} << 31) + 1001;
+    const std::vector<float> rows = ball<float>(3, scaled(1e6));
+    const auto map = map_of(rows, 3);
+    const cuda::Stream stream;
+    const cuda::DeviceArray<float> there = repeated(rows, n * 3, stream.get());
+    return time_pass(*map, DevicePointView::row_major(there.data(), n, 3, stream.get()));
+  }
+
+  static Options on(Backend backend) {
+    Options options;
+    options.backend = backend;
+    return options;
+  }
+
+  static void require_same(const Hull& a, const Hull& b) {
+    if (a.vertices != b.vertices || a.volume != b.volume)
+      throw std::runtime_error("the device's hull is not the CPU's");
+  }
+
+  /// Beside the CPU's, of the same points in its own memory.
+  ordered_json hull_there() const {
+    const std::uint64_t n = scaled(8e6);
+    const std::vector<float> rows = ball<float>(3, n);
+    const cuda::Stream stream;
+    const cuda::DeviceArray<float> there = repeated(rows, n * 3, stream.get());
+    const auto view = DevicePointView::row_major(there.data(), n, 3, stream.get());
+    const auto here = PointView::row_major(rows.data(), n, 3);
+    Hull device, host;
+    const double d = wall([&] { device = convex_hull(view, on(Backend::cuda)); });
+    const double h = wall([&] { host = convex_hull(here, on(Backend::cpu)); });
+    require_same(device, host);
+    return {{"count", n},
+            {"device_seconds", d},
+            {"of_that_cull", device.statistics.cull_seconds},
+            {"survivors", device.statistics.survivors},
+            {"method", device.statistics.cull_method},
+            {"cpu_seconds", h},
+            {"cpu_survivors", host.statistics.survivors},
+            {"threads", host.statistics.threads}};
+  }
+
+  ordered_json hull_from_host() const {
+    const std::uint64_t n = scaled(2e7);
+    const std::vector<float> rows = ball<float>(3, n);
+    const auto here = PointView::row_major(rows.data(), n, 3);
+    const auto map = map_of(rows, 3);
+    const Options options;
+    const internal::Control control(options);
+    const unsigned threads = std::max(1U, std::thread::hardware_concurrency());
+    const double pass =
+        wall([&] { (void)cuda::survivors_of_host_points(map->table(), here, threads, control); });
+    Hull device, host;
+    const double d = wall([&] { device = convex_hull(here, on(Backend::cuda)); });
+    const double h = wall([&] { host = convex_hull(here, on(Backend::cpu)); });
+    require_same(device, host);
+    return {{"count", n},
+            {"pass_seconds", pass},
+            {"pass_bytes_per_second", 12 * static_cast<double>(n) / pass},
+            {"device_seconds", d},
+            {"cpu_seconds", h}};
+  }
+
+  ordered_json hulls_on_threads() const {
+    constexpr unsigned count = 4;
+    const std::uint64_t n = scaled(2e6);
+    const std::vector<float> rows = ball<float>(3, n);
+    std::vector<cuda::Stream> streams(count);
+    std::vector<cuda::DeviceArray<float>> there;
+    for (const cuda::Stream& s : streams) there.push_back(repeated(rows, n * 3, s.get()));
+    const auto hull = [&](unsigned t) {
+      Options options = on(Backend::cuda);
+      options.threads = 1;
+      (void)convex_hull(DevicePointView::row_major(there[t].data(), n, 3, streams[t].get()),
+                        options);
+    };
+    const double alone = wall([&] {
+      for (unsigned t = 0; t < count; ++t) hull(t);
+    });
+    const double together = wall([&] {
+      std::vector<std::thread> threads;
+      for (unsigned t = 0; t < count; ++t) threads.emplace_back(hull, t);
+      for (std::thread& t : threads) t.join();
+    });
+    return {{"threads", count},
+            {"count", n},
+            {"one_after_another_seconds", alone},
+            {"together_seconds", together}};
+  }
+
+  ordered_json pseudo_hull() const {
+    const std::uint64_t n = scaled(8e6);
+    const std::vector<float> rows = ball<float>(3, n);
+    const cuda::Stream stream;
+    const cuda::DeviceArray<float> there = repeated(rows, n * 3, stream.get());
+    const auto view = DevicePointView::row_major(there.data(), n, 3, stream.get());
+    const Options options;
+    const internal::Control control(options);
+    std::vector<internal::PseudoHullRound> rounds;
+    std::uint64_t kept = 0;
+    const double took = wall(
+        [&] { kept = internal::pseudo_hull_survivors_cuda(view, {}, control, &rounds).size(); });
+    ordered_json json = {{"count", n}, {"seconds", took}, {"kept", kept}};
+    for (const auto& r : rounds) json["rounds"].push_back({r.facets, r.exterior, r.culled, r.kept});
+    return json;
+  }
+
+  /// A ball that turns, on the device and in the CPU's memory.
+  ordered_json tracker() const {
+    const std::uint64_t n = scaled(1e6);
+    constexpr unsigned frames = 12;
+    std::vector<float> rows = ball<float>(3, n);
+    const cuda::Stream stream;
+    const cuda::DeviceArray<float> there(n * 3, stream.get());
+    HullTracker device(on(Backend::cuda)), host(on(Backend::cpu));
+    std::vector<double> on_device, on_host;
+    for (unsigned f = 0; f < frames; ++f) {
+      for (std::uint64_t i = 0; i < n; ++i) {
+        float* p = rows.data() + 3 * i;
+        const float x = p[0], y = p[1];
+        p[0] = x - 0.01F * y;
+        p[1] = y + 0.01F * x;
+      }
+      cuda::upload(there.data(), rows.data(), rows.size(), stream.get());
+      auto start = Clock::now();
+      (void)device.update(DevicePointView::row_major(there.data(), n, 3, stream.get()));
+      on_device.push_back(seconds_since(start));
+      start = Clock::now();
+      (void)host.update(PointView::row_major(rows.data(), n, 3));
+      on_host.push_back(seconds_since(start));
+      require_same(device.hull(), host.hull());
+    }
+    return {{"count", n},
+            {"frames", frames},
+            {"device_seconds", median({on_device.begin() + 2, on_device.end()})},
+            {"cpu_seconds", median({on_host.begin() + 2, on_host.end()})}};
+  }
+
+  double scale_, seconds_, copy_rate_ = 0;
+  Clock::time_point start_;
+  std::ofstream out_;
+  bool failed_ = false;
+};
+
+[[noreturn]] void bad_usage(const std::string& what) {
+  std::fprintf(stderr, "gpu_passes: %s\nusage: gpu_passes [--out FILE] [--scale S] [--seconds T]\n",
+               what.c_str());
+  std::exit(2);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string file;
+  double scale = 1, seconds = 300;
+  for (int i = 1; i < argc; ++i) {
+    const std::string a = argv[i];
+    if (i + 1 >= argc) bad_usage(a + " is unknown or wants a value");
+    const char* value = argv[++i];
+    if (a == "--out")
+      file = value;
+    else if (a == "--scale")
+      scale = std::atof(value);
+    else if (a == "--seconds")
+      seconds = std::atof(value);
+    else
+      bad_usage("unknown option " + a);
+  }
+  if (!(scale > 0 && scale <= 1)) bad_usage("--scale must be in (0, 1]");
+  try {
+    const CudaStatus status = cuda_status();
+    if (!status.available) {
+      std::fprintf(stderr, "gpu_passes: %s\n", status.reason.c_str());
+      return 5;
+    }
+    Passes passes(scale, seconds, file);
+    passes.run();
+    return passes.failed() ? 1 : 0;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "gpu_passes: %s\n", e.what());
+    return 1;
+  }
+}
