@@ -28,4 +28,8 @@ function(cullhull_together target folder)
     set_source_files_properties("${folder}/${name}.cpp"
       TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP "${folder}")
   endforeach()
+  # GCC takes a source that is included for a header, whose classes should not hold local types.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)
+  endif()
 endfunction()

@@ -434,13 +434,13 @@ class Facets::WideCofactors {
   /// On which side of the plane the vertices are; 0: none was found far enough from it.
   int side_of(const double* from, const std::vector<const double*>& apexes) const {
     for (const double* apex : apexes) {
-      mpf_class height(0, bits_), bound(0, bits_);
+      mpf_class above(0, bits_), bound(0, bits_);
       for (unsigned c = 0; c < k_; ++c) {
         const mpf_class step = difference(apex[c], from[c]);
-        height += normal[c] * step;
+        above += normal[c] * step;
         bound += spread_[c] * abs(step);
       }
-      if (height != 0 && !lost(abs(height), bound)) return sgn(height);
+      if (above != 0 && !lost(abs(above), bound)) return sgn(above);
     }
     return 0;
   }

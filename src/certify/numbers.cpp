@@ -276,7 +276,7 @@ class MeasureCheck {
     FacetTerms t;
     f_.terms(i, t);
     const std::uint32_t* v = s_.simplex(i);
-    const auto at = [&](std::uint32_t u) { return s_.full.data() + std::size_t{u} * d_; };
+    const auto at = [&](std::uint32_t vertex) { return s_.full.data() + std::size_t{vertex} * d_; };
     const double* o = at(0);
     std::vector<mpf_class> reach;
     for (unsigned c = 0; c < d_; ++c)

@@ -148,13 +148,13 @@ class InnerFilter {
         all = inside(direction, r, f, scratch);
       }
       if (!all) continue;
-      const double u = 0x1p-53;
-      // The corners are off by 2u (magnitude + r) at most; the box keeps half its size if that is
+      const double roundoff = 0x1p-53;
+      // The corners are off by 2 u (magnitude + r) at most; the box keeps half its size if that is
       // below r / 2. Then `slack` is the eta of the proof.
-      const double rounding = 2 * u * (magnitude_ + 2);
+      const double rounding = 2 * roundoff * (magnitude_ + 2);
       if (!(rounding < r / 2)) return false;
       tiny_ = r / 4;
-      slack_ = 2 * (rounding + 16 * u) / (r / 2);
+      slack_ = 2 * (rounding + 16 * roundoff) / (r / 2);
       return slack_ < 0.125;
     }
     return false;
