@@ -30,6 +30,7 @@ function(cullhull_together target folder)
   endforeach()
   # GCC takes a source that is included for a header, whose classes should not hold local types.
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD_CODE_BEFORE_INCLUDE
+      "#pragma GCC diagnostic ignored \"-Wsubobject-linkage\"")
   endif()
 endfunction()
