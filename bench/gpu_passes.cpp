@@ -214,15 +214,14 @@ class Passes {
   template <class T>
   static std::unique_ptr<internal::GaugeMap> map_of(const std::vector<T>& rows, unsigned d) {
     const Options options;
-    const internal::Control control(options);
+    const auto run = internal::Run(options).with_threads(1).with_budget(std::uint64_t{4} << 30);
     const auto view = PointView::row_major(rows.data(), rows.size() / d, d);
-    internal::SampledPoints sample{view.count, d, 1, [&](const std::vector<std::uint64_t>& ids) {
-                                     return internal::gather_points(view, ids.data(), ids.size(), 1,
-                                                                    control);
+    internal::SampledPoints sample{view.count, d, [&](const std::vector<std::uint64_t>& ids) {
+                                     return internal::gather_points(view, ids.data(), ids.size(),
+                                                                    run);
                                    }};
     auto sampled = internal::map_of_sample(sample, internal::Insist::yes,
-                                           cuda::most_gauge_nodes(cuda::device()),
-                                           std::uint64_t{4} << 30, control);
+                                           cuda::most_gauge_nodes(cuda::device()), run);
     if (sampled.map == nullptr) throw std::runtime_error("no map: " + sampled.reason);
     return std::move(sampled.map);
   }
@@ -314,10 +313,9 @@ class Passes {
     const auto here = PointView::row_major(rows.data(), n, 3);
     const auto map = map_of(rows, 3);
     const Options options;
-    const internal::Control control(options);
-    const unsigned threads = std::max(1U, std::thread::hardware_concurrency());
+    const internal::Run run(options);
     const double pass =
-        wall([&] { (void)cuda::survivors_of_host_points(map->table(), here, threads, control); });
+        wall([&] { (void)cuda::survivors_of_host_points(map->table(), here, run); });
     Hull device, host;
     const double d = wall([&] { device = convex_hull(here, on(Backend::cuda)); });
     const double h = wall([&] { host = convex_hull(here, on(Backend::cpu)); });

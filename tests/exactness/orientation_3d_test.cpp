@@ -43,7 +43,7 @@ struct Cloud {
 };
 
 struct Seen {
-  std::uint64_t rungs[3] = {0, 0, 0};
+  RungCounts rungs;
   std::uint64_t zeros = 0;
 };
 
@@ -95,7 +95,7 @@ TEST(Orientation3D, GeneralPosition) {
   std::vector<double> rows(3 * 2000);
   for (double& v : rows) v = random.symmetric();
   const Seen seen = attack(Cloud(std::move(rows)), 1);
-  EXPECT_EQ(seen.rungs[2], 0U);
+  EXPECT_EQ(seen.rungs.of[2], 0U);
 }
 
 TEST(Orientation3D, AsThinAsRounding) {
@@ -104,7 +104,7 @@ TEST(Orientation3D, AsThinAsRounding) {
       Random random(2);
       const Seen seen = attack(Cloud(near_plane(random, 500, extent, thickness * extent)), 3);
       if (thickness <= 1e-16) {
-        EXPECT_GT(seen.rungs[2], 0U);
+        EXPECT_GT(seen.rungs.of[2], 0U);
       }
     }
 }
