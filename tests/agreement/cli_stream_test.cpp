@@ -306,25 +306,16 @@ TEST(CliStream, AFileLargerThanTheAddressSpace) {
 
 // ------------------------------------------------------------------------------- checkpoints
 
-/// A text that takes long enough to be cut off at any moment.
+/// Tiles of points that are all extreme: the checkpoint after each is larger than the one before,
+/// so that a run takes long enough to be cut off at any moment.
 void write_slow_input(const Folder& f) {
-  const std::vector<double> rows = generate("ball", 400000, 3, 11);
-  write_points(f / "slow.csv", PointView::row_major(rows.data(), rows.size() / 3, 3),
-               all_ids(rows.size() / 3));
-  write_npy(f / "more.npy", generate("sphere", 3000, 3, 12), 3);
+  for (int tile = 100; tile < 180; ++tile)
+    write_npy(f / ("tile-" + std::to_string(tile) + ".npy"), generate("sphere", 2000, 3, tile), 3);
 }
 
 std::vector<std::string> checkpointed(const Folder& f) {
-  return {"hull",
-          f / "slow.csv",
-          f / "more.npy",
-          "--checkpoint",
-          f / "run.checkpoint",
-          "--checkpoint-every",
-          "0",
-          "-o",
-          f / "hull.json",
-          "--quiet"};
+  return {"hull", f / "tile-*.npy", "--checkpoint", f / "run.checkpoint", "--checkpoint-every", "0",
+          "-o",   f / "hull.json",  "--quiet"};
 }
 
 pid_t start_quietly(const std::vector<std::string>& words) {
@@ -337,7 +328,7 @@ pid_t start_quietly(const std::vector<std::string>& words) {
 TEST(CliStream, KilledAtAnyMomentAndResumed) {
   const Folder f;
   write_slow_input(f);
-  const std::string expected = hull_bytes(f, {f / "slow.csv", f / "more.npy"});
+  const std::string expected = hull_bytes(f, {f / "tile-*.npy"});
   std::mt19937 random(3);
   int killed = 0, resumed = 0;
   for (int round = 0; round < 200; ++round) {
@@ -345,7 +336,7 @@ TEST(CliStream, KilledAtAnyMomentAndResumed) {
     const pid_t child = start_quietly(checkpointed(f));
     if (killed < 20) {
       std::this_thread::sleep_for(std::chrono::milliseconds(40 + random() % 400));
-      ::kill(child, SIGKILL);
+      testing::send(child, SIGKILL);
     }
     const int status = testing::wait_for(child);
     if (status == 1000 + SIGKILL) {
@@ -365,14 +356,14 @@ TEST(CliStream, KilledAtAnyMomentAndResumed) {
 TEST(CliStream, InterruptedAndResumed) {
   const Folder f;
   write_slow_input(f);
-  const std::string expected = hull_bytes(f, {f / "slow.csv", f / "more.npy"});
+  const std::string expected = hull_bytes(f, {f / "tile-*.npy"});
   std::vector<std::string> words = checkpointed(f);
   *std::find(words.begin(), words.end(), "0") = "1000";  // on Ctrl-C alone
   int interrupted = 0;
   for (int round = 0; round < 40 && interrupted < 3; ++round) {
     const pid_t child = start_quietly(words);
     std::this_thread::sleep_for(std::chrono::milliseconds(150 + 20 * round));
-    ::kill(child, SIGINT);
+    testing::send(child, SIGINT);
     if (testing::wait_for(child) != 130) continue;
     if (std::filesystem::exists(f / "run.checkpoint")) ++interrupted;
   }
@@ -385,12 +376,13 @@ TEST(CliStream, AFullDiskLeavesTheCheckpointBefore) {
   const Folder f;
   write_slow_input(f);
   // One good checkpoint first.
-  while (!std::filesystem::exists(f / "run.checkpoint")) {
+  for (int round = 0; round < 100 && !std::filesystem::exists(f / "run.checkpoint"); ++round) {
     const pid_t child = start_quietly(checkpointed(f));
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    ::kill(child, SIGKILL);
+    testing::send(child, SIGKILL);
     testing::wait_for(child);
   }
+  ASSERT_TRUE(std::filesystem::exists(f / "run.checkpoint"));
   const std::string before = read_file(f / "run.checkpoint");
   const Ran ran = run_limited(checkpointed(f), [] {
     const rlimit limit{1000, 1000};  // bytes a file may have, as on a full disk
@@ -405,17 +397,17 @@ TEST(CliStream, AFullDiskLeavesTheCheckpointBefore) {
 TEST(CliStream, ACheckpointOfOtherInputsIsRefused) {
   const Folder f;
   write_slow_input(f);
-  while (!std::filesystem::exists(f / "run.checkpoint")) {
+  for (int round = 0; round < 100 && !std::filesystem::exists(f / "run.checkpoint"); ++round) {
     const pid_t child = start_quietly(checkpointed(f));
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    ::kill(child, SIGKILL);
+    testing::send(child, SIGKILL);
     testing::wait_for(child);
   }
-  const Ran other = run_app({"hull", f / "more.npy", "--checkpoint", f / "run.checkpoint"});
+  const Ran other = run_app({"hull", f / "tile-100.npy", "--checkpoint", f / "run.checkpoint"});
   EXPECT_EQ(other.status, 2);
   EXPECT_NE(other.err.find("is of other inputs"), std::string::npos) << other.err;
   write_file(f / "broken", "something else");
-  const Ran broken = run_app({"hull", f / "more.npy", "--checkpoint", f / "broken"});
+  const Ran broken = run_app({"hull", f / "tile-100.npy", "--checkpoint", f / "broken"});
   EXPECT_EQ(broken.status, 1);
   EXPECT_TRUE(one_line(broken.err));
   EXPECT_EQ(read_file(f / "broken"), "something else");

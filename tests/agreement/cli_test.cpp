@@ -394,7 +394,7 @@ TEST(Cli, InterruptedWritingLeavesNoFile) {
   const pid_t child =
       start_app({"generate", "ball", "-n", "8M", "-o", f / "big.npy"}, null, null, null);
   while (f.entries() == 0) ::usleep(100);  // the temporary beside the target
-  ::kill(child, SIGTERM);
+  testing::send(child, SIGTERM);
   EXPECT_EQ(wait_for(child), 130);
   ::close(null);
   EXPECT_EQ(f.entries(), 0U);
@@ -412,7 +412,7 @@ int interrupted_while_reading(const std::vector<std::string>& arguments,
   // Signals are arranged before the first byte is taken: wait until the pipe is empty.
   for (int unread = 1; unread != 0; ::usleep(1000))
     if (::ioctl(ends[0], FIONREAD, &unread) != 0) break;
-  ::kill(child, SIGINT);
+  testing::send(child, SIGINT);
   const int status = wait_for(child);
   for (const int fd : {ends[0], ends[1], null, err}) ::close(fd);
   return status;
@@ -449,7 +449,7 @@ TEST(Cli, LongWorkSaysThatItWasCancelled) {
     const int err = ::open(errors.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
     const pid_t child = start_app(command, null, null, err);
     ::usleep(500000);  // a signal that comes sooner is heard as well
-    ::kill(child, SIGINT);
+    testing::send(child, SIGINT);
     EXPECT_EQ(wait_for(child), 130) << command[0];
     EXPECT_EQ(read_file(errors), "cullhull: cancelled\n") << command[0];
     ::close(err);
@@ -467,7 +467,7 @@ TEST(Cli, QhullHearsAnInterruption) {
   const pid_t child =
       start_app({"hull", f / "p.npy", "--engine", "qhull", "--cull", "none"}, null, null, err);
   ::usleep(500000);  // a signal that comes sooner is heard as well
-  ::kill(child, SIGINT);
+  testing::send(child, SIGINT);
   EXPECT_EQ(wait_for(child), 130);
   EXPECT_EQ(read_file(errors), "cullhull: cancelled\n");
   for (const int fd : {null, err}) ::close(fd);
@@ -483,7 +483,7 @@ TEST(Cli, InterruptedReadingEndsAtOnce) {
   // Signals are arranged before the first byte is taken: wait until the pipe is empty.
   for (int unread = 1; unread != 0; ::usleep(1000))
     ASSERT_EQ(::ioctl(ends[0], FIONREAD, &unread), 0);
-  ::kill(child, SIGINT);
+  testing::send(child, SIGINT);
   EXPECT_EQ(wait_for(child), 130);
   for (const int fd : {ends[0], ends[1], null}) ::close(fd);
   EXPECT_EQ(f.entries(), 0U);

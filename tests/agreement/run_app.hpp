@@ -95,6 +95,11 @@ inline pid_t start_app(const std::vector<std::string>& arguments, int in, int ou
   return child;
 }
 
+/// A program that could not be started is -1, and a signal to that one goes to every process.
+inline void send(pid_t child, int number) {
+  if (child > 0) ::kill(child, number);
+}
+
 struct Ran {
   int status = -1;
   std::string out, err;
@@ -186,7 +191,7 @@ class OnTerminal {
 
   /// Waits for the first word of progress.
   bool at_work() { return read_some(); }
-  void signal(int number) const { ::kill(child_, number); }
+  void signal(int number) const { send(child_, number); }
   int wait() {
     while (read_some()) {
     }
