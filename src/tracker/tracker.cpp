@@ -85,6 +85,7 @@ struct HullTracker::Impl {
       const Run run(options);
       compute(*points_of(run), run, index, start);
     } catch (const Error& e) {
+      if (e.code() == ErrorCode::cancelled) throw;
       throw Error(e.code(), "frame " + std::to_string(index) + ": " + e.what());
     }
     return hull;

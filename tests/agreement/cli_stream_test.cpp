@@ -362,7 +362,7 @@ TEST(CliStream, InterruptedAndResumed) {
   int interrupted = 0;
   for (int round = 0; round < 40 && interrupted < 3; ++round) {
     const pid_t child = start_quietly(words);
-    std::this_thread::sleep_for(std::chrono::milliseconds(150 + 20 * round));
+    std::this_thread::sleep_for(std::chrono::milliseconds(10 + round * round));
     testing::send(child, SIGINT);
     if (testing::wait_for(child) != 130) continue;
     if (std::filesystem::exists(f / "run.checkpoint")) ++interrupted;
@@ -375,10 +375,12 @@ TEST(CliStream, InterruptedAndResumed) {
 TEST(CliStream, AFullDiskLeavesTheCheckpointBefore) {
   const Folder f;
   write_slow_input(f);
+  // What is still to be read takes several looks at the clock.
+  write_npy(f / "tile-999.npy", generate("ball", 3000000, 3, 9), 3);
   // One good checkpoint first.
   for (int round = 0; round < 100 && !std::filesystem::exists(f / "run.checkpoint"); ++round) {
     const pid_t child = start_quietly(checkpointed(f));
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    std::this_thread::sleep_for(std::chrono::milliseconds(10 + round * round));
     testing::send(child, SIGKILL);
     testing::wait_for(child);
   }
@@ -399,7 +401,7 @@ TEST(CliStream, ACheckpointOfOtherInputsIsRefused) {
   write_slow_input(f);
   for (int round = 0; round < 100 && !std::filesystem::exists(f / "run.checkpoint"); ++round) {
     const pid_t child = start_quietly(checkpointed(f));
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    std::this_thread::sleep_for(std::chrono::milliseconds(10 + round * round));
     testing::send(child, SIGKILL);
     testing::wait_for(child);
   }

@@ -40,7 +40,7 @@ TEST(CliUsage, DidYouMean) {
     EXPECT_EQ(ran.status, 2);
     EXPECT_EQ(ran.err.find("did you mean"), std::string::npos) << ran.err;
   }
-  expect_error({"hull", p, p}, 2, "'" + p + "'");
+  expect_error({"info", p, "--no-such"}, 2, "--no-such");
 }
 
 TEST(CliUsage, HelpByCommand) {

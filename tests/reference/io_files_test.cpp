@@ -66,7 +66,7 @@ TEST(Open, FormatByExtensionThenContent) {
                 .find("JSON"),
             std::string::npos);
   ReadOptions options;
-  options.format = "las";
+  options.format = "dwg";
   error_of(ErrorCode::invalid_argument, [&] { open_points(folder.file("c"), options); });
 }
 
