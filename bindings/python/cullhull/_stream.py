@@ -165,6 +165,17 @@ class HullState:
     def shifted(self, offset: int) -> HullState:
         """With ``offset`` added to every index: a part that was counted from 0, in its place.
 
+        Parameters
+        ----------
+        offset : int
+            At least 0; no index may reach 2**64.
+
+        Returns
+        -------
+        HullState
+
+        Examples
+        --------
         >>> import cullhull
         >>> cullhull.HullState([[0, 0], [1, 0]]).shifted(10).ids.tolist()
         [10, 11]
@@ -204,7 +215,12 @@ class HullState:
         return Hull._of(self._state.solid(chosen))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a file that appears whole or not at all: .hullstate, or .npz with `to_arrays`.
+        """Writes a file that appears whole or not at all.
+
+        Parameters
+        ----------
+        path : str or path
+            Its name; an existing file is replaced.
 
         Raises
         ------
@@ -224,6 +240,11 @@ class HullState:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> HullState:
         """Reads a .hullstate, which `save` or ``cullhull hull --partial`` wrote.
+
+        Parameters
+        ----------
+        path : str or path
+            The name of the file.
 
         Raises
         ------
@@ -333,6 +354,13 @@ class HullStream:
     def extend(self, blocks: Iterable[Any]) -> None:
         """Pushes every block of an iterable, one after the other.
 
+        Parameters
+        ----------
+        blocks : iterable
+            Of what `push` takes.
+
+        Examples
+        --------
         >>> import cullhull
         >>> stream = cullhull.HullStream()
         >>> stream.extend([[[0, 0], [1, 0]], [[0, 1]]])
@@ -355,6 +383,11 @@ class HullStream:
 
     def hull(self, *, progress: Progress = None) -> Hull:
         """The hull of all that was pushed, as `convex_hull` of it gives.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            As in `convex_hull`.
 
         Raises
         ------
