@@ -55,7 +55,8 @@ make_wheel() {
   venv
   rm -rf build/wheel/raw
   # In the same tree, where all but the module is compiled already; another Python is found anew.
-  cmake build/portable -U 'Python_*' -U '_Python_*' >/dev/null
+  # A run that was cut off may have left the module switched on.
+  cmake build/portable -DCULLHULL_BUILD_PYTHON=OFF -U 'Python_*' -U '_Python_*' >/dev/null
   local settings=(--config-settings build-dir=build/portable)
   for definition in "CMAKE_TOOLCHAIN_FILE=$root/cmake/PortableToolchain.cmake" \
     "CULLHULL_SYSROOT=$sysroot" "Python_EXECUTABLE=$venv/bin/python"; do
