@@ -70,7 +70,8 @@ std::vector<std::string> input_files(const std::vector<std::string>& words);
 /// Bytes of those that are files; 0 where one is no regular file, so that nobody knows.
 std::uint64_t input_bytes(const std::vector<std::string>& files);
 
-/// Whether these are larger than half of the memory that the options allow (Options::memory_budget).
+/// Whether these are larger than half of the memory that the options allow
+/// (Options::memory_budget).
 bool worth_streaming(const std::vector<std::string>& files, const Options& options);
 
 /// Reads the files one after the other, each once, and visits their points block by block, in

@@ -10,6 +10,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
+#include "cullhull/io.hpp"
 #include "cullhull/point_blocks.hpp"
 #include "io_fixtures.hpp"
 
@@ -177,6 +178,28 @@ TEST(IoBlocks, StopsAtTheErrorOfTheLowestBlock) {
       EXPECT_EQ(e.code(), ErrorCode::bad_file);
       EXPECT_NE(std::string(e.what()).find("a.xyz:701: "), std::string::npos) << e.what();
     }
+  }
+}
+
+TEST(IoBlocks, MixedDimensionsAreToldOfTheLowestBlockThatDiffers) {
+  const testing::TemporaryFolder folder;
+  std::vector<std::string> files;  // arrays, whose blocks are loaded in any order
+  const std::vector<double> numbers = generate("ball", 20000, 3, 1);
+  for (const std::uint32_t d : {3, 3, 2, 2, 3}) {
+    files.push_back(folder.file("part-" + std::to_string(files.size()) + ".npy"));
+    const std::uint64_t count = files.size() == 1 ? 20000 : 10;  // the first ones take longest
+    write_npy_points(files.back(), numbers.data(), count, d, ScalarType::f64);
+  }
+  for (unsigned round = 0; round < 1000; ++round) {
+    BlockOptions options;
+    options.readers = 2 + round % 4;
+    BlockVisitor visitor;
+    visitor.points = [](const PointView&, std::uint64_t) {};
+    const std::string reason =
+        testing::error_of(ErrorCode::bad_file, [&] { visit_blocks(files, visitor, options); });
+    EXPECT_NE(reason.find("part-2.npy: points of dimension 2, but of 3 in"), std::string::npos)
+        << reason;
+    EXPECT_NE(reason.find("part-0.npy"), std::string::npos) << reason;
   }
 }
 

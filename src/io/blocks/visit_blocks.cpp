@@ -36,6 +36,16 @@ struct Taken {
   std::uint64_t number = 0, first_id = 0;
 };
 
+/// The dimension of a block and of whose points it is.
+struct DimensionOf {
+  std::uint64_t number = 0;
+  std::uint32_t dimension = 0;
+  std::string file;
+};
+
+/// Thrown where a block is not visited, an error of some block being known already.
+struct Dropped {};
+
 class Reading {
  public:
   Reading(const std::vector<std::string>& files, const BlockVisitor& visitor,
@@ -62,7 +72,7 @@ class Reading {
     }
     for (std::thread& t : threads) t.join();
     if (of_caller != nullptr) std::rethrow_exception(of_caller);
-    if (error_ != nullptr) std::rethrow_exception(error_);
+    if (failed_) tell_error();
     summary_.end = position();
     if (cancelled_) {
       if (visitor_.pause) visitor_.pause(summary_.end);
@@ -149,6 +159,9 @@ class Reading {
         name(taken, block);
         visit(taken, block);
         pass_on(taken);
+      } catch (const Dropped&) {
+        const std::lock_guard lock(mutex_);
+        leave();
       } catch (...) {
         note_error(taken.number);
       }
@@ -228,24 +241,41 @@ class Reading {
     std::unique_lock lock(mutex_);
     if (next_named_ <= taken.number) {
       changed_.wait(lock, [&] {
-        return next_named_ == taken.number || (error_ != nullptr && error_at_ < taken.number);
+        return next_named_ == taken.number || (failed_ && error_at_ < taken.number);
       });
-      if (next_named_ != taken.number) throw Error(ErrorCode::cancelled, "cancelled");
+      if (next_named_ != taken.number) throw Dropped();
       assign(taken, block.count());
     }
     if (block.dimension() == 0) return;
-    if (summary_.dimension == 0) {
-      summary_.dimension = block.dimension();
-      first_name_ = taken.input->source->name();
-    }
-    if (block.dimension() != summary_.dimension)
-      throw Error(ErrorCode::bad_file, taken.input->source->name() + ": points of dimension " +
-                                           std::to_string(block.dimension()) + ", but of " +
-                                           std::to_string(summary_.dimension) + " in " +
-                                           first_name_);
+    compare_dimension({taken.number, block.dimension(), taken.input->source->name()});
     if (block.count() == 0) return;
     if (!std::exchange(any_points_, true)) summary_.scalar = block.scalar();
     if (summary_.scalar != block.scalar()) summary_.scalar = ScalarType::f64;
+  }
+
+  [[noreturn]] void tell_error() const {
+    if (error_ != nullptr) std::rethrow_exception(error_);
+    throw Error(ErrorCode::bad_file, odd_.file + ": points of dimension " +
+                                         std::to_string(odd_.dimension) + ", but of " +
+                                         std::to_string(lowest_.dimension) + " in " + lowest_.file);
+  }
+
+  /// Blocks come here in any order, but are held against the lowest, and an error is of the lowest
+  /// that differs. With `mutex_` locked.
+  void compare_dimension(DimensionOf block) {
+    if (summary_.dimension == 0) {
+      summary_.dimension = block.dimension;
+      lowest_ = std::move(block);
+      return;
+    }
+    if (block.number < lowest_.number) {
+      summary_.dimension = block.dimension;
+      std::swap(block, lowest_);
+    }
+    if (block.dimension == lowest_.dimension) return;
+    if (odd_.dimension == 0 || block.number < odd_.number) odd_ = std::move(block);
+    keep_error(odd_.number, nullptr);
+    throw Dropped();
   }
 
   void visit(const Taken& taken, const LoadedBlock& block) const {
@@ -284,15 +314,19 @@ class Reading {
     changed_.notify_all();
   }
 
-  /// The error of the lowest block is what is told, whichever came first.
   void note_error(std::uint64_t number) {
     const std::lock_guard lock(mutex_);
-    if (error_ == nullptr || number < error_at_) {
-      error_ = std::current_exception();
+    keep_error(number, std::current_exception());
+    leave();
+  }
+  /// The error of the lowest block is what is told, whichever came first; null: that its dimension
+  /// is another. With `mutex_` locked.
+  void keep_error(std::uint64_t number, std::exception_ptr error) {
+    if (!std::exchange(failed_, true) || number < error_at_) {
+      error_ = std::move(error);
       error_at_ = number;
     }
     stop_ = true;
-    leave();
   }
 
   const std::vector<std::string>& files_;
@@ -314,9 +348,10 @@ class Reading {
   std::uint64_t bytes_before_;
   BlockTask last_;  ///< taken
   std::exception_ptr error_;
+  bool failed_ = false;
   std::uint64_t error_at_ = 0;
   bool any_points_ = false;
-  std::string first_name_;
+  DimensionOf lowest_, odd_;  ///< of the blocks named so far; of those that differ
   BlockSummary summary_;
 };
 
