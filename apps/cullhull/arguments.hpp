@@ -37,7 +37,7 @@ struct InputArguments {
 /// An open file and the view of it that was asked for.
 struct Input {
   cullhull::PointFile file;
-  /// Holds the chosen columns where no stride describes them.
+  /// Holds the points where they are of several files.
   std::vector<std::byte> gathered;
   cullhull::PointView points;
 };
@@ -49,12 +49,6 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
 
 /// How open_input would open it.
 cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads);
-
-/// Makes input.points the view of the columns asked for, all if none were.
-void choose_columns(const InputArguments& arguments, Input& input);
-/// The same of any view; `gathered` holds what no stride describes.
-cullhull::PointView columns_of(const InputArguments& arguments, const cullhull::PointView& view,
-                               std::vector<std::byte>& gathered);
 
 /// How to run: everything that ends up in cullhull::Options.
 struct RunArguments {
@@ -79,10 +73,6 @@ std::uint64_t parse_size(std::string_view text, std::string_view option);
 
 /// A whole number below 2^64. Throws Error{invalid_argument} naming `option`.
 std::uint64_t parse_whole(std::string_view text, std::string_view option);
-
-/// "0:3" (half open, either end may be missing), "0,2,5", or both: column numbers below
-/// `dimension`. Throws Error{invalid_argument}.
-std::vector<std::uint32_t> parse_columns(std::string_view text, std::uint32_t dimension);
 
 /// "standard input" for "-".
 std::string input_name(const std::string& path);

@@ -48,12 +48,6 @@ std::optional<Checkpoint> checkpoint_of(const StreamArguments& stream, const std
   return found;
 }
 
-/// Columns of blocks, each thread with memory of its own for those that no stride describes.
-cullhull::PointView block_columns(const InputArguments& input, const cullhull::PointView& block) {
-  thread_local std::vector<std::byte> gathered;
-  return columns_of(input, block, gathered);
-}
-
 cullhull::BlockOptions block_options(const InputArguments& input, const RunArguments& run,
                                      const cullhull::Options& options) {
   cullhull::BlockOptions blocks;
@@ -130,7 +124,7 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
   blocks.progress = progress.callback();
   cullhull::BlockVisitor visitor;
   visitor.points = [&](const cullhull::PointView& block, std::uint64_t first) {
-    hull.push(block_columns(input, block), stream.first_id + first);
+    hull.push(block, stream.first_id + first);
   };
   visitor.state = [&](const cullhull::HullState& state, std::uint64_t first) {
     if (stream.global_ids) return hull.push(state);
@@ -167,7 +161,7 @@ cullhull::BlockSummary stream_blocks(
   blocks.progress = progress.callback();
   cullhull::BlockVisitor visitor;
   visitor.points = [&](const cullhull::PointView& block, std::uint64_t first) {
-    points(block_columns(input, block), first);
+    points(block, first);
   };
   cullhull::BlockSummary summary;
   cancellable([&] { summary = cullhull::visit_blocks(files, visitor, blocks); });

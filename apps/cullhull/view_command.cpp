@@ -205,7 +205,6 @@ Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
     if (progress && frames > 1) progress("frames", chosen.share());
     Input input;
     input.points = sequence.points();
-    choose_columns(arguments.input, input);
     const double read = sequence.read_seconds() + warm_pages(input.points);
     if (frames == 1) {  // not a moving set, after all
       const Computed computed =

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -25,6 +26,15 @@ struct ReadOptions {
   /// Needed for raw input only.
   std::uint32_t raw_dimension = 0;
   std::optional<ScalarType> raw_scalar;
+  /// Which columns are the coordinates, in this order: names, numbers from 0 and ranges a:b without
+  /// b, between commas ("x,y,z", "0,2,5", "1:4"); a name may stand in double quotes. Empty: of a
+  /// text whose first line names columns x, y (and z) these, else all. Names are those of a text's
+  /// first line; formats of meshes and scans have x, y, z. The other columns of a text may hold
+  /// anything.
+  std::string columns;
+  /// Called with one line where points are read in a way one may not expect: columns left out that
+  /// nobody asked to leave out. From any thread.
+  std::function<void(const std::string&)> remark;
   /// Threads that parse text; 0 means all the machine offers.
   unsigned threads = 0;
   /// Checked while text is parsed.

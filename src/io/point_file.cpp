@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstring>
 
+#include "io/columns.hpp"
 #include "io/mapped_file.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
@@ -93,10 +94,16 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
   return format_of_content(source);
 }
 
-PointData read_points(const Source& file, const ReadOptions& options) {
-  if (file.size == 0) fail(file, "empty file");
-  const Source text = behind_byte_order_mark(file);
-  const std::string format = choose_format(text, options);
+std::vector<std::string> column_names(const std::string& format) {
+  for (const char* named : {"ply", "las", "obj", "off", "stl"})
+    if (format == named) return {"x", "y", "z"};
+  return {};
+}
+
+namespace {
+
+PointData read_format(const Source& file, const Source& text, const std::string& format,
+                      const ReadOptions& options) {
   if (format == "npy") return read_npy(file, options);
   if (format == "raw") return read_raw(file, options);
   if (format == "las") return read_las(file, options);
@@ -104,9 +111,26 @@ PointData read_points(const Source& file, const ReadOptions& options) {
   if (format == "ply") return read_ply(source, options);
   if (format == "obj") return read_obj(source, options);
   if (format == "off") return read_off(source, options);
-  if (format == "stl") return read_stl(source, options);
-  PointData data = read_text(source, options, format == "csv");
-  if (format != "text") data.format = format;
+  return read_stl(source, options);
+}
+
+}  // namespace
+
+bool is_text(const std::string& format) {
+  return format == "text" || format == "txt" || format == "xyz" || format == "csv";
+}
+
+PointData read_points(const Source& file, const ReadOptions& options) {
+  if (file.size == 0) fail(file, "empty file");
+  const Source text = behind_byte_order_mark(file);
+  const std::string format = choose_format(text, options);
+  if (is_text(format)) {
+    PointData data = read_text(text, options, format == "csv");
+    if (format != "text") data.format = format;
+    return data;
+  }
+  PointData data = read_format(file, text, format, options);
+  choose_columns(data, file.name, column_names(format), options);
   return data;
 }
 

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "io/columns.hpp"
 #include "io/mapped_file.hpp"
 #include "io/source.hpp"
 
@@ -50,6 +51,7 @@ struct PointSequence::Impl {
     // A frame of no bytes needs an address that is not null all the same.
     if (bytes.data == nullptr) bytes.data = "";
     data = array.frame(bytes, options);
+    internal::choose_columns(data, bytes.name, {}, options);
     view = data.view;
     format = data.format;
   }

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "io/blocks/byte_stream.hpp"
+#include "io/columns.hpp"
 #include "io/mapped_file.hpp"
 #include "io/records.hpp"
 #include "io/text.hpp"
@@ -285,20 +286,28 @@ class WholeInput : public BlockSource {
   bool done_ = false;
 };
 
-bool is_text(const std::string& format) {
-  return format == "text" || format == "txt" || format == "xyz" || format == "csv";
-}
-
 /// The first lines of a text, which tell what it holds.
-std::optional<Preamble> preamble_of(const OpenedBytes& from, const std::string& format) {
+std::optional<Preamble> preamble_of(const OpenedBytes& from, const std::string& format,
+                                    const ReadOptions& options) {
   std::string_view head = from.head;
   if (head.size() >= std::size_t{1} << 20) head = head.substr(0, head.rfind('\n') + 1);
   if (head.starts_with("\xEF\xBB\xBF")) head.remove_prefix(3);
   if (head.empty()) return std::nullopt;
   const Source source{from.name, head.data(), head.size()};
-  Preamble preamble = find_preamble(source, format == "csv");
+  Preamble preamble = find_preamble(source, options, format == "csv");
   if (preamble.kind == Preamble::cdd) return std::nullopt;
   return preamble;
+}
+
+/// Of what is decoded, only the columns asked for.
+void choose_columns_of(RecordLayout& layout, const std::string& file,
+                       const std::vector<std::string>& names, const ReadOptions& options) {
+  layout.decode = [decode = layout.decode, file, names, options](
+                      const Source& records, std::uint64_t first, std::uint64_t count) {
+    PointData data = decode(records, first, count);
+    choose_columns(data, file, names, options);
+    return data;
+  };
 }
 
 }  // namespace
@@ -320,6 +329,7 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
   if (format == "ply") layout = ply_records(head, from.size, read);
   if (format == "las") layout = las_records(head, from.size);
   if (layout) {
+    if (!read.columns.empty()) choose_columns_of(*layout, head.name, column_names(format), read);
     if (from.file.get() >= 0)
       return std::make_unique<RecordBlocks>(std::move(from), std::move(*layout),
                                             options.block_bytes);
@@ -328,7 +338,7 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
                                             options.block_bytes);
   }
   if (is_text(format))
-    if (const auto preamble = preamble_of(from, format)) {
+    if (const auto preamble = preamble_of(from, format, read)) {
       const auto body = static_cast<std::uint64_t>(preamble->body - from.head.data());
       return std::make_unique<TextBlocks>(std::move(from), *preamble, body, options.block_bytes,
                                           read);
