@@ -32,6 +32,7 @@ const char* const input_help =
     "         x,y,z these columns are taken, or those that --columns names; others may be words\n"
     "  raw    nothing but coordinates: say --input-format raw --dim D --type f64\n"
     "  -      standard input\n"
+    "  .gz .zst   any of these, compressed      .npz   an array: FILE.npz:NAME, or the only one\n"
     "Floats and integers up to 32 bits are taken at their exact value.";
 
 namespace {
@@ -123,13 +124,15 @@ void InputArguments::add_format_to(Parser& command) {
       .type_name("COLUMNS");
 }
 
-cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads) {
+cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads,
+                                   std::uint64_t memory) {
   cullhull::ReadOptions options;
   options.threads = threads;
   options.format = arguments.format;
   options.raw_dimension = arguments.dimension;
   options.raw_scalar = scalar_type(arguments.type);
   options.columns = arguments.columns;
+  options.memory_budget = memory;
   options.remark = [](const std::string& line) {
     static std::once_flag told;  // a thousand tiles have the same to tell
     std::call_once(told, [&] { write_stderr("cullhull: " + line + "; --columns takes others\n"); });
@@ -137,9 +140,9 @@ cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned thr
   return options;
 }
 
-Input open_input(const InputArguments& arguments, unsigned threads) {
+Input open_input(const InputArguments& arguments, unsigned threads, std::uint64_t memory) {
   Input input;
-  input.file = cullhull::open_points(arguments.path, read_options(arguments, threads));
+  input.file = cullhull::open_points(arguments.path, read_options(arguments, threads, memory));
   if ((arguments.dimension != 0 || !arguments.type.empty()) &&
       input.file.format().rfind("raw", 0) != 0)
     throw Error(ErrorCode::invalid_argument, "--dim and --type describe raw input, but " +
@@ -150,15 +153,15 @@ Input open_input(const InputArguments& arguments, unsigned threads) {
 }
 
 Input open_inputs(const InputArguments& arguments, const std::vector<std::string>& files,
-                  unsigned threads) {
+                  unsigned threads, std::uint64_t memory) {
   InputArguments one = arguments;
   one.path = files[0];
-  if (files.size() == 1) return open_input(one, threads);
+  if (files.size() == 1) return open_input(one, threads, memory);
   std::vector<Input> parts;
   Input all;
   for (const std::string& file : files) {
     one.path = file;
-    parts.push_back(open_input(one, threads));
+    parts.push_back(open_input(one, threads, memory));
     const PointView& part = parts.back().points;
     if (all.points.count == 0) all.points.scalar = part.scalar;
     if (part.count > 0 && part.scalar != all.points.scalar) all.points.scalar = ScalarType::f64;
@@ -233,6 +236,10 @@ cullhull::MachineConstants machine_constants() {
 
 }  // namespace
 
+std::uint64_t RunArguments::memory_bytes() const {
+  return memory.empty() ? 0 : parse_size(memory, "--memory");
+}
+
 cullhull::Options RunArguments::options() const {
   cullhull::Options options;
   if (cull == "gauge") options.cull = cullhull::CullMethod::gauge;
@@ -242,7 +249,7 @@ cullhull::Options RunArguments::options() const {
   if (backend == "cuda") options.backend = cullhull::Backend::cuda;
   if (options.backend == cullhull::Backend::automatic) options.machine = machine_constants();
   options.threads = threads;
-  if (!memory.empty()) options.memory_budget = parse_size(memory, "--memory");
+  options.memory_budget = memory_bytes();
   options.stop = stop_token();
   return options;
 }

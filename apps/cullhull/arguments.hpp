@@ -42,13 +42,15 @@ struct Input {
   cullhull::PointView points;
 };
 
-Input open_input(const InputArguments& arguments, unsigned threads = 0);
+/// `memory`: most that what is compressed may unpack to; 0: ReadOptions has it.
+Input open_input(const InputArguments& arguments, unsigned threads = 0, std::uint64_t memory = 0);
 /// All of these files' points in memory, one after the other.
 Input open_inputs(const InputArguments& arguments, const std::vector<std::string>& files,
-                  unsigned threads);
+                  unsigned threads, std::uint64_t memory = 0);
 
 /// How open_input would open it.
-cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads);
+cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads,
+                                   std::uint64_t memory = 0);
 
 /// How to run: everything that ends up in cullhull::Options.
 struct RunArguments {
@@ -61,6 +63,8 @@ struct RunArguments {
   /// `filter`: with --cull and --backend, which checking a hull does not have.
   void add_to(Parser& command, bool filter);
   cullhull::Options options() const;
+  /// What --memory says; 0 without it.
+  std::uint64_t memory_bytes() const;
 };
 
 /// Where the machine's constants are: $CULLHULL_MACHINE, else cullhull/machine.json in

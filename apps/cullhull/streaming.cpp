@@ -28,7 +28,7 @@ std::string identity_of(const InputArguments& input, const std::vector<std::stri
                                  input.columns, stream.first_id, stream.global_ids);
   for (const std::string& file : files) {
     struct stat status {};
-    if (::stat(file.c_str(), &status) != 0 || !S_ISREG(status.st_mode))
+    if (::stat(cullhull::file_of_input(file).c_str(), &status) != 0 || !S_ISREG(status.st_mode))
       throw Error(ErrorCode::invalid_argument,
                   "--checkpoint " + stream.checkpoint + ": " + input_name(file) +
                       " is no file that could be read from its middle");
@@ -51,7 +51,7 @@ std::optional<Checkpoint> checkpoint_of(const StreamArguments& stream, const std
 cullhull::BlockOptions block_options(const InputArguments& input, const RunArguments& run,
                                      const cullhull::Options& options) {
   cullhull::BlockOptions blocks;
-  blocks.read = read_options(input, run.threads);
+  blocks.read = read_options(input, run.threads, run.memory_bytes());
   blocks.read.stop = options.stop;
   return blocks;
 }

@@ -140,7 +140,8 @@ Written view_input(const ViewArguments& arguments, const Input& input,
 
 Written view_points(const ViewArguments& arguments, const cullhull::Options& options) {
   // Whoever waits for a pipe has nothing to tidy up: a signal ends that at once.
-  const Input input = open_input(arguments.input, arguments.run.threads);
+  const Input input =
+      open_input(arguments.input, arguments.run.threads, arguments.run.memory_bytes());
   Written written;
   cancellable([&] { written = view_input(arguments, input, options); });
   return written;

@@ -5,6 +5,8 @@
 
 #include "io/columns.hpp"
 #include "io/mapped_file.hpp"
+#include "io/packed/unpack.hpp"
+#include "io/packed/unwrap.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/text_scan.hpp"
@@ -13,6 +15,7 @@ namespace cullhull {
 
 struct PointFile::Impl {
   internal::MappedFile file;
+  internal::Buffer unpacked;  ///< what was compressed in it
   internal::PointData data;
   double seconds = 0;
 };
@@ -84,7 +87,7 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
                       "; known are npy ply las obj off stl xyz txt csv raw");
     return options.format;
   }
-  const std::string extension = extension_of(source.name);
+  const std::string extension = extension_of(unpacked_name(source.name));
   if (is_known(extension)) return extension;
   if (extension == "laz") return "las";  // which says what reads it
   for (const char* other : {"e57", "parquet", "zarr", "copc"})
@@ -189,13 +192,19 @@ std::optional<RecordLayout> raw_records(const Source& head, std::uint64_t size,
 PointFile open_points(const std::string& path, const ReadOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   auto impl = std::make_unique<PointFile::Impl>();
-  impl->file = internal::MappedFile(path);
-  impl->data = internal::read_points(impl->file.source(), options);
+  const internal::InputName input = internal::split_input(path);
+  impl->file = internal::MappedFile(input.file);
+  internal::Source source = impl->file.source();
+  ReadOptions reading = options;
+  internal::unwrap(input, source, reading, impl->unpacked);
+  impl->data = internal::read_points(source, reading);
   impl->file.check_size();
-  if (impl->data.in_place)
+  const bool unpacked = impl->unpacked.data() != nullptr;
+  if (impl->data.in_place && !unpacked)
     impl->file.prefault(options.threads);
   else
-    impl->file = internal::MappedFile();  // parsed: the text need not stay
+    impl->file = internal::MappedFile();  // parsed or unpacked: the file need not stay
+  if (!impl->data.in_place) impl->unpacked = {};
   impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return PointFile(std::move(impl));
 }

@@ -10,6 +10,7 @@
 
 #include "io/columns.hpp"
 #include "io/mapped_file.hpp"
+#include "io/packed/archive.hpp"
 #include "io/source.hpp"
 
 namespace cullhull {
@@ -136,6 +137,19 @@ bool open_array(const std::string& path, PointSequence::Impl& impl) {
 }  // namespace
 }  // namespace internal
 
+namespace {
+
+/// Files that match, each with the member that is asked for.
+void list_matches(const std::string& path, std::vector<std::string>& files) {
+  const internal::InputName input = internal::split_input(path);
+  const std::size_t first = files.size();
+  internal::list_pattern(input.file, files);
+  for (std::size_t i = first; i < files.size() && !input.member.empty(); ++i)
+    files[i] += ":" + input.member;
+}
+
+}  // namespace
+
 std::vector<std::string> sequence_files(const std::vector<std::string>& paths) {
   std::vector<std::string> files;
   for (const std::string& path : paths) {
@@ -144,7 +158,7 @@ std::vector<std::string> sequence_files(const std::vector<std::string>& paths) {
     if (exists && S_ISDIR(status.st_mode))
       internal::list_folder(path, files);
     else if (!exists && path != "-" && path.find_first_of("*?[") != std::string::npos)
-      internal::list_pattern(path, files);
+      list_matches(path, files);
     else
       files.push_back(path);
   }

@@ -7,9 +7,10 @@
 #include "io/blocks/byte_stream.hpp"
 #include "io/columns.hpp"
 #include "io/mapped_file.hpp"
+#include "io/packed/unpack.hpp"
 #include "io/records.hpp"
 #include "io/text.hpp"
-#include "parallel/machine_memory.hpp"
+#include "parallel/memory.hpp"
 
 namespace cullhull::internal {
 
@@ -246,13 +247,14 @@ class WholeInput : public BlockSource {
 
   bool next(BlockTask& task, BlockMemory& memory) override {
     if (std::exchange(done_, true)) return false;
+    const std::uint64_t limit = resolve_budget(options_.memory_budget) / 2;
     std::size_t size = 0, capacity = from_.head.size() + 1;
     char* out = memory.room(capacity);
     for (;;) {
       const std::size_t got = from_.stream->read(out + size, capacity - size);
       size += got;
       if (size < capacity) break;
-      if (capacity > machine_memory() / 4)
+      if (capacity > limit)
         throw Error(ErrorCode::out_of_budget,
                     name_ + ": this format is read whole, and it has more than " +
                         std::to_string(capacity >> 20) + " MiB; .npy or text come in pieces");
@@ -313,15 +315,16 @@ void choose_columns_of(RecordLayout& layout, const std::string& file,
 }  // namespace
 
 std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOptions& options) {
-  OpenedBytes from = open_bytes(path, options.read.stop);
+  OpenedBytes from = open_bytes(path, options.read);
   const Source head{from.name, from.head.data(), from.head.size()};
-  if (extension_of(path) == "hullstate" || from.head.starts_with("\x93"
-                                                                 "CULLHS\n"))
+  if (extension_of(unpacked_name(path)) == "hullstate" || from.head.starts_with("\x93"
+                                                                                "CULLHS\n"))
     return std::make_unique<WholeInput>(std::move(from), "hullstate", options.read);
   const std::string_view bom = "\xEF\xBB\xBF";
   const std::size_t skip = from.head.starts_with(bom) ? bom.size() : 0;
   ReadOptions read = options.read;
   read.threads = 1;
+  if (!from.format.empty()) read.format = from.format;
   const std::string format = choose_format({head.name, head.data + skip, head.size - skip}, read);
   std::optional<RecordLayout> layout;
   if (format == "npy") layout = npy_records(head, from.size, read);
