@@ -343,7 +343,9 @@ mp_bitcnt_t Facets::wide_bits(std::uint32_t simplex) const {
 
 /// The cofactor normal of a simplex of codimension 1, `from` its first vertex: every product of a
 /// minor has a factor of each other axis, so axes of any proportions leave each component right to
-/// 2^-(bits - 16) of its permanent. Exponents of these numbers know no bounds.
+/// 2^-(bits - 16) of its permanent. The bound on a unit normal's component is at least a unit of
+/// that permanent over the edges' lengths, while what was lost is divided by the measure: a share
+/// of 2^-(bits - 80) leaves 2^-11 of the bound. Exponents of these numbers know no bounds.
 class Facets::WideCofactors {
  public:
   WideCofactors(unsigned k, mp_bitcnt_t bits)
@@ -368,6 +370,9 @@ class Facets::WideCofactors {
     }
     if (!(square > 0) || lost(square, spread)) return false;
     measure = sqrt(square);
+    mpf_class least(lengths, 64);
+    mpf_div_2exp(least.get_mpf_t(), least.get_mpf_t(), bits_ - 80);
+    if (measure < least) return false;
     const int side = side_of(corners[0], apexes);
     for (mpf_class& n : normal) n = side > 0 ? mpf_class(-n / measure) : mpf_class(n / measure);
     return side != 0 && (origin == nullptr || find_height(corners[0], origin));
@@ -456,14 +461,16 @@ bool Facets::wide_cofactors(std::uint32_t i, const double* origin, WideTerms& ou
   for (unsigned j = 0; j < k_; ++j) corners.push_back(row(s_.simplex(i)[j]));
   for (const std::uint32_t b : s_.basis) apexes.push_back(row(b));
   const mp_bitcnt_t enough = wide_bits(i);
-  for (mp_bitcnt_t bits = 256; bits <= enough; bits *= 2) {
+  for (mp_bitcnt_t bits = 256;; bits = std::min(2 * bits, enough)) {
     WideCofactors cofactors(k_, bits);
-    if (!cofactors.find(corners, apexes, origin)) continue;
-    out = {std::move(cofactors.normal), std::move(cofactors.lengths), std::move(cofactors.measure),
-           std::move(cofactors.height), std::move(cofactors.unit_edges)};
-    return true;
+    if (cofactors.find(corners, apexes, origin)) {
+      out = {std::move(cofactors.normal), std::move(cofactors.lengths),
+             std::move(cofactors.measure), std::move(cofactors.height),
+             std::move(cofactors.unit_edges)};
+      return true;
+    }
+    if (bits == enough) return false;
   }
-  return false;
 }
 
 WideTerms Facets::wide_terms(std::uint32_t i) const {
@@ -475,7 +482,8 @@ WideTerms Facets::wide_terms(std::uint32_t i) const {
   if (WideTerms w; k_ == d_ && k_ >= 2 && k_ <= 8 && wide_cofactors(i, origin, w)) return w;
   const std::uint32_t* v = s_.simplex(i);
   const mp_bitcnt_t enough = wide_bits(i);
-  for (mp_bitcnt_t bits = 512;; bits *= 4) {
+  // Flats of wild axes are held against the bound by component, of which the least matter.
+  for (mp_bitcnt_t bits = wild_ && k_ < d_ ? 8192 : 512;; bits *= 4) {
     const bool last = bits >= enough;
     Orthogonal<WideFloats> o(WideFloats{last ? enough : bits}, d_);
     bool whole = true;
