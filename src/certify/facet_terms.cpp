@@ -233,15 +233,11 @@ double Facets::offset_underflow() const {
   return wild_ ? least : least * 4 * d_ * std::max(largest_, 1.0) + least;
 }
 
-/// Whether no edge is so short that products of them underflow, or that scaling cost it bits.
-bool Facets::in_range(std::uint32_t simplex) const {
-  const std::uint32_t* v = s_.simplex(simplex);
-  for (unsigned j = 1; j < k_; ++j) {
-    double most = 0;
-    for (unsigned c = 0; c < d_; ++c) most = std::max(most, std::fabs(at(v[j])[c] - at(v[0])[c]));
-    if (!(most > least_edge)) return false;
-  }
-  return true;
+/// Whether the edge is not so short that products of it underflow, or that scaling cost it bits.
+bool Facets::in_range(std::uint32_t from, std::uint32_t to) const {
+  double most = 0;
+  for (unsigned c = 0; c < d_; ++c) most = std::max(most, std::fabs(at(to)[c] - at(from)[c]));
+  return most > least_edge;
 }
 
 template <unsigned K, class Real>
@@ -284,7 +280,7 @@ bool Facets::by_cofactors(std::uint32_t simplex, FacetTerms& out) const {
 
 bool Facets::quickly(std::uint32_t i, FacetTerms& out) const {
   if (k_ == 1 || wild_) return false;
-  if (k_ != d_ || k_ > 8) return in_range(i) && orthogonally(i, out);
+  if (k_ != d_ || k_ > 8) return orthogonally(i, out);
   switch (k_) {
     case 2:
       return by_cofactors<2, double>(i, out) || by_cofactors<2, DoubleDouble>(i, out);
@@ -307,10 +303,11 @@ bool Facets::orthogonally(std::uint32_t i, FacetTerms& out) const {
   const std::uint32_t* v = s_.simplex(i);
   Orthogonal<DoubleDoubles> o(DoubleDoubles{}, d_);
   for (unsigned j = 1; j < k_; ++j)
-    if (!o.add_edge(at(v[0]), at(v[j]))) return false;
+    if (!in_range(v[0], v[j]) || !o.add_edge(at(v[0]), at(v[j]))) return false;
   // Orthonormal to 2^-100 over the share of a simplex, so this leaves 2^-60.
   if (!(o.measure.high > 0x1p-36 * o.lengths.high)) return false;
-  for (const std::uint32_t b : s_.basis) o.offer_apex(at(v[0]), at(b));
+  for (const std::uint32_t b : s_.basis)
+    if (in_range(v[0], b)) o.offer_apex(at(v[0]), at(b));
   if (o.outward.empty() || !(o.upright.high > 0x1p-24)) return false;
   out.normal.resize(d_);
   out.spread.clear();

@@ -187,6 +187,18 @@ TEST(CertifyNumbers, FlatAcrossAllMagnitudes) {
   EXPECT_EQ(reason(s, convex_hull(view_of(s))), "");
 }
 
+/// No axis is short, but the steps to most vertices vanish in the units of the longest.
+TEST(CertifyNumbers, FlatOfPointsOfAllMagnitudes) {
+  PointSet s{"flat", 3, {}};
+  for (const auto& [x, z] : {std::pair{-1.6091764227273352e-50, -1.249173079655945e-50},
+                             {-1.7295838356764733e+145, -5.339552228491322e+145},
+                             {-3.913398946408882e-64, 1.5212031767603455e-64},
+                             {2.401149624540777e+305, 3.981093880978109e+305},
+                             {-5.313469677496112e-37, 4.780555619957536e-36}})
+    s.add({x, x, z});
+  EXPECT_EQ(reason(s, convex_hull(view_of(s))), "");
+}
+
 /// Coordinates of any magnitudes, a point or an axis at a time: facets so thin that only wide
 /// arithmetic tells their normals.
 TEST(CertifyNumbers, AnyMagnitudesInAnyDimension) {
