@@ -119,19 +119,7 @@ class RidgeScan {
       return largest > bound + determinant_tiny;
     }
     void set(const LocalPoints& points, const std::uint32_t* ids) {
-      double edges[K > 1 ? K - 1 : 1][K];
-      const double* origin = points.row(ids[0]);
-      reach = determinant_error(K);
-      for (unsigned i = 1; i < K; ++i) {
-        const double* p = points.row(ids[i]);
-        double largest = 0;
-        for (unsigned c = 0; c < K; ++c) {
-          edges[i - 1][c] = p[c] - origin[c];
-          largest = std::max(largest, std::fabs(edges[i - 1][c]));
-        }
-        reach *= largest;
-      }
-      cofactors<K>(edges, normal);
+      reach = normal_and_reach<K>([&](unsigned i) { return points.row(ids[i]); }, normal);
     }
   };
 
