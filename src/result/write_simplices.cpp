@@ -33,7 +33,7 @@ namespace {
 template <unsigned K>
 class SimplexWriter {
  public:
-  SimplexWriter(const ResultInput& input, const Surface& surface, const VertexList& vertices,
+  SimplexWriter(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
                 const Frame& frame, const Run& run, unsigned key_bits)
       : input_(input),
         surface_(surface),
@@ -41,7 +41,7 @@ class SimplexWriter {
         frame_(frame),
         plane_(frame),
         run_(run),
-        count_(surface.count()),
+        count_(surface.facet_count()),
         shift_(bucket_shift(count_, vertices.ids.size(), 1024)),
         buckets_(static_cast<std::uint32_t>((vertices.ids.size() - 1) >> shift_) + 1),
         packing_(vertices.ids.size(), count_, shift_, key_bits) {}
@@ -423,7 +423,7 @@ class SimplexWriter {
   }
 
   const ResultInput& input_;
-  const Surface& surface_;
+  const Boundary& surface_;
   const VertexList& vertices_;
   const Frame& frame_;
   const FacetPlane<K> plane_;
@@ -446,19 +446,19 @@ class SimplexWriter {
 };
 
 template <unsigned K>
-bool build(const ResultInput& input, const Surface& surface, const VertexList& vertices,
+bool build(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
            const Frame& frame, const Run& run, unsigned key_bits, Hull& hull) {
   return SimplexWriter<K>(input, surface, vertices, frame, run, key_bits).run(hull);
 }
 
 }  // namespace
 
-bool write_simplices(const ResultInput& input, const Surface& surface, const VertexList& vertices,
+bool write_simplices(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
                      const Frame& frame, const Run& run, Hull& hull, unsigned key_bits) {
-  using Build = bool (*)(const ResultInput&, const Surface&, const VertexList&, const Frame&,
+  using Build = bool (*)(const ResultInput&, const Boundary&, const VertexList&, const Frame&,
                          const Run&, unsigned, Hull&);
   static constexpr Build builds[] = {build<4>, build<5>, build<6>, build<7>, build<8>};
-  return builds[surface.k - 4](input, surface, vertices, frame, run, key_bits, hull);
+  return builds[surface.dimension - 4](input, surface, vertices, frame, run, key_bits, hull);
 }
 
 }  // namespace cullhull::internal

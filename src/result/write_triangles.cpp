@@ -35,7 +35,7 @@ constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
 /// The hull's vertices, and where each of the engine's vertex numbers is among them.
 class Vertices3D {
  public:
-  Vertices3D(const Surface3D& surface, const LocalPoints& points, const Id* order,
+  Vertices3D(const TriangleMesh& surface, const LocalPoints& points, const Id* order,
              const std::uint64_t* ids, const Run& run)
       : place_(order) {
     // A closed surface of F triangles has F / 2 + 2 vertices: here they are all points.
@@ -58,7 +58,7 @@ class Vertices3D {
   bool good() const { return good_; }
 
  private:
-  void number(const Surface3D& surface, Id points, const Id* order, const std::uint64_t* ids,
+  void number(const TriangleMesh& surface, Id points, const Id* order, const std::uint64_t* ids,
               const Run& run) {
     BigArray<std::uint8_t> used(surface.count), extreme(points);
     std::memset(used.get(), 0, surface.count);
@@ -104,7 +104,7 @@ class Vertices3D {
 };
 
 /// Of equal points the lowest id stands in.
-BigArray<Id> with_lowest_ids(const Surface3D& surface, Id points, const Run& run) {
+BigArray<Id> with_lowest_ids(const TriangleMesh& surface, Id points, const Run& run) {
   BigArray<Id> order(surface.count), lowest(points);
   run.each(points, chunk, [&](std::uint64_t begin, std::uint64_t end) {
     std::iota(lowest.get() + begin, lowest.get() + end, static_cast<Id>(begin));
@@ -121,7 +121,7 @@ BigArray<Id> with_lowest_ids(const Surface3D& surface, Id points, const Run& run
 
 class TriangleWriter {
  public:
-  TriangleWriter(const ResultInput& input, Surface3D& surface, Vertices3D& vertices,
+  TriangleWriter(const ResultInput& input, TriangleMesh& surface, Vertices3D& vertices,
                  const Id* order, const Frame& frame, const Run& run, Hull& hull)
       : input_(input),
         surface_(surface),
@@ -440,7 +440,7 @@ class TriangleWriter {
   static constexpr std::uint64_t ahead = 16;
 
   const ResultInput& input_;
-  Surface3D& surface_;
+  TriangleMesh& surface_;
   Vertices3D& vertices_;
   const Id* const order_;
   const Frame& frame_;
@@ -453,7 +453,7 @@ class TriangleWriter {
   BigArray<double> own_rows_;
   unsigned shift_ = 0;
   Id buckets_ = 0;
-  std::vector<Surface3D::Run> stretches_;
+  std::vector<TriangleMesh::Run> stretches_;
   std::vector<Id> region_;  // of the records of each stretch: where it begins
   BigArray<Id> starts_;     // stretches x (buckets + 1): where in it each bucket begins
   std::vector<Id> bucket_start_;
@@ -467,7 +467,7 @@ class TriangleWriter {
 
 }  // namespace
 
-bool write_triangles(const ResultInput& input, Surface3D& surface, const Run& run, Hull& hull) {
+bool write_triangles(const ResultInput& input, TriangleMesh& surface, const Run& run, Hull& hull) {
   if (input.view->dimension != 3 || surface.live < 4) return false;
   BigArray<Id> lowest;
   if (!surface.duplicates.empty()) lowest = with_lowest_ids(surface, input.local->count, run);
