@@ -396,10 +396,7 @@ int run_in_memory(const HullArguments& arguments, const FilePlan& plan) {
 
 int run(HullArguments arguments) {
   (void)format_words(arguments.formats);  // refused before the work
-  arguments.files = arguments.input.files();
-  arguments.input.path = arguments.files.size() == 1
-                             ? arguments.files[0]
-                             : fmt::format("{} inputs", arguments.files.size());
+  arguments.files = arguments.input.find_files();
   const FilePlan plan = plan_files(arguments);
   if (!arguments.only.empty()) check_vertices_only(arguments);
   return arguments.stream.wanted(arguments.files, arguments.run, needs_memory(arguments))

@@ -6,8 +6,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "cullhull/error.hpp"
+#include "cullhull/io.hpp"
+#include "cullhull/version.hpp"
 #include "terminal.hpp"
 
 namespace app {
@@ -63,6 +66,16 @@ std::string measure_lines(int affine_dimension, double area, double volume) {
   if (affine_dimension == 1) return fmt::format("length     {}\n", volume);
   if (affine_dimension == 2) return fmt::format("perimeter  {}\narea       {}\n", area, volume);
   return fmt::format("area       {}\nvolume     {}\n", area, volume);
+}
+
+nlohmann::ordered_json report_head(const cullhull::PointView& points) {
+  nlohmann::ordered_json json;
+  json["version"] = CULLHULL_VERSION;
+  json["schema"] = cullhull::json_schema_version;
+  json["points"] = {{"count", points.count},
+                    {"dimension", points.dimension},
+                    {"scalar", cullhull::scalar_name(points.scalar)}};
+  return json;
 }
 
 std::string wrote_line(const std::string& path) {

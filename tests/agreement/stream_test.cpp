@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <cstdlib>
 #include <limits>
 #include <numeric>
 #include <thread>
@@ -14,16 +13,12 @@
 #include "agreement/all_paths.hpp"
 #include "agreement/hard_sets.hpp"
 #include "agreement/point_sets.hpp"
+#include "agreement/random_seeds.hpp"
 #include "cullhull/extreme_points.hpp"
 #include "cullhull/generate.hpp"
 
 namespace cullhull::testing_support {
 namespace {
-
-std::uint64_t number_from_environment(const char* name, std::uint64_t otherwise) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
-}
 
 PointView part_of(const PointView& whole, std::uint64_t begin, std::uint64_t end) {
   PointView part = whole;
@@ -185,9 +180,7 @@ void run_partitions(const PointView& whole, Random& r) {
 }
 
 TEST(Stream, RandomPartitionsGiveTheBitsOfTheWhole) {
-  const std::uint64_t runs = number_from_environment("CULLHULL_RANDOM_RUNS", 120);
-  const std::uint64_t first = number_from_environment("CULLHULL_RANDOM_SEED", 1);
-  for (std::uint64_t seed = first; seed < first + runs && !HasFailure(); ++seed) {
+  for_random_seeds(120, [&](std::uint64_t seed) {
     Random r(seed);
     const PointSet s = stream_set(r);
     SCOPED_TRACE(s.name + " of " + std::to_string(s.count()) +
@@ -206,7 +199,7 @@ TEST(Stream, RandomPartitionsGiveTheBitsOfTheWhole) {
                      r);
     else
       run_partitions(view_of(s), r);
-  }
+  });
 }
 
 // Large enough for several maps, in blocks as files are read.
