@@ -7,6 +7,7 @@
 #include "geometry/orientation.hpp"
 #include "geometry/oriented_plane.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 #include "parallel/sort_few.hpp"
 
 namespace cullhull::internal {
@@ -101,9 +102,9 @@ class RidgeScan {
     if (f + 8 >= surface_.count()) return;
     for (unsigned i = 0; i < k; ++i) {
       const std::size_t g = surface_.neighbours[(f + 8) * k + i];
-      __builtin_prefetch(surface_.ids.data() + g * k);
-      __builtin_prefetch(surface_.neighbours.data() + g * k);
-      __builtin_prefetch(points_.row(surface_.ids[f * k + i]));
+      prefetch_line(surface_.ids.data() + g * k);
+      prefetch_line(surface_.neighbours.data() + g * k);
+      prefetch_line(points_.row(surface_.ids[f * k + i]));
     }
   }
 

@@ -16,6 +16,7 @@
 #include "geometry/orientation_3d.hpp"
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 #include "result/facet_plane.hpp"
 #include "result/facet_share.hpp"
 #include "result/ranking.hpp"
@@ -341,7 +342,7 @@ class TriangleWriter {
     each_segment(b, [&](Id first, Id last) {
       for (Id i = first; i < last; ++i) {
         const TriangleRecord& r = records_[i];
-        __builtin_prefetch(&rank_[r.slot], 1);
+        prefetch_line_to_write(&rank_[r.slot]);
         keys[start[r.vertex[0] - base]++] = std::uint64_t{r.vertex[1]} << 32 | i;
       }
     });  // start[v] is now the end of vertex v's keys
@@ -457,7 +458,7 @@ class TriangleWriter {
         Id* next = hull_.simplex_neighbours.data() + i * 3;
         Id* across = neighbours.data() + i * 3;
         for (unsigned j = 0; j < 3; ++j) {
-          if (i + ahead < end) __builtin_prefetch(&rank_[next[j + ahead * 3]]);
+          if (i + ahead < end) prefetch_line(&rank_[next[j + ahead * 3]]);
           next[j] = rank_[next[j]];
         }
         // The edge from vertex j is opposite to vertex j + 2.
