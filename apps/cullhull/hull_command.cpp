@@ -110,6 +110,8 @@ auto find_repeatedly(const HullArguments& arguments, const Find& find) {
 }
 
 Outcome compute(const HullArguments& arguments, const cullhull::PointView& points) {
+  std::optional<EndDeafWork> qhull;
+  if (arguments.engine == "qhull") qhull.emplace();
   Outcome outcome{find_repeatedly(arguments,
                                   [&](cullhull::Options options) {
                                     if (arguments.engine == "qhull")
