@@ -12,7 +12,8 @@ command -v "$compiler" >/dev/null || {
 }
 folder=$PWD/build/mingw
 rm -rf "$folder" && mkdir -p "$folder/include"
-for path in /usr/include/{hwy,fmt,CLI,nlohmann,fast_float} /usr/include/x86_64-linux-gnu/gmp.h; do
+for path in /usr/include/{hwy,fmt,CLI,nlohmann,fast_float,gmpxx.h} \
+  /usr/include/x86_64-linux-gnu/gmp.h; do
   [[ ! -e $path ]] || cp -rL "$path" "$folder/include/"
 done
 sources=("$@")
