@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the packages cullhull is built from: the one list there is (docs/dependencies.md says why
 # each). Debian 12, Ubuntu 24.04 and later. Usage: scripts/install-deps.sh [PART ...]
-# Parts: build (always included), test, bench, docs, fuzz, format, python, package. Does nothing where nothing is
+# Parts: build (always included), test, bench, docs, fuzz, format, python, package, cross. Does nothing where nothing is
 # missing; calls apt-get as root, or through sudo.
 set -euo pipefail
 
@@ -18,6 +18,7 @@ fuzz=(clang)
 format=(clang-format)
 python=(python3 python3-dev python3-venv python3-pip)
 package=(python3 dpkg-dev file debootstrap debian-archive-keyring)
+cross=(g++-aarch64-linux-gnu g++-s390x-linux-gnu qemu-user-static debian-archive-keyring python3)
 
 wanted=("${build[@]}")
 for part in "$@"; do
@@ -30,8 +31,9 @@ for part in "$@"; do
     format) wanted+=("${format[@]}") ;;
     python) wanted+=("${python[@]}") ;;
     package) wanted+=("${package[@]}") ;;
+    cross) wanted+=("${cross[@]}") ;;
     *)
-      echo "install-deps: unknown part '$part'; known: build test bench docs fuzz format python package" >&2
+      echo "install-deps: unknown part '$part'; known: build test bench docs fuzz format python package cross" >&2
       exit 2
       ;;
   esac

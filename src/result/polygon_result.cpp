@@ -7,6 +7,7 @@
 #include "parallel/big_array.hpp"
 #include "parallel/clear_pages.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 #include "result/facet_plane.hpp"
 
 namespace cullhull::internal {
@@ -229,7 +230,7 @@ class Writer {
     const PlanarPoint origin = corners_[0].point;
     Share<2> run;
     for (std::uint64_t i = begin; i < end; ++i) {
-      if (i + ahead < end) __builtin_prefetch(&corners_[neighbours_[2 * (i + ahead)]]);
+      if (i + ahead < end) prefetch_line(&corners_[neighbours_[2 * (i + ahead)]]);
       const Corner &here = corners_[i], &there = corners_[neighbours_[2 * i]];
       simplices_[2 * i] = facets_[2 * i + 1] = here.id;
       simplices_[2 * i + 1] = facets_[2 * i] = there.id;

@@ -1,10 +1,5 @@
 #include "io/blocks/byte_stream.hpp"
 
-#include <fcntl.h>
-#include <poll.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -13,6 +8,7 @@
 #include "cullhull/error.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
+#include "io/system.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -32,7 +28,7 @@ class FileBytes : public ByteStream {
     std::size_t have = 0;
     while (have < size) {
       wait();
-      const ssize_t got = ::read(fd_, out + have, size - have);
+      const std::ptrdiff_t got = system::read_some(fd_, out + have, size - have);
       if (got < 0 && errno == EINTR) continue;
       if (got < 0) refuse(name_, "cannot read", errno);
       if (got == 0) break;
@@ -47,10 +43,9 @@ class FileBytes : public ByteStream {
   /// A pipe may have nothing for long: then it is asked now and then whether to go on.
   void wait() const {
     if (!waits_) return;
-    pollfd asked{fd_, POLLIN, 0};
     do {
       if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
-    } while (::poll(&asked, 1, 100) == 0);
+    } while (!system::readable_soon(fd_));
   }
 
   std::string name_;
@@ -83,19 +78,19 @@ class WithHead : public ByteStream {
 }  // namespace
 
 Descriptor::~Descriptor() {
-  if (fd_ > 0) ::close(fd_);
+  if (fd_ > 0) system::close_file(fd_);
 }
 
 OpenedBytes open_bytes(const std::string& path, const std::stop_token& stop) {
   OpenedBytes opened;
   opened.name = display_name(path);
   opened.size = unknown_size;
-  Descriptor file(path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  Descriptor file(path == "-" ? system::standard_input : system::open_to_read(path.c_str()));
   if (file.get() < 0) refuse(opened.name, "cannot open", errno);
-  struct stat status {};
-  if (::fstat(file.get(), &status) != 0) refuse(opened.name, "cannot read", errno);
-  if (S_ISDIR(status.st_mode)) refuse(opened.name, "cannot read", EISDIR);
-  const bool regular = S_ISREG(status.st_mode);
+  system::FileStatus status{};
+  if (system::status_of(file.get(), status) != 0) refuse(opened.name, "cannot read", errno);
+  if (system::is_folder(status)) refuse(opened.name, "cannot read", EISDIR);
+  const bool regular = system::is_regular(status);
   auto bytes = std::make_unique<FileBytes>(opened.name, file.get(), !regular, stop);
   opened.head.resize(head_bytes);
   opened.head.resize(bytes->read(opened.head.data(), head_bytes));
@@ -103,13 +98,11 @@ OpenedBytes open_bytes(const std::string& path, const std::stop_token& stop) {
   // Files of /proc have no size, and standard input may be a file that others read, too.
   if (path != "-" && regular && status.st_size > 0) {
     opened.size = static_cast<std::uint64_t>(status.st_size);
-    (void)posix_fadvise(file.get(), 0, 0, POSIX_FADV_SEQUENTIAL);  // a hint
-    opened.file = Descriptor(::dup(file.get()));
+    system::expect_in_order(file.get());
+    opened.file = Descriptor(system::duplicate(file.get()));
     if (opened.file.get() < 0) refuse(opened.name, "cannot open", errno);
   } else {
-#ifdef F_SETPIPE_SZ
-    (void)::fcntl(file.get(), F_SETPIPE_SZ, 1 << 20);  // a hint, and no pipe perhaps
-#endif
+    system::enlarge_pipe(file.get());  // perhaps no pipe
   }
   opened.stream = std::make_unique<WithHead>(std::move(file), std::move(bytes), opened.head);
   return opened;
@@ -117,7 +110,7 @@ OpenedBytes open_bytes(const std::string& path, const std::stop_token& stop) {
 
 void read_at(const OpenedBytes& from, char* out, std::size_t size, std::uint64_t offset) {
   while (size > 0) {
-    const ssize_t got = ::pread(from.file.get(), out, size, static_cast<off_t>(offset));
+    const std::ptrdiff_t got = system::read_some_at(from.file.get(), out, size, offset);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) refuse(from.name, "cannot read", errno);
     if (got == 0) throw Error(ErrorCode::io, from.name + ": shrank while it was being read");
