@@ -6,7 +6,8 @@
 set -euo pipefail
 
 build=(g++ cmake ninja-build ccache pkg-config libhwy-dev libgmp-dev libqhull-dev
-  libcli11-dev libfmt-dev nlohmann-json3-dev libfast-float-dev libjs-three)
+  libcli11-dev libfmt-dev nlohmann-json3-dev libfast-float-dev libjs-three
+  zlib1g-dev libzstd-dev)
 test=(libgtest-dev qhull-bin libcgal-dev libboost-dev libcdd-tools lrslib libbenchmark-dev)
 # Ubuntu's chromium is a snap, which has no package; there the viewer's browser test is skipped.
 if grep -qx 'ID=debian' /etc/os-release 2>/dev/null; then

@@ -8,6 +8,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
+#include "cullhull/point_blocks.hpp"
 #include "cullhull/version.hpp"
 #include "system.hpp"
 #include "terminal.hpp"
@@ -102,7 +103,8 @@ std::optional<FilePlan::Identity> FilePlan::identify(const std::string& path, bo
 }
 
 void FilePlan::reads(const std::string& path) {
-  if (const auto identity = identify(path, false)) inputs_.push_back({*identity, "", path});
+  if (const auto identity = identify(cullhull::file_of_input(path), false))
+    inputs_.push_back({*identity, "", path});
 }
 
 void FilePlan::reads(const std::vector<std::string>& paths) {
