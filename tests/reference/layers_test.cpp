@@ -15,8 +15,15 @@ namespace fs = std::filesystem;
 
 /// Folders of src/ from below: each may include those of lower layers and itself.
 const std::vector<std::vector<std::string>> layers = {
-    {"parallel"},      {"geometry"}, {"extreme", "cull", "paper"},  {"hull"}, {"result"},
-    {"small", "cuda"}, {"flow"},     {"query", "tracker", "batch", "stream"},
+    {"parallel"},
+    {"geometry"},
+    {"extreme", "cull", "paper"},
+    {"hull"},
+    {"result"},
+    {"small", "cuda"},
+    {"flow"},
+    {"query", "tracker", "batch", "stream"},
+    {"distributed"},
 };
 /// Folders beside the layers, and all that they may include but themselves.
 const std::map<std::string, std::vector<std::string>> beside = {
