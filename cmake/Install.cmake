@@ -19,6 +19,12 @@ install(TARGETS ${_libraries} EXPORT cullhullTargets
 install(DIRECTORY include/cullhull DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
 install(EXPORT cullhullTargets NAMESPACE cullhull:: DESTINATION ${_package}
   COMPONENT development)
+if(CULLHULL_HAVE_MPI)
+  install(TARGETS cullhull_mpi EXPORT cullhullMpiTargets
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+  install(EXPORT cullhullMpiTargets NAMESPACE cullhull:: DESTINATION ${_package}
+    COMPONENT development)
+endif()
 if(CULLHULL_HAVE_CUDA AND NOT CULLHULL_SHARED)
   get_target_property(_cudart CUDA::cudart_static IMPORTED_LOCATION)
   install(FILES "${_cudart}" DESTINATION ${CMAKE_INSTALL_LIBDIR}/cullhull

@@ -111,6 +111,12 @@ std::vector<std::string> InputArguments::files() const {
   return words.empty() ? std::vector{path} : cullhull::input_files(words);
 }
 
+std::vector<std::string> InputArguments::find_files() {
+  std::vector<std::string> found = files();
+  path = found.size() == 1 ? found[0] : std::to_string(found.size()) + " inputs";
+  return found;
+}
+
 void InputArguments::add_format_to(Parser& command) {
   allow_words(*command.add_option("--input-format", format,
                                   "Read INPUT as this, whatever its name and content"),

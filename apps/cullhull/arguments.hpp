@@ -29,6 +29,8 @@ struct InputArguments {
   void add_many_to(Parser& command, const std::string& last = "");
   /// The files that the words stand for (input_files), or the one path.
   std::vector<std::string> files() const;
+  /// The same; from now on `path` is what messages call them all.
+  std::vector<std::string> find_files();
 
  private:
   void add_format_to(Parser& command);

@@ -8,5 +8,6 @@ namespace app {
 Command add_bench_machine(Parser& bench);
 Command add_bench_paper(Parser& bench);
 Command add_bench_rivals(Parser& bench);
+Command add_bench_calls(Parser& bench);
 
 }  // namespace app

@@ -1,4 +1,4 @@
-// cullhull bench paper, cullhull bench rivals: suites that give a report.
+// cullhull bench paper, rivals and calls: suites that give a report.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 
 #include "arguments.hpp"
 #include "bench_command.hpp"
+#include "calls.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "families.hpp"
@@ -35,24 +36,40 @@ constexpr const char* exit_status_text =
 /// Where a report goes.
 struct ReportArguments {
   std::string json, page, markdown;
-  double scale = 1, limit = 300;
-  unsigned repeat = 5;
+  double limit = 300;
   bool quiet = false;
 
-  void add_to(Parser& command) {
+  void add_outputs(Parser& command) {
     add_json_option(command, json, "The report");
     command.add_option("--report", page, "The report as one HTML page with charts")
         ->type_name("FILE.html");
     command.add_option("--markdown", markdown, "Its tables as Markdown; - for standard output")
         ->type_name("FILE.md");
+    command.add_flag("-q,--quiet", quiet, "No table and no progress");
+  }
+
+  void add_limit(Parser& command, const char* what) {
+    allow_real_range(
+        *command
+             .add_option("--limit", limit,
+                         fmt::format("Seconds for {}, 0 without; {:g} if not given", what, limit))
+             ->type_name("SECONDS"),
+        0, 1e6);
+  }
+};
+
+/// Of suites that measure a few long runs.
+struct RunsArguments : ReportArguments {
+  double scale = 1;
+  unsigned repeat = 5;
+
+  void add_to(Parser& command) {
+    add_outputs(command);
     const std::string sizes = fmt::format("Of every size; {:g} if not given", scale);
     allow_real_range(*command.add_option("--scale", scale, sizes)->type_name("S"), 1e-6, 100);
     allow_range(*command.add_option("--repeat", repeat, "Runs of ours; the median counts"), 1,
                 1000);
-    const std::string runs =
-        fmt::format("Seconds for one run of a rival, 0 without; {:g} if not given", limit);
-    allow_real_range(*command.add_option("--limit", limit, runs)->type_name("SECONDS"), 0, 1e6);
-    command.add_flag("-q,--quiet", quiet, "No table and no progress");
+    add_limit(command, "one run of a rival");
   }
 };
 
@@ -89,28 +106,56 @@ int run(const ReportArguments& a, const Measure& measure) {
   return not_certified;
 }
 
-struct PaperArguments : ReportArguments {
+struct PaperArguments : RunsArguments {
   unsigned threads = 0;
   std::vector<std::string> figures;
 };
 
-struct RivalArguments : ReportArguments {
-  std::string threads;
-  std::vector<std::string> workloads, shapes, points, scalars, without;
+/// Which sets are measured.
+struct SetArguments {
+  std::vector<std::string> workloads, shapes, points, scalars;
   std::vector<unsigned> dimensions;
+
+  void add_to(Parser& command) {
+    command.add_option("--workload", workloads, "This one; may be given again, as all below")
+        ->type_name("NAME");
+    command.add_option("--shape", shapes, "Every combination of these: points")->type_name("SHAPE");
+    allow_range(*command.add_option("--dimension", dimensions, "dimensions"), 2, 16);
+    command.add_option("--points", points, "and sizes, e.g. 100k or 8M")->type_name("N");
+    allow_words(*command.add_option("--scalar", scalars, "As this type"), {"f64", "f32", "i32"});
+  }
+
+  using Workload = cullhull::bench::Workload;
+  std::vector<Workload> chosen(const std::vector<Workload>& usual) const;
 };
 
-/// "1,2,all"
-std::vector<unsigned> thread_counts(const std::string& text) {
+struct RivalArguments : RunsArguments {
+  std::string threads;
+  SetArguments sets;
+  std::vector<std::string> without;
+};
+
+struct CallArguments : ReportArguments {
+  std::string threads, callers, busy;
+  SetArguments sets;
+  std::vector<std::string> rivals, without;
+  double seconds = 0.5;
+  std::uint64_t seed = 1;
+};
+
+/// "1,2,all" where `all`, which gives 0, is allowed.
+std::vector<unsigned> counts_in(const std::string& text, const char* option, unsigned least,
+                                bool all) {
   std::vector<unsigned> counts;
   std::istringstream words(text);
   for (std::string word; std::getline(words, word, ',');) {
     unsigned count = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), count);
     const bool number = error == std::errc() && end == word.data() + word.size();
-    if (word != "all" && (!number || count == 0 || count > 1024))
-      throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
-                            "--threads needs numbers such as 1,2,all, not '" + text + "'");
+    if (!(all && word == "all") && (!number || count < least || count > 1024))
+      throw cullhull::Error(
+          cullhull::ErrorCode::invalid_argument,
+          fmt::format("{} needs numbers such as 1,2{}, not '{}'", option, all ? ",all" : "", text));
     counts.push_back(count);
   }
   return counts;
@@ -118,26 +163,26 @@ std::vector<unsigned> thread_counts(const std::string& text) {
 
 /// The workloads that were named, else the product of what was given, else the usual ones; each
 /// for every scalar type that was given.
-std::vector<cullhull::bench::Workload> chosen_workloads(const RivalArguments& a) {
-  using cullhull::bench::Workload;
+std::vector<cullhull::bench::Workload> SetArguments::chosen(
+    const std::vector<Workload>& usual) const {
   std::vector<Workload> sets;
-  for (const std::string& name : a.workloads) sets.push_back(cullhull::bench::workload_named(name));
-  if (!a.shapes.empty() || !a.dimensions.empty() || !a.points.empty()) {
-    const auto or_else = [](const auto& given, auto usual) {
-      return given.empty() ? std::decay_t<decltype(given)>{usual} : given;
+  for (const std::string& name : workloads) sets.push_back(cullhull::bench::workload_named(name));
+  if (!shapes.empty() || !dimensions.empty() || !points.empty()) {
+    const auto or_else = [](const auto& given, auto otherwise) {
+      return given.empty() ? std::decay_t<decltype(given)>{otherwise} : given;
     };
-    for (const std::string& shape : or_else(a.shapes, std::string("ball")))
-      for (const unsigned d : or_else(a.dimensions, 3U))
-        for (const std::string& n : or_else(a.points, std::string("1M")))
+    for (const std::string& shape : or_else(shapes, std::string("ball")))
+      for (const unsigned d : or_else(dimensions, 3U))
+        for (const std::string& n : or_else(points, std::string("1M")))
           sets.push_back({shape, d, parse_size(n, "--points"), cullhull::ScalarType::f64});
   }
-  if (a.scalars.empty()) return sets;
+  if (scalars.empty()) return sets;
   if (sets.empty())
-    for (const Workload& w : cullhull::bench::rival_workloads())
+    for (const Workload& w : usual)
       if (w.scalar == cullhull::ScalarType::f64) sets.push_back(w);
   std::vector<Workload> all;
   for (const Workload& w : sets)
-    for (const std::string& scalar : a.scalars) {
+    for (const std::string& scalar : scalars) {
       all.push_back(w);
       all.back().scalar = scalar == "f32"   ? cullhull::ScalarType::f32
                           : scalar == "i32" ? cullhull::ScalarType::i32
@@ -146,15 +191,15 @@ std::vector<cullhull::bench::Workload> chosen_workloads(const RivalArguments& a)
   return all;
 }
 
-std::string rivals_help() {
-  std::string text =
-      "A workload is a name such as ball-3d-8M or grid-3d-2M-i32: points, dimension, how many,\n"
-      "scalar type (f64 if not given). Points are the shapes of 'cullhull generate' and, in 3D,\n";
-  for (const cullhull::Shape& family : cullhull::bench::hard_families())
-    text += fmt::format("  {:<24}{}\n", family.name, family.description);
-  text += "If nothing is chosen:";
+bool left_out(const std::vector<std::string>& without, const char* name) {
+  return std::find(without.begin(), without.end(), name) != without.end();
+}
+
+/// "If nothing is chosen:" and the names.
+std::string usual_workloads(const std::vector<cullhull::bench::Workload>& usual) {
+  std::string text = "If nothing is chosen:";
   std::size_t column = 80;
-  for (const auto& w : cullhull::bench::rival_workloads()) {
+  for (const auto& w : usual) {
     const std::string name = w.name();
     if (column + name.size() > 78) {
       text += "\n ";
@@ -163,6 +208,16 @@ std::string rivals_help() {
     text += " " + name;
     column += name.size() + 1;
   }
+  return text;
+}
+
+std::string rivals_help() {
+  std::string text =
+      "A workload is a name such as ball-3d-8M or grid-3d-2M-i32: points, dimension, how many,\n"
+      "scalar type (f64 if not given). Points are the shapes of 'cullhull generate' and, in 3D,\n";
+  for (const cullhull::Shape& family : cullhull::bench::hard_families())
+    text += fmt::format("  {:<24}{}\n", family.name, family.description);
+  text += usual_workloads(cullhull::bench::rival_workloads());
   return text +
          "\nf32 and i32 round, and rivals get what was rounded. CGAL is timed by\n"
          "cullhull-rival-cgal, if that program lies beside this one.\n"
@@ -175,6 +230,22 @@ std::string rivals_help() {
          "1,2,all\n"
          "\n" +
          exit_status_text;
+}
+
+std::string calls_help() {
+  return "Calls follow one another over different sets of the points of 'cullhull generate'; a\n"
+         "name is that of a set, such as ball-3d-100 or sphere-2d-1k-f32.\n" +
+         usual_workloads(cullhull::bench::call_workloads()) +
+         "\nA rival's PROGRAM is run with a .npy of doubles and the number of sets to cut it "
+         "into,\n"
+         "and writes the seconds of each set's hull as doubles in binary.\n"
+         "\n"
+         "Examples:\n"
+         "  cullhull bench calls                                   three minutes\n"
+         "  cullhull bench calls --dimension 3 --points 50 --threads 0,1,2 --callers 1,4\n"
+         "  cullhull bench calls --busy 0 --rival VQhull=./vqhull-calls --dimension 2\n"
+         "\n" +
+         std::string(exit_status_text);
 }
 
 }  // namespace
@@ -211,30 +282,69 @@ Command add_bench_rivals(Parser& bench) {
   a->add_to(command);
   command.add_option("--threads", a->threads, "For ours, e.g. 1,2,4,all; one and all if not given")
       ->type_name("LIST");
-  command.add_option("--workload", a->workloads, "This one; may be given again, as all below")
-      ->type_name("NAME");
-  command.add_option("--shape", a->shapes, "Every combination of these: points")
-      ->type_name("SHAPE");
-  allow_range(*command.add_option("--dimension", a->dimensions, "dimensions"), 2, 16);
-  command.add_option("--points", a->points, "and sizes, e.g. 100k or 8M")->type_name("N");
-  allow_words(*command.add_option("--scalar", a->scalars, "As this type"), {"f64", "f32", "i32"});
+  a->sets.add_to(command);
   allow_words(*command.add_option("--without", a->without, "Leave this rival out"),
               {"qhull", "cgal"});
   command.footer(rivals_help());
   return [a] {
     return run(*a, [&](const cullhull::Progress& progress) {
-      const auto given = [&](const char* name) {
-        return std::find(a->without.begin(), a->without.end(), name) == a->without.end();
-      };
       cullhull::bench::RivalSettings s;
-      s.workloads = chosen_workloads(*a);
+      s.workloads = a->sets.chosen(cullhull::bench::rival_workloads());
       s.scale = a->scale;
       s.repeat = a->repeat;
-      if (!a->threads.empty()) s.threads = thread_counts(a->threads);
+      if (!a->threads.empty()) s.threads = counts_in(a->threads, "--threads", 1, true);
       s.limit = a->limit;
-      s.with_qhull = given("qhull");
-      s.with_cgal = given("cgal");
+      s.with_qhull = !left_out(a->without, "qhull");
+      s.with_cgal = !left_out(a->without, "cgal");
       return cullhull::bench::run_rivals(s, progress, stop_token());
+    });
+  };
+}
+
+Command add_bench_calls(Parser& bench) {
+  auto a = std::make_shared<CallArguments>();
+  a->limit = 30;
+  Parser& command = *bench.add_subcommand(
+      "calls", "Latency of single calls, on an idle machine and a busy one, and the first call");
+  a->add_outputs(command);
+  a->add_limit(command, "all calls of a program");
+  const auto list = [&](const char* name, std::string& value, const char* what) {
+    needs_value(*command.add_option(name, value, what)).type_name("LIST");
+  };
+  list("--threads", a->threads, "For ours, 0 the default; 0,1 if not given");
+  list("--callers", a->callers, "So many threads call at once; 1 if not given");
+  list("--busy", a->busy, "So many other processes keep a core each busy; 0,1 if not given");
+  a->sets.add_to(command);
+  allow_real_range(
+      *command.add_option("--seconds", a->seconds, "Of calls for each value; 0.5 if not given")
+           ->type_name("S"),
+      0, 1e6);
+  command.add_option("--seed", a->seed, "Of the sets; 1 if not given");
+  command.add_option("--rival", a->rivals, "Another program that is timed; may be given again")
+      ->type_name("NAME=PROGRAM");
+  allow_words(*command.add_option("--without", a->without, "Leave this rival out"),
+              {"qhull", "cgal"});
+  command.footer(calls_help());
+  return [a] {
+    return run(*a, [&](const cullhull::Progress& progress) {
+      cullhull::bench::CallSettings s;
+      s.workloads = a->sets.chosen(cullhull::bench::call_workloads());
+      if (!a->threads.empty()) s.threads = counts_in(a->threads, "--threads", 0, false);
+      if (!a->callers.empty()) s.callers = counts_in(a->callers, "--callers", 1, false);
+      if (!a->busy.empty()) s.busy = counts_in(a->busy, "--busy", 0, false);
+      s.seconds = a->seconds;
+      s.seed = a->seed;
+      s.limit = a->limit;
+      s.with_qhull = !left_out(a->without, "qhull");
+      s.with_cgal = !left_out(a->without, "cgal");
+      for (const std::string& rival : a->rivals) {
+        const std::size_t equals = rival.find('=');
+        if (equals == 0 || equals == std::string::npos || equals + 1 == rival.size())
+          throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                                "--rival needs NAME=PROGRAM, not '" + rival + "'");
+        s.rivals.push_back({rival.substr(0, equals), rival.substr(equals + 1)});
+      }
+      return cullhull::bench::run_calls(s, progress, stop_token());
     });
   };
 }

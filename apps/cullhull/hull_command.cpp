@@ -116,6 +116,8 @@ auto find_repeatedly(const HullArguments& arguments, const Find& find) {
 }
 
 Outcome compute(const HullArguments& arguments, const cullhull::PointView& points) {
+  std::optional<EndDeafWork> qhull;
+  if (arguments.engine == "qhull") qhull.emplace();
   Outcome outcome{find_repeatedly(arguments,
                                   [&](cullhull::Options options) {
                                     if (arguments.engine == "qhull")
@@ -413,10 +415,7 @@ void check_groups(const HullArguments& a) {
 
 int run(HullArguments arguments) {
   (void)format_words(arguments.formats);  // refused before the work
-  arguments.files = arguments.input.files();
-  arguments.input.path = arguments.files.size() == 1
-                             ? arguments.files[0]
-                             : fmt::format("{} inputs", arguments.files.size());
+  arguments.files = arguments.input.find_files();
   const FilePlan plan = plan_files(arguments);
   if (!arguments.by.empty()) {
     check_groups(arguments);

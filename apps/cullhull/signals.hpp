@@ -20,4 +20,14 @@ std::stop_token stop_token();
 /// seen.
 void cancellable(const std::function<void()>& work);
 
+/// While one lives, work that has not ended 50 ms after a signal is ended as by a second one: for
+/// engines of others, which do not always listen. Nothing it would still have to save may be open.
+class EndDeafWork {
+ public:
+  EndDeafWork();
+  ~EndDeafWork();
+  EndDeafWork(const EndDeafWork&) = delete;
+  EndDeafWork& operator=(const EndDeafWork&) = delete;
+};
+
 }  // namespace app

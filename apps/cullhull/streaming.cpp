@@ -1,15 +1,15 @@
 #include "streaming.hpp"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "checkpoint.hpp"
 #include "cullhull/error.hpp"
 #include "measure.hpp"
 #include "signals.hpp"
+#include "system.hpp"
 #include "terminal.hpp"
 
 namespace app {
@@ -27,13 +27,12 @@ std::string identity_of(const InputArguments& input, const std::vector<std::stri
   std::string text = fmt::format("{} {} {} {} {} {}\n", input.format, input.dimension, input.type,
                                  input.columns, stream.first_id, stream.global_ids);
   for (const std::string& file : files) {
-    struct stat status {};
-    if (::stat(cullhull::file_of_input(file).c_str(), &status) != 0 || !S_ISREG(status.st_mode))
+    const system::FileIdentity found = system::identify(cullhull::file_of_input(file));
+    if (!found.regular)
       throw Error(ErrorCode::invalid_argument,
                   "--checkpoint " + stream.checkpoint + ": " + input_name(file) +
                       " is no file that could be read from its middle");
-    text += fmt::format("{} {} {}.{}\n", file, status.st_size, status.st_mtim.tv_sec,
-                        status.st_mtim.tv_nsec);
+    text += fmt::format("{} {} {}\n", file, found.bytes, found.changed);
   }
   return text;
 }
@@ -169,7 +168,8 @@ cullhull::BlockSummary stream_blocks(
 }
 
 void remove_checkpoint(const StreamArguments& stream) {
-  if (!stream.checkpoint.empty()) ::unlink(stream.checkpoint.c_str());
+  std::error_code not_there;
+  if (!stream.checkpoint.empty()) std::filesystem::remove(stream.checkpoint, not_there);
 }
 
 std::string streamed_points_line(const Streamed& streamed, std::size_t files) {

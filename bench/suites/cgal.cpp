@@ -1,7 +1,5 @@
 #include "cgal.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
@@ -11,17 +9,6 @@
 
 namespace cullhull::bench {
 namespace {
-
-/// A temporary file for a rival in another process.
-struct Scratch {
-  std::string path = (std::filesystem::temp_directory_path() /
-                      ("cullhull-rival-" + std::to_string(::getpid()) + ".npy"))
-                         .string();
-  ~Scratch() {
-    std::error_code ignored;
-    std::filesystem::remove(path, ignored);
-  }
-};
 
 /// Beginnings of the rows in lexicographic order; -0 is 0.
 std::vector<const double*> sorted_rows(const std::vector<double>& rows, unsigned d) {

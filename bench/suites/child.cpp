@@ -10,6 +10,8 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 
 #include "cullhull/error.hpp"
 
@@ -122,6 +124,16 @@ std::optional<ChildRun> run_program(const std::vector<std::string>& words,
     ::_exit(127);
   });
   return child.result(limits);
+}
+
+Scratch::Scratch()
+    : path((std::filesystem::temp_directory_path() /
+            ("cullhull-rival-" + std::to_string(::getpid()) + ".npy"))
+               .string()) {}
+
+Scratch::~Scratch() {
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
 }
 
 }  // namespace cullhull::bench

@@ -20,6 +20,15 @@ struct ChildRun {
   bool timed_out = false;
 };
 
+/// A name for a .npy that a rival reads; the file is removed in the end. One at a time.
+struct Scratch {
+  Scratch();
+  ~Scratch();
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  std::string path;
+};
+
 /// What `work` returns, computed in a fork of this process: it sees all memory as it is now and
 /// changes none of it. `work` must not use threads of this process, which a fork has not. Nothing
 /// if the child failed. Throws Error{cancelled}; Error{io} where no process can be made.

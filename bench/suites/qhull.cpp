@@ -57,9 +57,28 @@ std::optional<QhullRun> run_qhull(const PointView& points, const ChildLimits& li
   return QhullRun{figures.seconds, figures.volume, figures.vertices, true};
 }
 
+bool has_qhull() { return true; }
+
+double qhull_seconds(const PointView& points) {
+  static std::FILE* const nowhere = std::fopen("/dev/null", "w");
+  auto* data = reinterpret_cast<coordT*>(const_cast<std::byte*>(points.data));
+  char command[] = "qhull Qt";
+  return seconds_of([&] {
+    qhT qh;
+    qh_zero(&qh, nowhere);
+    qh_new_qhull(&qh, static_cast<int>(points.dimension), static_cast<int>(points.count), data, 0,
+                 command, nowhere, nowhere);
+    int blocks = 0, bytes = 0;
+    qh_freeqhull(&qh, !qh_ALL);
+    qh_memfreeshort(&qh, &blocks, &bytes);
+  });
+}
+
 #else
 
 std::optional<QhullRun> run_qhull(const PointView&, const ChildLimits&) { return std::nullopt; }
+bool has_qhull() { return false; }
+double qhull_seconds(const PointView&) { return 0; }
 
 #endif
 

@@ -20,4 +20,11 @@ struct QhullRun {
 /// Runs in a process of its own; throws Error{cancelled}.
 std::optional<QhullRun> run_qhull(const PointView& points, const ChildLimits& limits);
 
+/// Whether this build has Qhull.
+bool has_qhull();
+
+/// Seconds of Qhull's hull of packed rows of doubles in this process, its memory given back: for
+/// small sets, of which a process of their own would be most. 0 without Qhull.
+double qhull_seconds(const PointView& points);
+
 }  // namespace cullhull::bench

@@ -93,6 +93,7 @@ std::string report_json(const Report& report) {
       r["agrees"] = row.agrees;
       r["vertices"] = row.vertices > 0 ? Json(row.vertices) : Json(nullptr);
       r["bandwidth_share"] = row.bandwidth > 0 ? Json(row.bandwidth) : Json(nullptr);
+      r["reads"] = row.reads > 0 ? Json(row.reads) : Json(nullptr);
       r["slower"] = row.slower.empty() ? Json(nullptr) : Json(row.slower);
       r["unfinished"] = row.unfinished;
       rows.push_back(std::move(r));

@@ -26,8 +26,9 @@ struct Row {
   bool agrees = true;
   std::uint64_t vertices = 0;  ///< of the hull; 0 where the row has no one hull
   double bandwidth = 0;        ///< share of the read bandwidth the cull had; 0: nothing was culled
-  std::string remark;          ///< a footnote: what a reader of the row must know
-  std::string slower;          ///< "than CGAL"; empty: no rival was faster
+  double reads = 0;  ///< the whole hull's time over one read of its points; 0: not held against it
+  std::string remark;                   ///< a footnote: what a reader of the row must know
+  std::string slower;                   ///< "than CGAL"; empty: no rival was faster
   std::vector<std::string> unfinished;  ///< names of values that are a limit run into, so too low
 };
 

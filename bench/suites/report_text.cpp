@@ -15,6 +15,9 @@ constexpr const char* bandwidth_note =
     "Of read bandwidth: bytes of the points over the seconds of the whole filter (sample, map and "
     "passes), as a share of what as many threads read from memory here";
 
+constexpr const char* reads_note =
+    "Reads: the whole hull's time over that of reading its points once, by as many threads";
+
 /// With its unit, so that lines of one column may differ.
 std::string amount(double v, const std::string& unit) {
   if (std::isnan(v)) return "-";
@@ -61,11 +64,12 @@ bool any_row(const Figure& figure, const Test& test) {
 
 /// Which columns a figure has beside its values.
 struct Extras {
-  bool ratio, paper, bandwidth, vertices;
+  bool ratio, paper, bandwidth, reads, vertices;
   explicit Extras(const Figure& f)
       : ratio(any_row(f, [](const Row& r) { return r.ratio > 0; })),
         paper(any_row(f, [](const Row& r) { return !r.paper.empty(); })),
         bandwidth(any_row(f, [](const Row& r) { return r.bandwidth > 0; })),
+        reads(any_row(f, [](const Row& r) { return r.reads > 0; })),
         vertices(any_row(f, [](const Row& r) { return r.vertices > 0; })) {}
 };
 
@@ -75,6 +79,10 @@ std::string ratio_text(const Row& row, const char* times) {
 }
 
 std::string percent(double share) { return share > 0 ? fmt::format("{:.0f} %", 100 * share) : ""; }
+
+std::string reads_text(const Row& row, const char* times) {
+  return row.reads > 0 ? three_digits(row.reads) + times : "";
+}
 
 Line table_line(const Figure& figure, const Row& row, const Line& names, const Extras& extras) {
   Line line{row.name};
@@ -88,6 +96,7 @@ Line table_line(const Figure& figure, const Row& row, const Line& names, const E
   if (extras.ratio) line.push_back(ratio_text(row, "x"));
   if (extras.paper) line.push_back(row.paper);
   if (extras.bandwidth) line.push_back(percent(row.bandwidth));
+  if (extras.reads) line.push_back(reads_text(row, "x"));
   std::string check = row.agrees ? row.check : "DIFFER: " + row.check;
   if (!row.slower.empty()) check += "; SLOWER " + row.slower;
   line.push_back(std::move(check));
@@ -102,6 +111,7 @@ std::string figure_table(const Figure& figure) {
   if (extras.ratio) cells[0].emplace_back("ratio");
   if (extras.paper) cells[0].emplace_back("the paper");
   if (extras.bandwidth) cells[0].emplace_back("of read bandwidth");
+  if (extras.reads) cells[0].emplace_back("reads");
   cells[0].emplace_back("check");
   for (const Row& row : figure.rows) cells.push_back(table_line(figure, row, names, extras));
   std::vector<std::size_t> width(cells[0].size(), 0);
@@ -118,6 +128,7 @@ std::string figure_table(const Figure& figure) {
   }
   if (!figure.note.empty()) text += figure.note + '\n';
   if (extras.bandwidth) text += std::string(bandwidth_note) + ".\n";
+  if (extras.reads) text += std::string(reads_note) + ".\n";
   return text;
 }
 
@@ -162,6 +173,7 @@ std::string figure_markdown(const Figure& figure, Footnotes& notes) {
   if (extras.paper) head.emplace_back("the paper");
   if (extras.bandwidth)
     head.push_back("of read bandwidth" + notes.mark(bandwidth_note + std::string(".")));
+  if (extras.reads) head.push_back("reads" + notes.mark(reads_note + std::string(".")));
   if (extras.vertices) head.emplace_back("vertices");
   std::string text = fmt::format("**{}.** {}\n\n", figure.title, figure.note);
   text += markdown_row(head) + "|---|";
@@ -181,6 +193,7 @@ std::string figure_markdown(const Figure& figure, Footnotes& notes) {
       line.push_back(row.paper.ends_with('x') ? row.paper.substr(0, row.paper.size() - 1) + "×"
                                               : row.paper);
     if (extras.bandwidth) line.push_back(percent(row.bandwidth));
+    if (extras.reads) line.push_back(reads_text(row, "×"));
     const std::string mark = notes.mark(row.remark) + (row.agrees ? "" : notes.mark(row.check));
     if (extras.vertices)
       line.push_back((row.vertices > 0 ? grouped(row.vertices) : "") + mark);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <regex>
 
 #include "cgal.hpp"
 #include "cullhull/certify.hpp"
@@ -23,39 +22,6 @@ namespace {
 
 /// One run follows another as long as all together have taken less.
 constexpr double most_seconds_of_ours = 10;
-
-/// The same values as ours sees them and, as doubles, the rivals.
-struct Points {
-  std::vector<double> rows;
-  std::vector<float> floats;
-  std::vector<std::int32_t> integers;
-  PointView view, doubles;
-};
-
-Points make_points(const Workload& w) {
-  Points p;
-  p.rows = make_family(w.family, w.count, w.dimension);
-  const std::uint64_t n = p.rows.size() / w.dimension;
-  p.doubles = p.view = PointView::row_major(p.rows.data(), n, w.dimension);
-  if (w.scalar == ScalarType::f32) {
-    p.floats.assign(p.rows.begin(), p.rows.end());
-    std::copy(p.floats.begin(), p.floats.end(), p.rows.begin());
-    p.view = PointView::row_major(p.floats.data(), n, w.dimension);
-  }
-  if (w.scalar == ScalarType::i32) {
-    // Integers stay what they are; else a lattice fine enough to keep the shape.
-    const bool whole =
-        std::all_of(p.rows.begin(), p.rows.end(), [](double x) { return x == std::floor(x); });
-    for (double& x : p.rows) {
-      x = whole ? x : std::nearbyint(x * 0x1p20);
-      if (!(std::abs(x) < 0x1p31))
-        throw Error(ErrorCode::invalid_argument, w.name() + ": beyond 32-bit integers");
-      p.integers.push_back(static_cast<std::int32_t>(x));
-    }
-    p.view = PointView::row_major(p.integers.data(), n, w.dimension);
-  }
-  return p;
-}
 
 class Suite {
  public:
@@ -134,7 +100,7 @@ class Suite {
         w.dimension + 2,
         static_cast<std::uint64_t>(std::llround(static_cast<double>(w.count) * settings_.scale)));
     step(w.name() + ", points");
-    const Points points = make_points(w);
+    const Points points = points_of(w, make_family(w.family, w.count, w.dimension));
     w.count = points.view.count;
     Row row;
     row.name = w.name();
@@ -176,9 +142,19 @@ class Suite {
       }
       row.values.emplace_back(column(t), median(times));
       row.bandwidth = median(shares);
+      row.reads = reads_of(points, median(times), t);
     }
     row.vertices = hull.vertices.size();
     return hull;
+  }
+
+  /// Bytes that as many threads could have read meanwhile, over those there are to read.
+  double reads_of(const PointView& points, double seconds, unsigned threads) const {
+    for (const auto& [count, rate] : report_.read_bandwidth)
+      if (count == threads)
+        return seconds * rate /
+               static_cast<double>(points.count * points.dimension * scalar_size(points.scalar));
+    return 0;
   }
 
   void rivals(const Workload& w, const Points& points, const Hull& hull, Row& row) const {
@@ -273,43 +249,6 @@ class Suite {
 };
 
 }  // namespace
-
-std::string Workload::name() const {
-  const std::string size = count >= 1'000'000 && count % 10'000 == 0 ? short_count(count)
-                           : count >= 1'000 && count < 1'000'000 && count % 10 == 0
-                               ? short_count(count)
-                               : std::to_string(count);
-  return fmt::format("{}-{}d-{}{}", family, dimension, size,
-                     scalar == ScalarType::f64 ? "" : fmt::format("-{}", scalar_name(scalar)));
-}
-
-std::string Workload::title() const {
-  std::string what = family;
-  if (family == "sphere") what = dimension == 2 ? "circle" : "sphere surface";
-  if (family == "ball" && dimension == 2) what = "disk";
-  if (family == "cylinder" || family == "cone") what += " mantle";
-  if (family == "grid") what = fmt::format("integer grid 128^{},", dimension);
-  std::replace(what.begin(), what.end(), '-', ' ');
-  return fmt::format("{}D {} {}{}", dimension, what, short_count(count),
-                     scalar == ScalarType::f64 ? "" : fmt::format(", {}", scalar_name(scalar)));
-}
-
-Workload workload_named(const std::string& name) {
-  static const std::regex form(R"((.+)-(\d{1,2})d-(\d{1,9}(?:\.\d+)?)([kM]?)(?:-(f32|f64|i32))?)");
-  std::smatch part;
-  if (!std::regex_match(name, part, form))
-    throw Error(
-        ErrorCode::invalid_argument,
-        "bench rivals: '" + name + "' is no workload; write, say, ball-3d-8M or grid-3d-2M-i32");
-  Workload w;
-  w.family = part[1];
-  w.dimension = static_cast<unsigned>(std::stoul(part[2]));
-  const double unit = part[4] == "M" ? 1e6 : part[4] == "k" ? 1e3 : 1;
-  w.count = static_cast<std::uint64_t>(std::llround(std::stod(part[3]) * unit));
-  if (part[5] == "f32") w.scalar = ScalarType::f32;
-  if (part[5] == "i32") w.scalar = ScalarType::i32;
-  return w;
-}
 
 const std::vector<Workload>& rival_workloads() {
   static const std::vector<Workload> workloads = {

@@ -8,22 +8,9 @@
 
 #include "cullhull/options.hpp"
 #include "report.hpp"
+#include "workload.hpp"
 
 namespace cullhull::bench {
-
-/// A set of points to measure on.
-struct Workload {
-  std::string family;  ///< as make_family knows it
-  unsigned dimension = 3;
-  std::uint64_t count = 0;
-  ScalarType scalar = ScalarType::f64;
-
-  std::string name() const;   ///< "ball-3d-8M", "grid-3d-2M-i32"
-  std::string title() const;  ///< "3D ball 8M", "3D sphere surface 1M, f32"
-};
-
-/// The workload that has this name. Throws Error{invalid_argument}.
-Workload workload_named(const std::string& name);
 
 /// Those that are measured if nothing else is asked for.
 const std::vector<Workload>& rival_workloads();

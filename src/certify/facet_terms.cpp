@@ -233,15 +233,11 @@ double Facets::offset_underflow() const {
   return wild_ ? least : least * 4 * d_ * std::max(largest_, 1.0) + least;
 }
 
-/// Whether no edge is so short that products of them underflow, or that scaling cost it bits.
-bool Facets::in_range(std::uint32_t simplex) const {
-  const std::uint32_t* v = s_.simplex(simplex);
-  for (unsigned j = 1; j < k_; ++j) {
-    double most = 0;
-    for (unsigned c = 0; c < d_; ++c) most = std::max(most, std::fabs(at(v[j])[c] - at(v[0])[c]));
-    if (!(most > least_edge)) return false;
-  }
-  return true;
+/// Whether the edge is not so short that products of it underflow, or that scaling cost it bits.
+bool Facets::in_range(std::uint32_t from, std::uint32_t to) const {
+  double most = 0;
+  for (unsigned c = 0; c < d_; ++c) most = std::max(most, std::fabs(at(to)[c] - at(from)[c]));
+  return most > least_edge;
 }
 
 template <unsigned K, class Real>
@@ -284,7 +280,7 @@ bool Facets::by_cofactors(std::uint32_t simplex, FacetTerms& out) const {
 
 bool Facets::quickly(std::uint32_t i, FacetTerms& out) const {
   if (k_ == 1 || wild_) return false;
-  if (k_ != d_ || k_ > 8) return in_range(i) && orthogonally(i, out);
+  if (k_ != d_ || k_ > 8) return orthogonally(i, out);
   switch (k_) {
     case 2:
       return by_cofactors<2, double>(i, out) || by_cofactors<2, DoubleDouble>(i, out);
@@ -307,10 +303,11 @@ bool Facets::orthogonally(std::uint32_t i, FacetTerms& out) const {
   const std::uint32_t* v = s_.simplex(i);
   Orthogonal<DoubleDoubles> o(DoubleDoubles{}, d_);
   for (unsigned j = 1; j < k_; ++j)
-    if (!o.add_edge(at(v[0]), at(v[j]))) return false;
+    if (!in_range(v[0], v[j]) || !o.add_edge(at(v[0]), at(v[j]))) return false;
   // Orthonormal to 2^-100 over the share of a simplex, so this leaves 2^-60.
   if (!(o.measure.high > 0x1p-36 * o.lengths.high)) return false;
-  for (const std::uint32_t b : s_.basis) o.offer_apex(at(v[0]), at(b));
+  for (const std::uint32_t b : s_.basis)
+    if (in_range(v[0], b)) o.offer_apex(at(v[0]), at(b));
   if (o.outward.empty() || !(o.upright.high > 0x1p-24)) return false;
   out.normal.resize(d_);
   out.spread.clear();
@@ -343,7 +340,9 @@ mp_bitcnt_t Facets::wide_bits(std::uint32_t simplex) const {
 
 /// The cofactor normal of a simplex of codimension 1, `from` its first vertex: every product of a
 /// minor has a factor of each other axis, so axes of any proportions leave each component right to
-/// 2^-(bits - 16) of its permanent. Exponents of these numbers know no bounds.
+/// 2^-(bits - 16) of its permanent. The bound on a unit normal's component is at least a unit of
+/// that permanent over the edges' lengths, while what was lost is divided by the measure: a share
+/// of 2^-(bits - 80) leaves 2^-11 of the bound. Exponents of these numbers know no bounds.
 class Facets::WideCofactors {
  public:
   WideCofactors(unsigned k, mp_bitcnt_t bits)
@@ -368,6 +367,9 @@ class Facets::WideCofactors {
     }
     if (!(square > 0) || lost(square, spread)) return false;
     measure = sqrt(square);
+    mpf_class least(lengths, 64);
+    mpf_div_2exp(least.get_mpf_t(), least.get_mpf_t(), bits_ - 80);
+    if (measure < least) return false;
     const int side = side_of(corners[0], apexes);
     for (mpf_class& n : normal) n = side > 0 ? mpf_class(-n / measure) : mpf_class(n / measure);
     return side != 0 && (origin == nullptr || find_height(corners[0], origin));
@@ -456,14 +458,16 @@ bool Facets::wide_cofactors(std::uint32_t i, const double* origin, WideTerms& ou
   for (unsigned j = 0; j < k_; ++j) corners.push_back(row(s_.simplex(i)[j]));
   for (const std::uint32_t b : s_.basis) apexes.push_back(row(b));
   const mp_bitcnt_t enough = wide_bits(i);
-  for (mp_bitcnt_t bits = 256; bits <= enough; bits *= 2) {
+  for (mp_bitcnt_t bits = 256;; bits = std::min(2 * bits, enough)) {
     WideCofactors cofactors(k_, bits);
-    if (!cofactors.find(corners, apexes, origin)) continue;
-    out = {std::move(cofactors.normal), std::move(cofactors.lengths), std::move(cofactors.measure),
-           std::move(cofactors.height), std::move(cofactors.unit_edges)};
-    return true;
+    if (cofactors.find(corners, apexes, origin)) {
+      out = {std::move(cofactors.normal), std::move(cofactors.lengths),
+             std::move(cofactors.measure), std::move(cofactors.height),
+             std::move(cofactors.unit_edges)};
+      return true;
+    }
+    if (bits == enough) return false;
   }
-  return false;
 }
 
 WideTerms Facets::wide_terms(std::uint32_t i) const {
@@ -475,7 +479,8 @@ WideTerms Facets::wide_terms(std::uint32_t i) const {
   if (WideTerms w; k_ == d_ && k_ >= 2 && k_ <= 8 && wide_cofactors(i, origin, w)) return w;
   const std::uint32_t* v = s_.simplex(i);
   const mp_bitcnt_t enough = wide_bits(i);
-  for (mp_bitcnt_t bits = 512;; bits *= 4) {
+  // Flats of wild axes are held against the bound by component, of which the least matter.
+  for (mp_bitcnt_t bits = wild_ && k_ < d_ ? 8192 : 512;; bits *= 4) {
     const bool last = bits >= enough;
     Orthogonal<WideFloats> o(WideFloats{last ? enough : bits}, d_);
     bool whole = true;

@@ -71,7 +71,7 @@ class Facets {
   bool wide_cofactors(std::uint32_t simplex, const double* origin, WideTerms& out) const;
   template <unsigned K>
   void fill_spread(const WideTerms& w, FacetTerms& out) const;
-  bool in_range(std::uint32_t simplex) const;
+  bool in_range(std::uint32_t from, std::uint32_t to) const;
 
   const Subject& s_;
   const unsigned d_, k_;

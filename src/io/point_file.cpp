@@ -10,6 +10,7 @@
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/text_scan.hpp"
+#include "parallel/byte_order.hpp"
 
 namespace cullhull {
 
@@ -42,8 +43,7 @@ bool begins(const Source& s, std::string_view magic) {
 /// Binary STL has no magic: its size follows from its triangle count.
 bool looks_like_binary_stl(const Source& s) {
   if (s.size < 84) return false;
-  std::uint32_t triangles;
-  std::memcpy(&triangles, s.data + 80, 4);
+  const auto triangles = load_little_endian<std::uint32_t>(s.data + 80);
   return s.size == 84 + std::uint64_t{50} * triangles;
 }
 
@@ -163,7 +163,7 @@ PointData raw_points(const Source& source, std::uint64_t count, const ReadOption
                count,
                size * static_cast<std::ptrdiff_t>(options.raw_dimension),
                size};
-  return data;
+  return in_machine_order(std::move(data));
 }
 
 }  // namespace

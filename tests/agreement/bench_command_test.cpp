@@ -106,9 +106,10 @@ void expect_sound(const nlohmann::json& report) {
       EXPECT_TRUE(row["agrees"].get<bool>()) << row["name"] << ' ' << row["check"];
       EXPECT_NE(row["check"], "");
       EXPECT_TRUE(row["bandwidth_share"].is_null() || row["bandwidth_share"].get<double>() > 0);
+      EXPECT_EQ(row["reads"].is_null(), report["suite"] != "rivals");
     }
   }
-  ASSERT_FALSE(report["read_bytes_per_second"].empty());
+  EXPECT_EQ(report["read_bytes_per_second"].empty(), report["suite"] == "calls");
   for (const auto& [threads, rate] : report["read_bytes_per_second"].items())
     EXPECT_GT(rate.get<double>(), 0) << threads;
   for (const char* key : {"processor", "cores", "memory"}) EXPECT_NE(report["machine"][key], "");
@@ -250,6 +251,65 @@ TEST(BenchRivals, BadUsage) {
                                                                  {"--threads", "1,many"},
                                                                  {"--points", "many"}}) {
     const Ran ran = run_app(with(rivals, words));
+    EXPECT_EQ(ran.status, 2) << words[1] << ran.err;
+    EXPECT_TRUE(one_line(ran.err)) << ran.err;
+  }
+}
+
+const std::vector<std::string> calls = {"bench", "calls", "--seconds", "0", "--json"};
+
+TEST(BenchCalls, AFigureForEachLoadAndTheFirstCall) {
+  const Ran ran = run_app(
+      with(calls, {"--shape", "ball", "--dimension", "2", "--dimension", "4", "--points", "30",
+                   "--scalar", "f32", "--threads", "0,2", "--callers", "1,3", "--busy", "0,2"}));
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto report = nlohmann::json::parse(ran.out);
+  expect_sound(report);
+  std::vector<std::string> ids;
+  for (const auto& figure : report["figures"]) {
+    ids.push_back(figure["id"]);
+    ASSERT_EQ(figure["rows"].size(), 2U);
+    EXPECT_EQ(figure["rows"][0]["name"], "ball-2d-30-f32");
+  }
+  EXPECT_EQ(ids, (std::vector<std::string>{"calls", "calls-2-busy", "first-calls"}));
+  for (const char* name : {"cullhull", "cullhull, 99 %", "cullhull, 2 threads",
+                           "cullhull, 2 threads, 3 callers, 99 %"})
+    EXPECT_GT(report["figures"][1]["rows"][1]["values"][name], 0) << name;
+  for (const char* name : {"first", "later"})
+    EXPECT_GT(report["figures"][2]["rows"][0]["values"][name], 0) << name;
+}
+
+/// A rival that needs a second for each of the 2000 sets, one that answers too little, none.
+TEST(BenchCalls, ProgramsOfOthers) {
+  const Folder f;
+  const std::string program = f / "rival";
+  const auto measured_with = [&](const char* script) {
+    write_file(program, script);
+    std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+    return run_app(with(calls, {"--points", "8", "--busy", "0", "--rival", "slow=" + program}));
+  };
+  const Ran ran = measured_with(
+      "#!/bin/sh\ntest -s \"$1\" && for i in $(seq $2); do printf '\\0\\0\\0\\0\\0\\0\\360?'; "
+      "done");
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto row = nlohmann::json::parse(ran.out)["figures"][0]["rows"][0];
+  EXPECT_EQ(row["values"]["slow"], 1.0);
+  EXPECT_EQ(row["values"]["slow, 99 %"], 1.0);
+  const Ran less = measured_with("#!/bin/sh\nprintf 1234");
+  EXPECT_EQ(less.status, 1);
+  EXPECT_TRUE(one_line(less.err)) << less.err;
+  EXPECT_NE(less.err.find(program), std::string::npos) << less.err;
+}
+
+TEST(BenchCalls, BadUsage) {
+  for (const auto& words : std::vector<std::vector<std::string>>{{"--callers", "0"},
+                                                                 {"--callers", "all"},
+                                                                 {"--busy", "some"},
+                                                                 {"--rival", "program"},
+                                                                 {"--rival", "=program"},
+                                                                 {"--shape", "squashed"},
+                                                                 {"--seconds", "-1"}}) {
+    const Ran ran = run_app(with(calls, words));
     EXPECT_EQ(ran.status, 2) << words[1] << ran.err;
     EXPECT_TRUE(one_line(ran.err)) << ran.err;
   }

@@ -117,6 +117,7 @@ TEST(CliJson, BenchSuites) {
   expect_json(
       {"bench", "rivals", "--scale", "1", "--repeat", "1", "--workload", "cube-3d-100", "--json"},
       "bench");
+  expect_json({"bench", "calls", "--seconds", "0", "--workload", "cube-3d-100", "--json"}, "bench");
 }
 
 // What the bare flag becomes on its way to the parser is nobody's business.

@@ -48,6 +48,7 @@ TEST(CliUsage, HelpByCommand) {
                                                   {"generate"},
                                                   {"bench"},
                                                   {"bench", "rivals"},
+                                                  {"bench", "calls"},
                                                   {"qconvex"}}) {
     std::vector<std::string> flag = command, word = command;
     flag.emplace_back("--help");

@@ -168,25 +168,62 @@ TEST(CertifyNumbers, SmallMeasuresAreRelative) {
   }
 }
 
-/// The centroid of a box goes by its own axis' extent.
 /// The volume of a triangle as long as 1e308 and as wide as 1e-289, one edge of which is shorter
 /// still: found by fuzzing.
 TEST(CertifyNumbers, VolumesBelowEveryDouble) {
-  PointSet s{"thin", 2, {1e308, 2.061491772686043e-289, 7.748611111577175e-304, 0, 0, 0}};
+  const PointSet s{"thin", 2, {1e308, 2.061491772686043e-289, 7.748611111577175e-304, 0, 0, 0}};
   EXPECT_EQ(reason(s, convex_hull(view_of(s))), "");
+}
+
+/// In a flat whose axes differ so, each component of a normal counts down to the least double:
+/// found by fuzzing.
+TEST(CertifyNumbers, FlatAcrossAllMagnitudes) {
+  const PointSet s{"flat",
+                   6,
+                   {2.1189065346908687e-164, 2.204457e-317, 1.0359284e-316, -3.0654017248048465e248,
+                    1.0336529548714315e-166, -1.5494739372372946e231, 5.375598442580152e-299,
+                    -1.3024916433538417e163, 3.9419496760921695e195, 4.144532e-317,
+                    7.301631366461899e-184, 5.96046447e-316, 0, 0, 0, 0, 0, 0}};
+  EXPECT_EQ(reason(s, convex_hull(view_of(s))), "");
+}
+
+/// No axis is short, but the steps to most vertices vanish in the units of the longest.
+TEST(CertifyNumbers, FlatOfPointsOfAllMagnitudes) {
+  PointSet s{"flat", 3, {}};
+  for (const auto& [x, z] : {std::pair{-1.6091764227273352e-50, -1.249173079655945e-50},
+                             {-1.7295838356764733e+145, -5.339552228491322e+145},
+                             {-3.913398946408882e-64, 1.5212031767603455e-64},
+                             {2.401149624540777e+305, 3.981093880978109e+305},
+                             {-5.313469677496112e-37, 4.780555619957536e-36}})
+    s.add({x, x, z});
+  EXPECT_EQ(reason(s, convex_hull(view_of(s))), "");
+}
+
+/// Coordinates of any magnitudes, a point or an axis at a time: facets so thin that only wide
+/// arithmetic tells their normals.
+TEST(CertifyNumbers, AnyMagnitudesInAnyDimension) {
   std::mt19937_64 random(7);
-  for (unsigned run = 0; run < 300; ++run) {
-    constexpr unsigned d = 2;
-    PointSet wild{"magnitudes, run " + std::to_string(run), d, {}};
-    for (unsigned i = 0; i < (d + 1 + run % 5) * d; ++i) {
-      const int exponent = static_cast<int>(random() % 2040) - 1020;
-      const double v = std::ldexp(1 + static_cast<double>(random() % 4096) / 4096, exponent);
-      wild.coordinates.push_back(random() % 4 == 0 ? 0 : random() % 2 == 0 ? v : -v);
+  const auto below = [&](unsigned n) { return static_cast<unsigned>(random() % n); };
+  for (unsigned run = 0; run < 180; ++run) {
+    const unsigned d = 1 + run % 6, n = d + 1 + below(6), kind = below(4);
+    std::vector<int> of_axis(d);
+    for (int& e : of_axis) e = static_cast<int>(below(2040)) - 1020;
+    PointSet s{"magnitudes, run " + std::to_string(run), d, {}};
+    for (unsigned i = 0; i < n; ++i) {
+      const int of_point = static_cast<int>(below(2040)) - 1020;
+      for (unsigned c = 0; c < d; ++c) {
+        const int own = static_cast<int>(below(2040)) - 1020;
+        const int exponent = kind == 0 ? of_axis[c] : kind == 1 ? of_point : own;
+        const double v = std::ldexp(1 + static_cast<double>(below(4096)) / 4096, exponent);
+        s.coordinates.push_back(below(4) == 0 ? 0 : below(2) == 0 ? v : -v);
+      }
+      if (run % 7 == 0) s.coordinates.back() = s.coordinates[s.coordinates.size() - d];  // a flat
     }
-    EXPECT_EQ(reason(wild, convex_hull(view_of(wild))), "") << wild.name;
+    EXPECT_EQ(reason(s, convex_hull(view_of(s))), "") << s.name;
   }
 }
 
+/// The centroid of a box goes by its own axis' extent.
 TEST(CertifyNumbers, CentroidsAxisByAxis) {
   const PointSet s = box({1e6, 1, 1e-6});
   const Hull good = convex_hull(view_of(s));

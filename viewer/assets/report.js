@@ -176,7 +176,7 @@
     const box = add(add(parent, "details"), "div", {class: "wide"});
     box.parentNode.prepend(Object.assign(document.createElement("summary"), {textContent: "Numbers"}));
     const names = namesOf(figure), grid = add(box, "table"), head = add(grid, "tr");
-    for (const name of ["", ...names, "ratio", "the paper", "of read bandwidth ¹", "check"]) add(head, "th", {}, capital(name));
+    for (const name of ["", ...names, "ratio", "the paper", "of read bandwidth ¹", "reads", "check"]) add(head, "th", {}, capital(name));
     for (const row of figure.rows) {
       const line = add(grid, "tr");
       add(line, "th", {}, row.name);
@@ -188,6 +188,7 @@
       add(line, "td", {}, ratioOf(row));
       add(line, "td", {}, row.paper || "");
       add(line, "td", {}, percent(row.bandwidth_share));
+      add(line, "td", {}, row.reads ? row.reads.toPrecision(3) + "×" : "");
       const told = (row.agrees ? "" : "differs: ") + row.check + (row.slower ? "; slower " + row.slower : "");
       add(line, "td", row.agrees && !row.slower ? {} : {class: "differs"}, told);
     }

@@ -14,6 +14,7 @@
 #include "parallel/big_array.hpp"
 #include "parallel/clear_pages.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -149,7 +150,7 @@ class Buckets {
       each(begin, end, [&](const Entry& e) {
         Entry* const to = entries_.get() + at[bucket(e.key)]++;
         *to = e;
-        __builtin_prefetch(to + 3, 1);  // stores wait in line for those that miss
+        prefetch_line_to_write(to + 3);  // stores wait in line for those that miss
       });
     });
   }
@@ -401,13 +402,13 @@ Polygon polygon_of(const PointView& points, bool lattice, const Run& run) {
   return polygon;
 }
 
-SimplicialHull hull_2d(const LocalPoints& points, const Run& run) {
+Boundary hull_2d(const LocalPoints& points, const Run& run) {
   const bool scaled = points.coordinates != points.exact;
   const Polygon polygon = polygon_of(PointView::row_major(points.exact, points.count, 2),
                                      points.small_lattice && !scaled, run);
   const std::size_t n = polygon.corners.size();
   if (n < 3) throw Error(ErrorCode::internal, "hull_2d was given collinear points");
-  SimplicialHull hull;
+  Boundary hull;
   hull.dimension = 2;
   resize_big(hull.vertices, 2 * n);
   resize_big(hull.neighbours, 2 * n);

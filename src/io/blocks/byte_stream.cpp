@@ -1,10 +1,5 @@
 #include "io/blocks/byte_stream.hpp"
 
-#include <fcntl.h>
-#include <poll.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -15,6 +10,7 @@
 #include "io/packed/unwrap.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
+#include "io/system.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -34,7 +30,7 @@ class FileBytes : public ByteStream {
     std::size_t have = 0;
     while (have < size) {
       wait();
-      const ssize_t got = ::read(fd_, out + have, size - have);
+      const std::ptrdiff_t got = system::read_some(fd_, out + have, size - have);
       if (got < 0 && errno == EINTR) continue;
       if (got < 0) refuse(name_, "cannot read", errno);
       if (got == 0) break;
@@ -49,10 +45,9 @@ class FileBytes : public ByteStream {
   /// A pipe may have nothing for long: then it is asked now and then whether to go on.
   void wait() const {
     if (!waits_) return;
-    pollfd asked{fd_, POLLIN, 0};
     do {
       if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
-    } while (::poll(&asked, 1, 100) == 0);
+    } while (!system::readable_soon(fd_));
   }
 
   std::string name_;
@@ -110,7 +105,7 @@ void replace_stream(OpenedBytes& opened, std::unique_ptr<ByteStream> stream) {
 }
 
 Descriptor another(const Descriptor& file, const std::string& name) {
-  Descriptor copy(::dup(file.get()));
+  Descriptor copy(system::duplicate(file.get()));
   if (copy.get() < 0) refuse(name, "cannot open", errno);
   return copy;
 }
@@ -146,7 +141,7 @@ OpenedBytes open_member(OpenedBytes&& archive, const std::string& member) {
 }  // namespace
 
 Descriptor::~Descriptor() {
-  if (fd_ > 0) ::close(fd_);
+  if (fd_ > 0) system::close_file(fd_);
 }
 
 namespace {
@@ -155,12 +150,12 @@ OpenedBytes open_file(const std::string& path, const std::stop_token& stop) {
   OpenedBytes opened;
   opened.name = display_name(path);
   opened.size = unknown_size;
-  Descriptor file(path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  Descriptor file(path == "-" ? system::standard_input : system::open_to_read(path.c_str()));
   if (file.get() < 0) refuse(opened.name, "cannot open", errno);
-  struct stat status {};
-  if (::fstat(file.get(), &status) != 0) refuse(opened.name, "cannot read", errno);
-  if (S_ISDIR(status.st_mode)) refuse(opened.name, "cannot read", EISDIR);
-  const bool regular = S_ISREG(status.st_mode);
+  system::FileStatus status{};
+  if (system::status_of(file.get(), status) != 0) refuse(opened.name, "cannot read", errno);
+  if (system::is_folder(status)) refuse(opened.name, "cannot read", EISDIR);
+  const bool regular = system::is_regular(status);
   auto bytes = std::make_unique<FileBytes>(opened.name, file.get(), !regular, stop);
   opened.head.resize(head_bytes);
   opened.head.resize(bytes->read(opened.head.data(), head_bytes));
@@ -168,12 +163,10 @@ OpenedBytes open_file(const std::string& path, const std::stop_token& stop) {
   // Files of /proc have no size, and standard input may be a file that others read, too.
   if (path != "-" && regular && status.st_size > 0) {
     opened.size = static_cast<std::uint64_t>(status.st_size);
-    (void)posix_fadvise(file.get(), 0, 0, POSIX_FADV_SEQUENTIAL);  // a hint
+    system::expect_in_order(file.get());
     opened.file = another(file, opened.name);
   } else {
-#ifdef F_SETPIPE_SZ
-    (void)::fcntl(file.get(), F_SETPIPE_SZ, 1 << 20);  // a hint, and no pipe perhaps
-#endif
+    system::enlarge_pipe(file.get());  // perhaps no pipe
   }
   opened.stream = std::make_unique<WithHead>(std::move(file), std::move(bytes), opened.head);
   return opened;
@@ -197,7 +190,7 @@ OpenedBytes open_bytes(const std::string& path, const ReadOptions& options) {
 void read_at(const OpenedBytes& from, char* out, std::size_t size, std::uint64_t offset) {
   offset += from.base;
   while (size > 0) {
-    const ssize_t got = ::pread(from.file.get(), out, size, static_cast<off_t>(offset));
+    const std::ptrdiff_t got = system::read_some_at(from.file.get(), out, size, offset);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) refuse(from.name, "cannot read", errno);
     if (got == 0) throw Error(ErrorCode::io, from.name + ": shrank while it was being read");

@@ -1,13 +1,12 @@
 #include "io/packed/archive.hpp"
 
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cstring>
 #include <vector>
 
 #include "io/source.hpp"
+#include "io/system.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -150,8 +149,9 @@ InputName split_input(const std::string& path) {
   std::string lower = path;
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const std::size_t colon = lower.find(".npz:");
-  struct stat status {};
-  if (colon == std::string::npos || ::stat(path.c_str(), &status) == 0) return {path, ""};
+  system::FileStatus status{};
+  if (colon == std::string::npos || system::status_of(path.c_str(), status) == 0)
+    return {path, ""};
   return {path.substr(0, colon + 4), path.substr(colon + 5)};
 }
 

@@ -1,0 +1,46 @@
+// Suite `calls`: single calls, one after the other over different sets, as a program makes them
+// that needs many hulls of small and middle size: median and 99th percentile of a call.
+#pragma once
+
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "cullhull/options.hpp"
+#include "report.hpp"
+#include "workload.hpp"
+
+namespace cullhull::bench {
+
+/// A program that is given a .npy of doubles and a number of sets to cut it into, and writes the
+/// seconds of each set's hull as doubles in binary (bench/rival_cgal.cpp is one).
+struct RivalProgram {
+  std::string name, path;
+};
+
+struct CallSettings {
+  std::vector<Workload> workloads;      ///< `count` points a set; empty: call_workloads()
+  std::vector<unsigned> threads{0, 1};  ///< 0: the default options
+  std::vector<unsigned> callers{1};     ///< so many threads call at once, each over its own sets
+  std::vector<unsigned> busy{0, 1};     ///< so many processes keep a core each busy: a figure each
+  double seconds = 0.5;                 ///< of calls for each value
+  double limit = 30;                    ///< seconds for all calls of a program; 0: no limit
+  std::uint64_t seed = 1;               ///< of the sets
+  bool with_qhull = true, with_cgal = true;
+  std::vector<RivalProgram> rivals{};
+  /// The program whose first call in a process is timed; empty: this one, if it is cullhull.
+  std::string first_call;
+};
+
+/// Those that are measured if nothing else is asked for: 10 to 100,000 points in 2D to 4D.
+const std::vector<Workload>& call_workloads();
+
+/// A call's time includes making whatever a result makes when it is asked for, and freeing it. What
+/// is timed takes turns, so that what disturbs disturbs all of it; programs have a turn of their
+/// own. The first set's hull is certified. Throws Error{cancelled}, Error{invalid_argument} for a
+/// shape that `generate` does not know in a dimension, and Error{io} for a rival that cannot be run
+/// or answers something else.
+Report run_calls(const CallSettings& settings, const Progress& progress,
+                 const std::stop_token& stop);
+
+}  // namespace cullhull::bench
