@@ -8,6 +8,7 @@
 
 #include "cullhull/error.hpp"
 #include "io/mesh.hpp"
+#include "parallel/byte_order.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -17,8 +18,18 @@ void append_bytes(std::string& out, const void* data, std::size_t size) {
 }
 
 void append_word(std::string& out, std::size_t value) {
-  const auto word = static_cast<std::uint32_t>(value);
+  const std::uint32_t word = little_endian(static_cast<std::uint32_t>(value));
   append_bytes(out, &word, sizeof word);
+}
+
+/// Numbers of four bytes, little-endian.
+template <class T>
+void write_items(OutputFile& out, const std::vector<T>& items) {
+  static_assert(sizeof(T) == 4);
+  std::string bytes;
+  append_bytes(bytes, items.data(), 4 * items.size());
+  little_endian_items(bytes.data(), bytes.size(), 4);
+  out.write(bytes);
 }
 
 struct Placed {
@@ -133,8 +144,8 @@ void write_glb(OutputFile& out, const HullMesh& mesh) {
   append_word(head, binary);
   head.append("BIN\0", 4);
   out.write(head);
-  out.write({reinterpret_cast<const char*>(placed.positions.data()), 4 * placed.positions.size()});
-  out.write({reinterpret_cast<const char*>(mesh.triangles.data()), 4 * mesh.triangles.size()});
+  write_items(out, placed.positions);
+  write_items(out, mesh.triangles);
 }
 
 void write_vtp(OutputFile& out, const HullMesh& mesh) {
