@@ -139,8 +139,8 @@ TEST(CliGroups, KeysThatAreNumbersAndThoseThatAreNot) {
     write_file(f / "p.csv", "k,x,y\n" + rows);
     EXPECT_EQ(run_app({"hull", f / "p.csv", "--by", "k", "-o", f / "h.geojson"}).status, 0);
     std::string list;
-    for (const auto& feature : nlohmann::json::parse(read_file(f / "h.geojson"))["features"])
-      list += feature["properties"]["k"].dump() + " ";
+    const auto written = nlohmann::json::parse(read_file(f / "h.geojson"));
+    for (const auto& feature : written["features"]) list += feature["properties"]["k"].dump() + " ";
     return list;
   };
   EXPECT_EQ(keys("10,0,0\n9,0,0\n-1,0,0\n2.5,1,1\n"), "-1 2.5 9 10 ");
