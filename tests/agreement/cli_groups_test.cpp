@@ -39,10 +39,10 @@ Table table(std::uint32_t d, const std::vector<std::string>& words, std::uint64_
   std::shuffle(rows.begin(), rows.end(), random);
   Table t;
   t.text = "note,key";
-  for (std::uint32_t j = 0; j < d; ++j) t.text += ",c" + std::to_string(j);
+  for (std::uint32_t j = 0; j < d; ++j) t.text.append(",c").append(std::to_string(j));
   for (const auto& [word, row] : rows) {
     t.text += "\nw,\"" + word + "\"";
-    for (const double v : row) t.text += "," + std::to_string(v);
+    for (const double v : row) t.text.append(",").append(std::to_string(v));
     t.groups[word].insert(t.groups[word].end(), row.begin(), row.end());
   }
   t.text += "\n";
