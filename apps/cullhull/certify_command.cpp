@@ -66,7 +66,8 @@ struct Outcome {
 };
 
 Outcome certify_in_memory(const CertifyArguments& arguments) {
-  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads);
+  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
+                                  arguments.run.memory_bytes());
   Outcome outcome;
   outcome.points = input.points;
   outcome.read_seconds = input.file.read_seconds();

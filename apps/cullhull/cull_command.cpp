@@ -117,7 +117,8 @@ void write_survivors(const CullArguments& arguments, const cullhull::PointView& 
 }
 
 int run_in_memory(const CullArguments& arguments, const FilePlan& plan) {
-  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads);
+  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
+                                  arguments.run.memory_bytes());
   for (const std::string& path : {arguments.output, arguments.points})
     check_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);

@@ -246,7 +246,8 @@ void check_vertices_only(const HullArguments& arguments) {
 }
 
 int run_vertices_only(const HullArguments& arguments, const FilePlan& plan) {
-  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads);
+  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
+                                  arguments.run.memory_bytes());
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const Extreme found = find_repeatedly(arguments, [&](const cullhull::Options& options) {
     return cullhull::extreme_points(input.points, options);
@@ -381,7 +382,8 @@ int run_streamed(const HullArguments& arguments, const FilePlan& plan) {
 
 int run_in_memory(const HullArguments& arguments, const FilePlan& plan) {
   if (!arguments.only.empty()) return run_vertices_only(arguments, plan);
-  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads);
+  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
+                                  arguments.run.memory_bytes());
   for (const std::string& path : arguments.outputs)
     check_hull_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);

@@ -1,8 +1,6 @@
 #include "outputs.hpp"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -10,7 +8,9 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
+#include "cullhull/point_blocks.hpp"
 #include "cullhull/version.hpp"
+#include "system.hpp"
 #include "terminal.hpp"
 
 namespace app {
@@ -35,9 +35,9 @@ std::string listed(const Endings& endings) {
 
 /// Nothing that has a name to honour: standard output, a pipe, a device.
 bool is_stream(const std::string& path) {
-  struct stat status {};
-  return path == "-" || (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode) &&
-                         !S_ISDIR(status.st_mode));
+  if (path == "-") return true;
+  const system::FileIdentity file = system::identify(path);
+  return file.exists && !file.regular && !file.folder;
 }
 
 }  // namespace
@@ -89,20 +89,22 @@ std::string wrote_line(const std::string& path) {
 // ------------------------------------------------------------------------------- FilePlan
 
 std::optional<FilePlan::Identity> FilePlan::identify(const std::string& path, bool output) {
-  struct stat status {};
   const bool stream = path == "-";
-  const bool exists = stream ? ::fstat(output ? STDOUT_FILENO : STDIN_FILENO, &status) == 0
-                             : ::stat(path.c_str(), &status) == 0;
-  if (exists && S_ISREG(status.st_mode)) return Identity{status.st_dev, status.st_ino, ""};
-  if (exists || stream) return std::nullopt;
+  const system::FileIdentity file =
+      stream ? system::identify(output ? system::standard_output : system::standard_input)
+             : system::identify(path);
+  if (file.regular) return Identity{file.device, file.number, ""};
+  if (file.exists || stream) return std::nullopt;
   const std::filesystem::path name(path);
   const std::string folder = name.has_parent_path() ? name.parent_path().string() : ".";
-  if (::stat(folder.c_str(), &status) != 0) return Identity{0, 0, name.lexically_normal().string()};
-  return Identity{status.st_dev, status.st_ino, name.filename().string()};
+  const system::FileIdentity place = system::identify(folder);
+  if (!place.exists) return Identity{0, 0, name.lexically_normal().string()};
+  return Identity{place.device, place.number, name.filename().string()};
 }
 
 void FilePlan::reads(const std::string& path) {
-  if (const auto identity = identify(path, false)) inputs_.push_back({*identity, "", path});
+  if (const auto identity = identify(cullhull::file_of_input(path), false))
+    inputs_.push_back({*identity, "", path});
 }
 
 void FilePlan::reads(const std::vector<std::string>& paths) {

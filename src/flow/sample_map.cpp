@@ -43,10 +43,6 @@ InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, const Run& run) {
   return polytope;
 }
 
-namespace {
-
-/// `size` ids spread evenly over [0, count), each at a pseudo-random place in its stretch, so that
-/// no period of the input's order can hide points from the sample.
 std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
   std::vector<std::uint64_t> ids(size);
   XorShift random;
@@ -59,6 +55,8 @@ std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   return ids;
 }
+
+namespace {
 
 struct Sampled {
   InnerPolytope polytope;

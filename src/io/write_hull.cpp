@@ -1,6 +1,4 @@
 // Which writer writes the file.
-#include <sys/stat.h>
-
 #include <algorithm>
 
 #include "cullhull/error.hpp"
@@ -8,6 +6,7 @@
 #include "io/mesh.hpp"
 #include "io/output_file.hpp"
 #include "io/source.hpp"
+#include "io/system.hpp"
 
 namespace cullhull {
 
@@ -16,9 +15,9 @@ namespace internal {
 std::string output_format(const std::string& path, const std::string& format,
                           const std::string& unnamed) {
   if (!format.empty()) return format;
-  struct stat status {};
+  system::FileStatus status{};
   const bool has_name =
-      path != "-" && (::stat(path.c_str(), &status) != 0 || S_ISREG(status.st_mode));
+      path != "-" && (system::status_of(path.c_str(), status) != 0 || system::is_regular(status));
   return has_name ? extension_of(path) : unnamed;
 }
 

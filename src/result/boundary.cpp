@@ -7,6 +7,7 @@
 #include "geometry/orientation.hpp"
 #include "geometry/oriented_plane.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 #include "parallel/sort_few.hpp"
 
 namespace cullhull::internal {
@@ -102,9 +103,9 @@ class RidgeScan {
     if (f + 8 >= count_) return;
     for (unsigned i = 0; i < k; ++i) {
       const std::size_t g = surface_.neighbours[(f + 8) * k + i];
-      __builtin_prefetch(surface_.vertices.data() + g * k);
-      __builtin_prefetch(surface_.neighbours.data() + g * k);
-      __builtin_prefetch(points_.row(surface_.vertices[f * k + i]));
+      prefetch_line(surface_.vertices.data() + g * k);
+      prefetch_line(surface_.neighbours.data() + g * k);
+      prefetch_line(points_.row(surface_.vertices[f * k + i]));
     }
   }
 

@@ -7,6 +7,7 @@
 
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 #include "parallel/radix_sort.hpp"
 #include "result/vertex_list.hpp"
 
@@ -200,13 +201,13 @@ class FacetOrderer {
     if (i + 32 >= count_) return;
     const std::size_t far = std::size_t{order_[i + 32]} * k_,
                       near = std::size_t{order_[i + 16]} * k_;
-    __builtin_prefetch(surface_.vertices.data() + far);
-    __builtin_prefetch(surface_.neighbours.data() + far);
-    __builtin_prefetch(surface_.odd.data() + order_[i + 32]);
+    prefetch_line(surface_.vertices.data() + far);
+    prefetch_line(surface_.neighbours.data() + far);
+    prefetch_line(surface_.odd.data() + order_[i + 32]);
     for (unsigned j = 0; j < k_; ++j) {
       if (!vertices_.all_points)
-        __builtin_prefetch(&vertices_.positions[surface_.vertices[near + j]]);
-      __builtin_prefetch(rank_.data() + surface_.neighbours[near + j]);
+        prefetch_line(&vertices_.positions[surface_.vertices[near + j]]);
+      prefetch_line(rank_.data() + surface_.neighbours[near + j]);
     }
   }
 

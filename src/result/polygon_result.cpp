@@ -7,6 +7,7 @@
 #include "parallel/big_array.hpp"
 #include "parallel/clear_pages.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 #include "result/facet_plane.hpp"
 
 namespace cullhull::internal {
@@ -233,7 +234,7 @@ class Writer {
     const PlanarPoint origin = corners_[0].point;
     Share<2> run;
     for (std::uint64_t i = begin; i < end; ++i) {
-      if (i + ahead < end) __builtin_prefetch(&corners_[lists_.neighbours[2 * (i + ahead)]]);
+      if (i + ahead < end) prefetch_line(&corners_[lists_.neighbours[2 * (i + ahead)]]);
       const Corner &here = corners_[i], &there = corners_[lists_.neighbours[2 * i]];
       lists_.simplices[2 * i] = lists_.facets[2 * i + 1] = here.id;
       lists_.simplices[2 * i + 1] = lists_.facets[2 * i] = there.id;

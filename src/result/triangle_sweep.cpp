@@ -2,6 +2,7 @@
 
 #include "result/triangle_sweep.hpp"
 
+#include "parallel/prefetch.hpp"
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
@@ -251,11 +252,11 @@ std::uint32_t count_triangles(const TriangleSource& source, std::uint32_t begin,
     ++counts[std::min({source.place[v[0]], source.place[v[1]], source.place[v[2]]}) >> shift];
     // What the sweep over these facets will look at, and where it will write, all over the region.
     for (unsigned j = 0; j < 3; ++j) {
-      __builtin_prefetch(source.facets + facet.neighbours[j], 0, 2);
-      __builtin_prefetch(source.rows + std::size_t{v[j]} * Shared3D::row_stride, 0, 2);
+      prefetch_passing_line(source.facets + facet.neighbours[j]);
+      prefetch_passing_line(source.rows + std::size_t{v[j]} * Shared3D::row_stride);
     }
-    __builtin_prefetch(to_write, 1);
-    __builtin_prefetch(to_write + 40, 1);
+    prefetch_line_to_write(to_write);
+    prefetch_line_to_write(to_write + 40);
     to_write += sizeof(TriangleRecord);
     ++live;
   }

@@ -20,6 +20,7 @@
 #include "parallel/big_array.hpp"
 #include "parallel/clear_pages.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 #include "parallel/sort_few.hpp"
 #include "result/bucket_sort.hpp"
 #include "result/facet_kernel.hpp"
@@ -143,7 +144,7 @@ class SimplexWriter {
         [&](const auto& visit) { std::for_each(keys_.get() + begin, keys_.get() + end, visit); },
         [&](const FacetKey& key) { return packing_.first(key); },
         [&](const FacetKey& key) {
-          __builtin_prefetch(&rank_[packing_.number(key)], 1);
+          prefetch_line_to_write(&rank_[packing_.number(key)]);
           return key;
         },
         [this](const FacetKey& x, const FacetKey& y) { return less(x, y); });
@@ -187,9 +188,9 @@ class SimplexWriter {
     run_.each(count_, simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
       bool open = false;
       for (std::uint64_t i = begin; i < end; ++i) {
-        if (i + far < end) __builtin_prefetch(of(i + far));
+        if (i + far < end) prefetch_line(of(i + far));
         if (i + near < end)
-          for (unsigned j = 0; j < K; ++j) __builtin_prefetch(rank_.get() + of(i + near)[j]);
+          for (unsigned j = 0; j < K; ++j) prefetch_line(rank_.get() + of(i + near)[j]);
         const std::uint32_t* across = of(i);
         std::uint32_t* next = neighbours_.data() + i * K;
         std::uint32_t* ordered = facet_neighbours_.data() + i * K;
@@ -278,10 +279,10 @@ class SimplexWriter {
         count += g > f;
       }
     for (const Ridge* r = ridges; r < ridges + count; ++r) {
-      __builtin_prefetch(&corners_[std::size_t{r->across} * K]);
-      __builtin_prefetch(&corners_[std::size_t{r->across} * K + K - 1]);
-      __builtin_prefetch(neighbours_.data() + std::size_t{r->across} * K);
-      __builtin_prefetch(neighbours_.data() + std::size_t{r->across} * K + K - 1);
+      prefetch_line(&corners_[std::size_t{r->across} * K]);
+      prefetch_line(&corners_[std::size_t{r->across} * K + K - 1]);
+      prefetch_line(neighbours_.data() + std::size_t{r->across} * K);
+      prefetch_line(neighbours_.data() + std::size_t{r->across} * K + K - 1);
     }
     return count;
   }
@@ -319,7 +320,7 @@ class SimplexWriter {
     if (((i + j + is_odd(stored) + odd) & 1U) == 0)
       fail_not_exact("neighbouring facets are oriented differently");
     ridge.across = x;
-    __builtin_prefetch(frame_.at(x));
+    prefetch_line(frame_.at(x));
   }
 
   void load(const std::uint32_t* corners, FacetBlock<K>& block, unsigned lane) const {

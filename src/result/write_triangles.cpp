@@ -17,6 +17,7 @@
 #include "geometry/orientation_3d.hpp"
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 #include "result/bucket_sort.hpp"
 #include "result/facet_plane.hpp"
 #include "result/facet_share.hpp"
@@ -335,7 +336,7 @@ class TriangleWriter {
         },
         [&](Id i) { return records_[i].vertex[0] - base; },
         [&](Id i) {
-          __builtin_prefetch(&rank_[records_[i].slot], 1);
+          prefetch_line_to_write(&rank_[records_[i].slot]);
           return std::uint64_t{records_[i].vertex[1]} << 32 | i;
         },
         std::less<>());
@@ -421,7 +422,7 @@ class TriangleWriter {
         Id* next = hull_.simplex_neighbours.data() + i * 3;
         Id* across = neighbours.data() + i * 3;
         for (unsigned j = 0; j < 3; ++j) {
-          if (i + ahead < end) __builtin_prefetch(&rank_[next[j + ahead * 3]]);
+          if (i + ahead < end) prefetch_line(&rank_[next[j + ahead * 3]]);
           next[j] = rank_[next[j]];
         }
         // The edge from vertex j is opposite to vertex j + 2.

@@ -14,6 +14,7 @@
 #include "parallel/big_array.hpp"
 #include "parallel/clear_pages.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -151,7 +152,7 @@ class Buckets {
       each(begin, end, [&](const Entry& e) {
         Entry* const to = entries_.get() + at[bucket(e.key)]++;
         *to = e;
-        __builtin_prefetch(to + 3, 1);  // stores wait in line for those that miss
+        prefetch_line_to_write(to + 3);  // stores wait in line for those that miss
       });
     });
   }

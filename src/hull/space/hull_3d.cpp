@@ -4,6 +4,7 @@
 #include "cullhull/error.hpp"
 #include "hull/space/engine_3d.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 #include "parallel/xorshift.hpp"
 
 namespace cullhull::internal {
@@ -77,7 +78,7 @@ void Engine3D::copy_rows() {
     // The order is as good as random in memory: lines asked for so early are mostly there.
     constexpr std::uint64_t ahead = 24;
     for (std::uint64_t i = begin; i < end; ++i) {
-      if (i + ahead < end) __builtin_prefetch(points_.row(order_.ids[i + ahead]));
+      if (i + ahead < end) prefetch_line(points_.row(order_.ids[i + ahead]));
       const double* from = points_.row(order_.ids[i]);
       double* to = rows_.get() + i * Shared3D::row_stride;
       for (unsigned j = 0; j < 3; ++j) to[j] = from[j];
