@@ -141,8 +141,8 @@ void FilePlan::writes(const std::string& option, const std::string& path, const 
 
 void FilePlan::writes_json(const std::string& path) {
   if (path.empty()) return;
-  static constexpr std::string_view others[] = {".ply", ".obj", ".off", ".stl", ".npy",
-                                                ".csv", ".txt", ".xyz", ".html"};
+  static constexpr std::string_view others[] = {".ply", ".obj", ".off", ".stl", ".glb", ".vtp",
+                                                ".wkt", ".npy", ".csv", ".txt", ".xyz", ".html"};
   if (!is_stream(path) &&
       std::find(std::begin(others), std::end(others), ending_of(path)) != std::end(others))
     refuse("--json", path, "JSON is written, which is not what the name says; end it in .json");
@@ -166,7 +166,11 @@ void add_json_option(Parser& command, std::string& path, const std::string& what
 
 void check_hull_dimension(const std::string& path, std::uint32_t dimension) {
   const std::string ending = ending_of(path);
-  const bool mesh = ending == ".ply" || ending == ".obj" || ending == ".off" || ending == ".stl";
+  if ((ending == ".geojson" || ending == ".wkt") && dimension != 2)
+    refuse("-o", path,
+           fmt::format("a geometry needs points of dimension 2, not {}; write .json", dimension));
+  static constexpr std::string_view meshes[] = {".ply", ".obj", ".off", ".stl", ".glb", ".vtp"};
+  const bool mesh = std::find(std::begin(meshes), std::end(meshes), ending) != std::end(meshes);
   if (mesh && dimension != 2 && dimension != 3)
     refuse("-o", path,
            fmt::format("a mesh needs points of dimension 2 or 3, not {}; write .json", dimension));

@@ -84,7 +84,9 @@ void add_json_option(Parser& command, std::string& path, const std::string& what
 void check_hull_dimension(const std::string& path, std::uint32_t dimension);
 
 /// The endings of the names write_hull, write_ids and write_points know, and those of pages.
-inline const Endings hull_endings{".ply", ".obj", ".off", ".stl", ".json", ".txt"};
+inline const Endings hull_endings{".ply", ".obj",     ".off", ".stl",  ".glb",
+                                  ".vtp", ".geojson", ".wkt", ".json", ".txt"};
+inline const Endings group_endings{".geojson", ".csv", ".json"};
 inline const Endings id_endings{".npy", ".csv", ".txt"};
 inline const Endings point_endings{".npy", ".ply", ".csv", ".xyz", ".txt"};
 inline const Endings page_endings{".html", ".htm"};

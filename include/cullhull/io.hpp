@@ -32,6 +32,9 @@ struct ReadOptions {
   /// first line; formats of meshes and scans have x, y, z. The other columns of a text may hold
   /// anything.
   std::string columns;
+  /// A column that tells which group a point belongs to, named as one of `columns`; it is then no
+  /// coordinate unless it is asked for. BlockVisitor::keyed gets what it holds, as it is written.
+  std::string key;
   /// Called with one line where points are read in a way one may not expect: columns left out that
   /// nobody asked to leave out. From any thread.
   std::function<void(const std::string&)> remark;
@@ -132,7 +135,8 @@ enum class Faces {
   triangles,  ///< as the hull's simplices, for programs that read no polygons
 };
 
-/// Writes `hull` in the format of the extension of `path` (.ply .obj .off .stl .json .txt) or
+/// Writes `hull` in the format of the extension of `path` (.ply .obj .off .stl .glb .vtp
+/// .geojson .wkt .json .txt) or
 /// `format`: one of those words, or of the words of hull_to_qhull_text. The bytes depend on points
 /// and hull alone, so .json holds the result and no times. The file appears whole or not at all
 /// (written beside, then renamed); "-" and what is no regular file (a pipe, a device) are written

@@ -128,6 +128,14 @@ void gather(PointData& data, const std::vector<std::uint32_t>& columns) {
   data.view = {data.storage.data(), from.scalar, d, from.count, step * d, step};
 }
 
+void add_keys(PointData& data, std::uint32_t key) {
+  char text[40];
+  for (std::uint64_t i = 0; i < data.view.count; ++i) {
+    const auto r = std::to_chars(text, text + sizeof text, data.view.at(i, key));
+    data.keys.add({text, static_cast<std::size_t>(r.ptr - text)});
+  }
+}
+
 }  // namespace
 
 bool alike(std::string_view a, std::string_view b) {
@@ -173,11 +181,24 @@ std::vector<std::uint32_t> find_xyz(const std::vector<std::string>& names) {
   return columns;
 }
 
+std::uint32_t find_key(const ReadOptions& options, const std::string& file,
+                       const std::vector<std::string>& names, std::uint32_t width,
+                       std::vector<std::uint32_t>& columns) {
+  if (options.key.empty()) return 0xFFFFFFFF;
+  const std::vector<std::uint32_t> key = find_columns(options.key, file, names, width);
+  if (key.size() != 1) refuse(file, options.key, "a key is one column");
+  if (options.columns.empty()) std::erase(columns, key[0]);
+  if (columns.empty()) refuse(file, options.key, "no coordinates are left beside the key");
+  return key[0];
+}
+
 void choose_columns(PointData& data, const std::string& file, const std::vector<std::string>& names,
                     const ReadOptions& options) {
-  if (options.columns.empty()) return;
-  const std::vector<std::uint32_t> columns =
-      find_columns(options.columns, file, names, data.view.dimension);
+  if (options.columns.empty() && options.key.empty()) return;
+  std::vector<std::uint32_t> columns = find_columns(options.columns.empty() ? ":" : options.columns,
+                                                    file, names, data.view.dimension);
+  const std::uint32_t key = find_key(options, file, names, data.view.dimension, columns);
+  if (key != 0xFFFFFFFF) add_keys(data, key);
   if (!evenly_spaced(columns)) return gather(data, columns);
   PointView& view = data.view;
   view.data += static_cast<std::ptrdiff_t>(columns[0]) * view.coordinate_stride;

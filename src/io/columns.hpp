@@ -28,8 +28,14 @@ bool alike(std::string_view a, std::string_view b);
 /// of them is there twice.
 std::vector<std::uint32_t> find_xyz(const std::vector<std::string>& names);
 
+/// The column of ReadOptions::key, which is taken out of `columns` unless these were asked for; the
+/// largest number where there is no key. Throws as find_columns does.
+std::uint32_t find_key(const ReadOptions& options, const std::string& file,
+                       const std::vector<std::string>& names, std::uint32_t width,
+                       std::vector<std::uint32_t>& columns);
+
 /// Makes the view that of the columns that `options` ask for: by strides where these describe them,
-/// else by a copy.
+/// else by a copy. Keys, where these are asked for, are numbers as decimals.
 void choose_columns(PointData& data, const std::string& file, const std::vector<std::string>& names,
                     const ReadOptions& options);
 

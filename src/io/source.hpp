@@ -11,6 +11,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
+#include "cullhull/point_blocks.hpp"
 
 namespace cullhull::internal {
 
@@ -48,6 +49,7 @@ struct PointData {
   Buffer storage;         ///< what `view` points into unless `in_place`
   Buffer colour_storage;  ///< what `colours` points into unless that is the source
   bool in_place = false;  ///< `view` points into the source
+  PointKeys keys;         ///< of every point, where ReadOptions::key asks for them
 };
 
 /// `data`, of little-endian numbers, as this machine's: in place where that is its order.

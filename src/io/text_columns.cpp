@@ -60,14 +60,17 @@ char find_separator(const char* p, const char* end) {
   return comma ? ',' : tab ? '\t' : ' ';
 }
 
+std::string without_doubled_quotes(std::string_view text) {
+  std::string column(text);
+  for (std::size_t at = 0; (at = column.find("\"\"", at)) != std::string::npos; ++at)
+    column.erase(at, 1);
+  return column;
+}
+
 std::vector<std::string> split_columns(const char* begin, const char* end, char separator) {
   std::vector<std::string> columns;
   ColumnScanner scanner(begin, end, separator);
-  for (std::string_view text; scanner.next(text);) {
-    std::string& column = columns.emplace_back(text);
-    for (std::size_t at = 0; (at = column.find("\"\"", at)) != std::string::npos; ++at)
-      column.erase(at, 1);
-  }
+  for (std::string_view text; scanner.next(text);) columns.push_back(without_doubled_quotes(text));
   return columns;
 }
 
@@ -86,10 +89,12 @@ std::string ColumnLayout::name_of(std::size_t column) const {
                                : "column " + std::to_string(column + 1);
 }
 
-void ColumnLayout::parse(const char* begin, const char* end, double* out) const {
+void ColumnLayout::parse(const char* begin, const char* end, double* out,
+                         std::string_view* key_text) const {
   ColumnScanner scanner(begin, end, separator);
   std::size_t width = 0;
   for (std::string_view text; scanner.next(text); ++width) {
+    if (width == key && key_text != nullptr) *key_text = text;
     if (width >= coordinate.size() || coordinate[width] == none) continue;
     text = {skip_blanks(text.data(), text.data() + text.size()), text.data() + text.size()};
     if (text.empty()) throw LineFault{name_of(width) + " is empty"};

@@ -30,6 +30,9 @@ class ColumnScanner {
 /// outside of quotes; else blanks, ' '.
 char find_separator(const char* begin, const char* end);
 
+/// A column with its doubled quotes made one.
+std::string without_doubled_quotes(std::string_view column);
+
 /// All columns of a line, doubled quotes made one. Throws LineFault.
 std::vector<std::string> split_columns(const char* begin, const char* end, char separator);
 
@@ -40,11 +43,14 @@ struct ColumnLayout {
   std::vector<std::uint32_t> coordinate;  ///< of each column: which one it is, or none
   std::vector<std::string> names;         ///< of columns, for messages; may be empty
   std::uint32_t dimension = 0;
+  std::uint32_t key = none;  ///< the column of ReadOptions::key
 
   ColumnLayout(char separator_, std::uint32_t width, const std::vector<std::uint32_t>& columns,
                std::vector<std::string> names_);
-  /// Writes `dimension` numbers. Throws LineFault.
-  void parse(const char* begin, const char* end, double* out) const;
+  /// Writes `dimension` numbers, and what the key's column holds, as it is written. Throws
+  /// LineFault.
+  void parse(const char* begin, const char* end, double* out,
+             std::string_view* key_text = nullptr) const;
 
  private:
   std::string name_of(std::size_t column) const;

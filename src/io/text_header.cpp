@@ -186,7 +186,8 @@ std::vector<std::string> names_in_comment(const Source& source, const char* end,
 
 void remark_columns(const Source& source, const ReadOptions& options, std::size_t taken,
                     std::size_t width) {
-  if (!options.remark || taken == width) return;
+  // A key that was asked for is no surprise.
+  if (!options.remark || taken + (options.key.empty() ? 0 : 1) >= width) return;
   options.remark(source.name + ": " + (taken == 2 ? "x and y" : "x, y and z") + " of " +
                  std::to_string(width) + " columns are taken as coordinates");
 }
@@ -200,7 +201,7 @@ void lay_out_columns(const Source& source, const ReadOptions& options, const Dat
   if (options.columns.empty()) {
     columns = find_xyz(names);
     if (columns.size() == names.size()) columns.clear();
-    if (columns.empty() && !quotes) return;
+    if (columns.empty() && !quotes && options.key.empty()) return;
   }
   // Without a header the first row tells how many columns there are.
   const std::size_t width =
@@ -213,7 +214,10 @@ void lay_out_columns(const Source& source, const ReadOptions& options, const Dat
   } else {
     columns = find_columns(":", source.name, names, count);
   }
-  preamble.layout = std::make_shared<ColumnLayout>(separator, count, columns, std::move(names));
+  const std::uint32_t key = find_key(options, source.name, names, count, columns);
+  auto layout = std::make_shared<ColumnLayout>(separator, count, columns, std::move(names));
+  layout->key = key;
+  preamble.layout = std::move(layout);
   preamble.dimension = preamble.layout->dimension;
 }
 
@@ -222,7 +226,8 @@ Preamble find_rows(const Source& source, DataLine first, LineScanner scanner,
                    const ReadOptions& options, bool csv) {
   Preamble preamble;
   preamble.end = source.data + source.size;
-  const std::vector<std::string> wanted = names_in(options.columns);
+  std::vector<std::string> wanted = names_in(options.columns);
+  for (std::string& name : names_in(options.key)) wanted.push_back(std::move(name));
   char separator = find_separator(first.begin, first.end);
   std::vector<std::string> names;
   const bool may_have_names = csv || first.fields.separators || !wanted.empty();

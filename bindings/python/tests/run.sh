@@ -9,7 +9,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 # Extras of whose parts PyPI may lack one or the other: without it, its tests say so and are skipped.
 # coxeter's own tests are those of one version.
 coxeter=0.11.0
-extras=(pandas pyarrow polars xarray scikit-image rtree hypothesis miniball "coxeter==$coxeter"
+extras=(pandas pyarrow shapely polars xarray scikit-image rtree hypothesis miniball "coxeter==$coxeter"
   "dask[array,dataframe,distributed]" duckdb)
 if command -v mpirun >/dev/null; then extras+=(mpi4py); fi
 if command -v java >/dev/null; then extras+=(pyspark); fi

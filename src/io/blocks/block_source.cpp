@@ -332,7 +332,8 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
   if (format == "ply") layout = ply_records(head, from.size, read);
   if (format == "las") layout = las_records(head, from.size);
   if (layout) {
-    if (!read.columns.empty()) choose_columns_of(*layout, head.name, column_names(format), read);
+    if (!read.columns.empty() || !read.key.empty())
+      choose_columns_of(*layout, head.name, column_names(format), read);
     if (from.file.get() >= 0)
       return std::make_unique<RecordBlocks>(std::move(from), std::move(*layout),
                                             options.block_bytes);

@@ -150,8 +150,7 @@ InputName split_input(const std::string& path) {
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const std::size_t colon = lower.find(".npz:");
   system::FileStatus status{};
-  if (colon == std::string::npos || system::status_of(path.c_str(), status) == 0)
-    return {path, ""};
+  if (colon == std::string::npos || system::status_of(path.c_str(), status) == 0) return {path, ""};
   return {path.substr(0, colon + 4), path.substr(colon + 5)};
 }
 
