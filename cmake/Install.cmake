@@ -19,6 +19,12 @@ install(TARGETS ${_libraries} EXPORT cullhullTargets
 install(DIRECTORY include/cullhull DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
 install(EXPORT cullhullTargets NAMESPACE cullhull:: DESTINATION ${_package}
   COMPONENT development)
+if(CULLHULL_HAVE_MPI)
+  install(TARGETS cullhull_mpi EXPORT cullhullMpiTargets
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+  install(EXPORT cullhullMpiTargets NAMESPACE cullhull:: DESTINATION ${_package}
+    COMPONENT development)
+endif()
 if(CULLHULL_HAVE_CUDA AND NOT CULLHULL_SHARED)
   get_target_property(_cudart CUDA::cudart_static IMPORTED_LOCATION)
   install(FILES "${_cudart}" DESTINATION ${CMAKE_INSTALL_LIBDIR}/cullhull
@@ -29,12 +35,21 @@ set(CULLHULL_HAVE_QHULL OFF)
 if(CULLHULL_WITH_QHULL AND TARGET Qhull::qhull_r)
   set(CULLHULL_HAVE_QHULL ON)
 endif()
+set(CULLHULL_HAVE_ZLIB OFF)
+set(CULLHULL_HAVE_ZSTD OFF)
+if(CULLHULL_BUILD_IO AND TARGET ZLIB::ZLIB)
+  set(CULLHULL_HAVE_ZLIB ON)
+endif()
+if(CULLHULL_BUILD_IO AND TARGET Zstd::zstd)
+  set(CULLHULL_HAVE_ZSTD ON)
+endif()
 configure_package_config_file(cmake/cullhullConfig.cmake.in
   "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfig.cmake" INSTALL_DESTINATION ${_package})
 write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/cullhullConfigVersion.cmake"
   COMPATIBILITY SameMinorVersion)
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfig.cmake"
   "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfigVersion.cmake" cmake/Gmp.cmake
+  cmake/Zstd.cmake
   DESTINATION ${_package} COMPONENT development)
 
 # pkg-config: static libraries name what they need, the shared one needs nothing.
@@ -45,6 +60,12 @@ if(NOT CULLHULL_SHARED)
   if(CULLHULL_BUILD_IO)
     set(_pc_libraries "-lcullhull_io -lcullhull")
     string(APPEND _pc_requires " fmt")
+    if(CULLHULL_HAVE_ZLIB)
+      string(APPEND _pc_requires " zlib")
+    endif()
+    if(CULLHULL_HAVE_ZSTD)
+      string(APPEND _pc_requires " libzstd")
+    endif()
   endif()
   if(CULLHULL_HAVE_QHULL)
     string(APPEND _pc_requires " qhull_r")

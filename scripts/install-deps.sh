@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
 # Installs the packages cullhull is built from: the one list there is (docs/dependencies.md says why
 # each). Debian 12, Ubuntu 24.04 and later. Usage: scripts/install-deps.sh [PART ...]
-# Parts: build (always included), test, bench, docs, fuzz, format, python, package, cross. Does nothing where nothing is
-# missing; calls apt-get as root, or through sudo.
+# Parts: build (always included), mpi, test, bench, docs, fuzz, format, python, package, cross. Does
+# nothing where nothing is missing; calls apt-get as root, or through sudo.
 set -euo pipefail
 
 build=(g++ cmake ninja-build ccache pkg-config libhwy-dev libgmp-dev libqhull-dev
-  libcli11-dev libfmt-dev nlohmann-json3-dev libfast-float-dev libjs-three)
-test=(libgtest-dev qhull-bin libcgal-dev libboost-dev libcdd-tools lrslib libbenchmark-dev)
+  libcli11-dev libfmt-dev nlohmann-json3-dev libfast-float-dev libjs-three
+  zlib1g-dev libzstd-dev)
+mpi=(libopenmpi-dev openmpi-bin)
+test=("${mpi[@]}" libgtest-dev qhull-bin libcgal-dev libboost-dev libcdd-tools lrslib libbenchmark-dev)
 # Ubuntu's chromium is a snap, which has no package; there the viewer's browser test is skipped.
 if grep -qx 'ID=debian' /etc/os-release 2>/dev/null; then
   test+=(chromium chromium-driver python3-selenium python3-pil)
@@ -24,6 +26,7 @@ wanted=("${build[@]}")
 for part in "$@"; do
   case "$part" in
     build) ;;
+    mpi) wanted+=("${mpi[@]}") ;;
     test) wanted+=("${test[@]}") ;;
     bench) wanted+=("${bench[@]}") ;;
     docs) wanted+=("${docs[@]}") ;;
@@ -33,7 +36,7 @@ for part in "$@"; do
     package) wanted+=("${package[@]}") ;;
     cross) wanted+=("${cross[@]}") ;;
     *)
-      echo "install-deps: unknown part '$part'; known: build test bench docs fuzz format python package cross" >&2
+      echo "install-deps: unknown part '$part'; known: build mpi test bench docs fuzz format python package cross" >&2
       exit 2
       ;;
   esac

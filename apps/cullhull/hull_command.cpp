@@ -246,7 +246,8 @@ void check_vertices_only(const HullArguments& arguments) {
 }
 
 int run_vertices_only(const HullArguments& arguments, const FilePlan& plan) {
-  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads);
+  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
+                                  arguments.run.memory_bytes());
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const Extreme found = find_repeatedly(arguments, [&](const cullhull::Options& options) {
     return cullhull::extreme_points(input.points, options);
@@ -381,7 +382,8 @@ int run_streamed(const HullArguments& arguments, const FilePlan& plan) {
 
 int run_in_memory(const HullArguments& arguments, const FilePlan& plan) {
   if (!arguments.only.empty()) return run_vertices_only(arguments, plan);
-  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads);
+  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
+                                  arguments.run.memory_bytes());
   for (const std::string& path : arguments.outputs)
     check_hull_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
@@ -396,10 +398,7 @@ int run_in_memory(const HullArguments& arguments, const FilePlan& plan) {
 
 int run(HullArguments arguments) {
   (void)format_words(arguments.formats);  // refused before the work
-  arguments.files = arguments.input.files();
-  arguments.input.path = arguments.files.size() == 1
-                             ? arguments.files[0]
-                             : fmt::format("{} inputs", arguments.files.size());
+  arguments.files = arguments.input.find_files();
   const FilePlan plan = plan_files(arguments);
   if (!arguments.only.empty()) check_vertices_only(arguments);
   return arguments.stream.wanted(arguments.files, arguments.run, needs_memory(arguments))

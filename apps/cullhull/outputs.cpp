@@ -4,8 +4,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "cullhull/error.hpp"
+#include "cullhull/io.hpp"
+#include "cullhull/point_blocks.hpp"
+#include "cullhull/version.hpp"
 #include "system.hpp"
 #include "terminal.hpp"
 
@@ -64,6 +68,16 @@ std::string measure_lines(int affine_dimension, double area, double volume) {
   return fmt::format("area       {}\nvolume     {}\n", area, volume);
 }
 
+nlohmann::ordered_json report_head(const cullhull::PointView& points) {
+  nlohmann::ordered_json json;
+  json["version"] = CULLHULL_VERSION;
+  json["schema"] = cullhull::json_schema_version;
+  json["points"] = {{"count", points.count},
+                    {"dimension", points.dimension},
+                    {"scalar", cullhull::scalar_name(points.scalar)}};
+  return json;
+}
+
 std::string wrote_line(const std::string& path) {
   if (path.empty() || path == "-") return "";
   std::error_code not_a_file;
@@ -89,7 +103,8 @@ std::optional<FilePlan::Identity> FilePlan::identify(const std::string& path, bo
 }
 
 void FilePlan::reads(const std::string& path) {
-  if (const auto identity = identify(path, false)) inputs_.push_back({*identity, "", path});
+  if (const auto identity = identify(cullhull::file_of_input(path), false))
+    inputs_.push_back({*identity, "", path});
 }
 
 void FilePlan::reads(const std::vector<std::string>& paths) {

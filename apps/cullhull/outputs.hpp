@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,6 +23,9 @@ std::string measure_lines(int affine_dimension, double area, double volume);
 
 /// "wrote      page.html, 1.2 MB\n"; nothing for standard output.
 std::string wrote_line(const std::string& path);
+
+/// What a JSON report begins with: version, schema, and the number, dimension and type of points.
+nlohmann::ordered_json report_head(const cullhull::PointView& points);
 
 /// Endings of names, in small letters and with their dots.
 using Endings = std::vector<std::string_view>;

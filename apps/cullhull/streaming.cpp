@@ -27,7 +27,7 @@ std::string identity_of(const InputArguments& input, const std::vector<std::stri
   std::string text = fmt::format("{} {} {} {} {} {}\n", input.format, input.dimension, input.type,
                                  input.columns, stream.first_id, stream.global_ids);
   for (const std::string& file : files) {
-    const system::FileIdentity found = system::identify(file);
+    const system::FileIdentity found = system::identify(cullhull::file_of_input(file));
     if (!found.regular)
       throw Error(ErrorCode::invalid_argument,
                   "--checkpoint " + stream.checkpoint + ": " + input_name(file) +
@@ -47,16 +47,10 @@ std::optional<Checkpoint> checkpoint_of(const StreamArguments& stream, const std
   return found;
 }
 
-/// Columns of blocks, each thread with memory of its own for those that no stride describes.
-cullhull::PointView block_columns(const InputArguments& input, const cullhull::PointView& block) {
-  thread_local std::vector<std::byte> gathered;
-  return columns_of(input, block, gathered);
-}
-
 cullhull::BlockOptions block_options(const InputArguments& input, const RunArguments& run,
                                      const cullhull::Options& options) {
   cullhull::BlockOptions blocks;
-  blocks.read = read_options(input, run.threads);
+  blocks.read = read_options(input, run.threads, run.memory_bytes());
   blocks.read.stop = options.stop;
   return blocks;
 }
@@ -129,7 +123,7 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
   blocks.progress = progress.callback();
   cullhull::BlockVisitor visitor;
   visitor.points = [&](const cullhull::PointView& block, std::uint64_t first) {
-    hull.push(block_columns(input, block), stream.first_id + first);
+    hull.push(block, stream.first_id + first);
   };
   visitor.state = [&](const cullhull::HullState& state, std::uint64_t first) {
     if (stream.global_ids) return hull.push(state);
@@ -166,7 +160,7 @@ cullhull::BlockSummary stream_blocks(
   blocks.progress = progress.callback();
   cullhull::BlockVisitor visitor;
   visitor.points = [&](const cullhull::PointView& block, std::uint64_t first) {
-    points(block_columns(input, block), first);
+    points(block, first);
   };
   cullhull::BlockSummary summary;
   cancellable([&] { summary = cullhull::visit_blocks(files, visitor, blocks); });

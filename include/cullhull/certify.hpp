@@ -38,6 +38,14 @@ struct Certificate {
 /// stop, progress. Errors: cancelled; invalid_argument for null data or no dimension.
 Certificate certify(const PointView& points, const Hull& hull, const Options& options = {});
 
+/// What one of several streams has found of the points that were pushed to it.
+struct CertifiedPart {
+  std::uint64_t points = 0, vertices = 0;  ///< checked, and of these vertices of the hull
+  std::uint64_t exact_decisions = 0;
+  std::string reason;    ///< as in Certificate
+  std::uint64_t at = 0;  ///< the first id of the block that `reason` was found in
+};
+
 /// certify() of points that come in pieces: the same proof, in memory O(simplices).
 class CertifyStream {
  public:
@@ -52,6 +60,9 @@ class CertifyStream {
   /// Points first_id, first_id + 1, ... of all; any order of blocks, any threads. Each point is to
   /// come once.
   void push(const PointView& block, std::uint64_t first_id);
+  /// What came so far, for a stream of the same hull elsewhere; and taking it in there.
+  CertifiedPart part() const;
+  void add(const CertifiedPart& part);
   /// When all points have come. Of several faults that of the lowest block is told.
   Certificate finish();
 

@@ -67,11 +67,14 @@ struct BlockOptions {
 /// Throws Error{io}, Error{invalid_argument}.
 std::vector<std::string> input_files(const std::vector<std::string>& words);
 
+/// The file that such a word is of: FILE.npz of FILE.npz:NAME, else itself.
+std::string file_of_input(const std::string& word);
+
 /// Bytes of those that are files; 0 where one is no regular file, so that nobody knows.
 std::uint64_t input_bytes(const std::vector<std::string>& files);
 
 /// Whether these are larger than half of the memory that the options allow
-/// (Options::memory_budget).
+/// (Options::memory_budget), or compressed, so that nobody knows.
 bool worth_streaming(const std::vector<std::string>& files, const Options& options);
 
 /// Reads the files one after the other, each once, and visits their points block by block, in

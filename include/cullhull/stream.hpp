@@ -15,6 +15,10 @@
 #pragma GCC visibility push(default)
 namespace cullhull {
 
+namespace internal {
+struct StateParts;
+}
+
 /// All that a set of points contributes to a hull: its extreme points, each with its global id and
 /// its coordinates bit for bit as given; of equal points the one with the lowest id. Flats and
 /// empty sets are states like others.
@@ -68,6 +72,7 @@ class HullState {
 
  private:
   friend class HullStream;
+  friend struct internal::StateParts;
   std::uint32_t dimension_ = 0;
   ScalarType scalar_ = ScalarType::f64;
   std::uint64_t seen_ = 0;

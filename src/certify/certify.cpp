@@ -299,6 +299,21 @@ void CertifyStream::push(const PointView& block, std::uint64_t first_id) {
   }
 }
 
+CertifiedPart CertifyStream::part() const {
+  const Impl& m = *impl_;
+  const std::lock_guard lock(m.mutex);
+  return {m.checked, m.subject.vertices_met, m.subject.exact_decisions, m.out.reason, m.at};
+}
+
+void CertifyStream::add(const CertifiedPart& part) {
+  Impl& m = *impl_;
+  if (!part.reason.empty()) m.note({part.reason}, part.at);
+  const std::lock_guard lock(m.mutex);
+  m.checked += part.points;
+  m.subject.vertices_met += part.vertices;
+  m.subject.exact_decisions += part.exact_decisions;
+}
+
 Certificate CertifyStream::finish() {
   Impl& m = *impl_;
   try {

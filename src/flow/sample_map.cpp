@@ -17,7 +17,7 @@ InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, const Run& run) {
   const std::vector<double> original(rows.begin(), rows.end());
   const LocalFrame frame(std::move(rows), count, d, run);
   if (frame.affine_dimension() != static_cast<int>(d)) return polytope;
-  SimplicialHull hull;
+  Boundary hull;
   try {
     hull = d == 2   ? hull_2d(frame.points(), run)
            : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), run)
@@ -43,10 +43,6 @@ InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, const Run& run) {
   return polytope;
 }
 
-namespace {
-
-/// `size` ids spread evenly over [0, count), each at a pseudo-random place in its stretch, so that
-/// no period of the input's order can hide points from the sample.
 std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
   std::vector<std::uint64_t> ids(size);
   XorShift random;
@@ -59,6 +55,8 @@ std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   return ids;
 }
+
+namespace {
 
 struct Sampled {
   InnerPolytope polytope;

@@ -18,6 +18,10 @@ namespace cullhull::internal {
 /// or the hull would exceed the budget.
 InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, const Run& run);
 
+/// `size` ids spread evenly over [0, count), each at a pseudo-random place in its stretch, so that
+/// no period of the input's order can hide points from the sample; fewer where count is less.
+std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size);
+
 struct SampledPoints {
   std::uint64_t count = 0;
   unsigned dimension = 0;

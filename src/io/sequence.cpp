@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <system_error>
 
+#include "io/columns.hpp"
 #include "io/mapped_file.hpp"
+#include "io/packed/archive.hpp"
 #include "io/source.hpp"
 #include "io/system.hpp"
 
@@ -48,6 +50,7 @@ struct PointSequence::Impl {
     // A frame of no bytes needs an address that is not null all the same.
     if (bytes.data == nullptr) bytes.data = "";
     data = array.frame(bytes, options);
+    internal::choose_columns(data, bytes.name, {}, options);
     view = data.view;
     format = data.format;
   }
@@ -128,6 +131,19 @@ bool open_array(const std::string& path, PointSequence::Impl& impl) {
 }  // namespace
 }  // namespace internal
 
+namespace {
+
+/// Files that match, each with the member that is asked for.
+void list_matches(const std::string& path, std::vector<std::string>& files) {
+  const internal::InputName input = internal::split_input(path);
+  const std::size_t first = files.size();
+  internal::list_pattern(input.file, files);
+  for (std::size_t i = first; i < files.size() && !input.member.empty(); ++i)
+    files[i] += ":" + input.member;
+}
+
+}  // namespace
+
 std::vector<std::string> sequence_files(const std::vector<std::string>& paths) {
   std::vector<std::string> files;
   for (const std::string& path : paths) {
@@ -136,7 +152,7 @@ std::vector<std::string> sequence_files(const std::vector<std::string>& paths) {
     if (exists && internal::system::is_folder(status))
       internal::list_folder(path, files);
     else if (!exists && path != "-" && path.find_first_of("*?[") != std::string::npos)
-      internal::list_pattern(path, files);
+      list_matches(path, files);
     else
       files.push_back(path);
   }

@@ -24,7 +24,7 @@ struct Source {
 /// Uninitialised memory, on huge pages where it is large.
 class Buffer {
  public:
-  Buffer() = default;
+  Buffer() = default;  ///< none: data() is null
   /// Throws std::bad_alloc.
   explicit Buffer(std::size_t size);
   std::byte* data() const noexcept { return data_.get(); }

@@ -11,9 +11,9 @@
 
 namespace cullhull::internal {
 
-std::vector<std::uint64_t> extreme_rows(SimplicialHull&& boundary, const LocalPoints& points,
+std::vector<std::uint64_t> extreme_rows(Boundary&& surface, const LocalPoints& points,
                                         const Run& run, std::uint64_t* rung_counts) {
-  Surface surface = make_surface(std::move(boundary), points, run);
+  sort_simplices(surface, points, run);
   const auto pairs = coplanar_pairs(surface, points, run, rung_counts);
   if (!pairs.empty()) surface = merge_coplanar(std::move(surface), pairs, points, run).surface;
   return std::move(list_vertices(surface, points.count, nullptr, run).ids);

@@ -23,8 +23,8 @@ class FacetOrderer {
       : input_(input),
         facets_(std::move(facets)),
         surface_(facets_.surface),
-        k_(surface_.k),
-        count_(surface_.count()),
+        k_(surface_.dimension),
+        count_(surface_.facet_count()),
         run_(run),
         hull_(hull) {}
 
@@ -201,11 +201,12 @@ class FacetOrderer {
     if (i + 32 >= count_) return;
     const std::size_t far = std::size_t{order_[i + 32]} * k_,
                       near = std::size_t{order_[i + 16]} * k_;
-    prefetch_line(surface_.ids.data() + far);
+    prefetch_line(surface_.vertices.data() + far);
     prefetch_line(surface_.neighbours.data() + far);
     prefetch_line(surface_.odd.data() + order_[i + 32]);
     for (unsigned j = 0; j < k_; ++j) {
-      if (!vertices_.all_points) prefetch_line(&vertices_.positions[surface_.ids[near + j]]);
+      if (!vertices_.all_points)
+        prefetch_line(&vertices_.positions[surface_.vertices[near + j]]);
       prefetch_line(rank_.data() + surface_.neighbours[near + j]);
     }
   }
@@ -309,7 +310,7 @@ class FacetOrderer {
 
   const ResultInput& input_;
   Facets facets_;
-  const Surface& surface_;
+  const Boundary& surface_;
   const unsigned k_;
   const std::size_t count_;
   const Run& run_;

@@ -28,8 +28,8 @@ EdgeKernel::EdgeKernel(const Box& box) {
   }
 }
 
-bool finish_polygon(const EdgeKernel& kernel, const PolygonSums& sums, const PointView& points,
-                    std::uint64_t first, PlanarMeasures& measures) {
+bool finish_polygon(const EdgeKernel& kernel, const Share<2, DoubleDouble>& sums,
+                    const PointView& points, std::uint64_t first, PlanarMeasures& measures) {
   if (!settled(sums, 0x1p-53)) return false;
   const PlanarPoint p = kernel.scaled({points.at(first, 0), points.at(first, 1)});
   const double origin[2] = {p.x, p.y};
@@ -44,12 +44,8 @@ bool finish_polygon(const EdgeKernel& kernel, const PolygonSums& sums, const Poi
   frame.points = &points;
   frame.vertices = &vertices;
   frame.scaled = {p.x, p.y};
-  Totals<DoubleDouble> totals(2);
-  totals.volume = sums.volume;
-  totals.area = sums.area;
-  totals.moment = {sums.moment[0], sums.moment[1]};
   Hull hull;
-  finish_measures(frame, totals, hull);
+  finish_measures(frame, Totals<DoubleDouble>(sums), hull);
   measures = {hull.volume, hull.area, {hull.centroid[0], hull.centroid[1]}};
   return true;
 }
@@ -170,7 +166,7 @@ class Writer {
     facets_.resize(2 * count_);
     across_.resize(2 * count_);
     planes_.resize(3 * count_);
-    std::vector<PolygonSums> parts(chunk_count(count_, measure_chunk));
+    std::vector<Share<2, DoubleDouble>> parts(chunk_count(count_, measure_chunk));
     std::atomic<bool> ordinary{true};
     // The vertices are a job of their own, the first: one thread must clear their memory.
     run_.each_item(parts.size() + 1, [&](std::uint64_t job) {
@@ -179,7 +175,7 @@ class Writer {
       if (!write(begin, std::min(count_, begin + measure_chunk), parts[job - 1])) ordinary = false;
     });
     if (!ordinary) return false;
-    PolygonSums all;
+    Share<2, DoubleDouble> all;
     for (const auto& p : parts) all.add(p);
     PlanarMeasures measures;
     if (!finish_polygon(kernel_, all, points_, corners_[0].id, measures)) return false;
@@ -228,11 +224,11 @@ class Writer {
   }
 
   /// Simplices [begin, end), whole runs of them.
-  bool write(std::uint64_t begin, std::uint64_t end, PolygonSums& sums) {
+  bool write(std::uint64_t begin, std::uint64_t end, Share<2, DoubleDouble>& sums) {
     constexpr std::uint64_t ahead = 16;
     bool ordinary = true;
     const PlanarPoint origin = corners_[0].point;
-    EdgeShare run;
+    Share<2> run;
     for (std::uint64_t i = begin; i < end; ++i) {
       if (i + ahead < end) prefetch_line(&corners_[neighbours_[2 * (i + ahead)]]);
       const Corner &here = corners_[i], &there = corners_[neighbours_[2 * i]];
@@ -240,12 +236,12 @@ class Writer {
       simplices_[2 * i + 1] = facets_[2 * i] = there.id;
       across_[2 * i] = neighbours_[2 * i + 1];
       across_[2 * i + 1] = neighbours_[2 * i];
-      EdgeShare share;
+      Share<2> share;
       if (!kernel_.edge(here.point, there.point, origin, planes_.data() + 3 * i, share))
         ordinary = false;
       run.add(share);
       if ((i + 1) % measure_run != 0 && i + 1 != end) continue;
-      run.add_to(sums);
+      sums.add(run);
       run = {};
     }
     return ordinary;

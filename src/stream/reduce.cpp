@@ -1,6 +1,7 @@
 #include "stream/reduce.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "cullhull/error.hpp"
 #include "cullhull/extreme_points.hpp"
@@ -8,26 +9,23 @@
 #include "geometry/gather.hpp"
 
 namespace cullhull::internal {
-namespace {
 
-/// From 4D to 6D a hull finds the extreme points sooner than linear programs do, if its facets fit.
-std::vector<std::uint64_t> extreme_places(const PointView& points, const Options& options) {
+// From 4D to 6D a hull finds the extreme points sooner than linear programs do, if its facets fit.
+ExtremePoints find_extreme(const PointView& points, const Options& options) {
   if (points.dimension >= 4 && points.dimension <= 6) try {
-      std::vector<std::uint64_t> places = convex_hull(points, options).vertices;
-      std::sort(places.begin(), places.end());  // a flat may be a polygon
-      return places;
+      Hull hull = convex_hull(points, options);
+      std::sort(hull.vertices.begin(), hull.vertices.end());  // a flat may be a polygon
+      return {std::move(hull.vertices), hull.affine_dimension, std::move(hull.statistics)};
     } catch (const Error& e) {
       if (e.code() != ErrorCode::out_of_budget) throw;
     }
-  return extreme_points(points, options).ids;
+  return extreme_points(points, options);
 }
-
-}  // namespace
 
 void keep_extreme(NumberedPoints& points, const Options& options) {
   points.sort();
   if (points.size() < 2) return;
-  const std::vector<std::uint64_t> places = extreme_places(points.view(), options);
+  const std::vector<std::uint64_t> places = find_extreme(points.view(), options).ids;
   if (places.size() < points.size()) points.keep(places);
 }
 

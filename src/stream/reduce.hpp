@@ -3,10 +3,14 @@
 
 #include <string>
 
+#include "cullhull/extreme_points.hpp"
 #include "cullhull/options.hpp"
 #include "stream/numbered_points.hpp"
 
 namespace cullhull::internal {
+
+/// extreme_points() by a hull where that is sooner and fits.
+ExtremePoints find_extreme(const PointView& points, const Options& options);
 
 /// Orders the points by id and leaves the extreme ones, of equal points that with the lowest id.
 /// Coordinates must be finite. Errors as extreme_points.

@@ -6,31 +6,19 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <cstdlib>
 #include <limits>
 #include <numeric>
 #include <thread>
 
 #include "agreement/all_paths.hpp"
-#include "agreement/hard_sets.hpp"
 #include "agreement/point_sets.hpp"
+#include "agreement/random_seeds.hpp"
+#include "agreement/sets_in_pieces.hpp"
 #include "cullhull/extreme_points.hpp"
 #include "cullhull/generate.hpp"
 
 namespace cullhull::testing_support {
 namespace {
-
-std::uint64_t number_from_environment(const char* name, std::uint64_t otherwise) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
-}
-
-PointView part_of(const PointView& whole, std::uint64_t begin, std::uint64_t end) {
-  PointView part = whole;
-  part.data = whole.address(begin, 0);
-  part.count = end - begin;
-  return part;
-}
 
 struct Block {
   std::uint64_t begin, end;
@@ -107,39 +95,6 @@ HullState merged(const PointView& whole, const std::vector<Block>& blocks, Rando
   return states[0];
 }
 
-/// Sets large enough for filters, others hard or tiny, of dimension 1 to 8.
-PointSet stream_set(Random& r) {
-  static constexpr const char* shapes[] = {"ball",       "sphere", "cube",
-                                           "octahedron", "gauss",  "shell"};
-  static constexpr int most[] = {0, 20000, 60000, 40000, 12000, 3000, 800, 60};
-  const int kind = r.integer(0, 3);
-  if (kind == 0) return hard_set(r);
-  const auto d = static_cast<unsigned>(r.integer(1, 7));
-  const double least = kind == 2 ? most[d] / 4 : 1;  // large ones lay maps
-  const auto n = static_cast<unsigned>(std::exp(r.between(std::log(least), std::log(most[d]))));
-  if (kind == 1 || d == 1) return random_grid(n, d, r.integer(2, 60), 0, n + d);
-  PointSet s = named(std::string(shapes[r.integer(0, 5)]) + " of " + std::to_string(n), d);
-  s.coordinates = generate(s.name.substr(0, s.name.find(' ')), n, d,
-                           static_cast<std::uint64_t>(r.integer(0, 1 << 30)));
-  if (r.integer(0, 4) == 0 && d > 1)  // a flat, perhaps but for its last points
-    for (std::size_t i = d - 1; i < s.coordinates.size(); i += d)
-      if (i + 3 * d < s.coordinates.size() || r.integer(0, 1)) s.coordinates[i] = 1;
-  if (r.integer(0, 4) == 0)  // again from the start, so that copies lie in other blocks
-    s.coordinates.insert(s.coordinates.end(), s.coordinates.begin(),
-                         s.coordinates.begin() + static_cast<std::ptrdiff_t>(n / 2 * d));
-  if (r.integer(0, 4) == 0) {  // as scans are: in order along an axis
-    std::vector<std::size_t> order(s.count());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return s.row(a)[0] < s.row(b)[0]; });
-    PointSet sorted = named(s.name + " in order", d);
-    for (const std::size_t i : order)
-      sorted.coordinates.insert(sorted.coordinates.end(), s.row(i), s.row(i) + d);
-    return sorted;
-  }
-  return s;
-}
-
 void expect_same(const HullState& state, const PointView& whole, const Hull& hull) {
   EXPECT_EQ(state.point_count(), whole.count);
   EXPECT_EQ(state.ids(), sorted_vertices(hull));
@@ -185,9 +140,7 @@ void run_partitions(const PointView& whole, Random& r) {
 }
 
 TEST(Stream, RandomPartitionsGiveTheBitsOfTheWhole) {
-  const std::uint64_t runs = number_from_environment("CULLHULL_RANDOM_RUNS", 120);
-  const std::uint64_t first = number_from_environment("CULLHULL_RANDOM_SEED", 1);
-  for (std::uint64_t seed = first; seed < first + runs && !HasFailure(); ++seed) {
+  for_random_seeds(120, [&](std::uint64_t seed) {
     Random r(seed);
     const PointSet s = stream_set(r);
     SCOPED_TRACE(s.name + " of " + std::to_string(s.count()) +
@@ -206,7 +159,7 @@ TEST(Stream, RandomPartitionsGiveTheBitsOfTheWhole) {
                      r);
     else
       run_partitions(view_of(s), r);
-  }
+  });
 }
 
 // Large enough for several maps, in blocks as files are read.

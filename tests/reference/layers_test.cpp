@@ -23,6 +23,7 @@ const std::vector<std::vector<std::string>> layers = {
     {"small", "cuda"},
     {"flow"},
     {"query", "tracker", "batch", "stream"},
+    {"distributed"},
 };
 /// Folders beside the layers, and all that they may include but themselves.
 const std::map<std::string, std::vector<std::string>> beside = {

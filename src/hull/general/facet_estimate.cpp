@@ -79,8 +79,8 @@ SampleHull hull_of(const LocalPoints& points, const std::uint32_t* ids, std::uin
   const LocalFrame frame(std::move(rows), size, d, run);
   SampleHull result;
   if (frame.affine_dimension() != static_cast<int>(d)) return result;
-  const SimplicialHull hull = hull_nd(frame.points(), frame.simplex().data(),
-                                      run.with_budget(std::uint64_t{1} << 40), true);
+  const Boundary hull = hull_nd(frame.points(), frame.simplex().data(),
+                                run.with_budget(std::uint64_t{1} << 40), true);
   std::vector<std::uint8_t> used(size, 0);
   for (const std::uint32_t v : hull.vertices) used[v] = 1;
   result.facets = static_cast<double>(hull.facet_count());

@@ -188,7 +188,7 @@ typename InsertionNd<D>::Id InsertionNd<D>::turn(const Stream& s, std::size_t k,
 }
 
 template <unsigned D>
-SimplicialHull InsertionNd<D>::collect() {
+Boundary InsertionNd<D>::collect() {
   const unsigned d = dim();
   ordered_.release();
   store_.release_planes();

@@ -402,13 +402,13 @@ Polygon polygon_of(const PointView& points, bool lattice, const Run& run) {
   return polygon;
 }
 
-SimplicialHull hull_2d(const LocalPoints& points, const Run& run) {
+Boundary hull_2d(const LocalPoints& points, const Run& run) {
   const bool scaled = points.coordinates != points.exact;
   const Polygon polygon = polygon_of(PointView::row_major(points.exact, points.count, 2),
                                      points.small_lattice && !scaled, run);
   const std::size_t n = polygon.corners.size();
   if (n < 3) throw Error(ErrorCode::internal, "hull_2d was given collinear points");
-  SimplicialHull hull;
+  Boundary hull;
   hull.dimension = 2;
   resize_big(hull.vertices, 2 * n);
   resize_big(hull.neighbours, 2 * n);

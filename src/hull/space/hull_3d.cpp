@@ -116,7 +116,7 @@ void Engine3D::build_simplex() {
   }
 }
 
-Surface3D Engine3D::run() {
+TriangleMesh Engine3D::run() {
   build_simplex();
   const auto& ends = order_.round_ends;
   for (std::size_t r = 0; r + 1 < ends.size(); ++r) {
@@ -207,8 +207,8 @@ Engine3D::Id Engine3D::live_facet() const {
   return f;
 }
 
-Surface3D Engine3D::surface() {
-  Surface3D s;
+TriangleMesh Engine3D::surface() {
+  TriangleMesh s;
   s.used = used_slots(none);
   for (const auto& [begin, end] : s.used) s.live += end - begin;
   s.live -= pieces_[0].free.size();
@@ -222,12 +222,13 @@ Surface3D Engine3D::surface() {
   return s;
 }
 
-Surface3D surface_3d(const LocalPoints& points, const std::uint32_t* simplex, const Run& run) {
+TriangleMesh triangle_mesh(const LocalPoints& points, const std::uint32_t* simplex,
+                           const Run& run) {
   return Engine3D(points, Start(points, simplex).simplex, run).run();
 }
 
-SimplicialHull hull_3d(const LocalPoints& points, const std::uint32_t* simplex, const Run& run) {
-  return to_simplicial(surface_3d(points, simplex, run), run);
+Boundary hull_3d(const LocalPoints& points, const std::uint32_t* simplex, const Run& run) {
+  return boundary_of(triangle_mesh(points, simplex, run), run);
 }
 
 }  // namespace cullhull::internal

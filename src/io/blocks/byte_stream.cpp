@@ -6,6 +6,8 @@
 #include <system_error>
 
 #include "cullhull/error.hpp"
+#include "io/packed/unpack.hpp"
+#include "io/packed/unwrap.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/system.hpp"
@@ -75,13 +77,76 @@ class WithHead : public ByteStream {
   std::size_t at_ = 0;
 };
 
+/// A part of a file that may be read anywhere.
+class PartBytes : public ByteStream {
+ public:
+  PartBytes(OpenedBytes&& file, std::uint64_t offset, std::uint64_t size)
+      : file_(std::move(file)), at_(offset), left_(size) {}
+  std::size_t read(char* out, std::size_t size) override {
+    const std::size_t got = std::min<std::uint64_t>(size, left_);
+    read_at(file_, out, got, at_);
+    at_ += got;
+    left_ -= got;
+    return got;
+  }
+  std::uint64_t taken() const override { return at_; }
+
+ private:
+  OpenedBytes file_;
+  std::uint64_t at_, left_;
+};
+
+/// Puts another stream in the place of the file's own, with its beginning at hand.
+void replace_stream(OpenedBytes& opened, std::unique_ptr<ByteStream> stream) {
+  opened.head.resize(head_bytes);
+  opened.head.resize(stream->read(opened.head.data(), head_bytes));
+  if (opened.head.empty()) fail({opened.name, nullptr, 0}, "empty file");
+  opened.stream = std::make_unique<WithHead>(Descriptor(), std::move(stream), opened.head);
+}
+
+Descriptor another(const Descriptor& file, const std::string& name) {
+  Descriptor copy(system::duplicate(file.get()));
+  if (copy.get() < 0) refuse(name, "cannot open", errno);
+  return copy;
+}
+
+/// The array of an archive in the archive's place.
+OpenedBytes open_member(OpenedBytes&& archive, const std::string& member) {
+  if (archive.file.get() < 0)
+    throw Error(ErrorCode::invalid_argument,
+                archive.name +
+                    ": an .npz is read in blocks from a file alone: its directory is "
+                    "at its end");
+  const ReadAt read = [&archive](char* out, std::size_t size, std::uint64_t offset) {
+    read_at(archive, out, size, offset);
+  };
+  const ArchiveMember found = find_member(read, archive.size, member, archive.name);
+  OpenedBytes opened;
+  opened.name = archive.name;
+  if (!member.empty()) opened.name.append(1, ':').append(display_name(member));
+  opened.format = "npy";
+  opened.size = found.size;
+  if (!found.deflated) {
+    opened.file = another(archive.file, archive.name);
+    opened.base = found.offset;
+  }
+  std::unique_ptr<ByteStream> stream =
+      std::make_unique<PartBytes>(std::move(archive), found.offset, found.packed_size);
+  if (found.deflated)
+    stream = inflate_member(std::move(stream), found.size, found.crc, opened.name);
+  replace_stream(opened, std::move(stream));
+  return opened;
+}
+
 }  // namespace
 
 Descriptor::~Descriptor() {
   if (fd_ > 0) system::close_file(fd_);
 }
 
-OpenedBytes open_bytes(const std::string& path, const std::stop_token& stop) {
+namespace {
+
+OpenedBytes open_file(const std::string& path, const std::stop_token& stop) {
   OpenedBytes opened;
   opened.name = display_name(path);
   opened.size = unknown_size;
@@ -99,8 +164,7 @@ OpenedBytes open_bytes(const std::string& path, const std::stop_token& stop) {
   if (path != "-" && regular && status.st_size > 0) {
     opened.size = static_cast<std::uint64_t>(status.st_size);
     system::expect_in_order(file.get());
-    opened.file = Descriptor(system::duplicate(file.get()));
-    if (opened.file.get() < 0) refuse(opened.name, "cannot open", errno);
+    opened.file = another(file, opened.name);
   } else {
     system::enlarge_pipe(file.get());  // perhaps no pipe
   }
@@ -108,7 +172,23 @@ OpenedBytes open_bytes(const std::string& path, const std::stop_token& stop) {
   return opened;
 }
 
+}  // namespace
+
+OpenedBytes open_bytes(const std::string& path, const ReadOptions& options) {
+  const InputName input = split_input(path);
+  OpenedBytes opened = open_file(input.file, options.stop);
+  if (is_archive(input.file, opened.head, options))
+    return open_member(std::move(opened), input.member);
+  const Packing packing = packing_of(opened.head, opened.name, options);
+  if (packing == Packing::none) return opened;
+  opened.file = Descriptor();
+  opened.size = unknown_size;
+  replace_stream(opened, unpack(packing, std::move(opened.stream), opened.name));
+  return opened;
+}
+
 void read_at(const OpenedBytes& from, char* out, std::size_t size, std::uint64_t offset) {
+  offset += from.base;
   while (size > 0) {
     const std::ptrdiff_t got = system::read_some_at(from.file.get(), out, size, offset);
     if (got < 0 && errno == EINTR) continue;

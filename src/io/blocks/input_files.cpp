@@ -1,8 +1,11 @@
 // Which files some words stand for.
+#include <algorithm>
 #include <fstream>
 
 #include "cullhull/error.hpp"
 #include "cullhull/point_blocks.hpp"
+#include "io/packed/archive.hpp"
+#include "io/packed/unpack.hpp"
 #include "io/source.hpp"
 #include "io/system.hpp"
 #include "parallel/memory.hpp"
@@ -41,11 +44,13 @@ std::vector<std::string> input_files(const std::vector<std::string>& words) {
   return files;
 }
 
+std::string file_of_input(const std::string& word) { return internal::split_input(word).file; }
+
 std::uint64_t input_bytes(const std::vector<std::string>& files) {
   std::uint64_t total = 0;
   for (const std::string& file : files) {
     internal::system::FileStatus status{};
-    if (file == "-" || internal::system::status_of(file.c_str(), status) != 0 ||
+    if (file == "-" || internal::system::status_of(file_of_input(file).c_str(), status) != 0 ||
         !internal::system::is_regular(status))
       return 0;
     total += static_cast<std::uint64_t>(status.st_size);
@@ -54,6 +59,7 @@ std::uint64_t input_bytes(const std::vector<std::string>& files) {
 }
 
 bool worth_streaming(const std::vector<std::string>& files, const Options& options) {
+  if (std::any_of(files.begin(), files.end(), internal::named_as_packed)) return true;
   return input_bytes(files) > internal::resolve_budget(options.memory_budget) / 2;
 }
 

@@ -1,0 +1,23 @@
+# cullhull::mpi, hulls of points on the ranks of an MPI job: built where MPI is found, left out
+# elsewhere. Its own library and export, so that nobody else needs MPI. It uses what the shared
+# library hides, so that it goes with the static one alone.
+if(CULLHULL_TOP_LEVEL AND NOT CULLHULL_SHARED)
+  set(_mpi AUTO)
+else()
+  set(_mpi OFF)
+endif()
+set(CULLHULL_WITH_MPI ${_mpi} CACHE STRING "cullhull::mpi: OFF, ON or AUTO (where MPI is found)")
+set_property(CACHE CULLHULL_WITH_MPI PROPERTY STRINGS AUTO ON OFF)
+set(CULLHULL_HAVE_MPI OFF)
+if(NOT CULLHULL_WITH_MPI STREQUAL "OFF")
+  if(CULLHULL_SHARED)
+    message(FATAL_ERROR "CULLHULL_WITH_MPI needs the static libraries: CULLHULL_SHARED=OFF")
+  endif()
+  set(MPI_CXX_SKIP_MPICXX ON)
+  if(CULLHULL_WITH_MPI STREQUAL "ON")
+    find_package(MPI REQUIRED COMPONENTS CXX)
+  else()
+    find_package(MPI QUIET COMPONENTS CXX)
+  endif()
+  set(CULLHULL_HAVE_MPI ${MPI_CXX_FOUND})
+endif()

@@ -1,0 +1,82 @@
+// One call's view of an MPI communicator: messages of any length, waits that leave the processor
+// to others, what was sent, and errors that all ranks share.
+#pragma once
+
+#include <cstdint>
+#include <exception>
+#include <span>
+#include <vector>
+
+#include "cullhull/mpi.hpp"
+
+namespace cullhull::internal {
+
+struct Traffic {
+  std::uint64_t messages = 0, bytes = 0;
+  double waiting_work = 0;  ///< processor seconds of this thread that went into MPI
+};
+
+/// Processor seconds of this process so far, of all threads.
+double process_work();
+
+class Communicator {
+ public:
+  /// Messages are of at most so many bytes, as MPI counts them by int.
+  static constexpr std::uint64_t longest_message = std::uint64_t{1} << 30;
+
+  /// A duplicate of `parent`; collective. Views the options.
+  Communicator(MPI_Comm parent, const Options& options,
+               std::uint64_t piece_bytes = longest_message);
+  ~Communicator();
+  Communicator(const Communicator&) = delete;
+  Communicator& operator=(const Communicator&) = delete;
+
+  int rank() const { return rank_; }
+  int size() const { return size_; }
+  /// Ranks on this machine, this one included.
+  int machine_ranks() const { return machine_ranks_; }
+  const Traffic& traffic() const { return traffic_; }
+
+  // Of two ranks, which both know the length.
+  void send(const void* data, std::uint64_t bytes, int to);
+  void receive(void* data, std::uint64_t bytes, int from);
+
+  // Collective.
+  /// Down a binomial tree from `root`; all know the length.
+  void broadcast(void* data, std::uint64_t bytes, int root);
+  /// The least of each place, over all ranks.
+  void least(std::span<std::uint64_t> values);
+  /// Sums over all ranks, for each place.
+  void sum(std::span<std::uint64_t> values);
+  /// The sum over the ranks below this one.
+  std::uint64_t sum_before(std::uint64_t value);
+
+  /// Where `failure` is an exception on any rank, that of the lowest such rank is thrown on all.
+  void agree(const std::exception_ptr& failure);
+  /// Runs `work` on each rank and agrees on how it went. It must send nothing.
+  template <class Work>
+  void together(const Work& work) {
+    std::exception_ptr failure;
+    try {
+      work();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    agree(failure);
+  }
+
+ private:
+  void finish(MPI_Request request);
+  void count(std::uint64_t bytes) {
+    ++traffic_.messages;
+    traffic_.bytes += bytes;
+  }
+
+  const Options& options_;
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  int rank_ = 0, size_ = 1, machine_ranks_ = 1;
+  std::uint64_t piece_bytes_;
+  Traffic traffic_;
+};
+
+}  // namespace cullhull::internal

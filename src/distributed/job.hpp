@@ -1,0 +1,74 @@
+// One collective call: what the ranks have to agree on, the common map, this rank's part, and what
+// it all cost.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cullhull/mpi.hpp"
+#include "distributed/communicator.hpp"
+#include "distributed/parts.hpp"
+#include "parallel/clock.hpp"
+
+namespace cullhull::internal {
+
+class Job {
+ public:
+  /// Collective, as all that follows. Views the options.
+  Job(MPI_Comm comm, const mpi::JobOptions& options);
+
+  /// Agrees on dimension, scalar type, root and ids. These blocks are this rank's; numbered: as
+  /// they name their ids, else from those of the ranks below on.
+  void agree(std::vector<mpi::Block> blocks, bool numbered);
+
+  std::uint32_t dimension() const { return dimension_; }
+  std::uint64_t point_count() const { return total_; }
+  const std::vector<mpi::Block>& blocks() const { return blocks_; }
+  /// The rank that takes the last hull.
+  int root() const { return options_.root == mpi::every_rank ? 0 : options_.root; }
+  bool is_root() const { return ranks_.rank() == root(); }
+  bool everywhere() const { return options_.root == mpi::every_rank; }
+  Communicator& ranks() { return ranks_; }
+  /// Of a rank that works beside the others of its machine, and of one that the others wait for.
+  const Options& beside() const { return beside_; }
+  const Options& alone() const { return alone_; }
+
+  /// The extreme points of samples of all ranks; none where no map would pay.
+  const Part& share_samples();
+  /// Leaves on the root what the points of all ranks contribute, ordered by id, not reduced.
+  Part gather_parts();
+  /// Runs `work` on the root alone; where it throws, all do.
+  template <class Work>
+  void on_root(const Work& work) {
+    ranks_.together([&] {
+      if (is_root()) work();
+    });
+  }
+  /// Fills in the report.
+  void finish();
+
+ private:
+  Part local_sample();
+  Part local_part();
+  void check_local(bool numbered) const;
+  void agree_on_points();
+  NumberedPoints sampled(std::uint64_t size) const;
+  void reduce(Part& part) const;
+  void check_room(std::uint64_t bytes) const;
+
+  Clock::time_point start_ = Clock::now();
+  double work_before_ = process_work();
+  const mpi::JobOptions& options_;
+  Communicator ranks_;
+  Options beside_, alone_;
+  std::uint64_t budget_;
+  std::vector<mpi::Block> blocks_;
+  std::uint32_t dimension_ = 0;
+  ScalarType scalar_ = ScalarType::f64;
+  std::uint64_t local_ = 0, total_ = 0;
+  Part common_;
+  std::vector<std::uint64_t> own_samples_;  ///< ids among common_ that are of this rank, ascending
+  mpi::Report report_;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,123 @@
+#include "distributed/messages.hpp"
+
+#include <string>
+#include <type_traits>
+#include <utility>
+
+namespace cullhull::internal {
+namespace {
+
+/// Sends on the root and receives elsewhere, so that what is sent is what is received.
+class Courier {
+ public:
+  Courier(Communicator& ranks, int root) : ranks_(ranks), root_(root) {}
+  bool sends() const { return ranks_.rank() == root_; }
+
+  template <class T>
+  void value(T& v) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    ranks_.broadcast(&v, sizeof v, root_);
+  }
+  /// Vectors, arrays and strings.
+  template <class Items>
+  void items(Items& list) {
+    std::uint64_t count = list.size();
+    value(count);
+    ranks_.together([&] { list.resize(count); });
+    ranks_.broadcast(list.data(), count * sizeof(typename Items::value_type), root_);
+  }
+  template <class T>
+  void items(SharedArray<T>& list) {
+    if (sends()) {
+      std::uint64_t count = list.size();
+      value(count);
+      ranks_.together([] {});
+      ranks_.broadcast(const_cast<T*>(list.data()), count * sizeof(T), root_);  // which only reads
+      return;
+    }
+    Array<T> received;
+    items(received);
+    list = SharedArray<T>(std::move(received));
+  }
+  template <class T>
+  void items(EvenArray<T>& list) {
+    bool even = list.step() != nullptr;
+    value(even);
+    if (even) {
+      std::uint64_t count = list.size();
+      T step = even && sends() ? *list.step() : T();
+      value(count);
+      value(step);
+      if (!sends()) list = EvenArray<T>::of_step(count, step);
+      return;
+    }
+    items(list.edit());
+  }
+  /// One of a few names that are known everywhere.
+  void name(const char*& text) {
+    std::string copy = text;
+    items(copy);
+    if (sends()) return;
+    for (const char* known : {"none", "gauge", "gauge x2", "pseudo-hull", "gauge, pseudo-hull",
+                              "native", "qhull", "cpu", "cuda", "stream"})
+      if (copy == known) text = known;
+  }
+
+ private:
+  Communicator& ranks_;
+  int root_;
+};
+
+void exchange(Courier& all, Statistics& s) {
+  all.value(s.survivors);
+  all.name(s.cull_method);
+  all.items(s.cull_reason);
+  all.name(s.engine);
+  all.name(s.backend);
+  all.value(s.threads);
+  all.value(s.cull_seconds);
+  all.value(s.hull_seconds);
+  all.value(s.compute_seconds);
+  all.value(s.rung_counts);
+}
+
+}  // namespace
+
+void broadcast(Communicator& ranks, int root, Hull& h) {
+  Courier all(ranks, root);
+  all.value(h.dimension);
+  all.value(h.point_count);
+  all.value(h.scalar);
+  all.value(h.affine_dimension);
+  all.items(h.vertices);
+  all.items(h.simplices);
+  bool shared = h.facets.items.shares(h.simplices);
+  all.value(shared);
+  all.items(h.facets.offsets);
+  if (!shared)
+    all.items(h.facets.items);
+  else if (!all.sends())
+    h.facets.items = h.simplices;
+  all.items(h.facet_neighbours.offsets);
+  all.items(h.facet_neighbours.items);
+  all.items(h.facet_planes);
+  all.items(h.simplex_neighbours);
+  all.items(h.simplex_facets);
+  all.value(h.volume);
+  all.value(h.area);
+  all.items(h.centroid);
+  exchange(all, h.statistics);
+}
+
+void broadcast(Communicator& ranks, int root, ExtremePoints& points) {
+  Courier all(ranks, root);
+  all.items(points.ids);
+  all.value(points.affine_dimension);
+  exchange(all, points.statistics);
+}
+
+void broadcast(Communicator& ranks, int root, std::vector<double>& numbers) {
+  Courier(ranks, root).items(numbers);
+}
+
+}  // namespace cullhull::internal

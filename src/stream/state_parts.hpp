@@ -1,0 +1,28 @@
+// The way between a HullState and the points it holds, for code beside HullStream.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+#include "cullhull/stream.hpp"
+#include "stream/numbered_points.hpp"
+
+namespace cullhull::internal {
+
+struct StateParts {
+  static NumberedPoints points(HullState&& state) {
+    return {state.dimension_, state.scalar_, std::move(state.ids_), std::move(state.rows_)};
+  }
+  /// Of `seen` points whose extreme ones these are, ascending.
+  static HullState state(NumberedPoints&& points, std::uint64_t seen) {
+    HullState state;
+    state.dimension_ = points.dimension;
+    state.scalar_ = points.scalar;
+    state.seen_ = seen;
+    state.ids_ = std::move(points.ids);
+    state.rows_ = std::move(points.rows);
+    return state;
+  }
+};
+
+}  // namespace cullhull::internal
