@@ -21,3 +21,11 @@ if(NOT CULLHULL_WITH_MPI STREQUAL "OFF")
   endif()
   set(CULLHULL_HAVE_MPI ${MPI_CXX_FOUND})
 endif()
+# How tests start a job; on few processors its ranks take turns.
+if(CULLHULL_HAVE_MPI)
+  set(CULLHULL_MPI_LAUNCHER "${MPIEXEC_EXECUTABLE}")
+  execute_process(COMMAND "${MPIEXEC_EXECUTABLE}" --version OUTPUT_VARIABLE _launcher ERROR_QUIET)
+  if(_launcher MATCHES "Open MPI|OpenRTE")  # others allow both without being asked
+    list(APPEND CULLHULL_MPI_LAUNCHER --oversubscribe --allow-run-as-root --bind-to none)
+  endif()
+endif()

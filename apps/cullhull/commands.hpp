@@ -11,6 +11,9 @@ namespace app {
 using Command = std::function<int()>;
 
 Command add_hull(Parser& parent);
+/// `hull` of points that other processes read as well; it lives as long as the command.
+struct Elsewhere;
+Command add_hull_of(Parser& parent, const Elsewhere* elsewhere);
 Command add_cull(Parser& parent);
 Command add_certify(Parser& parent);
 Command add_generate(Parser& parent);

@@ -70,6 +70,7 @@ struct HullArguments {
   bool triangles = false;
   StreamArguments stream;
   std::vector<std::string> files;  ///< that the words of the input stand for
+  const Elsewhere* elsewhere = nullptr;
 };
 
 struct Outcome : Repeated<Hull> {
@@ -286,23 +287,31 @@ std::string needs_memory(const HullArguments& arguments) {
   return "";
 }
 
+/// A row for each vertex.
+std::vector<double> vertex_rows(const cullhull::HullState& state, const Hull& hull) {
+  std::vector<double> rows;
+  const cullhull::PointView points = state.points();
+  const std::vector<std::uint64_t>& ids = state.ids();
+  for (const std::uint64_t v : hull.vertices) {
+    const auto row = std::lower_bound(ids.begin(), ids.end(), v) - ids.begin();
+    for (std::uint32_t j = 0; j < points.dimension; ++j)
+      rows.push_back(points.at(static_cast<std::uint64_t>(row), j));
+  }
+  return rows;
+}
+
 /// Reads everything once more and holds it against the hull.
 Certificate certify_streamed(const HullArguments& arguments, const Streamed& streamed,
                              const Hull& hull) {
+  if (arguments.elsewhere != nullptr)
+    return arguments.elsewhere->certify(hull, vertex_rows(streamed.state, hull));
   for (const std::string& file : arguments.files)
     if (file == "-" || ending_of(file) == ".hullstate" || arguments.stream.first_id > 0)
       throw Error(ErrorCode::invalid_argument,
                   "--certify reads all points once more, from 0 on: "
                   "not from " +
                       input_name(file));
-  std::vector<double> rows;
-  const cullhull::PointView points = streamed.state.points();
-  const std::vector<std::uint64_t>& ids = streamed.state.ids();
-  for (const std::uint64_t v : hull.vertices) {
-    const auto row = std::lower_bound(ids.begin(), ids.end(), v) - ids.begin();
-    for (std::uint32_t j = 0; j < points.dimension; ++j)
-      rows.push_back(points.at(static_cast<std::uint64_t>(row), j));
-  }
+  std::vector<double> rows = vertex_rows(streamed.state, hull);
   cullhull::Options options = arguments.run.options();
   options.threads = 1;  // those that read work
   cullhull::CertifyStream check(hull, std::move(rows), options);
@@ -351,7 +360,9 @@ std::string state_lines(const HullArguments& arguments, const Streamed& streamed
 
 int run_streamed(const HullArguments& arguments, const FilePlan& plan) {
   const Streamed streamed =
-      stream_state(arguments.input, arguments.files, arguments.stream, arguments.run);
+      arguments.elsewhere != nullptr
+          ? arguments.elsewhere->state(arguments.input, arguments.files, arguments.run)
+          : stream_state(arguments.input, arguments.files, arguments.stream, arguments.run);
   const cullhull::HullState& state = streamed.state;
   const bool speaks = !arguments.run.quiet && !plan.uses_stdout();
   if (!arguments.stream.partial.empty()) cullhull::write_state(arguments.stream.partial, state);
@@ -411,6 +422,21 @@ void check_groups(const HullArguments& a) {
     throw Error(ErrorCode::invalid_argument,
                 "--by writes the hulls of groups to one -o (.geojson .csv .json) and goes with "
                 "--columns, --memory and --threads");
+  if (a.elsewhere != nullptr) throw Error(ErrorCode::invalid_argument, "--by is for one process");
+}
+
+/// Points that lie on several ranks, of which this is one.
+int run_elsewhere(const HullArguments& arguments, const FilePlan& plan) {
+  const std::string why_not = needs_memory(arguments);
+  if (!why_not.empty() || arguments.stream.stream == "off")
+    throw Error(ErrorCode::invalid_argument, (why_not.empty() ? "--stream off" : why_not) +
+                                                 " needs all points in one process's memory");
+  if (!arguments.stream.checkpoint.empty() || arguments.stream.first_id > 0)
+    throw Error(ErrorCode::invalid_argument, "--checkpoint and --first-id are for one process");
+  if (arguments.elsewhere->reports) return run_streamed(arguments, plan);
+  (void)arguments.elsewhere->state(arguments.input, arguments.files, arguments.run);
+  if (arguments.certify) (void)arguments.elsewhere->certify(Hull(), {});
+  return 0;
 }
 
 int run(HullArguments arguments) {
@@ -423,6 +449,7 @@ int run(HullArguments arguments) {
                       arguments.run);
   }
   if (!arguments.only.empty()) check_vertices_only(arguments);
+  if (arguments.elsewhere != nullptr) return run_elsewhere(arguments, plan);
   return arguments.stream.wanted(arguments.files, arguments.run, needs_memory(arguments))
              ? run_streamed(arguments, plan)
              : run_in_memory(arguments, plan);
@@ -430,8 +457,11 @@ int run(HullArguments arguments) {
 
 }  // namespace
 
-Command add_hull(Parser& parent) {
+Command add_hull(Parser& parent) { return add_hull_of(parent, nullptr); }
+
+Command add_hull_of(Parser& parent, const Elsewhere* elsewhere) {
   auto a = std::make_shared<HullArguments>();
+  a->elsewhere = elsewhere;
   Parser& command = *parent.add_subcommand("hull", "The exact convex hull of a file of points");
   needs_value(*command.add_option("-o,--output", a->outputs, "Write the hull to this file"))
       .allow_extra_args(false)

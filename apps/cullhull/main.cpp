@@ -1,12 +1,11 @@
 // cullhull: exact convex hulls of very large point sets.
-#include <new>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "commands.hpp"
-#include "cullhull/error.hpp"
 #include "cullhull/version.hpp"
+#include "endings.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
 #include "words.hpp"
@@ -30,37 +29,6 @@ constexpr const char* footer =
     "Exit status: 0 success; 1 bad input or the system refused; 2 bad usage; 3 not certified;\n"
     "4 out of the memory budget; 5 backend or engine not available; 130 cancelled.\n"
     "Errors are one line on standard error. 'cullhull help COMMAND' tells more.";
-
-int exit_status(cullhull::ErrorCode code) {
-  switch (code) {
-    case cullhull::ErrorCode::invalid_argument:
-      return app::bad_usage;
-    case cullhull::ErrorCode::not_finite:
-    case cullhull::ErrorCode::bad_file:
-    case cullhull::ErrorCode::io:
-      return app::bad_input;
-    case cullhull::ErrorCode::out_of_budget:
-      return app::over_budget;
-    case cullhull::ErrorCode::backend_unavailable:
-      return app::no_backend;
-    case cullhull::ErrorCode::cancelled:
-      return app::cancelled;
-    case cullhull::ErrorCode::not_exact:
-    case cullhull::ErrorCode::internal:
-      return app::not_certified;
-  }
-  return app::bad_input;
-}
-
-/// "The words (see cullhull hull --help)" for what the parser did not understand.
-void complain_of_usage(const app::Parsed& outcome, const std::vector<std::string>& given,
-                       const std::vector<std::string>& words, const app::Parser& parser) {
-  const app::Parser& command = parser.innermost();
-  std::string why = outcome.text;
-  if (outcome.kind == app::Parsed::Kind::unexpected && !words.empty())
-    why = app::unexpected_words({words.begin() + 1, words.end()}, command);
-  app::complain(app::with_arguments_cut(why + " (see " + command.full_name() + " --help)", given));
-}
 
 int run(const std::vector<std::string>& given) {
   app::Parser parser("cullhull", description);
@@ -86,22 +54,12 @@ int run(const std::vector<std::string>& given) {
     return 0;
   }
   if (outcome.kind != app::Parsed::Kind::command) {
-    complain_of_usage(outcome, given, words, parser);
+    app::complain(app::usage_line(outcome, given, words, parser));
     return app::bad_usage;
   }
   for (const auto& [command, work] : commands)
     if (command->parsed()) return work();
   return app::bad_usage;
-}
-
-/// The budget in the words it was given in: a message of the library has it in MiB.
-std::string with_memory(std::string message, const std::vector<std::string>& words) {
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (words[i].starts_with("--memory=")) return message + " (" + words[i] + ")";
-    if (words[i] == "--memory" && i + 1 < words.size())
-      return message + " (--memory " + words[i + 1] + ")";
-  }
-  return message;
 }
 
 }  // namespace
@@ -112,17 +70,9 @@ int main(int argc, char** argv) {
   try {
     app::install_signals();
     return run(words);
-  } catch (const cullhull::Error& e) {
-    std::string message = e.what();
-    if (e.code() == cullhull::ErrorCode::out_of_budget)
-      message = with_memory(std::move(message), words);
-    app::complain(app::with_arguments_cut(std::move(message), words));
-    return exit_status(e.code());
-  } catch (const std::bad_alloc&) {
-    app::complain(app::out_of_memory);
-    return app::over_budget;
-  } catch (const std::exception& e) {
-    app::complain(app::with_arguments_cut(e.what(), words));
-    return app::bad_input;
+  } catch (...) {
+    const app::Ending ending = app::ending_of_exception(words);
+    app::complain(ending.line);
+    return ending.status;
   }
 }

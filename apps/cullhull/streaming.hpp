@@ -53,6 +53,17 @@ cullhull::BlockSummary stream_blocks(
     const InputArguments& input, const std::vector<std::string>& files, const RunArguments& run,
     const std::function<void(const cullhull::PointView&, std::uint64_t first_id)>& points);
 
+/// Where the state of all points comes from, and who certifies its hull, if not this process alone.
+struct Elsewhere {
+  /// Whether this process writes and prints; only its state, hull and rows are asked for.
+  bool reports = true;
+  std::function<Streamed(const InputArguments&, const std::vector<std::string>& files,
+                         const RunArguments&)>
+      state;
+  std::function<cullhull::Certificate(const cullhull::Hull&, std::vector<double> vertex_rows)>
+      certify;
+};
+
 /// What is left of the work is done: the checkpoint has served.
 void remove_checkpoint(const StreamArguments& stream);
 

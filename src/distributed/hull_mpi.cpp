@@ -3,15 +3,13 @@
 #include <string>
 #include <utility>
 
-#include "cull/planner.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/mpi.hpp"
 #include "distributed/job.hpp"
 #include "distributed/messages.hpp"
-#include "parallel/helpers.hpp"
+#include "distributed/survivors.hpp"
 #include "stream/reduce.hpp"
 #include "stream/state_parts.hpp"
-#include "stream/stream_map.hpp"
 
 namespace cullhull::mpi {
 
@@ -95,64 +93,21 @@ HullState hull_state(MPI_Comm comm, std::span<const Block> local, const JobOptio
 
 namespace {
 
-/// cull(); where a point is not finite all are left, and what is left is looked at for it.
-Survivors cull_what_is_finite(const PointView& points, const Options& options) {
-  try {
-    return cullhull::cull(points, options);
-  } catch (const Error& e) {
-    if (e.code() != ErrorCode::not_finite) throw;
-  }
-  Survivors all;
-  all.all = true;
-  return all;
-}
-
-/// Places of the points that a map leaves; as HullStream does with a block.
-std::vector<std::uint64_t> places_left(const StreamMap& map, const PointView& points,
-                                       const Options& options) {
-  NumberedPoints kept{points.dimension, points.scalar, {}, {}};
-  {
-    const CallScope call;
-    map.cull(points, 0, Run(options), kept);
-  }
-  if (kept.size() <= points.count / 4) return std::move(kept.ids);
-  const Survivors fewer = cull_what_is_finite(kept.view(), options);
-  if (fewer.all) return std::move(kept.ids);
-  std::vector<std::uint64_t> places;
-  for (const std::uint64_t i : fewer.ids) places.push_back(kept.ids[i]);
-  return places;
-}
-
 Survivors local_survivors(const Job& job, const Part& common) {
-  if (job.blocks().empty()) {
-    Survivors none;
-    none.reason = "no points on this rank";
-    return none;
-  }
-  const Block& block = job.blocks()[0];
-  const Options& options = job.beside();
-  std::unique_ptr<StreamMap> map;
-  if (common.points.size() > 0) map = StreamMap::lay(common.points, Run(options));
   Survivors found;
-  if (map == nullptr) {
-    found = cull_what_is_finite(block.points, options);
-  } else {
-    const Clock::time_point start = Clock::now();
-    found.ids = places_left(*map, block.points, options);
-    found.all = found.ids.size() == block.points.count;
-    if (found.all) found.ids = {};
-    found.method = "gauge";
-    found.reason = "a map of " + std::to_string(common.points.size()) +
-                   " extreme points of samples of all ranks";
-    found.seconds = seconds_since(start);
-  }
-  NumberedPoints left{block.points.dimension, block.points.scalar, {}, {}};
-  if (found.all)
-    left.append(block.points, 0, nullptr, block.points.count, block.first_id);
-  else
-    for (const std::uint64_t i : found.ids)
-      left.append(block.points, i, nullptr, 1, block.first_id);
-  refuse_not_finite(left, options.threads);
+  found.reason = "no points on this rank";
+  if (job.blocks().empty()) return found;
+  const Clock::time_point start = Clock::now();
+  const Block& block = job.blocks()[0];
+  NumberedPoints left = survivors_of(common.points, block, job.beside());
+  found.all = left.size() == block.points.count;
+  if (!found.all) found.ids = std::move(left.ids);
+  for (std::uint64_t& id : found.ids) id -= block.first_id;
+  if (!found.all) found.method = "gauge";
+  found.reason = common.points.size() == 0 ? "no map of all ranks would pay"
+                                           : "a map of " + std::to_string(common.points.size()) +
+                                                 " extreme points of samples of all ranks";
+  found.seconds = seconds_since(start);
   return found;
 }
 

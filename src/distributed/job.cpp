@@ -9,11 +9,11 @@
 #include "cull/gauge_map.hpp"
 #include "cull/planner.hpp"
 #include "cullhull/error.hpp"
+#include "distributed/survivors.hpp"
 #include "flow/sample_map.hpp"
 #include "parallel/memory.hpp"
 #include "parallel/parallel.hpp"
 #include "stream/reduce.hpp"
-#include "stream/state_parts.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -38,19 +38,6 @@ bool finite(const PointView& view, std::uint64_t i) {
   for (std::uint32_t j = 0; j < view.dimension; ++j)
     if (!std::isfinite(view.at(i, j))) return false;
   return true;
-}
-
-/// Leaves those whose ids are not among `others` or are among `own`; all ascend.
-void drop_foreign(NumberedPoints& points, const std::vector<std::uint64_t>& others,
-                  const std::vector<std::uint64_t>& own) {
-  std::vector<std::uint64_t> places;
-  for (std::uint64_t i = 0; i < points.size(); ++i) {
-    const std::uint64_t id = points.ids[i];
-    if (!std::binary_search(others.begin(), others.end(), id) ||
-        std::binary_search(own.begin(), own.end(), id))
-      places.push_back(i);
-  }
-  if (places.size() < points.size()) points.keep(places);
 }
 
 }  // namespace
@@ -188,7 +175,6 @@ const Part& Job::share_samples() {
   } catch (...) {
     failure = std::current_exception();
   }
-  own_samples_ = common_.points.ids;
   gather(
       ranks_, root(), common_, [&](Part& part) { reduce(part); },
       [&](std::uint64_t bytes) { check_room(bytes); }, failure);
@@ -210,22 +196,26 @@ void Job::check_room(std::uint64_t bytes) const {
 }
 
 void Job::reduce(Part& part) const {
-  if (part.few()) keep_extreme(part.points, beside_);
+  // Of a few parts the extreme points are not many less than the points: the root does it.
+  constexpr std::uint64_t worth = 4;
+  if (part.merged < worth || !part.few()) return;
+  keep_extreme(part.points, beside_);
+  part.merged = 1;
 }
 
-Part Job::local_part() {
-  HullStream stream(beside_);
-  if (local_ > 0 && common_.points.size() > 0) {
-    NumberedPoints points = common_.points;
-    stream.push(StateParts::state(std::move(points), common_.seen));
-    (void)stream.state();  // lays the map
+Part Job::local_part() const {
+  Part part{{dimension_, scalar_, {}, {}}, local_};
+  for (const mpi::Block& b : blocks_) {
+    NumberedPoints left = survivors_of(common_.points, b, beside_);
+    if (left.scalar != scalar_) left.widen();
+    check_room(2 * (part.points.size() + left.size()) * left.point_bytes());
+    part.points.append(left);
   }
-  for (const mpi::Block& b : blocks_) stream.push(b.points, b.first_id);
-  Part part{StateParts::points(stream.state()), local_};
-  if (part.points.dimension == 0) part.points.dimension = dimension_;
-  if (local_ == 0) part.points.scalar = scalar_;
-  if (part.points.scalar != scalar_) part.points.widen();
-  drop_foreign(part.points, common_.points.ids, own_samples_);
+  // Survivors of a filter are a few times as many as extreme points: not worth a hull here, as the
+  // root takes one of all of them. Where they are more, or none could be dropped, they are not
+  // worth sending.
+  constexpr std::uint64_t most_share = 128;
+  if (part.points.size() > local_ / most_share) keep_extreme(part.points, beside_);
   return part;
 }
 
@@ -238,7 +228,6 @@ Part Job::gather_parts() {
     failure = std::current_exception();
   }
   ranks_.agree(failure);
-  common_ = {};
   std::uint64_t contributed = part.points.size();
   ranks_.sum({&contributed, 1});
   report_.contributed = contributed;

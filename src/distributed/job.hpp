@@ -49,7 +49,7 @@ class Job {
 
  private:
   Part local_sample();
-  Part local_part();
+  Part local_part() const;
   void check_local(bool numbered) const;
   void agree_on_points();
   NumberedPoints sampled(std::uint64_t size) const;
@@ -67,7 +67,6 @@ class Job {
   ScalarType scalar_ = ScalarType::f64;
   std::uint64_t local_ = 0, total_ = 0;
   Part common_;
-  std::vector<std::uint64_t> own_samples_;  ///< ids among common_ that are of this rank, ascending
   mpi::Report report_;
 };
 

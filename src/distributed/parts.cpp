@@ -7,7 +7,7 @@ namespace {
 
 /// What precedes a part: nothing follows where its rank has failed.
 struct Notice {
-  std::uint64_t failed = 0, count = 0, seen = 0;
+  std::uint64_t failed = 0, count = 0, seen = 0, merged = 0;
 };
 
 void resize(NumberedPoints& points, std::uint64_t count) {
@@ -16,7 +16,7 @@ void resize(NumberedPoints& points, std::uint64_t count) {
 }
 
 void send_part(Communicator& ranks, const Part& part, bool failed, int to) {
-  const Notice notice{failed, failed ? 0 : part.points.size(), part.seen};
+  const Notice notice{failed, failed ? 0 : part.points.size(), part.seen, part.merged};
   ranks.send(&notice, sizeof notice, to);
   if (notice.count == 0) return;
   std::uint64_t welcome = 0;
@@ -32,7 +32,7 @@ void receive_part(Communicator& ranks, Part& part, const Room& room, std::except
   Notice notice;
   ranks.receive(&notice, sizeof notice, from);
   if (notice.failed != 0) return;  // it is heard of when all agree
-  Part other{{part.points.dimension, part.points.scalar, {}, {}}, notice.seen};
+  Part other{{part.points.dimension, part.points.scalar, {}, {}}, notice.seen, notice.merged};
   if (notice.count > 0) {
     if (!failure) try {
         // Both parts, and both once more as one.

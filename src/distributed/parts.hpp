@@ -14,10 +14,12 @@ namespace cullhull::internal {
 struct Part {
   NumberedPoints points;
   std::uint64_t seen = 0;
+  std::uint64_t merged = 1;  ///< parts in it since extreme points were found
 
   void append(const Part& other) {
     points.append(other.points);
     seen += other.seen;
+    merged += other.merged;
   }
   /// Whether it holds so few of its points that finding the extreme ones among them pays.
   bool few() const { return points.size() < seen / 2; }

@@ -118,6 +118,7 @@ bool cull_by_outermost(const PointView& points, const Run& run, Filtered& result
   const Fineness first = points.count <= 8192    ? Fineness{4, 8}
                          : points.count <= 32768 ? Fineness{6, 12}
                                                  : Fineness{8, 16};
+  // With more of a sample outside, dropping the others would not pay for the map.
   constexpr double most_outside = 0.75;
   Survivors& survivors = result.survivors;
   if (!kept_by_outermost(points, first, most_outside, run, survivors.ids)) return false;
@@ -133,6 +134,30 @@ bool cull_by_outermost(const PointView& points, const Run& run, Filtered& result
     survivors.method = "gauge x2";
   }
   return true;
+}
+
+/// The pass of a map over all points, and what follows it.
+void cull_by(CullPass& pass, std::unique_ptr<GaugeMap> map, const PointView& points, const Run& run,
+             Filtered& result) {
+  const unsigned d = points.dimension;
+  result.survivors.method = "gauge";
+  SurvivorRows gathered;
+  // A second copy for a while; where most points survive, fetching them later costs no more.
+  gathered.most = std::min(run.budget / (16 * d * sizeof(double)), points.count / 4);
+  pass.cull(*map, result.survivors, &gathered);
+  map.reset();
+  if (d == 2 && result.survivors.ids.size() > points.count / 10 * 9) {
+    // Points crowd where single precision does not tell them apart. The engine in the plane drops
+    // what is inside by double precision, from the points where they lie.
+    result.survivors.ids = {};
+    result.survivors.all = true;
+    result.survivors.reason += "; it kept nearly all";
+    return;
+  }
+  result.rows = std::move(gathered.rows);
+
+  gather_survivors(points, result, run);
+  refine_survivors(result, d, run);
 }
 
 }  // namespace
@@ -195,24 +220,18 @@ Filtered run_filter(const PointView& points, const Run& run) {
   }
   result.survivors.reason = sampled.reason;
   if (sampled.map == nullptr) return result;
-  result.survivors.method = "gauge";
-  SurvivorRows gathered;
-  // A second copy for a while; where most points survive, fetching them later costs no more.
-  gathered.most = std::min(run.budget / (16 * d * sizeof(double)), points.count / 4);
-  pass.cull(*sampled.map, result.survivors, &gathered);
-  sampled.map.reset();
-  if (d == 2 && result.survivors.ids.size() > points.count / 10 * 9) {
-    // Points crowd where single precision does not tell them apart. The engine in the plane drops
-    // what is inside by double precision, from the points where they lie.
-    result.survivors.ids = {};
-    result.survivors.all = true;
-    result.survivors.reason += "; it kept nearly all";
-    return result;
-  }
-  result.rows = std::move(gathered.rows);
+  cull_by(pass, std::move(sampled.map), points, run, result);
+  return result;
+}
 
-  gather_survivors(points, result, run);
-  refine_survivors(result, d, run);
+Filtered filter_by(InnerPolytope polytope, const PointView& points, const Run& run) {
+  Filtered result;
+  result.survivors.all = true;
+  result.pass_survivors = points.count;
+  if (polytope.dimension != points.dimension) return result;
+  CullPass pass(points, run);
+  auto map = map_of_polytope(std::move(polytope), points.count, Insist::no, pass.most_nodes(), run);
+  if (map != nullptr) cull_by(pass, std::move(map), points, run, result);
   return result;
 }
 

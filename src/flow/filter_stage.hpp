@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cull/gauge_map.hpp"
 #include "cullhull/array.hpp"
 #include "cullhull/cull.hpp"
 #include "parallel/run.hpp"
@@ -26,6 +27,10 @@ inline constexpr std::uint64_t most_by_outermost = 1 << 16;
 /// gathering of survivors reports them; `rows` has been checked. A sample whose hull would exceed
 /// the budget gives no map; survivors that exceed it are Error{out_of_budget}.
 Filtered run_filter(const PointView& points, const Run& run);
+
+/// The same by the map of a polytope of points of a larger set: a dropped point lies strictly
+/// inside it. Everything is left where it has no map.
+Filtered filter_by(InnerPolytope polytope, const PointView& points, const Run& run);
 
 /// Why the gauge map is not even tried; empty if it is.
 std::string why_no_filter(CullMethod method, std::uint64_t count, unsigned d);

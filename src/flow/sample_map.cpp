@@ -90,6 +90,14 @@ std::uint32_t least_nodes(std::uint64_t count, unsigned d, Insist insist) {
 
 }  // namespace
 
+std::unique_ptr<GaugeMap> map_of_polytope(InnerPolytope polytope, std::uint64_t count,
+                                          Insist insist, std::uint32_t most_nodes, const Run& run) {
+  const GaugeSettings settings{.least_nodes = least_nodes(count, polytope.dimension, insist),
+                               .most_nodes = most_nodes,
+                               .threads = run.threads};
+  return GaugeMap::build(std::move(polytope), settings);
+}
+
 SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,
                          const Run& run, std::uint64_t most_probes) {
   const unsigned d = points.dimension;
@@ -105,10 +113,8 @@ SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32
   const std::string found = sample_finding(sample.size, sample.extreme());
   if (insist != Insist::yes && !map_pays(points.count, d, sample.size, sample.extreme()))
     return {nullptr, found + ", so a map does not pay"};
-  const GaugeSettings settings{.least_nodes = least_nodes(points.count, d, insist),
-                               .most_nodes = most_nodes,
-                               .threads = run.threads};
-  SampledMap result{GaugeMap::build(std::move(sample.polytope), settings), found};
+  SampledMap result{
+      map_of_polytope(std::move(sample.polytope), points.count, insist, most_nodes, run), found};
   result.reason += result.map == nullptr   ? ", but the centre is not safely inside their hull"
                    : insist == Insist::yes ? ", filter as asked"
                                            : ", so the filter pays";

@@ -40,6 +40,10 @@ enum class Insist {
   yes,   ///< on a map wherever one exists
 };
 
+/// The map of a polytope, as fine as pays for so many points; null where none exists.
+std::unique_ptr<GaugeMap> map_of_polytope(InnerPolytope polytope, std::uint64_t count,
+                                          Insist insist, std::uint32_t most_nodes, const Run& run);
+
 /// `most_nodes`: as in GaugeMap::build. A sample whose hull would exceed `budget` gives no map.
 /// `most_probes`: the map's sample is at most so many times as large as the first.
 SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,

@@ -58,7 +58,7 @@ class ZipWriter {
     central_ += "PK\x01\x02";
     append(central_, 20, 2);
     central_ += record;
-    append(central_, 0, 10);  // no comment, disk 0, no attributes
+    central_.append(10, '\0');  // no comment, disk 0, no attributes
     append(central_, at_, 4);
     central_ += name;
     put("PK\x03\x04" + record + name);

@@ -204,6 +204,7 @@ std::uint32_t FacetSearch::hint(const double* x) const {
 }
 
 void FacetSearch::fill_hints(const Control& control) {
+  // Half a megabyte of hints, which a second cache takes.
   constexpr double most_cells = 1 << 17;
   cube_ = DirectionCube(k_, std::min(most_cells, 2.0 * static_cast<double>(count())));
   if (cube_.empty()) return;

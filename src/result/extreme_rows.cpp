@@ -30,15 +30,14 @@ std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size
       for (std::uint64_t& v : out) v = ids[v];
     return out;
   }
-  constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
   BigArray<std::uint8_t> used(count);
   std::memset(used.get(), 0, count);
   // Meanwhile one thread makes room, which takes as long: a vector clears it.
-  run.each_item(chunk_count(size, chunk) + 1, [&](std::uint64_t job) {
+  run.each_item(chunk_count(size, light_grain) + 1, [&](std::uint64_t job) {
     if (job == 0) return resize_big(out, size);
     // No two corners are equal; neighbouring bytes may be written at once.
-    const std::uint64_t end = std::min<std::uint64_t>(size, job * chunk);
-    for (std::uint64_t i = (job - 1) * chunk; i < end; ++i) used[corners[i]] = 1;
+    const std::uint64_t end = std::min<std::uint64_t>(size, job * light_grain);
+    for (std::uint64_t i = (job - 1) * light_grain; i < end; ++i) used[corners[i]] = 1;
   });
   rank_flagged(
       used.get(), count, run, [](std::uint32_t) { return true; },

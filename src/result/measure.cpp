@@ -120,6 +120,7 @@ class Measurer {
     });
   }
 
+  /// Simplices: their arithmetic takes about as long as a line of memory to come.
   static constexpr std::uint64_t ahead = 12;
   /// Corners lie anywhere in memory where ids do: ask for them early.
   void prefetch(std::uint64_t i) const {

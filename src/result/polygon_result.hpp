@@ -23,6 +23,18 @@ struct PlanarMeasures {
   double volume = 0, area = 0, centroid[2] = {};
 };
 
+/// The lists of a polygon of h edges: 2 h items each, and h planes.
+struct PolygonLists {
+  explicit PolygonLists(std::size_t h = 0)
+      : simplices(2 * h), facets(2 * h), neighbours(2 * h), across(2 * h), planes(3 * h) {}
+  /// Hands all over.
+  void give(const PlanarMeasures& measures, Hull& hull);
+
+  Array<std::uint64_t> simplices, facets;
+  Array<std::uint32_t> neighbours, across;  // of simplices, and in the facets' order
+  Array<double> planes;
+};
+
 /// Planes and sums of a polygon's edges, bit for bit as the fallback (measure.cpp) computes them,
 /// where coordinates are of ordinary proportions.
 class EdgeKernel {

@@ -29,7 +29,6 @@ namespace cullhull::internal {
 namespace {
 
 using Id = std::uint32_t;
-constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
 
 // -------------------------------------------------------------------------------- the vertices
 
@@ -46,7 +45,7 @@ class Vertices3D {
       number(surface, points.count, order, ids, run);
       return;
     }
-    run.each(points.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    run.each(points.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t p = begin; p < end; ++p) ids_[p] = ids != nullptr ? ids[p] : p;
     });
   }
@@ -73,7 +72,7 @@ class Vertices3D {
           std::atomic_ref<std::uint8_t>(used[v]).store(1, std::memory_order_relaxed);
       }
     });
-    run.each(surface.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    run.each(surface.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t v = begin; v < end; ++v)
         if (used[v] != 0)
           std::atomic_ref<std::uint8_t>(extreme[order[v]]).store(1, std::memory_order_relaxed);
@@ -92,7 +91,7 @@ class Vertices3D {
     });
     if (!good_) return;
     own_place_ = BigArray<Id>(surface.count);
-    run.each(surface.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    run.each(surface.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t v = begin; v < end; ++v) own_place_[v] = position[order[v]];
     });
     place_ = own_place_.get();
@@ -107,12 +106,12 @@ class Vertices3D {
 /// Of equal points the lowest id stands in.
 BigArray<Id> with_lowest_ids(const TriangleMesh& surface, Id points, const Run& run) {
   BigArray<Id> order(surface.count), lowest(points);
-  run.each(points, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+  run.each(points, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     std::iota(lowest.get() + begin, lowest.get() + end, static_cast<Id>(begin));
   });
   for (const auto& [duplicate, vertex] : surface.duplicates)
     lowest[vertex] = std::min(lowest[vertex], duplicate);
-  run.each(surface.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+  run.each(surface.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t v = begin; v < end; ++v) order[v] = lowest[surface.order[v]];
   });
   return order;
@@ -171,7 +170,7 @@ class TriangleWriter {
     std::fill_n(source_.factor, 3, 1.0);
     own_rows_ = BigArray<double>(std::size_t{surface_.count} * Shared3D::row_stride);
     const auto vertices = static_cast<Id>(vertices_.ids().size());
-    run_.each(surface_.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    run_.each(surface_.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t v = begin; v < end; ++v) {
         const Id place = std::min(vertices - 1, source_.place[v]);
         double* row = own_rows_.get() + v * Shared3D::row_stride;
@@ -195,7 +194,7 @@ class TriangleWriter {
       source_.factor[c] = v < count ? frame_.at(static_cast<Id>(v))[c] / local_row(v)[c] : 1;
     }
     std::atomic<bool> same{true};
-    run_.each(count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    run_.each(count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       if (!same.load(std::memory_order_relaxed)) return;
       std::uint64_t different = 0;
       for (std::uint64_t v = begin; v < end; ++v) {
@@ -418,7 +417,7 @@ class TriangleWriter {
 
   void write_neighbours() {
     Array<Id> neighbours(count_ * 3);
-    run_.each(count_, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    run_.each(count_, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) {
         Id* next = hull_.simplex_neighbours.data() + i * 3;
         Id* across = neighbours.data() + i * 3;

@@ -38,6 +38,7 @@ bool SmallPolygon::find(const PointView& set) {
 /// Every 8th, 64th, ... row: the hull of the fewest thins the next more, and so on, so that each
 /// but the last takes little of the whole. False, and all are kept, where that does not pay.
 bool SmallPolygon::thin(std::uint32_t count) {
+  // Each sample costs an eighth of the next; the first has some twenty corners.
   constexpr std::uint32_t ratio = 8, first_sample = 200;
   std::uint32_t step = ratio;
   while (count / step > first_sample) step *= ratio;

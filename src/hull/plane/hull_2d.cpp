@@ -121,6 +121,8 @@ Extent measure(const PlanarSource& source, const Run& run) {
 /// keep their order, so rows ascend.
 class Buckets {
  public:
+  /// A thread writes to a line of every bucket, 128 KB of them at most; half a thousand points are
+  /// 12 KB, which the first cache takes while they are sorted.
   static constexpr unsigned max_bits = 11;
   static constexpr std::uint32_t wanted_size = 512;
 
@@ -414,7 +416,7 @@ Boundary hull_2d(const LocalPoints& points, const Run& run) {
   resize_big(hull.neighbours, 2 * n);
   // Edge i runs from corner i to corner i + 1; it is written end first, so that the inside has
   // negative orientation.
-  run.each(n, std::uint64_t{1} << 15, [&](std::uint64_t begin, std::uint64_t end) {
+  run.each(n, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) {
       const std::uint64_t previous = i == 0 ? n - 1 : i - 1;
       const std::uint64_t next = i + 1 == n ? 0 : i + 1;

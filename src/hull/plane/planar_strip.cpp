@@ -53,10 +53,9 @@ bool copies_corner(double x, double y, std::uint32_t row, const Corners& corners
 std::vector<std::uint32_t> outside(const PlanarSource& source, const Strip& strip,
                                    const Corners& corners, const Quadrilateral& middle,
                                    const Run& run) {
-  constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
   constexpr std::uint32_t block = PlanarSource::block;
-  std::vector<std::vector<std::uint32_t>> kept(chunk_count(source.count(), chunk));
-  run.each_chunk(source.count(), chunk,
+  std::vector<std::vector<std::uint32_t>> kept(chunk_count(source.count(), light_grain));
+  run.each_chunk(source.count(), light_grain,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
                    double room[2 * block];
                    std::uint32_t list[block];

@@ -75,6 +75,7 @@ void Engine3D::copy_rows() {
   const Id n = points_.count;
   rows_ = BigArray<double>(std::size_t{n} * Shared3D::row_stride);
   run_.each(n, 1 << 16, [&](std::uint64_t begin, std::uint64_t end) {
+    // The order is as good as random in memory: lines asked for so early are mostly there.
     constexpr std::uint64_t ahead = 24;
     for (std::uint64_t i = begin; i < end; ++i) {
       if (i + ahead < end) prefetch_line(points_.row(order_.ids[i + ahead]));

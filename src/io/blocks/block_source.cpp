@@ -327,9 +327,13 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
   if (!from.format.empty()) read.format = from.format;
   const std::string format = choose_format({head.name, head.data + skip, head.size - skip}, read);
   std::optional<RecordLayout> layout;
-  if (format == "npy") layout = npy_records(head, from.size, read);
-  if (format == "raw") layout = raw_records(head, from.size, read);
-  if (format == "ply") layout = ply_records(head, from.size, read);
+  // A block that was begun is finished, so that there is a position to go on from: whoever visits
+  // blocks hears a cancellation between them.
+  ReadOptions uninterrupted = read;
+  uninterrupted.stop = {};
+  if (format == "npy") layout = npy_records(head, from.size, uninterrupted);
+  if (format == "raw") layout = raw_records(head, from.size, uninterrupted);
+  if (format == "ply") layout = ply_records(head, from.size, uninterrupted);
   if (format == "las") layout = las_records(head, from.size);
   if (layout) {
     if (!read.columns.empty() || !read.key.empty())

@@ -1,0 +1,90 @@
+#include "shares.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include "cullhull/error.hpp"
+#include "outputs.hpp"
+
+namespace app {
+namespace {
+
+using cullhull::Error;
+using cullhull::ErrorCode;
+using cullhull::PointView;
+
+/// What all ranks know of a file once its owner has opened it.
+struct FileFacts {
+  std::uint64_t count = 0, sliced = 0;
+};
+
+PointView rows_of(PointView view, std::uint64_t begin, std::uint64_t end) {
+  if (begin < end) view.data = view.address(begin, 0);
+  view.count = end - begin;
+  return view;
+}
+
+Input open_one(const InputArguments& arguments, const std::string& file, unsigned threads) {
+  if (file == "-" || ending_of(file) == ".hullstate")
+    throw Error(ErrorCode::invalid_argument,
+                input_name(file) + ": cullhull-mpi reads files of points that all ranks see");
+  InputArguments one = arguments;
+  one.path = file;
+  Input input = open_input(one, threads);
+  return input;
+}
+
+}  // namespace
+
+Share open_share(MPI_Comm comm, const InputArguments& arguments,
+                 const std::vector<std::string>& files, const RunArguments& run,
+                 const Together& together) {
+  int me = 0, size = 1;
+  MPI_Comm_rank(comm, &me);
+  MPI_Comm_size(comm, &size);
+  const auto rank = static_cast<std::uint64_t>(me), ranks = static_cast<std::uint64_t>(size);
+  const bool whole_files = files.size() >= 4 * ranks;
+  const auto owner = [&](std::size_t i) {
+    return whole_files ? i * ranks / files.size() : i % ranks;
+  };
+  const unsigned threads = run.threads > 0 ? run.threads : 1;
+  std::vector<Input> opened(files.size());
+  std::vector<FileFacts> facts(files.size());
+  Share share;
+  together([&] {
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      if (owner(i) != rank) continue;
+      opened[i] = open_one(arguments, files[i], threads);
+      facts[i] = {opened[i].points.count,
+                  !whole_files && opened[i].file.mapped() && opened[i].gathered.empty()};
+    }
+  });
+  MPI_Allreduce(MPI_IN_PLACE, facts.data(), static_cast<int>(2 * facts.size()), MPI_UINT64_T,
+                MPI_MAX, comm);
+  together([&] {
+    std::uint64_t first = 0;
+    for (std::size_t i = 0; i < files.size(); first += facts[i++].count) {
+      const std::uint64_t n = facts[i].count;
+      if (facts[i].sliced != 0 && owner(i) != rank)
+        opened[i] = open_one(arguments, files[i], threads);
+      else if (owner(i) != rank)
+        continue;
+      Input& input = opened[i];
+      if (input.points.count != n)
+        throw Error(ErrorCode::bad_file, files[i] + ": ranks see " + std::to_string(n) + " and " +
+                                             std::to_string(input.points.count) + " points");
+      std::uint64_t begin = 0, end = n;
+      if (facts[i].sliced != 0) {
+        begin = n / ranks * rank + std::min(rank, n % ranks);
+        end = begin + n / ranks + (rank < n % ranks ? 1 : 0);
+      }
+      if (i == 0) share.format = input.file.format();
+      share.blocks.push_back({rows_of(input.points, begin, end), first + begin});
+    }
+  });
+  share.inputs = std::move(opened);  // whose memory the blocks view; it stays where it is
+  return share;
+}
+
+}  // namespace app

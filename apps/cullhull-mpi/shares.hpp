@@ -1,0 +1,31 @@
+// What a rank reads of the files of a job.
+#pragma once
+
+#include <mpi.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "arguments.hpp"
+#include "cullhull/mpi.hpp"
+
+namespace app {
+
+/// A rank's share of the files' points; views memory of its own.
+struct Share {
+  std::vector<Input> inputs;
+  std::vector<cullhull::mpi::Block> blocks;
+  std::string format;  ///< of the first file, on the ranks that opened it
+};
+
+/// Runs `work` on this rank; where it throws on any rank, all end.
+using Together = std::function<void(const std::function<void()>& work)>;
+
+/// Collective. Files that are read in place are cut into slices, one a rank; where files are many,
+/// or of text, which would have to be parsed by all, each belongs to one rank as a whole.
+Share open_share(MPI_Comm comm, const InputArguments& arguments,
+                 const std::vector<std::string>& files, const RunArguments& run,
+                 const Together& together);
+
+}  // namespace app

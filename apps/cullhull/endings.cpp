@@ -1,0 +1,72 @@
+#include "endings.hpp"
+
+#include <exception>
+#include <new>
+#include <utility>
+
+#include "commands.hpp"
+#include "cullhull/error.hpp"
+#include "terminal.hpp"
+#include "words.hpp"
+
+namespace app {
+namespace {
+
+int exit_status(cullhull::ErrorCode code) {
+  switch (code) {
+    case cullhull::ErrorCode::invalid_argument:
+      return bad_usage;
+    case cullhull::ErrorCode::not_finite:
+    case cullhull::ErrorCode::bad_file:
+    case cullhull::ErrorCode::io:
+      return bad_input;
+    case cullhull::ErrorCode::out_of_budget:
+      return over_budget;
+    case cullhull::ErrorCode::backend_unavailable:
+      return no_backend;
+    case cullhull::ErrorCode::cancelled:
+      return cancelled;
+    case cullhull::ErrorCode::not_exact:
+    case cullhull::ErrorCode::internal:
+      return not_certified;
+  }
+  return bad_input;
+}
+
+/// The budget in the words it was given in: a message of the library has it in MiB.
+std::string with_memory(std::string message, const std::vector<std::string>& words) {
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i].starts_with("--memory=")) return message + " (" + words[i] + ")";
+    if (words[i] == "--memory" && i + 1 < words.size())
+      return message + " (--memory " + words[i + 1] + ")";
+  }
+  return message;
+}
+
+}  // namespace
+
+std::string usage_line(const Parsed& outcome, const std::vector<std::string>& given,
+                       const std::vector<std::string>& words, const Parser& parser) {
+  const Parser& command = parser.innermost();
+  std::string why = outcome.text;
+  if (outcome.kind == Parsed::Kind::unexpected && !words.empty())
+    why = unexpected_words({words.begin() + 1, words.end()}, command);
+  return with_arguments_cut(why + " (see " + command.full_name() + " --help)", given);
+}
+
+Ending ending_of_exception(const std::vector<std::string>& words) {
+  try {
+    throw;
+  } catch (const cullhull::Error& e) {
+    std::string message = e.what();
+    if (e.code() == cullhull::ErrorCode::out_of_budget)
+      message = with_memory(std::move(message), words);
+    return {exit_status(e.code()), with_arguments_cut(std::move(message), words)};
+  } catch (const std::bad_alloc&) {
+    return {over_budget, out_of_memory};
+  } catch (const std::exception& e) {
+    return {bad_input, with_arguments_cut(e.what(), words)};
+  }
+}
+
+}  // namespace app

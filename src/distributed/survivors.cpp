@@ -1,0 +1,54 @@
+#include "distributed/survivors.hpp"
+
+#include "cullhull/error.hpp"
+#include "flow/filter_stage.hpp"
+#include "flow/sample_map.hpp"
+#include "geometry/gather.hpp"
+#include "parallel/helpers.hpp"
+#include "stream/reduce.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// Filters as convex_hull does; where most points are left of the common map, they lie elsewhere
+/// than most and have a map of their own.
+Survivors filtered(const NumberedPoints& common, const PointView& points, const Run& run) {
+  const CallScope call;
+  if (common.size() > 0) {
+    Array<double> rows(common.size() * common.dimension);
+    const PointView corners = common.view();
+    for (std::uint64_t i = 0; i < corners.count; ++i)
+      load_row(corners, i, rows.data() + i * common.dimension);
+    Filtered found = filter_by(inner_polytope(std::move(rows), common.dimension, run), points, run);
+    if (!found.survivors.all) return std::move(found.survivors);
+  }
+  return run_filter(points, run).survivors;
+}
+
+NumberedPoints rows_of(const mpi::Block& block, const Survivors& left) {
+  NumberedPoints kept{block.points.dimension, block.points.scalar, {}, {}};
+  if (left.all)
+    kept.append(block.points, 0, nullptr, block.points.count, block.first_id);
+  else
+    for (const std::uint64_t i : left.ids) kept.append(block.points, i, nullptr, 1, block.first_id);
+  return kept;
+}
+
+}  // namespace
+
+NumberedPoints survivors_of(const NumberedPoints& common, const mpi::Block& block,
+                            const Options& options) {
+  const Run run(options);
+  Survivors left;
+  left.all = true;
+  try {
+    left = filtered(common, block.points, run);
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::not_finite) throw;  // named below, by its id
+  }
+  NumberedPoints kept = rows_of(block, left);
+  refuse_not_finite(kept, run.threads);
+  return kept;
+}
+
+}  // namespace cullhull::internal
