@@ -117,7 +117,8 @@ bool find_cdd_header(const Source& source, const DataLine& first, LineScanner sc
     if (scan_number(p, line.end, unused) != Scan::not_a_number) return false;
     if (line.word() == "H-representation")
       fail_at_line(source, line.number, "holds halfspaces, not points");
-    if (!next_data_line(scanner, line)) return false;
+    // The title may have commas; a line of names is followed by rows that have them, too.
+    if (!next_data_line(scanner, line) || line.fields.separators) return false;
   }
   preamble.kind = Preamble::cdd;
   read_cdd_counts(source, scanner, preamble);
@@ -258,9 +259,8 @@ Preamble find_preamble(const Source& source, const ReadOptions& options, bool cs
   if (!next_data_line(scanner, first)) fail(source, "no points");
   Preamble preamble;
   preamble.end = source.data + source.size;
-  // A line of names could be followed by any words; cdd's and lrs's have no separators.
   if (find_qhull_header(source, first, scanner, preamble) ||
-      (!first.fields.separators && find_cdd_header(source, first, scanner, preamble)))
+      find_cdd_header(source, first, scanner, preamble))
     return preamble;
   return find_rows(source, first, scanner, options, csv);
 }

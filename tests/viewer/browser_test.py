@@ -263,7 +263,7 @@ class Static(Page):
         source = generated("save.npy", "cube", "-n", "2k", "-d", "3")
         report = self.view(source)
         browser.driver.execute_cdp_cmd(
-            "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": folder.name})
+            "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": os.path.dirname(path(""))})
         for button, name in (("save-picture", "save.png"), ("save-mesh", "save-hull.ply")):
             browser.driver.find_element("id", button).click()
             end = time.monotonic() + 30
