@@ -38,7 +38,7 @@ void engine_alone(const std::string& name, const Rows& rows, unsigned threads, u
   const LocalFrame frame(cullhull::Array<double>(rows.begin(), rows.end()),
                          static_cast<std::uint32_t>(rows.size() / 3), 3, run.with_threads(threads));
   std::vector<double> times, busy;
-  SimplicialHull hull;
+  Boundary hull;
   for (unsigned k = 0; k < repeat; ++k) {
     hull = {};
     const double busy_start = bench::processor_ms();

@@ -100,7 +100,7 @@ void run(const std::string& name, unsigned threads, int repeat) {
         run.with_threads(threads));
     const auto start = Clock::now();
     const double work_start = processor_milliseconds();
-    const cullhull::internal::SimplicialHull hull =
+    const cullhull::internal::Boundary hull =
         cullhull::internal::hull_nd(frame.points(), frame.simplex().data(),
                                     run.with_budget(std::uint64_t{16} << 30).with_threads(threads));
     engine = std::min(engine, milliseconds(start));

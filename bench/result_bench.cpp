@@ -63,7 +63,7 @@ void run(const char* shape, unsigned d, std::uint64_t n, unsigned repeats) {
   const auto start = Clock::now();
   const LocalPoints& local = frame.points();
   const std::uint64_t budget = ~std::uint64_t{0};
-  const SimplicialHull boundary =
+  const Boundary boundary =
       d == 2   ? hull_2d(local, run.with_threads(1))
       : d == 3 ? hull_3d(local, frame.simplex().data(), run.with_budget(budget).with_threads(1))
                : hull_nd(local, frame.simplex().data(), run.with_budget(budget).with_threads(1));
@@ -76,11 +76,11 @@ void run(const char* shape, unsigned d, std::uint64_t n, unsigned repeats) {
     Hull last;
     for (unsigned r = 0; r < repeats; ++r) {
       // The result in 3D is made of the engine's own facets, which cannot be copied.
-      SimplicialHull copy;
-      Surface3D surface;
+      Boundary copy;
+      TriangleMesh surface;
       if (d == 3)
-        surface = surface_3d(local, frame.simplex().data(),
-                             run.with_budget(budget).with_threads(threads));
+        surface = triangle_mesh(local, frame.simplex().data(),
+                                run.with_budget(budget).with_threads(threads));
       else
         copy = boundary;
       Hull hull;

@@ -9,4 +9,6 @@ if(CULLHULL_BUILD_IO)
   find_package(fmt REQUIRED)
   find_package(nlohmann_json REQUIRED)
   find_package(FastFloat REQUIRED)
+  find_package(ZLIB)  # .gz and deflated .npz; without it one line says what reads them
+  include("${CMAKE_CURRENT_LIST_DIR}/Zstd.cmake")
 endif()

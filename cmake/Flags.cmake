@@ -4,17 +4,29 @@ add_library(cullhull_flags INTERFACE)
 # For device code that is -fmad=false; division, roots and subnormal numbers are exact by default.
 set(_cxx "$<COMPILE_LANGUAGE:CXX>")
 set(_cuda "$<COMPILE_LANGUAGE:CUDA>")
+if(MSVC)  # cl and clang-cl
+  set(_exact /fp:precise /bigobj /Zc:__cplusplus /DNOMINMAX)  # cl contracts under /fp:contract alone
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    list(APPEND _exact /clang:-ffp-contract=off)
+  endif()
+  set(_warnings /W4)
+  set(_errors /WX)
+else()
+  set(_exact -ffp-contract=off -fno-fast-math)
+  set(_warnings -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion)
+  set(_errors -Werror)
+endif()
 target_compile_options(cullhull_flags INTERFACE
-  "$<${_cxx}:-ffp-contract=off;-fno-fast-math>"
+  "$<${_cxx}:${_exact}>"
   "$<${_cuda}:-fmad=false;--expt-relaxed-constexpr;-Xcompiler=-ffp-contract=off,-fno-fast-math>")
 target_compile_options(cullhull_flags INTERFACE
-  "$<${_cxx}:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion>"
+  "$<${_cxx}:${_warnings}>"
   "$<${_cuda}:-Xcompiler=-Wall,-Wextra;-Wno-deprecated-gpu-targets>"
   # No kernel of ours keeps anything in a thread's memory: all of it fits into registers.
   "$<${_cuda}:-Xptxas=-warn-spills,-warn-lmem-usage>")
 if(CULLHULL_WERROR)
   target_compile_options(cullhull_flags INTERFACE
-    "$<${_cxx}:-Werror>" "$<${_cuda}:-Werror=all-warnings;-Xptxas=-Werror>")
+    "$<${_cxx}:${_errors}>" "$<${_cuda}:-Werror=all-warnings;-Xptxas=-Werror>")
 endif()
 if(CULLHULL_SANITIZE)
   # Host code of .cu files only launches kernels: nvcc would need other words for these flags.

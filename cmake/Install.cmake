@@ -35,12 +35,21 @@ set(CULLHULL_HAVE_QHULL OFF)
 if(CULLHULL_WITH_QHULL AND TARGET Qhull::qhull_r)
   set(CULLHULL_HAVE_QHULL ON)
 endif()
+set(CULLHULL_HAVE_ZLIB OFF)
+set(CULLHULL_HAVE_ZSTD OFF)
+if(CULLHULL_BUILD_IO AND TARGET ZLIB::ZLIB)
+  set(CULLHULL_HAVE_ZLIB ON)
+endif()
+if(CULLHULL_BUILD_IO AND TARGET Zstd::zstd)
+  set(CULLHULL_HAVE_ZSTD ON)
+endif()
 configure_package_config_file(cmake/cullhullConfig.cmake.in
   "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfig.cmake" INSTALL_DESTINATION ${_package})
 write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/cullhullConfigVersion.cmake"
   COMPATIBILITY SameMinorVersion)
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfig.cmake"
   "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfigVersion.cmake" cmake/Gmp.cmake
+  cmake/Zstd.cmake
   DESTINATION ${_package} COMPONENT development)
 
 # pkg-config: static libraries name what they need, the shared one needs nothing.
@@ -51,6 +60,12 @@ if(NOT CULLHULL_SHARED)
   if(CULLHULL_BUILD_IO)
     set(_pc_libraries "-lcullhull_io -lcullhull")
     string(APPEND _pc_requires " fmt")
+    if(CULLHULL_HAVE_ZLIB)
+      string(APPEND _pc_requires " zlib")
+    endif()
+    if(CULLHULL_HAVE_ZSTD)
+      string(APPEND _pc_requires " libzstd")
+    endif()
   endif()
   if(CULLHULL_HAVE_QHULL)
     string(APPEND _pc_requires " qhull_r")

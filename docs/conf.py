@@ -40,8 +40,8 @@ breathe_default_members = ("members", "undoc-members")
 breathe_show_include = False
 cpp_id_attributes = ["CULLHULL_EXPORT"]
 
-# The reference needs the docstrings, not the compiled part.
-autodoc_mock_imports = ["cullhull._core"]
+# The reference needs the docstrings, not the compiled part nor other packages.
+autodoc_mock_imports = ["cullhull._core", "dask"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 autodoc_default_options = {"members": True, "inherited-members": True}

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # Installs the packages cullhull is built from: the one list there is (docs/dependencies.md says why
 # each). Debian 12, Ubuntu 24.04 and later. Usage: scripts/install-deps.sh [PART ...]
-# Parts: build (always included), mpi, test, bench, docs, fuzz, format, python, package. Does nothing where nothing is
-# missing; calls apt-get as root, or through sudo.
+# Parts: build (always included), mpi, test, bench, docs, fuzz, format, python, package, cross. Does
+# nothing where nothing is missing; calls apt-get as root, or through sudo.
 set -euo pipefail
 
 build=(g++ cmake ninja-build ccache pkg-config libhwy-dev libgmp-dev libqhull-dev
-  libcli11-dev libfmt-dev nlohmann-json3-dev libfast-float-dev libjs-three)
+  libcli11-dev libfmt-dev nlohmann-json3-dev libfast-float-dev libjs-three
+  zlib1g-dev libzstd-dev)
 mpi=(libopenmpi-dev openmpi-bin)
 test=("${mpi[@]}" libgtest-dev qhull-bin libcgal-dev libboost-dev libcdd-tools lrslib libbenchmark-dev)
 # Ubuntu's chromium is a snap, which has no package; there the viewer's browser test is skipped.
@@ -19,6 +20,7 @@ fuzz=(clang)
 format=(clang-format)
 python=(python3 python3-dev python3-venv python3-pip)
 package=(python3 dpkg-dev file debootstrap debian-archive-keyring)
+cross=(g++-aarch64-linux-gnu g++-s390x-linux-gnu qemu-user-static debian-archive-keyring python3)
 
 wanted=("${build[@]}")
 for part in "$@"; do
@@ -32,8 +34,9 @@ for part in "$@"; do
     format) wanted+=("${format[@]}") ;;
     python) wanted+=("${python[@]}") ;;
     package) wanted+=("${package[@]}") ;;
+    cross) wanted+=("${cross[@]}") ;;
     *)
-      echo "install-deps: unknown part '$part'; known: build mpi test bench docs fuzz format python package" >&2
+      echo "install-deps: unknown part '$part'; known: build mpi test bench docs fuzz format python package cross" >&2
       exit 2
       ;;
   esac

@@ -72,11 +72,12 @@ OURS uint32_t arc4random(void) {      /* glibc 2.36 */
 C
 cc --sysroot="$folder" -O2 -fPIC -c compat.c -o "$folder/usr/lib/compat.o"
 
-# Header-only libraries, GMP (which asks glibc 2.14) and three.js.
+# Header-only libraries, GMP (which asks glibc 2.14), zlib, zstd and three.js.
 copy() { mkdir -p "$folder$(dirname "$1")" && cp -rL "$1" "$folder$1"; }
 for path in /usr/include/{CLI,nlohmann,fast_float} /usr/share/cmake/{CLI11,nlohmann_json} \
   /usr/lib/cmake/FastFloat /usr/include/gmpxx.h /usr/include/x86_64-linux-gnu/gmp.h \
-  /usr/lib/x86_64-linux-gnu/libgmp.{a,so,so.10} /usr/share/javascript/three; do
+  /usr/lib/x86_64-linux-gnu/libgmp.{a,so,so.10} /usr/share/javascript/three \
+  /usr/include/{zlib,zconf,zstd,zstd_errors}.h /usr/lib/x86_64-linux-gnu/lib{z,zstd}.a; do
   [[ -e $path ]] || give_up "no $path (scripts/install-deps.sh build)"
   copy "$path"
 done

@@ -18,6 +18,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "io/source.hpp"
+#include "parallel/byte_order.hpp"
 
 namespace cullhull::testing {
 
@@ -50,9 +51,14 @@ inline std::string slurp(const std::string& path) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
+/// Whether a reader may give little-endian numbers where they lie.
+inline constexpr bool lies_ready = internal::little_endian_machine;
+
+/// Little-endian, as most files are.
 template <class... T>
 std::string bytes_of(T... values) {
   std::string out;
+  ((values = internal::little_endian(values)), ...);
   (out.append(reinterpret_cast<const char*>(&values), sizeof values), ...);
   return out;
 }

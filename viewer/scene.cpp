@@ -3,18 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <nlohmann/json.hpp>
 
 #include "cullhull/error.hpp"
+#include "parallel/byte_order.hpp"
 #include "viewer/assets.hpp"
 #include "viewer/hull_shape.hpp"
 #include "viewer/page.hpp"
 
 namespace cullhull::viewer {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "pages hold little-endian arrays");
 
 /// Bytes of arrays in a page. Base64 makes 4/3 of it: with three.js (0.9 MB) and the rest the page
 /// stays under 12 MB.
@@ -75,7 +73,9 @@ std::string Scene::array(const char* name, const char* type, const std::vector<T
   bytes_.resize((bytes_.size() + 7) / 8 * 8);  // a typed array must begin at a multiple of its size
   const std::string json =
       fmt::format("\"{}\":[{},{},\"{}\"],", name, bytes_.size(), items.size(), type);
-  bytes_.append(reinterpret_cast<const char*>(items.data()), items.size() * sizeof(T));
+  const std::size_t begin = bytes_.size(), size = items.size() * sizeof(T);
+  bytes_.append(reinterpret_cast<const char*>(items.data()), size);
+  internal::little_endian_items(bytes_.data() + begin, size, sizeof(T));
   return json;
 }
 

@@ -5,11 +5,13 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <mutex>
 #include <optional>
 
 #include "cullhull/error.hpp"
 #include "cullhull/point_blocks.hpp"
 #include "signals.hpp"
+#include "terminal.hpp"
 
 namespace app {
 
@@ -26,9 +28,11 @@ const char* const input_help =
     "which\n"
     "         its scale and offset are not applied\n"
     "  .xyz .txt .csv   a point a line, separated by blanks, commas or semicolons; Qhull's header\n"
-    "         (dimension, then count) and cdd's (rbox h) are understood\n"
+    "         (dimension, then count) and cdd's (rbox h) are understood. Of a line of names with\n"
+    "         x,y,z these columns are taken, or those that --columns names; others may be words\n"
     "  raw    nothing but coordinates: say --input-format raw --dim D --type f64\n"
     "  -      standard input\n"
+    "  .gz .zst   any of these, compressed      .npz   an array: FILE.npz:NAME, or the only one\n"
     "Floats and integers up to 32 bits are taken at their exact value.";
 
 namespace {
@@ -47,53 +51,6 @@ std::optional<ScalarType> scalar_type(const std::string& name) {
   for (std::size_t t = 0; t < scalar_names().size(); ++t)
     if (scalar_names()[t] == name) return static_cast<ScalarType>(t);
   return std::nullopt;
-}
-
-[[noreturn]] void bad_columns(std::string_view text, const std::string& why) {
-  throw Error(ErrorCode::invalid_argument, "--columns " + std::string(text) + ": " + why);
-}
-
-std::uint32_t parse_column(std::string_view number, std::uint32_t missing, std::string_view text) {
-  if (number.empty()) return missing;
-  std::uint32_t value = 0;
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
-  if (error != std::errc() || end != number.data() + number.size())
-    bad_columns(text, "write a range such as 0:3 or a list such as 0,2,5");
-  return value;
-}
-
-bool evenly_spaced(const std::vector<std::uint32_t>& columns) {
-  for (std::size_t j = 2; j < columns.size(); ++j)
-    if (std::int64_t{columns[j]} - columns[j - 1] != std::int64_t{columns[1]} - columns[0])
-      return false;
-  return true;
-}
-
-PointView select_columns(PointView view, const std::vector<std::uint32_t>& columns,
-                         std::vector<std::byte>& gathered) {
-  const auto d = static_cast<std::uint32_t>(columns.size());
-  if (evenly_spaced(columns)) {
-    view.data += static_cast<std::ptrdiff_t>(columns[0]) * view.coordinate_stride;
-    if (d > 1)
-      view.coordinate_stride *=
-          static_cast<std::ptrdiff_t>(columns[1]) - static_cast<std::ptrdiff_t>(columns[0]);
-    view.dimension = d;
-    return view;
-  }
-  const std::size_t size = cullhull::scalar_size(view.scalar);
-  gathered.resize(view.count * d * size);
-  std::byte* out = gathered.data();
-  for (std::uint64_t i = 0; i < view.count; ++i)
-    for (const std::uint32_t j : columns) {
-      std::memcpy(out, view.address(i, j), size);
-      out += size;
-    }
-  return {gathered.data(),
-          view.scalar,
-          d,
-          view.count,
-          static_cast<std::ptrdiff_t>(d * size),
-          static_cast<std::ptrdiff_t>(size)};
 }
 
 }  // namespace
@@ -130,33 +87,6 @@ std::uint64_t parse_whole(std::string_view text, std::string_view option) {
                   std::string(text) + "'");
 }
 
-std::vector<std::uint32_t> parse_columns(std::string_view text, std::uint32_t dimension) {
-  std::vector<std::uint32_t> columns;
-  std::vector<bool> taken(dimension);
-  std::string_view rest = text;
-  for (bool more = true; more;) {
-    const auto comma = rest.find(',');
-    const auto item = rest.substr(0, comma);
-    more = comma != std::string_view::npos;
-    if (more) rest.remove_prefix(comma + 1);
-    if (item.empty()) bad_columns(text, "write a range such as 0:3 or a list such as 0,2,5");
-    const auto colon = item.find(':');
-    const std::uint32_t first = parse_column(item.substr(0, colon), 0, text);
-    std::uint32_t last = first + 1;
-    if (colon != std::string_view::npos)
-      last = parse_column(item.substr(colon + 1), dimension, text);
-    if (first >= last) bad_columns(text, "the range '" + std::string(item) + "' is empty");
-    if (last > dimension)
-      bad_columns(text, "the points have coordinates 0 to " + std::to_string(dimension - 1));
-    for (std::uint32_t j = first; j < last; ++j) {
-      if (taken[j]) bad_columns(text, "coordinate " + std::to_string(j) + " is named twice");
-      taken[j] = true;
-      columns.push_back(j);
-    }
-  }
-  return columns;
-}
-
 std::string input_name(const std::string& path) { return path == "-" ? "standard input" : path; }
 
 void InputArguments::add_to(Parser& command) {
@@ -181,6 +111,12 @@ std::vector<std::string> InputArguments::files() const {
   return words.empty() ? std::vector{path} : cullhull::input_files(words);
 }
 
+std::vector<std::string> InputArguments::find_files() {
+  std::vector<std::string> found = files();
+  path = found.size() == 1 ? found[0] : std::to_string(found.size()) + " inputs";
+  return found;
+}
+
 void InputArguments::add_format_to(Parser& command) {
   allow_words(*command.add_option("--input-format", format,
                                   "Read INPUT as this, whatever its name and content"),
@@ -188,54 +124,50 @@ void InputArguments::add_format_to(Parser& command) {
   allow_range(*command.add_option("--dim", dimension, "Coordinates of a point, for raw input"), 1,
               1U << 20);
   allow_words(*command.add_option("--type", type, "Scalar type, for raw input"), scalar_names());
-  needs_value(
-      *command.add_option("--columns", columns,
-                          "Coordinates of each point to use, from 0: a:b without b, or 0,2,5"))
+  needs_value(*command.add_option("--columns", columns,
+                                  "Coordinates of each point: x,y,z by name, where the file names\n"
+                                  "them, or from 0: a:b without b, or 0,2,5"))
       .type_name("COLUMNS");
 }
 
-cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads) {
+cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads,
+                                   std::uint64_t memory) {
   cullhull::ReadOptions options;
   options.threads = threads;
   options.format = arguments.format;
   options.raw_dimension = arguments.dimension;
   options.raw_scalar = scalar_type(arguments.type);
+  options.columns = arguments.columns;
+  options.memory_budget = memory;
+  options.remark = [](const std::string& line) {
+    static std::once_flag told;  // a thousand tiles have the same to tell
+    std::call_once(told, [&] { write_stderr("cullhull: " + line + "; --columns takes others\n"); });
+  };
   return options;
 }
 
-PointView columns_of(const InputArguments& arguments, const PointView& view,
-                     std::vector<std::byte>& gathered) {
-  if (arguments.columns.empty()) return view;
-  return select_columns(view, parse_columns(arguments.columns, view.dimension), gathered);
-}
-
-void choose_columns(const InputArguments& arguments, Input& input) {
-  input.points = columns_of(arguments, input.points, input.gathered);
-}
-
-Input open_input(const InputArguments& arguments, unsigned threads) {
+Input open_input(const InputArguments& arguments, unsigned threads, std::uint64_t memory) {
   Input input;
-  input.file = cullhull::open_points(arguments.path, read_options(arguments, threads));
+  input.file = cullhull::open_points(arguments.path, read_options(arguments, threads, memory));
   if ((arguments.dimension != 0 || !arguments.type.empty()) &&
       input.file.format().rfind("raw", 0) != 0)
     throw Error(ErrorCode::invalid_argument, "--dim and --type describe raw input, but " +
                                                  arguments.path + " was read as " +
                                                  input.file.format());
   input.points = input.file.points();
-  choose_columns(arguments, input);
   return input;
 }
 
 Input open_inputs(const InputArguments& arguments, const std::vector<std::string>& files,
-                  unsigned threads) {
+                  unsigned threads, std::uint64_t memory) {
   InputArguments one = arguments;
   one.path = files[0];
-  if (files.size() == 1) return open_input(one, threads);
+  if (files.size() == 1) return open_input(one, threads, memory);
   std::vector<Input> parts;
   Input all;
   for (const std::string& file : files) {
     one.path = file;
-    parts.push_back(open_input(one, threads));
+    parts.push_back(open_input(one, threads, memory));
     const PointView& part = parts.back().points;
     if (all.points.count == 0) all.points.scalar = part.scalar;
     if (part.count > 0 && part.scalar != all.points.scalar) all.points.scalar = ScalarType::f64;
@@ -310,6 +242,10 @@ cullhull::MachineConstants machine_constants() {
 
 }  // namespace
 
+std::uint64_t RunArguments::memory_bytes() const {
+  return memory.empty() ? 0 : parse_size(memory, "--memory");
+}
+
 cullhull::Options RunArguments::options() const {
   cullhull::Options options;
   if (cull == "gauge") options.cull = cullhull::CullMethod::gauge;
@@ -319,7 +255,7 @@ cullhull::Options RunArguments::options() const {
   if (backend == "cuda") options.backend = cullhull::Backend::cuda;
   if (options.backend == cullhull::Backend::automatic) options.machine = machine_constants();
   options.threads = threads;
-  if (!memory.empty()) options.memory_budget = parse_size(memory, "--memory");
+  options.memory_budget = memory_bytes();
   options.stop = stop_token();
   return options;
 }

@@ -29,6 +29,8 @@ struct InputArguments {
   void add_many_to(Parser& command, const std::string& last = "");
   /// The files that the words stand for (input_files), or the one path.
   std::vector<std::string> files() const;
+  /// The same; from now on `path` is what messages call them all.
+  std::vector<std::string> find_files();
 
  private:
   void add_format_to(Parser& command);
@@ -37,24 +39,20 @@ struct InputArguments {
 /// An open file and the view of it that was asked for.
 struct Input {
   cullhull::PointFile file;
-  /// Holds the chosen columns where no stride describes them.
+  /// Holds the points where they are of several files.
   std::vector<std::byte> gathered;
   cullhull::PointView points;
 };
 
-Input open_input(const InputArguments& arguments, unsigned threads = 0);
+/// `memory`: most that what is compressed may unpack to; 0: ReadOptions has it.
+Input open_input(const InputArguments& arguments, unsigned threads = 0, std::uint64_t memory = 0);
 /// All of these files' points in memory, one after the other.
 Input open_inputs(const InputArguments& arguments, const std::vector<std::string>& files,
-                  unsigned threads);
+                  unsigned threads, std::uint64_t memory = 0);
 
 /// How open_input would open it.
-cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads);
-
-/// Makes input.points the view of the columns asked for, all if none were.
-void choose_columns(const InputArguments& arguments, Input& input);
-/// The same of any view; `gathered` holds what no stride describes.
-cullhull::PointView columns_of(const InputArguments& arguments, const cullhull::PointView& view,
-                               std::vector<std::byte>& gathered);
+cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads,
+                                   std::uint64_t memory = 0);
 
 /// How to run: everything that ends up in cullhull::Options.
 struct RunArguments {
@@ -67,6 +65,8 @@ struct RunArguments {
   /// `filter`: with --cull and --backend, which checking a hull does not have.
   void add_to(Parser& command, bool filter);
   cullhull::Options options() const;
+  /// What --memory says; 0 without it.
+  std::uint64_t memory_bytes() const;
 };
 
 /// Where the machine's constants are: $CULLHULL_MACHINE, else cullhull/machine.json in
@@ -79,10 +79,6 @@ std::uint64_t parse_size(std::string_view text, std::string_view option);
 
 /// A whole number below 2^64. Throws Error{invalid_argument} naming `option`.
 std::uint64_t parse_whole(std::string_view text, std::string_view option);
-
-/// "0:3" (half open, either end may be missing), "0,2,5", or both: column numbers below
-/// `dimension`. Throws Error{invalid_argument}.
-std::vector<std::uint32_t> parse_columns(std::string_view text, std::uint32_t dimension);
 
 /// "standard input" for "-".
 std::string input_name(const std::string& path);

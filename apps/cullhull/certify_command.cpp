@@ -9,7 +9,6 @@
 #include "cullhull/certify.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
-#include "cullhull/version.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "signals.hpp"
@@ -45,12 +44,7 @@ struct CertifyArguments {
 
 std::string report(const cullhull::PointView& points, const cullhull::Certificate& certificate,
                    unsigned threads, double read_seconds, double seconds) {
-  nlohmann::ordered_json json;
-  json["version"] = CULLHULL_VERSION;
-  json["schema"] = cullhull::json_schema_version;
-  json["points"] = {{"count", points.count},
-                    {"dimension", points.dimension},
-                    {"scalar", cullhull::scalar_name(points.scalar)}};
+  nlohmann::ordered_json json = report_head(points);
   json["threads"] = threads;
   json["certified"] = certificate.valid;
   json["reason"] =
@@ -72,7 +66,8 @@ struct Outcome {
 };
 
 Outcome certify_in_memory(const CertifyArguments& arguments) {
-  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads);
+  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
+                                  arguments.run.memory_bytes());
   Outcome outcome;
   outcome.points = input.points;
   outcome.read_seconds = input.file.read_seconds();
@@ -113,10 +108,7 @@ int run(CertifyArguments arguments) {
                           "certify needs the points and, last, the hull that is to be checked");
   arguments.hull = arguments.input.words.back();
   arguments.input.words.pop_back();
-  arguments.files = arguments.input.files();
-  arguments.input.path = arguments.files.size() == 1
-                             ? arguments.files[0]
-                             : fmt::format("{} inputs", arguments.files.size());
+  arguments.files = arguments.input.find_files();
   FilePlan plan;
   plan.reads(arguments.files);
   plan.reads(arguments.hull);

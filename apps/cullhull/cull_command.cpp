@@ -9,7 +9,6 @@
 #include "commands.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
-#include "cullhull/version.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "streaming.hpp"
@@ -52,12 +51,7 @@ using Outcome = Repeated<cullhull::Survivors>;
 
 std::string report(const CullArguments& arguments, const cullhull::PointView& points,
                    const Outcome& outcome, double read_seconds) {
-  nlohmann::ordered_json json;
-  json["version"] = CULLHULL_VERSION;
-  json["schema"] = cullhull::json_schema_version;
-  json["points"] = {{"count", points.count},
-                    {"dimension", points.dimension},
-                    {"scalar", cullhull::scalar_name(points.scalar)}};
+  nlohmann::ordered_json json = report_head(points);
   json["threads"] = threads_used(arguments.run.threads);
   const cullhull::Survivors& survivors = outcome.result;
   json["backend"] = survivors.backend;
@@ -123,7 +117,8 @@ void write_survivors(const CullArguments& arguments, const cullhull::PointView& 
 }
 
 int run_in_memory(const CullArguments& arguments, const FilePlan& plan) {
-  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads);
+  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
+                                  arguments.run.memory_bytes());
   for (const std::string& path : {arguments.output, arguments.points})
     check_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
@@ -176,10 +171,7 @@ std::string needs_memory(const CullArguments& arguments) {
 }
 
 int run(CullArguments arguments) {
-  arguments.files = arguments.input.files();
-  arguments.input.path = arguments.files.size() == 1
-                             ? arguments.files[0]
-                             : fmt::format("{} inputs", arguments.files.size());
+  arguments.files = arguments.input.find_files();
   const FilePlan plan = plan_files(arguments);
   return arguments.stream.wanted(arguments.files, arguments.run, needs_memory(arguments))
              ? run_streamed(arguments, plan)

@@ -11,6 +11,7 @@
 #include "commands.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/io.hpp"
+#include "group_hulls.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "streaming.hpp"
@@ -28,6 +29,8 @@ constexpr const char* examples =
     "Output (-o, by extension; may be given more than once):\n"
     "  .ply .obj .off .stl   a mesh, for points of dimension 2 and 3; with --triangles no "
     "polygons\n"
+    "  .glb .vtp             meshes for viewers: 32-bit floats from the box's middle; doubles\n"
+    "  .geojson .wkt         the polygon of 2D points\n"
     "  .json                 everything: vertices, facets, planes, neighbours, simplices, "
     "measures\n"
     "  .txt                  the coordinates of the vertices\n"
@@ -45,6 +48,7 @@ constexpr const char* examples =
     "  cullhull hull cloud.npy --columns 0:3               x y z of longer records\n"
     "  rbox 1000 D4 | cullhull hull - --format 'Fx n'      in the place of qconvex\n"
     "  cullhull hull wide.npy --only vertices --vertices ids.npy   9 dimensions, say: no facets\n"
+    "  cullhull hull points.csv --by id -o hulls.geojson   a hull for each value of id\n"
     "  cullhull hull big.npy --repeat 7 --threads 2        the median of seven runs\n"
     "\n"
     "Exit status: 0 success; 1 bad input; 2 bad usage; 3 not certified; 4 out of the memory "
@@ -60,6 +64,7 @@ struct HullArguments {
   std::vector<std::string> formats;  ///< words, several in one or in many
   std::string engine = "native";
   std::string only;
+  std::string by;  ///< the column that tells groups apart
   unsigned repeat = 1;
   bool certify = false;
   bool triangles = false;
@@ -88,7 +93,8 @@ std::vector<std::string> format_words(const std::vector<std::string>& given) {
 FilePlan plan_files(const HullArguments& arguments) {
   FilePlan plan;
   plan.reads(arguments.files);
-  for (const std::string& path : arguments.outputs) plan.writes("-o", path, hull_endings);
+  for (const std::string& path : arguments.outputs)
+    plan.writes("-o", path, arguments.by.empty() ? hull_endings : group_endings);
   plan.writes("--vertices", arguments.vertices, id_endings);
   plan.writes_json(arguments.json);
   arguments.stream.plan(plan);
@@ -247,7 +253,8 @@ void check_vertices_only(const HullArguments& arguments) {
 }
 
 int run_vertices_only(const HullArguments& arguments, const FilePlan& plan) {
-  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads);
+  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
+                                  arguments.run.memory_bytes());
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const Extreme found = find_repeatedly(arguments, [&](const cullhull::Options& options) {
     return cullhull::extreme_points(input.points, options);
@@ -392,7 +399,8 @@ int run_streamed(const HullArguments& arguments, const FilePlan& plan) {
 
 int run_in_memory(const HullArguments& arguments, const FilePlan& plan) {
   if (!arguments.only.empty()) return run_vertices_only(arguments, plan);
-  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads);
+  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
+                                  arguments.run.memory_bytes());
   for (const std::string& path : arguments.outputs)
     check_hull_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
@@ -408,6 +416,8 @@ int run_in_memory(const HullArguments& arguments, const FilePlan& plan) {
 /// Points that lie on several ranks, of which this is one.
 int run_elsewhere(const HullArguments& arguments, const FilePlan& plan) {
   const std::string why_not = needs_memory(arguments);
+  if (!arguments.by.empty())
+    throw Error(ErrorCode::invalid_argument, "--by is for one process");
   if (!why_not.empty() || arguments.stream.stream == "off")
     throw Error(ErrorCode::invalid_argument, (why_not.empty() ? "--stream off" : why_not) +
                                                  " needs all points in one process's memory");
@@ -419,15 +429,31 @@ int run_elsewhere(const HullArguments& arguments, const FilePlan& plan) {
   return 0;
 }
 
+/// Of groups there is one kind of result.
+void check_groups(const HullArguments& a) {
+  const bool others = !a.vertices.empty() || !a.json.empty() || !a.formats.empty() || a.certify ||
+                      a.triangles || a.repeat > 1 || a.engine != "native" || !a.only.empty() ||
+                      a.stream.any();
+  if (a.outputs.size() != 1 || others)
+    throw Error(ErrorCode::invalid_argument,
+                "--by writes the hulls of groups to one -o (.geojson .csv .json) and goes with "
+                "--columns, --memory and --threads");
+}
+
 int run(HullArguments arguments) {
   (void)format_words(arguments.formats);  // refused before the work
-  arguments.files = arguments.input.files();
-  arguments.input.path = arguments.files.size() == 1
-                             ? arguments.files[0]
-                             : fmt::format("{} inputs", arguments.files.size());
+  arguments.files = arguments.input.find_files();
   const FilePlan plan = plan_files(arguments);
+  if (arguments.elsewhere != nullptr) {
+    if (!arguments.only.empty()) check_vertices_only(arguments);
+    return run_elsewhere(arguments, plan);
+  }
+  if (!arguments.by.empty()) {
+    check_groups(arguments);
+    return run_groups(arguments.input, arguments.files, arguments.by, arguments.outputs[0],
+                      arguments.run);
+  }
   if (!arguments.only.empty()) check_vertices_only(arguments);
-  if (arguments.elsewhere != nullptr) return run_elsewhere(arguments, plan);
   return arguments.stream.wanted(arguments.files, arguments.run, needs_memory(arguments))
              ? run_streamed(arguments, plan)
              : run_in_memory(arguments, plan);
@@ -451,6 +477,10 @@ Command add_hull_of(Parser& parent, const Elsewhere* elsewhere) {
                                   "Print the hull as qconvex does; several words print several"))
       .allow_extra_args(false)
       ->type_name("WORDS");
+  needs_value(*command.add_option("--by", a->by,
+                                  "A hull for each group: points whose column of this name or\n"
+                                  "number holds the same; -o .geojson (2D), .csv or .json"))
+      .type_name("COLUMN");
   command.add_flag("--triangles", a->triangles,
                    "Meshes of triangles, for programs that read no polygons");
   a->run.add_to(command, true);

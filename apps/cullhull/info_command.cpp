@@ -11,7 +11,6 @@
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "cullhull/io.hpp"
-#include "cullhull/version.hpp"
 #include "outputs.hpp"
 #include "streaming.hpp"
 #include "terminal.hpp"
@@ -78,12 +77,7 @@ nlohmann::ordered_json number(double value, bool any) {
 std::string report(const Described& input, const Scan& found) {
   using Json = nlohmann::ordered_json;
   const cullhull::PointView& points = input.points;
-  Json json;
-  json["version"] = CULLHULL_VERSION;
-  json["schema"] = cullhull::json_schema_version;
-  json["points"] = {{"count", points.count},
-                    {"dimension", points.dimension},
-                    {"scalar", cullhull::scalar_name(points.scalar)}};
+  Json json = report_head(points);
   json["format"] = input.format;
   json["in_place"] = input.in_place;
   json["point_stride"] = points.point_stride;

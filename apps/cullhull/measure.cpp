@@ -1,12 +1,10 @@
 #include "measure.hpp"
 
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cstdio>
 #include <numeric>
 #include <thread>
+
+#include "system.hpp"
 
 namespace app {
 
@@ -17,9 +15,9 @@ double warm_pages(const cullhull::PointView& points) {
                              points.address(0, points.dimension - 1),
                              points.address(points.count - 1, points.dimension - 1)};
   const auto [first, last] = std::minmax_element(std::begin(ends), std::end(ends));
-  const auto page = static_cast<std::ptrdiff_t>(::sysconf(_SC_PAGESIZE));
+  const auto page = static_cast<std::ptrdiff_t>(system::page_bytes());
   // What does not fit beside the work would be pushed out again before it is used.
-  if ((*last - *first) / page > ::sysconf(_SC_PHYS_PAGES) / 2) return 0;
+  if (static_cast<std::uint64_t>(*last - *first) > system::memory_bytes() / 2) return 0;
   unsigned sum = 0;
   for (std::ptrdiff_t offset = 0; offset < *last - *first; offset += page)
     sum += static_cast<unsigned>((*first)[offset]);
@@ -29,21 +27,7 @@ double warm_pages(const cullhull::PointView& points) {
   return watch.seconds();
 }
 
-std::uint64_t peak_bytes() {
-  // getrusage would count what the parent held before it became us.
-  if (std::FILE* file = std::fopen("/proc/self/status", "re")) {
-    char line[256];
-    unsigned long long kilobytes = 0;
-    bool found = false;
-    while (!found && std::fgets(line, sizeof line, file) != nullptr)
-      found = std::sscanf(line, "VmHWM: %llu kB", &kilobytes) == 1;
-    std::fclose(file);
-    if (found) return kilobytes * 1024;
-  }
-  rusage usage = {};
-  ::getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
+std::uint64_t peak_bytes() { return system::peak_bytes(); }
 
 unsigned threads_used(unsigned requested) {
   return requested != 0 ? requested : std::max(1U, std::thread::hardware_concurrency());

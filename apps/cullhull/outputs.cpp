@@ -1,13 +1,16 @@
 #include "outputs.hpp"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "cullhull/error.hpp"
+#include "cullhull/io.hpp"
+#include "cullhull/point_blocks.hpp"
+#include "cullhull/version.hpp"
+#include "system.hpp"
 #include "terminal.hpp"
 
 namespace app {
@@ -32,9 +35,9 @@ std::string listed(const Endings& endings) {
 
 /// Nothing that has a name to honour: standard output, a pipe, a device.
 bool is_stream(const std::string& path) {
-  struct stat status {};
-  return path == "-" || (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode) &&
-                         !S_ISDIR(status.st_mode));
+  if (path == "-") return true;
+  const system::FileIdentity file = system::identify(path);
+  return file.exists && !file.regular && !file.folder;
 }
 
 }  // namespace
@@ -65,6 +68,16 @@ std::string measure_lines(int affine_dimension, double area, double volume) {
   return fmt::format("area       {}\nvolume     {}\n", area, volume);
 }
 
+nlohmann::ordered_json report_head(const cullhull::PointView& points) {
+  nlohmann::ordered_json json;
+  json["version"] = CULLHULL_VERSION;
+  json["schema"] = cullhull::json_schema_version;
+  json["points"] = {{"count", points.count},
+                    {"dimension", points.dimension},
+                    {"scalar", cullhull::scalar_name(points.scalar)}};
+  return json;
+}
+
 std::string wrote_line(const std::string& path) {
   if (path.empty() || path == "-") return "";
   std::error_code not_a_file;
@@ -76,20 +89,22 @@ std::string wrote_line(const std::string& path) {
 // ------------------------------------------------------------------------------- FilePlan
 
 std::optional<FilePlan::Identity> FilePlan::identify(const std::string& path, bool output) {
-  struct stat status {};
   const bool stream = path == "-";
-  const bool exists = stream ? ::fstat(output ? STDOUT_FILENO : STDIN_FILENO, &status) == 0
-                             : ::stat(path.c_str(), &status) == 0;
-  if (exists && S_ISREG(status.st_mode)) return Identity{status.st_dev, status.st_ino, ""};
-  if (exists || stream) return std::nullopt;
+  const system::FileIdentity file =
+      stream ? system::identify(output ? system::standard_output : system::standard_input)
+             : system::identify(path);
+  if (file.regular) return Identity{file.device, file.number, ""};
+  if (file.exists || stream) return std::nullopt;
   const std::filesystem::path name(path);
   const std::string folder = name.has_parent_path() ? name.parent_path().string() : ".";
-  if (::stat(folder.c_str(), &status) != 0) return Identity{0, 0, name.lexically_normal().string()};
-  return Identity{status.st_dev, status.st_ino, name.filename().string()};
+  const system::FileIdentity place = system::identify(folder);
+  if (!place.exists) return Identity{0, 0, name.lexically_normal().string()};
+  return Identity{place.device, place.number, name.filename().string()};
 }
 
 void FilePlan::reads(const std::string& path) {
-  if (const auto identity = identify(path, false)) inputs_.push_back({*identity, "", path});
+  if (const auto identity = identify(cullhull::file_of_input(path), false))
+    inputs_.push_back({*identity, "", path});
 }
 
 void FilePlan::reads(const std::vector<std::string>& paths) {
@@ -126,8 +141,8 @@ void FilePlan::writes(const std::string& option, const std::string& path, const 
 
 void FilePlan::writes_json(const std::string& path) {
   if (path.empty()) return;
-  static constexpr std::string_view others[] = {".ply", ".obj", ".off", ".stl", ".npy",
-                                                ".csv", ".txt", ".xyz", ".html"};
+  static constexpr std::string_view others[] = {".ply", ".obj", ".off", ".stl", ".glb", ".vtp",
+                                                ".wkt", ".npy", ".csv", ".txt", ".xyz", ".html"};
   if (!is_stream(path) &&
       std::find(std::begin(others), std::end(others), ending_of(path)) != std::end(others))
     refuse("--json", path, "JSON is written, which is not what the name says; end it in .json");
@@ -151,7 +166,11 @@ void add_json_option(Parser& command, std::string& path, const std::string& what
 
 void check_hull_dimension(const std::string& path, std::uint32_t dimension) {
   const std::string ending = ending_of(path);
-  const bool mesh = ending == ".ply" || ending == ".obj" || ending == ".off" || ending == ".stl";
+  if ((ending == ".geojson" || ending == ".wkt") && dimension != 2)
+    refuse("-o", path,
+           fmt::format("a geometry needs points of dimension 2, not {}; write .json", dimension));
+  static constexpr std::string_view meshes[] = {".ply", ".obj", ".off", ".stl", ".glb", ".vtp"};
+  const bool mesh = std::find(std::begin(meshes), std::end(meshes), ending) != std::end(meshes);
   if (mesh && dimension != 2 && dimension != 3)
     refuse("-o", path,
            fmt::format("a mesh needs points of dimension 2 or 3, not {}; write .json", dimension));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,6 +23,9 @@ std::string measure_lines(int affine_dimension, double area, double volume);
 
 /// "wrote      page.html, 1.2 MB\n"; nothing for standard output.
 std::string wrote_line(const std::string& path);
+
+/// What a JSON report begins with: version, schema, and the number, dimension and type of points.
+nlohmann::ordered_json report_head(const cullhull::PointView& points);
 
 /// Endings of names, in small letters and with their dots.
 using Endings = std::vector<std::string_view>;
@@ -80,7 +84,9 @@ void add_json_option(Parser& command, std::string& path, const std::string& what
 void check_hull_dimension(const std::string& path, std::uint32_t dimension);
 
 /// The endings of the names write_hull, write_ids and write_points know, and those of pages.
-inline const Endings hull_endings{".ply", ".obj", ".off", ".stl", ".json", ".txt"};
+inline const Endings hull_endings{".ply", ".obj",     ".off", ".stl",  ".glb",
+                                  ".vtp", ".geojson", ".wkt", ".json", ".txt"};
+inline const Endings group_endings{".geojson", ".csv", ".json"};
 inline const Endings id_endings{".npy", ".csv", ".txt"};
 inline const Endings point_endings{".npy", ".ply", ".csv", ".xyz", ".txt"};
 inline const Endings page_endings{".html", ".htm"};

@@ -1,7 +1,15 @@
 #include "signals.hpp"
 
+#if defined(_WIN32)
+#define WIN32_LEAN_AND_MEAN
+#if !defined(NOMINMAX)
+#define NOMINMAX
+#endif
+#include <windows.h>
+#else
 #include <pthread.h>
 #include <unistd.h>
+#endif
 
 #include <atomic>
 #include <chrono>
@@ -29,6 +37,15 @@ std::stop_source& source() {
   return instance;
 }
 
+#if defined(_WIN32)
+// Called in a thread of its own, which may lock and allocate.
+BOOL WINAPI on_control(DWORD) {
+  if (!stoppable || source().stop_requested()) end_with_line(cancelled, "cancelled");
+  source().request_stop();
+  return TRUE;
+}
+
+#else
 // A thread of its own may lock and allocate, which a signal handler must not.
 void watch(sigset_t signals) {
   for (;;) {
@@ -57,6 +74,7 @@ void end_on_fault(int signal, siginfo_t* info, void*) {
   }
   end_with_line(bad_input, name, ": the file was cut short while it was being read");
 }
+#endif
 
 // An exception that could not be handed to main: it left a thread of a library, mostly for want of
 // memory or of threads. Whatever else it is keeps the usual end, which leaves a trace.
@@ -72,6 +90,7 @@ void end_on_exception() {
   std::abort();
 }
 
+#if !defined(_WIN32)
 /// Its own thread with a small stack, which is all it needs, and which there may be room for where
 /// there is little.
 void start_watcher(const sigset_t& signals) {
@@ -92,11 +111,16 @@ void start_watcher(const sigset_t& signals) {
     throw cullhull::Error(cullhull::ErrorCode::io,
                           "cannot start a thread: " + std::generic_category().message(error));
 }
+#endif
 
 }  // namespace
 
 void install_signals() {
   std::set_terminate(end_on_exception);
+#if defined(_WIN32)
+  source();
+  SetConsoleCtrlHandler(on_control, TRUE);
+#else
   // A closed pipe and a file beyond its limit are failed writes, reported as such.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
@@ -112,6 +136,7 @@ void install_signals() {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   source();
   start_watcher(signals);
+#endif
 }
 
 std::stop_token stop_token() { return source().get_token(); }

@@ -1,15 +1,15 @@
 #include "streaming.hpp"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "checkpoint.hpp"
 #include "cullhull/error.hpp"
 #include "measure.hpp"
 #include "signals.hpp"
+#include "system.hpp"
 #include "terminal.hpp"
 
 namespace app {
@@ -27,13 +27,12 @@ std::string identity_of(const InputArguments& input, const std::vector<std::stri
   std::string text = fmt::format("{} {} {} {} {} {}\n", input.format, input.dimension, input.type,
                                  input.columns, stream.first_id, stream.global_ids);
   for (const std::string& file : files) {
-    struct stat status {};
-    if (::stat(file.c_str(), &status) != 0 || !S_ISREG(status.st_mode))
+    const system::FileIdentity found = system::identify(cullhull::file_of_input(file));
+    if (!found.regular)
       throw Error(ErrorCode::invalid_argument,
                   "--checkpoint " + stream.checkpoint + ": " + input_name(file) +
                       " is no file that could be read from its middle");
-    text += fmt::format("{} {} {}.{}\n", file, status.st_size, status.st_mtim.tv_sec,
-                        status.st_mtim.tv_nsec);
+    text += fmt::format("{} {} {}\n", file, found.bytes, found.changed);
   }
   return text;
 }
@@ -48,16 +47,10 @@ std::optional<Checkpoint> checkpoint_of(const StreamArguments& stream, const std
   return found;
 }
 
-/// Columns of blocks, each thread with memory of its own for those that no stride describes.
-cullhull::PointView block_columns(const InputArguments& input, const cullhull::PointView& block) {
-  thread_local std::vector<std::byte> gathered;
-  return columns_of(input, block, gathered);
-}
-
 cullhull::BlockOptions block_options(const InputArguments& input, const RunArguments& run,
                                      const cullhull::Options& options) {
   cullhull::BlockOptions blocks;
-  blocks.read = read_options(input, run.threads);
+  blocks.read = read_options(input, run.threads, run.memory_bytes());
   blocks.read.stop = options.stop;
   return blocks;
 }
@@ -130,7 +123,7 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
   blocks.progress = progress.callback();
   cullhull::BlockVisitor visitor;
   visitor.points = [&](const cullhull::PointView& block, std::uint64_t first) {
-    hull.push(block_columns(input, block), stream.first_id + first);
+    hull.push(block, stream.first_id + first);
   };
   visitor.state = [&](const cullhull::HullState& state, std::uint64_t first) {
     if (stream.global_ids) return hull.push(state);
@@ -167,7 +160,7 @@ cullhull::BlockSummary stream_blocks(
   blocks.progress = progress.callback();
   cullhull::BlockVisitor visitor;
   visitor.points = [&](const cullhull::PointView& block, std::uint64_t first) {
-    points(block_columns(input, block), first);
+    points(block, first);
   };
   cullhull::BlockSummary summary;
   cancellable([&] { summary = cullhull::visit_blocks(files, visitor, blocks); });
@@ -175,7 +168,8 @@ cullhull::BlockSummary stream_blocks(
 }
 
 void remove_checkpoint(const StreamArguments& stream) {
-  if (!stream.checkpoint.empty()) ::unlink(stream.checkpoint.c_str());
+  std::error_code not_there;
+  if (!stream.checkpoint.empty()) std::filesystem::remove(stream.checkpoint, not_there);
 }
 
 std::string streamed_points_line(const Streamed& streamed, std::size_t files) {

@@ -24,6 +24,11 @@ struct StreamArguments {
 
   /// `states`: with what makes, keeps and takes in states.
   void add_to(Parser& command, bool states);
+  /// Whether anything but the defaults was asked for.
+  bool any() const {
+    return stream != "auto" || !checkpoint.empty() || !partial.empty() || global_ids ||
+           first_id > 0;
+  }
   /// Names the outputs to the plan.
   void plan(FilePlan& plan) const;
   /// Whether to read in blocks. `why_not`: what the run needs all points in memory for; empty if

@@ -1,10 +1,6 @@
 #include "terminal.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -16,6 +12,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
+#include "system.hpp"
 
 namespace app {
 namespace {
@@ -25,7 +22,7 @@ std::string reason(int error) { return std::generic_category().message(error); }
 /// 0, or the error number.
 int write_all(int fd, std::string_view text) {
   while (!text.empty()) {
-    const ssize_t n = ::write(fd, text.data(), text.size());
+    const std::ptrdiff_t n = system::write_some(fd, text.data(), text.size());
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return errno;
     text.remove_prefix(static_cast<std::size_t>(n));
@@ -76,24 +73,21 @@ std::string duration(double seconds) {
 }  // namespace
 
 void keep_standard_streams() {
-  for (int fd = 0; fd <= 2; ++fd)
-    if (::fcntl(fd, F_GETFD) < 0 && errno == EBADF)
-      // The lowest free number is `fd`. The wrong direction keeps reads and writes failing.
-      (void)!::open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY);
+  for (int fd = 0; fd <= 2; ++fd) system::open_if_closed(fd);
 }
 
 void write_stdout(std::string_view text) {
-  if (const int error = write_all(STDOUT_FILENO, text); error != 0)
+  if (const int error = write_all(system::standard_output, text); error != 0)
     throw cullhull::Error(cullhull::ErrorCode::io,
                           "cannot write to standard output: " + reason(error));
 }
 
-void write_stderr(std::string_view text) { (void)write_all(STDERR_FILENO, text); }
+void write_stderr(std::string_view text) { (void)write_all(system::standard_error, text); }
 
 void complain(std::string_view message) {
   const std::string line = "cullhull: " + printable(message) + '\n';
   line_state = writing;
-  (void)write_all(STDERR_FILENO, line);
+  (void)write_all(system::standard_error, line);
   line_state = written;
 }
 
@@ -107,19 +101,21 @@ void end_with_line(int status, const char* first, const char* second) noexcept {
       for (; *part != 0 && length < sizeof line - 1; ++part)
         line[length++] = is_control(*part, 0) ? '?' : *part;
     line[length++] = '\n';
-    (void)write_all(STDERR_FILENO, {line, length});
+    (void)write_all(system::standard_error, {line, length});
     line_state = written;
   }
-  while (line_state != written) ::poll(nullptr, 0, 10);
+  while (line_state != written) system::wait_10_ms();
   cullhull::remove_unfinished_files();
-  ::_exit(status);
+  system::end(status);
 }
 
 TerminalProgress::TerminalProgress(bool quiet, double total, std::string unit)
-    : total_(total), unit_(std::move(unit)), active_(!quiet && ::isatty(STDERR_FILENO) == 1) {}
+    : total_(total),
+      unit_(std::move(unit)),
+      active_(!quiet && system::is_terminal(system::standard_error)) {}
 
 TerminalProgress::~TerminalProgress() {
-  if (shown_) (void)write_all(STDERR_FILENO, "\r\x1b[K");
+  if (shown_) (void)write_all(system::standard_error, "\r\x1b[K");
 }
 
 cullhull::Progress TerminalProgress::callback() {
@@ -150,7 +146,7 @@ void TerminalProgress::show(const char* phase, double share) {
   shown_ = true;
   constexpr int width = 24;
   const auto full = static_cast<int>(share * width);
-  (void)write_all(STDERR_FILENO,
+  (void)write_all(system::standard_error,
                   fmt::format("\r\x1b[K{:<10} [{:#<{}}{:.<{}}] {:3.0f} %{}", phase, "", full, "",
                               width - full, 100 * share, rate_and_rest(share, now)));
 }

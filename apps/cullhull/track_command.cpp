@@ -92,7 +92,8 @@ class FrameNames {
     if (wanted() && !folder_ &&
         std::find(hull_endings.begin(), hull_endings.end(), ending_of(pattern_)) ==
             hull_endings.end())
-      refuse("the name must end in .ply, .obj, .off, .stl, .json or .txt");
+      refuse(
+          "the name must end in .ply, .obj, .off, .stl, .glb, .vtp, .geojson, .wkt, .json or .txt");
   }
 
   /// Refuses names that are taken.

@@ -140,7 +140,8 @@ Written view_input(const ViewArguments& arguments, const Input& input,
 
 Written view_points(const ViewArguments& arguments, const cullhull::Options& options) {
   // Whoever waits for a pipe has nothing to tidy up: a signal ends that at once.
-  const Input input = open_input(arguments.input, arguments.run.threads);
+  const Input input =
+      open_input(arguments.input, arguments.run.threads, arguments.run.memory_bytes());
   Written written;
   cancellable([&] { written = view_input(arguments, input, options); });
   return written;
@@ -205,7 +206,6 @@ Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
     if (progress && frames > 1) progress("frames", chosen.share());
     Input input;
     input.points = sequence.points();
-    choose_columns(arguments.input, input);
     const double read = sequence.read_seconds() + warm_pages(input.points);
     if (frames == 1) {  // not a moving set, after all
       const Computed computed =

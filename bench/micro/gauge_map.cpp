@@ -26,7 +26,7 @@ const InnerPolytope& polytope(unsigned d) {
   const Options options;
   const internal::Run run(options);
   const internal::LocalFrame frame(std::vector<double>(rows), samples[d], d, run);
-  const internal::SimplicialHull hull = engine_hull(frame, run);
+  const internal::Boundary hull = engine_hull(frame, run);
   std::vector<std::uint32_t> local(samples[d], ~0U);
   for (const std::uint32_t v : hull.vertices) {
     if (local[v] == ~0U) {

@@ -15,8 +15,7 @@
 namespace cullhull::micro {
 
 /// The hull of rows that span their space, by the engine of their dimension, on one thread.
-inline internal::SimplicialHull engine_hull(const internal::LocalFrame& frame,
-                                            const internal::Run& run) {
+inline internal::Boundary engine_hull(const internal::LocalFrame& frame, const internal::Run& run) {
   const internal::LocalPoints& points = frame.points();
   constexpr std::uint64_t budget = std::uint64_t{8} << 30;
   return points.dimension == 2   ? internal::hull_2d(points, run.with_threads(1))

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -25,6 +26,21 @@ struct ReadOptions {
   /// Needed for raw input only.
   std::uint32_t raw_dimension = 0;
   std::optional<ScalarType> raw_scalar;
+  /// Which columns are the coordinates, in this order: names, numbers from 0 and ranges a:b without
+  /// b, between commas ("x,y,z", "0,2,5", "1:4"); a name may stand in double quotes. Empty: of a
+  /// text whose first line names columns x, y (and z) these, else all. Names are those of a text's
+  /// first line; formats of meshes and scans have x, y, z. The other columns of a text may hold
+  /// anything.
+  std::string columns;
+  /// A column that tells which group a point belongs to, named as one of `columns`; it is then no
+  /// coordinate unless it is asked for. BlockVisitor::keyed gets what it holds, as it is written.
+  std::string key;
+  /// Called with one line where points are read in a way one may not expect: columns left out that
+  /// nobody asked to leave out. From any thread.
+  std::function<void(const std::string&)> remark;
+  /// What is compressed (.gz, .zst, .npz) unpacks to at most so many bytes in memory; 0: half of
+  /// what the process may use. Read in blocks (visit_blocks) it takes no more than others.
+  std::uint64_t memory_budget = 0;
   /// Threads that parse text; 0 means all the machine offers.
   unsigned threads = 0;
   /// Checked while text is parsed.
@@ -54,7 +70,8 @@ class PointFile {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Opens `path` ("-": standard input). Throws Error{io} or Error{bad_file} with file and line or
+/// Opens `path` ("-": standard input; FILE.npz:NAME: an array in an archive). What is compressed by
+/// gzip or zstd is unpacked. Throws Error{io} or Error{bad_file} with file and line or
 /// byte offset.
 PointFile open_points(const std::string& path, const ReadOptions& options = {});
 
@@ -118,7 +135,8 @@ enum class Faces {
   triangles,  ///< as the hull's simplices, for programs that read no polygons
 };
 
-/// Writes `hull` in the format of the extension of `path` (.ply .obj .off .stl .json .txt) or
+/// Writes `hull` in the format of the extension of `path` (.ply .obj .off .stl .glb .vtp
+/// .geojson .wkt .json .txt) or
 /// `format`: one of those words, or of the words of hull_to_qhull_text. The bytes depend on points
 /// and hull alone, so .json holds the result and no times. The file appears whole or not at all
 /// (written beside, then renamed); "-" and what is no regular file (a pipe, a device) are written

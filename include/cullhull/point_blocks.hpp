@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cullhull/io.hpp"
@@ -26,12 +27,30 @@ struct BlockPosition {
   friend bool operator==(const BlockPosition&, const BlockPosition&) = default;
 };
 
+/// What ReadOptions::key holds for each point of a block, one after the other.
+struct PointKeys {
+  std::string text;
+  std::vector<std::uint64_t> ends;  ///< of each in `text`
+
+  std::size_t size() const noexcept { return ends.size(); }
+  std::string_view operator[](std::size_t i) const {
+    const std::uint64_t begin = i > 0 ? ends[i - 1] : 0;
+    return std::string_view(text).substr(begin, ends[i] - begin);
+  }
+  void add(std::string_view key) {
+    text += key;
+    ends.push_back(text.size());
+  }
+};
+
 /// What happens to the blocks. Where a function throws, reading ends and the error of the lowest
 /// block passes through; not_finite then names the file, too.
 struct BlockVisitor {
   /// A block: its first point is the point `first_id` of all inputs. Called from several threads at
   /// once. The view is valid during the call.
   std::function<void(const PointView& block, std::uint64_t first_id)> points;
+  /// In the place of `points` where ReadOptions::key names a column.
+  std::function<void(const PointView& block, std::uint64_t first_id, const PointKeys& keys)> keyed;
   /// An input that is a hull state (.hullstate), which stands for the points from first_id on.
   /// Without this function such an input is refused. From several threads at once.
   std::function<void(const HullState& state, std::uint64_t first_id)> state;
@@ -67,11 +86,14 @@ struct BlockOptions {
 /// Throws Error{io}, Error{invalid_argument}.
 std::vector<std::string> input_files(const std::vector<std::string>& words);
 
+/// The file that such a word is of: FILE.npz of FILE.npz:NAME, else itself.
+std::string file_of_input(const std::string& word);
+
 /// Bytes of those that are files; 0 where one is no regular file, so that nobody knows.
 std::uint64_t input_bytes(const std::vector<std::string>& files);
 
 /// Whether these are larger than half of the memory that the options allow
-/// (Options::memory_budget).
+/// (Options::memory_budget), or compressed, so that nobody knows.
 bool worth_streaming(const std::vector<std::string>& files, const Options& options);
 
 /// Reads the files one after the other, each once, and visits their points block by block, in

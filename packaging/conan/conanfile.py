@@ -28,7 +28,8 @@ class Cullhull(ConanFile):
             copy(self, pattern, root, self.export_sources_folder)
 
     def requirements(self):
-        for name in ("highway/[>=1.0]", "gmp/[>=6]", "fmt/[>=9]"):
+        for name in ("highway/[>=1.0]", "gmp/[>=6]", "fmt/[>=9]", "zlib/[>=1.2.11 <2]",
+                     "zstd/[>=1.5]"):
             self.requires(name)
         for name in ("nlohmann_json/[>=3.11]", "fast_float/[>=3]"):
             self.requires(name, visible=False)

@@ -14,6 +14,8 @@ class Cullhull < Formula
   depends_on "gmp"
   depends_on "highway"
   depends_on :linux
+  depends_on "zlib"
+  depends_on "zstd"
 
   def install
     system "cmake", "-S", ".", "-B", "build", "-G", "Ninja", "-DCULLHULL_SHARED=ON",

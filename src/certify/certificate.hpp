@@ -9,6 +9,7 @@
 
 #include "cullhull/certify.hpp"
 #include "geometry/orientation.hpp"
+#include "parallel/prefetch.hpp"
 #include "parallel/run.hpp"
 
 namespace cullhull::internal {
@@ -80,15 +81,15 @@ struct Subject {
       for (unsigned j = 0; j < k; ++j) {
         const std::size_t g = hull.simplex_neighbours[(f + far) * k + j];
         if (g < f) continue;
-        __builtin_prefetch(index.data() + g * k);
-        __builtin_prefetch(hull.simplex_neighbours.data() + g * k);
-        if (facets != nullptr) __builtin_prefetch(facets + g);
+        prefetch_line(index.data() + g * k);
+        prefetch_line(hull.simplex_neighbours.data() + g * k);
+        if (facets != nullptr) prefetch_line(facets + g);
       }
     if (f + near < simplex_count() && k <= 4)  // beyond, vertices are few beside simplices
       for (unsigned j = 0; j < k; ++j) {
         const std::uint32_t g = neighbour(static_cast<std::uint32_t>(f + near), j);
         if (g < f) continue;
-        for (unsigned c = 0; c < k; ++c) __builtin_prefetch(row(simplex(g)[c]));
+        for (unsigned c = 0; c < k; ++c) prefetch_line(row(simplex(g)[c]));
       }
   }
 
@@ -96,16 +97,16 @@ struct Subject {
   void prefetch_positions(const std::uint64_t* far, const std::uint64_t* near) const {
     for (unsigned j = 0; j < k; ++j) {
       if (const std::uint64_t b = far[j] >> id_shift; b < id_bucket.size())
-        __builtin_prefetch(id_bucket.data() + b);
+        prefetch_line(id_bucket.data() + b);
       if (const std::uint64_t b = near[j] >> id_shift; b < id_bucket.size())
-        __builtin_prefetch(ids.data() + id_bucket[b]);
+        prefetch_line(ids.data() + id_bucket[b]);
     }
   }
 
   void prefetch_corners(std::uint64_t f) const {
     constexpr std::uint64_t ahead = 16;
     if (f + ahead < simplex_count())
-      for (unsigned j = 0; j < k; ++j) __builtin_prefetch(row(index[(f + ahead) * k + j]));
+      for (unsigned j = 0; j < k; ++j) prefetch_line(row(index[(f + ahead) * k + j]));
   }
 
   /// On which side of simplex f the point x lies; positive is outside. scratch: k + 1 pointers.

@@ -4,6 +4,7 @@
 #include "cuda/pseudo_hull.hpp"
 #include "cullhull/error.hpp"
 #include "paper/pseudo_hull_growth.hpp"
+#include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -74,27 +75,16 @@ class SubsetFilter {
 /// Calls use.template operator()<D, T>() with the points' dimension and scalar.
 template <class Use>
 auto with_point_types(const DevicePointView& points, const Use& use) {
-  const auto of_dimension = [&]<unsigned D>() {
-    if (points.scalar == ScalarType::f32) return use.template operator()<D, float>();
-    if (points.scalar == ScalarType::f64) return use.template operator()<D, double>();
+  if (points.dimension < 2 || points.dimension > 6)
+    throw Error(ErrorCode::invalid_argument,
+                "the pseudo-hull filter on a device is for 2 to 6 dimensions");
+  if (points.scalar != ScalarType::f32 && points.scalar != ScalarType::f64)
     throw Error(ErrorCode::invalid_argument,
                 "the pseudo-hull filter on a device is for f32 and f64 points");
-  };
-  switch (points.dimension) {
-    case 2:
-      return of_dimension.template operator()<2>();
-    case 3:
-      return of_dimension.template operator()<3>();
-    case 4:
-      return of_dimension.template operator()<4>();
-    case 5:
-      return of_dimension.template operator()<5>();
-    case 6:
-      return of_dimension.template operator()<6>();
-    default:
-      throw Error(ErrorCode::invalid_argument,
-                  "the pseudo-hull filter on a device is for 2 to 6 dimensions");
-  }
+  return with_dimension<2, 5, 6>(points.dimension, [&](auto d) {
+    return points.scalar == ScalarType::f32 ? use.template operator()<d, float>()
+                                            : use.template operator()<d, double>();
+  });
 }
 
 std::vector<std::uint64_t> survivors_of(const DevicePointView& points, unsigned subsets,

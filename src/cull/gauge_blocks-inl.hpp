@@ -3,6 +3,7 @@
 
 #include "cull/gauge_shortcuts.hpp"
 #include "cull/gauge_table.hpp"
+#include "parallel/byte_order.hpp"
 
 #if defined(CULLHULL_GAUGE_BLOCKS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef CULLHULL_GAUGE_BLOCKS_INL
@@ -78,6 +79,8 @@ struct Direction {
   VF inverse;       // of it, finite
   VF face;          // number of the cube's face, an integer
   VF other[D - 1];  // coordinates on that face's grid axes, times norm
+  // A constructor of the compiler's making is not compiled for this target.
+  HWY_INLINE Direction() {}
 };
 
 template <unsigned D>
@@ -201,7 +204,7 @@ HWY_INLINE VU level_cell(const GaugeLevels& l, const Direction<3>& direction) {
                  hn::Set(u, l.last));
 }
 
-/// Bit k of the little-endian words: point k survives, k < most.
+/// Bit k % 8 of byte k / 8: point k survives, k < most.
 template <std::uint32_t most>
 class SurvivorBits {
  public:
@@ -220,8 +223,7 @@ class SurvivorBits {
                               std::uint32_t* HWY_RESTRICT ids) const {
     std::size_t kept = 0;
     for (std::uint32_t k = 0; k < count; k += 64) {
-      std::uint64_t word;
-      std::memcpy(&word, bits_ + k / 8, 8);
+      auto word = load_little_endian<std::uint64_t>(bits_ + k / 8);
       if (count - k < 64) word &= (std::uint64_t{1} << (count - k)) - 1;
       for (; word != 0; word &= word - 1)
         ids[kept++] = first + k + static_cast<std::uint32_t>(std::countr_zero(word));
@@ -230,7 +232,7 @@ class SurvivorBits {
   }
 
  private:
-  static_assert(std::endian::native == std::endian::little && most % 64 == 0);
+  static_assert(most % 64 == 0);
   alignas(8) std::uint8_t bits_[most / 8] = {};
 };
 

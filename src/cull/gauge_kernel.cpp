@@ -9,6 +9,7 @@
 // tests one: then asking for lines ahead of time only costs. Elsewhere they are asked for.
 
 #include "cull/gauge_table.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS (CULLHULL_SIZELESS_TARGETS | HWY_SSE4)
@@ -140,27 +141,12 @@ void convert_axis(const GaugeTable& t, const PointView& v, std::uint64_t first, 
   const std::byte* p = v.address(first, axis);
   const double s = t.scale[axis];
   const double o = t.offset[axis];
-  switch (v.scalar) {
-    case ScalarType::f64:
-      return convert_axis<double, double>(p, v.point_stride, count, s, o, to);
-    case ScalarType::f32:
-      if (t.single_precision)
-        return convert_axis<float, float>(p, v.point_stride, count, t.scale_f32[axis],
-                                          t.offset_f32[axis], to);
-      return convert_axis<double, float>(p, v.point_stride, count, s, o, to);
-    case ScalarType::i8:
-      return convert_axis<double, std::int8_t>(p, v.point_stride, count, s, o, to);
-    case ScalarType::u8:
-      return convert_axis<double, std::uint8_t>(p, v.point_stride, count, s, o, to);
-    case ScalarType::i16:
-      return convert_axis<double, std::int16_t>(p, v.point_stride, count, s, o, to);
-    case ScalarType::u16:
-      return convert_axis<double, std::uint16_t>(p, v.point_stride, count, s, o, to);
-    case ScalarType::i32:
-      return convert_axis<double, std::int32_t>(p, v.point_stride, count, s, o, to);
-    case ScalarType::u32:
-      return convert_axis<double, std::uint32_t>(p, v.point_stride, count, s, o, to);
-  }
+  if (v.scalar == ScalarType::f32 && t.single_precision)
+    return convert_axis<float, float>(p, v.point_stride, count, t.scale_f32[axis],
+                                      t.offset_f32[axis], to);
+  with_scalar(v.scalar, [&](auto zero) {
+    convert_axis<double, decltype(zero)>(p, v.point_stride, count, s, o, to);
+  });
 }
 
 template <unsigned D>
@@ -210,18 +196,8 @@ std::size_t survivors_in(const GaugeTable& t, const GaugeShortcuts* shortcuts, c
 std::size_t survivors(const GaugeTable& t, const GaugeShortcuts* shortcuts, const PointView& v,
                       std::uint64_t begin, std::uint64_t end, std::uint32_t* ids) {
   const auto count = static_cast<std::uint32_t>(end - begin);
-  switch (t.dimension) {
-    case 2:
-      return survivors_in<2>(t, shortcuts, v, begin, count, ids);
-    case 3:
-      return survivors_in<3>(t, shortcuts, v, begin, count, ids);
-    case 4:
-      return survivors_in<4>(t, shortcuts, v, begin, count, ids);
-    case 5:
-      return survivors_in<5>(t, shortcuts, v, begin, count, ids);
-    default:
-      return survivors_in<6>(t, shortcuts, v, begin, count, ids);
-  }
+  return with_dimension<2, 5, 6>(
+      t.dimension, [&](auto d) { return survivors_in<d>(t, shortcuts, v, begin, count, ids); });
 }
 
 }  // namespace cullhull::internal::HWY_NAMESPACE

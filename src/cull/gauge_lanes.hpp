@@ -20,6 +20,7 @@
 #include <type_traits>
 
 #include "cull/gauge_table.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/host_device.hpp"
 
 namespace cullhull::internal {
@@ -326,26 +327,14 @@ void with_layout(const void* data, std::ptrdiff_t point_stride, std::ptrdiff_t c
 /// frame is computed in.
 template <class Run>
 void with_types(const GaugeTable& t, ScalarType scalar, const Run& run) {
-  const auto of_dimension = [&]<unsigned D>() {
+  with_dimension<2, 5, 6>(t.dimension, [&](auto d) {
     if (scalar == ScalarType::f64)
-      run.template operator()<D, double, double>();
+      run.template operator()<d, double, double>();
     else if (t.single_precision)
-      run.template operator()<D, float, float>();
+      run.template operator()<d, float, float>();
     else
-      run.template operator()<D, float, double>();
-  };
-  switch (t.dimension) {
-    case 2:
-      return of_dimension.template operator()<2>();
-    case 3:
-      return of_dimension.template operator()<3>();
-    case 4:
-      return of_dimension.template operator()<4>();
-    case 5:
-      return of_dimension.template operator()<5>();
-    default:
-      return of_dimension.template operator()<6>();
-  }
+      run.template operator()<d, float, double>();
+  });
 }
 
 }  // namespace cullhull::internal

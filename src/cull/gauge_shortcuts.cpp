@@ -8,6 +8,7 @@
 namespace cullhull::internal {
 namespace {
 
+/// Tells a shortcut's share of points to some 2 %.
 constexpr std::uint32_t probe_count = 512;
 
 /// Points from all over the view, in the map's frame, as columns. They tell how much a shortcut

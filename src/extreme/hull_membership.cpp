@@ -44,6 +44,7 @@ bool HullMembership::inside(std::uint32_t point, const PointColumns& others,
 HullMembership::Answer HullMembership::search(std::uint32_t point, const PointColumns& others,
                                               const PointColumns& working,
                                               std::vector<std::uint32_t>& useful) {
+  // Each round adds a working point; what takes more is left to exact arithmetic.
   constexpr unsigned most_rounds = 200;
   for (unsigned round = 0; round < most_rounds; ++round) {
     control_.check();

@@ -56,13 +56,13 @@ EngineInput engine_input(const PointView& points, Filtered&& filtered, const Run
   return input;
 }
 
-SimplicialHull ends_of_line(const LocalPoints& points) {
+Boundary ends_of_line(const LocalPoints& points) {
   std::uint32_t low = 0, high = 0;
   for (std::uint32_t i = 1; i < points.count; ++i) {
     if (points.exact_row(i)[0] < points.exact_row(low)[0]) low = i;
     if (points.exact_row(i)[0] > points.exact_row(high)[0]) high = i;
   }
-  SimplicialHull ends;
+  Boundary ends;
   ends.dimension = 1;
   ends.vertices = {low, high};
   ends.neighbours = {1, 0};

@@ -25,7 +25,7 @@ struct EngineInput {
 EngineInput engine_input(const PointView& points, Filtered&& filtered, const Run& run);
 
 /// The hull of points on a line: the two ends.
-SimplicialHull ends_of_line(const LocalPoints& points);
+Boundary ends_of_line(const LocalPoints& points);
 
 /// What a filter left of points of the plane: they need no frame and are hulled where they lie.
 struct PlanarRows {

@@ -33,7 +33,7 @@ std::vector<std::uint64_t> extreme_locals(const LocalFrame& frame, const Run& ru
     case 0:
       return {0};
     case 1: {
-      const SimplicialHull ends = ends_of_line(points);
+      const Boundary ends = ends_of_line(points);
       return ascending_ids(ends.vertices.data(), 2, points.count, nullptr, run.with_threads(1));
     }
     case 2: {
@@ -44,7 +44,7 @@ std::vector<std::uint64_t> extreme_locals(const LocalFrame& frame, const Run& ru
                            run);
     }
     case 3: {
-      SimplicialHull hull = hull_3d(points, frame.simplex().data(), run);
+      Boundary hull = hull_3d(points, frame.simplex().data(), run);
       hull.rung_counts.add_to(rung_counts);
       return extreme_rows(std::move(hull), points, run, rung_counts);
     }

@@ -118,6 +118,7 @@ bool cull_by_outermost(const PointView& points, const Run& run, Filtered& result
   const Fineness first = points.count <= 8192    ? Fineness{4, 8}
                          : points.count <= 32768 ? Fineness{6, 12}
                                                  : Fineness{8, 16};
+  // With more of a sample outside, dropping the others would not pay for the map.
   constexpr double most_outside = 0.75;
   Survivors& survivors = result.survivors;
   if (!kept_by_outermost(points, first, most_outside, run, survivors.ids)) return false;

@@ -8,7 +8,7 @@
 #include "flow/engine_input.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/local_frame.hpp"
-#include "hull/space/surface_3d.hpp"
+#include "hull/space/triangle_mesh.hpp"
 #include "result/build_hull.hpp"
 #include "result/extreme_rows.hpp"
 #include "result/polygon_result.hpp"
@@ -17,7 +17,7 @@
 namespace cullhull::internal {
 namespace {
 
-SimplicialHull run_engine(const LocalFrame& frame, Engine engine, const Run& run) {
+Boundary run_engine(const LocalFrame& frame, Engine engine, const Run& run) {
   const LocalPoints& points = frame.points();
   if (points.dimension == 1) return ends_of_line(points);
   if (engine == Engine::qhull) return hull_qhull(points, run.control);
@@ -89,10 +89,10 @@ void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run
                  k > 3 && facets < worth_threads ? run.with_threads(1) : run, hull);
     };
     if (hull.affine_dimension == 3 && run.options.engine == Engine::native) {
-      Surface3D surface = surface_3d(frame.points(), frame.simplex().data(), run);
+      TriangleMesh surface = triangle_mesh(frame.points(), frame.simplex().data(), run);
       finish(std::move(surface), surface.live);
     } else {
-      SimplicialHull boundary = run_engine(frame, run.options.engine, run);
+      Boundary boundary = run_engine(frame, run.options.engine, run);
       finish(std::move(boundary), boundary.facet_count());
     }
   }

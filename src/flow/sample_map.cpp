@@ -17,7 +17,7 @@ InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, const Run& run) {
   const std::vector<double> original(rows.begin(), rows.end());
   const LocalFrame frame(std::move(rows), count, d, run);
   if (frame.affine_dimension() != static_cast<int>(d)) return polytope;
-  SimplicialHull hull;
+  Boundary hull;
   try {
     hull = d == 2   ? hull_2d(frame.points(), run)
            : d == 3 ? hull_3d(frame.points(), frame.simplex().data(), run)

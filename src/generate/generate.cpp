@@ -8,6 +8,7 @@
 
 #include "cullhull/error.hpp"
 #include "generate/turn.hpp"
+#include "parallel/int128.hpp"
 #include "parallel/parallel.hpp"
 #include "parallel/random_stream.hpp"
 
@@ -123,9 +124,7 @@ void cone_point(const Job& job, RandomStream& random, std::uint64_t, double* row
 // Parameters are odd or even multiples of a power of two, so that t^k is exact as long as it has
 // 53 bits: k * log2(2 * count) <= 53.
 void cyclic_point(const Job& job, RandomStream&, std::uint64_t index, double* row) {
-  __extension__ using Wide = unsigned __int128;
-  const auto number =
-      static_cast<std::uint64_t>((Wide{job.step} * index + job.shift) % Wide{job.count});
+  const std::uint64_t number = internal::multiply_add_modulo(job.step, index, job.shift, job.count);
   double scale = 1;
   while (scale < static_cast<double>(job.count)) scale *= 2;
   const double t = (2 * static_cast<double>(number) - static_cast<double>(job.count - 1)) / scale;

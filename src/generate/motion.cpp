@@ -8,6 +8,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
 #include "generate/turn.hpp"
+#include "parallel/int128.hpp"
 #include "parallel/parallel.hpp"
 #include "parallel/random_stream.hpp"
 
@@ -155,9 +156,8 @@ struct MovingPoints::Impl {
     do {
       step = 1 + random.bits() % count;
     } while (std::gcd(step, count) != 1);
-    __extension__ using Wide = unsigned __int128;
     for (std::uint64_t i = 0; i < count; ++i) {
-      const auto from = static_cast<std::uint64_t>((Wide{step} * i + shift) % count);
+      const std::uint64_t from = internal::multiply_add_modulo(step, i, shift, count);
       std::copy_n(at_rest(from), dimension, out + i * dimension);
     }
   }

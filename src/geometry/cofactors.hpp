@@ -8,47 +8,9 @@
 
 namespace cullhull::internal {
 
-/// normal such that normal . (x - p0) = det [p1 - p0; ...; p(K-1) - p0; x - p0], from the rows
-/// edges[i] = p(i+1) - p0. Minors of the first r rows over all r-subsets of columns, r = 1, 2, ...
-template <unsigned K, class Real>
-inline void cofactors(const Real (&edges)[K > 1 ? K - 1 : 1][K], Real (&normal)[K]) {
-  if constexpr (K == 1) {
-    normal[0] = 1;
-  } else if constexpr (K == 2) {
-    normal[0] = -edges[0][1];
-    normal[1] = edges[0][0];
-  } else if constexpr (K == 3) {
-    normal[0] = edges[0][1] * edges[1][2] - edges[0][2] * edges[1][1];
-    normal[1] = edges[0][2] * edges[1][0] - edges[0][0] * edges[1][2];
-    normal[2] = edges[0][0] * edges[1][1] - edges[0][1] * edges[1][0];
-  } else {
-    constexpr unsigned full = (1U << K) - 1;
-    Real minor[full + 1];
-    for (unsigned c = 0; c < K; ++c) minor[1U << c] = edges[0][c];
-    // Every proper subset of a mask is smaller than the mask, so ascending order is enough.
-    for (unsigned mask = 3; mask < full; ++mask) {
-      const auto rows = static_cast<unsigned>(std::popcount(mask));
-      if (rows < 2) continue;
-      const Real* row = edges[rows - 1];
-      Real sum = 0;
-      bool negative = (rows & 1U) == 0;  // sign of (last row, first column)
-      for (unsigned rest = mask; rest != 0; rest &= rest - 1) {
-        const auto c = static_cast<unsigned>(std::countr_zero(rest));
-        const Real term = row[c] * minor[mask & ~(1U << c)];
-        if (negative)
-          sum = sum - term;
-        else
-          sum = sum + term;
-        negative = !negative;
-      }
-      minor[mask] = sum;
-    }
-    for (unsigned c = 0; c < K; ++c) {
-      normal[c] = minor[full & ~(1U << c)];
-      if (((K - 1 + c) & 1U) != 0) normal[c] = -normal[c];
-    }
-  }
-}
+#define CULLHULL_MATH inline
+#include "geometry/cofactors-inl.hpp"
+#undef CULLHULL_MATH
 
 /// |computed - exact| <= determinant_error(K) * prod_i max|row i| for the K x K determinant of
 /// rounded differences evaluated by `cofactors` and a dot product, plus `determinant_tiny` for
@@ -62,5 +24,26 @@ constexpr double determinant_error(unsigned k) {
 }
 /// K! 2^K products, K <= 8, each off by at most K 2^-1074 through underflow: below 2^-1048.
 inline constexpr double determinant_tiny = 0x1p-1000;
+
+/// Cofactor normal of the simplex with corners at(0) ... at(K - 1), K doubles each. For `reach`,
+/// which is returned, the computed normal . (x - corner 0) is off by at most reach * max|x - corner
+/// 0| + determinant_tiny.
+template <unsigned K, class At>
+double normal_and_reach(const At& at, double (&normal)[K]) {
+  double edges[K > 1 ? K - 1 : 1][K];
+  double reach = determinant_error(K);
+  const double* origin = at(0);
+  for (unsigned i = 1; i < K; ++i) {
+    const double* p = at(i);
+    double largest = 0;
+    for (unsigned c = 0; c < K; ++c) {
+      edges[i - 1][c] = p[c] - origin[c];
+      largest = std::max(largest, std::fabs(edges[i - 1][c]));
+    }
+    reach *= largest;
+  }
+  cofactors<K>(edges, normal);
+  return reach;
+}
 
 }  // namespace cullhull::internal

@@ -1,6 +1,7 @@
 // Hilbert keys in lanes, compiled once per instruction set.
 #include "geometry/curve_keys.hpp"
 
+#include "parallel/dispatch.hpp"
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
@@ -61,16 +62,7 @@ void keys_of_block(unsigned d, unsigned bits, std::uint32_t* cells, std::uint32_
 }  // namespace
 
 void keys_on_curve(unsigned d, unsigned bits, std::uint32_t* cells, std::uint32_t* keys) {
-  switch (d) {
-    case 4:
-      return keys_of_block<4>(d, bits, cells, keys);
-    case 5:
-      return keys_of_block<5>(d, bits, cells, keys);
-    case 6:
-      return keys_of_block<6>(d, bits, cells, keys);
-    default:
-      return keys_of_block<0>(d, bits, cells, keys);
-  }
+  with_dimension<4, 6, 0>(d, [&](auto k) { keys_of_block<k>(d, bits, cells, keys); });
 }
 
 }  // namespace cullhull::internal::HWY_NAMESPACE

@@ -14,11 +14,10 @@
 #include "geometry/integer_points.hpp"
 #include "geometry/minors.hpp"
 #include "geometry/oriented_plane.hpp"
+#include "parallel/int128.hpp"
 
 namespace cullhull::internal {
 namespace {
-
-__extension__ typedef __int128 Int128;
 
 // ---------------------------------------------------------------------------------------------
 // Rung 2: double arithmetic with a bound from the permanent (docs/exactness.md, "Orientation

@@ -3,11 +3,10 @@
 #include <algorithm>
 
 #include "geometry/double_parts.hpp"
+#include "parallel/int128.hpp"
 
 namespace cullhull::internal {
 namespace {
-
-__extension__ typedef __int128 Int128;
 
 // Unevaluated sums of two doubles, |low| <= u |high|. Error bounds relative to the result: Joldes,
 // Muller and Popescu, "Tight and rigorous error bounds for basic building blocks of double-word

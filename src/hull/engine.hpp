@@ -14,19 +14,28 @@ namespace cullhull::internal {
 
 /// The boundary as simplices, d local ids each, every ridge shared by two. Coplanar neighbours and
 /// vertices that are not extreme (inside a face) may occur: result/ merges and drops them.
-struct SimplicialHull {
+struct Boundary {
   unsigned dimension = 0;
   /// facets x d ids; orientation(v0, ..., v(d-1), x) is negative for x inside (the hull lies
   /// beneath).
   Array<std::uint32_t> vertices;
   /// facets x d: entry j is the facet across the ridge opposite to vertex j.
   Array<std::uint32_t> neighbours;
+  /// Empty as engines leave it. Once sorted (sort_simplices), the ids of a simplex ascend, and
+  /// odd[f] is set where the last two of simplex f must be swapped to orient it outward.
+  Array<std::uint8_t> odd;
   /// Pairs (duplicate, vertex): `duplicate` is a point equal to the vertex it was inserted as. The
   /// result takes the lowest id among equals.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
   RungCounts rung_counts;
 
   std::size_t facet_count() const { return dimension ? vertices.size() / dimension : 0; }
+  const std::uint32_t* simplex(std::size_t f) const { return vertices.data() + f * dimension; }
+  /// Id j of the outward oriented simplex, sorted.
+  std::uint32_t stored(std::size_t f, unsigned j) const { return simplex(f)[stored_slot(f, j)]; }
+  unsigned stored_slot(std::size_t f, unsigned j) const {
+    return odd[f] && j + 2 >= dimension ? 2 * dimension - 3 - j : j;
+  }
 };
 
 /// Bytes that a result takes for each facet of a hull of dimension k in d-space, at its making.
@@ -36,15 +45,15 @@ constexpr std::uint64_t result_bytes_per_facet(std::uint64_t k, std::uint64_t d)
 
 /// points.dimension >= 2. `simplex`: d + 1 affinely independent points to start from (exactly).
 /// `budget`: bytes the engine may take before it throws Error{out_of_budget}.
-SimplicialHull hull_2d(const LocalPoints& points, const Run& run);
-SimplicialHull hull_3d(const LocalPoints& points, const std::uint32_t* simplex, const Run& run);
+Boundary hull_2d(const LocalPoints& points, const Run& run);
+Boundary hull_3d(const LocalPoints& points, const std::uint32_t* simplex, const Run& run);
 /// `same_facets`: the same simplices in the same order for any number of threads, which takes a
 /// little longer; else the surface is the same, but coplanar pieces and the order may not be.
-SimplicialHull hull_nd(const LocalPoints& points, const std::uint32_t* simplex, const Run& run,
-                       bool same_facets = false);
+Boundary hull_nd(const LocalPoints& points, const std::uint32_t* simplex, const Run& run,
+                 bool same_facets = false);
 /// Qhull's answer, or Error{backend_unavailable} when built without libqhull_r, or
 /// Error{not_exact} when Qhull fails or its facets are no closed simplicial surface.
-SimplicialHull hull_qhull(const LocalPoints& points, const Control& control);
+Boundary hull_qhull(const LocalPoints& points, const Control& control);
 bool qhull_available();
 
 }  // namespace cullhull::internal

@@ -111,7 +111,7 @@ std::vector<std::uint32_t> simplices(QhullRun& run, unsigned d) {
 }
 
 /// Fills the neighbours by sorting all ridges; every ridge must occur exactly twice.
-void match_ridges(SimplicialHull& hull) {
+void match_ridges(Boundary& hull) {
   const unsigned d = hull.dimension, r = d - 1;
   const std::size_t count = hull.vertices.size();  // one ridge for each corner of each facet
   if (count > UINT32_MAX) throw Error(ErrorCode::out_of_budget, "more than 2^32 ridges");
@@ -143,7 +143,7 @@ void match_ridges(SimplicialHull& hull) {
 /// Turns every facet outward and checks that the surface is convex at every ridge.
 class Orienter {
  public:
-  Orienter(const LocalPoints& points, SimplicialHull& hull)
+  Orienter(const LocalPoints& points, Boundary& hull)
       : points_(points), hull_(hull), corners_(hull.dimension + 1) {
     vertices_.assign(hull.vertices.begin(), hull.vertices.end());
     std::sort(vertices_.begin(), vertices_.end());
@@ -195,14 +195,14 @@ class Orienter {
   }
 
   const LocalPoints& points_;
-  SimplicialHull& hull_;
+  Boundary& hull_;
   std::vector<const double*> corners_;
   std::vector<std::uint32_t> vertices_;
 };
 
 /// Pairs (point, vertex) for all points equal to a vertex: Qhull keeps any one of equal points.
 void find_duplicates(const LocalPoints& points, const std::vector<std::uint32_t>& vertices,
-                     const Control& control, SimplicialHull& hull) {
+                     const Control& control, Boundary& hull) {
   const unsigned d = points.dimension;
   const auto compare = [&](std::uint32_t a, std::uint32_t b) {
     const double *p = points.exact_row(a), *q = points.exact_row(b);
@@ -221,11 +221,11 @@ void find_duplicates(const LocalPoints& points, const std::vector<std::uint32_t>
 
 bool qhull_available() { return true; }
 
-SimplicialHull hull_qhull(const LocalPoints& points, const Control& control) {
+Boundary hull_qhull(const LocalPoints& points, const Control& control) {
   if (points.count > static_cast<std::uint32_t>(INT_MAX))
     throw Error(ErrorCode::out_of_budget, "qhull takes no more than 2^31 - 1 points");
   control.check();
-  SimplicialHull hull;
+  Boundary hull;
   hull.dimension = points.dimension;
   {
     QhullRun run(control);
@@ -251,7 +251,7 @@ namespace cullhull::internal {
 
 bool qhull_available() { return false; }
 
-SimplicialHull hull_qhull(const LocalPoints&, const Control&) {
+Boundary hull_qhull(const LocalPoints&, const Control&) {
   throw Error(ErrorCode::backend_unavailable,
               "built without Qhull: install libqhull-dev and configure again, or use the native "
               "engine");

@@ -4,15 +4,14 @@
 
 #include "io/records.hpp"
 #include "io/source.hpp"
+#include "parallel/byte_order.hpp"
 
 namespace cullhull::internal {
 namespace {
 
 template <class T>
 T field(const Source& head, std::size_t at) {
-  T value;
-  std::memcpy(&value, head.data + at, sizeof value);
-  return value;
+  return load_little_endian<T>(head.data + at);
 }
 
 struct LasHeader {
@@ -82,7 +81,7 @@ PointData points_of_records(const char* records, std::uint64_t count, const LasH
                count,
                static_cast<std::ptrdiff_t>(h.record),
                4};
-  return data;
+  return in_machine_order(std::move(data));
 }
 
 }  // namespace

@@ -1,10 +1,5 @@
 #include "io/mapped_file.hpp"
 
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -12,12 +7,9 @@
 #include <system_error>
 #include <utility>
 
+#include "io/system.hpp"
 #include "parallel/machine_memory.hpp"
 #include "parallel/parallel.hpp"
-
-#if defined(__linux__) && !defined(MADV_POPULATE_READ)
-#define MADV_POPULATE_READ 22  // Linux 5.14: the C library's headers may be older than the kernel
-#endif
 
 namespace cullhull {
 namespace internal {
@@ -68,36 +60,36 @@ std::uint64_t room() {
 MappedFile::MappedFile(const std::string& path) {
   source_.name = display_name(path);
   if (path == "-") {
-    read_stream(STDIN_FILENO);
+    read_stream(system::standard_input);
     return;
   }
-  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int fd = system::open_to_read(path.c_str());
   if (fd < 0) refuse(source_.name, "cannot open", errno);
   try {
-    struct stat status {};
-    if (fstat(fd, &status) != 0) refuse(source_.name, "cannot read", errno);
-    if (S_ISDIR(status.st_mode)) refuse(source_.name, "cannot read", EISDIR);
-    if (S_ISREG(status.st_mode) && status.st_size > 0) {
+    system::FileStatus status{};
+    if (system::status_of(fd, status) != 0) refuse(source_.name, "cannot read", errno);
+    if (system::is_folder(status)) refuse(source_.name, "cannot read", EISDIR);
+    if (system::is_regular(status) && status.st_size > 0) {
       map(fd, static_cast<std::size_t>(status.st_size));
     } else {
       // Pipes, devices, and files of /proc, which have no size but do have content.
       read_stream(fd);
-      close(fd);
+      system::close_file(fd);
     }
   } catch (...) {
-    close(fd);
+    system::close_file(fd);
     throw;
   }
 }
 
 void MappedFile::map(int descriptor, std::size_t size) {
-  void* address = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor, 0);
-  if (address == MAP_FAILED) refuse(source_.name, "cannot map", errno);
+  const void* const address = system::map_file(descriptor, 0, size, false);
+  if (address == nullptr) refuse(source_.name, "cannot map", errno);
   source_.data = static_cast<const char*>(address);
   source_.size = size;
   descriptor_ = descriptor;
   mapped_ = true;
-  (void)madvise(address, size, MADV_SEQUENTIAL);  // a hint: may fail
+  system::expect_in_order(address, size);
   slot_ = list_mapping(source_);
 }
 
@@ -116,7 +108,8 @@ void MappedFile::read_stream(int descriptor) {
       stream_ = std::move(larger);
       capacity *= 2;
     }
-    const ssize_t got = read(descriptor, stream_.data() + size, capacity - size);
+    const std::ptrdiff_t got =
+        system::read_some(descriptor, stream_.data() + size, capacity - size);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) refuse(source_.name, "cannot read", errno);
     if (got == 0) break;
@@ -141,44 +134,40 @@ MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
 MappedFile::~MappedFile() {
   if (!mapped_) return;
   if (slot_ >= 0) slots[static_cast<std::size_t>(slot_)].state.store(Slot::empty);
-  munmap(const_cast<char*>(source_.data), source_.size);
-  close(descriptor_);
+  system::unmap_file(source_.data, source_.size);
+  system::close_file(descriptor_);
 }
 
 void MappedFile::check_size() const {
   if (!mapped_) return;
-  struct stat status {};
-  if (fstat(descriptor_, &status) != 0) refuse(source_.name, "cannot read", errno);
+  system::FileStatus status{};
+  if (system::status_of(descriptor_, status) != 0) refuse(source_.name, "cannot read", errno);
   if (static_cast<std::uint64_t>(status.st_size) < source_.size)
     throw Error(ErrorCode::io, source_.name + ": shrank while it was being read");
 }
 
 void MappedFile::prefault(unsigned threads) const {
-#ifdef MADV_POPULATE_READ
   if (!mapped_ || source_.size > room() / 4) return;
   constexpr std::uint64_t piece = std::uint64_t{16} << 20;
   for_each_chunk(source_.size, piece, resolve_threads(threads),
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                    // A hint: an old kernel refuses it, and pages are then faulted in as touched.
-                   (void)madvise(const_cast<char*>(source_.data) + begin, end - begin,
-                                 MADV_POPULATE_READ);
+                   system::fetch_pages(source_.data + begin, end - begin);
                  });
-#else
-  (void)threads;
-#endif
 }
 
 FileWindow::FileWindow(const std::string& path) {
   source_.name = display_name(path);
   if (path == "-") return;
-  descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  descriptor_ = system::open_to_read(path.c_str());
   if (descriptor_ < 0) refuse(source_.name, "cannot open", errno);
-  struct stat status {};
-  if (fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0) {
+  system::FileStatus status{};
+  if (system::status_of(descriptor_, status) == 0 && system::is_regular(status) &&
+      status.st_size > 0) {
     size_ = static_cast<std::uint64_t>(status.st_size);
     return;
   }
-  close(descriptor_);
+  system::close_file(descriptor_);
   descriptor_ = -1;
 }
 
@@ -196,13 +185,13 @@ FileWindow& FileWindow::operator=(FileWindow&& other) noexcept {
 
 FileWindow::~FileWindow() {
   unmap();
-  if (descriptor_ >= 0) close(descriptor_);
+  if (descriptor_ >= 0) system::close_file(descriptor_);
 }
 
 void FileWindow::unmap() noexcept {
   if (slot_ >= 0) slots[static_cast<std::size_t>(slot_)].state.store(Slot::empty);
   slot_ = -1;
-  if (address_ != nullptr) munmap(address_, mapped_);
+  if (address_ != nullptr) system::unmap_file(address_, mapped_);
   address_ = nullptr;
 }
 
@@ -211,19 +200,15 @@ const Source& FileWindow::move_to(std::uint64_t offset, std::size_t length) {
   source_.data = nullptr;
   source_.size = length;
   if (length == 0) return source_;
-  struct stat status {};
-  if (fstat(descriptor_, &status) != 0) refuse(source_.name, "cannot read", errno);
+  system::FileStatus status{};
+  if (system::status_of(descriptor_, status) != 0) refuse(source_.name, "cannot read", errno);
   if (static_cast<std::uint64_t>(status.st_size) < offset + length)
     throw Error(ErrorCode::io, source_.name + ": shrank while it was being read");
-  const auto page = static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  const std::uint64_t page = system::map_granularity();
   const std::uint64_t begin = offset / page * page;
   mapped_ = static_cast<std::size_t>(offset - begin) + length;
-  int flags = MAP_PRIVATE;
-#ifdef MAP_POPULATE
-  flags |= MAP_POPULATE;
-#endif
-  void* address = mmap(nullptr, mapped_, PROT_READ, flags, descriptor_, static_cast<off_t>(begin));
-  if (address == MAP_FAILED) refuse(source_.name, "cannot map", errno);
+  const void* const address = system::map_file(descriptor_, begin, mapped_, true);
+  if (address == nullptr) refuse(source_.name, "cannot map", errno);
   address_ = address;
   source_.data = static_cast<const char*>(address) + (offset - begin);
   slot_ = list_mapping(source_);
@@ -231,13 +216,7 @@ const Source& FileWindow::move_to(std::uint64_t offset, std::size_t length) {
 }
 
 void FileWindow::expect(std::uint64_t offset, std::size_t length) const {
-#ifdef POSIX_FADV_WILLNEED
-  // A hint: whether it is taken changes nothing but time.
-  (void)posix_fadvise(descriptor_, static_cast<off_t>(offset), static_cast<off_t>(length),
-                      POSIX_FADV_WILLNEED);
-#else
-  (void)offset, (void)length;
-#endif
+  system::expect_soon(descriptor_, offset, length);
 }
 
 }  // namespace internal

@@ -62,7 +62,7 @@ class FileWindow {
   void unmap() noexcept;
 
   Source source_;
-  void* address_ = nullptr;
+  const void* address_ = nullptr;
   std::size_t mapped_ = 0;
   std::uint64_t size_ = 0;
   int descriptor_ = -1;

@@ -30,6 +30,8 @@ void write_ply(OutputFile& out, const HullMesh& mesh);
 void write_obj(OutputFile& out, const HullMesh& mesh);
 void write_off(OutputFile& out, const HullMesh& mesh);
 void write_stl(OutputFile& out, const HullMesh& mesh);
+void write_glb(OutputFile& out, const HullMesh& mesh);
+void write_vtp(OutputFile& out, const HullMesh& mesh);
 
 /// The shortest decimal that reads back as the same double.
 void append_number(std::string& out, double value);

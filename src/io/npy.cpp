@@ -11,6 +11,7 @@
 #include "io/output_file.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
+#include "parallel/byte_order.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull {
@@ -145,6 +146,7 @@ struct Dtype {
   char kind = 0;  ///< 'f', 'i' or 'u'
   std::uint64_t size = 0;
   bool big_endian = false;
+  bool swapped = false;  ///< another order than this machine's
 };
 
 Dtype parse_dtype(const Source& s, const std::string& descr) {
@@ -152,6 +154,7 @@ Dtype parse_dtype(const Source& s, const std::string& descr) {
   std::string_view word = descr;
   if (!word.empty() && std::strchr("<>|=", word[0]) != nullptr) {
     t.big_endian = word[0] == '>';
+    t.swapped = word[0] == (little_endian_machine ? '>' : '<');
     word.remove_prefix(1);
   }
   if (!word.empty()) t.kind = word[0];
@@ -204,7 +207,7 @@ std::uint64_t widen(const char* from, std::uint64_t count, bool swap, double* to
                    for (std::uint64_t i = begin; i < end; ++i) {
                      std::uint64_t bits;
                      std::memcpy(&bits, from + 8 * i, 8);
-                     if (swap) bits = __builtin_bswap64(bits);
+                     if (swap) bits = reverse_bytes(bits);
                      if (exact_double(static_cast<T>(bits), to[i])) continue;
                      std::uint64_t seen = first.load();
                      while (i < seen && !first.compare_exchange_weak(seen, i)) {
@@ -234,8 +237,8 @@ PointData points_of_array(const Source& source, const char* data, std::uint64_t 
     result.storage = Buffer(bytes);
     double* const to = result.storage.as<double>();
     const std::uint64_t bad = type.kind == 'i'
-                                  ? widen<std::int64_t>(data, items, type.big_endian, to, options)
-                                  : widen<std::uint64_t>(data, items, type.big_endian, to, options);
+                                  ? widen<std::int64_t>(data, items, type.swapped, to, options)
+                                  : widen<std::uint64_t>(data, items, type.swapped, to, options);
     if (bad < items)
       fail(source, "value at index (" + std::to_string(first + (fortran ? bad % n : bad / d)) +
                        ", " + std::to_string(fortran ? bad / n : bad % d) +
@@ -244,8 +247,8 @@ PointData points_of_array(const Source& source, const char* data, std::uint64_t 
     result.view.scalar = ScalarType::f64;
   } else {
     result.view.scalar = scalar_of(type);
-    if (type.big_endian && size > 1) {
-      result.format += " (big-endian)";
+    if (type.big_endian && size > 1) result.format += " (big-endian)";
+    if (type.swapped && size > 1) {
       result.storage = Buffer(bytes);
       copy_swapped(data, bytes, size, result.storage.data(), options);
       base = result.storage.data();
@@ -400,7 +403,7 @@ void write_converted(OutputFile& out, const double* v, std::uint64_t count) {
                   "coordinate " + std::to_string(i) + " does not fit the scalar type asked for");
     converted[i % block] = static_cast<T>(v[i]);
     if (i % block == block - 1 || i + 1 == count)
-      out.write({reinterpret_cast<const char*>(converted), (i % block + 1) * sizeof(T)});
+      write_little_endian(out, converted, i % block + 1);
   }
 }
 
@@ -431,7 +434,7 @@ void write_values(OutputFile& out, const double* v, std::uint64_t count, ScalarT
 void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& ids) {
   internal::OutputFile out(path);
   out.write(internal::npy_header("<i8", {ids.size()}));
-  out.write({reinterpret_cast<const char*>(ids.data()), ids.size() * sizeof ids[0]});
+  internal::write_little_endian(out, ids.data(), ids.size());
   out.commit();
 }
 

@@ -95,8 +95,9 @@ PointData read_off(const Source& source, const ReadOptions& options) {
   const OffHeader h = parse_off_header(source);
   const auto d = static_cast<std::uint32_t>(h.dimension);
   const LineIndex index = index_lines(source, h.body, h.lines, options, is_data_line);
-  std::uint64_t expected = 0, coordinates = 0;
-  if (__builtin_add_overflow(h.vertices, h.faces, &expected) || index.points < expected)
+  std::uint64_t coordinates = 0;
+  const std::uint64_t expected = h.vertices + h.faces;
+  if (expected < h.vertices || index.points < expected)
     fail_at_line(source, h.lines,
                  "promises " + std::to_string(h.vertices) + " vertices and " +
                      std::to_string(h.faces) + " faces, but " + std::to_string(index.points) +

@@ -1,22 +1,17 @@
 #include "io/output_file.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <array>
 #include <atomic>
 #include <cerrno>
-#include <climits>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
-#include <memory>
+#include <filesystem>
 #include <system_error>
 
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "io/source.hpp"
+#include "io/system.hpp"
 
 namespace cullhull {
 namespace internal {
@@ -26,7 +21,7 @@ namespace {
 struct Unfinished {
   enum State : int { empty, claimed, listed };
   std::atomic<int> state{empty};
-  char path[PATH_MAX] = {};
+  char path[system::longest_path] = {};
 };
 
 constinit std::array<Unfinished, 32> unfinished;
@@ -50,42 +45,42 @@ OutputFile::OutputFile(const std::string& path)
     : name_(path == "-" ? "standard output" : display_name(path)) {
   buffer_.reserve(buffer_size);
   if (path == "-") {
-    descriptor_ = STDOUT_FILENO;
+    descriptor_ = system::standard_output;
     return;
   }
-  struct stat status {};
-  const bool exists = stat(path.c_str(), &status) == 0;
-  if (exists && S_ISDIR(status.st_mode)) refuse("cannot write", EISDIR);
-  if (exists && !S_ISREG(status.st_mode)) {
-    descriptor_ = open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  system::FileStatus status{};
+  const bool exists = system::status_of(path.c_str(), status) == 0;
+  if (exists && system::is_folder(status)) refuse("cannot write", EISDIR);
+  if (exists && !system::is_regular(status)) {
+    descriptor_ = system::open_to_write(path.c_str());
     if (descriptor_ < 0) refuse("cannot open", errno);
     return;
   }
   if (exists) {
-    if (access(path.c_str(), W_OK) != 0) refuse("cannot write", errno);
+    if (!system::may_write(path.c_str())) refuse("cannot write", errno);
     // Replace what a link points to, not the link.
-    const std::unique_ptr<char, decltype(&std::free)> real(realpath(path.c_str(), nullptr),
-                                                           &std::free);
-    if (!real) refuse("cannot write", errno);
-    target_ = real.get();
+    std::error_code error;
+    target_ = std::filesystem::canonical(path, error).string();
+    if (error) refuse("cannot write", error.value());
   } else {
     target_ = path;
   }
   open_beside(target_);
-  if (exists) (void)fchmod(descriptor_, status.st_mode & 07777);  // best effort, as `cp` does
+  if (exists) system::set_permissions(descriptor_, status);  // best effort, as `cp` does
 }
 
 void OutputFile::open_beside(const std::string& path) {
   static std::atomic<unsigned> counter{0};
   for (int attempt = 0; attempt < 100; ++attempt) {
-    temporary_ = path + "." + std::to_string(getpid()) + "-" + std::to_string(counter++) + ".tmp";
-    if (temporary_.size() >= PATH_MAX) {
+    temporary_ = path + "." + std::to_string(system::process_number()) + "-" +
+                 std::to_string(counter++) + ".tmp";
+    if (temporary_.size() >= system::longest_path) {
       temporary_.clear();
       refuse("cannot write", ENAMETOOLONG);
     }
     // Listed first: a signal between the two calls then removes a file that is not there.
     slot_ = list_unfinished(temporary_);
-    descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    descriptor_ = system::create_file(temporary_.c_str());
     if (descriptor_ >= 0) return;
     const int error = errno;
     temporary_.clear();
@@ -98,9 +93,9 @@ void OutputFile::open_beside(const std::string& path) {
 OutputFile::~OutputFile() { abandon(); }
 
 void OutputFile::abandon() noexcept {
-  if (descriptor_ >= 0 && descriptor_ != STDOUT_FILENO) close(descriptor_);
+  if (descriptor_ >= 0 && descriptor_ != system::standard_output) system::close_file(descriptor_);
   descriptor_ = -1;
-  if (!temporary_.empty()) unlink(temporary_.c_str());
+  if (!temporary_.empty()) system::remove_file(temporary_.c_str());
   temporary_.clear();
   if (slot_ >= 0) unfinished[static_cast<std::size_t>(slot_)].state.store(Unfinished::empty);
   slot_ = -1;
@@ -126,7 +121,7 @@ void OutputFile::write(std::string_view bytes) {
 
 void OutputFile::send(const char* data, std::size_t size) {
   while (size > 0) {
-    const ssize_t sent = ::write(descriptor_, data, size);
+    const std::ptrdiff_t sent = system::write_some(descriptor_, data, size);
     if (sent < 0 && errno == EINTR) continue;
     if (sent < 0) refuse("cannot write", errno);
     data += sent;
@@ -138,10 +133,13 @@ void OutputFile::commit() {
   send(buffer_.data(), buffer_.size());
   buffer_.clear();
   // Some file systems report a full disk only here.
-  if (descriptor_ != STDOUT_FILENO && close(std::exchange(descriptor_, -1)) != 0)
+  if (descriptor_ != system::standard_output &&
+      system::close_file(std::exchange(descriptor_, -1)) != 0)
     refuse("cannot write", errno);
   if (!temporary_.empty()) {
-    if (rename(temporary_.c_str(), target_.c_str()) != 0) refuse("cannot rename to", errno);
+    std::error_code error;
+    std::filesystem::rename(temporary_, target_, error);
+    if (error) refuse("cannot rename to", error.value());
     temporary_.clear();
   }
   abandon();
@@ -151,7 +149,8 @@ void OutputFile::commit() {
 
 void remove_unfinished_files() noexcept {
   for (internal::Unfinished& u : internal::unfinished)
-    if (u.state.load(std::memory_order_acquire) == internal::Unfinished::listed) unlink(u.path);
+    if (u.state.load(std::memory_order_acquire) == internal::Unfinished::listed)
+      internal::system::remove_file(u.path);
 }
 
 }  // namespace cullhull

@@ -1,8 +1,13 @@
 // A file that appears whole or not at all.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <string>
 #include <string_view>
+
+#include "parallel/byte_order.hpp"
 
 namespace cullhull::internal {
 
@@ -32,6 +37,21 @@ class OutputFile {
   int descriptor_ = -1;
   int slot_ = -1;
 };
+
+/// `count` numbers, little-endian.
+template <class T>
+void write_little_endian(OutputFile& out, const T* items, std::size_t count) {
+  if constexpr (little_endian_machine) {
+    out.write({reinterpret_cast<const char*>(items), count * sizeof(T)});
+  } else {
+    std::array<T, 512> block;
+    for (std::size_t i = 0; i < count; i += block.size()) {
+      const std::size_t n = std::min(block.size(), count - i);
+      std::transform(items + i, items + i + n, block.begin(), little_endian<T>);
+      out.write({reinterpret_cast<const char*>(block.data()), n * sizeof(T)});
+    }
+  }
+}
 
 /// `format` if given, else the extension of `path`; `unnamed` where the name tells nothing: "-", a
 /// pipe or a device.

@@ -9,6 +9,7 @@
 #include "io/lines.hpp"
 #include "io/mesh.hpp"
 #include "io/records.hpp"
+#include "parallel/byte_order.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -213,7 +214,8 @@ PointData vertices_of_records(const char* records, std::uint64_t count, const Pl
   const bool even =
       h.dimension == 2 ||
       static_cast<std::int64_t>(last.offset) - static_cast<std::int64_t>(y.offset) == step;
-  if (!swap && even && x.type == y.type && x.type == last.type) {
+  const bool alike = even && x.type == y.type && x.type == last.type;
+  if (alike && (!swap || !little_endian_machine)) {
     PointData data;
     data.in_place = true;
     data.view = {reinterpret_cast<const std::byte*>(records + x.offset),
@@ -222,6 +224,7 @@ PointData vertices_of_records(const char* records, std::uint64_t count, const Pl
                  count,
                  static_cast<std::ptrdiff_t>(e.min_size),
                  static_cast<std::ptrdiff_t>(step)};
+    if (swap) return with_reversed_bytes(std::move(data));
     return data;
   }
   PointData data = parsed_points(count, h.dimension, "");
@@ -239,14 +242,17 @@ PointData vertices_of_records(const char* records, std::uint64_t count, const Pl
   return data;
 }
 
-const char* binary_name(bool swap) {
-  return swap ? "ply (binary big-endian)" : "ply (binary little-endian)";
+/// Whether numbers lie in another byte order than this machine's.
+bool swapped(Encoding encoding) { return (encoding == Encoding::big) == little_endian_machine; }
+
+const char* binary_name(Encoding encoding) {
+  return encoding == Encoding::big ? "ply (binary big-endian)" : "ply (binary little-endian)";
 }
 
 class PlyBinary {
  public:
   PlyBinary(const Source& source, const PlyHeader& header, const ReadOptions& options)
-      : source_(source), h_(header), options_(options), swap_(header.encoding == Encoding::big) {}
+      : source_(source), h_(header), options_(options), swap_(swapped(header.encoding)) {}
 
   PointData read() {
     std::uint64_t at = static_cast<std::uint64_t>(h_.body - source_.data);
@@ -255,7 +261,7 @@ class PlyBinary {
     check_room(e, at);
     PointData data = e.has_list ? read_walking(e, at) : read_records(e, at);
     if (h_.coloured && !e.has_list) data.colours = colours_of(e, at);
-    data.format = binary_name(swap_);
+    data.format = binary_name(h_.encoding);
     return data;
   }
 
@@ -399,8 +405,8 @@ PointData read_ascii(const Source& source, const PlyHeader& h, const ReadOptions
   std::uint64_t expected = 0, first = 0;
   for (std::size_t i = 0; i < h.elements.size(); ++i) {
     if (i == h.vertex) first = expected;
-    if (__builtin_add_overflow(expected, h.elements[i].count, &expected))
-      expected = std::numeric_limits<std::uint64_t>::max();
+    constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
+    expected += std::min(h.elements[i].count, most - expected);
   }
   if (index.points < expected)
     fail_at_line(source, h.lines + index.lines,
@@ -444,9 +450,9 @@ std::optional<RecordLayout> ply_records(const Source& head, std::uint64_t size,
   const auto begin = PlyBinary(whole, *header, options).records();
   if (!begin) return std::nullopt;
   const Element& e = header->elements[header->vertex];
-  const bool swap = header->encoding == Encoding::big;
+  const bool swap = swapped(header->encoding);
   RecordLayout layout;
-  layout.format = binary_name(swap);
+  layout.format = binary_name(header->encoding);
   layout.offset = *begin;
   layout.count = e.count;
   layout.record_bytes = e.min_size;
@@ -470,14 +476,13 @@ void write_ply(OutputFile& out, const HullMesh& mesh) {
   head += wide ? "\nproperty list uint int vertex_indices\nend_header\n"
                : "\nproperty list uchar int vertex_indices\nend_header\n";
   out.write(head);
-  out.write({reinterpret_cast<const char*>(mesh.coordinates.data()),
-             mesh.coordinates.size() * sizeof(double)});
+  write_little_endian(out, mesh.coordinates.data(), mesh.coordinates.size());
   for (std::size_t f = 0; f < mesh.polygons.size(); ++f) {
     const std::uint64_t from = mesh.polygons.offsets[f];
     const auto corners = static_cast<std::uint32_t>(mesh.polygons.offsets[f + 1] - from);
-    out.write({reinterpret_cast<const char*>(&corners), wide ? 4U : 1U});
-    out.write({reinterpret_cast<const char*>(&mesh.polygons.items[from]),
-               corners * sizeof(std::uint32_t)});
+    const auto few = static_cast<std::uint8_t>(corners);
+    wide ? write_little_endian(out, &corners, 1) : write_little_endian(out, &few, 1);
+    write_little_endian(out, &mesh.polygons.items[from], corners);
   }
 }
 

@@ -3,15 +3,20 @@
 #include <chrono>
 #include <cstring>
 
+#include "io/columns.hpp"
 #include "io/mapped_file.hpp"
+#include "io/packed/unpack.hpp"
+#include "io/packed/unwrap.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/text_scan.hpp"
+#include "parallel/byte_order.hpp"
 
 namespace cullhull {
 
 struct PointFile::Impl {
   internal::MappedFile file;
+  internal::Buffer unpacked;  ///< what was compressed in it
   internal::PointData data;
   double seconds = 0;
 };
@@ -38,8 +43,7 @@ bool begins(const Source& s, std::string_view magic) {
 /// Binary STL has no magic: its size follows from its triangle count.
 bool looks_like_binary_stl(const Source& s) {
   if (s.size < 84) return false;
-  std::uint32_t triangles;
-  std::memcpy(&triangles, s.data + 80, 4);
+  const auto triangles = load_little_endian<std::uint32_t>(s.data + 80);
   return s.size == 84 + std::uint64_t{50} * triangles;
 }
 
@@ -83,7 +87,7 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
                       "; known are npy ply las obj off stl xyz txt csv raw");
     return options.format;
   }
-  const std::string extension = extension_of(source.name);
+  const std::string extension = extension_of(unpacked_name(source.name));
   if (is_known(extension)) return extension;
   if (extension == "laz") return "las";  // which says what reads it
   for (const char* other : {"e57", "parquet", "zarr", "copc"})
@@ -93,10 +97,16 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
   return format_of_content(source);
 }
 
-PointData read_points(const Source& file, const ReadOptions& options) {
-  if (file.size == 0) fail(file, "empty file");
-  const Source text = behind_byte_order_mark(file);
-  const std::string format = choose_format(text, options);
+std::vector<std::string> column_names(const std::string& format) {
+  for (const char* named : {"ply", "las", "obj", "off", "stl"})
+    if (format == named) return {"x", "y", "z"};
+  return {};
+}
+
+namespace {
+
+PointData read_format(const Source& file, const Source& text, const std::string& format,
+                      const ReadOptions& options) {
   if (format == "npy") return read_npy(file, options);
   if (format == "raw") return read_raw(file, options);
   if (format == "las") return read_las(file, options);
@@ -104,9 +114,26 @@ PointData read_points(const Source& file, const ReadOptions& options) {
   if (format == "ply") return read_ply(source, options);
   if (format == "obj") return read_obj(source, options);
   if (format == "off") return read_off(source, options);
-  if (format == "stl") return read_stl(source, options);
-  PointData data = read_text(source, options, format == "csv");
-  if (format != "text") data.format = format;
+  return read_stl(source, options);
+}
+
+}  // namespace
+
+bool is_text(const std::string& format) {
+  return format == "text" || format == "txt" || format == "xyz" || format == "csv";
+}
+
+PointData read_points(const Source& file, const ReadOptions& options) {
+  if (file.size == 0) fail(file, "empty file");
+  const Source text = behind_byte_order_mark(file);
+  const std::string format = choose_format(text, options);
+  if (is_text(format)) {
+    PointData data = read_text(text, options, format == "csv");
+    if (format != "text") data.format = format;
+    return data;
+  }
+  PointData data = read_format(file, text, format, options);
+  choose_columns(data, file.name, column_names(format), options);
   return data;
 }
 
@@ -136,7 +163,7 @@ PointData raw_points(const Source& source, std::uint64_t count, const ReadOption
                count,
                size * static_cast<std::ptrdiff_t>(options.raw_dimension),
                size};
-  return data;
+  return in_machine_order(std::move(data));
 }
 
 }  // namespace
@@ -165,13 +192,19 @@ std::optional<RecordLayout> raw_records(const Source& head, std::uint64_t size,
 PointFile open_points(const std::string& path, const ReadOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   auto impl = std::make_unique<PointFile::Impl>();
-  impl->file = internal::MappedFile(path);
-  impl->data = internal::read_points(impl->file.source(), options);
+  const internal::InputName input = internal::split_input(path);
+  impl->file = internal::MappedFile(input.file);
+  internal::Source source = impl->file.source();
+  ReadOptions reading = options;
+  internal::unwrap(input, source, reading, impl->unpacked);
+  impl->data = internal::read_points(source, reading);
   impl->file.check_size();
-  if (impl->data.in_place)
+  const bool unpacked = impl->unpacked.data() != nullptr;
+  if (impl->data.in_place && !unpacked)
     impl->file.prefault(options.threads);
   else
-    impl->file = internal::MappedFile();  // parsed: the text need not stay
+    impl->file = internal::MappedFile();  // parsed or unpacked: the file need not stay
+  if (!impl->data.in_place) impl->unpacked = {};
   impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return PointFile(std::move(impl));
 }

@@ -40,4 +40,9 @@ std::optional<RecordLayout> raw_records(const Source& head, std::uint64_t size,
 /// The word for a format that options or name or content tell: "npy", ..., or "text".
 std::string choose_format(const Source& head, const ReadOptions& options);
 
+/// Whether such a format has a point a line.
+bool is_text(const std::string& format);
+/// The names of the columns that every file of a format has; none for most.
+std::vector<std::string> column_names(const std::string& format);
+
 }  // namespace cullhull::internal

@@ -1,15 +1,15 @@
 // Frames of moving points: from one array, window by window, or from many files.
-#include <glob.h>
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <filesystem>
 #include <system_error>
 
+#include "io/columns.hpp"
 #include "io/mapped_file.hpp"
+#include "io/packed/archive.hpp"
 #include "io/source.hpp"
+#include "io/system.hpp"
 
 namespace cullhull {
 
@@ -50,6 +50,7 @@ struct PointSequence::Impl {
     // A frame of no bytes needs an address that is not null all the same.
     if (bytes.data == nullptr) bytes.data = "";
     data = array.frame(bytes, options);
+    internal::choose_columns(data, bytes.name, {}, options);
     view = data.view;
     format = data.format;
   }
@@ -99,11 +100,7 @@ void list_folder(const std::string& path, std::vector<std::string>& files) {
 }
 
 void list_pattern(const std::string& pattern, std::vector<std::string>& files) {
-  glob_t matches = {};
-  const int code = ::glob(pattern.c_str(), GLOB_NOSORT, nullptr, &matches);
-  std::vector<std::string> found(matches.gl_pathv, matches.gl_pathv + matches.gl_pathc);
-  ::globfree(&matches);
-  if (code == GLOB_NOSPACE) throw std::bad_alloc();
+  std::vector<std::string> found = system::files_matching(pattern);
   if (found.empty())
     throw Error(ErrorCode::io, display_name(pattern) + ": no file matches the pattern");
   std::sort(found.begin(), found.end(), natural_less);
@@ -134,15 +131,28 @@ bool open_array(const std::string& path, PointSequence::Impl& impl) {
 }  // namespace
 }  // namespace internal
 
+namespace {
+
+/// Files that match, each with the member that is asked for.
+void list_matches(const std::string& path, std::vector<std::string>& files) {
+  const internal::InputName input = internal::split_input(path);
+  const std::size_t first = files.size();
+  internal::list_pattern(input.file, files);
+  for (std::size_t i = first; i < files.size() && !input.member.empty(); ++i)
+    files[i] += ":" + input.member;
+}
+
+}  // namespace
+
 std::vector<std::string> sequence_files(const std::vector<std::string>& paths) {
   std::vector<std::string> files;
   for (const std::string& path : paths) {
-    struct stat status {};
-    const bool exists = path != "-" && ::stat(path.c_str(), &status) == 0;
-    if (exists && S_ISDIR(status.st_mode))
+    internal::system::FileStatus status{};
+    const bool exists = path != "-" && internal::system::status_of(path.c_str(), status) == 0;
+    if (exists && internal::system::is_folder(status))
       internal::list_folder(path, files);
     else if (!exists && path != "-" && path.find_first_of("*?[") != std::string::npos)
-      internal::list_pattern(path, files);
+      list_matches(path, files);
     else
       files.push_back(path);
   }

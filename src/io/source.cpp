@@ -1,23 +1,39 @@
 #include "io/source.hpp"
 
-#include <sys/mman.h>
-
+#include <algorithm>
 #include <cctype>
 #include <new>
+
+#include "parallel/byte_order.hpp"
+#include "parallel/pages.hpp"
 
 namespace cullhull::internal {
 
 Buffer::Buffer(std::size_t size) {
   constexpr std::size_t huge = std::size_t{2} << 20;
-  if (size >= 4 * huge) {
-    const std::size_t rounded = (size + huge - 1) / huge * huge;
-    if (rounded < size) throw std::bad_alloc();
-    data_.reset(static_cast<std::byte*>(std::aligned_alloc(huge, rounded)));
-    if (data_) (void)madvise(data_.get(), rounded, MADV_HUGEPAGE);  // a hint: may fail
-  } else {
-    data_.reset(static_cast<std::byte*>(std::malloc(size > 0 ? size : 1)));
-  }
-  if (!data_) throw std::bad_alloc();
+  const std::align_val_t alignment{size >= 4 * huge ? huge : alignof(std::max_align_t)};
+  data_ = {static_cast<std::byte*>(::operator new(size, alignment)), Free{alignment}};
+  if (size >= 4 * huge) prefer_huge_pages(data_.get(), size);
+}
+
+PointData in_machine_order(PointData data) {
+  return little_endian_machine ? std::move(data) : with_reversed_bytes(std::move(data));
+}
+
+PointData with_reversed_bytes(PointData data) {
+  const PointView from = data.view;
+  const std::size_t size = scalar_size(from.scalar);
+  if (size == 1) return data;
+  Buffer packed(from.count * from.dimension * size);
+  std::byte* to = packed.data();
+  for (std::uint64_t i = 0; i < from.count; ++i)
+    for (std::uint32_t j = 0; j < from.dimension; ++j, to += size)
+      std::reverse_copy(from.address(i, j), from.address(i, j) + size, to);
+  const auto step = static_cast<std::ptrdiff_t>(size);
+  data.view = {packed.data(), from.scalar, from.dimension, from.count, step * from.dimension, step};
+  data.storage = std::move(packed);
+  data.in_place = false;
+  return data;
 }
 
 void fail(const Source& source, const std::string& message) {

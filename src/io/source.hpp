@@ -3,14 +3,15 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
+#include <new>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
+#include "cullhull/point_blocks.hpp"
 
 namespace cullhull::internal {
 
@@ -24,7 +25,7 @@ struct Source {
 /// Uninitialised memory, on huge pages where it is large.
 class Buffer {
  public:
-  Buffer() = default;
+  Buffer() = default;  ///< none: data() is null
   /// Throws std::bad_alloc.
   explicit Buffer(std::size_t size);
   std::byte* data() const noexcept { return data_.get(); }
@@ -35,7 +36,8 @@ class Buffer {
 
  private:
   struct Free {
-    void operator()(std::byte* p) const noexcept { std::free(p); }
+    std::align_val_t alignment;
+    void operator()(std::byte* p) const noexcept { ::operator delete(p, alignment); }
   };
   std::unique_ptr<std::byte, Free> data_;
 };
@@ -47,7 +49,13 @@ struct PointData {
   Buffer storage;         ///< what `view` points into unless `in_place`
   Buffer colour_storage;  ///< what `colours` points into unless that is the source
   bool in_place = false;  ///< `view` points into the source
+  PointKeys keys;         ///< of every point, where ReadOptions::key asks for them
 };
+
+/// `data`, of little-endian numbers, as this machine's: in place where that is its order.
+PointData in_machine_order(PointData data);
+/// A copy of `data` with the bytes of each number in the other order.
+PointData with_reversed_bytes(PointData data);
 
 /// Readers, one file each. They throw Error{bad_file}; `options` gives threads and stop token.
 PointData read_npy(const Source& source, const ReadOptions& options);
@@ -90,9 +98,10 @@ std::string display_name(const std::string& path);
 /// "OBJ" -> "obj"; the part after the last dot of the last component, "" without one.
 std::string extension_of(const std::string& path);
 
-/// count * size, or false on overflow.
+/// a * b, or false on overflow.
 inline bool multiply(std::uint64_t a, std::uint64_t b, std::uint64_t& product) {
-  return !__builtin_mul_overflow(a, b, &product);
+  product = a * b;
+  return a == 0 || product / a == b;
 }
 
 }  // namespace cullhull::internal

@@ -58,7 +58,7 @@ class ZipWriter {
     central_ += "PK\x01\x02";
     append(central_, 20, 2);
     central_ += record;
-    append(central_, 0, 10);  // no comment, disk 0, no attributes
+    central_.append(10, '\0');  // no comment, disk 0, no attributes
     append(central_, at_, 4);
     central_ += name;
     put("PK\x03\x04" + record + name);
@@ -88,16 +88,23 @@ class ZipWriter {
   std::uint64_t at_ = 0, count_ = 0;
 };
 
+/// The bytes of `count` numbers, little-endian.
+std::string packed(const void* numbers, std::size_t count, std::size_t size) {
+  std::string bytes(static_cast<const char*>(numbers), count * size);
+  little_endian_items(bytes.data(), bytes.size(), size);
+  return bytes;
+}
+
 void write_npz(OutputFile& out, const HullState& state) {
   const PointView points = state.points();
   ZipWriter zip(out);
   zip.add("ids.npy", npy_header("<u8", {points.count}),
-          as_text(state.ids().data(), points.count * sizeof(std::uint64_t)));
+          packed(state.ids().data(), points.count, sizeof(std::uint64_t)));
   zip.add("points.npy",
           npy_header(npy_descr(points.scalar).c_str(), {points.count, points.dimension}),
-          as_text(points.data, points.count * points.dimension * scalar_size(points.scalar)));
+          packed(points.data, points.count * points.dimension, scalar_size(points.scalar)));
   const std::uint64_t seen = state.point_count();
-  zip.add("point_count.npy", npy_header("<u8", {1}), as_text(&seen, sizeof seen));
+  zip.add("point_count.npy", npy_header("<u8", {1}), packed(&seen, 1, sizeof seen));
   zip.finish();
 }
 

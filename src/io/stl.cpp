@@ -9,6 +9,7 @@
 #include "cullhull/error.hpp"
 #include "io/lines.hpp"
 #include "io/mesh.hpp"
+#include "parallel/byte_order.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -24,9 +25,11 @@ PointData read_binary(const Source& source, std::uint64_t triangles, const ReadO
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                    check_stop(options);
                    // A record: normal, three corners, two bytes of attributes.
-                   for (std::uint64_t t = begin; t < end; ++t)
+                   for (std::uint64_t t = begin; t < end; ++t) {
                      std::memcpy(out + 9 * t, source.data + header_bytes + record_bytes * t + 12,
                                  36);
+                     little_endian_items(out + 9 * t, 36, sizeof(float));
+                   }
                  });
   data.view = PointView::row_major(static_cast<const float*>(out), 3 * triangles, 3);
   return data;
@@ -77,7 +80,7 @@ PointData read_stl(const Source& source, const ReadOptions& options) {
   std::uint32_t triangles = 0;
   std::uint64_t needed = 0;
   if (source.size >= header_bytes) {
-    std::memcpy(&triangles, source.data + 80, 4);
+    triangles = load_little_endian<std::uint32_t>(source.data + 80);
     needed = header_bytes + record_bytes * triangles;
     if (needed == source.size) return read_binary(source, triangles, options);
   }
@@ -109,8 +112,8 @@ void write_stl(OutputFile& out, const HullMesh& mesh) {
   std::string head = "convex hull, binary STL";
   head.resize(80, ' ');
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size() / 3);
-  head.append(reinterpret_cast<const char*>(&count), 4);
   out.write(head);
+  write_little_endian(out, &count, 1);
   for (std::uint32_t t = 0; t < count; ++t) {
     const double* v[3];
     for (unsigned j = 0; j < 3; ++j) v[j] = &mesh.coordinates[3 * mesh.triangles[3 * t + j]];
@@ -131,7 +134,7 @@ void write_stl(OutputFile& out, const HullMesh& mesh) {
     for (unsigned j = 0; j < 3; ++j)
       values[j] = length > 0 ? static_cast<float>(normal[j] / length) : 0.0F;
     for (unsigned i = 0; i < 9; ++i) values[3 + i] = static_cast<float>(v[i / 3][i % 3]);
-    out.write({reinterpret_cast<const char*>(values.data()), sizeof values});
+    write_little_endian(out, values.data(), values.size());
     out.write({"\0\0", 2});
   }
 }

@@ -1,6 +1,7 @@
 // .xyz .txt .csv: one point a line, numbers separated by blanks, commas or semicolons.
 #include "io/text.hpp"
 
+#include "io/columns.hpp"
 #include "io/lines.hpp"
 
 namespace cullhull::internal {
@@ -138,6 +139,8 @@ namespace {
   parse_lines(
       source, index, options, is_point_line,
       [&](std::uint64_t, const char* p, const char* end) {
+        if (preamble.layout != nullptr)
+          return preamble.layout->parse(p, end, std::vector<double>(d).data());
         if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, d);
         if (split_fields(p, end).list.size() != d) throw LineFault{explain_row(p, end, d)};
       },
@@ -150,20 +153,27 @@ PointData parse_rows(const Source& source, const LineIndex& index, const Preambl
   const std::uint32_t d = preamble.dimension;
   PointData data = parsed_points(index.points, d, format_name(preamble.kind));
   double* const out = data.storage.as<double>();
+  const bool keyed = !options.key.empty() && preamble.layout != nullptr;
+  std::vector<std::string_view> keys(keyed ? index.points : 0);
   parse_lines(
       source, index, options, is_point_line,
       [&](std::uint64_t point, const char* p, const char* end) {
+        if (preamble.layout != nullptr)
+          return preamble.layout->parse(p, end, out + point * d, keyed ? &keys[point] : nullptr);
         if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, d);
         if (!parse_row(p, end, d, out + point * d)) throw LineFault{explain_row(p, end, d)};
       },
       [](const char*, const char*) {});
+  for (const std::string_view key : keys) data.keys.add(without_doubled_quotes(key));
+  // Where a header tells the dimension there is no layout.
+  if (preamble.layout == nullptr) choose_columns(data, source.name, {}, options);
   return data;
 }
 
 }  // namespace
 
 PointData read_text(const Source& file, const ReadOptions& options, bool csv) {
-  const Preamble preamble = find_preamble(file, csv);
+  const Preamble preamble = find_preamble(file, options, csv);
   const std::uint32_t d = preamble.dimension;
   const Source source{file.name, file.data, static_cast<std::size_t>(preamble.end - file.data)};
   const LineIndex index =

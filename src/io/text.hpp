@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "io/source.hpp"
+#include "io/text_columns.hpp"
 #include "io/text_scan.hpp"
 
 namespace cullhull::internal {
@@ -44,10 +46,13 @@ struct Preamble {
   std::uint32_t dimension = 0;
   std::uint64_t count = 0;       ///< what a header promises
   std::uint64_t count_line = 0;  ///< and where
+  /// Which columns are coordinates; null: all of them, and no other is there.
+  std::shared_ptr<const ColumnLayout> layout;
 };
 
-/// `csv`: the first line may be words. Throws Error{bad_file}.
-Preamble find_preamble(const Source& source, bool csv);
+/// `csv`: the first line may be words. `options` say which columns are wanted and are told which
+/// were taken. Throws Error{bad_file}, Error{invalid_argument} for columns that are not there.
+Preamble find_preamble(const Source& source, const ReadOptions& options, bool csv);
 
 /// The points of some whole lines of a text, of which `lines_before` precede them. Those of cdd's
 /// header end before their file does, so that they are not read in pieces.

@@ -1,4 +1,8 @@
 // What precedes the points in a text: column names, Qhull's header, or that of cdd and lrs.
+#include <algorithm>
+
+#include "io/columns.hpp"
+#include "io/lines.hpp"
 #include "io/text.hpp"
 
 namespace cullhull::internal {
@@ -125,32 +129,140 @@ bool find_cdd_header(const Source& source, const DataLine& first, LineScanner sc
   fail(source, "no line 'end' after the points");
 }
 
-}  // namespace
+std::vector<std::string> columns_of_line(const Source& source, const DataLine& line,
+                                         char separator) {
+  try {
+    return split_columns(line.begin, line.end, separator);
+  } catch (const LineFault& fault) {
+    fail_at_line(source, line.number, fault.message);
+  }
+}
 
-Preamble find_preamble(const Source& source, bool csv) {
-  const char* const end = source.data + source.size;
-  LineScanner scanner(source.data, end);
-  DataLine first;
-  if (!next_data_line(scanner, first)) fail(source, "no points");
+bool has_all(const std::vector<std::string>& names, const std::vector<std::string>& wanted) {
+  for (const std::string& name : wanted)
+    if (std::none_of(names.begin(), names.end(), [&](const auto& n) { return alike(n, name); }))
+      return false;
+  return !wanted.empty();
+}
+
+/// Words, none of them a number; or all the names that are asked for, whatever else is there.
+bool is_header(const DataLine& line, const std::vector<std::string>& names, bool csv,
+               const std::vector<std::string>& wanted) {
+  if (has_all(names, wanted)) return true;
+  if (!csv && wanted.empty() && !line.fields.separators) return false;
+  bool any = false;
+  for (const std::string& name : names) {
+    double unused;
+    const char* p = name.data();
+    const char* const end = p + name.size();
+    const Scan scan = scan_number(p, end, unused);
+    if (scan == Scan::ok) p = skip_blanks(p, end);
+    if (scan == Scan::out_of_range || (scan == Scan::ok && (p == end || *p == ',' || *p == ';')))
+      return false;  // decimal commas, perhaps, which no column has for a name
+    any = any || !name.empty();
+  }
+  return any;
+}
+
+/// Some programs write the names of columns into a comment: the last one before the points that
+/// has all the names asked for, else none.
+std::vector<std::string> names_in_comment(const Source& source, const char* end,
+                                          const std::vector<std::string>& wanted) {
+  std::vector<std::string> found;
+  LineScanner lines(source.data, end);
+  while (lines.next()) {
+    const char* p = skip_blanks(lines.begin(), lines.end());
+    if (!is_comment(p, lines.end())) continue;
+    p += *p == '#' ? 1 : 2;
+    try {
+      std::vector<std::string> names =
+          split_columns(p, lines.end(), find_separator(p, lines.end()));
+      if (has_all(names, wanted)) found = std::move(names);
+    } catch (const LineFault&) {  // words with a quote in them: no names
+    }
+  }
+  return found;
+}
+
+void remark_columns(const Source& source, const ReadOptions& options, std::size_t taken,
+                    std::size_t width) {
+  // A key that was asked for is no surprise.
+  if (!options.remark || taken + (options.key.empty() ? 0 : 1) >= width) return;
+  options.remark(source.name + ": " + (taken == 2 ? "x and y" : "x, y and z") + " of " +
+                 std::to_string(width) + " columns are taken as coordinates");
+}
+
+/// Which columns of rows are coordinates: those asked for; else x, y and z of a header that has
+/// others, too; else all.
+void lay_out_columns(const Source& source, const ReadOptions& options, const DataLine& first,
+                     std::vector<std::string> names, char separator, Preamble& preamble) {
+  const bool quotes = std::find(first.begin, first.end, '"') != first.end;
+  std::vector<std::uint32_t> columns;
+  if (options.columns.empty()) {
+    columns = find_xyz(names);
+    if (columns.size() == names.size()) columns.clear();
+    if (columns.empty() && !quotes && options.key.empty()) return;
+  }
+  // Without a header the first row tells how many columns there are.
+  const std::size_t width =
+      names.empty() ? columns_of_line(source, first, separator).size() : names.size();
+  const auto count = static_cast<std::uint32_t>(width);
+  if (!options.columns.empty()) {
+    columns = find_columns(options.columns, source.name, names, count);
+  } else if (!columns.empty()) {
+    remark_columns(source, options, columns.size(), width);
+  } else {
+    columns = find_columns(":", source.name, names, count);
+  }
+  const std::uint32_t key = find_key(options, source.name, names, count, columns);
+  auto layout = std::make_shared<ColumnLayout>(separator, count, columns, std::move(names));
+  layout->key = key;
+  preamble.layout = std::move(layout);
+  preamble.dimension = preamble.layout->dimension;
+}
+
+/// Points without a header that tells their dimension: a line of names, perhaps, then rows.
+Preamble find_rows(const Source& source, DataLine first, LineScanner scanner,
+                   const ReadOptions& options, bool csv) {
   Preamble preamble;
-  preamble.end = end;
-  if (find_qhull_header(source, first, scanner, preamble) ||
-      find_cdd_header(source, first, scanner, preamble))
-    return preamble;
-  preamble = {};
-  preamble.end = end;
-  if ((csv || first.fields.separators) && first.fields.no_number()) {
+  preamble.end = source.data + source.size;
+  std::vector<std::string> wanted = names_in(options.columns);
+  for (std::string& name : names_in(options.key)) wanted.push_back(std::move(name));
+  char separator = find_separator(first.begin, first.end);
+  std::vector<std::string> names;
+  const bool may_have_names = csv || first.fields.separators || !wanted.empty();
+  if (may_have_names) names = columns_of_line(source, first, separator);
+  if (may_have_names && is_header(first, names, csv, wanted)) {
     preamble.body = scanner.rest();
     preamble.lines = first.number;
     if (!next_data_line(scanner, first)) fail(source, "no points after the line of column names");
   } else {
     preamble.body = first.begin;
     preamble.lines = first.number - 1;
+    names =
+        wanted.empty() ? std::vector<std::string>() : names_in_comment(source, first.begin, wanted);
   }
+  lay_out_columns(source, options, first, std::move(names), separator, preamble);
+  if (preamble.layout != nullptr) return preamble;
   preamble.dimension = static_cast<std::uint32_t>(first.fields.list.size());
   if (!first.fields.all_numbers() || first.fields.mixed)
     fail_at_line(source, first.number, explain_row(first.begin, first.end, preamble.dimension));
   return preamble;
+}
+
+}  // namespace
+
+Preamble find_preamble(const Source& source, const ReadOptions& options, bool csv) {
+  LineScanner scanner(source.data, source.data + source.size);
+  DataLine first;
+  if (!next_data_line(scanner, first)) fail(source, "no points");
+  Preamble preamble;
+  preamble.end = source.data + source.size;
+  // A line of names could be followed by any words; cdd's and lrs's have no separators.
+  if (find_qhull_header(source, first, scanner, preamble) ||
+      (!first.fields.separators && find_cdd_header(source, first, scanner, preamble)))
+    return preamble;
+  return find_rows(source, first, scanner, options, csv);
 }
 
 }  // namespace cullhull::internal

@@ -1,13 +1,13 @@
 // Which writer writes the file.
-#include <sys/stat.h>
-
 #include <algorithm>
 
 #include "cullhull/error.hpp"
+#include "io/geometry_text.hpp"
 #include "io/json.hpp"
 #include "io/mesh.hpp"
 #include "io/output_file.hpp"
 #include "io/source.hpp"
+#include "io/system.hpp"
 
 namespace cullhull {
 
@@ -16,9 +16,9 @@ namespace internal {
 std::string output_format(const std::string& path, const std::string& format,
                           const std::string& unnamed) {
   if (!format.empty()) return format;
-  struct stat status {};
+  system::FileStatus status{};
   const bool has_name =
-      path != "-" && (::stat(path.c_str(), &status) != 0 || S_ISREG(status.st_mode));
+      path != "-" && (system::status_of(path.c_str(), status) != 0 || system::is_regular(status));
   return has_name ? extension_of(path) : unnamed;
 }
 
@@ -40,18 +40,22 @@ void write_hull_of(const std::string& path, const Points& of, const Hull& hull,
   if (points.count != hull.point_count || points.dimension != hull.dimension)
     throw Error(ErrorCode::invalid_argument, "the hull is not that of these points");
   const std::string f = output_format(path, format, "json");
-  if (f == "ply" || f == "obj" || f == "off" || f == "stl") {
+  if (f == "ply" || f == "obj" || f == "off" || f == "stl" || f == "glb" || f == "vtp") {
     const HullMesh mesh = make_mesh(points, hull, f, faces);
     OutputFile out(path);
     if (f == "ply") write_ply(out, mesh);
     if (f == "obj") write_obj(out, mesh);
     if (f == "off") write_off(out, mesh);
     if (f == "stl") write_stl(out, mesh);
+    if (f == "glb") write_glb(out, mesh);
+    if (f == "vtp") write_vtp(out, mesh);
     out.commit();
   } else if (f == "json") {
     OutputFile out(path);
     write_result_json(points, hull, [&](const std::string& piece) { out.write(piece); });
     out.commit();
+  } else if (f == "geojson" || f == "wkt") {
+    write_text(path, geometry_file(points, hull, f));
   } else if (f == "txt") {
     // As `p`, with a word after the dimension: so that no reader takes a 1D header for points.
     std::string text = hull_to_qhull_text(of, hull, "p");
@@ -60,7 +64,7 @@ void write_hull_of(const std::string& path, const Points& of, const Hull& hull,
   } else {
     const auto& qhull = qhull_formats();
     if (std::find(qhull.begin(), qhull.end(), f) == qhull.end())
-      refuse_format(path, f, ".ply .obj .off .stl .json .txt");
+      refuse_format(path, f, ".ply .obj .off .stl .glb .vtp .geojson .wkt .json .txt");
     write_text(path, hull_to_qhull_text(of, hull, f));
   }
 }

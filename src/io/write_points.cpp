@@ -13,13 +13,14 @@ namespace cullhull {
 namespace internal {
 namespace {
 
-/// The rows as they are in memory, packed. The machine is little-endian, as .npy and .ply are here.
+/// The rows packed, little-endian.
 void write_rows(OutputFile& out, const Coordinates& points, const std::vector<std::uint64_t>& ids) {
   const std::size_t size = scalar_size(points.scalar);
   std::vector<char> row(points.dimension * size);
   for (const std::uint64_t id : ids) {
     for (std::uint32_t j = 0; j < points.dimension; ++j)
       std::memcpy(row.data() + j * size, points.address(id, j), size);
+    little_endian_items(row.data(), row.size(), size);
     out.write({row.data(), row.size()});
   }
 }

@@ -9,12 +9,6 @@
 
 #include "parallel/pages.hpp"
 
-#if defined(__linux__)
-#include <sys/mman.h>
-
-#include <cstdint>
-#endif
-
 namespace cullhull::internal {
 
 /// `count` items of a trivial type whose values are indeterminate until written.
@@ -43,12 +37,7 @@ class BigArray {
 template <class T>
 void resize_big(std::vector<T>& v, std::size_t count) {
   v.reserve(count);
-#if defined(__linux__)
-  constexpr std::uintptr_t page = std::uintptr_t{2} << 20;
-  const auto begin = (reinterpret_cast<std::uintptr_t>(v.data()) + page - 1) / page * page;
-  const auto end = reinterpret_cast<std::uintptr_t>(v.data() + count) / page * page;
-  if (end > begin) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
-#endif
+  prefer_huge_pages(v.data(), count * sizeof(T));
   v.resize(count);
 }
 /// An Array asks for itself.

@@ -1,7 +1,15 @@
 #include "parallel/machine_memory.hpp"
 
+#if defined(_WIN32)
+#define WIN32_LEAN_AND_MEAN
+#if !defined(NOMINMAX)
+#define NOMINMAX
+#endif
+#include <windows.h>
+#elif __has_include(<unistd.h>) && __has_include(<sys/resource.h>)
 #include <sys/resource.h>
 #include <unistd.h>
+#endif
 
 #include <algorithm>
 #include <fstream>
@@ -30,6 +38,25 @@ std::uint64_t limit_upwards(const std::string& root, std::string group, const ch
   }
 }
 
+/// Of the machine, or where it is less, that this process may address. 0: not known.
+std::uint64_t addressable_memory() {
+#if defined(_WIN32)
+  MEMORYSTATUSEX status{};
+  status.dwLength = sizeof status;
+  if (!GlobalMemoryStatusEx(&status)) return 0;
+  return std::min<std::uint64_t>(status.ullTotalPhys, status.ullTotalVirtual);
+#elif defined(_SC_PHYS_PAGES)
+  const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
+  if (pages <= 0 || size <= 0) return 0;
+  const auto physical = static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(size);
+  rlimit addresses{};
+  const bool limited = getrlimit(RLIMIT_AS, &addresses) == 0 && addresses.rlim_cur != RLIM_INFINITY;
+  return std::min(physical, limited ? std::uint64_t{addresses.rlim_cur} : no_limit);
+#else
+  return 0;
+#endif
+}
+
 }  // namespace
 
 std::uint64_t group_memory_limit(const std::string& groups, const std::string& root) {
@@ -51,16 +78,8 @@ std::uint64_t group_memory_limit(const std::string& groups, const std::string& r
 }
 
 std::uint64_t machine_memory() {
-  static const std::uint64_t bytes = []() -> std::uint64_t {
-    const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
-    if (pages <= 0 || size <= 0) return 0;
-    const auto physical = static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(size);
-    rlimit addresses{};
-    const bool limited =
-        getrlimit(RLIMIT_AS, &addresses) == 0 && addresses.rlim_cur != RLIM_INFINITY;
-    return std::min({physical, group_memory_limit("/proc/self/cgroup", "/sys/fs/cgroup"),
-                     limited ? std::uint64_t{addresses.rlim_cur} : no_limit});
-  }();
+  static const std::uint64_t bytes =
+      std::min(addressable_memory(), group_memory_limit("/proc/self/cgroup", "/sys/fs/cgroup"));
   return bytes;
 }
 

@@ -44,6 +44,17 @@ char* map_pages(std::size_t bytes) {
   return start;
 }
 
+}  // namespace
+
+void prefer_huge_pages(void* begin, std::size_t bytes) noexcept {
+  const auto address = reinterpret_cast<std::uintptr_t>(begin);
+  const std::uintptr_t first = (address + page - 1) / page * page;
+  const std::uintptr_t last = (address + bytes) / page * page;
+  if (last > first) madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);
+}
+
+namespace {
+
 std::size_t usual_limit() {
   constexpr std::size_t most = std::size_t{1} << 30;
   const std::uint64_t memory = machine_memory();
@@ -202,6 +213,8 @@ void keep_pages(std::size_t limit) noexcept { free_pages().limit(limit); }
 std::size_t kept_pages() noexcept { return free_pages().kept(); }
 
 #else
+
+void prefer_huge_pages(void*, std::size_t) noexcept {}
 
 PageScope::PageScope() = default;
 PageScope::~PageScope() {}

@@ -25,6 +25,10 @@ class PageScope {
 inline constexpr std::size_t mapped_block = std::size_t{2} << 20;
 void* grow_block(void* block, std::size_t bytes, std::size_t& more);
 
+/// Asks that what lies whole huge pages wide between two addresses be such pages, before it is
+/// first touched: advice, which changes nothing but time.
+void prefer_huge_pages(void* begin, std::size_t bytes) noexcept;
+
 /// Sets the limit of what is kept, in bytes, and gives back what is beyond it; what is kept now.
 void keep_pages(std::size_t limit) noexcept;
 std::size_t kept_pages() noexcept;

@@ -16,24 +16,12 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Cofactor normal of the simplex `corners` and a bound for its rounding: the computed N . d is off
-/// by at most reach * max|d| + determinant_tiny.
+/// As normal_and_reach.
 template <unsigned K>
 void plane_of(const double* points, const std::uint32_t* corners, double* normal, double& reach) {
-  double edges[K > 1 ? K - 1 : 1][K], out[K];
-  const double* origin = points + std::size_t{corners[0]} * K;
-  reach = determinant_error(K);
-  for (unsigned i = 1; i < K; ++i) {
-    const double* p = points + std::size_t{corners[i]} * K;
-    double largest = 0;
-    for (unsigned c = 0; c < K; ++c) {
-      edges[i - 1][c] = p[c] - origin[c];
-      largest = std::max(largest, std::fabs(edges[i - 1][c]));
-    }
-    reach *= largest;
-  }
-  cofactors<K>(edges, out);
-  std::copy(out, out + K, normal);
+  double n[K];
+  reach = normal_and_reach<K>([&](unsigned i) { return points + std::size_t{corners[i]} * K; }, n);
+  std::copy_n(n, K, normal);
 }
 
 using PlaneOf = void (*)(const double*, const std::uint32_t*, double*, double&);
@@ -216,6 +204,7 @@ std::uint32_t FacetSearch::hint(const double* x) const {
 }
 
 void FacetSearch::fill_hints(const Control& control) {
+  // Half a megabyte of hints, which a second cache takes.
   constexpr double most_cells = 1 << 17;
   cube_ = DirectionCube(k_, std::min(most_cells, 2.0 * static_cast<double>(count())));
   if (cube_.empty()) return;

@@ -33,12 +33,13 @@ void begin_hull(const ResultInput& input, unsigned k, const Run& run, Hull& hull
   run.report("surface", 0);
 }
 
-void build_any(const ResultInput& input, SimplicialHull&& boundary, const Run& run, Hull& hull) {
+void build_any(const ResultInput& input, Boundary&& surface, const Run& run, Hull& hull) {
   const LocalPoints& local = *input.local;
-  Surface surface = make_surface(std::move(boundary), local, run);
-  if (surface.k >= 4 && surface.k <= 8 && surface.k == input.view->dimension) {
+  sort_simplices(surface, local, run);
+  if (surface.dimension >= 4 && surface.dimension <= 8 &&
+      surface.dimension == input.view->dimension) {
     VertexList vertices = list_vertices(surface, local.count, input.ids, run);
-    const Frame frame = make_frame(*input.view, vertices.ids, input.axes, surface.k, run);
+    const Frame frame = make_frame(*input.view, vertices.ids, input.axes, surface.dimension, run);
     if (!frame.wild && write_simplices(input, surface, vertices, frame, run, hull)) {
       hull.vertices = std::move(vertices.ids);
       return;
@@ -46,7 +47,8 @@ void build_any(const ResultInput& input, SimplicialHull&& boundary, const Run& r
   }
   run.report("merge", 0);
   CoplanarPairs pairs;
-  if (surface.k > 1) pairs = coplanar_pairs(surface, local, run, hull.statistics.rung_counts);
+  if (surface.dimension > 1)
+    pairs = coplanar_pairs(surface, local, run, hull.statistics.rung_counts);
   const OrderedFacets assembled =
       order_facets(input, merge_coplanar(std::move(surface), pairs, local, run), run, hull);
   if (hull.affine_dimension == 2) wind_vertices(hull);
@@ -56,21 +58,17 @@ void build_any(const ResultInput& input, SimplicialHull&& boundary, const Run& r
 
 }  // namespace
 
-void build_hull(const ResultInput& input, SimplicialHull&& boundary, const Run& run, Hull& hull) {
+void build_hull(const ResultInput& input, Boundary&& boundary, const Run& run, Hull& hull) {
   const PageScope pages;
   begin_hull(input, boundary.dimension, run, hull);
-  if (boundary.dimension == 3 && input.view->dimension == 3) {
-    Surface3D surface = to_surface(boundary, *input.local, run);
-    if (write_triangles(input, surface, run, hull)) return;
-  }
   build_any(input, std::move(boundary), run, hull);
 }
 
-void build_hull(const ResultInput& input, Surface3D&& boundary, const Run& run, Hull& hull) {
+void build_hull(const ResultInput& input, TriangleMesh&& boundary, const Run& run, Hull& hull) {
   const PageScope pages;
   begin_hull(input, 3, run, hull);
   if (write_triangles(input, boundary, run, hull)) return;
-  build_any(input, to_simplicial(std::move(boundary), run), run, hull);
+  build_any(input, boundary_of(std::move(boundary), run), run, hull);
 }
 
 }  // namespace cullhull::internal

@@ -6,7 +6,7 @@
 
 #include "cullhull/hull.hpp"
 #include "hull/engine.hpp"
-#include "hull/space/surface_3d.hpp"
+#include "hull/space/triangle_mesh.hpp"
 #include "parallel/run.hpp"
 
 namespace cullhull::internal {
@@ -27,8 +27,8 @@ constexpr bool facets_are_simplices(unsigned k) { return k == 1 || k == 3; }
 /// canonically, sorts, and measures. Consumes `boundary`. Fills every field of Hull but statistics
 /// (whose rung_counts it increases). Throws Error{not_exact} if the boundary is not weakly convex
 /// or not closed (only a foreign engine can do that).
-void build_hull(const ResultInput& input, SimplicialHull&& boundary, const Run& run, Hull& hull);
+void build_hull(const ResultInput& input, Boundary&& boundary, const Run& run, Hull& hull);
 /// The same from the 3D engine's own facets, which are soonest made a result of.
-void build_hull(const ResultInput& input, Surface3D&& boundary, const Run& run, Hull& hull);
+void build_hull(const ResultInput& input, TriangleMesh&& boundary, const Run& run, Hull& hull);
 
 }  // namespace cullhull::internal

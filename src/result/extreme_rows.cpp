@@ -11,9 +11,9 @@
 
 namespace cullhull::internal {
 
-std::vector<std::uint64_t> extreme_rows(SimplicialHull&& boundary, const LocalPoints& points,
+std::vector<std::uint64_t> extreme_rows(Boundary&& surface, const LocalPoints& points,
                                         const Run& run, std::uint64_t* rung_counts) {
-  Surface surface = make_surface(std::move(boundary), points, run);
+  sort_simplices(surface, points, run);
   const auto pairs = coplanar_pairs(surface, points, run, rung_counts);
   if (!pairs.empty()) surface = merge_coplanar(std::move(surface), pairs, points, run).surface;
   return std::move(list_vertices(surface, points.count, nullptr, run).ids);
@@ -30,15 +30,14 @@ std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size
       for (std::uint64_t& v : out) v = ids[v];
     return out;
   }
-  constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
   BigArray<std::uint8_t> used(count);
   std::memset(used.get(), 0, count);
   // Meanwhile one thread makes room, which takes as long: a vector clears it.
-  run.each_item(chunk_count(size, chunk) + 1, [&](std::uint64_t job) {
+  run.each_item(chunk_count(size, light_grain) + 1, [&](std::uint64_t job) {
     if (job == 0) return resize_big(out, size);
     // No two corners are equal; neighbouring bytes may be written at once.
-    const std::uint64_t end = std::min<std::uint64_t>(size, job * chunk);
-    for (std::uint64_t i = (job - 1) * chunk; i < end; ++i) used[corners[i]] = 1;
+    const std::uint64_t end = std::min<std::uint64_t>(size, job * light_grain);
+    for (std::uint64_t i = (job - 1) * light_grain; i < end; ++i) used[corners[i]] = 1;
   });
   rank_flagged(
       used.get(), count, run, [](std::uint32_t) { return true; },

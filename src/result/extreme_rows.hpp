@@ -11,7 +11,7 @@ namespace cullhull::internal {
 
 /// Ascending rows of the extreme points (of equal points the lowest); `boundary` as build_hull
 /// takes it. Adds to `rung_counts`.
-std::vector<std::uint64_t> extreme_rows(SimplicialHull&& boundary, const LocalPoints& points,
+std::vector<std::uint64_t> extreme_rows(Boundary&& boundary, const LocalPoints& points,
                                         const Run& run, std::uint64_t* rung_counts);
 
 /// Corners of a polygon among `count` rows, ascending; named by `ids`, which ascend, if not null.

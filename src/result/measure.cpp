@@ -7,6 +7,7 @@
 
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 #include "result/exact_rests.hpp"
 #include "result/facet_kernel.hpp"
 #include "result/facet_plane.hpp"
@@ -119,11 +120,12 @@ class Measurer {
     });
   }
 
+  /// Simplices: their arithmetic takes about as long as a line of memory to come.
   static constexpr std::uint64_t ahead = 12;
   /// Corners lie anywhere in memory where ids do: ask for them early.
   void prefetch(std::uint64_t i) const {
     if (i >= count_) return;
-    for (unsigned j = 0; j < k_; ++j) __builtin_prefetch(frame_.at(simplex(i)[j]));
+    for (unsigned j = 0; j < k_; ++j) prefetch_line(frame_.at(simplex(i)[j]));
   }
 
   const std::uint32_t* simplex(std::uint64_t i) const { return index_.data() + i * k_; }

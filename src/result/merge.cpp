@@ -22,8 +22,8 @@ struct Border {
 /// Any k but 3.
 class Merger {
  public:
-  Merger(Surface&& surface, const LocalPoints& points, const Control& control)
-      : old_(std::move(surface)), points_(points), control_(control), k_(old_.k) {}
+  Merger(Boundary&& surface, const LocalPoints& points, const Control& control)
+      : old_(std::move(surface)), points_(points), control_(control), k_(old_.dimension) {}
 
   Facets run(const CoplanarPairs& pairs) {
     number_facets(pairs);
@@ -42,7 +42,7 @@ class Merger {
 
   /// facet_[f]: singles first in order of their simplex, then merged ones in order of their first.
   void number_facets(const CoplanarPairs& pairs) {
-    const std::size_t n = old_.count();
+    const std::size_t n = old_.facet_count();
     facet_.resize(n);
     DisjointSets sets(n);
     sets.clear(0, n);
@@ -68,14 +68,14 @@ class Merger {
   }
 
   void keep_singles() {
-    Surface& s = out_.surface;
-    s.k = k_;
+    Boundary& s = out_.surface;
+    s.dimension = k_;
     out_.singles = singles_;
-    for (std::uint32_t f = 0; f < old_.count(); ++f) {
+    for (std::uint32_t f = 0; f < old_.facet_count(); ++f) {
       if (facet_[f] >= singles_) continue;
       s.odd.push_back(old_.odd[f]);
       for (unsigned i = 0; i < k_; ++i) {
-        s.ids.push_back(old_.simplex(f)[i]);
+        s.vertices.push_back(old_.simplex(f)[i]);
         const std::uint32_t g = facet_[old_.neighbours[std::size_t{f} * k_ + i]];
         s.neighbours.push_back(g < singles_ ? g : none);  // facet g < singles_ is simplex g
       }
@@ -90,7 +90,7 @@ class Merger {
     std::vector<std::uint8_t> candidate(points_.count, 0);
     for (const std::uint32_t f : members_)
       for (unsigned i = 0; i < k_; ++i) candidate[old_.simplex(f)[i]] = 1;
-    for (std::uint32_t f = 0; f < old_.count(); ++f)
+    for (std::uint32_t f = 0; f < old_.facet_count(); ++f)
       for (unsigned i = 0; i < k_; ++i)
         if (candidate[old_.simplex(f)[i]]) incidence_.emplace_back(old_.simplex(f)[i], facet_[f]);
     std::sort(incidence_.begin(), incidence_.end());
@@ -180,8 +180,8 @@ class Merger {
       end[head] = old_.simplex(b.simplex)[1 - b.slot];
       across[head] = neighbour_facet(b);
     }
-    out_.surface.ids.push_back(std::min(end[0], end[1]));
-    out_.surface.ids.push_back(std::max(end[0], end[1]));
+    out_.surface.vertices.push_back(std::min(end[0], end[1]));
+    out_.surface.vertices.push_back(std::max(end[0], end[1]));
     add_simplex(m, end[0] > end[1]);
     out_.vertices.items.insert(out_.vertices.items.end(), {end[1], end[0]});
     out_.neighbours.items.insert(out_.neighbours.items.end(), {across[0], across[1]});
@@ -209,7 +209,7 @@ class Merger {
     out_.vertices.items.insert(out_.vertices.items.end(), vertices.begin(), vertices.end());
     std::vector<std::uint32_t> pulled;
     pull(vertices, k_ - 1, ridges, pulled);
-    Array<std::uint32_t>& ids = out_.surface.ids;
+    Array<std::uint32_t>& ids = out_.surface.vertices;
     const std::size_t first = ids.size();
     ids.insert(ids.end(), pulled.begin(), pulled.end());
     const std::uint32_t beneath = vertex_beneath(borders_[0]);
@@ -237,12 +237,12 @@ class Merger {
 
   /// Ridges with a new simplex on a side meet by their ids.
   void match_new_ridges() {
-    Surface& s = out_.surface;
+    Boundary& s = out_.surface;
     struct Slot {
       std::uint32_t simplex, slot;
     };
     std::vector<Slot> open;
-    for (std::uint32_t f = 0; f < s.count(); ++f)
+    for (std::uint32_t f = 0; f < s.facet_count(); ++f)
       for (unsigned j = 0; j < k_; ++j)
         if (s.neighbours[std::size_t{f} * k_ + j] == none) open.push_back({f, j});
     const auto compare = [&](const Slot& a, const Slot& b) {
@@ -264,7 +264,7 @@ class Merger {
     }
   }
 
-  Surface old_;
+  Boundary old_;
   const LocalPoints& points_;
   const Control& control_;
   const unsigned k_;
@@ -281,15 +281,15 @@ class Merger {
 
 }  // namespace
 
-Facets merge_coplanar(Surface&& surface, const CoplanarPairs& pairs, const LocalPoints& points,
+Facets merge_coplanar(Boundary&& surface, const CoplanarPairs& pairs, const LocalPoints& points,
                       const Run& run) {
   if (pairs.empty()) {
     Facets out;
-    out.singles = surface.count();
+    out.singles = surface.facet_count();
     out.surface = std::move(surface);
     return out;
   }
-  if (surface.k == 3) return merge_polygons(std::move(surface), pairs, run);
+  if (surface.dimension == 3) return merge_polygons(std::move(surface), pairs, run);
   return Merger(std::move(surface), points, run.control).run(pairs);
 }
 

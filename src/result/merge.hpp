@@ -2,14 +2,14 @@
 #pragma once
 
 #include "cullhull/hull.hpp"
-#include "result/surface.hpp"
+#include "result/boundary.hpp"
 
 namespace cullhull::internal {
 
 /// The facets before they are put in order. Simplex i < singles is a facet of its own, facet i;
 /// facet singles + m is merged list m.
 struct Facets {
-  Surface surface;
+  Boundary surface;
   std::vector<std::uint32_t> facet;  ///< facet of each simplex; empty: simplex i is facet i
   std::size_t singles = 0;
   /// k = 2: the two ends, counter-clockwise. k = 3: cyclic, counter-clockwise from outside, from
@@ -20,7 +20,7 @@ struct Facets {
   Lists<std::uint32_t> neighbours;
 };
 
-Facets merge_coplanar(Surface&& surface, const CoplanarPairs& pairs, const LocalPoints& points,
+Facets merge_coplanar(Boundary&& surface, const CoplanarPairs& pairs, const LocalPoints& points,
                       const Run& run);
 
 }  // namespace cullhull::internal

@@ -37,7 +37,7 @@ struct Side {
 
 class PolygonMerger {
  public:
-  PolygonMerger(Surface&& surface, const CoplanarPairs& pairs, const Run& run)
+  PolygonMerger(Boundary&& surface, const CoplanarPairs& pairs, const Run& run)
       : old_(std::move(surface)), pairs_(pairs), run_(run) {}
 
   Facets run() {
@@ -59,7 +59,7 @@ class PolygonMerger {
 
   /// facet_[f]: single simplices first, in their order, then merged ones in that of their first.
   void number_facets() {
-    const std::size_t n = old_.count();
+    const std::size_t n = old_.facet_count();
     DisjointSets sets(n);
     BigArray<std::uint8_t> merged(n);
     run_.each(n, simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
@@ -110,7 +110,7 @@ class PolygonMerger {
 
   /// Edges between facets of which the one on the left is merged, by that facet.
   void collect_borders() {
-    const std::size_t n = old_.count();
+    const std::size_t n = old_.facet_count();
     std::vector<std::uint64_t> begins(chunk_count(n, simplex_chunk) + 1, 0);
     const auto each_edge = [this](std::uint64_t f, const auto& body) {
       if (single(facet_[f])) return;
@@ -318,14 +318,14 @@ class PolygonMerger {
   void write_surface() {
     const std::uint64_t count = out_.singles + corner_starts_.back() - 2 * merged_count();
     if (count >= none) fail_not_exact("too many facets");
-    Surface& s = out_.surface;
-    s.k = 3;
-    resize_big(s.ids, count * 3);
+    Boundary& s = out_.surface;
+    s.dimension = 3;
+    resize_big(s.vertices, count * 3);
     resize_big(s.neighbours, count * 3);
     resize_big(s.odd, count);
     resize_big(out_.facet, count);
-    place_ = BigArray<Id>(old_.count() * 3);
-    run_.each(old_.count() * 3, simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    place_ = BigArray<Id>(old_.facet_count() * 3);
+    run_.each(old_.facet_count() * 3, simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
       std::fill(place_.get() + begin, place_.get() + end, none);
     });
     each_side([&](std::uint64_t m, std::uint64_t begin, std::uint64_t end) {
@@ -335,7 +335,7 @@ class PolygonMerger {
         place_[std::size_t{e.simplex} * 3 + slot_off(e)] = simplex_at(m, i - first, sides);
       }
     });
-    run_.each(old_.count(), simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    run_.each(old_.facet_count(), simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t f = begin; f < end; ++f)
         if (single(facet_[f])) write_single(static_cast<Id>(f));
     });
@@ -357,11 +357,11 @@ class PolygonMerger {
 
   void write_single(Id f) {
     const Id number = facet_[f];  // facet `number` is simplex `number`
-    Surface& s = out_.surface;
+    Boundary& s = out_.surface;
     s.odd[number] = old_.odd[f];
     out_.facet[number] = number;
     for (unsigned j = 0; j < 3; ++j) {
-      s.ids[std::size_t{number} * 3 + j] = old_.simplex(f)[j];
+      s.vertices[std::size_t{number} * 3 + j] = old_.simplex(f)[j];
       s.neighbours[std::size_t{number} * 3 + j] = beyond(f, j);
     }
   }
@@ -378,11 +378,11 @@ class PolygonMerger {
     const Id a = side[t + 1].corner(), b = side[t + 2].corner();
     const Id opposite_a = t + 3 == sides ? outer(sides - 1) : number + 1;
     const Id opposite_b = t == 0 ? outer(0) : number - 1;
-    Surface& s = out_.surface;
+    Boundary& s = out_.surface;
     const bool odd = a > b;
     s.odd[number] = odd;
     out_.facet[number] = static_cast<Id>(out_.singles + m);
-    Id* ids = s.ids.data() + std::size_t{number} * 3;
+    Id* ids = s.vertices.data() + std::size_t{number} * 3;
     Id* next = s.neighbours.data() + std::size_t{number} * 3;
     ids[0] = side[0].corner();
     ids[1] = odd ? b : a;
@@ -392,7 +392,7 @@ class PolygonMerger {
     next[2] = odd ? opposite_a : opposite_b;
   }
 
-  Surface old_;
+  Boundary old_;
   const CoplanarPairs& pairs_;
   const Run& run_;
   Facets out_;
@@ -408,7 +408,7 @@ class PolygonMerger {
 
 }  // namespace
 
-Facets merge_polygons(Surface&& surface, const CoplanarPairs& pairs, const Run& run) {
+Facets merge_polygons(Boundary&& surface, const CoplanarPairs& pairs, const Run& run) {
   return PolygonMerger(std::move(surface), pairs, run).run();
 }
 

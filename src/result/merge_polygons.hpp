@@ -6,6 +6,6 @@
 namespace cullhull::internal {
 
 /// As merge_coplanar, for k = 3 and at least one pair.
-Facets merge_polygons(Surface&& surface, const CoplanarPairs& pairs, const Run& run);
+Facets merge_polygons(Boundary&& surface, const CoplanarPairs& pairs, const Run& run);
 
 }  // namespace cullhull::internal

@@ -7,6 +7,7 @@
 
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 #include "parallel/radix_sort.hpp"
 #include "result/vertex_list.hpp"
 
@@ -22,8 +23,8 @@ class FacetOrderer {
       : input_(input),
         facets_(std::move(facets)),
         surface_(facets_.surface),
-        k_(surface_.k),
-        count_(surface_.count()),
+        k_(surface_.dimension),
+        count_(surface_.facet_count()),
         run_(run),
         hull_(hull) {}
 
@@ -200,12 +201,13 @@ class FacetOrderer {
     if (i + 32 >= count_) return;
     const std::size_t far = std::size_t{order_[i + 32]} * k_,
                       near = std::size_t{order_[i + 16]} * k_;
-    __builtin_prefetch(surface_.ids.data() + far);
-    __builtin_prefetch(surface_.neighbours.data() + far);
-    __builtin_prefetch(surface_.odd.data() + order_[i + 32]);
+    prefetch_line(surface_.vertices.data() + far);
+    prefetch_line(surface_.neighbours.data() + far);
+    prefetch_line(surface_.odd.data() + order_[i + 32]);
     for (unsigned j = 0; j < k_; ++j) {
-      if (!vertices_.all_points) __builtin_prefetch(&vertices_.positions[surface_.ids[near + j]]);
-      __builtin_prefetch(rank_.data() + surface_.neighbours[near + j]);
+      if (!vertices_.all_points)
+        prefetch_line(&vertices_.positions[surface_.vertices[near + j]]);
+      prefetch_line(rank_.data() + surface_.neighbours[near + j]);
     }
   }
 
@@ -308,7 +310,7 @@ class FacetOrderer {
 
   const ResultInput& input_;
   Facets facets_;
-  const Surface& surface_;
+  const Boundary& surface_;
   const unsigned k_;
   const std::size_t count_;
   const Run& run_;

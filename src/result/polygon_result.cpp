@@ -7,6 +7,7 @@
 #include "parallel/big_array.hpp"
 #include "parallel/clear_pages.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 #include "result/facet_plane.hpp"
 
 namespace cullhull::internal {
@@ -27,8 +28,22 @@ EdgeKernel::EdgeKernel(const Box& box) {
   }
 }
 
-bool finish_polygon(const EdgeKernel& kernel, const PolygonSums& sums, const PointView& points,
-                    std::uint64_t first, PlanarMeasures& measures) {
+void PolygonLists::give(const PlanarMeasures& measures, Hull& hull) {
+  hull.volume = measures.volume;
+  hull.area = measures.area;
+  hull.centroid.assign(measures.centroid, measures.centroid + 2);
+  using Ids = SharedArray<std::uint64_t>;
+  const std::size_t edges = planes.size() / 3;
+  hull.simplices = Ids(std::move(simplices));
+  hull.simplex_neighbours = std::move(neighbours);
+  hull.simplex_facets = EvenArray<std::uint32_t>::of_step(edges, 1);
+  hull.facets = Lists<std::uint64_t, Ids>::of_length(2, Ids(std::move(facets)));
+  hull.facet_neighbours = Lists<std::uint32_t>::of_length(2, std::move(across));
+  hull.facet_planes = std::move(planes);
+}
+
+bool finish_polygon(const EdgeKernel& kernel, const Share<2, DoubleDouble>& sums,
+                    const PointView& points, std::uint64_t first, PlanarMeasures& measures) {
   if (!settled(sums, 0x1p-53)) return false;
   const PlanarPoint p = kernel.scaled({points.at(first, 0), points.at(first, 1)});
   const double origin[2] = {p.x, p.y};
@@ -43,20 +58,15 @@ bool finish_polygon(const EdgeKernel& kernel, const PolygonSums& sums, const Poi
   frame.points = &points;
   frame.vertices = &vertices;
   frame.scaled = {p.x, p.y};
-  Totals<DoubleDouble> totals(2);
-  totals.volume = sums.volume;
-  totals.area = sums.area;
-  totals.moment = {sums.moment[0], sums.moment[1]};
   Hull hull;
-  finish_measures(frame, totals, hull);
+  finish_measures(frame, Totals<DoubleDouble>(sums), hull);
   measures = {hull.volume, hull.area, {hull.centroid[0], hull.centroid[1]}};
   return true;
 }
 
 namespace {
 
-constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
-static_assert(chunk % 64 == 0);
+static_assert(light_grain % 64 == 0);
 
 /// std::popcount is a call where nothing is known of the processor.
 std::uint32_t count_bits(std::uint64_t v) {
@@ -73,11 +83,11 @@ class Ranks {
       : words_(rows / 64 + 1), before_(words_) {
     BigArray<std::uint8_t> used(words_ * 64);
     std::memset(used.get(), 0, words_ * 64);
-    run.each(corners.size(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    run.each(corners.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) used[corners[i]] = 1;
     });
     bits_ = BigArray<std::uint64_t>(words_);
-    run.each(words_, chunk / 64, [&](std::uint64_t begin, std::uint64_t end) {
+    run.each(words_, light_grain / 64, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t w = begin; w < end; ++w) {
         std::uint64_t word = 0;
         for (std::uint64_t b = 0; b < 64; b += 8) {
@@ -161,15 +171,15 @@ class Writer {
       default:
         list_corners(Reader<void>{points_});
     }
-    neighbours_.resize(2 * count_);
-    clear_pages_early(neighbours_.data(), 2 * count_ * sizeof(std::uint32_t), run_.threads,
+    lists_.neighbours.resize(2 * count_);
+    clear_pages_early(lists_.neighbours.data(), 2 * count_ * sizeof(std::uint32_t), run_.threads,
                       [&] { run_.check(); });
     link();
-    simplices_.resize(2 * count_);
-    facets_.resize(2 * count_);
-    across_.resize(2 * count_);
-    planes_.resize(3 * count_);
-    std::vector<PolygonSums> parts(chunk_count(count_, measure_chunk));
+    lists_.simplices.resize(2 * count_);
+    lists_.facets.resize(2 * count_);
+    lists_.across.resize(2 * count_);
+    lists_.planes.resize(3 * count_);
+    std::vector<Share<2, DoubleDouble>> parts(chunk_count(count_, measure_chunk));
     std::atomic<bool> ordinary{true};
     // The vertices are a job of their own, the first: one thread must clear their memory.
     run_.each_item(parts.size() + 1, [&](std::uint64_t job) {
@@ -178,20 +188,11 @@ class Writer {
       if (!write(begin, std::min(count_, begin + measure_chunk), parts[job - 1])) ordinary = false;
     });
     if (!ordinary) return false;
-    PolygonSums all;
+    Share<2, DoubleDouble> all;
     for (const auto& p : parts) all.add(p);
     PlanarMeasures measures;
     if (!finish_polygon(kernel_, all, points_, corners_[0].id, measures)) return false;
-    hull.volume = measures.volume;
-    hull.area = measures.area;
-    hull.centroid.assign(measures.centroid, measures.centroid + 2);
-    using Ids = SharedArray<std::uint64_t>;
-    hull.simplices = Ids(std::move(simplices_));
-    hull.simplex_neighbours = std::move(neighbours_);
-    hull.simplex_facets = EvenArray<std::uint32_t>::of_step(count_, 1);
-    hull.facets = Lists<std::uint64_t, Ids>::of_length(2, Ids(std::move(facets_)));
-    hull.facet_neighbours = Lists<std::uint32_t>::of_length(2, std::move(across_));
-    hull.facet_planes = std::move(planes_);
+    lists_.give(measures, hull);
     return true;
   }
 
@@ -201,7 +202,7 @@ class Writer {
   template <class Read>
   void list_corners(const Read& read) {
     corners_ = BigArray<Corner>(count_);
-    run_.each(ranks_.words(), chunk / 64, [&](std::uint64_t begin, std::uint64_t end) {
+    run_.each(ranks_.words(), light_grain / 64, [&](std::uint64_t begin, std::uint64_t end) {
       Corner* out = corners_.get() + ranks_.before_word(begin);
       for (std::uint64_t w = begin; w < end; ++w)
         for (std::uint64_t word = ranks_.word(w); word != 0; word &= word - 1) {
@@ -213,12 +214,12 @@ class Writer {
 
   /// The ranks before and after each corner.
   void link() {
-    run_.each(count_, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    run_.each(count_, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       std::uint32_t before = ranks_(cycle_[begin == 0 ? count_ - 1 : begin - 1]);
       std::uint32_t at = ranks_(cycle_[begin]);
       for (std::uint64_t i = begin; i < end; ++i) {
         const std::uint32_t after = ranks_(cycle_[i + 1 < count_ ? i + 1 : 0]);
-        std::uint32_t* const to = neighbours_.data() + std::uint64_t{2} * at;
+        std::uint32_t* const to = lists_.neighbours.data() + std::uint64_t{2} * at;
         to[0] = before;
         to[1] = after;
         before = std::exchange(at, after);
@@ -227,24 +228,24 @@ class Writer {
   }
 
   /// Simplices [begin, end), whole runs of them.
-  bool write(std::uint64_t begin, std::uint64_t end, PolygonSums& sums) {
+  bool write(std::uint64_t begin, std::uint64_t end, Share<2, DoubleDouble>& sums) {
     constexpr std::uint64_t ahead = 16;
     bool ordinary = true;
     const PlanarPoint origin = corners_[0].point;
-    EdgeShare run;
+    Share<2> run;
     for (std::uint64_t i = begin; i < end; ++i) {
-      if (i + ahead < end) __builtin_prefetch(&corners_[neighbours_[2 * (i + ahead)]]);
-      const Corner &here = corners_[i], &there = corners_[neighbours_[2 * i]];
-      simplices_[2 * i] = facets_[2 * i + 1] = here.id;
-      simplices_[2 * i + 1] = facets_[2 * i] = there.id;
-      across_[2 * i] = neighbours_[2 * i + 1];
-      across_[2 * i + 1] = neighbours_[2 * i];
-      EdgeShare share;
-      if (!kernel_.edge(here.point, there.point, origin, planes_.data() + 3 * i, share))
+      if (i + ahead < end) prefetch_line(&corners_[lists_.neighbours[2 * (i + ahead)]]);
+      const Corner &here = corners_[i], &there = corners_[lists_.neighbours[2 * i]];
+      lists_.simplices[2 * i] = lists_.facets[2 * i + 1] = here.id;
+      lists_.simplices[2 * i + 1] = lists_.facets[2 * i] = there.id;
+      lists_.across[2 * i] = lists_.neighbours[2 * i + 1];
+      lists_.across[2 * i + 1] = lists_.neighbours[2 * i];
+      Share<2> share;
+      if (!kernel_.edge(here.point, there.point, origin, lists_.planes.data() + 3 * i, share))
         ordinary = false;
       run.add(share);
       if ((i + 1) % measure_run != 0 && i + 1 != end) continue;
-      run.add_to(sums);
+      sums.add(run);
       run = {};
     }
     return ordinary;
@@ -268,9 +269,7 @@ class Writer {
   const Run& run_;
   const Ranks ranks_;
   BigArray<Corner> corners_;  // by rank
-  Array<std::uint32_t> neighbours_, across_;
-  Array<std::uint64_t> simplices_, facets_;
-  Array<double> planes_;
+  PolygonLists lists_;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "cullhull/hull.hpp"
 #include "hull/plane/polygon.hpp"
 #include "parallel/run.hpp"
+#include "result/facet_math.hpp"
 #include "result/measure_frame.hpp"
 #include "result/totals.hpp"
 
@@ -18,49 +19,24 @@ struct PlanarPoint {
   double x, y;
 };
 
-/// What one edge adds to the sums over a run.
-struct EdgeShare {
-  double volume = 0, area = 0;
-  double moment[2] = {0, 0};
-  double error = 0;  // of volume and, times the reach, of area; see Totals
-
-  void add(const EdgeShare& o) {
-    volume = volume + o.volume;
-    area = area + o.area;
-    for (unsigned c = 0; c < 2; ++c) moment[c] = moment[c] + o.moment[c];
-    error += o.error;
-  }
-  /// Sums: as Totals.
-  template <class Sums>
-  void add_to(Sums& t) const {
-    t.volume = t.volume + DoubleDouble(volume);
-    t.area = t.area + DoubleDouble(area);
-    for (unsigned c = 0; c < 2; ++c) t.moment[c] = t.moment[c] + DoubleDouble(moment[c]);
-    t.error += error;
-    t.area_error += area;
-  }
-};
-
-/// As Totals<DoubleDouble>(2), without memory of its own.
-struct PolygonSums {
-  DoubleDouble volume = 0, area = 0, moment[2];
-  double error = 0, area_error = 0;
-
-  void add(const PolygonSums& o) {
-    volume = volume + o.volume;
-    area = area + o.area;
-    for (unsigned c = 0; c < 2; ++c) moment[c] = moment[c] + o.moment[c];
-    error += o.error;
-    area_error += o.area_error;
-  }
-};
-
 struct PlanarMeasures {
   double volume = 0, area = 0, centroid[2] = {};
 };
 
-/// Planes and sums of a polygon's edges, bit for bit as the fallback computes them
-/// (triangle_sweep.cpp, write_simplices.cpp, measure.cpp), where coordinates are of ordinary proportions.
+/// The lists of a polygon of h edges: 2 h items each, and h planes.
+struct PolygonLists {
+  explicit PolygonLists(std::size_t h = 0)
+      : simplices(2 * h), facets(2 * h), neighbours(2 * h), across(2 * h), planes(3 * h) {}
+  /// Hands all over.
+  void give(const PlanarMeasures& measures, Hull& hull);
+
+  Array<std::uint64_t> simplices, facets;
+  Array<std::uint32_t> neighbours, across;  // of simplices, and in the facets' order
+  Array<double> planes;
+};
+
+/// Planes and sums of a polygon's edges, bit for bit as the fallback (measure.cpp) computes them,
+/// where coordinates are of ordinary proportions.
 class EdgeKernel {
  public:
   /// `box`: of the corners, which is that of all points.
@@ -75,20 +51,24 @@ class EdgeKernel {
   }
   /// The edge from p to the corner before it, q; o is the corner with the lowest id; all scaled.
   /// The plane goes to out[0 .. 3). False if the edge is too short for doubles.
-  bool edge(PlanarPoint p, PlanarPoint q, PlanarPoint o, double* out, EdgeShare& share) const {
-    const double n[2] = {-(q.y - p.y), q.x - p.x};
-    const double length = std::sqrt(n[0] * n[0] + n[1] * n[1]);
-    const double largest = std::max(std::fabs(n[0]), std::fabs(n[1]));
-    const double step[2] = {p.x - o.x, p.y - o.y};
-    share.area = length;
-    share.volume = (0.0 + n[0] * step[0]) + n[1] * step[1];
-    share.error = length * std::max(std::fabs(step[0]), std::fabs(step[1]));
-    share.moment[0] = share.volume * ((0.0 + step[0]) + (q.x - o.x));
-    share.moment[1] = share.volume * ((0.0 + step[1]) + (q.y - o.y));
-    out[0] = n[0] / length;
-    out[1] = n[1] / length;
-    out[2] = ((0.0 - out[0] * p.x) - out[1] * p.y) * unscale_;
-    return largest > 0x1p-400;
+  bool edge(PlanarPoint p, PlanarPoint q, PlanarPoint o, double* out, Share<2>& share) const {
+    const double corner[2][2] = {{p.x, p.y}, {q.x, q.y}}, origin[2] = {o.x, o.y};
+    double edge[1][2], n[2], sum[2], plane[3];
+    edges_of<2>(corner, edge);
+    cofactors<2>(edge, n);
+    sum_of_corners<2>(corner, origin, sum);
+    const double length = root(square_of<2>(n));
+    const FacetMoments<2, double> moments = moments_of<2>(n, corner[0], origin, sum);
+    plane_of<2>(n, length, corner[0], plane);
+    share = {moments.volume,
+             length,
+             {moments.moment[0], moments.moment[1]},
+             length * moments.reach,
+             length};
+    out[0] = plane[0];
+    out[1] = plane[1];
+    out[2] = plane[2] * unscale_;
+    return largest_of<2>(n) > 0x1p-400;
   }
 
  private:
@@ -99,8 +79,8 @@ class EdgeKernel {
 
 /// Measures from the sums; `first`: the corner with the lowest id, as given. False if rounding
 /// could show (a thin polygon): the fallback handles that.
-bool finish_polygon(const EdgeKernel& kernel, const PolygonSums& sums, const PointView& points,
-                    std::uint64_t first, PlanarMeasures& measures);
+bool finish_polygon(const EdgeKernel& kernel, const Share<2, DoubleDouble>& sums,
+                    const PointView& points, std::uint64_t first, PlanarMeasures& measures);
 
 /// Everything of `hull` but its statistics, from three corners or more. `ids`: the point of each
 /// row, ascending; nullptr: the same. False, and nothing done, where build_hull must.

@@ -16,14 +16,13 @@ namespace cullhull::internal {
 template <class Prepare, class Visit>
 void rank_flagged(const std::uint8_t* flags, std::uint64_t count, const Run& run,
                   const Prepare& prepare, const Visit& visit) {
-  constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
-  std::vector<std::uint32_t> start(chunk_count(count, chunk) + 1, 0);
-  run.each_chunk(count, chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+  std::vector<std::uint32_t> start(chunk_count(count, light_grain) + 1, 0);
+  run.each_chunk(count, light_grain, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     start[c + 1] = std::accumulate(flags + begin, flags + end, std::uint32_t{0});
   });
   for (std::size_t c = 1; c < start.size(); ++c) start[c] += start[c - 1];
   if (!prepare(start.back())) return;
-  run.each_chunk(count, chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+  run.each_chunk(count, light_grain, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     std::uint32_t rank = start[c];
     for (std::uint64_t i = begin; i < end; ++i) {
       visit(i, rank);

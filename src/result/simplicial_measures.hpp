@@ -7,11 +7,11 @@
 
 #include "parallel/big_array.hpp"
 #include "parallel/run.hpp"
+#include "result/boundary.hpp"
 #include "result/build_hull.hpp"
 #include "result/facet_share.hpp"
 #include "result/measure.hpp"
 #include "result/measure_frame.hpp"
-#include "result/surface.hpp"
 
 namespace cullhull::internal {
 

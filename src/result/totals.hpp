@@ -17,26 +17,74 @@ namespace cullhull::internal {
 inline constexpr std::uint64_t measure_run = 32;
 inline constexpr std::uint64_t measure_chunk = std::uint64_t{1} << 13;
 
-/// Sums over a run of simplices. `error` and `area_error` bound, up to a modest constant and in
-/// units of the last place, what rounding may have done to `volume` and `area`.
+/// Sums over simplices in R^K, or one simplex's share of them. `error` and `area_error` bound, up
+/// to a modest constant and in units of the last place, what rounding may have done to `volume` and
+/// `area`.
+template <unsigned K, class Real = double>
+struct Share {
+  Real volume = 0, area = 0;
+  Real moment[K] = {};
+  double error = 0, area_error = 0;
+
+  template <class Other>
+  void add(const Share<K, Other>& o) {
+    volume = volume + Real(o.volume);
+    area = area + Real(o.area);
+    for (unsigned c = 0; c < K; ++c) moment[c] = moment[c] + Real(o.moment[c]);
+    error += o.error;
+    area_error += o.area_error;
+  }
+};
+
+/// Shares of triangles, an array for each number.
+template <unsigned room>
+struct ShareArrays {
+  alignas(64) double volume[room], area[room], moment[3][room], error[room], area_error[room];
+
+  Share<3> at(std::size_t i) const {
+    return {
+        volume[i], area[i], {moment[0][i], moment[1][i], moment[2][i]}, error[i], area_error[i]};
+  }
+  void set(std::size_t i, const Share<3>& s) {
+    volume[i] = s.volume;
+    area[i] = s.area;
+    for (unsigned c = 0; c < 3; ++c) moment[c][i] = s.moment[c];
+    error[i] = s.error;
+    area_error[i] = s.area_error;
+  }
+  /// The sum over [begin, end), which is a run.
+  Share<3> sum(std::size_t begin, std::size_t end) const {
+    Share<3> run;
+    for (std::size_t i = begin; i < end; ++i) run.add(at(i));
+    return run;
+  }
+};
+
+/// The same sums in any dimension.
 template <class Sum>
 struct Totals {
   Sum volume = 0, area = 0;
   std::vector<Sum> moment;
   double error = 0, area_error = 0;
   explicit Totals(unsigned d) : moment(d, Sum(0)) {}
-  template <class Other>
-  void add(const Totals<Other>& o) {
-    volume = volume + Sum(o.volume);
-    area = area + Sum(o.area);
-    for (std::size_t c = 0; c < moment.size(); ++c) moment[c] = moment[c] + Sum(o.moment[c]);
+  template <unsigned K>
+  explicit Totals(const Share<K, Sum>& s)
+      : volume(s.volume),
+        area(s.area),
+        moment(s.moment, s.moment + K),
+        error(s.error),
+        area_error(s.area_error) {}
+  void add(const Totals& o) {
+    volume = volume + o.volume;
+    area = area + o.area;
+    for (std::size_t c = 0; c < moment.size(); ++c) moment[c] = moment[c] + o.moment[c];
     error += o.error;
     area_error += o.area_error;
   }
 };
 
-/// Whether rounding by `unit` and underflow (below 2^-1022 for each product) are harmless. Sums: as
-/// Totals.
+/// Whether rounding by `unit` and underflow (below 2^-1022 for each product) are harmless. Sums: a
+/// Share or Totals.
 template <class Sums>
 bool settled(const Sums& t, double unit) {
   constexpr double tolerance = 0x1p-42, far_from_underflow = 0x1p-900;

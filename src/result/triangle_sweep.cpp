@@ -2,6 +2,7 @@
 
 #include "result/triangle_sweep.hpp"
 
+#include "parallel/prefetch.hpp"
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
@@ -15,56 +16,17 @@
 #include <cstring>
 
 #include "geometry/cofactors.hpp"
+#include "result/facet_lanes-inl.hpp"
 #include "result/facet_plane.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
 using Id = std::uint32_t;
-using D = hn::CappedTag<double, 8>;
-using V = hn::Vec<D>;
-using M = hn::Mask<D>;
 
 constexpr unsigned row_stride = Shared3D::row_stride;
 static_assert(row_stride == 4);  // rows are read as vectors of four
-
-struct Triple {
-  V x, y, z;
-};
-
-HWY_INLINE Triple load_rows(const double* rows) {
-  Triple t;
-  V unused;
-  hn::LoadInterleaved4(D(), rows, t.x, t.y, t.z, unused);
-  return t;
-}
-HWY_INLINE Triple times(Triple a, Triple b) {
-  return {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)};
-}
-HWY_INLINE Triple minus(Triple a, Triple b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE Triple plus(Triple a, Triple b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
-HWY_INLINE V square(Triple a) {
-  return hn::Add(hn::Add(hn::Mul(a.x, a.x), hn::Mul(a.y, a.y)), hn::Mul(a.z, a.z));
-}
-HWY_INLINE V largest(Triple a) {
-  return hn::Max(hn::Max(hn::Abs(a.x), hn::Abs(a.y)), hn::Abs(a.z));
-}
-HWY_INLINE Triple constant(const double* v) {
-  const D d;
-  return {hn::Set(d, v[0]), hn::Set(d, v[1]), hn::Set(d, v[2])};
-}
-/// Bit i: lane i.
-HWY_INLINE unsigned bits_of(M mask) {
-  std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(D(), mask, bytes);
-  return bytes[0];
-}
 
 /// Facets that are worked on together, small enough for the first cache.
 struct Batch {
@@ -97,8 +59,8 @@ class Sweep {
       Id wrong = 0;
       for (unsigned k = 0; k < count; ++k) wrong |= collect(k);
       if (HWY_UNLIKELY(wrong != 0)) return false;
-      for (unsigned k = count; k % hn::Lanes(D()) != 0; ++k) repeat_last(k);
-      for (unsigned k = 0; k < count; k += static_cast<unsigned>(hn::Lanes(D()))) compute(k, count);
+      for (unsigned k = count; k % lane_count() != 0; ++k) repeat_last(k);
+      for (unsigned k = 0; k < count; k += lane_count()) compute(k, count);
       for (unsigned k = 0; k < count; ++k) write(k);
     }
     return true;
@@ -160,39 +122,42 @@ class Sweep {
   /// Normals, sums and sides of a vector of facets from k on. As facet_block computes them.
   HWY_INLINE void compute(unsigned k, unsigned count) {
     const D d;
-    const Triple factor = constant(s_.factor), origin = constant(s_.origin);
-    const Triple p = times(load_rows(b_.corner[0] + 4 * k), factor);
-    const Triple q = times(load_rows(b_.corner[1] + 4 * k), factor);
-    const Triple r = times(load_rows(b_.corner[2] + 4 * k), factor);
-    const Triple a = minus(q, p), b = minus(r, p);
-    const V edges = hn::Mul(hn::Sqrt(square(a)), hn::Sqrt(square(b)));
-    const V reach = hn::Mul(largest(a), largest(b));
-    const Triple n = {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)),
-                      hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-                      hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
-    const V length = hn::Sqrt(square(n));
-    const Triple zero = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    const Triple sum = plus(plus(plus(zero, minus(p, origin)), minus(q, origin)), minus(r, origin));
-    hn::StoreInterleaved4(n.x, n.y, n.z, length, d, b_.normal + 4 * k);
-    hn::StoreInterleaved4(sum.x, sum.y, sum.z, length, d, b_.sum + 4 * k);
-    const unsigned thin = ~bits_of(hn::Gt(length, hn::Mul(hn::Set(d, conditioned), edges)));
-    for (unsigned i = 0; i < hn::Lanes(d) && k + i < count; ++i)
+    Lanes corner[3][3], origin[3], edge[2][3], n[3], sum[3];
+    for (unsigned c = 0; c < 3; ++c) origin[c] = s_.origin[c];
+    for (unsigned j = 0; j < 3; ++j) load_scaled(b_.corner[j] + 4 * k, corner[j]);
+    edges_of<3>(corner, edge);
+    cofactors<3>(edge, n);
+    sum_of_corners<3>(corner, origin, sum);
+    const Lanes edges = root(square_of<3>(edge[0])) * root(square_of<3>(edge[1]));
+    const Lanes reach = largest_of<3>(edge[0]) * largest_of<3>(edge[1]);
+    const Lanes length = root(square_of<3>(n));
+    store_rows(n, length, b_.normal + 4 * k);
+    store_rows(sum, length, b_.sum + 4 * k);
+    const unsigned thin = ~bits_of(length > conditioned * edges);
+    for (unsigned i = 0; i < lane_count() && k + i < count; ++i)
       b_.numbers[k + i].thin = thin >> i & 1U;
 
     // Outward oriented, so the side is negative where the ridge is convex.
-    const V relative = hn::Mul(reach, hn::Set(d, s_.exact_doubles ? 0 : -determinant_error(3)));
-    const V tiny = hn::Set(d, s_.exact_doubles ? 0 : -determinant_tiny);
+    const Lanes relative = reach * (s_.exact_doubles ? 0 : -determinant_error(3));
+    const Lanes tiny = s_.exact_doubles ? 0 : -determinant_tiny;
     for (unsigned j = 0; j < 3; ++j) {
-      const Triple x = minus(times(load_rows(b_.across[j] + 4 * k), factor), p);
-      const V side = hn::Add(hn::Add(hn::Mul(n.x, x.x), hn::Mul(n.y, x.y)), hn::Mul(n.z, x.z));
-      const M convex = hn::Lt(side, hn::Add(hn::Mul(relative, largest(x)), tiny));
+      Lanes x[3];
+      load_scaled(b_.across[j] + 4 * k, x);
+      for (unsigned c = 0; c < 3; ++c) x[c] = x[c] - corner[0][c];
+      const Lanes side = n[0] * x[0] + n[1] * x[1] + n[2] * x[2];
+      const M convex = side < relative * largest_of<3>(x) + tiny;
       if (HWY_UNLIKELY(!hn::AllTrue(d, convex))) keep_open(k, count, j, ~bits_of(convex));
     }
   }
 
+  HWY_INLINE void load_scaled(const double* rows, Lanes (&v)[3]) const {
+    load_rows(rows, v);
+    for (unsigned c = 0; c < 3; ++c) v[c] = v[c] * s_.factor[c];
+  }
+
   /// From the side of the facet with the lower number.
   HWY_NOINLINE void keep_open(unsigned k, unsigned count, unsigned j, unsigned lanes) {
-    for (unsigned i = 0; i < hn::Lanes(D()) && k + i < count; ++i)
+    for (unsigned i = 0; i < lane_count() && k + i < count; ++i)
       if ((lanes >> i & 1U) != 0 && b_.slot[k + i] < b_.numbers[k + i].neighbour[j])
         open_.push_back({b_.slot[k + i], b_.across_id[j][k + i]});
   }
@@ -224,8 +189,8 @@ std::uint32_t triangle_shares_in(const TriangleRecord* const* records, unsigned 
                                  const double* vertices, const double* from, double unit,
                                  TriangleShares& shares, double* planes) {
   const D d;
-  alignas(64) double normals[4 * TriangleShares::most], sums[4 * TriangleShares::most],
-      corners[4 * TriangleShares::most];
+  alignas(64) double normals[4 * shares_at_once], sums[4 * shares_at_once],
+      corners[4 * shares_at_once];
   std::uint32_t left = 0;
   for (unsigned k = 0; k < count; ++k) {
     const TriangleRecord& r = *records[k];
@@ -234,35 +199,22 @@ std::uint32_t triangle_shares_in(const TriangleRecord* const* records, unsigned 
     std::memcpy(corners + 4 * k, vertices + std::size_t{r.vertex[0]} * 3, 24);
     left |= std::uint32_t{r.thin} << k;
   }
-  for (unsigned k = count; k % hn::Lanes(d) != 0; ++k) {
+  for (unsigned k = count; k % lane_count() != 0; ++k) {
     std::memcpy(normals + 4 * k, normals + 4 * k - 4, 32);
     std::memcpy(sums + 4 * k, sums + 4 * k - 4, 32);
     std::memcpy(corners + 4 * k, corners + 4 * k - 4, 32);
   }
-  const Triple origin = constant(from);
-  const V zero = hn::Zero(d);
-  for (unsigned k = 0; k < count; k += static_cast<unsigned>(hn::Lanes(d))) {
-    const Triple n = load_rows(normals + 4 * k), sum = load_rows(sums + 4 * k);
-    const Triple p = load_rows(corners + 4 * k);
-    const Triple step = minus(p, origin);
-    const V area = hn::Sqrt(square(n));
-    const V volume = hn::Add(hn::Add(hn::Add(zero, hn::Mul(n.x, step.x)), hn::Mul(n.y, step.y)),
-                             hn::Mul(n.z, step.z));
-    hn::Store(area, d, shares.area + k);
-    hn::Store(area, d, shares.area_error + k);
-    hn::Store(volume, d, shares.volume + k);
-    hn::Store(hn::Mul(area, largest(step)), d, shares.error + k);
-    hn::Store(hn::Mul(volume, sum.x), d, shares.moment[0] + k);
-    hn::Store(hn::Mul(volume, sum.y), d, shares.moment[1] + k);
-    hn::Store(hn::Mul(volume, sum.z), d, shares.moment[2] + k);
-    const V most = largest(n);
-    const M usual = hn::And(hn::Gt(most, hn::Set(d, 0x1p-400)), hn::Lt(most, hn::Set(d, 0x1p400)));
+  const Lanes origin[3] = {from[0], from[1], from[2]};
+  for (unsigned k = 0; k < count; k += lane_count()) {
+    Lanes n[3], sum[3], corner[3];
+    load_rows(normals + 4 * k, n);
+    load_rows(sums + 4 * k, sum);
+    load_rows(corners + 4 * k, corner);
+    write_shares(n, root(square_of<3>(n)), corner, origin, sum, unit, k, shares, planes);
+    const Lanes most = largest_of<3>(n);
+    const M usual = hn::And(most > 0x1p-400, most < 0x1p400);
     if (HWY_UNLIKELY(!hn::AllTrue(d, usual)))
-      left |= (~bits_of(usual) & ((1U << hn::Lanes(d)) - 1)) << k;
-    const V x = hn::Div(n.x, area), y = hn::Div(n.y, area), z = hn::Div(n.z, area);
-    const V offset =
-        hn::Sub(hn::Sub(hn::Sub(zero, hn::Mul(x, p.x)), hn::Mul(y, p.y)), hn::Mul(z, p.z));
-    hn::StoreInterleaved4(x, y, z, hn::Mul(offset, hn::Set(d, unit)), d, planes + 4 * k);
+      left |= (~bits_of(usual) & ((1U << lane_count()) - 1)) << k;
   }
   return count < 32 ? left & ((1U << count) - 1) : left;
 }
@@ -300,11 +252,11 @@ std::uint32_t count_triangles(const TriangleSource& source, std::uint32_t begin,
     ++counts[std::min({source.place[v[0]], source.place[v[1]], source.place[v[2]]}) >> shift];
     // What the sweep over these facets will look at, and where it will write, all over the region.
     for (unsigned j = 0; j < 3; ++j) {
-      __builtin_prefetch(source.facets + facet.neighbours[j], 0, 2);
-      __builtin_prefetch(source.rows + std::size_t{v[j]} * Shared3D::row_stride, 0, 2);
+      prefetch_passing_line(source.facets + facet.neighbours[j]);
+      prefetch_passing_line(source.rows + std::size_t{v[j]} * Shared3D::row_stride);
     }
-    __builtin_prefetch(to_write, 1);
-    __builtin_prefetch(to_write + 40, 1);
+    prefetch_line_to_write(to_write);
+    prefetch_line_to_write(to_write + 40);
     to_write += sizeof(TriangleRecord);
     ++live;
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hull/space/insertion_3d.hpp"
+#include "result/totals.hpp"
 
 namespace cullhull::internal {
 
@@ -48,15 +49,13 @@ bool sweep_triangles(const TriangleSource& source, std::uint32_t begin, std::uin
                      unsigned shift, std::uint32_t* next, TriangleRecord* region,
                      std::vector<OpenRidge>& open);
 
-/// Facets' shares of the measures, one array for each.
-struct TriangleShares {
-  static constexpr unsigned most = 32;
-  alignas(64) double volume[most], area[most], moment[3][most], error[most], area_error[most];
-};
+inline constexpr unsigned shares_at_once = 32;
+using TriangleShares = ShareArrays<shares_at_once>;
 
-/// The shares and planes of at most `most` facets, as facet_share computes them, bit for bit;
-/// `vertices`: rows of the frame, three doubles each; `unit`: a power of two. Returns a mask of
-/// those that are left to facet_share. Planes are written for whole vectors: to planes[0 .. 128).
+/// The shares and planes of at most `shares_at_once` facets, as facet_share computes them, bit for
+/// bit; `vertices`: rows of the frame, three doubles each; `unit`: a power of two. Returns a mask
+/// of those that are left to facet_share. Planes are written for whole vectors: to planes[0 ..
+/// 128).
 std::uint32_t triangle_shares(const TriangleRecord* const* records, unsigned count,
                               const double* vertices, const double* origin, double unit,
                               TriangleShares& shares, double* planes);

@@ -8,17 +8,16 @@
 
 namespace cullhull::internal {
 
-VertexList list_vertices(const Surface& surface, std::uint32_t points, const std::uint64_t* ids,
+VertexList list_vertices(const Boundary& surface, std::uint32_t points, const std::uint64_t* ids,
                          const Run& run) {
-  constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
   BigArray<std::uint8_t> used(points);
   std::memset(used.get(), 0, points);
-  const bool many = surface.k > 3;
-  run.each(surface.ids.size(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+  const bool many = surface.dimension > 3;
+  run.each(surface.vertices.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) {
       // Threads may set the same flag, to the same value. Where a vertex has dozens
       // of facets, most find it set, and need not take the line from one another.
-      const std::atomic_ref<std::uint8_t> flag(used[surface.ids[i]]);
+      const std::atomic_ref<std::uint8_t> flag(used[surface.vertices[i]]);
       if (many && flag.load(std::memory_order_relaxed) != 0) continue;
       flag.store(1, std::memory_order_relaxed);
     }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "parallel/big_array.hpp"
-#include "result/surface.hpp"
+#include "result/boundary.hpp"
 
 namespace cullhull::internal {
 
@@ -22,7 +22,7 @@ struct VertexList {
 };
 
 /// `ids`: point id of each of `points` local ones; nullptr: the same.
-VertexList list_vertices(const Surface& surface, std::uint32_t points, const std::uint64_t* ids,
+VertexList list_vertices(const Boundary& surface, std::uint32_t points, const std::uint64_t* ids,
                          const Run& run);
 
 }  // namespace cullhull::internal

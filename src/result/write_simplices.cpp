@@ -20,7 +20,9 @@
 #include "parallel/big_array.hpp"
 #include "parallel/clear_pages.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 #include "parallel/sort_few.hpp"
+#include "result/bucket_sort.hpp"
 #include "result/facet_kernel.hpp"
 #include "result/facet_keys.hpp"
 #include "result/facet_share.hpp"
@@ -32,7 +34,7 @@ namespace {
 template <unsigned K>
 class SimplexWriter {
  public:
-  SimplexWriter(const ResultInput& input, const Surface& surface, const VertexList& vertices,
+  SimplexWriter(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
                 const Frame& frame, const Run& run, unsigned key_bits)
       : input_(input),
         surface_(surface),
@@ -40,8 +42,8 @@ class SimplexWriter {
         frame_(frame),
         plane_(frame),
         run_(run),
-        count_(surface.count()),
-        shift_(bucket_shift()),
+        count_(surface.facet_count()),
+        shift_(bucket_shift(count_, vertices.ids.size(), 1024)),
         buckets_(static_cast<std::uint32_t>((vertices.ids.size() - 1) >> shift_) + 1),
         packing_(vertices.ids.size(), count_, shift_, key_bits) {}
 
@@ -69,16 +71,6 @@ class SimplexWriter {
 
  private:
   static constexpr unsigned lanes = FacetBlock<K>::lanes;
-  static constexpr std::uint64_t most_buckets = 2048;
-
-  /// Buckets of consecutive lowest vertices, of about a thousand simplices.
-  unsigned bucket_shift() const {
-    const std::uint64_t wanted =
-        std::clamp<std::uint64_t>(std::bit_ceil(count_ / 1024), 1, most_buckets);
-    const auto last = static_cast<std::uint32_t>(vertices_.ids.size() - 1);
-    const int bits = static_cast<int>(std::bit_width(last)) - std::countr_zero(wanted);
-    return static_cast<unsigned>(std::max(bits, 0));
-  }
 
   // ---------------------------------------------------------------- keys, sorted
 
@@ -122,12 +114,6 @@ class SimplexWriter {
     corners[K - 1] = surface_.odd[f] ? a : b;
   }
 
-  /// Memory of one chunk of buckets.
-  struct Scratch {
-    std::vector<std::uint32_t> start;
-    std::vector<FacetKey> keys;
-  };
-
   void sort_buckets() {
     order_ = BigArray<std::uint32_t>(count_);
     rank_ = BigArray<std::uint32_t>(count_);
@@ -135,10 +121,10 @@ class SimplexWriter {
     simplices_.resize(count_ * K);
     facets_.resize(count_ * K);
     run_.each(buckets_, 4, [&](std::uint64_t begin, std::uint64_t end) {
-      Scratch scratch;
+      BucketSort<FacetKey> sorted;
       for (std::uint64_t b = begin; b < end; ++b) {
-        sort(static_cast<std::uint32_t>(b), scratch);
-        write_bucket(static_cast<std::uint32_t>(b), scratch);
+        sort(static_cast<std::uint32_t>(b), sorted);
+        write_bucket(static_cast<std::uint32_t>(b), sorted);
       }
     });
   }
@@ -151,41 +137,24 @@ class SimplexWriter {
     return std::lexicographical_compare(v, v + K, w, w + K);
   }
 
-  /// Counting sort on the lowest vertex, then by the others.
-  void sort(std::uint32_t b, Scratch& scratch) const {
+  void sort(std::uint32_t b, BucketSort<FacetKey>& sorted) const {
     const std::uint32_t begin = bucket_start_[b], end = bucket_start_[b + 1];
-    scratch.start.assign((std::size_t{1} << shift_) + 1, 0);
-    scratch.keys.resize(end - begin);
-    std::uint32_t* start = scratch.start.data();
-    for (std::uint32_t i = begin; i < end; ++i) ++start[packing_.first(keys_[i]) + 1];
-    for (std::size_t v = 1; v < scratch.start.size(); ++v) start[v] += start[v - 1];
-    for (std::uint32_t i = begin; i < end; ++i) {
-      const FacetKey& key = keys_[i];
-      __builtin_prefetch(&rank_[packing_.number(key)], 1);
-      scratch.keys[start[packing_.first(key)]++] = key;
-    }  // start[v] is now the end of vertex v's keys
-    const auto before = [this](const FacetKey& x, const FacetKey& y) { return less(x, y); };
-    FacetKey* keys = scratch.keys.data();
-    for (std::size_t v = 0, from = 0; v + 1 < scratch.start.size(); from = start[v++]) {
-      if (start[v] - from < 2) continue;
-      if (start[v] - from > 16) {
-        std::sort(keys + from, keys + start[v], before);
-        continue;
-      }
-      for (std::size_t i = from + 1; i < start[v]; ++i) {
-        const FacetKey key = keys[i];
-        std::size_t j = i;
-        for (; j > from && before(key, keys[j - 1]); --j) keys[j] = keys[j - 1];
-        keys[j] = key;
-      }
-    }
+    sorted.sort(
+        end - begin, std::size_t{1} << shift_,
+        [&](const auto& visit) { std::for_each(keys_.get() + begin, keys_.get() + end, visit); },
+        [&](const FacetKey& key) { return packing_.first(key); },
+        [&](const FacetKey& key) {
+          prefetch_line_to_write(&rank_[packing_.number(key)]);
+          return key;
+        },
+        [this](const FacetKey& x, const FacetKey& y) { return less(x, y); });
   }
 
-  void write_bucket(std::uint32_t b, const Scratch& scratch) {
+  void write_bucket(std::uint32_t b, const BucketSort<FacetKey>& sorted) {
     const std::uint32_t base = b << shift_;
     bool twice = false;
     for (std::uint64_t i = bucket_start_[b]; i < bucket_start_[b + 1]; ++i) {
-      const FacetKey& key = scratch.keys[i - bucket_start_[b]];
+      const FacetKey& key = sorted[i - bucket_start_[b]];
       const std::uint32_t f = packing_.number(key);
       order_[i] = f;
       rank_[f] = static_cast<std::uint32_t>(i);
@@ -219,9 +188,9 @@ class SimplexWriter {
     run_.each(count_, simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
       bool open = false;
       for (std::uint64_t i = begin; i < end; ++i) {
-        if (i + far < end) __builtin_prefetch(of(i + far));
+        if (i + far < end) prefetch_line(of(i + far));
         if (i + near < end)
-          for (unsigned j = 0; j < K; ++j) __builtin_prefetch(rank_.get() + of(i + near)[j]);
+          for (unsigned j = 0; j < K; ++j) prefetch_line(rank_.get() + of(i + near)[j]);
         const std::uint32_t* across = of(i);
         std::uint32_t* next = neighbours_.data() + i * K;
         std::uint32_t* ordered = facet_neighbours_.data() + i * K;
@@ -310,10 +279,10 @@ class SimplexWriter {
         count += g > f;
       }
     for (const Ridge* r = ridges; r < ridges + count; ++r) {
-      __builtin_prefetch(&corners_[std::size_t{r->across} * K]);
-      __builtin_prefetch(&corners_[std::size_t{r->across} * K + K - 1]);
-      __builtin_prefetch(neighbours_.data() + std::size_t{r->across} * K);
-      __builtin_prefetch(neighbours_.data() + std::size_t{r->across} * K + K - 1);
+      prefetch_line(&corners_[std::size_t{r->across} * K]);
+      prefetch_line(&corners_[std::size_t{r->across} * K + K - 1]);
+      prefetch_line(neighbours_.data() + std::size_t{r->across} * K);
+      prefetch_line(neighbours_.data() + std::size_t{r->across} * K + K - 1);
     }
     return count;
   }
@@ -351,7 +320,7 @@ class SimplexWriter {
     if (((i + j + is_odd(stored) + odd) & 1U) == 0)
       fail_not_exact("neighbouring facets are oriented differently");
     ridge.across = x;
-    __builtin_prefetch(frame_.at(x));
+    prefetch_line(frame_.at(x));
   }
 
   void load(const std::uint32_t* corners, FacetBlock<K>& block, unsigned lane) const {
@@ -455,7 +424,7 @@ class SimplexWriter {
   }
 
   const ResultInput& input_;
-  const Surface& surface_;
+  const Boundary& surface_;
   const VertexList& vertices_;
   const Frame& frame_;
   const FacetPlane<K> plane_;
@@ -478,19 +447,19 @@ class SimplexWriter {
 };
 
 template <unsigned K>
-bool build(const ResultInput& input, const Surface& surface, const VertexList& vertices,
+bool build(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
            const Frame& frame, const Run& run, unsigned key_bits, Hull& hull) {
   return SimplexWriter<K>(input, surface, vertices, frame, run, key_bits).run(hull);
 }
 
 }  // namespace
 
-bool write_simplices(const ResultInput& input, const Surface& surface, const VertexList& vertices,
+bool write_simplices(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
                      const Frame& frame, const Run& run, Hull& hull, unsigned key_bits) {
-  using Build = bool (*)(const ResultInput&, const Surface&, const VertexList&, const Frame&,
+  using Build = bool (*)(const ResultInput&, const Boundary&, const VertexList&, const Frame&,
                          const Run&, unsigned, Hull&);
   static constexpr Build builds[] = {build<4>, build<5>, build<6>, build<7>, build<8>};
-  return builds[surface.k - 4](input, surface, vertices, frame, run, key_bits, hull);
+  return builds[surface.dimension - 4](input, surface, vertices, frame, run, key_bits, hull);
 }
 
 }  // namespace cullhull::internal

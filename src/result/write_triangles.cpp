@@ -11,11 +11,14 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <numeric>
 
 #include "geometry/orientation_3d.hpp"
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
+#include "result/bucket_sort.hpp"
 #include "result/facet_plane.hpp"
 #include "result/facet_share.hpp"
 #include "result/ranking.hpp"
@@ -26,14 +29,13 @@ namespace cullhull::internal {
 namespace {
 
 using Id = std::uint32_t;
-constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
 
 // -------------------------------------------------------------------------------- the vertices
 
 /// The hull's vertices, and where each of the engine's vertex numbers is among them.
 class Vertices3D {
  public:
-  Vertices3D(const Surface3D& surface, const LocalPoints& points, const Id* order,
+  Vertices3D(const TriangleMesh& surface, const LocalPoints& points, const Id* order,
              const std::uint64_t* ids, const Run& run)
       : place_(order) {
     // A closed surface of F triangles has F / 2 + 2 vertices: here they are all points.
@@ -43,7 +45,7 @@ class Vertices3D {
       number(surface, points.count, order, ids, run);
       return;
     }
-    run.each(points.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    run.each(points.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t p = begin; p < end; ++p) ids_[p] = ids != nullptr ? ids[p] : p;
     });
   }
@@ -56,7 +58,7 @@ class Vertices3D {
   bool good() const { return good_; }
 
  private:
-  void number(const Surface3D& surface, Id points, const Id* order, const std::uint64_t* ids,
+  void number(const TriangleMesh& surface, Id points, const Id* order, const std::uint64_t* ids,
               const Run& run) {
     BigArray<std::uint8_t> used(surface.count), extreme(points);
     std::memset(used.get(), 0, surface.count);
@@ -70,7 +72,7 @@ class Vertices3D {
           std::atomic_ref<std::uint8_t>(used[v]).store(1, std::memory_order_relaxed);
       }
     });
-    run.each(surface.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    run.each(surface.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t v = begin; v < end; ++v)
         if (used[v] != 0)
           std::atomic_ref<std::uint8_t>(extreme[order[v]]).store(1, std::memory_order_relaxed);
@@ -89,7 +91,7 @@ class Vertices3D {
     });
     if (!good_) return;
     own_place_ = BigArray<Id>(surface.count);
-    run.each(surface.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    run.each(surface.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t v = begin; v < end; ++v) own_place_[v] = position[order[v]];
     });
     place_ = own_place_.get();
@@ -102,14 +104,14 @@ class Vertices3D {
 };
 
 /// Of equal points the lowest id stands in.
-BigArray<Id> with_lowest_ids(const Surface3D& surface, Id points, const Run& run) {
+BigArray<Id> with_lowest_ids(const TriangleMesh& surface, Id points, const Run& run) {
   BigArray<Id> order(surface.count), lowest(points);
-  run.each(points, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+  run.each(points, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     std::iota(lowest.get() + begin, lowest.get() + end, static_cast<Id>(begin));
   });
   for (const auto& [duplicate, vertex] : surface.duplicates)
     lowest[vertex] = std::min(lowest[vertex], duplicate);
-  run.each(surface.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+  run.each(surface.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t v = begin; v < end; ++v) order[v] = lowest[surface.order[v]];
   });
   return order;
@@ -119,7 +121,7 @@ BigArray<Id> with_lowest_ids(const Surface3D& surface, Id points, const Run& run
 
 class TriangleWriter {
  public:
-  TriangleWriter(const ResultInput& input, Surface3D& surface, Vertices3D& vertices,
+  TriangleWriter(const ResultInput& input, TriangleMesh& surface, Vertices3D& vertices,
                  const Id* order, const Frame& frame, const Run& run, Hull& hull)
       : input_(input),
         surface_(surface),
@@ -168,7 +170,7 @@ class TriangleWriter {
     std::fill_n(source_.factor, 3, 1.0);
     own_rows_ = BigArray<double>(std::size_t{surface_.count} * Shared3D::row_stride);
     const auto vertices = static_cast<Id>(vertices_.ids().size());
-    run_.each(surface_.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    run_.each(surface_.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t v = begin; v < end; ++v) {
         const Id place = std::min(vertices - 1, source_.place[v]);
         double* row = own_rows_.get() + v * Shared3D::row_stride;
@@ -192,7 +194,7 @@ class TriangleWriter {
       source_.factor[c] = v < count ? frame_.at(static_cast<Id>(v))[c] / local_row(v)[c] : 1;
     }
     std::atomic<bool> same{true};
-    run_.each(count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    run_.each(count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       if (!same.load(std::memory_order_relaxed)) return;
       std::uint64_t different = 0;
       for (std::uint64_t v = begin; v < end; ++v) {
@@ -211,10 +213,7 @@ class TriangleWriter {
   /// stays in the second cache.
   void divide() {
     const auto vertex_count = static_cast<Id>(vertices_.ids().size());
-    const std::uint64_t wanted =
-        std::clamp<std::uint64_t>(std::bit_ceil(count_ / stretch), 1, max_buckets);
-    const int bits = std::bit_width(vertex_count - 1U) - std::countr_zero(wanted);
-    shift_ = static_cast<unsigned>(std::max(bits, 0));
+    shift_ = bucket_shift(count_, vertex_count, stretch);
     buckets_ = ((vertex_count - 1U) >> shift_) + 1;
     stretches_ = surface_.runs(stretch);
     region_.assign(stretches_.size() + 1, 0);
@@ -293,10 +292,9 @@ class TriangleWriter {
 
   /// Memory of one thread's buckets.
   struct Scratch {
-    std::vector<Id> start;
-    std::vector<std::uint64_t> keys;  // second vertex, record
+    BucketSort<std::uint64_t> sorted;  // keys: second vertex, record
     TriangleShares shares;
-    alignas(64) double planes[4 * TriangleShares::most];
+    alignas(64) double planes[4 * shares_at_once];
   };
   /// Shares of the facets of a bucket that begin before or end after the runs inside it.
   struct Cut {
@@ -310,7 +308,7 @@ class TriangleWriter {
       Scratch scratch;
       for (std::uint64_t b = begin; b < end; ++b) {
         run_.check();
-        sort(static_cast<Id>(b), scratch);
+        sort(static_cast<Id>(b), scratch.sorted);
         write_bucket(static_cast<Id>(b), scratch);
       }
     });
@@ -326,38 +324,22 @@ class TriangleWriter {
       body(region_[s] + start[0], region_[s] + start[1]);
   }
 
-  /// Counting sort on the lowest vertex, then by the second: of facets with the same lowest vertex
-  /// no two have the same second.
-  void sort(Id b, Scratch& scratch) {
+  /// Of facets with the same lowest vertex no two have the same second.
+  void sort(Id b, BucketSort<std::uint64_t>& sorted) const {
     const Id base = b << shift_;
-    scratch.start.assign((std::size_t{1} << shift_) + 1, 0);
-    scratch.keys.resize(bucket_start_[b + 1] - bucket_start_[b]);
-    Id* start = scratch.start.data();
-    each_segment(b, [&](Id first, Id last) {
-      for (Id i = first; i < last; ++i) ++start[records_[i].vertex[0] - base + 1];
-    });
-    for (std::size_t v = 1; v < scratch.start.size(); ++v) start[v] += start[v - 1];
-    std::uint64_t* keys = scratch.keys.data();
-    each_segment(b, [&](Id first, Id last) {
-      for (Id i = first; i < last; ++i) {
-        const TriangleRecord& r = records_[i];
-        __builtin_prefetch(&rank_[r.slot], 1);
-        keys[start[r.vertex[0] - base]++] = std::uint64_t{r.vertex[1]} << 32 | i;
-      }
-    });  // start[v] is now the end of vertex v's keys
-    for (std::size_t v = 0, from = 0; v + 1 < scratch.start.size(); from = start[v++]) {
-      if (start[v] - from < 2) continue;
-      if (start[v] - from > 16) {
-        std::sort(keys + from, keys + start[v]);
-        continue;
-      }
-      for (std::size_t i = from + 1; i < start[v]; ++i) {
-        const std::uint64_t key = keys[i];
-        std::size_t j = i;
-        for (; j > from && key < keys[j - 1]; --j) keys[j] = keys[j - 1];
-        keys[j] = key;
-      }
-    }
+    sorted.sort(
+        bucket_start_[b + 1] - bucket_start_[b], std::size_t{1} << shift_,
+        [&](const auto& visit) {
+          each_segment(b, [&](Id first, Id last) {
+            for (Id i = first; i < last; ++i) visit(i);
+          });
+        },
+        [&](Id i) { return records_[i].vertex[0] - base; },
+        [&](Id i) {
+          prefetch_line_to_write(&rank_[records_[i].slot]);
+          return std::uint64_t{records_[i].vertex[1]} << 32 | i;
+        },
+        std::less<>());
   }
 
   void write_bucket(Id b, Scratch& scratch) {
@@ -368,13 +350,13 @@ class TriangleWriter {
       const TriangleRecord* records[measure_run];
       const auto size = static_cast<unsigned>(to - at);
       for (unsigned k = 0; k < size; ++k) {
-        records[k] = &records_[static_cast<Id>(scratch.keys[at - begin + k])];
+        records[k] = &records_[static_cast<Id>(scratch.sorted[at - begin + k])];
         write_simplex(at + k, *records[k]);
       }
       write_planes(at, records, size, scratch);
       const bool whole = at % measure_run == 0 && (size == measure_run || to == count_);
       if (whole)
-        runs_[run] = sum_of(scratch.shares, size);
+        runs_[run] = scratch.shares.sum(0, size);
       else
         keep_shares(at % measure_run != 0 ? cut_[b].head : cut_[b].tail, scratch.shares, size);
       at = to;
@@ -395,7 +377,7 @@ class TriangleWriter {
   void write_planes(std::uint64_t at, const TriangleRecord* const* records, unsigned size,
                     Scratch& scratch) {
     double* planes = hull_.facet_planes.data() + at * 4;
-    const bool direct = size == TriangleShares::most;
+    const bool direct = size == shares_at_once;
     const bool scaled = frame_.exponent > -1022 && frame_.exponent < 1023;
     std::uint32_t left =
         triangle_shares(records, size, frame_.at(0), frame_.at(0), scale_by(1, frame_.exponent),
@@ -407,29 +389,12 @@ class TriangleWriter {
       const TriangleRecord& r = *records[k];
       const Share<3> share =
           facet_share(frame_, plane_, r.vertex, r.thin != 0, r.normal, r.sum, planes + 4 * k);
-      TriangleShares& s = scratch.shares;
-      s.volume[k] = share.volume;
-      s.area[k] = share.area;
-      for (unsigned c = 0; c < 3; ++c) s.moment[c][k] = share.moment[c];
-      s.error[k] = share.error;
-      s.area_error[k] = share.area_error;
+      scratch.shares.set(k, share);
     }
   }
 
-  static Share<3> share_at(const TriangleShares& s, unsigned k) {
-    return {s.volume[k],
-            s.area[k],
-            {s.moment[0][k], s.moment[1][k], s.moment[2][k]},
-            s.error[k],
-            s.area_error[k]};
-  }
-  static Share<3> sum_of(const TriangleShares& s, unsigned size) {
-    Share<3> run;
-    for (unsigned k = 0; k < size; ++k) run.add(share_at(s, k));
-    return run;
-  }
   static void keep_shares(std::vector<Share<3>>& out, const TriangleShares& s, unsigned size) {
-    for (unsigned k = 0; k < size; ++k) out.push_back(share_at(s, k));
+    for (unsigned k = 0; k < size; ++k) out.push_back(s.at(k));
   }
 
   /// Runs that bucket borders cut, in order.
@@ -452,12 +417,12 @@ class TriangleWriter {
 
   void write_neighbours() {
     Array<Id> neighbours(count_ * 3);
-    run_.each(count_, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    run_.each(count_, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) {
         Id* next = hull_.simplex_neighbours.data() + i * 3;
         Id* across = neighbours.data() + i * 3;
         for (unsigned j = 0; j < 3; ++j) {
-          if (i + ahead < end) __builtin_prefetch(&rank_[next[j + ahead * 3]]);
+          if (i + ahead < end) prefetch_line(&rank_[next[j + ahead * 3]]);
           next[j] = rank_[next[j]];
         }
         // The edge from vertex j is opposite to vertex j + 2.
@@ -471,12 +436,11 @@ class TriangleWriter {
     hull_.simplex_facets = EvenArray<Id>::of_step(count_, 1);
   }
 
-  static constexpr std::uint64_t max_buckets = 2048;
   static constexpr Id stretch = 4096;
   static constexpr std::uint64_t ahead = 16;
 
   const ResultInput& input_;
-  Surface3D& surface_;
+  TriangleMesh& surface_;
   Vertices3D& vertices_;
   const Id* const order_;
   const Frame& frame_;
@@ -489,7 +453,7 @@ class TriangleWriter {
   BigArray<double> own_rows_;
   unsigned shift_ = 0;
   Id buckets_ = 0;
-  std::vector<Surface3D::Run> stretches_;
+  std::vector<TriangleMesh::Run> stretches_;
   std::vector<Id> region_;  // of the records of each stretch: where it begins
   BigArray<Id> starts_;     // stretches x (buckets + 1): where in it each bucket begins
   std::vector<Id> bucket_start_;
@@ -503,7 +467,7 @@ class TriangleWriter {
 
 }  // namespace
 
-bool write_triangles(const ResultInput& input, Surface3D& surface, const Run& run, Hull& hull) {
+bool write_triangles(const ResultInput& input, TriangleMesh& surface, const Run& run, Hull& hull) {
   if (input.view->dimension != 3 || surface.live < 4) return false;
   BigArray<Id> lowest;
   if (!surface.duplicates.empty()) lowest = with_lowest_ids(surface, input.local->count, run);

@@ -1,7 +1,7 @@
 // The result in 3D where every triangle is a facet: points in general position.
 #pragma once
 
-#include "hull/space/surface_3d.hpp"
+#include "hull/space/triangle_mesh.hpp"
 #include "result/build_hull.hpp"
 
 namespace cullhull::internal {
@@ -11,6 +11,6 @@ namespace cullhull::internal {
 /// and the fallback must be taken: some facets are coplanar, the points span too many powers of
 /// two, the surface is not that of a hull. Otherwise the surface is used up. The points must be of
 /// dimension 3 themselves.
-bool write_triangles(const ResultInput& input, Surface3D& surface, const Run& run, Hull& hull);
+bool write_triangles(const ResultInput& input, TriangleMesh& surface, const Run& run, Hull& hull);
 
 }  // namespace cullhull::internal

@@ -222,6 +222,7 @@ class Builder {
     farthest([&](V x, V y, V z)
                  HWY_ATTR { return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)); },
              &most);
+    // Of the distance from the middle: outermost points come first, but need no full sort.
     constexpr unsigned classes = 32;
     const float factor = (classes - 0.5F) / most;
     Number start[classes + 1] = {}, key[most_points];
@@ -350,6 +351,7 @@ class Builder {
       surface_.set(f, p, from[i], to[i]);
     }
   }
+  /// More than rounding to floats can do to a side: docs/exactness.md, "Few points in space".
   static constexpr float doubt = 0x1p-18F;
 
   /// Bits of the facets f, ..., f + lanes - 1 that a point is certainly above and beneath.

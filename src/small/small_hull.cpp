@@ -21,25 +21,15 @@ bool small_hull_2d(const PointView& points, Hull& hull) {
   SmallPolygon& polygon = thread_memory<KeptPolygon>().polygon;
   if (!polygon.find(points)) return false;
   const std::size_t h = polygon.size();
-  Array<double> planes(3 * h);
+  PolygonLists lists(h);
   PlanarMeasures measures;
-  if (!polygon.measure(points, planes.data(), measures)) return false;
-  Array<std::uint64_t> simplices(2 * h), facets(2 * h);
-  Array<std::uint32_t> neighbours(2 * h), across(2 * h);
-  polygon.write_lists(simplices.data(), neighbours.data(), facets.data(), across.data());
+  if (!polygon.measure(points, lists.planes.data(), measures)) return false;
+  polygon.write_lists(lists.simplices.data(), lists.neighbours.data(), lists.facets.data(),
+                      lists.across.data());
   hull.affine_dimension = 2;
   hull.vertices.resize(h);
   polygon.write_vertices(hull.vertices.data());
-  hull.volume = measures.volume;
-  hull.area = measures.area;
-  hull.centroid.assign(measures.centroid, measures.centroid + 2);
-  using Ids = SharedArray<std::uint64_t>;
-  hull.simplices = Ids(std::move(simplices));
-  hull.simplex_neighbours = std::move(neighbours);
-  hull.simplex_facets = EvenArray<std::uint32_t>::of_step(h, 1);
-  hull.facets = Lists<std::uint64_t, Ids>::of_length(2, Ids(std::move(facets)));
-  hull.facet_neighbours = Lists<std::uint32_t>::of_length(2, std::move(across));
-  hull.facet_planes = std::move(planes);
+  lists.give(measures, hull);
   polygon.rung_counts().add_to(hull.statistics.rung_counts);
   return true;
 }
@@ -54,6 +44,7 @@ bool few_enough(const PointView& points) {
 }  // namespace
 
 bool takes_small_sets(const Options& options) {
+  // Bytes: more than any small set takes, so that none needs to count them.
   constexpr std::uint64_t enough = std::uint64_t{1} << 22;
   return options.engine == Engine::native && options.backend != Backend::cuda &&
          options.cull == CullMethod::automatic &&

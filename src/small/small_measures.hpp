@@ -20,12 +20,6 @@ struct SmallMeasures {
   double volume = 0, area = 0, centroid[3] = {};
 };
 
-/// Sums as Totals<DoubleDouble>, without memory of their own.
-struct SmallTotals {
-  DoubleDouble volume = 0, area = 0, moment[3];
-  double error = 0, area_error = 0;
-};
-
 /// Planes and measures, as the general path computes them.
 template <class Points, class Hull>
 class SmallMeasurer {
@@ -45,7 +39,7 @@ class SmallMeasurer {
       for (std::uint64_t rest = shares_.open[w]; rest != 0; rest &= rest - 1)
         look_again(64 * w + static_cast<unsigned>(std::countr_zero(rest)), planes);
     if (!hull_.simplicial()) choose_planes(planes);
-    const SmallTotals all = total();
+    const Share<3, DoubleDouble> all = total();
     if (!settled(all, 0x1p-53)) return false;
     double origin[3];
     for (unsigned c = 0; c < 3; ++c)
@@ -100,11 +94,7 @@ class SmallMeasurer {
     const Share<3> share = facet_share<3>(f, FacetPlane<3>(f), corners,
                                           !(block.length[0] > conditioned * block.edges[0]), normal,
                                           sum, planes + std::size_t{4} * i);
-    shares_.volume[i] = share.volume;
-    shares_.area[i] = share.area;
-    for (unsigned c = 0; c < 3; ++c) shares_.moment[c][i] = share.moment[c];
-    shares_.error[i] = share.error;
-    shares_.area_error[i] = share.area_error;
+    shares_.set(i, share);
   }
 
   /// Of the planes of a facet's simplices that of the longest normal, the first of equals.
@@ -124,35 +114,17 @@ class SmallMeasurer {
   }
 
   /// Runs in doubles, then their sum: as total_of_runs, for a single chunk.
-  SmallTotals total() const {
+  Share<3, DoubleDouble> total() const {
     static_assert(Hull::max_facets <= measure_chunk);
-    SmallTotals all;
-    for (unsigned first = 0; first < hull_.count; first += measure_run) {
-      const unsigned end = std::min<unsigned>(hull_.count, first + measure_run);
-      Share<3> run;
-      for (unsigned i = first; i < end; ++i) {
-        run.volume += shares_.volume[i];
-        run.area += shares_.area[i];
-        for (unsigned c = 0; c < 3; ++c) run.moment[c] += shares_.moment[c][i];
-        run.error += shares_.error[i];
-        run.area_error += shares_.area_error[i];
-      }
-      all.volume = all.volume + DoubleDouble(run.volume);
-      all.area = all.area + DoubleDouble(run.area);
-      for (unsigned c = 0; c < 3; ++c) all.moment[c] = all.moment[c] + DoubleDouble(run.moment[c]);
-      all.error += run.error;
-      all.area_error += run.area_error;
-    }
+    Share<3, DoubleDouble> all;
+    for (unsigned first = 0; first < hull_.count; first += measure_run)
+      all.add(shares_.sum(first, std::min<unsigned>(hull_.count, first + measure_run)));
     return all;
   }
 
-  void finish_slowly(const SmallTotals& all, SmallMeasures& out) {
-    Totals<DoubleDouble> sums(3);
-    sums.volume = all.volume;
-    sums.area = all.area;
-    std::copy_n(all.moment, 3, sums.moment.begin());
+  void finish_slowly(const Share<3, DoubleDouble>& all, SmallMeasures& out) {
     cullhull::Hull h;
-    finish_measures(frame(), sums, h);
+    finish_measures(frame(), Totals<DoubleDouble>(all), h);
     out.volume = h.volume;
     out.area = h.area;
     std::copy_n(h.centroid.begin(), 3, out.centroid);

@@ -38,6 +38,7 @@ bool SmallPolygon::find(const PointView& set) {
 /// Every 8th, 64th, ... row: the hull of the fewest thins the next more, and so on, so that each
 /// but the last takes little of the whole. False, and all are kept, where that does not pay.
 bool SmallPolygon::thin(std::uint32_t count) {
+  // Each sample costs an eighth of the next; the first has some twenty corners.
   constexpr std::uint32_t ratio = 8, first_sample = 200;
   std::uint32_t step = ratio;
   while (count / step > first_sample) step *= ratio;
@@ -128,20 +129,20 @@ bool SmallPolygon::measure(const PointView& set, double* planes, PlanarMeasures&
   for (Corner& c : by_rank_)
     c.point = kernel.scaled({rows_[2 * std::size_t{c.row}], rows_[2 * std::size_t{c.row} + 1]});
   static_assert(most_kept <= measure_chunk);  // one chunk of sums
-  PolygonSums sums;
+  Share<2, DoubleDouble> sums;
   const std::size_t h = by_rank_.size();
-  EdgeShare run;
+  Share<2> run;
   for (std::size_t i = 0; i < h; ++i) {
-    EdgeShare share;
+    Share<2> share;
     const Corner& c = by_rank_[i];
     if (!kernel.edge(c.point, by_rank_[c.before].point, by_rank_[0].point, planes + 3 * i, share))
       return false;
     run.add(share);
     if ((i + 1) % measure_run != 0 && i + 1 != h) continue;
-    run.add_to(sums);
+    sums.add(run);
     run = {};
   }
-  PolygonSums all;
+  Share<2, DoubleDouble> all;
   all.add(sums);
   return finish_polygon(kernel, all, set, by_rank_[0].row, measures);
 }

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 
+#include "result/facet_lanes-inl.hpp"
 #include "result/facet_plane.hpp"
 #include "result/measure_frame.hpp"
 
@@ -18,9 +19,6 @@ HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using Tag = hn::CappedTag<double, 8>;
-using V = hn::Vec<Tag>;
 constexpr unsigned block = 8;  // facets whose corners are fetched at once
 
 struct Corners {
@@ -30,61 +28,30 @@ struct Corners {
 /// One vector of facets, from lane `lane` of the corners on. Operation by operation what
 /// facet_block and facet_share do.
 template <class Shares>
-HWY_INLINE void share(const Corners& corners, unsigned lane, const double* origin, double scale,
+HWY_INLINE void share(const Corners& corners, unsigned lane, const double* from, double scale,
                       double unit, unsigned i, Shares& out, double* planes) {
-  const Tag tag;
-  V p[3], u[3], v[3], step[3], sum[3];
-  V square_u = hn::Zero(tag), square_v = hn::Zero(tag), reach = hn::Zero(tag);
+  Lanes corner[3][3], origin[3], edge[2][3], normal[3], sum[3];
   for (unsigned c = 0; c < 3; ++c) {
-    const auto corner = [&](unsigned j) HWY_ATTR {
-      return hn::Mul(hn::Load(tag, corners.at[j][c] + lane), hn::Set(tag, scale));
-    };
-    p[c] = corner(0);
-    const V q = corner(1), r = corner(2), o = hn::Set(tag, origin[c]);
-    u[c] = hn::Sub(q, p[c]);
-    v[c] = hn::Sub(r, p[c]);
-    square_u = hn::Add(square_u, hn::Mul(u[c], u[c]));
-    square_v = hn::Add(square_v, hn::Mul(v[c], v[c]));
-    step[c] = hn::Sub(p[c], o);
-    reach = hn::Max(reach, hn::Abs(step[c]));
-    sum[c] = hn::Add(hn::Add(hn::Add(hn::Zero(tag), step[c]), hn::Sub(q, o)), hn::Sub(r, o));
+    origin[c] = from[c];
+    for (unsigned j = 0; j < 3; ++j) corner[j][c] = load(corners.at[j][c] + lane) * scale;
   }
-  const V n[3] = {hn::Sub(hn::Mul(u[1], v[2]), hn::Mul(u[2], v[1])),
-                  hn::Sub(hn::Mul(u[2], v[0]), hn::Mul(u[0], v[2])),
-                  hn::Sub(hn::Mul(u[0], v[1]), hn::Mul(u[1], v[0]))};
-  V square = hn::Zero(tag), volume = hn::Zero(tag), offset = hn::Zero(tag);
-  for (unsigned c = 0; c < 3; ++c) {
-    square = hn::Add(square, hn::Mul(n[c], n[c]));
-    volume = hn::Add(volume, hn::Mul(n[c], step[c]));
-  }
-  const V length = hn::Sqrt(square);
-  V plane[4];
-  for (unsigned c = 0; c < 3; ++c) {
-    plane[c] = hn::Div(n[c], length);
-    offset = hn::Sub(offset, hn::Mul(plane[c], p[c]));
-    hn::Store(hn::Mul(volume, sum[c]), tag, out.moment[c] + i);
-  }
-  plane[3] = hn::Mul(offset, hn::Set(tag, unit));
-  hn::StoreInterleaved4(plane[0], plane[1], plane[2], plane[3], tag, planes + std::size_t{4} * i);
-  hn::Store(volume, tag, out.volume + i);
-  hn::Store(length, tag, out.area + i);
-  hn::Store(length, tag, out.area_error + i);
-  hn::Store(hn::Mul(length, reach), tag, out.error + i);
+  edges_of<3>(corner, edge);
+  cofactors<3>(edge, normal);
+  sum_of_corners<3>(corner, origin, sum);
+  const Lanes square = square_of<3>(normal);
+  write_shares(normal, root(square), corner[0], origin, sum, unit, i, out, planes);
   // Well conditioned by a factor of two more than is asked for, so whatever rounding does,
   // facet_share finds it so as well; and components between 2^-351 and 8, as coordinates are at
   // most 1.
-  const V shortest =
-      hn::Mul(hn::Set(tag, 4 * conditioned * conditioned), hn::Mul(square_u, square_v));
-  const auto closed = hn::And(hn::Gt(square, shortest), hn::Gt(square, hn::Set(tag, 0x1p-700)));
-  std::uint8_t bits[8] = {};
-  hn::StoreMaskBits(tag, hn::Not(closed), bits);
-  out.open[i / 64] |= std::uint64_t{bits[0]} << i % 64;
+  const Lanes shortest =
+      4 * conditioned * conditioned * (square_of<3>(edge[0]) * square_of<3>(edge[1]));
+  const M closed = hn::And(square > shortest, square > 0x1p-700);
+  out.open[i / 64] |= std::uint64_t{bits_of(hn::Not(closed))} << i % 64;
 }
 
 template <class Points, class Hull, class Shares>
 HWY_INLINE void all_shares(const Points& points, const Hull& hull, int exponent, Shares& shares,
                            double* planes) {
-  const Tag tag;
   const double scale = scale_by(1, -exponent), unit = scale_by(1, exponent);
   double origin[3];
   for (unsigned c = 0; c < 3; ++c) origin[c] = points.axes[c][hull.ids[0]] * scale;
@@ -97,7 +64,7 @@ HWY_INLINE void all_shares(const Points& points, const Hull& hull, int exponent,
         const unsigned id = *vertex++;
         for (unsigned c = 0; c < 3; ++c) corners.at[j][c][lane] = points.axes[c][id];
       }
-    for (unsigned lane = 0; lane < block; lane += static_cast<unsigned>(hn::Lanes(tag)))
+    for (unsigned lane = 0; lane < block; lane += lane_count())
       share(corners, lane, origin, scale, unit, i + lane, shares, planes);
   }
   // Those repeated to fill the last vector are none.

@@ -4,18 +4,14 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "result/totals.hpp"
 #include "small/small_3d.hpp"
 
 namespace cullhull::internal {
 
 /// What each facet adds to the measures, as facet_share has it.
 template <unsigned room>
-struct SmallShares {
-  alignas(64) double volume[room];
-  alignas(64) double area[room];
-  alignas(64) double moment[3][room];
-  alignas(64) double error[room];
-  alignas(64) double area_error[room];
+struct SmallShares : ShareArrays<room> {
   /// Bits of the facets that facet_share itself must look at: the normal may need more bits, or may
   /// be too short for products of it.
   std::uint64_t open[room / 64];

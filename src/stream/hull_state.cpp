@@ -8,6 +8,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/stream.hpp"
+#include "parallel/byte_order.hpp"
 #include "stream/numbered_points.hpp"
 #include "stream/reduce.hpp"
 
@@ -84,24 +85,28 @@ namespace {
 constexpr char magic[8] = {'\x93', 'C', 'U', 'L', 'L', 'H', 'S', '\n'};
 constexpr std::uint32_t version = 1;
 
-/// All that precedes ids and coordinates; little-endian, as every machine that this runs on.
+/// All that precedes ids and coordinates. In bytes all numbers are little-endian.
 struct Head {
   char magic[8];
   std::uint32_t version, dimension;
   std::uint32_t scalar, unused;
   std::uint64_t seen, count;
+
+  Head turned() const {
+    Head head{{},     little_endian(version), little_endian(dimension), little_endian(scalar),
+              unused, little_endian(seen),    little_endian(count)};
+    std::memcpy(head.magic, magic, sizeof magic);
+    return head;
+  }
 };
-static_assert(sizeof(Head) == 40 && std::endian::native == std::endian::little);
+static_assert(sizeof(Head) == 40);
 
 /// FNV-1a by words of 8 bytes, turned so that high bits spread, too: each step is one to one in the
 /// word, so that one that has changed always shows. `size` is a multiple of 8.
 std::uint64_t checksum(const std::byte* data, std::size_t size) {
   std::uint64_t sum = 0xcbf29ce484222325ULL;
-  for (std::size_t i = 0; i < size; i += 8) {
-    std::uint64_t word;
-    std::memcpy(&word, data + i, 8);
-    sum = std::rotl((sum ^ word) * 0x100000001b3ULL, 29);
-  }
+  for (std::size_t i = 0; i < size; i += 8)
+    sum = std::rotl((sum ^ load_little_endian<std::uint64_t>(data + i)) * 0x100000001b3ULL, 29);
   return sum;
 }
 
@@ -118,10 +123,14 @@ std::vector<std::byte> HullState::to_bytes() const {
   std::vector<std::byte> bytes(sizeof(Head) + ids + padded(rows) + 8);
   Head head{{}, version, dimension_, static_cast<std::uint32_t>(scalar_), 0, seen_, ids_.size()};
   std::memcpy(head.magic, magic, sizeof magic);
+  head = head.turned();
+  std::byte* const at = bytes.data() + sizeof head;
   std::memcpy(bytes.data(), &head, sizeof head);
-  if (ids > 0) std::memcpy(bytes.data() + sizeof head, ids_.data(), ids);
-  if (rows > 0) std::memcpy(bytes.data() + sizeof head + ids, rows_.data(), rows);
-  const std::uint64_t sum = checksum(bytes.data(), bytes.size() - 8);
+  if (ids > 0) std::memcpy(at, ids_.data(), ids);
+  if (rows > 0) std::memcpy(at + ids, rows_.data(), rows);
+  little_endian_items(at, ids, sizeof ids_[0]);
+  little_endian_items(at + ids, rows, scalar_size(scalar_));
+  const std::uint64_t sum = little_endian(checksum(bytes.data(), bytes.size() - 8));
   std::memcpy(bytes.data() + bytes.size() - 8, &sum, 8);
   return bytes;
 }
@@ -130,6 +139,7 @@ HullState HullState::from_bytes(std::span<const std::byte> bytes) {
   Head head;
   if (bytes.size() < sizeof head + 8) bad_state("too short to be one");
   std::memcpy(&head, bytes.data(), sizeof head);
+  head = head.turned();
   if (std::memcmp(head.magic, magic, sizeof magic) != 0) bad_state("does not begin as one does");
   if (head.version != version)
     bad_state("version " + std::to_string(head.version) + "; this program reads version " +
@@ -148,8 +158,7 @@ HullState HullState::from_bytes(std::span<const std::byte> bytes) {
     bad_state(std::to_string(head.count) + " points of dimension " +
               std::to_string(head.dimension) + " do not fit its " + std::to_string(bytes.size()) +
               " bytes");
-  std::uint64_t sum = 0;
-  std::memcpy(&sum, bytes.data() + bytes.size() - 8, 8);
+  const auto sum = load_little_endian<std::uint64_t>(bytes.data() + bytes.size() - 8);
   if (sum != checksum(bytes.data(), bytes.size() - 8)) bad_state("its check sum is wrong");
   if (head.count > head.seen || (head.seen > 0 && (head.count == 0 || head.dimension == 0)))
     bad_state(std::to_string(head.count) + " extreme points of " + std::to_string(head.seen));
@@ -159,6 +168,8 @@ HullState HullState::from_bytes(std::span<const std::byte> bytes) {
   if (head.count > 0) {
     std::memcpy(state.ids_.data(), at, head.count * 8);
     std::memcpy(state.rows_.data(), at + head.count * 8, head.count * row);
+    little_endian_items(state.ids_.data(), head.count * 8, 8);
+    little_endian_items(state.rows_.data(), head.count * row, scalar_size(state.scalar_));
   }
   const auto descends = [](std::uint64_t a, std::uint64_t b) { return a >= b; };
   if (std::adjacent_find(state.ids_.begin(), state.ids_.end(), descends) != state.ids_.end())

@@ -130,6 +130,17 @@ TEST(CliJson, ErrorsDoNotShowTheSpellingOut) {
   }
 }
 
+TEST(CliJson, Groups) {
+  const Folder f;
+  testing::write_file(f / "p.csv", "k,x,y\na,0,0\na,1,0\na,0,2\nb,3,3\n");
+  const Ran ran = run_app({"hull", f / "p.csv", "--by", "k", "-o", f / "h.json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  json parsed = json::parse(read_file(f / "h.json"));
+  EXPECT_EQ(schema().fault(parsed, "groups"), "");
+  parsed["groups"][0].erase("points");
+  EXPECT_NE(schema().fault(parsed, "groups"), "");
+}
+
 // The schema itself refuses what it should.
 TEST(CliJson, TheSchemaIsStrict) {
   const Folder f;

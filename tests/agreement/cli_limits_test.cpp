@@ -36,15 +36,8 @@ bool loaded(const Ran& ran) {
   return ran.status != 127 && !(ran.status == 1000 + SIGSEGV && ran.err.empty() && ran.out.empty());
 }
 
-/// Sanitizers reserve terabytes of addresses, and their leak check is a process of its own.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool sanitized = true;
-#else
-constexpr bool sanitized = false;
-#endif
-
 TEST(Limits, AddressSpace) {
-  if (sanitized) GTEST_SKIP() << "a sanitizer needs more addresses than that";
+  if (testing::sanitized) GTEST_SKIP() << "a sanitizer needs more addresses than that";
   const Folder f;
   write_ball(f / "p.npy", 100000);
   rlim_t least = 8 << 20;  // what the loader needs
@@ -73,7 +66,7 @@ TEST(Limits, AddressSpace) {
 }
 
 TEST(Limits, TooFewProcesses) {
-  if (sanitized) GTEST_SKIP() << "a sanitizer needs a process of its own";
+  if (testing::sanitized) GTEST_SKIP() << "a sanitizer needs a process of its own";
   if (::geteuid() != 0) GTEST_SKIP() << "only root can become a user without processes";
   const Folder f;
   write_ball(f / "p.npy", 100000);

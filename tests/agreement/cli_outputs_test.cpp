@@ -110,7 +110,7 @@ TEST(CliOutputs, UnknownNamesAreRefusedBeforeTheWork) {
   expect_refused(f, {"cull", absent, "-o", f / "s"}, "must end in");
   expect_refused(f, {"cull", absent, "--points", f / "s.off"}, "must end in");
   expect_refused(f, {"hull", absent, "-o", f / "h.npy"},
-                 "must end in .ply, .obj, .off, .stl, .json or .txt");
+                 "must end in .ply, .obj, .off, .stl, .glb, .vtp, .geojson, .wkt, .json or .txt");
   expect_refused(f, {"hull", absent, "--json=" + (f / "h.ply")}, "end it in .json");
   expect_refused(f, {"generate", "ball", "-n", "5", "-o", f / "h.ply"}, "must end in .npy");
   expect_refused(f, {"view", absent, "-o", f / "h.png"}, "must end in .html or .htm");

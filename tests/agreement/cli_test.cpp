@@ -1,7 +1,5 @@
 // The command line: exit statuses, one-line errors, the same bytes by every path, and no half
 // files.
-#include <sys/ioctl.h>
-
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
@@ -21,7 +19,6 @@ namespace {
 using testing::expect_error;
 using testing::Folder;
 using testing::one_line;
-using testing::OnTerminal;
 using testing::Ran;
 using testing::read_file;
 using testing::run_app;
@@ -373,132 +370,6 @@ TEST(Cli, OutputThatCannotBeWrittenIsOneLine) {
   expect_error({"hull", f / "p.npy", "-q", "-o", f / "absent/hull.ply"}, 1, "absent/hull.ply");
   expect_error({"hull", f / "p.npy", "-q", "--vertices", f / "absent/v.npy"}, 1, "absent/v.npy");
   expect_error({"hull", f / "p.npy", "-q", "--json=" + (f / "absent/r.json")}, 1, "absent/r.json");
-}
-
-TEST(Cli, InterruptedWorkLeavesNoFile) {
-  const Folder f;
-  write_points(f / "p.npy", "sphere", 20000, 6);  // seconds of work
-  for (const int number : {SIGINT, SIGTERM}) {
-    OnTerminal app({"hull", f / "p.npy", "-o", f / "hull.json", "--vertices", f / "v.npy"});
-    ASSERT_TRUE(app.at_work());
-    app.signal(number);
-    EXPECT_EQ(app.wait(), 130) << app.shown();
-    EXPECT_NE(app.shown().find("cancelled"), std::string::npos) << app.shown();
-    EXPECT_EQ(f.entries(), 1U);
-  }
-}
-
-TEST(Cli, InterruptedWritingLeavesNoFile) {
-  const Folder f;
-  const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-  const pid_t child =
-      start_app({"generate", "ball", "-n", "8M", "-o", f / "big.npy"}, null, null, null);
-  while (f.entries() == 0) ::usleep(100);  // the temporary beside the target
-  testing::send(child, SIGTERM);
-  EXPECT_EQ(wait_for(child), 130);
-  ::close(null);
-  EXPECT_EQ(f.entries(), 0U);
-}
-
-/// Starts the program with a pipe as its input, and a signal once it has read what is there.
-int interrupted_while_reading(const std::vector<std::string>& arguments,
-                              const std::string& errors) {
-  int ends[2] = {};
-  if (::pipe2(ends, O_CLOEXEC) != 0) return -1;
-  const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-  const int err = ::open(errors.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  const pid_t child = start_app(arguments, ends[0], null, err);
-  (void)!::write(ends[1], "0 0 0\n", 6);
-  // Signals are arranged before the first byte is taken: wait until the pipe is empty.
-  for (int unread = 1; unread != 0; ::usleep(1000))
-    if (::ioctl(ends[0], FIONREAD, &unread) != 0) break;
-  testing::send(child, SIGINT);
-  const int status = wait_for(child);
-  for (const int fd : {ends[0], ends[1], null, err}) ::close(fd);
-  return status;
-}
-
-TEST(Cli, EveryCommandSaysThatItWasCancelled) {
-  const Folder f;
-  const std::string errors = f / "errors.txt";
-  const std::vector<std::vector<std::string>> commands = {
-      {"hull", "-"}, {"hull", "-", "--engine", "qhull"}, {"cull", "-", "-o", f / "ids.npy"},
-      {"info", "-"}, {"certify", "-", f / "hull.json"},  {"view", "-", "-o", f / "page.html"}};
-  write_points(f / "p.npy", "ball", 100, 3);
-  ASSERT_EQ(run_app({"hull", f / "p.npy", "-o", f / "hull.json"}).status, 0);
-  for (const auto& command : commands) {
-    EXPECT_EQ(interrupted_while_reading(command, errors), 130) << command[0];
-    EXPECT_EQ(read_file(errors), "cullhull: cancelled\n") << command[0];
-  }
-}
-
-TEST(Cli, LongWorkSaysThatItWasCancelled) {
-  const Folder f;
-  std::vector<std::string> tracked = {"track", "--certify", "--cull", "none"};
-  write_points(f / "p.npy", "sphere", 2000, 5);  // each frame takes some tenths of a second
-  for (int frame = 0; frame < 200; ++frame) tracked.push_back(f / "p.npy");
-  const std::vector<std::vector<std::string>> commands = {
-      {"generate", "ball", "-n", "300M", "-d", "3", "-o", f / "ball.npy"},
-      {"bench", "rivals", "--scale", "1", "--workload", "sphere-3d-1M", "--repeat", "100"},
-      tracked};
-  const std::string errors = f / "errors.txt";
-  const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-  for (const auto& command : commands) {
-    // Measurements are left out of some builds.
-    if (command[0] == "bench" && run_app({"bench", "--help"}).status != 0) continue;
-    const int err = ::open(errors.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-    const pid_t child = start_app(command, null, null, err);
-    ::usleep(500000);  // a signal that comes sooner is heard as well
-    testing::send(child, SIGINT);
-    EXPECT_EQ(wait_for(child), 130) << command[0];
-    EXPECT_EQ(read_file(errors), "cullhull: cancelled\n") << command[0];
-    ::close(err);
-  }
-  ::close(null);
-  EXPECT_FALSE(std::filesystem::exists(f / "ball.npy"));
-}
-
-TEST(Cli, QhullHearsAnInterruption) {
-  const Folder f;
-  write_points(f / "p.npy", "sphere", 3000, 8);  // hours of Qhull's work
-  const std::string errors = f / "errors.txt";
-  const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-  const int err = ::open(errors.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  const pid_t child =
-      start_app({"hull", f / "p.npy", "--engine", "qhull", "--cull", "none"}, null, null, err);
-  ::usleep(500000);  // a signal that comes sooner is heard as well
-  testing::send(child, SIGINT);
-  EXPECT_EQ(wait_for(child), 130);
-  EXPECT_EQ(read_file(errors), "cullhull: cancelled\n");
-  for (const int fd : {null, err}) ::close(fd);
-}
-
-TEST(Cli, InterruptedReadingEndsAtOnce) {
-  const Folder f;
-  int ends[2] = {};
-  ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
-  const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-  const pid_t child = start_app({"hull", "-", "-o", f / "hull.ply"}, ends[0], null, null);
-  ASSERT_EQ(::write(ends[1], "0 0 0\n", 6), 6);
-  // Signals are arranged before the first byte is taken: wait until the pipe is empty.
-  for (int unread = 1; unread != 0; ::usleep(1000))
-    ASSERT_EQ(::ioctl(ends[0], FIONREAD, &unread), 0);
-  testing::send(child, SIGINT);
-  EXPECT_EQ(wait_for(child), 130);
-  for (const int fd : {ends[0], ends[1], null}) ::close(fd);
-  EXPECT_EQ(f.entries(), 0U);
-}
-
-TEST(Cli, AnInputCutShortUnderItsReaderIsOneLine) {
-  const Folder f;
-  write_points(f / "p.npy", "sphere", 1500, 6);
-  OnTerminal app({"hull", f / "p.npy", "--certify", "-o", f / "hull.json"});
-  ASSERT_TRUE(app.at_work());
-  std::filesystem::resize_file(f / "p.npy", 100);
-  EXPECT_EQ(app.wait(), 1);
-  EXPECT_NE(app.shown().find("cullhull: "), std::string::npos) << app.shown();
-  EXPECT_NE(app.shown().find("p.npy"), std::string::npos) << app.shown();
-  EXPECT_EQ(f.entries(), 1U);
 }
 
 // The frames' hulls are those of the frames by themselves, byte for byte.

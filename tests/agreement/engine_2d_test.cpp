@@ -64,7 +64,7 @@ std::vector<std::uint32_t> canonical(std::vector<std::uint32_t> cycle) {
 }
 
 /// Follows the neighbours round, checking that they are what engine.hpp says.
-std::vector<std::uint32_t> cycle_of(const SimplicialHull& h) {
+std::vector<std::uint32_t> cycle_of(const Boundary& h) {
   std::vector<std::uint32_t> out;
   std::uint32_t facet = 0;
   for (std::size_t i = 0; i < h.facet_count(); ++i) {
@@ -78,13 +78,13 @@ std::vector<std::uint32_t> cycle_of(const SimplicialHull& h) {
   return out;
 }
 
-SimplicialHull run(const LocalPoints& points, unsigned threads = 1) {
+Boundary run(const LocalPoints& points, unsigned threads = 1) {
   const Options options;
   return hull_2d(points, internal::Run(options).with_threads(threads));
 }
 
 void expect_agreement(const Points& p, const char* what) {
-  const SimplicialHull h = run(local(p));
+  const Boundary h = run(local(p));
   EXPECT_EQ(canonical(cycle_of(h)), canonical(gift_wrap(p))) << what;
   EXPECT_TRUE(h.duplicates.empty());
 }
@@ -122,7 +122,7 @@ TEST(Hull2d, NearlyCollinearNeedsExactArithmetic) {
   Points line;
   for (int i = 0; i < 64; ++i) line.insert(line.end(), {i * 0.01, i * 0.01 * 3});
   line.insert(line.end(), {0.0, 0.5});
-  const SimplicialHull h = run(local(line));
+  const Boundary h = run(local(line));
   EXPECT_GT(h.rung_counts.of[2], 0u);
 }
 
@@ -163,7 +163,7 @@ TEST(Hull2d, DiscardKeepsEveryVertex) {
       p.push_back(x);
       p.push_back(y);
     }
-    const SimplicialHull h = run(local(p));
+    const Boundary h = run(local(p));
     const std::vector<std::uint32_t> cycle = cycle_of(h);
     const std::size_t m = cycle.size();
     for (std::size_t i = 0; i < m; ++i) {
@@ -203,7 +203,7 @@ TEST(Hull2d, LatticeDecidesWithoutExactArithmetic) {
   for (int i = 0; i < 1000; ++i) p.insert(p.end(), {(i % 31) / 32.0, (i % 29) / 32.0});
   LocalPoints l = local(p);
   l.small_lattice = true;
-  const SimplicialHull h = run(l);
+  const Boundary h = run(l);
   EXPECT_EQ(h.rung_counts.of[2], 0u);
   EXPECT_EQ(canonical(cycle_of(h)), canonical(gift_wrap(p)));
 }
@@ -242,7 +242,7 @@ TEST(HullQhull, ClosedConvexSurface) {
     }
     testing::internal::CaptureStdout();
     testing::internal::CaptureStderr();
-    const SimplicialHull h = hull_qhull(points, run.control);
+    const Boundary h = hull_qhull(points, run.control);
     EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
     ASSERT_GT(h.facet_count(), d);
@@ -272,7 +272,7 @@ TEST(HullQhull, LowestIdOfEqualPointsIsReported) {
   for (int k = 0; k < 3; ++k)
     for (int i = 0; i < 8; ++i)
       p.insert(p.end(), {i & 1 ? 0.5 : -0.0, i & 2 ? 0.5 : 0, i & 4 ? 0.5 : 0.});
-  const SimplicialHull h = hull_qhull(local(p, 3), internal::Run(options).control);
+  const Boundary h = hull_qhull(local(p, 3), internal::Run(options).control);
   std::set<std::uint32_t> lowest;
   for (std::uint32_t v : h.vertices) {
     std::uint32_t low = v;

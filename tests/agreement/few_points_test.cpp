@@ -12,6 +12,7 @@
 
 #include "agreement/canonical_hash.hpp"
 #include "agreement/point_sets.hpp"
+#include "agreement/random_seeds.hpp"
 #include "cull/gauge_map.hpp"
 #include "cull/outermost.hpp"
 #include "cullhull/certify.hpp"
@@ -26,11 +27,6 @@ namespace cullhull {
 namespace {
 
 using namespace testing_support;
-
-std::uint64_t number_from_environment(const char* name, std::uint64_t otherwise) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
-}
 
 PointView view_of(const PointSet& s) {
   return PointView::row_major(s.coordinates.data(), s.coordinates.size() / 3, 3);

@@ -6,13 +6,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <limits>
 #include <numeric>
 
 #include "agreement/all_paths.hpp"
 #include "agreement/hard_sets.hpp"
 #include "agreement/point_sets.hpp"
+#include "agreement/random_seeds.hpp"
 #include "cullhull/batch.hpp"
 #include "cullhull/extreme_points.hpp"
 #include "cullhull/generate.hpp"
@@ -22,11 +22,6 @@
 
 namespace cullhull::testing_support {
 namespace {
-
-std::uint64_t number_from_environment(const char* name, std::uint64_t otherwise) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
-}
 
 /// The polytope itself: its facets as sets of coordinates, whatever the ids and their order.
 std::uint64_t polytope_hash(const PointSet& s, const Hull& h) {
@@ -113,9 +108,7 @@ Hull certified_hull(const PointSet& s, const Options& options) {
 }
 
 TEST(RandomRuns, AnyThreadsFilterLayoutAndOrder) {
-  const std::uint64_t runs = number_from_environment("CULLHULL_RANDOM_RUNS", 120);
-  const std::uint64_t first = number_from_environment("CULLHULL_RANDOM_SEED", 1);
-  for (std::uint64_t seed = first; seed < first + runs && !HasFailure(); ++seed) {
+  for_random_seeds(120, [&](std::uint64_t seed) {
     Random r(seed);
     const PointSet s = any_set(r);
     SCOPED_TRACE(s.name + ", CULLHULL_RANDOM_SEED=" + std::to_string(seed));
@@ -131,7 +124,7 @@ TEST(RandomRuns, AnyThreadsFilterLayoutAndOrder) {
               canonical_hash(one));
     const PointSet other = in_another_order(s, r);
     EXPECT_EQ(polytope_hash(other, certified_hull(other, any_options(r))), polytope_hash(s, one));
-  }
+  });
 }
 
 /// Rows from the last to the first in memory, coordinates too, with gaps of NaNs.
@@ -229,9 +222,7 @@ void expect_other_ways(const PointSet& s, const Hull& hull, Random& r) {
 }
 
 TEST(RandomRuns, HardSetsByEveryWay) {
-  const std::uint64_t runs = number_from_environment("CULLHULL_RANDOM_RUNS", 120);
-  const std::uint64_t first = number_from_environment("CULLHULL_RANDOM_SEED", 1);
-  for (std::uint64_t seed = first; seed < first + runs && !HasFailure(); ++seed) {
+  for_random_seeds(120, [&](std::uint64_t seed) {
     Random r(seed);
     const PointSet s = hard_set(r);
     SCOPED_TRACE(s.name + " of " + std::to_string(s.count()) +
@@ -247,15 +238,13 @@ TEST(RandomRuns, HardSetsByEveryWay) {
     const PointSet other = in_another_order(s, r);
     EXPECT_EQ(polytope_hash(other, certified_hull(other, any_options(r))), polytope_hash(s, one));
     expect_other_ways(s, one, r);
-  }
+  });
 }
 
 /// A NaN or an infinity anywhere is named, whatever the path.
 TEST(RandomRuns, NotFiniteIsNamed) {
-  const std::uint64_t runs = number_from_environment("CULLHULL_RANDOM_RUNS", 120);
-  const std::uint64_t first = number_from_environment("CULLHULL_RANDOM_SEED", 1);
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  for (std::uint64_t seed = first; seed < first + runs && !HasFailure(); ++seed) {
+  for_random_seeds(120, [&](std::uint64_t seed) {
     Random r(seed);
     PointSet s = hard_set(r);
     std::size_t lowest = s.coordinates.size();
@@ -277,7 +266,7 @@ TEST(RandomRuns, NotFiniteIsNamed) {
         EXPECT_EQ(e.code(), ErrorCode::not_finite);
         EXPECT_NE(std::string(e.what()).find(where), std::string::npos) << e.what();
       }
-  }
+  });
 }
 
 }  // namespace

@@ -25,6 +25,13 @@ extern char** environ;
 
 namespace cullhull::testing {
 
+/// Sanitizers reserve terabytes of addresses, and their leak check is a process of its own.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool sanitized = true;
+#else
+inline constexpr bool sanitized = false;
+#endif
+
 /// A folder of its own, removed with everything in it.
 class Folder {
  public:

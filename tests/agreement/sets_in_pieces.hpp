@@ -4,22 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <numeric>
 #include <string>
 #include <vector>
 
 #include "agreement/hard_sets.hpp"
 #include "agreement/point_sets.hpp"
+#include "agreement/random_seeds.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/point_view.hpp"
 
 namespace cullhull::testing_support {
-
-inline std::uint64_t number_from_environment(const char* name, std::uint64_t otherwise) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
-}
 
 inline PointView part_of(const PointView& whole, std::uint64_t begin, std::uint64_t end) {
   PointView part = whole;

@@ -6,13 +6,13 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <cstdlib>
 #include <limits>
 #include <numeric>
 #include <thread>
 
 #include "agreement/all_paths.hpp"
 #include "agreement/point_sets.hpp"
+#include "agreement/random_seeds.hpp"
 #include "agreement/sets_in_pieces.hpp"
 #include "cullhull/extreme_points.hpp"
 #include "cullhull/generate.hpp"
@@ -140,9 +140,7 @@ void run_partitions(const PointView& whole, Random& r) {
 }
 
 TEST(Stream, RandomPartitionsGiveTheBitsOfTheWhole) {
-  const std::uint64_t runs = number_from_environment("CULLHULL_RANDOM_RUNS", 120);
-  const std::uint64_t first = number_from_environment("CULLHULL_RANDOM_SEED", 1);
-  for (std::uint64_t seed = first; seed < first + runs && !HasFailure(); ++seed) {
+  for_random_seeds(120, [&](std::uint64_t seed) {
     Random r(seed);
     const PointSet s = stream_set(r);
     SCOPED_TRACE(s.name + " of " + std::to_string(s.count()) +
@@ -161,7 +159,7 @@ TEST(Stream, RandomPartitionsGiveTheBitsOfTheWhole) {
                      r);
     else
       run_partitions(view_of(s), r);
-  }
+  });
 }
 
 // Large enough for several maps, in blocks as files are read.

@@ -3,11 +3,11 @@
 // numbers start.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "agreement/hard_sets.hpp"
+#include "agreement/random_seeds.hpp"
 #include "exactness/slow_numbers.hpp"
 #include "io/certify_file.hpp"
 #include "io/json.hpp"
@@ -17,11 +17,6 @@ namespace {
 
 using nlohmann::json;
 using Verdict = SlowNumbers::Verdict;
-
-std::uint64_t number_from_environment(const char* name, std::uint64_t otherwise) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
-}
 
 PointView view_of(const PointSet& s) {
   return PointView::row_major(s.coordinates.data(), s.count(), s.dimension);

@@ -222,8 +222,8 @@ TEST(BuildHull, HugeTinyAndThin) {
 }
 
 /// Closes a surface of outward triangles: neighbours by their edges.
-internal::SimplicialHull closed(const std::vector<std::array<std::uint32_t, 3>>& triangles) {
-  internal::SimplicialHull out;
+internal::Boundary closed(const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+  internal::Boundary out;
   out.dimension = 3;
   std::unordered_map<std::uint64_t, std::uint32_t> left_of;
   const auto edge = [](std::uint64_t from, std::uint64_t to) { return from << 32 | to; };
@@ -315,7 +315,7 @@ TEST(BuildHull, FacesWithThousandsOfCorners) {
       }
     }
     std::shuffle(triangles.begin(), triangles.end(), random);
-    const internal::SimplicialHull surface = closed(triangles);
+    const internal::Boundary surface = closed(triangles);
     for (const unsigned threads : {1U, 3U, 8U}) {
       const Hull hull = build(rows, 3, surface, threads);
       if (first.vertices.empty()) first = hull;
@@ -398,7 +398,7 @@ TEST(BuildHull, SegmentInSpace) {
   local.count = 3;
   local.coordinates = local.exact = projected.data();
   const unsigned axes[] = {0};
-  internal::SimplicialHull ends;
+  internal::Boundary ends;
   ends.dimension = 1;
   ends.vertices = {1, 0};
   ends.neighbours = {1, 0};

@@ -78,7 +78,7 @@ TEST(Open, Raw) {
   const std::string path =
       folder.write("a", bytes_of(std::int16_t{1}, std::int16_t{-2}, std::int16_t{3}));
   const PointFile file = open_points(path, options);
-  EXPECT_TRUE(file.mapped());
+  EXPECT_EQ(file.mapped(), lies_ready);
   EXPECT_EQ(rows_of(file.points()), (Rows{{1, -2, 3}}));
   const std::string shorter = folder.write("b.raw", std::string(13, 'x'));
   EXPECT_EQ(error_of(ErrorCode::bad_file, [&] { open_points(shorter, options); }),

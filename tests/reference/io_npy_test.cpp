@@ -13,11 +13,12 @@ TEST(Npy, ReadsEveryScalarTypeInPlace) {
                          Rows want) {
     const std::string bytes = npy("{'descr': '" + descr + tail, data);
     const auto points = parse(bytes, "npy");
-    EXPECT_TRUE(points.in_place) << descr;
+    EXPECT_EQ(points.in_place, lies_ready || descr[0] == '|') << descr;
     EXPECT_EQ(points.view.scalar, type) << descr;
     EXPECT_EQ(rows_of(points.view), want) << descr;
-    EXPECT_EQ(reinterpret_cast<const char*>(points.view.data),
-              bytes.data() + bytes.size() - data.size());
+    EXPECT_EQ(reinterpret_cast<const char*>(points.view.data) ==
+                  bytes.data() + bytes.size() - data.size(),
+              points.in_place);
   };
   check("<f8", bytes_of(1.5, -2.0), ScalarType::f64, {{1.5}, {-2}});
   check("<f4", bytes_of(1.5F, -2.0F), ScalarType::f32, {{1.5}, {-2}});
@@ -38,7 +39,7 @@ TEST(Npy, RowsColumnsAndVectors) {
   const std::string columns =
       npy("{'shape': (3L, 2L), 'fortran_order': True, \"descr\": '<f8'}", data);
   const auto c = parse(columns, "npy");
-  EXPECT_TRUE(c.in_place);
+  EXPECT_EQ(c.in_place, lies_ready);
   EXPECT_EQ(c.view.point_stride, 8);
   EXPECT_EQ(c.view.coordinate_stride, 24);
   EXPECT_EQ(rows_of(c.view), (Rows{{1, 4}, {2, 5}, {3, 6}}));
@@ -53,7 +54,7 @@ TEST(Npy, BigEndianIsCopied) {
   const std::string bytes = npy("{'descr':'>f8','fortran_order':False,'shape':(2,1)}",
                                 bytes_of_big_endian(1.5) + bytes_of_big_endian(-3.0));
   const auto points = parse(bytes, "npy");
-  EXPECT_FALSE(points.in_place);
+  EXPECT_NE(points.in_place, lies_ready);
   EXPECT_EQ(rows_of(points.view), (Rows{{1.5}, {-3}}));
 }
 
@@ -124,12 +125,12 @@ TEST(Npy, WritersAreReadBack) {
   const std::vector<double> v = {0.1, -0.0, 1e300, 4, 5, 6};
   write_npy_points(folder.file("a.npy"), v.data(), 3, 2, ScalarType::f64);
   const PointFile a = open_points(folder.file("a.npy"));
-  EXPECT_TRUE(a.mapped());
+  EXPECT_EQ(a.mapped(), lies_ready);
   EXPECT_EQ(a.format(), "npy");
   EXPECT_EQ(rows_of(a.points()), (Rows{{0.1, -0.0}, {1e300, 4}, {5, 6}}));
   EXPECT_TRUE(std::signbit(a.points().at(0, 1)));
   EXPECT_EQ(std::filesystem::file_size(folder.file("a.npy")) % 16, 0U);
-  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(a.points().data) % 64, 0U);
+  if (lies_ready) EXPECT_EQ(reinterpret_cast<std::uintptr_t>(a.points().data) % 64, 0U);
 
   write_npy_points(folder.file("b.npy"), v.data() + 3, 1, 3, ScalarType::i16);
   EXPECT_EQ(open_points(folder.file("b.npy")).points().scalar, ScalarType::i16);

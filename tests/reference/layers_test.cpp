@@ -100,6 +100,48 @@ std::vector<std::string> faults(const fs::path& root) {
   return found;
 }
 
+/// The sources that may name what only some systems or compilers have (docs/machines.md).
+const std::vector<std::string> portable_places = {
+    "src/parallel/helpers.cpp", "src/parallel/int128.hpp",   "src/parallel/machine_memory.cpp",
+    "src/parallel/pages.cpp",   "src/parallel/prefetch.hpp", "src/io/system.cpp",
+    "src/io/system.hpp",        "src/cuda/backend.cpp",      "apps/cullhull/signals.cpp",
+    "apps/cullhull/system.cpp",
+};
+
+/// Every other source that does, one line each.
+std::vector<std::string> unportable(const fs::path& root) {
+  static const std::regex word(
+      R"re(^\s*#\s*include\s+<(sys/|windows|unistd|fcntl|poll|glob|pthread|io\.h|process\.h)|__builtin_|__int128)re");
+  std::vector<std::string> found;
+  for (const char* part : {"src", "include", "viewer", "apps"})
+    for (const fs::path& file : sources_below(root / part)) {
+      const std::string name = file.lexically_relative(root).generic_string();
+      if (std::count(portable_places.begin(), portable_places.end(), name) > 0) continue;
+      if (file.extension() == ".cu" || file.extension() == ".cuh") continue;  // for one compiler
+      std::ifstream in(file);
+      std::size_t number = 0;
+      for (std::string line; std::getline(in, line);)
+        if (++number; line.find_first_of("#_") < line.size() && std::regex_search(line, word))
+          found.push_back(name + ":" + std::to_string(number) + ": " + line);
+    }
+  return found;
+}
+
+TEST(Layers, SystemsAndCompilersAreNamedInTheirPlaces) {
+  const fs::path root = CULLHULL_ROOT;
+  EXPECT_EQ(unportable(root), std::vector<std::string>());
+  for (const std::string& place : portable_places) EXPECT_TRUE(fs::exists(root / place)) << place;
+  const fs::path planted = fs::path(testing::TempDir()) / "cullhull_unportable";
+  fs::create_directories(planted / "src/io");
+  std::ofstream(planted / "src/io/npy.cpp")
+      << "#include <sys/mman.h>\nauto b = __builtin_clz(1);\n";
+  std::ofstream(planted / "src/io/system.cpp") << "#include <sys/mman.h>\n";
+  EXPECT_EQ(unportable(planted),
+            (std::vector<std::string>{"src/io/npy.cpp:1: #include <sys/mman.h>",
+                                      "src/io/npy.cpp:2: auto b = __builtin_clz(1);"}));
+  fs::remove_all(planted);
+}
+
 TEST(Layers, NoIncludeRunsUpOrSideways) {
   const fs::path root = CULLHULL_ROOT;
   EXPECT_GT(sources_below(root / "src").size(), 200U);

@@ -15,9 +15,9 @@ namespace cullhull::reference {
 
 /// The boundary that inserting the points in `order` leaves, in the engine's conventions and in a
 /// random arrangement. Ids are those of the original rows.
-inline internal::SimplicialHull boundary_in_order(const std::vector<double>& rows, unsigned d,
-                                                  const std::vector<std::uint32_t>& order,
-                                                  std::mt19937& random) {
+inline internal::Boundary boundary_in_order(const std::vector<double>& rows, unsigned d,
+                                            const std::vector<std::uint32_t>& order,
+                                            std::mt19937& random) {
   std::vector<double> shuffled;
   for (const std::uint32_t i : order)
     shuffled.insert(shuffled.end(), rows.begin() + i * d, rows.begin() + (i + 1) * d);
@@ -27,7 +27,7 @@ inline internal::SimplicialHull boundary_in_order(const std::vector<double>& row
   std::iota(place.begin(), place.end(), 0U);
   std::shuffle(place.begin(), place.end(), random);
   std::vector<double> inside(d, 0);
-  internal::SimplicialHull out;
+  internal::Boundary out;
   out.dimension = d;
   out.vertices.resize(facets.size() * d);
   out.neighbours.resize(facets.size() * d);
@@ -62,7 +62,7 @@ inline internal::SimplicialHull boundary_in_order(const std::vector<double>& row
 }
 
 /// build_hull on full-dimensional rows.
-inline Hull build(const std::vector<double>& rows, unsigned d, internal::SimplicialHull boundary,
+inline Hull build(const std::vector<double>& rows, unsigned d, internal::Boundary boundary,
                   unsigned threads = 1) {
   const auto view = PointView::row_major(rows.data(), rows.size() / d, d);
   internal::LocalPoints local;

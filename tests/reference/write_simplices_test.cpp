@@ -1,5 +1,7 @@
 // From 4D on the result made in canonical order is the one that the fallback gives, bit for bit,
 // whatever of a simplex fits into its key, and a surface that is not a hull's is refused.
+#include "result/write_simplices.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +21,6 @@
 #include "result/measure.hpp"
 #include "result/merge.hpp"
 #include "result/order_facets.hpp"
-#include "result/write_simplices.hpp"
 #include "tests/agreement/canonical_hash.hpp"
 
 namespace cullhull::internal {
@@ -34,9 +35,10 @@ struct Case {
         run(options),
         frame(gather_points(view, nullptr, view.count, run.with_threads(1)),
               static_cast<std::uint32_t>(view.count), d, run.with_threads(1)),
-        surface(make_surface(hull_nd(frame.points(), frame.simplex().data(),
-                                     run.with_budget(std::uint64_t{1} << 40).with_threads(threads)),
-                             frame.points(), run.with_threads(threads))) {}
+        surface(hull_nd(frame.points(), frame.simplex().data(),
+                        run.with_budget(std::uint64_t{1} << 40).with_threads(threads))) {
+    sort_simplices(surface, frame.points(), run.with_threads(threads));
+  }
 
   ResultInput input() const { return {&view, &frame.points(), nullptr, frame.axes().data()}; }
   Hull empty_hull() const {
@@ -62,7 +64,7 @@ struct Case {
   Options options;
   Run run;
   LocalFrame frame;
-  Surface surface;
+  Boundary surface;
 };
 
 /// As for any hull: coplanar simplices are looked for, merged, triangulated, sorted and measured.
@@ -141,7 +143,7 @@ TEST(WriteSimplices, CoplanarFacetsAreSeen) {
 
 TEST(WriteSimplices, RefusesWhatIsNoHull) {
   const Rows rows = generate("sphere", 300, 5);
-  const auto refused = [&](const std::function<void(Surface&)>& spoil) {
+  const auto refused = [&](const std::function<void(Boundary&)>& spoil) {
     Case c(rows, 5);
     spoil(c.surface);
     Hull hull = c.empty_hull();
@@ -155,14 +157,14 @@ TEST(WriteSimplices, RefusesWhatIsNoHull) {
   // A facet that is not in the sample that is looked at first, nor beside one that is.
   constexpr std::uint32_t f = 14;
   constexpr std::size_t at = 5 * std::size_t{f};
-  EXPECT_FALSE(refused([](Surface&) {}));
-  EXPECT_TRUE(refused([](Surface& s) { s.odd[f] ^= 1; }));
-  EXPECT_TRUE(refused([](Surface& s) { std::swap(s.neighbours[at], s.neighbours[at + 1]); }));
-  EXPECT_TRUE(refused([](Surface& s) { s.neighbours[at + 1] = s.neighbours[at + 2]; }));
-  EXPECT_TRUE(refused([](Surface& s) { s.neighbours[at + 1] = f; }));
-  EXPECT_TRUE(refused([](Surface& s) { s.neighbours[at + 1] = 0xFFFFFFFF; }));
-  EXPECT_TRUE(refused([](Surface& s) { s.ids[at + 1] = s.ids[at]; }));
-  EXPECT_TRUE(refused([](Surface& s) {  // inside out
+  EXPECT_FALSE(refused([](Boundary&) {}));
+  EXPECT_TRUE(refused([](Boundary& s) { s.odd[f] ^= 1; }));
+  EXPECT_TRUE(refused([](Boundary& s) { std::swap(s.neighbours[at], s.neighbours[at + 1]); }));
+  EXPECT_TRUE(refused([](Boundary& s) { s.neighbours[at + 1] = s.neighbours[at + 2]; }));
+  EXPECT_TRUE(refused([](Boundary& s) { s.neighbours[at + 1] = f; }));
+  EXPECT_TRUE(refused([](Boundary& s) { s.neighbours[at + 1] = 0xFFFFFFFF; }));
+  EXPECT_TRUE(refused([](Boundary& s) { s.vertices[at + 1] = s.vertices[at]; }));
+  EXPECT_TRUE(refused([](Boundary& s) {  // inside out
     for (std::uint8_t& odd : s.odd) odd ^= 1;
   }));
 }

@@ -1,5 +1,7 @@
 // The result made of the 3D engine's own facets is the one that the fallback gives, bit for bit,
 // and a surface that is not a hull's is refused.
+#include "result/write_triangles.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,10 +13,9 @@
 #include "cullhull/generate.hpp"
 #include "geometry/gather.hpp"
 #include "geometry/local_frame.hpp"
-#include "hull/space/surface_3d.hpp"
+#include "hull/space/triangle_mesh.hpp"
 #include "result/measure.hpp"
 #include "result/order_facets.hpp"
-#include "result/write_triangles.hpp"
 #include "tests/agreement/canonical_hash.hpp"
 
 namespace cullhull::internal {
@@ -29,8 +30,8 @@ struct Case {
         run(options),
         frame(gather_points(view, nullptr, view.count, run.with_threads(1)),
               static_cast<std::uint32_t>(view.count), 3, run.with_threads(1)),
-        surface(surface_3d(frame.points(), frame.simplex().data(),
-                           run.with_budget(std::uint64_t{1} << 40).with_threads(threads))) {}
+        surface(triangle_mesh(frame.points(), frame.simplex().data(),
+                              run.with_budget(std::uint64_t{1} << 40).with_threads(threads))) {}
 
   ResultInput input() const { return {&view, &frame.points(), nullptr, frame.axes().data()}; }
 
@@ -38,7 +39,7 @@ struct Case {
   Options options;
   Run run;
   LocalFrame frame;
-  Surface3D surface;
+  TriangleMesh surface;
 };
 
 Hull empty_hull(const Case& c) {
@@ -53,8 +54,8 @@ Hull empty_hull(const Case& c) {
 std::uint64_t the_general_way(const Rows& rows) {
   Case c(rows);
   Hull hull = empty_hull(c);
-  Surface surface = make_surface(to_simplicial(std::move(c.surface), c.run.with_threads(1)),
-                                 c.frame.points(), c.run);
+  Boundary surface = boundary_of(std::move(c.surface), c.run.with_threads(1));
+  sort_simplices(surface, c.frame.points(), c.run);
   const CoplanarPairs pairs =
       coplanar_pairs(surface, c.frame.points(), c.run.with_threads(1), hull.statistics.rung_counts);
   const OrderedFacets assembled = order_facets(
@@ -146,7 +147,7 @@ TEST(WriteTriangles, CoplanarFacetsAreSeen) {
 
 /// Turns the ridge between facet f and its first neighbour into the other diagonal, along which the
 /// surface is folded inwards.
-void fold(Surface3D& s, std::uint32_t f) {
+void fold(TriangleMesh& s, std::uint32_t f) {
   const auto slot_of = [&](std::uint32_t facet, auto Facet3D::*ids, std::uint32_t id) {
     const auto& all = s.facets[facet].*ids;
     return static_cast<unsigned>(std::find(all, all + 3, id) - all);
@@ -170,27 +171,28 @@ void fold(Surface3D& s, std::uint32_t f) {
 
 TEST(WriteTriangles, RefusesWhatIsNoHull) {
   const Rows rows = generate("sphere", 300, 3);
-  const auto refused = [&](const std::function<void(Surface3D&)>& spoil) {
+  const auto refused = [&](const std::function<void(TriangleMesh&)>& spoil) {
     Case c(rows);
     spoil(c.surface);
     Hull hull = empty_hull(c);
     return !write_triangles(c.input(), c.surface, c.run.with_threads(1), hull);
   };
-  EXPECT_FALSE(refused([](Surface3D&) {}));
-  EXPECT_TRUE(
-      refused([](Surface3D& s) { std::swap(s.facets[9].vertices[0], s.facets[9].vertices[1]); }));
+  EXPECT_FALSE(refused([](TriangleMesh&) {}));
   EXPECT_TRUE(refused(
-      [](Surface3D& s) { std::swap(s.facets[9].neighbours[0], s.facets[9].neighbours[1]); }));
-  EXPECT_TRUE(refused([](Surface3D& s) { s.facets[9].neighbours[1] = s.facets[9].neighbours[2]; }));
-  EXPECT_TRUE(refused([](Surface3D& s) { s.facets[9].owner = Facet3D::none; }));
-  EXPECT_TRUE(refused([](Surface3D& s) { s.live += 2; }));
-  EXPECT_TRUE(refused([](Surface3D& s) {  // inside out
+      [](TriangleMesh& s) { std::swap(s.facets[9].vertices[0], s.facets[9].vertices[1]); }));
+  EXPECT_TRUE(refused(
+      [](TriangleMesh& s) { std::swap(s.facets[9].neighbours[0], s.facets[9].neighbours[1]); }));
+  EXPECT_TRUE(
+      refused([](TriangleMesh& s) { s.facets[9].neighbours[1] = s.facets[9].neighbours[2]; }));
+  EXPECT_TRUE(refused([](TriangleMesh& s) { s.facets[9].owner = Facet3D::none; }));
+  EXPECT_TRUE(refused([](TriangleMesh& s) { s.live += 2; }));
+  EXPECT_TRUE(refused([](TriangleMesh& s) {  // inside out
     for (std::uint64_t f = 0; f < s.live; ++f) {
       std::swap(s.facets[f].vertices[0], s.facets[f].vertices[1]);
       std::swap(s.facets[f].neighbours[0], s.facets[f].neighbours[1]);
     }
   }));
-  EXPECT_TRUE(refused([](Surface3D& s) { fold(s, 9); }));
+  EXPECT_TRUE(refused([](TriangleMesh& s) { fold(s, 9); }));
 }
 
 }  // namespace

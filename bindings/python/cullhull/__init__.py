@@ -35,6 +35,7 @@ from ._errors import (
     ShapeWarning,
 )
 from ._functions import certify, convex_hull, cull, generate, shapes
+from ._groups import GroupHulls, hulls_by
 from ._halfspaces import HalfspaceIntersection
 from ._hull import Certificate, Hull, Simplified
 from ._lists import Lists
@@ -58,6 +59,7 @@ __all__ = [
     "ConvexHull",
     "Error",
     "FileError",
+    "GroupHulls",
     "GrowingHull",
     "HalfspaceIntersection",
     "Hull",
@@ -85,6 +87,7 @@ __all__ = [
     "cuda_status",
     "cull",
     "generate",
+    "hulls_by",
     "read",
     "shapes",
 ]

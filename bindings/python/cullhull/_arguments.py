@@ -197,6 +197,16 @@ def as_count(value: Any, name: str, *, least: int = 0, most: int = 2**63 - 1) ->
     return number
 
 
+def as_position(i: Any, length: int, what: str) -> int:
+    """A sequence's index, counted from its end where negative, in [0, length)."""
+    at = operator.index(i)
+    if at < 0:
+        at += length
+    if not 0 <= at < length:
+        raise IndexError(f"{what} {i} of {length}")
+    return at
+
+
 def as_callback(progress: Progress) -> Callable[[str, float], object] | None:
     if progress is None or progress is False:
         return None

@@ -306,7 +306,8 @@ class Hull(Questions):
     def save(
         self, path: str | os.PathLike[str], points: Any = None, *, format: str = ""
     ) -> None:
-        """Writes a file: .ply .obj .off .stl (2D and 3D), .json (everything), .txt (as qconvex).
+        """Writes a file: .ply .obj .off .stl .glb .vtp (2D and 3D),
+        .geojson .wkt (2D), .json (everything), .txt (as qconvex).
 
         The file appears whole or not at all.
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Iterator, Sequence
 from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
+
+from ._arguments import as_position
 
 
 class Lists(Sequence[npt.NDArray[Any]]):
@@ -49,11 +50,7 @@ class Lists(Sequence[npt.NDArray[Any]]):
     def __getitem__(self, i: int | slice) -> npt.NDArray[Any] | list[npt.NDArray[Any]]:
         if isinstance(i, slice):
             return [self[j] for j in range(*i.indices(len(self)))]
-        at = operator.index(i)
-        if at < 0:
-            at += len(self)
-        if not 0 <= at < len(self):
-            raise IndexError(f"list {i} of {len(self)}")
+        at = as_position(i, len(self), "list")
         view: npt.NDArray[Any] = self.items[self.offsets[at] : self.offsets[at + 1]]
         return view
 

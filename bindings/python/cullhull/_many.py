@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Iterator, Sequence
 from typing import Any, overload
 
@@ -10,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arguments import Progress, as_count, as_point_set, as_points, settings
+from ._arguments import Progress, as_count, as_point_set, as_points, as_position, settings
 from ._errors import InvalidArgument
 from ._hull import Hull
 from ._lists import Lists
@@ -74,11 +73,7 @@ class HullBatch(Sequence[Hull]):
     def __getitem__(self, i: int | slice) -> Hull | list[Hull]:
         if isinstance(i, slice):
             return [self[j] for j in range(*i.indices(len(self)))]
-        at = operator.index(i)
-        if at < 0:
-            at += len(self)
-        if not 0 <= at < len(self):
-            raise IndexError(f"set {i} of {len(self)}")
+        at = as_position(i, len(self), "set")
         return Hull._of(self._batch.solid(at))
 
     def __iter__(self) -> Iterator[Hull]:

@@ -9,8 +9,13 @@ here=$(cd "$(dirname "$0")" && pwd)
 # Extras of whose parts PyPI may lack one or the other: without it, its tests say so and are skipped.
 # coxeter's own tests are those of one version.
 coxeter=0.11.0
-for extra in pandas pyarrow polars xarray scikit-image rtree hypothesis miniball "coxeter==$coxeter"; do
-  "$folder/venv/bin/python" -c "import importlib.metadata as m; m.version('${extra%%=*}')" 2>/dev/null ||
+extras=(pandas pyarrow shapely polars xarray scikit-image rtree hypothesis miniball "coxeter==$coxeter"
+  "dask[array,dataframe,distributed]" duckdb)
+if command -v mpirun >/dev/null; then extras+=(mpi4py); fi
+if command -v java >/dev/null; then extras+=(pyspark); fi
+for extra in "${extras[@]}"; do
+  name=${extra%%[\[=]*}
+  "$folder/venv/bin/python" -c "import importlib.metadata as m; m.version('$name')" 2>/dev/null ||
     "$folder/venv/bin/pip" install --quiet --disable-pip-version-check --prefer-binary "$extra" ||
     echo "run.sh: PyPI has not given $extra; its tests are left out" >&2
 done

@@ -18,6 +18,8 @@ class Cullhull(CMakePackage):
     depends_on("highway@1.0:")
     depends_on("gmp")
     depends_on("fmt@9:")
+    depends_on("zlib-api")
+    depends_on("zstd")
     depends_on("nlohmann-json@3.11:", type="build")
     depends_on("fast-float", type="build")
     depends_on("cli11@2.1:", type="build", when="+apps")

@@ -7,6 +7,7 @@
 
 #include "hull/general/facet_planes.hpp"
 
+#include "parallel/dispatch.hpp"
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
@@ -166,18 +167,9 @@ void planes_in(const PlaneFrame& frame, std::uint32_t apex, const std::uint32_t*
 
 void planes_of_facets(const PlaneFrame& frame, std::uint32_t apex, const std::uint32_t* facets,
                       const std::uint8_t* apex_slot, std::size_t count, float* planes) {
-  switch (frame.dimension) {
-    case 4:
-      return planes_in<4>(frame, apex, facets, apex_slot, count, planes);
-    case 5:
-      return planes_in<5>(frame, apex, facets, apex_slot, count, planes);
-    case 6:
-      return planes_in<6>(frame, apex, facets, apex_slot, count, planes);
-    case 7:
-      return planes_in<7>(frame, apex, facets, apex_slot, count, planes);
-    default:
-      return planes_in<8>(frame, apex, facets, apex_slot, count, planes);
-  }
+  with_dimension<4, 7, 8>(frame.dimension, [&](auto d) {
+    planes_in<d>(frame, apex, facets, apex_slot, count, planes);
+  });
 }
 
 }  // namespace cullhull::internal::HWY_NAMESPACE

@@ -1,6 +1,7 @@
 // The sieve's kernel, compiled once per instruction set.
 #include "hull/general/facet_sieve.hpp"
 
+#include "parallel/dispatch.hpp"
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
@@ -65,18 +66,7 @@ void block(const float* planes, std::size_t count, const float* y, std::uint8_t*
 
 void beneath(unsigned d, const float* planes, std::size_t count, const float* y,
              std::uint8_t* beneath) {
-  switch (d) {
-    case 4:
-      return block<4>(planes, count, y, beneath);
-    case 5:
-      return block<5>(planes, count, y, beneath);
-    case 6:
-      return block<6>(planes, count, y, beneath);
-    case 7:
-      return block<7>(planes, count, y, beneath);
-    default:
-      return block<8>(planes, count, y, beneath);
-  }
+  with_dimension<4, 7, 8>(d, [&](auto k) { block<k>(planes, count, y, beneath); });
 }
 
 }  // namespace cullhull::internal::HWY_NAMESPACE

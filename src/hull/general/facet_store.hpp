@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "parallel/prefetch.hpp"
 #include "parallel/raw_array.hpp"
 
 namespace cullhull::internal {
@@ -47,15 +48,15 @@ class FacetStore {
   bool alive(Id f) const { return vertices(f)[0] != dead; }
 
   void prefetch(Id f) const {
-    __builtin_prefetch(plane(f));
-    if constexpr (!together) __builtin_prefetch(neighbours(f));
+    prefetch_line(plane(f));
+    if constexpr (!together) prefetch_line(neighbours(f));
   }
 
   void prefetch_to_write(Id f) const {
-    __builtin_prefetch(plane(f), 1);
+    prefetch_line_to_write(plane(f));
     if constexpr (!together) {
-      __builtin_prefetch(vertices(f), 1);
-      __builtin_prefetch(neighbours(f) + dim() - 1, 1);
+      prefetch_line_to_write(vertices(f));
+      prefetch_line_to_write(neighbours(f) + dim() - 1);
     }
   }
 

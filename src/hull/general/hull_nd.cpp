@@ -6,8 +6,8 @@
 
 namespace cullhull::internal {
 
-SimplicialHull hull_nd(const LocalPoints& points, const std::uint32_t* simplex, const Run& run,
-                       bool same_facets) {
+Boundary hull_nd(const LocalPoints& points, const std::uint32_t* simplex, const Run& run,
+                 bool same_facets) {
   // Records, twice while they are copied out; or what the result takes, which is more.
   const std::uint64_t d = points.dimension;
   check_facets(points, std::max(2 * (12 * d + 16), result_bytes_per_facet(d, d)), run);

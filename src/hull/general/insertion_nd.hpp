@@ -45,7 +45,7 @@ class InsertionNd {
  public:
   InsertionNd(const LocalPoints& points, const std::uint32_t* simplex, const Run& run,
               bool same_facets);
-  SimplicialHull run();
+  Boundary run();
 
  private:
   using Id = std::uint32_t;
@@ -121,7 +121,7 @@ class InsertionNd {
   void replace(Stream& s, Lane& lane);
   void link(const Stream& s, Lane& lane) const;
   Id turn(const Stream& s, std::size_t k, unsigned i) const;
-  SimplicialHull collect();
+  Boundary collect();
 
   const LocalPoints& points_;
   const Run& run_;
@@ -154,7 +154,7 @@ class InsertionNd {
   std::uint32_t batch_number_ = 0;
   double width_;  ///< number of streams: see adapt
   std::uint64_t batch_facets_ = 0;
-  SimplicialHull result_;
+  Boundary result_;
 };
 
 // -------------------------------------------------------------------------------- construction
@@ -237,7 +237,7 @@ bool InsertionNd<D>::centre_inside(const std::vector<double>& centre) const {
 }
 
 template <unsigned D>
-SimplicialHull InsertionNd<D>::run() {
+Boundary InsertionNd<D>::run() {
   build_simplex();
   {
     NormOrder order(points_, order_, run_);

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "hull/general/insertion_nd.hpp"
+#include "parallel/prefetch.hpp"
 
 namespace cullhull::internal {
 
@@ -58,7 +59,7 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
   s.horizon.resize(ridges);
   for (const Id f : s.visible) visited[f] = 0;
   for (std::size_t k = 0; k < ridges; ++k) {
-    if (k + ahead < ridges) __builtin_prefetch(store_.neighbours(s.horizon[k + ahead].outside));
+    if (k + ahead < ridges) prefetch_line(store_.neighbours(s.horizon[k + ahead].outside));
     HorizonRidge& r = s.horizon[k];
     r.back = static_cast<std::uint8_t>(index_of(store_.neighbours(r.outside), r.facet));
   }
@@ -76,7 +77,7 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
   lane.apex.resize(count);
   lane.planes.resize(count * (d + 1));
   for (std::size_t k = 0; k < count; ++k) {
-    if (k + ahead < count) __builtin_prefetch(store_.vertices(s.horizon[k + ahead].facet));
+    if (k + ahead < count) prefetch_line(store_.vertices(s.horizon[k + ahead].facet));
     const HorizonRidge& r = s.horizon[k];
     Id* v = lane.vertices.data() + k * d;
     std::memcpy(v, store_.vertices(r.facet), d * sizeof(Id));
@@ -98,7 +99,7 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
   for (std::size_t k = 0; k < count; ++k) {
     if (k + ahead < count) {
       store_.prefetch_to_write(slot[k + ahead]);
-      __builtin_prefetch(store_.neighbours(s.horizon[k + ahead].outside), 1);
+      prefetch_line_to_write(store_.neighbours(s.horizon[k + ahead].outside));
     }
     const HorizonRidge& r = s.horizon[k];
     const Id f = slot[k];
@@ -187,7 +188,7 @@ typename InsertionNd<D>::Id InsertionNd<D>::turn(const Stream& s, std::size_t k,
 }
 
 template <unsigned D>
-SimplicialHull InsertionNd<D>::collect() {
+Boundary InsertionNd<D>::collect() {
   const unsigned d = dim();
   ordered_.release();
   store_.release_planes();

@@ -14,6 +14,7 @@
 #include "parallel/big_array.hpp"
 #include "parallel/clear_pages.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -120,6 +121,8 @@ Extent measure(const PlanarSource& source, const Run& run) {
 /// keep their order, so rows ascend.
 class Buckets {
  public:
+  /// A thread writes to a line of every bucket, 128 KB of them at most; half a thousand points are
+  /// 12 KB, which the first cache takes while they are sorted.
   static constexpr unsigned max_bits = 11;
   static constexpr std::uint32_t wanted_size = 512;
 
@@ -149,7 +152,7 @@ class Buckets {
       each(begin, end, [&](const Entry& e) {
         Entry* const to = entries_.get() + at[bucket(e.key)]++;
         *to = e;
-        __builtin_prefetch(to + 3, 1);  // stores wait in line for those that miss
+        prefetch_line_to_write(to + 3);  // stores wait in line for those that miss
       });
     });
   }
@@ -401,19 +404,19 @@ Polygon polygon_of(const PointView& points, bool lattice, const Run& run) {
   return polygon;
 }
 
-SimplicialHull hull_2d(const LocalPoints& points, const Run& run) {
+Boundary hull_2d(const LocalPoints& points, const Run& run) {
   const bool scaled = points.coordinates != points.exact;
   const Polygon polygon = polygon_of(PointView::row_major(points.exact, points.count, 2),
                                      points.small_lattice && !scaled, run);
   const std::size_t n = polygon.corners.size();
   if (n < 3) throw Error(ErrorCode::internal, "hull_2d was given collinear points");
-  SimplicialHull hull;
+  Boundary hull;
   hull.dimension = 2;
   resize_big(hull.vertices, 2 * n);
   resize_big(hull.neighbours, 2 * n);
   // Edge i runs from corner i to corner i + 1; it is written end first, so that the inside has
   // negative orientation.
-  run.each(n, std::uint64_t{1} << 15, [&](std::uint64_t begin, std::uint64_t end) {
+  run.each(n, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) {
       const std::uint64_t previous = i == 0 ? n - 1 : i - 1;
       const std::uint64_t next = i + 1 == n ? 0 : i + 1;

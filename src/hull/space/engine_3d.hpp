@@ -9,7 +9,7 @@
 #include "hull/engine.hpp"
 #include "hull/space/insertion_3d.hpp"
 #include "hull/space/order_3d.hpp"
-#include "hull/space/surface_3d.hpp"
+#include "hull/space/triangle_mesh.hpp"
 #include "parallel/big_array.hpp"
 #include "parallel/raw_array.hpp"
 
@@ -29,7 +29,7 @@ class Engine3D {
  public:
   /// `simplex`: four independent points; the deeper inside their centroid, the better.
   Engine3D(const LocalPoints& points, const std::uint32_t* simplex, const Run& run);
-  Surface3D run();
+  TriangleMesh run();
 
  private:
   using Id = std::uint32_t;
@@ -48,7 +48,7 @@ class Engine3D {
   /// Whether a slot was ever used: others hold nothing.
   bool in_use(Id slot) const;
   Id live_facet() const;
-  Surface3D surface();
+  TriangleMesh surface();
 
   // pieces_3d.cpp
   struct Work {  // of one piece: positions, or a range of them

@@ -4,6 +4,7 @@
 #include "cullhull/error.hpp"
 #include "hull/space/engine_3d.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 #include "parallel/xorshift.hpp"
 
 namespace cullhull::internal {
@@ -74,9 +75,10 @@ void Engine3D::copy_rows() {
   const Id n = points_.count;
   rows_ = BigArray<double>(std::size_t{n} * Shared3D::row_stride);
   run_.each(n, 1 << 16, [&](std::uint64_t begin, std::uint64_t end) {
+    // The order is as good as random in memory: lines asked for so early are mostly there.
     constexpr std::uint64_t ahead = 24;
     for (std::uint64_t i = begin; i < end; ++i) {
-      if (i + ahead < end) __builtin_prefetch(points_.row(order_.ids[i + ahead]));
+      if (i + ahead < end) prefetch_line(points_.row(order_.ids[i + ahead]));
       const double* from = points_.row(order_.ids[i]);
       double* to = rows_.get() + i * Shared3D::row_stride;
       for (unsigned j = 0; j < 3; ++j) to[j] = from[j];
@@ -115,7 +117,7 @@ void Engine3D::build_simplex() {
   }
 }
 
-Surface3D Engine3D::run() {
+TriangleMesh Engine3D::run() {
   build_simplex();
   const auto& ends = order_.round_ends;
   for (std::size_t r = 0; r + 1 < ends.size(); ++r) {
@@ -206,8 +208,8 @@ Engine3D::Id Engine3D::live_facet() const {
   return f;
 }
 
-Surface3D Engine3D::surface() {
-  Surface3D s;
+TriangleMesh Engine3D::surface() {
+  TriangleMesh s;
   s.used = used_slots(none);
   for (const auto& [begin, end] : s.used) s.live += end - begin;
   s.live -= pieces_[0].free.size();
@@ -221,12 +223,13 @@ Surface3D Engine3D::surface() {
   return s;
 }
 
-Surface3D surface_3d(const LocalPoints& points, const std::uint32_t* simplex, const Run& run) {
+TriangleMesh triangle_mesh(const LocalPoints& points, const std::uint32_t* simplex,
+                           const Run& run) {
   return Engine3D(points, Start(points, simplex).simplex, run).run();
 }
 
-SimplicialHull hull_3d(const LocalPoints& points, const std::uint32_t* simplex, const Run& run) {
-  return to_simplicial(surface_3d(points, simplex, run), run);
+Boundary hull_3d(const LocalPoints& points, const std::uint32_t* simplex, const Run& run) {
+  return boundary_of(triangle_mesh(points, simplex, run), run);
 }
 
 }  // namespace cullhull::internal

@@ -59,28 +59,27 @@ void refine_cells(const LocalPoints& points, const DirectionKey& key, Keyed* key
     constexpr std::uint32_t block = DirectionKey::block;
     double x[block] = {}, y[block] = {}, z[block] = {};
     std::uint64_t keys[block];
-    std::vector<Fine> fine;
-    const std::uint64_t last = cell_begin(end);
-    for (std::uint64_t at = cell_begin(begin); at < last;) {
+    const std::uint64_t from = cell_begin(begin), last = cell_begin(end);
+    std::vector<Fine> fine(last - std::min(from, last));
+    for (std::uint64_t at = 0; at < fine.size(); at += block) {
+      const auto some =
+          static_cast<std::uint32_t>(std::min<std::uint64_t>(block, fine.size() - at));
+      for (std::uint32_t i = 0; i < some; ++i) {
+        const double* p = points.row(begin_all[from + at + i].id);
+        x[i] = p[0];
+        y[i] = p[1];
+        z[i] = p[2];
+      }
+      key.fine_keys(x, y, z, keys);
+      for (std::uint32_t i = 0; i < some; ++i)
+        fine[at + i] = {keys[i], begin_all[from + at + i].id};
+    }
+    for (std::uint64_t at = from; at < last;) {
       std::uint64_t cell_end = at + 1;
       while (cell_end < count && begin_all[cell_end].key == begin_all[at].key) ++cell_end;
-      const std::uint64_t size = cell_end - at;
-      if (size > 1 && size <= longest) {
-        fine.resize(size);
-        for (std::uint64_t b = 0; b < size; b += block) {
-          const auto some = static_cast<std::uint32_t>(std::min<std::uint64_t>(block, size - b));
-          for (std::uint32_t i = 0; i < some; ++i) {
-            const double* p = points.row(begin_all[at + b + i].id);
-            x[i] = p[0];
-            y[i] = p[1];
-            z[i] = p[2];
-          }
-          key.fine_keys(x, y, z, keys);
-          for (std::uint32_t i = 0; i < some; ++i)
-            fine[b + i] = {keys[i], begin_all[at + b + i].id};
-        }
-        std::sort(fine.begin(), fine.end());
-        for (std::uint64_t i = 0; i < size; ++i) keyed[first + at + i].id = fine[i].id;
+      if (cell_end - at > 1 && cell_end - at <= longest) {
+        std::sort(fine.data() + (at - from), fine.data() + (cell_end - from));
+        for (std::uint64_t i = at; i < cell_end; ++i) keyed[first + i].id = fine[i - from].id;
       }
       at = cell_end;
     }

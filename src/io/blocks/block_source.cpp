@@ -5,10 +5,12 @@
 #include <cstring>
 
 #include "io/blocks/byte_stream.hpp"
+#include "io/columns.hpp"
 #include "io/mapped_file.hpp"
+#include "io/packed/unpack.hpp"
 #include "io/records.hpp"
 #include "io/text.hpp"
-#include "parallel/machine_memory.hpp"
+#include "parallel/memory.hpp"
 
 namespace cullhull::internal {
 
@@ -245,13 +247,14 @@ class WholeInput : public BlockSource {
 
   bool next(BlockTask& task, BlockMemory& memory) override {
     if (std::exchange(done_, true)) return false;
+    const std::uint64_t limit = resolve_budget(options_.memory_budget) / 2;
     std::size_t size = 0, capacity = from_.head.size() + 1;
     char* out = memory.room(capacity);
     for (;;) {
       const std::size_t got = from_.stream->read(out + size, capacity - size);
       size += got;
       if (size < capacity) break;
-      if (capacity > machine_memory() / 4)
+      if (capacity > limit)
         throw Error(ErrorCode::out_of_budget,
                     name_ + ": this format is read whole, and it has more than " +
                         std::to_string(capacity >> 20) + " MiB; .npy or text come in pieces");
@@ -285,41 +288,56 @@ class WholeInput : public BlockSource {
   bool done_ = false;
 };
 
-bool is_text(const std::string& format) {
-  return format == "text" || format == "txt" || format == "xyz" || format == "csv";
-}
-
 /// The first lines of a text, which tell what it holds.
-std::optional<Preamble> preamble_of(const OpenedBytes& from, const std::string& format) {
+std::optional<Preamble> preamble_of(const OpenedBytes& from, const std::string& format,
+                                    const ReadOptions& options) {
   std::string_view head = from.head;
   if (head.size() >= std::size_t{1} << 20) head = head.substr(0, head.rfind('\n') + 1);
   if (head.starts_with("\xEF\xBB\xBF")) head.remove_prefix(3);
   if (head.empty()) return std::nullopt;
   const Source source{from.name, head.data(), head.size()};
-  Preamble preamble = find_preamble(source, format == "csv");
+  Preamble preamble = find_preamble(source, options, format == "csv");
   if (preamble.kind == Preamble::cdd) return std::nullopt;
   return preamble;
+}
+
+/// Of what is decoded, only the columns asked for.
+void choose_columns_of(RecordLayout& layout, const std::string& file,
+                       const std::vector<std::string>& names, const ReadOptions& options) {
+  layout.decode = [decode = layout.decode, file, names, options](
+                      const Source& records, std::uint64_t first, std::uint64_t count) {
+    PointData data = decode(records, first, count);
+    choose_columns(data, file, names, options);
+    return data;
+  };
 }
 
 }  // namespace
 
 std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOptions& options) {
-  OpenedBytes from = open_bytes(path, options.read.stop);
+  OpenedBytes from = open_bytes(path, options.read);
   const Source head{from.name, from.head.data(), from.head.size()};
-  if (extension_of(path) == "hullstate" || from.head.starts_with("\x93"
-                                                                 "CULLHS\n"))
+  if (extension_of(unpacked_name(path)) == "hullstate" || from.head.starts_with("\x93"
+                                                                                "CULLHS\n"))
     return std::make_unique<WholeInput>(std::move(from), "hullstate", options.read);
   const std::string_view bom = "\xEF\xBB\xBF";
   const std::size_t skip = from.head.starts_with(bom) ? bom.size() : 0;
   ReadOptions read = options.read;
   read.threads = 1;
+  if (!from.format.empty()) read.format = from.format;
   const std::string format = choose_format({head.name, head.data + skip, head.size - skip}, read);
   std::optional<RecordLayout> layout;
-  if (format == "npy") layout = npy_records(head, from.size, read);
-  if (format == "raw") layout = raw_records(head, from.size, read);
-  if (format == "ply") layout = ply_records(head, from.size, read);
+  // A block that was begun is finished, so that there is a position to go on from: whoever visits
+  // blocks hears a cancellation between them.
+  ReadOptions uninterrupted = read;
+  uninterrupted.stop = {};
+  if (format == "npy") layout = npy_records(head, from.size, uninterrupted);
+  if (format == "raw") layout = raw_records(head, from.size, uninterrupted);
+  if (format == "ply") layout = ply_records(head, from.size, uninterrupted);
   if (format == "las") layout = las_records(head, from.size);
   if (layout) {
+    if (!read.columns.empty() || !read.key.empty())
+      choose_columns_of(*layout, head.name, column_names(format), read);
     if (from.file.get() >= 0)
       return std::make_unique<RecordBlocks>(std::move(from), std::move(*layout),
                                             options.block_bytes);
@@ -328,7 +346,7 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
                                             options.block_bytes);
   }
   if (is_text(format))
-    if (const auto preamble = preamble_of(from, format)) {
+    if (const auto preamble = preamble_of(from, format, read)) {
       const auto body = static_cast<std::uint64_t>(preamble->body - from.head.data());
       return std::make_unique<TextBlocks>(std::move(from), *preamble, body, options.block_bytes,
                                           read);

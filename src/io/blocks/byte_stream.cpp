@@ -1,18 +1,16 @@
 #include "io/blocks/byte_stream.hpp"
 
-#include <fcntl.h>
-#include <poll.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <system_error>
 
 #include "cullhull/error.hpp"
+#include "io/packed/unpack.hpp"
+#include "io/packed/unwrap.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
+#include "io/system.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -32,7 +30,7 @@ class FileBytes : public ByteStream {
     std::size_t have = 0;
     while (have < size) {
       wait();
-      const ssize_t got = ::read(fd_, out + have, size - have);
+      const std::ptrdiff_t got = system::read_some(fd_, out + have, size - have);
       if (got < 0 && errno == EINTR) continue;
       if (got < 0) refuse(name_, "cannot read", errno);
       if (got == 0) break;
@@ -47,10 +45,9 @@ class FileBytes : public ByteStream {
   /// A pipe may have nothing for long: then it is asked now and then whether to go on.
   void wait() const {
     if (!waits_) return;
-    pollfd asked{fd_, POLLIN, 0};
     do {
       if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
-    } while (::poll(&asked, 1, 100) == 0);
+    } while (!system::readable_soon(fd_));
   }
 
   std::string name_;
@@ -80,22 +77,85 @@ class WithHead : public ByteStream {
   std::size_t at_ = 0;
 };
 
+/// A part of a file that may be read anywhere.
+class PartBytes : public ByteStream {
+ public:
+  PartBytes(OpenedBytes&& file, std::uint64_t offset, std::uint64_t size)
+      : file_(std::move(file)), at_(offset), left_(size) {}
+  std::size_t read(char* out, std::size_t size) override {
+    const std::size_t got = std::min<std::uint64_t>(size, left_);
+    read_at(file_, out, got, at_);
+    at_ += got;
+    left_ -= got;
+    return got;
+  }
+  std::uint64_t taken() const override { return at_; }
+
+ private:
+  OpenedBytes file_;
+  std::uint64_t at_, left_;
+};
+
+/// Puts another stream in the place of the file's own, with its beginning at hand.
+void replace_stream(OpenedBytes& opened, std::unique_ptr<ByteStream> stream) {
+  opened.head.resize(head_bytes);
+  opened.head.resize(stream->read(opened.head.data(), head_bytes));
+  if (opened.head.empty()) fail({opened.name, nullptr, 0}, "empty file");
+  opened.stream = std::make_unique<WithHead>(Descriptor(), std::move(stream), opened.head);
+}
+
+Descriptor another(const Descriptor& file, const std::string& name) {
+  Descriptor copy(system::duplicate(file.get()));
+  if (copy.get() < 0) refuse(name, "cannot open", errno);
+  return copy;
+}
+
+/// The array of an archive in the archive's place.
+OpenedBytes open_member(OpenedBytes&& archive, const std::string& member) {
+  if (archive.file.get() < 0)
+    throw Error(ErrorCode::invalid_argument,
+                archive.name +
+                    ": an .npz is read in blocks from a file alone: its directory is "
+                    "at its end");
+  const ReadAt read = [&archive](char* out, std::size_t size, std::uint64_t offset) {
+    read_at(archive, out, size, offset);
+  };
+  const ArchiveMember found = find_member(read, archive.size, member, archive.name);
+  OpenedBytes opened;
+  opened.name = archive.name;
+  if (!member.empty()) opened.name.append(1, ':').append(display_name(member));
+  opened.format = "npy";
+  opened.size = found.size;
+  if (!found.deflated) {
+    opened.file = another(archive.file, archive.name);
+    opened.base = found.offset;
+  }
+  std::unique_ptr<ByteStream> stream =
+      std::make_unique<PartBytes>(std::move(archive), found.offset, found.packed_size);
+  if (found.deflated)
+    stream = inflate_member(std::move(stream), found.size, found.crc, opened.name);
+  replace_stream(opened, std::move(stream));
+  return opened;
+}
+
 }  // namespace
 
 Descriptor::~Descriptor() {
-  if (fd_ > 0) ::close(fd_);
+  if (fd_ > 0) system::close_file(fd_);
 }
 
-OpenedBytes open_bytes(const std::string& path, const std::stop_token& stop) {
+namespace {
+
+OpenedBytes open_file(const std::string& path, const std::stop_token& stop) {
   OpenedBytes opened;
   opened.name = display_name(path);
   opened.size = unknown_size;
-  Descriptor file(path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  Descriptor file(path == "-" ? system::standard_input : system::open_to_read(path.c_str()));
   if (file.get() < 0) refuse(opened.name, "cannot open", errno);
-  struct stat status {};
-  if (::fstat(file.get(), &status) != 0) refuse(opened.name, "cannot read", errno);
-  if (S_ISDIR(status.st_mode)) refuse(opened.name, "cannot read", EISDIR);
-  const bool regular = S_ISREG(status.st_mode);
+  system::FileStatus status{};
+  if (system::status_of(file.get(), status) != 0) refuse(opened.name, "cannot read", errno);
+  if (system::is_folder(status)) refuse(opened.name, "cannot read", EISDIR);
+  const bool regular = system::is_regular(status);
   auto bytes = std::make_unique<FileBytes>(opened.name, file.get(), !regular, stop);
   opened.head.resize(head_bytes);
   opened.head.resize(bytes->read(opened.head.data(), head_bytes));
@@ -103,21 +163,34 @@ OpenedBytes open_bytes(const std::string& path, const std::stop_token& stop) {
   // Files of /proc have no size, and standard input may be a file that others read, too.
   if (path != "-" && regular && status.st_size > 0) {
     opened.size = static_cast<std::uint64_t>(status.st_size);
-    (void)posix_fadvise(file.get(), 0, 0, POSIX_FADV_SEQUENTIAL);  // a hint
-    opened.file = Descriptor(::dup(file.get()));
-    if (opened.file.get() < 0) refuse(opened.name, "cannot open", errno);
+    system::expect_in_order(file.get());
+    opened.file = another(file, opened.name);
   } else {
-#ifdef F_SETPIPE_SZ
-    (void)::fcntl(file.get(), F_SETPIPE_SZ, 1 << 20);  // a hint, and no pipe perhaps
-#endif
+    system::enlarge_pipe(file.get());  // perhaps no pipe
   }
   opened.stream = std::make_unique<WithHead>(std::move(file), std::move(bytes), opened.head);
   return opened;
 }
 
+}  // namespace
+
+OpenedBytes open_bytes(const std::string& path, const ReadOptions& options) {
+  const InputName input = split_input(path);
+  OpenedBytes opened = open_file(input.file, options.stop);
+  if (is_archive(input.file, opened.head, options))
+    return open_member(std::move(opened), input.member);
+  const Packing packing = packing_of(opened.head, opened.name, options);
+  if (packing == Packing::none) return opened;
+  opened.file = Descriptor();
+  opened.size = unknown_size;
+  replace_stream(opened, unpack(packing, std::move(opened.stream), opened.name));
+  return opened;
+}
+
 void read_at(const OpenedBytes& from, char* out, std::size_t size, std::uint64_t offset) {
+  offset += from.base;
   while (size > 0) {
-    const ssize_t got = ::pread(from.file.get(), out, size, static_cast<off_t>(offset));
+    const std::ptrdiff_t got = system::read_some_at(from.file.get(), out, size, offset);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) refuse(from.name, "cannot read", errno);
     if (got == 0) throw Error(ErrorCode::io, from.name + ": shrank while it was being read");

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "cullhull/io.hpp"
+
 namespace cullhull::internal {
 
 /// An open file descriptor. 0 stays open.
@@ -40,14 +42,17 @@ class ByteStream {
 struct OpenedBytes {
   std::string name;  ///< for messages
   Descriptor file;   ///< where it is a regular file that is not compressed, for reading anywhere
-  std::uint64_t size = 0;              ///< of it; unknown_size else
+  std::uint64_t base = 0;              ///< where in it the bytes begin, in an archive
+  std::uint64_t size = 0;              ///< of them; unknown_size else
+  std::string format;                  ///< where what it lies in tells: "npy"
   std::unique_ptr<ByteStream> stream;  ///< all bytes from the first
   std::string head;                    ///< the first MiB or, if fewer, all
 };
 
-/// "-" is standard input. Throws Error{io}, Error{bad_file} for an empty file; and
-/// Error{cancelled}, here and where it is read, while a pipe has nothing and `stop` is requested.
-OpenedBytes open_bytes(const std::string& path, const std::stop_token& stop);
+/// "-" is standard input; FILE.npz:NAME an array in an archive. What is compressed is unpacked.
+/// Throws Error{io}, Error{bad_file} for an empty file; and Error{cancelled}, here and where it is
+/// read, while a pipe has nothing and `options.stop` is requested.
+OpenedBytes open_bytes(const std::string& path, const ReadOptions& options);
 
 /// Reads at an offset as much as is asked for. Throws Error{io}, also where the file has shrunk.
 void read_at(const OpenedBytes& from, char* out, std::size_t size, std::uint64_t offset);

@@ -1,11 +1,13 @@
 // Which files some words stand for.
-#include <sys/stat.h>
-
+#include <algorithm>
 #include <fstream>
 
 #include "cullhull/error.hpp"
 #include "cullhull/point_blocks.hpp"
+#include "io/packed/archive.hpp"
+#include "io/packed/unpack.hpp"
 #include "io/source.hpp"
+#include "io/system.hpp"
 #include "parallel/memory.hpp"
 
 namespace cullhull {
@@ -28,8 +30,8 @@ std::vector<std::string> listed(const std::string& path) {
 std::vector<std::string> input_files(const std::vector<std::string>& words) {
   std::vector<std::string> spelled_out;
   for (const std::string& word : words) {
-    struct stat status {};
-    if (word.size() > 1 && word[0] == '@' && ::stat(word.c_str(), &status) != 0)
+    internal::system::FileStatus status{};
+    if (word.size() > 1 && word[0] == '@' && internal::system::status_of(word.c_str(), status) != 0)
       for (std::string& line : listed(word.substr(1))) spelled_out.push_back(std::move(line));
     else
       spelled_out.push_back(word);
@@ -42,17 +44,22 @@ std::vector<std::string> input_files(const std::vector<std::string>& words) {
   return files;
 }
 
+std::string file_of_input(const std::string& word) { return internal::split_input(word).file; }
+
 std::uint64_t input_bytes(const std::vector<std::string>& files) {
   std::uint64_t total = 0;
   for (const std::string& file : files) {
-    struct stat status {};
-    if (file == "-" || ::stat(file.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return 0;
+    internal::system::FileStatus status{};
+    if (file == "-" || internal::system::status_of(file_of_input(file).c_str(), status) != 0 ||
+        !internal::system::is_regular(status))
+      return 0;
     total += static_cast<std::uint64_t>(status.st_size);
   }
   return total;
 }
 
 bool worth_streaming(const std::vector<std::string>& files, const Options& options) {
+  if (std::any_of(files.begin(), files.end(), internal::named_as_packed)) return true;
   return input_bytes(files) > internal::resolve_budget(options.memory_budget) / 2;
 }
 

@@ -288,7 +288,10 @@ class Reading {
       return;
     }
     try {
-      visitor_.points(block.data.view, taken.first_id);
+      if (options_.read.key.empty())
+        visitor_.points(block.data.view, taken.first_id);
+      else
+        visitor_.keyed(block.data.view, taken.first_id, block.data.keys);
     } catch (const Error& e) {
       if (e.code() != ErrorCode::not_finite) throw;
       throw Error(e.code(), file + ": " + e.what());

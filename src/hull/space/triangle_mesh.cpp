@@ -1,9 +1,7 @@
-#include "hull/space/surface_3d.hpp"
+#include "hull/space/triangle_mesh.hpp"
 
 #include <algorithm>
-#include <cstring>
 
-#include "cullhull/error.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull::internal {
@@ -13,7 +11,7 @@ using Id = std::uint32_t;
 
 }  // namespace
 
-std::vector<Surface3D::Run> Surface3D::runs(std::uint32_t length) const {
+std::vector<TriangleMesh::Run> TriangleMesh::runs(std::uint32_t length) const {
   std::vector<Run> out;
   for (const auto& [begin, end] : used)
     for (std::uint64_t at = begin; at < end; at += length)
@@ -22,7 +20,7 @@ std::vector<Surface3D::Run> Surface3D::runs(std::uint32_t length) const {
   return out;
 }
 
-SimplicialHull to_simplicial(Surface3D&& surface, const Run& run) {
+Boundary boundary_of(TriangleMesh&& surface, const Run& run) {
   const auto runs = surface.runs(1 << 15);
   const Facet3D* facets = surface.facets.data();
   const auto each_run = [&](const auto& body) {
@@ -47,7 +45,7 @@ SimplicialHull to_simplicial(Surface3D&& surface, const Run& run) {
         count += static_cast<Id>(facets[f].live());
       }
     });
-  SimplicialHull hull;
+  Boundary hull;
   hull.dimension = 3;
   resize_big(hull.vertices, std::size_t{first.back()} * 3);
   resize_big(hull.neighbours, std::size_t{first.back()} * 3);
@@ -66,49 +64,6 @@ SimplicialHull to_simplicial(Surface3D&& surface, const Run& run) {
   hull.duplicates = std::move(surface.duplicates);
   hull.rung_counts = surface.rung_counts;
   return hull;
-}
-
-Surface3D to_surface(const SimplicialHull& hull, const LocalPoints& points, const Run& run) {
-  const auto fail = [](const char* what) {
-    throw Error(ErrorCode::not_exact,
-                std::string("the engine's boundary is not that of the exact hull: ") + what);
-  };
-  const std::size_t count = hull.facet_count();
-  if (count < 4 || count >= Facet3D::none || hull.vertices.size() != count * 3 ||
-      hull.neighbours.size() != hull.vertices.size())
-    fail("too few facets");
-  Surface3D s;
-  s.count = points.count;
-  s.live = count;
-  s.used = {{0, static_cast<Id>(count)}};
-  s.facets.reserve(count);
-  s.order = BigArray<Id>(points.count);
-  s.rows = BigArray<double>(std::size_t{points.count} * Shared3D::row_stride);
-  constexpr std::uint64_t chunk = 1 << 15;
-  run.each(points.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t i = begin; i < end; ++i) {
-      s.order[i] = static_cast<Id>(i);
-      double* row = s.rows.get() + i * Shared3D::row_stride;
-      std::memcpy(row, points.row(static_cast<Id>(i)), 3 * sizeof(double));
-      row[3] = 0;
-    }
-  });
-  run.each(count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t f = begin; f < end; ++f) {
-      Facet3D& facet = s.facets[f];
-      for (unsigned j = 0; j < 3; ++j) {
-        facet.vertices[j] = hull.vertices[f * 3 + j];
-        facet.neighbours[j] = hull.neighbours[f * 3 + j];
-        if (facet.vertices[j] >= points.count) fail("an id is out of range");
-        if (facet.neighbours[j] >= count) fail("a ridge has no second facet");
-      }
-      facet.owner = 0;
-    }
-  });
-  s.duplicates = hull.duplicates;
-  const Id any[4] = {0, 0, 0, 0};  // no cones are asked for
-  s.predicates.emplace(points, any);
-  return s;
 }
 
 }  // namespace cullhull::internal

@@ -1,6 +1,6 @@
 // What the 3D engine leaves: its own facets and numbers, in which neighbours lie near one another
-// in memory. The result of a hull with millions of facets is made from this; everybody else takes
-// the SimplicialHull.
+// in memory. The result of a hull with millions of facets is made from this; all else takes the
+// Boundary.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,8 @@
 
 namespace cullhull::internal {
 
-struct Surface3D {
+/// A surface of triangles as the engine has it: slots of facets, some of them unused.
+struct TriangleMesh {
   using Run = std::pair<std::uint32_t, std::uint32_t>;
 
   RawArray<Facet3D> facets;
@@ -29,7 +30,7 @@ struct Surface3D {
   BigArray<double> rows;                    ///< of each, Shared3D::row_stride apart
   std::uint32_t count = 0;                  ///< vertex numbers; not all need be in use
   std::optional<Orientation3D> predicates;  ///< of the local points; refers to them
-  /// As in SimplicialHull.
+  /// As in Boundary.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
   RungCounts rung_counts;
 
@@ -38,13 +39,9 @@ struct Surface3D {
 };
 
 /// As hull_3d.
-Surface3D surface_3d(const LocalPoints& points, const std::uint32_t* simplex, const Run& run);
+TriangleMesh triangle_mesh(const LocalPoints& points, const std::uint32_t* simplex, const Run& run);
 
 /// The facets numbered by ascending slot, with local ids.
-SimplicialHull to_simplicial(Surface3D&& surface, const Run& run);
-
-/// The other way, for another engine's facets; throws Error{not_exact} where they refer to points
-/// or facets that do not exist.
-Surface3D to_surface(const SimplicialHull& hull, const LocalPoints& points, const Run& run);
+Boundary boundary_of(TriangleMesh&& surface, const Run& run);
 
 }  // namespace cullhull::internal

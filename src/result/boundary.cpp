@@ -1,4 +1,4 @@
-#include "result/surface.hpp"
+#include "result/boundary.hpp"
 
 #include <numeric>
 #include <string>
@@ -7,6 +7,7 @@
 #include "geometry/orientation.hpp"
 #include "geometry/oriented_plane.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/prefetch.hpp"
 #include "parallel/sort_few.hpp"
 
 namespace cullhull::internal {
@@ -52,15 +53,16 @@ struct ChunkResult {
 
 class RidgeScan {
  public:
-  RidgeScan(const Surface& surface, const LocalPoints& points, const Control& control)
+  RidgeScan(const Boundary& surface, const LocalPoints& points, const Control& control)
       : surface_(surface),
+        count_(surface.facet_count()),
         points_(points),
         control_(control),
         filter_(points.coordinates == points.exact) {}
 
   template <unsigned K>
   void chunk(std::uint64_t begin, std::uint64_t end, ChunkResult& out) const {
-    const unsigned k = K ? K : surface_.k;
+    const unsigned k = K ? K : surface_.dimension;
     Plane<K> plane;
     for (std::uint64_t f = begin; f < end; ++f) {
       prefetch(f + 8, k);
@@ -70,7 +72,7 @@ class RidgeScan {
       plane.set(points_, ids);
       for (unsigned i = 0; i < k; ++i) {
         const std::uint32_t g = surface_.neighbours[f * k + i];
-        if (g >= surface_.count() || g == f) fail_not_exact("a ridge has no second facet");
+        if (g >= count_ || g == f) fail_not_exact("a ridge has no second facet");
         if (g < f) continue;
         const unsigned j = opposite_slot<K>(surface_, static_cast<std::uint32_t>(f), i, g);
         ++out.ridges;
@@ -98,12 +100,12 @@ class RidgeScan {
 
  private:
   void prefetch(std::uint64_t f, unsigned k) const {
-    if (f + 8 >= surface_.count()) return;
+    if (f + 8 >= count_) return;
     for (unsigned i = 0; i < k; ++i) {
       const std::size_t g = surface_.neighbours[(f + 8) * k + i];
-      __builtin_prefetch(surface_.ids.data() + g * k);
-      __builtin_prefetch(surface_.neighbours.data() + g * k);
-      __builtin_prefetch(points_.row(surface_.ids[f * k + i]));
+      prefetch_line(surface_.vertices.data() + g * k);
+      prefetch_line(surface_.neighbours.data() + g * k);
+      prefetch_line(points_.row(surface_.vertices[f * k + i]));
     }
   }
 
@@ -119,19 +121,7 @@ class RidgeScan {
       return largest > bound + determinant_tiny;
     }
     void set(const LocalPoints& points, const std::uint32_t* ids) {
-      double edges[K > 1 ? K - 1 : 1][K];
-      const double* origin = points.row(ids[0]);
-      reach = determinant_error(K);
-      for (unsigned i = 1; i < K; ++i) {
-        const double* p = points.row(ids[i]);
-        double largest = 0;
-        for (unsigned c = 0; c < K; ++c) {
-          edges[i - 1][c] = p[c] - origin[c];
-          largest = std::max(largest, std::fabs(edges[i - 1][c]));
-        }
-        reach *= largest;
-      }
-      cofactors<K>(edges, normal);
+      reach = normal_and_reach<K>([&](unsigned i) { return points.row(ids[i]); }, normal);
     }
   };
 
@@ -167,7 +157,7 @@ class RidgeScan {
   }
 
   Sign exact_side(std::uint64_t f, std::uint32_t x, ChunkResult& out) const {
-    const unsigned k = surface_.k;
+    const unsigned k = surface_.dimension;
     std::vector<const double*> rows(k + 1);
     for (unsigned i = 0; i < k; ++i) rows[i] = points_.exact_row(surface_.simplex(f)[i]);
     rows[k] = points_.exact_row(x);
@@ -191,7 +181,8 @@ class RidgeScan {
     return false;
   }
 
-  const Surface& surface_;
+  const Boundary& surface_;
+  const std::size_t count_;
   const LocalPoints& points_;
   const Control& control_;
   bool filter_;
@@ -254,48 +245,44 @@ void fail_not_exact(const char* what) {
               std::string("the engine's boundary is not that of the exact hull: ") + what);
 }
 
-Surface make_surface(SimplicialHull&& boundary, const LocalPoints& points, const Run& run) {
-  Surface s;
-  s.k = boundary.dimension;
-  const std::size_t count = boundary.facet_count();
-  s.ids = std::move(boundary.vertices);
-  s.neighbours = std::move(boundary.neighbours);
-  if (count < s.k + std::size_t{1} || s.ids.size() != count * s.k ||
-      s.neighbours.size() != s.ids.size())
+void sort_simplices(Boundary& s, const LocalPoints& points, const Run& run) {
+  const std::size_t count = s.facet_count();
+  const unsigned k = s.dimension;
+  if (count < k + std::size_t{1} || s.vertices.size() != count * k ||
+      s.neighbours.size() != s.vertices.size())
     fail_not_exact("too few facets");
   std::vector<std::uint32_t> lowest;
-  if (!boundary.duplicates.empty()) {
+  if (!s.duplicates.empty()) {
     lowest.resize(points.count);
     std::iota(lowest.begin(), lowest.end(), 0U);
-    for (const auto& [duplicate, vertex] : boundary.duplicates)
+    for (const auto& [duplicate, vertex] : s.duplicates)
       lowest[vertex] = std::min(lowest[vertex], duplicate);
   }
-  if (s.k == 1) {  // two ends, each the other's neighbour
+  if (k == 1) {  // two ends, each the other's neighbour
     if (count != 2) fail_not_exact("a segment has two ends");
     s.neighbours = {1, 0};
   }
   s.odd.resize(count);
-  const SortSimplex sort = sort_of(s.k);
+  const SortSimplex sort = sort_of(k);
   run.each(count, simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t f = begin; f < end; ++f) {
-      std::uint32_t* ids = s.ids.data() + f * s.k;
-      std::uint32_t* neighbours = s.neighbours.data() + f * s.k;
-      for (unsigned i = 0; i < s.k; ++i) {
+      std::uint32_t* ids = s.vertices.data() + f * k;
+      std::uint32_t* neighbours = s.neighbours.data() + f * k;
+      for (unsigned i = 0; i < k; ++i) {
         if (ids[i] >= points.count) fail_not_exact("an id is out of range");
         if (!lowest.empty()) ids[i] = lowest[ids[i]];
       }
-      s.odd[f] = sort(ids, neighbours, s.k);
+      s.odd[f] = sort(ids, neighbours, k);
     }
   });
-  return s;
 }
 
-CoplanarPairs coplanar_pairs(const Surface& surface, const LocalPoints& points, const Run& run,
+CoplanarPairs coplanar_pairs(const Boundary& surface, const LocalPoints& points, const Run& run,
                              std::uint64_t* rung_counts) {
-  const Scan scan = scan_of(surface.k);
+  const Scan scan = scan_of(surface.dimension);
   const RidgeScan ridge_scan(surface, points, run.control);
-  std::vector<ChunkResult> results(chunk_count(surface.count(), simplex_chunk));
-  run.each_chunk(surface.count(), simplex_chunk,
+  std::vector<ChunkResult> results(chunk_count(surface.facet_count(), simplex_chunk));
+  run.each_chunk(surface.facet_count(), simplex_chunk,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
                    scan.chunk(ridge_scan, begin, end, results[chunk]);
                  });
@@ -307,8 +294,8 @@ CoplanarPairs coplanar_pairs(const Surface& surface, const LocalPoints& points, 
     r.rungs.add_to(rung_counts);
   }
   // Each ridge was matched from its lower simplex to one slot of the higher: half of all slots.
-  if (2 * ridges != surface.ids.size()) fail_not_exact("a ridge is not shared by two facets");
-  check_proper(ridge_scan, scan, surface.count(), pairs, run);
+  if (2 * ridges != surface.vertices.size()) fail_not_exact("a ridge is not shared by two facets");
+  check_proper(ridge_scan, scan, surface.facet_count(), pairs, run);
   return pairs;
 }
 

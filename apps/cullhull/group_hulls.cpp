@@ -1,0 +1,38 @@
+#include "group_hulls.hpp"
+
+#include <fmt/format.h>
+
+#include "cullhull/group_hulls.hpp"
+#include "measure.hpp"
+#include "outputs.hpp"
+#include "signals.hpp"
+#include "terminal.hpp"
+
+namespace app {
+
+int run_groups(const InputArguments& input, const std::vector<std::string>& files,
+               const std::string& key, const std::string& output, const RunArguments& run) {
+  cullhull::Options options = run.options();
+  cullhull::BlockOptions reading;
+  reading.read = read_options(input, run.threads, run.memory_bytes());
+  reading.read.key = key;
+  reading.read.stop = options.stop;
+  cullhull::GroupReport report;
+  {
+    TerminalProgress progress(run.quiet);
+    reading.progress = options.progress = progress.callback();
+    cancellable([&] { report = cullhull::write_group_hulls(files, output, reading, options); });
+  }
+  if (run.quiet || output == "-") return 0;
+  write_stdout(fmt::format("points     {} x {}\n"
+                           "groups     {}\n"
+                           "seconds    {:.6f} = reading and sorting {:.6f} + hulls {:.6f}\n"
+                           "run        peak memory {:.1f} MB\n",
+                           grouped(report.points), report.dimension, grouped(report.groups),
+                           report.read_seconds + report.hull_seconds, report.read_seconds,
+                           report.hull_seconds, static_cast<double>(peak_bytes()) / 1e6) +
+               wrote_line(output));
+  return 0;
+}
+
+}  // namespace app

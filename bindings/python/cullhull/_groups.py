@@ -1,0 +1,190 @@
+"""A hull for each group of points: those with the same key."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._arguments import Progress, as_points
+from ._errors import InvalidArgument
+from ._hull import Hull
+from ._many import HullBatch, convex_hulls
+
+
+class GroupHulls(Mapping[Any, Hull]):
+    """The hulls of groups, from `hulls_by`: a mapping from key to `Hull`, ordered by key.
+
+    Arrays over all groups are in `batch`, in the order of `keys`; which points a group has is in
+    `members`. Vertex indices of a group's hull count its own points: ``members(key)[hull.vertices]``
+    are the rows of all points.
+
+    Raises
+    ------
+    TypeError
+        When called: they are made by `hulls_by`.
+    KeyError
+        For a key that no point has.
+
+    Examples
+    --------
+    >>> import cullhull, numpy as np
+    >>> points = np.array([[0, 0], [9, 9], [1, 0], [0, 1], [8, 9]])
+    >>> hulls = cullhull.hulls_by(points, ["a", "b", "a", "a", "b"])
+    >>> hulls
+    <GroupHulls of 2 groups in 2D>
+    >>> [str(key) for key in hulls], hulls["a"].volume, hulls.batch.point_counts
+    (['a', 'b'], 0.5, array([3, 2]))
+    >>> hulls.members("b")
+    array([1, 4])
+    """
+
+    __slots__ = ("_keys", "_order", "_starts", "_places", "batch")
+
+    _keys: npt.NDArray[Any]
+    _order: npt.NDArray[np.int64]
+    _starts: npt.NDArray[np.int64]
+    _places: dict[Any, int] | None
+    batch: HullBatch
+
+    def __init__(self) -> None:
+        raise TypeError("hulls of groups are made by cullhull.hulls_by")
+
+    @classmethod
+    def _of(cls, keys: Any, order: Any, starts: Any, batch: HullBatch) -> GroupHulls:
+        result = object.__new__(cls)
+        result._keys, result._order, result._starts = keys, order, starts
+        result._places = None
+        result.batch = batch
+        return result
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return GroupHulls._of, (self._keys, self._order, self._starts, self.batch)
+
+    def _place(self, key: Any) -> int:
+        if self._places is None:
+            self._places = {k: i for i, k in enumerate(self._keys.tolist())}
+        try:
+            return self._places[key.item() if isinstance(key, np.generic) else key]
+        except TypeError:  # not hashable
+            raise KeyError(key) from None
+
+    def __getitem__(self, key: Any) -> Hull:
+        return self.batch[self._place(key)]
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self._keys.tolist())
+
+    def __len__(self) -> int:
+        return len(self._keys)
+
+    @property
+    def group_keys(self) -> npt.NDArray[Any]:
+        """(g,) array of the keys, ascending: group i of `batch` has ``group_keys[i]``."""
+        return self._keys
+
+    def members(self, key: Any) -> npt.NDArray[np.int64]:
+        """Indices of the points that have this key, ascending.
+
+        Parameters
+        ----------
+        key : as in `hulls_by`
+
+        Returns
+        -------
+        (m,) int64 array
+
+        Raises
+        ------
+        KeyError
+            For a key that no point has.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> cullhull.hulls_by([[0, 0], [5, 5], [1, 1]], [7, 8, 7]).members(7)
+        array([0, 2])
+        """
+        i = self._place(key)
+        return self._order[self._starts[i] : self._starts[i + 1]]
+
+    def __repr__(self) -> str:
+        return f"<GroupHulls of {len(self)} groups in {self.batch.dimension}D>"
+
+
+def _codes(keys: Any) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
+    """The keys there are, ascending, and for each point the place of its own among them."""
+    if hasattr(keys, "combine_chunks"):  # an Arrow column, maybe in chunks
+        keys = keys.combine_chunks()
+    if hasattr(keys, "null_count") and keys.null_count:
+        raise InvalidArgument(f"`keys` has {keys.null_count} missing values")
+    if hasattr(keys, "to_numpy"):
+        try:
+            array = keys.to_numpy(zero_copy_only=False)  # Arrow
+        except TypeError:
+            array = keys.to_numpy()  # pandas, polars
+    else:
+        array = np.asarray(keys)
+    array = np.asarray(array)
+    if array.ndim != 1:
+        raise InvalidArgument(f"`keys` should be one value a point, not of shape {array.shape}")
+    if array.dtype.kind in "fc" and np.isnan(array).any():
+        raise InvalidArgument(f"`keys` has {int(np.isnan(array).sum())} missing values (NaN)")
+    if array.dtype.kind == "O" and any(key is None or key != key for key in array):
+        raise InvalidArgument("`keys` has missing values")
+    try:
+        names, inverse = np.unique(array, return_inverse=True)
+    except TypeError:
+        raise InvalidArgument("`keys` should be of one kind, so that they have an order") from None
+    return names, inverse
+
+
+def hulls_by(
+    points: Any,
+    keys: Any,
+    *,
+    threads: int | None = None,
+    memory_budget: int | None = None,
+    progress: Progress = None,
+) -> GroupHulls:
+    """The exact hull of each group of points, in one call over all cores.
+
+    Parameters
+    ----------
+    points : (n, d) array
+        In any order: they are sorted by key.
+    keys : n numbers, words or other values with an order
+        A list, NumPy array, pandas or polars Series (categories, too), or Arrow array.
+    threads, memory_budget, progress : as in `convex_hull`
+
+    Returns
+    -------
+    GroupHulls
+
+    Raises
+    ------
+    InvalidArgument, NotFinite (ValueErrors), TypeError, OutOfBudget (a MemoryError)
+        As `convex_hulls`; and for keys that are missing or have no order.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> points = cullhull.generate("cube", 1000, 2)
+    >>> hulls = cullhull.hulls_by(points, points[:, 0] > points[:, 1])
+    >>> len(hulls), sum(hull.point_count for hull in hulls.values())
+    (2, 1000)
+    """
+    array = as_points(points)
+    names, inverse = _codes(keys)
+    if len(inverse) != len(array):
+        raise InvalidArgument(f"{len(array)} points, but {len(inverse)} keys")
+    # Stable, so that a group's points keep their order, as convex_hull would have them.
+    order = np.argsort(inverse, kind="stable").astype(np.int64, copy=False)
+    starts = np.zeros(len(names) + 1, dtype=np.int64)
+    np.cumsum(np.bincount(inverse, minlength=len(names)), out=starts[1:])
+    batch = convex_hulls(
+        array[order], starts, threads=threads, memory_budget=memory_budget, progress=progress
+    )
+    return GroupHulls._of(names, order, starts, batch)

@@ -1,0 +1,93 @@
+"""hulls_by: the hull of each group is convex_hull of its points, whatever the keys come as."""
+
+from __future__ import annotations
+
+import pickle
+
+import cullhull
+import numpy as np
+import pytest
+
+
+def table(groups: int = 200, dimension: int = 2, seed: int = 5):
+    random = np.random.default_rng(seed)
+    keys = np.repeat(np.arange(groups) * 3, random.integers(1, 41, groups))
+    random.shuffle(keys)
+    return random.integers(0, 6, (len(keys), dimension)).astype(float), keys
+
+
+@pytest.mark.parametrize("dimension", [1, 2, 3, 4])
+def test_each_group_is_the_hull_of_its_points(dimension):
+    points, keys = table(dimension=dimension)
+    hulls = cullhull.hulls_by(points, keys)
+    assert list(hulls) == sorted(set(keys.tolist()))
+    assert len(hulls) == len(hulls.batch) == 200
+    for key, hull in hulls.items():
+        members = np.flatnonzero(keys == key)
+        assert np.array_equal(hulls.members(key), members)
+        alone = cullhull.convex_hull(points[members])
+        assert np.array_equal(hull.vertices, alone.vertices)
+        assert hull.volume == alone.volume and hull.area == alone.area
+        assert np.array_equal(hull.facet_planes, alone.facet_planes)
+    again = pickle.loads(pickle.dumps(hulls))
+    assert list(again) == list(hulls) and np.array_equal(again.batch.volumes, hulls.batch.volumes)
+
+
+def test_keys_of_every_kind():
+    points, numbers = table()
+    words = np.array([f"town {k}" for k in numbers])
+    expected = cullhull.hulls_by(points, words)
+    same = [words.tolist(), words.astype(object)]
+    pandas = pytest.importorskip("pandas")
+    same += [pandas.Series(words), pandas.Series(words, dtype="category"), pandas.Index(words)]
+    pyarrow = pytest.importorskip("pyarrow")
+    same += [
+        pyarrow.array(words.tolist()),
+        pyarrow.chunked_array([words[:99].tolist(), words[99:].tolist()]),
+        pyarrow.array(words.tolist()).dictionary_encode(),
+    ]
+    for keys in same:
+        hulls = cullhull.hulls_by(points, keys)
+        assert list(hulls) == list(expected), type(keys)
+        assert np.array_equal(hulls.batch.volumes, expected.batch.volumes), type(keys)
+    for keys in (numbers.astype("u1"), numbers.astype("f4"), pyarrow.array(numbers)):
+        assert len(cullhull.hulls_by(points, keys)) == 200
+    days = np.datetime64("2020-01-01") + numbers
+    assert len(cullhull.hulls_by(points, days)) == 200
+    assert cullhull.hulls_by(points, numbers)[np.int64(3)].point_count == (numbers == 3).sum()
+
+
+def test_what_is_refused():
+    points = np.zeros((3, 2))
+    for keys, said in [
+        ([1, 2], "3 points, but 2 keys"),
+        ([1.0, float("nan"), 2.0], "missing"),
+        (np.array(["a", None, "b"], dtype=object), "missing"),
+        (np.array([1, "a", 2], dtype=object), "one kind"),
+        ([[1], [2], [3]], "one value a point"),
+    ]:
+        with pytest.raises(cullhull.InvalidArgument, match=said):
+            cullhull.hulls_by(points, keys)
+    with pytest.raises(cullhull.NotFinite):
+        cullhull.hulls_by([[0.0, np.inf]], [1])
+    hulls = cullhull.hulls_by(points, [1, 2, 1])
+    for key in (7, "a", []):
+        with pytest.raises(KeyError):
+            hulls[key]
+        assert key == [] or key not in hulls
+    with pytest.raises(TypeError):
+        cullhull.GroupHulls()
+
+
+def test_no_points():
+    hulls = cullhull.hulls_by(np.zeros((0, 2)), [])
+    assert len(hulls) == 0 and list(hulls) == []
+
+
+def test_shapely_has_the_same_corners():
+    shapely = pytest.importorskip("shapely")
+    points, keys = table(300, seed=9)
+    for key, hull in cullhull.hulls_by(points, keys).items():
+        theirs = shapely.MultiPoint(points[keys == key]).convex_hull
+        ours = {tuple(p) for p in points[keys == key][hull.vertices].tolist()}
+        assert ours == {tuple(p) for p in shapely.get_coordinates(theirs).tolist()}

@@ -1,0 +1,158 @@
+#!/usr/bin/env bash
+# Builds library, program and tests for another processor, runs them there under qemu-user, and
+# holds the hash of every hull that a test computes against this machine's:
+#   scripts/cross-check.sh aarch64|s390x [TEST ...]
+#   scripts/cross-check.sh libcxx [TEST ...]    here, with clang and libc++ (CXX, CXXFLAGS)
+# TEST: names of test programs; if none, all of tests/reference, tests/exactness and tests/agreement
+# but those of the program (cli_*, which are named where they are wanted) and the longest. Needs a Debian with its mirror, g++-PROCESSOR-linux-gnu and qemu-user-static
+# (scripts/install-deps.sh cross); no root. Everything lies in build/cross. Exit status 77: not
+# possible here. JOBS: how many are compiled and run at once.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+cross=$PWD/build/cross
+jobs=${JOBS:-$(nproc)}
+mirror=${CULLHULL_MIRROR:-http://deb.debian.org/debian}
+
+give_up() {
+  echo "cross-check: $*" >&2
+  exit 77
+}
+
+processor=${1:-}
+case "$processor" in
+  aarch64) debian=arm64 ;;
+  s390x) debian=s390x ;;
+  libcxx) debian= ;;
+  *)
+    sed -n '2,11s/^# \{0,1\}//p' "$0" >&2
+    exit 2
+    ;;
+esac
+shift
+if [[ -n $debian ]]; then
+  triplet=$processor-linux-gnu
+  launch=("qemu-$processor-static" -L "/usr/$triplet")
+  for tool in "$triplet-g++" "${launch[0]}"; do
+    command -v "$tool" >/dev/null || give_up "no $tool (scripts/install-deps.sh cross)"
+  done
+else
+  launch=(env)
+fi
+
+# Tests of the tree itself, of what is not compiled there, and those that take more than ten seconds
+# without an emulator.
+left_out="layers_test mentions_test headers_test cgal_oracle_test cuda_gauge_test cuda_reason_test
+bench_command_test external_oracles_test random_runs_test query_test degenerate_sets_test
+many_dimensions_test outermost_first_test general_position_test small_planar_sets_test
+few_points_test magnitudes_test engine_3d_test flat_sets_test"
+tests=("$@")
+if [[ ${#tests[@]} -eq 0 ]]; then
+  for source in tests/{reference,exactness,agreement}/*_test.cpp; do
+    name=$(basename "$source" .cpp)
+    [[ $name == cli_* || " ${left_out//$'\n'/ } " == *" $name "* ]] || tests+=("$name")
+  done
+fi
+
+# The processor's libraries, fetched by an apt of our own so that the machine's is left as it is,
+# and this machine's headers of what is header-only.
+make_root() {
+  local root=$cross/$processor/root state=$cross/$processor/apt codename path
+  [[ -e $root/complete ]] && return
+  codename=$(. /etc/os-release && echo "$VERSION_CODENAME")
+  rm -rf "$root" "$state"
+  mkdir -p "$root" "$state/lists/partial" "$state/cache/archives/partial"
+  touch "$state/status"
+  echo "deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror $codename main" \
+    >"$state/sources.list"
+  local options=(-qq -o "APT::Architecture=$debian" -o "APT::Architectures=$debian"
+    -o "Dir::Etc::sourcelist=$state/sources.list" -o Dir::Etc::sourceparts=/dev/null
+    -o "Dir::State::lists=$state/lists" -o "Dir::State::status=$state/status"
+    -o "Dir::Cache=$state/cache" -o APT::Sandbox::User=root)
+  apt-get "${options[@]}" update || give_up "$mirror has not given its lists"
+  (cd "$state" && apt-get "${options[@]}" download libgmp-dev libgmp10 libhwy-dev libhwy1 \
+    libfmt-dev libfmt9 libgtest-dev libqhull-dev libqhull8.0 libqhull-r8.0 libqhullcpp8.0 \
+    zlib1g-dev zlib1g libzstd-dev libzstd1) || give_up "$mirror has not given the libraries"
+  for path in "$state"/*.deb; do dpkg -x "$path" "$root"; done
+  for path in /usr/include/{CLI,nlohmann,fast_float} /usr/share/cmake/{CLI11,nlohmann_json} \
+    /usr/lib/cmake/FastFloat /usr/share/javascript/three; do
+    [[ -e $path ]] || give_up "no $path (scripts/install-deps.sh build)"
+    mkdir -p "$root$(dirname "$path")" && cp -rL "$path" "$root$path"
+  done
+  touch "$root/complete"
+}
+
+build() { # build NAME CMAKE-OPTIONS...: the tests
+  local tree=$cross/$1/build
+  cmake -S . -B "$tree" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS_RELEASE=-O1 \
+    -DCULLHULL_FAST_BUILD=ON -DCULLHULL_BUILD_EXAMPLES=OFF -DCULLHULL_BUILD_BENCH=OFF \
+    -DCULLHULL_RECORD_HULLS=ON "${@:2}" >"$cross/$1.configured"
+  cmake --build "$tree" -j "$jobs" --target "${tests[@]}"
+}
+
+# run NAME: all tests of a build, at most $jobs at once; what they say, and every hull they compute.
+run() {
+  local tree=$cross/$1/build results=$cross/$1/results test
+  rm -rf "$results" && mkdir -p "$results"
+  printf '%s\n' "${tests[@]}" | xargs -P "$jobs" -I{} bash -c '
+    test=$1 results=$2
+    shift 2
+    CULLHULL_RECORD=$results/$test.hulls "$@" >"$results/$test.log" 2>&1
+    echo "$?" >"$results/$test.status"' _ {} "$results" "${@:2}" "$tree/bin/{}" || true
+}
+
+summary() { # summary NAME: counts over all logs; false where a test failed
+  local results=$cross/$1/results bad=() test
+  for test in "${tests[@]}"; do
+    [[ $(cat "$results/$test.status") == 0 ]] || bad+=("$test")
+  done
+  cat "$results"/*.log | awk -v name="$1" '
+    /^\[  PASSED  \] / { passed += $4 }
+    /^\[  SKIPPED \] [0-9]+ test/ { skipped += $4 }
+    /^\[  FAILED  \] [0-9]+ test/ { failed += $4 }
+    END { printf "%s: %d tests passed, %d skipped, %d failed", name, passed, skipped, failed }'
+  echo ", of ${#tests[@]} programs${bad[*]:+; not ended well: ${bad[*]}}"
+  [[ ${#bad[@]} -eq 0 ]]
+}
+
+# Libraries whose interfaces name types of the C++ library are built with libc++ too: GoogleTest, of
+# its sources (Debian: libgtest-dev), and fmt, whose headers suffice.
+build_libcxx() {
+  local root=$cross/libcxx/root
+  local options=("-DCMAKE_CXX_COMPILER=${CXX:-clang++}"
+    "-DCMAKE_CXX_FLAGS=-stdlib=libc++ -DFMT_HEADER_ONLY ${CXXFLAGS:-}")
+  [[ -e /usr/src/googletest ]] || give_up "no /usr/src/googletest (scripts/install-deps.sh test)"
+  cmake -S /usr/src/googletest -B "$cross/libcxx/googletest" -G Ninja -DBUILD_GMOCK=OFF \
+    -DCMAKE_BUILD_TYPE=Release "-DCMAKE_INSTALL_PREFIX=$root" "${options[@]}" >/dev/null
+  cmake --build "$cross/libcxx/googletest" -j "$jobs" --target install >/dev/null
+  build libcxx -DCULLHULL_WITH_CUDA=OFF "-DCMAKE_PREFIX_PATH=$root" "${options[@]}"
+}
+
+build native -DCULLHULL_WITH_CUDA=OFF
+if [[ -n $debian ]]; then
+  make_root
+  build "$processor" "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/CrossToolchain.cmake" \
+    "-DCULLHULL_CROSS=$processor" "-DCULLHULL_CROSS_ROOT=$cross/$processor/root"
+else
+  build_libcxx
+fi
+run native env
+run "$processor" "${launch[@]}"
+
+good=true
+summary native || good=false
+summary "$processor" || good=false
+# Vectors of ARM's scalable extension are compiled for the scan that finds extreme points alone: the
+# same without them, and with vectors of every length.
+scan=$cross/$processor/build/bin/extreme_points_test
+if [[ $processor == aarch64 && -x $scan ]]; then
+  for cpu in cortex-a72 max,sve-default-vector-length={16,32,64,256}; do
+    if QEMU_CPU=$cpu "${launch[@]}" "$scan" --gtest_filter='*ColumnsFindTheLeast:*DuplicatesGive*' \
+      >"$cross/$processor/scan-$cpu.log" 2>&1; then
+      echo "aarch64, $cpu: $(tail -n 1 "$cross/$processor/scan-$cpu.log")"
+    else
+      echo "aarch64, $cpu: FAILED" && good=false
+    fi
+  done
+fi
+python3 scripts/compare_hulls.py "$cross/native/results" "$cross/$processor/results" || good=false
+$good

@@ -1,0 +1,25 @@
+// A hull in the plane as maps have geometries: GeoJSON and WKT.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "io/coordinates.hpp"
+
+namespace cullhull::internal {
+
+/// `boundary`: x y of the hull's vertices, counter-clockwise. A polygon is one closed ring; two
+/// points are a line, one is a point, none is null (GeoJSON) or an empty polygon (WKT).
+void append_geojson(std::string& out, std::span<const double> boundary);
+void append_wkt(std::string& out, std::span<const double> boundary);
+
+/// `text` in double quotes, as JSON has it. Bytes that are no UTF-8 become U+FFFD.
+void append_json_string(std::string& out, std::string_view text);
+
+/// The whole file for one hull: a Feature with its measures, or one line. Error{invalid_argument}
+/// unless the points are 2D.
+std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format);
+
+}  // namespace cullhull::internal

@@ -1,0 +1,70 @@
+// Points in blocks from several threads, sorted by their keys.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cullhull/point_blocks.hpp"
+#include "io/source.hpp"
+
+namespace cullhull::internal {
+
+/// Numbers for words, in the order in which they come. Open addressing: 20 bytes a word and itself.
+class WordNumbers {
+ public:
+  std::uint32_t number(std::string_view word);
+  std::size_t size() const { return words_.size(); }
+  std::string_view operator[](std::size_t i) const { return words_[i]; }
+  std::uint64_t bytes() const { return words_.text.size() + 8 * words_.size() + 8 * slots_.size(); }
+
+ private:
+  struct Slot {
+    std::uint32_t hash = 0, number = free;
+  };
+  static constexpr std::uint32_t free = 0xFFFFFFFF;
+  void grow();
+  PointKeys words_;
+  std::vector<Slot> slots_;
+};
+
+/// Points of a group stand together, in the order of their ids.
+struct SortedGroups {
+  std::uint32_t dimension = 0;
+  std::vector<std::uint64_t> offsets{0};  ///< of each group's points
+  std::vector<std::uint32_t> order;       ///< number of each group's word
+  Buffer coordinates;                     ///< rows of doubles
+};
+
+class CollectedPoints {
+ public:
+  explicit CollectedPoints(std::uint64_t budget) : budget_(budget) {}
+  /// From any thread. Throws Error{not_finite}, Error{out_of_budget}.
+  void add(const PointView& block, std::uint64_t first_id, const PointKeys& keys);
+  /// Takes the points away.
+  SortedGroups sort();
+  const WordNumbers& words() const { return words_; }
+  bool numeric() const { return numeric_; }
+
+ private:
+  struct Block {
+    std::uint64_t first_id = 0, count = 0;
+    std::vector<std::uint32_t> groups;
+    std::vector<double> rows;
+  };
+  std::vector<std::uint32_t> order_of_words();
+
+  std::uint64_t budget_, bytes_ = 0;
+  std::uint32_t dimension_ = 0;
+  bool numeric_ = false;
+  std::mutex mutex_;
+  std::vector<Block> blocks_;
+  WordNumbers words_;
+};
+
+/// Whether a key is a number as JSON has it, so that it need not be written as a word.
+bool is_json_number(std::string_view word);
+
+}  // namespace cullhull::internal

@@ -1,0 +1,203 @@
+#include "io/system.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <climits>
+#include <new>
+
+#if defined(_WIN32)
+#define WIN32_LEAN_AND_MEAN
+#if !defined(NOMINMAX)
+#define NOMINMAX
+#endif
+#include <windows.h>
+#else
+#include <fcntl.h>
+#include <glob.h>
+#include <poll.h>
+#include <sys/mman.h>
+#if defined(__linux__) && !defined(MADV_POPULATE_READ)
+#define MADV_POPULATE_READ 22  // Linux 5.14: the C library's headers may be older than the kernel
+#endif
+#endif
+
+namespace cullhull::internal::system {
+
+#if defined(_WIN32)
+
+namespace {
+
+/// errno of the last error of Windows.
+int failed() {
+  switch (GetLastError()) {
+    case ERROR_FILE_NOT_FOUND:
+    case ERROR_PATH_NOT_FOUND:
+      return errno = ENOENT, -1;
+    case ERROR_ACCESS_DENIED:
+    case ERROR_SHARING_VIOLATION:
+      return errno = EACCES, -1;
+    case ERROR_NOT_ENOUGH_MEMORY:
+    case ERROR_OUTOFMEMORY:
+      return errno = ENOMEM, -1;
+    default:
+      return errno = EIO, -1;
+  }
+}
+
+HANDLE handle_of(int fd) { return reinterpret_cast<HANDLE>(_get_osfhandle(fd)); }
+unsigned at_most(std::size_t size) {
+  return static_cast<unsigned>(std::min<std::size_t>(size, INT_MAX));
+}
+
+}  // namespace
+
+int open_to_read(const char* path) { return _open(path, _O_RDONLY | _O_BINARY | _O_NOINHERIT); }
+int open_to_write(const char* path) { return _open(path, _O_WRONLY | _O_BINARY | _O_NOINHERIT); }
+int create_file(const char* path) {
+  return _open(path, _O_WRONLY | _O_CREAT | _O_EXCL | _O_BINARY | _O_NOINHERIT,
+               _S_IREAD | _S_IWRITE);
+}
+int duplicate(int fd) { return _dup(fd); }
+
+std::ptrdiff_t read_some(int fd, void* out, std::size_t size) {
+  return _read(fd, out, at_most(size));
+}
+std::ptrdiff_t read_some_at(int fd, void* out, std::size_t size, std::uint64_t offset) {
+  OVERLAPPED place{};
+  place.Offset = static_cast<DWORD>(offset);
+  place.OffsetHigh = static_cast<DWORD>(offset >> 32);
+  DWORD got = 0;
+  if (ReadFile(handle_of(fd), out, at_most(size), &got, &place)) return got;
+  return GetLastError() == ERROR_HANDLE_EOF ? 0 : failed();
+}
+std::ptrdiff_t write_some(int fd, const void* data, std::size_t size) {
+  return _write(fd, data, at_most(size));
+}
+bool readable_soon(int fd) {
+  DWORD waiting = 0;  // of pipes; whatever else it is gives something or ends
+  if (!PeekNamedPipe(handle_of(fd), nullptr, 0, nullptr, &waiting, nullptr) || waiting > 0)
+    return true;
+  Sleep(100);
+  return false;
+}
+
+const void* map_file(int fd, std::uint64_t offset, std::size_t size, bool) {
+  const HANDLE mapping = CreateFileMappingW(handle_of(fd), nullptr, PAGE_READONLY, 0, 0, nullptr);
+  if (mapping == nullptr) return failed(), nullptr;
+  const void* const address = MapViewOfFile(
+      mapping, FILE_MAP_READ, static_cast<DWORD>(offset >> 32), static_cast<DWORD>(offset), size);
+  if (address == nullptr) failed();
+  CloseHandle(mapping);  // the view keeps it
+  return address;
+}
+void unmap_file(const void* address, std::size_t) noexcept { UnmapViewOfFile(address); }
+std::size_t map_granularity() {
+  SYSTEM_INFO info{};
+  GetSystemInfo(&info);
+  return info.dwAllocationGranularity;
+}
+
+std::vector<std::string> files_matching(const std::string& pattern) {
+  const std::size_t slash = pattern.find_last_of("/\\");
+  const std::string folder = slash == std::string::npos ? "" : pattern.substr(0, slash + 1);
+  std::vector<std::string> found;
+  WIN32_FIND_DATAA entry{};
+  const HANDLE search = FindFirstFileA(pattern.c_str(), &entry);
+  if (search == INVALID_HANDLE_VALUE) return found;
+  do {
+    if ((entry.dwFileAttributes & FILE_ATTRIBUTE_DIRECTORY) == 0)
+      found.push_back(folder + entry.cFileName);
+  } while (FindNextFileA(search, &entry));
+  FindClose(search);
+  return found;
+}
+
+void expect_in_order(const void*, std::size_t) {}
+void expect_in_order(int) {}
+void expect_soon(int, std::uint64_t, std::size_t) {}
+void enlarge_pipe(int) {}
+void fetch_pages(const void*, std::size_t) {}
+void set_permissions(int, const FileStatus&) {}
+
+#else
+
+int open_to_read(const char* path) { return ::open(path, O_RDONLY | O_CLOEXEC); }
+int open_to_write(const char* path) { return ::open(path, O_WRONLY | O_CLOEXEC); }
+int create_file(const char* path) {
+  return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+}
+int duplicate(int fd) { return ::dup(fd); }
+
+std::ptrdiff_t read_some(int fd, void* out, std::size_t size) { return ::read(fd, out, size); }
+std::ptrdiff_t read_some_at(int fd, void* out, std::size_t size, std::uint64_t offset) {
+  return ::pread(fd, out, size, static_cast<off_t>(offset));
+}
+std::ptrdiff_t write_some(int fd, const void* data, std::size_t size) {
+  return ::write(fd, data, size);
+}
+bool readable_soon(int fd) {
+  pollfd asked{fd, POLLIN, 0};
+  return ::poll(&asked, 1, 100) != 0;
+}
+
+const void* map_file(int fd, std::uint64_t offset, std::size_t size, bool at_once) {
+  int flags = MAP_PRIVATE;
+#if defined(MAP_POPULATE)
+  if (at_once) flags |= MAP_POPULATE;
+#else
+  (void)at_once;
+#endif
+  void* const address = ::mmap(nullptr, size, PROT_READ, flags, fd, static_cast<off_t>(offset));
+  return address == MAP_FAILED ? nullptr : address;
+}
+void unmap_file(const void* address, std::size_t size) noexcept {
+  ::munmap(const_cast<void*>(address), size);
+}
+std::size_t map_granularity() { return static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)); }
+
+std::vector<std::string> files_matching(const std::string& pattern) {
+  glob_t matches = {};
+  const int code = ::glob(pattern.c_str(), GLOB_NOSORT, nullptr, &matches);
+  std::vector<std::string> found(matches.gl_pathv, matches.gl_pathv + matches.gl_pathc);
+  ::globfree(&matches);
+  if (code == GLOB_NOSPACE) throw std::bad_alloc();
+  return found;
+}
+
+void expect_in_order(const void* mapped, std::size_t size) {
+  (void)::madvise(const_cast<void*>(mapped), size, MADV_SEQUENTIAL);
+}
+void expect_in_order(int fd) {
+#if defined(POSIX_FADV_SEQUENTIAL)
+  (void)::posix_fadvise(fd, 0, 0, POSIX_FADV_SEQUENTIAL);
+#else
+  (void)fd;
+#endif
+}
+void expect_soon(int fd, std::uint64_t offset, std::size_t size) {
+#if defined(POSIX_FADV_WILLNEED)
+  (void)::posix_fadvise(fd, static_cast<off_t>(offset), static_cast<off_t>(size),
+                        POSIX_FADV_WILLNEED);
+#else
+  (void)fd, (void)offset, (void)size;
+#endif
+}
+void enlarge_pipe(int fd) {
+#if defined(F_SETPIPE_SZ)
+  (void)::fcntl(fd, F_SETPIPE_SZ, 1 << 20);
+#else
+  (void)fd;
+#endif
+}
+void fetch_pages(const void* mapped, std::size_t size) {
+#if defined(MADV_POPULATE_READ)
+  (void)::madvise(const_cast<void*>(mapped), size, MADV_POPULATE_READ);
+#else
+  (void)mapped, (void)size;
+#endif
+}
+void set_permissions(int fd, const FileStatus& like) { (void)::fchmod(fd, like.st_mode & 07777); }
+
+#endif
+
+}  // namespace cullhull::internal::system

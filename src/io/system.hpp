@@ -1,0 +1,81 @@
+// What reading and writing files asks of the system: POSIX, or what Windows has in its place. No
+// other source of io names the system's own functions for files, memory maps and pipes.
+#pragma once
+
+#include <sys/stat.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#if defined(_WIN32)
+#include <fcntl.h>
+#include <io.h>
+#include <process.h>
+#else
+#include <unistd.h>
+#endif
+
+namespace cullhull::internal::system {
+
+inline constexpr int standard_input = 0, standard_output = 1;
+inline constexpr std::size_t longest_path = 4096;
+
+#if defined(_WIN32)
+using FileStatus = struct _stat64;
+inline int status_of(const char* path, FileStatus& status) { return _stat64(path, &status); }
+inline int status_of(int fd, FileStatus& status) { return _fstat64(fd, &status); }
+inline bool is_folder(const FileStatus& s) { return (s.st_mode & _S_IFMT) == _S_IFDIR; }
+inline bool is_regular(const FileStatus& s) { return (s.st_mode & _S_IFMT) == _S_IFREG; }
+inline bool may_write(const char* path) { return _access(path, 2) == 0; }
+inline int close_file(int fd) { return _close(fd); }
+inline int remove_file(const char* path) { return _unlink(path); }
+inline int process_number() { return _getpid(); }
+#else
+using FileStatus = struct stat;
+inline int status_of(const char* path, FileStatus& status) { return ::stat(path, &status); }
+inline int status_of(int fd, FileStatus& status) { return ::fstat(fd, &status); }
+inline bool is_folder(const FileStatus& s) { return S_ISDIR(s.st_mode); }
+inline bool is_regular(const FileStatus& s) { return S_ISREG(s.st_mode); }
+inline bool may_write(const char* path) { return ::access(path, W_OK) == 0; }
+inline int close_file(int fd) { return ::close(fd); }
+inline int remove_file(const char* path) { return ::unlink(path); }
+inline int process_number() { return ::getpid(); }
+#endif
+
+/// Descriptors; -1 and errno where they cannot be had. Bytes stay as they are, and programs that
+/// are started do not inherit them.
+int open_to_read(const char* path);
+int open_to_write(const char* path);
+int create_file(const char* path);  ///< fails where there is one
+int duplicate(int fd);
+
+/// As many bytes as come at once, 0 at the end, negative and errno for an error.
+std::ptrdiff_t read_some(int fd, void* out, std::size_t size);
+std::ptrdiff_t read_some_at(int fd, void* out, std::size_t size, std::uint64_t offset);
+std::ptrdiff_t write_some(int fd, const void* data, std::size_t size);
+/// Whether there is something to read, or an end, within 100 ms.
+bool readable_soon(int fd);
+
+/// What lies in a file from `offset` on, a multiple of map_granularity(), read-only; nullptr and
+/// errno. `at_once`: the pages are wanted now, if the system knows how.
+const void* map_file(int fd, std::uint64_t offset, std::size_t size, bool at_once);
+void unmap_file(const void* address, std::size_t size) noexcept;
+std::size_t map_granularity();
+
+/// Files whose names match, in no order. Windows: wildcards in the last part of the path alone.
+std::vector<std::string> files_matching(const std::string& pattern);
+
+/// Hints, which change nothing but time.
+void expect_in_order(const void* mapped, std::size_t size);
+void expect_in_order(int fd);
+void expect_soon(int fd, std::uint64_t offset, std::size_t size);
+void enlarge_pipe(int fd);
+/// Brings a piece of a map into memory; does nothing on systems that cannot.
+void fetch_pages(const void* mapped, std::size_t size);
+
+/// Gives a new file the permissions of the one that it will replace.
+void set_permissions(int fd, const FileStatus& like);
+
+}  // namespace cullhull::internal::system

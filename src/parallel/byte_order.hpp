@@ -1,0 +1,47 @@
+// Numbers as files hold them: little-endian, whatever this machine's own order is.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstring>
+#include <type_traits>
+
+namespace cullhull::internal {
+
+inline constexpr bool little_endian_machine = std::endian::native == std::endian::little;
+static_assert(little_endian_machine || std::endian::native == std::endian::big);
+
+/// v with its bytes in the other order.
+template <class T>
+T reverse_bytes(T v) {
+  static_assert(std::is_arithmetic_v<T>);
+  auto bytes = std::bit_cast<std::array<std::byte, sizeof(T)>>(v);
+  std::reverse(bytes.begin(), bytes.end());
+  return std::bit_cast<T>(bytes);
+}
+
+/// A number of this machine as little-endian memory holds it, or the number that is held so.
+template <class T>
+T little_endian(T v) {
+  if constexpr (little_endian_machine) return v;
+  return reverse_bytes(v);
+}
+
+/// The number whose little-endian bytes begin at `from`, at any address.
+template <class T>
+T load_little_endian(const void* from) {
+  T v;
+  std::memcpy(&v, from, sizeof v);
+  return little_endian(v);
+}
+
+/// Turns `bytes` bytes, items of `size` bytes each, to little-endian ones or back, in place.
+inline void little_endian_items(void* items, std::size_t bytes, std::size_t size) {
+  if constexpr (little_endian_machine) return;
+  auto* const p = static_cast<std::byte*>(items);
+  for (std::size_t i = 0; i < bytes && size > 1; i += size) std::reverse(p + i, p + i + size);
+}
+
+}  // namespace cullhull::internal

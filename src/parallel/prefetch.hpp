@@ -1,0 +1,27 @@
+// Hints to fetch a cache line that will be needed soon; nothing where the compiler knows none.
+#pragma once
+
+#if defined(_MSC_VER) && !defined(__clang__) && defined(_M_X64)
+#include <xmmintrin.h>
+#endif
+
+namespace cullhull::internal {
+
+#if defined(__GNUC__)
+inline void prefetch_line(const void* p) { __builtin_prefetch(p); }
+/// For data that are needed once: kept out of the first cache's way.
+inline void prefetch_passing_line(const void* p) { __builtin_prefetch(p, 0, 2); }
+inline void prefetch_line_to_write(const void* p) { __builtin_prefetch(p, 1); }
+#elif defined(_MSC_VER) && defined(_M_X64)
+inline void prefetch_line(const void* p) { _mm_prefetch(static_cast<const char*>(p), _MM_HINT_T0); }
+inline void prefetch_passing_line(const void* p) {
+  _mm_prefetch(static_cast<const char*>(p), _MM_HINT_T1);
+}
+inline void prefetch_line_to_write(const void* p) { prefetch_line(p); }
+#else
+inline void prefetch_line(const void*) {}
+inline void prefetch_passing_line(const void*) {}
+inline void prefetch_line_to_write(const void*) {}
+#endif
+
+}  // namespace cullhull::internal

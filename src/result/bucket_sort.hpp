@@ -1,0 +1,64 @@
+// Simplices by buckets of their lowest vertices: what is dealt into a bucket is sorted in the
+// cache.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace cullhull::internal {
+
+/// A vertex's bucket is its position shifted right by this: buckets of about `size` simplices, but
+/// 2048 at most, as each thread keeps a place in every one.
+inline unsigned bucket_shift(std::uint64_t simplices, std::uint64_t vertices, std::uint64_t size) {
+  const std::uint64_t wanted = std::clamp<std::uint64_t>(std::bit_ceil(simplices / size), 1, 2048);
+  const int bits = static_cast<int>(std::bit_width(vertices - 1)) - std::countr_zero(wanted);
+  return static_cast<unsigned>(std::max(bits, 0));
+}
+
+/// Sorts the keys of one bucket after the other; the memory is kept.
+template <class Key>
+class BucketSort {
+ public:
+  /// Counting sort on the lowest vertex, then by `before`. each(visit) calls visit(record) for each
+  /// of the bucket's `size` records, twice; lowest(record) < `vertices` is its lowest vertex,
+  /// counted from the bucket's first, and key(record) is asked for once.
+  template <class Each, class Lowest, class KeyOf, class Before>
+  void sort(std::size_t size, std::size_t vertices, const Each& each, const Lowest& lowest,
+            const KeyOf& key, const Before& before) {
+    ends_.assign(vertices + 1, 0);
+    keys_.resize(size);
+    std::uint32_t* const ends = ends_.data();
+    Key* const keys = keys_.data();
+    each([&](const auto& record) { ++ends[lowest(record) + 1]; });
+    for (std::size_t v = 1; v <= vertices; ++v) ends[v] += ends[v - 1];
+    each([&](const auto& record) { keys[ends[lowest(record)]++] = key(record); });
+    for (std::size_t v = 0, from = 0; v < vertices; from = ends[v++])
+      sort_run(keys + from, keys + ends[v], before);
+  }
+
+  const Key& operator[](std::size_t i) const { return keys_[i]; }
+
+ private:
+  /// A vertex is the lowest of some six triangles, but of hundreds of simplices in 6D: insertion
+  /// is quicker up to about this many.
+  static constexpr std::ptrdiff_t few = 16;
+
+  template <class Before>
+  static void sort_run(Key* begin, Key* end, const Before& before) {
+    if (end - begin > few) return std::sort(begin, end, before);
+    for (Key* i = begin; i < end; ++i) {
+      const Key key = *i;
+      Key* j = i;
+      for (; j > begin && before(key, j[-1]); --j) *j = j[-1];
+      *j = key;
+    }
+  }
+
+  std::vector<std::uint32_t> ends_;  // of the keys of each lowest vertex
+  std::vector<Key> keys_;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,68 @@
+// What a facet that is a simplex adds to the measures, and its plane: the text for numbers and for
+// vectors of them, operation by operation, as the bits are part of the canonical result. To be
+// included inside a namespace that has `cofactors`, root, absolute and greater_of, once for doubles
+// (facet_math.hpp) and once for each instruction set (facet_lanes-inl.hpp). CULLHULL_MATH says how
+// its functions are to be inlined.
+
+template <unsigned K, class V>
+CULLHULL_MATH V square_of(const V (&v)[K]) {
+  V sum = v[0] * v[0];
+  for (unsigned c = 1; c < K; ++c) sum = sum + v[c] * v[c];
+  return sum;
+}
+
+/// The largest coordinate's magnitude.
+template <unsigned K, class V>
+CULLHULL_MATH V largest_of(const V (&v)[K]) {
+  V most = absolute(v[0]);
+  for (unsigned c = 1; c < K; ++c) most = greater_of(most, absolute(v[c]));
+  return most;
+}
+
+template <unsigned K, class V>
+CULLHULL_MATH void edges_of(const V (&corner)[K][K], V (&edge)[K - 1][K]) {
+  for (unsigned i = 1; i < K; ++i)
+    for (unsigned c = 0; c < K; ++c) edge[i - 1][c] = corner[i][c] - corner[0][c];
+}
+
+/// Of the corners' differences from the origin.
+template <unsigned K, class V>
+CULLHULL_MATH void sum_of_corners(const V (&corner)[K][K], const V (&origin)[K], V (&sum)[K]) {
+  for (unsigned c = 0; c < K; ++c) {
+    V all = 0;
+    for (unsigned j = 0; j < K; ++j) all = all + (corner[j][c] - origin[c]);
+    sum[c] = all;
+  }
+}
+
+/// Of the simplex that a facet makes with the origin: K! times its volume, K! (K + 1) times its
+/// moments about the origin, and the largest step from there to corner 0.
+template <unsigned K, class V>
+struct FacetMoments {
+  V volume, moment[K], reach;
+};
+template <unsigned K, class V>
+CULLHULL_MATH FacetMoments<K, V> moments_of(const V (&normal)[K], const V (&corner)[K],
+                                            const V (&origin)[K], const V (&sum)[K]) {
+  FacetMoments<K, V> out;
+  V step[K];
+  for (unsigned c = 0; c < K; ++c) step[c] = corner[c] - origin[c];
+  V volume = 0;
+  for (unsigned c = 0; c < K; ++c) volume = volume + normal[c] * step[c];
+  out.volume = volume;
+  for (unsigned c = 0; c < K; ++c) out.moment[c] = volume * sum[c];
+  out.reach = largest_of<K>(step);
+  return out;
+}
+
+/// Unit normal and offset, this in the units of the corner.
+template <unsigned K, class V>
+CULLHULL_MATH void plane_of(const V (&normal)[K], V length, const V (&corner)[K],
+                            V (&plane)[K + 1]) {
+  V offset = 0;
+  for (unsigned c = 0; c < K; ++c) {
+    plane[c] = normal[c] / length;
+    offset = offset - plane[c] * corner[c];
+  }
+  plane[K] = offset;
+}

@@ -1,0 +1,103 @@
+// The program over columns by name: one file, many, a pipe, in blocks and not, and every command
+// that reads points.
+#include "agreement/run_app.hpp"
+
+namespace cullhull {
+namespace {
+
+using testing::expect_error;
+using testing::Folder;
+using testing::Ran;
+using testing::read_file;
+using testing::run_app;
+using testing::write_file;
+
+/// Rows of a CSV with words beside the coordinates, and the same points plainly.
+struct Tables {
+  std::string named, plain;
+};
+
+Tables tables(std::uint64_t from, std::uint64_t to) {
+  const std::vector<double> p = generate("ball", 400, 3, 1);
+  Tables t{"name,x,y,z,intensity\n", "x,y,z\n"};
+  for (std::uint64_t i = from; i < to; ++i) {
+    char row[120];
+    std::snprintf(row, sizeof row, "%.17g,%.17g,%.17g", p[3 * i], p[3 * i + 1], p[3 * i + 2]);
+    t.named +=
+        (i % 3 == 0 ? "\"a, b\"," : "word,") + std::string(row) + "," + std::to_string(i) + "\n";
+    t.plain += std::string(row) + "\n";
+  }
+  return t;
+}
+
+class CliColumns : public ::testing::Test {
+ protected:
+  CliColumns() {
+    write_file(f_ / "named.csv", tables(0, 400).named);
+    write_file(f_ / "plain.csv", tables(0, 400).plain);
+    write_file(f_ / "a.csv", tables(0, 150).named);
+    write_file(f_ / "b.csv", tables(150, 400).named);
+    expected_ = hull({"plain.csv"}, {});
+  }
+  std::string hull(const std::vector<std::string>& files, std::vector<std::string> more,
+                   const std::string& input = "/dev/null") {
+    std::vector<std::string> words{"hull"};
+    for (const std::string& file : files) words.push_back(file == "-" ? file : f_ / file);
+    words.insert(words.end(), more.begin(), more.end());
+    words.insert(words.end(), {"-o", f_ / "out.json"});
+    last_ = run_app(words, input);
+    EXPECT_EQ(last_.status, 0) << last_.err;
+    return read_file(f_ / "out.json");
+  }
+  Folder f_;
+  Ran last_;
+  std::string expected_;
+};
+
+TEST_F(CliColumns, OneFileManyAPipeBlocks) {
+  for (const char* columns : {"x,y,z", "1:4"}) {
+    for (const char* stream : {"on", "off"}) {
+      const std::vector<std::string> more{"--columns", columns, "--stream", stream};
+      EXPECT_EQ(hull({"named.csv"}, more), expected_) << columns << " " << stream;
+      EXPECT_EQ(last_.err, "");
+      EXPECT_EQ(hull({"a.csv", "b.csv"}, more), expected_) << columns << " " << stream;
+      EXPECT_EQ(hull({"-"}, more, f_ / "named.csv"), expected_) << columns << " " << stream;
+    }
+  }
+}
+
+TEST_F(CliColumns, TheRemarkIsOneLineHoweverManyFiles) {
+  const std::string said =
+      "x, y and z of 5 columns are taken as coordinates; --columns takes others\n";
+  for (const char* stream : {"on", "off"}) {
+    EXPECT_EQ(hull({"a.csv", "b.csv"}, {"--stream", stream}), expected_);
+    EXPECT_TRUE(last_.err == "cullhull: " + f_ / "a.csv" + ": " + said ||
+                last_.err == "cullhull: " + f_ / "b.csv" + ": " + said)
+        << last_.err;
+  }
+  EXPECT_EQ(hull({"named.csv"}, {"--certify", "--stream", "on"}), expected_);
+  EXPECT_EQ(last_.err, "cullhull: " + f_ / "named.csv" + ": " + said);
+}
+
+TEST_F(CliColumns, EveryCommandThatReadsPoints) {
+  const std::string named = f_ / "named.csv", plain = f_ / "plain.csv";
+  const std::vector<std::string> chosen{"--columns", "y,z"};
+  const auto run = [&](std::vector<std::string> words) {
+    words.insert(words.end(), chosen.begin(), chosen.end());
+    const Ran ran = run_app(words);
+    EXPECT_EQ(ran.status, 0) << words[0] << ": " << ran.err;
+    return ran;
+  };
+  run({"hull", named, "-o", f_ / "flat.json"});
+  run({"certify", named, f_ / "flat.json"});
+  run({"cull", named, "-o", f_ / "ids.csv"});
+  run({"cull", plain, "-o", f_ / "plain-ids.csv"});
+  EXPECT_EQ(read_file(f_ / "ids.csv"), read_file(f_ / "plain-ids.csv"));
+  EXPECT_EQ(run({"info", named}).out.find("axis 2"), std::string::npos);
+  expect_error({"hull", named, "--columns", "x,q"}, 2, "no column 'q'; there are 'name', 'x', 'y'");
+  expect_error({"hull", named, "--columns", "name,x"}, 1, "named.csv:2: column 'name': 'a, b'");
+  expect_error({"hull", named, "--columns", "x,q", "--stream", "on"}, 2, "no column 'q'");
+}
+
+}  // namespace
+}  // namespace cullhull
