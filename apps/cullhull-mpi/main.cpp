@@ -1,12 +1,12 @@
 // cullhull-mpi: `cullhull hull` over the ranks of an MPI job. Rank 0 alone prints and writes.
-#include <fcntl.h>
 #include <mpi.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cstdint>
+#include <cstdlib>
 #include <exception>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -19,6 +19,7 @@
 #include "shares.hpp"
 #include "signals.hpp"
 #include "streaming.hpp"
+#include "system.hpp"
 #include "terminal.hpp"
 #include "words.hpp"
 
@@ -164,10 +165,14 @@ int run(Job& job, const std::vector<std::string>& given) {
   return status;
 }
 
-/// Only rank 0 speaks; what the others would say it hears.
-void be_silent() {
-  const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
-  if (null >= 0) ::dup2(null, STDERR_FILENO);
+/// Only rank 0 speaks; what the others would say it hears. MPI takes a while to start, and a signal
+/// may come before: launchers tell the rank in the environment, too.
+void silence_others(bool started, int rank) {
+  bool other = started && rank != 0;
+  for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"})
+    if (const char* told = std::getenv(name); told != nullptr && !started)
+      other = other || std::string_view(told) != "0";
+  if (other) app::system::silence(app::system::standard_error);
 }
 
 }  // namespace
@@ -176,12 +181,13 @@ int main(int argc, char** argv) {
   app::keep_standard_streams();
   const std::vector<std::string> words(argv + 1, argv + argc);
   int status = 0;
+  silence_others(false, 0);
   try {
     app::install_signals();  // before MPI has threads
     int level = 0;
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &level);
     Job job(words);
-    if (job.rank() != 0) be_silent();
+    silence_others(true, job.rank());
     try {
       status = run(job, words);
       MPI_Bcast(&status, 1, MPI_INT, 0, MPI_COMM_WORLD);

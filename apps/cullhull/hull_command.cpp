@@ -428,6 +428,8 @@ void check_groups(const HullArguments& a) {
 /// Points that lie on several ranks, of which this is one.
 int run_elsewhere(const HullArguments& arguments, const FilePlan& plan) {
   const std::string why_not = needs_memory(arguments);
+  if (!arguments.by.empty())
+    throw Error(ErrorCode::invalid_argument, "--by is for one process");
   if (!why_not.empty() || arguments.stream.stream == "off")
     throw Error(ErrorCode::invalid_argument, (why_not.empty() ? "--stream off" : why_not) +
                                                  " needs all points in one process's memory");
@@ -443,13 +445,16 @@ int run(HullArguments arguments) {
   (void)format_words(arguments.formats);  // refused before the work
   arguments.files = arguments.input.find_files();
   const FilePlan plan = plan_files(arguments);
+  if (arguments.elsewhere != nullptr) {
+    if (!arguments.only.empty()) check_vertices_only(arguments);
+    return run_elsewhere(arguments, plan);
+  }
   if (!arguments.by.empty()) {
     check_groups(arguments);
     return run_groups(arguments.input, arguments.files, arguments.by, arguments.outputs[0],
                       arguments.run);
   }
   if (!arguments.only.empty()) check_vertices_only(arguments);
-  if (arguments.elsewhere != nullptr) return run_elsewhere(arguments, plan);
   return arguments.stream.wanted(arguments.files, arguments.run, needs_memory(arguments))
              ? run_streamed(arguments, plan)
              : run_in_memory(arguments, plan);

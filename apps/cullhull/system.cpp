@@ -38,6 +38,12 @@ bool is_terminal(int fd) { return _isatty(fd) != 0; }
 void open_if_closed(int fd) {
   if (_get_osfhandle(fd) == -1) (void)_open("NUL", fd == 0 ? _O_WRONLY : _O_RDONLY);
 }
+void silence(int fd) {
+  const int null = _open("NUL", _O_WRONLY);
+  if (null < 0) return;
+  (void)_dup2(null, fd);
+  _close(null);
+}
 void wait_10_ms() { Sleep(10); }
 void end(int status) { std::_Exit(status); }
 
@@ -98,6 +104,12 @@ void open_if_closed(int fd) {
   if (::fcntl(fd, F_GETFD) < 0 && errno == EBADF)
     // The lowest free number is `fd`. The wrong direction keeps reads and writes failing.
     (void)!::open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY);
+}
+void silence(int fd) {
+  const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (null < 0) return;
+  (void)::dup2(null, fd);
+  ::close(null);
 }
 void wait_10_ms() { ::poll(nullptr, 0, 10); }
 void end(int status) { ::_exit(status); }

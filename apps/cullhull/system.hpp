@@ -15,6 +15,8 @@ std::ptrdiff_t write_some(int fd, const char* data, std::size_t size);
 bool is_terminal(int fd);
 /// Gives a closed standard stream a descriptor that reads or writes nothing.
 void open_if_closed(int fd);
+/// From now on what is written there is gone.
+void silence(int fd);
 void wait_10_ms();                  ///< also in a signal handler
 [[noreturn]] void end(int status);  ///< at once: no destructors, no handlers
 

@@ -1,5 +1,7 @@
 #include "distributed/survivors.hpp"
 
+#include <vector>
+
 #include "cullhull/error.hpp"
 #include "flow/filter_stage.hpp"
 #include "flow/sample_map.hpp"
@@ -27,10 +29,19 @@ Survivors filtered(const NumberedPoints& common, const PointView& points, const 
 
 NumberedPoints rows_of(const mpi::Block& block, const Survivors& left) {
   NumberedPoints kept{block.points.dimension, block.points.scalar, {}, {}};
-  if (left.all)
+  if (left.all) {
     kept.append(block.points, 0, nullptr, block.points.count, block.first_id);
-  else
-    for (const std::uint64_t i : left.ids) kept.append(block.points, i, nullptr, 1, block.first_id);
+    return kept;
+  }
+  // By stretches of as many points as 32 bits count.
+  std::vector<std::uint32_t> positions;
+  for (auto id = left.ids.begin(); id != left.ids.end();) {
+    const std::uint64_t first = *id;
+    positions.clear();
+    for (; id != left.ids.end() && *id - first <= 0xFFFFFFFF; ++id)
+      positions.push_back(static_cast<std::uint32_t>(*id - first));
+    kept.append(block.points, first, positions.data(), positions.size(), block.first_id);
+  }
   return kept;
 }
 

@@ -10,9 +10,6 @@
 namespace cullhull::internal {
 
 struct StateParts {
-  static NumberedPoints points(HullState&& state) {
-    return {state.dimension_, state.scalar_, std::move(state.ids_), std::move(state.rows_)};
-  }
   /// Of `seen` points whose extreme ones these are, ascending.
   static HullState state(NumberedPoints&& points, std::uint64_t seen) {
     HullState state;
