@@ -16,7 +16,6 @@
 #include "cullhull/lists.hpp"
 #include "cullhull/machine.hpp"
 #include "cullhull/options.hpp"
-#include "cullhull/point_blocks.hpp"
 #include "cullhull/point_view.hpp"
 #include "cullhull/query.hpp"
 #include "cullhull/simplify.hpp"
