@@ -18,6 +18,7 @@
 #include "cuda/pseudo_hull.hpp"
 #include "cuda/runtime.hpp"
 #include "cullhull/cullhull.hpp"
+#include "cullhull/io.hpp"
 #include "cullhull/device_points.hpp"
 #include "cullhull/version.hpp"
 #include "flow/sample_map.hpp"

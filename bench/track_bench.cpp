@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "cullhull/cullhull.hpp"
+#include "cullhull/io.hpp"
 
 namespace {
 
