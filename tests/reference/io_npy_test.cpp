@@ -130,7 +130,9 @@ TEST(Npy, WritersAreReadBack) {
   EXPECT_EQ(rows_of(a.points()), (Rows{{0.1, -0.0}, {1e300, 4}, {5, 6}}));
   EXPECT_TRUE(std::signbit(a.points().at(0, 1)));
   EXPECT_EQ(std::filesystem::file_size(folder.file("a.npy")) % 16, 0U);
-  if (lies_ready) EXPECT_EQ(reinterpret_cast<std::uintptr_t>(a.points().data) % 64, 0U);
+  if (lies_ready) {
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(a.points().data) % 64, 0U);
+  }
 
   write_npy_points(folder.file("b.npy"), v.data() + 3, 1, 3, ScalarType::i16);
   EXPECT_EQ(open_points(folder.file("b.npy")).points().scalar, ScalarType::i16);
