@@ -428,8 +428,7 @@ void check_groups(const HullArguments& a) {
 /// Points that lie on several ranks, of which this is one.
 int run_elsewhere(const HullArguments& arguments, const FilePlan& plan) {
   const std::string why_not = needs_memory(arguments);
-  if (!arguments.by.empty())
-    throw Error(ErrorCode::invalid_argument, "--by is for one process");
+  if (!arguments.by.empty()) throw Error(ErrorCode::invalid_argument, "--by is for one process");
   if (!why_not.empty() || arguments.stream.stream == "off")
     throw Error(ErrorCode::invalid_argument, (why_not.empty() ? "--stream off" : why_not) +
                                                  " needs all points in one process's memory");

@@ -103,15 +103,7 @@ def convex_hull(
     -------
     Hull or None
     """
-    whole = state(
-        comm,
-        points,
-        root=0 if root is None else root,
-        threads=threads,
-        memory_budget=memory_budget,
-    )
-    if root is None:
-        whole = _state(_shared(comm, whole))
+    whole = _state_for(comm, points, root, threads, memory_budget)
     hull: Hull | None = _agreed(
         comm, lambda: None if whole is None else hull_of(whole, threads, memory_budget)
     )
@@ -132,16 +124,17 @@ def extreme_points(
     ----------
     comm, points, root, threads, memory_budget : as in `convex_hull`
     """
-    whole = state(
-        comm,
-        points,
-        root=0 if root is None else root,
-        threads=threads,
-        memory_budget=memory_budget,
-    )
-    if root is None:
-        whole = _state(_shared(comm, whole))
+    whole = _state_for(comm, points, root, threads, memory_budget)
     return None if whole is None else whole.ids
+
+
+def _state_for(
+    comm: Any, points: Any, root: int | None, threads: int | None, memory_budget: int | None
+) -> HullState | None:
+    """As `state`; on every rank where ``root`` is None."""
+    first = 0 if root is None else root
+    whole = state(comm, points, root=first, threads=threads, memory_budget=memory_budget)
+    return _state(_shared(comm, whole)) if root is None else whole
 
 
 def _agreed(comm: Any, work: Any) -> Any:

@@ -135,9 +135,12 @@ void planes_of_group(const PlaneFrame& frame, const double* apex, const double* 
     hn::Store(hn::DemoteTo(narrow, hn::IfThenElseZero(good, hn::Mul(normal[j], scale))), narrow,
               out + j * lanes);
   // Rounding to nearest may go down: a factor of two roundings of f32 goes up in any case.
-  const VF wider = hn::IfThenElse(good, hn::Mul(error, hn::Set(f, 1 + 0x1p-22)),
-                                  hn::Set(f, std::numeric_limits<double>::infinity()));
-  hn::Store(hn::DemoteTo(narrow, wider), narrow, out + D * lanes);
+  // Infinity is set as a float: emulated vectors convert that of doubles to the largest float.
+  const VF wider = hn::IfThenElse(good, hn::Mul(error, hn::Set(f, 1 + 0x1p-22)), hn::Set(f, 2.0));
+  const auto narrowed = hn::DemoteTo(narrow, wider);
+  hn::Store(hn::IfThenElse(hn::Gt(narrowed, hn::Set(narrow, 1.0F)),
+                           hn::Set(narrow, std::numeric_limits<float>::infinity()), narrowed),
+            narrow, out + D * lanes);
   for (std::size_t k = 0; k < used; ++k)
     for (unsigned j = 0; j <= D; ++j) planes[k * (D + 1) + j] = out[j * lanes + k];
 }
