@@ -422,7 +422,6 @@ void check_groups(const HullArguments& a) {
     throw Error(ErrorCode::invalid_argument,
                 "--by writes the hulls of groups to one -o (.geojson .csv .json) and goes with "
                 "--columns, --memory and --threads");
-  if (a.elsewhere != nullptr) throw Error(ErrorCode::invalid_argument, "--by is for one process");
 }
 
 /// Points that lie on several ranks, of which this is one.
@@ -444,16 +443,13 @@ int run(HullArguments arguments) {
   (void)format_words(arguments.formats);  // refused before the work
   arguments.files = arguments.input.find_files();
   const FilePlan plan = plan_files(arguments);
-  if (arguments.elsewhere != nullptr) {
-    if (!arguments.only.empty()) check_vertices_only(arguments);
-    return run_elsewhere(arguments, plan);
-  }
-  if (!arguments.by.empty()) {
+  if (!arguments.by.empty() && arguments.elsewhere == nullptr) {
     check_groups(arguments);
     return run_groups(arguments.input, arguments.files, arguments.by, arguments.outputs[0],
                       arguments.run);
   }
   if (!arguments.only.empty()) check_vertices_only(arguments);
+  if (arguments.elsewhere != nullptr) return run_elsewhere(arguments, plan);
   return arguments.stream.wanted(arguments.files, arguments.run, needs_memory(arguments))
              ? run_streamed(arguments, plan)
              : run_in_memory(arguments, plan);
