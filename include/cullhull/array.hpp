@@ -20,10 +20,10 @@ void* allocate_block(std::size_t bytes);
 void free_block(void* block, std::size_t bytes) noexcept;
 }  // namespace internal
 
-/// The library keeps blocks of 2 MB and more that it or an Array frees, up to a limit, and gives
-/// them out again: memory from the system must be cleared first, which takes longer than most steps
-/// of a hull. Between calls the system is told that it may take them back whenever it is short of
-/// memory. At first the limit is a sixteenth of what this process may use, at most 1 GiB.
+/// The library keeps blocks that it or an Array frees and gives them out again: memory from the
+/// system must be cleared first, which takes longer than most steps of a hull. Of less than 2 MB:
+/// 16 MB in all; larger ones up to a limit, at first a sixteenth of what this process may use, at
+/// most 1 GiB, and between calls the system may take these back whenever it is short of memory.
 /// Sets the limit; what is kept beyond it goes back at once. 0: nothing is kept between calls.
 void keep_memory(std::size_t limit) noexcept;
 /// Bytes that are kept now.

@@ -19,6 +19,10 @@ class PageScope {
   PageScope& operator=(const PageScope&) = delete;
 };
 
+/// From this size on allocate_block gives blocks that begin at a cache line and that are kept;
+/// below it malloc keeps what is freed.
+inline constexpr std::size_t kept_block = std::size_t{32} << 10;
+
 /// A larger block with the contents of `block`, which it replaces; all sizes at least
 /// `mapped_block`, `bytes` as it was asked for. `more` becomes what there is room for: a block that
 /// grows will grow again. Moves page tables rather than bytes where memory must be new.
