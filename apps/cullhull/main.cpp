@@ -24,6 +24,7 @@ constexpr const char* footer =
     "  cullhull hull ball.npy -o hull.ply --certify     their hull, checked, as a mesh\n"
     "  cullhull ball.npy                                the same as cullhull hull ball.npy\n"
     "  cullhull track frames.npy --json                 hulls of moving points, frame by frame\n"
+    "  cullhull delaunay disk.npy -o mesh.ply           the Delaunay triangulation\n"
     "  cullhull info ball.npy                           what is in a file\n"
     "\n"
     "Exit status: 0 success; 1 bad input or the system refused; 2 bad usage; 3 not certified;\n"
@@ -36,9 +37,9 @@ int run(const std::vector<std::string>& given) {
   parser.footer(footer);
   parser.require_subcommand(1, 1);
   std::vector<std::pair<const app::Parser*, app::Command>> commands;
-  for (const auto add :
-       {app::add_hull, app::add_cull, app::add_track, app::add_certify, app::add_generate,
-        app::add_info, app::add_view, app::add_qconvex, app::add_bench}) {
+  for (const auto add : {app::add_hull, app::add_cull, app::add_track, app::add_delaunay,
+                         app::add_voronoi, app::add_certify, app::add_generate, app::add_info,
+                         app::add_view, app::add_qconvex, app::add_bench}) {
     app::Command command = add(parser);
     commands.emplace_back(parser.last_subcommand(), std::move(command));
   }

@@ -34,6 +34,21 @@ bool heights(const std::vector<std::array<double, D>>& vertices, const CutPlane<
   return any;
 }
 
+/// The items since the last start become a face, less those equal to the one before: planes through
+/// vertices cut there several times. Less than three are none.
+void end_face(std::vector<std::uint32_t>& starts, std::vector<std::uint32_t>& items,
+              std::vector<std::uint32_t>& owners, std::uint32_t owner) {
+  const auto begin = items.begin() + static_cast<std::ptrdiff_t>(starts.back());
+  items.erase(std::unique(begin, items.end()), items.end());
+  while (items.size() > starts.back() + 1 && items.back() == items[starts.back()]) items.pop_back();
+  if (items.size() < starts.back() + 3) {
+    items.resize(starts.back());
+    return;
+  }
+  starts.push_back(static_cast<std::uint32_t>(items.size()));
+  owners.push_back(owner);
+}
+
 using Space = std::array<double, 3>;
 Space minus(const Space& a, const Space& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 double determinant(const Space& a, const Space& b, const Space& c) {
@@ -54,11 +69,13 @@ void ClipPolygon::cut(const CutPlane<2>& plane) {
     if (stays) {
       next_.push_back(vertices[i]);
       next_owners_.push_back(owners[i]);
-      if (!next_stays) {
+      if (!next_stays && above_[i] == 0) {
+        next_owners_.back() = plane.owner;  // it leaves at the vertex
+      } else if (!next_stays) {
         next_.push_back(between<2>(vertices[i], above_[i], vertices[j], above_[j]));
         next_owners_.push_back(plane.owner);
       }
-    } else if (next_stays) {
+    } else if (next_stays && above_[j] != 0) {
       next_.push_back(between<2>(vertices[j], above_[j], vertices[i], above_[i]));
       next_owners_.push_back(owners[i]);
     }
@@ -89,10 +106,12 @@ void ClipPolyhedron::add_face(const std::vector<std::uint32_t>& face, std::uint3
 std::uint32_t ClipPolyhedron::cut_vertex(std::uint32_t inside, std::uint32_t outside) {
   for (std::uint32_t e = 0; e < edges_.size(); ++e)
     if (edges_[e].inside == inside && edges_[e].outside == outside) return e;
-  const auto at = static_cast<std::uint32_t>(vertices.size());
+  const bool at_vertex = above_[inside] == 0;
+  const auto at = at_vertex ? inside : static_cast<std::uint32_t>(vertices.size());
   edges_.push_back({inside, outside, at, unset});
-  vertices.push_back(
-      between<3>(vertices[inside], above_[inside], vertices[outside], above_[outside]));
+  if (!at_vertex)
+    vertices.push_back(
+        between<3>(vertices[inside], above_[inside], vertices[outside], above_[outside]));
   return static_cast<std::uint32_t>(edges_.size() - 1);
 }
 
@@ -134,9 +153,7 @@ void ClipPolyhedron::cut_faces() {
         first_return = e;  // it left before the list began
     }
     if (first_return != unset) edges_[first_return].next = left;
-    if (next_items_.size() == next_starts_.back()) continue;
-    next_starts_.push_back(static_cast<std::uint32_t>(next_items_.size()));
-    next_owners_.push_back(owners[f]);
+    end_face(next_starts_, next_items_, next_owners_, owners[f]);
   }
   std::swap(starts, next_starts_);
   std::swap(items, next_items_);
@@ -150,8 +167,7 @@ void ClipPolyhedron::close(std::uint32_t owner) {
       items.push_back(e->vertex);
       e = &edges_[std::exchange(e->next, unset)];
     }
-    starts.push_back(static_cast<std::uint32_t>(items.size()));
-    owners.push_back(owner);
+    end_face(starts, items, owners, owner);
   }
 }
 

@@ -1,0 +1,379 @@
+// cullhull delaunay, cullhull voronoi: triangulations of a file of points and their duals.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+
+#include "arguments.hpp"
+#include "commands.hpp"
+#include "cullhull/error.hpp"
+#include "cullhull/triangulation.hpp"
+#include "cullhull/triangulation_io.hpp"
+#include "cullhull/voronoi.hpp"
+#include "measure.hpp"
+#include "outputs.hpp"
+#include "terminal.hpp"
+
+namespace app {
+namespace {
+
+using cullhull::Certificate;
+using cullhull::Error;
+using cullhull::ErrorCode;
+using cullhull::PointView;
+using cullhull::Triangulation;
+using cullhull::Voronoi;
+
+constexpr const char* delaunay_footer =
+    "Output (-o, by extension; may be given more than once):\n"
+    "  .ply .obj .off .vtp   triangles of 2D points\n"
+    "  .vtk                  cells of points of up to 3 dimensions\n"
+    "  .geojson .wkt         triangles of 2D points\n"
+    "  .json                 everything: cells, neighbours, groups, hull, duplicates, hidden "
+    "points\n"
+    "  --format WORDS        on standard output, as qdelaunay prints it: i cells, Fn neighbours,\n"
+    "                        Fx points of the hull, p all points\n"
+    "\n"
+    "Examples:\n"
+    "  cullhull delaunay disk.npy -o mesh.ply --certify      the mesh, its cells checked\n"
+    "  cullhull delaunay sites.csv --columns x,y --weights w -o regular.json\n"
+    "  rbox 100 D2 | cullhull delaunay - --format i          in the place of qdelaunay\n"
+    "\n"
+    "All points must fit in memory. Exit status: 0 success; 1 bad input; 2 bad usage; 3 not\n"
+    "certified; 4 out of the memory budget; 130 cancelled.";
+
+constexpr const char* voronoi_footer =
+    "Output (-o, by extension; may be given more than once):\n"
+    "  .geojson .wkt         the cells of 2D points within the box, a polygon for each point\n"
+    "  .ply .obj .off .vtp   the same as a mesh; in 3D the faces of all cells\n"
+    "  .json                 the diagram: vertices, ridges, regions, unbounded rays\n"
+    "  --measures FILE       length, area or volume of each point's cell in the box (.npy, .csv, "
+    ".txt)\n"
+    "  --format WORDS        on standard output, as qvoronoi prints it: p vertices, o vertices "
+    "and\n"
+    "                        regions, Fv ridges\n"
+    "The box is the points' own, wider by a tenth of its longest side on each side, unless --box\n"
+    "gives another one.\n"
+    "\n"
+    "Examples:\n"
+    "  cullhull voronoi disk.npy -o cells.geojson            the cells as polygons\n"
+    "  cullhull voronoi wells.csv --box 0,0,100,100 --measures areas.csv\n"
+    "  rbox 100 D2 | cullhull voronoi - --format 'p Fv'      in the place of qvoronoi\n"
+    "\n"
+    "All points must fit in memory. Exit status: 0 success; 1 bad input; 2 bad usage; 3 not\n"
+    "certified; 4 out of the memory budget; 130 cancelled.";
+
+struct DualArguments {
+  InputArguments input;
+  RunArguments run;
+  std::vector<std::string> outputs, formats;
+  std::string weights, json, measures, box;
+  bool furthest = false, certify = false;
+  std::vector<std::string> files;  ///< that the words of the input stand for
+};
+
+const Endings triangulation_endings{".ply", ".obj",     ".off", ".vtp",
+                                    ".vtk", ".geojson", ".wkt", ".json"};
+const Endings cell_endings{".ply", ".obj", ".off", ".vtp", ".geojson", ".wkt", ".json"};
+const Endings measure_endings{".npy", ".csv", ".txt"};
+
+std::vector<std::string> words_of(const std::vector<std::string>& given,
+                                  const std::vector<std::string>& known) {
+  std::vector<std::string> words;
+  for (std::string text : given) {
+    std::replace(text.begin(), text.end(), ',', ' ');
+    std::istringstream in(text);
+    for (std::string word; in >> word;) {
+      if (std::find(known.begin(), known.end(), word) == known.end())
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("--format {}: known are {}", word, fmt::join(known, " ")));
+      words.push_back(word);
+    }
+  }
+  return words;
+}
+
+/// Of a file of one number a point, or of a column of the input.
+std::vector<double> read_weights(const DualArguments& a, std::uint64_t count) {
+  if (a.weights.empty()) return {};
+  InputArguments from;
+  std::error_code ignored;
+  const bool is_file = std::filesystem::exists(a.weights, ignored);
+  if (is_file) {
+    from.path = a.weights;
+  } else {
+    from = a.input;
+    from.columns = a.weights;
+  }
+  const Input input = is_file ? open_input(from, a.run.threads, a.run.memory_bytes())
+                              : open_inputs(from, a.files, a.run.threads, a.run.memory_bytes());
+  if (input.points.dimension != 1)
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("--weights {}: {} columns, where one number a point is wanted",
+                            a.weights, input.points.dimension));
+  if (input.points.count != count)
+    throw Error(ErrorCode::invalid_argument, fmt::format("--weights {}: {} numbers for {} points",
+                                                         a.weights, input.points.count, count));
+  std::vector<double> weights(count);
+  for (std::uint64_t i = 0; i < count; ++i) weights[i] = input.points.at(i, 0);
+  return weights;
+}
+
+struct Box {
+  std::vector<double> low, high;
+};
+
+Box box_of(const DualArguments& a, const PointView& points) {
+  const std::uint32_t d = points.dimension;
+  Box box;
+  if (!a.box.empty()) {
+    std::string text = a.box;
+    std::replace(text.begin(), text.end(), ',', ' ');
+    std::istringstream in(text);
+    std::vector<double> numbers;
+    for (double v; in >> v;) numbers.push_back(v);
+    if (!in.eof() || numbers.size() != 2 * d)
+      throw Error(ErrorCode::invalid_argument,
+                  fmt::format("--box {}: {} numbers are wanted, the least of each axis, then the "
+                              "greatest",
+                              a.box, 2 * d));
+    box.low.assign(numbers.begin(), numbers.begin() + d);
+    box.high.assign(numbers.begin() + d, numbers.end());
+    return box;
+  }
+  double widest = 0;
+  for (std::uint32_t j = 0; j < d; ++j) {
+    double low = points.count > 0 ? points.at(0, j) : 0, high = low;
+    for (std::uint64_t i = 1; i < points.count; ++i) {
+      low = std::min(low, points.at(i, j));
+      high = std::max(high, points.at(i, j));
+    }
+    box.low.push_back(low);
+    box.high.push_back(high);
+    widest = std::max(widest, high - low);
+  }
+  const double margin = widest > 0 ? widest / 10 : 1;
+  for (std::uint32_t j = 0; j < d; ++j) {
+    box.low[j] -= margin;
+    box.high[j] += margin;
+  }
+  return box;
+}
+
+struct Outcome {
+  Triangulation triangulation;
+  std::optional<Voronoi> voronoi;
+  std::optional<cullhull::ClippedCells> cells;
+  std::optional<Certificate> certificate;
+  std::vector<double> weights;
+  double read_seconds = 0, dual_seconds = 0;
+};
+
+void triangulate(const DualArguments& a, const PointView& points, Outcome& out) {
+  out.triangulation = repeat(a.run, 1, [&](const cullhull::Options& options) {
+                        cullhull::TriangulationOptions o;
+                        o.furthest_site = a.furthest;
+                        o.threads = options.threads;
+                        o.memory_budget = options.memory_budget;
+                        o.progress = options.progress;
+                        o.stop = options.stop;
+                        o.poll = options.poll;
+                        return naming_file(a.input.path, [&] {
+                          return out.weights.empty()
+                                     ? cullhull::delaunay(points, o)
+                                     : cullhull::regular_triangulation(points, out.weights, o);
+                        });
+                      }).result;
+  if (!a.certify) return;
+  out.certificate = out.weights.empty() ? cullhull::certify(points, out.triangulation)
+                                        : cullhull::certify(points, out.weights, out.triangulation);
+}
+
+bool wants_cells(const DualArguments& a) {
+  return !a.measures.empty() ||
+         std::any_of(a.outputs.begin(), a.outputs.end(), [](const std::string& path) {
+           return path != "-" && ending_of(path) != ".json";
+         });
+}
+
+void find_dual(const DualArguments& a, const PointView& points, Outcome& out) {
+  const Stopwatch watch;
+  out.voronoi = repeat(a.run, 1, [&](const cullhull::Options& options) {
+                  return cullhull::voronoi(points, out.triangulation, out.weights, options);
+                }).result;
+  if (wants_cells(a)) {
+    const Box box = box_of(a, points);
+    out.cells = repeat(a.run, 1, [&](const cullhull::Options& options) {
+                  return cullhull::clip_voronoi(points, out.triangulation, box.low, box.high,
+                                                out.weights, true, options);
+                }).result;
+  }
+  out.dual_seconds = watch.seconds();
+}
+
+std::string report(const DualArguments& a, const PointView& points, const Outcome& out) {
+  const Triangulation& t = out.triangulation;
+  nlohmann::ordered_json json = report_head(points);
+  json["threads"] = t.statistics.threads;
+  json["weights"] = !out.weights.empty();
+  json["furthest_site"] = a.furthest;
+  json["affine_dimension"] = t.affine_dimension;
+  json["cell_count"] = t.size();
+  json["merged_cell_count"] =
+      t.size() == 0 ? 0
+      : t.cell_groups.empty()
+          ? t.size()
+          : std::uint64_t{*std::max_element(t.cell_groups.begin(), t.cell_groups.end())} + 1;
+  json["hull_facet_count"] = t.hull_facet_count();
+  json["duplicate_count"] = t.duplicates.size();
+  json["hidden_count"] = t.hidden.size();
+  if (out.voronoi) {
+    json["vertex_count"] = out.voronoi->vertex_count();
+    json["ridge_count"] = out.voronoi->ridge_count();
+    double sum = 0;
+    if (out.cells)
+      for (const double m : out.cells->measures) sum += m;
+    json["measure"] = out.cells ? nlohmann::ordered_json(sum) : nlohmann::ordered_json();
+    json["dual_seconds"] = out.dual_seconds;
+  }
+  json["certified"] =
+      out.certificate ? nlohmann::ordered_json(out.certificate->valid) : nlohmann::ordered_json();
+  json["read_seconds"] = out.read_seconds;
+  json["compute_seconds"] = t.statistics.compute_seconds;
+  json["peak_bytes"] = peak_bytes();
+  return json.dump(2) + '\n';
+}
+
+std::string summary(const DualArguments& a, const Input& input, const Outcome& out) {
+  const Triangulation& t = out.triangulation;
+  std::string text = points_line(input);
+  if (t.affine_dimension >= 0 && t.affine_dimension != static_cast<int>(t.dimension))
+    text +=
+        fmt::format("flat       the points span dimension {} only, and are triangulated there\n",
+                    t.affine_dimension);
+  text += fmt::format("cells      {}, {} facets on the hull\n", grouped(t.size()),
+                      grouped(t.hull_facet_count()));
+  if (!t.duplicates.empty() || !t.hidden.empty())
+    text += fmt::format("left out   {} duplicates, {} hidden\n", grouped(t.duplicates.size()),
+                        grouped(t.hidden.size()));
+  if (out.voronoi)
+    text += fmt::format("diagram    {} vertices, {} ridges\n", grouped(out.voronoi->vertex_count()),
+                        grouped(out.voronoi->ridge_count()));
+  text += fmt::format("seconds    {:.6f}; reading {:.6f}\n",
+                      t.statistics.compute_seconds + out.dual_seconds, out.read_seconds);
+  text +=
+      fmt::format("run        {} thread{}, peak memory {:.1f} MB\n", t.statistics.threads,
+                  t.statistics.threads == 1 ? "" : "s", static_cast<double>(peak_bytes()) / 1e6);
+  if (out.certificate)
+    text += fmt::format("certified  {}\n", out.certificate->valid ? "yes" : "NO");
+  for (const std::string& path : a.outputs) text += wrote_line(path);
+  return text + wrote_line(a.measures) + wrote_line(a.json);
+}
+
+void write_results(const DualArguments& a, const PointView& points, const Outcome& out) {
+  for (const std::string& path : a.outputs) {
+    if (!out.voronoi)
+      cullhull::write_triangulation(path, points, out.triangulation);
+    else if (ending_of(path) == ".json" || path == "-")
+      cullhull::write_voronoi(path, *out.voronoi);
+    else
+      cullhull::write_cells(path, *out.cells);
+  }
+  if (!a.measures.empty()) {
+    const std::uint64_t n = out.cells->measures.size();
+    const PointView rows = PointView::row_major(out.cells->measures.data(), n, 1);
+    std::vector<std::uint64_t> ids(n);
+    for (std::uint64_t i = 0; i < n; ++i) ids[i] = i;
+    cullhull::write_points(a.measures, rows, ids);
+  }
+  if (!a.json.empty()) cullhull::write_text(a.json, report(a, points, out));
+  const auto& known = out.voronoi ? cullhull::voronoi_formats() : cullhull::delaunay_formats();
+  for (const std::string& word : words_of(a.formats, known))
+    write_stdout(out.voronoi
+                     ? cullhull::voronoi_to_qhull_text(*out.voronoi, word)
+                     : cullhull::triangulation_to_qhull_text(points, out.triangulation, word));
+}
+
+int run(DualArguments a, bool dual) {
+  (void)words_of(a.formats, dual ? cullhull::voronoi_formats() : cullhull::delaunay_formats());
+  a.files = a.input.find_files();
+  FilePlan plan;
+  plan.reads(a.files);
+  std::error_code ignored;
+  if (!a.weights.empty() && std::filesystem::exists(a.weights, ignored)) plan.reads(a.weights);
+  for (const std::string& path : a.outputs)
+    plan.writes("-o", path, dual ? cell_endings : triangulation_endings);
+  plan.writes("--measures", a.measures, measure_endings);
+  plan.writes_json(a.json);
+  if (!a.formats.empty()) plan.prints("--format");
+  const Input input = open_inputs(a.input, a.files, a.run.threads, a.run.memory_bytes());
+  for (const std::string& path : a.outputs)
+    cullhull::check_triangulation_format(path, input.points.dimension, dual);
+  if (!a.box.empty()) (void)box_of(a, input.points);  // refused before the work
+  Outcome out;
+  out.read_seconds = input.file.read_seconds() + warm_pages(input.points);
+  out.weights = read_weights(a, input.points.count);
+  triangulate(a, input.points, out);
+  if (dual) find_dual(a, input.points, out);
+  write_results(a, input.points, out);
+  if (!a.run.quiet && !plan.uses_stdout()) write_stdout(summary(a, input, out));
+  if (!out.certificate || out.certificate->valid) return 0;
+  complain("not certified: " + out.certificate->reason);
+  return not_certified;
+}
+
+Parser& add_common(Parser& parent, const char* name, const char* about, DualArguments& a) {
+  Parser& command = *parent.add_subcommand(name, about);
+  needs_value(*command.add_option("-o,--output", a.outputs, "Write to this file"))
+      .allow_extra_args(false)
+      ->type_name("FILE");
+  needs_value(*command.add_option("--weights", a.weights,
+                                  "Weights of points, for a regular triangulation: a file of one\n"
+                                  "number a point, or a column of INPUT"))
+      .type_name("FILE|COLUMN");
+  command.add_flag("--furthest", a.furthest, "Of the furthest site: the upper hull's cells");
+  add_json_option(command, a.json, "Counts and times");
+  needs_value(*command.add_option("--format", a.formats, "Print it as Qhull's programs do"))
+      .allow_extra_args(false)
+      ->type_name("WORDS");
+  command.add_flag("--certify", a.certify,
+                   "Check the triangulation exactly, by none of the engine's code");
+  needs_value(
+      *command.add_option("--memory", a.run.memory,
+                          "Most it may take beyond the input, e.g. 2G or 512MiB; else half\n"
+                          "of the machine's. What needs more is refused, status 4"))
+      .type_name("BYTES");
+  a.run.add_to(command, false);
+  a.input.add_many_to(command);
+  return command;
+}
+
+}  // namespace
+
+Command add_delaunay(Parser& parent) {
+  auto a = std::make_shared<DualArguments>();
+  Parser& command =
+      add_common(parent, "delaunay", "The exact Delaunay triangulation of a file of points", *a);
+  command.footer(std::string(input_help) + "\n\n" + delaunay_footer);
+  return [a] { return run(*a, false); };
+}
+
+Command add_voronoi(Parser& parent) {
+  auto a = std::make_shared<DualArguments>();
+  Parser& command =
+      add_common(parent, "voronoi", "The Voronoi or power diagram of a file of points", *a);
+  needs_value(*command.add_option("--box", a->box,
+                                  "Clip cells to this box: all least coordinates,"
+                                  "\nthen all greatest"))
+      .type_name("X,Y,..");
+  needs_value(*command.add_option("--measures", a->measures, "Write the measures of clipped cells"))
+      .type_name("FILE");
+  command.footer(std::string(input_help) + "\n\n" + voronoi_footer);
+  return [a] { return run(*a, true); };
+}
+
+}  // namespace app

@@ -1,0 +1,48 @@
+// Writing triangulations and Voronoi diagrams. docs/formats.md, "Triangulations", describes every
+// format.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cullhull/point_view.hpp"
+#include "cullhull/triangulation.hpp"
+#include "cullhull/voronoi.hpp"
+
+#pragma GCC visibility push(default)
+namespace cullhull {
+
+/// Writes the cells in the format of the extension of `path` or `format`: .ply .obj .off .vtp
+/// (triangles of 2D and 3D points), .vtk (cells of any triangulation of up to 3 dimensions),
+/// .geojson .wkt (triangles of 2D points) or .json (everything but statistics). The bytes depend on
+/// points and triangulation alone; the file appears whole or not at all, as write_hull's does.
+/// Throws Error{invalid_argument} if the format cannot hold the triangulation, Error{io}.
+void write_triangulation(const std::string& path, const PointView& points,
+                         const Triangulation& triangulation, const std::string& format = "");
+
+/// Likewise the polygons of clipped cells (in space their faces): .ply .obj .off .vtp, and in 2D
+/// .geojson and .wkt, a polygon for each point.
+void write_cells(const std::string& path, const ClippedCells& cells,
+                 const std::string& format = "");
+
+/// Likewise the diagram as .json.
+void write_voronoi(const std::string& path, const Voronoi& voronoi, const std::string& format = "");
+
+/// Throws what the writers would throw for a name, before the work: for a diagram's cells or, with
+/// `cells` false, for a triangulation.
+void check_triangulation_format(const std::string& path, std::uint32_t dimension, bool cells);
+
+/// Text as Qhull's `qdelaunay` prints it, `what` being i (cells), Fn (neighbours, -1 for none), Fx
+/// (points of the hull) or p (all points). Throws Error{invalid_argument} for other words.
+std::string triangulation_to_qhull_text(const PointView& points, const Triangulation& triangulation,
+                                        std::string_view what);
+/// As `qvoronoi`: p (vertices), o (vertices and regions), Fv (ridges).
+std::string voronoi_to_qhull_text(const Voronoi& voronoi, std::string_view what);
+
+/// The words they know.
+const std::vector<std::string>& delaunay_formats();
+const std::vector<std::string>& voronoi_formats();
+
+}  // namespace cullhull
+#pragma GCC visibility pop

@@ -1,0 +1,419 @@
+// Triangulations and Voronoi diagrams as files.
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <utility>
+
+#include "cullhull/error.hpp"
+#include "cullhull/triangulation_io.hpp"
+#include "io/geometry_text.hpp"
+#include "io/mesh.hpp"
+#include "io/output_file.hpp"
+#include "io/source.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+constexpr const char* triangulation_endings = ".ply .obj .off .vtp .vtk .geojson .wkt .json";
+constexpr const char* cell_endings = ".ply .obj .off .vtp .geojson .wkt .json";
+
+bool is_mesh(const std::string& f) { return f == "ply" || f == "obj" || f == "off" || f == "vtp"; }
+bool is_map(const std::string& f) { return f == "geojson" || f == "wkt"; }
+
+[[noreturn]] void refuse(const std::string& f, const std::string& holds, std::uint32_t dimension) {
+  throw Error(ErrorCode::invalid_argument,
+              "." + f + " holds " + holds + ", not " + std::to_string(dimension) + "D");
+}
+
+void write_mesh(const std::string& path, const std::string& f, const HullMesh& mesh) {
+  OutputFile out(path);
+  if (f == "ply") write_ply(out, mesh);
+  if (f == "obj") write_obj(out, mesh);
+  if (f == "off") write_off(out, mesh);
+  if (f == "vtp") write_vtp(out, mesh);
+  out.commit();
+}
+
+/// Text that goes to a file in pieces.
+class Text {
+ public:
+  explicit Text(const std::string& path) : out_(path) {}
+  Text& add(std::string_view s) {
+    text_ += s;
+    if (text_.size() > 1 << 16) flush();
+    return *this;
+  }
+  template <class Number>
+  Text& number(Number v) {
+    append_number(text_, v);
+    return add("");
+  }
+  void commit() {
+    flush();
+    out_.commit();
+  }
+  std::string& text() { return text_; }
+
+ private:
+  void flush() {
+    out_.write(text_);
+    text_.clear();
+  }
+  OutputFile out_;
+  std::string text_;
+};
+
+/// A number as JSON has it: what is not finite is a string.
+void add_real(Text& out, double v) {
+  if (std::isfinite(v))
+    out.number(v);
+  else
+    out.add(v > 0 ? "\"inf\"" : v < 0 ? "\"-inf\"" : "\"nan\"");
+}
+
+/// `items` in rows of `width`; `none` becomes -1.
+template <class Items>
+void add_rows(Text& out, const char* key, const Items& items, std::size_t width,
+              std::uint32_t none = no_cell) {
+  out.add(",\n  \"").add(key).add("\": [");
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (width > 0 && i % width == 0) out.add(i == 0 ? "\n    [" : "],\n    [");
+    if (i > 0 && (width == 0 || i % width != 0)) out.add(", ");
+    if constexpr (std::is_floating_point_v<typename Items::value_type>)
+      add_real(out, items[i]);
+    else if (items[i] == none)
+      out.add("-1");
+    else
+      out.number(std::uint64_t{items[i]});
+  }
+  out.add(width > 0 && items.size() > 0 ? "]]" : "]");
+}
+
+/// Lists of items between offsets; at_infinity becomes -1.
+template <class Offsets, class Items>
+void add_lists(Text& out, const char* key, const Offsets& offsets, const Items& items) {
+  out.add(",\n  \"").add(key).add("\": [");
+  for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
+    out.add(i == 0 ? "\n    [" : ",\n    [");
+    for (auto j = offsets[i]; j < offsets[i + 1]; ++j) {
+      if (j > offsets[i]) out.add(", ");
+      if (items[j] == at_infinity)
+        out.add("-1");
+      else
+        out.number(std::uint64_t{items[j]});
+    }
+    out.add("]");
+  }
+  out.add("]");
+}
+
+void write_triangulation_json(const std::string& path, const Triangulation& t) {
+  Text out(path);
+  out.add("{\n  \"points\": {\"count\": ").number(t.point_count);
+  out.add(", \"dimension\": ").number(std::uint64_t{t.dimension});
+  out.add("},\n  \"affine_dimension\": ");
+  out.add(std::to_string(t.affine_dimension));
+  out.add(t.furthest_site ? ",\n  \"furthest_site\": true" : ",\n  \"furthest_site\": false");
+  add_rows(out, "axes", t.axes, 0);
+  add_rows(out, "cells", t.cells, t.corners());
+  add_rows(out, "neighbours", t.neighbours, t.corners());
+  add_rows(out, "cell_groups", t.cell_groups, 0);
+  add_rows(out, "hull_facets", t.hull_facets, t.corners() > 1 ? t.corners() - 1 : 0);
+  add_rows(out, "hull_cells", t.hull_cells, 0);
+  Array<std::uint32_t> duplicates;
+  for (const DuplicatePoint& p : t.duplicates)
+    for (const std::uint32_t id : {p.id, p.representative}) duplicates.push_back(id);
+  add_rows(out, "duplicates", duplicates, 2);
+  add_rows(out, "hidden", t.hidden, 0);
+  out.add("\n}\n");
+  out.commit();
+}
+
+HullMesh mesh_of(const PointView& points, const Triangulation& t) {
+  HullMesh mesh;
+  for (std::uint64_t i = 0; i < points.count; ++i)
+    for (std::uint32_t j = 0; j < 3; ++j)
+      mesh.coordinates.push_back(j < points.dimension ? points.at(i, j) : 0.0);
+  for (std::uint64_t c = 0; c < t.size(); ++c) {
+    for (const std::uint32_t v : t.cell(c)) {
+      mesh.polygons.items.push_back(v);
+      mesh.triangles.push_back(v);
+    }
+    mesh.polygons.offsets.push_back(3 * (c + 1));
+  }
+  mesh.edges = (t.cells.size() + t.hull_facet_count()) / 2;
+  return mesh;
+}
+
+/// VTK's legacy text: cells by their number of corners.
+void write_vtk(const std::string& path, const PointView& points, const Triangulation& t) {
+  static constexpr const char* kinds[] = {"", "1\n", "3\n", "5\n", "10\n"};
+  Text out(path);
+  out.add(
+      "# vtk DataFile Version 3.0\ncullhull triangulation\nASCII\n"
+      "DATASET UNSTRUCTURED_GRID\nPOINTS ");
+  out.number(points.count).add(" double\n");
+  for (std::uint64_t i = 0; i < points.count; ++i)
+    for (std::uint32_t j = 0; j < 3; ++j)
+      out.number(j < points.dimension ? points.at(i, j) : 0.0).add(j < 2 ? " " : "\n");
+  const std::uint64_t m = t.corners();
+  out.add("CELLS ").number(t.size()).add(" ").number(t.size() * (m + 1)).add("\n");
+  for (std::uint64_t c = 0; c < t.size(); ++c) {
+    out.number(m);
+    for (const std::uint32_t v : t.cell(c)) out.add(" ").number(std::uint64_t{v});
+    out.add("\n");
+  }
+  out.add("CELL_TYPES ").number(t.size()).add("\n");
+  for (std::uint64_t c = 0; c < t.size(); ++c) out.add(kinds[m]);
+  out.commit();
+}
+
+/// A collection of polygons, each with its number: `polygon(i)` is x y of its corners, around.
+template <class Polygon>
+void write_map(const std::string& path, const std::string& f, std::uint64_t count, const char* name,
+               const Polygon& polygon) {
+  Text out(path);
+  const bool geojson = f == "geojson";
+  out.add(geojson ? "{\"type\": \"FeatureCollection\", \"features\": [" : "GEOMETRYCOLLECTION ");
+  if (!geojson) out.add(count == 0 ? "EMPTY" : "(");
+  for (std::uint64_t i = 0; i < count; ++i) {
+    if (i > 0) out.add(geojson ? "," : ", ");
+    const std::vector<double> corners = polygon(i);
+    if (geojson) {
+      out.add("\n{\"type\": \"Feature\", \"properties\": {\"").add(name).add("\": ").number(i);
+      out.add("}, \"geometry\": ");
+      append_geojson(out.text(), corners);
+      out.add("}");
+    } else {
+      append_wkt(out.text(), corners);
+    }
+  }
+  out.add(geojson ? "]}\n" : count == 0 ? "\n" : ")\n");
+  out.commit();
+}
+
+/// The faces of cells; of the plane the cells themselves.
+HullMesh mesh_of(const ClippedCells& cells) {
+  HullMesh mesh;
+  const unsigned d = cells.dimension;
+  for (std::size_t v = 0; v < cells.vertices.size() / d; ++v)
+    for (unsigned j = 0; j < 3; ++j)
+      mesh.coordinates.push_back(j < d ? cells.vertices[v * d + j] : 0.0);
+  const auto add = [&](const std::vector<std::uint32_t>& polygon) {
+    if (polygon.size() < 3) return;
+    mesh.polygons.items.insert(mesh.polygons.items.end(), polygon.begin(), polygon.end());
+    mesh.polygons.offsets.push_back(mesh.polygons.items.size());
+    for (std::size_t i = 2; i < polygon.size(); ++i)
+      for (const std::size_t at : {std::size_t{0}, i - 1, i}) mesh.triangles.push_back(polygon[at]);
+    mesh.edges += polygon.size();
+  };
+  std::vector<std::uint32_t> polygon;
+  for (std::uint64_t i = 0; i < cells.point_count; ++i) {
+    const auto first = static_cast<std::uint32_t>(cells.vertex_offsets[i]);
+    if (d == 2) {
+      polygon.clear();
+      for (std::uint64_t v = first; v < cells.vertex_offsets[i + 1]; ++v)
+        polygon.push_back(static_cast<std::uint32_t>(v));
+      add(polygon);
+      continue;
+    }
+    for (std::uint64_t face = cells.face_offsets[i]; face < cells.face_offsets[i + 1]; ++face) {
+      polygon.clear();
+      for (std::uint64_t v = cells.face_starts[face]; v < cells.face_starts[face + 1]; ++v)
+        polygon.push_back(first + cells.face_vertices[v]);
+      add(polygon);
+    }
+  }
+  return mesh;
+}
+
+}  // namespace
+
+}  // namespace internal
+
+using namespace internal;
+
+void check_triangulation_format(const std::string& path, std::uint32_t dimension, bool cells) {
+  const std::string f = output_format(path, "", "json");
+  if (is_mesh(f)) {
+    if (dimension != 2 && (dimension != 3 || !cells))
+      refuse(f, cells ? "cells of 2D and 3D points" : "triangles of 2D points; .vtk holds 3D",
+             dimension);
+  } else if (is_map(f)) {
+    if (dimension != 2) refuse(f, "polygons of 2D points", dimension);
+  } else if (f == "vtk" && !cells) {
+    if (dimension > 3) refuse(f, "cells of points of up to 3 dimensions", dimension);
+  } else if (f != "json") {
+    refuse_format(path, f, cells ? cell_endings : triangulation_endings);
+  }
+}
+
+void write_triangulation(const std::string& path, const PointView& points, const Triangulation& t,
+                         const std::string& format) {
+  if (points.count != t.point_count || points.dimension != t.dimension)
+    throw Error(ErrorCode::invalid_argument, "the triangulation is not that of these points");
+  const std::string f = output_format(path, format, "json");
+  if (f == "json") return write_triangulation_json(path, t);
+  if (f == "vtk") {
+    if (t.dimension > 3) refuse(f, "cells of points of up to 3 dimensions", t.dimension);
+    return write_vtk(path, points, t);
+  }
+  if (!is_mesh(f) && !is_map(f)) refuse_format(path, f, triangulation_endings);
+  if (t.dimension != 2) refuse(f, "triangles of 2D points", t.dimension);
+  const bool triangles = t.affine_dimension == 2;  // else there are none
+  if (is_mesh(f)) return write_mesh(path, f, triangles ? mesh_of(points, t) : HullMesh());
+  write_map(path, f, triangles ? t.size() : 0, "cell", [&](std::uint64_t c) {
+    std::vector<double> corners;
+    for (const std::uint32_t v : t.cell(c))
+      for (std::uint32_t j = 0; j < 2; ++j) corners.push_back(points.at(v, j));
+    return corners;
+  });
+}
+
+void write_cells(const std::string& path, const ClippedCells& cells, const std::string& format) {
+  const std::string f = output_format(path, format, "geojson");
+  if (!is_mesh(f) && !is_map(f)) refuse_format(path, f, cell_endings);
+  if (cells.dimension != 2 && (cells.dimension != 3 || is_map(f)))
+    refuse(f, is_map(f) ? "polygons of 2D points" : "cells of 2D and 3D points", cells.dimension);
+  if (cells.vertex_offsets.empty())
+    throw Error(ErrorCode::invalid_argument, "the cells have no shapes to write");
+  if (is_mesh(f)) return write_mesh(path, f, mesh_of(cells));
+  write_map(path, f, cells.point_count, "point", [&](std::uint64_t i) {
+    return std::vector<double>(cells.vertices.data() + 2 * cells.vertex_offsets[i],
+                               cells.vertices.data() + 2 * cells.vertex_offsets[i + 1]);
+  });
+}
+
+void write_voronoi(const std::string& path, const Voronoi& v, const std::string& format) {
+  const std::string f = output_format(path, format, "json");
+  if (f != "json") refuse_format(path, f, ".json");
+  Text out(path);
+  out.add("{\n  \"points\": {\"count\": ").number(v.point_count);
+  out.add(", \"dimension\": ").number(std::uint64_t{v.dimension});
+  out.add("},\n  \"affine_dimension\": ");
+  out.add(std::to_string(v.affine_dimension));
+  out.add(v.furthest_site ? ",\n  \"furthest_site\": true" : ",\n  \"furthest_site\": false");
+  add_rows(out, "vertices", v.vertices, v.dimension);
+  add_rows(out, "ridge_points", v.ridge_points, 2);
+  add_lists(out, "ridge_vertices", v.ridge_offsets, v.ridge_vertices);
+  add_lists(out, "regions", v.region_offsets, v.region_vertices);
+  add_rows(out, "ray_vertices", v.ray_vertices, 0);
+  add_rows(out, "ray_directions", v.ray_directions, v.dimension);
+  out.add("\n}\n");
+  out.commit();
+}
+
+// ---------------------------------------------------------------------------- as Qhull prints
+
+const std::vector<std::string>& delaunay_formats() {
+  static const std::vector<std::string> words{"i", "Fn", "Fx", "p"};
+  return words;
+}
+
+const std::vector<std::string>& voronoi_formats() {
+  static const std::vector<std::string> words{"p", "o", "Fv"};
+  return words;
+}
+
+namespace {
+
+void refuse_word(std::string_view what, const std::vector<std::string>& known) {
+  std::string words;
+  for (const std::string& word : known) words += (words.empty() ? "" : " ") + word;
+  throw Error(ErrorCode::invalid_argument,
+              "unknown format " + quoted_text(std::string(what)) + "; known are " + words);
+}
+
+void add_line(std::string& out, std::uint64_t v) {
+  append_number(out, v);
+  out += '\n';
+}
+
+/// With the places of the rows' ends.
+template <class Row>
+void add_line_of(std::string& out, const Row& row) {
+  bool first = true;
+  for (const auto v : row) {
+    if (!first) out += ' ';
+    first = false;
+    if constexpr (std::is_floating_point_v<std::remove_cvref_t<decltype(v)>>)
+      append_number(out, v);
+    else if (v == no_cell)
+      out += "-1";
+    else
+      append_number(out, std::uint64_t{v});
+  }
+  out += '\n';
+}
+
+}  // namespace
+
+std::string triangulation_to_qhull_text(const PointView& points, const Triangulation& t,
+                                        std::string_view what) {
+  std::string out;
+  if (what == "i" || what == "Fn") {
+    add_line(out, t.size());
+    for (std::uint64_t c = 0; c < t.size(); ++c) {
+      if (what == "Fn") out += std::to_string(t.corners()) + ' ';
+      add_line_of(out, what == "i" ? t.cell(c) : t.neighbours_of(c));
+    }
+  } else if (what == "Fx") {
+    std::vector<std::uint32_t> ids(t.hull_facets.begin(), t.hull_facets.end());
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    add_line(out, ids.size());
+    for (const std::uint32_t id : ids) add_line(out, id);
+  } else if (what == "p") {
+    add_line(out, t.dimension);
+    add_line(out, points.count);
+    for (std::uint64_t i = 0; i < points.count; ++i) {
+      std::vector<double> row;
+      for (std::uint32_t j = 0; j < points.dimension; ++j) row.push_back(points.at(i, j));
+      add_line_of(out, row);
+    }
+  } else {
+    refuse_word(what, delaunay_formats());
+  }
+  return out;
+}
+
+std::string voronoi_to_qhull_text(const Voronoi& v, std::string_view what) {
+  std::string out;
+  const auto add_vertices = [&] {
+    for (std::uint64_t i = 0; i < v.vertex_count(); ++i)
+      add_line_of(out, std::span<const double>(v.vertices.data() + i * v.dimension, v.dimension));
+  };
+  // Vertices count from 1: 0 is the one at infinity.
+  const auto add_list = [&](std::span<const std::uint32_t> list) {
+    for (const std::uint32_t g : list) out += ' ' + std::to_string(g == at_infinity ? 0 : g + 1);
+    out += '\n';
+  };
+  if (what == "p") {
+    add_line(out, v.dimension);
+    add_line(out, v.vertex_count());
+    add_vertices();
+  } else if (what == "o") {
+    add_line(out, v.dimension);
+    out += std::to_string(v.vertex_count() + 1) + ' ' + std::to_string(v.point_count) + " 1\n";
+    add_line_of(out, std::vector<double>(v.dimension, -10.101));  // as Qhull has infinity
+    add_vertices();
+    for (std::uint64_t i = 0; i < v.point_count; ++i) {
+      out += std::to_string(v.region(i).size());
+      add_list(v.region(i));
+    }
+  } else if (what == "Fv") {
+    add_line(out, v.ridge_count());
+    for (std::uint64_t i = 0; i < v.ridge_count(); ++i) {
+      const auto list = v.ridge(i);
+      out += std::to_string(list.size() + 2);
+      for (unsigned j = 0; j < 2; ++j) out += ' ' + std::to_string(v.ridge_points[2 * i + j]);
+      add_list(list);
+    }
+  } else {
+    refuse_word(what, voronoi_formats());
+  }
+  return out;
+}
+
+}  // namespace cullhull

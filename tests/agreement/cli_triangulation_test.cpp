@@ -1,0 +1,129 @@
+// cullhull delaunay and cullhull voronoi as users meet them.
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "agreement/run_app.hpp"
+#include "cullhull/io.hpp"
+#include "cullhull/triangulation_io.hpp"
+
+namespace cullhull {
+namespace {
+
+using nlohmann::json;
+using testing::expect_error;
+using testing::Folder;
+using testing::Ran;
+using testing::read_file;
+using testing::run_app;
+using testing::write_file;
+using testing::write_points;
+
+const char* const square = "0 0\n2 0\n0 2\n2 2\n1 1\n";
+
+TEST(CliTriangulation, SaysWhatThereIs) {
+  const Folder f;
+  write_file(f / "p.txt", square);
+  const Ran ran = run_app({"delaunay", f / "p.txt", "--certify"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.out.find("cells      4, 4 facets on the hull\n"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("certified  yes\n"), std::string::npos) << ran.out;
+  const Ran dual = run_app({"voronoi", f / "p.txt"});
+  EXPECT_NE(dual.out.find("diagram    4 vertices, 8 ridges\n"), std::string::npos) << dual.out;
+}
+
+TEST(CliTriangulation, PrintsAsQhullDoes) {
+  const Folder f;
+  write_file(f / "p.txt", square);
+  EXPECT_EQ(run_app({"delaunay", f / "p.txt", "--format", "i Fx"}).out,
+            "4\n0 1 4\n0 4 2\n1 3 4\n2 4 3\n4\n0\n1\n2\n3\n");
+  EXPECT_EQ(run_app({"delaunay", f / "p.txt", "--format", "Fn"}).out,
+            "4\n3 2 1 -1\n3 3 -1 0\n3 3 0 -1\n3 2 -1 1\n");
+  EXPECT_EQ(run_app({"voronoi", f / "p.txt", "--format", "p"}).out, "2\n4\n1 0\n0 1\n2 1\n1 2\n");
+  EXPECT_EQ(run_app({"voronoi", f / "p.txt", "--format", "Fv"}).out,
+            "8\n4 0 1 1 0\n4 0 2 0 2\n4 0 4 2 1\n4 1 3 3 0\n4 1 4 1 3\n4 2 3 0 4\n4 2 4 4 2\n"
+            "4 3 4 3 4\n");
+  EXPECT_EQ(run_app({"voronoi", f / "p.txt", "--format", "o"}).out,
+            "2\n5 5 1\n-10.101 -10.101\n1 0\n0 1\n2 1\n1 2\n3 0 1 2\n3 0 3 1\n3 0 2 4\n3 0 4 3\n"
+            "4 1 3 4 2\n");
+  expect_error({"delaunay", f / "p.txt", "--format", "Fv"}, 2, "known are i Fn Fx p");
+}
+
+TEST(CliTriangulation, WritesFiles) {
+  const Folder f;
+  write_file(f / "p.txt", square);
+  ASSERT_EQ(run_app({"delaunay", f / "p.txt", "-q", "-o", f / "t.json", "-o", f / "t.off", "-o",
+                     f / "t.vtk", "-o", f / "t.wkt", "-o", f / "t.geojson", "-o", f / "t.ply"})
+                .status,
+            0);
+  const json t = json::parse(read_file(f / "t.json"));
+  EXPECT_EQ(t["cells"], json::parse("[[0,1,4],[0,4,2],[1,3,4],[2,4,3]]"));
+  EXPECT_EQ(t["neighbours"], json::parse("[[2,1,-1],[3,-1,0],[3,0,-1],[2,-1,1]]"));
+  EXPECT_EQ(read_file(f / "t.off").substr(0, 10), "OFF\n5 4 8\n");
+  EXPECT_NE(read_file(f / "t.vtk").find("CELLS 4 16\n3 0 1 4\n"), std::string::npos);
+  EXPECT_EQ(read_file(f / "t.wkt").substr(0, 59),
+            "GEOMETRYCOLLECTION (POLYGON ((0 0, 2 0, 1 1, 0 0)), POLYGON");
+  const json map = json::parse(read_file(f / "t.geojson"));
+  EXPECT_EQ(map["features"].size(), 4U);
+  EXPECT_EQ(map["features"][0]["geometry"]["coordinates"][0].size(), 4U);
+}
+
+TEST(CliTriangulation, WritesCells) {
+  const Folder f;
+  write_file(f / "p.txt", square);
+  const Ran ran =
+      run_app({"voronoi", f / "p.txt", "-q", "--box", "0,0,2,2", "--measures", f / "m.txt", "-o",
+               f / "c.geojson", "-o", f / "c.json", "-o", f / "c.off"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  std::istringstream in(read_file(f / "m.txt"));
+  std::vector<double> measures;
+  for (double v; in >> v;) measures.push_back(v);
+  EXPECT_EQ(measures, (std::vector<double>{0.5, 0.5, 0.5, 0.5, 2}));
+  const json map = json::parse(read_file(f / "c.geojson"));
+  ASSERT_EQ(map["features"].size(), 5U);
+  EXPECT_EQ(map["features"][4]["geometry"]["coordinates"][0].size(), 5U);
+  const json v = json::parse(read_file(f / "c.json"));
+  EXPECT_EQ(v["vertices"], json::parse("[[1.0,0.0],[0.0,1.0],[2.0,1.0],[1.0,2.0]]"));
+  EXPECT_EQ(v["regions"][0], json::parse("[-1,0,1]"));
+  write_points(f / "ball.npy", "ball", 300, 3);
+  ASSERT_EQ(run_app({"voronoi", f / "ball.npy", "-q", "-o", f / "b.obj", "--measures", f / "b.npy"})
+                .status,
+            0);
+  EXPECT_EQ(open_points(f / "b.npy").points().count, 300U);
+}
+
+TEST(CliTriangulation, WeightsFromFilesAndColumns) {
+  const Folder f;
+  write_file(f / "p.csv", "x,y,w\n0,0,0\n2,0,0\n0,2,0\n1,0,-1.5\n");
+  write_file(f / "w.txt", "0\n0\n0\n-1.5\n");
+  const Ran column = run_app({"delaunay", f / "p.csv", "--columns", "x,y", "--weights", "w",
+                              "--certify", "--format", "i"});
+  EXPECT_EQ(column.status, 0) << column.err;
+  EXPECT_EQ(column.out, "1\n0 1 2\n");
+  const Ran file = run_app(
+      {"delaunay", f / "p.csv", "--columns", "x,y", "--weights", f / "w.txt", "--format", "i"});
+  EXPECT_EQ(file.out, column.out) << file.err;
+  EXPECT_EQ(run_app({"delaunay", f / "p.csv", "--columns", "x,y", "--format", "i"}).out,
+            "2\n0 3 2\n1 2 3\n");
+  write_file(f / "few.txt", "0\n0\n");
+  expect_error({"delaunay", f / "p.csv", "--columns", "x,y", "--weights", f / "few.txt"}, 2,
+               "2 numbers for 4 points");
+}
+
+TEST(CliTriangulation, RefusesWhatCannotBe) {
+  const Folder f;
+  write_points(f / "ball.npy", "ball", 300, 3);
+  write_points(f / "disk.npy", "disk", 30, 2);
+  expect_error({"delaunay", f / "ball.npy", "-o", f / "t.off"}, 2, "triangles of 2D points");
+  expect_error({"voronoi", f / "ball.npy", "-o", f / "t.wkt"}, 2, "polygons of 2D points");
+  expect_error({"voronoi", f / "disk.npy", "--box", "0,0,1"}, 2, "4 numbers are wanted");
+  expect_error({"voronoi", f / "disk.npy", "--box", "0,0,1,0", "-o", f / "c.wkt"}, 2,
+               "the box is empty");
+  expect_error({"delaunay", f / "disk.npy", "-o", f / "t.xyz"}, 2, "");
+  expect_error({"delaunay", f / "none.npy"}, 1, "none.npy");
+  write_points(f / "many.npy", "disk", 100000, 2);
+  expect_error({"delaunay", f / "many.npy", "--memory", "1M"}, 4, "memory");
+}
+
+}  // namespace
+}  // namespace cullhull
