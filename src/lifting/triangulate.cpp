@@ -1,11 +1,13 @@
 // delaunay() and regular_triangulation(): prepare, insert, write.
 #include <algorithm>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include "cullhull/error.hpp"
 #include "cullhull/triangulation.hpp"
 #include "lifting/cell_insertion.hpp"
+#include "lifting/parts.hpp"
 #include "lifting/prepare.hpp"
 #include "lifting/redundant.hpp"
 #include "lifting/write_triangulation.hpp"
@@ -50,28 +52,30 @@ void check_budget(const PointView& points, const Run& run) {
 }
 
 template <unsigned K>
-RawCells live_cells(CellInsertion<K>& engine) {
-  const unsigned corners = engine.corners();
-  Array<std::uint32_t> number(engine.cell_count());
+RawCells live_cells(CellStore<K>& store) {
+  const unsigned corners = store.corners();
+  Array<std::uint32_t> number(store.count());
   std::uint32_t count = 0;
-  for (std::uint32_t c = 0; c < engine.cell_count(); ++c)
-    number[c] = engine.dead(c) || engine.ghost(c) ? no_cell : count++;
+  for (std::uint32_t c = 0; c < store.count(); ++c)
+    number[c] = store.dead(c) || store.ghost_slot(c) < corners ? no_cell : count++;
   RawCells raw;
   raw.vertices.resize(std::size_t{count} * corners);
   raw.neighbours.resize(std::size_t{count} * corners);
-  for (std::uint32_t c = 0; c < engine.cell_count(); ++c) {
+  for (std::uint32_t c = 0; c < store.count(); ++c) {
     if (number[c] == no_cell) continue;
     const std::size_t at = std::size_t{number[c]} * corners;
-    std::copy_n(engine.vertices(c), corners, raw.vertices.data() + at);
-    for (unsigned j = 0; j < corners; ++j) raw.neighbours[at + j] = number[engine.neighbours(c)[j]];
+    std::copy_n(store.vertices(c), corners, raw.vertices.data() + at);
+    for (unsigned j = 0; j < corners; ++j)
+      raw.neighbours[at + j] = number[store.cell_of(store.neighbours(c)[j])];
   }
   return raw;
 }
 
 template <unsigned K>
-RawCells insert_all(const Prepared& p, TriangulationStatistics& statistics, const Run& run) {
+std::unique_ptr<CellStore<K>> insert_in_turn(const Prepared& p, InsertionTotals& totals,
+                                             const Run& run) {
   CellInsertion<K> engine(p.points, run);
-  engine.start(p.simplex.data());
+  engine.start(p.simplex.data(), p.points.count);
   std::vector<std::uint32_t> placed = p.simplex;
   std::sort(placed.begin(), placed.end());
   auto skip = placed.begin();
@@ -83,10 +87,33 @@ RawCells insert_all(const Prepared& p, TriangulationStatistics& statistics, cons
     engine.insert(i);
     if (i % 65536 == 65535) run.report("triangulate", double(i) / p.points.count);
   }
-  for (unsigned r = 0; r < 3; ++r) statistics.rung_counts[r] += engine.counts().rungs[r];
-  statistics.ties += engine.counts().ties;
-  statistics.cells_created += engine.cells_created();
-  return live_cells(engine);
+  totals.add(engine.counts(), engine.store().created());
+  return std::make_unique<CellStore<K>>(std::move(engine.store()));
+}
+
+/// In parts, 2^that many: a seam takes about n^((k - 1) / k) of the points, which is worth it from
+/// some ten thousand a part.
+unsigned part_levels(const LiftedPoints& s, const Run& run) {
+  if (s.may_hide || !s.filtered || s.stride != s.base) return 0;
+  const std::uint32_t least = s.base == 2 ? 1U << 14 : 1U << 15;
+  unsigned levels = 0;
+  while (levels < 6 && 2U << levels <= run.threads && s.count >> (levels + 1) >= least) ++levels;
+  return levels;
+}
+
+template <unsigned K>
+RawCells insert_all(const Prepared& p, TriangulationStatistics& statistics, const Run& run) {
+  InsertionTotals totals;
+  std::unique_ptr<CellStore<K>> cells;
+  if constexpr (K == 2 || K == 3) {
+    if (const unsigned levels = part_levels(p.points, run); levels > 0)
+      cells = Parts<K>(p.points, run).triangulate(levels, totals);
+  }
+  if (cells == nullptr) cells = insert_in_turn<K>(p, totals, run);
+  for (unsigned r = 0; r < 3; ++r) statistics.rung_counts[r] += totals.counts.rungs[r];
+  statistics.ties += totals.counts.ties;
+  statistics.cells_created += totals.created;
+  return live_cells(*cells);
 }
 
 /// All ids that are neither vertices nor duplicates.
