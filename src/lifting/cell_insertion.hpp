@@ -25,7 +25,12 @@ template <unsigned K>
 class CellInsertion {
  public:
   CellInsertion(const LiftedPoints& points, const Run& run)
-      : s_(points), run_(run), store_(points.base, run.budget), signs_(points) {}
+      : s_(points), run_(run), store_(points.base, run.budget), signs_(points) {
+    if constexpr (K == 3) {
+      labels_.resize(points.count, 0);
+      edges_.assign(std::size_t{most_labels} * most_labels, unset);
+    }
+  }
 
   CellStore<K>& store() { return store_; }
   const LiftCounts& counts() const { return signs_.counts(); }
@@ -45,7 +50,11 @@ class CellInsertion {
     if (s_.may_hide && !conflict(first)) return false;
     find_cavity(first);
     make_cells(p);
-    join_cells();
+    if constexpr (K == 3) {
+      if (!join_along_edges()) join_cells();
+    } else {
+      join_cells();
+    }
     for (const std::uint32_t c : cavity_) store_.free_cell(c);
     if ((++inserted_ & 255) == 0) run_.check();
     return true;
@@ -137,6 +146,50 @@ class CellInsertion {
     if (last_ == unset) last_ = facets_.front().made;
   }
 
+  /// In space new cells meet in edges of the cavity's boundary, twice in each: a small table has
+  /// those met once. False, with nothing done, where the boundary has too many vertices for it.
+  bool join_along_edges() {
+    if (facets_.size() > 2 * most_labels - 4) return false;  // Euler's formula
+    if (label_base_ > ~std::uint32_t{0} - 2 * most_labels) {
+      std::fill(labels_.begin(), labels_.end(), 0U);
+      label_base_ = 0;
+    }
+    label_base_ += most_labels;
+    std::uint32_t labels = 0, at_infinity = unset;
+    const auto label = [&](std::uint32_t v) {
+      if (v == infinite) return at_infinity != unset ? at_infinity : at_infinity = labels++;
+      const std::uint32_t known = labels_[v] - label_base_;
+      if (known < most_labels) return known;
+      labels_[v] = label_base_ + labels;
+      return labels++;
+    };
+    for (const Facet& f : facets_) {
+      const std::uint32_t* v = store_.vertices(f.made);
+      std::uint32_t corner[4];
+      for (unsigned i = 0; i < 4; ++i) corner[i] = i == f.slot ? 0 : label(v[i]);
+      for (unsigned i = 0; i < 4; ++i) {
+        if (i == f.slot) continue;
+        // The edge without corner i: of the other three slots that are not the facet's.
+        std::uint32_t a = unset, b = 0;
+        for (unsigned j = 0; j < 4; ++j) {
+          if (j == i || j == f.slot) continue;
+          if (a == unset)
+            a = corner[j];
+          else
+            b = corner[j];
+        }
+        std::uint32_t& met = edges_[a < b ? a * most_labels + b : b * most_labels + a];
+        if (met == unset) {
+          met = store_.code(f.made, i);
+        } else {
+          store_.link(f.made, i, met);
+          met = unset;
+        }
+      }
+    }
+    return true;
+  }
+
   void join_cells() {
     for (const Facet& f : facets_) {
       const std::uint32_t* n = store_.neighbours(f.made);
@@ -163,6 +216,8 @@ class CellInsertion {
     }
   }
 
+  static constexpr std::uint32_t most_labels = 64;
+
   const LiftedPoints& s_;
   const Run& run_;
   CellStore<K> store_;
@@ -171,6 +226,9 @@ class CellInsertion {
   std::uint32_t last_ = 0, in_ = 0;
   std::vector<std::uint32_t> cavity_;
   std::vector<Facet> facets_;
+  // In space: a label of each vertex of a boundary, from label_base_ on; edges met once, by labels.
+  std::vector<std::uint32_t> labels_, edges_;
+  std::uint32_t label_base_ = 0;
 };
 
 }  // namespace cullhull::internal

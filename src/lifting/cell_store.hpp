@@ -79,6 +79,8 @@ class CellStore {
     marks_[count_] = 0;
     return count_++;
   }
+  /// Cells that were changed into new ones.
+  void count_reused(std::uint64_t cells) { created_ += cells; }
   void free_cell(std::uint32_t c) {
     marks_[c] = dead_mark;
     free_.push_back(c);

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "lifting/cell_store.hpp"
 #include "lifting/final_cells.hpp"
 #include "lifting/lifted_points.hpp"
+#include "lifting/plane_insertion.hpp"
 #include "parallel/run.hpp"
 
 namespace cullhull::internal {
@@ -139,7 +141,7 @@ class Parts {
       return;
     }
     measure(p);
-    CellInsertion<K> engine(s_, run_);
+    std::conditional_t<K == 2, PlaneInsertion, CellInsertion<K>> engine(s_, run_);
     engine.start(simplex, static_cast<std::uint32_t>(p.places.size()));
     for (const std::uint32_t i : p.places) {
       if (std::find(simplex, simplex + K + 1, i) != simplex + K + 1) continue;
