@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "geometry/orientation.hpp"
+#include "lifting/cell_planes.hpp"
 #include "lifting/cell_store.hpp"
 #include "lifting/lift_side.hpp"
 #include "lifting/lifted_points.hpp"
@@ -25,7 +26,7 @@ template <unsigned K>
 class CellInsertion {
  public:
   CellInsertion(const LiftedPoints& points, const Run& run)
-      : s_(points), run_(run), store_(points.base, run.budget), signs_(points) {
+      : s_(points), run_(run), store_(points.base, run.budget), signs_(points), planes_(points) {
     if constexpr (K == 3) {
       labels_.resize(points.count, 0);
       edges_.assign(std::size_t{most_labels} * most_labels, unset);
@@ -33,13 +34,21 @@ class CellInsertion {
   }
 
   CellStore<K>& store() { return store_; }
-  const LiftCounts& counts() const { return signs_.counts(); }
+  const LiftCounts& counts() {
+    counts_ = signs_.counts();
+    counts_.rungs[0] += by_plane_;
+    return counts_;
+  }
 
   /// k + 1 affinely independent points; about how many there will be.
   void start(const std::uint32_t* simplex, std::uint32_t expected) {
     std::vector<std::uint32_t> v(simplex, simplex + corners());
     if (signs_.orientation(v.data()) == Sign::negative) std::swap(v[k() - 1], v[k()]);
     store_.start(v.data(), expected);
+    if constexpr (with_planes) {
+      planes_.set_room(store_.capacity());
+      for (std::uint32_t c = 0; planes_.used() && c < store_.count(); ++c) planes_.set_none(c);
+    }
     last_ = 0;
   }
 
@@ -87,6 +96,15 @@ class CellInsertion {
   }
 
   bool conflict(std::uint32_t c) {
+    if constexpr (with_planes) {
+      if (planes_.used() && planes_.known(c)) {
+        const Sign side = planes_.side(c, signs_.point());
+        if (side != Sign::zero) {
+          ++by_plane_;
+          return side == Sign::negative;
+        }
+      }
+    }
     const unsigned g = store_.ghost_slot(c);
     if (g < corners()) {
       const Sign beyond = signs_.replaced(store_.vertices(c), g);
@@ -142,7 +160,16 @@ class CellInsertion {
       store_.link(made, f.slot, outside);
       store_.neighbours(f.cell)[f.slot] = store_.code(made, f.slot);
       if (finite) last_ = made;
+      if constexpr (with_planes) {
+        if (!planes_.used()) continue;
+        planes_.set_room(store_.capacity());
+        if (finite)
+          planes_.add(made, v, f.slot, p);
+        else
+          planes_.set_none(made);
+      }
     }
+    if constexpr (with_planes) planes_.flush(p);
     if (last_ == unset) last_ = facets_.front().made;
   }
 
@@ -217,12 +244,15 @@ class CellInsertion {
   }
 
   static constexpr std::uint32_t most_labels = 64;
+  static constexpr bool with_planes = K >= 3 && K <= 6;
 
   const LiftedPoints& s_;
   const Run& run_;
   CellStore<K> store_;
   PointSigns<K> signs_;
-  std::uint64_t steps_ = 0, inserted_ = 0;
+  std::conditional_t<with_planes, CellPlanes<K>, NoPlanes> planes_;
+  LiftCounts counts_;
+  std::uint64_t by_plane_ = 0, steps_ = 0, inserted_ = 0;
   std::uint32_t last_ = 0, in_ = 0;
   std::vector<std::uint32_t> cavity_;
   std::vector<Facet> facets_;

@@ -27,6 +27,7 @@ class CellStore {
   unsigned corners() const { return (K ? K : k_) + 1; }
   /// Cells [0, count()), dead ones among them.
   std::uint32_t count() const { return count_; }
+  std::uint64_t capacity() const { return capacity_; }
   std::uint64_t created() const { return created_; }
   bool dead(std::uint32_t c) const { return marks_[c] == dead_mark; }
   std::uint32_t* vertices(std::uint32_t c) { return data_.data() + std::size_t{c} * 2 * corners(); }

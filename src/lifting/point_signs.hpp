@@ -30,6 +30,8 @@ class PointSigns {
     p_ = s_.row(point);
   }
 
+  const double* point() const { return p_; }
+
   /// Of k + 1 points.
   Sign orientation(const std::uint32_t* v) {
     for (unsigned i = 0; i < corners(); ++i) at_[i] = s_.row(v[i]);
