@@ -27,8 +27,8 @@ class CellInsertion {
  public:
   CellInsertion(const LiftedPoints& points, const Run& run)
       : s_(points), run_(run), store_(points.base, run.budget), signs_(points), planes_(points) {
+    if constexpr (K >= 3) labels_.resize(points.count, 0);
     if constexpr (K == 3) {
-      labels_.resize(points.count, 0);
       edges_.assign(std::size_t{most_labels} * most_labels, unset);
     }
   }
@@ -59,19 +59,26 @@ class CellInsertion {
     if (s_.may_hide && !conflict(first)) return false;
     find_cavity(first);
     make_cells(p);
-    if constexpr (K == 3) {
-      if (!join_along_edges()) join_cells();
-    } else {
-      join_cells();
-    }
+    bool joined = false;
+    if constexpr (K == 3) joined = join_along_edges();
+    if constexpr (K >= 4 && K <= 6) joined = join_along_ridges();
+    if (!joined) join_cells();
     for (const std::uint32_t c : cavity_) store_.free_cell(c);
-    if ((++inserted_ & 255) == 0) run_.check();
+    work_ += facets_.size();
+    if (work_ > 4096) {  // well below a millisecond in any dimension
+      work_ = 0;
+      run_.check();
+    }
     return true;
   }
 
  private:
   struct Facet {
     std::uint32_t cell, slot, made;
+  };
+  struct Ridge {
+    std::uint64_t key = 0;
+    std::uint32_t code = 0, stamp = 0;
   };
 
   unsigned k() const { return store_.corners() - 1; }
@@ -173,30 +180,36 @@ class CellInsertion {
     if (last_ == unset) last_ = facets_.front().made;
   }
 
-  /// In space new cells meet in edges of the cavity's boundary, twice in each: a small table has
-  /// those met once. False, with nothing done, where the boundary has too many vertices for it.
-  bool join_along_edges() {
-    if (facets_.size() > 2 * most_labels - 4) return false;  // Euler's formula
-    if (label_base_ > ~std::uint32_t{0} - 2 * most_labels) {
+  /// Labels of the vertices of a cavity's boundary begin anew.
+  void clear_labels() {
+    if (label_base_ > ~std::uint32_t{0} - 4 * most_labels) {
       std::fill(labels_.begin(), labels_.end(), 0U);
       label_base_ = 0;
     }
     label_base_ += most_labels;
-    std::uint32_t labels = 0, at_infinity = unset;
-    const auto label = [&](std::uint32_t v) {
-      if (v == infinite) return at_infinity != unset ? at_infinity : at_infinity = labels++;
-      const std::uint32_t known = labels_[v] - label_base_;
-      if (known < most_labels) return known;
-      labels_[v] = label_base_ + labels;
-      return labels++;
-    };
+    label_count_ = 0;
+    at_infinity_ = unset;
+  }
+  std::uint32_t label(std::uint32_t v) {
+    if (v == infinite) return at_infinity_ != unset ? at_infinity_ : at_infinity_ = label_count_++;
+    const std::uint32_t known = labels_[v] - label_base_;
+    if (known < most_labels) return known;
+    labels_[v] = label_base_ + label_count_;
+    return label_count_++;
+  }
+
+  /// In space new cells meet in edges of the cavity's boundary, twice in each: a small table has
+  /// those met once. False, with nothing done, where the boundary has too many vertices for it.
+  bool join_along_edges() {
+    if (facets_.size() > 2 * most_labels - 4) return false;  // Euler's formula
+    clear_labels();
     for (const Facet& f : facets_) {
       const std::uint32_t* v = store_.vertices(f.made);
       std::uint32_t corner[4];
       for (unsigned i = 0; i < 4; ++i) corner[i] = i == f.slot ? 0 : label(v[i]);
       for (unsigned i = 0; i < 4; ++i) {
         if (i == f.slot) continue;
-        // The edge without corner i: of the other three slots that are not the facet's.
+        // The edge has the two slots that are neither i nor the point's.
         std::uint32_t a = unset, b = 0;
         for (unsigned j = 0; j < 4; ++j) {
           if (j == i || j == f.slot) continue;
@@ -212,6 +225,56 @@ class CellInsertion {
           store_.link(f.made, i, met);
           met = unset;
         }
+      }
+    }
+    return true;
+  }
+
+  /// From 4D on new cells meet in ridges: found by their labels, in order, as one number. False,
+  /// with some linked, where the boundary has too many vertices for that.
+  bool join_along_ridges() {
+    constexpr unsigned bits = 10;
+    static_assert(K != 6 || (std::uint64_t{1} << bits) == most_labels);
+    clear_labels();
+    std::size_t size = 64;
+    while (size < facets_.size() * K) size *= 2;
+    if (ridges_.size() < size) ridges_.assign(size, {});
+    const unsigned shift = 64 - static_cast<unsigned>(std::bit_width(ridges_.size() - 1));
+    if (++ridge_stamp_ == 0) {
+      ridges_.assign(ridges_.size(), {});
+      ridge_stamp_ = 1;
+    }
+    for (const Facet& f : facets_) {
+      const std::uint32_t* v = store_.vertices(f.made);
+      std::uint32_t corner[K], slot[K];
+      for (unsigned i = 0, count = 0; i <= K; ++i) {
+        if (i == f.slot) continue;
+        const std::uint32_t own = label(v[i]);
+        unsigned at = count++;
+        for (; at > 0 && corner[at - 1] > own; --at) {
+          corner[at] = corner[at - 1];
+          slot[at] = slot[at - 1];
+        }
+        corner[at] = own;
+        slot[at] = i;
+      }
+      if (label_count_ > most_labels) {
+        label_base_ += most_labels;  // past those that are too many
+        return false;
+      }
+      std::uint64_t all = 0;
+      for (unsigned i = 0; i < K; ++i) all |= std::uint64_t{corner[i]} << (bits * i);
+      for (unsigned i = 0; i < K; ++i) {
+        const std::uint64_t low = (std::uint64_t{1} << (bits * i)) - 1;
+        const std::uint64_t key = (all & low) | (all >> bits & ~low);
+        std::size_t at = key * 0x9E3779B97F4A7C15ULL >> shift;
+        while (ridges_[at].stamp == ridge_stamp_ && ridges_[at].key != key)
+          at = (at + 1) & (ridges_.size() - 1);
+        Ridge& ridge = ridges_[at];
+        if (ridge.stamp != ridge_stamp_)
+          ridge = {key, store_.code(f.made, slot[i]), ridge_stamp_};
+        else
+          store_.link(f.made, slot[i], ridge.code);
       }
     }
     return true;
@@ -243,8 +306,8 @@ class CellInsertion {
     }
   }
 
-  static constexpr std::uint32_t most_labels = 64;
-  static constexpr bool with_planes = K >= 3 && K <= 6;
+  static constexpr std::uint32_t most_labels = K == 3 ? 64 : 1024;
+  static constexpr bool with_planes = K >= 4 && K <= 6;
 
   const LiftedPoints& s_;
   const Run& run_;
@@ -252,13 +315,15 @@ class CellInsertion {
   PointSigns<K> signs_;
   std::conditional_t<with_planes, CellPlanes<K>, NoPlanes> planes_;
   LiftCounts counts_;
-  std::uint64_t by_plane_ = 0, steps_ = 0, inserted_ = 0;
+  std::uint64_t by_plane_ = 0, steps_ = 0, work_ = 0;
   std::uint32_t last_ = 0, in_ = 0;
   std::vector<std::uint32_t> cavity_;
   std::vector<Facet> facets_;
-  // In space: a label of each vertex of a boundary, from label_base_ on; edges met once, by labels.
+  // A label of each vertex of a boundary, from label_base_ on; edges met once, by labels; ridges.
   std::vector<std::uint32_t> labels_, edges_;
-  std::uint32_t label_base_ = 0;
+  std::uint32_t label_base_ = 0, label_count_ = 0, at_infinity_ = unset;
+  std::vector<Ridge> ridges_;
+  std::uint32_t ridge_stamp_ = 0;
 };
 
 }  // namespace cullhull::internal

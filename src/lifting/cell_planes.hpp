@@ -13,7 +13,7 @@
 
 namespace cullhull::internal {
 
-/// For 3 <= K <= 6 and points without weights that span all of space.
+/// For 4 <= K <= 6 and points without weights that span all of space.
 template <unsigned K>
 class CellPlanes {
  public:

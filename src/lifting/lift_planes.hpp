@@ -9,7 +9,7 @@ namespace cullhull::internal {
 /// Cells of one call.
 inline constexpr std::size_t lift_block = 8;
 
-/// Of lift_block cells in 3 <= k <= 6 dimensions that share a corner o: rows[(i (k + 1) + j)
+/// Of lift_block cells in 4 <= k <= 6 dimensions that share a corner o: rows[(i (k + 1) + j)
 /// lift_block + cell] is coordinate j of corner i, of the k others, seen from o; the column of
 /// lifts, j = k, is filled in. planes[j lift_block + cell] becomes cofactor j of a last row, so
 /// that det [rows; q - o, |q - o|^2] is the dot product; then, for j = k + 1 and k + 2, numbers a
