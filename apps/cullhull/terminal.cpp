@@ -30,11 +30,12 @@ int write_all(int fd, std::string_view text) {
   return 0;
 }
 
-/// Who writes the program's one line of complaint.
+/// The thread that writes the program's single error message.
 enum LineState : int { silent, writing, written };
 std::atomic<int> line_state{silent};
 
-/// A byte of a message that would act on a terminal instead of being shown; `before` precedes it.
+/// Whether a byte of a message would control a terminal instead of being shown; `before` precedes
+/// it.
 bool is_control(char c, char before) {
   const auto byte = static_cast<unsigned char>(c);
   return byte < 32 || byte == 127 || (before == '\xC2' && byte >= 0x80 && byte < 0xA0);
@@ -91,7 +92,8 @@ void complain(std::string_view message) {
   line_state = written;
 }
 
-// No allocation and no lock: the heap may be exhausted, or its lock held where a signal arrived.
+// No allocation and no lock: memory may be exhausted, or the heap's lock held by the interrupted
+// thread.
 void end_with_line(int status, const char* first, const char* second) noexcept {
   int expected = silent;
   if (line_state.compare_exchange_strong(expected, writing)) {
@@ -123,7 +125,7 @@ cullhull::Progress TerminalProgress::callback() {
   return [this](const char* phase, double share) { show(phase, share); };
 }
 
-// The first moments of a phase say nothing about its pace.
+// At the beginning of a phase the rate is not yet known.
 std::string TerminalProgress::rate_and_rest(double share, std::int64_t now) const {
   const double seconds = static_cast<double>(now - phase_began_) / 1000;
   const double pace = (share - first_share_) / seconds;
