@@ -21,4 +21,5 @@
 #include "cullhull/simplify.hpp"
 #include "cullhull/stream.hpp"
 #include "cullhull/track.hpp"
+#include "cullhull/triangulation.hpp"
 #include "cullhull/version.hpp"

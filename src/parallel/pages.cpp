@@ -1,6 +1,7 @@
 #include "parallel/pages.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
@@ -15,6 +16,88 @@
 #endif
 
 namespace cullhull::internal {
+namespace {
+
+constexpr std::align_val_t alignment{64};
+
+/// Blocks below mapped_block that nobody uses now. malloc returns what lies at the end of its heap
+/// to the system with nearly every hull of 10,000 points, and takes it back, cleared page by page,
+/// with the next: half of the time of a hull of 10,000 points on a circle.
+class FreeBlocks {
+ public:
+  void limit(std::size_t bytes) noexcept {
+    const std::lock_guard lock(mutex_);
+    limit_ = std::min(bytes, most);
+    for (unsigned c = classes; kept_ > limit_; --c)
+      for (List& list = lists_[c - 1]; list.count > 0 && kept_ > limit_;)
+        drop(list, size_of(c - 1));
+  }
+  std::size_t kept() noexcept {
+    const std::lock_guard lock(mutex_);
+    return kept_;
+  }
+  void* take(std::size_t bytes) {
+    const unsigned c = class_of(bytes);
+    {
+      const std::lock_guard lock(mutex_);
+      if (List& list = lists_[c]; list.count > 0) {
+        kept_ -= size_of(c);
+        return list.blocks[--list.count];
+      }
+    }
+    return ::operator new(size_of(c), alignment);
+  }
+  void give(void* block, std::size_t bytes) noexcept {
+    const unsigned c = class_of(bytes);
+    {
+      const std::lock_guard lock(mutex_);
+      List& list = lists_[c];
+      if (list.count < List::room && kept_ + size_of(c) <= limit_) {
+        list.blocks[list.count++] = block;
+        kept_ += size_of(c);
+        return;
+      }
+    }
+    ::operator delete(block, alignment);
+  }
+
+ private:
+  /// The arrays of one call and of its result, a few times over for several callers.
+  static constexpr std::size_t most = std::size_t{16} << 20;
+
+  /// Four sizes an octave: at most a quarter of a block lies idle.
+  static constexpr unsigned octaves = std::countr_zero(mapped_block) - std::countr_zero(kept_block);
+  static constexpr unsigned classes = 4 * octaves + 1;
+
+  struct List {
+    static constexpr unsigned room = 16;
+    void* blocks[room];
+    unsigned count = 0;
+  };
+
+  static unsigned class_of(std::size_t bytes) {
+    const std::size_t quarter = std::bit_floor(bytes) / 4;
+    const auto octave = static_cast<unsigned>(std::countr_zero(4 * quarter / kept_block));
+    return 4 * octave + static_cast<unsigned>((bytes - 4 * quarter + quarter - 1) / quarter);
+  }
+  static std::size_t size_of(unsigned c) { return (kept_block << c / 4) / 4 * (4 + c % 4); }
+
+  void drop(List& list, std::size_t size) noexcept {
+    ::operator delete(list.blocks[--list.count], alignment);
+    kept_ -= size;
+  }
+
+  std::mutex mutex_;
+  std::size_t limit_ = most, kept_ = 0;
+  List lists_[classes];
+};
+
+FreeBlocks& free_blocks() {
+  static auto* blocks = new FreeBlocks;  // outlives every static array
+  return *blocks;
+}
+
+}  // namespace
 
 #if defined(__linux__)
 
@@ -163,7 +246,8 @@ PageScope::PageScope() { free_pages().open(); }
 PageScope::~PageScope() { free_pages().close(); }
 
 void* allocate_block(std::size_t bytes) {
-  if (bytes < mapped_block) return ::operator new(bytes);
+  if (bytes < kept_block) return ::operator new(bytes);
+  if (bytes < mapped_block) return free_blocks().take(bytes);
   if (bytes > ~std::size_t{0} - 2 * page) throw std::bad_alloc();
   std::size_t size = whole_pages(bytes);
   char* kept = free_pages().take(size, size);
@@ -171,7 +255,8 @@ void* allocate_block(std::size_t bytes) {
 }
 
 void free_block(void* block, std::size_t bytes) noexcept {
-  if (bytes < mapped_block) return ::operator delete(block);
+  if (bytes < kept_block) return ::operator delete(block);
+  if (bytes < mapped_block) return free_blocks().give(block, bytes);
   const std::size_t size = whole_pages(bytes);
   auto* start = static_cast<char*>(block);
   if (!free_pages().give(start, size)) munmap(start, size);
@@ -210,8 +295,11 @@ void* grow_block(void* block, std::size_t bytes, std::size_t& more) {
   return place;
 }
 
-void keep_pages(std::size_t limit) noexcept { free_pages().limit(limit); }
-std::size_t kept_pages() noexcept { return free_pages().kept(); }
+void keep_pages(std::size_t limit) noexcept {
+  free_pages().limit(limit);
+  free_blocks().limit(limit);
+}
+std::size_t kept_pages() noexcept { return free_pages().kept() + free_blocks().kept(); }
 
 #else
 
@@ -220,8 +308,15 @@ void prefer_huge_pages(void*, std::size_t) noexcept {}
 PageScope::PageScope() = default;
 PageScope::~PageScope() {}
 
-void* allocate_block(std::size_t bytes) { return ::operator new(bytes); }
-void free_block(void* block, std::size_t) noexcept { ::operator delete(block); }
+void* allocate_block(std::size_t bytes) {
+  if (bytes < kept_block) return ::operator new(bytes);
+  return bytes < mapped_block ? free_blocks().take(bytes) : ::operator new(bytes, alignment);
+}
+void free_block(void* block, std::size_t bytes) noexcept {
+  if (bytes < kept_block) return ::operator delete(block);
+  if (bytes < mapped_block) return free_blocks().give(block, bytes);
+  ::operator delete(block, alignment);
+}
 void* grow_block(void* block, std::size_t bytes, std::size_t& more) {
   void* larger = allocate_block(more);
   std::memcpy(larger, block, bytes);
@@ -229,8 +324,8 @@ void* grow_block(void* block, std::size_t bytes, std::size_t& more) {
   return larger;
 }
 
-void keep_pages(std::size_t) noexcept {}
-std::size_t kept_pages() noexcept { return 0; }
+void keep_pages(std::size_t limit) noexcept { free_blocks().limit(limit); }
+std::size_t kept_pages() noexcept { return free_blocks().kept(); }
 
 #endif
 

@@ -19,6 +19,10 @@ class PageScope {
   PageScope& operator=(const PageScope&) = delete;
 };
 
+/// From this size on allocate_block gives blocks that begin at a cache line and that are kept;
+/// below it malloc keeps what is freed.
+inline constexpr std::size_t kept_block = std::size_t{32} << 10;
+
 /// A larger block with the contents of `block`, which it replaces; all sizes at least
 /// `mapped_block`, `bytes` the size requested for `block`. `more` becomes the capacity, which may
 /// exceed the request: a block that grows will grow again. Where memory must be new, page tables

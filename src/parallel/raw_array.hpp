@@ -49,10 +49,7 @@ class RawArray {
   }
 
   void release() {
-    if (bytes_ >= mapped_block)
-      free_block(data_, bytes_);
-    else
-      std::free(data_);
+    drop(data_, bytes_);
     data_ = nullptr;
     bytes_ = 0;
   }
@@ -61,11 +58,17 @@ class RawArray {
   static constexpr std::size_t page = 4096;
 
   void* move_to(std::size_t bytes) {
-    void* p = bytes >= mapped_block ? allocate_block(bytes) : std::aligned_alloc(64, bytes);
+    void* p = bytes >= kept_block ? allocate_block(bytes) : std::aligned_alloc(64, bytes);
     if (p == nullptr) throw std::bad_alloc();
     if (data_ != nullptr) std::memcpy(p, static_cast<const void*>(data_), bytes_);
-    std::free(data_);
+    drop(data_, bytes_);
     return p;
+  }
+  static void drop(T* data, std::size_t bytes) {
+    if (bytes >= kept_block)
+      free_block(data, bytes);
+    else
+      std::free(data);
   }
 
   T* data_ = nullptr;
