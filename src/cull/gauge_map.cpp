@@ -78,7 +78,7 @@ std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, const Ru
   const std::uint64_t chunks = chunk_count(points.count, gauge_chunk);
   const unsigned d = points.dimension;
   std::vector<std::vector<std::uint16_t>> kept(chunks);
-  std::vector<std::vector<double>> kept_rows(rows != nullptr ? chunks : 0);
+  std::vector<Array<double>> kept_rows(rows != nullptr ? chunks : 0);
   std::atomic<std::uint64_t> gathered{0};
   const GaugeShortcuts shortcuts = make_shortcuts(*table_, points, points.count, run.threads);
   static_assert(gauge_chunk <= 65536);

@@ -70,7 +70,7 @@ class FreeBlocks {
   static constexpr unsigned classes = 4 * octaves + 1;
 
   struct List {
-    static constexpr unsigned room = 16;
+    static constexpr unsigned room = 64;
     void* blocks[room];
     unsigned count = 0;
   };

@@ -19,9 +19,9 @@ class PageScope {
   PageScope& operator=(const PageScope&) = delete;
 };
 
-/// From this size on allocate_block gives blocks that begin at a cache line and that are kept;
-/// below it malloc keeps what is freed.
-inline constexpr std::size_t kept_block = std::size_t{32} << 10;
+/// From this size on allocate_block gives blocks that begin at a cache line and that are kept.
+/// Smaller ones never fill the end of malloc's heap by themselves.
+inline constexpr std::size_t kept_block = std::size_t{4} << 10;
 
 /// A larger block with the contents of `block`, which it replaces; all sizes at least
 /// `mapped_block`, `bytes` the size requested for `block`. `more` becomes the capacity, which may
