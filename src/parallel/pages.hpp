@@ -19,7 +19,7 @@ class PageScope {
   PageScope& operator=(const PageScope&) = delete;
 };
 
-/// From this size on allocate_block gives blocks that begin at a cache line and that are kept.
+/// From this size on allocate_block gives blocks that begin at a cache line and that are reused.
 /// Smaller ones never fill the end of malloc's heap by themselves.
 inline constexpr std::size_t kept_block = std::size_t{4} << 10;
 
