@@ -34,7 +34,8 @@ int write_all(int fd, std::string_view text) {
 enum LineState : int { silent, writing, written, ending, ended };
 std::atomic<int> line_state{silent};
 
-/// A byte of a message that would act on a terminal instead of being shown; `before` precedes it.
+/// Whether a byte of a message would control a terminal instead of being shown; `before` precedes
+/// it.
 bool is_control(char c, char before) {
   const auto byte = static_cast<unsigned char>(c);
   return byte < 32 || byte == 127 || (before == '\xC2' && byte >= 0x80 && byte < 0xA0);
@@ -93,7 +94,8 @@ void complain(std::string_view message) {
   line_state = written;
 }
 
-// No allocation and no lock: the heap may be exhausted, or its lock held where a signal arrived.
+// No allocation and no lock: memory may be exhausted, or the heap's lock held by the interrupted
+// thread.
 void end_with_line(int status, const char* first, const char* second) noexcept {
   int expected = silent;
   if (line_state.compare_exchange_strong(expected, ending)) {
@@ -125,7 +127,7 @@ cullhull::Progress TerminalProgress::callback() {
   return [this](const char* phase, double share) { show(phase, share); };
 }
 
-// The first moments of a phase say nothing about its pace.
+// At the beginning of a phase the rate is not yet known.
 std::string TerminalProgress::rate_and_rest(double share, std::int64_t now) const {
   const double seconds = static_cast<double>(now - phase_began_) / 1000;
   const double pace = (share - first_share_) / seconds;

@@ -60,7 +60,7 @@ class HostMemory {
  public:
   HostMemory(std::uint64_t bytes, bool two, unsigned cores)
       : words_(bytes / sizeof(std::uint64_t)), from_(words_), to_(two ? words_ : 0) {
-    // Pages are touched by the threads that use them later, more or less.
+    // The pages are first written by the threads that use them later, approximately.
     internal::for_each_chunk(words_, piece, cores,
                              [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                                std::fill(from_.get() + begin, from_.get() + end, begin);
