@@ -3,10 +3,9 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstring>
-#include <limits>
 
+#include "io/exact_double.hpp"
 #include "io/lines.hpp"
 #include "io/output_file.hpp"
 #include "io/records.hpp"
@@ -184,15 +183,6 @@ void copy_swapped(const char* from, std::uint64_t bytes, std::uint64_t size, std
                    for (std::uint64_t i = begin * size; i < end * size; i += size)
                      std::reverse_copy(from + i, from + i + size, reinterpret_cast<char*>(to) + i);
                  });
-}
-
-/// The double of the same value, or false.
-template <class T>
-bool exact_double(T v, double& out) {
-  out = static_cast<double>(v);
-  // 2^63 and 2^64 are doubles that T cannot hold: converting them back would be undefined.
-  const double limit = std::ldexp(1.0, std::numeric_limits<T>::digits);
-  return out < limit && static_cast<T>(out) == v;
 }
 
 /// Memory order is kept. Returns the first element (in memory order) that is not exactly a double,
