@@ -66,7 +66,8 @@ struct Block {
 
 // All functions are collective: every rank of the communicator calls them, with its own points:
 // none, one or many. A rank without points need not know the dimension (PointView{}). The
-// communicator is duplicated for the call; messages of the caller are not met. MPI has to be
+// communicator is duplicated at its first call, and the duplicate kept with it (an attribute) until
+// it is freed; messages of the caller are not met. MPI has to be
 // initialised with MPI_THREAD_FUNNELED at least, as a call starts threads; MPI is called from the
 // calling thread alone, which sleeps while it waits.
 //
