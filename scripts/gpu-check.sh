@@ -36,6 +36,7 @@ stage() {
   cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCULLHULL_WITH_CUDA=ON \
     -DCULLHULL_CUDA_ARCHITECTURES="${GPU_CHECK_ARCHITECTURES:-75-virtual;90-real}" \
     -DCULLHULL_BUILD_TESTS=ON -DCULLHULL_BUILD_BENCH=ON -DCULLHULL_BUILD_EXAMPLES=OFF \
+    -DCULLHULL_WITH_HDF5=OFF -DCULLHULL_WITH_MPI=OFF \
     -DCMAKE_BUILD_RPATH='$ORIGIN/../lib' \
     -DCMAKE_EXE_LINKER_FLAGS="-Wl,--disable-new-dtags -static-libstdc++ -static-libgcc"
   local gpu=() twins=(primitives_test pseudo_hull_test pseudo_hull_device_test) test

@@ -27,6 +27,9 @@ const char* const input_help =
     "  .las   LAS 1.0 to 1.4, every point format; read in place: the file's whole numbers, to "
     "which\n"
     "         its scale and offset are not applied\n"
+    "  .pcd   ascii, binary (read in place) and binary_compressed: the fields x y z\n"
+    "  .h5 .nc   a dataset of HDF5 or NetCDF-4, FILE.h5:/GROUP/NAME; three of a column each:\n"
+    "         FILE.nc:x,y,z\n"
     "  .xyz .txt .csv   a point a line, separated by blanks, commas or semicolons; Qhull's header\n"
     "         (dimension, then count) and cdd's (rbox h) are understood. Of a line of names with\n"
     "         x,y,z these columns are taken, or those that --columns names; others may be words\n"
@@ -120,7 +123,7 @@ std::vector<std::string> InputArguments::find_files() {
 void InputArguments::add_format_to(Parser& command) {
   allow_words(*command.add_option("--input-format", format,
                                   "Read INPUT as this, whatever its name and content"),
-              {"npy", "ply", "las", "obj", "off", "stl", "xyz", "txt", "csv", "raw"});
+              {"npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "raw"});
   allow_range(*command.add_option("--dim", dimension, "Coordinates of a point, for raw input"), 1,
               1U << 20);
   allow_words(*command.add_option("--type", type, "Scalar type, for raw input"), scalar_names());

@@ -90,7 +90,7 @@ inline const Endings hull_endings{".ply", ".obj",     ".off", ".stl",  ".glb",
                                   ".vtp", ".geojson", ".wkt", ".json", ".txt"};
 inline const Endings group_endings{".geojson", ".csv", ".json"};
 inline const Endings id_endings{".npy", ".csv", ".txt"};
-inline const Endings point_endings{".npy", ".ply", ".csv", ".xyz", ".txt"};
+inline const Endings point_endings{".npy", ".ply", ".las", ".csv", ".xyz", ".txt"};
 inline const Endings page_endings{".html", ".htm"};
 
 /// The extension of a name in small letters, with its dot.

@@ -30,8 +30,8 @@ int write_all(int fd, std::string_view text) {
   return 0;
 }
 
-/// The thread that writes the program's single error message.
-enum LineState : int { silent, writing, written };
+/// How far the program's one line of complaint is: complain()'s, or end_with_line()'s.
+enum LineState : int { silent, writing, written, ending, ended };
 std::atomic<int> line_state{silent};
 
 /// Whether a byte of a message would control a terminal instead of being shown; `before` precedes
@@ -87,7 +87,9 @@ void write_stderr(std::string_view text) { (void)write_all(system::standard_erro
 
 void complain(std::string_view message) {
   const std::string line = "cullhull: " + printable(message) + '\n';
-  line_state = writing;
+  // Where another thread ends the program, its line is the last.
+  for (int state = line_state; !line_state.compare_exchange_weak(state, writing);)
+    if (state >= ending) return;
   (void)write_all(system::standard_error, line);
   line_state = written;
 }
@@ -96,7 +98,7 @@ void complain(std::string_view message) {
 // thread.
 void end_with_line(int status, const char* first, const char* second) noexcept {
   int expected = silent;
-  if (line_state.compare_exchange_strong(expected, writing)) {
+  if (line_state.compare_exchange_strong(expected, ending)) {
     char line[1400];
     std::size_t length = 0;
     for (const char* part : {"cullhull: ", first, second})
@@ -104,9 +106,9 @@ void end_with_line(int status, const char* first, const char* second) noexcept {
         line[length++] = is_control(*part, 0) ? '?' : *part;
     line[length++] = '\n';
     (void)write_all(system::standard_error, {line, length});
-    line_state = written;
+    line_state = ended;
   }
-  while (line_state != written) system::wait_10_ms();
+  while (line_state != written && line_state != ended) system::wait_10_ms();
   cullhull::remove_unfinished_files();
   system::end(status);
 }

@@ -20,8 +20,8 @@
 namespace cullhull {
 
 struct ReadOptions {
-  /// Force a format ("npy", "ply", "obj", "off", "stl", "xyz", "txt", "csv", "raw"); empty: by
-  /// extension, then by content.
+  /// Force a format ("npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "raw");
+  /// empty: by extension, then by content.
   std::string format;
   /// Needed for raw input only.
   std::uint32_t raw_dimension = 0;
@@ -71,9 +71,9 @@ class PointFile {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Opens `path` ("-": standard input; FILE.npz:NAME: an array in an archive). What is compressed by
-/// gzip or zstd is unpacked. Throws Error{io} or Error{bad_file} with file and line or
-/// byte offset.
+/// Opens `path` ("-": standard input; FILE.npz:NAME: an array in an archive; FILE.h5:/GROUP/NAME: a
+/// dataset of an HDF5 or NetCDF-4 file). What is compressed by gzip or zstd is unpacked. Throws
+/// Error{io} or Error{bad_file} with file and line or byte offset.
 PointFile open_points(const std::string& path, const ReadOptions& options = {});
 
 /// Moving points, frame after frame: an array (frames, n, d) in an .npy file, of which only one
@@ -203,6 +203,13 @@ void write_points(const std::string& path, const PointView& points,
                   const std::vector<std::uint64_t>& ids, const std::string& format = "");
 /// Likewise the extreme points that a state holds.
 void write_points(const std::string& path, const HullState& state, const std::string& format = "");
+
+/// Those records of the LAS file `las` (any name that open_points takes one by) whose ids are given,
+/// ascending, as a LAS file: every field of them, and its scale, offset, point format and other
+/// records, are the input's bytes; the header's counts and box are theirs. Throws Error{bad_file}
+/// unless `las` is LAS, Error{invalid_argument} for an id beyond its points or a name but .las.
+void write_las_records(const std::string& path, const std::string& las,
+                       const std::vector<std::uint64_t>& ids);
 
 /// (n) int64, or (n, d) arrays in NumPy's format.
 void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& ids);

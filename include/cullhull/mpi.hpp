@@ -67,9 +67,10 @@ struct Block {
 
 // All functions are collective: every rank of the communicator calls them, with its own points:
 // none, one or many. A rank without points need not know the dimension (PointView{}). The
-// communicator is duplicated for the call, so that messages of the caller do not mix with its own.
-// MPI has to be initialised with MPI_THREAD_FUNNELED at least, as a call starts threads; only the
-// calling thread calls MPI, and it sleeps while it waits.
+// communicator is duplicated at its first call, so that messages of the caller do not mix with its
+// own, and the duplicate kept with it (an attribute) until it is freed. MPI has to be initialised
+// with MPI_THREAD_FUNNELED at least, as a call starts threads; only the calling thread calls MPI,
+// and it sleeps while it waits.
 //
 // An error on one rank is thrown on all of them: the same Error, beginning "rank 3: ", of the
 // lowest rank that had one, with the global id of a point that is not finite. Errors as of the

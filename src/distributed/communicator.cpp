@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <new>
 #include <string>
 #include <thread>
@@ -82,26 +83,79 @@ bool foreign(const std::exception_ptr& failure) {
 
 }  // namespace
 
+/// What stays with a communicator of the caller's from its first call on, until it is freed: a
+/// duplicate, so that messages of the caller are not met. Errors that all ranks share leave no
+/// message behind in it.
+struct Communicator::Kept {
+  MPI_Comm comm = MPI_COMM_NULL;
+  int machine_ranks = 1;
+  bool in_use = false;  ///< by a call whose `poll` makes another
+};
+
+namespace {
+
+int forget(MPI_Comm, int, void* kept, void*) {
+  std::unique_ptr<Communicator::Kept> k(static_cast<Communicator::Kept*>(kept));
+  int finalized = 0;
+  MPI_Finalized(&finalized);
+  if (finalized != 0 || k->comm == MPI_COMM_NULL) return MPI_SUCCESS;
+  return MPI_Comm_free(&k->comm);
+}
+
+/// By which a communicator has it.
+int key_of_kept() {
+  static const int key = [] {
+    int made = MPI_KEYVAL_INVALID;
+    check_mpi(MPI_Comm_create_keyval(MPI_COMM_NULL_COPY_FN, forget, &made, nullptr));
+    return made;
+  }();
+  return key;
+}
+
+}  // namespace
+
 double process_work() { return clock_seconds(CLOCK_PROCESS_CPUTIME_ID); }
 
 Communicator::Communicator(MPI_Comm parent, const Options& options, std::uint64_t piece_bytes)
     : options_(options), piece_bytes_(piece_bytes) {
+  check_mpi(MPI_Comm_rank(parent, &rank_));
+  check_mpi(MPI_Comm_size(parent, &size_));
+  void* found = nullptr;
+  int there = 0;
+  check_mpi(MPI_Comm_get_attr(parent, key_of_kept(), &found, &there));
+  if (there != 0 && !static_cast<Kept*>(found)->in_use) {
+    kept_ = static_cast<Kept*>(found);
+  } else {
+    own_ = std::make_unique<Kept>();
+    duplicate(parent, *own_);
+    kept_ = own_.get();
+    if (there == 0) {
+      check_mpi(MPI_Comm_set_attr(parent, key_of_kept(), kept_));
+      static_cast<void>(own_.release());
+    }
+  }
+  kept_->in_use = true;
+  comm_ = kept_->comm;
+}
+
+void Communicator::duplicate(MPI_Comm parent, Kept& kept) {
   MPI_Request request;
-  check_mpi(MPI_Comm_idup(parent, &comm_, &request));
+  check_mpi(MPI_Comm_idup(parent, &kept.comm, &request));
   finish(request);
-  check_mpi(MPI_Comm_rank(comm_, &rank_));
-  check_mpi(MPI_Comm_size(comm_, &size_));
   if (size_ == 1) return;
   MPI_Comm machine;
-  check_mpi(MPI_Comm_split_type(comm_, MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &machine));
-  check_mpi(MPI_Comm_size(machine, &machine_ranks_));
+  check_mpi(MPI_Comm_split_type(kept.comm, MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &machine));
+  check_mpi(MPI_Comm_size(machine, &kept.machine_ranks));
   check_mpi(MPI_Comm_free(&machine));
 }
+
+int Communicator::machine_ranks() const { return kept_->machine_ranks; }
 
 // After the loss of a rank the others must not wait for one another here; MPI frees the
 // communicator without waiting.
 Communicator::~Communicator() {
-  if (comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
+  kept_->in_use = false;
+  if (own_ && own_->comm != MPI_COMM_NULL) MPI_Comm_free(&own_->comm);
 }
 
 void Communicator::finish(MPI_Request request) {

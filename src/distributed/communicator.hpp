@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <exception>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -24,7 +25,8 @@ class Communicator {
   /// Longer messages are split, as MPI counts bytes by int.
   static constexpr std::uint64_t longest_message = std::uint64_t{1} << 30;
 
-  /// A duplicate of `parent`; collective. Views the options.
+  /// A duplicate of `parent`, made at its first call and kept with it until it is freed;
+  /// collective. Views the options.
   Communicator(MPI_Comm parent, const Options& options,
                std::uint64_t piece_bytes = longest_message);
   ~Communicator();
@@ -34,8 +36,9 @@ class Communicator {
   int rank() const { return rank_; }
   int size() const { return size_; }
   /// Ranks on this machine, this one included.
-  int machine_ranks() const { return machine_ranks_; }
+  int machine_ranks() const;
   const Traffic& traffic() const { return traffic_; }
+  struct Kept;
 
   // Between two ranks, both of which know the length.
   void send(const void* data, std::uint64_t bytes, int to);
@@ -66,6 +69,7 @@ class Communicator {
   }
 
  private:
+  void duplicate(MPI_Comm parent, Kept& kept);
   void finish(MPI_Request request);
   void count(std::uint64_t bytes) {
     ++traffic_.messages;
@@ -73,8 +77,10 @@ class Communicator {
   }
 
   const Options& options_;
+  Kept* kept_ = nullptr;
+  std::unique_ptr<Kept> own_;  ///< where that is kept is in use
   MPI_Comm comm_ = MPI_COMM_NULL;
-  int rank_ = 0, size_ = 1, machine_ranks_ = 1;
+  int rank_ = 0, size_ = 1;
   std::uint64_t piece_bytes_;
   Traffic traffic_;
 };

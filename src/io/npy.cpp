@@ -3,10 +3,9 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstring>
-#include <limits>
 
+#include "io/exact_double.hpp"
 #include "io/lines.hpp"
 #include "io/output_file.hpp"
 #include "io/records.hpp"
@@ -187,17 +186,8 @@ void copy_swapped(const char* from, std::uint64_t bytes, std::uint64_t size, std
                  });
 }
 
-/// The double of the same value, or false.
-template <class T>
-bool exact_double(T v, double& out) {
-  out = static_cast<double>(v);
-  // 2^63 and 2^64 are doubles that T cannot hold: converting them back would be undefined.
-  const double limit = std::ldexp(1.0, std::numeric_limits<T>::digits);
-  return out < limit && static_cast<T>(out) == v;
-}
-
-/// Converts in memory order. Returns the first element (in memory order) that is not exactly a
-/// double, or `count`.
+/// Memory order is kept. Returns the first element (in memory order) that is not exactly a double,
+/// or `count`.
 template <class T>
 std::uint64_t widen(const char* from, std::uint64_t count, bool swap, double* to,
                     const ReadOptions& options) {

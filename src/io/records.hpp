@@ -34,6 +34,8 @@ std::optional<RecordLayout> npy_records(const Source& head, std::uint64_t size,
 std::optional<RecordLayout> ply_records(const Source& head, std::uint64_t size,
                                         const ReadOptions& options);
 std::optional<RecordLayout> las_records(const Source& head, std::uint64_t size);
+std::optional<RecordLayout> pcd_records(const Source& head, std::uint64_t size,
+                                        const ReadOptions& options);
 std::optional<RecordLayout> raw_records(const Source& head, std::uint64_t size,
                                         const ReadOptions& options);
 

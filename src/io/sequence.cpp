@@ -85,7 +85,19 @@ bool natural_less(const std::string& a, const std::string& b) {
   return a < b;  // 1 and 01
 }
 
+/// A Zarr array or group is a folder whose files are none of points.
+void refuse_zarr(const std::string& path) {
+  for (const char* mark : {".zarray", ".zgroup", "zarr.json"})
+    if (std::filesystem::exists(std::filesystem::path(path) / mark))
+      throw Error(
+          ErrorCode::bad_file,
+          display_name(path) +
+              ": a Zarr folder is read by the Python package alone: cullhull.read(path), or "
+              "cullhull.dask");
+}
+
 void list_folder(const std::string& path, std::vector<std::string>& files) {
+  refuse_zarr(path);
   std::error_code error;
   std::vector<std::string> found;
   for (std::filesystem::directory_iterator it(path, error), end; !error && it != end;

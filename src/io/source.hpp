@@ -61,6 +61,7 @@ PointData with_reversed_bytes(PointData data);
 /// Readers, one file each. They throw Error{bad_file}; `options` gives threads and stop token.
 PointData read_npy(const Source& source, const ReadOptions& options);
 PointData read_ply(const Source& source, const ReadOptions& options);
+PointData read_pcd(const Source& source, const ReadOptions& options);
 PointData read_las(const Source& source, const ReadOptions& options);
 PointData read_obj(const Source& source, const ReadOptions& options);
 PointData read_off(const Source& source, const ReadOptions& options);

@@ -6,7 +6,9 @@
 
 #include "io/blocks/byte_stream.hpp"
 #include "io/columns.hpp"
+#include "io/hdf5/hdf5_points.hpp"
 #include "io/mapped_file.hpp"
+#include "io/packed/archive.hpp"
 #include "io/packed/unpack.hpp"
 #include "io/records.hpp"
 #include "io/text.hpp"
@@ -64,6 +66,41 @@ class RecordBlocks : public BlockSource {
 
   OpenedBytes from_;
   RecordLayout layout_;
+  std::uint64_t per_block_, next_ = 0;
+};
+
+/// Points of HDF5: any thread reads any of them, one at a time.
+class Hdf5Blocks : public BlockSource {
+ public:
+  Hdf5Blocks(const InputName& input, std::size_t block_bytes, const ReadOptions& options)
+      : points_(input.file, input.member), options_(options) {
+    name_ = points_.name();
+    format_ = "hdf5";
+    const std::uint64_t chunk = points_.chunk_points();
+    per_block_ = std::max<std::uint64_t>(1, block_bytes / points_.record_bytes());
+    if (per_block_ > chunk) per_block_ -= per_block_ % chunk;
+  }
+  void go_on_from(const BlockPosition& from) override { next_ = from.file_points; }
+
+  bool next(BlockTask& task, BlockMemory& memory) override {
+    if (next_ >= points_.count()) return false;
+    const std::uint64_t first = next_, count = std::min(per_block_, points_.count() - first);
+    next_ += count;
+    task.count = count;
+    task.file_points = next_;
+    task.taken = next_ * points_.record_bytes();
+    task.load = [this, first, count, &memory] {
+      LoadedBlock block;
+      block.data = points_.read(first, count, memory.room(count * points_.record_bytes()));
+      choose_columns(block.data, name_, {}, options_);
+      return block;
+    };
+    return true;
+  }
+
+ private:
+  Hdf5Points points_;
+  ReadOptions options_;
   std::uint64_t per_block_, next_ = 0;
 };
 
@@ -317,6 +354,9 @@ void choose_columns_of(RecordLayout& layout, const std::string& file,
 std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOptions& options) {
   OpenedBytes from = open_bytes(path, options.read);
   const Source head{from.name, from.head.data(), from.head.size()};
+  const InputName input = split_input(path);
+  if (holds_hdf5(input.file, from.head))
+    return std::make_unique<Hdf5Blocks>(input, options.block_bytes, options.read);
   if (extension_of(unpacked_name(path)) == "hullstate" || from.head.starts_with("\x93"
                                                                                 "CULLHS\n"))
     return std::make_unique<WholeInput>(std::move(from), "hullstate", options.read);
@@ -334,6 +374,7 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
   if (format == "npy") layout = npy_records(head, from.size, uninterrupted);
   if (format == "raw") layout = raw_records(head, from.size, uninterrupted);
   if (format == "ply") layout = ply_records(head, from.size, uninterrupted);
+  if (format == "pcd") layout = pcd_records(head, from.size, uninterrupted);
   if (format == "las") layout = las_records(head, from.size);
   if (layout) {
     if (!read.columns.empty() || !read.key.empty())

@@ -148,10 +148,14 @@ std::string without_ending(const std::string& name) {
 InputName split_input(const std::string& path) {
   std::string lower = path;
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  const std::size_t colon = lower.find(".npz:");
   system::FileStatus status{};
-  if (colon == std::string::npos || system::status_of(path.c_str(), status) == 0) return {path, ""};
-  return {path.substr(0, colon + 4), path.substr(colon + 5)};
+  for (const std::string_view ending : {".npz:", ".h5:", ".hdf5:", ".he5:", ".nc:", ".nc4:"}) {
+    const std::size_t found = lower.find(ending);
+    if (found == std::string::npos || system::status_of(path.c_str(), status) == 0) continue;
+    const std::size_t colon = found + ending.size() - 1;
+    return {path.substr(0, colon), path.substr(colon + 1)};
+  }
+  return {path, ""};
 }
 
 bool begins_archive(std::string_view head) {

@@ -8,8 +8,8 @@
 
 namespace cullhull::internal {
 
-/// FILE.npz:NAME in its two parts; the second is empty for any other name, and where a file with
-/// the whole name exists.
+/// FILE.npz:NAME or FILE.h5:NAME in its two parts; the second is empty for any other name, and
+/// where a file with the whole name exists.
 struct InputName {
   std::string file, member;
 };
