@@ -1,4 +1,4 @@
-// What points on several ranks cost beside all of them in one process: work and bytes.
+// The cost of points on several ranks beside that of all points in one process: work and bytes.
 //   mpirun -n 4 mpi_bench COUNT [SHAPE [DIMENSION [REPEAT]]]
 // Each rank makes its share; rank 0 also makes all of them, for convex_hull alone. Both are run
 // REPEAT times by turns, and medians printed. Work is processor seconds; that of ranks leaves out
@@ -37,7 +37,7 @@ PointView view(const Set& set, const std::vector<double>& rows) {
   return PointView::row_major(rows.data(), rows.size() / set.dimension, set.dimension);
 }
 
-/// A barrier at which ranks sleep, so that they take no processor from one that is measured.
+/// A barrier at which ranks sleep, so that they take no processor from the one being measured.
 void wait_for_all() {
   MPI_Request request;
   MPI_Ibarrier(MPI_COMM_WORLD, &request);

@@ -143,7 +143,7 @@ cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned thr
   options.columns = arguments.columns;
   options.memory_budget = memory;
   options.remark = [](const std::string& line) {
-    static std::once_flag told;  // a thousand tiles have the same to tell
+    static std::once_flag told;  // once, however many tiles have the same remark
     std::call_once(told, [&] { write_stderr("cullhull: " + line + "; --columns takes others\n"); });
   };
   return options;
@@ -211,14 +211,14 @@ void RunArguments::add_to(Parser& command, bool filter) {
                             "the machine's. A result that needs more is refused, status 4"))
         .type_name("BYTES");
   } else {
-    backend = "cpu";  // nothing to choose, so nothing that a choice is weighed by is read
+    backend = "cpu";  // nothing to choose, so the planner's file is not read
   }
   auto& count = *command.add_option("--threads", threads, "Threads; 0: all the machine offers");
   allow_range(count, 0, 1024);
   command.add_flag("-q,--quiet", quiet, "No summary and no progress");
 }
 
-// Where `bench machine --save` writes it, so that what was saved is what is read.
+// Where `bench machine --save` writes it.
 std::string machine_file() {
   const auto set = [](const char* name) -> std::string {
     const char* value = std::getenv(name);
@@ -233,7 +233,7 @@ std::string machine_file() {
 
 namespace {
 
-// The file is read only where somebody weighs: a broken one must not stop `--backend cpu`.
+// Read only where the planner needs it: a broken file must not stop `--backend cpu`.
 cullhull::MachineConstants machine_constants() {
   const std::string path = machine_file();
   const char* named = std::getenv("CULLHULL_MACHINE");

@@ -1,4 +1,4 @@
-// cullhull bench: what this machine can do, and how fast we are on it.
+// cullhull bench: measurements of this machine, and of the library on it.
 #include "bench_command.hpp"
 
 #include <utility>

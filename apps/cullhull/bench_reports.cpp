@@ -34,7 +34,7 @@ constexpr const char* exit_status_text =
     "Exit status: 0 success; 1 the system refused; 2 bad usage; 3 extreme points differ and ours\n"
     "are not proved; 4 out of memory; 130 cancelled.";
 
-/// Where a report goes.
+/// Where to write a report.
 struct ReportArguments {
   std::string json, page, markdown;
   double limit = 300;
@@ -59,7 +59,7 @@ struct ReportArguments {
   }
 };
 
-/// Of suites that measure a few long runs.
+/// Options of suites that measure a few long runs.
 struct RunsArguments : ReportArguments {
   double scale = 1;
   unsigned repeat = 5;
@@ -112,7 +112,7 @@ struct PaperArguments : RunsArguments {
   std::vector<std::string> figures;
 };
 
-/// Which sets are measured.
+/// Which sets to measure.
 struct SetArguments {
   std::vector<std::string> workloads, shapes, points, scalars;
   std::vector<unsigned> dimensions;
@@ -169,8 +169,8 @@ std::vector<unsigned> counts_in(const std::string& text, const char* option, uns
   return counts;
 }
 
-/// The workloads that were named, else the product of what was given, else the usual ones; each
-/// for every scalar type that was given.
+/// The workloads named, else the product of the options given, else the default ones; each for
+/// every scalar type given.
 std::vector<cullhull::bench::Workload> SetArguments::chosen(
     const std::vector<Workload>& usual) const {
   std::vector<Workload> sets;

@@ -45,7 +45,7 @@ struct CullArguments {
   std::string json;
   unsigned repeat = 1;
   StreamArguments stream;
-  std::vector<std::string> files;  ///< that the words of the input stand for
+  std::vector<std::string> files;  ///< the files that the input's words stand for
 };
 
 using Outcome = Repeated<cullhull::Survivors>;
@@ -79,7 +79,7 @@ std::string wrote_lines(const CullArguments& arguments) {
          wrote_line(arguments.stream.partial);
 }
 
-/// -o names ids or points, and the name tells which.
+/// -o takes ids or points, by the extension of the name.
 bool holds_points(const std::string& path) {
   const std::string ending = ending_of(path);
   return ending == ".ply" || ending == ".xyz" || ending == ".las";
@@ -168,7 +168,7 @@ int run_in_memory(const CullArguments& arguments, const FilePlan& plan) {
   return 0;
 }
 
-/// In one pass nothing finer is known than at its end: what is left are the extreme points.
+/// In one pass the filter is complete only at its end: the survivors are the extreme points.
 int run_streamed(const CullArguments& arguments, const FilePlan& plan) {
   Streamed streamed =
       stream_state(arguments.input, arguments.files, arguments.stream, arguments.run);

@@ -21,4 +21,6 @@
 #include "cullhull/simplify.hpp"
 #include "cullhull/stream.hpp"
 #include "cullhull/track.hpp"
+#include "cullhull/triangulation.hpp"
+#include "cullhull/triangulation_query.hpp"
 #include "cullhull/version.hpp"

@@ -14,7 +14,7 @@
 namespace cullhull::internal {
 namespace {
 
-constexpr int tag = 1;  // messages between two ranks come in the order in which they were sent
+constexpr int tag = 1;  // messages between two ranks arrive in the order in which they were sent
 
 double clock_seconds(clockid_t clock) {
   timespec t{};
@@ -31,8 +31,9 @@ void check_mpi(int code) {
               "MPI: " + std::string(text, static_cast<std::size_t>(std::max(length, 0))));
 }
 
-/// Awake at first, then offering the processor, then in sleeps that grow: a rank may wait for as
-/// long as another one hulls, and there may be more ranks than processors.
+/// Spins at first, then yields, then sleeps for growing times of at most 0.5 ms: a rank may wait
+/// for as long as another one computes a hull, and there may be more ranks than processors. The
+/// counts are guesses, not swept.
 class Pause {
  public:
   void take() {
@@ -47,7 +48,7 @@ class Pause {
   int turns_ = 0, micros_ = 10;
 };
 
-/// An exception as it travels.
+/// An exception in a form that can be sent.
 struct Failure {
   ErrorCode code = ErrorCode::internal;
   std::string message;
@@ -67,7 +68,7 @@ Failure described(const std::exception_ptr& failure) {
   }
 }
 
-/// Whether the exception was one of the caller's own, thrown by a function of the options.
+/// Whether the exception was thrown by a function of the caller's options, as no Error of ours.
 bool foreign(const std::exception_ptr& failure) {
   try {
     std::rethrow_exception(failure);
@@ -150,7 +151,8 @@ void Communicator::duplicate(MPI_Comm parent, Kept& kept) {
 
 int Communicator::machine_ranks() const { return kept_->machine_ranks; }
 
-// Where a rank is lost the others must not wait for each other here; MPI frees without waiting.
+// After the loss of a rank the others must not wait for one another here; MPI frees the
+// communicator without waiting.
 Communicator::~Communicator() {
   kept_->in_use = false;
   if (own_ && own_->comm != MPI_COMM_NULL) MPI_Comm_free(&own_->comm);

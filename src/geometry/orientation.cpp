@@ -10,10 +10,12 @@
 #include <memory>
 #include <vector>
 
+#include "geometry/determinant_sign.hpp"
 #include "geometry/exact_plane.hpp"
 #include "geometry/integer_points.hpp"
 #include "geometry/minors.hpp"
 #include "geometry/oriented_plane.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/int128.hpp"
 
 namespace cullhull::internal {
@@ -48,8 +50,8 @@ bool filtered(const double* const* p, Sign& sign) {
     sign = Sign::negative;
     return true;
   }
-  // All in a plane across an axis, as on a box: a column of zeros (differences of doubles are zero
-  // only where they are equal).
+  // All on a plane across an axis, as on a box: a column of zeros (differences of doubles are zero
+  // only where the doubles are equal).
   for (unsigned j = 0; j < D; ++j) {
     bool zero = true;
     for (unsigned i = 0; i < D; ++i) zero &= m[i][j] == 0;
@@ -61,23 +63,14 @@ bool filtered(const double* const* p, Sign& sign) {
 }
 
 bool filtered(unsigned d, const double* const* p, Sign& sign) {
-  switch (d) {
-    case 1:
-      sign = sign_of(p[1][0] < p[0][0] ? -1 : p[1][0] > p[0][0] ? 1 : 0);
-      return true;  // a comparison is exact
-    case 2:
-      return filtered<2>(p, sign);
-    case 3:
-      return filtered<3>(p, sign);
-    case 4:
-      return filtered<4>(p, sign);
-    case 5:
-      return filtered<5>(p, sign);
-    case 6:
-      return filtered<6>(p, sign);
-    default:
-      return false;
+  if (d == 1) {
+    sign = sign_of(p[1][0] < p[0][0] ? -1 : p[1][0] > p[0][0] ? 1 : 0);  // exact
+    return true;
   }
+  return with_dimension<2, 6, 0>(d, [&](auto k) {
+    if constexpr (k > 0) return filtered<k>(p, sign);
+    return false;
+  });
 }
 
 // ---------------------------------------------------------------------------------------------
@@ -89,8 +82,8 @@ class CentroidDifferences {
  public:
   CentroidDifferences(unsigned d, const double* const* p, const double* const* simplex)
       : points_(d, p, d, simplex, d + 1) {
-    // The sum of d + 1 coordinates and (d + 1) times one each stay below 2^61, so does not
-    // overflow.
+    // The sum of d + 1 coordinates and (d + 1) times one coordinate each stay below 2^61, so their
+    // difference does not overflow.
     narrow_ = points_.bits() + bit_length(d + 1) <= 61;
     if (!narrow_) return;
     sums_.assign(d, 0);
@@ -117,96 +110,6 @@ class CentroidDifferences {
   bool narrow_ = false;
   std::vector<std::int64_t> sums_;
 };
-
-/// Determinant in 128 bits, if it provably fits: sum over columns of the bits of their largest
-/// entry, plus the bits of d!.
-template <unsigned D, class Rows>
-bool determinant_128(const Rows& a, Sign& sign) {
-  std::int64_t m[D][D];
-  int bits = 0;
-  for (unsigned j = 0; j < D; ++j) {
-    std::uint64_t any = 0;
-    for (unsigned i = 0; i < D; ++i) {
-      m[i][j] = a.small(i, j);
-      any |= static_cast<std::uint64_t>(std::abs(m[i][j]));
-    }
-    bits += bit_length(any);
-  }
-  constexpr int factorial_bits[] = {0, 0, 1, 3, 5, 7, 10, 13, 16};
-  if (bits + factorial_bits[D] > 126) return false;
-  Int128 det[1U << D];
-  expand_minors<D, false>(m, D, det, static_cast<Int128*>(nullptr));
-  const Int128 value = det[(1U << D) - 1];
-  sign = value > 0 ? Sign::positive : value < 0 ? Sign::negative : Sign::zero;
-  return true;
-}
-
-template <class Rows>
-bool determinant_128(const Rows& a, Sign& sign) {
-  if (!a.narrow()) return false;
-  switch (a.columns()) {
-    case 2:
-      return determinant_128<2>(a, sign);
-    case 3:
-      return determinant_128<3>(a, sign);
-    case 4:
-      return determinant_128<4>(a, sign);
-    case 5:
-      return determinant_128<5>(a, sign);
-    case 6:
-      return determinant_128<6>(a, sign);
-    case 7:
-      return determinant_128<7>(a, sign);
-    case 8:
-      return determinant_128<8>(a, sign);
-    default:
-      return false;
-  }
-}
-
-/// Numbers kept for reuse by one thread.
-BigNumbers& numbers(std::size_t count) {
-  thread_local BigNumbers kept;
-  kept.resize(count);
-  return kept;
-}
-
-/// Sign of the determinant by fraction-free elimination (Bareiss 1968), where every division is
-/// exact.
-template <class Rows>
-Sign determinant_sign_big(const Rows& rows) {
-  const unsigned n = rows.columns();
-  BigNumbers& m = numbers(std::size_t{n} * n + 1);
-  mpz_ptr t = m[std::size_t{n} * n];
-  const auto at = [&](unsigned i, unsigned j) { return m[std::size_t{i} * n + j]; };
-  for (unsigned i = 0; i < n; ++i)
-    for (unsigned j = 0; j < n; ++j) rows.big(i, j, at(i, j), t);
-  int flips = 1;
-  for (unsigned k = 0; k + 1 < n; ++k) {
-    unsigned pivot = k;
-    while (pivot < n && mpz_sgn(at(pivot, k)) == 0) ++pivot;
-    if (pivot == n) return Sign::zero;
-    if (pivot != k) {
-      for (unsigned j = 0; j < n; ++j) mpz_swap(at(pivot, j), at(k, j));
-      flips = -flips;
-    }
-    for (unsigned i = k + 1; i < n; ++i)
-      for (unsigned j = k + 1; j < n; ++j) {
-        mpz_mul(t, at(i, k), at(k, j));
-        mpz_mul(at(i, j), at(i, j), at(k, k));
-        mpz_sub(at(i, j), at(i, j), t);
-        if (k > 0) mpz_divexact(at(i, j), at(i, j), at(k - 1, k - 1));
-      }
-  }
-  return static_cast<Sign>(flips * mpz_sgn(at(n - 1, n - 1)));
-}
-
-template <class Rows>
-Sign determinant_sign(const Rows& a) {
-  Sign sign = Sign::zero;
-  if (determinant_128(a, sign)) return sign;
-  return determinant_sign_big(a);
-}
 
 /// The cross product of two rows that fit 64 bits, rounded.
 bool narrow_plane(const Differences& a, double* normal) {
@@ -252,7 +155,7 @@ Sign orientation(unsigned d, const double* const* p, Rung* rung) {
   if (filtered(d, p, sign)) return sign;
   if (rung != nullptr) *rung = Rung::exact;
   if (d < 4) return orientation_exact(d, p);
-  // 128 bits are soonest where they suffice, double-doubles where integers would be long.
+  // 128-bit integers are fastest where they suffice, double-doubles where integers would be long.
   if (determinant_128(Differences(d, p, d), sign)) return sign;
   return eliminated(d, p, rung);
 }
@@ -261,7 +164,7 @@ unsigned affine_rank_exact(unsigned d, const double* const* p, unsigned count, u
   if (count < 2) return 0;
   const unsigned rows = count - 1;
   const Differences a(d, p, rows);
-  BigNumbers& m = numbers(std::size_t{rows} * d + 2);
+  BigNumbers& m = kept_numbers(std::size_t{rows} * d + 2);
   mpz_ptr t = m[std::size_t{rows} * d];
   mpz_ptr previous = m[std::size_t{rows} * d + 1];
   const auto at = [&](unsigned i, unsigned j) { return m[std::size_t{i} * d + j]; };

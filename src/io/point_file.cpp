@@ -1,4 +1,4 @@
-// Opening a file of points: which format it is, and who keeps the memory.
+// Opens a file of points: determines its format, and owns the memory.
 #include <algorithm>
 #include <chrono>
 #include <cstring>
@@ -17,7 +17,7 @@ namespace cullhull {
 
 struct PointFile::Impl {
   internal::MappedFile file;
-  internal::Buffer unpacked;  ///< what was compressed in it
+  internal::Buffer unpacked;  ///< decompressed contents
   internal::PointData data;
   double seconds = 0;
 };
@@ -41,14 +41,14 @@ bool begins(const Source& s, std::string_view magic) {
   return s.size >= magic.size() && std::memcmp(s.data, magic.data(), magic.size()) == 0;
 }
 
-/// Binary STL has no magic: its size follows from its triangle count.
+/// Binary STL has no magic number: its size follows from its number of triangles.
 bool looks_like_binary_stl(const Source& s) {
   if (s.size < 84) return false;
   const auto triangles = load_little_endian<std::uint32_t>(s.data + 80);
   return s.size == 84 + std::uint64_t{50} * triangles;
 }
 
-/// Editors put three bytes before the first character of a text.
+/// Skips the byte order mark of UTF-8.
 Source behind_byte_order_mark(const Source& s) {
   return begins(s, "\xEF\xBB\xBF") ? Source{s.name, s.data + 3, s.size - 3} : s;
 }
@@ -91,7 +91,7 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
   }
   const std::string extension = extension_of(unpacked_name(source.name));
   if (is_known(extension)) return extension;
-  if (extension == "laz") return "las";  // which says what reads it
+  if (extension == "laz") return "las";  // whose error names a reader for it
   for (const char* other : {"e57", "parquet", "zarr", "copc"})
     if (extension == other)
       fail(source, "." + extension + " is read by the Python package alone: cullhull.read(path)");
@@ -212,7 +212,7 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
   if (impl->data.in_place && !unpacked)
     impl->file.prefault(options.threads);
   else
-    impl->file = internal::MappedFile();  // parsed or unpacked: the file need not stay
+    impl->file = internal::MappedFile();  // parsed or decompressed: the file is not needed
   if (!impl->data.in_place) impl->unpacked = {};
   impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return PointFile(std::move(impl));

@@ -1,6 +1,6 @@
-// A growing array of trivial items: no initialisation, huge pages that are kept for the next step
-// (pages.hpp), and growth that moves page tables instead of bytes where the system can. Clearing
-// and copying pages was 28 % of the 3D engine.
+// A growing array of trivial items: not initialised, on huge pages that are reused from step to
+// step (pages.hpp), and growing by moving page tables instead of bytes where the system can.
+// Clearing and copying pages was 28 % of the 3D engine's time.
 #pragma once
 
 #include <cstddef>
@@ -49,10 +49,7 @@ class RawArray {
   }
 
   void release() {
-    if (bytes_ >= mapped_block)
-      free_block(data_, bytes_);
-    else
-      std::free(data_);
+    drop(data_, bytes_);
     data_ = nullptr;
     bytes_ = 0;
   }
@@ -61,11 +58,17 @@ class RawArray {
   static constexpr std::size_t page = 4096;
 
   void* move_to(std::size_t bytes) {
-    void* p = bytes >= mapped_block ? allocate_block(bytes) : std::aligned_alloc(64, bytes);
+    void* p = bytes >= kept_block ? allocate_block(bytes) : std::aligned_alloc(64, bytes);
     if (p == nullptr) throw std::bad_alloc();
     if (data_ != nullptr) std::memcpy(p, static_cast<const void*>(data_), bytes_);
-    std::free(data_);
+    drop(data_, bytes_);
     return p;
+  }
+  static void drop(T* data, std::size_t bytes) {
+    if (bytes >= kept_block)
+      free_block(data, bytes);
+    else
+      std::free(data);
   }
 
   T* data_ = nullptr;

@@ -18,7 +18,8 @@ class FacetCursor {
   void advance() {
     ++facet_;
     while (simplex_ < hull_.simplex_count() && hull_.simplex_facets[simplex_] < facet_) ++simplex_;
-    // Facets are numbered by their first simplices: the first one not numbered lower is facet_'s.
+    // Facets are numbered by their first simplices: the first simplex of facet `facet_` is the next
+    // one whose facet is not lower.
   }
   std::strong_ordering compare(const FacetCursor& b) const {
     const auto row = [](const FacetCursor& c) {

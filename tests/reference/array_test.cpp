@@ -83,6 +83,41 @@ TEST(Pages, KeepNothingFreesTheScratchOfSmallCalls) {
   keep_memory(std::size_t{1} << 30);
 }
 
+/// Sizes around each step from which on blocks are rounded up, kept, and mapped.
+TEST(Pages, BlocksOfMiddleSizesAreKeptAlignedAndTheirOwn) {
+  constexpr std::size_t most = std::size_t{16} << 20;
+  keep_memory(0);
+  keep_memory(std::size_t{1} << 30);
+  std::vector<std::pair<std::uint8_t*, std::size_t>> live;
+  for (std::size_t octave = internal::kept_block; octave < internal::mapped_block; octave *= 2)
+    for (std::size_t quarter = 0; quarter < 4; ++quarter)
+      for (const std::size_t bytes :
+           {octave + quarter * octave / 4, octave + quarter * octave / 4 + 1,
+            octave + (quarter + 1) * octave / 4 - 1}) {
+        auto* p = static_cast<std::uint8_t*>(internal::allocate_block(bytes));
+        EXPECT_EQ(reinterpret_cast<std::uintptr_t>(p) % 64, 0U);
+        std::memset(p, static_cast<int>(live.size() % 251), bytes);
+        live.emplace_back(p, bytes);
+      }
+  for (std::size_t i = 0; i < live.size(); ++i) {
+    const auto [p, bytes] = live[i];
+    for (const std::size_t at : {std::size_t{0}, bytes / 2, bytes - 1}) ASSERT_EQ(p[at], i % 251);
+  }
+  for (const auto& [p, bytes] : live) internal::free_block(p, bytes);
+  EXPECT_GT(kept_memory(), most / 2);
+  EXPECT_LE(kept_memory(), most);
+  // What was freed last of a size comes first.
+  void* again = internal::allocate_block(100'000);
+  internal::free_block(again, 100'000);
+  EXPECT_EQ(internal::allocate_block(99'000), again);
+  internal::free_block(again, 99'000);
+  keep_memory(std::size_t{1} << 20);
+  EXPECT_LE(kept_memory(), std::size_t{1} << 20);
+  keep_memory(0);
+  EXPECT_EQ(kept_memory(), 0U);
+  keep_memory(std::size_t{1} << 30);
+}
+
 #if defined(__linux__)
 TEST(Pages, BetweenCallsNoMoreIsKeptThanTheLimit) {
   constexpr std::size_t mega = std::size_t{1} << 20;

@@ -28,7 +28,7 @@ char* BlockMemory::room(std::size_t bytes, std::size_t keep) {
 
 namespace {
 
-/// Records of a regular file: any thread reads any of them.
+/// Records of a regular file: threads read them in any order.
 class RecordBlocks : public BlockSource {
  public:
   RecordBlocks(OpenedBytes&& from, RecordLayout&& layout, std::size_t block_bytes)
@@ -159,7 +159,7 @@ class PipedRecords : public BlockSource {
     skip(layout_.offset + pass_ * layout_.record_bytes, memory);
     next_ = pass_;
   }
-  /// Who writes the pipe must not find it closed before the end.
+  /// Reads to the end, as the writer of a pipe must not find it closed before.
   void finish(BlockMemory& memory) {
     constexpr std::size_t piece = std::size_t{1} << 20;
     while (from_.stream->read(memory.room(piece), piece) > 0)
@@ -172,10 +172,10 @@ class PipedRecords : public BlockSource {
   bool begun_ = false;
 };
 
-/// A point a line: cut at the ends of lines in order, parsed by any thread.
+/// One point a line: divided at line ends in order, parsed by any thread.
 class TextBlocks : public BlockSource {
  public:
-  /// `body`: bytes before the first line of points.
+  /// `body`: offset of the first line of points.
   TextBlocks(OpenedBytes&& from, const Preamble& preamble, std::uint64_t body,
              std::size_t block_bytes, const ReadOptions& options)
       : from_(std::move(from)),
@@ -234,7 +234,7 @@ class TextBlocks : public BlockSource {
     }
     at_ = body_;
   }
-  /// Fills the memory with whole lines; what is left of the last one waits for the next call.
+  /// Fills the memory with whole lines; the rest of the last line is kept for the next call.
   std::size_t cut(BlockMemory& memory) {
     std::size_t size = rest_.size(), capacity = size + block_bytes_;
     char* out = memory.room(capacity);
@@ -271,7 +271,7 @@ class TextBlocks : public BlockSource {
   bool begun_ = false, ended_ = false;
 };
 
-/// What has to be in memory as a whole: one block.
+/// A format that has to be in memory as a whole: a single block.
 class WholeInput : public BlockSource {
  public:
   WholeInput(OpenedBytes&& from, std::string format, const ReadOptions& options)
@@ -325,7 +325,7 @@ class WholeInput : public BlockSource {
   bool done_ = false;
 };
 
-/// The first lines of a text, which tell what it holds.
+/// The first lines of a text, which determine its layout.
 std::optional<Preamble> preamble_of(const OpenedBytes& from, const std::string& format,
                                     const ReadOptions& options) {
   std::string_view head = from.head;
@@ -338,7 +338,7 @@ std::optional<Preamble> preamble_of(const OpenedBytes& from, const std::string& 
   return preamble;
 }
 
-/// Of what is decoded, only the columns asked for.
+/// Restricts decoded points to the columns asked for.
 void choose_columns_of(RecordLayout& layout, const std::string& file,
                        const std::vector<std::string>& names, const ReadOptions& options) {
   layout.decode = [decode = layout.decode, file, names, options](
@@ -367,8 +367,8 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
   if (!from.format.empty()) read.format = from.format;
   const std::string format = choose_format({head.name, head.data + skip, head.size - skip}, read);
   std::optional<RecordLayout> layout;
-  // A block that was begun is finished, so that there is a position to go on from: whoever visits
-  // blocks hears a cancellation between them.
+  // A block that was begun is finished, so that its position can be continued from: visit_blocks
+  // checks for cancellation between blocks.
   ReadOptions uninterrupted = read;
   uninterrupted.stop = {};
   if (format == "npy") layout = npy_records(head, from.size, uninterrupted);

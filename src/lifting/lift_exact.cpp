@@ -1,0 +1,71 @@
+#include "lifting/lift_exact.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/double_double.hpp"
+#include "geometry/lifted_rows.hpp"
+#include "lifting/lift_filter.hpp"
+#include "parallel/dispatch.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// Relative error of one operation of DoubleDouble: 7 u^2 for products, 3 u^2 for sums (Joldes,
+/// Muller, Popescu 2017), and room for second-order terms.
+constexpr double wide_roundoff = 0x1p-102;
+
+template <unsigned K>
+Sign wide_side(const LiftedPoints& s, const double* const* c, const double* p) {
+  DoubleDouble m[K + 1][K + 1];
+  double largest[K + 1] = {};
+  for (unsigned i = 0; i <= K; ++i) {
+    const double* q = i < K ? c[i + 1] : p;
+    DoubleDouble lift;
+    double magnitude = 0;
+    for (unsigned j = 0; j < s.width; ++j) {
+      const DoubleDouble v = DoubleDouble::sum(q[j], -c[0][j]);
+      if (j < K) {
+        m[i][j] = v;
+        largest[j] = std::max(largest[j], std::abs(v.high));
+      }
+      const DoubleDouble square = v * v;
+      lift = lift + square;
+      magnitude += square.high;
+    }
+    if (s.weighted) {
+      const DoubleDouble w = DoubleDouble::sum(q[s.width], -c[0][s.width]);
+      lift = lift - w;
+      magnitude += std::abs(w.high);
+    }
+    m[i][K] = lift;
+    largest[K] = std::max(largest[K], magnitude);
+  }
+  DoubleDouble det[1U << (K + 1)];
+  expand_minors<K + 1, false>(m, K + 1, det, static_cast<DoubleDouble*>(nullptr));
+  const DoubleDouble value = det[(1U << (K + 1)) - 1];
+  const double bound = lift_bound<K>(largest, s.width, wide_roundoff);
+  if (value.high > bound) return Sign::positive;
+  if (value.high < -bound) return Sign::negative;
+  return Sign::zero;
+}
+
+}  // namespace
+
+Sign lift_side_exact(const LiftedPoints& s, const double* const* c, const double* p) {
+  const Sign sign = determinant_sign(LiftedRows(s.base, s.width, s.weighted, c, p));
+  return s.furthest ? -sign : sign;
+}
+
+Sign lift_side_wide(const LiftedPoints& s, const double* const* c, const double* p) {
+  return with_dimension<2, 6, 0>(s.base, [&](auto k) {
+    if constexpr (k() == 0) {
+      return Sign::zero;
+    } else {
+      const Sign sign = wide_side<k()>(s, c, p);
+      return s.furthest ? -sign : sign;
+    }
+  });
+}
+
+}  // namespace cullhull::internal

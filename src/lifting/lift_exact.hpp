@@ -1,0 +1,18 @@
+// In-sphere and power tests: the rungs after doubles. docs/exactness.md, "Lifting".
+#pragma once
+
+#include "geometry/orientation.hpp"
+#include "lifting/lifted_points.hpp"
+
+namespace cullhull::internal {
+
+/// Sign of det [c_i - c_0, lift(c_i) - lift(c_0)], i = 1 .. k, and the same of p as the last row:
+/// which side of the plane of lifted c the lifted point p is on; for a positively oriented cell,
+/// negative is below. By integers.
+Sign lift_side_exact(const LiftedPoints& s, const double* const* c, const double* p);
+
+/// The same by double-doubles where their bound allows, for 2 <= k <= 6 and s.filtered; zero: they
+/// cannot tell.
+Sign lift_side_wide(const LiftedPoints& s, const double* const* c, const double* p);
+
+}  // namespace cullhull::internal

@@ -1,0 +1,75 @@
+// The ladder of in-sphere and power tests, and the rule for ties.
+#pragma once
+
+#include <cstdint>
+
+#include "geometry/orientation.hpp"
+#include "lifting/lift_exact.hpp"
+#include "lifting/lift_filter.hpp"
+#include "lifting/lifted_points.hpp"
+
+namespace cullhull::internal {
+
+/// What predicates count: a thread's own.
+struct LiftCounts {
+  std::uint64_t rungs[3] = {0, 0, 0};
+  std::uint64_t ties = 0;
+};
+
+/// Which side of the plane through the lifted points c[0 .. k] the lifted point p is on: for a
+/// positively oriented cell, negative means below. K: k where it is known early, else 0.
+template <unsigned K>
+inline Sign lift_side(const LiftedPoints& s, const double* const* c, const double* p,
+                      LiftCounts& counts) {
+  Sign sign = Sign::zero;
+  if (s.filtered) {
+    if constexpr (K != 0) {
+      if (lift_side_filtered<K>(s, c, p, sign)) {
+        ++counts.rungs[0];
+        return sign;
+      }
+    }
+    sign = lift_side_wide(s, c, p);
+    if (sign != Sign::zero) {
+      ++counts.rungs[1];
+      return sign;
+    }
+  }
+  ++counts.rungs[2];
+  return lift_side_exact(s, c, p);
+}
+
+/// Orientation of k + 1 points. K as above.
+template <unsigned K>
+inline Sign base_orientation(const LiftedPoints& s, const double* const* p) {
+  if constexpr (K == 2) {
+    if (s.filtered) {
+      const double ax = p[1][0] - p[0][0], ay = p[1][1] - p[0][1];
+      const double bx = p[2][0] - p[0][0], by = p[2][1] - p[0][1];
+      const double l = ax * by, r = ay * bx;
+      // Differences, products and the last difference: 4 roundings a path, and those of the bound.
+      const double det = l - r, bound = 6 * unit_roundoff * (std::abs(l) + std::abs(r)) + 0x1p-1000;
+      if (det > bound) return Sign::positive;
+      if (det < -bound) return Sign::negative;
+    }
+  } else if constexpr (K == 3) {
+    if (s.filtered) {
+      double m[3][3];
+      double largest[3] = {};
+      for (unsigned i = 0; i < 3; ++i)
+        for (unsigned j = 0; j < 3; ++j) {
+          m[i][j] = p[i + 1][j] - p[0][j];
+          largest[j] = std::max(largest[j], std::abs(m[i][j]));
+        }
+      double det[8];
+      expand_minors<3, false>(m, 3, det, static_cast<double*>(nullptr));
+      constexpr double factor = (minor_roundings(3) + 6) * 6 * unit_roundoff;
+      const double bound = factor * largest[0] * largest[1] * largest[2] + 0x1p-1000;
+      if (det[7] > bound) return Sign::positive;
+      if (det[7] < -bound) return Sign::negative;
+    }
+  }
+  return orientation(s.base, p);
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,186 @@
+// delaunay() and regular_triangulation(): prepare, insert, write.
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "cullhull/error.hpp"
+#include "cullhull/triangulation.hpp"
+#include "lifting/cell_insertion.hpp"
+#include "lifting/prepare.hpp"
+#include "lifting/redundant.hpp"
+#include "lifting/write_triangulation.hpp"
+#include "parallel/clock.hpp"
+#include "parallel/dispatch.hpp"
+#include "parallel/helpers.hpp"
+#include "parallel/pages.hpp"
+#include "parallel/run.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+Options run_options(const TriangulationOptions& o) {
+  Options options;
+  options.threads = o.threads;
+  options.memory_budget = o.memory_budget;
+  options.progress = o.progress;
+  options.stop = o.stop;
+  options.poll = o.poll;
+  return options;
+}
+
+void check_arguments(const PointView& points) {
+  if (points.dimension == 0)
+    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
+  if (points.data == nullptr && points.count > 0)
+    throw Error(ErrorCode::invalid_argument, "points.data is null");
+  if (points.count >= no_cell)
+    throw Error(
+        ErrorCode::out_of_budget,
+        "a triangulation takes fewer than 4294967295 points, not " + std::to_string(points.count));
+}
+
+/// What is known to be needed before the work: rows twice, the order, and in the plane the cells,
+/// which are two a point, with what writes them.
+void check_budget(const PointView& points, const Run& run) {
+  const std::uint64_t n = points.count, d = points.dimension;
+  std::uint64_t bytes = n * (16 * d + 24);
+  if (d == 2) bytes += 2 * n * 60;
+  require_budget(run.budget, bytes, "the triangulation");
+}
+
+template <unsigned K>
+RawCells live_cells(CellInsertion<K>& engine) {
+  const unsigned corners = engine.corners();
+  Array<std::uint32_t> number(engine.cell_count());
+  std::uint32_t count = 0;
+  for (std::uint32_t c = 0; c < engine.cell_count(); ++c)
+    number[c] = engine.dead(c) || engine.ghost(c) ? no_cell : count++;
+  RawCells raw;
+  raw.vertices.resize(std::size_t{count} * corners);
+  raw.neighbours.resize(std::size_t{count} * corners);
+  for (std::uint32_t c = 0; c < engine.cell_count(); ++c) {
+    if (number[c] == no_cell) continue;
+    const std::size_t at = std::size_t{number[c]} * corners;
+    std::copy_n(engine.vertices(c), corners, raw.vertices.data() + at);
+    for (unsigned j = 0; j < corners; ++j) raw.neighbours[at + j] = number[engine.neighbours(c)[j]];
+  }
+  return raw;
+}
+
+template <unsigned K>
+RawCells insert_all(const Prepared& p, TriangulationStatistics& statistics, const Run& run) {
+  CellInsertion<K> engine(p.points, run);
+  engine.start(p.simplex.data());
+  std::vector<std::uint32_t> placed = p.simplex;
+  std::sort(placed.begin(), placed.end());
+  auto skip = placed.begin();
+  for (std::uint32_t i = 0; i < p.points.count; ++i) {
+    if (skip != placed.end() && *skip == i) {
+      ++skip;
+      continue;
+    }
+    engine.insert(i);
+    if (i % 65536 == 65535) run.report("triangulate", double(i) / p.points.count);
+  }
+  for (unsigned r = 0; r < 3; ++r) statistics.rung_counts[r] += engine.counts().rungs[r];
+  statistics.ties += engine.counts().ties;
+  statistics.cells_created += engine.cells_created();
+  return live_cells(engine);
+}
+
+/// All ids that are neither vertices nor duplicates.
+void write_hidden(Triangulation& out) {
+  std::vector<bool> told(out.point_count);
+  for (const std::uint32_t v : out.cells) told[v] = true;
+  for (const DuplicatePoint& p : out.duplicates) told[p.id] = true;
+  for (std::uint32_t i = 0; i < out.point_count; ++i)
+    if (!told[i]) out.hidden.push_back(i);
+}
+
+/// k = 0: one point.
+void write_single(const Prepared& p, Triangulation& out) {
+  out.cells.assign(1, p.points.ids[0]);
+  out.neighbours.assign(1, no_cell);
+}
+
+Triangulation triangulate_without(const PointView& points, std::span<const double> weights,
+                                  bool furthest, const std::vector<std::uint32_t>& left_out,
+                                  const Run& run, std::vector<std::uint32_t>& redundant) {
+  Triangulation out;
+  out.dimension = points.dimension;
+  out.point_count = points.count;
+  out.scalar = points.scalar;
+  out.furthest_site = furthest;
+  if (points.count == 0) return out;
+  auto start = Clock::now();
+  TriangulationStatistics& statistics = out.statistics;
+  run.report("order", 0);
+  Prepared p = prepare_points(points, weights, furthest, left_out, run);
+  out.axes = p.axes;
+  out.duplicates = std::move(p.duplicates);
+  out.affine_dimension = static_cast<int>(p.points.base);
+  statistics.order_seconds = seconds_since(start);
+  if (p.points.base == 0) {
+    write_single(p, out);
+    return out;
+  }
+  start = Clock::now();
+  run.report("triangulate", 0);
+  RawCells raw = with_dimension<1, 6, 0>(
+      p.points.base, [&](auto k) { return insert_all<k()>(p, statistics, run); });
+  statistics.insert_seconds = seconds_since(start);
+  start = Clock::now();
+  run.report("write", 0);
+  write_cells(p.points, std::move(raw), out, run);
+  if (statistics.ties > 0) write_groups(p.points, out, run);
+  if (!weights.empty()) redundant = redundant_vertices(p.points, out, run);
+  write_hidden(out);
+  statistics.write_seconds = seconds_since(start);
+  return out;
+}
+
+Triangulation triangulate(const PointView& points, std::span<const double> weights,
+                          const TriangulationOptions& o) {
+  check_arguments(points);
+  const Options options = run_options(o);
+  const Run run(options);
+  const CallScope call;
+  const PageScope pages;
+  const auto start = Clock::now();
+  run.check();
+  check_budget(points, run);
+  std::vector<std::uint32_t> redundant, left_out;
+  Triangulation out =
+      triangulate_without(points, weights, o.furthest_site, left_out, run, redundant);
+  // The perturbation made vertices of points exactly on a face, which may hide others there: none
+  // of them is an extreme point, and once all are left out, what is left is extreme.
+  if (!redundant.empty()) {
+    left_out.resize(redundant.size() + out.hidden.size());
+    std::merge(redundant.begin(), redundant.end(), out.hidden.begin(), out.hidden.end(),
+               left_out.begin());
+    out = triangulate_without(points, weights, o.furthest_site, left_out, run, redundant);
+  }
+  out.statistics.threads = run.threads;
+  out.statistics.compute_seconds = seconds_since(start);
+  run.report("done", 1);
+  return out;
+}
+
+}  // namespace
+}  // namespace internal
+
+Triangulation delaunay(const PointView& points, const TriangulationOptions& options) {
+  return internal::triangulate(points, {}, options);
+}
+
+Triangulation regular_triangulation(const PointView& points, std::span<const double> weights,
+                                    const TriangulationOptions& options) {
+  if (weights.size() != points.count)
+    throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(points.count) +
+                                                 " points, but " + std::to_string(weights.size()) +
+                                                 " weights");
+  return internal::triangulate(points, weights, options);
+}
+
+}  // namespace cullhull
