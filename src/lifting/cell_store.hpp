@@ -27,6 +27,8 @@ class CellStore {
   unsigned corners() const { return (K ? K : k_) + 1; }
   /// Cells [0, count()), dead ones among them.
   std::uint32_t count() const { return count_; }
+  /// Cells that can be told apart, as a neighbour's slot takes a few bits of its word.
+  std::uint64_t limit() const { return (std::uint64_t{1} << (32 - shift())) - 1; }
   std::uint64_t capacity() const { return capacity_; }
   std::uint64_t created() const { return created_; }
   bool dead(std::uint32_t c) const { return marks_[c] == dead_mark; }
@@ -113,11 +115,10 @@ class CellStore {
   unsigned shift() const { return K ? static_cast<unsigned>(std::bit_width(K)) : shift_; }
 
   void grow() {
-    const std::uint64_t limit = (std::uint64_t{1} << (32 - shift())) - 1;
     const unsigned cells_a_point = corners() == 2 ? 1 : corners() == 3 ? 2 : 7;
     const std::uint64_t wanted =
         capacity_ == 0 ? std::uint64_t{expected_} * cells_a_point + 64 : capacity_ + capacity_ / 2;
-    const std::uint64_t most = std::min(wanted, limit);
+    const std::uint64_t most = std::min(wanted, limit());
     if (most == capacity_)
       throw Error(ErrorCode::out_of_budget,
                   "the triangulation has too many cells for their numbers");

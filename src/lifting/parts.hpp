@@ -190,6 +190,10 @@ class Parts {
     fill(seam);
     if (!fit_) return;
     out.totals.add(seam.totals.counts, seam.totals.created);
+    if (std::uint64_t{a.cells->count()} + b.cells->count() + seam.cells->count() >
+        seam.cells->limit())
+      fit_ = false;
+    if (!fit_) return;
     measure(out);
     out.cells = std::make_unique<CellStore<K>>(K, run.budget);
     assemble(*a.cells, *b.cells, *seam.cells, *out.cells, run);
