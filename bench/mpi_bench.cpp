@@ -62,7 +62,7 @@ int run(const Set& set, int repeat) {
     }
   std::vector<double> work, seconds, alone_work, alone_seconds;
   cullhull::mpi::Report report;
-  std::uint64_t hash = 0, alone_hash = 0;
+  std::uint64_t hash = 0, alone_hash = 0, vertices = 0;
   for (int k = 0; k < repeat; ++k) {
     wait_for_all();
     cullhull::mpi::JobOptions options;
@@ -71,6 +71,7 @@ int run(const Set& set, int repeat) {
     const cullhull::Hull hull =
         cullhull::mpi::convex_hull(MPI_COMM_WORLD, view(set, mine), options);
     hash = cullhull::testing_support::canonical_hash(hull);
+    vertices = hull.vertices.size();
     work.push_back(report.work_seconds);
     seconds.push_back(report.seconds);
     wait_for_all();
@@ -95,6 +96,7 @@ int run(const Set& set, int repeat) {
               static_cast<unsigned long long>(report.common),
               static_cast<unsigned long long>(report.sampled),
               static_cast<unsigned long long>(report.contributed));
+  std::printf("hull        %llu vertices\n", static_cast<unsigned long long>(vertices));
   std::printf("work        %.4f s, one process %.4f s, ratio %.3f\n", median(work),
               median(alone_work), median(work) / median(alone_work));
   std::printf("clock       %.4f s, one process %.4f s\n", median(seconds), median(alone_seconds));

@@ -33,7 +33,7 @@ class Folder {
       : path_((parent.empty() ? fs::temp_directory_path() : fs::path(parent)) /
               fmt::format("cullhull-stream-{}", ::getpid())) {
     std::error_code error;
-    if (!fs::create_directories(path_, error) && error)
+    if (!fs::create_directory(path_, error))
       throw Error(ErrorCode::io, path_.string() + ": " + error.message());
   }
   Folder(const Folder&) = delete;

@@ -4,6 +4,7 @@ foreign_files.py PROGRAM: the program gives the same hull, whole and in blocks, 
 what is wrong. A program without libhdf5 must say so.
 """
 
+import gzip
 import pathlib
 import subprocess
 import sys
@@ -260,6 +261,62 @@ class Hdf5(Files):
             path.write_bytes(bad)
             done = run("hull", f"{path}:p", "--memory", "2GiB")
             self.assertIn(done.returncode, (0, 1, 2, 4), done.stderr.decode())
+
+
+def write_tile(path, points):
+    """By its ending: what somebody's program writes for these points."""
+    kind = path.name.split(".", 1)[1]
+    if kind == "npy":
+        np.save(path, points)
+    elif kind == "npz":
+        np.savez_compressed(path, points=points)
+    elif kind in ("csv", "csv.gz"):
+        with (gzip.open if kind.endswith("gz") else open)(path, "wt") as file:
+            file.write("x,y,z\n")
+            np.savetxt(file, points, fmt="%.17g", delimiter=",")
+    elif kind == "xyz":
+        np.savetxt(path, points, fmt="%.17g")
+    elif kind == "h5":
+        with h5py.File(path, "w") as file:
+            file["points"] = points
+    elif kind == "nc":
+        with netCDF4.Dataset(path, "w") as file:
+            file.createDimension("n", len(points))
+            file.createDimension("d", 3)
+            file.createVariable("points", points.dtype, ("n", "d"))[:] = points
+    elif kind == "las":
+        las = laspy.create(point_format=3, file_version="1.2")
+        las.points = laspy.ScaleAwarePointRecord.zeros(len(points), header=las.header)
+        las.points.array["X"], las.points.array["Y"], las.points.array["Z"] = points.T
+        las.write(str(path))
+    else:
+        encodings = {"a.pcd": Encoding.ASCII, "b.pcd": Encoding.BINARY}
+        encoding = encodings.get(kind, Encoding.BINARY_COMPRESSED)
+        PointCloud.from_xyz_points(points).save(path, encoding=encoding)
+
+
+class Tiles(Files):
+    def test_a_hundred_tiles_are_one_file(self):
+        whole = (self.random.normal(size=(20000, 3)) * 1000).round().astype(np.float32)
+        for kind in ("npy", "npz", "csv", "csv.gz", "xyz", "h5", "nc", "las", "a.pcd", "b.pcd", "c.pcd"):
+            with self.subTest(kind=kind):
+                folder = self.folder / kind
+                folder.mkdir()
+                points = whole.astype("i4") if kind == "las" else whole
+                text = kind[:3] in ("csv", "xyz", "a.p")
+                for i, tile in enumerate(np.array_split(points, 100)):
+                    write_tile(folder / f"tile{i}.{kind}", tile)
+                if kind in ("h5", "nc") and b"built without" in run("hull", folder / f"tile0.{kind}").stderr:
+                    self.skipTest("the program was built without libhdf5")
+                np.save(self.folder / "whole.npy", points.astype("f8") if text else points)
+                expected = self.hull_of(self.folder / "whole.npy", options=("--stream", "off"))
+                self.assertEqual(self.hull_of(folder), expected)
+                state = self.folder / "half.hullstate"
+                halves = [f"{folder}/tile[0-4]?.{kind}", f"{folder}/tile[5-9]?.{kind}"]
+                first = [f"{folder}/tile?.{kind}", halves[0]]
+                done = run("hull", *first, "--partial", state, "-q")
+                self.assertEqual(done.returncode, 0, done.stderr.decode())
+                self.assertEqual(self.hull_of(state, halves[1]), expected)
 
 
 class Others(Files):

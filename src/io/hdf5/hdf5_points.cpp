@@ -216,8 +216,12 @@ struct Hdf5Points::Impl {
     return list;
   }
   void choose() {
-    const auto list = all_datasets();
-    if (list.size() != 1) refuse("say which dataset, as FILE.h5:/NAME");
+    auto list = all_datasets();
+    const auto has_rows = [](const auto& dataset) { return dataset.second.axes == 2; };
+    if (std::count_if(list.begin(), list.end(), has_rows) == 1)
+      std::iter_swap(list.begin(), std::find_if(list.begin(), list.end(), has_rows));
+    else if (list.size() != 1)
+      refuse("say which dataset, as FILE.h5:/NAME");
     add(list[0].first);
   }
   [[noreturn]] void refuse(const std::string& why) const {

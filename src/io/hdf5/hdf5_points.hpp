@@ -18,9 +18,9 @@ bool holds_hdf5(const std::string& file, std::string_view head);
 /// without locks, so it is called under one of our own: from any thread, one at a time.
 class Hdf5Points {
  public:
-  /// `datasets`: paths in the file, between commas; empty: the only one that holds points. Throws
-  /// Error{io}, Error{bad_file}; Error{invalid_argument}, which lists what there is, where they do
-  /// not name one; and where this was built without libhdf5.
+  /// `datasets`: paths in the file, between commas; empty: the only one (n, d), else the only one
+  /// (n). Throws Error{io}, Error{bad_file}; Error{invalid_argument}, which lists what there is,
+  /// where they do not name one; and where this was built without libhdf5.
   Hdf5Points(const std::string& file, const std::string& datasets);
   ~Hdf5Points();
 
