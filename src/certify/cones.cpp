@@ -83,14 +83,7 @@ bool Cones::build_plane(std::uint32_t f, double* out) const {
     w[j] = (p - centre_[j]) * scale_[j];
     for (unsigned r = 1; r < K; ++r) edges[r - 1][j] = (s_.row(v[r])[j] - p) * scale_[j];
   }
-  constexpr unsigned full = (1U << K) - 1;
-  double det[full + 1], perm[full + 1];
-  expand_minors<K, true>(edges, K - 1, det, perm);
-  for (unsigned j = 0; j < K; ++j) {
-    const double minor = det[full & ~(1U << j)];
-    n[j] = ((K - 1 + j) & 1U) != 0 ? -minor : minor;
-    spread[j] = perm[full & ~(1U << j)];
-  }
+  normal_and_spread<K>(edges, n, spread);
   double height = 0, lost = 0;
   for (unsigned j = 0; j < K; ++j) {
     spread[j] = roundings * u * spread[j] + 0x1p-1000;

@@ -153,19 +153,6 @@ class Orthogonal {
 /// Products of shorter edges may underflow, or their scaling may have been inexact.
 constexpr double least_edge = 0x1p-80;
 
-/// The cofactor normal of rows of doubles, and the sums of the absolute values of its terms.
-template <unsigned K>
-void minors_of(const double (*rows)[K], double* normal, double* spread) {
-  constexpr unsigned full = (1U << K) - 1;
-  double det[full + 1], perm[full + 1];
-  expand_minors<K, true>(rows, K - 1, det, perm);
-  for (unsigned c = 0; c < K; ++c) {
-    const double minor = det[full & ~(1U << c)];
-    normal[c] = ((K - 1 + c) & 1U) != 0 ? -minor : minor;
-    spread[c] = perm[full & ~(1U << c)];
-  }
-}
-
 }  // namespace
 
 Facets::Facets(const Subject& s) : s_(s), d_(s.hull.dimension), k_(s.k), rows_(s.full.data()) {
@@ -255,7 +242,7 @@ bool Facets::by_cofactors(std::uint32_t simplex, FacetTerms& out) const {
     if (!(most > least_edge)) return false;
     lengths *= length(rows[i - 1], K);
   }
-  minors_of<K>(rows, n, spread);
+  normal_and_spread<K>(rows, n, spread);
   if constexpr (!std::is_same_v<Real, double>) {
     Real edges[K - 1][K], normal[K];
     for (unsigned i = 1; i < K; ++i)
@@ -493,7 +480,7 @@ void Facets::fill_spread(const WideTerms& w, FacetTerms& out) const {
     for (unsigned c = 0; c < K; ++c) rows[i][c] = w.unit_edges[std::size_t{i} * K + c];
   double normal[K];
   out.spread.resize(K);
-  minors_of<K>(rows, normal, out.spread.data());
+  normal_and_spread<K>(rows, normal, out.spread.data());
 }
 
 void Facets::exactly(std::uint32_t i, FacetTerms& out) const {

@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 
@@ -54,6 +58,21 @@ class DirectionCube {
       x[j] = (2.0 * static_cast<double>(rest % resolution_) + 1) / resolution_ - 1;
       rest /= resolution_;
     }
+  }
+
+  /// For each cell the result of search(result for the cell before, centre), a search that is
+  /// short where it starts nearby.
+  template <class Search>
+  std::vector<std::uint32_t> answers(const Control& control, const Search& search) const {
+    std::vector<std::uint32_t> found(size());
+    std::vector<double> x(k_);
+    std::uint32_t last = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (i % 1024 == 0) control.check();
+      centre(i, x.data());
+      found[i] = last = search(last, x.data());
+    }
+    return found;
   }
 
  private:

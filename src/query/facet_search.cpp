@@ -209,15 +209,8 @@ void FacetSearch::fill_hints(const Control& control) {
   constexpr double most_cells = 1 << 17;
   cube_ = DirectionCube(k_, std::min(most_cells, 2.0 * static_cast<double>(count())));
   if (cube_.empty()) return;
-  std::vector<std::uint32_t> hints(cube_.size());
-  std::vector<double> x(k_);
-  std::uint32_t last = 0;
-  for (std::size_t cell = 0; cell < hints.size(); ++cell) {
-    if (cell % 1024 == 0) control.check();
-    cube_.centre(cell, x.data());
-    hints[cell] = last = climb(last, x.data());
-  }
-  hints_ = std::move(hints);
+  hints_ =
+      cube_.answers(control, [&](std::uint32_t last, const double* x) { return climb(last, x); });
 }
 
 // ------------------------------------------------------------------------------------- climbing

@@ -33,15 +33,8 @@ VertexSearch::VertexSearch(const QueryPoints& points, const Control& control) : 
   join_neighbours(control);
   cube_ = DirectionCube(d, std::min(0x1p16, static_cast<double>(points.count())));
   if (cube_.empty() || d > 6) return;
-  std::vector<std::uint32_t> hints(cube_.size());
-  std::vector<double> u(d);
-  std::uint32_t last = 0;
-  for (std::size_t cell = 0; cell < hints.size(); ++cell) {
-    if (cell % 1024 == 0) control.check();
-    cube_.centre(cell, u.data());
-    hints[cell] = last = climb(last, u.data());
-  }
-  hints_ = std::move(hints);
+  hints_ =
+      cube_.answers(control, [&](std::uint32_t last, const double* u) { return climb(last, u); });
 }
 
 void VertexSearch::join_neighbours(const Control& control) {
