@@ -30,7 +30,7 @@ struct Job {
   std::uint64_t seed;
   std::uint64_t grid_size = 128;
   std::uint64_t step = 1, shift = 0;  // cyclic: point i is number step * i + shift mod count
-  std::vector<Bump> bumps;
+  std::vector<Bump> bumps = {};
 };
 
 using PointFunction = void (*)(const Job&, RandomStream&, std::uint64_t index, double* row);
@@ -280,7 +280,7 @@ std::vector<double> generate(std::string_view shape, std::uint64_t count, std::u
                              std::uint64_t seed, const std::stop_token& stop) {
   const auto colon = shape.find(':');
   const ShapeEntry& entry = find_shape(shape.substr(0, colon));
-  Job job{dimension, count, seed, 128, 1, 0, {}};
+  Job job{.dimension = dimension, .count = count, .seed = seed};
   if (colon != std::string_view::npos) {
     if (entry.point != grid_point)
       throw Error(ErrorCode::invalid_argument,

@@ -112,7 +112,8 @@ void for_each_chunk(std::uint64_t count, std::uint64_t chunk_size, unsigned thre
     const OpenWork open(parts - 1, loop);
     done = loop->work(0);
   }
-  loop->wait((Clock::now() - begin) / std::max<std::uint64_t>(done, 1));
+  const Clock::duration each = (Clock::now() - begin) / std::max<std::uint64_t>(done, 1);
+  loop->wait(each);
 }
 
 }  // namespace cullhull::internal

@@ -61,7 +61,8 @@ bool SmallPolygon::thin(std::uint32_t count) {
   return false;
 }
 
-/// Keeps every `step`th row that the disc does not contain; stops after more than `most_kept`.
+/// Keeps every `step`th row that the disc does not contain; stops after the block of rows in which
+/// more than `most_kept` are reached.
 void SmallPolygon::keep_rows(std::uint32_t count, std::uint32_t step, const InnerDisc& disc) {
   constexpr std::uint32_t block = 2048;
   if (kept_.empty()) {
@@ -75,11 +76,12 @@ void SmallPolygon::keep_rows(std::uint32_t count, std::uint32_t step, const Inne
     const std::uint32_t end = std::min(count, begin + block * step), before = k;
     if (step == 1) {
       k += disc.outside(rows + 2 * std::size_t{begin}, end - begin, kept + k);
+      // The disc counts from the block's first row.
       for (std::uint32_t i = before; i < k; ++i) kept[i] += begin;
       continue;
     }
     for (std::uint32_t row = begin; row < end; row += step) {
-      kept[k] = row;
+      kept[k] = row;  // overwritten by the next unless counted: no branch
       k += !disc.contains(rows[2 * std::size_t{row}], rows[2 * std::size_t{row} + 1]);
     }
   }

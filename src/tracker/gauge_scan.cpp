@@ -32,7 +32,8 @@ std::vector<char> mark_leaders(const std::vector<std::uint64_t>& survivors,
   return marks;
 }
 
-/// The last hull's surface with its vertices (leader i is vertex i) at their new positions.
+/// The last hull's surface with its vertices at their new positions, which `rows` are. `leaders`,
+/// ascending, are the vertices' ids: vertex i of the surface is leader i.
 InnerPolytope moved_surface(const Hull& hull, const std::vector<std::uint64_t>& leaders,
                             std::vector<double>&& rows, const Run& run) {
   InnerPolytope p;
