@@ -105,6 +105,9 @@ here() {
         failures=$((failures + 1))
       fi
     fi
+    for name in "$scratch"/deb/usr/share/doc/*; do
+      grep -q '^==== zstd-dev' "$name/copyright" 2>/dev/null || broken "no licences in $name"
+    done
     [[ -e $scratch/deb/usr/share/man/man1/cullhull-hull.1.gz ||
       -e $scratch/deb/usr/share/man/man1/cullhull-hull.1 ]] || broken "no man page"
   fi
