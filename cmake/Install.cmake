@@ -37,15 +37,11 @@ if(CULLHULL_WITH_QHULL AND TARGET Qhull::qhull_r)
 endif()
 set(CULLHULL_HAVE_ZLIB OFF)
 set(CULLHULL_HAVE_ZSTD OFF)
-set(CULLHULL_HAVE_HDF5 OFF)
 if(CULLHULL_BUILD_IO AND TARGET ZLIB::ZLIB)
   set(CULLHULL_HAVE_ZLIB ON)
 endif()
 if(CULLHULL_BUILD_IO AND TARGET Zstd::zstd)
   set(CULLHULL_HAVE_ZSTD ON)
-endif()
-if(CULLHULL_BUILD_IO AND TARGET Hdf5::hdf5)
-  set(CULLHULL_HAVE_HDF5 ON)
 endif()
 configure_package_config_file(cmake/cullhullConfig.cmake.in
   "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfig.cmake" INSTALL_DESTINATION ${_package})
@@ -53,7 +49,7 @@ write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/cullhullConfigVers
   COMPATIBILITY SameMinorVersion)
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfig.cmake"
   "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfigVersion.cmake" cmake/Gmp.cmake
-  cmake/Zstd.cmake cmake/Hdf5.cmake
+  cmake/Zstd.cmake
   DESTINATION ${_package} COMPONENT development)
 
 # pkg-config: static libraries name what they need, the shared one needs nothing.
@@ -69,9 +65,6 @@ if(NOT CULLHULL_SHARED)
     endif()
     if(CULLHULL_HAVE_ZSTD)
       string(APPEND _pc_requires " libzstd")
-    endif()
-    if(CULLHULL_HAVE_HDF5)  # its pkg-config file has another name on every system
-      string(APPEND _pc_libraries " ${HDF5_LIBRARY}")
     endif()
   endif()
   if(CULLHULL_HAVE_QHULL)

@@ -12,6 +12,7 @@
 #endif
 #include <windows.h>
 #else
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <glob.h>
 #include <poll.h>
@@ -58,6 +59,11 @@ int create_file(const char* path) {
                _S_IREAD | _S_IWRITE);
 }
 int duplicate(int fd) { return _dup(fd); }
+
+void* open_library(const char* name) { return LoadLibraryA(name); }
+void* find_symbol(void* library, const char* name) {
+  return reinterpret_cast<void*>(GetProcAddress(static_cast<HMODULE>(library), name));
+}
 
 std::ptrdiff_t read_some(int fd, void* out, std::size_t size) {
   return _read(fd, out, at_most(size));
@@ -127,6 +133,9 @@ int create_file(const char* path) {
   return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
 }
 int duplicate(int fd) { return ::dup(fd); }
+
+void* open_library(const char* name) { return ::dlopen(name, RTLD_NOW | RTLD_LOCAL); }
+void* find_symbol(void* library, const char* name) { return ::dlsym(library, name); }
 
 std::ptrdiff_t read_some(int fd, void* out, std::size_t size) { return ::read(fd, out, size); }
 std::ptrdiff_t read_some_at(int fd, void* out, std::size_t size, std::uint64_t offset) {

@@ -51,6 +51,11 @@ int open_to_write(const char* path);
 int create_file(const char* path);  ///< fails where there is one
 int duplicate(int fd);
 
+/// A shared library by the name the system knows it under, its symbols for nobody else; nullptr
+/// where it cannot be loaded. It stays loaded.
+void* open_library(const char* name);
+void* find_symbol(void* library, const char* name);
+
 /// As many bytes as are available, 0 at the end, negative and errno for an error.
 std::ptrdiff_t read_some(int fd, void* out, std::size_t size);
 std::ptrdiff_t read_some_at(int fd, void* out, std::size_t size, std::uint64_t offset);

@@ -47,31 +47,31 @@ struct Numbers {
 };
 
 std::optional<Numbers> numbers_of(hid_t type) {
-  const H5T_class_t kind = H5Tget_class(type);
-  const std::size_t size = H5Tget_size(type);
+  const H5T_class_t kind = h5().H5Tget_class(type);
+  const std::size_t size = h5().H5Tget_size(type);
   if (kind == H5T_FLOAT) {
     std::size_t sign, exponent_at, exponent, mantissa_at, mantissa;
-    if (H5Tget_fields(type, &sign, &exponent_at, &exponent, &mantissa_at, &mantissa) < 0)
+    if (h5().H5Tget_fields(type, &sign, &exponent_at, &exponent, &mantissa_at, &mantissa) < 0)
       return std::nullopt;
     if (mantissa <= 23 && exponent <= 8)
-      return Numbers{H5T_NATIVE_FLOAT, ScalarType::f32, false, false};
+      return Numbers{h5().number("H5T_NATIVE_FLOAT_g"), ScalarType::f32, false, false};
     if (mantissa <= 52 && exponent <= 11)
-      return Numbers{H5T_NATIVE_DOUBLE, ScalarType::f64, false, false};
+      return Numbers{h5().number("H5T_NATIVE_DOUBLE_g"), ScalarType::f64, false, false};
     return std::nullopt;
   }
   if (kind != H5T_INTEGER || size > 8) return std::nullopt;
-  const bool is_signed = H5Tget_sign(type) == H5T_SGN_2;
+  const bool is_signed = h5().H5Tget_sign(type) == H5T_SGN_2;
   if (size == 1)
-    return is_signed ? Numbers{H5T_NATIVE_INT8, ScalarType::i8, false, true}
-                     : Numbers{H5T_NATIVE_UINT8, ScalarType::u8, false, false};
+    return is_signed ? Numbers{h5().number("H5T_NATIVE_INT8_g"), ScalarType::i8, false, true}
+                     : Numbers{h5().number("H5T_NATIVE_UINT8_g"), ScalarType::u8, false, false};
   if (size == 2)
-    return is_signed ? Numbers{H5T_NATIVE_INT16, ScalarType::i16, false, true}
-                     : Numbers{H5T_NATIVE_UINT16, ScalarType::u16, false, false};
+    return is_signed ? Numbers{h5().number("H5T_NATIVE_INT16_g"), ScalarType::i16, false, true}
+                     : Numbers{h5().number("H5T_NATIVE_UINT16_g"), ScalarType::u16, false, false};
   if (size <= 4)
-    return is_signed ? Numbers{H5T_NATIVE_INT32, ScalarType::i32, false, true}
-                     : Numbers{H5T_NATIVE_UINT32, ScalarType::u32, false, false};
-  return is_signed ? Numbers{H5T_NATIVE_INT64, ScalarType::f64, true, true}
-                   : Numbers{H5T_NATIVE_UINT64, ScalarType::f64, true, false};
+    return is_signed ? Numbers{h5().number("H5T_NATIVE_INT32_g"), ScalarType::i32, false, true}
+                     : Numbers{h5().number("H5T_NATIVE_UINT32_g"), ScalarType::u32, false, false};
+  return is_signed ? Numbers{h5().number("H5T_NATIVE_INT64_g"), ScalarType::f64, true, true}
+                   : Numbers{h5().number("H5T_NATIVE_UINT64_g"), ScalarType::f64, true, false};
 }
 
 /// What a dataset is: nothing if it holds no points.
@@ -83,19 +83,20 @@ struct Shape {
 };
 
 std::optional<Shape> shape_of(hid_t dataset) {
-  const Handle type(H5Dget_type(dataset), H5Tclose), space(H5Dget_space(dataset), H5Sclose);
+  const Handle type(h5().H5Dget_type(dataset), h5().H5Tclose),
+      space(h5().H5Dget_space(dataset), h5().H5Sclose);
   if (!type || !space) return std::nullopt;
   const auto numbers = numbers_of(type.get());
-  const int axes = H5Sget_simple_extent_ndims(space.get());
+  const int axes = h5().H5Sget_simple_extent_ndims(space.get());
   if (!numbers || (axes != 1 && axes != 2)) return std::nullopt;
   hsize_t extent[2] = {0, 1};
-  H5Sget_simple_extent_dims(space.get(), extent, nullptr);
+  h5().H5Sget_simple_extent_dims(space.get(), extent, nullptr);
   return Shape{*numbers, extent[0], extent[1], axes};
 }
 
 extern "C" herr_t list_dataset(hid_t root, const char* name, const H5O_info_t* info, void* out) {
   if (info->type != H5O_TYPE_DATASET) return 0;
-  const Handle dataset(H5Dopen2(root, name, H5P_DEFAULT), H5Dclose);
+  const Handle dataset(h5().H5Dopen2(root, name, H5P_DEFAULT), h5().H5Dclose);
   if (!dataset) return 0;
   const auto shape = shape_of(dataset.get());
   if (!shape) return 0;
@@ -116,8 +117,8 @@ class OpenDataset {
  public:
   OpenDataset(const Handle& file, const std::string& path, const std::string& name) : path_(path) {
     // One chunk at least stays unpacked, so that none is unpacked for every block of it.
-    Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
-    dataset_ = Handle(H5Dopen2(file.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
+    Handle access(h5().H5Pcreate(h5().number("H5P_CLS_DATASET_ACCESS_ID_g")), h5().H5Pclose);
+    dataset_ = Handle(h5().H5Dopen2(file.get(), path.c_str(), H5P_DEFAULT), h5().H5Dclose);
     if (!dataset_) throw NoSuchDataset{};
     const auto shape = shape_of(dataset_.get());
     if (!shape)
@@ -126,9 +127,9 @@ class OpenDataset {
     shape_ = *shape;
     find_chunk();
     if (chunk_bytes_ > std::size_t{1} << 20) {
-      H5Pset_chunk_cache(access.get(), 521, chunk_bytes_, 1.0);
+      h5().H5Pset_chunk_cache(access.get(), 521, chunk_bytes_, 1.0);
       dataset_ = Handle();  // the first to open it decides
-      dataset_ = Handle(H5Dopen2(file.get(), path.c_str(), access.get()), H5Dclose);
+      dataset_ = Handle(h5().H5Dopen2(file.get(), path.c_str(), access.get()), h5().H5Dclose);
       if (!dataset_) throw NoSuchDataset{};
     }
   }
@@ -145,20 +146,21 @@ class OpenDataset {
   bool read(std::uint64_t first, std::uint64_t count, void* out) const {
     if (count == 0) return true;
     const hsize_t start[2] = {first, 0}, extent[2] = {count, shape_.width};
-    const Handle space(H5Dget_space(dataset_.get()), H5Sclose);
-    const Handle memory(H5Screate_simple(shape_.axes, extent, nullptr), H5Sclose);
+    const Handle space(h5().H5Dget_space(dataset_.get()), h5().H5Sclose);
+    const Handle memory(h5().H5Screate_simple(shape_.axes, extent, nullptr), h5().H5Sclose);
     return space && memory &&
-           H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start, nullptr, extent, nullptr) >= 0 &&
-           H5Dread(dataset_.get(), shape_.numbers.memory, memory.get(), space.get(), H5P_DEFAULT,
-                   out) >= 0;
+           h5().H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start, nullptr, extent, nullptr) >=
+               0 &&
+           h5().H5Dread(dataset_.get(), shape_.numbers.memory, memory.get(), space.get(),
+                        H5P_DEFAULT, out) >= 0;
   }
 
  private:
   void find_chunk() {
-    const Handle made(H5Dget_create_plist(dataset_.get()), H5Pclose);
-    if (!made || H5Pget_layout(made.get()) != H5D_CHUNKED) return;
+    const Handle made(h5().H5Dget_create_plist(dataset_.get()), h5().H5Pclose);
+    if (!made || h5().H5Pget_layout(made.get()) != H5D_CHUNKED) return;
     hsize_t extent[2] = {1, 1};
-    if (H5Pget_chunk(made.get(), 2, extent) != shape_.axes) return;
+    if (h5().H5Pget_chunk(made.get(), 2, extent) != shape_.axes) return;
     chunk_points_ = std::max<hsize_t>(1, extent[0]);
     chunk_bytes_ = static_cast<std::size_t>(chunk_points_ * extent[1] * 8);
   }
@@ -195,7 +197,7 @@ struct Hdf5Points::Impl {
   std::uint32_t dimension = 0;
 
   void open(const std::string& path, const std::string& datasets) {
-    file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    file = Handle(h5().H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), h5().H5Fclose);
     if (!file) fail({file_name, nullptr, 0}, "is no HDF5 file that can be opened" + reason());
     name = file_name;
     if (datasets.empty()) return choose();
@@ -211,7 +213,7 @@ struct Hdf5Points::Impl {
   }
   std::vector<std::pair<std::string, Shape>> all_datasets() const {
     std::vector<std::pair<std::string, Shape>> list;
-    if (H5Ovisit(file.get(), H5_INDEX_NAME, H5_ITER_INC, list_dataset, &list) < 0)
+    if (h5().H5Ovisit(file.get(), H5_INDEX_NAME, H5_ITER_INC, list_dataset, &list) < 0)
       fail({file_name, nullptr, 0}, "its datasets cannot be listed" + reason());
     return list;
   }
