@@ -239,8 +239,9 @@ def test_las_of_every_point_format(tmp_path, point_format, ending):
             pytest.skip("lazrs does not compress waveforms")
     points = (cullhull.generate("ball", 500) * 1e6).astype(np.int32)
     version = "1.4" if point_format > 5 else "1.3" if point_format > 3 else "1.2"
-    las = laspy.create(point_format=point_format, file_version=version)
-    las.header.scales, las.header.offsets = [0.01, 0.01, 0.01], [100, 200, 300]
+    header = laspy.LasHeader(point_format=point_format, version=version)
+    header.scales, header.offsets = [0.01, 0.01, 0.01], [100, 200, 300]
+    las = laspy.LasData(header)
     las.X, las.Y, las.Z = points.T
     path = tmp_path / f"a.{ending}"
     las.write(str(path))
