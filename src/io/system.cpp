@@ -12,12 +12,13 @@
 #endif
 #include <windows.h>
 #else
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <glob.h>
 #include <poll.h>
 #include <sys/mman.h>
 #if defined(__linux__) && !defined(MADV_POPULATE_READ)
-#define MADV_POPULATE_READ 22  // Linux 5.14: the C library's headers may be older than the kernel
+#define MADV_POPULATE_READ 22  // Linux 5.14; missing in older C headers
 #endif
 #endif
 
@@ -59,6 +60,11 @@ int create_file(const char* path) {
 }
 int duplicate(int fd) { return _dup(fd); }
 
+void* open_library(const char* name) { return LoadLibraryA(name); }
+void* find_symbol(void* library, const char* name) {
+  return reinterpret_cast<void*>(GetProcAddress(static_cast<HMODULE>(library), name));
+}
+
 std::ptrdiff_t read_some(int fd, void* out, std::size_t size) {
   return _read(fd, out, at_most(size));
 }
@@ -74,7 +80,7 @@ std::ptrdiff_t write_some(int fd, const void* data, std::size_t size) {
   return _write(fd, data, at_most(size));
 }
 bool readable_soon(int fd) {
-  DWORD waiting = 0;  // of pipes; whatever else it is gives something or ends
+  DWORD waiting = 0;  // of pipes; anything else has bytes or is at its end
   if (!PeekNamedPipe(handle_of(fd), nullptr, 0, nullptr, &waiting, nullptr) || waiting > 0)
     return true;
   Sleep(100);
@@ -127,6 +133,9 @@ int create_file(const char* path) {
   return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
 }
 int duplicate(int fd) { return ::dup(fd); }
+
+void* open_library(const char* name) { return ::dlopen(name, RTLD_NOW | RTLD_LOCAL); }
+void* find_symbol(void* library, const char* name) { return ::dlsym(library, name); }
 
 std::ptrdiff_t read_some(int fd, void* out, std::size_t size) { return ::read(fd, out, size); }
 std::ptrdiff_t read_some_at(int fd, void* out, std::size_t size, std::uint64_t offset) {
