@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._answers import NearestFacets, Rays
 from ._core import version as __version__
+from ._delaunay import Delaunay, tsearch
 from ._device import cuda_status
 from ._drop_in import ConvexHull
 from ._errors import (
@@ -44,6 +45,7 @@ from ._read import read
 from ._stream import HullState, HullStream
 from ._tolerant import TolerantConvexHull
 from ._tracker import HullTracker
+from ._triangulation import Triangulation, delaunay
 
 if TYPE_CHECKING:
 
@@ -57,6 +59,7 @@ __all__ = [
     "Cancelled",
     "Certificate",
     "ConvexHull",
+    "Delaunay",
     "Error",
     "FileError",
     "GroupHulls",
@@ -80,16 +83,19 @@ __all__ = [
     "ShapeWarning",
     "Simplified",
     "TolerantConvexHull",
+    "Triangulation",
     "__version__",
     "certify",
     "convex_hull",
     "convex_hulls",
     "cuda_status",
     "cull",
+    "delaunay",
     "generate",
     "hulls_by",
     "read",
     "shapes",
+    "tsearch",
 ]
 
 

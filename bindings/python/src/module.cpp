@@ -20,4 +20,5 @@ NB_MODULE(_core, m) {
   binding::bind_tracker(m);
   binding::bind_simplify(m);
   binding::bind_stream(m);
+  binding::bind_triangulation(m);
 }

@@ -1,0 +1,39 @@
+// A triangulation as Python holds it: the result beside the array it was computed from.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <optional>
+#include <vector>
+
+#include "call.hpp"
+#include "cullhull/triangulation.hpp"
+#include "points.hpp"
+
+namespace binding {
+
+/// Keeps the array alive, which its questions read; nobody may change that meanwhile.
+class Cells {
+ public:
+  Cells(cullhull::Triangulation triangulation, nanobind::object points, nanobind::object weights);
+
+  const cullhull::Triangulation& triangulation() const noexcept { return triangulation_; }
+  const nanobind::object& points_array() const noexcept { return points_array_; }
+  /// None without weights.
+  const nanobind::object& weights_array() const noexcept { return weights_array_; }
+
+ private:
+  cullhull::Triangulation triangulation_;
+  nanobind::object points_array_, weights_array_;
+};
+
+/// How Python sees a triangulation whose arrays it shows: by its object, which keeps their memory.
+using CellsHandle = nanobind::handle_t<Cells>;
+inline const Cells& cells_in(CellsHandle self) { return *nanobind::inst_ptr<Cells>(self); }
+
+/// None, or a list of doubles.
+std::vector<double> weights_of(nanobind::handle array);
+
+cullhull::TriangulationOptions options_of(const cullhull::Options& options);
+
+}  // namespace binding
