@@ -22,4 +22,5 @@
 #include "cullhull/stream.hpp"
 #include "cullhull/track.hpp"
 #include "cullhull/triangulation.hpp"
+#include "cullhull/triangulation_query.hpp"
 #include "cullhull/version.hpp"

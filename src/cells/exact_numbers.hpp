@@ -1,0 +1,62 @@
+// Rational numbers that become doubles once, at the end.
+#pragma once
+
+#include <gmpxx.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace cullhull::internal {
+
+/// The nearest double, ties to even; beyond the range infinite.
+inline double nearest_double(const mpq_class& x) {
+  if (x == 0) return 0;
+  const mpq_class size = abs(x);
+  // 2^(e - 1) <= size < 2^(e + 1)
+  const auto bits = [](const mpz_class& v) {
+    return static_cast<long>(mpz_sizeinbase(v.get_mpz_t(), 2));
+  };
+  long e = bits(size.get_num()) - bits(size.get_den());
+  if (e > 1026) return sgn(x) * std::numeric_limits<double>::infinity();
+  // In units in which a double of this size has 53 bits or, if that is less, of 2^-1074.
+  const auto scaled = [&](long unit) {
+    mpq_class q;
+    if (unit >= 0)
+      mpq_div_2exp(q.get_mpq_t(), size.get_mpq_t(), static_cast<mp_bitcnt_t>(unit));
+    else
+      mpq_mul_2exp(q.get_mpq_t(), size.get_mpq_t(), static_cast<mp_bitcnt_t>(-unit));
+    return q;
+  };
+  if (scaled(e) < 1) --e;  // now 2^e <= size < 2^(e + 1)
+  const long unit = e - 52 < -1074 ? -1074 : e - 52;
+  const mpq_class q = scaled(unit);
+  mpz_class whole = q.get_num() / q.get_den();
+  const mpq_class rest = q - whole;
+  const int half = cmp(rest, mpq_class(1, 2));
+  if (half > 0 || (half == 0 && mpz_odd_p(whole.get_mpz_t()) != 0)) ++whole;
+  return sgn(x) * std::ldexp(whole.get_d(), static_cast<int>(unit));
+}
+
+using RationalRows = std::vector<std::vector<mpq_class>>;
+
+/// Solves the square system whose rows end with their right-hand sides; the last column becomes the
+/// solution. False if there is none or several.
+inline bool solve(RationalRows& m) {
+  const std::size_t n = m.size();
+  for (std::size_t c = 0; c < n; ++c) {
+    std::size_t pivot = c;
+    while (pivot < n && m[pivot][c] == 0) ++pivot;
+    if (pivot == n) return false;
+    std::swap(m[pivot], m[c]);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i == c || m[i][c] == 0) continue;
+      const mpq_class f = m[i][c] / m[c][c];
+      for (std::size_t j = c; j <= n; ++j) m[i][j] -= f * m[c][j];
+    }
+  }
+  for (std::size_t i = 0; i < n; ++i) m[i][n] /= m[i][i];
+  return true;
+}
+
+}  // namespace cullhull::internal
