@@ -39,6 +39,7 @@ from ._functions import certify, convex_hull, cull, generate, shapes
 from ._groups import GroupHulls, hulls_by
 from ._halfspaces import HalfspaceIntersection
 from ._hull import Certificate, Hull, Simplified
+from ._interpolation import LinearNDInterpolator, NearestNDInterpolator, griddata
 from ._lists import Lists
 from ._many import GrowingHull, HullBatch, convex_hulls
 from ._read import read
@@ -72,8 +73,10 @@ __all__ = [
     "HullTracker",
     "InternalError",
     "InvalidArgument",
+    "LinearNDInterpolator",
     "Lists",
     "NearestFacets",
+    "NearestNDInterpolator",
     "NotCertified",
     "NotFinite",
     "OptionWarning",
@@ -92,6 +95,7 @@ __all__ = [
     "cull",
     "delaunay",
     "generate",
+    "griddata",
     "hulls_by",
     "read",
     "shapes",

@@ -21,6 +21,8 @@ _DEFAULTS_INCREMENTAL = QhullOptions(coplanar=True)
 #: `find_simplex`'s tolerance and the reciprocal condition number below which `transform` is NaN, as
 #: SciPy documents and has them. Neither decides about the triangulation.
 _DEFAULT_TOLERANCE = 100 * np.finfo(np.float64).eps
+#: How far, as a share of its way to the middle, a point outside is moved to look for its cell.
+_LARGEST_PULL = 2.0**-20
 _LEAST_RECIPROCAL_CONDITION = 1000 * np.finfo(np.float64).eps
 
 
@@ -194,6 +196,17 @@ class Delaunay(Lifted):
 
     ndim: int
 
+    @classmethod
+    def _of(cls, found: Triangulation) -> Delaunay:
+        """Over a native triangulation."""
+        if found.affine_dimension < max(found.dimension, 2):
+            raise InvalidArgument("a triangulation of points in a plane or a line, or of too few")
+        result = cls.__new__(cls)
+        result._options, result._choices, result._open = _DEFAULTS, (None, None, None), False
+        result.ndim, result.furthest_site = found.dimension, found.furthest_site
+        result._array, result.triangulation = found.points, found
+        return result
+
     def __repr__(self) -> str:
         return f"<Delaunay of {self.npoints} points in {self.ndim}D: {self.nsimplex} simplices>"
 
@@ -262,7 +275,8 @@ class Delaunay(Lifted):
         edges = corners[:, 1:] - first[:, np.newaxis]
         away = _solutions(edges, 0.5 * (edges**2).sum(axis=2))
         # |first + away|^2 - |away|^2, in which |away|^2, large for a flat simplex, cancels
-        return first + away, (first * (first + 2 * away)).sum(axis=1)
+        with np.errstate(invalid="ignore"):
+            return first + away, (first * (first + 2 * away)).sum(axis=1)
 
     @Lazy
     def transform(self) -> npt.NDArray[np.float64]:
@@ -318,6 +332,96 @@ class Delaunay(Lifted):
         counts = np.bincount(both // self.npoints, minlength=self.npoints)
         offsets = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
         return offsets, (both % self.npoints).astype(np.int32)
+
+    def find_simplex(
+        self, xi: Any, bruteforce: bool = False, tol: float | None = None
+    ) -> npt.NDArray[np.int32]:
+        """The simplex that each point is in.
+
+        Inside the hull it is exact: of simplices that share the point the first. Points outside by
+        rounding alone are in the hull for SciPy, and so they are here.
+
+        Parameters
+        ----------
+        xi : (..., d) array
+        bruteforce : bool
+            The result does not depend on it.
+        tol : float, optional
+            A point outside is in a simplex of which no barycentric coordinate is below ``-tol``.
+            100 times the machine's epsilon if not given, as in SciPy; 0 for none.
+
+        Returns
+        -------
+        (...) int32 array
+            -1 outside, and for points that are not finite.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another number of coordinates.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> found = cullhull.Delaunay([[0, 0], [1, 0], [1, 1], [0, 1]])
+        >>> found.find_simplex([[[0.75, 0.5], [2, 2]]]).tolist()
+        [[0, -1]]
+        """
+        x = self._as_questions(xi)
+        cells = np.full(x.shape[:-1], -1, dtype=np.int32)
+        rows, flat = x.reshape(-1, self.ndim), cells.reshape(-1)
+        places: Any = slice(None)
+        if not np.isfinite(rows).all():
+            places = np.flatnonzero(np.isfinite(rows).all(axis=1))
+        flat[places] = self.triangulation.find_simplex(rows[places])
+        tolerance = _DEFAULT_TOLERANCE if tol is None else float(tol)
+        if tolerance > 0:
+            self._find_near(rows, flat, tolerance)
+        return cells
+
+    def _find_near(
+        self, rows: npt.NDArray[np.float64], cells: npt.NDArray[np.int32], tolerance: float
+    ) -> None:
+        """Sets the cells of points outside that a tolerance puts into one."""
+        low, high = self.min_bound, self.max_bound
+        margin = tolerance * (high - low)
+        near = (rows >= low - margin).all(axis=1) & (rows <= high + margin).all(axis=1)
+        places = np.flatnonzero(near & (cells < 0))
+        # The cell from which a point sticks out is met on the way to the middle of all.
+        pull = min(4 * tolerance, _LARGEST_PULL)
+        for share in (pull, 0.25 * pull):
+            if len(places) == 0:
+                return
+            at = rows[places]
+            found = self.triangulation.find_simplex(at + share * (self._middle - at))
+            shares = self.triangulation.barycentric(at, found)
+            inside = (shares >= -tolerance).all(axis=1)  # NaN where no cell was found
+            cells[places[inside]] = found[inside]
+            places = places[~inside]
+        if tolerance > _LARGEST_PULL:
+            self._find_far(rows, cells, places, tolerance)
+
+    def _find_far(
+        self,
+        rows: npt.NDArray[np.float64],
+        cells: npt.NDArray[np.int32],
+        places: npt.NDArray[np.intp],
+        tolerance: float,
+    ) -> None:
+        """The same for tolerances that no rounding asks for: all cells at the hull are tried."""
+        for cell in np.unique(self.triangulation.hull_cells):
+            if len(places) == 0:
+                return
+            every = np.full(len(places), cell, dtype=np.int32)
+            shares = self.triangulation.barycentric(rows[places], every)
+            inside = (shares >= -tolerance).all(axis=1)
+            cells[places[inside]] = cell
+            places = places[~inside]
+
+    @Lazy
+    def _middle(self) -> npt.NDArray[np.float64]:
+        middle: npt.NDArray[np.float64] = self.points.mean(axis=0)
+        return middle
 
     def lift_points(self, x: Any) -> npt.NDArray[np.float64]:
         """Points lifted to the paraboloid.

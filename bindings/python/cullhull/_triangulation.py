@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arguments import Progress, as_point_set, as_points, settings
+from ._arguments import Progress, as_point_set, as_points, as_questions, settings
 from ._errors import InvalidArgument, NotCertified
 from ._hull import Certificate
 
@@ -240,6 +240,117 @@ class Triangulation:
         """(h,) int32, ascending: points that are neither vertices nor duplicates; none without
         weights or ``furthest_site``."""
         return self._cells.hidden
+
+    # Questions
+
+    def find_simplex(
+        self, points: Any, *, threads: int | None = None, progress: Progress = None
+    ) -> npt.NDArray[np.int32] | int:
+        """The cell that each point is in, exactly.
+
+        Parameters
+        ----------
+        points : (m, d) array, or (d,) for one
+            Finite.
+
+        Returns
+        -------
+        (m,) int32 array, or int
+            On faces that cells share the lowest of their numbers; -1 outside, and for points off
+            the flat of a flat triangulation.
+
+        Raises
+        ------
+        InvalidArgument, NotFinite (ValueErrors)
+            For another number of coordinates, a NaN or an infinity.
+        KeyboardInterrupt
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> found = cullhull.delaunay([[0, 0], [1, 0], [1, 1], [0, 1]])
+        >>> found.find_simplex([[0.75, 0.5], [0.5, 0.75], [0.5, 0.5], [2, 0]]).tolist()
+        [0, 1, 0, -1]
+        """
+        array, single = as_questions(points, self.dimension, "points", "triangulation")
+        cells = self._cells.find(array, settings(threads=threads, progress=progress))
+        return int(cells[0]) if single else cells
+
+    def nearest(
+        self, points: Any, *, threads: int | None = None, progress: Progress = None
+    ) -> npt.NDArray[np.int32] | int:
+        """The vertex nearest to each point, exactly.
+
+        Parameters
+        ----------
+        points : (m, d) array, or (d,) for one
+            Finite.
+
+        Returns
+        -------
+        (m,) int32 array, or int
+            Indices of points; of several that are nearest the lowest. With weights the one of least
+            power, ``|x - p|**2 - weight``; for the furthest site the furthest one. -1 where the
+            triangulation has no vertex.
+
+        Raises
+        ------
+        InvalidArgument, NotFinite (ValueErrors), KeyboardInterrupt
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> cullhull.delaunay([[0, 0], [1, 0], [0, 1]]).nearest([[2, 1], [0.5, 0.5]]).tolist()
+        [1, 0]
+        """
+        array, single = as_questions(points, self.dimension, "points", "triangulation")
+        ids = self._cells.nearest(array, settings(threads=threads, progress=progress))
+        return int(ids[0]) if single else ids
+
+    def barycentric(
+        self,
+        points: Any,
+        cells: Any = None,
+        *,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> npt.NDArray[np.float64]:
+        """Each point as an affine combination of the corners of a cell.
+
+        Parameters
+        ----------
+        points : (m, d) array, or (d,) for one
+            Finite.
+        cells : (m,) array of int, or int, optional
+            Those of `find_simplex` if not given.
+
+        Returns
+        -------
+        (m, k + 1) float64 array, or (k + 1,)
+            In the order of the cell's vertices, each within 2**-50 of the exact one, relative to it
+            where it is larger than 1; zero exactly where it is zero. NaN for a cell of -1.
+
+        Raises
+        ------
+        InvalidArgument, NotFinite (ValueErrors), KeyboardInterrupt
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> cullhull.delaunay([[0, 0], [1, 0], [0, 1]]).barycentric([0.25, 0.5]).tolist()
+        [0.25, 0.25, 0.5]
+        """
+        array, single = as_questions(points, self.dimension, "points", "triangulation")
+        chosen = settings(threads=threads, progress=progress)
+        if cells is None:
+            found = self._cells.find(array, chosen)
+        else:
+            found = np.ascontiguousarray(np.atleast_1d(cells), dtype=np.int32)
+            if found.shape != (len(array),):
+                raise InvalidArgument(f"{len(array)} points need as many cells")
+        width = self.affine_dimension + 1
+        rows = self._cells.barycentric(array, found, chosen).reshape(len(array), width)
+        return rows[0] if single else rows
 
     def certify(
         self, *, threads: int | None = None, progress: Progress = None

@@ -22,7 +22,9 @@ using cullhull::TriangulationOptions;
 Cells::Cells(Triangulation triangulation, nb::object points, nb::object weights)
     : triangulation_(std::move(triangulation)),
       points_array_(std::move(points)),
-      weights_array_(std::move(weights)) {}
+      weights_array_(std::move(weights)),
+      points_(points_array_),
+      weights_(weights_of(weights_array_)) {}
 
 std::vector<double> weights_of(nb::handle array) {
   if (array.is_none()) return {};
@@ -167,6 +169,7 @@ void bind_triangulation(nb::module_& m) {
                    [](Self self) { return number_list(shown(self).hull_cells, self); })
       .def_prop_ro("duplicates", duplicates)
       .def_prop_ro("hidden", [](Self self) { return number_list(shown(self).hidden, self); });
+  bind_cells_query(c);
   m.def("triangulate", triangulate, nb::arg("points"), nb::arg("weights").none(),
         nb::arg("furthest_site"), nb::arg("settings").none());
   m.def("certify_cells", certify, nb::arg("points"), nb::arg("weights").none(), nb::arg("cells"),

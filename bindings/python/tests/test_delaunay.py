@@ -335,3 +335,112 @@ def test_far_from_the_origin():
     near, far = cullhull.Delaunay(points), cullhull.Delaunay(points + 2.0**20)
     assert np.array_equal(near.simplices, far.simplices)
     assert np.allclose(near._spheres[0] + 2.0**20, far._spheres[0], rtol=1e-12)
+
+
+# Questions
+
+
+@pytest.mark.parametrize("dimension", [1, 2, 3])
+def test_questions_are_exact(dimension):
+    """Against rational numbers, on lattices: every face has questions on it."""
+    rng = np.random.default_rng(dimension)
+    points = rng.permutation(np.indices((4,) * dimension).reshape(dimension, -1).T)[:16]
+    found = cullhull.delaunay(points)
+    asked = np.vstack([rng.integers(-1, 9, (30, dimension)) / 2, points])
+    cells = found.find_simplex(asked)
+    assert cells.dtype == np.int32 and cells.shape == (len(asked),)
+    shares = found.barycentric(asked, cells)
+    nearest = found.nearest(asked)
+    for i, x in enumerate(asked):
+        x = [Fraction(float(c)) for c in x]
+        holding = []
+        for number, cell in enumerate(found.cells.tolist()):
+            corners = [[Fraction(int(c)) for c in points[v]] for v in cell]
+            whole = determinant([[a - b for a, b in zip(p, corners[0])] for p in corners[1:]])
+            exact = []
+            for j in range(len(cell)):
+                other = corners[:j] + [x] + corners[j + 1 :]
+                exact.append(
+                    determinant([[a - b for a, b in zip(p, other[0])] for p in other[1:]]) / whole
+                )
+            if min(exact) >= 0:
+                holding.append(number)
+                if number == cells[i]:
+                    assert shares[i].tolist() == pytest.approx([float(s) for s in exact], abs=1e-14)
+                    assert [s == 0 for s in shares[i]] == [s == 0 for s in exact]
+        assert cells[i] == (holding[0] if holding else -1)
+        away = [sum((a - int(b)) ** 2 for a, b in zip(x, p)) for p in points]
+        assert nearest[i] == away.index(min(away))
+    assert np.isnan(shares[cells < 0]).all()
+    assert np.array_equal(found.barycentric(asked), shares, equal_nan=True)
+    assert found.find_simplex(asked[0]) == cells[0] and found.nearest(asked[0]) == nearest[0]
+    assert np.array_equal(found.find_simplex(asked, threads=1), cells)
+    again = pickle.loads(pickle.dumps(found))
+    assert np.array_equal(again.find_simplex(asked), cells)
+
+
+def test_questions_that_are_none():
+    found = cullhull.delaunay(GRID)
+    for bad in ([1, 2], [[1, 2]], np.zeros((2, 2, 3)), [np.nan, 0, 0]):
+        for ask in (found.find_simplex, found.nearest, found.barycentric):
+            with pytest.raises(ValueError):
+                ask(bad)
+    for cells in ([0, 1], [len(found)], [-2]):
+        with pytest.raises(ValueError):
+            found.barycentric([[1, 1, 1]], cells)
+    nothing = cullhull.delaunay(np.zeros((0, 2)))
+    assert nothing.find_simplex([1, 2]) == -1 and nothing.nearest([1, 2]) == -1
+    assert found.find_simplex(np.zeros((0, 3))).shape == (0,)
+
+
+@pytest.mark.parametrize("dimension", [2, 3, 4])
+def test_find_simplex_in_the_place_of_scipys(dimension):
+    rng = np.random.default_rng(dimension)
+    points = rng.random((200, dimension))
+    ours, theirs = cullhull.Delaunay(points), spatial.Delaunay(points)
+    asked = rng.random((3, 100, dimension)) * 1.2 - 0.1
+    asked[1, 5] = np.nan, *[0] * (dimension - 1)
+    mine, other = ours.find_simplex(asked), theirs.find_simplex(asked)
+    assert mine.dtype == other.dtype and mine.shape == other.shape
+    assert np.array_equal(mine < 0, other < 0) and (mine < 0).any() and mine[1, 5] == -1
+    same = np.sort(ours.simplices[mine], axis=-1) == np.sort(theirs.simplices[other], axis=-1)
+    assert same[mine >= 0].all()
+    assert np.array_equal(cullhull.tsearch(ours, asked), mine)
+    assert ours.find_simplex(points[0]).shape == ()
+    assert ours.find_simplex(np.zeros((0, dimension))).shape == (0,)
+    for bad in (np.zeros(dimension + 1), 3.0, np.zeros((4, 1))):
+        with pytest.raises(ValueError, match="dimensionality"):
+            ours.find_simplex(bad)
+
+
+def test_outside_by_rounding():
+    """In the middle of edges of a turned square: half of them are outside, by their last digit."""
+    rng = np.random.default_rng(0)
+    points = np.vstack([np.array([[0, 0], [1, 0], [1, 1], [0, 1]]), rng.random((50, 2))])
+    points = points @ np.array([[np.cos(1), np.sin(1)], [-np.sin(1), np.cos(1)]])
+    ours, theirs = cullhull.Delaunay(points), spatial.Delaunay(points)
+    ends = points[ours.convex_hull]
+    t = rng.random((500, 1, 1))
+    asked = (ends[:, 0] + t * (ends[:, 1] - ends[:, 0])).reshape(-1, 2)
+    assert (theirs.find_simplex(asked) >= 0).mean() > 0.9
+    found = ours.find_simplex(asked)
+    native = ours.triangulation
+    best = [
+        max(native.barycentric(x, int(cell)).min() for cell in native.hull_cells) for x in asked[::7]
+    ]
+    near = np.array(best) >= -100 * np.finfo(float).eps
+    assert np.array_equal(found[::7] >= 0, near) and (found >= 0).mean() > 0.9
+    exact = ours.find_simplex(asked, tol=0)
+    assert 0.1 < (exact < 0).mean() < 0.9 and np.array_equal(found[exact >= 0], exact[exact >= 0])
+    assert np.nanmin(native.barycentric(asked, found)) >= -100 * np.finfo(float).eps
+    far = ends.mean(axis=1) + 1e-3 * np.sign(ends.mean(axis=1) - points.mean(axis=0))
+    assert (ours.find_simplex(far) == -1).all() and (ours.find_simplex(far, tol=0.5) >= 0).all()
+
+
+def test_nearly_flat_simplices_leave_the_others_alone():
+    """One simplex that is nearly flat leaves the others' planes and transforms as they are."""
+    points = np.array([[0, 0], [1, 0], [0, 1], [1, 1], [0.5, 5e-324]])
+    ours = cullhull.Delaunay(points)
+    good = (ours.simplices != 4).all(axis=1)
+    assert np.isfinite(ours.transform[good]).all() and np.isfinite(ours.equations[good]).all()
+    assert np.isnan(ours.transform[~good]).any()
