@@ -42,11 +42,14 @@ from ._hull import Certificate, Hull, Simplified
 from ._interpolation import LinearNDInterpolator, NearestNDInterpolator, griddata
 from ._lists import Lists
 from ._many import GrowingHull, HullBatch, convex_hulls
+from ._plots import delaunay_plot_2d, voronoi_plot_2d
 from ._read import read
+from ._spherical import SphericalVoronoi
 from ._stream import HullState, HullStream
 from ._tolerant import TolerantConvexHull
 from ._tracker import HullTracker
 from ._triangulation import Triangulation, delaunay
+from ._voronoi import ClippedCells, Voronoi, VoronoiDiagram, voronoi
 
 if TYPE_CHECKING:
 
@@ -59,6 +62,7 @@ __all__ = [
     "BadFile",
     "Cancelled",
     "Certificate",
+    "ClippedCells",
     "ConvexHull",
     "Delaunay",
     "Error",
@@ -85,8 +89,11 @@ __all__ = [
     "Rays",
     "ShapeWarning",
     "Simplified",
+    "SphericalVoronoi",
     "TolerantConvexHull",
     "Triangulation",
+    "Voronoi",
+    "VoronoiDiagram",
     "__version__",
     "certify",
     "convex_hull",
@@ -94,12 +101,15 @@ __all__ = [
     "cuda_status",
     "cull",
     "delaunay",
+    "delaunay_plot_2d",
     "generate",
     "griddata",
     "hulls_by",
     "read",
     "shapes",
     "tsearch",
+    "voronoi",
+    "voronoi_plot_2d",
 ]
 
 

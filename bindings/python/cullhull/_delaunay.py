@@ -384,7 +384,7 @@ class Delaunay(Lifted):
     ) -> None:
         """Sets the cells of points outside that a tolerance puts into one."""
         low, high = self.min_bound, self.max_bound
-        margin = tolerance * (high - low)
+        margin = (self.ndim + 1) * tolerance * (high - low)
         near = (rows >= low - margin).all(axis=1) & (rows <= high + margin).all(axis=1)
         places = np.flatnonzero(near & (cells < 0))
         # The cell from which a point sticks out is met on the way to the middle of all.

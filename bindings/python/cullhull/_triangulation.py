@@ -74,7 +74,7 @@ def delaunay(
             raise InvalidArgument(f"{len(array)} points have {len(heights)} weights")
     result = Triangulation._of(_core.triangulate(array, heights, bool(furthest_site), chosen))
     if certify:
-        result.certificate = _core.certify_cells(array, heights, result._cells, chosen)
+        result.certificate = _core.certify_cells(result._cells, chosen)
         if not result.certificate:
             raise NotCertified(result.certificate.reason)
     return result
@@ -372,9 +372,7 @@ class Triangulation:
         >>> bool(cullhull.delaunay(cullhull.generate("ball", 100)).certify())
         True
         """
-        return _core.certify_cells(
-            self.points, self.weights, self._cells, settings(threads=threads, progress=progress)
-        )
+        return _core.certify_cells(self._cells, settings(threads=threads, progress=progress))
 
 
 def _of_state(state: dict[str, Any], certificate: Certificate | None) -> Triangulation:

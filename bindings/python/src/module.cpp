@@ -21,4 +21,5 @@ NB_MODULE(_core, m) {
   binding::bind_simplify(m);
   binding::bind_stream(m);
   binding::bind_triangulation(m);
+  binding::bind_voronoi(m);
 }

@@ -73,5 +73,6 @@ void bind_tracker(nanobind::module_& m);
 void bind_simplify(nanobind::module_& m);
 void bind_stream(nanobind::module_& m);
 void bind_triangulation(nanobind::module_& m);
+void bind_voronoi(nanobind::module_& m);
 
 }  // namespace binding

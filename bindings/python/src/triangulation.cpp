@@ -70,16 +70,14 @@ std::unique_ptr<Cells> triangulate(nb::object array, nb::object weights, bool fu
   return std::make_unique<Cells>(std::move(result), std::move(array), std::move(weights));
 }
 
-Certificate certify(nb::handle array, nb::handle weights, const Cells& cells,
-                    const Settings* settings) {
-  const Points points(array);
-  const std::vector<double> heights = weights_of(weights);
+Certificate certify(const Cells& cells, const Settings* settings) {
+  const cullhull::PointView& points = cells.points().view();
   Certificate certificate;
-  run(settings, length_of_triangulation(points.view()), [&](const Options& options) {
+  run(settings, length_of_triangulation(points), [&](const Options& options) {
     const TriangulationOptions chosen = options_of(options);
-    certificate = weights.is_none()
-                      ? cullhull::certify(points.view(), cells.triangulation(), chosen)
-                      : cullhull::certify(points.view(), heights, cells.triangulation(), chosen);
+    certificate = cells.weights_array().is_none()
+                      ? cullhull::certify(points, cells.triangulation(), chosen)
+                      : cullhull::certify(points, cells.weights(), cells.triangulation(), chosen);
   });
   return certificate;
 }
@@ -172,8 +170,7 @@ void bind_triangulation(nb::module_& m) {
   bind_cells_query(c);
   m.def("triangulate", triangulate, nb::arg("points"), nb::arg("weights").none(),
         nb::arg("furthest_site"), nb::arg("settings").none());
-  m.def("certify_cells", certify, nb::arg("points"), nb::arg("weights").none(), nb::arg("cells"),
-        nb::arg("settings").none());
+  m.def("certify_cells", certify, nb::arg("cells"), nb::arg("settings").none());
 }
 
 }  // namespace binding

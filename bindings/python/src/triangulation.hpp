@@ -27,6 +27,10 @@ class Cells {
   /// None without weights.
   const nanobind::object& weights_array() const noexcept { return weights_array_; }
 
+  const Points& points() const noexcept { return points_; }
+  /// Empty without weights.
+  const std::vector<double>& weights() const noexcept { return weights_; }
+
   /// Prepared at the first question; any thread may ask, with or without the GIL. A preparation
   /// that was stopped is made anew by the next question.
   const cullhull::TriangulationQuery& query(const cullhull::Options& options) const;
