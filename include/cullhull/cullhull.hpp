@@ -24,3 +24,4 @@
 #include "cullhull/triangulation.hpp"
 #include "cullhull/triangulation_query.hpp"
 #include "cullhull/version.hpp"
+#include "cullhull/voronoi.hpp"

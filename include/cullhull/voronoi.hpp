@@ -1,0 +1,119 @@
+// Voronoi and power diagrams: the dual of a triangulation, and its cells within a box or a convex
+// polytope.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "cullhull/array.hpp"
+#include "cullhull/options.hpp"
+#include "cullhull/point_view.hpp"
+#include "cullhull/triangulation.hpp"
+
+#pragma GCC visibility push(default)
+namespace cullhull {
+
+/// Stands for the end of what is unbounded, in lists of vertices.
+inline constexpr std::uint32_t at_infinity = 0xffffffff;
+/// What lies across a face of a region's boundary, in lists of points.
+inline constexpr std::uint32_t no_point = 0xffffffff;
+
+/// d: `dimension`; k: `affine_dimension`. The diagram of points in a flat (k < d) is the one within
+/// the flat, drawn out at right angles; its vertices lie in the flat.
+struct Voronoi {
+  std::uint32_t dimension = 0;
+  std::uint64_t point_count = 0;
+  int affine_dimension = -1;
+  bool furthest_site = false;
+
+  /// vertices x d: vertex i is the circumcentre (with weights the power centre) of the cells of
+  /// group i of the triangulation, each coordinate the nearest double, infinite beyond their range.
+  /// None for k = 0.
+  Array<double> vertices;
+
+  /// ridges x 2 points, ascending; sorted lexicographically. Between these two regions, and no
+  /// others, lies a face of dimension k - 1 (d - 1 in space).
+  Array<std::uint32_t> ridge_points;
+  /// The vertices of ridge i are items [ridge_offsets[i], ridge_offsets[i + 1]): k = 1: one; k = 2:
+  /// the one on the left of the way from the lower point to the other, then the one on the right;
+  /// k = 3: around that way by the right hand, beginning at infinity or else at the lowest; k > 3:
+  /// ascending. at_infinity stands among them where the ridge is unbounded.
+  Array<std::uint64_t> ridge_offsets;
+  Array<std::uint32_t> ridge_vertices;
+
+  /// The same of the region of each point; none for duplicates and hidden points. k = 2: counter-
+  /// clockwise, beginning at infinity or else at the lowest; else ascending. at_infinity is among
+  /// them where the region is unbounded.
+  Array<std::uint64_t> region_offsets;
+  Array<std::uint32_t> region_vertices;
+
+  /// The unbounded edges, one for each facet of the triangulation's hull, in its order: the vertex
+  /// where it begins, and d numbers for its direction, the facet's outward normal (inward for the
+  /// furthest site). The largest component is in [0.5, 1] in magnitude, each within 2^-50 of exact,
+  /// relatively, zeros exact. Facets in one plane that belong to one group have equal rays.
+  Array<std::uint32_t> ray_vertices;
+  Array<double> ray_directions;
+
+  std::uint64_t vertex_count() const noexcept {
+    return dimension == 0 ? 0 : vertices.size() / dimension;
+  }
+  std::uint64_t ridge_count() const noexcept { return ridge_points.size() / 2; }
+  std::span<const std::uint32_t> ridge(std::uint64_t i) const noexcept {
+    return {ridge_vertices.data() + ridge_offsets[i], ridge_offsets[i + 1] - ridge_offsets[i]};
+  }
+  std::span<const std::uint32_t> region(std::uint64_t point) const noexcept {
+    return {region_vertices.data() + region_offsets[point],
+            region_offsets[point + 1] - region_offsets[point]};
+  }
+};
+
+/// The diagram dual to a triangulation of `points` with `weights` (none, or one a point).
+/// Combinatorics are exact. Time O(cells k^3 log), memory O(cells k^2). Options used: threads,
+/// memory_budget, stop, progress. Errors: invalid_argument if points or weights are not those of
+/// the triangulation, out_of_budget, cancelled. Thread safe.
+/// Source: docs/exactness.md, "Voronoi diagrams".
+Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
+                std::span<const double> weights = {}, const Options& options = {});
+
+/// The cells of a diagram within a bounded convex region, for d = 1, 2 and 3.
+struct ClippedCells {
+  std::uint32_t dimension = 0;
+  std::uint64_t point_count = 0;
+  /// Length, area or volume of each point's cell in the region; zero for duplicates, hidden points
+  /// and cells that do not meet it. They add up to the region's.
+  Array<double> measures;
+
+  // Shapes; empty if they were not asked for.
+  /// The vertices of the cell of point i are rows [vertex_offsets[i], vertex_offsets[i + 1]) of d
+  /// numbers: d = 1: both ends; d = 2: counterclockwise.
+  Array<std::uint64_t> vertex_offsets;
+  Array<double> vertices;
+  /// d = 3: the faces of cell i are [face_offsets[i], face_offsets[i + 1]), face f has the items
+  /// [face_starts[f], face_starts[f + 1]) of face_vertices: places among the cell's own vertices,
+  /// counterclockwise from outside.
+  Array<std::uint64_t> face_offsets;
+  Array<std::uint64_t> face_starts;
+  Array<std::uint32_t> face_vertices;
+  /// The point across each face (d = 2: across the edge that begins at each vertex; d = 1: across
+  /// each end), or no_point at the region's boundary.
+  Array<std::uint32_t> neighbours;
+};
+
+/// In the box low[j] <= x[j] <= high[j]. Each cell is cut by its neighbours' halfspaces alone, in
+/// doubles relative to its own point: distances of a vertex from planes are within a few roundings
+/// of exact, and so are measures; which faces shorter than that appear is not exact. Results are
+/// the same bits for any threads. Time: about a microsecond a point in the plane, some ten in
+/// space. Errors: as above; invalid_argument also for d > 3 and for a box that is empty or not
+/// finite.
+ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
+                          std::span<const double> low, std::span<const double> high,
+                          std::span<const double> weights = {}, bool shapes = true,
+                          const Options& options = {});
+
+/// In the convex hull of the points `region`, which must span d dimensions.
+ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
+                          const PointView& region, std::span<const double> weights = {},
+                          bool shapes = true, const Options& options = {});
+
+}  // namespace cullhull
+#pragma GCC visibility pop

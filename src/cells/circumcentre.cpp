@@ -1,0 +1,172 @@
+#include "cells/circumcentre.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "cells/exact_numbers.hpp"
+#include "geometry/double_double.hpp"
+#include "geometry/minors.hpp"
+#include "geometry/orientation.hpp"
+#include "parallel/dispatch.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+constexpr double factorial(unsigned n) { return n < 2 ? 1 : n * factorial(n - 1); }
+
+/// Cramer's rule over the edges e_i = p_i - p_0 and their lifts |e_i|^2 - (w_i - w_0): coordinate j
+/// is p_0[j] plus a quotient of minors. Every operation of double-doubles errs by less than 2^-101,
+/// so a minor is within roundings x 2^-101 x k! x the product of its columns' largest magnitudes;
+/// the quotient's error follows. A coordinate is done where all that is within the error of it
+/// rounds alike (Ziv 1991).
+template <unsigned K>
+bool by_double_doubles(bool weighted, const double* const* p, double* out) {
+  DoubleDouble m[K][K + 1];
+  double largest[K + 1] = {};
+  for (unsigned i = 0; i < K; ++i) {
+    DoubleDouble lift;
+    double size = 0;
+    for (unsigned j = 0; j < K; ++j) {
+      m[i][j] = DoubleDouble::sum(p[i + 1][j], -p[0][j]);
+      largest[j] = std::max(largest[j], std::abs(m[i][j].high));
+      const DoubleDouble square = m[i][j] * m[i][j];
+      lift = lift + square;
+      size += square.high;
+    }
+    if (weighted) {
+      const DoubleDouble w = DoubleDouble::sum(p[i + 1][K], -p[0][K]);
+      lift = lift - w;
+      size += std::abs(w.high);
+    }
+    m[i][K] = lift;
+    largest[K] = std::max(largest[K], size);
+  }
+  // Then nothing overflows, and what underflows adds up to less than 2^-300.
+  double product = 1;
+  for (unsigned j = 0; j < K; ++j) {
+    if (!(largest[j] >= 0x1p-80 && largest[j] <= 0x1p80)) return false;
+    product *= largest[j];
+  }
+  if (!(largest[K] <= 0x1p164)) return false;
+  DoubleDouble det[1U << (K + 1)];
+  expand_minors<K + 1, false>(m, K, det, static_cast<DoubleDouble*>(nullptr));
+  constexpr unsigned all = (1U << (K + 1)) - 1;
+  constexpr double error = (minor_roundings(K) + 3 * K + 12) * 0x1p-101 * factorial(K);
+  const DoubleDouble whole = det[all ^ (1U << K)];
+  const double whole_error = error * product + 0x1p-300;
+  const double size = std::abs(whole.high);
+  if (!(size > 0x1p20 * whole_error)) return false;
+  for (unsigned j = 0; j < K; ++j) {
+    const DoubleDouble minor = det[all ^ (1U << j)];
+    const double minor_error = error * product / largest[j] * largest[K] + 0x1p-300;
+    DoubleDouble y = minor / (whole + whole);
+    if ((K - 1 - j) % 2 == 1) y = -y;
+    const DoubleDouble x = y + DoubleDouble(p[0][j]);
+    // Twice what the errors of both minors come to, and of the last operations.
+    const double doubt = 2 * (minor_error + std::abs(y.high) * 2 * whole_error) / size +
+                         0x1p-95 * (std::abs(y.high) + std::abs(p[0][j]));
+    if (x.high + (x.low + doubt) != x.high + (x.low - doubt)) return false;
+    out[j] = x.high + x.low;
+  }
+  return true;
+}
+
+mpq_class dot(const std::vector<mpq_class>& a, const std::vector<mpq_class>& b) {
+  mpq_class sum = 0;
+  for (std::size_t j = 0; j < a.size(); ++j) sum += a[j] * b[j];
+  return sum;
+}
+
+std::vector<mpq_class> difference(unsigned d, const double* a, const double* b) {
+  std::vector<mpq_class> r(d);
+  for (unsigned j = 0; j < d; ++j) r[j] = mpq_class(a[j]) - mpq_class(b[j]);
+  return r;
+}
+
+/// Solves (e_i . sum of s_j e_j) = right[i]; the sum.
+std::vector<mpq_class> in_span(const RationalRows& edges, const std::vector<mpq_class>& right) {
+  const std::size_t k = edges.size();
+  RationalRows m(k, std::vector<mpq_class>(k + 1));
+  for (std::size_t i = 0; i < k; ++i) {
+    for (std::size_t j = 0; j < k; ++j) m[i][j] = dot(edges[i], edges[j]);
+    m[i][k] = right[i];
+  }
+  solve(m);
+  std::vector<mpq_class> sum(edges[0].size());
+  for (std::size_t i = 0; i < k; ++i)
+    for (std::size_t j = 0; j < sum.size(); ++j) sum[j] += m[i][k] * edges[i][j];
+  return sum;
+}
+
+void by_rationals(unsigned d, unsigned k, bool weighted, const double* const* p, double* out) {
+  RationalRows edges;
+  std::vector<mpq_class> right;
+  for (unsigned i = 1; i <= k; ++i) {
+    edges.push_back(difference(d, p[i], p[0]));
+    mpq_class lift = dot(edges.back(), edges.back());
+    if (weighted) lift -= mpq_class(p[i][d]) - mpq_class(p[0][d]);
+    right.emplace_back(lift / 2);
+  }
+  const std::vector<mpq_class> y = in_span(edges, right);
+  for (unsigned j = 0; j < d; ++j) out[j] = nearest_double(mpq_class(p[0][j]) + y[j]);
+}
+
+/// Scales by a power of two, then rounds.
+void rounded_direction(const std::vector<mpq_class>& v, double* out) {
+  mpq_class largest = 0;
+  for (const mpq_class& x : v)
+    if (abs(x) > largest) largest = abs(x);
+  const auto bits = [](const mpz_class& z) {
+    return static_cast<long>(mpz_sizeinbase(z.get_mpz_t(), 2));
+  };
+  long e = bits(largest.get_num()) - bits(largest.get_den());
+  const auto scaled = [&](const mpq_class& x) {
+    mpq_class q;
+    if (e >= 0)
+      mpq_div_2exp(q.get_mpq_t(), x.get_mpq_t(), static_cast<mp_bitcnt_t>(e));
+    else
+      mpq_mul_2exp(q.get_mpq_t(), x.get_mpq_t(), static_cast<mp_bitcnt_t>(-e));
+    return q;
+  };
+  if (scaled(largest) > 1) ++e;
+  for (std::size_t j = 0; j < v.size(); ++j) out[j] = nearest_double(scaled(v[j]));
+}
+
+}  // namespace
+
+void circumcentre(unsigned d, unsigned k, bool weighted, const double* const* p, double* out) {
+  const bool done = d == k && with_dimension<1, 6, 0>(k, [&](auto known) {
+                      if constexpr (known() == 0)
+                        return false;
+                      else
+                        return by_double_doubles<known()>(weighted, p, out);
+                    });
+  if (!done) by_rationals(d, k, weighted, p, out);
+}
+
+void outward_direction(unsigned d, unsigned k, const double* const* p, const double* opposite,
+                       double* out) {
+  if (d == k && d >= 2) {
+    plane_exact(d, p, out);
+    std::vector<const double*> all(p, p + d);
+    all.push_back(opposite);
+    if (orientation(d, all.data()) == Sign::positive)
+      for (unsigned j = 0; j < d; ++j) out[j] = out[j] == 0 ? 0 : -out[j];
+    return;
+  }
+  std::vector<mpq_class> away = difference(d, p[0], opposite);
+  RationalRows edges;
+  std::vector<mpq_class> right;
+  for (unsigned i = 1; i < k; ++i) {
+    edges.push_back(difference(d, p[i], p[0]));
+    right.push_back(dot(edges.back(), away));
+  }
+  if (!edges.empty()) {
+    const std::vector<mpq_class> along = in_span(edges, right);
+    for (unsigned j = 0; j < d; ++j) away[j] -= along[j];
+  }
+  rounded_direction(away, out);
+}
+
+}  // namespace cullhull::internal

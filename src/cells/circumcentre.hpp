@@ -1,0 +1,16 @@
+// Centres of circumscribed and orthogonal spheres, correctly rounded.
+#pragma once
+
+namespace cullhull::internal {
+
+/// The point of the flat of p[0 .. k], affinely independent in R^d, k >= 1, where all |x - p_i|^2 -
+/// w_i are equal: each coordinate the nearest double. `weighted`: p[i][d] is w_i, else zero.
+void circumcentre(unsigned d, unsigned k, bool weighted, const double* const* p, double* out);
+
+/// The direction in the flat of the facet p[0 .. k) and the point `opposite` that is at right
+/// angles to the facet and points away from `opposite`, scaled by a positive number so that the
+/// largest component is in [0.5, 1] in magnitude: each component within 2^-50 of exact, relatively.
+void outward_direction(unsigned d, unsigned k, const double* const* p, const double* opposite,
+                       double* out);
+
+}  // namespace cullhull::internal
