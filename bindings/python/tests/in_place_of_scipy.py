@@ -1,8 +1,9 @@
 """A pytest plugin that puts our classes in the place of SciPy's for SciPy's own tests.
 
 SciPy's tests assert the order of rows in a few places, which is Qhull's order of work and no
-property of a hull. There, and only there (ROW_ORDER), our classes come with their rows sorted as
-Qhull's are: the sets of rows must be the same, and every value of every row is SciPy's test's.
+property of a hull or a triangulation. There, and only there (ROW_ORDER), our classes come with
+their rows sorted as Qhull's are: the sets of rows must be the same, and every value of every row is
+SciPy's test's.
 """
 
 from __future__ import annotations

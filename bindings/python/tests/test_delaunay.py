@@ -5,6 +5,7 @@ import inspect
 import itertools
 import pickle
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -446,3 +447,17 @@ def test_nearly_flat_simplices_leave_the_others_alone():
     good = (ours.simplices != 4).all(axis=1)
     assert np.isfinite(ours.transform[good]).all() and np.isfinite(ours.equations[good]).all()
     assert np.isnan(ours.transform[~good]).any()
+
+
+def test_scipys_degenerate_points():
+    """What SciPy's test of the same set asserts but for the number of nearly flat triangles, which
+    is Qhull's: those of ours are as flat as their exact areas."""
+    tests = pytest.importorskip("scipy.spatial.tests.test_qhull")
+    data = np.load(Path(tests.__file__).parent / "data" / "degenerate_pointset.npz")
+    ours = cullhull.Delaunay(data["c"])
+    tests.TestUtilities()._check_barycentric_transforms(ours)
+    assert ours.triangulation.certify()
+    for cell in np.flatnonzero(np.isnan(ours.transform[:, 0, 0])):
+        a, b, c = ([Fraction(float(x)) for x in ours.points[v]] for v in ours.simplices[cell])
+        area = determinant([[x - y for x, y in zip(b, a)], [x - y for x, y in zip(c, a)]])
+        assert 0 < area < Fraction(1, 10**17)
