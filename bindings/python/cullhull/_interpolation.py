@@ -45,7 +45,9 @@ class _Interpolator:
 
     def _questions(self, args: tuple[Any, ...]) -> npt.NDArray[np.float64]:
         d = self.points.shape[1]
-        xi = np.asarray(_rows(args if len(args) != 1 else args[0], d), dtype=np.float64)
+        xi = np.asarray(_rows(args), dtype=np.float64)
+        if xi.ndim == 1 and (len(args) == 1 and not isinstance(args[0], tuple)) and xi.size % d == 0:
+            xi = xi.reshape(-1, d)  # as SciPy: coordinates one after another
         if xi.ndim == 0 or xi.shape[-1] != d:
             raise InvalidArgument("number of dimensions in xi does not match x")
         if self.scale is not None:
@@ -328,14 +330,11 @@ def griddata(
     )
 
 
-def _rows(points: Any, dimension: int | None = None) -> Any:
+def _rows(points: Any) -> Any:
     """A tuple of coordinates, broadcast together, as one array; others as they are."""
     if isinstance(points, tuple) and len(points) == 1:
-        points = points[0]  # as SciPy
+        return _rows(points[0])
     if isinstance(points, tuple):
         columns = np.broadcast_arrays(*points)
         return np.stack([np.asarray(column, dtype=np.float64) for column in columns], axis=-1)
-    if dimension is None:
-        return points
-    array = np.asarray(points)
-    return array[:, np.newaxis] if array.ndim == 1 and dimension == 1 else array
+    return points

@@ -97,7 +97,7 @@ class SphericalVoronoi:
         return [part.tolist() for part in np.split(simplices, ends[:-1])]
 
     def sort_vertices_of_regions(self) -> None:
-        """Puts the vertices of each region in order, counter-clockwise seen from outside.
+        """Puts the vertices of each of `regions` in order, counter-clockwise seen from outside.
 
         Raises
         ------
@@ -116,7 +116,8 @@ class SphericalVoronoi:
         points, steps, simplices = self._walks()
         order = np.lexsort((steps, points))
         ends = np.cumsum(np.bincount(points, minlength=len(self.points)))
-        self.regions = [part.tolist() for part in np.split(simplices[order], ends[:-1])]
+        for region, part in zip(self.regions, np.split(simplices[order], ends[:-1])):
+            region[:] = part.tolist()  # in place, as SciPy's
 
     def _walks(self) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp], npt.NDArray[np.intp]]:
         """Around all points at once, from each one's first simplex: point, step, simplex."""

@@ -378,28 +378,24 @@ class Voronoi(Lifted):
     @Lazy
     def point_region(self) -> npt.NDArray[np.int64]:
         """(n,) int64: the region of each point."""
-        number = np.full(self.npoints, 0 if self._has_empty and self._hides else -1, dtype=np.int64)
+        number = np.full(self.npoints, -1, dtype=np.int64)
         number[self._sites] = np.arange(len(self._sites)) + self._has_empty
-        equal = self.triangulation.duplicates
-        number[equal[:, 0]] = number[equal[:, 1]] if self._options.coplanar else -1
+        if self._options.coplanar:
+            equal = self.triangulation.duplicates
+            number[equal[:, 0]] = number[equal[:, 1]]
         return number
 
     @property
     def _sites(self) -> npt.NDArray[np.intp]:
-        """Points that have a region of their own."""
+        """Points that have a region of their own, be it empty."""
         site = np.ones(self.npoints, dtype=bool)
         site[self.triangulation.duplicates[:, 0]] = False
-        site[self.triangulation.hidden] = False
         return np.flatnonzero(site)
 
     @property
-    def _hides(self) -> bool:
-        return len(self.triangulation.hidden) > 0
-
-    @property
     def _has_empty(self) -> bool:
-        """Whether the first region is none: of the point at infinity, or of hidden points."""
-        return self._hides or (self._options.at_infinity and not self.furthest_site)
+        """Whether the first region is that of the point at infinity."""
+        return self._options.at_infinity and not self.furthest_site
 
 
 Voronoi._lazy = lazy_names(Lifted) | lazy_names(Voronoi)

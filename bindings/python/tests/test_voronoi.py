@@ -39,18 +39,25 @@ def test_every_attribute(dimension, keywords):
     ours, theirs = cullhull.Voronoi(points, **keywords), spatial.Voronoi(points, **keywords)
     assert ours.vertices.shape == theirs.vertices.shape
     places, same = places_of(theirs, ours), np.arange(-1, len(theirs.vertices))
-    assert unordered(ours, places, 50) == unordered(theirs, np.roll(same, -1), 50)
-    assert (ours.point_region < 0).sum() == (theirs.point_region < 0).sum()
+    mine, other = unordered(ours, places, 50), unordered(theirs, np.roll(same, -1), 50)
+    for pair in set(mine) - set(other):  # unbounded, with few vertices: Qhull leaves these out
+        assert -1 in mine[pair] and len(mine[pair]) < dimension
+        del mine[pair]
+    assert mine == other
+    if not ours.furthest_site:  # where SciPy's duplicates have no region, or those they equal
+        assert (ours.point_region < 0).sum() == (theirs.point_region < 0).sum()
+    assert np.array_equal(ours.point_region[50:], ours.point_region[:3])
     assert len(ours.regions) == len(theirs.regions)
-    for i in range(50):
+    for i in range(3 if ours.furthest_site else 0, 50):
         mine, other = (v.regions[v.point_region[i]] for v in (ours, theirs))
         assert len(mine) == len(other) and set(places[mine].tolist()) == set(other)
-    for name in ("vertices", "ridge_points", "point_region", "points", "min_bound", "max_bound"):
+    for name in ("vertices", "point_region", "points", "min_bound", "max_bound"):
         a, b = getattr(ours, name), getattr(theirs, name)
         assert (a.dtype, a.shape) == (b.dtype, b.shape), name
         assert getattr(ours, name) is a and a.flags.writeable
     for name in ("regions", "ridge_vertices"):
         assert {type(x) for part in getattr(ours, name) for x in part} == {int}
+    assert ours.ridge_points.dtype == theirs.ridge_points.dtype
     assert ours.ridge_dict == {
         tuple(pair): ends for pair, ends in zip(ours.ridge_points.tolist(), ours.ridge_vertices)
     }
@@ -90,7 +97,8 @@ def test_points_on_one_sphere():
 
 
 def test_duplicates_and_options():
-    points = np.vstack([CUBE, CUBE[:2]]) + np.random.default_rng(1).random((10, 1)) * [[0, 0, 0]]
+    points = np.random.default_rng(1).random((8, 3))
+    points = np.vstack([points, points[:2]])
     for options in (None, "Qbb", "Qbb Qc", "Qc Qz"):
         ours = cullhull.Voronoi(points, qhull_options=options)
         theirs = spatial.Voronoi(points, qhull_options=options)
