@@ -481,10 +481,12 @@ class Delaunay(Lifted):
         return distances
 
     def _as_questions(self, x: Any) -> npt.NDArray[np.float64]:
-        array = np.asarray(x, dtype=np.float64)
-        if array.ndim == 0 or array.shape[-1] != self.ndim:
+        array = np.asanyarray(x)
+        if array.ndim == 0:  # SciPy's error for what is no point at all
+            raise IndexError("wrong dimensionality in xi")
+        if array.shape[-1] != self.ndim:
             raise InvalidArgument("wrong dimensionality in xi")
-        return array
+        return np.asarray(array, dtype=np.float64)
 
 
 Delaunay._lazy = lazy_names(Lifted) | lazy_names(Delaunay)

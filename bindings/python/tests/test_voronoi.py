@@ -96,6 +96,18 @@ def test_points_on_one_sphere():
     assert sorted(map(len, found.regions)).count(4) == 9
 
 
+def test_a_point_one_digit_outside():
+    """Of the set of the four tests of SciPy's that are left out: its diagram has vertices that
+    are very near to each other, and one that is very far; Qhull merges them."""
+    points = np.array([[-1, -1], [-1, 0], [-1, 1], [0, -1], [0, 0], [0, 1],
+                       [1, -1 - np.finfo(float).eps], [1, 0], [1, 1]])  # fmt: skip
+    found = cullhull.Voronoi(points)
+    assert found.triangulation.certify() and len(found.vertices) == 6
+    far = found.vertices[np.abs(found.vertices).max(axis=1).argmax()]
+    assert far[0] == -0.5 and far[1] < -(2.0**51)
+    assert np.isclose(found.diagram.clip([-1, -1], [1, 1]).measures.sum(), 4)
+
+
 def test_duplicates_and_options():
     points = np.random.default_rng(1).random((8, 3))
     points = np.vstack([points, points[:2]])
