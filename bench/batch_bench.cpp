@@ -17,7 +17,7 @@ using namespace cullhull;
 
 using bench::median_seconds;
 
-/// Vertices Qhull finds in all sets.
+/// Number of vertices that Qhull finds in all sets.
 std::uint64_t qhull_loop(std::vector<double>& points, unsigned d,
                          const std::vector<std::uint64_t>& offsets) {
   std::uint64_t vertices = 0;

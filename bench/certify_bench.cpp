@@ -1,4 +1,4 @@
-// The certificate's time beside the hull's, by phase.
+// The certificate's time, by phase, beside the hull's.
 //
 //     certify_bench [--repeat N] [--threads N] [SHAPE DIMENSION COUNT]...
 #include <algorithm>

@@ -24,7 +24,7 @@ namespace {
 
 using Rows = std::vector<double>;
 
-/// Shapes of `cullhull generate` that are worth a look, and the hard families.
+/// Shapes of `cullhull generate`, and families that are hard for an engine.
 std::vector<std::string> all_workloads() {
   std::vector<std::string> names{"ball",     "bumpy", "cone", "cube-surface", "cyclic",
                                  "cylinder", "gauss", "grid", "grid:1048576", "sphere"};

@@ -58,7 +58,8 @@ constexpr Workload end_to_end[] = {
     {"ball-4d-8M", Shape::ball, 4, 8'000'000},
 };
 
-/// A counter's hash: every point has a stream of its own (Steele, Lea, Flood 2014, SplitMix64).
+/// A hash of a counter: every point has a random stream of its own (Steele, Lea, Flood 2014,
+/// SplitMix64).
 struct Random {
   std::uint64_t state;
   __device__ std::uint64_t bits() {
@@ -146,7 +147,7 @@ ordered_json row(const char* name, std::uint64_t n, unsigned d, const std::vecto
   return json;
 }
 
-/// The gauge map's pass over the points alone: the map is made before.
+/// The gauge map's pass over the points alone, without building the map.
 ordered_json gauge_pass(const Settings& s, const char* name, std::uint64_t n, unsigned d,
                         const DevicePointView& view, const cullhull::internal::Run& run,
                         double copy_rate) {
@@ -175,8 +176,8 @@ ordered_json gauge_pass(const Settings& s, const char* name, std::uint64_t n, un
   return json;
 }
 
-/// Both filters alone. Of the gauge map the share of the copy bandwidth that its reading, 12 bytes
-/// a point, makes up.
+/// Both filters alone. For the gauge map also its reading, 12 bytes a point, as a share of the copy
+/// bandwidth.
 ordered_json filters(const Settings& s, double copy_rate) {
   ordered_json rows = ordered_json::array();
   struct Case {
@@ -227,7 +228,7 @@ ordered_json filters(const Settings& s, double copy_rate) {
   return rows;
 }
 
-/// Points on the device to the exact hull, beside Qhull; both must have found the same hull.
+/// From points on the device to the exact hull, beside Qhull; both must find the same hull.
 ordered_json hulls(const Settings& s, bool& agreed) {
   ordered_json rows = ordered_json::array();
   for (const Workload& w : end_to_end) {

@@ -1,10 +1,10 @@
-// What a device does with each kind of points, piece by piece: gpu_passes [--out FILE] [--scale S]
+// What a device does with each kind of points, part by part: gpu_passes [--out FILE] [--scale S]
 // [--seconds T]
 //
-// One JSON object a line, written as soon as it is known: a run that is cut off has told the rest.
-// Kernels are timed by events of their stream, everything else by the caller's clock; medians of
-// five after a first that is not counted. Parts that do not fit into the device's memory, or begin
-// after T seconds, are left out and say so. Exit status 5: no device.
+// One JSON object a line, written as soon as it is known, so that an interrupted run has reported
+// the rest. Kernels are timed by events of their stream, all else by the caller's clock; medians of
+// five after a first run that is not counted. Parts that do not fit into the device's memory, or
+// would begin after T seconds, are skipped and reported so. Exit status 5: no device.
 #include <cuda_runtime_api.h>
 
 #include <algorithm>
@@ -81,7 +81,7 @@ double by_events(cudaStream_t stream, const std::function<void()>& work) {
   return median(times);
 }
 
-/// Uniform in the ball; a million points, repeated as often as it takes.
+/// Uniform in the ball; a million points, repeated as often as needed.
 template <class T>
 std::vector<T> ball(unsigned d, std::uint64_t n) {
   std::mt19937_64 random(1);
@@ -193,7 +193,7 @@ class Passes {
     return {{"to_device_bytes_per_second", b / to}, {"from_device_bytes_per_second", b / from}};
   }
 
-  /// `n` values on the device: those given, again and again.
+  /// `n` values on the device: the given ones, repeated.
   template <class T>
   cuda::DeviceArray<T> repeated(const std::vector<T>& values, std::uint64_t n,
                                 cudaStream_t stream) const {
@@ -226,7 +226,7 @@ class Passes {
     return std::move(sampled.map);
   }
 
-  /// The kernel alone, by events, and with counting and listing, by the caller's clock.
+  /// The kernel alone, by events; and with counting and listing, by the caller's clock.
   ordered_json time_pass(const internal::GaugeMap& map, const DevicePointView& view) const {
     const auto stream = static_cast<cudaStream_t>(view.stream);
     const internal::GaugeTable& table = map.table();
@@ -257,7 +257,8 @@ class Passes {
     const cuda::Stream stream;
     const bool shifted = layout == Layout::misaligned;
     const cuda::DeviceArray<T> there = repeated(rows, n * d + (shifted ? d : 0), stream.get());
-    // Columns of such memory are other points of the same ball's box: the pass takes as long.
+    // Read as columns, this memory holds other points of the same ball's box: the pass takes as
+    // long.
     DevicePointView view =
         layout == Layout::columns
             ? DevicePointView::column_major(there.data(), n, d, stream.get())
@@ -371,7 +372,7 @@ class Passes {
     return json;
   }
 
-  /// A ball that turns, on the device and in the CPU's memory.
+  /// A rotating ball, on the device and in host memory.
   ordered_json tracker() const {
     const std::uint64_t n = scaled(1e6);
     constexpr unsigned frames = 12;

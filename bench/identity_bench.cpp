@@ -54,7 +54,7 @@ CullMethod method_named(const std::string& name) {
   throw Error(ErrorCode::invalid_argument, "no filter '" + name + "'");
 }
 
-/// The points as the workload's scalar type has them.
+/// The points in the workload's scalar type.
 struct Points {
   std::vector<double> doubles;
   std::vector<float> floats;

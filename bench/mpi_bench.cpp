@@ -1,4 +1,4 @@
-// What points on several ranks cost beside all of them in one process: work and bytes.
+// The cost of points on several ranks beside that of all points in one process: work and bytes.
 //   mpirun -n 4 mpi_bench COUNT [SHAPE [DIMENSION [REPEAT]]]
 // Each rank makes its share; rank 0 also makes all of them, for convex_hull alone. Both are run
 // REPEAT times by turns, and medians printed. Work is processor seconds; that of ranks leaves out
@@ -37,7 +37,7 @@ PointView view(const Set& set, const std::vector<double>& rows) {
   return PointView::row_major(rows.data(), rows.size() / set.dimension, set.dimension);
 }
 
-/// A barrier at which ranks sleep, so that they take no processor from one that is measured.
+/// A barrier at which ranks sleep, so that they take no processor from the one being measured.
 void wait_for_all() {
   MPI_Request request;
   MPI_Ibarrier(MPI_COMM_WORLD, &request);
@@ -62,7 +62,7 @@ int run(const Set& set, int repeat) {
     }
   std::vector<double> work, seconds, alone_work, alone_seconds;
   cullhull::mpi::Report report;
-  std::uint64_t hash = 0, alone_hash = 0;
+  std::uint64_t hash = 0, alone_hash = 0, vertices = 0;
   for (int k = 0; k < repeat; ++k) {
     wait_for_all();
     cullhull::mpi::JobOptions options;
@@ -71,6 +71,7 @@ int run(const Set& set, int repeat) {
     const cullhull::Hull hull =
         cullhull::mpi::convex_hull(MPI_COMM_WORLD, view(set, mine), options);
     hash = cullhull::testing_support::canonical_hash(hull);
+    vertices = hull.vertices.size();
     work.push_back(report.work_seconds);
     seconds.push_back(report.seconds);
     wait_for_all();
@@ -95,6 +96,7 @@ int run(const Set& set, int repeat) {
               static_cast<unsigned long long>(report.common),
               static_cast<unsigned long long>(report.sampled),
               static_cast<unsigned long long>(report.contributed));
+  std::printf("hull        %llu vertices\n", static_cast<unsigned long long>(vertices));
   std::printf("work        %.4f s, one process %.4f s, ratio %.3f\n", median(work),
               median(alone_work), median(work) / median(alone_work));
   std::printf("clock       %.4f s, one process %.4f s\n", median(seconds), median(alone_seconds));

@@ -1,4 +1,4 @@
-// Rates of the batched questions to a hull, beside asking every facet.
+// Rates of batched queries to a hull, beside testing every facet.
 #include <algorithm>
 #include <cstdio>
 #include <string>

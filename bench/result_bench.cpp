@@ -1,4 +1,4 @@
-// What follows the engine: an engine runs once (in 3D as often), build_hull many times, certify
+// The stages after the engine: an engine runs once (in 3D as often), build_hull many times, certify
 // once.
 //
 //   bench/result_bench [repeats] [shape dimension count]...
@@ -34,7 +34,7 @@ double milliseconds(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double, std::milli>(to - from).count();
 }
 
-/// CPU seconds of all threads, ours and the system's on our behalf, in ms.
+/// CPU time of all threads, in user and kernel mode, in ms.
 std::pair<double, double> cpu() {
   rusage r{};
   getrusage(RUSAGE_SELF, &r);
@@ -44,7 +44,7 @@ std::pair<double, double> cpu() {
   return {ms(r.ru_utime), ms(r.ru_stime)};
 }
 
-/// What the lists of a hull of facets that are simplices take.
+/// Bytes of the lists of a hull whose facets are simplices.
 std::uint64_t bytes(const Hull& h) {
   const std::uint64_t items = h.facets.items.shares(h.simplices) ? 0 : h.facets.items.size();
   return 8 * (items + h.facet_planes.size() + h.simplices.size()) +
@@ -75,7 +75,7 @@ void run(const char* shape, unsigned d, std::uint64_t n, unsigned repeats) {
     std::string phases;
     Hull last;
     for (unsigned r = 0; r < repeats; ++r) {
-      // The result in 3D is made of the engine's own facets, which cannot be copied.
+      // The 3D result consumes the engine's own facets, which cannot be copied.
       Boundary copy;
       TriangleMesh surface;
       if (d == 3)

@@ -1,8 +1,7 @@
 // CGAL's convex_hull_2 and convex_hull_3 (exact predicates, inexact constructions) on a .npy of
 // doubles: writes the seconds and then the extreme points, all as doubles in binary. With a number
-// of sets to cut the points into, the seconds of each instead. A program of its own because CGAL is
-// GPL: nothing of ours links it, `cullhull bench rivals` runs it where it is
-// installed.
+// of sets to divide the points into, the seconds of each instead. A separate program because CGAL
+// is GPL: nothing of ours links it, `cullhull bench rivals` runs it where it is installed.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/convex_hull_2.h>

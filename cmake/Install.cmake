@@ -37,11 +37,15 @@ if(CULLHULL_WITH_QHULL AND TARGET Qhull::qhull_r)
 endif()
 set(CULLHULL_HAVE_ZLIB OFF)
 set(CULLHULL_HAVE_ZSTD OFF)
+set(CULLHULL_HAVE_HDF5 OFF)
 if(CULLHULL_BUILD_IO AND TARGET ZLIB::ZLIB)
   set(CULLHULL_HAVE_ZLIB ON)
 endif()
 if(CULLHULL_BUILD_IO AND TARGET Zstd::zstd)
   set(CULLHULL_HAVE_ZSTD ON)
+endif()
+if(CULLHULL_BUILD_IO AND TARGET Hdf5::hdf5)
+  set(CULLHULL_HAVE_HDF5 ON)
 endif()
 configure_package_config_file(cmake/cullhullConfig.cmake.in
   "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfig.cmake" INSTALL_DESTINATION ${_package})
@@ -49,7 +53,7 @@ write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/cullhullConfigVers
   COMPATIBILITY SameMinorVersion)
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfig.cmake"
   "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfigVersion.cmake" cmake/Gmp.cmake
-  cmake/Zstd.cmake
+  cmake/Zstd.cmake cmake/Hdf5.cmake
   DESTINATION ${_package} COMPONENT development)
 
 # pkg-config: static libraries name what they need, the shared one needs nothing.
@@ -65,6 +69,9 @@ if(NOT CULLHULL_SHARED)
     endif()
     if(CULLHULL_HAVE_ZSTD)
       string(APPEND _pc_requires " libzstd")
+    endif()
+    if(CULLHULL_HAVE_HDF5)  # its pkg-config file has another name on every system
+      string(APPEND _pc_libraries " ${HDF5_LIBRARY}")
     endif()
   endif()
   if(CULLHULL_HAVE_QHULL)
@@ -92,7 +99,30 @@ if(CULLHULL_BUILD_APPS)
 endif()
 install(FILES LICENSE packaging/THIRD-PARTY.txt DESTINATION ${CMAKE_INSTALL_DOCDIR}
   COMPONENT program)
-if(CULLHULL_SHARED)  # packages of their own
+if(CULLHULL_SHARED)  # packages of their own, each with the full texts of what is linked into it
+  file(READ LICENSE _copyright)
+  file(READ packaging/THIRD-PARTY.txt _others)
+  string(APPEND _copyright "\n${_others}")
+  foreach(_of hwy-dev fmt-dev zlib1g-dev zstd-dev nlohmann-json3-dev fast-float-dev cli11-dev js-three)
+    foreach(_file /usr/share/doc/lib${_of}/copyright /usr/share/doc/${_of}/copyright)
+      if(EXISTS "${_file}")
+        file(READ "${_file}" _text)
+        string(APPEND _copyright "\n==== ${_of} ====\n\n${_text}")
+      endif()
+    endforeach()
+  endforeach()
+  file(WRITE "${CMAKE_CURRENT_BINARY_DIR}/copyright" "${_copyright}")
+  foreach(_part IN ITEMS program runtime development)
+    set(_package_doc cullhull)
+    if(NOT _part STREQUAL "program")
+      set(_package_doc libcullhull${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+    endif()
+    if(_part STREQUAL "development")
+      set(_package_doc libcullhull-dev)
+    endif()
+    install(FILES "${CMAKE_CURRENT_BINARY_DIR}/copyright" COMPONENT ${_part}
+      DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/${_package_doc}")
+  endforeach()
   set(_documents "${CMAKE_INSTALL_DATAROOTDIR}/doc/libcullhull")
   install(FILES LICENSE packaging/THIRD-PARTY.txt COMPONENT runtime
     DESTINATION ${_documents}${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})

@@ -36,6 +36,7 @@ stage() {
   cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCULLHULL_WITH_CUDA=ON \
     -DCULLHULL_CUDA_ARCHITECTURES="${GPU_CHECK_ARCHITECTURES:-75-virtual;90-real}" \
     -DCULLHULL_BUILD_TESTS=ON -DCULLHULL_BUILD_BENCH=ON -DCULLHULL_BUILD_EXAMPLES=OFF \
+    -DCULLHULL_WITH_HDF5=OFF -DCULLHULL_WITH_MPI=OFF \
     -DCMAKE_BUILD_RPATH='$ORIGIN/../lib' \
     -DCMAKE_EXE_LINKER_FLAGS="-Wl,--disable-new-dtags -static-libstdc++ -static-libgcc"
   local gpu=() twins=(primitives_test pseudo_hull_test pseudo_hull_device_test) test
@@ -74,6 +75,15 @@ stage() {
     echo "commit $(git rev-parse HEAD 2>/dev/null || echo unknown)$(git diff --quiet HEAD 2>/dev/null || echo ', changed')"
     echo "built $(date -u +%Y-%m-%dT%H:%M:%SZ) with $(nvcc --version 2>/dev/null | tail -1 || echo nvcc)"
   } >"$folder/about.txt"
+  # Started by its own loader a program must open nothing of the machine's: then it runs whatever
+  # that has (glibc 2.28 and older), and the driver's libraries, which ask for less, beside it.
+  local program strange own
+  own=$(realpath "$folder")
+  for program in "$own"/bin/{cullhull,gpu_bench,gpu_passes} "$own"/bin/*/*_test; do
+    strange=$("$own/system/loader" --library-path "$own/lib:$own/system" --list "$program" |
+      awk -v own="$own/" '/=>/ && index($3, own) != 1 {print $1}')
+    [[ -z $strange ]] || fail 1 "$program would take from the machine: $strange"
+  done
   mkdir -p "$(dirname "$bundle")"
   tar -C "$folder" -czf "$bundle" .
   local bytes

@@ -9,7 +9,7 @@ build=(g++ cmake ninja-build ccache pkg-config libhwy-dev libgmp-dev libqhull-de
   libcli11-dev libfmt-dev nlohmann-json3-dev libfast-float-dev libjs-three
   zlib1g-dev libzstd-dev)
 mpi=(libopenmpi-dev openmpi-bin)
-test=("${mpi[@]}" libgtest-dev qhull-bin libcgal-dev libboost-dev libcdd-tools lrslib libbenchmark-dev)
+test=("${mpi[@]}" libhdf5-dev libgtest-dev qhull-bin libcgal-dev libboost-dev libcdd-tools lrslib libbenchmark-dev)
 # Ubuntu's chromium is a snap, which has no package; there the viewer's browser test is skipped.
 if grep -qx 'ID=debian' /etc/os-release 2>/dev/null; then
   test+=(chromium chromium-driver python3-selenium python3-pil)
@@ -19,7 +19,7 @@ docs=(doxygen python3 python3-venv python3-pip)
 fuzz=(clang)
 format=(clang-format)
 python=(python3 python3-dev python3-venv python3-pip)
-package=(python3 dpkg-dev file debootstrap debian-archive-keyring)
+package=(python3 dpkg-dev file zstd debootstrap debian-archive-keyring)
 cross=(g++-aarch64-linux-gnu g++-s390x-linux-gnu qemu-user-static debian-archive-keyring python3)
 
 wanted=("${build[@]}")

@@ -48,6 +48,8 @@ def wrap(text):
             while i < len(lines) and not lines[i].strip().startswith(fence[1]):
                 out.append(lines[i])
                 i += 1
+            out += lines[i : i + 1]  # the fence that closes
+            i += 1
         elif KEPT.match(line) or (re.match(" {4}", line) and (not out or not out[-1] or re.match(" {4}", out[-1]))):
             out.append(line)  # four blanks behind a blank line: code
         else:

@@ -32,7 +32,7 @@ class Positions {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> sorted_;
 };
 
-/// Each vertex's position, where all were chosen; a file may name what is no vertex.
+/// The position of each vertex, where all were chosen; a file may name ids that are not vertices.
 std::uint32_t position(const Positions& positions, std::uint64_t id) {
   const std::uint32_t p = positions.of(id);
   if (p == absent)
@@ -65,8 +65,8 @@ void draw_polyhedron(const Hull& hull, const Positions& positions, HullShape& sh
     }
 }
 
-/// A face of a polytope is the intersection of the facets around it, so two vertices make an edge
-/// if they alone are common to all facets that hold both.
+/// A face of a polytope is the intersection of the facets that contain it, so two vertices are an
+/// edge if no other vertex is on all facets that contain both.
 class EdgeTest {
  public:
   explicit EdgeTest(const Hull& hull) : facets_(hull.facets) {
@@ -79,7 +79,7 @@ class EdgeTest {
         incidences_.push_back({facets_.items[i], f});
     std::sort(incidences_.begin(), incidences_.end());
   }
-  /// Every pair of a simplex is an edge where all facets are simplices.
+  /// Where all facets are simplices, every pair of a simplex's vertices is an edge.
   bool operator()(std::uint64_t a, std::uint64_t b) const {
     if (simplicial_) return true;
     std::vector<std::uint64_t> common, rest;
@@ -119,9 +119,9 @@ class EdgeTest {
 
 std::uint64_t pair_hash(Pair e) { return mix64(std::uint64_t{e.first} << 32 | e.second); }
 
-/// Pairs of chosen vertices that share a simplex, each once. Where that is more than about `most`,
-/// those with the lowest hashes: a sample that is fair whatever the order and however many
-/// simplices share a pair.
+/// Pairs of chosen vertices that share a simplex, each once. Of more than about `most` pairs, those
+/// with the lowest hashes: a uniform sample, independent of order and of how many simplices share a
+/// pair.
 std::vector<Pair> simplex_pairs(const Hull& hull, const Positions& positions, std::uint64_t most,
                                 bool& sampled) {
   const auto k = static_cast<std::size_t>(hull.affine_dimension);
@@ -152,8 +152,8 @@ std::vector<Pair> simplex_pairs(const Hull& hull, const Positions& positions, st
   return pairs;
 }
 
-/// Dimension 4 and up. A true edge is in every triangulation that adds no vertex, so the pairs of
-/// the simplices are all there can be.
+/// Dimension 4 and up. An edge is in every triangulation without additional vertices, so only the
+/// pairs in simplices are candidates.
 void draw_graph(const Hull& hull, const Positions& positions, std::uint64_t most,
                 HullShape& shape) {
   std::vector<Pair> pairs = simplex_pairs(hull, positions, most, shape.edges_sampled);
@@ -173,7 +173,7 @@ void draw_graph(const Hull& hull, const Positions& positions, std::uint64_t most
   for (const Pair& e : pairs) shape.edges.insert(shape.edges.end(), {e.first, e.second});
 }
 
-/// The hull of the chosen vertices alone: nobody sees the difference at this many.
+/// The hull of the chosen vertices alone: at this number the difference is not visible.
 HullShape simplified_shape(const Hull& hull, const std::vector<double>& rows,
                            const std::vector<std::uint64_t>& chosen) {
   const std::size_t d = hull.dimension;
@@ -190,7 +190,7 @@ HullShape simplified_shape(const Hull& hull, const std::vector<double>& rows,
   return shape;
 }
 
-/// The shadow on three axes.
+/// The projection on three axes.
 Shadow shadow_on(const std::vector<double>& rows, std::uint32_t dimension,
                  const std::vector<std::uint64_t>& vertices, const std::uint32_t (&axes)[3]) {
   std::vector<double> projected;

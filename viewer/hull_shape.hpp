@@ -1,4 +1,4 @@
-// What of a hull can be drawn: its vertices, its edges, and the triangles of a surface.
+// The parts of a hull that are drawn: its vertices, its edges, and the triangles of a surface.
 #pragma once
 
 #include <cstdint>
@@ -23,25 +23,24 @@ struct HullShape {
   std::vector<std::uint32_t> facets;
   /// Edges and triangles are those of the hull of the chosen vertices alone.
   bool simplified = false;
-  /// Not every edge between the chosen vertices is there.
+  /// Some edges between the chosen vertices are missing.
   bool edges_sampled = false;
 };
 
-/// `most` of the numbers below `count`, ascending, each with (nearly) the same chance: one from
-/// each of `most` equal ranges, where in its range is random but reproducible, so that no period in
-/// the order of the file shows. All of them if `most` >= `count`.
+/// `most` of the numbers below `count`, ascending, each with (nearly) the same probability: one
+/// from each of `most` equal ranges, at a reproducible pseudo-random place, so that a period in the
+/// file's order does not show. All of them if `most` >= `count`.
 std::vector<std::uint64_t> fair_sample(std::uint64_t count, std::uint64_t most);
 
 /// The shape of a hull whose vertices have these coordinates (rows of hull.dimension in the order
-/// of hull.vertices). Edges are those of maximal facets, never diagonals of their triangulation. A
-/// hull of dimension 2 or 3 within its space has triangles; above there are edges only. Beyond the
-/// limits: up to dimension 3 the hull of a fair sample of the vertices, above a fair sample of the
-/// edges between sampled vertices.
+/// of hull.vertices). Edges are those of maximal facets, without the diagonals of their
+/// triangulation. A full-dimensional hull of dimension 2 or 3 has triangles; in higher dimensions
+/// there are edges only. Beyond the limits: up to dimension 3 the hull of a uniform sample of the
+/// vertices, above a uniform sample of the edges between sampled vertices.
 HullShape hull_shape(const Hull& hull, const std::vector<double>& rows, const ShapeLimits& limits);
 
-/// The shadow that chosen vertices of a hull of dimension 4 or more cast on three of their axes:
-/// the hull of their projections. Edges and triangles name positions in `vertices`, as in a
-/// HullShape.
+/// The projection of a hull of dimension 4 or more on three of its axes: the hull of the projected
+/// vertices. Edges and triangles name positions in `vertices`, as in a HullShape.
 struct Shadow {
   std::uint32_t axes[3];
   std::vector<std::uint32_t> edges, triangles;

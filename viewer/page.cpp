@@ -23,7 +23,7 @@ std::size_t utf8_length(std::string_view text) {
   return overlong || beyond ? 0 : length;
 }
 
-/// "<" can stand in JSON only within strings, and there this is the same character.
+/// In JSON "<" occurs only within strings, where it can be escaped.
 std::string json_for_html(const std::string& text) {
   std::string out;
   out.reserve(text.size());

@@ -1,5 +1,5 @@
-// Self-contained HTML pages: one file, no network, no other files. Whoever has something to show
-// (a hull, the figures of a benchmark) gives a body, styles, scripts and data.
+// Self-contained HTML pages: one file, no network, no other files. Callers provide a body, styles,
+// scripts and data.
 #pragma once
 
 #include <string>
@@ -11,14 +11,13 @@ namespace cullhull::viewer {
 struct Page {
   std::string title;
   std::string_view body;  ///< HTML
-  /// In this order, behind assets::base_css. CSS must not contain "</style", scripts not
-  /// "</script".
+  /// In this order, after assets::base_css. CSS must not contain "</style", scripts not "</script".
   std::vector<std::string_view> styles;
   std::vector<std::string_view> scripts;
-  /// Put into a comment at the top: the licence of what the scripts come from.
+  /// A comment at the top: the licence of the scripts' sources.
   std::string_view notice;
 
-  /// A script reads it as document.getElementById(id).textContent.
+  /// Scripts read it as document.getElementById(id).textContent.
   struct Data {
     std::string_view id;
     std::string_view type;  ///< a MIME type that is no script, "application/json" say
@@ -27,13 +26,13 @@ struct Page {
   std::vector<Data> data;
 };
 
-/// The whole file. A policy in its head forbids every request.
+/// The whole file. A content security policy in its head forbids every request.
 std::string page_text(const Page& page);
 
-/// `text` (any bytes) as HTML text: what is no UTF-8 becomes U+FFFD.
+/// `text` (any bytes) as HTML text: invalid UTF-8 becomes U+FFFD.
 std::string html_escaped(std::string_view text);
 
-/// Standard alphabet, padded.
+/// Base64, standard alphabet, padded.
 std::string base64(std::string_view bytes);
 
 }  // namespace cullhull::viewer

@@ -14,20 +14,20 @@
 namespace cullhull::viewer {
 namespace {
 
-/// Bytes of arrays in a page. Base64 makes 4/3 of it: with three.js (0.9 MB) and the rest the page
-/// stays under 12 MB.
+/// Bytes of arrays in a page. Base64 makes 4/3 of them: with three.js (0.9 MB) and the rest the
+/// page stays under 12 MB.
 constexpr std::uint64_t page_bytes = 8'000'000;
-/// More dots than this are neither seen apart nor drawn quickly on a phone.
+/// More dots are neither distinguished nor drawn quickly on a phone.
 constexpr std::uint64_t most_points = 100'000, most_survivors = 50'000;
-/// Nobody picks three of more axes from a list, and one row must not fill the page.
+/// A list of more axes would be too long to choose three from, and one row must not fill the page.
 constexpr std::uint32_t most_axes = 64;
-/// Of so many axes every three have a shadow of their own in the page (20 of 6 axes).
+/// Up to so many axes, all projections on three of them are stored in the page (20 of 6 axes).
 constexpr std::uint32_t most_shadow_axes = 6;
 
 /// Ids are written as 32-bit numbers where they fit, else as doubles, exact to 2^53.
 bool wide_ids(std::uint64_t count) { return count > UINT64_C(1) << 32; }
 
-/// Scalars that a float holds exactly take half the room.
+/// Scalars that a float represents exactly take half the space.
 bool narrow_scalar(ScalarType t) {
   return t != ScalarType::f64 && t != ScalarType::i32 && t != ScalarType::u32;
 }
@@ -36,8 +36,8 @@ std::string member(const char* name, std::uint64_t value) {
   return fmt::format("\"{}\":{},", name, value);
 }
 
-/// What shapes of dimension k cost for each vertex, beside its row: a polyhedron has up to twice as
-/// many triangles (each with its facet) and three times as many edges as vertices. Numbers below
+/// Bytes of a shape of dimension k for each vertex, besides its row: a polyhedron has up to twice
+/// as many triangles (each with its facet) and three times as many edges as vertices. Numbers below
 /// 2^16 take two bytes, so this is the bound for large shapes.
 std::uint64_t shape_bytes(int k) { return k == 3 ? 56 : k == 2 ? 20 : 0; }
 
@@ -58,7 +58,7 @@ struct Scene::Rows {
   HullShape shape;
   std::vector<Shadow> shadows;
   std::vector<std::uint64_t> survivors, points;
-  std::uint64_t all_survivors = 0, all_points = 0;  ///< in the input, beside the vertices
+  std::uint64_t all_survivors = 0, all_points = 0;  ///< in the input, besides the vertices
 };
 
 bool available() { return !assets::three_js.empty(); }
@@ -70,7 +70,7 @@ Scene::Scene(std::string title, std::uint64_t frames, std::uint64_t shown_frames
 
 template <class T>
 std::string Scene::array(const char* name, const char* type, const std::vector<T>& items) {
-  bytes_.resize((bytes_.size() + 7) / 8 * 8);  // a typed array must begin at a multiple of its size
+  bytes_.resize((bytes_.size() + 7) / 8 * 8);  // a typed array must be aligned to its item size
   const std::string json =
       fmt::format("\"{}\":[{},{},\"{}\"],", name, bytes_.size(), items.size(), type);
   const std::size_t begin = bytes_.size(), size = items.size() * sizeof(T);
@@ -98,7 +98,7 @@ Scene::Rows Scene::choose_rows(const SceneFrame& frame, std::uint64_t row_bytes)
     std::uint64_t bytes = 0;
     for (const Shadow& s : rows.shadows) bytes += 4 * (s.edges.size() + s.triangles.size());
     if (bytes > frame_bytes_ / 4)
-      rows.shadows.clear();  // then edges must do
+      rows.shadows.clear();  // draws edges instead
     else
       used += bytes;
   }
@@ -112,8 +112,8 @@ Scene::Rows Scene::choose_rows(const SceneFrame& frame, std::uint64_t row_bytes)
   rows.all_survivors = survivors.size(n) - vertices.size();
   rows.all_points = n - survivors.size(n);
 
-  // The same ids in every frame, so that a point can be followed; those that survive this frame or
-  // are vertices now are drawn as such.
+  // The same ids in every frame, so that points can be followed; those that survive in this frame
+  // or are vertices of it are drawn as such.
   for (const std::uint64_t id : fair_sample(n, std::min(most_points, room / 2 + 1))) {
     if (contains(vertices, id)) continue;
     const bool survived = survivors.all || contains(survivors.ids, id);
@@ -162,7 +162,7 @@ void Scene::write_colours(const PointView& colours, const std::vector<double>& i
   json += array("colours", "u8", bytes);
 }
 
-/// Hulls of four to six dimensions: what their vertices look like on three axes.
+/// Hulls of four to six dimensions: their projections on three axes.
 void Scene::write_shadows(const Rows& rows, std::string& json) {
   std::string list;
   for (const Shadow& s : rows.shadows) {
@@ -170,7 +170,7 @@ void Scene::write_shadows(const Rows& rows, std::string& json) {
                         s.axes[2]);
     list += indices("edges", s.edges, rows.shape.vertices.size());
     list += indices("triangles", s.triangles, rows.shape.vertices.size());
-    list.back() = '}';  // in the place of the last comma
+    list.back() = '}';  // replaces the last comma
   }
   json += "\"shadows\":[" + list + "],";
 }

@@ -1,5 +1,5 @@
 // The page of `cullhull view`: points, hull and figures of one set, or of each frame of a moving
-// one, within a size that a browser opens at once.
+// set, of a size that browsers load at once.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,10 @@
 
 namespace cullhull::viewer {
 
-/// False if the program was built without three.js.
+/// False in a build without three.js.
 bool available();
 
-/// What a page is made of at one time.
+/// The contents of a page at one time.
 struct SceneFrame {
   std::uint64_t index = 0;  ///< of the frame in its sequence
   const Hull* hull = nullptr;
@@ -23,27 +23,27 @@ struct SceneFrame {
   PointView points;
   /// Their colours (u8 red, green, blue), or no points.
   PointView colours;
-  /// Read only if there are points.
+  /// Used only if there are points.
   const Survivors* survivors = nullptr;
-  /// A JSON object: the figures shown (hull_to_json without lists).
+  /// A JSON object: the figures to show (hull_to_json without lists).
   std::string report;
 };
 
 /// Collects frames, then writes the page.
 ///
-/// Everything drawn is a row: id, and coordinates at their exact value. Rows are, in this order,
-/// vertices, survivors that are no vertices, points the filter dropped; the latter two (and a hull
-/// too large) are fair samples. The page holds one JSON object (id "scene"; the arrays are named by
+/// Everything drawn is a row: id, and exact coordinates. Rows are, in this order, vertices,
+/// survivors that are not vertices, points the filter dropped; the latter two (and a hull too
+/// large) are uniform samples. The page holds one JSON object (id "scene"; it refers to arrays by
 /// [offset in bytes, length, type]) and one block of bytes in base64 (id "bytes"), little-endian.
 class Scene {
  public:
-  /// `shown_frames` of `frames` will be added: they share the bytes a page may take.
+  /// `shown_frames` of `frames` will be added: they share the bytes that a page may take.
   Scene(std::string title, std::uint64_t frames, std::uint64_t shown_frames);
   void add(const SceneFrame& frame);
   /// Throws Error{backend_unavailable} unless available().
   std::string page() const;
 
-  /// At most so many frames have room for something to look at.
+  /// With more frames none would have a useful number of points.
   static constexpr std::uint64_t most_frames = 120;
 
  private:
@@ -66,10 +66,10 @@ class Scene {
   std::string bytes_;
 };
 
-/// vertex_rows of a hull whose points are at hand.
+/// vertex_rows of a hull from its points.
 std::vector<double> vertex_rows(const PointView& points, const Hull& hull);
 
-/// What a hull's own file says of it: a report without the keys that describe a run.
+/// The report from a hull's file, without the members that describe a run.
 std::string result_figures(const std::string& report);
 
 }  // namespace cullhull::viewer

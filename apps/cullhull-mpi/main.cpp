@@ -35,7 +35,7 @@ constexpr const char* footer =
     "\n"
     "Exit status: that of cullhull. Errors are one line on standard error, from rank 0.";
 
-/// The job has ended on all ranks alike.
+/// Thrown on all ranks when the job ends: the error was reported.
 struct Ended {
   app::Ending ending;
 };
@@ -57,7 +57,7 @@ class Job {
   int rank() const { return rank_; }
   const app::Elsewhere& elsewhere() const { return elsewhere_; }
 
-  /// Runs `work` on all ranks; where it throws on any, Ended is thrown on all.
+  /// Runs `work` on this rank; where it throws on any rank, Ended is thrown on all.
   void together(const std::function<void()>& work) {
     app::Ending mine;
     try {
@@ -75,7 +75,7 @@ class Job {
     int lowest = ending.status != 0 ? rank_ : size_;
     MPI_Request request;
     MPI_Iallreduce(MPI_IN_PLACE, &lowest, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD, &request);
-    // Rank 0 may be hulling on all processors: the others sleep.
+    // Rank 0 may be using all processors for the hull: the others sleep.
     for (int done = 0;;) {
       MPI_Test(&request, &done, MPI_STATUS_IGNORE);
       if (done != 0) break;
@@ -92,7 +92,7 @@ class Job {
 
   app::Streamed state(const app::InputArguments& input, const std::vector<std::string>& files,
                       const app::RunArguments& run) {
-    // What was said on the command line has been looked at by all ranks alike; files have not.
+    // All ranks have checked the command line alike; files may differ between them.
     together([] {});
     const app::Stopwatch watch;
     share_ = app::open_share(MPI_COMM_WORLD, input, files, run,
@@ -122,7 +122,7 @@ class Job {
     return result;
   }
 
-  /// Rank 0 has a hull by now, or has failed to: the others hear of it.
+  /// Rank 0 has its hull, or has failed: tells the others.
   cullhull::Certificate certify(const cullhull::Hull& hull, std::vector<double> rows) {
     together([] {});
     cullhull::Certificate result;
@@ -141,7 +141,7 @@ class Job {
   cullhull::mpi::JobOptions options_;
 };
 
-/// Parses on all ranks alike.
+/// Parses the command line, on all ranks alike.
 int run(Job& job, const std::vector<std::string>& given) {
   app::Parser parser("cullhull-mpi", description);
   parser.set_version(CULLHULL_VERSION);
@@ -160,13 +160,13 @@ int run(Job& job, const std::vector<std::string>& given) {
     return app::bad_usage;
   }
   int status = 0;
-  // What this rank alone meets ends the others where they next agree: at the latest here.
+  // An error of this rank alone ends the others where they next agree: at the latest here.
   job.together([&] { status = hull(); });
   return status;
 }
 
-/// Only rank 0 speaks; what the others would say it hears. MPI takes a while to start, and a signal
-/// may come before: launchers tell the rank in the environment, too.
+/// Only rank 0 writes messages; it learns of the others' errors. A signal may arrive before MPI has
+/// started, which takes a while: launchers give the rank in the environment, too.
 void silence_others(bool started, int rank) {
   bool other = started && rank != 0;
   for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"})
@@ -183,7 +183,7 @@ int main(int argc, char** argv) {
   int status = 0;
   silence_others(false, 0);
   try {
-    app::install_signals();  // before MPI has threads
+    app::install_signals();  // before MPI starts threads
     int level = 0;
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &level);
     Job job(words);
@@ -198,7 +198,7 @@ int main(int argc, char** argv) {
     MPI_Finalize();
     return status;
   } catch (...) {
-    // Outside of what ranks agree on: the others would wait for ever.
+    // Outside of what ranks agree on: the others would wait forever.
     const app::Ending ending = app::ending_of_exception(words);
     app::complain(ending.line);
     int running = 0;

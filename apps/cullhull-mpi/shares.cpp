@@ -14,7 +14,7 @@ using cullhull::Error;
 using cullhull::ErrorCode;
 using cullhull::PointView;
 
-/// What all ranks know of a file once its owner has opened it.
+/// The data of a file that all ranks get from the rank that opened it.
 struct FileFacts {
   std::uint64_t count = 0, sliced = 0;
 };
@@ -83,7 +83,7 @@ Share open_share(MPI_Comm comm, const InputArguments& arguments,
       share.blocks.push_back({rows_of(input.points, begin, end), first + begin});
     }
   });
-  share.inputs = std::move(opened);  // whose memory the blocks view; it stays where it is
+  share.inputs = std::move(opened);  // the blocks view its memory, which does not move
   return share;
 }
 

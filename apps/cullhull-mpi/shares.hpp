@@ -1,4 +1,4 @@
-// What a rank reads of the files of a job.
+// The part of a job's files that a rank reads.
 #pragma once
 
 #include <mpi.h>
@@ -12,7 +12,7 @@
 
 namespace app {
 
-/// A rank's share of the files' points; views memory of its own.
+/// A rank's share of the files' points; views memory that it owns.
 struct Share {
   std::vector<Input> inputs;
   std::vector<cullhull::mpi::Block> blocks;
@@ -22,8 +22,8 @@ struct Share {
 /// Runs `work` on this rank; where it throws on any rank, all end.
 using Together = std::function<void(const std::function<void()>& work)>;
 
-/// Collective. Files that are read in place are cut into slices, one a rank; where files are many,
-/// or of text, which would have to be parsed by all, each belongs to one rank as a whole.
+/// Collective. Files that are read in place are divided into slices, one a rank; where there are
+/// many files, or text files, which every rank would have to parse, each is read whole by one rank.
 Share open_share(MPI_Comm comm, const InputArguments& arguments,
                  const std::vector<std::string>& files, const RunArguments& run,
                  const Together& together);

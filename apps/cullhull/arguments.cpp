@@ -27,6 +27,9 @@ const char* const input_help =
     "  .las   LAS 1.0 to 1.4, every point format; read in place: the file's whole numbers, to "
     "which\n"
     "         its scale and offset are not applied\n"
+    "  .pcd   ascii, binary (read in place) and binary_compressed: the fields x y z\n"
+    "  .h5 .nc   a dataset of HDF5 or NetCDF-4, FILE.h5:/GROUP/NAME; three of a column each:\n"
+    "         FILE.nc:x,y,z\n"
     "  .xyz .txt .csv   a point a line, separated by blanks, commas or semicolons; Qhull's header\n"
     "         (dimension, then count) and cdd's (rbox h) are understood. Of a line of names with\n"
     "         x,y,z these columns are taken, or those that --columns names; others may be words\n"
@@ -120,7 +123,7 @@ std::vector<std::string> InputArguments::find_files() {
 void InputArguments::add_format_to(Parser& command) {
   allow_words(*command.add_option("--input-format", format,
                                   "Read INPUT as this, whatever its name and content"),
-              {"npy", "ply", "las", "obj", "off", "stl", "xyz", "txt", "csv", "raw"});
+              {"npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "raw"});
   allow_range(*command.add_option("--dim", dimension, "Coordinates of a point, for raw input"), 1,
               1U << 20);
   allow_words(*command.add_option("--type", type, "Scalar type, for raw input"), scalar_names());
@@ -140,7 +143,7 @@ cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned thr
   options.columns = arguments.columns;
   options.memory_budget = memory;
   options.remark = [](const std::string& line) {
-    static std::once_flag told;  // a thousand tiles have the same to tell
+    static std::once_flag told;  // once, however many tiles have the same remark
     std::call_once(told, [&] { write_stderr("cullhull: " + line + "; --columns takes others\n"); });
   };
   return options;
@@ -208,14 +211,14 @@ void RunArguments::add_to(Parser& command, bool filter) {
                             "the machine's. A result that needs more is refused, status 4"))
         .type_name("BYTES");
   } else {
-    backend = "cpu";  // nothing to choose, so nothing that a choice is weighed by is read
+    backend = "cpu";  // nothing to choose, so the planner's file is not read
   }
   auto& count = *command.add_option("--threads", threads, "Threads; 0: all the machine offers");
   allow_range(count, 0, 1024);
   command.add_flag("-q,--quiet", quiet, "No summary and no progress");
 }
 
-// Where `bench machine --save` writes it, so that what was saved is what is read.
+// Where `bench machine --save` writes it.
 std::string machine_file() {
   const auto set = [](const char* name) -> std::string {
     const char* value = std::getenv(name);
@@ -230,7 +233,7 @@ std::string machine_file() {
 
 namespace {
 
-// The file is read only where somebody weighs: a broken one must not stop `--backend cpu`.
+// Read only where the planner needs it: a broken file must not stop `--backend cpu`.
 cullhull::MachineConstants machine_constants() {
   const std::string path = machine_file();
   const char* named = std::getenv("CULLHULL_MACHINE");

@@ -14,47 +14,47 @@
 
 namespace app {
 
-/// Which points to read: a file, how, and which of its coordinates.
+/// Which points to read: files, format, and columns.
 struct InputArguments {
   std::string path;
   std::string format;
   std::uint32_t dimension = 0;
   std::string type;
   std::string columns;
-  /// Where a command takes many: as they were given. Their files are one set of points.
+  /// The words as given, for commands that take several files. Their files are one set of points.
   std::vector<std::string> words;
 
   void add_to(Parser& command);
-  /// INPUT may be several words; `last`: what the help says of the last of them.
+  /// INPUT may be several words; `last`: the help text for the last of them.
   void add_many_to(Parser& command, const std::string& last = "");
   /// The files that the words stand for (input_files), or the one path.
   std::vector<std::string> files() const;
-  /// The same; from now on `path` is what messages call them all.
+  /// The same; sets `path` to the name that messages use for all of them.
   std::vector<std::string> find_files();
 
  private:
   void add_format_to(Parser& command);
 };
 
-/// An open file and the view of it that was asked for.
+/// An open file and the requested view of it.
 struct Input {
   cullhull::PointFile file;
-  /// Holds the points where they are of several files.
+  /// Owns the points where they come from several files.
   std::vector<std::byte> gathered;
   cullhull::PointView points;
 };
 
-/// `memory`: most that what is compressed may unpack to; 0: ReadOptions has it.
+/// `memory`: limit for decompressed data; 0: that of ReadOptions.
 Input open_input(const InputArguments& arguments, unsigned threads = 0, std::uint64_t memory = 0);
 /// All of these files' points in memory, one after the other.
 Input open_inputs(const InputArguments& arguments, const std::vector<std::string>& files,
                   unsigned threads, std::uint64_t memory = 0);
 
-/// How open_input would open it.
+/// The options with which open_input would open it.
 cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads,
                                    std::uint64_t memory = 0);
 
-/// How to run: everything that ends up in cullhull::Options.
+/// The options of a run, as given on the command line.
 struct RunArguments {
   std::string cull = "auto";
   std::string backend = "auto";
@@ -62,14 +62,14 @@ struct RunArguments {
   std::string memory;
   bool quiet = false;
 
-  /// `filter`: with --cull and --backend, which checking a hull does not have.
+  /// `filter`: with --cull and --backend, which `certify` does not have.
   void add_to(Parser& command, bool filter);
   cullhull::Options options() const;
-  /// What --memory says; 0 without it.
+  /// The value of --memory; 0 without it.
   std::uint64_t memory_bytes() const;
 };
 
-/// Where the machine's constants are: $CULLHULL_MACHINE, else cullhull/machine.json in
+/// The file of the machine's constants: $CULLHULL_MACHINE, else cullhull/machine.json in
 /// $XDG_CONFIG_HOME or ~/.config; empty without a home.
 std::string machine_file();
 
@@ -83,7 +83,7 @@ std::uint64_t parse_whole(std::string_view text, std::string_view option);
 /// "standard input" for "-".
 std::string input_name(const std::string& path);
 
-/// Calls read(); where a point is not finite, the error names the file as well.
+/// Calls read(); an error about a point that is not finite then also names the file.
 template <class Read>
 auto naming_file(const std::string& path, const Read& read) -> decltype(read()) {
   try {

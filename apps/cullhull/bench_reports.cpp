@@ -1,4 +1,4 @@
-// cullhull bench paper, rivals and calls: suites that give a report.
+// cullhull bench paper, rivals, calls and stream: suites that give a report.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,6 +20,7 @@
 #include "paper.hpp"
 #include "rivals.hpp"
 #include "signals.hpp"
+#include "stream.hpp"
 #include "terminal.hpp"
 #include "viewer/assets.hpp"
 #include "viewer/page.hpp"
@@ -33,7 +34,7 @@ constexpr const char* exit_status_text =
     "Exit status: 0 success; 1 the system refused; 2 bad usage; 3 extreme points differ and ours\n"
     "are not proved; 4 out of memory; 130 cancelled.";
 
-/// Where a report goes.
+/// Where to write a report.
 struct ReportArguments {
   std::string json, page, markdown;
   double limit = 300;
@@ -58,7 +59,7 @@ struct ReportArguments {
   }
 };
 
-/// Of suites that measure a few long runs.
+/// Options of suites that measure a few long runs.
 struct RunsArguments : ReportArguments {
   double scale = 1;
   unsigned repeat = 5;
@@ -111,7 +112,7 @@ struct PaperArguments : RunsArguments {
   std::vector<std::string> figures;
 };
 
-/// Which sets are measured.
+/// Which sets to measure.
 struct SetArguments {
   std::vector<std::string> workloads, shapes, points, scalars;
   std::vector<unsigned> dimensions;
@@ -143,6 +144,13 @@ struct CallArguments : ReportArguments {
   std::uint64_t seed = 1;
 };
 
+struct StreamBenchArguments : ReportArguments {
+  double scale = 1;
+  unsigned repeat = 5;
+  std::vector<std::string> formats;
+  std::string folder, memory = "1GiB";
+};
+
 /// "1,2,all" where `all`, which gives 0, is allowed.
 std::vector<unsigned> counts_in(const std::string& text, const char* option, unsigned least,
                                 bool all) {
@@ -161,8 +169,8 @@ std::vector<unsigned> counts_in(const std::string& text, const char* option, uns
   return counts;
 }
 
-/// The workloads that were named, else the product of what was given, else the usual ones; each
-/// for every scalar type that was given.
+/// The workloads named, else the product of the options given, else the default ones; each for
+/// every scalar type given.
 std::vector<cullhull::bench::Workload> SetArguments::chosen(
     const std::vector<Workload>& usual) const {
   std::vector<Workload> sets;
@@ -345,6 +353,40 @@ Command add_bench_calls(Parser& bench) {
         s.rivals.push_back({rival.substr(0, equals), rival.substr(equals + 1)});
       }
       return cullhull::bench::run_calls(s, progress, stop_token());
+    });
+  };
+}
+
+Command add_bench_stream(Parser& bench) {
+  auto a = std::make_shared<StreamBenchArguments>();
+  Parser& command = *bench.add_subcommand(
+      "stream", "Files hulled in blocks, beside a plain read of the same file");
+  a->add_outputs(command);
+  allow_real_range(
+      *command.add_option("--scale", a->scale, "Of 20M points (.csv, .gz: 2M); 1 if not given")
+           ->type_name("S"),
+      1e-6, 1000);
+  allow_range(*command.add_option("--repeat", a->repeat, "Runs; the median counts"), 1, 1000);
+  allow_words(*command.add_option("--format", a->formats, "Only this one; may be given again"),
+              cullhull::bench::stream_formats());
+  needs_value(*command.add_option("--folder", a->folder,
+                                  "Where the files are made and removed; else the system's"))
+      .type_name("FOLDER");
+  needs_value(*command.add_option("--memory", a->memory, "Of a run; 1GiB if not given"))
+      .type_name("BYTES");
+  command.footer(std::string("Files come from the page cache; --folder on a disk and a --scale "
+                             "beyond memory\nmeasure the disk.\n\n") +
+                 exit_status_text);
+  return [a] {
+    parse_size(a->memory, "--memory");
+    return run(*a, [&](const cullhull::Progress& progress) {
+      cullhull::bench::StreamSettings s;
+      s.scale = a->scale;
+      s.repeat = a->repeat;
+      s.formats = a->formats;
+      s.folder = a->folder;
+      s.memory = a->memory;
+      return cullhull::bench::run_stream(s, progress, stop_token());
     });
   };
 }

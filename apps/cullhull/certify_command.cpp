@@ -39,7 +39,7 @@ struct CertifyArguments {
   std::string hull;
   std::string json;
   StreamArguments stream;
-  std::vector<std::string> files;  ///< that the words of the input stand for
+  std::vector<std::string> files;  ///< the files that the input's words stand for
 };
 
 std::string report(const cullhull::PointView& points, const cullhull::Certificate& certificate,
@@ -55,13 +55,13 @@ std::string report(const cullhull::PointView& points, const cullhull::Certificat
   json["read_seconds"] = read_seconds;
   json["certify_seconds"] = seconds;
   json["peak_bytes"] = peak_bytes();
-  // A reason may quote what the file says, whatever its bytes.
+  // A reason may quote the file, which may hold any bytes.
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
 }
 
 struct Outcome {
   cullhull::Certificate certificate;
-  cullhull::PointView points;  ///< number, dimension and scalar type alone
+  cullhull::PointView points;  ///< only number, dimension and scalar type
   double read_seconds = 0, seconds = 0;
 };
 

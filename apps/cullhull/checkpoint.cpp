@@ -23,7 +23,7 @@ constexpr std::string_view magic = "cullhull checkpoint 1\n";
 
 }  // namespace
 
-// A line that says what it is, one of JSON, and a hull state, which has a check sum.
+// A line that identifies the format, a line of JSON, and a hull state, which has a check sum.
 void write_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
   const cullhull::BlockPosition& at = checkpoint.position;
   const nlohmann::json head = {{"file", at.file},

@@ -1,4 +1,4 @@
-// A file from which a run that was cut off goes on.
+// A file from which an interrupted run continues.
 #pragma once
 
 #include <optional>
@@ -12,14 +12,14 @@ namespace app {
 struct Checkpoint {
   cullhull::BlockPosition position;
   cullhull::HullState state;
-  std::string inputs;  ///< names, sizes and times of the inputs, and how they are read
+  std::string inputs;  ///< names, sizes and times of the inputs, and options of reading
 };
 
-/// Replaces the file as a whole: where that fails (a full disk) the one before stays as it is.
-/// Throws Error{io}.
+/// Replaces the file atomically: where that fails (a full disk) the old one stays. Throws
+/// Error{io}.
 void write_checkpoint(const std::string& path, const Checkpoint& checkpoint);
 
-/// Nothing if there is no such file. Throws Error{bad_file} for one that is broken.
+/// Empty if there is no such file. Throws Error{bad_file} for a broken one.
 std::optional<Checkpoint> read_checkpoint(const std::string& path);
 
 }  // namespace app

@@ -11,7 +11,7 @@ namespace app {
 using Command = std::function<int()>;
 
 Command add_hull(Parser& parent);
-/// `hull` of points that other processes read as well; it lives as long as the command.
+/// The command `hull` on points that several processes read; it must outlive the command.
 struct Elsewhere;
 Command add_hull_of(Parser& parent, const Elsewhere* elsewhere);
 Command add_cull(Parser& parent);

@@ -24,8 +24,9 @@ constexpr const char* examples =
     "Output:\n"
     "  -o NAME.npy .csv .txt       ids of the survivors, ascending (.npy: int64; -o -: .npy)\n"
     "  -o NAME.ply .xyz            their coordinates\n"
-    "  --points NAME               their coordinates as .npy .ply .csv .xyz .txt; .npy and .ply\n"
-    "                              keep the scalar type\n"
+    "  -o NAME.las                 of a .las: their records, whole, with its scale and offset\n"
+    "  --points NAME               their coordinates as .npy .ply .csv .xyz .txt, or .las; .npy\n"
+    "                              and .ply keep the scalar type\n"
     "\n"
     "Examples:\n"
     "  cullhull cull big.npy -o ids.npy\n"
@@ -44,7 +45,7 @@ struct CullArguments {
   std::string json;
   unsigned repeat = 1;
   StreamArguments stream;
-  std::vector<std::string> files;  ///< that the words of the input stand for
+  std::vector<std::string> files;  ///< the files that the input's words stand for
 };
 
 using Outcome = Repeated<cullhull::Survivors>;
@@ -78,19 +79,38 @@ std::string wrote_lines(const CullArguments& arguments) {
          wrote_line(arguments.stream.partial);
 }
 
-/// -o names ids or points, and the name tells which.
+/// -o takes ids or points, by the extension of the name.
 bool holds_points(const std::string& path) {
   const std::string ending = ending_of(path);
-  return ending == ".ply" || ending == ".xyz";
+  return ending == ".ply" || ending == ".xyz" || ending == ".las";
+}
+
+/// Compressed or not.
+bool has_las_name(std::string path) {
+  for (const char* packing : {".gz", ".zst"})
+    if (ending_of(path) == packing) path.resize(path.size() - std::string_view(packing).size());
+  return ending_of(path) == ".las";
+}
+
+/// Records are copied from one file: those of several may differ in scale and point format.
+void check_one_las(const CullArguments& arguments, const std::string& output) {
+  const std::string& named = arguments.input.format;
+  const bool las = named.empty() ? has_las_name(arguments.files[0]) : named == "las";
+  if (arguments.files.size() != 1 || !las)
+    throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                          output + ": .las is written of the records of one .las");
 }
 
 FilePlan plan_files(const CullArguments& arguments) {
   FilePlan plan;
   plan.reads(arguments.files);
-  plan.writes("-o", arguments.output, {".npy", ".csv", ".txt", ".ply", ".xyz"});
+  plan.writes("-o", arguments.output, {".npy", ".csv", ".txt", ".ply", ".xyz", ".las"});
   plan.writes("--points", arguments.points, point_endings);
   plan.writes_json(arguments.json);
   arguments.stream.plan(plan);
+  for (const auto& [option, path] :
+       {std::pair{"-o", arguments.output}, {"--points", arguments.points}})
+    if (ending_of(path) == ".las") check_one_las(arguments, option + (" " + path));
   return plan;
 }
 
@@ -102,6 +122,23 @@ void check_dimension(const std::string& path, std::uint32_t dimension) {
                                       path, dimension));
 }
 
+/// `coordinates(path)` writes those of the points whose ids are given.
+template <class Coordinates>
+void write_outputs(const CullArguments& arguments, const std::vector<std::uint64_t>& ids,
+                   const Coordinates& coordinates) {
+  const auto points = [&](const std::string& path) {
+    if (ending_of(path) == ".las")
+      cullhull::write_las_records(path, arguments.files[0], ids);
+    else
+      coordinates(path);
+  };
+  if (holds_points(arguments.output))
+    points(arguments.output);
+  else if (!arguments.output.empty())
+    cullhull::write_ids(arguments.output, ids);
+  if (!arguments.points.empty()) points(arguments.points);
+}
+
 void write_survivors(const CullArguments& arguments, const cullhull::PointView& points,
                      cullhull::Survivors& survivors) {
   if (arguments.output.empty() && arguments.points.empty()) return;
@@ -109,11 +146,9 @@ void write_survivors(const CullArguments& arguments, const cullhull::PointView& 
     survivors.ids.resize(points.count);
     std::iota(survivors.ids.begin(), survivors.ids.end(), std::uint64_t{0});
   }
-  if (holds_points(arguments.output))
-    cullhull::write_points(arguments.output, points, survivors.ids);
-  else if (!arguments.output.empty())
-    cullhull::write_ids(arguments.output, survivors.ids);
-  if (!arguments.points.empty()) cullhull::write_points(arguments.points, points, survivors.ids);
+  write_outputs(arguments, survivors.ids, [&](const std::string& path) {
+    cullhull::write_points(path, points, survivors.ids);
+  });
 }
 
 int run_in_memory(const CullArguments& arguments, const FilePlan& plan) {
@@ -133,7 +168,7 @@ int run_in_memory(const CullArguments& arguments, const FilePlan& plan) {
   return 0;
 }
 
-/// In one pass nothing finer is known than at its end: what is left are the extreme points.
+/// In one pass the filter is complete only at its end: the survivors are the extreme points.
 int run_streamed(const CullArguments& arguments, const FilePlan& plan) {
   Streamed streamed =
       stream_state(arguments.input, arguments.files, arguments.stream, arguments.run);
@@ -141,11 +176,8 @@ int run_streamed(const CullArguments& arguments, const FilePlan& plan) {
   for (const std::string& path : {arguments.output, arguments.points})
     check_dimension(path, state.dimension());
   if (!arguments.stream.partial.empty()) cullhull::write_state(arguments.stream.partial, state);
-  if (holds_points(arguments.output))
-    cullhull::write_points(arguments.output, state);
-  else if (!arguments.output.empty())
-    cullhull::write_ids(arguments.output, state.ids());
-  if (!arguments.points.empty()) cullhull::write_points(arguments.points, state);
+  write_outputs(arguments, state.ids(),
+                [&](const std::string& path) { cullhull::write_points(path, state); });
   if (!arguments.json.empty()) {
     Outcome outcome;
     outcome.result.ids = state.ids();

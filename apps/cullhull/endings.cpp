@@ -33,7 +33,7 @@ int exit_status(cullhull::ErrorCode code) {
   return bad_input;
 }
 
-/// The budget in the words it was given in: a message of the library has it in MiB.
+/// Adds the budget as it was given, since the library's message has it in MiB.
 std::string with_memory(std::string message, const std::vector<std::string>& words) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (words[i].starts_with("--memory=")) return message + " (" + words[i] + ")";

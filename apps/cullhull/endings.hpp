@@ -1,4 +1,4 @@
-// How a program of ours ends: a status and a line.
+// How the programs end: exit status and message.
 #pragma once
 
 #include <string>
@@ -13,11 +13,11 @@ struct Ending {
   std::string line;
 };
 
-/// To be called where an exception is handled; `words`: the command line.
+/// To be called in a catch block; `words`: the command line.
 Ending ending_of_exception(const std::vector<std::string>& words);
 
-/// "The words (see cullhull hull --help)" for what the parser did not understand of the words as
-/// `given`, after spell_out().
+/// "MESSAGE (see cullhull hull --help)" for words that the parser did not accept. `given`: the
+/// command line after spell_out().
 std::string usage_line(const Parsed& outcome, const std::vector<std::string>& given,
                        const std::vector<std::string>& words, const Parser& parser);
 

@@ -30,7 +30,7 @@ struct GenerateArguments {
   bool quiet = false;
 };
 
-/// What is made: the arguments, read.
+/// The parsed arguments.
 struct Made {
   std::uint64_t count = 0, seed = 1, frames = 0;  ///< frames: 0 for points at rest
   std::uint32_t dimension = 0;
@@ -59,7 +59,7 @@ std::string footer() {
          "cancelled.";
 }
 
-// One frame is in memory at a time.
+// Only one frame is in memory at a time.
 void write_sequence(const GenerateArguments& arguments, const Made& made) {
   const cullhull::MovingPoints moving(arguments.shape, arguments.motion, made.count, made.dimension,
                                       made.frames, made.seed);
@@ -70,7 +70,7 @@ void write_sequence(const GenerateArguments& arguments, const Made& made) {
                                      made.type);
   std::vector<double> points(made.count * made.dimension);
   for (std::uint64_t f = 0; f < made.frames; ++f) {
-    if (stop_token().stop_requested()) return;  // the writer removes what it has begun
+    if (stop_token().stop_requested()) return;  // the writer removes its unfinished file
     if (report) report("frames", static_cast<double>(f) / total);
     moving.frame(f, points.data(), stop_token());
     writer.write(points.data());

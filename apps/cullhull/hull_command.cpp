@@ -61,15 +61,15 @@ struct HullArguments {
   std::vector<std::string> outputs;
   std::string vertices;
   std::string json;
-  std::vector<std::string> formats;  ///< words, several in one or in many
+  std::vector<std::string> formats;  ///< words, several of which may be in one string
   std::string engine = "native";
   std::string only;
-  std::string by;  ///< the column that tells groups apart
+  std::string by;  ///< the column of the groups' keys
   unsigned repeat = 1;
   bool certify = false;
   bool triangles = false;
   StreamArguments stream;
-  std::vector<std::string> files;  ///< that the words of the input stand for
+  std::vector<std::string> files;  ///< the files that the input's words stand for
   const Elsewhere* elsewhere = nullptr;
 };
 
@@ -102,7 +102,7 @@ FilePlan plan_files(const HullArguments& arguments) {
   return plan;
 }
 
-/// Runs `find` as often as asked; the result's statistics are those of the run of median time.
+/// Runs `find` as often as requested; the result has the statistics of the run of median time.
 template <class Find>
 auto find_repeatedly(const HullArguments& arguments, const Find& find) {
   std::vector<cullhull::Statistics> statistics;
@@ -133,7 +133,7 @@ Outcome compute(const HullArguments& arguments, const cullhull::PointView& point
   return outcome;
 }
 
-/// Counts and measures.
+/// Prints counts and measures.
 std::string hull_lines(const Hull& hull) {
   std::string text;
   if (hull.affine_dimension >= 0 && hull.affine_dimension != static_cast<int>(hull.dimension))
@@ -169,7 +169,7 @@ std::string summary(const Input& input, const Outcome& outcome, double read_seco
          run_lines(hull, outcome.certificate, peak);
 }
 
-/// What was written, by name.
+/// Names the files written.
 std::string wrote_lines(const HullArguments& arguments) {
   std::string text;
   for (const std::string& path : arguments.outputs) text += wrote_line(path);
@@ -177,7 +177,7 @@ std::string wrote_lines(const HullArguments& arguments) {
          wrote_line(arguments.stream.partial);
 }
 
-/// `points`: all of them, or their state.
+/// `points`: all points, or their state.
 template <class Points>
 void write_results(const HullArguments& arguments, const Points& points, const Hull& hull,
                    const cullhull::JsonExtras& extras) {
@@ -186,7 +186,7 @@ void write_results(const HullArguments& arguments, const Points& points, const H
     cullhull::write_hull(path, points, hull, "", faces);
   if (!arguments.vertices.empty()) {
     std::vector<std::uint64_t> ids = hull.vertices;
-    std::sort(ids.begin(), ids.end());  // in 2D they come counter-clockwise
+    std::sort(ids.begin(), ids.end());  // in 2D they are counter-clockwise
     cullhull::write_ids(arguments.vertices, ids);
   }
   if (!arguments.json.empty())
@@ -216,7 +216,7 @@ int exit_of(const std::optional<Certificate>& certificate) {
 
 using Extreme = Repeated<cullhull::ExtremePoints>;
 
-/// The keys of a hull's JSON that mean something without facets.
+/// The members of a hull's JSON that do not need facets.
 std::string extreme_json(const cullhull::PointView& view, const Extreme& found, double read_seconds,
                          std::uint64_t peak) {
   const cullhull::ExtremePoints& points = found.result;
@@ -275,7 +275,7 @@ int run_vertices_only(const HullArguments& arguments, const FilePlan& plan) {
 
 // ---------------------------------------------------------------------------- in blocks
 
-/// The first thing asked for that needs all points in memory; empty if nothing does.
+/// The first option that needs all points in memory; empty if there is none.
 std::string needs_memory(const HullArguments& arguments) {
   if (arguments.repeat > 1) return "--repeat";
   if (arguments.engine != "native") return "--engine " + arguments.engine;
@@ -300,7 +300,7 @@ std::vector<double> vertex_rows(const cullhull::HullState& state, const Hull& hu
   return rows;
 }
 
-/// Reads everything once more and holds it against the hull.
+/// Reads everything again and certifies the hull.
 Certificate certify_streamed(const HullArguments& arguments, const Streamed& streamed,
                              const Hull& hull) {
   if (arguments.elsewhere != nullptr)
@@ -313,7 +313,7 @@ Certificate certify_streamed(const HullArguments& arguments, const Streamed& str
                       input_name(file));
   std::vector<double> rows = vertex_rows(streamed.state, hull);
   cullhull::Options options = arguments.run.options();
-  options.threads = 1;  // those that read work
+  options.threads = 1;  // the reading threads do the work
   cullhull::CertifyStream check(hull, std::move(rows), options);
   stream_blocks(
       arguments.input, arguments.files, arguments.run,
@@ -338,7 +338,7 @@ Hull hull_of_state(const HullArguments& arguments, const Streamed& streamed) {
   return std::move(found.result);
 }
 
-/// The state's points, under their ids.
+/// The state's points, with their ids.
 std::string extreme_json_of(const HullArguments& arguments, const Streamed& streamed) {
   cullhull::PointView all = streamed.state.points();
   Extreme found;
@@ -413,7 +413,7 @@ int run_in_memory(const HullArguments& arguments, const FilePlan& plan) {
   return exit_of(outcome.certificate);
 }
 
-/// Of groups there is one kind of result.
+/// Groups have a single kind of output.
 void check_groups(const HullArguments& a) {
   const bool others = !a.vertices.empty() || !a.json.empty() || !a.formats.empty() || a.certify ||
                       a.triangles || a.repeat > 1 || a.engine != "native" || !a.only.empty() ||
@@ -424,7 +424,7 @@ void check_groups(const HullArguments& a) {
                 "--columns, --memory and --threads");
 }
 
-/// Points that lie on several ranks, of which this is one.
+/// Points that are distributed over ranks, one of which is this process.
 int run_elsewhere(const HullArguments& arguments, const FilePlan& plan) {
   const std::string why_not = needs_memory(arguments);
   if (!arguments.by.empty()) throw Error(ErrorCode::invalid_argument, "--by is for one process");
@@ -440,7 +440,7 @@ int run_elsewhere(const HullArguments& arguments, const FilePlan& plan) {
 }
 
 int run(HullArguments arguments) {
-  (void)format_words(arguments.formats);  // refused before the work
+  (void)format_words(arguments.formats);  // refuses unknown words before the work
   arguments.files = arguments.input.find_files();
   const FilePlan plan = plan_files(arguments);
   if (!arguments.by.empty() && arguments.elsewhere == nullptr) {

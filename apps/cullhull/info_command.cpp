@@ -30,7 +30,7 @@ struct Scan {
   std::uint64_t not_finite = 0;
   std::uint64_t first_not_finite = none;
 
-  /// Takes in what was found in other points.
+  /// Merges the findings about other points.
   void add(const Scan& other) {
     if (axes.size() < other.axes.size()) axes.resize(other.axes.size());
     for (std::size_t j = 0; j < other.axes.size(); ++j) {
@@ -42,9 +42,9 @@ struct Scan {
   }
 };
 
-/// What is told besides.
+/// The rest of the report.
 struct Described {
-  cullhull::PointView points;  ///< number, dimension, scalar type and strides alone
+  cullhull::PointView points;  ///< only number, dimension, scalar type and strides
   std::string format;
   bool in_place = false;
   double read_seconds = 0;
@@ -67,7 +67,7 @@ Scan scan(const cullhull::PointView& points, std::uint64_t first_id = 0) {
   return result;
 }
 
-/// A number, or the word for what JSON has no number for; null for an axis without any.
+/// A number, or a string for values that JSON cannot represent; null for an axis without points.
 nlohmann::ordered_json number(double value, bool any) {
   if (!any) return nullptr;
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";

@@ -16,14 +16,14 @@ double warm_pages(const cullhull::PointView& points) {
                              points.address(points.count - 1, points.dimension - 1)};
   const auto [first, last] = std::minmax_element(std::begin(ends), std::end(ends));
   const auto page = static_cast<std::ptrdiff_t>(system::page_bytes());
-  // What does not fit beside the work would be pushed out again before it is used.
+  // A file that does not fit beside the work would be evicted before it is used.
   if (static_cast<std::uint64_t>(*last - *first) > system::memory_bytes() / 2) return 0;
   unsigned sum = 0;
   for (std::ptrdiff_t offset = 0; offset < *last - *first; offset += page)
     sum += static_cast<unsigned>((*first)[offset]);
   sum += static_cast<unsigned>(**last);
   [[maybe_unused]] static volatile unsigned sink;
-  sink = sum;  // the reads must happen
+  sink = sum;  // keeps the compiler from removing the reads
   return watch.seconds();
 }
 

@@ -1,4 +1,4 @@
-// What a run cost.
+// Times and memory of a run.
 #pragma once
 
 #include <chrono>
@@ -24,14 +24,14 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Brings every page of a mapped input into memory; returns the seconds that took, which are
-/// reading, not computing. Leaves alone what would fill more than half of the memory.
+/// Reads every page of a mapped input into memory; returns the seconds that took, which count as
+/// reading, not computing. Skipped where it would fill more than half of the memory.
 double warm_pages(const cullhull::PointView& points);
 
 /// Largest resident set of this process so far, mapped input included.
 std::uint64_t peak_bytes();
 
-/// The threads that a request for so many gets; 0 is all the machine offers.
+/// The number of threads that a request gets; 0: all the machine offers.
 unsigned threads_used(unsigned requested);
 
 using cullhull::bench::median;
@@ -39,14 +39,14 @@ using cullhull::bench::median;
 /// Index of the run whose time is the median (the lower one of an even number).
 std::size_t median_run(const std::vector<double>& seconds);
 
-/// The last of several results, and what each took.
+/// The last of several results, and the time of each.
 template <class Result>
 struct Repeated {
   Result result;
   std::vector<double> seconds;
 };
 
-/// compute(options), `times` times, with progress and until a signal: as `arguments` say.
+/// Runs compute(options) `times` times, with progress, until a signal, as `arguments` say.
 template <class Compute>
 auto repeat(const RunArguments& arguments, unsigned times, const Compute& compute) {
   Repeated<std::invoke_result_t<Compute, const cullhull::Options&>> done;

@@ -33,7 +33,7 @@ std::string listed(const Endings& endings) {
   return text;
 }
 
-/// Nothing that has a name to honour: standard output, a pipe, a device.
+/// Standard output, a pipe or a device: names that have no extension to check.
 bool is_stream(const std::string& path) {
   if (path == "-") return true;
   const system::FileIdentity file = system::identify(path);
@@ -62,7 +62,7 @@ std::string survivors_line(std::uint64_t survivors, std::uint64_t count, std::st
 }
 
 std::string measure_lines(int affine_dimension, double area, double volume) {
-  if (affine_dimension <= 0) return "";  // nothing, or a point
+  if (affine_dimension <= 0) return "";  // no points, or one
   if (affine_dimension == 1) return fmt::format("length     {}\n", volume);
   if (affine_dimension == 2) return fmt::format("perimeter  {}\narea       {}\n", area, volume);
   return fmt::format("area       {}\nvolume     {}\n", area, volume);

@@ -95,7 +95,7 @@ Option* Parser::add_flag(const std::string& names, bool& value, const std::strin
 
 Parsed Parser::parse(const std::vector<std::string>& words) {
   try {
-    // The parser takes words from the back.
+    // CLI11 takes words from the back.
     app_->parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::ParseError& error) {
     const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());

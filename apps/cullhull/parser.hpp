@@ -1,5 +1,5 @@
-// The command line's parser, as the commands see it. What parses is CLI11, whose headers take
-// seconds to compile: parser.cpp alone includes them.
+// The command line parser's interface for the commands. It is implemented by CLI11, whose headers
+// take seconds to compile: only parser.cpp includes them.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +17,10 @@ namespace app {
 /// An option or a positional argument; its functions return it, to be chained.
 class Option {
  public:
-  /// What the help calls its value: "FILE", "N"; empty for nothing.
+  /// The name of its value in the help: "FILE", "N"; empty for none.
   Option* type_name(const std::string& name);
   Option* required();
-  /// Whether one mention takes several words; as given, an option of a vector does.
+  /// Whether one mention takes several words; the default for options of vectors.
   Option* allow_extra_args(bool several);
 
  private:
@@ -34,21 +34,21 @@ class Option {
   CLI::Option* option_;
 };
 
-/// Refuses the empty word, which a script gives where its variable is not set.
+/// Refuses the empty word, as scripts pass for variables that are not set.
 Option& needs_value(Option& option);
 
-/// Limits an option to some words or to a range, and says so in the help without CLI11's jargon.
+/// Limits an option to some words or to a range, and lists them in the help.
 void allow_words(Option& option, const std::vector<std::string>& words);
 void allow_range(Option& option, std::uint32_t least, std::uint32_t greatest);
 void allow_real_range(Option& option, double least, double greatest);
 
-/// How the words were understood.
+/// The outcome of parsing.
 struct Parsed {
   enum class Kind {
-    command,     ///< parsed() of a subcommand tells which
-    help,        ///< `text` is to be shown, and nothing is to be run
-    usage,       ///< `text` says why the words make no sense
-    unexpected,  ///< some words are more than the command takes
+    command,     ///< parsed() tells which subcommand
+    help,        ///< show `text`, run nothing
+    usage,       ///< `text` describes the error
+    unexpected,  ///< words that the command does not take
   };
   Kind kind = Kind::command;
   std::string text;
@@ -63,12 +63,12 @@ class Parser {
   Parser(const Parser&) = delete;
   Parser& operator=(const Parser&) = delete;
 
-  /// Lives as long as this.
+  /// Valid as long as this object.
   Parser* add_subcommand(const std::string& name, const std::string& description);
   /// The subcommand that was added last.
   Parser* last_subcommand();
   void require_subcommand(std::uint32_t least, std::uint32_t most);
-  /// What the help ends with.
+  /// The end of the help text.
   void footer(const std::string& text);
   void set_version(const std::string& version);
 
@@ -77,14 +77,14 @@ class Parser {
   Option* add_option(const std::string& names, Value& value, const std::string& description);
   Option* add_flag(const std::string& names, bool& value, const std::string& description);
 
-  /// Words as a shell gives them, without the program's name.
+  /// Words as from a shell, without the program's name.
   Parsed parse(const std::vector<std::string>& words);
 
   // Valid after parse():
   bool parsed() const;
   /// The innermost subcommand that was named.
   const Parser& innermost() const;
-  /// Words that nothing took.
+  /// The words that no option took.
   std::vector<std::string> remaining() const;
 
   const std::string& name() const { return name_; }

@@ -1,4 +1,4 @@
-// cullhull qconvex: the words of Qhull's qconvex, for scripts that call that program.
+// cullhull qconvex: the command line of Qhull's qconvex, for scripts that call that program.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -48,7 +48,7 @@ struct QconvexArguments {
   RunArguments run;
 };
 
-/// What the words say.
+/// The parsed words.
 struct Request {
   std::string input = "-", output = "-";
   std::vector<std::string> texts;
@@ -61,7 +61,7 @@ struct Request {
   throw Error(ErrorCode::invalid_argument, "qconvex " + word + ": " + why);
 }
 
-/// Q0 to Q14, and other words that change how Qhull computes, not what.
+/// Q0 to Q14, and other words that change how Qhull computes, but not the result.
 bool is_passed_over(const std::string& word) {
   static constexpr std::string_view words[] = {"Pp", "Qs", "Qw", "Qx",  "Qz",
                                                "Tc", "Tf", "Fd", "C-0", "C0"};
@@ -104,7 +104,7 @@ Request read_words(const std::vector<std::string>& words) {
   return request;
 }
 
-/// The texts of a hull, the summaries apart.
+/// The texts of a hull, without the summaries.
 struct Texts {
   std::string text, summary;
 };

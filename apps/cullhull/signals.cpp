@@ -33,12 +33,12 @@ std::atomic<bool> may_be_deaf{false};
 constexpr std::chrono::milliseconds hearing{50};
 
 std::stop_source& source() {
-  static auto& instance = *new std::stop_source;  // outlives the watcher, which is never joined
+  static auto& instance = *new std::stop_source;  // outlives the watcher
   return instance;
 }
 
 #if defined(_WIN32)
-// Called in a thread of its own, which may lock and allocate.
+// Runs in a thread of its own, so it may lock and allocate.
 BOOL WINAPI on_control(DWORD) {
   if (!stoppable || source().stop_requested()) end_with_line(cancelled, "cancelled");
   source().request_stop();
@@ -46,7 +46,7 @@ BOOL WINAPI on_control(DWORD) {
 }
 
 #else
-// A thread of its own may lock and allocate, which a signal handler must not.
+// A thread may lock and allocate, which a signal handler must not.
 void watch(sigset_t signals) {
   for (;;) {
     int signal = 0;
@@ -64,20 +64,19 @@ bool ignored(int signal) {
   return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
 }
 
-// The kernel's word for a mapped file that has become shorter than it was. Any other SIGBUS is a
-// bug of ours and keeps its usual effect.
+// SIGBUS: a mapped file has been truncated. Any other SIGBUS is a bug and keeps its default effect.
 void end_on_fault(int signal, siginfo_t* info, void*) {
   const char* name = cullhull::describe_mapped_fault(info->si_addr);
   if (name == nullptr) {
     std::signal(signal, SIG_DFL);
-    return;  // the access is repeated
+    return;  // the access is repeated, and faults again
   }
   end_with_line(bad_input, name, ": the file was cut short while it was being read");
 }
 #endif
 
-// An exception that could not be handed to main: it left a thread of a library, mostly for want of
-// memory or of threads. Whatever else it is keeps the usual end, which leaves a trace.
+// An exception that left a thread of some library, mostly for lack of memory or threads, and so did
+// not reach main. Any other cause of terminate keeps its default effect, a core dump.
 void end_on_exception() {
   if (const std::exception_ptr error = std::current_exception()) try {
       std::rethrow_exception(error);
@@ -91,8 +90,7 @@ void end_on_exception() {
 }
 
 #if !defined(_WIN32)
-/// Its own thread with a small stack, which is all it needs, and which there may be room for where
-/// there is little.
+/// A thread with a small stack, which suffices, and can be created where memory is short.
 void start_watcher(const sigset_t& signals) {
   static sigset_t watched;
   watched = signals;
@@ -121,7 +119,7 @@ void install_signals() {
   source();
   SetConsoleCtrlHandler(on_control, TRUE);
 #else
-  // A closed pipe and a file beyond its limit are failed writes, reported as such.
+  // Writing to a closed pipe or beyond a file size limit then fails, and is reported as an error.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   struct sigaction fault = {};
@@ -132,7 +130,7 @@ void install_signals() {
   sigset_t signals;
   sigemptyset(&signals);
   for (const int signal : {SIGINT, SIGTERM})
-    if (!ignored(signal)) sigaddset(&signals, signal);  // nohup and background jobs stay immune
+    if (!ignored(signal)) sigaddset(&signals, signal);  // as under nohup
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   source();
   start_watcher(signals);

@@ -11,17 +11,17 @@ namespace app {
 /// Error{io} where the system refuses a thread.
 void install_signals();
 
-/// Requested by the first SIGINT or SIGTERM that arrives during `cancellable`.
+/// Stop is requested by the first SIGINT or SIGTERM that arrives during `cancellable`.
 std::stop_token stop_token();
 
-/// Runs `work`, which watches stop_token(): a first signal asks it to stop, a second one ends the
-/// program at once, as any signal does outside of this call. Either way unfinished files are
-/// removed and the exit status is 130. Throws Error{cancelled} if the request came too late to be
-/// seen.
+/// Runs `work`, which checks stop_token(): a first signal requests it to stop, a second one ends
+/// the program at once, as any signal does outside of this call. In both cases unfinished files are
+/// removed and the exit status is 130. Throws Error{cancelled} if the request came too late for
+/// `work` to notice.
 void cancellable(const std::function<void()>& work);
 
-/// While one lives, work that has not ended 50 ms after a signal is ended as by a second one: for
-/// engines of others, which do not always listen. Nothing it would still have to save may be open.
+/// During its lifetime, work that has not ended 50 ms after a signal is ended as by a second
+/// signal: for foreign engines, which do not always check. No output file may be open.
 class EndDeafWork {
  public:
   EndDeafWork();

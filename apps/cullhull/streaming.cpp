@@ -21,7 +21,7 @@ using cullhull::ErrorCode;
 
 bool is_state(const std::string& file) { return ending_of(file) == ".hullstate"; }
 
-/// What a checkpoint must be of, so that a run goes on from it: the same files, read alike.
+/// What a checkpoint must match to be continued: the same files, read with the same options.
 std::string identity_of(const InputArguments& input, const std::vector<std::string>& files,
                         const StreamArguments& stream) {
   std::string text = fmt::format("{} {} {} {} {} {}\n", input.format, input.dimension, input.type,
@@ -110,7 +110,7 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
   std::optional<Checkpoint> from = checkpoint_of(stream, inputs);
   cullhull::Options options = run.options();
   cullhull::BlockOptions blocks = block_options(input, run, options);
-  // The threads that read do the work. Where a checkpoint is kept, no block may be left half done.
+  // The reading threads do the work. With a checkpoint, each block must be completed.
   options.threads = 1;
   if (!stream.checkpoint.empty()) options.stop = {};
   cullhull::HullStream hull(options);

@@ -1,5 +1,5 @@
-// Points block after block: when, with what progress, and from where a run that was cut off goes
-// on.
+// Reading points block by block: when, with which progress, and from where an interrupted run
+// continues.
 #pragma once
 
 #include <cstdint>
@@ -22,17 +22,18 @@ struct StreamArguments {
   bool global_ids = false;  ///< states among the inputs keep their ids
   std::uint64_t first_id = 0;
 
-  /// `states`: with what makes, keeps and takes in states.
+  /// `states`: with the options for writing and reading states.
   void add_to(Parser& command, bool states);
-  /// Whether anything but the defaults was asked for.
+  /// Whether any option differs from its default.
   bool any() const {
     return stream != "auto" || !checkpoint.empty() || !partial.empty() || global_ids ||
            first_id > 0;
   }
-  /// Names the outputs to the plan.
+  /// Adds the outputs to the plan.
   void plan(FilePlan& plan) const;
-  /// Whether to read in blocks. `why_not`: what the run needs all points in memory for; empty if
-  /// nothing: then `auto` chooses by the inputs. Error{invalid_argument} where that is impossible.
+  /// Whether to read in blocks. `why_not`: the option that needs all points in memory; empty if
+  /// there is none: then `auto` chooses by the inputs. Error{invalid_argument} for contradictory
+  /// options.
   bool wanted(const std::vector<std::string>& files, const RunArguments& run,
               const std::string& why_not) const;
 };
@@ -44,18 +45,18 @@ struct Streamed {
   double seconds = 0;
 };
 
-/// The state of all points of the inputs; with checkpoints and progress as asked for.
+/// The state of all points of the inputs; with checkpoints and progress as requested.
 Streamed stream_state(const InputArguments& input, const std::vector<std::string>& files,
                       const StreamArguments& stream, const RunArguments& run);
 
-/// Hands each block to `points`, with progress; from several threads at once.
+/// Passes each block to `points`, with progress; from several threads at once.
 cullhull::BlockSummary stream_blocks(
     const InputArguments& input, const std::vector<std::string>& files, const RunArguments& run,
     const std::function<void(const cullhull::PointView&, std::uint64_t first_id)>& points);
 
-/// Where the state of all points comes from, and who certifies its hull, if not this process alone.
+/// Where the state of all points comes from, and who certifies its hull, if not only this process.
 struct Elsewhere {
-  /// Whether this process writes and prints; only its state, hull and rows are asked for.
+  /// Whether this process writes and prints; other processes only provide state, hull and rows.
   bool reports = true;
   std::function<Streamed(const InputArguments&, const std::vector<std::string>& files,
                          const RunArguments&)>
@@ -64,7 +65,7 @@ struct Elsewhere {
       certify;
 };
 
-/// What is left of the work is done: the checkpoint has served.
+/// The rest of the work is done: removes the checkpoint.
 void remove_checkpoint(const StreamArguments& stream);
 
 /// "points     20,000 x 3 f64, npy, 12 blocks of 3 inputs\n"

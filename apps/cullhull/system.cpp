@@ -102,7 +102,8 @@ std::ptrdiff_t write_some(int fd, const char* data, std::size_t size) {
 bool is_terminal(int fd) { return ::isatty(fd) == 1; }
 void open_if_closed(int fd) {
   if (::fcntl(fd, F_GETFD) < 0 && errno == EBADF)
-    // The lowest free number is `fd`. The wrong direction keeps reads and writes failing.
+    // The lowest free descriptor is `fd`. Opened in the wrong direction, so that reads and writes
+    // fail.
     (void)!::open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY);
 }
 void silence(int fd) {
@@ -120,7 +121,7 @@ std::uint64_t memory_bytes() {
   return pages > 0 ? static_cast<std::uint64_t>(pages) * page_bytes() : 0;
 }
 std::uint64_t peak_bytes() {
-  // getrusage would count what the parent held before it became us.
+  // getrusage would include the peak of the parent before exec.
   if (std::FILE* file = std::fopen("/proc/self/status", "re")) {
     char line[256];
     unsigned long long kilobytes = 0;

@@ -30,11 +30,12 @@ int write_all(int fd, std::string_view text) {
   return 0;
 }
 
-/// Who writes the program's one line of complaint.
-enum LineState : int { silent, writing, written };
+/// How far the program's one line of complaint is: complain()'s, or end_with_line()'s.
+enum LineState : int { silent, writing, written, ending, ended };
 std::atomic<int> line_state{silent};
 
-/// A byte of a message that would act on a terminal instead of being shown; `before` precedes it.
+/// Whether a byte of a message would control a terminal instead of being shown; `before` precedes
+/// it.
 bool is_control(char c, char before) {
   const auto byte = static_cast<unsigned char>(c);
   return byte < 32 || byte == 127 || (before == '\xC2' && byte >= 0x80 && byte < 0xA0);
@@ -86,15 +87,18 @@ void write_stderr(std::string_view text) { (void)write_all(system::standard_erro
 
 void complain(std::string_view message) {
   const std::string line = "cullhull: " + printable(message) + '\n';
-  line_state = writing;
+  // Where another thread ends the program, its line is the last.
+  for (int state = line_state; !line_state.compare_exchange_weak(state, writing);)
+    if (state >= ending) return;
   (void)write_all(system::standard_error, line);
   line_state = written;
 }
 
-// No allocation and no lock: the heap may be exhausted, or its lock held where a signal arrived.
+// No allocation and no lock: memory may be exhausted, or the heap's lock held by the interrupted
+// thread.
 void end_with_line(int status, const char* first, const char* second) noexcept {
   int expected = silent;
-  if (line_state.compare_exchange_strong(expected, writing)) {
+  if (line_state.compare_exchange_strong(expected, ending)) {
     char line[1400];
     std::size_t length = 0;
     for (const char* part : {"cullhull: ", first, second})
@@ -102,9 +106,9 @@ void end_with_line(int status, const char* first, const char* second) noexcept {
         line[length++] = is_control(*part, 0) ? '?' : *part;
     line[length++] = '\n';
     (void)write_all(system::standard_error, {line, length});
-    line_state = written;
+    line_state = ended;
   }
-  while (line_state != written) system::wait_10_ms();
+  while (line_state != written && line_state != ended) system::wait_10_ms();
   cullhull::remove_unfinished_files();
   system::end(status);
 }
@@ -123,7 +127,7 @@ cullhull::Progress TerminalProgress::callback() {
   return [this](const char* phase, double share) { show(phase, share); };
 }
 
-// The first moments of a phase say nothing about its pace.
+// At the beginning of a phase the rate is not yet known.
 std::string TerminalProgress::rate_and_rest(double share, std::int64_t now) const {
   const double seconds = static_cast<double>(now - phase_began_) / 1000;
   const double pace = (share - first_share_) / seconds;

@@ -1,4 +1,4 @@
-// Standard output and standard error, with every failure noticed.
+// Standard output and standard error, with checks for write errors.
 #pragma once
 
 #include <cstdint>
@@ -10,37 +10,37 @@
 
 namespace app {
 
-/// Where a standard stream was closed by the caller, /dev/null takes its number, so that no file
-/// opened later is mistaken for it; writing to a closed standard output still fails.
+/// Opens /dev/null for standard streams that the caller closed, so that no file opened later gets
+/// their number; writing to a closed standard output still fails.
 void keep_standard_streams();
 
 /// Writes all of `text` or throws Error{io} (closed pipe, full disk).
 void write_stdout(std::string_view text);
 
-/// What was asked for on standard error; a failure there has nowhere to be told.
+/// Writes requested text to standard error; a failure there cannot be reported.
 void write_stderr(std::string_view text);
 
 /// One line on standard error: "cullhull: message". Control characters are escaped.
 void complain(std::string_view message);
 
 /// Ends the program at once, from any thread or signal handler: removes unfinished files and writes
-/// one line, "cullhull: " and the two parts, unless another thread did or complain() was called.
+/// one line, "cullhull: " and the two parts, unless another thread or complain() wrote one.
 [[noreturn]] void end_with_line(int status, const char* first, const char* second = "") noexcept;
 
 inline constexpr const char* out_of_memory =
     "out of memory; a smaller --memory makes cullhull refuse earlier";
 
-/// Shows a line of progress on standard error if that is a terminal, and nothing otherwise: phase,
-/// bar, share, rate and time left. The line is wiped when the object goes.
+/// Shows a line of progress on standard error if that is a terminal: phase, bar, share, rate and
+/// time left. The destructor erases the line.
 class TerminalProgress {
  public:
-  /// Where the whole is `total` of `unit`, the rate is told in them, else in percent.
+  /// Where the total is `total` of `unit`, the rate is shown in these units, else in percent.
   explicit TerminalProgress(bool quiet, double total = 0, std::string unit = "");
   ~TerminalProgress();
   TerminalProgress(const TerminalProgress&) = delete;
   TerminalProgress& operator=(const TerminalProgress&) = delete;
 
-  /// Empty if there is nothing to show it on.
+  /// Empty if standard error is no terminal.
   cullhull::Progress callback();
 
  private:

@@ -87,7 +87,7 @@ class FrameNames {
     if (wanted() && !folder_) check_hull_dimension(pattern_, dimension);
   }
 
-  /// Refuses a name that is none of a hull's.
+  /// Refuses a name without a hull's extension.
   void check_ending() const {
     if (wanted() && !folder_ &&
         std::find(hull_endings.begin(), hull_endings.end(), ending_of(pattern_)) ==
@@ -96,7 +96,7 @@ class FrameNames {
           "the name must end in .ply, .obj, .off, .stl, .glb, .vtp, .geojson, .wkt, .json or .txt");
   }
 
-  /// Refuses names that are taken.
+  /// Refuses names that are in use.
   void check(std::uint64_t frames, FilePlan& plan) const {
     if (!wanted()) return;
     for (std::uint64_t f = 0; f < frames; ++f)
@@ -129,12 +129,12 @@ class FrameNames {
   bool folder_ = false;
 };
 
-/// Sums over the frames, and a record of each if there is to be a report.
+/// Sums over the frames, and a record of each if a report is requested.
 struct Outcome {
   Json frames = Json::array();
   std::uint64_t done = 0, led = 0, failed = 0;
   std::uint64_t on_device = 0;                                  ///< frames culled by a CUDA device
-  std::uint64_t points = 0, scan_survivors = 0, survivors = 0;  ///< of the led frames
+  std::uint64_t points = 0, scan_survivors = 0, survivors = 0;  ///< of frames that had leaders
   std::uint64_t fewest = ~std::uint64_t{0}, most = 0;           ///< vertices
   double read = 0, scan = 0, cull = 0, hull = 0, compute = 0;
   std::uint64_t count = 0;
@@ -197,7 +197,7 @@ Json frame_record(std::uint64_t index, const FrameReport& r, const Hull& h, doub
           {"area", h.area}};
 }
 
-/// One frame; false if its points have no hull and the others are wanted all the same.
+/// Processes one frame; false if its points have no hull and --keep-going was given.
 bool track_frame(const TrackArguments& arguments, const FrameNames& names,
                  const cullhull::PointSequence& sequence, cullhull::HullTracker& tracker,
                  const cullhull::Options& options, Outcome& outcome) {
@@ -277,7 +277,7 @@ std::string report_of(const TrackArguments& arguments, const cullhull::PointSequ
                    {"frames_per_second", o.frames_per_second()}}},
                  {"peak_bytes", peak_bytes()}};
   if (o.certified) report["certified"] = *o.certified;
-  // The message of a frame that failed holds a file's name, whatever its bytes.
+  // The message of a failed frame holds a file's name, which may have any bytes.
   return report.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -69,13 +69,13 @@ bool may_be_sequence(const InputArguments& input) {
          (input.format.empty() && std::filesystem::path(input.path).extension() == ".npy");
 }
 
-/// Every file that INPUT names.
+/// All files that INPUT names.
 std::vector<std::string> input_files(const InputArguments& input) {
   if (!may_be_sequence(input)) return {input.path};
   return cullhull::sequence_files({input.path});
 }
 
-/// The files of hulls that INPUT names; none: it is points.
+/// The hull files that INPUT names; empty where it names points.
 std::vector<std::string> hull_files(const InputArguments& input) {
   if (!input.format.empty() || input.path == "-") return {};
   if (!may_be_sequence(input) && !is_json(input.path)) return {};
@@ -83,7 +83,7 @@ std::vector<std::string> hull_files(const InputArguments& input) {
   return std::all_of(files.begin(), files.end(), is_json) ? files : std::vector<std::string>();
 }
 
-/// Hull and survivors of one set of points, and what --json says of the run.
+/// Hull and survivors of one set of points, and the run's report for --json.
 struct Computed {
   cullhull::Hull hull;
   cullhull::Survivors survivors;
@@ -99,7 +99,7 @@ Computed compute(const cullhull::PointView& points, double read_seconds,
   extras.compute_seconds_all = {watch.seconds()};
   extras.read_seconds = read_seconds;
   extras.peak_bytes = peak_bytes();
-  // The hull tells how many points the filter kept, not which.
+  // The hull has the number of survivors, but not which points they are.
   if (result.hull.statistics.survivors < points.count)
     result.survivors = cullhull::cull(points, options);
   else
@@ -122,7 +122,7 @@ void add_frame(const cullhull::PointView& points, std::uint64_t index, const cul
   scene.add(frame);
 }
 
-/// What goes into a file: the page, and the figures in it.
+/// The contents of the file: the page, and its figures.
 struct Written {
   std::string page, report;
 };
@@ -139,7 +139,7 @@ Written view_input(const ViewArguments& arguments, const Input& input,
 }
 
 Written view_points(const ViewArguments& arguments, const cullhull::Options& options) {
-  // Whoever waits for a pipe has nothing to tidy up: a signal ends that at once.
+  // Writing to a pipe has nothing to clean up: a signal ends it at once.
   const Input input =
       open_input(arguments.input, arguments.run.threads, arguments.run.memory_bytes());
   Written written;
@@ -147,7 +147,7 @@ Written view_points(const ViewArguments& arguments, const cullhull::Options& opt
   return written;
 }
 
-/// A frame's figures: those of its hull, and how the frame before led to it.
+/// A frame's figures: of its hull, and of its filter.
 std::string tracked_report(const cullhull::HullTracker& tracker, const cullhull::PointView& points,
                            double read_seconds) {
   const cullhull::FrameReport& r = tracker.report();
@@ -167,7 +167,7 @@ std::string tracked_report(const cullhull::HullTracker& tracker, const cullhull:
   return report.dump(1) + "\n";
 }
 
-/// Of `count` frames those that are shown, and the reports of these as one text.
+/// Which of `count` frames are shown, and their reports as one text.
 class Shown {
  public:
   explicit Shown(std::uint64_t count)
@@ -188,7 +188,7 @@ class Shown {
   std::string reports_;
 };
 
-/// Frames led by the one shown before, each hull the one `hull` gives for that frame.
+/// Frames tracked one after the other; each hull is the one that `hull` gives for that frame.
 Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
                       const cullhull::Progress& progress) {
   cullhull::ReadOptions reading = read_options(arguments.input, arguments.run.threads);
@@ -199,7 +199,7 @@ Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
     throw Error(ErrorCode::bad_file, arguments.input.path + ": a sequence without frames");
   Shown chosen(frames);
   Scene scene(title_of(arguments.input.path), frames, chosen.shown());
-  if (frames > 1) options.progress = nullptr;  // frames are counted instead
+  if (frames > 1) options.progress = nullptr;  // the number of frames is shown instead
   cullhull::HullTracker tracker(options);
   while (sequence.next()) {
     if (!chosen.wants(sequence.index())) continue;
@@ -207,7 +207,7 @@ Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
     Input input;
     input.points = sequence.points();
     const double read = sequence.read_seconds() + warm_pages(input.points);
-    if (frames == 1) {  // not a moving set, after all
+    if (frames == 1) {  // a single frame: not a moving set
       const Computed computed =
           naming_file(sequence.name(), [&] { return compute(input.points, read, options); });
       chosen.add(computed.report);
@@ -243,7 +243,7 @@ Written view_hulls(const ViewArguments& arguments, const std::vector<std::string
 }
 
 int run(const ViewArguments& arguments) {
-  if (!cullhull::viewer::available()) Scene("", 1, 1).page();  // says why, before the work
+  if (!cullhull::viewer::available()) Scene("", 1, 1).page();  // throws its reason, before the work
   FilePlan plan;
   plan.reads(input_files(arguments.input));
   plan.writes("-o", arguments.output, page_endings);

@@ -7,14 +7,14 @@
 namespace app {
 namespace {
 
-/// A file, or a name that can only have been meant for one.
+/// Whether it is a file, or a name that looks like one.
 bool looks_like_a_file(const std::string& word) {
   std::error_code ignored;
   return word == "-" || std::filesystem::exists(word, ignored) ||
          word.find_first_of("./") != std::string::npos;
 }
 
-/// Insertions, deletions and replacements that make one word of the other (Levenshtein 1966).
+/// The Levenshtein distance (1966).
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -39,7 +39,7 @@ bool is_command(const Parser& parser, const std::string& word) {
 
 std::vector<std::string> spell_out(const std::vector<std::string>& given, const Parser& parser) {
   std::vector<std::string> words = given;
-  // The parser would take the word behind a bare --json for its file.
+  // The parser would take the word after `--json` as its value.
   for (std::string& word : words) {
     if (word == "--") break;
     if (word == "--json") word = "--json=-";
@@ -57,7 +57,7 @@ std::vector<std::string> spell_out(const std::vector<std::string>& given, const 
 
 std::string nearest(std::string_view word, const std::vector<std::string>& known) {
   std::string best;
-  std::size_t least = word.size() / 3 + 1;  // farther off it is another word
+  std::size_t least = word.size() / 3 + 1;  // words at a greater distance are different words
   for (const std::string& name : known) {
     const bool begun = word.size() >= 4 && name.starts_with(word);
     const std::size_t distance = begun ? 0 : edit_distance(word, name);

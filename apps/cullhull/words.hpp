@@ -1,5 +1,5 @@
-// The words of the command line before and beside the parser: short forms, suggestions, and how
-// much of them a message repeats.
+// Preprocessing of the command line: short forms, suggestions, and how much of it a message
+// repeats.
 #pragma once
 
 #include <string>
@@ -12,21 +12,21 @@ namespace app {
 
 bool is_command(const Parser& parser, const std::string& word);
 
-/// The words as the parser takes them: `--json` alone gets its value, `help COMMAND` is
-/// `COMMAND --help`, and a file in the place of a command is `hull FILE`.
+/// The words as the parser takes them: `--json` alone gets its value, `help COMMAND` becomes
+/// `COMMAND --help`, and a file in the place of a command becomes `hull FILE`.
 std::vector<std::string> spell_out(const std::vector<std::string>& words, const Parser& parser);
 
-/// The known word that is nearest to a mistyped one; empty if none is near.
+/// The known word nearest to a mistyped one; empty if none is near.
 std::string nearest(std::string_view word, const std::vector<std::string>& known);
 
-/// What to say of a first word that is neither a command nor a file.
+/// The message for a first word that is neither a command nor a file.
 std::string unknown_command(const std::string& word, const Parser& parser);
 
-/// Of words that `command` does not take: which, and which may have been meant. `words` are those
-/// that were given.
+/// The message for words that `command` does not take: which, and what may have been meant. `words`
+/// are the whole command line.
 std::string unexpected_words(const std::vector<std::string>& words, const Parser& command);
 
-/// `message` with every argument longer than some 200 characters cut to its ends.
+/// `message` with every argument longer than some 200 characters shortened in the middle.
 std::string with_arguments_cut(std::string message, const std::vector<std::string>& arguments);
 
 }  // namespace app

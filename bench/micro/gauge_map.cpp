@@ -1,5 +1,5 @@
-// The gauge map: one look-up (per point, on one thread, from arrays that fit in the cache and from
-// ones that do not), what merely reading takes, and building it. Argument: the dimension.
+// The gauge map: a look-up (per point, on one thread, from arrays that fit the cache and from
+// larger ones), the time of reading alone, and building the map. Argument: the dimension.
 #include "cull/gauge_map.hpp"
 
 #include <map>

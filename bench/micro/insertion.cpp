@@ -20,9 +20,9 @@ void insert(benchmark::State& state, const char* shape) {
 
 /// Every point becomes a vertex.
 void insert_sphere(benchmark::State& state) { insert(state, "sphere"); }
-/// Most points are located and found inside.
+/// Most points are inside.
 void insert_ball(benchmark::State& state) { insert(state, "ball"); }
-/// Ties everywhere: exact arithmetic decides.
+/// Ties everywhere: decided by exact arithmetic.
 void insert_grid(benchmark::State& state) { insert(state, "grid:32"); }
 
 BENCHMARK(insert_sphere)

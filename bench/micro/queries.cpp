@@ -1,4 +1,4 @@
-// One point asked of a finished hull, in a batch on one thread. Argument: the dimension.
+// A query of one point to a finished hull, in a batch on one thread. Argument: the dimension.
 #include <algorithm>
 
 #include "cullhull/hull.hpp"

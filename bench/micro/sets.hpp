@@ -1,4 +1,4 @@
-// What several micro-benchmarks need: points, an engine's input, a polytope for a map.
+// Shared by micro-benchmarks: points, an engine's input, a polytope for a map.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -25,14 +25,14 @@ inline internal::Boundary engine_hull(const internal::LocalFrame& frame, const i
                                                      run.with_budget(budget).with_threads(1));
 }
 
-/// Time of one of the items that every iteration handles.
+/// Reports the time of one of the items that every iteration processes.
 inline void count_items(benchmark::State& state, std::uint64_t items, const char* name = "time") {
   state.counters[name] =
       benchmark::Counter(static_cast<double>(items), benchmark::Counter::kIsIterationInvariantRate |
                                                          benchmark::Counter::kInvert);
 }
 
-/// Where points lie about the unit ball: well inside, next to its surface, well outside.
+/// Where points lie relative to the unit ball: well inside, near its surface, well outside.
 enum class Place { inside, near, outside };
 
 /// `count` rows with uniform directions.

@@ -1,4 +1,4 @@
-// What the programs bench/*_bench take from their command lines, and the clock they read.
+// Command line arguments and clocks shared by the programs bench/*_bench.
 #pragma once
 
 #include <algorithm>
@@ -20,8 +20,8 @@ struct BenchArguments {
   std::vector<std::string> workloads{};
 };
 
-/// Reads them over `given`, the defaults. With no workload named, all of them are. A word that is
-/// none of `known` ends the program with status 2, naming those of `all`.
+/// Parses them over `given`, the defaults. With no workload named, all of them are taken. A word
+/// that is not in `known` ends the program with status 2, listing `all`.
 template <class Known>
 BenchArguments parse_arguments(int argc, char** argv, BenchArguments given, const Known& known,
                                const std::vector<std::string>& all) {
@@ -54,8 +54,8 @@ BenchArguments parse_arguments(int argc, char** argv, BenchArguments given, cons
   return given;
 }
 
-/// Processor time of all threads of this process, user's and system's, in ms: what a busy machine
-/// does not disturb as much.
+/// Processor time of all threads of this process, in user and kernel mode, in ms: less disturbed by
+/// other programs than the clock.
 inline double processor_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 }  // namespace cullhull::bench

@@ -58,7 +58,7 @@ struct Sets {
   }
 };
 
-/// So many that the last cache does not hold them, three at least.
+/// So many that they exceed the last cache, at least three.
 Sets make_sets(const Workload& w, std::uint64_t seed) {
   constexpr std::uint64_t coordinates = std::uint64_t{1} << 21;
   Sets sets;
@@ -76,24 +76,24 @@ Sets make_sets(const Workload& w, std::uint64_t seed) {
 
 // ------------------------------------------------------------------------------- who is timed
 
-/// Calls on sets of `Sets`; `times` gets the seconds of each.
+/// A kind of call on sets of `Sets`; `times` gets the seconds of each.
 struct Contestant {
   std::string name;
   unsigned callers = 1;
   std::function<double(std::uint64_t)> call{};         ///< with set i; thread safe for ours
-  std::function<std::vector<double>()> all_at_once{};  ///< instead, where it is a program
+  std::function<std::vector<double>()> all_at_once{};  ///< instead, for a program
   std::vector<double> times{};
   std::uint64_t next = 0;
 };
 
-/// Reads an item of every list, those too that are made when they are asked for.
+/// Reads an item of every list, so that lists that are made on access are made.
 std::uint64_t ask_for_all(const Hull& h) {
   return h.vertices.size() + h.simplices.size() + h.simplex_neighbours.size() +
          h.simplex_facets.size() + h.facets.items.size() + h.facet_neighbours.items.size() +
          h.facet_planes.size() + (h.volume > 0 ? 1 : 0);
 }
 
-std::atomic<std::uint64_t> sink{0};  // so that no call is left out
+std::atomic<std::uint64_t> sink{0};  // so that the compiler keeps every call
 
 double time_ours(const PointView& set, const Options& options) {
   const Clock::time_point start = Clock::now();
@@ -101,7 +101,7 @@ double time_ours(const PointView& set, const Options& options) {
   return seconds_since(start);
 }
 
-/// Every set once, by a program of its own.
+/// Every set once, by a separate program.
 std::vector<double> time_program(const Sets& sets, const RivalProgram& rival,
                                  const ChildLimits& limits) {
   const Scratch file;
@@ -145,7 +145,7 @@ class Busy {
   std::vector<pid_t> children_;
 };
 
-/// Calls until `seconds` are over, one at least.
+/// Repeats calls until `seconds` have passed, at least once.
 void one_caller(const Contestant& c, std::uint64_t first, double seconds,
                 std::vector<double>& times) {
   double spent = 0;
@@ -345,7 +345,7 @@ class Suite {
     return row;
   }
 
-  /// Set 0 by a process of its own, whose first call is told from those that follow.
+  /// Set 0 in a new process, whose first call is reported separately from later ones.
   Row first_call(const Workload& w, const Sets& sets, Row row) const {
     step(w.name() + ", first call");
     const Scratch file;

@@ -1,5 +1,5 @@
-// Suite `calls`: single calls, one after the other over different sets, as a program makes them
-// that needs many hulls of small and middle size: median and 99th percentile of a call.
+// Suite `calls`: single calls, one after the other over different sets, as in a program that needs
+// many hulls of small and middle size: median and 99th percentile of a call.
 #pragma once
 
 #include <stop_token>
@@ -12,7 +12,7 @@
 
 namespace cullhull::bench {
 
-/// A program that is given a .npy of doubles and a number of sets to cut it into, and writes the
+/// A program that takes a .npy of doubles and a number of sets to divide it into, and writes the
 /// seconds of each set's hull as doubles in binary (bench/rival_cgal.cpp is one).
 struct RivalProgram {
   std::string name, path;
@@ -32,14 +32,14 @@ struct CallSettings {
   std::string first_call;
 };
 
-/// Those that are measured if nothing else is asked for: 10 to 100,000 points in 2D to 4D.
+/// The default workloads: 10 to 100,000 points in 2D to 4D.
 const std::vector<Workload>& call_workloads();
 
-/// A call's time includes making whatever a result makes when it is asked for, and freeing it. What
-/// is timed takes turns, so that what disturbs disturbs all of it; programs have a turn of their
-/// own. The first set's hull is certified. Throws Error{cancelled}, Error{invalid_argument} for a
-/// shape that `generate` does not know in a dimension, and Error{io} for a rival that cannot be run
-/// or answers something else.
+/// A call's time includes lists that a result makes on access, and freeing the result. Kinds of
+/// calls alternate, so that disturbances affect all of them; programs run separately. The first
+/// set's hull is certified. Throws Error{cancelled}, Error{invalid_argument} for a shape that
+/// `generate` does not know in a dimension, and Error{io} for a rival that cannot be run or gives
+/// no times.
 Report run_calls(const CallSettings& settings, const Progress& progress,
                  const std::stop_token& stop);
 

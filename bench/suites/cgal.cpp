@@ -10,7 +10,7 @@
 namespace cullhull::bench {
 namespace {
 
-/// Beginnings of the rows in lexicographic order; -0 is 0.
+/// Offsets of the rows in lexicographic order; -0 is 0.
 std::vector<const double*> sorted_rows(const std::vector<double>& rows, unsigned d) {
   std::vector<const double*> order;
   for (std::size_t i = 0; i + d <= rows.size(); i += d) order.push_back(rows.data() + i);

@@ -1,4 +1,4 @@
-// CGAL, exact as we are: a rival, and in 2D and 3D the judge of what we found.
+// CGAL, exact as we are: a rival, and in 2D and 3D the reference for our vertices.
 #pragma once
 
 #include <cstdint>
@@ -16,14 +16,14 @@ struct CgalRun {
   std::vector<double> extreme;  ///< rows of the extreme points, in no order
 };
 
-/// The program that runs CGAL (bench/rival_cgal.cpp), beside ours; empty if it was not built.
+/// The program that runs CGAL (bench/rival_cgal.cpp), in our folder; empty if it was not built.
 std::string cgal_program();
 
-/// `rows` of dimension d; nothing without a program, beyond 3D, and where it failed.
+/// `rows` of dimension d; empty without a program, beyond 3D, and where it failed.
 std::optional<CgalRun> run_cgal(const std::string& program, const std::vector<double>& rows,
                                 unsigned d, const ChildLimits& limits);
 
-/// How two sets of rows differ: how many are only in the one, only in the other.
+/// The difference of two sets of rows: how many are only in one, and only in the other.
 struct Difference {
   std::uint64_t first = 0, second = 0;
 };

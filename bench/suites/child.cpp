@@ -40,7 +40,7 @@ class Child {
     if (::pipe2(ends, O_CLOEXEC) != 0) refuse("a pipe");
     pid_ = ::fork();
     if (pid_ == 0) {
-      // Ctrl-C goes to the whole group of the terminal: the parent decides.
+      // Ctrl-C reaches the terminal's whole process group: only the parent handles it.
       std::signal(SIGINT, SIG_DFL);
       std::signal(SIGTERM, SIG_DFL);
       body(ends[1]);

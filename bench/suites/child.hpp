@@ -1,5 +1,5 @@
-// Work in a process of its own: a rival that takes too long, runs out of memory or crashes ends
-// itself and not us, and Ctrl-C ends it at once.
+// Work in a separate process: a rival that takes too long, runs out of memory or crashes ends only
+// itself, and Ctrl-C ends it at once.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 namespace cullhull::bench {
 
 struct ChildLimits {
-  double seconds = 0;  ///< 0: as long as it takes
+  double seconds = 0;  ///< 0: no limit
   std::stop_token stop;
 };
 
@@ -20,7 +20,7 @@ struct ChildRun {
   bool timed_out = false;
 };
 
-/// A name for a .npy that a rival reads; the file is removed in the end. One at a time.
+/// The name of a .npy for a rival; the destructor removes the file. One at a time.
 struct Scratch {
   Scratch();
   ~Scratch();
@@ -30,8 +30,8 @@ struct Scratch {
 };
 
 /// What `work` returns, computed in a fork of this process: it sees all memory as it is now and
-/// changes none of it. `work` must not use threads of this process, which a fork has not. Nothing
-/// if the child failed. Throws Error{cancelled}; Error{io} where no process can be made.
+/// changes none of it. `work` must not use threads of this process, which do not exist in a fork.
+/// Empty if the child failed. Throws Error{cancelled}; Error{io} where no process can be created.
 std::optional<ChildRun> run_forked(const std::function<std::string()>& work,
                                    const ChildLimits& limits);
 

@@ -10,7 +10,7 @@ namespace {
 
 using Rows = std::vector<double>;
 
-/// By an orthogonal matrix, but for rounding.
+/// Multiplies by an orthogonal matrix, with rounding.
 Rows turned(Rows rows) {
   const double a = 0.7, b = 1.1;
   for (std::size_t i = 0; i + 2 < rows.size(); i += 3) {

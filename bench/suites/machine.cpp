@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstring>
 #include <ctime>
@@ -59,7 +60,7 @@ class HostMemory {
  public:
   HostMemory(std::uint64_t bytes, bool two, unsigned cores)
       : words_(bytes / sizeof(std::uint64_t)), from_(words_), to_(two ? words_ : 0) {
-    // Pages are touched by the threads that use them later, more or less.
+    // The pages are first written by the threads that use them later, approximately.
     internal::for_each_chunk(words_, piece, cores,
                              [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                                std::fill(from_.get() + begin, from_.get() + end, begin);
@@ -68,11 +69,11 @@ class HostMemory {
   }
   double bytes() const { return static_cast<double>(words_ * sizeof(std::uint64_t)); }
   void read(unsigned threads) const {
-    [[maybe_unused]] static volatile std::uint64_t sink;
-    internal::for_each_chunk(words_, piece, threads,
-                             [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                               sink = sum_of(from_.get() + begin, end - begin);
-                             });
+    static std::atomic<std::uint64_t> sink;  // so that the sums are not optimised away
+    internal::for_each_chunk(
+        words_, piece, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+          sink.store(sum_of(from_.get() + begin, end - begin), std::memory_order_relaxed);
+        });
   }
   void copy(unsigned threads) {
     internal::for_each_chunk(words_, piece, threads,

@@ -1,5 +1,5 @@
-// Suite `machine`: what the memory, the link and the device of this machine can do, so that a
-// cull's speed can be shown as a share of the limit, and so that the planner knows.
+// Suite `machine`: bandwidth of memory, of the link and of the device, so that a cull's speed can
+// be shown as a share of the limit, and for the planner.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace cullhull::bench {
 struct MachineSettings {
   /// Size of the array that is read, or copied; 0: half a gigabyte, less on a small machine.
   std::uint64_t bytes = 0;
-  /// Every rate is the best of so many passes: what disturbs only ever slows down.
+  /// Every rate is the best of so many passes, as disturbances can only slow a pass down.
   unsigned passes = 9;
 };
 
@@ -44,7 +44,7 @@ MachineRates measure_machine(const MachineSettings& settings, const Progress& pr
                              const std::stop_token& stop);
 
 /// Bytes per second that so many threads read from memory, the best of a few passes over half a
-/// gigabyte (less on a small machine): the limit a filter is held against.
+/// gigabyte (less on a small machine): the limit that filters are compared with.
 double read_bandwidth(unsigned threads, const std::stop_token& stop);
 
 std::string machine_table(const MachineRates& rates);
@@ -55,12 +55,12 @@ std::string machine_json(const MachineRates& rates);
 /// device_copy_bytes_per_second, cores, date. Those of a device only where there is one.
 std::string planner_constants(const MachineRates& rates);
 
-/// The part for a device; nothing, and why in `reason`, where none can be used.
+/// The part about a device; empty, with the reason in `reason`, where none can be used.
 std::optional<DeviceRates> measure_device(std::uint64_t bytes, unsigned passes,
                                           const Progress& progress, const std::stop_token& stop,
                                           std::string& reason);
 
-/// Now, as in MachineRates.
+/// The present time, as in MachineRates.
 std::string date_now();
 
 }  // namespace cullhull::bench

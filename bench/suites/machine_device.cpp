@@ -1,4 +1,4 @@
-// What the link to the device carries, and what the device's memory does.
+// The bandwidth of the link to the device, and of the device's memory.
 #include "machine.hpp"
 
 #if defined(CULLHULL_HAVE_CUDA)
@@ -37,8 +37,8 @@ std::unique_ptr<void, FreeDevice> device_memory(std::uint64_t bytes) {
   return std::unique_ptr<void, FreeDevice>(p);
 }
 
-/// Best of the passes, on the host's clock from the call to the device's answer: what a caller
-/// waits for.
+/// Best of the passes, on the host's clock from the call to the device's answer: the time that a
+/// caller waits.
 double copy_rate(void* to, const void* from, std::uint64_t bytes, cudaMemcpyKind kind,
                  unsigned passes, const std::stop_token& stop) {
   double best = 0;

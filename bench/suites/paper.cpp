@@ -36,7 +36,7 @@ struct Set {
   std::string paper;
 };
 
-/// Coordinates in memory, and what several figures ask of them.
+/// A set of points, for several figures.
 struct Points {
   std::vector<double> rows;
   PointView view;
@@ -357,7 +357,7 @@ class Suite {
     step(s.name, 0, 1);
     const Points p = make(s);
     Row row = row_of(s);
-    // Interleaved, so that both meet the same disturbances.
+    // Alternating, so that disturbances affect both.
     std::vector<double> without, with;
     Hull hull;
     for (unsigned k = 0; k < settings_.repeat; ++k) {
@@ -399,14 +399,14 @@ class Suite {
     return f;
   }
 
-  /// A moving set, tracked once: the means of its frames, and each frame's shares.
+  /// A moving set, tracked once: means over its frames, and each frame's shares.
   struct Tracked {
     Row times;
     std::vector<Row> shares;
   };
 
   /// Frames are made one by one; each is tracked, hulled afresh and given to Qhull in turn, so that
-  /// all three meet the same disturbances.
+  /// disturbances affect all three.
   Tracked track(const char* what, const char* motion, std::uint64_t n, std::uint64_t frames,
                 const char* kept) {
     const std::uint64_t count = scaled(n);

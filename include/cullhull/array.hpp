@@ -20,11 +20,12 @@ void* allocate_block(std::size_t bytes);
 void free_block(void* block, std::size_t bytes) noexcept;
 }  // namespace internal
 
-/// The library keeps blocks that it or an Array frees and gives them out again: memory from the
-/// system must be cleared first, which takes longer than most steps of a hull. Of less than 2 MB:
-/// 16 MB in all; larger ones up to a limit, at first a sixteenth of what this process may use, at
-/// most 1 GiB, and between calls the system may take these back whenever it is short of memory.
-/// Sets the limit; what is kept beyond it goes back at once. 0: nothing is kept between calls.
+/// The library keeps freed blocks, its own and those of Arrays, and reuses them: the system has to
+/// clear new memory, which takes longer than most steps of a hull. It keeps at most 16 MB of blocks
+/// of less than 2 MB, and larger ones up to a limit, which is at first a sixteenth of what this
+/// process may use, at most 1 GiB. Between calls the system may reclaim the large blocks whenever
+/// it is short of memory. keep_memory sets the limit; blocks beyond it are returned at once. 0:
+/// nothing is kept between calls.
 void keep_memory(std::size_t limit) noexcept;
 /// Bytes that are kept now.
 std::size_t kept_memory() noexcept;

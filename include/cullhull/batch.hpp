@@ -39,10 +39,10 @@ struct HullBatch {
 /// The exact hulls of the sets [offsets[i], offsets[i + 1]) of `points`, i < set_count: the same
 /// results as one convex_hull a set, whatever the number of threads. offsets has set_count + 1
 /// entries, ascending, at most points.count; else Error{invalid_argument}. Errors of a set name it
-/// (the first set with one) and the point within it. options.cull and options.backend are for large
-/// sets; small ones are not filtered. Sets are spread over all cores, so this pays for many small
-/// ones: for a few large ones, convex_hull on each uses the cores better. Thread safe; memory
-/// O(results + points of the sets at work).
+/// (the first set with one) and the point within it. options.cull and options.backend apply to
+/// large sets; small ones are not filtered. Each set is hulled by one thread, so this is for many
+/// small sets: for a few large ones, convex_hull on each uses the cores better. Thread safe; memory
+/// O(results + points of the sets being hulled at a time).
 HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
                        std::uint64_t set_count, const Options& options = {});
 

@@ -2,6 +2,7 @@
 // are read and written by cullhull/io.hpp, which needs cullhull::io.
 #pragma once
 
+#include "cullhull/alpha_shape.hpp"
 #include "cullhull/array.hpp"
 #include "cullhull/batch.hpp"
 #include "cullhull/certify.hpp"
@@ -13,6 +14,7 @@
 #include "cullhull/growing_hull.hpp"
 #include "cullhull/halfspaces.hpp"
 #include "cullhull/hull.hpp"
+#include "cullhull/interpolate.hpp"
 #include "cullhull/lists.hpp"
 #include "cullhull/machine.hpp"
 #include "cullhull/options.hpp"

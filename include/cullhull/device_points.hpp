@@ -18,9 +18,9 @@ namespace cullhull {
 
 /// Non-owning view of points that a device can read (device or managed memory), like PointView:
 /// coordinate j of point i lies at `data + i * point_stride + j * coordinate_stride` (bytes, any
-/// sign), aligned to the scalar. The memory must not change during a call. Work is ordered behind
-/// what `stream` (a cudaStream_t; null: the default stream) holds when the call begins, so the
-/// points may still be being computed there; the call returns when all of it is done.
+/// sign), aligned to the scalar. The memory must not change during a call. The work is ordered
+/// after what `stream` (a cudaStream_t; null: the default stream) holds when the call begins, so a
+/// kernel queued there may still be writing the points; the call returns when all its work is done.
 struct DevicePointView {
   const void* data = nullptr;
   ScalarType scalar = ScalarType::f32;  ///< f32 or f64
@@ -76,29 +76,29 @@ struct CudaStatus {
   std::uint64_t memory_bytes = 0;
 };
 
-/// Asks driver and device; the first call may take some tenths of a second. Never throws for want
-/// of a device.
+/// Queries driver and device; the first call may take some tenths of a second. Having no device is
+/// a status, not an exception.
 CudaStatus cuda_status();
 
 /// The calling thread's current CUDA device; -1: there is none to use, or no CUDA backend.
 int current_cuda_device() noexcept;
 
-/// Waits for what a stream (a cudaStream_t) holds now. Of use where a call will run on another
-/// thread than the one that names the stream: the per-thread default stream is the caller's own.
-/// Throws Error{backend_unavailable}.
+/// Waits for all work queued on `stream` (a cudaStream_t). Needed where a call will run on another
+/// thread than the one that names the stream: the per-thread default stream is a different one for
+/// each thread. Throws Error{backend_unavailable}.
 void wait_for_cuda_stream(void* stream);
 
-/// Waits for all work of the device that holds this memory, for arrays whose maker does not say on
-/// which stream they come. Throws Error{backend_unavailable}, and Error{invalid_argument} for
-/// memory that is no device's.
+/// Waits for all work of the device that holds this memory, for arrays whose producer does not name
+/// its stream. Throws Error{backend_unavailable}, and Error{invalid_argument} for memory that
+/// belongs to no device.
 void wait_for_cuda_device_of(const void* memory);
 
 /// As cull(PointView): drops points that provably lie strictly inside the hull. They are tested
-/// where they lie; only samples and survivors cross the bus. `Backend::cpu` copies all to the host.
-/// Extra device memory: a bit a point, and the survivors; half a megabyte if there is no more.
-/// Throws what cull(PointView) throws, and Error{backend_unavailable} without a device,
-/// Error{invalid_argument} for memory or scalars it does not take, Error{out_of_budget} where the
-/// device's memory is full.
+/// where they lie; only samples and survivors are transferred. `Backend::cpu` copies all points to
+/// the host. Extra device memory: a bit a point and the survivors; where that is not available,
+/// half a megabyte. Throws what cull(PointView) throws, and Error{backend_unavailable} without a
+/// device, Error{invalid_argument} for memory or scalars it does not take, Error{out_of_budget}
+/// where the device's memory is full.
 Survivors cull(const DevicePointView& points, const Options& options = {});
 
 /// The exact convex hull, the same bit for bit as convex_hull(PointView) of the same points.

@@ -19,11 +19,11 @@ struct ExtremePoints {
 };
 
 /// The extreme points, exactly, by linear programs instead of a hull: each point is tested against
-/// the others, in floating point with exactly checked certificates, else in rational numbers.
-/// Meant for dimension 7 and up. Time O(n h) small linear programs' steps for h of n points
-/// extreme, in parallel; memory O(survivors). Points in a flat of dimension 3 or less are hulled,
-/// but no facets are written: in the plane that takes half of convex_hull's time at most.
-/// `Options::engine` is not asked. Errors as convex_hull's.
+/// the others, in floating point with exactly checked certificates, else in rational arithmetic.
+/// Meant for dimension 7 and up. For n points of which h are extreme, O(n h) steps of small linear
+/// programs, in parallel; memory O(survivors). Points in a flat of dimension 3 or less go through
+/// the hull engine, but no facets are written: in the plane that takes half of convex_hull's time
+/// at most. `Options::engine` is ignored. Errors as convex_hull's.
 ExtremePoints extreme_points(const PointView& points, const Options& options = {});
 
 }  // namespace cullhull

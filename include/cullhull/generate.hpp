@@ -28,9 +28,9 @@ std::vector<double> generate(std::string_view shape, std::uint64_t count, std::u
 /// The motions MovingPoints knows, in the order a help text should list them.
 const std::vector<Shape>& motions();
 
-/// A shape that moves, frame by frame: frame 0 is the shape itself (under teleport in another
-/// order), and point i stays point i. One frame needs one buffer, so a sequence of any length can
-/// be written frame after frame.
+/// A shape that moves, frame by frame: frame 0 is the shape itself (with the motion "teleport" in
+/// another order), and point i of every frame is the same point. One buffer serves all frames, so a
+/// sequence of any length can be written frame after frame.
 class MovingPoints {
  public:
   /// Throws Error{invalid_argument} for an unknown shape or motion, or a dimension that either

@@ -20,10 +20,10 @@ struct GroupReport {
 };
 
 /// Reads the files in blocks, sorts the points by what the column `reading.read.key` holds, and
-/// writes the hull of each group. Groups are those of keys that are equal as they are written; they
-/// come ordered by value where all keys are numbers as JSON has them, else by their bytes. The
-/// format is that of the extension of `path`: .geojson (2D), .csv, .json (docs/formats.md); the
-/// bytes depend on points and keys alone. Points are kept as doubles.
+/// writes the hull of each group. Points belong to one group where their keys are the same text;
+/// groups are ordered by value where all keys are JSON numbers, else by their bytes. The format is
+/// that of the extension of `path`: .geojson (2D), .csv, .json (docs/formats.md); the bytes depend
+/// on points and keys alone. Points are kept as doubles.
 ///
 /// Memory: twice the points, 4 bytes a point and about 40 a group; Error{out_of_budget} beyond
 /// options.memory_budget. Throws what visit_blocks, convex_hulls and write_hull throw.

@@ -12,7 +12,7 @@
 #pragma GCC visibility push(default)
 namespace cullhull {
 
-/// Keeps the hull of all points added so far, without keeping the points: only the vertices'
+/// Keeps the hull of all points added so far. Of the points it keeps only the vertices'
 /// coordinates. Ids number the points in the order in which they were added.
 ///
 /// add() tests the new points against the present hull (as HullQuery does, in parallel) and, if any
@@ -22,17 +22,17 @@ namespace cullhull {
 class GrowingHull {
  public:
   explicit GrowingHull(std::uint32_t dimension);
-  /// Goes on from a hull computed before, by whatever way: as if all its points had been added.
-  /// `vertex_coordinates`: a row for each vertex, by ascending id, as below; Error
-  /// {invalid_argument} where that is not their number.
+  /// Starts from a hull computed elsewhere, as if all its points had been added.
+  /// `vertex_coordinates`: a row for each vertex, by ascending id, as below;
+  /// Error{invalid_argument} for another number of rows.
   GrowingHull(Hull hull, std::vector<double> vertex_coordinates);
   ~GrowingHull();
   GrowingHull(GrowingHull&&) noexcept;
   GrowingHull& operator=(GrowingHull&&) noexcept;
 
-  /// Errors as convex_hull; Error{not_finite} names the index within `points`. Error
-  /// {invalid_argument} if the dimension differs. Returns the number of points outside the hull
-  /// before (0: nothing changed but the count).
+  /// Errors as convex_hull; Error{not_finite} names the index within `points`.
+  /// Error{invalid_argument} if the dimension differs. Returns how many of the points lie outside
+  /// the hull before the call (0: only the count of points changes).
   std::uint64_t add(const PointView& points, const Options& options = {});
 
   /// The same as convex_hull of all points at once, bit for bit, but for `statistics`, which are

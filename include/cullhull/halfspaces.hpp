@@ -21,16 +21,16 @@ struct HalfspaceIntersection {
   /// The exact hull of `dual_points`. Its vertices are the halfspaces that bound the polyhedron
   /// (if it is bounded: all others are redundant), its facets are the polyhedron's vertices.
   Hull dual;
-  /// False where the polyhedron goes on for ever: the interior point is then not inside `dual`.
+  /// False where the polyhedron is unbounded: the interior point is then not inside `dual`.
   bool bounded = false;
-  /// Row f is the vertex dual to facet f of `dual`; NaN for a facet that the polyhedron has no
-  /// vertex for (only where it is not bounded).
+  /// Row f is the vertex dual to facet f of `dual`; NaN where there is none, which happens only
+  /// where the polyhedron is unbounded.
   std::vector<double> vertices;
 };
 
 /// `halfspaces`: a view of d + 1 columns (so dimension d + 1), d >= 1. `interior_point`: d doubles
 /// strictly inside, or null: then the centre of a largest inscribed ball is found by linear
-/// programming (any point of it where balls grow for ever).
+/// programming (some interior point, where balls of any radius fit).
 ///
 /// The dual points are rounded to doubles, a few units in the last place each; of these rounded
 /// halfspaces the combinatorics are exact. Errors: not_finite; invalid_argument where the point

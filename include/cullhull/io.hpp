@@ -20,26 +20,27 @@
 namespace cullhull {
 
 struct ReadOptions {
-  /// Force a format ("npy", "ply", "obj", "off", "stl", "xyz", "txt", "csv", "raw"); empty: by
-  /// extension, then by content.
+  /// Force a format ("npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "raw");
+  /// empty: by extension, then by content.
   std::string format;
   /// Needed for raw input only.
   std::uint32_t raw_dimension = 0;
   std::optional<ScalarType> raw_scalar;
-  /// Which columns are the coordinates, in this order: names, numbers from 0 and ranges a:b without
-  /// b, between commas ("x,y,z", "0,2,5", "1:4"); a name may stand in double quotes. Empty: of a
-  /// text whose first line names columns x, y (and z) these, else all. Names are those of a text's
-  /// first line; formats of meshes and scans have x, y, z. The other columns of a text may hold
-  /// anything.
+  /// Which columns are the coordinates, in this order: names, numbers from 0 and ranges a:b (b
+  /// excluded), separated by commas ("x,y,z", "0,2,5", "1:4"); a name may stand in double quotes.
+  /// Empty: for a text whose first line names columns x, y (and z) these, else all columns. Names
+  /// are those of a text's first line; mesh and scan formats have x, y, z. The other columns of a
+  /// text may hold anything.
   std::string columns;
-  /// A column that tells which group a point belongs to, named as one of `columns`; it is then no
-  /// coordinate unless it is asked for. BlockVisitor::keyed gets what it holds, as it is written.
+  /// A column that tells which group a point belongs to, named as in `columns`; it is no coordinate
+  /// unless `columns` names it, too. BlockVisitor::keyed receives its values as they are written in
+  /// the file.
   std::string key;
-  /// Called with one line where points are read in a way one may not expect: columns left out that
-  /// nobody asked to leave out. From any thread.
+  /// Called with one line to show the user where columns were left out without having been asked
+  /// to. From any thread.
   std::function<void(const std::string&)> remark;
-  /// What is compressed (.gz, .zst, .npz) unpacks to at most so many bytes in memory; 0: half of
-  /// what the process may use. Read in blocks (visit_blocks) it takes no more than others.
+  /// Compressed files (.gz, .zst, .npz) may unpack to at most this many bytes in memory; 0: half of
+  /// what the process may use. Read in blocks (visit_blocks) they take no more memory than others.
   std::uint64_t memory_budget = 0;
   /// Threads that parse text; 0 means all the machine offers.
   unsigned threads = 0;
@@ -70,9 +71,9 @@ class PointFile {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Opens `path` ("-": standard input; FILE.npz:NAME: an array in an archive). What is compressed by
-/// gzip or zstd is unpacked. Throws Error{io} or Error{bad_file} with file and line or
-/// byte offset.
+/// Opens `path` ("-": standard input; FILE.npz:NAME: an array in an archive; FILE.h5:/GROUP/NAME: a
+/// dataset of an HDF5 or NetCDF-4 file). What is compressed by gzip or zstd is unpacked. Throws
+/// Error{io} or Error{bad_file} with file and line or byte offset.
 PointFile open_points(const std::string& path, const ReadOptions& options = {});
 
 /// Moving points, frame after frame: an array (frames, n, d) in an .npy file, of which only one
@@ -85,8 +86,8 @@ class PointSequence {
   ~PointSequence();
 
   std::uint64_t frames() const noexcept;
-  /// Makes the next frame the current one; false after the last. The view of the frame before is
-  /// then void. Throws as open_points does.
+  /// Makes the next frame the current one; false after the last. Invalidates the view of the frame
+  /// before. Throws as open_points does.
   bool next();
   /// The current frame. Before next() it is empty.
   const PointView& points() const noexcept;
@@ -103,9 +104,9 @@ class PointSequence {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Each of `paths` is a file, a folder (its files but hidden ones) or a pattern with * ? [ ]. Files
-/// of folders and patterns are ordered by name, numbers in names by value (2 before 10). An .npy
-/// array (frames, n, d) has to stand alone. Throws Error{io}, Error{bad_file}.
+/// Each of `paths` is a file, a folder (its files, without hidden ones) or a pattern with * ? [ ].
+/// Files of folders and patterns are ordered by name, numbers in names by value (2 before 10). An
+/// .npy array (frames, n, d) has to be the only path. Throws Error{io}, Error{bad_file}.
 PointSequence open_sequence(const std::vector<std::string>& paths, const ReadOptions& options = {});
 
 /// The files such paths stand for, in that order.
@@ -118,15 +119,15 @@ const char* describe_mapped_fault(const void* address) noexcept;
 
 struct JsonExtras {
   double read_seconds = 0;
-  /// One time a run, where there were several; the one that counts is in the hull's statistics.
+  /// The times of all runs where there were several; the hull's statistics have the median run's.
   std::vector<double> compute_seconds_all;
   std::uint64_t peak_bytes = 0;
   /// Set when a certificate was asked for.
   std::optional<bool> certified;
 };
 
-/// The version of docs/cullhull.schema.json, which every report names in its member "schema". It
-/// grows when a member is taken away or changes its meaning; members may be added without.
+/// The version of docs/cullhull.schema.json, which every report names in its member "schema". It is
+/// increased when a member is removed or changes its meaning; members may be added without.
 inline constexpr int json_schema_version = 1;
 
 /// How a mesh file (.ply .obj .off) holds facets of more than three corners.
@@ -135,12 +136,11 @@ enum class Faces {
   triangles,  ///< as the hull's simplices, for programs that read no polygons
 };
 
-/// Writes `hull` in the format of the extension of `path` (.ply .obj .off .stl .glb .vtp
-/// .geojson .wkt .json .txt) or
-/// `format`: one of those words, or of the words of hull_to_qhull_text. The bytes depend on points
-/// and hull alone, so .json holds the result and no times. The file appears whole or not at all
-/// (written beside, then renamed); "-" and what is no regular file (a pipe, a device) are written
-/// directly. Throws Error{invalid_argument} if the format cannot hold the hull's dimension,
+/// Writes `hull` in the format of the extension of `path` (.ply .obj .off .stl .glb .vtp .geojson
+/// .wkt .json .txt) or in `format`: one of those words, or of qhull_formats(). The bytes depend on
+/// points and hull alone, so .json holds the result and no times. The file appears whole or not at
+/// all (written beside, then renamed); "-" and what is no regular file (a pipe, a device) are
+/// written directly. Throws Error{invalid_argument} if the format cannot hold the hull's dimension,
 /// Error{io} with the system's reason.
 void write_hull(const std::string& path, const PointView& points, const Hull& hull,
                 const std::string& format = "", Faces faces = Faces::polygons);
@@ -175,8 +175,8 @@ Certificate certify_file(const PointView& points, const std::string& path,
 MachineConstants machine_from_json(const std::string& path);
 
 /// Text as Qhull's `qconvex` prints it; `what` is one of qhull_formats(). docs/formats.md says what
-/// each holds. Throws Error{invalid_argument} for other words, naming why if Qhull knows them, and
-/// for G, m and FM of a hull that is neither 2D nor 3D.
+/// each holds. Throws Error{invalid_argument} for other words, with the reason for words that only
+/// Qhull has, and for G, m and FM of a hull that is neither 2D nor 3D.
 std::string hull_to_qhull_text(const PointView& points, const Hull& hull, std::string_view what);
 /// The same from a state; o, f, FF, Ft and FN list every point and are refused.
 std::string hull_to_qhull_text(const HullState& state, const Hull& hull, std::string_view what);
@@ -203,6 +203,13 @@ void write_points(const std::string& path, const PointView& points,
                   const std::vector<std::uint64_t>& ids, const std::string& format = "");
 /// Likewise the extreme points that a state holds.
 void write_points(const std::string& path, const HullState& state, const std::string& format = "");
+
+/// Those records of the LAS file `las` (any name that open_points takes one by) whose ids are given,
+/// ascending, as a LAS file: every field of them, and its scale, offset, point format and other
+/// records, are the input's bytes; the header's counts and box are theirs. Throws Error{bad_file}
+/// unless `las` is LAS, Error{invalid_argument} for an id beyond its points or a name but .las.
+void write_las_records(const std::string& path, const std::string& las,
+                       const std::vector<std::uint64_t>& ids);
 
 /// (n) int64, or (n, d) arrays in NumPy's format.
 void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& ids);

@@ -1,6 +1,6 @@
-// What the lists of a result are made of: arrays that share memory where they are the same, and
-// arrays that need none where their items are evenly spaced. Most hulls with millions of facets
-// are simplicial: their facets are their simplices, and all lists are of one length.
+// The lists of a result: arrays that share memory where their contents are the same, and arrays
+// that are not stored where their items are evenly spaced. Most hulls with millions of facets are
+// simplicial: their facets are their simplices, and all lists are of one length.
 #pragma once
 
 #include <algorithm>
@@ -19,9 +19,9 @@
 #pragma GCC visibility push(default)
 namespace cullhull {
 
-/// An Array to read, whose copies share memory. It is a value all the same: `edit` gives an array
-/// of its own. As safe between threads as any value: copies that share memory may be read, edited
-/// and destroyed on different threads at once.
+/// A read-only Array whose copies share memory. It behaves as a value: `edit` gives an array of its
+/// own. Thread safe as any value is: copies that share memory may be read, edited and destroyed on
+/// different threads at once.
 template <class T>
 class SharedArray {
  public:
@@ -30,7 +30,7 @@ class SharedArray {
   using iterator = const_iterator;
 
   SharedArray() = default;
-  SharedArray(Array<T> items)  // NOLINT: an array is one to read, too
+  SharedArray(Array<T> items)  // NOLINT: an array converts
       : items_(std::make_shared<Array<T>>(std::move(items))) {}
   SharedArray(std::initializer_list<T> items) : SharedArray(Array<T>(items)) {}
 
@@ -46,7 +46,7 @@ class SharedArray {
     return {data(), size()};
   }  // NOLINT: as vectors do
 
-  /// The array, to change: no other SharedArray sees what is changed. Copies first where memory is
+  /// The array, writable: no other SharedArray sees the changes. Copies first where memory is
   /// shared. The reference holds until this object is copied, assigned to or destroyed.
   Array<T>& edit() {
     if (!items_)
@@ -69,7 +69,7 @@ class SharedArray {
   std::shared_ptr<Array<T>> items_;  // nullptr: empty
 };
 
-/// An Array of integers to read that takes no memory where item i is i times a step.
+/// A read-only Array of integers that is not stored where item i is i times a step.
 template <class T>
 class EvenArray {
  public:
@@ -79,7 +79,7 @@ class EvenArray {
   using iterator = Iterator;
 
   EvenArray() = default;
-  EvenArray(Array<T> items)  // NOLINT: an array is one to read, too
+  EvenArray(Array<T> items)  // NOLINT: an array converts
       : items_(std::move(items)), count_(items_.size()), even_(false) {}
   EvenArray(std::initializer_list<T> items) {
     for (const T v : items) push_back(v);
@@ -102,12 +102,12 @@ class EvenArray {
   Iterator begin() const noexcept { return {this, 0}; }
   Iterator end() const noexcept { return {this, static_cast<std::ptrdiff_t>(size())}; }
 
-  /// The step, and no memory taken; or nullptr where the items are stored.
+  /// The step where the items are not stored, else nullptr.
   const T* step() const noexcept { return even_ ? &step_ : nullptr; }
   /// The items where they are stored, else nullptr.
   const T* data() const noexcept { return even_ ? nullptr : items_.data(); }
 
-  /// One more item; the spacing stays even while it can.
+  /// Appends an item; the items stay unstored while they are evenly spaced.
   void push_back(T v) {
     if (even_ && count_ == 1 && front() == 0) step_ = v;
     if (even_ && v == static_cast<T>(count_) * step_) {
@@ -118,7 +118,7 @@ class EvenArray {
   }
   void clear() noexcept { *this = EvenArray(); }
 
-  /// The items, stored, to change.
+  /// The items, stored and writable.
   Array<T>& edit() {
     if (even_) {
       items_.resize(count_);
@@ -141,7 +141,7 @@ class EvenArray {
   bool even_ = true;
 };
 
-/// Gives values: there may be no memory to refer to.
+/// Iterates by value: there may be no stored item to refer to.
 template <class T>
 class EvenArray<T>::Iterator {
  public:

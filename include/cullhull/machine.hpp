@@ -6,8 +6,9 @@
 #pragma GCC visibility push(default)
 namespace cullhull {
 
-/// Rates that decide where points are culled. The defaults are cautious guesses; `cullhull bench
-/// machine` measures them (docs/gpu.md). Wrong ones cost time, never correctness.
+/// Rates by which the planner chooses where points are culled. The defaults are guesses from below
+/// for a desktop with a PCIe 3 device; `cullhull bench machine` measures them (docs/gpu.md). Wrong
+/// ones cost time, never correctness.
 struct MachineConstants {
   double host_read_bytes_per_second = 20e9;     ///< all cores reading an array
   double host_copy_bytes_per_second = 10e9;     ///< all cores copying one, bytes copied

@@ -1,5 +1,5 @@
-// Hulls of points that lie on the ranks of an MPI job: each stays where it is. A library of its
-// own, cullhull::mpi; docs/mpi.md.
+// Hulls of points that are distributed over the ranks of an MPI job; points stay on their ranks. A
+// library of its own, cullhull::mpi; docs/mpi.md.
 #pragma once
 
 // The C interface alone, which all MPI libraries share.
@@ -46,13 +46,14 @@ inline constexpr int every_rank = -1;
 /// How the ranks work together. `root` is to be the same on all of them.
 struct JobOptions {
   /// Of this rank's work. `threads` 0: its share of the machine, and all of it for the last hull,
-  /// for which the others wait. `memory_budget` 0: its share of what a call alone would take.
-  /// `stop`, `poll`, `progress`: of any rank; a rank that is stopped ends the call on all.
+  /// while the other ranks wait. `memory_budget` 0: its share of a single call's default. `stop`,
+  /// `poll`, `progress` may be set on any rank; a rank that is stopped ends the call on all.
   Options run;
-  /// The rank that takes the last hull and gets the result; others get an empty one. every_rank:
-  /// rank 0 takes it and sends it to all.
+  /// The rank that computes the last hull and gets the result; others get an empty one. every_rank:
+  /// rank 0 computes it and sends it to all.
   int root = every_rank;
-  /// Id of this rank's first point: on all ranks or on none. None: ids go on from rank to rank.
+  /// Id of this rank's first point: given on all ranks or on none. On none: ids are numbered on
+  /// from rank to rank.
   std::optional<std::uint64_t> first_id;
   /// Filled in where given.
   Report* report = nullptr;
@@ -66,9 +67,10 @@ struct Block {
 
 // All functions are collective: every rank of the communicator calls them, with its own points:
 // none, one or many. A rank without points need not know the dimension (PointView{}). The
-// communicator is duplicated for the call; messages of the caller are not met. MPI has to be
-// initialised with MPI_THREAD_FUNNELED at least, as a call starts threads; MPI is called from the
-// calling thread alone, which sleeps while it waits.
+// communicator is duplicated at its first call, so that messages of the caller do not mix with its
+// own, and the duplicate kept with it (an attribute) until it is freed. MPI has to be initialised
+// with MPI_THREAD_FUNNELED at least, as a call starts threads; only the calling thread calls MPI,
+// and it sleeps while it waits.
 //
 // An error on one rank is thrown on all of them: the same Error, beginning "rank 3: ", of the
 // lowest rank that had one, with the global id of a point that is not finite. Errors as of the
@@ -76,14 +78,14 @@ struct Block {
 // Error{io} where MPI fails and its error handler returns.
 
 /// convex_hull() of the points of all ranks: the same bits as that of all of them in one process
-/// but for `statistics`, which tell of the last hull.
+/// but for `statistics`, which describe the last hull.
 ///
-/// Each rank hulls a sample of its points; their common hull filters every rank's points; what is
-/// left of each rank is hulled there, and its extreme points merged up a binomial tree. Bytes sent
-/// are O(extreme points of each rank * log ranks); a rank's memory O(its extreme points and those
-/// of the ranks below it in the tree).
+/// Each rank hulls a sample of its points; their common hull filters every rank's points; each rank
+/// finds the extreme points of its survivors, and these are merged up a binomial tree. Bytes sent
+/// are O(extreme points of each rank * log ranks); a rank's memory is O(its extreme points and
+/// those of the ranks below it in the tree).
 Hull convex_hull(MPI_Comm comm, const PointView& local, const JobOptions& options = {});
-/// Of blocks that name their ids, each id on one rank; options.first_id is not asked.
+/// Of blocks that name their ids, each id on one rank; options.first_id is ignored.
 Hull convex_hull(MPI_Comm comm, std::span<const Block> local, const JobOptions& options = {});
 
 /// extreme_points() of the points of all ranks.
@@ -95,8 +97,8 @@ ExtremePoints extreme_points(MPI_Comm comm, std::span<const Block> local,
 HullState hull_state(MPI_Comm comm, const PointView& local, const JobOptions& options = {});
 HullState hull_state(MPI_Comm comm, std::span<const Block> local, const JobOptions& options = {});
 
-/// The filter alone: of each rank its own points that may be extreme points of the whole, by their
-/// places in `local`. All that are, and all duplicates of these on any rank, are among them. No
+/// The filter alone: the indices in `local` of those of a rank's points that may be extreme points
+/// of the whole. All extreme points, and all their duplicates on any rank, are among them. No
 /// coordinates but those of the samples are sent; `root` and `first_id` are used for ids in errors.
 Survivors cull(MPI_Comm comm, const PointView& local, const JobOptions& options = {});
 

@@ -1,4 +1,4 @@
-// What a caller may choose. No option changes the result, only how it is reached.
+// Options of a call. No option changes the result, only how it is reached.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +11,16 @@
 namespace cullhull {
 
 enum class Backend { automatic, cpu, cuda };
-/// The filters: docs/algorithm.md. `automatic` sees on a sample whether the gauge map pays.
+/// The filters: docs/algorithm.md. `automatic` estimates on a sample whether the gauge map pays.
 enum class CullMethod { automatic, gauge, pseudo_hull, none };
 enum class Engine { native, qhull };
 
-/// Called from the calling thread now and then: a short phase name and the share done in [0, 1].
-/// It may throw; the exception passes through and nothing is left half-written.
+/// Called from the calling thread now and then: a short phase name and the share done in [0, 1]. It
+/// may throw; the exception passes through and no output is left partly written.
 using Progress = std::function<void(const char* phase, double share)>;
 
-/// Called from the calling thread alone, wherever a call looks at `stop` there: often, so it must
-/// be quick. It may request the stop, and must not throw.
+/// Called from the calling thread alone, each time a call checks `stop` there: often, so it must be
+/// quick. It may request the stop, and must not throw.
 using Poll = std::function<void()>;
 
 struct Options {
@@ -34,7 +34,7 @@ struct Options {
   int device = -1;
   /// Bytes it may allocate beyond the input; 0: half of the memory that this process may use.
   std::uint64_t memory_budget = 0;
-  /// What `Backend::automatic` weighs.
+  /// The rates by which `Backend::automatic` chooses.
   MachineConstants machine;
   Progress progress;
   std::stop_token stop;

@@ -15,11 +15,11 @@
 #pragma GCC visibility push(default)
 namespace cullhull {
 
-/// How far a reading has come: all blocks before it have been visited.
+/// The position of a reading: all blocks before it have been visited.
 struct BlockPosition {
   std::uint64_t file = 0;    ///< inputs that are done
   std::uint64_t points = 0;  ///< of all inputs
-  /// Of the input that comes next, as far as it was read: points, and for text bytes and lines.
+  /// Within the next input, as far as it was read: points, and for text bytes and lines.
   std::uint64_t file_points = 0, file_bytes = 0, file_lines = 0;
   std::uint64_t bytes = 0;        ///< of all inputs, for progress
   std::uint64_t input_bytes = 0;  ///< of those in the input that comes next
@@ -43,19 +43,19 @@ struct PointKeys {
   }
 };
 
-/// What happens to the blocks. Where a function throws, reading ends and the error of the lowest
+/// What to do with the blocks. Where a function throws, reading ends and the error of the lowest
 /// block passes through; not_finite then names the file, too.
 struct BlockVisitor {
   /// A block: its first point is the point `first_id` of all inputs. Called from several threads at
   /// once. The view is valid during the call.
   std::function<void(const PointView& block, std::uint64_t first_id)> points;
-  /// In the place of `points` where ReadOptions::key names a column.
+  /// Called instead of `points` where ReadOptions::key names a column.
   std::function<void(const PointView& block, std::uint64_t first_id, const PointKeys& keys)> keyed;
   /// An input that is a hull state (.hullstate), which stands for the points from first_id on.
   /// Without this function such an input is refused. From several threads at once.
   std::function<void(const HullState& state, std::uint64_t first_id)> state;
-  /// Called by the thread that asked, with no block under way: every `pause_seconds`, and when
-  /// reading was cancelled.
+  /// Called by the calling thread of visit_blocks while no block is being visited: every
+  /// `pause_seconds`, and when reading was cancelled.
   std::function<void(const BlockPosition&)> pause;
   double pause_seconds = 60;
 };
@@ -80,25 +80,25 @@ struct BlockOptions {
   Poll poll;
 };
 
-/// The files that such words stand for, in order: a file, "-" (standard input), a folder (its files
-/// but hidden ones), a pattern with * ? [ ], or `@LIST`, a text with one of these a line. Files of
-/// folders and patterns are ordered by name, numbers in names by value (2 before 10).
-/// Throws Error{io}, Error{invalid_argument}.
+/// The files that such words stand for, in order: a file, "-" (standard input), a folder (its
+/// files, without hidden ones), a pattern with * ? [ ], or `@LIST`, a text with one of these a
+/// line. Files of folders and patterns are ordered by name, numbers in names by value (2 before
+/// 10). Throws Error{io}, Error{invalid_argument}.
 std::vector<std::string> input_files(const std::vector<std::string>& words);
 
-/// The file that such a word is of: FILE.npz of FILE.npz:NAME, else itself.
+/// The file that such a word names: FILE.npz for FILE.npz:NAME, else itself.
 std::string file_of_input(const std::string& word);
 
-/// Bytes of those that are files; 0 where one is no regular file, so that nobody knows.
+/// The sum of the files' sizes; 0 where one is no regular file, so that the size is unknown.
 std::uint64_t input_bytes(const std::vector<std::string>& files);
 
 /// Whether these are larger than half of the memory that the options allow
-/// (Options::memory_budget), or compressed, so that nobody knows.
+/// (Options::memory_budget), or compressed, so that their size is unknown.
 bool worth_streaming(const std::vector<std::string>& files, const Options& options);
 
 /// Reads the files one after the other, each once, and visits their points block by block, in
 /// memory O(readers * block). Formats of records (.npy, .ply in binary, raw, ...) and text come in
-/// blocks; those that are neither (.obj, .stl, ...) are read whole, one at a time.
+/// blocks; the others (.obj, .stl, ...) are read whole, one file at a time.
 ///
 /// Errors: io, bad_file (points of another dimension than the first input's, too), out_of_budget
 /// for a file that has to be read whole and does not fit, cancelled (options.read.stop).
@@ -106,7 +106,8 @@ BlockSummary visit_blocks(const std::vector<std::string>& files, const BlockVisi
                           const BlockOptions& options = {});
 
 /// HullState as a file: .hullstate (docs/formats.md), or .npz with the arrays ids, points and
-/// point_count, which NumPy reads and nothing here. The file appears whole or not at all.
+/// point_count, for NumPy; the library does not read the latter as a state. The file appears whole
+/// or not at all.
 void write_state(const std::string& path, const HullState& state);
 HullState read_state(const std::string& path);
 

@@ -39,8 +39,8 @@ struct NearestFacet {
 /// about are d = hull.dimension finite doubles; a NaN or an infinity is Error{not_finite} (naming
 /// the first index in the batched forms). An empty hull is Error{invalid_argument}.
 ///
-/// One question climbs over neighbouring facets (or vertices) from a good start: a few facets for
-/// d = 3, in general a linear program on the dual, where a local maximum is global. d > 8, and
+/// A query walks over neighbouring facets (or vertices) from a start near the answer: a few facets
+/// for d = 3, in general a linear program on the dual, where a local maximum is global. d > 8, and
 /// hulls too thin for doubles to have a point inside, look at every facet instead.
 /// Source: docs/algorithm.md, "Queries".
 class HullQuery {
@@ -54,8 +54,8 @@ class HullQuery {
   Side side(const double* point) const;
   bool contains(const double* point) const { return side(point) != Side::outside; }
 
-  /// Facets (indices, ascending) the point is strictly above, that is: it sees them. None for a
-  /// point of the hull, and none for a point off the flat of a flat hull.
+  /// Facets (indices, ascending) that the point is strictly above (they are visible from it). None
+  /// for a point of the hull, and none for a point off the flat of a flat hull.
   std::vector<std::uint32_t> visible_facets(const double* point) const;
 
   /// The vertex id with the largest scalar product with `direction`, exactly; of several, the
@@ -65,7 +65,7 @@ class HullQuery {
   /// Euclidean distance to the hull, 0 on the boundary, and for points inside minus the distance to
   /// the boundary (for a flat hull: the boundary within its flat).
   double signed_distance(const double* point) const { return nearest_facet(point).distance; }
-  /// The facet on which a nearest point of the boundary lies; of several, some.
+  /// The facet on which a nearest point of the boundary lies; of several, any one.
   NearestFacet nearest_facet(const double* point) const;
 
   /// For full-dimensional hulls (else Error{invalid_argument}). A zero direction is an
@@ -73,8 +73,8 @@ class HullQuery {
   RayHit ray(const double* origin, const double* direction) const;
 
   /// The same for many: `out` holds one item a point. Dimensions must agree. In parallel over
-  /// options.threads, with options.stop and options.progress. contains() and sides() first ask a
-  /// gauge map of the hull, which knows most inner points at the speed of memory.
+  /// options.threads, with options.stop and options.progress. contains() and sides() first test a
+  /// gauge map of the hull, which decides most inner points at the speed of memory.
   void contains(const PointView& points, std::uint8_t* out, const Options& options = {}) const;
   void sides(const PointView& points, Side* out, const Options& options = {}) const;
   void supports(const PointView& directions, std::uint64_t* out, const Options& options = {}) const;

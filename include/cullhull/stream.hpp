@@ -45,12 +45,11 @@ class HullState {
 
   /// Global ids of the extreme points, ascending.
   const std::vector<std::uint64_t>& ids() const noexcept { return ids_; }
-  /// Their coordinates, packed rows of scalar(), in that order; valid while the state is not
-  /// changed.
+  /// Their coordinates, packed rows of scalar(), in that order; invalidated when the state changes.
   PointView points() const noexcept;
 
-  /// Takes in another set's points; the two may overlap in nothing but equal points. Errors as
-  /// extreme_points, after which the state is what it was. Error{invalid_argument} where dimensions
+  /// Adds another set's points; the two sets may share nothing but equal points. Errors as
+  /// extreme_points(), after which the state is unchanged. Error{invalid_argument} where dimensions
   /// differ.
   void merge(const HullState& other, const Options& options = {});
 
@@ -80,20 +79,20 @@ class HullState {
   std::vector<std::byte> rows_;
 };
 
-/// How a stream has got on.
+/// Counters of a stream.
 struct StreamReport {
-  std::uint64_t point_count = 0;  ///< pushed
-  std::uint64_t extreme = 0;      ///< extreme points of what was looked at exactly so far
-  std::uint64_t waiting = 0;      ///< points held beside them, not known to be inside
-  std::uint64_t reductions = 0;   ///< times that extreme points were found exactly
-  std::uint64_t maps = 0;         ///< filters laid
+  std::uint64_t point_count = 0;  ///< pushed so far
+  std::uint64_t extreme = 0;      ///< extreme points of the points that were reduced exactly
+  std::uint64_t waiting = 0;      ///< points held besides, not known to be inside
+  std::uint64_t reductions = 0;   ///< number of exact computations of the extreme points
+  std::uint64_t maps = 0;         ///< number of filters built
 };
 
 /// The hull of points that are pushed block by block, in any order of blocks, from one thread or
-/// many. A block is culled where it lies, with a filter laid on the hull of what came before; what
-/// is left waits, and when it has grown as large as the hull so far, its extreme points are found
-/// exactly and a finer filter is laid. One pass; memory O(extreme points + a block).
-///
+/// many. A block is culled in the caller's memory, by a filter built from the hull of earlier
+/// blocks; survivors are collected, and when there are as many as the hull has vertices, the
+/// extreme points are computed exactly and a finer filter is built. One pass; memory O(extreme
+/// points + a block).
 /// push(), state(), hull() and report() may be called from any threads at once.
 ///
 /// Points beyond 6D are not filtered by a map; their extreme points are found without facets.
@@ -109,16 +108,16 @@ class HullStream {
   ~HullStream();
 
   /// Points with the ids first_id, first_id + 1, ...; each id is to be pushed once. The first block
-  /// decides the dimension. Blocks may be of any size, of 0 points too.
+  /// determines the dimension. Blocks may be of any size, 0 included.
   ///
   /// Errors, after which the stream is as if the block had not come: not_finite, naming the global
   /// id; out_of_budget, where the points that may be extreme exceed the memory: what was pushed
   /// before is still there; cancelled; invalid_argument (another dimension, null data, ids beyond
   /// 2^64).
   void push(const PointView& block, std::uint64_t first_id);
-  /// The same with the ids that follow the highest one so far (of a state: known of or counted).
+  /// The same with the ids that follow the highest id so far, pushed or counted by a pushed state.
   void push(const PointView& block);
-  /// Takes in what a state stands for.
+  /// Adds the points that a state stands for.
   void push(const HullState& state);
 
   /// The state of all that was pushed (by pushes that have returned). Errors as push().

@@ -1,4 +1,4 @@
-// Hulls of moving points, frame by frame: each frame's hull is led by the last one's vertices.
+// Hulls of moving points, frame by frame: the last frame's vertices give the filter of the next.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,9 @@ namespace cullhull {
 /// What one frame cost, and what it changed.
 struct FrameReport {
   std::uint64_t index = 0;  ///< of the frame, from 0; frames that threw are counted
-  /// "gauge" or "pseudo-hull": led by the last frame. "static": computed as convex_hull does, for
-  /// the first frame, for few points, and where the motion leaves no coherence to use.
+  /// "gauge" or "pseudo-hull": the filter was built from the last frame's hull. "static": computed
+  /// as convex_hull does, for the first frame, for few points, and where the motion is not
+  /// coherent.
   const char* method = "static";
   std::uint64_t scan_survivors = 0;  ///< points that the pass over all of them kept
   std::uint64_t survivors = 0;       ///< points left after growth, for the exact engine
@@ -31,8 +32,8 @@ struct FrameReport {
 /// The exact convex hull of points that move.
 ///
 /// Every hull is the one convex_hull gives for the same points, bit for bit (the statistics apart),
-/// whatever the motion: the last frame only says which points to look at first. A point is dropped
-/// only if it is proved to lie strictly inside a polytope of points at their new places
+/// whatever the motion: the last frame only determines which points are looked at first. A point is
+/// dropped only if it is proved to lie strictly inside a polytope of points at their new places
 /// (docs/moving-points.md). Memory is kept from frame to frame, O(survivors + facets), and with
 /// CullMethod::pseudo_hull also 4 bytes a point.
 ///
@@ -40,7 +41,7 @@ struct FrameReport {
 class HullTracker {
  public:
   /// `options` hold for every frame. `cull`: gauge and pseudo_hull are the two ways to use the last
-  /// frame; automatic uses the first where it helps; none computes every frame afresh.
+  /// frame; automatic uses the gauge map where it helps; none computes every frame afresh.
   explicit HullTracker(Options options = {});
   HullTracker(HullTracker&&) noexcept;
   HullTracker& operator=(HullTracker&&) noexcept;
@@ -52,11 +53,11 @@ class HullTracker {
   /// then still knows the last hull that succeeded and takes the next frame from there.
   const Hull& update(const PointView& points);
 
-  /// The same for points in a CUDA device's memory; frames may lie here and there by turns. Only
-  /// the last hull's vertices and the survivors cross the bus; all points do where Options::backend
-  /// or the planner say CPU, with CullMethod::pseudo_hull, and where the device's memory is full.
-  /// Throws what convex_hull(DevicePointView) throws; without a device or in a build without CUDA
-  /// that is Error{backend_unavailable}.
+  /// The same for points in a CUDA device's memory; host and device frames may alternate. Only the
+  /// last hull's vertices and the survivors are transferred; all points are where Options::backend
+  /// or the planner choose the CPU, with CullMethod::pseudo_hull, and where the device's memory is
+  /// full. Throws what convex_hull(DevicePointView) throws; without a device or in a build without
+  /// CUDA that is Error{backend_unavailable}.
   const Hull& update(const DevicePointView& points);
 
   const Hull& hull() const noexcept;           ///< the last one computed

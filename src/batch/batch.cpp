@@ -23,14 +23,14 @@ template <class To, class Items>
 requires requires(To& to, const Items& items) { to.insert(to.end(), items.begin(), items.end()); }
 void append(To& to, const Items& items) { to.insert(to.end(), items.begin(), items.end()); }
 
-/// One more list.
+/// Appends a list.
 template <class T, class Items>
 void append_list(Lists<T>& to, const Items& items) {
   append(to.items, items);
   to.offsets.push_back(to.items.size());
 }
 
-/// Offsets that begin at 0, moved on by what is there.
+/// Appends offsets that begin at 0, increased by the last offset of `to`.
 template <class To, class Offsets>
 void append_offsets(To& to, const Offsets& offsets) {
   const std::uint64_t base = to.back();
@@ -60,7 +60,7 @@ void append(HullBatch& b, const Hull& h) {
   append_list(b.simplex_facets, h.simplex_facets);
 }
 
-/// Without sets, keeping its memory.
+/// Empties it, keeping its memory.
 void clear(HullBatch& b) {
   const auto clear_lists = [](auto& lists) {
     lists.offsets = {0};
@@ -81,11 +81,12 @@ void clear(HullBatch& b) {
   clear_lists(b.simplex_facets);
 }
 
-/// Appends parts to a batch, end to end. Every list is sized first, then all parts are copied at
-/// once.
+/// Appends parts to a batch, end to end. First all lists are resized, then all parts are copied in
+/// one parallel loop.
 class Joiner {
  public:
-  /// `still`: the sets of the whole over those of it so far and these, to reserve memory by.
+  /// `still`: the number of all sets over the number joined after this call, by which memory is
+  /// reserved.
   Joiner(const std::vector<HullBatch>& parts, const Run& run, double still)
       : parts_(parts), run_(run), still_(still) {}
 
@@ -104,7 +105,8 @@ class Joiner {
     join_lists(out, &HullBatch::simplices);
     join_lists(out, &HullBatch::simplex_neighbours);
     join_lists(out, &HullBatch::simplex_facets);
-    // One hand-over to the threads for all lists: small sets are done in the time of ten.
+    // One parallel loop for all lists: small sets are done in the time that ten loops would take to
+    // start.
     run_.each(parts_.size(), 4, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t p = begin; p < end; ++p)
         for (const auto& copy : copies_) copy(p);
@@ -112,7 +114,7 @@ class Joiner {
   }
 
  private:
-  /// Where each part begins in the whole, and the whole's size.
+  /// Computes where each part begins in the whole; returns the whole's size.
   template <class Size>
   std::vector<std::uint64_t> places(std::uint64_t begin, Size&& size) const {
     std::vector<std::uint64_t> at(parts_.size() + 1, begin);
@@ -139,7 +141,7 @@ class Joiner {
     join_items(
         out.*member, [member](const HullBatch& b) -> const auto& { return b.*member; });
   }
-  /// Offsets that begin at 0 in every part.
+  /// Joins offsets that begin at 0 in every part.
   template <class Vector>
   void join_starts(Vector& out, const auto& of) {
     auto at = places(out.size(), [&](const HullBatch& b) { return of(b).size() - 1; });
@@ -169,7 +171,7 @@ class Joiner {
       return (b.*member).items;
     });
   }
-  /// The length that all lists have, or 0.
+  /// The length that all lists have in common, or 0.
   template <class T>
   std::uint64_t common_step(Lists<T> HullBatch::*member,
                             const EvenArray<std::uint64_t>& offsets) const {
@@ -208,7 +210,7 @@ void copy_list(const Lists<T>& lists, std::size_t i, To& to) {
             lists.items.begin() + static_cast<std::ptrdiff_t>(lists.offsets[i + 1]));
 }
 
-/// Lists [begin, end), their offsets from 0.
+/// Copies lists [begin, end), with offsets from 0.
 template <class T, class Items>
 void copy_run(const Lists<T>& lists, std::uint64_t begin, std::uint64_t end, Lists<T, Items>& out) {
   const std::uint64_t base = lists.offsets[begin];
@@ -249,13 +251,13 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
                        std::uint64_t set_count, const Options& options) {
   check_offsets(points, offsets, set_count);
   const Run run(options);
-  // What is asked for otherwise decides which errors there are.
+  // With other options the fast paths' errors would differ.
   const bool plain = options.engine == Engine::native && options.backend != Backend::cuda &&
                      (options.memory_budget == 0 || options.memory_budget >= 1 << 22);
-  // Chunks of sets: large enough to be worth a task, many enough to be shared evenly. The parts of
-  // a block of chunks are joined while they are in the cache, and their memory serves the next. One
-  // thread need not wait for others at the end of a block: in space, where hulls are large, it
-  // takes few points, so that its own cache holds them.
+  // Chunks of 32 sets: large enough to be worth a task, small enough to be shared evenly (a guess).
+  // The parts of a block of chunks are joined while they are in the cache, and their memory is
+  // reused by the next block: about 65,000 points, and 16,000 for one thread in space, whose larger
+  // hulls then fit its own L2 cache.
   constexpr std::uint64_t chunk = 32;
   const bool few = run.threads == 1 && points.dimension > 2;
   const std::uint64_t mean = set_count > 0 ? (offsets[set_count] - offsets[0]) / set_count + 1 : 1;
@@ -268,7 +270,7 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
     Options one = options;
     one.threads = 1;
     one.progress = nullptr;
-    one.poll = nullptr;  // this may be another thread
+    one.poll = nullptr;  // this may run on another thread
     part.dimension = points.dimension;
     PlanarSets planar(run.control);
     for (std::uint64_t i = begin; i < end; ++i) {

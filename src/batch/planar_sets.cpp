@@ -3,7 +3,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// Items [from, size) are new.
+/// Moves the new items [from, size).
 template <class Vector>
 auto* extend(Vector& to, std::size_t count) {
   const std::size_t size = to.size();

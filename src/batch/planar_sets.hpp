@@ -12,7 +12,7 @@ class PlanarSets {
   explicit PlanarSets(const Control& control) : polygon_(control) {}
 
   /// Appends the hull of a set of points of the plane to `to`: the same bits as convex_hull gives.
-  /// False, with `to` as it was, where convex_hull must see to it (SmallPolygon).
+  /// False, with `to` unchanged, where convex_hull must do it (see SmallPolygon::find).
   bool append(const PointView& set, HullBatch& to);
 
  private:

@@ -11,7 +11,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// Room for `count` items more; sizes follow later.
+/// Makes room for `count` more items; the size is set later.
 template <class T>
 T* extend(Array<T>& to, std::size_t count) {
   const std::size_t size = to.size();
@@ -19,7 +19,7 @@ T* extend(Array<T>& to, std::size_t count) {
   return to.data() + size;
 }
 
-/// `count` numbers more, written a vector at a time.
+/// Appends `count` numbers, written a vector at a time.
 template <class T>
 void append_bytes(Array<T>& to, const std::uint8_t* from, std::size_t count) {
   constexpr std::size_t room = 64 / sizeof(T);
@@ -28,7 +28,7 @@ void append_bytes(Array<T>& to, const std::uint8_t* from, std::size_t count) {
   to.resize(size + count);
 }
 
-/// `count` lists of three items more.
+/// Appends the offsets of `count` lists of three items.
 void append_threes(EvenArray<std::uint64_t>& offsets, std::size_t count) {
   const std::uint64_t* step = offsets.step();
   if (step != nullptr && (*step == 3 || offsets.size() == 1)) {
@@ -39,7 +39,7 @@ void append_threes(EvenArray<std::uint64_t>& offsets, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) offsets.push_back(at += 3);
 }
 
-/// A list more for each facet; their length together.
+/// Appends the offsets of a list for each facet; returns the lists' total length.
 std::uint64_t append_sizes(EvenArray<std::uint64_t>& offsets, const SmallHull3D& hull) {
   const std::uint64_t begin = offsets.back();
   std::uint64_t at = begin;

@@ -8,8 +8,8 @@
 namespace cullhull::internal {
 
 /// Appends the hull of a small set of points in space to `to`: the same bits as convex_hull gives.
-/// False, with `to` as it was, for sets that are not small, not in general position (see
-/// small_hull_3d), not finite, or need more than doubles for a measure.
+/// False, with `to` unchanged, for sets that are not small, not in general position (see
+/// small_hull_3d), not finite, or where a measure needs more than doubles.
 bool append_small_3d(const PointView& set, HullBatch& to);
 
 }  // namespace cullhull::internal

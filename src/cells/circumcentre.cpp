@@ -15,13 +15,19 @@ namespace {
 
 constexpr double factorial(unsigned n) { return n < 2 ? 1 : n * factorial(n - 1); }
 
-/// Cramer's rule over the edges e_i = p_i - p_0 and their lifts |e_i|^2 - (w_i - w_0): coordinate j
-/// is p_0[j] plus a quotient of minors. Every operation of double-doubles errs by less than 2^-101,
-/// so a minor is within roundings x 2^-101 x k! x the product of its columns' largest magnitudes;
-/// the quotient's error follows. A coordinate is done where all that is within the error of it
-/// rounds alike (Ziv 1991).
+/// The centre less p_0, coordinate j within error[j].
 template <unsigned K>
-bool by_double_doubles(bool weighted, const double* const* p, double* out) {
+struct Offset {
+  DoubleDouble value[K];
+  double error[K];
+};
+
+/// Cramer's rule over the edges e_i = p_i - p_0 and their lifts |e_i|^2 - (w_i - w_0): coordinate j
+/// is a quotient of minors. Every operation of double-doubles errs by less than 2^-101, so a minor
+/// is within roundings x 2^-101 x k! x the product of its columns' largest magnitudes; the
+/// quotient's error follows. False where that proves nothing.
+template <unsigned K>
+bool offset_by_double_doubles(bool weighted, const double* const* p, Offset<K>& out) {
   DoubleDouble m[K][K + 1];
   double largest[K + 1] = {};
   for (unsigned i = 0; i < K; ++i) {
@@ -58,18 +64,49 @@ bool by_double_doubles(bool weighted, const double* const* p, double* out) {
   const double size = std::abs(whole.high);
   if (!(size > 0x1p20 * whole_error)) return false;
   for (unsigned j = 0; j < K; ++j) {
-    const DoubleDouble minor = det[all ^ (1U << j)];
     const double minor_error = error * product / largest[j] * largest[K] + 0x1p-300;
-    DoubleDouble y = minor / (whole + whole);
+    DoubleDouble y = det[all ^ (1U << j)] / (whole + whole);
     if ((K - 1 - j) % 2 == 1) y = -y;
-    const DoubleDouble x = y + DoubleDouble(p[0][j]);
-    // Twice what the errors of both minors come to, and of the last operations.
-    const double doubt = 2 * (minor_error + std::abs(y.high) * 2 * whole_error) / size +
-                         0x1p-95 * (std::abs(y.high) + std::abs(p[0][j]));
+    out.value[j] = y;
+    // Twice what the errors of both minors come to, and of the division.
+    out.error[j] =
+        2 * (minor_error + std::abs(y.high) * 2 * whole_error) / size + 0x1p-96 * std::abs(y.high);
+  }
+  return true;
+}
+
+/// A coordinate is done where all that is within the error of it rounds alike (Ziv 1991).
+template <unsigned K>
+bool by_double_doubles(bool weighted, const double* const* p, double* out) {
+  Offset<K> y;
+  if (!offset_by_double_doubles<K>(weighted, p, y)) return false;
+  for (unsigned j = 0; j < K; ++j) {
+    const DoubleDouble x = y.value[j] + DoubleDouble(p[0][j]);
+    const double doubt = y.error[j] + 0x1p-96 * (std::abs(y.value[j].high) + std::abs(p[0][j]));
     if (x.high + (x.low + doubt) != x.high + (x.low - doubt)) return false;
     out[j] = x.high + x.low;
   }
   return true;
+}
+
+/// Of |offset|^2 - radius^2; zero: it cannot tell.
+template <unsigned K>
+Sign radius_by_double_doubles(const double* const* p, double radius) {
+  Offset<K> y;
+  if (!(radius >= 0x1p-80 && radius <= 0x1p300)) return Sign::zero;
+  if (!offset_by_double_doubles<K>(false, p, y)) return Sign::zero;
+  DoubleDouble sum = -(DoubleDouble(radius) * DoubleDouble(radius));
+  double doubt = 0x1p-96 * radius * radius;
+  for (unsigned j = 0; j < K; ++j) {
+    const double size = std::abs(y.value[j].high) + y.error[j];
+    if (!(size <= 0x1p300)) return Sign::zero;
+    sum = sum + y.value[j] * y.value[j];
+    doubt += 4 * size * y.error[j] + 0x1p-96 * size * size;
+  }
+  doubt += 0x1p-300;
+  return sum.high > 2 * doubt    ? Sign::positive
+         : sum.high < -2 * doubt ? Sign::negative
+                                 : Sign::zero;
 }
 
 mpq_class dot(const std::vector<mpq_class>& a, const std::vector<mpq_class>& b) {
@@ -99,7 +136,8 @@ std::vector<mpq_class> in_span(const RationalRows& edges, const std::vector<mpq_
   return sum;
 }
 
-void by_rationals(unsigned d, unsigned k, bool weighted, const double* const* p, double* out) {
+/// The centre less p_0.
+std::vector<mpq_class> exact_offset(unsigned d, unsigned k, bool weighted, const double* const* p) {
   RationalRows edges;
   std::vector<mpq_class> right;
   for (unsigned i = 1; i <= k; ++i) {
@@ -108,8 +146,7 @@ void by_rationals(unsigned d, unsigned k, bool weighted, const double* const* p,
     if (weighted) lift -= mpq_class(p[i][d]) - mpq_class(p[0][d]);
     right.emplace_back(lift / 2);
   }
-  const std::vector<mpq_class> y = in_span(edges, right);
-  for (unsigned j = 0; j < d; ++j) out[j] = nearest_double(mpq_class(p[0][j]) + y[j]);
+  return in_span(edges, right);
 }
 
 /// Scales by a power of two, then rounds.
@@ -142,7 +179,23 @@ void circumcentre(unsigned d, unsigned k, bool weighted, const double* const* p,
                       else
                         return by_double_doubles<known()>(weighted, p, out);
                     });
-  if (!done) by_rationals(d, k, weighted, p, out);
+  if (done) return;
+  const std::vector<mpq_class> y = exact_offset(d, k, weighted, p);
+  for (unsigned j = 0; j < d; ++j) out[j] = nearest_double(mpq_class(p[0][j]) + y[j]);
+}
+
+bool radius_at_most(unsigned d, unsigned k, const double* const* p, double radius) {
+  if (d == k) {
+    const Sign sign = with_dimension<1, 6, 0>(k, [&](auto known) {
+      if constexpr (known() == 0)
+        return Sign::zero;
+      else
+        return radius_by_double_doubles<known()>(p, radius);
+    });
+    if (sign != Sign::zero) return sign == Sign::negative;
+  }
+  const std::vector<mpq_class> y = exact_offset(d, k, false, p);
+  return dot(y, y) <= mpq_class(radius) * mpq_class(radius);
 }
 
 void outward_direction(unsigned d, unsigned k, const double* const* p, const double* opposite,

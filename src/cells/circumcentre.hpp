@@ -7,6 +7,10 @@ namespace cullhull::internal {
 /// w_i are equal: each coordinate the nearest double. `weighted`: p[i][d] is w_i, else zero.
 void circumcentre(unsigned d, unsigned k, bool weighted, const double* const* p, double* out);
 
+/// Whether the sphere around p[0 .. k] (within their flat) has a radius of at most `radius`, finite
+/// and not negative: exactly.
+bool radius_at_most(unsigned d, unsigned k, const double* const* p, double radius);
+
 /// The direction in the flat of the facet p[0 .. k) and the point `opposite` that is at right
 /// angles to the facet and points away from `opposite`, scaled by a positive number so that the
 /// largest component is in [0.5, 1] in magnitude: each component within 2^-50 of exact, relatively.

@@ -1,4 +1,4 @@
-// The parts of certify(): each throws Fault at the first thing it finds wrong.
+// The parts of certify(): each throws Fault for the first fault it finds.
 #pragma once
 
 #include <atomic>
@@ -37,15 +37,15 @@ struct Members {
   std::vector<std::uint32_t> start, simplices;
 };
 
-/// The hull under test, with what has been established about it so far.
+/// The hull under test, and what has been established about it so far.
 struct Subject {
   const PointView& points;
   const Hull& hull;
   const Run& run;
   unsigned k = 0;
 
-  /// Points that come in pieces: `points` has their number and no data, and this the coordinates
-  /// that the vertices are said to have, by ascending id.
+  /// For points that come in pieces: `points` has their number and no data, and this the
+  /// coordinates that the vertices are claimed to have, by ascending id.
   const std::vector<double>* claimed = nullptr;
 
   std::vector<std::uint64_t> ids;    ///< the hull's vertices, ascending
@@ -57,7 +57,7 @@ struct Subject {
   std::vector<double> centre;        ///< the interior point, if one was found among the doubles
   Members members;                   ///< set once simplex_facets has been checked
   mutable std::atomic<std::uint64_t> exact_decisions{0};
-  mutable std::atomic<std::uint64_t> vertices_met{0};  ///< among the points, with these coordinates
+  mutable std::atomic<std::uint64_t> vertices_met{0};  ///< found among the points so far
   unsigned id_shift = 0;                               ///< ids are looked up by their high bits:
   std::vector<std::uint32_t> id_bucket;                ///< the first with those, in `ids`
 
@@ -70,10 +70,10 @@ struct Subject {
     return hull.simplex_neighbours[std::size_t{f} * k + j];
   }
   std::uint64_t position(std::uint64_t id) const;  ///< in `ids`; ids.size() if it is no vertex
-  void index_ids();  ///< makes `position` quick; call when ids are set
+  void index_ids();                                ///< for `position`; call when ids are set
 
-  /// Prefetches what the neighbours with higher numbers of simplices soon after f refer to: they
-  /// lie anywhere in memory.
+  /// Prefetches the data that belong to neighbours of simplices soon after f, as far as these have
+  /// higher numbers: they are scattered in memory.
   void prefetch(std::uint64_t f) const {
     constexpr std::uint64_t far = 24, near = 12;
     const std::uint32_t* facets = hull.simplex_facets.data();  // null where i is on facet i
@@ -93,7 +93,7 @@ struct Subject {
       }
   }
 
-  /// What `position` of these ids, of rows soon to be read, will look at.
+  /// Prefetches what `position` accesses for the ids in rows that will be read soon.
   void prefetch_positions(const std::uint64_t* far, const std::uint64_t* near) const {
     for (unsigned j = 0; j < k; ++j) {
       if (const std::uint64_t b = far[j] >> id_shift; b < id_bucket.size())
@@ -109,7 +109,7 @@ struct Subject {
       for (unsigned j = 0; j < k; ++j) prefetch_line(row(index[(f + ahead) * k + j]));
   }
 
-  /// On which side of simplex f the point x lies; positive is outside. scratch: k + 1 pointers.
+  /// The side of simplex f that the point x is on; positive is outside. scratch: k + 1 pointers.
   Sign side(std::uint32_t f, const double* x, const double** scratch) const;
   /// Orientation of (rows[0], ..., rows[k-1], interior point); rows has room for k + 1.
   Sign seen(const double** rows) const;
@@ -118,7 +118,7 @@ struct Subject {
   bool in_cone(std::uint32_t f, const double* x, const double** scratch) const;
 };
 
-/// Run::each, but the fault of the first chunk that has one is thrown at the end.
+/// As Run::each, but the fault of the first chunk that has one is thrown at the end.
 void check_chunks(const Subject& s, std::uint64_t count, std::uint64_t chunk_size,
                   const std::function<void(std::uint64_t begin, std::uint64_t end)>& body);
 
@@ -131,12 +131,12 @@ std::uint64_t check_ridges(const Subject& s,    // pairing, orientation, convexi
 void check_covering(Subject& s, Cones& cones);  // a ray that meets one simplex alone
 void check_facets(Subject& s);  // merged facets, extreme vertices, triangulation; fills members
 
-/// Every input point, piece by piece: what is made for all of them. Thread safe.
+/// Checks every input point, in pieces, with data that are prepared once. Thread safe.
 class PointCheck {
  public:
   PointCheck(const Subject& s, const Cones& cones);
   ~PointCheck();
-  /// Points of a block, of which the first is the point `first_id` of all.
+  /// Checks the points of a block; its first point is the point `first_id` of all.
   void check(const PointView& block, std::uint64_t first_id) const;
 
  private:

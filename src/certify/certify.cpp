@@ -38,7 +38,7 @@ std::uint64_t Subject::position(std::uint64_t id) const {
 }
 
 void Subject::index_ids() {
-  // About as many buckets as ids; they ascend.
+  // About as many buckets as ids, which ascend.
   id_shift = 0;
   while (ids.back() >> id_shift >= 2 * ids.size()) ++id_shift;
   id_bucket.assign((ids.back() >> id_shift) + 2, 0);
@@ -49,7 +49,7 @@ void Subject::index_ids() {
 Sign Subject::side(std::uint32_t f, const double* x, const double** scratch) const {
   for (unsigned j = 0; j < k; ++j) scratch[j] = row(simplex(f)[j]);
   scratch[k] = x;
-  // A facet at right angles to an axis: equality tells that x is in its plane, as grids have many.
+  // A facet orthogonal to an axis: equality shows that x is in its plane, a frequent case on grids.
   for (unsigned c = 0; c < k; ++c) {
     bool level = true;
     for (unsigned j = 0; j < k && level; ++j) level = scratch[j][c] == x[c];
@@ -90,7 +90,8 @@ bool Subject::in_cone(std::uint32_t f, const double* x, const double** scratch) 
 
 std::uint32_t Subject::locate(const double* x, std::uint32_t start, const double** scratch) const {
   // A visibility walk on a regular subdivision of the sphere ends; inside a triangulated facet it
-  // might go round in circles, so the slots take turns and the steps are counted.
+  // could cycle, so the starting slot is rotated and the steps are counted. The limit is far above
+  // walks' lengths and only ends walks on surfaces that are not closed.
   std::uint32_t f = start;
   const std::uint64_t limit = 1000 + std::uint64_t{4} * simplex_count();
   for (std::uint64_t step = 0; step < limit; ++step) {
@@ -134,7 +135,7 @@ void check_single(Subject& s) {
   if (h.centroid != s.full) fault("the centroid is not the only point");
 }
 
-/// k = 0: each is the only one.
+/// k = 0: checks that each point is the single vertex.
 void check_equal(const Subject& s, const PointView& block, std::uint64_t first_id) {
   check_chunks(s, block.count, std::uint64_t{1} << 16, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i)
@@ -147,7 +148,7 @@ void check_equal(const Subject& s, const PointView& block, std::uint64_t first_i
   });
 }
 
-/// All that can be said without the points.
+/// Checks everything that does not need all points.
 void check_hull(Subject& s, std::optional<Cones>& cones, Certificate& out) {
   const Hull& h = s.hull;
   const std::uint64_t n = s.points.count;
@@ -224,8 +225,8 @@ struct CertifyStream::Impl {
   std::optional<internal::Cones> cones;
   std::unique_ptr<internal::PointCheck> points;
   Certificate out;
-  mutable std::mutex mutex;  ///< of what follows
-  std::uint64_t at = 0;      ///< the lowest point id a fault was found from
+  mutable std::mutex mutex;  ///< guards the members below
+  std::uint64_t at = 0;      ///< the lowest first id of a block with a fault
   std::uint64_t checked = 0;
 
   Impl(const Hull& h, std::vector<double>&& rows, const Options& o)
@@ -233,7 +234,7 @@ struct CertifyStream::Impl {
     sort_claimed();
   }
 
-  /// From the hull's order, which goes around a polygon, to ascending ids.
+  /// From the hull's order, which is cyclic for a polygon, to ascending ids.
   void sort_claimed() {
     const std::size_t n = hull.vertices.size(), d = hull.dimension;
     if (claimed.size() != n * d || std::is_sorted(hull.vertices.begin(), hull.vertices.end()))
@@ -249,7 +250,7 @@ struct CertifyStream::Impl {
     claimed = std::move(sorted);
   }
 
-  /// Keeps the fault of the lowest block, so that it does not depend on the order of pushes.
+  /// Keeps the fault of the lowest block, so that the order of pushes does not matter.
   void note(const internal::Fault& f, std::uint64_t first_id) {
     const std::lock_guard lock(mutex);
     if (!out.reason.empty() && at <= first_id) return;

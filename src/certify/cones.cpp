@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "geometry/minors.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull::internal {
@@ -27,25 +28,10 @@ void Cones::place() {
   centre_ = s_.centre;
   if (centre_.empty() || k_ < 2 || k_ > max_dimension || !choose_units()) return;
   planes_.resize(std::size_t{s_.simplex_count()} * (k_ + 1));
-  switch (k_) {
-    case 2:
-      return build<2>();
-    case 3:
-      return build<3>();
-    case 4:
-      return build<4>();
-    case 5:
-      return build<5>();
-    case 6:
-      return build<6>();
-    case 7:
-      return build<7>();
-    default:
-      return build<8>();
-  }
+  with_dimension<2, 7, 8>(k_, [this](auto k) { build<k>(); });
 }
 
-/// Powers of two that bring every vertex to within 1 of the centre.
+/// Powers of two that scale every vertex to within 1 of the centre.
 bool Cones::choose_units() {
   scale_.clear();
   reach_.clear();
@@ -80,13 +66,13 @@ void Cones::build() {
     }
     longest[begin / chunk] = most;
   });
-  // What no plane comes nearer than. The exact plane differs from n by no more than twice its
-  // bound, since the reach of an axis is 1/2 at least.
+  // A radius that no plane comes nearer than. The exact plane differs from n by no more than twice
+  // its bound, since the reach of an axis is at least 1/2.
   const double radius = (1 - 0x1p-40) / *std::max_element(longest.begin(), longest.end());
   ball_ = radius * radius * (1 - 0x1p-40);
 }
 
-/// False where rounding leaves open on which side the centre is, or how far the plane.
+/// False where rounding leaves the side of the centre, or the plane's distance, undecided.
 template <unsigned K>
 bool Cones::build_plane(std::uint32_t f, double* out) const {
   constexpr double roundings = minor_roundings(K > 1 ? K - 1 : 1) + 3;
@@ -97,14 +83,7 @@ bool Cones::build_plane(std::uint32_t f, double* out) const {
     w[j] = (p - centre_[j]) * scale_[j];
     for (unsigned r = 1; r < K; ++r) edges[r - 1][j] = (s_.row(v[r])[j] - p) * scale_[j];
   }
-  constexpr unsigned full = (1U << K) - 1;
-  double det[full + 1], perm[full + 1];
-  expand_minors<K, true>(edges, K - 1, det, perm);
-  for (unsigned j = 0; j < K; ++j) {
-    const double minor = det[full & ~(1U << j)];
-    n[j] = ((K - 1 + j) & 1U) != 0 ? -minor : minor;
-    spread[j] = perm[full & ~(1U << j)];
-  }
+  normal_and_spread<K>(edges, n, spread);
   double height = 0, lost = 0;
   for (unsigned j = 0; j < K; ++j) {
     spread[j] = roundings * u * spread[j] + 0x1p-1000;
@@ -152,22 +131,7 @@ bool Cones::strictly_inside_in(const double* y, std::uint32_t& f) const {
 }
 
 bool Cones::strictly_inside(const double* y, std::uint32_t& f) const {
-  switch (k_) {
-    case 2:
-      return strictly_inside_in<2>(y, f);
-    case 3:
-      return strictly_inside_in<3>(y, f);
-    case 4:
-      return strictly_inside_in<4>(y, f);
-    case 5:
-      return strictly_inside_in<5>(y, f);
-    case 6:
-      return strictly_inside_in<6>(y, f);
-    case 7:
-      return strictly_inside_in<7>(y, f);
-    default:
-      return strictly_inside_in<8>(y, f);
-  }
+  return with_dimension<2, 7, 8>(k_, [&](auto k) { return strictly_inside_in<k>(y, f); });
 }
 
 double Cones::value(std::uint32_t f, const double* y) const {

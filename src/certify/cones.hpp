@@ -1,5 +1,5 @@
-// Where a point lies by the planes of the simplices in doubles: the quick rung of every check that
-// needs sides. docs/exactness.md, "Cones", has the proof.
+// Sides of points by the planes of the simplices in doubles: the cheap rung for every check of
+// certify. docs/exactness.md, "Cones", has the proof.
 #pragma once
 
 #include <cmath>
@@ -10,22 +10,23 @@
 
 namespace cullhull::internal {
 
-/// Planes n . y = 1 of all simplices, y being coordinates from the centre in units of their own for
-/// each axis, with a bound for what rounding may do to n . y.
+/// Planes n . y = 1 of all simplices, y being coordinates relative to the centre in separate units
+/// for each axis, with a bound of the rounding error of n . y.
 class Cones {
  public:
   static constexpr unsigned max_dimension = 8;
 
   explicit Cones(const Subject& s) : s_(s), k_(s.k) {}
-  /// Planes around the subject's centre. Afterwards usable() is false where there is no centre, in
-  /// other dimensions than 2 to 8, or where extents are beyond what doubles take.
+  /// Computes the planes around the subject's centre. Afterwards usable() is false where there is
+  /// no centre, in dimensions other than 2 to 8, or where extents are outside of the range of the
+  /// proof.
   void place();
   void drop() { planes_.clear(); }
   bool usable() const { return !planes_.empty(); }
 
-  /// The centre is strictly beneath simplex f. False where the plane in doubles cannot tell.
+  /// Whether the centre is strictly beneath simplex f; false where doubles do not decide it.
   bool beneath(std::uint32_t f) const { return std::isfinite(plane(f)[k_]); }
-  /// y, of the vertices' box, is strictly beneath simplex f. False where that cannot be told.
+  /// Whether y, in the vertices' box, is strictly beneath simplex f; false where it is undecided.
   template <unsigned K>
   bool strictly_beneath(std::uint32_t f, const double* y) const {
     const double* n = plane(f);
@@ -34,7 +35,8 @@ class Cones {
     return sum < 1 - 0x1p-50;
   }
 
-  /// Coordinates from the centre in the planes' units; false if outside of the vertices' box.
+  /// Coordinates relative to the centre in the planes' units; false if outside of the vertices'
+  /// box.
   bool relative(const double* x, double* y) const {
     for (unsigned j = 0; j < k_; ++j) y[j] = (x[j] - centre_[j]) * scale_[j];
     return in_box(y);
@@ -47,11 +49,11 @@ class Cones {
   double scale(unsigned j) const { return scale_[j]; }
   const std::vector<double>& scales() const { return scale_; }
 
-  /// True only if the point is strictly inside. Starts at simplex f and leaves the last one there:
-  /// that of the ray through the point, or one nearby.
+  /// True only if the point is strictly inside. Starts at simplex f, and sets it to the last one
+  /// visited: that of the ray through the point, or one near it.
   bool strictly_inside(const double* y, std::uint32_t& f) const;
-  /// Points with |y|^2 below this, computed in doubles in any order, are strictly inside; 0 if the
-  /// planes cannot tell.
+  /// Points with |y|^2 below this, computed in doubles in any order, are strictly inside; 0 where
+  /// the planes give no such bound.
   double ball() const { return ball_; }
   const std::vector<double>& centre() const { return centre_; }
   /// n . y of simplex f.

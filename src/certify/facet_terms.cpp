@@ -9,12 +9,13 @@
 #include "geometry/double_double.hpp"
 #include "geometry/double_parts.hpp"
 #include "geometry/minors.hpp"
+#include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {
 namespace {
 
-/// The flat's measure is at most this many times that of its projection where the library works in
-/// doubles (make_frame).
+/// Where the library works in doubles (make_frame), the flat's measure is at most this many times
+/// that of its projection.
 constexpr double flat_stretch = 0x1p8;
 
 double length(const double* v, unsigned n) {
@@ -51,8 +52,8 @@ struct WideFloats {
   static double rounded(const Real& v) { return v.get_d(); }
 };
 
-/// Edges of a simplex from its first vertex made orthonormal one by one, each freed twice of those
-/// before it; then a vertex of the basis likewise: what is left of it points inward.
+/// Orthonormalises the edges of a simplex from its first vertex, each orthogonalised twice against
+/// those before it; then a vertex of the basis likewise: its rest points inward.
 template <class Arithmetic>
 class Orthogonal {
  public:
@@ -62,7 +63,7 @@ class Orthogonal {
     measure = measure + Real(1);
   }
 
-  /// False if nothing is left.
+  /// False if the rest is zero.
   bool add_edge(const double* from, const double* to) {
     std::vector<Real> row = edge(from, to);
     const Real whole = norm(row);
@@ -77,7 +78,7 @@ class Orthogonal {
     return true;
   }
 
-  /// Keeps the most upright of the vertices offered.
+  /// Keeps the offered vertex whose rest is the longest relative to its distance.
   void offer_apex(const double* from, const double* to) {
     std::vector<Real> row = edge(from, to);
     const Real whole = norm(row);
@@ -96,9 +97,9 @@ class Orthogonal {
   const unsigned d_;
 
  public:
-  /// Rows freed twice of one another are orthogonal to the last bits, and what is left of an edge
-  /// is off by those bits of the edge times the reciprocals of what was left of those before it: by
-  /// 2^-bits / share^2 altogether. With a share above 2^-(bits / 8) half of the bits are right.
+  /// Rows orthogonalised twice are orthogonal to the last bits. The rest of an edge has the error
+  /// of those bits of the edge, times the reciprocals of the rests' shares before it: 2^-bits /
+  /// share^2 altogether. With a share above 2^-(bits / 8) half of the bits are right.
   bool trusted(mp_bitcnt_t bits) const {
     if (outward.empty()) return false;
     Real least = lengths * Real(1);
@@ -108,7 +109,7 @@ class Orthogonal {
     return measure > least && upright > steep;
   }
 
-  /// The plane's height over `origin`. False where so many bits may not tell it.
+  /// The plane's height over `origin`. False where this precision may not suffice.
   bool find_height(const double* from, const double* origin, mp_bitcnt_t bits, Real& height) const {
     Real square = a_.zero();
     for (unsigned c = 0; c < d_; ++c) {
@@ -149,21 +150,8 @@ class Orthogonal {
   std::vector<std::vector<Real>> rows_;
 };
 
-/// Edges shorter than this may cost products their digits, or have cost scaling some.
+/// Products of shorter edges may underflow, or their scaling may have been inexact.
 constexpr double least_edge = 0x1p-80;
-
-/// The cofactor normal of rows of doubles, and the sums of the absolute values of its terms.
-template <unsigned K>
-void minors_of(const double (*rows)[K], double* normal, double* spread) {
-  constexpr unsigned full = (1U << K) - 1;
-  double det[full + 1], perm[full + 1];
-  expand_minors<K, true>(rows, K - 1, det, perm);
-  for (unsigned c = 0; c < K; ++c) {
-    const double minor = det[full & ~(1U << c)];
-    normal[c] = ((K - 1 + c) & 1U) != 0 ? -minor : minor;
-    spread[c] = perm[full & ~(1U << c)];
-  }
-}
 
 }  // namespace
 
@@ -192,7 +180,7 @@ Facets::Facets(const Subject& s) : s_(s), d_(s.hull.dimension), k_(s.k), rows_(s
   // docs/exactness.md, "Numbers": four times what the library's arithmetic may lose.
   const double k = k_, terms = 4 * (minor_roundings(k_ > 1 ? k_ - 1 : 1) + 3);
   beta_ = 2 * d_ + 48;
-  // Where random edges already are far from right angles, the library takes doubles for longer.
+  // Where random edges are far from orthogonal, the library uses doubles down to smaller shares.
   for (unsigned i = 1; k_ > 8 && i <= k_; ++i) careful_share_ *= std::sqrt(i / k);
   if (by_component()) {
     alpha_ = k_ == 1 ? 0 : terms;
@@ -217,7 +205,7 @@ double Facets::normal_bound(const FacetTerms& t, std::uint32_t simplex, unsigned
   }
   if (!constant_.empty() && constant_[c] != 0) return 0;
   if (wild_ && k_ < d_) return unit * beta_ * std::fabs(t.normal[c]) + underflow;
-  if (k_ == d_) {  // at right angles to an axis: no operation rounds
+  if (k_ == d_) {  // orthogonal to an axis: no operation rounds
     for (unsigned a = 0; a < d_; ++a) {
       bool level = true;
       for (unsigned j = 1; j < k_ && level; ++j)
@@ -233,7 +221,7 @@ double Facets::offset_underflow() const {
   return wild_ ? least : least * 4 * d_ * std::max(largest_, 1.0) + least;
 }
 
-/// Whether the edge is not so short that products of it underflow, or that scaling cost it bits.
+/// Whether the edge is long enough that its products do not underflow and its scaling was exact.
 bool Facets::in_range(std::uint32_t from, std::uint32_t to) const {
   double most = 0;
   for (unsigned c = 0; c < d_; ++c) most = std::max(most, std::fabs(at(to)[c] - at(from)[c]));
@@ -254,7 +242,7 @@ bool Facets::by_cofactors(std::uint32_t simplex, FacetTerms& out) const {
     if (!(most > least_edge)) return false;
     lengths *= length(rows[i - 1], K);
   }
-  minors_of<K>(rows, n, spread);
+  normal_and_spread<K>(rows, n, spread);
   if constexpr (!std::is_same_v<Real, double>) {
     Real edges[K - 1][K], normal[K];
     for (unsigned i = 1; i < K; ++i)
@@ -281,22 +269,9 @@ bool Facets::by_cofactors(std::uint32_t simplex, FacetTerms& out) const {
 bool Facets::quickly(std::uint32_t i, FacetTerms& out) const {
   if (k_ == 1 || wild_) return false;
   if (k_ != d_ || k_ > 8) return orthogonally(i, out);
-  switch (k_) {
-    case 2:
-      return by_cofactors<2, double>(i, out) || by_cofactors<2, DoubleDouble>(i, out);
-    case 3:
-      return by_cofactors<3, double>(i, out) || by_cofactors<3, DoubleDouble>(i, out);
-    case 4:
-      return by_cofactors<4, double>(i, out) || by_cofactors<4, DoubleDouble>(i, out);
-    case 5:
-      return by_cofactors<5, double>(i, out) || by_cofactors<5, DoubleDouble>(i, out);
-    case 6:
-      return by_cofactors<6, double>(i, out) || by_cofactors<6, DoubleDouble>(i, out);
-    case 7:
-      return by_cofactors<7, double>(i, out) || by_cofactors<7, DoubleDouble>(i, out);
-    default:
-      return by_cofactors<8, double>(i, out) || by_cofactors<8, DoubleDouble>(i, out);
-  }
+  return with_dimension<2, 7, 8>(k_, [&](auto k) {
+    return by_cofactors<k, double>(i, out) || by_cofactors<k, DoubleDouble>(i, out);
+  });
 }
 
 bool Facets::orthogonally(std::uint32_t i, FacetTerms& out) const {
@@ -304,7 +279,7 @@ bool Facets::orthogonally(std::uint32_t i, FacetTerms& out) const {
   Orthogonal<DoubleDoubles> o(DoubleDoubles{}, d_);
   for (unsigned j = 1; j < k_; ++j)
     if (!in_range(v[0], v[j]) || !o.add_edge(at(v[0]), at(v[j]))) return false;
-  // Orthonormal to 2^-100 over the share of a simplex, so this leaves 2^-60.
+  // Orthonormal to 2^-100 divided by the share of a simplex: 2^-60 remains.
   if (!(o.measure.high > 0x1p-36 * o.lengths.high)) return false;
   for (const std::uint32_t b : s_.basis)
     if (in_range(v[0], b)) o.offer_apex(at(v[0]), at(b));
@@ -433,7 +408,7 @@ class Facets::WideCofactors {
     return !lost(height, mpf_class(bound / measure));
   }
 
-  /// On which side of the plane the vertices are; 0: none was found far enough from it.
+  /// The side of the plane that the vertices are on; 0: none was far enough from it.
   int side_of(const double* from, const std::vector<const double*>& apexes) const {
     for (const double* apex : apexes) {
       mpf_class above(0, bits_), bound(0, bits_);
@@ -479,7 +454,8 @@ WideTerms Facets::wide_terms(std::uint32_t i) const {
   if (WideTerms w; k_ == d_ && k_ >= 2 && k_ <= 8 && wide_cofactors(i, origin, w)) return w;
   const std::uint32_t* v = s_.simplex(i);
   const mp_bitcnt_t enough = wide_bits(i);
-  // Flats of wild axes are held against the bound by component, of which the least matter.
+  // Flats of wild frames are tested by the bound for each component, of which the smallest matter:
+  // hence more bits at first.
   for (mp_bitcnt_t bits = wild_ && k_ < d_ ? 8192 : 512;; bits *= 4) {
     const bool last = bits >= enough;
     Orthogonal<WideFloats> o(WideFloats{last ? enough : bits}, d_);
@@ -504,7 +480,7 @@ void Facets::fill_spread(const WideTerms& w, FacetTerms& out) const {
     for (unsigned c = 0; c < K; ++c) rows[i][c] = w.unit_edges[std::size_t{i} * K + c];
   double normal[K];
   out.spread.resize(K);
-  minors_of<K>(rows, normal, out.spread.data());
+  normal_and_spread<K>(rows, normal, out.spread.data());
 }
 
 void Facets::exactly(std::uint32_t i, FacetTerms& out) const {
@@ -520,25 +496,8 @@ void Facets::exactly(std::uint32_t i, FacetTerms& out) const {
     mpf_div_2exp(lengths.get_mpf_t(), lengths.get_mpf_t(), static_cast<mp_bitcnt_t>(-shift));
   out.lengths = lengths.get_d();
   out.spread.clear();
-  if (k_ != d_) return;
-  switch (k_) {
-    case 2:
-      return fill_spread<2>(w, out);
-    case 3:
-      return fill_spread<3>(w, out);
-    case 4:
-      return fill_spread<4>(w, out);
-    case 5:
-      return fill_spread<5>(w, out);
-    case 6:
-      return fill_spread<6>(w, out);
-    case 7:
-      return fill_spread<7>(w, out);
-    case 8:
-      return fill_spread<8>(w, out);
-    default:
-      return;
-  }
+  if (k_ != d_ || k_ < 2 || k_ > 8) return;
+  with_dimension<2, 7, 8>(k_, [&](auto k) { fill_spread<k>(w, out); });
 }
 
 void Facets::terms(std::uint32_t simplex, FacetTerms& out) const {

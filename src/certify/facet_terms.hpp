@@ -1,5 +1,5 @@
-// Unit normals of facets, and how far from them the library's own arithmetic may be: the numbers
-// that certify() holds planes and measures against. docs/exactness.md, "Numbers".
+// Unit normals of facets, and the error that the library's own arithmetic may have: the values that
+// certify() compares planes and measures with. docs/exactness.md, "Numbers".
 #pragma once
 
 #include <gmpxx.h>
@@ -20,7 +20,7 @@ struct FacetTerms {
   double share = 0;            ///< measure of their parallelotope over that product
 };
 
-/// The same without a bound on its magnitude, for sums over hulls of extreme proportions.
+/// The same without a limit of magnitude, for sums over hulls of extreme proportions.
 struct WideTerms {
   std::vector<mpf_class> normal;
   mpf_class lengths, measure;
@@ -33,31 +33,31 @@ class Facets {
  public:
   explicit Facets(const Subject& s);
 
-  /// Coordinates of a vertex in units of 2^exponent(), exact but for what falls below the least
-  /// double.
+  /// Coordinates of a vertex in units of 2^exponent(), exact except where they underflow.
   const double* at(std::uint32_t v) const { return rows_ + std::size_t{v} * d_; }
   int exponent() const { return exponent_; }
-  /// Whether axes differ so much in extent that doubles in one unit lose some of them.
+  /// Whether the axes' extents differ so much that doubles in a common unit lose some of them.
   bool wild() const { return wild_; }
-  /// What underflow may cost an offset: nothing where axes differ so much that the library computes
-  /// planes exactly.
+  /// What underflow may change an offset by: nothing where axes differ so much that the library
+  /// computes planes exactly.
   double offset_underflow() const;
 
   /// Each component of `normal` within 1/4 of `normal_bound`, `share` within 2^-20 of itself.
   void terms(std::uint32_t simplex, FacetTerms& out) const;
-  /// As given, in units of 1.
+  /// In units of 1.
   WideTerms wide_terms(std::uint32_t simplex) const;
   mp_bitcnt_t wide_bits(std::uint32_t simplex) const;
 
-  /// How far component c of a documented plane may be from the exact unit normal.
+  /// The greatest documented difference of component c of a plane from the exact unit normal.
   double normal_bound(const FacetTerms& t, std::uint32_t simplex, unsigned c) const;
-  /// Whether the bound goes by component, with `spread`.
+  /// Whether the bound is for each component, by `spread`.
   bool by_component() const { return k_ == 1 || (k_ == d_ && k_ <= 8); }
   double alpha() const { return alpha_; }  ///< per unit of `spread`, else of `lengths`
   double beta() const { return beta_; }    ///< per unit of the normal itself
 
   static constexpr double unit = 0x1p-53;
-  /// Planes and measures of simplices flatter than this are computed with more bits than doubles.
+  /// Planes and measures of simplices with a smaller share are computed with more bits than
+  /// doubles.
   double careful_share() const { return careful_share_; }
 
  private:
@@ -67,7 +67,7 @@ class Facets {
   bool orthogonally(std::uint32_t simplex, FacetTerms& out) const;
   void exactly(std::uint32_t simplex, FacetTerms& out) const;
   class WideCofactors;
-  /// False where more bits are needed than Gram-Schmidt would take.
+  /// False where more bits would be needed than Gram-Schmidt takes.
   bool wide_cofactors(std::uint32_t simplex, const double* origin, WideTerms& out) const;
   template <unsigned K>
   void fill_spread(const WideTerms& w, FacetTerms& out) const;
@@ -80,7 +80,7 @@ class Facets {
   bool wild_ = false;   ///< some axis' extent is below 2^-400 of that
   const double* rows_;
   std::vector<double> scaled_;
-  std::vector<std::uint8_t> constant_;  ///< axes that the flat is at right angles to
+  std::vector<std::uint8_t> constant_;  ///< axes orthogonal to the flat
   double alpha_ = 0, beta_ = 0, careful_share_ = 0x1p-13;
 };
 

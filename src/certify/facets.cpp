@@ -42,7 +42,7 @@ class FacetCheck {
                      check_lists(static_cast<std::uint32_t>(f));
                  });
     if (k_ == 2) check_winding();
-    // A corner of a facet that is a simplex is extreme, and such a facet needs no triangulation.
+    // All corners of a facet that is a simplex are extreme, and it needs no triangulation.
     if (k_ > 1 && h_.facets.size() == s_.simplex_count()) return;
     index_incidence();
     check_extreme();
@@ -104,11 +104,11 @@ class FacetCheck {
       check_sets(f, begin, end, corners);
   }
 
-  /// A facet that is simplex i: the usual case, without the sets that others need.
+  /// A facet that is simplex i: the usual case, without the sets that other facets need.
   void check_simplex(std::uint32_t f, std::uint32_t i) const {
     const auto [first, last] = list(f);
     const std::uint64_t* v = h_.simplices.data() + std::size_t{i} * k_;
-    // Its ids ascend, but for k > 3 its last two may have to be exchanged.
+    // Its ids ascend, but for k > 3 the simplex's last two may be exchanged.
     const bool swap = k_ > 3 && v[k_ - 2] > v[k_ - 1];
     bool same = last - first == static_cast<std::ptrdiff_t>(k_);
     for (unsigned j = 0; j < k_ && same; ++j)
@@ -122,7 +122,7 @@ class FacetCheck {
       for (unsigned j = 0; j < 3 && right; ++j)
         right = across[j] == h_.simplex_facets[s_.neighbour(i, (j + 2) % 3)];
     } else if (right) {
-      // A list that strictly ascends and has every neighbour and nothing else.
+      // A strictly ascending list of the right length that contains every neighbour.
       const std::uint32_t* end = across + (h_.facet_neighbours.offsets[f + 1] - at);
       for (const std::uint32_t* n = across; n != end && right; ++n) {
         bool met = false;
@@ -199,7 +199,7 @@ class FacetCheck {
       fault("the neighbours of facet ", f, " are wrong");
   }
 
-  /// k = 2: the list of vertices follows the facets.
+  /// k = 2: the list of vertices is in the order of the facets.
   void check_winding() const {
     if (h_.facets.size() != h_.vertices.size()) fault("a polygon has as many facets as vertices");
     std::uint32_t f = 0;
@@ -256,7 +256,7 @@ class FacetCheck {
             const auto v = static_cast<std::uint32_t>(i);
             const Set facets = facets_of(v);
             bool extreme = facets.size() >= k_;
-            // A corner of a simplex is extreme; so is, for k <= 3, one of k facets.
+            // A corner of a simplex facet is extreme; for k <= 3 so is a vertex of k facets.
             const bool corner =
                 std::any_of(facets.begin(), facets.end(), [&](auto f) { return size(f) == k_; });
             if (k_ > 3 && extreme && !corner) extreme = lowest_common(facets, v) == s_.ids.size();
@@ -265,8 +265,8 @@ class FacetCheck {
         });
   }
 
-  /// Pulling: the first vertex of every tail of a simplex is the lowest of the smallest face that
-  /// contains the tail.
+  /// Pulling: the first vertex of every tail of a simplex is the lowest one of the smallest face
+  /// that contains the tail.
   void check_pulled() const {
     check_chunks(s_, s_.simplex_count(), std::uint64_t{1} << 10,
                  [&](std::uint64_t begin, std::uint64_t end) {

@@ -1,5 +1,6 @@
 #include "certify/inner_ball.hpp"
 
+#include "parallel/dispatch.hpp"
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
@@ -19,7 +20,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<double, 8>;
 using V = hn::Vec<Tag>;
 
-/// Vectors of coordinates, from rows of K numbers.
+/// Loads vectors of coordinates from rows of K numbers.
 template <unsigned K>
 void load_rows(const double* at, V (&x)[K]) {
   const Tag tag;
@@ -91,7 +92,7 @@ template <unsigned K>
 std::uint32_t outside_in(const InnerBall::Test& test, const PointView& points, std::uint64_t begin,
                          std::uint32_t count, std::uint16_t* out) {
   if constexpr (K <= 4) {
-    // Vectors are loaded from any address, but a typed pointer must be aligned.
+    // Vectors can be loaded from any address, but a typed pointer must be aligned.
     const std::byte* at = points.address(begin, 0);
     const auto aligned = [&](std::size_t size) {
       return reinterpret_cast<std::uintptr_t>(at) % size == 0;
@@ -108,18 +109,8 @@ std::uint32_t outside_in(const InnerBall::Test& test, const PointView& points, s
 
 std::uint32_t outside(const InnerBall::Test& test, const PointView& points, std::uint64_t begin,
                       std::uint32_t count, std::uint16_t* out) {
-  switch (test.dimension) {
-    case 2:
-      return outside_in<2>(test, points, begin, count, out);
-    case 3:
-      return outside_in<3>(test, points, begin, count, out);
-    case 4:
-      return outside_in<4>(test, points, begin, count, out);
-    case 5:
-      return outside_in<5>(test, points, begin, count, out);
-    default:
-      return outside_in<6>(test, points, begin, count, out);
-  }
+  return with_dimension<2, 5, 6>(
+      test.dimension, [&](auto k) { return outside_in<k>(test, points, begin, count, out); });
 }
 
 }  // namespace
@@ -166,24 +157,8 @@ void load_as(const PointView& p, std::uint64_t begin, std::uint64_t count, doubl
 
 void load_points(const PointView& p, std::uint64_t begin, std::uint64_t count, double* out,
                  std::size_t step, std::size_t stride) {
-  switch (p.scalar) {
-    case ScalarType::f32:
-      return load_as<float>(p, begin, count, out, step, stride);
-    case ScalarType::f64:
-      return load_as<double>(p, begin, count, out, step, stride);
-    case ScalarType::i8:
-      return load_as<std::int8_t>(p, begin, count, out, step, stride);
-    case ScalarType::u8:
-      return load_as<std::uint8_t>(p, begin, count, out, step, stride);
-    case ScalarType::i16:
-      return load_as<std::int16_t>(p, begin, count, out, step, stride);
-    case ScalarType::u16:
-      return load_as<std::uint16_t>(p, begin, count, out, step, stride);
-    case ScalarType::i32:
-      return load_as<std::int32_t>(p, begin, count, out, step, stride);
-    case ScalarType::u32:
-      return load_as<std::uint32_t>(p, begin, count, out, step, stride);
-  }
+  with_scalar(p.scalar,
+              [&](auto type) { load_as<decltype(type)>(p, begin, count, out, step, stride); });
 }
 
 }  // namespace cullhull::internal

@@ -1,4 +1,4 @@
-// The first look at a point: most lie in a ball around the centre, strictly inside by that alone.
+// The first test of a point: most lie in a ball around the centre that is strictly inside.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace cullhull::internal {
 class InnerBall {
  public:
   static constexpr unsigned max_dimension = 6;
-  static constexpr std::uint32_t block = 1024;  ///< points that `outside` takes at a time
+  static constexpr std::uint32_t block = 1024;  ///< points of one call; their doubles fit L1
 
   struct Test {
     unsigned dimension = 0;
@@ -25,9 +25,9 @@ class InnerBall {
   InnerBall(const std::vector<double>& centre, const std::vector<double>& scale, double square);
   bool usable() const { return test_.square > 0; }
 
-  /// Of the `count` <= block points from `begin`, of full dimension, the positions (from 0,
-  /// ascending) of those that it does not contain, which all that are not finite are among. `out`
-  /// has room for block. Sums of squares are computed in doubles, fused or not.
+  /// The positions (from 0, ascending) of those of the `count` <= block points from `begin`, of
+  /// full dimension, that it does not contain; points that are not finite are always among them.
+  /// `out` has room for block. Sums of squares are computed in doubles, fused or not.
   std::uint32_t outside(const PointView& points, std::uint64_t begin, std::uint32_t count,
                         std::uint16_t* out) const;
 

@@ -1,6 +1,6 @@
-// Planes, volume, area and centroid against the accuracy that the library documents. What is given
-// is accepted if it may be within the documented bound, as far as the check's own arithmetic can
-// tell, which errs by at most a quarter of it. docs/exactness.md, "Numbers", derives both.
+// Compares planes, volume, area and centroid with the accuracy that the library documents. A value
+// is accepted if it may be within the documented bound, given that the check's own arithmetic errs
+// by at most a quarter of the bound. docs/exactness.md, "Numbers", derives both.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,7 +12,7 @@ namespace cullhull::internal {
 namespace {
 
 constexpr double unit = Facets::unit;
-/// The bound, with room for the check's own arithmetic.
+/// Factor of the bound that includes the check's own error.
 constexpr double with_own = 1.25;
 
 mpf_class times_power_of_two(mpf_class v, long e) {
@@ -23,7 +23,7 @@ mpf_class times_power_of_two(mpf_class v, long e) {
   return v;
 }
 
-/// What rounds to infinity: the largest double and half a unit.
+/// Magnitudes from here on round to infinity: the largest double and half a unit.
 mpf_class beyond_doubles() { return times_power_of_two(mpf_class(1 - 0x1p-54, 256), 1024); }
 
 // ---------------------------------------------------------------------------------------------
@@ -34,7 +34,7 @@ class PlaneCheck {
   PlaneCheck(const Subject& s, const Facets& facets)
       : s_(s), h_(s.hull), f_(facets), d_(s.hull.dimension), k_(s.k) {}
 
-  /// For the simplex that is facet f.
+  /// Checks the facet that is one simplex.
   void check_simplex(std::uint32_t f, const FacetTerms& terms) const {
     if (!normal_fits(f, f, terms)) wrong_normal(f);
     check_offset(f, f);
@@ -58,7 +58,7 @@ class PlaneCheck {
     if (k_ > 8) s_.run.check();
     const std::uint32_t* begin = s_.members.simplices.data() + s_.members.start[f];
     const std::uint32_t* end = s_.members.simplices.data() + s_.members.start[f + 1];
-    // That of a facet's widest simplex counts, as far as doubles can tell the widest.
+    // The plane of a facet's widest simplex is checked, as far as doubles determine the widest.
     double widest = 0;
     if (end - begin > 1)
       for (const std::uint32_t* i = begin; i != end; ++i) {
@@ -93,7 +93,7 @@ class PlaneCheck {
     const double* v = s_.full.data() + std::size_t{vertex} * d_;
     DoubleDouble sum = p[d_];
     double terms = 0;
-    bool surely = std::fabs(p[d_]) < 0x1p900;  // no product overflows, nor does its error vanish
+    bool surely = std::fabs(p[d_]) < 0x1p900;  // no product overflows, no error term underflows
     for (unsigned c = 0; c < d_; ++c) {
       if (p[c] == 0 || v[c] == 0) continue;
       const double size = std::fabs(p[c] * v[c]);
@@ -160,12 +160,12 @@ class MeasureCheck {
   MeasureCheck(const Subject& s, const Facets& facets)
       : s_(s), h_(s.hull), f_(facets), planes_(s, facets), d_(s.hull.dimension), k_(s.k) {}
 
-  /// Measures, and planes on the way where facets are simplices.
+  /// Checks measures, and in the same pass planes of facets that are simplices.
   void run() const {
     if (!quick() || !single()) planes_.run();
     if (quick()) {
       const QuickSums q = quick_sums();
-      // Far from underflow nothing was lost to it, whatever single simplices may have lost.
+      // Far from underflow nothing was lost in the sums, whatever single simplices lost.
       if (q.volume.high > 0x1p-500 && q.area.high > 0x1p-500 && q.volume.high < 0x1p900)
         return compare(widened(q), f_.exponent());
     }
@@ -176,9 +176,9 @@ class MeasureCheck {
   bool quick() const { return k_ > 1 && !f_.wild(); }
   bool single() const { return h_.facets.size() == s_.simplex_count(); }
 
-  /// Bounds on the measure of a simplex's parallelotope, and on its height's product with that,
-  /// `reach` being the step to the apex. The product of the edges' lengths and the measure come
-  /// apart, since their quotient may be beyond doubles.
+  /// Bounds of the measure of a simplex's parallelotope, and of its product with the height,
+  /// `reach` being the vector to the apex. The product of the edges' lengths and the measure are
+  /// passed separately, since their quotient may be outside of the range of doubles.
   template <class Number>
   Number area_bound(const FacetTerms& t, const Number& lengths, const Number& measure) const {
     const double spread = f_.by_component() ? t.spread_length : 1;
@@ -311,7 +311,7 @@ class MeasureCheck {
     }
   }
 
-  /// Half a unit in the last place of the least numbers, on which no relative bound holds.
+  /// Half a unit in the last place of the least numbers, for which no relative bound holds.
   static mpf_class least() {
     return mpf_class(std::numeric_limits<double>::denorm_min(), 256) * 0.5;
   }

@@ -9,14 +9,15 @@
 #include "certify/certificate.hpp"
 #include "certify/cones.hpp"
 #include "certify/inner_ball.hpp"
+#include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {
 namespace {
 
 constexpr std::uint64_t chunk = std::uint64_t{1} << 14;
 
-/// Points outside the flat of the basis: along every other axis the basis and the point, on the
-/// chosen axes and that one, must have zero volume.
+/// Detects points outside the flat of the basis: on the chosen axes and any other one, the simplex
+/// of the basis and the point must be degenerate.
 class FlatCheck {
  public:
   explicit FlatCheck(const Subject& s) : s_(s) {
@@ -67,8 +68,8 @@ class FlatCheck {
   std::vector<Column> columns_;
 };
 
-/// Discards most points that are strictly inside: a grid on the cube of directions around the
-/// centre, a radius for each cell. docs/exactness.md, "Certificate", has the proof.
+/// Skips most points that are strictly inside: a grid on the cube of directions around the centre,
+/// with a radius for each cell. docs/exactness.md, "Certificate", has the proof.
 class InnerFilter {
  public:
   InnerFilter(const Subject& s, const Cones& cones, std::uint64_t points)
@@ -81,8 +82,8 @@ class InnerFilter {
   }
   bool usable() const { return !limits_.empty(); }
 
-  /// True only if the point is strictly inside; y: from the centre, in units of the cones. `hint`
-  /// receives a simplex near its ray.
+  /// True only if the point is strictly inside; y: relative to the centre, in the units of the
+  /// cones. `hint` receives a simplex near its ray.
   template <unsigned K>
   bool strictly_inside(const double* y, std::uint32_t& hint) const {
     double radius = 0, around[2 * K];
@@ -111,7 +112,8 @@ class InnerFilter {
     return static_cast<std::uint64_t>(2.0 * k_ * std::pow(resolution_ + 1.0, k_ - 1.0));
   }
 
-  /// Whether centre + t * direction, rounded, is in P. f: start of the walk and the facet reached.
+  /// Whether centre + t * direction, rounded, is in P. f: start of the walk, then the facet
+  /// reached.
   bool inside(const double* direction, double t, std::uint32_t& f, const double** scratch) const {
     double x[6];
     for (unsigned j = 0; j < k_; ++j) x[j] = s_.centre[j] + t * direction[j] / scale_[j];
@@ -119,8 +121,9 @@ class InnerFilter {
     return s_.side(f, x, scratch) != Sign::positive;
   }
 
-  /// Finding a node's simplex is a walk like a point's, and both are the shorter the finer the
-  /// grid; beyond some size it no longer lies in the cache. 0: too few points for any.
+  /// Finding a node's simplex takes a walk, as a point does, and both walks are the shorter the
+  /// finer the grid; up to 150,000 nodes (0.6 MB) fit the cache. 0: no grid, as there are too few
+  /// points.
   void choose_resolution(std::uint64_t points) {
     double least = std::numeric_limits<double>::infinity();
     unsigned best = 0;
@@ -133,7 +136,7 @@ class InnerFilter {
     resolution_ = best;
   }
 
-  /// A box around the centre with all corners in P.
+  /// Finds a box around the centre with all corners in P.
   bool find_box() {
     for (unsigned j = 0; j < k_; ++j)
       for (std::uint32_t v = 0; v < s_.ids.size(); ++v)
@@ -160,7 +163,7 @@ class InnerFilter {
     return false;
   }
 
-  /// A radius just inside, where the cones can tell.
+  /// A radius just inside, where the cones give one.
   bool quick_radius(const double* direction, std::uint32_t& f, double& radius) const {
     double y[6];
     for (unsigned j = 0; j < k_; ++j) y[j] = 0x1p-10 * direction[j];  // within the planes' reach
@@ -240,8 +243,8 @@ class InnerFilter {
   std::vector<std::uint32_t> hints_;
 };
 
-/// Vertices that points were found to equal: a copy of one is in the hull by that alone, and
-/// without this each would cost a walk and a degenerate orientation.
+/// Vertices that points were found to equal. A copy of a vertex is in the hull; without this cache
+/// each would cost a walk and a degenerate orientation.
 class VertexCache {
  public:
   explicit VertexCache(const Subject& s) : k_(s.k) { entries_.fill(0xFFFFFFFFU); }
@@ -272,23 +275,10 @@ class PointCheck::Scan {
     if (s.k == 1) low_ = s.row(0)[0] < s.row(1)[0] ? 0 : 1;
   }
 
-  /// Points [begin, end) of a block, of which the first is the point `first` of all.
+  /// Checks points [begin, end) of a block; its first point is the point `first` of all.
   void range(const PointView& block, std::uint64_t first, std::uint64_t begin,
              std::uint64_t end) const {
-    switch (s_.k) {
-      case 2:
-        return range_in<2>(block, first, begin, end);
-      case 3:
-        return range_in<3>(block, first, begin, end);
-      case 4:
-        return range_in<4>(block, first, begin, end);
-      case 5:
-        return range_in<5>(block, first, begin, end);
-      case 6:
-        return range_in<6>(block, first, begin, end);
-      default:
-        return range_in<0>(block, first, begin, end);
-    }
+    with_dimension<2, 6, 0>(s_.k, [&](auto k) { range_in<k>(block, first, begin, end); });
   }
 
  private:
@@ -297,13 +287,13 @@ class PointCheck::Scan {
     return InnerBall(cones.centre(), cones.scales(), cones.ball());
   }
 
-  /// About how many points the ball leaves to the filter, vertices aside: from a sample.
+  /// Estimates by a sample how many points, vertices aside, the ball leaves to the filter.
   std::uint64_t count_outside_ball() const {
     constexpr std::uint32_t sample = 256;
     const std::uint64_t n = s_.points.count, blocks = 32;
     std::uint64_t left = n;
     if (s_.points.data == nullptr) {
-      left = n / 2;  // they are yet to come
+      left = n / 2;  // none has come yet: a guess
     } else if (ball_.usable() && n > 4 * blocks * sample) {
       std::uint16_t out[InnerBall::block];
       std::uint64_t seen = 0;
@@ -345,7 +335,7 @@ class PointCheck::Scan {
     }
   }
 
-  /// The point is the one that the hull names: in the same place, where that was not looked up.
+  /// The point is the hull's vertex v: checks its coordinates where that was not done.
   void meet_vertex(std::size_t v, const double* x) const {
     const unsigned d = s_.hull.dimension;
     if (s_.claimed != nullptr && !std::equal(x, x + d, s_.full.data() + v * d))

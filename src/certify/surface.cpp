@@ -1,4 +1,4 @@
-// Shape, flat, ridges and covering number: that the surface is the boundary of a convex polytope.
+// Shape, flat, ridges and covering number: whether the surface bounds a convex polytope.
 #include <gmpxx.h>
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 
 #include "certify/certificate.hpp"
 #include "certify/cones.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull::internal {
@@ -97,10 +98,10 @@ void read_simplices(Subject& s) {
     if (!used[v]) fault("vertex ", s.ids[v], " is on no simplex");
 }
 
-/// How simplex b lies across slot i of simplex a: the slot of b opposite to the ridge they share
-/// (k if they share none), and whether the two are oriented alike, as they must be side by side:
-/// then the permutation from a's order, its vertex i replaced by b's, to b's order is odd.
-/// K: k where it is known, else 0; `at` has room for k.
+/// How simplex b meets slot i of simplex a: the slot of b opposite to their common ridge (k if they
+/// share none), and whether the two have the same orientation: then the permutation from a's order,
+/// its vertex i replaced by b's, to b's order is odd. K: k where it is known, else 0; `at` has room
+/// for k.
 struct Across {
   unsigned slot;
   bool coherent;
@@ -125,7 +126,7 @@ Across across(unsigned dynamic_k, const std::uint32_t* a, unsigned i, const std:
   return result;
 }
 
-/// Ridges between simplices, each seen from the one with the lower number.
+/// Checks ridges between simplices, each from the simplex with the lower number.
 class RidgeCheck {
  public:
   RidgeCheck(const Subject& s, const Cones& cones) : s_(s), cones_(cones) {}
@@ -137,30 +138,15 @@ class RidgeCheck {
       pairs[begin / chunk] = range(begin, end);
     });
     const std::uint64_t all = std::accumulate(pairs.begin(), pairs.end(), std::uint64_t{0});
-    // No slot is in two pairs: so twice as many slots as pairs means that all are paired.
+    // No slot is in two pairs: twice as many slots as pairs means that all are paired.
     if (all * 2 != std::uint64_t{s_.simplex_count()} * s_.k) name_the_odd_one();
     return all;
   }
 
  private:
   std::uint64_t range(std::uint64_t begin, std::uint64_t end) const {
-    if (!cones_.usable()) return range_in<0>(begin, end);
-    switch (s_.k) {
-      case 2:
-        return range_in<2>(begin, end);
-      case 3:
-        return range_in<3>(begin, end);
-      case 4:
-        return range_in<4>(begin, end);
-      case 5:
-        return range_in<5>(begin, end);
-      case 6:
-        return range_in<6>(begin, end);
-      case 7:
-        return range_in<7>(begin, end);
-      default:
-        return range_in<8>(begin, end);
-    }
+    return with_dimension<2, 8, 0>(cones_.usable() ? s_.k : 0,
+                                   [&](auto k) { return range_in<k>(begin, end); });
   }
 
   /// K: k where planes in doubles serve, else 0.
@@ -209,7 +195,7 @@ class RidgeCheck {
   [[noreturn]] static void not_neighbours(std::uint32_t f, std::uint32_t g) {
     fault("simplices ", f, " and ", g, " do not share a ridge as neighbours");
   }
-  /// Some slot names a simplex of lower number that does not name it back.
+  /// Finds a slot that names a simplex of lower number which does not name it in return.
   [[noreturn]] void name_the_odd_one() const {
     std::vector<unsigned> at(s_.k);
     for (std::uint32_t f = 0; f < s_.simplex_count(); ++f)
@@ -255,7 +241,7 @@ std::vector<double> mean(const Subject& s, const std::vector<std::uint32_t>& ver
   return m;
 }
 
-/// Tries the rounded means of some vertices as interior point.
+/// Tries the rounded means of some vertices as the interior point.
 void choose_centre(Subject& s, Cones& cones) {
   std::vector<std::uint32_t> all(s.ids.size());
   std::iota(all.begin(), all.end(), 0U);
@@ -269,8 +255,8 @@ void choose_centre(Subject& s, Cones& cones) {
   beneath_all(s, cones);
 }
 
-/// Finds for most simplices in a few operations that the closed cone over them does not contain
-/// the ray towards x: linear functionals L with L(x) > 0 > L(v) for all their corners v.
+/// Shows for most simplices in a few operations that the closed cone over them does not contain the
+/// ray towards x, by linear functionals L with L(x) > 0 > L(v) for all their corners v.
 class Wedges {
  public:
   /// Around the direction of x; contains nothing where planes in doubles do not serve.
@@ -301,7 +287,7 @@ class Wedges {
   }
 
  private:
-  /// Of y, and steep ones that bound the narrow pyramid around it: along each axis both ways.
+  /// Adds y, and steep functionals that bound a narrow pyramid around it: two along each axis.
   void add_functionals(const double* y) {
     constexpr double slope = 0x1p-6;
     const unsigned k = s_.k;
@@ -320,7 +306,7 @@ class Wedges {
       }
     if (!(-value(0, y, -1) > 0)) functionals_.clear();
   }
-  /// An upper bound of L(v), v having been rounded; of -L(v) for sign -1.
+  /// An upper bound of L(v), where v is rounded; of -L(v) for sign -1.
   double value(std::size_t l, const double* v, double sign = 1) const {
     const unsigned k = s_.k;
     double sum = 0, terms = 0;
@@ -337,8 +323,8 @@ class Wedges {
   std::vector<std::uint32_t> behind_;  ///< of a vertex: bit l for L_l(v) < 0
 };
 
-/// Whether the closed cone over simplex f contains the mean of the corners of `target`, seen from
-/// the centroid of the basis, in rational arithmetic.
+/// Whether the closed cone over simplex f, from the centroid of the basis, contains the mean of the
+/// corners of `target`, in rational arithmetic.
 bool rational_cone(const Subject& s, std::uint32_t f, std::uint32_t target) {
   const unsigned k = s.k;
   std::vector<mpq_class> centroid(k), ray(k);
@@ -348,7 +334,7 @@ bool rational_cone(const Subject& s, std::uint32_t f, std::uint32_t target) {
     for (unsigned j = 0; j < k; ++j) ray[c] += mpq_class(s.row(s.simplex(target)[j])[c]);
     ray[c] = ray[c] / k - centroid[c];
   }
-  // Solve sum lambda_j (corner j - centroid) = ray; simplex f is strictly beneath, so regular.
+  // Solves sum lambda_j (corner j - centroid) = ray; simplex f is strictly beneath, so regular.
   std::vector<std::vector<mpq_class>> m(k, std::vector<mpq_class>(k + 1));
   for (unsigned c = 0; c < k; ++c) {
     for (unsigned j = 0; j < k; ++j) m[c][j] = mpq_class(s.row(s.simplex(f)[j])[c]) - centroid[c];
@@ -415,8 +401,8 @@ std::uint64_t check_ridges(const Subject& s, const Cones& cones) {
   return 1;
 }
 
-/// The ray through some simplex must meet no other: with every simplex seen from beneath, the
-/// number met is the number of times the surface covers the sphere of directions.
+/// The ray through some simplex must meet no other. Since every simplex is seen from beneath, the
+/// number of simplices that a ray meets is how often the surface covers the sphere of directions.
 void check_covering(Subject& s, Cones& cones) {
   if (s.k == 1) return;
   std::vector<const double*> scratch(s.k + 1);

@@ -15,8 +15,8 @@ bool cuda_started() noexcept { return cuda::started(); }
 std::size_t kept_pinned_memory() noexcept { return cuda::kept_pinned(); }
 void drop_pinned_memory() noexcept { cuda::drop_kept_pinned(); }
 
-// Without starting the driver, which takes longer than many a hull: its device files, on Linux, in
-// Windows' subsystem for it, and on boards.
+// Checks for device files, on Linux, in Windows' subsystem for it and on boards: starting the
+// driver would take longer than many a hull.
 bool cuda_in_sight() noexcept {
   if (cuda_started()) return true;
   for (const char* file : {"/dev/nvidiactl", "/dev/dxg", "/dev/nvhost-ctrl-gpu"})

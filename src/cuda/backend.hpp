@@ -1,5 +1,6 @@
-// What the rest of the library asks of the CUDA backend, without a header of CUDA's: backend.cpp
-// and its neighbours answer where it is compiled, not_compiled.cpp elsewhere.
+// The interface of the CUDA backend for the rest of the library, without CUDA's headers:
+// implemented by backend.cpp and its neighbours where CUDA is compiled, by not_compiled.cpp
+// elsewhere.
 #pragma once
 
 #include <cstddef>
@@ -18,31 +19,30 @@ namespace cullhull::internal {
 /// device; -1: the current one.
 void require_cuda(int device = -1);
 
-/// Whether a device has been used in this process already, so that asking for it costs no time.
+/// Whether a device was used in this process before, so that using it has no start-up cost.
 bool cuda_started() noexcept;
 
-/// Bytes of pinned memory that are kept between calls, and giving them back.
+/// Bytes of pinned memory that are kept between calls; and a function that frees them.
 std::size_t kept_pinned_memory() noexcept;
 void drop_pinned_memory() noexcept;
-/// Whether this machine looks as if it had a device: a glance, which decides nothing but what is
-/// said.
+/// Whether this machine seems to have a device: a quick check that only affects messages.
 bool cuda_in_sight() noexcept;
 
 namespace cuda {
 
-/// No driver, an old one, no device, a failed launch: use the CPU.
+/// No driver, an old one, no device, a failed launch: the caller should use the CPU.
 class Failure : public Error {
  public:
   explicit Failure(const std::string& message) : Error(ErrorCode::backend_unavailable, message) {}
 };
 
-/// The device (or pinned memory) is full: take smaller pieces, or the CPU.
+/// The device (or pinned memory) is full: the caller should take smaller pieces, or the CPU.
 class OutOfMemory : public Error {
  public:
   explicit OutOfMemory(const std::string& message) : Error(ErrorCode::out_of_budget, message) {}
 };
 
-/// Nodes of a map that this device (-1: the current one) can hold close by.
+/// The most nodes of a map that fit this device's shared memory (-1: the current device).
 std::uint32_t most_map_nodes(int device);
 
 /// What the map keeps of points in the host's memory, culled on the options' device. Throws

@@ -70,7 +70,7 @@ class DeviceFilter {
     return result;
   }
 
-  /// One pseudo-hull of all points where they lie, so that no second level is needed.
+  /// One pseudo-hull of all points, in the device's memory; it needs no second level.
   Filtered pseudo_hull_there() const {
     run_.report("cull", 0);
     Filtered result;
@@ -86,7 +86,7 @@ class DeviceFilter {
     return result;
   }
 
-  /// All points come to the host: there is nothing to cull.
+  /// Copies all points to the host where nothing can be culled.
   Filtered all_points(Filtered&& result) const {
     result.rows = fetch_all();
     return std::move(result);
@@ -113,7 +113,7 @@ class DeviceFilter {
     return {points.count, d_, [this, points](const std::vector<std::uint64_t>& ids) {
               Array<double> rows =
                   cuda::download_points(points, ids.data(), ids.size(), run_.control);
-              // -0 becomes +0, and what is not finite is refused, as everywhere before an engine.
+              // -0 becomes +0, and points that are not finite are refused, as before any engine.
               return gather_points(PointView::row_major(rows.data(), ids.size(), d_), nullptr,
                                    ids.size(), run_);
             }};
@@ -135,15 +135,15 @@ class DeviceFilter {
                    std::to_string(count) + " points that survive the filter");
   }
 
-  /// Whether a pseudo-hull of what the first map leaves takes the place of a second map. It needs
-  /// nothing of the CPU, and no sample whose hull is as good: so the first map may be of a small
-  /// one, and keep some more. Of a ball in space it leaves 47,169 of 8M points, where two maps
-  /// leave 79,161; in the plane the hull's vertices alone. From 4D on it leaves more than a map.
+  /// Whether the survivors of the first map are culled by a pseudo-hull instead of a second map. It
+  /// needs no CPU and no sample, so the first map may come from a smaller sample and keep more. Of
+  /// a ball of 8M points in space 47,169 are left, where two maps leave 79,161; in the plane only
+  /// the hull's vertices. From 4D on it leaves more than a map.
   bool grows_later() const { return d_ <= 3; }
 
-  /// Of the rows of `left` those that the second filter keeps; all, where there is none.
+  /// The rows of `left` that the second filter keeps; all, where there is none.
   cuda::DeviceIds kept_of(const DevicePointView& view, Filtered& result) const {
-    // A ball takes 13 to 16 rounds; what is outside after them survives.
+    // A ball takes 13 to 16 rounds; points that are outside after 24 survive.
     constexpr unsigned most_rounds = 24;
     if (grows_later()) {
       cuda::DeviceIds kept = pseudo_hull_survivors_there(view, most_rounds, run_.control);
@@ -159,7 +159,7 @@ class DeviceFilter {
     return cuda::survivors_of_device_points(finer.map->table(), view);
   }
 
-  /// The usual way: both filters there, only what survives the second comes back.
+  /// The usual case: both filters run on the device, and only survivors of the second are copied.
   void cull_there(const GaugeTable& table, Filtered& result) const {
     const auto stream = static_cast<cudaStream_t>(points_.stream);
     cuda::DeviceIds left = cuda::survivors_of_device_points(table, points_);
@@ -189,7 +189,7 @@ class DeviceFilter {
     result.survivors.ids = std::move(ids);
   }
 
-  /// A sample of survivors; one that is not finite is refused by its id among all points.
+  /// A sample of survivors; a point that is not finite is refused by its id among all points.
   SampledPoints finite_sample(const DevicePointView& view) const {
     SampledPoints s = sampled(view);
     s.gather = [this, gather = std::move(s.gather)](const std::vector<std::uint64_t>& ids) {
@@ -221,7 +221,7 @@ class DeviceFilter {
     return view;
   }
 
-  /// With hardly any memory of the device: survivors come back after the first map.
+  /// With hardly any device memory: survivors are copied after the first map.
   void cull_by_pieces(const GaugeTable& table, Filtered& result) const {
     std::vector<std::uint64_t> ids = cuda::survivors_by_pieces(table, points_, run_.control);
     require_room(ids.size());
@@ -247,7 +247,7 @@ Filtered run_device_filter(const DevicePointView& points, const Run& run) {
     nothing.survivors.reason = "no points";
     return nothing;
   }
-  // The device that holds the points may be the only one that can be used.
+  // The device that holds the points may be the only usable one.
   const int ordinal = device_of(points);
   (void)cuda::device(ordinal);
   const cuda::DeviceScope scope(ordinal);

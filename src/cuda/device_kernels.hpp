@@ -1,7 +1,7 @@
-// The bodies of our kernels for the data-parallel primitives, as plain functions of the place of a
-// thread: all but the launch. A loop over blocks and threads executes them on the host (the tests
-// do), a launch on a device (executor.cuh). Where a body has phases, all threads of a block
-// wait for one another between them.
+// The bodies of the kernels for the data-parallel primitives, as plain functions of a thread's
+// place: all but the launch. On the host a loop over blocks and threads runs them (as tests do), on
+// a device a launch (executor.cuh). Where a body has phases, all threads of a block are
+// synchronised between them.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace cullhull::internal {
 
-/// Where a thread is in a grid of blocks.
+/// The place of a thread in a grid of blocks.
 struct GridThread {
   std::uint32_t block, thread, block_size, blocks;
 
@@ -19,9 +19,9 @@ struct GridThread {
   CULLHULL_HD std::uint64_t stride() const { return std::uint64_t{blocks} * block_size; }
 };
 
-/// What threads do to the same word at the same time. A look spares most of the costly operations:
-/// the maximum of n items in random order rises ln n times. The look must not come from a cache
-/// of the thread's own, which might never see it rise.
+/// Atomic updates of words that several threads access. Reading before an atomic operation avoids
+/// most of these: the maximum of n items in random order changes ln n times. The read must bypass
+/// the thread's own cache, which might never see the value change.
 struct DeviceAtomics {
   CULLHULL_HD static void raise(std::uint64_t& target, std::uint64_t value) {
 #if defined(__CUDA_ARCH__)
@@ -52,8 +52,8 @@ struct ForEachKernel {
   }
 };
 
-/// Every thread combines its items, every block its threads' results, in a table (in shared memory)
-/// of one T a thread; partial[b] becomes block b's. The block size is a power of two.
+/// Every thread combines its items, every block the results of its threads, in a table (in shared
+/// memory) of one T a thread; the block's result is partial[b]. The block size is a power of two.
 template <class T, class Map, class Combine>
 struct ReduceKernel {
   Map map;
@@ -62,32 +62,32 @@ struct ReduceKernel {
   std::uint32_t count;
   T* partial;
 
-  // Phase 1.
+  // Phase 1: each thread's items.
   CULLHULL_HD void collect(const GridThread& at, T* table) const {
     T sum = identity;
     for (std::uint64_t i = at.first(); i < count; i += at.stride())
       sum = combine(sum, map(static_cast<std::uint32_t>(i)));
     table[at.thread] = sum;
   }
-  // Phases 2 ...: width = block_size / 2, / 4 ... 1.
+  // Phases 2 ...: pairs, for width = block_size / 2, / 4 ... 1.
   CULLHULL_HD void fold(const GridThread& at, std::uint32_t width, T* table) const {
     if (at.thread < width) table[at.thread] = combine(table[at.thread], table[at.thread + width]);
   }
-  // The last phase needs no waiting: thread 0 wrote its item itself.
+  // The last phase needs no synchronisation: thread 0 wrote that item itself.
   CULLHULL_HD void finish(const GridThread& at, const T* table) const {
     if (at.thread == 0) partial[at.block] = table[0];
   }
 };
 
-/// Where there are few cells all threads of the device would meet at them: there are several
-/// copies of the cells then, and a block writes to one of them. They must be zero before.
+/// With few cells all threads of the device would contend for them, so there are several copies of
+/// the cells, and a block writes to one of them. They must be zero before.
 template <class Body>
 struct ScatterMaxKernel {
   Body body;
   std::uint32_t count, cells, copies;
   std::uint64_t* best;  ///< copies * cells
 
-  /// Returns this thread's offers to no_item.
+  /// Returns the number of this thread's offers to no_item.
   CULLHULL_HD std::uint32_t run(const GridThread& at) const {
     std::uint64_t* mine = best + std::size_t{at.block % copies} * cells;
     std::uint32_t none = 0;
@@ -100,14 +100,14 @@ struct ScatterMaxKernel {
   }
 };
 
-/// Enough copies that threads seldom meet, in a megabyte at most.
+/// Up to 64 copies, which makes contention rare, in a megabyte at most: guesses, not swept.
 CULLHULL_HD constexpr std::uint32_t scatter_copies(std::uint32_t cells) {
   constexpr std::uint32_t words = 1U << 17, most = 64;
   const std::uint32_t fit = words / (cells == 0 ? 1 : cells);
   return fit < 1 ? 1 : fit > most ? most : fit;
 }
 
-/// The copies of each cell become one.
+/// Combines the copies of each cell.
 struct FoldCopies {
   const std::uint64_t* copied;
   std::uint32_t cells, copies;

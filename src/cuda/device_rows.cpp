@@ -14,7 +14,7 @@ int device_of_memory(const void* memory) {
   cudaPointerAttributes attributes = {};
   const cudaError_t status = cudaPointerGetAttributes(&attributes, memory);
   if (status != cudaSuccess) {
-    (void)cuda::device();  // without a device it has the reason
+    (void)cuda::device();  // without a device: throws its reason
     cuda::check(status, "asking where the points are");
   }
   if (attributes.type != cudaMemoryTypeDevice && attributes.type != cudaMemoryTypeManaged)

@@ -1,4 +1,4 @@
-// What every flow for points in a device's memory asks of them. Only where CUDA is compiled.
+// Queries and copies of points in a device's memory, for every flow. Only where CUDA is compiled.
 #pragma once
 
 #include <cstdint>
@@ -10,22 +10,21 @@
 
 namespace cullhull::internal {
 
-/// The device that holds this memory; throws Error{invalid_argument} where none does, and without
-/// a device the reason.
+/// The device that holds this memory; throws Error{invalid_argument} for host memory, and
+/// Error{backend_unavailable} with the reason where there is no device.
 int device_of_memory(const void* memory);
 
-/// The device that holds the points; throws Error{invalid_argument} where the view cannot be read
-/// there.
+/// The device that holds the points; throws Error{invalid_argument} for a view that it cannot read.
 int device_of(const DevicePointView& points);
 
 /// Where the planner would cull them.
 Placement place_of_device_points(const DevicePointView& points, const Run& run);
 
-/// Packed rows of all points, exactly as they are. Throws Error{not_finite} for the first bad one,
-/// Error{out_of_budget}. Packed points need no memory of the device.
+/// Packed rows of all points, bit for bit. Throws Error{not_finite} for the first bad point,
+/// Error{out_of_budget}. Packed points need no extra memory of the device.
 Array<double> download_all(const DevicePointView& points, const Run& run);
 
-/// Throws Error{not_finite} naming the first point that is not finite; there is one.
+/// Throws Error{not_finite} naming the first point that is not finite; there must be one.
 [[noreturn]] void refuse_first_not_finite(const DevicePointView& points, const Run& run);
 
 }  // namespace cullhull::internal

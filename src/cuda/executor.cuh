@@ -1,5 +1,5 @@
-// The data-parallel primitives on a CUDA device, in one stream. What it gives is what the serial
-// reference gives: integers are added, maxima and minima taken, in any order; scans and stable
+// The data-parallel primitives on a CUDA device, in one stream. The results are those of the serial
+// reference: sums of integers, maxima and minima do not depend on the order; scans and stable
 // selections are CUB's.
 #pragma once
 
@@ -20,8 +20,8 @@ namespace cullhull::internal {
 
 namespace cuda_kernels {
 
-// Bounds of launches name one block a processor where registers are to be had: to let more threads
-// run at a time, ptxas would rather spill some.
+// Launch bounds ask for one block a multiprocessor for kernels that need many registers: with more,
+// ptxas would spill registers to fit.
 constexpr unsigned block_size = 256;
 /// Reductions of structs: 128 threads with a table of at most 20 KB.
 constexpr unsigned reduce_block_size = 128;
@@ -57,7 +57,7 @@ __global__ void __launch_bounds__(block_size)
   if (threadIdx.x % 32 == 0 && none != 0) atomicAdd(none_of_all, none);
 }
 
-/// keep(i) as 0 or 1; the item after the last, which a scan over count + 1 items meets, is none.
+/// keep(i) as 0 or 1; 0 for the item after the last, which a scan over count + 1 items includes.
 template <class Keep>
 struct KeepAsNumber {
   Keep keep;
@@ -67,7 +67,7 @@ struct KeepAsNumber {
   }
 };
 
-/// number[i]: how many are kept of those before item i.
+/// number[i]: the number of items kept before item i.
 template <class Keep, class Emit>
 struct EmitKept {
   Keep keep;
@@ -80,15 +80,15 @@ struct EmitKept {
 
 }  // namespace cuda_kernels
 
-/// Device memory that grows and does not keep its contents when it does.
+/// Device memory whose contents are lost when it grows.
 template <class T>
 class CudaArray {
  public:
   T* reserve(std::size_t count, cudaStream_t stream) {
     if (count > items_.size()) {
-      // Facets grow round by round: some more than asked for, or every round would allocate.
+      // Facets grow round by round: a quarter more than asked for, or every round would allocate.
       const std::size_t more = items_.size() == 0 ? count : count + count / 4;
-      items_ = {};  // first, so that both are never held
+      items_ = {};  // freed first, so that the two are never held at once
       items_ = cuda::DeviceArray<T>(more, stream);
     }
     return items_.data();
@@ -116,7 +116,7 @@ class CudaExecutor {
   T* reserve(Array<T>& array, std::size_t count) {
     return array.reserve(count, stream_);
   }
-  /// Waits: afterwards `to` is there, and whatever failed before has been thrown.
+  /// Waits for the copy; throws the error of any earlier operation of the stream, too.
   template <class T>
   void fetch(const T* from, std::size_t count, T* to) {
     cuda::download(to, from, count, stream_);
@@ -148,7 +148,7 @@ class CudaExecutor {
     const unsigned blocks = grid(count, size);
     auto* partial =
         reinterpret_cast<T*>(reserve(partial_, (std::size_t{blocks} * sizeof(T) + 7) / 8));
-    zero(partial, blocks);  // their padding, too, is copied
+    zero(partial, blocks);  // their padding is copied, too
     cuda_kernels::reduce<<<blocks, size, 0, stream_>>>(
         ReduceKernel<T, Map, Combine>{map, combine, identity, count, partial});
     launched();
@@ -193,8 +193,8 @@ class CudaExecutor {
   template <class Keep, class Emit>
   std::uint32_t select(std::uint32_t count, const Keep& keep, const Emit& emit) {
     if (count == 0) return 0;
-    // Places first, then what is done with the items: an emit of any length, inlined into a
-    // selection of CUB's, which works on many items a thread, would not fit into registers.
+    // First the positions, then `emit`, in two kernels: inlined into CUB's selection, which takes
+    // many items a thread, a long emit would not fit into registers.
     std::uint32_t* number = reserve(numbers_, std::size_t{count} + 1);
     const std::uint32_t kept = enumerate(count, keep, number);
     for_each(count, cuda_kernels::EmitKept<Keep, Emit>{keep, emit, number});
@@ -206,8 +206,8 @@ class CudaExecutor {
   }
 
  private:
-  /// Enough blocks to fill the device a few times over, no more: what a block does once (clearing
-  /// and handing over its table, folding) is then done seldom.
+  /// Enough blocks to fill the device a few times over, no more: work that each block does once
+  /// (clearing and writing its table, folding) is then rarely done.
   unsigned grid(std::uint32_t count, unsigned size) const {
     const std::uint64_t wanted = chunk_count(count, size);
     return static_cast<unsigned>(std::min<std::uint64_t>(wanted, std::uint64_t{processors_} * 8));
@@ -220,7 +220,7 @@ class CudaExecutor {
     return value;
   }
 
-  /// CUB's calls: the first asks for the size of the scratch memory.
+  /// Calls CUB twice: the first call returns the size of the scratch memory.
   template <class Call>
   void with_scratch(const Call& call) {
     std::size_t bytes = 0;

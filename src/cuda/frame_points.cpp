@@ -62,7 +62,7 @@ class DeviceFrame final : public FramePoints {
                   [&] {
                     result.reason = before;
                     here_->scan(map, result);
-                    if (!why_here_.empty()) result.reason = before;  // hull() says why
+                    if (!why_here_.empty()) result.reason = before;  // hull() reports it
                   });
   }
 
@@ -84,7 +84,8 @@ class DeviceFrame final : public FramePoints {
   }
 
  private:
-  /// On the device; where its memory is full, and nobody insists on it, on the host.
+  /// On the device; on the host where the device's memory is full and Backend::cuda was not
+  /// required.
   template <class There, class Here>
   std::invoke_result_t<Here> there_or_here(const There& there, const Here& here) {
     if (here_) return here();
@@ -97,7 +98,7 @@ class DeviceFrame final : public FramePoints {
     return here();
   }
 
-  /// Brings all points to the host; from then on the frame is one of the host.
+  /// Copies all points to the host; from then on the frame is one of the host.
   void copy(const std::string& why) {
     why_here_ = why;
     rows_ = download_all(points_, run_);
@@ -153,7 +154,7 @@ class DeviceFrame final : public FramePoints {
   const Run& run_;
   std::string reason_, why_here_;
   std::optional<cuda::DeviceScope> scope_;
-  Array<double> rows_;  ///< of all points, once they have been copied
+  Array<double> rows_;  ///< of all points, after copy()
   Options host_options_;
   std::optional<Run> host_run_;
   std::optional<HostFrame> here_;

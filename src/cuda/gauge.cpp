@@ -22,7 +22,7 @@ DeviceArray<float> upload_nodes(const GaugeTable& table, cudaStream_t stream) {
   return nodes;
 }
 
-/// Appends first + the numbers of the set bits.
+/// Appends first + i for every set bit i.
 void list_words(const std::uint32_t* mask, std::uint64_t words, std::uint64_t first,
                 std::vector<std::uint64_t>& ids) {
   for (std::uint64_t w = 0; w < words; ++w)
@@ -59,8 +59,8 @@ void pack(const PointView& v, std::uint64_t begin, std::uint64_t end, std::byte*
   });
 }
 
-/// One of the two pieces under way: packed points going there, a mask coming back. Everything of a
-/// slot is ordered by its own stream, so its buffers are free again when that is idle.
+/// One of the two pieces in flight: packed points going to the device, a mask coming back. All work
+/// of a slot is ordered by its own stream, so its buffers are free again when that is idle.
 class Slot {
  public:
   Slot(std::uint64_t points, std::size_t row_bytes)
@@ -68,13 +68,13 @@ class Slot {
         device_rows_(points * row_bytes, stream_.get()),
         mask_(mask_room(points)),
         device_mask_(mask_room(points), stream_.get()) {}
-  ~Slot() { (void)cudaStreamSynchronize(stream_.get()); }  // an error may leave copies under way
+  ~Slot() { (void)cudaStreamSynchronize(stream_.get()); }  // after an error copies may be in flight
   Slot(const Slot&) = delete;
   Slot& operator=(const Slot&) = delete;
 
   std::byte* rows() const { return rows_.data(); }
 
-  /// `points` are the slot's rows, from the input's point `first` on.
+  /// `points` are the slot's rows, of the input's points from `first` on.
   void start(const GaugeTable& table, const float* nodes, DevicePointView points,
              std::uint64_t first) {
     first_ = first;
@@ -93,7 +93,7 @@ class Slot {
           "copying survivors from the device");
   }
 
-  /// Waits for the piece, if one is under way, and lists its survivors.
+  /// Waits for the piece, if one is in flight, and lists its survivors.
   void finish(std::vector<std::uint64_t>& ids) {
     if (count_ == 0) return;
     synchronise(stream_.get(), "culling");
@@ -129,7 +129,7 @@ std::vector<std::uint64_t> cull_pieces(const GaugeTable& table, const PointView&
     for (std::uint64_t first = 0; first < points.count; first += piece, turn ^= 1) {
       run.check();
       Slot& slot = slots[turn];
-      slot.finish(ids);  // pieces are finished in the order they were started: ids ascend
+      slot.finish(ids);  // pieces finish in the order they were started: ids ascend
       rows.count = std::min(piece, points.count - first);
       run.each(rows.count, 1 << 16, [&](std::uint64_t begin, std::uint64_t end) {
         pack(points, first + begin, first + end, slot.rows() + begin * row_bytes);
@@ -148,8 +148,8 @@ constexpr std::uint64_t least_piece = 1 << 16;
 
 std::vector<std::uint64_t> survivors_of_host_points(const GaugeTable& table,
                                                     const PointView& points, const Run& run) {
-  // Long enough that starting a copy is nothing beside it, short enough that the first and the
-  // last, which nothing overlaps, are little of the whole.
+  // 32 MB: long enough that starting a copy takes no visible time, short enough that the first and
+  // the last piece, which overlap nothing, are a small part of the whole.
   constexpr std::uint64_t piece_bytes = 32 << 20;
   const std::uint64_t wanted = piece_bytes / (points.dimension * sizeof(double));
   std::uint64_t piece = std::min((points.count + 127) / 128 * 128, wanted / 128 * 128);
@@ -222,13 +222,13 @@ const std::byte* point_address(const DevicePointView& points, std::uint64_t i) {
          static_cast<std::ptrdiff_t>(i) * points.point_stride;
 }
 
-/// Rows of a view, or of some of its points, on their way to pinned memory: packed ones as they
-/// lie, others gathered on the device first; where it has no memory left for that, copied out of
-/// their records, some of which take a call each.
+/// Copies rows of a view, or of some of its points, to pinned memory: packed ones directly, others
+/// gathered on the device first; where it has no memory for that, record by record, some of which
+/// take a call each.
 template <class T>
 class Rows {
  public:
-  /// `most`: of points in one piece.
+  /// `most`: points in one piece.
   Rows(const DevicePointView& points, const std::uint64_t* ids, std::uint64_t most)
       : points_(points), ids_(ids), gathers_(ids != nullptr || !points.packed_rows()) {
     if (!gathers_) return;
@@ -241,7 +241,7 @@ class Rows {
     }
   }
 
-  /// Puts rows [first, first + n) of those wanted under way to `to`, in the order of the stream.
+  /// Starts copying rows [first, first + n) of those wanted to `to`, in the order of the stream.
   void copy(std::uint64_t first, std::uint64_t n, T* to) const {
     if (!gathers_) return copy_records(first, n, to);
     const cudaStream_t stream = stream_of(points_);
@@ -269,7 +269,7 @@ class Rows {
     }
   }
 
-  /// `n` points one after another, of any strides.
+  /// Copies `n` consecutive points, of any strides.
   void copy_run(const std::byte* from, std::uint64_t n, T* to) const {
     const unsigned d = points_.dimension;
     if (points_.packed_rows()) return copy_packed(from, n * d, to);
@@ -278,7 +278,7 @@ class Rows {
       copy_strided(from + static_cast<std::ptrdiff_t>(j) * points_.coordinate_stride, 1, n, to + j);
   }
 
-  /// `width` values of each of `n` points, to rows of the dimension's length.
+  /// Copies `width` values of each of `n` points to rows of the dimension's length.
   void copy_strided(const std::byte* from, unsigned width, std::uint64_t n, T* to) const {
     constexpr std::ptrdiff_t longest_pitch = 0x7FFFFFFF;
     const std::ptrdiff_t pitch = points_.point_stride;
@@ -300,7 +300,7 @@ class Rows {
   DeviceArray<std::uint64_t> piece_ids_;
 };
 
-/// Where rows arrive: pinned memory, or any other where the system has no more of that.
+/// The destination of rows: pinned memory, or pageable where the system has no more of that.
 template <class T>
 class Landing {
  public:

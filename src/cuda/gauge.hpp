@@ -11,10 +11,10 @@
 
 namespace cullhull::internal::cuda {
 
-/// Ids (ascending) of the points that are not provably inside, as GaugeMap::survivors gives them;
-/// the points are in the host's memory. Pieces of them are copied into pinned memory, culled on the
-/// device, and one bit a point comes back; two pieces are under way at a time. Where memory is
-/// short, in smaller pieces. Throws OutOfMemory, Failure, Error{cancelled}.
+/// Ids (ascending) of the points that are not provably inside, as GaugeMap::survivors gives them,
+/// for points in the host's memory. Pieces of them are copied into pinned memory and to the device,
+/// culled there, and one bit a point comes back; two pieces are in flight at a time. Where memory
+/// is short, pieces are smaller. Throws OutOfMemory, Failure, Error{cancelled}.
 std::vector<std::uint64_t> survivors_of_host_points(const GaugeTable& table,
                                                     const PointView& points, const Run& run);
 
@@ -28,13 +28,13 @@ struct DeviceIds {
 /// survivors.
 DeviceIds survivors_of_device_points(const GaugeTable& table, const DevicePointView& points);
 
-/// The same in pieces: extra memory on the device is half a megabyte. For when that is all it has.
+/// The same in pieces: for a device with hardly any free memory, of which it takes half a megabyte.
 std::vector<std::uint64_t> survivors_by_pieces(const GaugeTable& table,
                                                const DevicePointView& points,
                                                const Control& control);
 
-/// Packed doubles of the points `ids` (on the host; null: all `count` of the view), exactly as they
-/// are, NaN and all.
+/// Packed doubles of the points `ids` (on the host; null: all `count` of the view), not checked for
+/// finiteness.
 Array<double> download_points(const DevicePointView& points, const std::uint64_t* ids,
                               std::uint64_t count, const Control& control);
 

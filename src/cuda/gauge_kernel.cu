@@ -1,9 +1,9 @@
 // The GaugeMap on a CUDA device: one pass over the points that writes one bit for each, then the
-// bits become ids. docs/gpu.md counts bytes and operations.
+// bits are converted to ids. docs/gpu.md counts bytes and operations.
 //
-// A mask, not a list appended to: a list needs room for every point or a second attempt, and its
-// order depends on the race, so it must be sorted. The mask is a bit a point, 1 % of what is read,
-// and its order is the points'. No kernel here uses atomics to place anything.
+// A mask instead of an appended list: a list needs room for every point or a second attempt, and
+// its order depends on the race of threads, so it must be sorted. The mask is a bit a point, 1 % of
+// what is read, in the points' order. No kernel here uses atomics to place its output.
 
 #include <algorithm>
 #include <cub/block/block_reduce.cuh>
@@ -25,7 +25,7 @@ constexpr unsigned every_lane = 0xFFFFFFFFU;
 
 // ---------------------------------------------------------------- the test
 
-/// The lanes' bits as words in the points' order; lane 32 / lane_points * w stores word w.
+/// Combines the lanes' bits to words in the points' order; lane 32 / lane_points * w stores word w.
 template <unsigned D, class T>
 __device__ void store_words(const PackedRows<D, T>&, std::uint32_t bits, unsigned lane,
                             std::uint32_t* words) {
@@ -54,8 +54,8 @@ struct GlobalNodes {
   __device__ float operator[](std::uint32_t i) const { return __ldg(values + i); }
 };
 
-/// Blocks beside one another on a processor that registers must leave room for. From sm_100 on four
-/// points of four and more coordinates do not fit into 64 registers a thread.
+/// Blocks on a multiprocessor at a time that registers must suffice for. From sm_100 on four points
+/// of four and more coordinates do not fit into 64 registers a thread.
 template <unsigned D>
 constexpr unsigned resident_blocks() {
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 1000
@@ -65,8 +65,8 @@ constexpr unsigned resident_blocks() {
 #endif
 }
 
-/// Blocks stay: each brings the table to its shared memory once, then its warps take groups of
-/// points, evenly spaced. All lanes of a warp leave the loop together, as the shuffles need.
+/// Persistent blocks: each copies the table to its shared memory once, then its warps take evenly
+/// spaced groups of points. All lanes of a warp leave the loop together, as the shuffles need.
 template <bool Shared, class Layout, class C>
 __global__ void __launch_bounds__(mask_threads, resident_blocks<Layout::D>())
     mask_kernel(const __grid_constant__ GaugeConstants<Layout::D, C> t,
@@ -100,13 +100,13 @@ cudaError_t launch_mask(const GaugeTable& table, const float* nodes, const Layou
   const auto kernel = mask_kernel<Shared, Layout, C>;
   const std::size_t shared = Shared ? table.nodes.size() * sizeof(float) : 0;
   cudaError_t status = cudaSuccess;
-  // A limit of the function, which all threads of the process share: always the device's own, as
-  // that of a smaller table on another thread would refuse this launch.
+  // This limit belongs to the function, and all threads of the process share it: always the
+  // device's maximum, as another thread with a smaller table would otherwise make this launch fail.
   if (Shared)
     status = cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
                                   static_cast<int>(device.shared_per_block));
-  // Of the memory that shared memory and cache divide between them: enough for two blocks, each
-  // with the KiB that the system takes. A wish; blocks beside each other decide.
+  // The preferred share of shared memory in the memory that it divides with the cache: for two
+  // blocks, each with the KiB that the system takes. Only a hint.
   const std::size_t percent = (200 * (shared + 1024) + device.shared_per_multiprocessor - 1) /
                               std::max<std::size_t>(device.shared_per_multiprocessor, 1);
   if (Shared && status == cudaSuccess)
@@ -129,7 +129,7 @@ cudaError_t launch_mask(const GaugeTable& table, const float* nodes, const Layou
 
 // ---------------------------------------------------------------- from bits to ids
 
-/// The words of a tile that are this thread's, zero beyond the end.
+/// Loads this thread's words of a tile, zero beyond the end.
 __device__ void thread_words_of(const std::uint32_t* mask, std::uint64_t words,
                                 std::uint32_t (&mine)[thread_words]) {
   const std::uint64_t first = std::uint64_t{blockIdx.x} * tile_words + threadIdx.x * thread_words;
@@ -182,7 +182,7 @@ __device__ T coordinate(const DevicePointView& p, std::uint64_t point, unsigned 
                                      static_cast<std::ptrdiff_t>(axis) * p.coordinate_stride);
 }
 
-/// A thread a coordinate: rows are written without gaps.
+/// One thread a coordinate: rows are written without gaps.
 template <class T>
 __global__ void gather_kernel(const __grid_constant__ DevicePointView points,
                               const std::uint64_t* __restrict__ ids, std::uint64_t values,
@@ -204,7 +204,7 @@ __global__ void gather_ids_kernel(const std::uint64_t* __restrict__ of,
     out[i] = of[at[i]];
 }
 
-/// Ids rise along a thread's way, so its first find is its lowest.
+/// Ids ascend along a thread's loop, so the first one found is its lowest.
 template <class T>
 __global__ void not_finite_kernel(const __grid_constant__ DevicePointView points,
                                   unsigned long long* first) {
@@ -222,7 +222,7 @@ __global__ void not_finite_kernel(const __grid_constant__ DevicePointView points
 
 constexpr unsigned plain_threads = 256;
 
-/// Blocks for a loop over `items` with a stride of the whole grid.
+/// Number of blocks for a grid-stride loop over `items`.
 unsigned blocks_for(std::uint64_t items) {
   constexpr std::uint64_t most = 8192;
   const std::uint64_t blocks = (items + plain_threads - 1) / plain_threads;
@@ -232,7 +232,7 @@ unsigned blocks_for(std::uint64_t items) {
 }  // namespace
 
 std::uint32_t most_gauge_nodes(const Device& device) {
-  // 12288 nodes, 48 KiB, is what the map of highest dimension begins with: every device has that.
+  // The map of highest dimension needs at least 12288 nodes, 48 KiB, which every device has.
   const std::size_t bytes = device.shared_per_multiprocessor * 3 / 8;
   const std::size_t most = bytes < device.shared_per_block ? bytes : device.shared_per_block;
   return static_cast<std::uint32_t>(most / sizeof(float) > 12288 ? most / sizeof(float) : 12288);

@@ -1,4 +1,4 @@
-// The CUDA backend of builds without it: everything says so.
+// The CUDA backend of builds without CUDA: every function reports that it is missing.
 #include "cuda/backend.hpp"
 #include "cullhull/device_points.hpp"
 #include "flow/device_filter.hpp"

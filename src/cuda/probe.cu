@@ -1,4 +1,4 @@
-// A kernel that only exists, to learn whether this build has code for a device.
+// An empty kernel, launched to learn whether this build has code for a device.
 #include "cuda/runtime.hpp"
 
 namespace cullhull::internal::cuda {

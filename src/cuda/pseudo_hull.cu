@@ -19,7 +19,7 @@ struct EmitId {
   CULLHULL_HD void operator()(std::uint32_t i, std::uint32_t k) const { ids[k] = subset.point(i); }
 };
 
-/// A load that is not aligned would end the device's context.
+/// Checks the alignment: an unaligned load would destroy the device's context.
 template <class T>
 void require_aligned(const DevicePointView& points) {
   const auto bits = reinterpret_cast<std::uintptr_t>(points.data) |
@@ -30,7 +30,7 @@ void require_aligned(const DevicePointView& points) {
                 "points on a device must be aligned to their scalar type");
 }
 
-/// Pseudo-hulls of subsets of points where they lie, and the ids that each leaves.
+/// Pseudo-hulls of subsets of points in the device's memory, and the ids that each keeps.
 template <unsigned D, class T>
 class SubsetFilter {
  public:
@@ -46,14 +46,14 @@ class SubsetFilter {
     require_aligned<T>(points);
   }
 
-  /// How many points of the subset survive.
+  /// Returns the number of the subset's points that survive.
   std::uint32_t run(const PseudoSubset& subset, unsigned max_rounds, const Control& control,
                     std::vector<PseudoHullRound>& rounds) {
     control.check();
     growth_.run(rows_in_place<D, T>(view_, subset), size_of(subset), max_rounds, control, rounds);
     return growth_.left();
   }
-  /// Their ids, to memory of the device.
+  /// Writes their ids to device memory.
   void list(const PseudoSubset& subset, std::uint64_t* ids) {
     const std::uint32_t listed = growth_.executor().select(
         size_of(subset), NotCulled{growth_.culled()}, EmitId{subset, ids});
@@ -112,7 +112,7 @@ std::vector<std::uint64_t> pseudo_hull_survivors_cuda(const DevicePointView& poi
                                                       const PseudoHullSettings& settings,
                                                       const Control& control,
                                                       std::vector<PseudoHullRound>* rounds) {
-  // A subset smaller than this is not worth a device's rounds.
+  // The rounds of a smaller subset would not occupy a device (a guess).
   constexpr std::uint64_t least_points = std::uint64_t{1} << 17;
   std::vector<PseudoHullRound> unread;
   std::vector<PseudoHullRound>& report = rounds != nullptr ? *rounds : unread;

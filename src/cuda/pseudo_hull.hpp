@@ -13,10 +13,11 @@ namespace cullhull::internal {
 
 inline constexpr unsigned pseudo_hull_cuda_max_dimension = 6;
 
-/// As pseudo_hull_survivors, with the same answer for the same settings, but that 0 subsets means
-/// as few as their greatest size and the device's memory allow: all processors of the device work
-/// on one at a time. 2 to 6 dimensions. Device memory: 33 bytes a point of a subset, and the
-/// facets. Throws cuda::OutOfMemory where that is not there, cuda::Failure where the device fails.
+/// As pseudo_hull_survivors, with the same result for the same settings, except that 0 subsets
+/// means as few as their greatest size and the device's memory allow: all multiprocessors work on
+/// one subset at a time. 2 to 6 dimensions. Device memory: 33 bytes a point of a subset, and the
+/// facets. Throws cuda::OutOfMemory where that is not available, cuda::Failure where the device
+/// fails.
 std::vector<std::uint64_t> pseudo_hull_survivors_cuda(
     const DevicePointView& points, const PseudoHullSettings& settings, const Control& control,
     std::vector<PseudoHullRound>* rounds = nullptr);

@@ -1,5 +1,5 @@
-// Why CUDA cannot be used, from what the run-time library answered: a pure function, so that a
-// machine without a device tests every outcome.
+// Why CUDA cannot be used, from the run-time library's answers: a pure function, so that every
+// outcome is tested on machines without a device.
 #pragma once
 
 #include <driver_types.h>
@@ -13,7 +13,7 @@ inline constexpr int oldest_capability = 75;
 
 struct Probe {
   cudaError_t error = cudaSuccess;  ///< of counting the devices
-  int driver_version = 0;           ///< newest CUDA the driver knows; 0: there is no driver
+  int driver_version = 0;           ///< newest CUDA the driver supports; 0: there is no driver
   int runtime_version = 0;
   int devices = 0;
   std::string name;
@@ -21,7 +21,7 @@ struct Probe {
   cudaError_t code_error = cudaSuccess;  ///< of looking for our code for it
 };
 
-/// One line that says what to do, or nothing where all is well.
+/// One line that says what to do; empty where CUDA can be used.
 std::string unavailable_reason(const Probe& probe);
 
 }  // namespace cullhull::internal::cuda

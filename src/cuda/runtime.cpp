@@ -12,7 +12,7 @@
 namespace cullhull::internal::cuda {
 namespace {
 
-/// What broke the context, if anything did; never cleared, as nothing but a new process helps.
+/// The error that broke the context; never cleared, as only a new process recovers.
 class Poison {
  public:
   void set(const std::string& why) {
@@ -34,9 +34,9 @@ Poison& poison() {
   return p;
 }
 
-/// The errors that stay, as the documentation of the run-time library's codes says of each ("leaves
-/// the process in an inconsistent state"). Asking a stream whether it repeats the error would be no
-/// test: default streams answer with errors of their own while a graph is recorded.
+/// The sticky errors: those of which the documentation of the run-time library says that they leave
+/// "the process in an inconsistent state". Querying a stream again would be no test: default
+/// streams return errors of their own while a graph is recorded.
 bool sticky(cudaError_t error) {
   switch (error) {
     case cudaErrorIllegalAddress:
@@ -61,8 +61,9 @@ bool sticky(cudaError_t error) {
 
 std::atomic<bool> found_one{false};
 
-/// A pool of ours, so that the caller's is left as it is. What was freed stays with the pool up to
-/// this size: the next call need not ask the driver.
+/// A pool of our own, so that the caller's is unchanged. Up to this size freed memory stays in the
+/// pool, so that the next call need not ask the driver: enough for the mask and survivors of 10^9
+/// points.
 constexpr std::uint64_t pool_keeps = std::uint64_t{512} << 20;
 
 cudaMemPool_t make_pool(int ordinal) {
@@ -76,7 +77,7 @@ cudaMemPool_t make_pool(int ordinal) {
   if (cudaDeviceGetAttribute(&supported, cudaDevAttrMemoryPoolsSupported, ordinal) != cudaSuccess ||
       supported == 0 || cudaMemPoolCreate(&pool, &properties) != cudaSuccess ||
       cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &keeps) != cudaSuccess) {
-    (void)cudaGetLastError();  // cudaMalloc will do
+    (void)cudaGetLastError();  // falls back to cudaMalloc
     if (pool != nullptr) (void)cudaMemPoolDestroy(pool);
     return nullptr;
   }
@@ -131,7 +132,7 @@ Device query(int ordinal) {
 void check(cudaError_t status, const char* doing) {
   if (status == cudaSuccess) return;
   const std::string text = std::string(cudaGetErrorString(status));
-  (void)cudaGetLastError();  // it is said now: the next launch must not be blamed for it
+  (void)cudaGetLastError();  // cleared here, so that the next launch does not report it
   if (sticky(status)) {
     poison().set(text);
     throw Failure("CUDA failed " + std::string(doing) + ": " + text);
@@ -146,7 +147,7 @@ const Device& device(int ordinal) {
   if (const std::string why = poison().get(); !why.empty())
     throw Failure("CUDA failed earlier in this process (" + why +
                   ") and cannot be used until it is restarted");
-  // Devices stay listed to the end of the process: their pools must outlive every array.
+  // Devices are kept to the end of the process: their pools must outlive every array.
   static std::mutex mutex;
   static std::map<int, std::unique_ptr<Device>>& known =
       *new std::map<int, std::unique_ptr<Device>>;
@@ -160,7 +161,7 @@ const Device& device() {
   int ordinal = 0;
   if (cudaGetDevice(&ordinal) != cudaSuccess) {
     (void)cudaGetLastError();
-    ordinal = 0;  // no driver, no device: the query finds out which
+    ordinal = 0;  // no driver or no device: the query finds out which
   }
   return device(ordinal);
 }
@@ -187,7 +188,7 @@ void* allocate(std::size_t bytes, cudaStream_t stream) {
 
 void release(void* memory, cudaStream_t stream) noexcept {
   if (memory == nullptr) return;
-  // An array ends on the way out of an error as well: what freeing answers helps nobody.
+  // Arrays are also destroyed while an error is handled: errors of freeing are ignored.
   try {
     (void)(device().pool != nullptr ? cudaFreeAsync(memory, stream) : cudaFree(memory));
   } catch (const Error&) {
@@ -232,14 +233,14 @@ class PinnedPool {
   }
 
  private:
-  /// Both slots of a pass over points of the host, and as much again.
+  /// Twice the buffers of the two slots of a pass over points of the host.
   static constexpr std::size_t limit = std::size_t{256} << 20;
   std::mutex mutex_;
   std::multimap<std::size_t, void*> free_;
   std::size_t kept_ = 0;
 };
 
-/// Never destroyed: at the end of the process the driver may be gone before it.
+/// Never destroyed: at the end of the process the driver may already be unloaded.
 PinnedPool& pinned_pool() {
   static PinnedPool& pool = *new PinnedPool;
   return pool;
@@ -271,7 +272,7 @@ void release_pinned(void* memory, std::size_t bytes) noexcept {
   try {
     if (pinned_pool().keep(memory, pinned_block(bytes))) return;
   } catch (const std::exception&) {
-    // No memory to note it: it goes back.
+    // No memory to keep it in the list: it is freed.
   }
   (void)cudaFreeHost(memory);
 }

@@ -1,8 +1,8 @@
-// What our CUDA code needs of the run-time library: errors as exceptions, memory that frees itself,
-// the device. Compiled only where CUDA is; no kernel lives here, so plain C++ may include it.
-// What fails is cuda::OutOfMemory or cuda::Failure (backend.hpp). A failed kernel poisons its
-// process's context ("sticky"). That is remembered: every later call says so at once instead of
-// failing somewhere.
+// Wrappers of CUDA's run-time library: errors as exceptions, memory with destructors, the device.
+// Compiled only where CUDA is; it contains no kernel, so plain C++ may include it. Failures are
+// cuda::OutOfMemory or cuda::Failure (backend.hpp). A failed kernel breaks its process's context (a
+// "sticky" error). This is remembered: every later call reports it at once instead of failing
+// somewhere.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -32,17 +32,17 @@ struct Device {
 
 /// The current device, queried once; throws Failure with the reason if there is none to use.
 const Device& device();
-/// The same of the device with this number.
+/// The same for the device with this number.
 const Device& device(int ordinal);
 inline const Device& device_or_current(int ordinal) {
   return ordinal < 0 ? device() : device(ordinal);
 }
 
-/// Whether some device has been found usable before.
+/// Whether some device was found usable before.
 bool started() noexcept;
 
-/// Makes a device current, and the former one again at the end. Where a call begins: an error that
-/// the caller left unread is cleared, or the next launch would be blamed for it.
+/// Makes a device current, and restores the former one at the end. At the beginning of a call it
+/// clears an error that the caller left unread, as the next launch would report it.
 class DeviceScope {
  public:
   explicit DeviceScope(int ordinal);
@@ -84,14 +84,14 @@ class DeviceArray {
   cudaStream_t stream_ = nullptr;
 };
 
-/// Host memory that the device reads and writes by itself. Making it takes the system long, so what
-/// is freed is kept for the next call, up to a limit. Nothing may be under way to or from a block
-/// that is freed.
+/// Host memory that the device can access. Allocating it takes the system long, so freed blocks are
+/// kept for the next call, up to a limit. No copy from or to a block may be in flight when it is
+/// freed.
 void* allocate_pinned(std::size_t bytes);
 void release_pinned(void* memory, std::size_t bytes) noexcept;
 /// Bytes that are kept and free.
 std::size_t kept_pinned() noexcept;
-/// Gives them back to the system.
+/// Returns them to the system.
 void drop_kept_pinned() noexcept;
 
 template <class T>
@@ -116,7 +116,7 @@ class PinnedArray {
   std::size_t count_ = 0;
 };
 
-/// A stream of our own, which does not wait for the default stream.
+/// A stream that does not wait for the default stream.
 class Stream {
  public:
   Stream() {
@@ -137,7 +137,7 @@ inline void synchronise(cudaStream_t stream, const char* doing) {
   check(cudaStreamSynchronize(stream), doing);
 }
 
-/// Copies to the device. The host's memory is free again when this returns.
+/// Copies to the device. The host's memory may be reused when this returns.
 template <class T>
 void upload(T* to, const T* from, std::size_t count, cudaStream_t stream) {
   if (count == 0) return;
@@ -146,7 +146,7 @@ void upload(T* to, const T* from, std::size_t count, cudaStream_t stream) {
   synchronise(stream, "copying to the device");
 }
 
-/// Copies from the device; the values are there when this returns.
+/// Copies from the device; returns when the values have arrived.
 template <class T>
 void download(T* to, const T* from, std::size_t count, cudaStream_t stream) {
   if (count == 0) return;
@@ -155,7 +155,7 @@ void download(T* to, const T* from, std::size_t count, cudaStream_t stream) {
   synchronise(stream, "copying from the device");
 }
 
-/// Whether this build holds code that the current device can run; the answer of a small kernel.
+/// Whether this build has code that the current device can run; the status of an empty kernel.
 cudaError_t probe_device_code();
 
 }  // namespace cullhull::internal::cuda

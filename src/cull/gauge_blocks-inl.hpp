@@ -1,5 +1,5 @@
-// The GaugeMap's tests of vectors of points, quick ones first: the core, the levels, the map.
-// Included once per instruction set (Highway's way of doing that asks for the odd guard).
+// The GaugeMap's tests of vectors of points, cheapest first: the core, the levels, the map.
+// Included once per instruction set (hence Highway's unusual include guard).
 
 #include "cull/gauge_shortcuts.hpp"
 #include "cull/gauge_table.hpp"
@@ -32,18 +32,20 @@ using VI = hn::Vec<I>;
 using VU = hn::Vec<U>;
 using MF = hn::Mask<F>;
 
-/// Points that are tested together: by the core, so few that the processor has begun to read the
-/// next before it is done with them; by levels; by the map alone.
+/// Points tested together by the core, the levels and the map. With 32 points, whose test takes
+/// some 25 ns, the processor overlaps reading the next block with testing this one; where a test
+/// takes longer that does not happen, and blocks of 256 with prefetching were fastest
+/// (docs/performance.md, "The pass over all points").
 constexpr std::uint32_t core_block = 32, block_size = 64, many = 256;
 static_assert(gauge_chunk % many == 0 && many % block_size == 0 && block_size % core_block == 0);
 
 // 2^23: adding it to an integer below 2^23 leaves that integer in the low bits of the float.
 constexpr float integer_shift = 8388608.0F;
 constexpr std::uint32_t integer_shift_bits = 0x4B000000U;
-// Below this the point is the centre for all purposes; keeps the reciprocal finite.
+// A point whose norm is smaller is treated as the centre; keeps the reciprocal finite.
 constexpr float tiny = 0x1p-100F;
 
-/// Descending by key; carries the payload along.
+/// Sorts two lanes by descending key, payloads along.
 HWY_INLINE void order(VF& a, VF& b, VI& pa, VI& pb) {
   const I i;
   const MF swap = hn::Lt(a, b);
@@ -79,7 +81,7 @@ struct Direction {
   VF inverse;       // of it, finite
   VF face;          // number of the cube's face, an integer
   VF other[D - 1];  // coordinates on that face's grid axes, times norm
-  // A constructor of the compiler's making is not compiled for this target.
+  // A defaulted constructor would not be compiled for this target.
   HWY_INLINE Direction() {}
 };
 
@@ -115,7 +117,7 @@ HWY_INLINE Direction<D> direction_of(const VF (&y)[D]) {
   return out;
 }
 
-/// The bound of g(y) that the map gives; NaN or infinity where a coordinate is.
+/// An upper bound of g(y) from the map; NaN or infinity where a coordinate is.
 template <unsigned D>
 HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, const VF (&y)[D]) {
   const F f;
@@ -137,7 +139,7 @@ HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, 
     corner = hn::MulAdd(cell, hn::Set(f, t.stride[k]), corner);  // integers: exact
     step[k] = hn::Set(i, static_cast<std::int32_t>(t.stride[k]));
   }
-  // For a point with a NaN the corner may be anything: as an unsigned minimum it stays a node.
+  // For a point with a NaN the corner is arbitrary: the unsigned minimum keeps it in the table.
   const VU corner_node = hn::Min(hn::Sub(hn::BitCast(u, corner), hn::Set(u, integer_shift_bits)),
                                  hn::Set(u, t.last_corner));
 
@@ -154,7 +156,7 @@ HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, 
   return hn::Mul(direction.norm, sum);
 }
 
-/// Whether points are in the core: false where a coordinate is no number.
+/// Whether points are in the core: false where a coordinate is NaN.
 template <unsigned D, GaugeCore::Kind kind>
 class CoreTest {
  public:
@@ -187,7 +189,7 @@ class CoreTest {
   VF radius_[GaugeCore::norms];
 };
 
-/// The cell of the levels that y is in.
+/// The cell of the levels that holds y.
 HWY_INLINE VU level_cell(const GaugeLevels& l, const Direction<3>& direction) {
   const F f;
   const U u;
@@ -236,9 +238,9 @@ class SurvivorBits {
   alignas(8) std::uint8_t bits_[most / 8] = {};
 };
 
-/// Lists the survivors of `count` points; `load(i, y)` fetches the vector of points from i on.
-/// Bits are listed after the block, not a vector at a time: a branch on a fresh comparison, when
-/// mispredicted, costs the latency of the whole chain, and compressed stores are slow before
+/// Lists the survivors of `count` points; `load(i, y)` fetches the vector of points from i on. Bits
+/// are listed after the block, not after each vector: a branch on a comparison just made costs,
+/// when mispredicted, the latency of the whole chain, and compressed stores are slow before
 /// AVX-512.
 template <unsigned D, std::uint32_t most, class Load>
 HWY_INLINE std::size_t test_block(const GaugeTable& t, std::uint32_t first, std::uint32_t count,
@@ -257,11 +259,11 @@ HWY_INLINE std::size_t test_block(const GaugeTable& t, std::uint32_t first, std:
   return bits.list(first, count, ids);
 }
 
-/// Points that wait for the next test: columns, and where they are in the chunk.
+/// Points collected for the next test: their columns, and their positions in the chunk.
 template <unsigned D>
 class OpenPoints {
  public:
-  static constexpr std::uint32_t enough = many;  ///< to go on with them
+  static constexpr std::uint32_t enough = many;  ///< run the next test from so many on
   static constexpr std::uint32_t most = 2 * enough;
 
   std::uint32_t count() const { return count_; }
@@ -272,8 +274,8 @@ class OpenPoints {
   }
   void clear() { count_ = 0; }
 
-  /// Of `count` points, at most `enough` and no more than there is room for, those that
-  /// dropped(k, y) does not hold for, k being the first of a vector y of them.
+  /// Of at most `enough` points, adds those that dropped(k, y) is false for, k being the index of
+  /// the first lane of y.
   template <class Load, class Places, class Dropped>
   HWY_INLINE void add(std::uint32_t count, const Load& load, const Places& places,
                       const Dropped& dropped) {
@@ -284,7 +286,7 @@ class OpenPoints {
       load(k, y);
       MF stays = hn::Not(dropped(k, y));
       if (count - k < lanes) stays = hn::And(stays, hn::FirstN(F(), count - k));
-      // Not CompressStore: some processors take a hundred cycles for one.
+      // Not CompressStore, which takes a hundred cycles on Zen 4.
       for (unsigned j = 0; j < D; ++j) hn::StoreU(hn::Compress(y[j], stays), F(), columns_[j] + at);
       hn::StoreU(hn::Compress(places(k), hn::RebindMask(U(), stays)), U(), places_ + at);
       at += static_cast<std::uint32_t>(hn::CountTrue(F(), stays));
@@ -299,18 +301,20 @@ class OpenPoints {
   HWY_ALIGN std::uint32_t places_[row];
 };
 
-/// Whether a shortcut is taken: one that drops too little is left out for a while.
+/// Whether a shortcut (the core or the levels) is used: it is skipped for a while where it drops
+/// too little. Skipping 16 batches limits what a useless one costs to a sixteenth of its test.
 class Shortcut {
  public:
   explicit Shortcut(bool there) : there_(there) {}
   bool rests() const { return !there_ || rest_ > 0; }
-  /// By so many points.
+  /// Whether the next `points` points take it.
   bool taken(std::uint32_t points) {
     if (!rests()) return true;
     rest_ -= std::min(rest_, points);
     return false;
   }
-  /// It was asked about so many points and left so many of them.
+  /// It tested `asked` points and left `left` of them: with more than most_of_four quarters left it
+  /// costs more than it saves.
   void saw(std::uint32_t asked, std::uint32_t left, std::uint32_t most_of_four) {
     asked_ += asked;
     left_ += left;
@@ -336,20 +340,20 @@ class Blocks {
         levels_(D == 3 && shortcuts != nullptr && shortcuts->levels),
         ids_(ids) {}
 
-  /// At most so many points may be added next.
+  /// The most points that may be added next.
   std::uint32_t room() const {
     return !core_.rests() ? core_block : !levels_.rests() ? block_size : many;
   }
 
-  /// fetch(k) is called for each vector of points unless the core is asked about them: the other
-  /// tests take so long that memory should be asked ahead of time.
+  /// fetch(k) is called for each vector of points, except where the core tests them: the other
+  /// tests take long enough for prefetching to pay.
   template <class Load, class Fetch>
   HWY_INLINE void add(std::uint32_t first, std::uint32_t count, const Load& load,
                       const Fetch& fetch) {
     const VU lane = hn::Iota(U(), 0);
     const auto places = [&](std::uint32_t k)
                             HWY_ATTR { return hn::Add(hn::Set(U(), first + k), lane); };
-    // Both at once, as room() has seen them: what is passed on below ends rests as well.
+    // Both at once, as room() assumed: pass_on() below may end a pause, too.
     const bool by_core = core_.taken(count), by_levels = !by_core && levels_.taken(count);
     if (by_core) {
       const std::uint32_t before = for_levels_.count();
@@ -372,7 +376,7 @@ class Blocks {
     kept_ += test_block<D, many>(table_, first, count, ids_ + kept_, load_and_fetch);
   }
 
-  /// All points so far; returns how many are kept.
+  /// Finishes the points added so far; returns how many are kept.
   std::size_t finish() {
     pass_on();
     ask_map(for_map_);
@@ -389,7 +393,7 @@ class Blocks {
                     [&](std::uint32_t, const VF(&y)[D]) HWY_ATTR { return test(y); });
   }
 
-  /// What the core has left.
+  /// Passes on the points that the core left.
   HWY_NOINLINE void pass_on() {
     if constexpr (D == 3) {
       if (levels_.taken(for_levels_.count())) {
@@ -406,7 +410,7 @@ class Blocks {
     ask_map(for_levels_);
   }
 
-  /// Of at most block_size points; lanes beyond may hold anything.
+  /// Tests at most block_size points; lanes beyond may hold anything.
   template <class Load, class Places>
   HWY_INLINE void ask_levels(std::uint32_t count, const Load& load, const Places& places) {
     const F f;
@@ -423,7 +427,7 @@ class Blocks {
       hn::Store(level_cell(levels, direction), u, cells + k);
       hn::Store(direction.norm, f, norms + k);
     }
-    // One by one: gathering bytes costs more than the rest of the test.
+    // One by one: a gather of bytes took longer than the rest of the test (docs/performance.md).
     const std::uint8_t* HWY_RESTRICT of_cell = levels.of_cell.data();
     for (std::uint32_t k = 0; k < count; ++k) found[k] = of_cell[cells[k]];
     const VF unit = hn::Set(f, levels.unit);
@@ -431,7 +435,7 @@ class Blocks {
     const std::uint32_t before = for_map_.count();
     for_map_.add(count, load, places, [&](std::uint32_t k, const VF(&)[D]) HWY_ATTR {
       const VU level = hn::PromoteTo(u, hn::LoadU(bytes, found + k));
-      // False where a coordinate is no number.
+      // False where a coordinate is NaN.
       return hn::Lt(hn::Load(f, norms + k),
                     hn::Mul(hn::ConvertTo(f, hn::BitCast(I(), level)), unit));
     });

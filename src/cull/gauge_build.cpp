@@ -1,5 +1,5 @@
-// Building the table: at every node of the cube map an upper bound of the gauge, and the test of
-// single points by the cone that holds them.
+// Builds the table: at every node of the cube map an upper bound of the gauge; and the test of
+// single points by their cones.
 
 #include "cull/gauge_build.hpp"
 
@@ -16,7 +16,8 @@
 namespace cullhull::internal {
 namespace {
 
-/// With cones: also the facet that the walk to each node ended at, so that later walks begin near.
+/// With cones: also stores the facet that the walk to each node ended at, as a start for later
+/// walks.
 template <unsigned D>
 class Builder final : public GaugeCones {
  public:
@@ -40,12 +41,12 @@ class Builder final : public GaugeCones {
       scale[j] = walk_.scale(j);
     }
     fill_gauge_constants(t, centre, scale, face_);
-    // Pays when every facet is met many times.
+    // Inverting all facets pays when every one is visited many times.
     if ((settings.cones || walk_.facet_count() < t.nodes.size() / (2 * D)) &&
         !walk_.invert_facets(settings.threads) && !settings.convex)
       return false;
     if (settings.cones) hints_.resize(t.nodes.size());
-    // Each face by itself, so that no value depends on who fills what.
+    // Each face by itself, so that no value depends on the thread.
     for_each_chunk(2 * D, 1, t.nodes.size() < least_parallel ? 1 : settings.threads,
                    [&](std::uint64_t side, std::uint64_t, std::uint64_t) {
                      fill_face(t, static_cast<unsigned>(side));
@@ -96,8 +97,8 @@ class Builder final : public GaugeCones {
     return hints_[node];
   }
 
-  /// Nodes in proportion to facets, the fewest where more would keep hardly fewer points
-  /// (measured on balls), the most a share of L2.
+  /// Nodes in proportion to facets; at least so many that more would keep hardly fewer points of
+  /// balls (measured for each dimension), at most a share of L2: 64 K floats are 256 KB.
   unsigned automatic_cells(const GaugeSettings& settings) const {
     struct Rule {
       double per_facet;
@@ -116,7 +117,8 @@ class Builder final : public GaugeCones {
     const double nodes = std::clamp(wanted, rule.least, std::max(rule.least, most));
     const double edge = std::pow(nodes / (2 * D), 1.0 / (D - 1));
     unsigned cells = std::max(2U, static_cast<unsigned>(edge + 0.5) - 1);
-    // Bodies with the frame's planes of symmetry have creases there.
+    // Even, so that planes of symmetry through the centre, where bodies often have creases, fall on
+    // grid lines.
     if (D == 3) cells += cells % 2;
     while (most_nodes > 0 && cells > 2 && 2 * D * power(cells + 1, D - 1) > most_nodes) --cells;
     return cells;
@@ -139,8 +141,8 @@ class Builder final : public GaugeCones {
     double v[D];
   };
 
-  /// Fills the sub-grid of the lowest `axes` grid axes; neighbouring nodes start from each other's
-  /// facets. Returns the facet of its first node.
+  /// Fills the sub-grid of the lowest `axes` grid axes; walks to neighbouring nodes start at one
+  /// another's facets. Returns the facet of its first node.
   std::uint32_t fill_axis(Filler& filler, std::uint64_t node, std::uint64_t size, unsigned skip,
                           unsigned axes, std::uint32_t from) {
     if (axes == 0) return fill_node(filler, node, from);
@@ -164,7 +166,7 @@ class Builder final : public GaugeCones {
     for (unsigned j = 0; j < D; ++j) norm += std::abs(v[j]);
     const double fallback = walk_.lipschitz() * norm;
     double g = b.weight + walk_.lipschitz() * b.residual;
-    if (!(g < fallback)) g = fallback;  // also when g is NaN
+    if (!(g < fallback)) g = fallback;  // also for NaN
     filler.table.nodes[node] = round_up((g / cells_ + allowance_) * (1 + 0x1p-49));
     if (!hints_.empty()) hints_[node] = f;
     return f;

@@ -8,7 +8,7 @@
 
 namespace cullhull::internal {
 
-/// The polytope and the cones over its facets, for points one by one.
+/// The polytope and the cones over its facets, to test points one by one.
 class GaugeCones {
  public:
   virtual ~GaugeCones() = default;
@@ -16,7 +16,7 @@ class GaugeCones {
   virtual bool inside(const double* x) const = 0;
 };
 
-/// Fills `table` and, where asked for, `cones`; false when no useful map exists. See
+/// Fills `table` and, where `settings` ask for them, `cones`; false when no useful map exists. See
 /// GaugeMap::build.
 bool build_gauge_table(InnerPolytope&& polytope, const GaugeSettings& settings, GaugeTable& table,
                        std::unique_ptr<GaugeCones>* cones);

@@ -1,4 +1,4 @@
-// What every way to build a GaugeMap's table has in common: docs/exactness.md, "GaugeMap".
+// The constants that all ways to build a GaugeMap's table share: docs/exactness.md, "GaugeMap".
 #pragma once
 
 #include <cmath>
@@ -20,10 +20,10 @@ inline float round_up(double v) {
 inline double gauge_allowance(unsigned d, double lipschitz) {
   return (1 + 0x1p-40) * lipschitz * ((d - 1) * 0x1p-19 + d * 0x1p-23);
 }
-/// Beyond a quarter nothing would be culled.
+/// With a larger allowance hardly a point would be culled, since gauges below 1 are dropped.
 inline constexpr double most_gauge_allowance = 0.25;
 
-/// Everything but the nodes, of which a face has `face`; dimension and cells are there.
+/// Fills all but the nodes, of which a face has `face`; dimension and cells are set already.
 inline void fill_gauge_constants(GaugeTable& t, const double* centre, const double* scale,
                                  std::uint64_t face) {
   const unsigned d = t.dimension;

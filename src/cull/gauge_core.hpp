@@ -9,8 +9,8 @@
 
 namespace cullhull::internal {
 
-/// Points of the body are points that the map drops. In the map's frame it is an ellipsoid around
-/// the centre, or a box around it with cut edges and corners: both with the frame's axes.
+/// A body inside the region that the map drops. In the map's frame an ellipsoid around the centre,
+/// or a box around it with cut edges and corners: both with the frame's axes.
 struct GaugeCore {
   enum class Kind {
     round,  ///< the sum of weight_j y_j^2 is below radius[0]
@@ -25,8 +25,8 @@ struct GaugeCore {
 };
 
 /// The body that holds most of `probes` (columns of `count` coordinates in the map's frame), if it
-/// holds enough of them to be worth a test. docs/exactness.md, G9, proves that the map drops what
-/// is in the body. Does not depend on the number of threads.
+/// holds enough of them to pay. docs/exactness.md, G9, proves that the map drops every point of the
+/// body. Does not depend on the number of threads.
 std::optional<GaugeCore> make_core(const GaugeTable& table, const std::vector<float>& probes,
                                    std::uint32_t count, unsigned threads);
 

@@ -1,12 +1,12 @@
 // The GaugeMap's SIMD kernel, compiled once per instruction set and chosen at run time.
 //
 // A block of points is translated, scaled and rounded to f32 into a buffer that stays in L1 (the
-// only step that knows the input's layout and type), then tested a vector at a time. Every target
-// performs the same IEEE operations per point, so all of them keep the same points. Products are
-// fused only where the product is exact, or where the map has the last word.
+// only step that depends on the input's layout and type), then tested a vector at a time. Every
+// target performs the same IEEE operations per point, so all of them keep the same points. Products
+// are fused only where the product is exact, or where the map tests the point afterwards.
 //
-// Where a quick test decides most, blocks are so short that the processor reads the next while it
-// tests one: then asking for lines ahead of time only costs. Elsewhere they are asked for.
+// Where the cheapest test decides most points, blocks are so short that the processor reads the
+// next while it tests one, and prefetching only costs. Elsewhere the input is prefetched.
 
 #include "cull/gauge_table.hpp"
 #include "parallel/dispatch.hpp"
@@ -103,7 +103,7 @@ std::size_t survivors_rows(const GaugeTable& t, const GaugeShortcuts* shortcuts,
   for (std::uint32_t b = 0; b < count;) {
     const std::uint32_t n = std::min(blocks.room(), count - b);
     convert_rows<D, T>(pattern, data + std::size_t{b} * D, n, rows);
-    // The block after the next, as the next one could not all come in time.
+    // Two blocks ahead: the next block would arrive too late.
     const T* later = data + (std::size_t{b} + 2 * many) * D;
     blocks.add(
         b, n,

@@ -1,15 +1,16 @@
-// The GaugeMap's test of one point, and how a warp's lanes share out points: the text that the CUDA
-// kernel (gauge_kernel.cu) and its host twin (tests/agreement/gauge_lanes_test.cpp) both compile.
+// The GaugeMap's test of one point, and how the lanes of a warp divide points: the text that the
+// CUDA kernel (gauge_kernel.cu) and its host twin (tests/agreement/gauge_lanes_test.cpp) both
+// compile.
 //
 // Every operation is that of gauge_kernel.cpp, rounded the same, so that all three keep the same
 // points: sums and products in the same order (-fmad=false), a correctly rounded reciprocal. Three
-// things are done otherwise because they cost less there, with the same values:
+// steps are done in another way that gives the same values and costs less on a device:
 // * floor and conversion to integer run at an eighth of the speed of sums on a device. Rounded
 //   downward, place + 2^23 is floor(place) + 2^23 for 0 <= place < 2^23, the cell in its low bits.
 // * The norm is a maximum of floats, which ignores a NaN: then that coordinate is never dominant,
 //   its fraction is a NaN, and so is the sum. Where all are NaN, so is the norm.
 // * The last of the d nodes is the corner plus all strides, whatever the order of the steps.
-// Fused is only x * scale - offset, where the product is exact (docs/exactness.md, G3).
+// Only x * scale - offset is fused, where the product is exact (docs/exactness.md, G3).
 #pragma once
 
 #include <bit>

@@ -8,17 +8,19 @@
 namespace cullhull::internal {
 namespace {
 
-/// About so many parts along an edge of a face fill the L1 cache, or a little more.
+/// About so many cells along an edge of a face: their 38 KB of levels fill the L1 cache or a little
+/// more.
 constexpr std::uint32_t wanted_cells = 80;
-/// `overlap` is proved up to here.
+/// The bound `overlap` is proved for at most so many cells.
 constexpr std::uint32_t most_cells = 512;
-/// Within this part of a cell the cell that the levels choose and the place the map interpolates at
-/// agree.
+/// The cell that the levels choose and the place where the map interpolates agree to within this
+/// part of a cell (docs/exactness.md, G8).
 constexpr double overlap = 0x1p-10;
-/// And this covers the rounding of the map's sum, of the levels and of their comparison.
+/// Covers the rounding of the map's sum, of the levels and of their comparison.
 constexpr double margin = 0x1p-16;
 
-/// The largest of `width` neighbours along a stride, from `back` before each on, within [0, size).
+/// Replaces each value by the largest of `width` neighbours along a stride, from `back` before it
+/// on, within [0, size).
 void spread(std::vector<double>& v, std::uint32_t size, std::size_t step, std::size_t lines,
             std::size_t line_step, std::uint32_t back, std::uint32_t width) {
   std::vector<double> line(size);
@@ -34,7 +36,7 @@ void spread(std::vector<double>& v, std::uint32_t size, std::size_t step, std::s
   }
 }
 
-/// Below which |y|_inf the map drops what is in each cell of a face.
+/// For each cell of a face the |y|_inf below which the map drops every point of the cell.
 void find_limits(const GaugeTable& t, unsigned face, std::uint32_t parts, double* limits) {
   const std::uint32_t cells = t.cells * parts, row = cells + 1;
   // The largest value of each part, and of those around it as well.

@@ -9,15 +9,15 @@
 
 namespace cullhull::internal {
 
-/// Each cell of the map's faces, or each of s x s parts of it, has one level: points of that cone
-/// with |y|_inf below it are points that the map drops. Bytes, in units of the highest level:
-/// 6 cells^2 of them, face by face, grid axis 0 fastest.
+/// Each cell of the map's faces, or each of s x s parts of it, has one level: the map drops every
+/// point of that cone with |y|_inf below the level. Stored as bytes in units of the highest level /
+/// 255: 6 cells^2 of them, face by face, grid axis 0 fastest.
 struct GaugeLevels {
   std::uint32_t cells = 0;  ///< along an edge of a face
   float half_cells = 0;     ///< cells / 2, shrunk as the map's own is
   float middle = 0;         ///< cells / 2
   float face_stride = 0;    ///< cells^2
-  std::uint32_t last = 0;   ///< cell
+  std::uint32_t last = 0;   ///< number of the last cell
   float unit = 0;
   std::vector<std::uint8_t> of_cell;
 };

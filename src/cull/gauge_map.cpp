@@ -49,7 +49,7 @@ std::vector<std::uint64_t> GaugeMap::outside_cones(const Array<double>& rows,
   constexpr std::uint64_t block = 2048;
   const unsigned d = table_->dimension;
   const std::uint64_t count = rows.size() / d;
-  std::vector<std::uint64_t> kept(count);  // each block writes to its own stretch
+  std::vector<std::uint64_t> kept(count);  // each block writes to its own part
   std::vector<std::uint64_t> sizes(chunk_count(count, block));
   run.each_chunk(count, block, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     std::uint64_t k = begin;
@@ -74,11 +74,11 @@ std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, const Ru
   if (points.dimension != table_->dimension)
     throw Error(ErrorCode::internal, "the gauge map has another dimension than the points");
 
-  // Every chunk keeps its own list; their concatenation does not depend on who did which.
+  // Every chunk keeps its own list; their concatenation does not depend on threads.
   const std::uint64_t chunks = chunk_count(points.count, gauge_chunk);
   const unsigned d = points.dimension;
   std::vector<std::vector<std::uint16_t>> kept(chunks);
-  std::vector<std::vector<double>> kept_rows(rows != nullptr ? chunks : 0);
+  std::vector<Array<double>> kept_rows(rows != nullptr ? chunks : 0);
   std::atomic<std::uint64_t> gathered{0};
   const GaugeShortcuts shortcuts = make_shortcuts(*table_, points, points.count, run.threads);
   static_assert(gauge_chunk <= 65536);

@@ -14,7 +14,7 @@ namespace cullhull::internal {
 
 struct GaugeTable;
 
-/// A convex polytope whose vertices are input points: the pipeline hands it to the filter.
+/// A convex polytope whose vertices are input points, from which the filter is built.
 struct InnerPolytope {
   unsigned dimension = 0;
   /// Vertices, packed rows of exact input coordinates (untranslated, unscaled).
@@ -26,25 +26,24 @@ struct InnerPolytope {
 };
 
 struct GaugeSettings {
-  /// Cells along an edge of the cube map; 0 chooses from the facet count,
+  /// Cells along an edge of the cube map; 0: chosen by the facet count and the next three members.
   unsigned resolution = 0;
-  double share = 1;  ///< times this, with at least
-  std::uint32_t least_nodes =
-      0;                         ///< so many nodes, as far as a CPU's cache takes them, and at most
-  std::uint32_t most_nodes = 0;  ///< so many (0: what a CPU's cache takes).
-  /// Keeps the polytope, so that outside_cones() can be asked.
+  double share = 1;               ///< factor for the number of nodes
+  std::uint32_t least_nodes = 0;  ///< at least so many, as far as a CPU's cache holds them
+  std::uint32_t most_nodes = 0;   ///< at most so many; 0: as a CPU's cache holds
+  /// Keeps the polytope, as outside_cones() needs.
   bool cones = false;
-  /// False: the facets are only near those of a convex polytope, a surface that has moved, say.
-  /// They are used where each direction from the centre meets one of them; else there is no map.
-  /// Needs cones.
+  /// False: the facets are only near those of a convex polytope (after its vertices have moved,
+  /// say). They are used if each direction from the centre meets exactly one of them; else there is
+  /// no map. Needs cones.
   bool convex = true;
   unsigned threads = 1;
 };
 
-/// Rows of survivors, gathered where the pass that finds them has them in its cache.
+/// Rows of survivors, gathered in the pass that finds them, while they are in its cache.
 struct SurvivorRows {
-  std::uint64_t most = ~std::uint64_t{0};  ///< of them that are worth the memory
-  /// Packed, as doubles, finite or not; empty where survivors are more.
+  std::uint64_t most = ~std::uint64_t{0};  ///< no rows for more survivors than this
+  /// Packed, as doubles, not checked for finiteness; empty where there are more survivors.
   Array<double> rows;
 };
 
@@ -63,8 +62,8 @@ class GaugeMap {
                  GaugeSettings{.resolution = resolution, .most_nodes = most_nodes});
   }
 
-  /// Of an exact hull in space of so few facets, outward oriented, that every node can be held
-  /// against all of them; null as above.
+  /// For an exact hull in space with so few facets, outward oriented, that testing every node
+  /// against all of them is faster than walks; null as
   static std::unique_ptr<GaugeMap> of_few_facets(const InnerPolytope& polytope,
                                                  unsigned resolution);
 

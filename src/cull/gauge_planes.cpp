@@ -20,7 +20,7 @@ namespace cullhull::internal::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Every target's sums are within the slack, fused or not.
+/// For any target, fused or not, the sums are within the slack.
 void largest_gauges_in(const GaugePlanes& planes, unsigned cells, const float* x, const float* y,
                        const float* z, std::uint32_t count, float* gauges) {
   const hn::CappedTag<float, 16> f;
@@ -70,7 +70,7 @@ void largest_gauges(const GaugePlanes& planes, unsigned cells, const float* x, c
 
 namespace {
 
-/// The vertices' mean, which is inside, and powers of two that bring them to |y| <= 1.
+/// The vertices' mean, which is inside, and powers of two that scale the vertices to |y| <= 1.
 bool choose_frame(const InnerPolytope& p, double* centre, double* scale) {
   const std::size_t count = p.vertices.size() / 3;
   for (unsigned j = 0; j < 3; ++j) {
@@ -82,7 +82,7 @@ bool choose_frame(const InnerPolytope& p, double* centre, double* scale) {
       for (std::size_t v = 0; v < count; ++v) r = std::max(r, std::abs(p.vertices[v * 3 + j] - c));
       return r;
     };
-    // Points in f32 stay in f32 where the centre is one.
+    // The centre is rounded to f32 if it stays near, so that f32 input is processed in f32.
     const double single = static_cast<float>(mean);
     reach = reach_from(mean);
     if (std::abs(single - mean) <= 0x1p-7 * reach) {
@@ -99,8 +99,8 @@ bool choose_frame(const InnerPolytope& p, double* centre, double* scale) {
   return true;
 }
 
-/// docs/exactness.md, "GaugeMap", G2a, derives what is rounded where. False where a plane does not
-/// certainly pass the centre by.
+/// docs/exactness.md, "GaugeMap", G2a, derives the bound. False where the centre is not certainly
+/// beneath the plane.
 bool add_plane(const double* a, const double* b, const double* c, const double* centre,
                const double* scale, GaugePlanes& out) {
   constexpr double u = 0x1p-53, w = 0x1p-24;

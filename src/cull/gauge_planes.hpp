@@ -1,5 +1,5 @@
-// The GaugeMap's table of a polytope in space with few facets: every node is held against all of
-// their planes, which is sooner done than a walk from cone to cone.
+// The GaugeMap's table for a polytope in space with few facets: every node is tested against all of
+// their planes, which is faster than a walk from cone to cone.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace cullhull::internal {
 
-/// A facet's plane in the frame of a table: q . y is the gauge of y if no facet's is larger;
-/// `slack` covers all that was rounded, for |y| <= 1.
+/// A facet's plane in the frame of a table: the gauge of y is the largest q . y of all facets;
+/// `slack` bounds the rounding, for |y| <= 1.
 struct GaugePlanes {
   std::vector<float> q[3], slack;  // padded to multiples of 16 by copies of the last
 };

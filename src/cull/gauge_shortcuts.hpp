@@ -1,4 +1,4 @@
-// Tests that come before the GaugeMap's own and spare most points the latter.
+// Tests that run before the GaugeMap's own and decide most points at a lower cost.
 #pragma once
 
 #include <optional>
@@ -15,8 +15,8 @@ struct GaugeShortcuts {
   bool any() const { return core || levels; }
 };
 
-/// Those that pay for a pass over `count` points like these, which are 512 or more where `count` is
-/// large; a few of them decide.
+/// The shortcuts that pay for a pass over `count` points, judged by a sample of them (all of them
+/// if fewer than 512).
 GaugeShortcuts make_shortcuts(const GaugeTable& table, const PointView& points, std::uint64_t count,
                               unsigned threads);
 

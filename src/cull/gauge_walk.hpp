@@ -1,5 +1,5 @@
-// A polytope seen from a point inside: the cones over its facets, and the walk from cone to cone
-// that bounds the gauge of any direction (docs/exactness.md, G1 and G2).
+// The cones of a polytope's facets from a point inside, and the walk from cone to cone that bounds
+// the gauge of any direction (docs/exactness.md, G1 and G2).
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace cullhull::internal {
 
-/// What weights mu >= 0 on vertices q (relative to the centre) say of a direction v.
+/// What weights mu >= 0 on vertices q (relative to the centre) prove about a direction v.
 struct GaugeBound {
   double weight;    ///< at least the sum of the mu
   double residual;  ///< at least |v - sum mu q|_1
@@ -23,10 +23,10 @@ struct GaugeBound {
 
 /// The frame is y = (x - centre) * scale, scale powers of two, |y| <= 1 on the polytope.
 ///
-/// Nothing here trusts a facet. Whatever weights mu >= 0 on input points q are found for a
-/// direction v, the residual r = v - sum mu q is bounded, and
+/// Correctness does not depend on the facets. Whatever weights mu >= 0 on input points q are found
+/// for a direction v, the residual r = v - sum mu q is bounded, and
 ///   g(v) <= sum mu + L |r|_1,   L >= max g(+-e_j),
-/// holds for the gauge of the hull of those points. The facets only lead to good weights.
+/// holds for the gauge of the hull of those points. The facets only serve to find good weights.
 template <unsigned D>
 class ConeWalk {
  public:
@@ -48,8 +48,9 @@ class ConeWalk {
   /// L: no point of the unit 1-norm ball has a larger gauge.
   double lipschitz() const { return lipschitz_; }
 
-  /// Prepares every facet for many walks; pays when each is met many times. False if not all cones
-  /// have one orientation, as those of a convex polytope have: then walks may lead astray.
+  /// Inverts the matrix of every facet; pays when each facet is visited many times. False if not
+  /// all cones have one orientation, as those of a convex polytope have: then walks may not end at
+  /// the right cone.
   bool invert_facets(unsigned threads) {
     std::vector<double> inverses(std::size_t{facet_count_} * D * D);
     std::vector<Cone> cones(facet_count_);
@@ -93,9 +94,9 @@ class ConeWalk {
     return {weight * (1 + 0x1p-49), residual + (1 + weight) * 0x1p-1000};
   }
 
-  /// Walks over the ridges whose weight is negative to the cone that holds v. Convexity makes
-  /// sum mu grow from step to step, but for coplanar facets and rounding: hence the step limit
-  /// and the choice at random after the first half. Returns the best facet met.
+  /// Walks across ridges with a negative weight to the cone that holds v. By convexity sum mu grows
+  /// from step to step, except at coplanar facets and by rounding: hence the step limit, and a
+  /// random choice of the ridge after half of it. Returns the best facet visited.
   std::uint32_t walk(std::uint32_t from, const double* v, double (&best)[D],
                      std::uint64_t& random) const {
     if (!cones_.empty() && walk_roughly(from, v)) {
@@ -120,7 +121,7 @@ class ConeWalk {
         best_facet = f;
         std::copy(mu, mu + D, best);
       }
-      if (!(lack > 0x1p-40 * size)) break;  // rounding only: the residual accounts for it
+      if (!(lack > 0x1p-40 * size)) break;  // within rounding: the residual bounds it
       if (2 * step > step_limit_) {
         for (unsigned tries = 0; tries < 4 * D; ++tries) {
           const auto i =
@@ -139,14 +140,15 @@ class ConeWalk {
   static constexpr std::uint64_t random_seed = 88172645463325252U;
 
  private:
-  /// What a step of the walk reads: one or two cache lines. Single precision finds the way.
+  /// The data a step of the walk reads: one or two cache lines. Single precision suffices to find
+  /// the way.
   struct alignas(64) Cone {
     float inverse[D * D];
     std::uint32_t next[D];
   };
 
-  /// Moves `f` to the cone that holds v, or to a neighbour of it where rounding cannot tell; false
-  /// if that takes many steps.
+  /// Moves `f` to the cone that holds v, or to a neighbour of it within rounding; false after 128
+  /// steps, far more than a walk from a near start takes; then the caller walks in doubles.
   bool walk_roughly(std::uint32_t& f, const double* v) const {
     float w[D];
     for (unsigned j = 0; j < D; ++j) w[j] = static_cast<float>(v[j]);
@@ -170,7 +172,7 @@ class ConeWalk {
   const std::uint32_t* facet(std::uint32_t f) const { return &p_.facets[std::size_t{f} * D]; }
   const double* point(std::uint32_t v) const { return &q_[std::size_t{v} * D]; }
 
-  /// The vertices' bounding box around `centre_` decides the scale; fills q_.
+  /// Chooses the scale by the vertices' bounding box around `centre_`; fills q_.
   bool apply_centre() {
     for (unsigned j = 0; j < D; ++j) {
       double reach = 0;
@@ -191,8 +193,9 @@ class ConeWalk {
     return true;
   }
 
-  /// Centre: the centroid of the polytope (of up to 8192 of its facets' cones), which stays deep
-  /// inside however the vertices crowd; then the nearest f32 numbers if they are as good.
+  /// Centre: the centroid of the polytope (estimated from at most 8192 of its cones), which is deep
+  /// inside even where vertices crowd; then rounded to f32 if that moves it by less than 2^-7 of
+  /// the extent.
   bool choose_frame() {
     for (unsigned j = 0; j < D; ++j) {
       double mean = 0;
@@ -242,7 +245,7 @@ class ConeWalk {
         det = -det;
       }
       det *= a[k][k];
-      // A flat cone: any huge solution will lead the walk out of it.
+      // A flat cone: a huge solution makes the walk leave it.
       const double inverse = 1 / (a[k][k] != 0 ? a[k][k] : 0x1p-80);
       a[k][k] = inverse;
       for (unsigned r = k + 1; r < D; ++r) {
@@ -258,7 +261,7 @@ class ConeWalk {
     return det;
   }
 
-  /// Solves for the weights of v on the vertices of facet f, in or out of its cone.
+  /// Solves for the weights of v on the vertices of facet f, positive or not.
   void weights(std::uint32_t f, const double* v, double (&mu)[D]) const {
     if (!inverses_.empty()) {
       const double* row = &inverses_[std::size_t{f} * D * D];

@@ -7,30 +7,27 @@
 
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
+#include "parallel/random_stream.hpp"
 
 namespace cullhull::internal {
 namespace {
 
+/// Points a chunk: some 50 microseconds of work, as light_grain, whose steps are half as long.
 constexpr std::uint64_t chunk_size = 1 << 14;
 
-std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBULL;
-  return x ^ (x >> 31);
-}
-std::uint64_t mix(std::uint64_t seed, double v) {
+std::uint64_t hash_of(std::uint64_t seed, double v) {
   // 0 and -0 are equal, so they must hash alike.
-  return mix(seed + 0x9E3779B97F4A7C15ULL + std::bit_cast<std::uint64_t>(v + 0.0));
+  return mix64(seed + 0x9E3779B97F4A7C15ULL + std::bit_cast<std::uint64_t>(v + 0.0));
 }
 
-/// Some of the points, at pseudo-random places: input often has a period of its own. Some may come
-/// twice.
+/// A sample of the points at pseudo-random positions, as input often has a period of its own; a
+/// point may be drawn twice.
 std::vector<std::uint32_t> sample_of(std::uint32_t count) {
   const auto root = static_cast<std::uint32_t>(4 * std::sqrt(static_cast<double>(count)));
   const std::uint32_t size = std::max(root, 1024U);
   std::vector<std::uint32_t> ids(std::min(size, count));
   for (std::uint32_t k = 0; k < ids.size(); ++k)
-    ids[k] = size >= count ? k : static_cast<std::uint32_t>((mix(k + 1) >> 32) * count >> 32);
+    ids[k] = size >= count ? k : static_cast<std::uint32_t>((mix64(k + 1) >> 32) * count >> 32);
   return ids;
 }
 
@@ -39,7 +36,7 @@ void sort_sample(std::vector<std::uint32_t>& ids) {
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
-/// How many of the sample have a value of one axis that another one before them has.
+/// How many points of the sample share their value on an axis with an earlier one.
 std::uint64_t repeated_values(const Array<double>& rows, unsigned d, unsigned axis,
                               const std::vector<std::uint32_t>& sample) {
   const auto bits = static_cast<unsigned>(std::bit_width(sample.size())) + 1;
@@ -60,13 +57,13 @@ std::uint64_t repeated_values(const Array<double>& rows, unsigned d, unsigned ax
   return repeated;
 }
 
-/// How many points of the sample on common lines are a lattice.
+/// How many shared lines in the sample make a lattice.
 std::uint64_t enough_shared(std::uint64_t size, std::uint32_t count) {
   return std::clamp<std::uint64_t>(size * size / count, 4, size / 16 + 4);
 }
 
-/// Points on a line along one axis have a value of each other axis in common, so where values of
-/// two axes seldom repeat, no axis has many such lines. That is the rule, and soon seen.
+/// Points on a line along one axis agree on every other axis, so where values on two axes seldom
+/// repeat, no axis has many shared lines. This is the usual case, and quick to find.
 bool surely_no_lattice(const Array<double>& rows, unsigned d,
                        const std::vector<std::uint32_t>& sample, std::uint32_t count) {
   const auto seldom = [&](unsigned axis) {
@@ -76,12 +73,13 @@ bool surely_no_lattice(const Array<double>& rows, unsigned d,
   return d > 1 && seldom(0) && seldom(1);
 }
 
-/// A set of hashes that may take some for others: 256 bits for each it is to hold.
+/// A set of hashes that may confuse different ones (a Bloom filter with one hash): 256 bits for
+/// each hash it is to hold.
 class HashBits {
  public:
   explicit HashBits(std::uint64_t most) : words_(std::bit_ceil(most) * 4) {}
   void clear() { std::fill(words_.begin(), words_.end(), 0); }
-  /// 1 if it, or another that looks alike, was there.
+  /// 1 if it, or another with the same bit, was inserted before.
   unsigned insert(std::uint64_t hash) {
     const std::uint64_t bit = hash & 63;
     std::uint64_t& word = words_[hash >> 6 & (words_.size() - 1)];
@@ -95,9 +93,9 @@ class HashBits {
 };
 
 /// Whether thinning along some axis will drop many points. With m points on the line of an average
-/// point, s of n points have about s^2 m / 2 n pairs on common lines: we ask for m = 2. Lines are
-/// counted, not pairs, because a full line or a pair of equal points is no lattice; but most of the
-/// sample on few lines, or on few places, is enough.
+/// point, a sample of s of n points has about s^2 m / 2 n pairs on common lines; m = 2 is required.
+/// Lines are counted, not pairs, because a full line or a pair of equal points is no lattice; but
+/// if most of the sample lies on few lines, or at few places, that is enough.
 bool looks_like_a_lattice(const Array<double>& rows, unsigned d,
                           const std::vector<std::uint32_t>& sample, std::uint32_t count) {
   if (d == 1) return true;
@@ -105,7 +103,7 @@ bool looks_like_a_lattice(const Array<double>& rows, unsigned d,
   const std::uint64_t enough = enough_shared(size, count);
   // A line's hash is the sum of its coordinates' hashes: that of the point without the axis's own.
   const auto hash = [&](std::uint32_t i, unsigned j) {
-    return mix(mix(j + 1), rows[std::size_t{i} * d + j]);
+    return hash_of(mix64(j + 1), rows[std::size_t{i} * d + j]);
   };
   std::vector<std::uint64_t> sums(size, 0);
   for (std::size_t i = 0; i < size; ++i)
@@ -119,7 +117,8 @@ bool looks_like_a_lattice(const Array<double>& rows, unsigned d,
       lines[i] = {sums[i] - hash(sample[i], axis), sample[i]};
       again += seen.insert(lines[i].first);
     }
-    // Every line of two sampled points or more has met its own bit: without sorting, mostly.
+    // Points on the same line have the same bit, so too few repetitions rule a lattice out without
+    // sorting.
     if (again < enough && 4 * again <= size) continue;
     std::sort(lines.begin(), lines.end());
     std::uint64_t shared = 0, on_shared = 0;
@@ -140,12 +139,12 @@ bool looks_like_a_lattice(const Array<double>& rows, unsigned d,
 
 // ------------------------------------------------------------------------ numbers for coordinates
 
-/// Numbers for the values of one axis, in the same order: all that "between" needs to know of
-/// coordinates. Where values lie about evenly the number is computed; a table proves that no two
-/// values got the same.
+/// Numbers for the values of one axis, in the same order: being between two points of a line
+/// depends on the order alone. Where values are nearly evenly spaced the number is computed; a
+/// table then proves that no two values got the same number.
 class Spacing {
  public:
-  /// Guesses from a sample's values; false if that does not look like few even steps.
+  /// Guesses the spacing from a sample's values; false if that does not give a few even steps.
   bool guess(double low, double high, std::vector<double>&& values, std::uint64_t most) {
     low_ = low;
     if (low == high) return cells_ = 1, true;
@@ -154,7 +153,7 @@ class Spacing {
     for (std::size_t i = 1; i < values.size(); ++i)
       if (values[i] > values[i - 1]) step = std::min(step, values[i] - values[i - 1]);
     const double cells = std::round((high - low) / step) + 1;
-    if (!(cells <= static_cast<double>(most))) return false;  // infinite ones as well
+    if (!(cells <= static_cast<double>(most))) return false;  // also false for infinite values
     per_unit_ = (cells - 1) / (high - low);
     if (!std::isfinite(per_unit_)) return false;
     cells_ = static_cast<std::uint64_t>(cells);
@@ -162,12 +161,12 @@ class Spacing {
     return true;
   }
   unsigned bits() const { return static_cast<unsigned>(std::bit_width(cells_ - 1)); }
-  /// Ascends with v, as each operation does.
+  /// Monotone in v, as each operation is.
   std::uint64_t of(double v) const {
     return std::min(static_cast<std::uint64_t>((v - low_) * per_unit_ + 0.5), cells_ - 1);
   }
-  /// All values are noted; then, if all are found, no two different ones have the same number:
-  /// whichever was noted last.
+  /// All values are noted; if each value is then found under its number, no two different values
+  /// have the same number, whichever was noted last.
   void note(double v) {
     if (cells_ > 1) std::atomic_ref(values_[of(v)]).store(v, std::memory_order_relaxed);
   }
@@ -179,7 +178,7 @@ class Spacing {
   BigArray<double> values_;
 };
 
-/// Ranks among the distinct values of one axis, whatever they are.
+/// Ranks among the distinct values of one axis, for any spacing.
 class Ranks {
  public:
   /// False, early, if there are more than `most` distinct values.
@@ -211,7 +210,7 @@ class Ranks {
     bool used = false;
   };
   std::size_t find(double v) const {
-    std::size_t at = mix(0, v) & (slots_.size() - 1);
+    std::size_t at = hash_of(0, v) & (slots_.size() - 1);
     while (slots_[at].used && slots_[at].value != v) at = (at + 1) & (slots_.size() - 1);
     return at;
   }
@@ -236,8 +235,8 @@ struct Field {
   unsigned bits = 0, shift = 0;
 };
 
-/// The ends of the lines along one axis. Those of few lines have places of their own, those of many
-/// are found by hashing. What is kept of a line does not depend on the order of work.
+/// The two ends of each line along one axis: in a table indexed by line where lines are few, else
+/// in a hash table. Which points are kept does not depend on the order of work.
 class Lines {
  public:
   Lines(Field axis, unsigned total_bits, std::uint64_t points) : axis_(axis) {
@@ -255,7 +254,7 @@ class Lines {
     std::fill(high_.get() + begin, high_.get() + end, std::uint64_t{0});
     if (hashed_) std::fill(names_.get() + begin, names_.get() + end, nobody);
   }
-  /// By any number of threads.
+  /// May be called by several threads.
   void offer(const Keyed& p) {
     const std::uint64_t s = slot(p.key), low = as_low(p), high = as_high(p);
     const std::atomic_ref lowest(low_[s]), highest(high_[s]);
@@ -275,7 +274,8 @@ class Lines {
  private:
   static constexpr std::uint64_t nobody = ~std::uint64_t{0};
 
-  // Numbers are below 2^32, and of equal points the first is both the lowest and the highest.
+  // Numbers are below 2^32; of equal points the one with the lowest id is both the lowest and the
+  // highest.
   std::uint64_t along(std::uint64_t key) const {
     return key >> axis_.shift & ((std::uint64_t{1} << axis_.bits) - 1);
   }
@@ -287,7 +287,7 @@ class Lines {
     const std::uint64_t above = end < 64 ? key >> end << axis_.shift : 0;
     const std::uint64_t line = above | (key & ((std::uint64_t{1} << axis_.shift) - 1));
     if (!hashed_) return line;
-    for (std::uint64_t s = mix(line) & (slots_ - 1);; s = (s + 1) & (slots_ - 1)) {
+    for (std::uint64_t s = mix64(line) & (slots_ - 1);; s = (s + 1) & (slots_ - 1)) {
       const std::atomic_ref taken(names_[s]);
       std::uint64_t name = taken.load(std::memory_order_relaxed);
       if (name == nobody && taken.compare_exchange_strong(name, line, std::memory_order_relaxed))
@@ -324,8 +324,8 @@ class Thinner {
         [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) { body(c, begin, end); });
   }
 
-  /// Keys of bits b_0, b_1, ..., the last lowest; false if they need more than 64 bits, or a number
-  /// more than 32.
+  /// Packs fields of b_0, b_1, ... bits, the last lowest; false if they need more than 64 bits, or
+  /// one more than 32.
   bool lay_out(const std::vector<unsigned>& bits) {
     fields_.assign(d_, {});
     total_ = 0;
@@ -414,7 +414,7 @@ class Thinner {
     return true;
   }
 
-  /// Keeps the ends of the lines along an axis.
+  /// Keeps only the ends of the lines along an axis.
   void thin(Field axis) {
     Lines lines(axis, total_, left_);
     each_chunk(lines.slots(), [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
@@ -423,7 +423,7 @@ class Thinner {
     each_chunk(left_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) lines.offer(points_[i]);
     });
-    // Every chunk moves its own to its beginning; then the stretches are joined.
+    // Every chunk moves its own to its beginning; then the parts are joined.
     std::vector<std::uint64_t> sizes(chunk_count(left_, chunk_size));
     each_chunk(left_, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       std::uint64_t out = begin;

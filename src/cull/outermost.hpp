@@ -1,5 +1,5 @@
-// The points of a set that are farthest out, each in its own cone of directions: the few that a
-// filter of points in space is soon made of.
+// The outermost point of a set in each cone of directions: a few points whose hull makes a quick
+// filter in space.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,13 @@ namespace cullhull::internal {
 
 struct OutermostSettings {
   unsigned cells = 8;  ///< cones along an edge of the cube of directions, of which it has 6 cells^2
-  /// Where of some thousand points more than this share are nearly as far out as any in their
-  /// direction, there is no answer.
+  /// No answer where more than this share of about a thousand points is nearly as far out as the
+  /// outermost in its direction.
   double most_outside = 1;
 };
 
-/// Ascending ids of points in space, at most one for each cone: what is far is told roughly, in
-/// single precision, from somewhere in the middle. Empty where there is none to tell: points all
+/// Ascending ids of points in space, at most one for each cone. Distances are approximate: single
+/// precision, from the middle of a sample's box. Empty where no answer is possible: points all
 /// equal along an axis, coordinates that are not finite or span too much, most points outside.
 /// count < 2^32. Time O(n).
 std::vector<std::uint64_t> outermost_points(const PointView& points,

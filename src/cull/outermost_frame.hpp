@@ -1,9 +1,9 @@
-// What the search for the outermost points hands to its kernels.
+// The data that the search for the outermost points passes to its kernels.
 #pragma once
 
 namespace cullhull::internal {
 
-/// Where directions are seen from, and what makes the points' extents alike.
+/// The centre of the directions, and the scale that makes the points' extents alike.
 struct OutermostFrame {
   double centre[3], scale[3];
 };

@@ -10,11 +10,11 @@ namespace {
 /// Costs in nanoseconds on one thread, measured on balls (2.4 GHz Zen 3) and rounded: only their
 /// ratios matter. Wrong constants cost time, never correctness.
 struct Costs {
-  double sample_point;  ///< hulling a sample, a point of it, its facets included
-  double engine_point;  ///< what the engine spends on a point that turns out not to be extreme
-  double survivor;      ///< what a survivor of the first map costs the later stages
+  double sample_point;  ///< hulling a sample, facets included, for each of its points
+  double engine_point;  ///< the engine's time for a point that is not extreme
+  double survivor;      ///< the later stages' time for a survivor of the first map
   double pass;          ///< testing a point against the map
-  double build;         ///< laying the map
+  double build;         ///< building the map
   double excess;        ///< share the map keeps / share its polytope would keep
   double largest_probe;
   double largest_sample;
@@ -42,9 +42,9 @@ constexpr double device_start = 0.25;
 /// Making pinned memory, bytes a second: the system locks and clears its pages, 4 KB each at about
 /// a microsecond. Assumed, not measured: the first call for points of the host pays it.
 constexpr double pin_rate = 4e9;
-/// Two pieces under way of this many bytes each (cuda/gauge.cpp), or of the points if they are few.
+/// Two pieces in flight of this many bytes each (cuda/gauge.cpp), or of the points if they are few.
 constexpr double pinned_piece = 32 << 20;
-/// Launches, and waiting for the few words that come back: seconds a call.
+/// Launches, and waiting for the few words of the answer: seconds a call. A guess.
 constexpr double device_call = 100e-6;
 
 std::string seconds_text(double seconds) {
@@ -60,32 +60,32 @@ std::string seconds_text(double seconds) {
 
 }  // namespace
 
-// Where even dropping every point would save less than the map costs.
+// Below this many points even dropping all of them would save less than the map costs.
 std::uint64_t smallest_worth_culling(unsigned d) {
   const Costs& c = costs_of(d);
   return static_cast<std::uint64_t>(c.build / (c.engine_point - c.pass));
 }
 
-// The second map drops about half of the survivors and is larger: four builds for each such point.
+// The second map drops about half of the survivors and is larger: four times the first one's cost.
 std::uint64_t smallest_worth_refining(unsigned d) {
   const Costs& c = costs_of(d);
   return static_cast<std::uint64_t>(4 * c.build / (c.engine_point - c.pass));
 }
 
-// Medians of two threads beside one on two cores, one of them busy with something else. A disk of
-// 100,000 541 us beside 415 (idle 386 and 392): little but the filter.
+// Two threads beside one on two cores, one of them busy with something else, medians: a disk of
+// 100,000 points took 541 us beside 415 (both idle 386 and 392), nearly all of it the filter.
 unsigned useful_cull_threads(unsigned threads, std::uint64_t count, unsigned d) {
   return d == 2 && count < std::uint64_t{1} << 19 ? 1 : threads;
 }
 
-// As above, all points extreme: 10,000 438 us beside 271, 50,000 3.9 ms beside 1.5, 100,000 equal
-// (idle two thirds of it).
+// Likewise, all points extreme: 10,000 points took 438 us beside 271, 50,000 3.9 ms beside 1.5,
+// 100,000 the same (idle two thirds of it).
 unsigned useful_threads(unsigned threads, std::uint64_t count, unsigned d) {
   return d == 2 && count < std::uint64_t{1} << 16 ? 1 : threads;
 }
 
-// Where all points are extreme, hulling the probe takes at most its share of the whole: 1 / 128.
-// Below 8 d points a sample says nothing.
+// Where all points are extreme, hulling the probe costs its share of the whole, at most 1 / 128.
+// Samples of fewer than 8 d points show nothing.
 std::uint64_t probe_sample_size(std::uint64_t count, unsigned d) {
   const double size = std::min(static_cast<double>(count) / 128, costs_of(d).largest_probe);
   return std::min(count, std::max(static_cast<std::uint64_t>(size), std::uint64_t{8} * d));
@@ -112,10 +112,10 @@ std::string sample_finding(std::uint64_t sample, std::uint64_t extreme) {
   return std::to_string(extreme) + " of " + std::to_string(sample) + " sampled points are extreme";
 }
 
-// A pass on the host costs the larger of reading and testing. To a device the points are copied
-// into pinned memory while the piece before is on the link: the larger of those two, again; the
-// kernel is hidden behind both. A device that holds the points reads them at half of its copying
-// rate at least (docs/gpu.md), a copy moving two bytes for one.
+// A pass on the host costs the larger of reading and testing. For a device, points are copied into
+// pinned memory while the piece before is transferred: again the larger of the two; the kernel's
+// time is hidden behind both. A device that holds the points reads them at half of its copying rate
+// at least (docs/gpu.md), as a copy moves two bytes for one.
 Placement choose_place(const PlaceQuestion& q, const MachineConstants& m) {
   const auto n = static_cast<double>(q.count);
   const double bytes = n * static_cast<double>(q.point_bytes);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <new>
 #include <string>
 #include <thread>
@@ -13,7 +14,7 @@
 namespace cullhull::internal {
 namespace {
 
-constexpr int tag = 1;  // messages between two ranks come in the order in which they were sent
+constexpr int tag = 1;  // messages between two ranks arrive in the order in which they were sent
 
 double clock_seconds(clockid_t clock) {
   timespec t{};
@@ -30,8 +31,9 @@ void check_mpi(int code) {
               "MPI: " + std::string(text, static_cast<std::size_t>(std::max(length, 0))));
 }
 
-/// Awake at first, then offering the processor, then in sleeps that grow: a rank may wait for as
-/// long as another one hulls, and there may be more ranks than processors.
+/// Spins at first, then yields, then sleeps for growing times of at most 0.5 ms: a rank may wait
+/// for as long as another one computes a hull, and there may be more ranks than processors. The
+/// counts are guesses, not swept.
 class Pause {
  public:
   void take() {
@@ -46,7 +48,7 @@ class Pause {
   int turns_ = 0, micros_ = 10;
 };
 
-/// An exception as it travels.
+/// An exception in a form that can be sent.
 struct Failure {
   ErrorCode code = ErrorCode::internal;
   std::string message;
@@ -66,7 +68,7 @@ Failure described(const std::exception_ptr& failure) {
   }
 }
 
-/// Whether the exception was one of the caller's own, thrown by a function of the options.
+/// Whether the exception was thrown by a function of the caller's options, as no Error of ours.
 bool foreign(const std::exception_ptr& failure) {
   try {
     std::rethrow_exception(failure);
@@ -81,25 +83,79 @@ bool foreign(const std::exception_ptr& failure) {
 
 }  // namespace
 
+/// What stays with a communicator of the caller's from its first call on, until it is freed: a
+/// duplicate, so that messages of the caller are not met. Errors that all ranks share leave no
+/// message behind in it.
+struct Communicator::Kept {
+  MPI_Comm comm = MPI_COMM_NULL;
+  int machine_ranks = 1;
+  bool in_use = false;  ///< by a call whose `poll` makes another
+};
+
+namespace {
+
+int forget(MPI_Comm, int, void* kept, void*) {
+  std::unique_ptr<Communicator::Kept> k(static_cast<Communicator::Kept*>(kept));
+  int finalized = 0;
+  MPI_Finalized(&finalized);
+  if (finalized != 0 || k->comm == MPI_COMM_NULL) return MPI_SUCCESS;
+  return MPI_Comm_free(&k->comm);
+}
+
+/// By which a communicator has it.
+int key_of_kept() {
+  static const int key = [] {
+    int made = MPI_KEYVAL_INVALID;
+    check_mpi(MPI_Comm_create_keyval(MPI_COMM_NULL_COPY_FN, forget, &made, nullptr));
+    return made;
+  }();
+  return key;
+}
+
+}  // namespace
+
 double process_work() { return clock_seconds(CLOCK_PROCESS_CPUTIME_ID); }
 
 Communicator::Communicator(MPI_Comm parent, const Options& options, std::uint64_t piece_bytes)
     : options_(options), piece_bytes_(piece_bytes) {
+  check_mpi(MPI_Comm_rank(parent, &rank_));
+  check_mpi(MPI_Comm_size(parent, &size_));
+  void* found = nullptr;
+  int there = 0;
+  check_mpi(MPI_Comm_get_attr(parent, key_of_kept(), &found, &there));
+  if (there != 0 && !static_cast<Kept*>(found)->in_use) {
+    kept_ = static_cast<Kept*>(found);
+  } else {
+    own_ = std::make_unique<Kept>();
+    duplicate(parent, *own_);
+    kept_ = own_.get();
+    if (there == 0) {
+      check_mpi(MPI_Comm_set_attr(parent, key_of_kept(), kept_));
+      static_cast<void>(own_.release());
+    }
+  }
+  kept_->in_use = true;
+  comm_ = kept_->comm;
+}
+
+void Communicator::duplicate(MPI_Comm parent, Kept& kept) {
   MPI_Request request;
-  check_mpi(MPI_Comm_idup(parent, &comm_, &request));
+  check_mpi(MPI_Comm_idup(parent, &kept.comm, &request));
   finish(request);
-  check_mpi(MPI_Comm_rank(comm_, &rank_));
-  check_mpi(MPI_Comm_size(comm_, &size_));
   if (size_ == 1) return;
   MPI_Comm machine;
-  check_mpi(MPI_Comm_split_type(comm_, MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &machine));
-  check_mpi(MPI_Comm_size(machine, &machine_ranks_));
+  check_mpi(MPI_Comm_split_type(kept.comm, MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &machine));
+  check_mpi(MPI_Comm_size(machine, &kept.machine_ranks));
   check_mpi(MPI_Comm_free(&machine));
 }
 
-// Where a rank is lost the others must not wait for each other here; MPI frees without waiting.
+int Communicator::machine_ranks() const { return kept_->machine_ranks; }
+
+// After the loss of a rank the others must not wait for one another here; MPI frees the
+// communicator without waiting.
 Communicator::~Communicator() {
-  if (comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
+  kept_->in_use = false;
+  if (own_ && own_->comm != MPI_COMM_NULL) MPI_Comm_free(&own_->comm);
 }
 
 void Communicator::finish(MPI_Request request) {

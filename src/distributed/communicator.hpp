@@ -1,9 +1,10 @@
-// One call's view of an MPI communicator: messages of any length, waits that leave the processor
-// to others, what was sent, and errors that all ranks share.
+// An MPI communicator for one call: messages of any length, waits that leave the processor to
+// others, statistics of what was sent, and errors that all ranks share.
 #pragma once
 
 #include <cstdint>
 #include <exception>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -21,10 +22,11 @@ double process_work();
 
 class Communicator {
  public:
-  /// Messages are of at most so many bytes, as MPI counts them by int.
+  /// Longer messages are split, as MPI counts bytes by int.
   static constexpr std::uint64_t longest_message = std::uint64_t{1} << 30;
 
-  /// A duplicate of `parent`; collective. Views the options.
+  /// A duplicate of `parent`, made at its first call and kept with it until it is freed;
+  /// collective. Views the options.
   Communicator(MPI_Comm parent, const Options& options,
                std::uint64_t piece_bytes = longest_message);
   ~Communicator();
@@ -34,26 +36,27 @@ class Communicator {
   int rank() const { return rank_; }
   int size() const { return size_; }
   /// Ranks on this machine, this one included.
-  int machine_ranks() const { return machine_ranks_; }
+  int machine_ranks() const;
   const Traffic& traffic() const { return traffic_; }
+  struct Kept;
 
-  // Of two ranks, which both know the length.
+  // Between two ranks, both of which know the length.
   void send(const void* data, std::uint64_t bytes, int to);
   void receive(void* data, std::uint64_t bytes, int from);
 
   // Collective.
-  /// Down a binomial tree from `root`; all know the length.
+  /// Down a binomial tree from `root`; all ranks know the length.
   void broadcast(void* data, std::uint64_t bytes, int root);
-  /// The least of each place, over all ranks.
+  /// The element-wise minimum over all ranks.
   void least(std::span<std::uint64_t> values);
-  /// Sums over all ranks, for each place.
+  /// The element-wise sum over all ranks.
   void sum(std::span<std::uint64_t> values);
   /// The sum over the ranks below this one.
   std::uint64_t sum_before(std::uint64_t value);
 
-  /// Where `failure` is an exception on any rank, that of the lowest such rank is thrown on all.
+  /// If `failure` is an exception on any rank, throws that of the lowest such rank on all.
   void agree(const std::exception_ptr& failure);
-  /// Runs `work` on each rank and agrees on how it went. It must send nothing.
+  /// Runs `work` on each rank, then agrees on failures. It must send nothing.
   template <class Work>
   void together(const Work& work) {
     std::exception_ptr failure;
@@ -66,6 +69,7 @@ class Communicator {
   }
 
  private:
+  void duplicate(MPI_Comm parent, Kept& kept);
   void finish(MPI_Request request);
   void count(std::uint64_t bytes) {
     ++traffic_.messages;
@@ -73,8 +77,10 @@ class Communicator {
   }
 
   const Options& options_;
+  Kept* kept_ = nullptr;
+  std::unique_ptr<Kept> own_;  ///< where that is kept is in use
   MPI_Comm comm_ = MPI_COMM_NULL;
-  int rank_ = 0, size_ = 1, machine_ranks_ = 1;
+  int rank_ = 0, size_ = 1;
   std::uint64_t piece_bytes_;
   Traffic traffic_;
 };

@@ -1,4 +1,5 @@
-// The collective calls: agree, cull with the common map, merge, and the last hull on one rank.
+// The collective calls: agree on arguments, cull with the common map, merge, and compute the last
+// hull on one rank.
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -20,7 +21,7 @@ namespace {
 std::vector<Block> blocks_of(const PointView& local) { return {Block{local, 0}}; }
 std::vector<Block> blocks_of(std::span<const Block> local) { return {local.begin(), local.end()}; }
 
-/// The call: `finish` makes the result of the part of all, on the root.
+/// Runs the call; on the root `finish` computes the result from the points of all ranks.
 template <class Result, class Finish>
 Result collective(MPI_Comm comm, std::vector<Block> blocks, bool numbered,
                   const JobOptions& options, const Finish& finish) {
@@ -133,7 +134,7 @@ Certificate certify(MPI_Comm comm, std::span<const Block> local, const Hull& hul
   Hull copy;
   std::vector<double> rows;
   if (job.is_root()) rows = vertex_coordinates;
-  // The root sends from a copy of its own, as what is sent and what is received are one variable.
+  // The root sends a copy of its own, as one variable is both sent and received.
   job.on_root([&] { copy = hull; });
   broadcast(ranks, job.root(), copy);
   broadcast(ranks, job.root(), rows);
@@ -142,7 +143,8 @@ Certificate certify(MPI_Comm comm, std::span<const Block> local, const Hull& hul
     stream = std::make_unique<CertifyStream>(copy, std::move(rows), job.beside());
     for (const Block& b : job.blocks()) stream->push(b.points, b.first_id);
   });
-  // Each rank's finding in turn, as lengths differ: a few words of a rank that found no fault.
+  // The findings of one rank after the other, as their lengths differ: a few words of a rank
+  // without a fault.
   Certificate result;
   for (int from = 0; from < ranks.size(); ++from) {
     if (from == job.root()) continue;

@@ -22,8 +22,8 @@ constexpr std::uint64_t any = std::numeric_limits<std::uint64_t>::max();
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::invalid_argument, why); }
 
-/// The least and the greatest of a value over all ranks, of two places of least(); `any`: no rank
-/// had one.
+/// The minimum and the maximum of a value over all ranks, as two elements of least(); none(): no
+/// rank had a value.
 struct Range {
   std::uint64_t places[2];
   explicit Range(std::uint64_t value, bool has = true)
@@ -86,7 +86,7 @@ void Job::agree(std::vector<mpi::Block> blocks, bool numbered) {
 }
 
 void Job::agree_on_points() {
-  // Of ranks without points only those are asked that know something, where no other does.
+  // Ranks without points count only where no rank has points, and only if they know a dimension.
   std::uint32_t d = 0, d_of_none = 0;
   ScalarType scalar = ScalarType::f64, scalar_of_none = ScalarType::f64;
   std::uint64_t count = 0;
@@ -125,8 +125,8 @@ void Job::agree_on_points() {
 
 // ------------------------------------------------------------------------------- the common map
 
-/// About so many points of this rank, evenly; those that are not finite are left to be named when
-/// all points are looked at.
+/// About so many points of this rank, evenly spaced; those that are not finite are left out, and
+/// reported when all points are checked.
 NumberedPoints Job::sampled(std::uint64_t size) const {
   NumberedPoints all{dimension_, scalar_, {}, {}};
   if (local_ == 0) return all;
@@ -145,7 +145,7 @@ NumberedPoints Job::sampled(std::uint64_t size) const {
   return all;
 }
 
-/// What one process would take for its map, of each rank its share.
+/// This rank's share of the sample that one process would take for its map.
 Part Job::local_sample() {
   const std::uint64_t probe_size = probe_sample_size(local_, dimension_);
   Part part{sampled(probe_size), 0};
@@ -196,7 +196,8 @@ void Job::check_room(std::uint64_t bytes) const {
 }
 
 void Job::reduce(Part& part) const {
-  // Of a few parts the extreme points are not many less than the points: the root does it.
+  // With fewer parts the extreme points are not many fewer than the points: only the root reduces
+  // them. A guess.
   constexpr std::uint64_t worth = 4;
   if (part.merged < worth || !part.few()) return;
   keep_extreme(part.points, beside_);
@@ -211,9 +212,9 @@ Part Job::local_part() const {
     check_room(2 * (part.points.size() + left.size()) * left.point_bytes());
     part.points.append(left);
   }
-  // Survivors of a filter are a few times as many as extreme points: not worth a hull here, as the
-  // root takes one of all of them. Where they are more, or none could be dropped, they are not
-  // worth sending.
+  // Survivors of a filter are a few times as many as extreme points: not worth a hull on this rank,
+  // as the root computes one of all of them. Where they are more than 1/128 of the points (a
+  // guess), or none could be dropped, they are reduced before they are sent.
   constexpr std::uint64_t most_share = 128;
   if (part.points.size() > local_ / most_share) keep_extreme(part.points, beside_);
   return part;

@@ -1,5 +1,5 @@
-// One collective call: what the ranks have to agree on, the common map, this rank's part, and what
-// it all cost.
+// One collective call: the agreement of the ranks, the common map, this rank's part, and the
+// report.
 #pragma once
 
 #include <cstdint>
@@ -14,30 +14,31 @@ namespace cullhull::internal {
 
 class Job {
  public:
-  /// Collective, as all that follows. Views the options.
+  /// Collective, as all functions below. Views the options.
   Job(MPI_Comm comm, const mpi::JobOptions& options);
 
-  /// Agrees on dimension, scalar type, root and ids. These blocks are this rank's; numbered: as
-  /// they name their ids, else from those of the ranks below on.
+  /// Agrees on dimension, scalar type, root and ids. `blocks` are this rank's; `numbered`: they
+  /// name their ids, else ids continue from those of the ranks below.
   void agree(std::vector<mpi::Block> blocks, bool numbered);
 
   std::uint32_t dimension() const { return dimension_; }
   std::uint64_t point_count() const { return total_; }
   const std::vector<mpi::Block>& blocks() const { return blocks_; }
-  /// The rank that takes the last hull.
+  /// The rank that computes the last hull.
   int root() const { return options_.root == mpi::every_rank ? 0 : options_.root; }
   bool is_root() const { return ranks_.rank() == root(); }
   bool everywhere() const { return options_.root == mpi::every_rank; }
   Communicator& ranks() { return ranks_; }
-  /// Of a rank that works beside the others of its machine, and of one that the others wait for.
+  /// Options for work that all ranks of a machine do at once, and for work that the others wait
+  /// for.
   const Options& beside() const { return beside_; }
   const Options& alone() const { return alone_; }
 
-  /// The extreme points of samples of all ranks; none where no map would pay.
+  /// Exchanges samples and returns their extreme points; none where no map would pay.
   const Part& share_samples();
-  /// Leaves on the root what the points of all ranks contribute, ordered by id, not reduced.
+  /// Gathers on the root the points that all ranks contribute, sorted by id, not reduced.
   Part gather_parts();
-  /// Runs `work` on the root alone; where it throws, all do.
+  /// Runs `work` on the root alone; where it throws, all ranks throw.
   template <class Work>
   void on_root(const Work& work) {
     ranks_.together([&] {

@@ -7,7 +7,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// Sends on the root and receives elsewhere, so that what is sent is what is received.
+/// Sends on the root and receives elsewhere, so that the two always match.
 class Courier {
  public:
   Courier(Communicator& ranks, int root) : ranks_(ranks), root_(root) {}
@@ -32,7 +32,8 @@ class Courier {
       std::uint64_t count = list.size();
       value(count);
       ranks_.together([] {});
-      ranks_.broadcast(const_cast<T*>(list.data()), count * sizeof(T), root_);  // which only reads
+      // The root only reads.
+      ranks_.broadcast(const_cast<T*>(list.data()), count * sizeof(T), root_);
       return;
     }
     Array<T> received;
@@ -53,7 +54,7 @@ class Courier {
     }
     items(list.edit());
   }
-  /// One of a few names that are known everywhere.
+  /// One of a few constant names that every rank knows.
   void name(const char*& text) {
     std::string copy = text;
     items(copy);

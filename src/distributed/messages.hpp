@@ -1,4 +1,4 @@
-// Results as all ranks get them from one: field by field, bit for bit.
+// Sends results from one rank to all: field by field, bit for bit.
 #pragma once
 
 #include "cullhull/extreme_points.hpp"
@@ -7,7 +7,7 @@
 
 namespace cullhull::internal {
 
-// Makes that of `root` that of all ranks. Memory that fails on one rank fails on all.
+// Overwrites the argument by that of `root`. Where memory fails on one rank, all throw.
 void broadcast(Communicator& ranks, int root, Hull& hull);
 void broadcast(Communicator& ranks, int root, ExtremePoints& points);
 void broadcast(Communicator& ranks, int root, std::vector<double>& numbers);

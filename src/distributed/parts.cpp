@@ -5,7 +5,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// What precedes a part: nothing follows where its rank has failed.
+/// The header of a part: nothing follows where its rank has failed.
 struct Notice {
   std::uint64_t failed = 0, count = 0, seen = 0, merged = 0;
 };
@@ -26,16 +26,16 @@ void send_part(Communicator& ranks, const Part& part, bool failed, int to) {
   ranks.send(part.points.rows.data(), part.points.rows.size(), to);
 }
 
-/// Adds what another rank sends; where this rank has failed or does so here, the other is told.
+/// Adds the part of another rank; where this rank has failed or fails here, it tells the other.
 void receive_part(Communicator& ranks, Part& part, const Room& room, std::exception_ptr& failure,
                   int from) {
   Notice notice;
   ranks.receive(&notice, sizeof notice, from);
-  if (notice.failed != 0) return;  // it is heard of when all agree
+  if (notice.failed != 0) return;  // reported when all ranks agree
   Part other{{part.points.dimension, part.points.scalar, {}, {}}, notice.seen, notice.merged};
   if (notice.count > 0) {
     if (!failure) try {
-        // Both parts, and both once more as one.
+        // Both parts, and once more both joined.
         room(2 * (part.points.size() + notice.count) * part.points.point_bytes());
         resize(other.points, notice.count);
       } catch (...) {

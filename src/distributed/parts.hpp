@@ -1,4 +1,4 @@
-// What the points of some ranks contribute to the hull of all, and its way up a binomial tree.
+// The points that ranks contribute to the hull of all, and their gathering up a binomial tree.
 #pragma once
 
 #include <cstdint>
@@ -14,28 +14,28 @@ namespace cullhull::internal {
 struct Part {
   NumberedPoints points;
   std::uint64_t seen = 0;
-  std::uint64_t merged = 1;  ///< parts in it since extreme points were found
+  std::uint64_t merged = 1;  ///< number of parts joined since extreme points were found
 
   void append(const Part& other) {
     points.append(other.points);
     seen += other.seen;
     merged += other.merged;
   }
-  /// Whether it holds so few of its points that finding the extreme ones among them pays.
+  /// Whether it has so few of its points that reducing them to the extreme ones pays.
   bool few() const { return points.size() < seen / 2; }
 };
 
-/// May throw before so many bytes are taken in.
+/// May throw before so many bytes are allocated.
 using Room = std::function<void(std::uint64_t bytes)>;
 
-/// Leaves on `root` the parts of all ranks, end to end, and nothing on the others. Between two
-/// ranks: what is there, whether there is room for it, then ids and coordinates. `reduce` is called
-/// on each rank that has taken in others' parts and sends on, `room` before memory is taken; where
-/// one of them fails on any rank, all throw. `failure`: of this rank's part, if there is none.
+/// Collects on `root` the parts of all ranks, end to end; the others keep nothing. Messages between
+/// two ranks: the header, whether there is room, then ids and coordinates. `reduce` is called on
+/// each rank that has received parts and sends on, `room` before memory is allocated; where one of
+/// them fails on any rank, all throw. `failure`: of this rank's part, if it has none.
 void gather(Communicator& ranks, int root, Part& part, const std::function<void(Part&)>& reduce,
             const Room& room, std::exception_ptr failure);
 
-/// Makes the part of `root` that of all ranks.
+/// Overwrites the part of every rank by that of `root`.
 void broadcast(Communicator& ranks, int root, Part& part, const Room& room);
 
 }  // namespace cullhull::internal

@@ -12,8 +12,8 @@
 namespace cullhull::internal {
 namespace {
 
-/// Filters as convex_hull does; where most points are left of the common map, they lie elsewhere
-/// than most and have a map of their own.
+/// Filters as convex_hull does; where the common map keeps most points, they lie elsewhere than
+/// most, and a map of their own is used.
 Survivors filtered(const NumberedPoints& common, const PointView& points, const Run& run) {
   const CallScope call;
   if (common.size() > 0) {
@@ -33,7 +33,7 @@ NumberedPoints rows_of(const mpi::Block& block, const Survivors& left) {
     kept.append(block.points, 0, nullptr, block.points.count, block.first_id);
     return kept;
   }
-  // By stretches of as many points as 32 bits count.
+  // In ranges of as many points as 32 bits count.
   std::vector<std::uint32_t> positions;
   for (auto id = left.ids.begin(); id != left.ids.end();) {
     const std::uint64_t first = *id;
@@ -55,7 +55,7 @@ NumberedPoints survivors_of(const NumberedPoints& common, const mpi::Block& bloc
   try {
     left = filtered(common, block.points, run);
   } catch (const Error& e) {
-    if (e.code() != ErrorCode::not_finite) throw;  // named below, by its id
+    if (e.code() != ErrorCode::not_finite) throw;  // the error below names it by its id
   }
   NumberedPoints kept = rows_of(block, left);
   refuse_not_finite(kept, run.threads);

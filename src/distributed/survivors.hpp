@@ -6,8 +6,8 @@
 
 namespace cullhull::internal {
 
-/// Of a block the points that are not provably strictly inside the hull of `common`, points of all
-/// ranks, or of the block itself. Error{not_finite} names the first bad point by its id.
+/// The points of a block that are not provably strictly inside the hull of `common` (points of all
+/// ranks) or of the block itself. Error{not_finite} names the first bad point by its id.
 NumberedPoints survivors_of(const NumberedPoints& common, const mpi::Block& block,
                             const Options& options);
 

@@ -1,7 +1,8 @@
 // After Clarkson (More output-sensitive geometric algorithms, 1994): a point is tested against a
-// working set; if it is inside that hull, it is not extreme. If a direction separates it, the point
-// farthest along joins the working set, unless that is the point itself, which then is extreme.
-// Points are taken in blocks, outermost first; workers see the working set of the blocks before.
+// working set; if it is inside that set's hull, it is not extreme. If a direction separates it, the
+// point farthest in that direction joins the working set; if that is the point itself, it is
+// extreme. Points are tested in blocks, outermost first, against the working set of the blocks
+// before.
 #include "extreme/extreme_ids.hpp"
 
 #include <algorithm>
@@ -44,7 +45,7 @@ std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, const Run& run
   constexpr std::uint64_t chunk = 32;
   std::vector<std::uint8_t> present(points.count, 0);
   for (const std::uint32_t i : distinct(points, run.control)) present[i] = 1;
-  // Outermost first: they are the ones that others are inside of.
+  // Outermost first: their hull contains the others.
   std::vector<std::uint32_t> order;
   for (NormOrder all(points, {}, run); all.left() > 0;) all.take_round(order);
   order.erase(std::remove_if(order.begin(), order.end(), [&](auto i) { return !present[i]; }),

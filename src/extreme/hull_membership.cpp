@@ -1,7 +1,7 @@
 // Wolfe's method (Finding the nearest point in a polytope, 1976) from the point: either the nearest
-// point of the others' hull is some way off, then the direction to it separates, or the point is a
-// convex combination of a few others, the corral. Both are certificates that are checked exactly;
-// how they were found does not matter.
+// point of the others' hull is at some distance, and the direction to it separates the two, or the
+// point is a convex combination of a few others, the corral. Both are certificates that are checked
+// exactly, whatever the method's rounding.
 #include "extreme/hull_membership.hpp"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ HullMembership::HullMembership(const LocalPoints& points, const Control& control
 
 bool HullMembership::inside(std::uint32_t point, const PointColumns& others,
                             const PointColumns& working, std::vector<std::uint32_t>& useful) {
-  // Certificates are checked against the coordinates that doubles hold exactly.
+  // Certificates are checked in the scaled coordinates where scaling was exact.
   if (points_.exact == points_.coordinates) {
     origin_ = points_.row(point);
     if (in_known_simplex(point)) return true;
@@ -44,17 +44,18 @@ bool HullMembership::inside(std::uint32_t point, const PointColumns& others,
 HullMembership::Answer HullMembership::search(std::uint32_t point, const PointColumns& others,
                                               const PointColumns& working,
                                               std::vector<std::uint32_t>& useful) {
-  // Each round adds a working point; what takes more is left to exact arithmetic.
+  // Each round adds a working point; what takes more is left to exact arithmetic. A guess: some
+  // tens of rounds are usual.
   constexpr unsigned most_rounds = 200;
   for (unsigned round = 0; round < most_rounds; ++round) {
     control_.check();
     Answer answer = approach(point, working, useful);
     if (answer != Answer::separated) return answer;
-    // The direction separates the working points: does it separate all?
+    // The direction separates the point from the working points: from all others, too?
     std::uint32_t against = PointColumns::none;
     answer = separates_all(point, others, against);
     if (answer == Answer::separated) return answer;
-    // Was it tried already? Then rounding keeps us here.
+    // If that point was tried already, rounding prevents progress.
     if (working.contains(against) ||
         std::find(useful.begin(), useful.end(), against) != useful.end())
       return Answer::unknown;
@@ -63,7 +64,7 @@ HullMembership::Answer HullMembership::search(std::uint32_t point, const PointCo
   return Answer::unknown;
 }
 
-/// The last point's corral, as a first guess for one near it.
+/// Starts with the last point's corral, a good guess for a point near it.
 void HullMembership::begin_with_last(std::uint32_t point) {
   std::erase(corral_, point);
   weights_.assign(corral_.size(),
@@ -101,8 +102,8 @@ bool HullMembership::in_corral(std::uint32_t q) const {
   return std::find(corral_.begin(), corral_.end(), q) != corral_.end();
 }
 
-/// Whether a direction has all others on one side: direction_, or direction_ rounded to f32. If not
-/// (unknown), who is against it.
+/// Whether direction_, or direction_ rounded to f32, separates the point from all others. If not
+/// (unknown), `against` is one on the wrong side.
 HullMembership::Answer HullMembership::separates_all(std::uint32_t point,
                                                      const PointColumns& others,
                                                      std::uint32_t& against) {
@@ -112,7 +113,8 @@ HullMembership::Answer HullMembership::separates_all(std::uint32_t point,
     at += double{narrow_[j]} * origin_[j];
     size += std::abs(double{narrow_[j]});
   }
-  // Coordinates rounded to f32, d products and sums of numbers of at most |v|; `at` is far closer.
+  // Coordinates rounded to f32, d products and sums of numbers of at most |v|; the error of `at` is
+  // far smaller.
   const double narrow_bound = (d_ + 3) * 0x1p-24 * size + 0x1p-120;
   const PointColumns::Least found = others.least(narrow_.data(), point);
   against = found.id;
@@ -127,7 +129,7 @@ HullMembership::Answer HullMembership::separates_all(std::uint32_t point,
   against = farthest.id;
   if (farthest.least > bound) return Answer::separated;
   if (farthest.least < -bound) return Answer::unknown;
-  // Doubtful ones are decided exactly; the rest is beyond the bound on the right side.
+  // Doubtful signs are decided exactly; the other points are beyond the bound on the right side.
   const auto doubtful =
       std::find_if(others.ids().begin(), others.ids().end(),
                    [&](std::uint32_t o) { return o != point && side_of(point, o) <= 0; });
@@ -163,7 +165,7 @@ HullMembership::Farthest HullMembership::most_against(const std::vector<std::uin
   return result;
 }
 
-/// The same among the first `count`, as far as f32 tells.
+/// The same among the first `count`, in f32.
 HullMembership::Farthest HullMembership::roughly_most_against(const PointColumns& points,
                                                               std::uint32_t point,
                                                               std::size_t count) {
@@ -183,13 +185,14 @@ HullMembership::Answer HullMembership::approach(std::uint32_t point, const Point
     double square = 0;
     for (const double v : direction_) square += v * v;
     if (corral_.empty()) {
-      // From the middle of the frame outward: a direction that most others are against.
+      // Outward from the middle of the frame: a direction in which most others lie behind the
+      // point.
       for (unsigned j = 0; j < d_; ++j) direction_[j] = -origin_[j];
     } else if (square < 0x1p-80 || corral_.size() == d_ + 1) {
       if (prove_inside(point)) return Answer::inside;
       if (square < 0x1p-96) return Answer::unknown;
     }
-    // Mostly those that came first, the outermost, will do.
+    // Usually one of the first, which are the outermost, suffices.
     Farthest farthest = roughly_most_against(working, point, outermost);
     if (!(farthest.least < 0) || in_corral(farthest.id))
       farthest = roughly_most_against(working, point, PointColumns::none);
@@ -210,7 +213,7 @@ void HullMembership::add(std::uint32_t q) {
   weights_.push_back(corral_.size() == 1 ? 1 : 0);
 }
 
-/// direction_ = the corral's point of the present weights, seen from the origin.
+/// direction_ = the weighted point of the corral, relative to the query point.
 void HullMembership::combine() {
   std::fill(direction_.begin(), direction_.end(), 0.0);
   for (std::size_t i = 0; i < corral_.size(); ++i)
@@ -218,10 +221,10 @@ void HullMembership::combine() {
       direction_[j] += weights_[i] * (points_.row(corral_[i])[j] - origin_[j]);
 }
 
-/// Towards the nearest point of the corral's flat; what weighs nothing on the way leaves.
+/// Moves towards the nearest point of the corral's flat; corners whose weight becomes 0 leave.
 void HullMembership::move_to_nearest() {
   while (corral_.size() > 1) {
-    if (!nearest_in_flat()) {  // affinely dependent, as far as rounding lets us see
+    if (!nearest_in_flat()) {  // affinely dependent, up to rounding
       corral_.pop_back();
       weights_.pop_back();
       return;
@@ -253,7 +256,7 @@ void HullMembership::move_to_nearest() {
   if (!weights_.empty()) weights_[0] = 1;
 }
 
-/// flat_: affine weights of the point nearest to the origin in the corral's flat, from the bordered
+/// flat_: affine weights of the point nearest to the origin in the corral's flat, by the bordered
 /// Gram matrix. False where that is singular.
 bool HullMembership::nearest_in_flat() {
   const std::size_t n = corral_.size(), m = n + 1;
@@ -293,13 +296,13 @@ bool HullMembership::nearest_in_flat() {
   return true;
 }
 
-/// Exactly: whether the point is a convex combination of the corral's points. Solves
-/// sum w_i (q_i - p) = 0, sum w_i = 1 over the rationals; the corral may span a flat only.
+/// Decides exactly whether the point is a convex combination of the corral's points. Solves sum w_i
+/// (q_i - p) = 0, sum w_i = 1 in rational numbers; the corral need not span all of space.
 bool HullMembership::certain_inside(std::uint32_t point) const {
   const std::size_t n = corral_.size(), rows = d_ + 1;
   if (n == 0) return false;
   if (n == rows && d_ <= 8) {
-    // A simplex: the point replaces each corner in turn and must not turn it over.
+    // A simplex: replacing each corner in turn by the point must not change the orientation.
     std::vector<const double*> q(n);
     for (std::size_t i = 0; i < n; ++i) q[i] = points_.exact_row(corral_[i]);
     const Sign whole = orientation(d_, q.data());

@@ -1,5 +1,5 @@
-// Whether a point is in the convex hull of others, without the hull: linear programming, in
-// floating point with exactly checked certificates, else in rational numbers.
+// Decides whether a point is in the convex hull of others, without building the hull: by linear
+// programming, in floating point with exactly checked certificates, else in rational arithmetic.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,14 @@
 
 namespace cullhull::internal {
 
-/// Tests points of one set against the others. Not thread safe; each worker has its own.
+/// Tests points of one set against the others. Not thread safe; each worker has its own object.
 class HullMembership {
  public:
   HullMembership(const LocalPoints& points, const Control& control);
 
-  /// Whether `point` is in the hull of the points `others` without itself. No other may equal it.
-  /// `working`: some of `others`, tried first; points that proved useful are appended to `useful`.
-  /// Points near the last ones are tested faster.
+  /// Whether `point` is in the hull of the other points of `others`, none of which may equal it.
+  /// `working`: some of `others`, tried first; points that were needed are appended to `useful`.
+  /// Points near the last one are tested faster.
   bool inside(std::uint32_t point, const PointColumns& others, const PointColumns& working,
               std::vector<std::uint32_t>& useful);
 
@@ -57,11 +57,11 @@ class HullMembership {
   std::vector<double> weights_, flat_, direction_, system_;
   std::vector<float> narrow_;  ///< direction_, its largest coordinate 1
   static constexpr unsigned most_simplices = 8;
-  std::vector<SimplexInverse> simplices_;  ///< that points were found in of late
+  std::vector<SimplexInverse> simplices_;  ///< simplices that recent points were found in
   unsigned newest_ = 0;
 };
 
-/// The same by Bland's rule over the rationals: always right, slow.
+/// The same by the simplex method with Bland's rule in rational arithmetic: never fails, slow.
 bool inside_exact(const LocalPoints& points, std::uint32_t point,
                   const std::vector<std::uint32_t>& others, const Control& control);
 

@@ -1,7 +1,8 @@
-// The simplex method, phase one, over the rationals with Bland's rule (1977), which never cycles.
+// The simplex method, phase one, in rational arithmetic with Bland's rule (1977), which never
+// cycles.
 //
-// Find w >= 0 with sum w_q (q - p) = 0 and sum w_q = 1. One artificial variable a row is the first
-// basis; their sum goes to zero exactly if p is in the hull. Kept is the inverse of the basis.
+// Find w >= 0 with sum w_q (q - p) = 0 and sum w_q = 1. The first basis has one artificial variable
+// a row; their sum reaches zero exactly if p is in the hull. The inverse of the basis is stored.
 #include <cmath>
 #include <vector>
 
@@ -77,7 +78,7 @@ class Simplex {
     mpq_set_si(column_.at(0, rows_ - 1), 1, 1);
   }
 
-  /// The first column with prices . column > 0. What doubles show to be negative is passed over.
+  /// The first column with prices . column > 0. Columns that doubles prove negative are skipped.
   std::size_t improving() {
     const bool floating = points_.exact == points_.coordinates && std::isfinite(rounded_size_);
     // |column| <= 2, each difference and product and sum rounded, prices within 2u.
@@ -113,8 +114,8 @@ class Simplex {
         mpq_add(entering_.at(0, i), entering_.at(0, i), t_.value);
       }
     }
-    // Least ratio, the lowest variable among equals (Bland). One exists: the sum of the artificial
-    // variables cannot fall without end.
+    // Least ratio, the lowest variable among equals (Bland). One exists, as the sum of the
+    // artificial variables is bounded below.
     std::size_t leaving = rows_;
     for (std::size_t i = 0; i < rows_; ++i) {
       if (mpq_sgn(entering_.at(0, i)) <= 0) continue;

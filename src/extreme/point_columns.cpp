@@ -1,8 +1,9 @@
 // The scan over blocks, compiled once per instruction set.
 //
-// A box's bound is computed by the operations, in their order, that give a point's value, from the
-// corner that is least along the direction. Rounded products and sums are monotone, so the bound is
-// at most every computed value of the block: passing it over changes nothing.
+// A box's bound is computed by the same operations, in the same order, as a point's value, from the
+// box's corner that is least along the direction. Rounded products and sums are monotone, so the
+// bound is at most every computed value of the block: skipping the block does not change the
+// result.
 
 #include "extreme/point_columns.hpp"
 
@@ -21,7 +22,7 @@ namespace cullhull::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using F = hn::CappedTag<float, PointColumns::box_group>;
 
-/// Values of one vector of points: coordinate j begins at from[j] + offset.
+/// The values of a vector of points: coordinate j begins at from[j] + offset.
 template <class From>
 HWY_INLINE hn::Vec<F> along(const From& from, unsigned d, const float* direction) {
   const F f;

@@ -1,4 +1,4 @@
-// Points laid out for one question: which of them is least along a direction?
+// A layout of points for finding the one that is least along a direction.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 namespace cullhull::internal {
 
 /// Coordinates rounded to f32, column by column in blocks, each block with its bounding box: a
-/// block whose box is not low enough is passed over. Points near one another in the order they are
-/// added in make tight boxes.
+/// block whose box is not low enough is skipped. Points that are added near one another make small
+/// boxes.
 class PointColumns {
  public:
   static constexpr std::uint32_t none = 0xFFFFFFFF;
@@ -30,16 +30,16 @@ class PointColumns {
     std::uint32_t id = none;  ///< none: there is no other point
     float value = 0;
   };
-  /// The least direction . x but for point `except`, computed in f32: of the first `count` points
-  /// (a multiple of `block`, or all), each off by at most (d + 2) 2^-24 sum |direction_j| + 2^-120
-  /// where all |x_j| <= 1.
+  /// The least direction . x of the first `count` points (a multiple of `block`, or all) without
+  /// point `except`, computed in f32: off by at most (d + 2) 2^-24 sum |direction_j| + 2^-120 where
+  /// all |x_j| <= 1.
   Least least(const float* direction, std::uint32_t except, std::size_t count = none) const;
 
  private:
   const LocalPoints& points_;
   std::vector<std::uint32_t> ids_, slot_;
   /// Coordinate j of point k of block b: points_f32_[(b d + j) 64 + k]; of box k of group g:
-  /// low_[(g d + j) 16 + k]. What is not there is NaN.
+  /// low_[(g d + j) 16 + k]. Padding is NaN.
   std::vector<float> columns_, low_, high_;
 };
 

@@ -1,4 +1,4 @@
-// Rational numbers with a scope, and small systems of them.
+// Rational numbers with destructors, and small systems of them.
 #pragma once
 
 #include <gmp.h>
@@ -22,8 +22,8 @@ class RationalMatrix {
       : rows_(rows), columns_(columns), items_(std::make_unique<Rational[]>(rows * columns)) {}
   mpq_ptr at(std::size_t i, std::size_t j) { return items_[i * columns_ + j].value; }
 
-  /// The last column is a right-hand side. Whether the system has exactly one solution and that has
-  /// no negative value. Changes the matrix.
+  /// Whether the system, its right-hand side in the last column, has exactly one solution and that
+  /// has no negative component. Overwrites the matrix.
   bool solves_without_negatives() {
     const std::size_t n = columns_ - 1;
     Rational f, t;

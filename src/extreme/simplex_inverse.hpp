@@ -1,4 +1,4 @@
-// A simplex that many points can be tested against, surely and fast.
+// A simplex that points can be tested against quickly, with a proof.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace cullhull::internal {
 
-/// The rounded inverse of the matrix of a simplex's corners, and what it may be off by:
+/// The rounded inverse of the matrix of a simplex's corners, and its error bound:
 /// docs/exactness.md, "Extreme points without facets".
 class SimplexInverse {
  public:
@@ -21,7 +21,7 @@ class SimplexInverse {
  private:
   unsigned rows_ = 0;
   std::vector<double> inverse_;  ///< rows_ x rows_: barycentric coordinates of (x, 1)
-  std::vector<double> allowed_;  ///< rounding of each
+  std::vector<double> allowed_;  ///< rounding error of each
   /// 2 sum_i max_j |I - M A|_ij; infinite where there is no simplex.
   double rest_ = std::numeric_limits<double>::infinity();
 };

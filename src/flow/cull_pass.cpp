@@ -52,7 +52,7 @@ void CullPass::ask_planner() {
   question.device_started = cuda_started();
   question.pinned_bytes = kept_pinned_memory();
   const Placement place = choose_place(question, run_.options.machine);
-  // What a device would take is told only where there may be one.
+  // The device's estimate is reported only where there may be a device.
   reason_ = cuda_in_sight() ? place.reason : place.host_reason;
   device_ = place.device;
   if (!device_) return;

@@ -1,5 +1,5 @@
-// The pass of a GaugeMap over all points, where they are in the host's memory: on the CPU or,
-// copied there in pieces, on a CUDA device.
+// The pass of a GaugeMap over all points in the host's memory: on the CPU or, copied in pieces, on
+// a CUDA device.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,18 @@
 
 namespace cullhull::internal {
 
-/// Where the first pass runs. A device that was asked for has been required before; one that the
-/// planner chose may turn out not to be there, which is no error.
+/// Decides where the pass runs, and runs it. A device that the options require was checked before;
+/// one that the planner chose may turn out to be missing, which is no error.
 class CullPass {
  public:
-  /// Decides. Views points and run.
+  /// Views `points` and `run`.
   CullPass(const PointView& points, const Run& run);
 
-  /// Nodes of a map the pass can hold close by; 0: the CPU's choice.
+  /// The most nodes of a map that fit the executor's cache; 0: the CPU's default.
   std::uint32_t most_nodes() const;
 
-  /// Sets what the map keeps, where that was found, and adds why there to the reason. On the CPU
-  /// their rows as well, if asked for.
+  /// Sets what the map keeps and where the pass ran, and appends why to the reason. On the CPU also
+  /// gathers the rows of survivors, if asked for.
   void cull(const GaugeMap& map, Survivors& result, SurvivorRows* rows = nullptr);
 
  private:

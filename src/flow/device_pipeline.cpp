@@ -1,5 +1,5 @@
 // The flow for points in a device's memory: cull there, then hull the survivors as points of the
-// host under their own names.
+// host, and translate their ids back.
 #include <algorithm>
 #include <utility>
 
@@ -40,7 +40,7 @@ Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const
   rest.cull = CullMethod::none;
   Hull hull =
       convex_hull(PointView::row_major(filtered.rows.data(), count, points.dimension), rest);
-  // Survivors ascend, so whatever was ordered by position among them is ordered by id.
+  // Survivors ascend, so all that is ordered by position among them is ordered by id.
   if (!s.all) hull.rename([&](std::uint64_t position) { return s.ids[position]; });
   hull.point_count = points.count;
   hull.scalar = points.scalar;

@@ -12,7 +12,8 @@ namespace cullhull::internal {
 namespace {
 
 void thin_lattice(EngineInput& input, unsigned d, const Run& run) {
-  // Below this many points the engine is done before the sorts are.
+  // With fewer points the engine takes less time than the lattice test (a guess; the test takes 110
+  // us for 1,000 points).
   constexpr std::uint64_t worthwhile = 256;
   std::vector<std::uint32_t> kept;
   if (input.count < worthwhile ||

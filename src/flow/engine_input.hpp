@@ -1,4 +1,4 @@
-// From what a filter left to what an engine takes.
+// From the survivors of a filter to the input of an engine.
 #pragma once
 
 #include <cstdint>
@@ -20,14 +20,14 @@ struct EngineInput {
   std::uint64_t count = 0;
 };
 
-/// Gathers what is not at hand yet. Throws Error{not_finite} for the first bad point,
+/// Gathers the coordinates that `filtered` lacks. Throws Error{not_finite} for the first bad point,
 /// Error{out_of_budget}.
 EngineInput engine_input(const PointView& points, Filtered&& filtered, const Run& run);
 
 /// The hull of points on a line: the two ends.
 Boundary ends_of_line(const LocalPoints& points);
 
-/// What a filter left of points of the plane: they need no frame and are hulled where they lie.
+/// The survivors of points of the plane: they need no frame, and are hulled in the caller's memory.
 struct PlanarRows {
   PlanarRows(const PointView& points, const Filtered& filtered)
       : rows(filtered.survivors.all

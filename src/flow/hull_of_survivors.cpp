@@ -25,8 +25,9 @@ Boundary run_engine(const LocalFrame& frame, Engine engine, const Run& run) {
   return hull_nd(points, frame.simplex().data(), run);
 }
 
-/// False beyond the plane and for flats and polygons of extraordinary proportions: then the corners
-/// alone are left of `filtered`, whose hull is the same.
+/// Hulls points of the plane without a frame. False where there are none, and for flats and
+/// polygons of extreme aspect ratios: `filtered` is then reduced to the corners, which have the
+/// same hull.
 bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, Hull& hull) {
   if (points.dimension != 2 || run.options.engine != Engine::native) return false;
   const PlanarRows rows(points, filtered);
@@ -45,7 +46,7 @@ bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, 
   return false;
 }
 
-/// Few points in space go straight from their coordinates to the result. False: the engine must.
+/// Hulls few points in space directly from their coordinates. False where the engine is needed.
 bool few_in_space(const PointView& points, const Survivors& survivors, const Run& run, Hull& hull) {
   constexpr std::uint64_t most_memory = 1 << 22;  // of the largest of such results, generously
   const std::uint64_t count = survivors.size(points.count);
@@ -55,7 +56,7 @@ bool few_in_space(const PointView& points, const Survivors& survivors, const Run
   return hull_of_few(points, survivors.all ? nullptr : survivors.ids.data(), count, hull);
 }
 
-/// Qhull decides with tolerances, so what it found must be proven before it is called the hull.
+/// Qhull decides with tolerances, so its result is certified.
 void insist_on_proof(const PointView& points, const Hull& hull, const Options& options) {
   const Certificate certificate = certify(points, hull, options);
   if (!certificate.valid)
@@ -63,8 +64,7 @@ void insist_on_proof(const PointView& points, const Hull& hull, const Options& o
                                           certificate.reason + "); use the native engine");
 }
 
-/// Frame, engine, result: what the fast paths above leave, and all that another engine is asked
-/// for.
+/// Frame, engine, result: for what the fast paths above do not handle, and for other engines.
 void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run, Hull& hull) {
   EngineInput input = engine_input(points, std::move(filtered), run);
   const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),

@@ -1,4 +1,4 @@
-// What the library keeps from call to call: pages, pinned memory, and scratch of threads.
+// The memory that the library keeps from call to call: pages, pinned memory, scratch of threads.
 #include "cuda/backend.hpp"
 #include "cullhull/array.hpp"
 #include "parallel/pages.hpp"

@@ -1,4 +1,4 @@
-// THE FLOW: validate, cull (filter_stage.hpp), hull and result (hull_of_survivors.cpp).
+// The flow: validate, cull (filter_stage.hpp), hull and result (hull_of_survivors.cpp).
 #include "flow/pipeline.hpp"
 
 #include <utility>
@@ -47,7 +47,7 @@ Survivors cull(const PointView& points, const Options& options) {
   const auto start = Clock::now();
   Filtered filtered = run_filter(points, run);
   Survivors& s = filtered.survivors;
-  // Gathering is what finds a NaN: here as in convex_hull, no bad point may pass.
+  // Gathering checks for NaN; where nothing was gathered, check here as convex_hull would.
   if (filtered.rows.empty()) check_finite(points, s.all ? nullptr : &s.ids, run);
   s.seconds = seconds_since(start);
   return std::move(s);
@@ -57,7 +57,7 @@ Hull convex_hull(const PointView& points, const Options& options) {
   check_arguments(points, options);
   if (Hull hull; small_hull(points, options, hull)) return hull;
   Run run(options);
-  const unsigned threads = run.threads;  // at hand: those that pay are planned stage by stage
+  const unsigned threads = run.threads;  // for the statistics: a stage may use fewer
   const CallScope call;
   const PageScope pages;
   const auto start = Clock::now();

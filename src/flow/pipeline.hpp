@@ -1,5 +1,5 @@
-// The two halves of the flow, for the drivers above it: filter_stage.hpp is the first, this the
-// second.
+// The two halves of the flow, shared by its drivers: filter_stage.hpp declares the first, this
+// header the second.
 #pragma once
 
 #include "cullhull/hull.hpp"
@@ -9,17 +9,17 @@
 
 namespace cullhull::internal {
 
-/// Throws Error for null data, no dimension, a backend or an engine this build has not.
+/// Throws Error for null data, no dimension, a backend or an engine missing from this build.
 void check_arguments(const PointView& points, const Options& options);
 
-/// What the filter leaves; `run` then has the threads that pay for the hull of it.
+/// Runs the filter, and sets run.threads to the number that pays for the hull of the survivors.
 Filtered filter_and_plan(const PointView& points, Run& run);
 
-/// Whether few points are hulled without frame and engine, which gives the same bits.
+/// Whether few points are hulled directly or by frame and engine; both give the same bits.
 enum class Few { at_once, by_engine };
 
-/// From what a filter left of `points` to their hull: thin lattices, frame, engine, result. Fills
-/// the statistics but for the times of the filter and of the whole.
+/// The hull of what a filter kept of `points`: thins lattices; frame, engine, result. Fills the
+/// statistics except the times of the filter and of the whole.
 Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run,
                        Few few = Few::at_once);
 

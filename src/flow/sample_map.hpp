@@ -1,5 +1,5 @@
-// From points to the map that culls them: sample, exact hull of the sample, map. Wherever the
-// points are, only a function that fetches some of them is needed.
+// From points to the map that culls them: sample, exact hull of the sample, map. Works for any kind
+// of memory, given a function that fetches points.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@
 
 namespace cullhull::internal {
 
-/// The exact hull of some input points, as the filter wants it; dimension 0 if they lie in a flat
-/// or the hull would exceed the budget.
+/// The exact hull of some input points as an InnerPolytope; of dimension 0 if they lie in a flat or
+/// the hull would exceed the budget.
 InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, const Run& run);
 
-/// `size` ids spread evenly over [0, count), each at a pseudo-random place in its stretch, so that
-/// no period of the input's order can hide points from the sample; fewer where count is less.
+/// `size` ids spread evenly over [0, count), each at a pseudo-random place in its interval, so that
+/// a period in the input's order cannot hide points from the sample; fewer where count is less.
 std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size);
 
 struct SampledPoints {
@@ -31,16 +31,16 @@ struct SampledPoints {
 
 struct SampledMap {
   std::unique_ptr<GaugeMap> map;  ///< null: culling would not pay, or no map exists
-  std::string reason;             ///< one line, either way
+  std::string reason;             ///< one line, whether there is a map or not
 };
 
 enum class Insist {
-  no,    ///< on a map only if a first small sample says that it pays, then again when all is known
-  late,  ///< points near the boundary: a small sample says nothing, but the map's own does
-  yes,   ///< on a map wherever one exists
+  no,    ///< build a map only if first a small sample shows that it pays, then the map's own sample
+  late,  ///< points near the boundary: a small sample shows nothing, only the map's own does
+  yes,   ///< build a map wherever one exists
 };
 
-/// The map of a polytope, as fine as pays for so many points; null where none exists.
+/// The map of a polytope, of the resolution that pays for `count` points; null where none exists.
 std::unique_ptr<GaugeMap> map_of_polytope(InnerPolytope polytope, std::uint64_t count,
                                           Insist insist, std::uint32_t most_nodes, const Run& run);
 

@@ -23,14 +23,14 @@ struct Bump {
   double height, width;
 };
 
-/// What the points of one call have in common.
+/// The state that the points of one call share.
 struct Job {
   std::uint32_t dimension;
   std::uint64_t count;
   std::uint64_t seed;
   std::uint64_t grid_size = 128;
   std::uint64_t step = 1, shift = 0;  // cyclic: point i is number step * i + shift mod count
-  std::vector<Bump> bumps;
+  std::vector<Bump> bumps = {};
 };
 
 using PointFunction = void (*)(const Job&, RandomStream&, std::uint64_t index, double* row);
@@ -254,7 +254,8 @@ void check(const std::stop_token& stop) {
   if (stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
 }
 
-/// To zeros. The system clears pages at some gigabytes a second: long enough to be asked to stop.
+/// Resizes to zeros, in steps, as the system clears pages at some gigabytes a second: long enough
+/// for a request to stop.
 void resize_in_steps(std::vector<double>& values, std::size_t size, const std::stop_token& stop) {
   constexpr std::size_t step = std::size_t{1} << 22;
   values.reserve(size);
@@ -279,7 +280,7 @@ std::vector<double> generate(std::string_view shape, std::uint64_t count, std::u
                              std::uint64_t seed, const std::stop_token& stop) {
   const auto colon = shape.find(':');
   const ShapeEntry& entry = find_shape(shape.substr(0, colon));
-  Job job{dimension, count, seed, 128, 1, 0, {}};
+  Job job{.dimension = dimension, .count = count, .seed = seed};
   if (colon != std::string_view::npos) {
     if (entry.point != grid_point)
       throw Error(ErrorCode::invalid_argument,
@@ -294,7 +295,7 @@ std::vector<double> generate(std::string_view shape, std::uint64_t count, std::u
                                                  " do not fit into memory");
   resize_in_steps(points, count * dimension, stop);
   if (entry.prepare != nullptr) entry.prepare(job);
-  // Part of the contract: another size would draw other points.
+  // The chunk size is part of the contract: with another one other points would be drawn.
   constexpr std::uint64_t chunk_size = 4096;
   internal::for_each_chunk(count, chunk_size, internal::resolve_threads(0),
                            [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {

@@ -1,4 +1,4 @@
-// Moving point sets: a shape at rest and a map for every moment.
+// Moving point sets: a shape at rest and a map for every time.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -26,7 +26,7 @@ void rotate(const Turn& turn, double& x, double& y) {
   x = turned;
 }
 
-/// A part of a body that breaks.
+/// A part of a breaking body.
 struct Piece {
   std::vector<double> seed, velocity;
   double turns = 0;  ///< about its seed, in the plane of the first two axes, until the end
@@ -39,7 +39,7 @@ struct MovingPoints::Impl {
   struct Entry {
     Shape motion;
     std::uint32_t min_dimension;
-    Move move;  ///< x: the point at rest, to be moved; nullptr: the points change places
+    Move move;  ///< x: the point at rest, to be moved; nullptr: points are permuted
     void (Impl::*prepare)() = nullptr;
   };
   static const std::vector<Entry>& entries();
@@ -70,8 +70,8 @@ struct MovingPoints::Impl {
     if (extent == 0) extent = 1;
   }
 
-  // The angle grows along the last axis (in the plane: with the distance from the centre), to
-  // three quarters of a turn between the ends.
+  // The angle grows along the last axis (in the plane: with the distance from the centre), to three
+  // quarters of a turn between the ends.
   void twist(double time, std::uint64_t, double* x) const {
     double along = x[dimension - 1] - centre[dimension - 1];
     if (dimension == 2) {
@@ -147,7 +147,7 @@ struct MovingPoints::Impl {
     x[dimension - 1] -= 0.5 * extent * time * time;
   }
 
-  /// Every point takes the place of another: no point is near where it was.
+  /// Every point takes another one's position, so that no point is near its last position.
   void teleport(std::uint64_t index, double* out) const {
     if (count == 0) return;
     RandomStream random(mix64(seed), index);

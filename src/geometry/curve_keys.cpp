@@ -18,12 +18,13 @@ namespace hn = hwy::HWY_NAMESPACE;
 using U = hn::CappedTag<std::uint32_t, curve_block>;
 using V = hn::Vec<U>;
 
-/// All ones where the bits are set.
+/// A lane mask: all ones where the bits are set.
 HWY_INLINE V where(V x, V bits) {
   return hn::VecFromMask(U(), hn::Ne(hn::And(x, bits), hn::Zero(U())));
 }
 
-/// D: the dimension where it is known early, so that coordinates stay in registers, else 0.
+/// D: the dimension where it is known at compile time, so that coordinates stay in registers, else
+/// 0.
 template <unsigned D>
 void keys_of_vector(unsigned dimension, unsigned bits, std::uint32_t* cells, std::uint32_t* keys) {
   const U u;

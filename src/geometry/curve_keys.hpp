@@ -1,4 +1,4 @@
-// Places of points along a Hilbert curve, many at a time.
+// Positions of points along a Hilbert curve, a block of points at a time.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@ namespace cullhull::internal {
 inline constexpr std::size_t curve_block = 16;
 
 /// Point k has the cell cells[j * curve_block + k] < 2^bits along axis j < d, d * bits <= 32.
-/// keys[k] becomes its place on a d-dimensional Hilbert curve (Skilling 2004). `cells` is worked
-/// on. Time: about 5 ns a point for 8 bits in 4D.
+/// keys[k] becomes its position on a d-dimensional Hilbert curve (Skilling 2004). Overwrites
+/// `cells`. Time: about 5 ns a point for 8 bits in 4D.
 void curve_keys(unsigned d, unsigned bits, std::uint32_t* cells, std::uint32_t* keys);
 
 }  // namespace cullhull::internal

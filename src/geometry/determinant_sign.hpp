@@ -11,6 +11,7 @@
 #include "geometry/integer_points.hpp"
 #include "geometry/minors.hpp"
 #include "geometry/orientation.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/int128.hpp"
 
 namespace cullhull::internal {
@@ -18,7 +19,7 @@ namespace cullhull::internal {
 // Rows below are square matrices: columns(); narrow(), whether entries fit 64 bits, then small(i,
 // j); big(i, j, out, scratch) always.
 
-/// Determinant in 128 bits, if it provably fits: sum over columns of the bits of their largest
+/// Determinant in 128 bits, if it provably fits: the sum over columns of the bits of the largest
 /// entry, plus the bits of d!.
 template <unsigned D, class Rows>
 bool determinant_128(const Rows& a, Sign& sign) {
@@ -43,28 +44,13 @@ bool determinant_128(const Rows& a, Sign& sign) {
 
 template <class Rows>
 bool determinant_128(const Rows& a, Sign& sign) {
-  if (!a.narrow()) return false;
-  switch (a.columns()) {
-    case 2:
-      return determinant_128<2>(a, sign);
-    case 3:
-      return determinant_128<3>(a, sign);
-    case 4:
-      return determinant_128<4>(a, sign);
-    case 5:
-      return determinant_128<5>(a, sign);
-    case 6:
-      return determinant_128<6>(a, sign);
-    case 7:
-      return determinant_128<7>(a, sign);
-    case 8:
-      return determinant_128<8>(a, sign);
-    default:
-      return false;
-  }
+  return a.narrow() && with_dimension<2, 8, 0>(a.columns(), [&](auto k) {
+           if constexpr (k > 0) return determinant_128<k>(a, sign);
+           return false;
+         });
 }
 
-/// Numbers kept for reuse by one thread.
+/// Numbers that a thread keeps for reuse.
 inline BigNumbers& kept_numbers(std::size_t count) {
   thread_local BigNumbers kept;
   kept.resize(count);

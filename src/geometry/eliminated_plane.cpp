@@ -38,7 +38,7 @@ bool EliminatedPlane::set(unsigned d, const double* const* p) {
   return scale_columns() && eliminate() && bound_error();
 }
 
-/// So that the largest entry of each column is in [0.5, 1).
+/// Scales each column by a power of two so that its largest entry is in [0.5, 1).
 bool EliminatedPlane::scale_columns() {
   const unsigned m = d_ - 1;
   largest_scale_ = 0;
@@ -59,7 +59,8 @@ bool EliminatedPlane::scale_columns() {
   return true;
 }
 
-/// Complete pivoting, so that no entry of L exceeds 1, nor any of U its row's pivot.
+/// With complete pivoting, so that no entry of L exceeds 1 in magnitude, nor an entry of U its
+/// row's pivot.
 bool EliminatedPlane::eliminate() {
   const unsigned m = d_ - 1;
   column_.resize(d_);
@@ -74,7 +75,7 @@ bool EliminatedPlane::eliminate() {
     for (unsigned j = 0; j < d_; ++j)
       if (std::abs(at(i, j)) > largest) largest = std::abs(at(i, j)), best = i;
   for (unsigned r = 0; r < m; ++r) {
-    // NaN compares false; what has grown this much is not worth a bound.
+    // NaN compares false; beyond this range no bound is derived.
     if (!(largest > 0x1p-400 && largest < 0x1p60)) return false;
     unsigned column = r;
     while (std::abs(at(best, column)) != largest) ++column;
@@ -117,7 +118,7 @@ bool EliminatedPlane::take_pivot(unsigned r, unsigned row, unsigned column) {
   return at(r, r) != 0;
 }
 
-/// U x = x.
+/// Solves U x = x in place.
 void EliminatedPlane::solve_back(std::vector<double>& x) const {
   const unsigned m = d_ - 1;
   for (unsigned r = m; r-- > 0;) {
@@ -128,7 +129,7 @@ void EliminatedPlane::solve_back(std::vector<double>& x) const {
   }
 }
 
-/// L U x = x.
+/// Solves L U x = x in place.
 void EliminatedPlane::solve(std::vector<double>& x) const {
   const unsigned m = d_ - 1;
   for (unsigned r = 0; r < m; ++r) {
@@ -152,8 +153,8 @@ void EliminatedPlane::bound_inverse(std::vector<double>& x) const {
   }
 }
 
-/// z by substitution, and the bound of its error. Works in pivot order; results in that of the
-/// axes.
+/// Finds z by substitution, and the bound of its error. Works in pivot order; the results are in
+/// the order of the axes.
 bool EliminatedPlane::bound_error() {
   const unsigned m = d_ - 1;
   std::vector<double>&z = work_, &v = weight_;
@@ -169,7 +170,7 @@ bool EliminatedPlane::bound_error() {
   return bound_by_comparison() || bound_by_inverses();
 }
 
-/// Cheap, but the bound grows like a power of d.
+/// O(d^2), but the bound grows like a power of d.
 bool EliminatedPlane::bound_by_comparison() {
   const unsigned m = d_ - 1;
   const std::vector<double>& v = weight_;
@@ -199,7 +200,7 @@ bool EliminatedPlane::bound_by_comparison() {
   return true;
 }
 
-/// Three times the work of the elimination, and sharp.
+/// Three times the work of the elimination, for a bound that is nearly sharp.
 bool EliminatedPlane::bound_by_inverses() {
   const unsigned m = d_ - 1;
   inverted_ = true;
@@ -252,7 +253,7 @@ double EliminatedPlane::scaled_edge(unsigned i, unsigned j) const {
   return (p_[row_[i] + 1][c] - p_[0][c]) * scale_[c];
 }
 
-/// image_ = |I - X E Y| 1, at least.
+/// An upper bound of |I - X E Y| 1 into image_.
 void EliminatedPlane::bound_product() {
   const unsigned m = d_ - 1;
   const auto x = [&](unsigned i, unsigned j) { return inverse_[std::size_t{i} * m + j]; };
@@ -272,7 +273,7 @@ void EliminatedPlane::bound_product() {
     }
   }
   const double gamma = (2 * d_ + 4) * unit_roundoff;
-  for (unsigned i = m; i-- > 0;) {  // upward: rows below are X's no more
+  for (unsigned i = m; i-- > 0;) {  // upwards: rows of X below r are overwritten
     double* row = product_.data() + std::size_t{i} * m;
     double all = magnitude[i], rest = 0;
     for (unsigned k = 0; k < i; ++k) {
@@ -317,7 +318,8 @@ bool EliminatedPlane::bound_of_residual(std::vector<double>& x) const {
   return true;
 }
 
-/// Edge `row_[i]` times the refined plane, rounded to a double; `bound`: of its error.
+/// The dot product of edge `row_[i]` and the refined plane, rounded to a double; `bound`: of its
+/// error.
 double EliminatedPlane::residual(unsigned i, double& bound) const {
   const double *p = p_[0], *q = p_[row_[i] + 1];
   DoubleDouble sum;
@@ -332,7 +334,7 @@ double EliminatedPlane::residual(unsigned i, double& bound) const {
   return sum.value();
 }
 
-/// Iterative refinement with residuals in double-doubles. The last residual says how far it came.
+/// Iterative refinement with residuals in double-doubles. The last residual gives the error bound.
 bool EliminatedPlane::refine() {
   const unsigned m = d_ - 1;
   refined_.assign(z_.begin(), z_.end());
@@ -382,19 +384,20 @@ Sign EliminatedPlane::refined_side(const double* x, bool& known) const {
                 known);
 }
 
-/// `value` is off by at most `bound`, but for the rounding of the bound itself and for underflow.
+/// `value` is off by at most `bound`, apart from the rounding of the bound itself and underflow.
 Sign EliminatedPlane::decide(const double* x, double value, double bound, bool& known) const {
   const double most = bound * bound_roundings + product_tiny;
-  // What overflowed, or lost the low parts of products to it, is infinite or beyond this here.
+  // After an overflow, also of the low parts of products, the value is infinite or beyond this
+  // limit.
   known = most < 0x1p300 && std::abs(value) > most;
   if (known) return sign_of(sign_ * value);
   known = below_unit(x, std::abs(value) + most);
   return Sign::zero;
 }
 
-/// Whether the determinant, of at most this magnitude over the pivots' product, is less than the
-/// unit that it is a multiple of: the product over all axes of the largest power of two that
-/// divides all coordinates on that axis.
+/// Whether the determinant, at most `magnitude` over the pivots' product, is smaller than the unit
+/// that it is a multiple of: the product over all axes of the largest power of two that divides all
+/// coordinates on that axis.
 bool EliminatedPlane::below_unit(const double* x, double magnitude) const {
   if (!(magnitude < 0x1p300)) return false;  // NaN too
   double unit_log = 0;

@@ -14,22 +14,24 @@ namespace cullhull::internal {
 /// differences from p[0], columns are scaled by powers of two. Not safe to share between threads.
 class EliminatedPlane {
  public:
-  /// Through p[0..d). False where doubles cannot tell even that the points are affinely
-  /// independent, or d or a coordinate is out of the proof's range; then the object must be set
-  /// again before anything else is asked. Time: O(d^3). `p` must outlive the plane.
+  /// Through p[0..d). False where doubles cannot prove that the points are affinely independent, or
+  /// d or a coordinate is outside the range of the proof; then `set` must be called again before
+  /// any other function. Time: O(d^3). `p` must outlive the plane.
   bool set(unsigned d, const double* const* p);
-  /// Sign of orientation(p[0], ..., p[d-1], x) where it is beyond doubt; zero is, if the
-  /// determinant is a multiple of a unit and less than that. Else `known` is false. O(d).
+  /// Sign of orientation(p[0], ..., p[d-1], x) where the bound decides it; zero where the
+  /// determinant is a multiple of a unit and smaller than that unit. Else `known` is false. O(d).
   Sign side(const double* x, bool& known) const;
 
-  /// Finds the same plane as double-doubles: O(d^2). False where that cannot be.
+  /// Computes the same plane in double-doubles: O(d^2). False where the refinement fails.
   bool refine();
   /// As side, by the refined plane.
   Sign refined_side(const double* x, bool& known) const;
 
-  /// Component j of a normal n in the given axes: n . (x - p[0]) has the sign of the orientation.
+  /// Component j of a normal n in the original axes: n . (x - p[0]) has the sign of the
+  /// orientation.
   double normal(unsigned j) const { return sign_ * z_[j] * scale_[j]; }
-  /// Bound of |normal(j) - exact|, the exact normal being that with the same component 1.
+  /// Bound of |normal(j) - exact|, the exact normal being the one with the same component of value
+  /// 1.
   double error(unsigned j) const { return error_[j] * scale_[j]; }
   /// The largest factor that any axis was scaled by.
   double largest_scale() const { return largest_scale_; }
@@ -57,7 +59,7 @@ class EliminatedPlane {
   const double* const* p_ = nullptr;
   std::vector<double> lu_;  // (d - 1) x d, rows and columns in pivot order
   std::vector<unsigned> column_, row_;
-  std::vector<int> exponent_;  // of each axis: scale_ = 2^-exponent_
+  std::vector<int> exponent_;  // scale_ = 2^-exponent_ for each axis
   std::vector<double> scale_, z_, error_;
   std::vector<DoubleDouble> refined_;
   std::vector<double> refined_error_;
@@ -65,7 +67,7 @@ class EliminatedPlane {
   bool inverted_ = false;                      // whether the bounds are those of the inverses
   std::vector<double> inverse_, product_;      // of L and V, in one matrix; scratch
   double largest_scale_ = 1;
-  double sign_ = 1;  // of the determinant of the first d - 1 pivot columns, with exchanges
+  double sign_ = 1;  // of the determinant of the first d - 1 pivot columns, with the row exchanges
   double determinant_log_ = 0;  // log2 of the pivots' product, rounded up
   double shrink_ = 0;           // theta
 };

@@ -93,7 +93,7 @@ void ExactPlane::substitute() {
 
 Sign ExactPlane::side(const double* x) {
   if (degenerate_) return Sign::zero;
-  // Terms normal_[j] (x_j - p_j) are in units of their own: the smallest serves for all.
+  // Terms normal_[j] (x_j - p_j) have different units: the smallest is used for all.
   long lowest = std::numeric_limits<long>::max();
   const auto unit = [&](const DoubleParts& a, const DoubleParts& b) {
     return a.mantissa == 0   ? b.exponent

@@ -1,4 +1,5 @@
-// The hyperplane through d points in exact integers: one elimination, then a dot product a point.
+// The hyperplane through d points in exact integers: one elimination, then a dot product for each
+// point.
 #pragma once
 
 #include <gmp.h>
@@ -10,7 +11,7 @@
 
 namespace cullhull::internal {
 
-/// Integers of GMP that keep their memory from one use to the next.
+/// Integers of GMP that keep their memory from one computation to the next.
 class BigNumbers {
  public:
   BigNumbers() = default;
@@ -44,7 +45,7 @@ class ExactPlane {
   bool degenerate() const { return degenerate_; }
   /// Sign of orientation(p[0], ..., p[d-1], x). O(d) operations.
   Sign side(const double* x);
-  /// The normal in doubles, as plane_exact gives it; not where the points are dependent.
+  /// The normal in doubles, as plane_exact gives it. Requires independent points.
   void normal(double* out);
 
  private:

@@ -46,7 +46,7 @@ void gather_rows(const PointView& view, const std::uint64_t* ids, std::uint64_t 
         view, [](std::uint64_t i) { return i; }, begin, end, out);
 }
 
-/// Index of the first non-finite value of [begin, end), or end.
+/// Index of the first non-finite value of [begin, end), or `end`.
 std::uint64_t first_bad(const double* values, std::uint64_t begin, std::uint64_t end) {
   double sum = 0;  // x * 0 is NaN exactly for NaN and infinities
   for (std::uint64_t i = begin; i < end; ++i) sum += values[i] * 0.0;
@@ -62,7 +62,7 @@ std::uint64_t first_bad(const double* values, std::uint64_t begin, std::uint64_t
                                          "; remove or repair such points first");
 }
 
-/// The lowest of the values offered by several threads.
+/// The lowest of the values that several threads report.
 class Lowest {
  public:
   void offer(std::uint64_t v) {

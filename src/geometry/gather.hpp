@@ -1,4 +1,4 @@
-// Copies chosen points of a view into packed doubles, the one place where scalar types end.
+// Copies chosen points of a view into packed doubles: from here on all code works on doubles.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +11,21 @@
 namespace cullhull::internal {
 
 /// Row-major doubles of the points `ids` (nullptr: all `count` points of the view). -0 becomes +0.
-/// Throws Error{not_finite} naming the lowest id with a NaN or an infinity; for ids ascending.
-/// Points may lie in a file that is read on the way: this and check_finite listen to `control`.
+/// Throws Error{not_finite} naming the lowest id with a NaN or an infinity; ids must ascend. The
+/// view may be a mapped file that is read from disk meanwhile, so this and check_finite can be
+/// cancelled.
 Array<double> gather_points(const PointView& view, const std::uint64_t* ids, std::uint64_t count,
                             const Run& run);
 
-/// Rows of the points first + offsets[i], i < count, finite or not; -0 becomes +0.
+/// Rows of the points first + offsets[i], i < count, not checked for finiteness; -0 becomes +0.
 void gather_rows_at(const PointView& view, std::uint64_t first, const std::uint32_t* offsets,
                     std::size_t count, double* out);
 
-/// The exact coordinates of one point, finite or not. For loops over many: about as fast as
-/// gather_points where the scalar type stays the same.
+/// The exact coordinates of one point, not checked for finiteness. Loops over many points are about
+/// as fast as gather_points where the scalar type stays the same.
 void load_row(const PointView& view, std::uint64_t point, double* out);
 
-/// The same of points [begin, end), row by row.
+/// The same for the points [begin, end), row by row.
 void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t end, double* out);
 
 /// Throws as gather_points does; ids: nullptr means all points. Memory O(threads).

@@ -15,7 +15,7 @@ namespace cullhull::internal {
 
 inline int bit_length(std::uint64_t v) { return 64 - std::countl_zero(v); }
 
-/// An mpz_t with a scope.
+/// An mpz_t that is freed by its destructor.
 struct Big {
   Big() { mpz_init(value); }
   ~Big() { mpz_clear(value); }
@@ -27,7 +27,7 @@ struct Big {
 /// Coordinates of points as exact integers, column j in units of 2^exponent(j).
 class IntegerPoints {
  public:
-  /// Points may be given as two runs: `count` at p, then `more_count` at more.
+  /// Points may be given in two arrays: `count` at p, then `more_count` at more.
   IntegerPoints(unsigned d, const double* const* p, unsigned count,
                 const double* const* more = nullptr, unsigned more_count = 0)
       : d_(d), scaled_(std::size_t{count + more_count} * d), exponent_(d) {
@@ -52,7 +52,7 @@ class IntegerPoints {
   int bits() const { return bits_; }
   int exponent(unsigned j) const { return exponent_[j]; }
 
-  /// For bits() <= 62.
+  /// Requires bits() <= 62.
   std::int64_t small(unsigned i, unsigned j) const {
     const DoubleParts& s = scaled_[std::size_t{i} * d_ + j];
     return s.mantissa == 0 ? 0 : s.mantissa * (std::int64_t{1} << (s.exponent - exponent_[j]));

@@ -10,14 +10,14 @@
 
 namespace cullhull::internal {
 
-/// Owns what LocalPoints views.
+/// Owns the memory that LocalPoints views.
 class LocalFrame {
  public:
-  /// `rows`: count x dimension finite doubles; taken over. Finds the affine dimension exactly,
-  /// projects onto as many axes as it has (one to one on the flat) and scales.
-  /// Time O(n d^2); memory: rows, and a second copy where scaling is not exact or axes are dropped.
+  /// Takes over `rows`: count x dimension finite doubles. Finds the affine dimension exactly,
+  /// projects onto as many axes (one to one on the flat) and scales. Time O(n d^2); memory: the
+  /// rows, and a second copy where scaling is not exact or axes are dropped.
   LocalFrame(Array<double>&& rows, std::uint32_t count, unsigned dimension, const Run& run);
-  /// The same of a copy, on one thread.
+  /// The same for a copy of `rows`, on one thread.
   LocalFrame(const std::vector<double>& rows, std::uint32_t count, unsigned dimension,
              const Run& run)
       : LocalFrame(Array<double>(rows.begin(), rows.end()), count, dimension, run) {}
@@ -44,7 +44,7 @@ class LocalFrame {
   void scale_rows(Array<double>& rows) const;
   void find_simplex(const Array<double>& scaled);
   std::uint32_t lowest_row(const Array<double>& scaled) const;
-  /// `among`: some points; nullptr: all.
+  /// Searches the points `among`; nullptr: all.
   std::uint32_t farthest(const Array<double>& scaled, const std::vector<double>& basis,
                          unsigned rank, const std::vector<std::uint32_t>* among) const;
   bool independent(std::uint32_t candidate);

@@ -1,4 +1,4 @@
-// The engines' input: points as packed doubles in a frame where filters need not fear overflow.
+// The engines' input: points as packed doubles, scaled so that filters cannot overflow.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,10 @@ struct LocalPoints {
   std::uint32_t count = 0;
   const double* coordinates = nullptr;
   const double* exact = nullptr;
-  /// Every double operation of a d x d determinant of differences is exact (small integer grids).
+  /// Every operation of a d x d determinant of differences is exact in doubles (small integer
+  /// grids).
   bool small_lattice = false;
-  /// So is that of rows (d + 1) p - sum of d + 1 points.
+  /// The same for determinants of rows (d + 1) p - sum of d + 1 points.
   bool centroid_lattice = false;
 
   const double* row(std::uint32_t i) const { return coordinates + std::size_t{i} * dimension; }

@@ -97,4 +97,17 @@ CULLHULL_HD void expand_minors(const Entry (*m)[D], unsigned rows, T* det, T* pe
   }
 }
 
+/// The cofactor normal of K - 1 rows, and the sums of the absolute values of its terms.
+template <unsigned K>
+void normal_and_spread(const double (*rows)[K], double* normal, double* spread) {
+  constexpr unsigned full = (1U << K) - 1;
+  double det[full + 1], perm[full + 1];
+  expand_minors<K, true>(rows, K - 1, det, perm);
+  for (unsigned c = 0; c < K; ++c) {
+    const double minor = det[full & ~(1U << c)];
+    normal[c] = ((K - 1 + c) & 1U) != 0 ? -minor : minor;
+    spread[c] = perm[full & ~(1U << c)];
+  }
+}
+
 }  // namespace cullhull::internal

@@ -1,4 +1,4 @@
-// The order in which the engine for d >= 4 takes its points.
+// The insertion order of the engine for d >= 4.
 #pragma once
 
 #include <cstdint>
@@ -10,26 +10,26 @@
 
 namespace cullhull::internal {
 
-/// Outermost first: by decreasing norm, the points' covariance taken as the unit, which makes few
-/// facets that do not last (on a ball 3 to 4 for each that does, in random order 6 to 7). Taken in
-/// rounds, each half as large as all before it together, and within a round along a Hilbert curve,
-/// so that neighbours in the order are neighbours in space. Points of equal norm come in
-/// pseudo-random order. What is left can be thinned between rounds, before it is sorted.
+/// Outermost first: by decreasing norm in the metric of the points' covariance, for which few
+/// facets are made and deleted again (on a ball 3 to 4 for each that stays, in random order 6 to
+/// 7). In rounds, each half as large as all before it together; within a round along a Hilbert
+/// curve, so that consecutive points are near one another. Points of equal norm come in
+/// pseudo-random order. Between rounds the remaining points can be thinned before they are sorted.
 /// Deterministic for any number of threads. Time O(n d^2) in all.
 class NormOrder {
  public:
-  /// Of all points but those of `left_out`.
+  /// Orders all points except `left_out`.
   NormOrder(const LocalPoints& points, std::vector<std::uint32_t> left_out, const Run& run);
 
   /// Points that no round has taken yet.
   std::uint32_t left() const { return count_ - taken_; }
-  /// One of them, k < left(): the outermost are not always the first.
+  /// One of them, k < left(), in no particular order.
   std::uint32_t left_at(std::uint32_t k) const { return items_[taken_ + k].id; }
 
   /// Appends the next round to `order`.
   void take_round(std::vector<std::uint32_t>& order);
 
-  /// Leaves of what is left those at the places k where dropped[k] is 0.
+  /// Removes the remaining points at the positions k where dropped[k] is nonzero.
   void drop(const std::uint8_t* dropped);
 
  private:

@@ -15,6 +15,7 @@
 #include "geometry/integer_points.hpp"
 #include "geometry/minors.hpp"
 #include "geometry/oriented_plane.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/int128.hpp"
 
 namespace cullhull::internal {
@@ -49,8 +50,8 @@ bool filtered(const double* const* p, Sign& sign) {
     sign = Sign::negative;
     return true;
   }
-  // All in a plane across an axis, as on a box: a column of zeros (differences of doubles are zero
-  // only where they are equal).
+  // All on a plane across an axis, as on a box: a column of zeros (differences of doubles are zero
+  // only where the doubles are equal).
   for (unsigned j = 0; j < D; ++j) {
     bool zero = true;
     for (unsigned i = 0; i < D; ++i) zero &= m[i][j] == 0;
@@ -62,23 +63,14 @@ bool filtered(const double* const* p, Sign& sign) {
 }
 
 bool filtered(unsigned d, const double* const* p, Sign& sign) {
-  switch (d) {
-    case 1:
-      sign = sign_of(p[1][0] < p[0][0] ? -1 : p[1][0] > p[0][0] ? 1 : 0);
-      return true;  // a comparison is exact
-    case 2:
-      return filtered<2>(p, sign);
-    case 3:
-      return filtered<3>(p, sign);
-    case 4:
-      return filtered<4>(p, sign);
-    case 5:
-      return filtered<5>(p, sign);
-    case 6:
-      return filtered<6>(p, sign);
-    default:
-      return false;
+  if (d == 1) {
+    sign = sign_of(p[1][0] < p[0][0] ? -1 : p[1][0] > p[0][0] ? 1 : 0);  // exact
+    return true;
   }
+  return with_dimension<2, 6, 0>(d, [&](auto k) {
+    if constexpr (k > 0) return filtered<k>(p, sign);
+    return false;
+  });
 }
 
 // ---------------------------------------------------------------------------------------------
@@ -90,8 +82,8 @@ class CentroidDifferences {
  public:
   CentroidDifferences(unsigned d, const double* const* p, const double* const* simplex)
       : points_(d, p, d, simplex, d + 1) {
-    // The sum of d + 1 coordinates and (d + 1) times one each stay below 2^61, so does not
-    // overflow.
+    // The sum of d + 1 coordinates and (d + 1) times one coordinate each stay below 2^61, so their
+    // difference does not overflow.
     narrow_ = points_.bits() + bit_length(d + 1) <= 61;
     if (!narrow_) return;
     sums_.assign(d, 0);
@@ -163,7 +155,7 @@ Sign orientation(unsigned d, const double* const* p, Rung* rung) {
   if (filtered(d, p, sign)) return sign;
   if (rung != nullptr) *rung = Rung::exact;
   if (d < 4) return orientation_exact(d, p);
-  // 128 bits are soonest where they suffice, double-doubles where integers would be long.
+  // 128-bit integers are fastest where they suffice, double-doubles where integers would be long.
   if (determinant_128(Differences(d, p, d), sign)) return sign;
   return eliminated(d, p, rung);
 }

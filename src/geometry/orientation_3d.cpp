@@ -78,7 +78,7 @@ bool side_in_pairs(const double* a, const double* b, const double* c, const doub
     m[0][j] = two_sum(b[j], -a[j]);
     m[1][j] = two_sum(c[j], -a[j]);
     m[2][j] = two_sum(p[j], -a[j]);
-    // On a plane across an axis, which is how exact zeros come about away from lattices.
+    // On a plane across an axis, the usual cause of exact zeros away from lattices.
     sign = Sign::zero;
     if (m[0][j].high == 0 && m[1][j].high == 0 && m[2][j].high == 0) return true;
   }
@@ -109,7 +109,7 @@ void Orientation3D::find_lattice() {
     for (unsigned j = 0; j < 3; ++j) {
       const double v = points_->row(i)[j];
       if (v == 0) continue;
-      if (!(std::abs(v) <= 1)) return;  // not of a local frame
+      if (!(std::abs(v) <= 1)) return;  // points outside of a local frame
       const int b = 1 - lowest_bit_exponent(v);
       if (b <= bits[j]) continue;
       sum += b - bits[j];

@@ -65,7 +65,7 @@ class Orientation3D {
     return side_hard(a, b, c, p, rungs);
   }
 
-  /// Equal points have equal rows, and those are at hand where exact ones would have to be fetched.
+  /// Equal points have equal rows, which are in the cache; the exact ones would have to be fetched.
   bool equal(Point a, Point b) const {
     const auto same = [](const double* x, const double* y) {
       return x[0] == y[0] && x[1] == y[1] && x[2] == y[2];

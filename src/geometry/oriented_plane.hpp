@@ -1,4 +1,5 @@
-// The ladder for one hyperplane and many points, in any dimension: each rung is climbed once.
+// The ladder for one hyperplane and many points, in any dimension: what a rung computes for the
+// plane is computed once.
 #pragma once
 
 #include <vector>
@@ -9,7 +10,7 @@
 
 namespace cullhull::internal {
 
-/// From this dimension on an elimination is faster than the 2^d minors of an expansion.
+/// From this dimension on an elimination, O(d^3), is faster than the 2^d minors of an expansion.
 inline constexpr unsigned elimination_pays = 7;
 
 class OrientedPlane {

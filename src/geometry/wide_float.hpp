@@ -12,7 +12,7 @@ namespace cullhull::internal {
 
 class Wide {
  public:
-  /// Doubles span 2^-1074 to 2^1024: products of two differences, 2 * 2098 bits, fit with room.
+  /// Doubles span 2^-1074 to 2^1024: products of two differences take at most 2 * 2098 bits.
   static constexpr mp_bitcnt_t bits = 4352;
 
   Wide(double v = 0) {  // NOLINT: every finite double is one

@@ -1,5 +1,5 @@
-// What a hull engine takes and gives. Engines see full-dimensional points only (the pipeline
-// reduces flats first) and know nothing of files, filters or canonical order.
+// The interface of hull engines. Engines get full-dimensional points only (the pipeline reduces
+// flats first) and know nothing of files, filters or canonical order.
 #pragma once
 
 #include <cstdint>
@@ -21,11 +21,11 @@ struct Boundary {
   Array<std::uint32_t> vertices;
   /// facets x d: entry j is the facet across the ridge opposite to vertex j.
   Array<std::uint32_t> neighbours;
-  /// Empty as engines leave it. Once sorted (sort_simplices), the ids of a simplex ascend, and
-  /// odd[f] is set where the last two of simplex f must be swapped to orient it outward.
+  /// Empty in an engine's result. After sort_simplices the ids of a simplex ascend, and odd[f] is
+  /// set where the last two of simplex f must be swapped to orient it outward.
   Array<std::uint8_t> odd;
-  /// Pairs (duplicate, vertex): `duplicate` is a point equal to the vertex it was inserted as. The
-  /// result takes the lowest id among equals.
+  /// Pairs (duplicate, vertex): `duplicate` is a point equal to a vertex. The result takes the
+  /// lowest id among equal points.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
   RungCounts rung_counts;
 
@@ -38,21 +38,22 @@ struct Boundary {
   }
 };
 
-/// Bytes that a result takes for each facet of a hull of dimension k in d-space, at its making.
+/// Bytes a facet that building the result takes, for a hull of dimension k in d-space: counted from
+/// its arrays; in 6D 304, measured 313 with all of the process.
 constexpr std::uint64_t result_bytes_per_facet(std::uint64_t k, std::uint64_t d) {
   return k < 4 ? 48 * k + 8 * d + 44 : 36 * k + 8 * d + 40;
 }
 
-/// points.dimension >= 2. `simplex`: d + 1 affinely independent points to start from (exactly).
-/// `budget`: bytes the engine may take before it throws Error{out_of_budget}.
+/// points.dimension >= 2. `simplex`: d + 1 affinely independent points to start from. Engines throw
+/// Error{out_of_budget} where they would exceed run.budget.
 Boundary hull_2d(const LocalPoints& points, const Run& run);
 Boundary hull_3d(const LocalPoints& points, const std::uint32_t* simplex, const Run& run);
-/// `same_facets`: the same simplices in the same order for any number of threads, which takes a
-/// little longer; else the surface is the same, but coplanar pieces and the order may not be.
+/// `same_facets`: the same simplices in the same order for any number of threads, at some cost in
+/// time; without it coplanar pieces and the order may differ, but not the surface.
 Boundary hull_nd(const LocalPoints& points, const std::uint32_t* simplex, const Run& run,
                  bool same_facets = false);
-/// Qhull's answer, or Error{backend_unavailable} when built without libqhull_r, or
-/// Error{not_exact} when Qhull fails or its facets are no closed simplicial surface.
+/// Qhull's hull. Throws Error{backend_unavailable} when built without libqhull_r, Error{not_exact}
+/// when Qhull fails or its facets are no closed simplicial surface.
 Boundary hull_qhull(const LocalPoints& points, const Control& control);
 bool qhull_available();
 

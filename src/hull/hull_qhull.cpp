@@ -26,10 +26,10 @@ namespace {
   throw Error(ErrorCode::not_exact, "qhull " + what + "; use the native engine");
 }
 
-/// One run of Qhull: its state, what it wrote, and the release of both.
+/// A run of Qhull: its state and its output, both released by the destructor.
 ///
-/// Qhull knows no cancellation, but reports its progress to a stream now and then. The stream is
-/// ours: what is written there calls `hear`, which can tell Qhull to add no further point.
+/// Qhull cannot be cancelled, but writes reports of its progress to a stream. The stream is ours:
+/// what is written calls `hear`, which can make Qhull add no further point.
 class QhullRun {
  public:
   explicit QhullRun(const Control& control) : control_(control), state_(std::make_unique<qhT>()) {
@@ -47,11 +47,11 @@ class QhullRun {
     std::fclose(log_);
   }
 
-  /// Errors inside Qhull come back as an exit code: it jumps to a label of its own within the call.
+  /// Errors inside Qhull are returned as an exit code (Qhull uses longjmp within the call).
   void build(const LocalPoints& points) {
     // Qhull takes a pointer to non-const, but changes points only where options ask it to.
     auto* coordinates = const_cast<coordT*>(points.coordinates);
-    // As SciPy does; a report every so many new facets, which take a millisecond or so.
+    // The options that SciPy uses; a report every 200 new facets, which take about a millisecond.
     const std::string dimension_options = points.dimension < 5 ? "qhull Qt" : "qhull Qt Qx";
     std::string command = dimension_options + " TF" + std::to_string(facets_a_report);
     const int code = qh_new_qhull(state_.get(), static_cast<int>(points.dimension),
@@ -84,7 +84,7 @@ class QhullRun {
     if (!error_.empty() || begin == std::string_view::npos) return;
     try {
       error_ = text.substr(begin, text.find('\n', begin) - begin);
-    } catch (const std::bad_alloc&) {  // then it is told without
+    } catch (const std::bad_alloc&) {  // reported without a message
     }
   }
 
@@ -162,7 +162,7 @@ class Orienter {
       if (side != Sign::zero && s != side) not_exact("returned a surface that is not convex");
       side = s;
     }
-    // All neighbours coplanar: any vertex off the plane tells.
+    // All neighbours are coplanar: use any vertex off the plane.
     for (std::size_t i = 0; side == Sign::zero && i < vertices_.size(); ++i)
       side = of(vertices_[i]);
     if (side == Sign::zero) not_exact("returned a degenerate facet");
@@ -183,8 +183,8 @@ class Orienter {
     hull_.rung_counts.count(rung);
     return s;
   }
-  /// The vertex of `other` that is not on its ridge with `facet`; two facets with the same vertices
-  /// have none, and any vertex of the facet itself then says the same: coplanar.
+  /// The vertex of `other` that is not on its ridge with `facet`. Two facets with the same vertices
+  /// have none; any vertex of the facet itself is then returned, which is coplanar, too.
   std::uint32_t opposite(std::uint32_t other, std::size_t facet) const {
     const unsigned d = hull_.dimension;
     const std::uint32_t* a = &hull_.vertices[facet * d];
@@ -200,7 +200,8 @@ class Orienter {
   std::vector<std::uint32_t> vertices_;
 };
 
-/// Pairs (point, vertex) for all points equal to a vertex: Qhull keeps any one of equal points.
+/// Lists pairs (point, vertex) for all points equal to a vertex: Qhull keeps any one of equal
+/// points.
 void find_duplicates(const LocalPoints& points, const std::vector<std::uint32_t>& vertices,
                      const Control& control, Boundary& hull) {
   const unsigned d = points.dimension;

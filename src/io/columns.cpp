@@ -19,7 +19,7 @@ struct Item {
   bool name = false;
 };
 
-/// Cut at commas outside of double quotes; within them, two stand for one.
+/// Splits at commas outside of double quotes; within quotes two quotes stand for one.
 std::vector<Item> items_of(const std::string& text) {
   std::vector<Item> items(1);
   bool quoted = false;
@@ -51,7 +51,7 @@ std::string listed(const std::vector<std::string>& names) {
   return text + (names.size() > most ? ", ..." : "");
 }
 
-/// As it is written or, if only one has it so, in other capitals.
+/// Finds a name as written, or regardless of case if only one matches.
 std::uint32_t find_name(const std::string& name, const std::string& file, const std::string& text,
                         const std::vector<std::string>& names) {
   if (names.empty()) refuse(file, text, std::string("no names of columns here; ") + what_to_write);
@@ -113,7 +113,7 @@ void gather(PointData& data, const std::vector<std::uint32_t>& columns) {
       std::memcpy(out, from.address(i, j), size);
       out += size;
     }
-  if (data.in_place && data.colours.count > 0) {  // the source need not stay
+  if (data.in_place && data.colours.count > 0) {  // the source may be closed
     Buffer colours(3 * data.colours.count);
     auto* to = colours.as<std::uint8_t>();
     for (std::uint64_t i = 0; i < data.colours.count; ++i)

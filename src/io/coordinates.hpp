@@ -1,4 +1,4 @@
-// Coordinates by point id, for writers: of all points, or of those alone that a state holds.
+// Coordinates by point id, for writers: of all points, or of a state's extreme points only.
 #pragma once
 
 #include <algorithm>
@@ -9,10 +9,10 @@
 
 namespace cullhull::internal {
 
-/// Views what it is made of.
+/// Views the points or the state.
 class Coordinates {
  public:
-  Coordinates(const PointView& all)  // NOLINT: that is what most callers have
+  Coordinates(const PointView& all)  // implicit, for most callers
       : count(all.count), dimension(all.dimension), scalar(all.scalar), rows_(all) {}
   Coordinates(const HullState& state)  // NOLINT
       : count(state.point_count()),
@@ -21,7 +21,7 @@ class Coordinates {
         rows_(state.points()),
         ids_(&state.ids()) {}
 
-  /// Whether every point is there, not only those that are extreme.
+  /// Whether all points are available, not only the extreme ones.
   bool complete() const noexcept { return ids_ == nullptr; }
 
   double at(std::uint64_t id, std::uint32_t j) const noexcept { return rows_.at(row(id), j); }
@@ -29,7 +29,7 @@ class Coordinates {
     return rows_.address(row(id), j);
   }
 
-  const std::uint64_t count;  ///< of points, here or not
+  const std::uint64_t count;  ///< of points, available or not
   const std::uint32_t dimension;
   const ScalarType scalar;
   std::ptrdiff_t coordinate_stride() const noexcept { return rows_.coordinate_stride; }

@@ -1,4 +1,4 @@
-// A hull in the plane as maps have geometries: GeoJSON and WKT.
+// A hull in the plane as GeoJSON and WKT geometries.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace cullhull::internal {
 void append_geojson(std::string& out, std::span<const double> boundary);
 void append_wkt(std::string& out, std::span<const double> boundary);
 
-/// `text` in double quotes, as JSON has it. Bytes that are no UTF-8 become U+FFFD.
+/// Appends `text` as a JSON string. Invalid UTF-8 becomes U+FFFD.
 void append_json_string(std::string& out, std::string_view text);
 
 /// The whole file for one hull: a Feature with its measures, or one line. Error{invalid_argument}

@@ -1,5 +1,5 @@
-// Writing JSON. Written by hand, because a hull of millions of facets should stream. Doubles are
-// printed so that they read back as the same double, infinities as the strings "inf" and "-inf".
+// JSON writers. Our own, because a hull of millions of facets must be streamed. Doubles are printed
+// so that they read back as the same double, infinities as the strings "inf" and "-inf".
 #include "io/json.hpp"
 
 #include <algorithm>
@@ -94,7 +94,7 @@ class JsonWriter {
   void value(int v) { text_ += std::to_string(v); }
   void value(double v) {
     if (std::isinf(v))
-      text_ += v > 0 ? "\"inf\"" : "\"-inf\"";  // a volume beyond the doubles
+      text_ += v > 0 ? "\"inf\"" : "\"-inf\"";  // a volume that overflows doubles
     else if (std::isnan(v))
       null();
     else if (v == 0 && std::signbit(v))
@@ -178,7 +178,7 @@ void write_run(JsonWriter& w, const Hull& hull, const JsonExtras& extras) {
   if (extras.certified)
     w.value(*extras.certified);
   else
-    w.null();  // nobody asked
+    w.null();  // not checked
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// The two JSON texts: the canonical result (a file), and the report of a run (times, threads, ...).
+// The two JSON documents: the canonical result (a file), and the report of a run (times, threads,
+// ...).
 #pragma once
 
 #include <functional>

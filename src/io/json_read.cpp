@@ -1,5 +1,5 @@
-// Reading a hull back. Streaming (SAX), so that memory follows the lists and not a document tree;
-// then every size, offset and index is checked, because certify() will trust them.
+// Reads a hull. Streaming (SAX), so that memory is that of the lists and not of a document tree;
+// then every size, offset and index is checked, because certify() relies on them.
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -51,7 +51,7 @@ constexpr const char* field_names[] = {"",
                                        "simplex_facets"};
 constexpr std::size_t field_total = std::size(field_names);
 
-/// What the file says, before it is believed.
+/// The file's contents before they are checked.
 struct RawHull {
   Hull hull;
   std::uint64_t vertex_count = 0, facet_count = 0, simplex_count = 0;
@@ -60,7 +60,7 @@ struct RawHull {
   bool has_count = false, has_dimension = false, has_scalar = false;
   Lists<double> planes;
   Lists<double> coordinates;
-  bool want_coordinates = false;  ///< otherwise they are passed over
+  bool want_coordinates = false;  ///< otherwise they are skipped
   Lists<std::uint64_t> simplices;
   Lists<std::uint32_t> simplex_neighbours;
   bool seen[field_total] = {};
@@ -82,7 +82,7 @@ class HullReader final : public nlohmann::json_sax<json> {
   bool number_unsigned(std::uint64_t v) override { return whole(v); }
   bool number_float(double v, const std::string&) override { return real(v, true); }
   bool string(std::string& v) override {
-    // A measure or an offset beyond the doubles.
+    // A measure or an offset that overflows doubles.
     if (v == "inf") return real(std::numeric_limits<double>::infinity(), false);
     if (v == "-inf") return real(-std::numeric_limits<double>::infinity(), false);
     if (!in_points() || inner_ != "scalar") return unexpected();
@@ -153,7 +153,7 @@ class HullReader final : public nlohmann::json_sax<json> {
          std::string(field_ == Field::ignored ? "JSON" : field_names[static_cast<int>(field_)]) +
              ": " + message);
   }
-  /// Fine where nobody reads it.
+  /// Allowed in members that are ignored.
   bool unexpected() const {
     if (depth_ > 0 && field_ == Field::ignored) return true;
     if (in_points() && inner_ != "count" && inner_ != "dimension" && inner_ != "scalar")

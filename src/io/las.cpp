@@ -1,7 +1,13 @@
-// LAS 1.0 to 1.4, all point formats: x y z as they are in the file, whole numbers of 32 bits.
+// LAS 1.0 to 1.4, all point formats: x y z as they are in the file, whole numbers of 32 bits; and
+// some of a file's records as another.
+#include <algorithm>
 #include <cstring>
+#include <limits>
 #include <memory>
 
+#include "io/mapped_file.hpp"
+#include "io/output_file.hpp"
+#include "io/packed/unwrap.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "parallel/byte_order.hpp"
@@ -107,4 +113,107 @@ std::optional<RecordLayout> las_records(const Source& head, std::uint64_t size) 
   return layout;
 }
 
+namespace {
+
+template <class T>
+void put(std::string& head, std::size_t at, T value) {
+  value = little_endian(value);
+  head.replace(at, sizeof value, reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+/// What a header says of the points: how many, how many of each return, where they are.
+class Census {
+ public:
+  Census(const LasHeader& h, const Source& las) : h_(h), records_(las.data + h.offset) {}
+
+  const char* record(std::uint64_t id) const { return records_ + id * h_.record; }
+  void count(const char* record) {
+    ++count_;
+    const unsigned bits = static_cast<unsigned char>(record[14]);
+    const unsigned nth = h_.format < 6 ? bits & 7 : bits & 15;
+    if (nth > 0) ++returns_[nth - 1];
+    for (std::size_t j = 0; j < 3; ++j) {
+      const auto x = load_little_endian<std::int32_t>(record + 4 * j);
+      least_[j] = count_ == 1 ? x : std::min(least_[j], x);
+      greatest_[j] = count_ == 1 ? x : std::max(greatest_[j], x);
+    }
+  }
+  /// The numbers of 32 bits are zero where they cannot tell, as LAS 1.4 wants it.
+  void write(std::string& head) const {
+    const bool legacy = h_.minor < 4 || h_.format < 6;
+    const bool narrow = legacy && count_ <= std::numeric_limits<std::uint32_t>::max();
+    put(head, 107, static_cast<std::uint32_t>(narrow ? count_ : 0));
+    for (std::size_t i = 0; i < 5; ++i)
+      put(head, 111 + 4 * i, static_cast<std::uint32_t>(narrow ? returns_[i] : 0));
+    if (h_.minor == 4) {
+      put(head, 247, count_);
+      for (std::size_t i = 0; i < 15; ++i) put(head, 255 + 8 * i, returns_[i]);
+    }
+    for (std::size_t j = 0; j < 3 && count_ > 0; ++j) {
+      const auto scale = load_little_endian<double>(head.data() + 131 + 8 * j);
+      const auto offset = load_little_endian<double>(head.data() + 155 + 8 * j);
+      const double ends[] = {greatest_[j] * scale + offset, least_[j] * scale + offset};
+      put(head, 179 + 16 * j, std::max(ends[0], ends[1]));
+      put(head, 187 + 16 * j, std::min(ends[0], ends[1]));
+    }
+  }
+
+ private:
+  const LasHeader& h_;
+  const char* records_;
+  std::uint64_t count_ = 0, returns_[15] = {};
+  std::int32_t least_[3] = {}, greatest_[3] = {};
+};
+
+/// Records behind the points (waveforms, extended ones) come nearer by what was left out.
+void move_up(std::string& head, const LasHeader& h, std::uint64_t kept) {
+  const std::uint64_t end = h.offset + h.count * h.record, moved = (h.count - kept) * h.record;
+  for (const std::size_t at : {std::size_t{227}, std::size_t{235}}) {
+    if (h.minor < (at == 227 ? 3U : 4U) || at + 8 > field<std::uint16_t>({"", head.data(), 0}, 94))
+      continue;
+    const auto where = load_little_endian<std::uint64_t>(head.data() + at);
+    if (where >= end) put(head, at, where - moved);
+  }
+}
+
+void write_records(OutputFile& out, const Source& las, const std::vector<std::uint64_t>& ids) {
+  const LasHeader h = parse_header(las);
+  check_room(las, h, las.size);
+  std::string head(las.data, h.offset);
+  Census census(h, las);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (ids[i] >= h.count || (i > 0 && ids[i] <= ids[i - 1]))
+      throw Error(ErrorCode::invalid_argument,
+                  las.name + ": ids must ascend below " + std::to_string(h.count));
+    census.count(census.record(ids[i]));
+  }
+  census.write(head);
+  move_up(head, h, ids.size());
+  out.write(head);
+  for (const std::uint64_t id : ids) out.write({census.record(id), h.record});
+  const std::uint64_t end = h.offset + h.count * h.record;
+  out.write({las.data + end, las.size - end});
+}
+
+}  // namespace
 }  // namespace cullhull::internal
+
+namespace cullhull {
+
+void write_las_records(const std::string& path, const std::string& las,
+                       const std::vector<std::uint64_t>& ids) {
+  using namespace internal;
+  if (const std::string f = output_format(path, "", "las"); f != "las")
+    refuse_format(path, f, ".las");
+  const InputName input = split_input(las);
+  const MappedFile file(input.file);
+  Source source = file.source();
+  ReadOptions options;
+  Buffer unpacked;
+  unwrap(input, source, options, unpacked);
+  OutputFile out(path);
+  write_records(out, source, ids);
+  out.commit();
+}
+
+}  // namespace cullhull

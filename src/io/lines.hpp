@@ -1,5 +1,5 @@
-// Parallel parsing of files with at most one point on a line: one pass counts, one parses into
-// place, so that ids follow the file and messages know their line, whatever the thread count.
+// Parallel parsing of files with at most one point a line: one pass counts, a second parses into
+// place, so that ids follow the file and messages name their line, for any number of threads.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ struct LineIndex {
   static constexpr std::uint64_t chunk_bytes = std::uint64_t{1} << 20;
   std::uint64_t bytes() const { return static_cast<std::uint64_t>(end - begin); }
 
-  /// Where the lines owned by the chunk of bytes [from, to) begin and end.
+  /// The lines that belong to the chunk of bytes [from, to).
   LineScanner scanner(std::uint64_t from, std::uint64_t to) const {
     return LineScanner(line_start(from), line_start(to));
   }
@@ -77,8 +77,8 @@ LineIndex index_lines(const Source& source, const char* body, std::uint64_t line
   return index;
 }
 
-/// Calls `parse(point, begin, end)` for every line that is one, `other(begin, end)` for the rest;
-/// either may throw LineFault. The fault on the lowest line is reported.
+/// Calls `parse(point, begin, end)` for every line that is a point, `other(begin, end)` for the
+/// others; either may throw LineFault. The fault on the lowest line is reported.
 template <class IsPoint, class Parse, class Other>
 void parse_lines(const Source& source, const LineIndex& index, const ReadOptions& options,
                  const IsPoint& is_point, const Parse& parse, const Other& other) {

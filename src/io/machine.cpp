@@ -36,7 +36,7 @@ MachineConstants machine_from_json(const std::string& path) {
   MachineConstants m;
   m.host_read_bytes_per_second = rate(json, "host_read_bytes_per_second", path);
   m.host_copy_bytes_per_second = rate(json, "host_copy_bytes_per_second", path);
-  // A machine without a device has no such rates; the defaults then stand for one that may come.
+  // A machine without a device has no such rates; the defaults remain, for a device added later.
   for (const auto& [key, value] :
        {std::pair{"link_bytes_per_second", &m.link_bytes_per_second},
         {"device_copy_bytes_per_second", &m.device_copy_bytes_per_second}})

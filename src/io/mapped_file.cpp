@@ -15,8 +15,8 @@ namespace cullhull {
 namespace internal {
 namespace {
 
-// Read by a signal handler, so: fixed size, no lock, no allocation. Mappings beyond the last slot
-// work, they only cannot be named.
+// Read by a signal handler, so: fixed size, no lock, no allocation. When all slots are in use
+// further mappings work, but are not listed.
 struct Slot {
   enum State : int { empty, claimed, listed };
   std::atomic<int> state{empty};
@@ -49,7 +49,7 @@ int list_mapping(const Source& source) {
   throw Error(ErrorCode::io, name + ": " + doing + ": " + std::system_category().message(error));
 }
 
-/// Memory that a file may be held against.
+/// The memory that a mapped file's size is compared with.
 std::uint64_t room() {
   const std::uint64_t memory = machine_memory();
   return memory > 0 ? memory : std::uint64_t{1} << 32;
@@ -72,7 +72,7 @@ MappedFile::MappedFile(const std::string& path) {
     if (system::is_regular(status) && status.st_size > 0) {
       map(fd, static_cast<std::size_t>(status.st_size));
     } else {
-      // Pipes, devices, and files of /proc, which have no size but do have content.
+      // Pipes, devices, and files in /proc, which have size 0 but contents.
       read_stream(fd);
       system::close_file(fd);
     }
@@ -151,7 +151,7 @@ void MappedFile::prefault(unsigned threads) const {
   constexpr std::uint64_t piece = std::uint64_t{16} << 20;
   for_each_chunk(source_.size, piece, resolve_threads(threads),
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   // A hint: an old kernel refuses it, and pages are then faulted in as touched.
+                   // A hint: old kernels refuse it, and pages are then faulted in on access.
                    system::fetch_pages(source_.data + begin, end - begin);
                  });
 }

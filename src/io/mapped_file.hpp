@@ -1,4 +1,4 @@
-// A file as bytes: mapped where it is a regular file, read into memory where it is a stream.
+// A file as bytes: mapped where it is a regular file, else read into memory.
 #pragma once
 
 #include <cstddef>
@@ -24,8 +24,8 @@ class MappedFile {
   bool mapped() const noexcept { return mapped_; }
   /// Error{io} if the file has shrunk since it was opened.
   void check_size() const;
-  /// Fills the page tables, so that the first pass over the points does not pay for it. Skipped for
-  /// files that would push other things out of memory.
+  /// Fills the page tables, so that the first pass over the points need not. Skipped for files that
+  /// would evict other data from memory.
   void prefault(unsigned threads) const;
 
  private:
@@ -39,8 +39,8 @@ class MappedFile {
   bool mapped_ = false;
 };
 
-/// A regular file of any size, seen through one mapped window at a time: neither address space nor
-/// memory need hold more. The window is listed for describe_mapped_fault().
+/// A regular file of any size, accessed through one mapped window at a time: it may exceed address
+/// space and memory. The window is listed for describe_mapped_fault().
 class FileWindow {
  public:
   FileWindow() = default;
@@ -52,10 +52,10 @@ class FileWindow {
 
   bool is_open() const noexcept { return descriptor_ >= 0; }
   std::uint64_t size() const noexcept { return size_; }
-  /// Moves the window to [offset, offset + length) and brings its pages in; what it held is gone.
-  /// Throws Error{io} if the file has shrunk.
+  /// Moves the window to [offset, offset + length) and reads its pages; the old contents are
+  /// unmapped. Throws Error{io} if the file has shrunk.
   const Source& move_to(std::uint64_t offset, std::size_t length);
-  /// Tells the system what will be asked for next.
+  /// Tells the system which part will be read next.
   void expect(std::uint64_t offset, std::size_t length) const;
 
  private:

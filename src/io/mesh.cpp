@@ -8,7 +8,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// Point id -> position in hull.vertices.
+/// From point ids to positions in hull.vertices.
 class VertexNumbers {
  public:
   explicit VertexNumbers(const std::vector<std::uint64_t>& ids) {
@@ -28,7 +28,7 @@ class VertexNumbers {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> sorted_;
 };
 
-/// Triangles in the place of the polygons. Each polygon of n corners takes n - 3 diagonals.
+/// Replaces polygons by triangles. A polygon of n corners is divided by n - 3 diagonals.
 void triangulate(HullMesh& mesh) {
   const std::size_t count = mesh.triangles.size() / 3;
   mesh.edges += count - mesh.polygons.size();

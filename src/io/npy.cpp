@@ -3,15 +3,15 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstring>
-#include <limits>
 
+#include "io/exact_double.hpp"
 #include "io/lines.hpp"
 #include "io/output_file.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "parallel/byte_order.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull {
@@ -146,7 +146,7 @@ struct Dtype {
   char kind = 0;  ///< 'f', 'i' or 'u'
   std::uint64_t size = 0;
   bool big_endian = false;
-  bool swapped = false;  ///< another order than this machine's
+  bool swapped = false;  ///< not in this machine's byte order
 };
 
 Dtype parse_dtype(const Source& s, const std::string& descr) {
@@ -186,15 +186,6 @@ void copy_swapped(const char* from, std::uint64_t bytes, std::uint64_t size, std
                  });
 }
 
-/// The double of the same value, or false.
-template <class T>
-bool exact_double(T v, double& out) {
-  out = static_cast<double>(v);
-  // 2^63 and 2^64 are doubles that T cannot hold: converting them back would be undefined.
-  const double limit = std::ldexp(1.0, std::numeric_limits<T>::digits);
-  return out < limit && static_cast<T>(out) == v;
-}
-
 /// Memory order is kept. Returns the first element (in memory order) that is not exactly a double,
 /// or `count`.
 template <class T>
@@ -222,7 +213,7 @@ std::uint64_t widen(const char* from, std::uint64_t count, bool swap, double* to
 
 namespace {
 
-/// n x d numbers at `data` as points; in place where they can be. `first`: the index of the first
+/// n x d numbers at `data` as points; in place where possible. `first`: the index of the first one
 /// in its array, for messages.
 PointData points_of_array(const Source& source, const char* data, std::uint64_t n, std::uint64_t d,
                           const Dtype& type, bool fortran, const ReadOptions& options,
@@ -408,24 +399,7 @@ void write_converted(OutputFile& out, const double* v, std::uint64_t count) {
 }
 
 void write_values(OutputFile& out, const double* v, std::uint64_t count, ScalarType type) {
-  switch (type) {
-    case ScalarType::f32:
-      return write_converted<float>(out, v, count);
-    case ScalarType::f64:
-      return write_converted<double>(out, v, count);
-    case ScalarType::i8:
-      return write_converted<std::int8_t>(out, v, count);
-    case ScalarType::u8:
-      return write_converted<std::uint8_t>(out, v, count);
-    case ScalarType::i16:
-      return write_converted<std::int16_t>(out, v, count);
-    case ScalarType::u16:
-      return write_converted<std::uint16_t>(out, v, count);
-    case ScalarType::i32:
-      return write_converted<std::int32_t>(out, v, count);
-    case ScalarType::u32:
-      return write_converted<std::uint32_t>(out, v, count);
-  }
+  with_scalar(type, [&](auto scalar) { write_converted<decltype(scalar)>(out, v, count); });
 }
 
 }  // namespace

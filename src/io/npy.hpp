@@ -1,4 +1,4 @@
-// What begins an .npy file.
+// The headers of .npy files.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace cullhull::internal {
 /// NumPy's word for a scalar type, little-endian: "<f8".
 std::string npy_descr(ScalarType type);
 
-/// All that precedes the data of an array in C order.
+/// The header of an array in C order.
 std::string npy_header(const char* descr, std::initializer_list<std::uint64_t> shape);
 
 }  // namespace cullhull::internal

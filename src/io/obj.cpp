@@ -1,4 +1,4 @@
-// Wavefront .obj: the "v" lines are the points; everything else is passed over.
+// Wavefront .obj: the "v" lines are the points; all other lines are skipped.
 #include <algorithm>
 #include <array>
 
@@ -21,7 +21,7 @@ bool is_vertex_line(const char* p, const char* end) {
   return end - p >= 2 && *p == 'v' && is_blank(p[1]);
 }
 
-/// The line before, in the same file, ends with a backslash.
+/// Whether the line before, in the same file, ends with a backslash.
 bool continues_line(const Source& source, const char* line) {
   const char* p = line;
   if (p > source.data) --p;  // the newline
@@ -29,7 +29,7 @@ bool continues_line(const Source& source, const char* line) {
   return p > source.data && p < line && p[-1] == '\\';
 }
 
-/// x y z, then perhaps a weight (1 number) or a colour (3), or both (4); those are passed over.
+/// x y z, then perhaps a weight (1 number) or a colour (3), or both (4), which are skipped.
 void parse_vertex(const char* p, const char* end, double* out) {
   p = skip_blanks(p, end) + 1;
   p = parse_coordinates(p, end, 3, out, "vertex");

@@ -81,7 +81,7 @@ OffHeader parse_off_header(const Source& source) {
     fail_at_line(source, scanner.number(), "dimension " + std::to_string(h.dimension));
   h.vertices = number("vertices");
   h.faces = number("faces");
-  if (!words.empty()) number("edges");  // of no use, and some leave it out
+  if (!words.empty()) number("edges");  // unused, and sometimes left out
   if (!words.empty())
     fail_at_line(source, scanner.number(), quoted_text(words.front()) + " after the counts");
   h.body = scanner.rest();

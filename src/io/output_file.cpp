@@ -58,7 +58,7 @@ OutputFile::OutputFile(const std::string& path)
   }
   if (exists) {
     if (!system::may_write(path.c_str())) refuse("cannot write", errno);
-    // Replace what a link points to, not the link.
+    // Replaces the target of a link, not the link.
     std::error_code error;
     target_ = std::filesystem::canonical(path, error).string();
     if (error) refuse("cannot write", error.value());
@@ -78,7 +78,7 @@ void OutputFile::open_beside(const std::string& path) {
       temporary_.clear();
       refuse("cannot write", ENAMETOOLONG);
     }
-    // Listed first: a signal between the two calls then removes a file that is not there.
+    // Listed first: a signal between the two calls then removes a file that does not exist.
     slot_ = list_unfinished(temporary_);
     descriptor_ = system::create_file(temporary_.c_str());
     if (descriptor_ >= 0) return;

@@ -53,7 +53,7 @@ void write_little_endian(OutputFile& out, const T* items, std::size_t count) {
   }
 }
 
-/// `format` if given, else the extension of `path`; `unnamed` where the name tells nothing: "-", a
+/// `format` if given, else the extension of `path`; `unnamed` where there is none to go by: "-", a
 /// pipe or a device.
 std::string output_format(const std::string& path, const std::string& format,
                           const std::string& unnamed);

@@ -22,7 +22,7 @@ struct Property {
   ScalarType type{};
   bool list = false;
   ScalarType count_type{};   ///< of a list
-  std::uint64_t offset = 0;  ///< in the record, if no list precedes it
+  std::uint64_t offset = 0;  ///< in the record, if no list comes before it
 };
 
 struct Element {
@@ -107,7 +107,7 @@ class PlyHeaderParser {
     std::vector<std::string_view> words;
     const char* p = lines_.begin();
     for (;;) {
-      // More words than any line of a header has: only comments go on.
+      // More words than any header line has: only comments may go on.
       const std::string_view word = first_word(p, lines_.end());
       if (word.empty() || words.size() == 6) return words;
       words.push_back(word);
@@ -176,7 +176,7 @@ class PlyHeaderParser {
     }
     find_colours(*it);
   }
-  /// Colours are an extra: where they are not three bytes, there are none.
+  /// Colours are optional: where they are not three bytes, there are none.
   void find_colours(const Element& vertex) {
     static constexpr std::string_view names[] = {"red", "green", "blue"};
     header_.coloured = true;
@@ -203,7 +203,7 @@ double load(const char* p, ScalarType type, bool swap) {
   return PointView{reinterpret_cast<const std::byte*>(bytes), type, 1, 1, 0, 0}.at(0, 0);
 }
 
-/// Vertices without lists, where their records begin.
+/// Vertices without lists, from the beginning of their records.
 PointData vertices_of_records(const char* records, std::uint64_t count, const PlyHeader& h,
                               bool swap, const ReadOptions& options) {
   const Element& e = h.elements[h.vertex];
@@ -242,7 +242,7 @@ PointData vertices_of_records(const char* records, std::uint64_t count, const Pl
   return data;
 }
 
-/// Whether numbers lie in another byte order than this machine's.
+/// Whether numbers are in another byte order than this machine's.
 bool swapped(Encoding encoding) { return (encoding == Encoding::big) == little_endian_machine; }
 
 const char* binary_name(Encoding encoding) {
@@ -265,8 +265,8 @@ class PlyBinary {
     return data;
   }
 
-  /// Where the vertices begin, if these and what precedes them are records of one size, and nothing
-  /// after them is missing. Reads no byte behind the header.
+  /// The offset of the vertices, if these and the elements before them are records of fixed size,
+  /// and the file is complete. Reads no byte behind the header.
   std::optional<std::uint64_t> records() const {
     std::uint64_t at = static_cast<std::uint64_t>(h_.body - source_.data);
     for (std::size_t i = 0; i <= h_.vertex; ++i) {
@@ -281,7 +281,7 @@ class PlyBinary {
   }
 
  private:
-  /// The element's records, at their smallest, fit into the rest of the file.
+  /// Checks that the element's records, at their smallest, fit into the rest of the file.
   void check_room(const Element& e, std::uint64_t at) const {
     std::uint64_t bytes = 0;
     if (!multiply(e.count, e.min_size, bytes) || bytes > source_.size - at)
@@ -299,7 +299,7 @@ class PlyBinary {
     }
     return at;
   }
-  /// Passes one record property by property; `at_property` receives where each begins.
+  /// Walks over one record property by property; `at_property` receives the offset of each.
   std::uint64_t walk(const Element& e, std::uint64_t at, std::uint64_t* at_property) const {
     for (const Property& p : e.properties) {
       if (at_property != nullptr) *at_property++ = at;
@@ -319,8 +319,8 @@ class PlyBinary {
     }
     return at;
   }
-  /// What follows the vertices: elements of fixed size are held against the file's, lists only by
-  /// their smallest size, which leaves them unread.
+  /// Checks the elements after the vertices against the file's size: those of fixed size exactly,
+  /// lists, which are not read, by their smallest size.
   void check_rest(std::uint64_t at) const {
     for (std::size_t i = h_.vertex + 1; i < h_.elements.size(); ++i) {
       const Element& e = h_.elements[i];
@@ -333,7 +333,7 @@ class PlyBinary {
                    std::to_string(source_.size - at) + " bytes after the last element");
   }
 
-  /// Bytes evenly apart are read where they lie, whatever the coordinates are.
+  /// Evenly spaced bytes are viewed in place, whatever the coordinates are.
   PointView colours_of(const Element& e, std::uint64_t at) const {
     const auto offset = [&](std::size_t c) {
       return static_cast<std::ptrdiff_t>(e.properties[h_.rgb[c]].offset);
@@ -393,7 +393,7 @@ void parse_vertex(const PlyHeader& h, const char* p, const char* end, double* ou
       if (h.xyz[c] == j) out[c] = value;
     if (h.coloured)
       for (std::size_t c = 0; c < 3; ++c)
-        if (h.rgb[c] == j)  // what is no number is black
+        if (h.rgb[c] == j)  // what is not a number is black
           colour[c] = static_cast<std::uint8_t>(value > 0 ? std::min(value, 255.0) : 0.0);
   }
   p = skip_blanks(p, end);
@@ -412,7 +412,7 @@ PointData read_ascii(const Source& source, const PlyHeader& h, const ReadOptions
     fail_at_line(source, h.lines + index.lines,
                  "ends early: the header promises " + std::to_string(expected) +
                      " lines of elements, " + std::to_string(index.points) + " follow");
-  // The lines were counted, so the vertices are at most as many as the file's bytes.
+  // Each vertex has a counted line, so their number is bounded by the file's size.
   const std::uint64_t count = h.elements[h.vertex].count;
   PointData data = parsed_points(count, h.dimension, "ply (ASCII)");
   double* const out = data.storage.as<double>();
@@ -467,7 +467,7 @@ void write_ply(OutputFile& out, const HullMesh& mesh) {
   std::uint64_t longest = 0;
   for (std::size_t f = 0; f < mesh.polygons.size(); ++f)
     longest = std::max(longest, mesh.polygons.offsets[f + 1] - mesh.polygons.offsets[f]);
-  // A byte counts the corners wherever that is enough: not every program reads another type.
+  // The corners are counted by a byte where possible, as some programs accept no other type.
   const bool wide = longest > 255;
   std::string head = "ply\nformat binary_little_endian 1.0\ncomment convex hull\nelement vertex ";
   append_number(head, std::uint64_t{mesh.vertex_count()});

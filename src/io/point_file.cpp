@@ -1,9 +1,10 @@
-// Opening a file of points: which format it is, and who keeps the memory.
+// Opens a file of points: determines its format, and owns the memory.
 #include <algorithm>
 #include <chrono>
 #include <cstring>
 
 #include "io/columns.hpp"
+#include "io/hdf5/hdf5_points.hpp"
 #include "io/mapped_file.hpp"
 #include "io/packed/unpack.hpp"
 #include "io/packed/unwrap.hpp"
@@ -16,7 +17,7 @@ namespace cullhull {
 
 struct PointFile::Impl {
   internal::MappedFile file;
-  internal::Buffer unpacked;  ///< what was compressed in it
+  internal::Buffer unpacked;  ///< decompressed contents
   internal::PointData data;
   double seconds = 0;
 };
@@ -40,14 +41,14 @@ bool begins(const Source& s, std::string_view magic) {
   return s.size >= magic.size() && std::memcmp(s.data, magic.data(), magic.size()) == 0;
 }
 
-/// Binary STL has no magic: its size follows from its triangle count.
+/// Binary STL has no magic number: its size follows from its number of triangles.
 bool looks_like_binary_stl(const Source& s) {
   if (s.size < 84) return false;
   const auto triangles = load_little_endian<std::uint32_t>(s.data + 80);
   return s.size == 84 + std::uint64_t{50} * triangles;
 }
 
-/// Editors put three bytes before the first character of a text.
+/// Skips the byte order mark of UTF-8.
 Source behind_byte_order_mark(const Source& s) {
   return begins(s, "\xEF\xBB\xBF") ? Source{s.name, s.data + 3, s.size - 3} : s;
 }
@@ -56,6 +57,7 @@ std::string format_of_content(const Source& s) {
   if (begins(s, "\x93NUMPY")) return "npy";
   if (begins(s, "ply\n") || begins(s, "ply\r")) return "ply";
   if (begins(s, "LASF")) return "las";
+  if (begins(s, "# .PCD")) return "pcd";
   if (looks_like_binary_stl(s)) return "stl";
   if (std::memchr(s.data, 0, std::min<std::size_t>(s.size, 4096)) != nullptr)
     fail(s, "not a format known by its content; for raw numbers give dimension and scalar type");
@@ -75,7 +77,7 @@ std::string format_of_content(const Source& s) {
 }  // namespace
 
 std::string choose_format(const Source& source, const ReadOptions& options) {
-  static constexpr std::string_view known[] = {"npy", "ply", "las", "obj", "off",
+  static constexpr std::string_view known[] = {"npy", "ply", "las", "pcd", "obj", "off",
                                                "stl", "xyz", "txt", "csv", "raw"};
   const auto is_known = [](const std::string& f) {
     return std::find(std::begin(known), std::end(known), f) != std::end(known);
@@ -84,12 +86,12 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
     if (!is_known(options.format))
       throw Error(ErrorCode::invalid_argument,
                   "unknown format " + quoted_text(options.format) +
-                      "; known are npy ply las obj off stl xyz txt csv raw");
+                      "; known are npy ply las pcd obj off stl xyz txt csv raw");
     return options.format;
   }
   const std::string extension = extension_of(unpacked_name(source.name));
   if (is_known(extension)) return extension;
-  if (extension == "laz") return "las";  // which says what reads it
+  if (extension == "laz") return "las";  // whose error names a reader for it
   for (const char* other : {"e57", "parquet", "zarr", "copc"})
     if (extension == other)
       fail(source, "." + extension + " is read by the Python package alone: cullhull.read(path)");
@@ -98,7 +100,7 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
 }
 
 std::vector<std::string> column_names(const std::string& format) {
-  for (const char* named : {"ply", "las", "obj", "off", "stl"})
+  for (const char* named : {"ply", "las", "pcd", "obj", "off", "stl"})
     if (format == named) return {"x", "y", "z"};
   return {};
 }
@@ -110,6 +112,7 @@ PointData read_format(const Source& file, const Source& text, const std::string&
   if (format == "npy") return read_npy(file, options);
   if (format == "raw") return read_raw(file, options);
   if (format == "las") return read_las(file, options);
+  if (format == "pcd") return read_pcd(file, options);
   const Source& source = format == "stl" && looks_like_binary_stl(file) ? file : text;
   if (format == "ply") return read_ply(source, options);
   if (format == "obj") return read_obj(source, options);
@@ -195,6 +198,12 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
   const internal::InputName input = internal::split_input(path);
   impl->file = internal::MappedFile(input.file);
   internal::Source source = impl->file.source();
+  if (internal::holds_hdf5(input.file, {source.data, std::min<std::size_t>(source.size, 16)})) {
+    impl->file = internal::MappedFile();
+    impl->data = internal::read_hdf5(input.file, input.member, options);
+    impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return PointFile(std::move(impl));
+  }
   ReadOptions reading = options;
   internal::unwrap(input, source, reading, impl->unpacked);
   impl->data = internal::read_points(source, reading);
@@ -203,7 +212,7 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
   if (impl->data.in_place && !unpacked)
     impl->file.prefault(options.threads);
   else
-    impl->file = internal::MappedFile();  // parsed or unpacked: the file need not stay
+    impl->file = internal::MappedFile();  // parsed or decompressed: the file is not needed
   if (!impl->data.in_place) impl->unpacked = {};
   impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return PointFile(std::move(impl));

@@ -1,4 +1,4 @@
-// A hull of 2D or 3D points as Qhull draws it: for Geomview, Mathematica and Maple.
+// A hull of 2D or 3D points in Qhull's formats for Geomview, Mathematica and Maple.
 #include <cstdio>
 
 #include "cullhull/error.hpp"
@@ -19,7 +19,7 @@ void require_picture(const Hull& hull, const char* what) {
                   std::to_string(hull.dimension));
 }
 
-/// "{x, y, z}" with eight digits, which is what these programs get from Qhull.
+/// "{x, y, z}" with eight digits, as Qhull prints for these programs.
 std::string bracketed(const Coordinates& points, std::uint64_t id, char open, char close) {
   std::string out(1, open);
   for (std::uint32_t j = 0; j < points.dimension; ++j) {
@@ -30,7 +30,7 @@ std::string bracketed(const Coordinates& points, std::uint64_t id, char open, ch
   return out += close;
 }
 
-/// The facets of a list, each as its corners between brackets.
+/// A list of facets, each as its corners in brackets.
 std::string bracketed_facets(const Coordinates& points, const Hull& hull, const char* before_each,
                              const char* after_each, char open, char close) {
   std::string out;
@@ -49,14 +49,14 @@ std::string bracketed_facets(const Coordinates& points, const Hull& hull, const 
   return out += plane ? "" : "\n";
 }
 
-/// Coordinates on a line, the third one 0 in the plane.
+/// Appends coordinates on a line, 0 as the third one in the plane.
 void append_3d(std::string& out, const Coordinates& points, std::uint64_t id) {
   for (std::uint32_t j = 0; j < 3; ++j)
     append_padded(out, j < points.dimension ? points.at(id, j) : 0.0);
   out += '\n';
 }
 
-/// A colour that tells where a facet faces: its unit normal, moved into [0, 1].
+/// A colour that shows a facet's direction: its unit normal, mapped to [0, 1].
 void append_colour(std::string& out, const Hull& hull, std::uint64_t facet) {
   const double* plane = hull.facet_planes.data() + facet * (std::uint64_t{hull.dimension} + 1);
   for (std::uint32_t j = 0; j < 3; ++j)

@@ -1,5 +1,5 @@
-// Text as Qhull's `qconvex` prints it. Facets come in our order; orientation is Qhull's: det(v1 -
-// v0, ..., x - v0) > 0 for x inside, so polygons in space run clockwise seen from outside.
+// Text as Qhull's `qconvex` prints it. Facets are in our order; orientation is Qhull's: det(v1 -
+// v0, ..., x - v0) > 0 for x inside, so polygons in space are clockwise seen from outside.
 #include "io/qhull_text.hpp"
 
 #include <algorithm>
@@ -81,8 +81,8 @@ std::vector<double> average_of(const Coordinates& points, const std::vector<std:
 
 namespace {
 
-/// The k-measure of the simplex on these k + 1 points: the product of the edges' parts at right
-/// angles to those before (Gram and Schmidt, twice for slivers), over k!. Scaled by powers of two.
+/// The k-measure of the simplex of these k + 1 points: the product of the edges' components
+/// orthogonal to those before (Gram-Schmidt, twice for slivers), over k!. Scaled by powers of two.
 double simplex_measure(const Coordinates& points, const std::uint64_t* ids, std::size_t k) {
   const std::uint32_t d = points.dimension;
   std::vector<double> edges(k * d);
@@ -114,8 +114,8 @@ double simplex_measure(const Coordinates& points, const std::uint64_t* ids, std:
   return std::scalbn(product, (exponent + 1) * static_cast<int>(k));
 }
 
-/// i: 2D and 3D facets whole; above, facets that are no simplices are triangulated (Qhull does so
-/// too, around an added centre).
+/// i: 2D and 3D facets whole; in higher dimensions facets that are no simplices are triangulated
+/// (Qhull does so, too, around an added centre).
 std::string incidences(const Hull& hull) {
   std::string out;
   if (hull.affine_dimension > 3) {
@@ -154,8 +154,8 @@ std::string off_like(const Coordinates& points, const Hull& hull) {
   return out;
 }
 
-/// Ft: facets that are no simplices are cut into pyramids over their ridges, around a point added
-/// for each: the average of its vertices. The ridges are those of our simplices between two facets.
+/// Ft: facets that are no simplices are divided into pyramids over their ridges, around an added
+/// point: the average of the vertices. The ridges are those of our simplices between two facets.
 std::string centred_triangulation(const Coordinates& points, const Hull& hull) {
   const auto k = static_cast<std::uint64_t>(std::max(hull.affine_dimension, 0));
   std::vector<std::uint64_t> centre(hull.facet_count(), 0);
@@ -183,7 +183,7 @@ std::string centred_triangulation(const Coordinates& points, const Hull& hull) {
     }
     for (std::uint64_t j = 0; j < k; ++j) {
       if (hull.simplex_facets[hull.simplex_neighbours[s * k + j]] == facet) continue;
-      std::vector<std::uint64_t> pyramid = ids;  // the centre takes the opposite vertex's place
+      std::vector<std::uint64_t> pyramid = ids;  // the centre replaces the opposite vertex
       std::replace(pyramid.begin(), pyramid.end(), hull.simplices[s * k + j], centre[facet]);
       append_simplex(pyramid);
     }
@@ -207,7 +207,7 @@ std::string normals(const Hull& hull) {
   return out;
 }
 
-/// FD: the normals as cdd's H-representation has them: offset - normal . x >= 0.
+/// FD: the normals in cdd's H-representation: offset - normal . x >= 0.
 std::string cdd_normals(const Hull& hull) {
   const std::uint64_t d = hull.dimension, width = d + 1;
   std::string out = "begin\n    ";
@@ -246,7 +246,7 @@ std::string extreme_ids(const Hull& hull) {
   return out;
 }
 
-/// Counted lists, one a line behind their number: Fv, Fn, FN.
+/// Lists with their lengths, one a line, after the number of lists: Fv, Fn, FN.
 template <class List>
 std::string counted_lists(std::uint64_t count, const List& list) {
   std::string out;
@@ -312,8 +312,8 @@ std::uint64_t non_simplicial(const Hull& hull) {
   return count;
 }
 
-/// Fs: ten integers (of points near a facet, of vertices and facets that were given up, there are
-/// none here), then how far a point is above or below its plane: on it.
+/// Fs: ten integers (points near a facet, deleted vertices and facets: all 0 here), then the
+/// greatest distances of a point above and below its plane: 0.
 std::string counts_line(const Hull& hull) {
   const std::string v = std::to_string(hull.vertices.size()),
                     f = std::to_string(hull.facet_count());
@@ -344,8 +344,8 @@ std::string summary(const Hull& hull, bool measures) {
   return out += "\n\n";
 }
 
-/// f, and FF without what is between the facets: every vertex and facet with all that is known of
-/// it. Vertices are numbered in the order of hull.vertices, facets in ours.
+/// f, and FF without the ridges: all data of every vertex and facet. Vertices are numbered in the
+/// order of hull.vertices, facets in ours.
 std::string dump(const Coordinates& points, const Hull& hull) {
   const std::uint64_t width = std::uint64_t{hull.dimension} + 1;
   std::string out = "Vertices and facets:\n";
@@ -387,7 +387,7 @@ std::string dump(const Coordinates& points, const Hull& hull) {
   return out;
 }
 
-/// Why a word of Qhull's is refused; empty for a word Qhull does not know either.
+/// Why a word that only Qhull knows is refused; empty for other words.
 std::string refused_word(std::string_view what) {
   if (what == "Fc" || what == "FP")
     return "lists points within Qhull's tolerance of a facet; ask HullQuery for those exactly on "
@@ -432,7 +432,7 @@ void check_qhull_format(std::string_view what) {
 
 namespace {
 
-/// Whether the text has something of every point, extreme or not.
+/// Whether the text lists every point, extreme or not.
 bool lists_all_points(std::string_view what) {
   return what == "o" || what == "f" || what == "FF" || what == "Ft" || what == "FN";
 }

@@ -1,4 +1,4 @@
-// What the writers of Qhull's texts share.
+// Functions that the writers of Qhull's texts share.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 
 namespace cullhull::internal {
 
-/// The vertices of a facet as Qhull lists them: so that det(v1 - v0, ..., x - v0) > 0 for x inside.
+/// The vertices of a facet in Qhull's order: det(v1 - v0, ..., x - v0) > 0 for x inside.
 std::vector<std::uint64_t> qhull_facet(const Hull& hull, std::uint64_t facet,
                                        std::uint64_t one_of_its_simplices);
 
-/// A simplex of every facet.
+/// One simplex of every facet.
 std::vector<std::uint64_t> simplex_of_facet(const Hull& hull);
 
 /// The average of the points with these ids, summed so that huge coordinates do not overflow.
@@ -31,7 +31,7 @@ void append_point(std::string& out, const Coordinates& points, std::uint64_t id)
 void append_ids(std::string& out, const std::vector<std::uint64_t>& ids);
 
 /// For programs that draw: Geomview (G), Mathematica (m), Maple (FM). Error{invalid_argument}
-/// unless the hull is one of 2D or 3D points and spans them.
+/// unless the hull is full-dimensional and of 2D or 3D points.
 std::string geomview_text(const Coordinates& points, const Hull& hull);
 std::string mathematica_text(const Coordinates& points, const Hull& hull);
 std::string maple_text(const Coordinates& points, const Hull& hull);

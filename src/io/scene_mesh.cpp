@@ -34,11 +34,12 @@ void write_items(OutputFile& out, const std::vector<T>& items) {
 
 struct Placed {
   std::array<double, 3> centre{};
-  std::vector<float> positions;  ///< from the centre
+  std::vector<float> positions;  ///< relative to the centre
   std::array<float, 3> least{}, greatest{};
 };
 
-/// Positions as floats, from the middle of their box: what is lost is relative to the box.
+/// Positions as floats relative to the middle of their bounding box, which limits the rounding
+/// error.
 Placed place(const HullMesh& mesh) {
   Placed p;
   for (unsigned j = 0; j < 3; ++j) {
@@ -92,7 +93,7 @@ std::string gltf_json(const Placed& placed, std::size_t indices) {
          std::to_string(4 * (placed.positions.size() + indices)) + "}]}";
 }
 
-/// One DataArray of a .vtp, its values as decimals that read back as the same numbers.
+/// Writes the DataArrays of a .vtp, values as decimals that read back as the same numbers.
 class VtpWriter {
  public:
   explicit VtpWriter(OutputFile& out) : out_(out) {}
@@ -108,7 +109,7 @@ class VtpWriter {
     }
     out_.write(line + "</DataArray>\n");
   }
-  /// Cells of one kind: corners of all of them, and where each ends.
+  /// Cells of one kind: the corners of all of them, and each one's end offset.
   void cells(const std::string& kind, const Lists<std::uint32_t>& cells) {
     if (cells.size() == 0) return;
     out_.write("<" + kind + ">\n");

@@ -1,4 +1,4 @@
-// Frames of moving points: from one array, window by window, or from many files.
+// Frames of moving points: from one array through a window, or from many files.
 #include <algorithm>
 #include <cctype>
 #include <chrono>
@@ -20,9 +20,9 @@ struct PointSequence::Impl {
   PointView view;
   double seconds = 0;
 
-  std::vector<std::string> files;  ///< a frame each; or empty, and:
+  std::vector<std::string> files;  ///< one frame each; or empty, and:
   internal::NpyFrames array;
-  internal::FileWindow window;  ///< closed where the array came through a stream:
+  internal::FileWindow window;  ///< closed where the array came from a stream:
   internal::MappedFile stream;
   internal::PointData data;
 
@@ -47,7 +47,7 @@ struct PointSequence::Impl {
     } else {
       bytes = {stream.source().name, stream.source().data + offset, array.frame_bytes};
     }
-    // A frame of no bytes needs an address that is not null all the same.
+    // A frame of no bytes still needs an address that is not null.
     if (bytes.data == nullptr) bytes.data = "";
     data = array.frame(bytes, options);
     internal::choose_columns(data, bytes.name, {}, options);
@@ -59,7 +59,7 @@ struct PointSequence::Impl {
 namespace internal {
 namespace {
 
-/// By name, but digits as numbers: frame2 before frame10.
+/// By name, but digits by value: frame2 before frame10.
 bool natural_less(const std::string& a, const std::string& b) {
   const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
   std::size_t i = 0, j = 0;
@@ -85,7 +85,19 @@ bool natural_less(const std::string& a, const std::string& b) {
   return a < b;  // 1 and 01
 }
 
+/// A Zarr array or group is a folder whose files are none of points.
+void refuse_zarr(const std::string& path) {
+  for (const char* mark : {".zarray", ".zgroup", "zarr.json"})
+    if (std::filesystem::exists(std::filesystem::path(path) / mark))
+      throw Error(
+          ErrorCode::bad_file,
+          display_name(path) +
+              ": a Zarr folder is read by the Python package alone: cullhull.read(path), or "
+              "cullhull.dask");
+}
+
 void list_folder(const std::string& path, std::vector<std::string>& files) {
+  refuse_zarr(path);
   std::error_code error;
   std::vector<std::string> found;
   for (std::filesystem::directory_iterator it(path, error), end; !error && it != end;
@@ -133,7 +145,7 @@ bool open_array(const std::string& path, PointSequence::Impl& impl) {
 
 namespace {
 
-/// Files that match, each with the member that is asked for.
+/// Lists the files that match, each with the archive member that was given.
 void list_matches(const std::string& path, std::vector<std::string>& files) {
   const internal::InputName input = internal::split_input(path);
   const std::size_t first = files.size();

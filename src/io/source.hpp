@@ -1,4 +1,4 @@
-// What every reader takes and gives: named bytes in, points in place or copied out.
+// Input and output of every reader: named bytes, and points in place or copied.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@
 
 namespace cullhull::internal {
 
-/// The bytes of a file or of standard input. `name` is what messages call it.
+/// The bytes of a file or of standard input. `name` is used in messages.
 struct Source {
   std::string name;
   const char* data = nullptr;
@@ -25,7 +25,7 @@ struct Source {
 /// Uninitialised memory, on huge pages where it is large.
 class Buffer {
  public:
-  Buffer() = default;  ///< none: data() is null
+  Buffer() = default;  ///< no memory: data() is null
   /// Throws std::bad_alloc.
   explicit Buffer(std::size_t size);
   std::byte* data() const noexcept { return data_.get(); }
@@ -52,7 +52,8 @@ struct PointData {
   PointKeys keys;         ///< of every point, where ReadOptions::key asks for them
 };
 
-/// `data`, of little-endian numbers, as this machine's: in place where that is its order.
+/// Converts little-endian numbers to this machine's byte order: in place where that is
+/// little-endian.
 PointData in_machine_order(PointData data);
 /// A copy of `data` with the bytes of each number in the other order.
 PointData with_reversed_bytes(PointData data);
@@ -60,6 +61,7 @@ PointData with_reversed_bytes(PointData data);
 /// Readers, one file each. They throw Error{bad_file}; `options` gives threads and stop token.
 PointData read_npy(const Source& source, const ReadOptions& options);
 PointData read_ply(const Source& source, const ReadOptions& options);
+PointData read_pcd(const Source& source, const ReadOptions& options);
 PointData read_las(const Source& source, const ReadOptions& options);
 PointData read_obj(const Source& source, const ReadOptions& options);
 PointData read_off(const Source& source, const ReadOptions& options);
@@ -74,13 +76,13 @@ struct NpyFrames {
   std::uint32_t dimension = 0;
   std::string descr;
 
-  /// `head`: the beginning of a file of `file_size` bytes. False for an array that has not 3 axes.
+  /// `head`: the beginning of a file of `file_size` bytes. False for an array without 3 axes.
   bool read_header(const Source& head, std::uint64_t file_size);
-  /// `bytes`: those of one frame.
+  /// `bytes`: of one frame.
   PointData frame(const Source& bytes, const ReadOptions& options) const;
 };
 
-/// The format options.format names, else that of the extension, else that of the content.
+/// By the format that options.format names, else by the extension, else by the content.
 PointData read_points(const Source& source, const ReadOptions& options);
 Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinates = nullptr);
 
@@ -90,9 +92,9 @@ Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinate
 [[noreturn]] void fail_at_byte(const Source& source, std::uint64_t offset,
                                const std::string& message);
 
-/// A piece of a file for use in a message: one line, printable, not long, in quotes.
+/// A piece of a file for a message: one line, printable, shortened, in quotes.
 std::string quoted_text(std::string_view text);
-/// A file name for use in a message: on one line.
+/// A file name for a message: on one line.
 std::string display_name(const std::string& path);
 
 /// "OBJ" -> "obj"; the part after the last dot of the last component, "" without one.

@@ -35,7 +35,7 @@ void append(std::string& out, std::uint64_t value, int bytes) {
   for (int i = 0; i < bytes; ++i) out += static_cast<char>(value >> 8 * i & 255);
 }
 
-/// Members of a ZIP archive, stored as they are: what numpy.savez writes.
+/// Writes members of a ZIP archive, uncompressed, as numpy.savez does.
 class ZipWriter {
  public:
   explicit ZipWriter(OutputFile& out) : out_(out) {}

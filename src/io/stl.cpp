@@ -1,5 +1,5 @@
 // .stl, ASCII and binary: the corners of the triangles in file order, three a triangle. STL has no
-// shared vertices, so equal points are expected.
+// shared vertices, so equal points are normal.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -84,7 +84,7 @@ PointData read_stl(const Source& source, const ReadOptions& options) {
     needed = header_bytes + record_bytes * triangles;
     if (needed == source.size) return read_binary(source, triangles, options);
   }
-  // Binary headers may begin with "solid" too, which is why the size was asked first.
+  // Binary headers may begin with "solid", too, which is why the size was tested first.
   LineScanner lines(source.data, source.data + source.size);
   while (lines.next() && first_word(lines.begin(), lines.end()).empty()) {
   }
@@ -117,7 +117,7 @@ void write_stl(OutputFile& out, const HullMesh& mesh) {
   for (std::uint32_t t = 0; t < count; ++t) {
     const double* v[3];
     for (unsigned j = 0; j < 3; ++j) v[j] = &mesh.coordinates[3 * mesh.triangles[3 * t + j]];
-    // Scaled by the largest difference, so that the cross product neither overflows nor vanishes.
+    // Scaled by the largest difference, so that the cross product neither overflows nor underflows.
     double e[2][3], scale = 0;
     for (unsigned i = 0; i < 2; ++i)
       for (unsigned j = 0; j < 3; ++j) {

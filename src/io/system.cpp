@@ -17,7 +17,7 @@
 #include <poll.h>
 #include <sys/mman.h>
 #if defined(__linux__) && !defined(MADV_POPULATE_READ)
-#define MADV_POPULATE_READ 22  // Linux 5.14: the C library's headers may be older than the kernel
+#define MADV_POPULATE_READ 22  // Linux 5.14; missing in older C headers
 #endif
 #endif
 
@@ -74,7 +74,7 @@ std::ptrdiff_t write_some(int fd, const void* data, std::size_t size) {
   return _write(fd, data, at_most(size));
 }
 bool readable_soon(int fd) {
-  DWORD waiting = 0;  // of pipes; whatever else it is gives something or ends
+  DWORD waiting = 0;  // of pipes; anything else has bytes or is at its end
   if (!PeekNamedPipe(handle_of(fd), nullptr, 0, nullptr, &waiting, nullptr) || waiting > 0)
     return true;
   Sleep(100);

@@ -1,5 +1,5 @@
-// What reading and writing files asks of the system: POSIX, or what Windows has in its place. No
-// other source of io names the system's own functions for files, memory maps and pipes.
+// The system calls for files: POSIX, or their counterparts on Windows. No other source of io uses
+// the system's own functions for files, memory maps and pipes.
 #pragma once
 
 #include <sys/stat.h>
@@ -44,22 +44,22 @@ inline int remove_file(const char* path) { return ::unlink(path); }
 inline int process_number() { return ::getpid(); }
 #endif
 
-/// Descriptors; -1 and errno where they cannot be had. Bytes stay as they are, and programs that
-/// are started do not inherit them.
+/// Descriptors; -1 and errno where they cannot be had. Bytes are not translated, and child
+/// processes do not inherit them.
 int open_to_read(const char* path);
 int open_to_write(const char* path);
 int create_file(const char* path);  ///< fails where there is one
 int duplicate(int fd);
 
-/// As many bytes as come at once, 0 at the end, negative and errno for an error.
+/// As many bytes as are available, 0 at the end, negative and errno for an error.
 std::ptrdiff_t read_some(int fd, void* out, std::size_t size);
 std::ptrdiff_t read_some_at(int fd, void* out, std::size_t size, std::uint64_t offset);
 std::ptrdiff_t write_some(int fd, const void* data, std::size_t size);
-/// Whether there is something to read, or an end, within 100 ms.
+/// Whether there are bytes to read, or the end, within 100 ms.
 bool readable_soon(int fd);
 
-/// What lies in a file from `offset` on, a multiple of map_granularity(), read-only; nullptr and
-/// errno. `at_once`: the pages are wanted now, if the system knows how.
+/// Maps a file from `offset` on, a multiple of map_granularity(), read-only; nullptr and errno.
+/// `at_once`: reads the pages immediately, if the system can.
 const void* map_file(int fd, std::uint64_t offset, std::size_t size, bool at_once);
 void unmap_file(const void* address, std::size_t size) noexcept;
 std::size_t map_granularity();
@@ -67,15 +67,15 @@ std::size_t map_granularity();
 /// Files whose names match, in no order. Windows: wildcards in the last part of the path alone.
 std::vector<std::string> files_matching(const std::string& pattern);
 
-/// Hints, which change nothing but time.
+/// Hints, which affect time only.
 void expect_in_order(const void* mapped, std::size_t size);
 void expect_in_order(int fd);
 void expect_soon(int fd, std::uint64_t offset, std::size_t size);
 void enlarge_pipe(int fd);
-/// Brings a piece of a map into memory; does nothing on systems that cannot.
+/// Reads a piece of a map into memory; does nothing on systems that cannot.
 void fetch_pages(const void* mapped, std::size_t size);
 
-/// Gives a new file the permissions of the one that it will replace.
+/// Gives a new file the permissions of the one that it replaces.
 void set_permissions(int fd, const FileStatus& like);
 
 }  // namespace cullhull::internal::system

@@ -107,8 +107,8 @@ std::string explain_row(const char* p, const char* end, std::uint32_t dimension)
 
 namespace {
 
-/// Throws LineFault unless a row of cdd's is that of a point; returns where its coordinates begin.
-/// The 1 of a point may be any number but 0, as Qhull has it: rbox's offset is added to it, too.
+/// Throws LineFault unless a row of cdd's is a point; returns where its coordinates begin. The 1
+/// that marks a point may be any number but 0, as in Qhull: rbox adds its offset to it, too.
 const char* skip_leading_one(const char* p, const char* end, std::uint32_t dimension) {
   p = skip_blanks(p, end);
   const std::string_view word = first_word(p, end);
@@ -132,7 +132,7 @@ const char* format_name(Preamble::Kind kind) {
 
 namespace {
 
-/// Finds the line that is too short for its points without allocating for what it promises.
+/// Finds the line that is too short for its points, without allocating what the header promises.
 [[noreturn]] void find_short_line(const Source& source, const LineIndex& index,
                                   const Preamble& preamble, const ReadOptions& options) {
   const std::uint32_t d = preamble.dimension;
@@ -165,7 +165,7 @@ PointData parse_rows(const Source& source, const LineIndex& index, const Preambl
       },
       [](const char*, const char*) {});
   for (const std::string_view key : keys) data.keys.add(without_doubled_quotes(key));
-  // Where a header tells the dimension there is no layout.
+  // Without a layout (a header gives the dimension) columns are chosen here.
   if (preamble.layout == nullptr) choose_columns(data, source.name, {}, options);
   return data;
 }
@@ -182,7 +182,7 @@ PointData read_text(const Source& file, const ReadOptions& options, bool csv) {
     fail_at_line(source, preamble.count_line,
                  "promises " + std::to_string(preamble.count) + " points, but " +
                      std::to_string(index.points) + " lines follow");
-  // Every coordinate takes a character and, but for the file's last, a separator.
+  // Every coordinate takes a character and, except for the file's last, a separator.
   std::uint64_t coordinates = 0;
   if (!multiply(index.points, d, coordinates) || coordinates > source.size / 2 + 1)
     find_short_line(source, index, preamble, options);

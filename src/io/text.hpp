@@ -1,4 +1,5 @@
-// What the two halves of the text reader share: the fields of a line, and what precedes the points.
+// Shared by the two halves of the text reader: the fields of a line, and the lines before the
+// points.
 #pragma once
 
 #include <cstdint>
@@ -30,13 +31,13 @@ struct Fields {
 
 Fields split_fields(const char* begin, const char* end);
 
-/// Why a line is no row of `dimension` numbers.
+/// Why a line is not a row of `dimension` numbers.
 std::string explain_row(const char* begin, const char* end, std::uint32_t dimension);
 
-/// Neither empty nor a comment.
+/// Whether the line is neither empty nor a comment.
 bool is_point_line(const char* begin, const char* end);
 
-/// What precedes the points: nothing, a line of words, Qhull's header or cdd's.
+/// The lines before the points: none, a line of words, Qhull's header or cdd's.
 struct Preamble {
   enum Kind { none, qhull, cdd };
   Kind kind = none;
@@ -44,18 +45,19 @@ struct Preamble {
   const char* end = nullptr;   ///< ... and where they end
   std::uint64_t lines = 0;     ///< before the body
   std::uint32_t dimension = 0;
-  std::uint64_t count = 0;       ///< what a header promises
-  std::uint64_t count_line = 0;  ///< and where
-  /// Which columns are coordinates; null: all of them, and no other is there.
+  std::uint64_t count = 0;       ///< the number of points that a header promises
+  std::uint64_t count_line = 0;  ///< and its line
+  /// Which columns are coordinates; null: all of them, and there are no others.
   std::shared_ptr<const ColumnLayout> layout;
 };
 
-/// `csv`: the first line may be words. `options` say which columns are wanted and are told which
-/// were taken. Throws Error{bad_file}, Error{invalid_argument} for columns that are not there.
+/// `csv`: the first line may be words. `options` name the columns wanted; options.remark is told if
+/// some are left out. Throws Error{bad_file}, Error{invalid_argument} for columns that do not
+/// exist.
 Preamble find_preamble(const Source& source, const ReadOptions& options, bool csv);
 
-/// The points of some whole lines of a text, of which `lines_before` precede them. Those of cdd's
-/// header end before their file does, so that they are not read in pieces.
+/// The points of whole lines of a text, which follow `lines_before` others. Points after cdd's
+/// header may end before the file does, so such files are not read in pieces.
 PointData read_text_piece(const Source& piece, std::uint64_t lines_before, const Preamble& preamble,
                           const ReadOptions& options);
 

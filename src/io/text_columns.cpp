@@ -19,7 +19,7 @@ void ColumnScanner::take_quoted(std::string_view& column) {
 
 bool ColumnScanner::next(std::string_view& column) {
   if (!more_) return false;
-  // A tab that separates is no blank.
+  // Where a tab is the separator, it is not a blank.
   const auto blank = [this](char c) {
     return is_blank(c) && (separator_ == ' ' || c != separator_);
   };
@@ -54,7 +54,7 @@ char find_separator(const char* p, const char* end) {
     if (quoted) continue;
     if (*p == ';') return ';';
     comma = comma || *p == ',';
-    // Tabs in a row, or beside blanks, align columns and may be any number.
+    // Tabs in a row, or next to blanks, are used to align columns and are no separators.
     tab = tab || (*p == '\t' && !is_blank(p[-1]) && !is_blank(p[1]));
   }
   return comma ? ',' : tab ? '\t' : ' ';

@@ -1,4 +1,4 @@
-// Rows of which only some columns are read: the others may hold anything, words and quotes too.
+// Rows of which only some columns are read: the others may hold any text, quotes included.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,14 @@
 
 namespace cullhull::internal {
 
-/// Cuts a line into columns. With a separator each column stands between two of them, blanks around
-/// it left out; without one (' ') columns are parted by blanks. A column in double quotes may hold
-/// separators, and quotes doubled; it ends on its line.
+/// Splits a line into columns. With a separator each column is the text between two of them,
+/// without blanks around it; without one (' ') columns are separated by blanks. A column in double
+/// quotes may hold separators, and doubled quotes; it ends on its line.
 class ColumnScanner {
  public:
   ColumnScanner(const char* begin, const char* end, char separator)
       : at_(begin), end_(end), separator_(separator) {}
-  /// The next column as it is written, without its quotes; false after the last. Throws LineFault.
+  /// The next column as written, without its quotes; false after the last. Throws LineFault.
   bool next(std::string_view& column);
 
  private:
@@ -26,29 +26,28 @@ class ColumnScanner {
   bool more_ = true;
 };
 
-/// What parts the columns of a line: ';' ',' or a tab, whichever is there first in this order
-/// outside of quotes; else blanks, ' '.
+/// The separator of the columns of a line: ';' ',' or a tab, the first in this order that occurs
+/// outside of quotes; else a blank.
 char find_separator(const char* begin, const char* end);
 
-/// A column with its doubled quotes made one.
+/// Replaces doubled quotes by single ones.
 std::string without_doubled_quotes(std::string_view column);
 
-/// All columns of a line, doubled quotes made one. Throws LineFault.
+/// All columns of a line, doubled quotes replaced. Throws LineFault.
 std::vector<std::string> split_columns(const char* begin, const char* end, char separator);
 
-/// Where the coordinates stand in a row.
+/// Which columns of a row are the coordinates.
 struct ColumnLayout {
   static constexpr std::uint32_t none = 0xFFFFFFFF;
   char separator = ' ';
-  std::vector<std::uint32_t> coordinate;  ///< of each column: which one it is, or none
+  std::vector<std::uint32_t> coordinate;  ///< by column: the coordinate's number, or none
   std::vector<std::string> names;         ///< of columns, for messages; may be empty
   std::uint32_t dimension = 0;
   std::uint32_t key = none;  ///< the column of ReadOptions::key
 
   ColumnLayout(char separator_, std::uint32_t width, const std::vector<std::uint32_t>& columns,
                std::vector<std::string> names_);
-  /// Writes `dimension` numbers, and what the key's column holds, as it is written. Throws
-  /// LineFault.
+  /// Writes `dimension` numbers, and the key's column as written. Throws LineFault.
   void parse(const char* begin, const char* end, double* out,
              std::string_view* key_text = nullptr) const;
 

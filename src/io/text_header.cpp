@@ -1,4 +1,4 @@
-// What precedes the points in a text: column names, Qhull's header, or that of cdd and lrs.
+// The lines before the points of a text: column names, Qhull's header, or that of cdd and lrs.
 #include <algorithm>
 
 #include "io/columns.hpp"
@@ -27,13 +27,13 @@ bool next_data_line(LineScanner& scanner, DataLine& line) {
   return false;
 }
 
-/// The whole numbers that begin a line, two at most, and whether a comment ends it: words of which
-/// the first is no number ("3 rbox 10 D3 P0.5,0.5"). What the words hold is of no concern.
+/// The integers at the beginning of a line, two at most, and whether a comment ends it: words of
+/// which the first is no number ("3 rbox 10 D3 P0.5,0.5"). The words themselves are ignored.
 struct LeadingIntegers {
   std::uint64_t values[2] = {0, 0};
   unsigned count = 0;
   bool words = false;
-  bool numbers = false;  ///< a number follows, so that this is no header
+  bool numbers = false;  ///< a number follows, so this is no header
 };
 
 LeadingIntegers leading_integers(const DataLine& line) {
@@ -58,7 +58,7 @@ LeadingIntegers leading_integers(const DataLine& line) {
 
 /// Qhull's format: the dimension and the number of points, on one line or two, each perhaps
 /// followed by words; then the points. Without words, "3" could be a point of R^1, and "2 1" one of
-/// the plane: then the line that follows must have as many numbers as the dimension says.
+/// the plane: then the next line must have as many numbers as the dimension says.
 bool find_qhull_header(const Source& source, const DataLine& first, LineScanner scanner,
                        Preamble& preamble) {
   const LeadingIntegers head = leading_integers(first);
@@ -117,7 +117,7 @@ bool find_cdd_header(const Source& source, const DataLine& first, LineScanner sc
     if (scan_number(p, line.end, unused) != Scan::not_a_number) return false;
     if (line.word() == "H-representation")
       fail_at_line(source, line.number, "holds halfspaces, not points");
-    // The title may have commas; a line of names is followed by rows that have them, too.
+    // The title may have commas; but after a line of column names the rows have them, too.
     if (!next_data_line(scanner, line) || line.fields.separators) return false;
   }
   preamble.kind = Preamble::cdd;
@@ -146,7 +146,8 @@ bool has_all(const std::vector<std::string>& names, const std::vector<std::strin
   return !wanted.empty();
 }
 
-/// Words, none of them a number; or all the names that are asked for, whatever else is there.
+/// Whether the line is a header: words, none of them a number; or all the names asked for, whatever
+/// else there is.
 bool is_header(const DataLine& line, const std::vector<std::string>& names, bool csv,
                const std::vector<std::string>& wanted) {
   if (has_all(names, wanted)) return true;
@@ -159,13 +160,13 @@ bool is_header(const DataLine& line, const std::vector<std::string>& names, bool
     const Scan scan = scan_number(p, end, unused);
     if (scan == Scan::ok) p = skip_blanks(p, end);
     if (scan == Scan::out_of_range || (scan == Scan::ok && (p == end || *p == ',' || *p == ';')))
-      return false;  // decimal commas, perhaps, which no column has for a name
+      return false;  // perhaps decimal commas, which no column name has
     any = any || !name.empty();
   }
   return any;
 }
 
-/// Some programs write the names of columns into a comment: the last one before the points that
+/// Some programs write the names of columns in a comment: finds the last one before the points that
 /// has all the names asked for, else none.
 std::vector<std::string> names_in_comment(const Source& source, const char* end,
                                           const std::vector<std::string>& wanted) {
@@ -187,14 +188,14 @@ std::vector<std::string> names_in_comment(const Source& source, const char* end,
 
 void remark_columns(const Source& source, const ReadOptions& options, std::size_t taken,
                     std::size_t width) {
-  // A key that was asked for is no surprise.
+  // The column of a key that was asked for is not missed.
   if (!options.remark || taken + (options.key.empty() ? 0 : 1) >= width) return;
   options.remark(source.name + ": " + (taken == 2 ? "x and y" : "x, y and z") + " of " +
                  std::to_string(width) + " columns are taken as coordinates");
 }
 
-/// Which columns of rows are coordinates: those asked for; else x, y and z of a header that has
-/// others, too; else all.
+/// Determines the coordinate columns: those asked for; else x, y and z of a header that has others,
+/// too; else all.
 void lay_out_columns(const Source& source, const ReadOptions& options, const DataLine& first,
                      std::vector<std::string> names, char separator, Preamble& preamble) {
   const bool quotes = std::find(first.begin, first.end, '"') != first.end;
@@ -204,7 +205,7 @@ void lay_out_columns(const Source& source, const ReadOptions& options, const Dat
     if (columns.size() == names.size()) columns.clear();
     if (columns.empty() && !quotes && options.key.empty()) return;
   }
-  // Without a header the first row tells how many columns there are.
+  // Without a header the first row determines the number of columns.
   const std::size_t width =
       names.empty() ? columns_of_line(source, first, separator).size() : names.size();
   const auto count = static_cast<std::uint32_t>(width);
@@ -222,7 +223,7 @@ void lay_out_columns(const Source& source, const ReadOptions& options, const Dat
   preamble.dimension = preamble.layout->dimension;
 }
 
-/// Points without a header that tells their dimension: a line of names, perhaps, then rows.
+/// Points without a header of Qhull or cdd: perhaps a line of names, then rows.
 Preamble find_rows(const Source& source, DataLine first, LineScanner scanner,
                    const ReadOptions& options, bool csv) {
   Preamble preamble;

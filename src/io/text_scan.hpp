@@ -63,9 +63,9 @@ class LineScanner {
 
 enum class Scan { ok, not_a_number, out_of_range };
 
-/// Reads one number at p, correctly rounded, and moves p behind it. "nan" and "inf" are numbers
-/// (the library refuses them later, by index); what exceeds the doubles is out of range, what
-/// underflows is rounded like any other number. The caller checks what follows.
+/// Reads one number at p, correctly rounded, and advances p. "nan" and "inf" are numbers (the
+/// library refuses them later, by index); overflow is out of range, underflow is rounded like any
+/// other number. The caller checks what follows.
 inline Scan scan_number(const char*& p, const char* end, double& value) {
   const char* q = p;
   if (q < end && *q == '+') {
@@ -73,7 +73,8 @@ inline Scan scan_number(const char*& p, const char* end, double& value) {
     if (q >= end || !(is_digit(*q) || *q == '.')) return Scan::not_a_number;
   }
   const auto r = fast_float::from_chars(q, end, value);
-  // Some versions report underflow as an error although the value is set, and overflow as none.
+  // Some versions report underflow as an error although the value is set, and do not report
+  // overflow.
   if (r.ec != std::errc() && !(r.ec == std::errc::result_out_of_range && std::fabs(value) < 1))
     return r.ec == std::errc::result_out_of_range ? Scan::out_of_range : Scan::not_a_number;
   if (std::isinf(value)) {

@@ -1,4 +1,4 @@
-// Which writer writes the file.
+// Chooses the writer of a file.
 #include <algorithm>
 
 #include "cullhull/error.hpp"
@@ -57,7 +57,7 @@ void write_hull_of(const std::string& path, const Points& of, const Hull& hull,
   } else if (f == "geojson" || f == "wkt") {
     write_text(path, geometry_file(points, hull, f));
   } else if (f == "txt") {
-    // As `p`, with a word after the dimension: so that no reader takes a 1D header for points.
+    // As `p`, with words after the dimension, so that no reader takes a 1D header for a point.
     std::string text = hull_to_qhull_text(of, hull, "p");
     text.insert(text.find('\n'), " vertices of a convex hull");
     write_text(path, text);

@@ -13,7 +13,7 @@ namespace cullhull {
 namespace internal {
 namespace {
 
-/// The rows packed, little-endian.
+/// Writes the rows packed, little-endian.
 void write_rows(OutputFile& out, const Coordinates& points, const std::vector<std::uint64_t>& ids) {
   const std::size_t size = scalar_size(points.scalar);
   std::vector<char> row(points.dimension * size);
@@ -27,25 +27,9 @@ void write_rows(OutputFile& out, const Coordinates& points, const std::vector<st
 
 /// PLY's own words for scalar types.
 const char* ply_type(ScalarType type) {
-  switch (type) {
-    case ScalarType::f32:
-      return "float";
-    case ScalarType::f64:
-      return "double";
-    case ScalarType::i8:
-      return "char";
-    case ScalarType::u8:
-      return "uchar";
-    case ScalarType::i16:
-      return "short";
-    case ScalarType::u16:
-      return "ushort";
-    case ScalarType::i32:
-      return "int";
-    case ScalarType::u32:
-      return "uint";
-  }
-  return "double";
+  constexpr const char* words[] = {"float", "double", "char", "uchar",
+                                   "short", "ushort", "int",  "uint"};
+  return words[static_cast<std::size_t>(type)];
 }
 
 void write_ply_points(OutputFile& out, const Coordinates& points,
@@ -58,7 +42,8 @@ void write_ply_points(OutputFile& out, const Coordinates& points,
   write_rows(out, points, ids);
 }
 
-/// Every number as a double: the shortest decimal of a 32-bit float would be another double.
+/// Every number as a double: the shortest decimal of a 32-bit float would read back as another
+/// double.
 void write_text_points(OutputFile& out, const Coordinates& points,
                        const std::vector<std::uint64_t>& ids, char separator) {
   std::string line;

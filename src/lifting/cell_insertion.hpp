@@ -4,207 +4,144 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "geometry/orientation.hpp"
+#include "lifting/cell_planes.hpp"
+#include "lifting/cell_store.hpp"
 #include "lifting/lift_side.hpp"
 #include "lifting/lifted_points.hpp"
-#include "parallel/raw_array.hpp"
+#include "lifting/point_signs.hpp"
 #include "parallel/run.hpp"
 
 namespace cullhull::internal {
-
-/// The vertex at infinity, and no cell yet.
-inline constexpr std::uint32_t infinite = 0xffffffff, unset = 0xffffffff;
 
 /// K: the dimension of the points' flat where it is known early, else 0.
 template <unsigned K>
 class CellInsertion {
  public:
   CellInsertion(const LiftedPoints& points, const Run& run)
-      : s_(points), run_(run), k_(points.base), at_(points.base + 2), probe_(points.base + 2) {}
+      : s_(points), run_(run), store_(points.base, run.budget), signs_(points), planes_(points) {
+    if constexpr (K >= 3) labels_.resize(points.count, 0);
+    if constexpr (K == 3) {
+      edges_.assign(std::size_t{most_labels} * most_labels, unset);
+    }
+  }
 
-  unsigned k() const { return K ? K : k_; }
-  unsigned corners() const { return k() + 1; }
-  /// Cells [0, cell_count()), dead ones among them.
-  std::uint32_t cell_count() const { return cells_; }
-  bool dead(std::uint32_t c) const { return marks_[c] == dead_mark; }
-  std::uint32_t* vertices(std::uint32_t c) { return data_.data() + std::size_t{c} * 2 * corners(); }
-  std::uint32_t* neighbours(std::uint32_t c) { return vertices(c) + corners(); }
-  bool ghost(std::uint32_t c) { return ghost_slot(c) < corners(); }
-  const LiftCounts& counts() const { return counts_; }
-  std::uint64_t cells_created() const { return created_; }
+  CellStore<K>& store() { return store_; }
+  const LiftCounts& counts() {
+    counts_ = signs_.counts();
+    counts_.rungs[0] += by_plane_;
+    return counts_;
+  }
 
-  /// k + 1 affinely independent points.
-  void start(const std::uint32_t* simplex) {
+  /// k + 1 affinely independent points; about how many there will be.
+  void start(const std::uint32_t* simplex, std::uint32_t expected) {
     std::vector<std::uint32_t> v(simplex, simplex + corners());
-    for (unsigned i = 0; i < corners(); ++i) at_[i] = s_.row(v[i]);
-    if (base_orientation<K>(s_, at_.data()) == Sign::negative) std::swap(v[k() - 1], v[k()]);
-    const std::uint32_t finite = new_cell();
-    std::copy(v.begin(), v.end(), vertices(finite));
-    // The ghost across slot j has infinity there.
-    for (unsigned j = 0; j < corners(); ++j) {
-      const std::uint32_t c = new_cell();
-      std::copy(v.begin(), v.end(), vertices(c));
-      vertices(c)[j] = infinite;
+    if (signs_.orientation(v.data()) == Sign::negative) std::swap(v[k() - 1], v[k()]);
+    store_.start(v.data(), expected);
+    if constexpr (with_planes) {
+      planes_.set_room(store_.capacity());
+      for (std::uint32_t c = 0; planes_.used() && c < store_.count(); ++c) planes_.set_none(c);
     }
-    for (unsigned j = 0; j < corners(); ++j) {
-      neighbours(finite)[j] = 1 + j;
-      for (unsigned i = 0; i < corners(); ++i) neighbours(1 + j)[i] = i == j ? finite : 1 + i;
-    }
-    // A point beyond facet j in the place of v_j turns the cell round: so does an exchange.
-    for (std::uint32_t c = 1; c <= corners(); ++c) {
-      std::swap(vertices(c)[0], vertices(c)[1]);
-      std::swap(neighbours(c)[0], neighbours(c)[1]);
-    }
-    last_ = finite;
+    last_ = 0;
   }
 
   /// False if the point is hidden by those that are there.
   bool insert(std::uint32_t p) {
-    const std::uint32_t first = locate(p);
-    if (s_.may_hide && !conflict(first, p)) return false;
-    find_cavity(first, p);
+    signs_.aim(p);
+    const std::uint32_t first = locate();
+    if (s_.may_hide && !conflict(first)) return false;
+    find_cavity(first);
     make_cells(p);
-    join_cells();
-    for (const std::uint32_t c : cavity_) {
-      marks_[c] = dead_mark;
-      free_.push_back(c);
+    bool joined = false;
+    if constexpr (K == 3) joined = join_along_edges();
+    if constexpr (K >= 4 && K <= 6) joined = join_along_ridges();
+    if (!joined) join_cells();
+    for (const std::uint32_t c : cavity_) store_.free_cell(c);
+    work_ += facets_.size();
+    if (work_ > 4096) {  // well below a millisecond in any dimension
+      work_ = 0;
+      run_.check();
     }
-    if ((++inserted_ & 255) == 0) run_.check();
     return true;
   }
 
  private:
-  static constexpr std::uint32_t dead_mark = 0xffffffff;
   struct Facet {
     std::uint32_t cell, slot, made;
   };
+  struct Ridge {
+    std::uint64_t key = 0;
+    std::uint32_t code = 0, stamp = 0;
+  };
 
-  unsigned ghost_slot(std::uint32_t c) { return slot_of(vertices(c), infinite); }
-  unsigned slot_of(const std::uint32_t* list, std::uint32_t item) const {
-    unsigned j = 0;
-    while (j < corners() && list[j] != item) ++j;
-    return j;
-  }
-
-  std::uint32_t new_cell() {
-    ++created_;
-    if (!free_.empty()) {
-      const std::uint32_t c = free_.back();
-      free_.pop_back();
-      marks_[c] = 0;
-      return c;
-    }
-    if (cells_ == capacity_) grow();
-    marks_[cells_] = 0;
-    return cells_++;
-  }
-
-  void grow() {
-    const std::uint64_t wanted = capacity_ == 0 ? std::uint64_t{s_.count} * (k() == 2 ? 2 : 4) + 64
-                                                : capacity_ + capacity_ / 2;
-    const std::uint64_t most = std::min<std::uint64_t>(wanted, 0xfffffff0);
-    if (most == capacity_)
-      throw Error(ErrorCode::out_of_budget, "the triangulation has more than 2^32 cells");
-    require_budget(run_.budget, most * (2 * corners() + 1) * sizeof(std::uint32_t),
-                   "the triangulation");
-    data_.reserve(most * 2 * corners());
-    marks_.reserve(most);
-    capacity_ = most;
-  }
-
-  /// Sign of the orientation of cell c with its corner j replaced by p; no other is infinite.
-  Sign replaced(std::uint32_t c, unsigned j, const double* p) {
-    const std::uint32_t* v = vertices(c);
-    for (unsigned i = 0; i < corners(); ++i) probe_[i] = i == j ? p : s_.row(v[i]);
-    return base_orientation<K>(s_, probe_.data());
-  }
+  unsigned k() const { return store_.corners() - 1; }
+  unsigned corners() const { return store_.corners(); }
 
   /// Towards p through facets that p is beyond: in a regular triangulation, which this is under the
   /// perturbation, no cell is met twice.
-  std::uint32_t locate(std::uint32_t point) {
-    const double* p = s_.row(point);
-    std::uint32_t c = last_, from = unset;
-    if (const unsigned g = ghost_slot(c); g < corners()) c = neighbours(c)[g];
+  std::uint32_t locate() {
+    std::uint32_t c = last_;
+    if (const unsigned g = store_.ghost_slot(c); g < corners())
+      c = store_.cell_of(store_.neighbours(c)[g]);
+    unsigned from = corners();
     for (;;) {
-      bool moved = false;
-      for (unsigned j = 0; j < corners() && !moved; ++j) {
-        const std::uint32_t next = neighbours(c)[j];
-        if (next == from || replaced(c, j, p) != Sign::negative) continue;
-        from = c;
-        c = next;
-        moved = true;
-      }
-      if (!moved || ghost(c)) return c;
+      const unsigned j = signs_.beyond(store_.vertices(c), from);
+      if (j == corners()) return c;
+      const std::uint32_t code = store_.neighbours(c)[j];
+      c = store_.cell_of(code);
+      from = store_.slot_of(code);
+      if (store_.vertices(c)[from] == infinite) return c;
       if ((++steps_ & 4095) == 0) run_.check();
     }
   }
 
-  bool conflict(std::uint32_t c, std::uint32_t point) {
-    const double* p = s_.row(point);
-    unsigned g = ghost_slot(c);
-    if (g < corners()) {
-      const Sign beyond = replaced(c, g, p);
-      if (beyond != Sign::zero) return beyond == Sign::positive;
-      c = neighbours(c)[g];
-    }
-    const std::uint32_t* v = vertices(c);
-    for (unsigned i = 0; i < corners(); ++i) at_[i] = s_.row(v[i]);
-    const Sign side = lift_side<K>(s_, at_.data(), p, counts_);
-    if (side != Sign::zero) return side == Sign::negative;
-    return tied_conflict(c, point);
-  }
-
-  /// docs/exactness.md, "Ties": the lift of id i is lowered by e_i, e_0 >> e_1 >> ...
-  bool tied_conflict(std::uint32_t c, std::uint32_t point) {
-    ++counts_.ties;
-    const std::uint32_t* v = vertices(c);
-    const std::uint32_t own = s_.ids[point];
-    std::uint64_t next = 0;  // ids below this have been asked
-    for (;;) {
-      unsigned slot = corners();
-      std::uint32_t lowest = own;
-      for (unsigned i = 0; i < corners(); ++i) {
-        const std::uint32_t id = s_.ids[v[i]];
-        if (id < next || id >= lowest) continue;
-        lowest = id;
-        slot = i;
+  bool conflict(std::uint32_t c) {
+    if constexpr (with_planes) {
+      if (planes_.used() && planes_.known(c)) {
+        const Sign side = planes_.side(c, signs_.point());
+        if (side != Sign::zero) {
+          ++by_plane_;
+          return side == Sign::negative;
+        }
       }
-      if (slot == corners()) return true;
-      const Sign sign = replaced(c, slot, s_.row(point));
-      if (sign != Sign::zero) return sign == Sign::negative;
-      next = std::uint64_t{lowest} + 1;
     }
+    const unsigned g = store_.ghost_slot(c);
+    if (g < corners()) {
+      const Sign beyond = signs_.replaced(store_.vertices(c), g);
+      if (beyond != Sign::zero) return beyond == Sign::positive;
+      c = store_.cell_of(store_.neighbours(c)[g]);
+    }
+    return signs_.conflict(store_.vertices(c));
   }
 
-  void find_cavity(std::uint32_t first, std::uint32_t p) {
-    if (stamp_ > dead_mark - 8) {
-      for (std::uint32_t c = 0; c < cells_; ++c)
-        if (!dead(c)) marks_[c] = 0;
-      stamp_ = 0;
-    }
-    stamp_ += 2;
-    in_ = stamp_;
-    const std::uint32_t out = stamp_ + 1;
+  void find_cavity(std::uint32_t first) {
+    in_ = store_.next_stamp();
+    const std::uint32_t out = in_ + 1;
     cavity_.clear();
     facets_.clear();
     cavity_.push_back(first);
-    marks_[first] = in_;
+    store_.mark(first) = in_;
     for (std::size_t i = 0; i < cavity_.size(); ++i) {
       const std::uint32_t c = cavity_[i];
+      const std::uint32_t* n = store_.neighbours(c);
       for (unsigned j = 0; j < corners(); ++j) {
-        const std::uint32_t o = neighbours(c)[j];
-        if (marks_[o] == in_) continue;
-        if (marks_[o] != out) {
-          if (conflict(o, p)) {
-            marks_[o] = in_;
+        const std::uint32_t o = store_.cell_of(n[j]);
+        std::uint32_t& mark = store_.mark(o);
+        if (mark == in_) continue;
+        if (mark != out) {
+          if (conflict(o)) {
+            mark = in_;
             cavity_.push_back(o);
             continue;
           }
-          marks_[o] = out;
+          mark = out;
         }
         facets_.push_back({c, j, unset});
       }
@@ -216,58 +153,177 @@ class CellInsertion {
   void make_cells(std::uint32_t p) {
     last_ = unset;
     for (Facet& f : facets_) {
-      const std::uint32_t made = new_cell(), outside = neighbours(f.cell)[f.slot];
+      const std::uint32_t made = store_.new_cell();
       f.made = made;
-      std::uint32_t* v = vertices(made);
-      std::copy_n(vertices(f.cell), corners(), v);
-      v[f.slot] = p;
-      std::uint32_t* n = neighbours(made);
-      std::fill_n(n, corners(), unset);
-      n[f.slot] = outside;
-      std::uint32_t* back = neighbours(outside);
-      back[slot_of(back, f.cell)] = made;
-      neighbours(f.cell)[f.slot] = made;
-      if (last_ == unset && slot_of(v, infinite) == corners()) last_ = made;
+      const std::uint32_t *old = store_.vertices(f.cell),
+                          outside = store_.neighbours(f.cell)[f.slot];
+      std::uint32_t *v = store_.vertices(made), *n = store_.neighbours(made);
+      bool finite = true;
+      for (unsigned i = 0; i < corners(); ++i) {
+        v[i] = i == f.slot ? p : old[i];
+        n[i] = unset;
+        finite = finite && v[i] != infinite;
+      }
+      store_.link(made, f.slot, outside);
+      store_.neighbours(f.cell)[f.slot] = store_.code(made, f.slot);
+      if (finite) last_ = made;
+      if constexpr (with_planes) {
+        if (!planes_.used()) continue;
+        planes_.set_room(store_.capacity());
+        if (finite)
+          planes_.add(made, v, f.slot, p);
+        else
+          planes_.set_none(made);
+      }
     }
+    if constexpr (with_planes) planes_.flush(p);
     if (last_ == unset) last_ = facets_.front().made;
   }
 
+  /// Labels of the vertices of a cavity's boundary begin anew.
+  void clear_labels() {
+    if (label_base_ > ~std::uint32_t{0} - 4 * most_labels) {
+      std::fill(labels_.begin(), labels_.end(), 0U);
+      label_base_ = 0;
+    }
+    label_base_ += most_labels;
+    label_count_ = 0;
+    at_infinity_ = unset;
+  }
+  std::uint32_t label(std::uint32_t v) {
+    if (v == infinite) return at_infinity_ != unset ? at_infinity_ : at_infinity_ = label_count_++;
+    const std::uint32_t known = labels_[v] - label_base_;
+    if (known < most_labels) return known;
+    labels_[v] = label_base_ + label_count_;
+    return label_count_++;
+  }
+
+  /// In space new cells meet in edges of the cavity's boundary, twice in each: a small table has
+  /// those met once. False, with nothing done, where the boundary has too many vertices for it.
+  bool join_along_edges() {
+    if (facets_.size() > 2 * most_labels - 4) return false;  // Euler's formula
+    clear_labels();
+    for (const Facet& f : facets_) {
+      const std::uint32_t* v = store_.vertices(f.made);
+      std::uint32_t corner[4];
+      for (unsigned i = 0; i < 4; ++i) corner[i] = i == f.slot ? 0 : label(v[i]);
+      for (unsigned i = 0; i < 4; ++i) {
+        if (i == f.slot) continue;
+        // The edge has the two slots that are neither i nor the point's.
+        std::uint32_t a = unset, b = 0;
+        for (unsigned j = 0; j < 4; ++j) {
+          if (j == i || j == f.slot) continue;
+          if (a == unset)
+            a = corner[j];
+          else
+            b = corner[j];
+        }
+        std::uint32_t& met = edges_[a < b ? a * most_labels + b : b * most_labels + a];
+        if (met == unset) {
+          met = store_.code(f.made, i);
+        } else {
+          store_.link(f.made, i, met);
+          met = unset;
+        }
+      }
+    }
+    return true;
+  }
+
+  /// From 4D on new cells meet in ridges: found by their labels, in order, as one number. False,
+  /// with some linked, where the boundary has too many vertices for that.
+  bool join_along_ridges() {
+    constexpr unsigned bits = 10;
+    static_assert(K != 6 || (std::uint64_t{1} << bits) == most_labels);
+    clear_labels();
+    std::size_t size = 64;
+    while (size < facets_.size() * K) size *= 2;
+    if (ridges_.size() < size) ridges_.assign(size, {});
+    const unsigned shift = 64 - static_cast<unsigned>(std::bit_width(ridges_.size() - 1));
+    if (++ridge_stamp_ == 0) {
+      ridges_.assign(ridges_.size(), {});
+      ridge_stamp_ = 1;
+    }
+    for (const Facet& f : facets_) {
+      const std::uint32_t* v = store_.vertices(f.made);
+      std::uint32_t corner[K], slot[K];
+      for (unsigned i = 0, count = 0; i <= K; ++i) {
+        if (i == f.slot) continue;
+        const std::uint32_t own = label(v[i]);
+        unsigned at = count++;
+        for (; at > 0 && corner[at - 1] > own; --at) {
+          corner[at] = corner[at - 1];
+          slot[at] = slot[at - 1];
+        }
+        corner[at] = own;
+        slot[at] = i;
+      }
+      if (label_count_ > most_labels) {
+        label_base_ += most_labels;  // past those that are too many
+        return false;
+      }
+      std::uint64_t all = 0;
+      for (unsigned i = 0; i < K; ++i) all |= std::uint64_t{corner[i]} << (bits * i);
+      for (unsigned i = 0; i < K; ++i) {
+        const std::uint64_t low = (std::uint64_t{1} << (bits * i)) - 1;
+        const std::uint64_t key = (all & low) | (all >> bits & ~low);
+        std::size_t at = key * 0x9E3779B97F4A7C15ULL >> shift;
+        while (ridges_[at].stamp == ridge_stamp_ && ridges_[at].key != key)
+          at = (at + 1) & (ridges_.size() - 1);
+        Ridge& ridge = ridges_[at];
+        if (ridge.stamp != ridge_stamp_)
+          ridge = {key, store_.code(f.made, slot[i]), ridge_stamp_};
+        else
+          store_.link(f.made, slot[i], ridge.code);
+      }
+    }
+    return true;
+  }
+
   void join_cells() {
-    for (const Facet& f : facets_)
+    for (const Facet& f : facets_) {
+      const std::uint32_t* n = store_.neighbours(f.made);
       for (unsigned i = 0; i < corners(); ++i)
-        if (i != f.slot && neighbours(f.made)[i] == unset) join(f, i);
+        if (n[i] == unset) join(f, i);
+    }
   }
 
   /// Around the ridge without corner i of the facet, from cell to cell of the cavity to the other
   /// facet of the boundary that it has.
   void join(const Facet& f, unsigned i) {
-    std::uint32_t c = f.cell, pivot = vertices(c)[f.slot];
-    unsigned cross = i;
+    std::uint32_t c = f.cell;
+    unsigned cross = i, pivot = f.slot;  // slots of c: the facet ahead, the corner behind it
     for (;;) {
-      const std::uint32_t next = neighbours(c)[cross];
-      if (marks_[next] != in_) {
-        neighbours(f.made)[i] = next;
-        neighbours(next)[slot_of(vertices(c), pivot)] = f.made;
+      const std::uint32_t code = store_.neighbours(c)[cross], next = store_.cell_of(code);
+      if (store_.mark(next) != in_) {
+        store_.link(f.made, i, store_.code(next, pivot));
         return;
       }
-      const unsigned back = slot_of(neighbours(next), c);
-      cross = slot_of(vertices(next), pivot);
-      pivot = vertices(next)[back];
+      const std::uint32_t corner = store_.vertices(c)[pivot];
+      pivot = store_.slot_of(code);
+      cross = store_.find(store_.vertices(next), corner);
       c = next;
     }
   }
 
+  static constexpr std::uint32_t most_labels = K == 3 ? 64 : 1024;
+  static constexpr bool with_planes = K >= 4 && K <= 6;
+
   const LiftedPoints& s_;
   const Run& run_;
-  unsigned k_;
-  std::vector<const double*> at_, probe_;
-  RawArray<std::uint32_t> data_;  ///< a cell: its vertices, then its neighbours
-  RawArray<std::uint32_t> marks_;
-  std::uint64_t capacity_ = 0, created_ = 0, steps_ = 0, inserted_ = 0;
-  std::uint32_t cells_ = 0, last_ = 0, stamp_ = 0, in_ = 0;
-  std::vector<std::uint32_t> free_, cavity_;
-  std::vector<Facet> facets_;
+  CellStore<K> store_;
+  PointSigns<K> signs_;
+  std::conditional_t<with_planes, CellPlanes<K>, NoPlanes> planes_;
   LiftCounts counts_;
+  std::uint64_t by_plane_ = 0, steps_ = 0, work_ = 0;
+  std::uint32_t last_ = 0, in_ = 0;
+  std::vector<std::uint32_t> cavity_;
+  std::vector<Facet> facets_;
+  // A label of each vertex of a boundary, from label_base_ on; edges met once, by labels; ridges.
+  std::vector<std::uint32_t> labels_, edges_;
+  std::uint32_t label_base_ = 0, label_count_ = 0, at_infinity_ = unset;
+  std::vector<Ridge> ridges_;
+  std::uint32_t ridge_stamp_ = 0;
 };
 
 }  // namespace cullhull::internal

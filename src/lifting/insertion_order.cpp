@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/curve_keys.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/radix_sort.hpp"
 #include "parallel/xorshift.hpp"
 
@@ -17,8 +18,7 @@ struct Placed {
 
 class Sorter {
  public:
-  Sorter(const double* rows, unsigned d, const Run& run)
-      : rows_(rows), d_(d), run_(run), low_(d), cells_(d * curve_block) {
+  Sorter(const double* rows, unsigned d, const Run& run) : rows_(rows), d_(d), run_(run), low_(d) {
     bits_ = d == 1 ? 31 : std::max(1U, 32 / d);
     axes_ = std::min(d, 32U);
   }
@@ -66,43 +66,69 @@ class Sorter {
   /// that no difference overflows. Keys of equal points are equal, and the ends of the widest of
   /// the axes that count have different ones.
   bool place(Placed* items, std::uint32_t n) {
+    const double widest = measure(items, n);
+    if (!(widest > 0)) return false;
+    with_dimension<2, 4, 0>(d_, [&](auto d) {
+      run_.each(n, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+        place_some<d()>(items + begin, static_cast<std::uint32_t>(end - begin), widest);
+      });
+    });
+    return true;
+  }
+
+  /// Half the width of the box, whose low corner is kept.
+  double measure(const Placed* items, std::uint32_t n) {
+    const std::uint64_t chunks = chunk_count(n, light_grain);
+    std::vector<double> lows(chunks * axes_), highs(chunks * axes_);
+    run_.each_chunk(n, light_grain, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      double *low = lows.data() + c * axes_, *high = highs.data() + c * axes_;
+      std::copy_n(row(items[begin].id), axes_, low);
+      std::copy_n(low, axes_, high);
+      for (std::uint64_t i = begin; i < end; ++i)
+        for (unsigned j = 0; j < axes_; ++j) {
+          low[j] = std::min(low[j], row(items[i].id)[j]);
+          high[j] = std::max(high[j], row(items[i].id)[j]);
+        }
+    });
     double widest = 0;
     for (unsigned j = 0; j < axes_; ++j) {
-      double low = row(items[0].id)[j], high = low;
-      for (std::uint32_t i = 1; i < n; ++i) {
-        const double v = row(items[i].id)[j];
-        low = std::min(low, v);
-        high = std::max(high, v);
+      double low = lows[j], high = highs[j];
+      for (std::uint64_t c = 1; c < chunks; ++c) {
+        low = std::min(low, lows[c * axes_ + j]);
+        high = std::max(high, highs[c * axes_ + j]);
       }
       low_[j] = low;
       widest = std::max(widest, high * 0.5 - low * 0.5);
     }
-    if (!(widest > 0)) return false;
+    return widest;
+  }
+
+  template <unsigned D>
+  void place_some(Placed* items, std::uint32_t n, double widest) const {
+    const unsigned axes = D ? D : axes_;
     const double across = std::ldexp(1.0, static_cast<int>(bits_)), top = across - 1;
+    std::vector<std::uint32_t> cells(axes * curve_block);
+    std::uint32_t keys[curve_block];
     for (std::uint32_t begin = 0; begin < n; begin += curve_block) {
-      const std::uint32_t end = std::min<std::uint32_t>(n, begin + curve_block);
-      for (std::uint32_t i = begin; i < end; ++i)
-        for (unsigned j = 0; j < axes_; ++j) {
-          const double share = (row(items[i].id)[j] * 0.5 - low_[j] * 0.5) / widest;
-          cells_[j * curve_block + (i - begin)] =
+      const std::uint32_t count = std::min<std::uint32_t>(n - begin, curve_block);
+      for (std::uint32_t i = 0; i < count; ++i)
+        for (unsigned j = 0; j < axes; ++j) {
+          const double share = (row(items[begin + i].id)[j] * 0.5 - low_[j] * 0.5) / widest;
+          cells[j * curve_block + i] =
               static_cast<std::uint32_t>(std::clamp(share * across, 0.0, top));
         }
-      if (d_ == 1) {
-        for (std::uint32_t i = begin; i < end; ++i) items[i].key = cells_[i - begin];
-        continue;
-      }
-      std::uint32_t keys[curve_block];
-      curve_keys(axes_, bits_, cells_.data(), keys);
-      for (std::uint32_t i = begin; i < end; ++i) items[i].key = keys[i - begin];
+      if (d_ == 1)
+        std::copy_n(cells.data(), curve_block, keys);
+      else
+        curve_keys(axes, bits_, cells.data(), keys);
+      for (std::uint32_t i = 0; i < count; ++i) items[begin + i].key = keys[i];
     }
-    return true;
   }
 
   const double* rows_;
   unsigned d_, bits_ = 0, axes_ = 0;
   const Run& run_;
   std::vector<double> low_;
-  std::vector<std::uint32_t> cells_;
 };
 
 /// Which of n shuffled points come in the last round, which in the one before, ...: each round is
@@ -146,7 +172,9 @@ InsertionOrder insertion_order(const double* rows, std::uint32_t n, unsigned d,
   order.ids.reserve(n);
   for (std::uint32_t begin = 0; begin < n;) {
     std::uint32_t end = begin + 1;
-    while (end < n && sorter.equal(items[begin].id, items[end].id)) ++end;
+    while (end < n && items[begin].key == items[end].key &&
+           sorter.equal(items[begin].id, items[end].id))
+      ++end;
     std::uint32_t best = items[begin].id;
     for (std::uint32_t i = begin + 1; i < end; ++i) {
       const std::uint32_t id = items[i].id;

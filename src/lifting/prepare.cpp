@@ -43,8 +43,9 @@ void find_flat(const Array<double>& rows, std::uint32_t n, unsigned d, Prepared&
 /// Of numbers that are not zero.
 struct Range {
   double least = std::numeric_limits<double>::infinity(), most = 0;
-  int lowest_bit = std::numeric_limits<int>::max();  ///< down to a limit
+  int lowest_bit = std::numeric_limits<int>::max();
 
+  /// `limit`: lowest bits below it are of no use.
   void add(double v, int limit) {
     const double m = std::abs(v);
     if (m == 0) return;
@@ -52,40 +53,84 @@ struct Range {
     most = std::max(most, m);
     if (lowest_bit > limit) lowest_bit = std::min(lowest_bit, lowest_bit_exponent(v));
   }
+  void add(const Range& o) {
+    least = std::min(least, o.least);
+    most = std::max(most, o.most);
+    lowest_bit = std::min(lowest_bit, o.lowest_bit);
+  }
+  /// Multiplied by 2^by, what stays above 2^-1022 loses nothing.
+  bool safe(int by) const { return most == 0 || by >= 0 || std::ldexp(least, by) >= 0x1p-1021; }
 };
+
+/// Of coordinates and weights.
+void measure(const LiftedPoints& s, Range& x, Range& w, const Run& run) {
+  std::vector<Range> xs(chunk_count(s.count, light_grain)), ws(xs.size());
+  run.each_chunk(
+      s.count, light_grain, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+        // A lattice of fewer than 2^-52 of a number of the chunk is none.
+        const double first = std::abs(s.row(static_cast<std::uint32_t>(begin))[0]);
+        const int limit = first > 0 ? std::ilogb(first) - 60 : std::numeric_limits<int>::min();
+        for (std::uint64_t i = begin; i < end; ++i) {
+          const double* r = s.row(static_cast<std::uint32_t>(i));
+          for (unsigned j = 0; j < s.width; ++j) xs[c].add(r[j], limit);
+          if (s.weighted) ws[c].add(r[s.width], std::numeric_limits<int>::min());
+        }
+      });
+  for (std::size_t c = 0; c < xs.size(); ++c) {
+    x.add(xs[c]);
+    w.add(ws[c]);
+  }
+}
 
 /// Multiplies coordinates by 2^e and weights by 2^(2 e) so that none exceeds 1, if no bit is lost;
 /// finds a lattice.
-void scale(LiftedPoints& s) {
+void scale(LiftedPoints& s, const Run& run) {
   Range x, w;
-  int limit = std::numeric_limits<int>::min();
-  for (std::uint32_t i = 0; i < s.count; ++i) {
-    const double* r = s.row(i);
-    for (unsigned j = 0; j < s.width; ++j) x.add(r[j], limit);
-    if (s.weighted) w.add(r[s.width], limit);
-  }
+  measure(s, x, w, run);
   int up = 0, weight_up = 0;
   if (x.most > 0) std::frexp(x.most, &up);
   if (w.most > 0) std::frexp(w.most, &weight_up);
   int e = x.most > 0 ? -up : 0;
   if (w.most > 0 && (x.most == 0 || 2 * e + weight_up > 0)) e = -((weight_up + 1) >> 1);
-  // What stays above 2^-1022 loses nothing.
-  const auto safe = [](const Range& r, int by) {
-    return r.most == 0 || by >= 0 || std::ldexp(r.least, by) >= 0x1p-1021;
-  };
-  if (!safe(x, e) || !safe(w, 2 * e)) return;
+  if (!x.safe(e) || !w.safe(2 * e)) return;
   s.filtered = true;
-  for (std::uint32_t i = 0; i < s.count; ++i) {
-    double* r = s.rows.data() + std::size_t{i} * s.stride;
-    for (unsigned j = 0; j < s.width; ++j) r[j] = std::ldexp(r[j], e);
-    if (s.weighted) r[s.width] = std::ldexp(r[s.width], 2 * e);
-  }
+  // In two steps, as 2^e itself may be no double.
+  const auto half = [](int by) { return std::ldexp(1.0, by / 2); };
+  const auto rest = [](int by) { return std::ldexp(1.0, by - by / 2); };
+  const int weight_e = w.most > 0 ? 2 * e : 0;
+  const double half_x = half(e), rest_x = rest(e), half_w = half(weight_e), rest_w = rest(weight_e);
+  run.each(s.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) {
+      double* r = s.rows.data() + i * s.stride;
+      for (unsigned j = 0; j < s.width; ++j) r[j] = r[j] * half_x * rest_x;
+      if (s.weighted) r[s.width] = r[s.width] * half_w * rest_w;
+    }
+  });
   // Differences of multiples of 2^unit up to 2 are exact where that is at least 2^-51.
   int unit = 0;
   if (x.most > 0) unit = x.lowest_bit + e;
   if (w.most > 0) unit = std::min(unit, (w.lowest_bit + 2 * e) >> 1);
   if (unit < -51) return;
   s.exact_limit = std::ldexp(1.0, 53 + unit * static_cast<int>(s.base + 2));
+}
+
+/// Rows of the points that are inserted, in order: the flat's axes first, the weight last.
+void gather_rows(const Array<double>& rows, std::span<const double> weights, Prepared& out,
+                 const Run& run) {
+  LiftedPoints& s = out.points;
+  const unsigned d = s.width;
+  std::vector<unsigned> columns(out.axes.begin(), out.axes.end());
+  for (unsigned j = 0; j < d; ++j)
+    if (!std::count(out.axes.begin(), out.axes.end(), j)) columns.push_back(j);
+  Array<double> sorted(std::size_t{s.count} * s.stride);
+  run.each(s.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) {
+      double* r = sorted.data() + i * s.stride;
+      for (unsigned j = 0; j < d; ++j) r[j] = rows[i * d + columns[j]];
+      if (s.weighted) r[d] = weights[s.ids[i]];
+    }
+  });
+  s.rows = std::move(sorted);
 }
 
 void check_weights(std::span<const double> weights) {
@@ -122,24 +167,17 @@ Prepared prepare_points(const PointView& view, std::span<const double> weights, 
   s.may_hide = weighted || furthest;
   if (n == 0) return out;
   Array<double> sorted(std::size_t{s.count} * d);
-  for (std::uint32_t i = 0; i < s.count; ++i)
-    std::copy_n(rows.data() + std::size_t{s.ids[i]} * d, d, sorted.data() + std::size_t{i} * d);
+  run.each(s.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i)
+      for (unsigned j = 0; j < d; ++j) sorted[i * d + j] = rows[std::size_t{s.ids[i]} * d + j];
+  });
   find_flat(sorted, s.count, d, out, run);
   s.base = static_cast<unsigned>(out.axes.size());
-  if (s.base == d && !weighted) {
+  if (s.base == d && !weighted)
     s.rows = std::move(sorted);
-  } else {
-    std::vector<unsigned> columns(out.axes.begin(), out.axes.end());
-    for (unsigned j = 0; j < d; ++j)
-      if (!std::count(out.axes.begin(), out.axes.end(), j)) columns.push_back(j);
-    s.rows.resize(std::size_t{s.count} * s.stride);
-    for (std::uint32_t i = 0; i < s.count; ++i) {
-      double* r = s.rows.data() + std::size_t{i} * s.stride;
-      for (unsigned j = 0; j < d; ++j) r[j] = sorted[std::size_t{i} * d + columns[j]];
-      if (weighted) r[d] = weights[s.ids[i]];
-    }
-  }
-  scale(s);
+  else
+    gather_rows(sorted, weights, out, run);
+  scale(s, run);
   return out;
 }
 

@@ -1,11 +1,14 @@
 // delaunay() and regular_triangulation(): prepare, insert, write.
 #include <algorithm>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include "cullhull/error.hpp"
 #include "cullhull/triangulation.hpp"
 #include "lifting/cell_insertion.hpp"
+#include "lifting/parts.hpp"
+#include "lifting/plane_insertion.hpp"
 #include "lifting/prepare.hpp"
 #include "lifting/redundant.hpp"
 #include "lifting/write_triangulation.hpp"
@@ -49,29 +52,11 @@ void check_budget(const PointView& points, const Run& run) {
   require_budget(run.budget, bytes, "the triangulation");
 }
 
-template <unsigned K>
-RawCells live_cells(CellInsertion<K>& engine) {
-  const unsigned corners = engine.corners();
-  Array<std::uint32_t> number(engine.cell_count());
-  std::uint32_t count = 0;
-  for (std::uint32_t c = 0; c < engine.cell_count(); ++c)
-    number[c] = engine.dead(c) || engine.ghost(c) ? no_cell : count++;
-  RawCells raw;
-  raw.vertices.resize(std::size_t{count} * corners);
-  raw.neighbours.resize(std::size_t{count} * corners);
-  for (std::uint32_t c = 0; c < engine.cell_count(); ++c) {
-    if (number[c] == no_cell) continue;
-    const std::size_t at = std::size_t{number[c]} * corners;
-    std::copy_n(engine.vertices(c), corners, raw.vertices.data() + at);
-    for (unsigned j = 0; j < corners; ++j) raw.neighbours[at + j] = number[engine.neighbours(c)[j]];
-  }
-  return raw;
-}
-
-template <unsigned K>
-RawCells insert_all(const Prepared& p, TriangulationStatistics& statistics, const Run& run) {
-  CellInsertion<K> engine(p.points, run);
-  engine.start(p.simplex.data());
+template <unsigned K, class Insertion>
+std::unique_ptr<CellStore<K>> insert_in_turn(const Prepared& p, InsertionTotals& totals,
+                                             const Run& run) {
+  Insertion engine(p.points, run);
+  engine.start(p.simplex.data(), p.points.count);
   std::vector<std::uint32_t> placed = p.simplex;
   std::sort(placed.begin(), placed.end());
   auto skip = placed.begin();
@@ -83,10 +68,44 @@ RawCells insert_all(const Prepared& p, TriangulationStatistics& statistics, cons
     engine.insert(i);
     if (i % 65536 == 65535) run.report("triangulate", double(i) / p.points.count);
   }
-  for (unsigned r = 0; r < 3; ++r) statistics.rung_counts[r] += engine.counts().rungs[r];
-  statistics.ties += engine.counts().ties;
-  statistics.cells_created += engine.cells_created();
-  return live_cells(engine);
+  totals.add(engine.counts(), engine.store().created());
+  return std::make_unique<CellStore<K>>(std::move(engine.store()));
+}
+
+/// In parts, 2^that many: a seam takes about n^((k - 1) / k) of the points, which is worth it from
+/// some ten thousand a part.
+unsigned part_levels(const LiftedPoints& s, const Run& run) {
+  if (s.may_hide || !s.filtered || s.stride != s.base) return 0;
+  const std::uint32_t least = s.base == 2 ? 1U << 14 : 1U << 15;
+  unsigned levels = 0;
+  while (levels < 6 && 2U << levels <= run.threads && s.count >> (levels + 1) >= least) ++levels;
+  return levels;
+}
+
+template <unsigned K>
+void insert_and_write(const Prepared& p, Triangulation& out, const Run& run) {
+  TriangulationStatistics& statistics = out.statistics;
+  auto start = Clock::now();
+  run.report("triangulate", 0);
+  InsertionTotals totals;
+  std::unique_ptr<CellStore<K>> cells;
+  if constexpr (K == 2 || K == 3) {
+    if (const unsigned levels = part_levels(p.points, run); levels > 0)
+      cells = Parts<K>(p.points, run).triangulate(levels, totals);
+  }
+  if constexpr (K == 2) {
+    if (cells == nullptr && plain_plane(p.points))
+      cells = insert_in_turn<K, PlaneInsertion>(p, totals, run);
+  }
+  if (cells == nullptr) cells = insert_in_turn<K, CellInsertion<K>>(p, totals, run);
+  for (unsigned r = 0; r < 3; ++r) statistics.rung_counts[r] += totals.counts.rungs[r];
+  statistics.ties += totals.counts.ties;
+  statistics.cells_created += totals.created;
+  statistics.insert_seconds = seconds_since(start);
+  start = Clock::now();
+  run.report("write", 0);
+  write_cells(p.points, *cells, out, run);
+  statistics.write_seconds = seconds_since(start);
 }
 
 /// All ids that are neither vertices nor duplicates.
@@ -125,18 +144,12 @@ Triangulation triangulate_without(const PointView& points, std::span<const doubl
     write_single(p, out);
     return out;
   }
+  with_dimension<1, 6, 0>(p.points.base, [&](auto k) { insert_and_write<k()>(p, out, run); });
   start = Clock::now();
-  run.report("triangulate", 0);
-  RawCells raw = with_dimension<1, 6, 0>(
-      p.points.base, [&](auto k) { return insert_all<k()>(p, statistics, run); });
-  statistics.insert_seconds = seconds_since(start);
-  start = Clock::now();
-  run.report("write", 0);
-  write_cells(p.points, std::move(raw), out, run);
   if (statistics.ties > 0) write_groups(p.points, out, run);
   if (!weights.empty()) redundant = redundant_vertices(p.points, out, run);
-  write_hidden(out);
-  statistics.write_seconds = seconds_since(start);
+  if (p.points.may_hide) write_hidden(out);
+  statistics.write_seconds += seconds_since(start);
   return out;
 }
 

@@ -8,6 +8,7 @@
 #include "lifting/lift_side.hpp"
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/dispatch.hpp"
+#include "parallel/prefetch.hpp"
 #include "parallel/radix_sort.hpp"
 
 namespace cullhull::internal {
@@ -32,68 +33,127 @@ void order_corners(std::uint32_t* v, std::uint32_t* n, unsigned count) {
   if (n != nullptr) std::swap(n[count - 1], n[count - 2]);
 }
 
+/// A row of ids, as far as it decides most comparisons.
 struct Ranked {
-  std::uint32_t first, cell;
+  std::uint32_t ids[3], row;
 };
 
-/// The order of rows of `width` ids, lexicographic, all different.
-Array<Ranked> sorted_rows(const std::uint32_t* rows, std::uint32_t count, unsigned width,
-                          std::uint32_t id_limit, const Run& run) {
-  Array<Ranked> order(count), scratch(count);
-  run.each(count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t i = begin; i < end; ++i)
-      order[i] = {rows[i * width], static_cast<std::uint32_t>(i)};
-  });
-  Ranked *items = order.data(), *other = scratch.data();
-  radix_sort(items, other, count, static_cast<unsigned>(std::bit_width(id_limit)), run,
-             [](const Ranked& r) { return r.first; });
-  if (items != order.data()) std::swap(order, scratch);
+Ranked ranked(const std::uint32_t* ids, unsigned width, std::uint32_t row) {
+  return {{ids[0], width > 1 ? ids[1] : 0, width > 2 ? ids[2] : 0}, row};
+}
+
+/// Sorts rows of `width` ids, all different, lexicographically; `ids_of(row)` are all of its ids.
+template <class IdsOf>
+void sort_rows(Array<Ranked>& rows, unsigned width, std::uint32_t id_limit, const Run& run,
+               const IdsOf& ids_of) {
+  const std::uint64_t count = rows.size();
+  Array<Ranked> scratch(count);
+  Ranked *items = rows.data(), *other = scratch.data();
+  radix_sort(items, other, static_cast<std::uint32_t>(count),
+             static_cast<unsigned>(std::bit_width(id_limit)), run,
+             [](const Ranked& r) { return r.ids[0]; });
+  if (items != rows.data()) std::swap(rows, scratch);
   const auto less = [&](const Ranked& a, const Ranked& b) {
-    const std::uint32_t* p = rows + std::size_t{a.cell} * width;
-    const std::uint32_t* q = rows + std::size_t{b.cell} * width;
+    if (a.ids[1] != b.ids[1]) return a.ids[1] < b.ids[1];
+    if (a.ids[2] != b.ids[2]) return a.ids[2] < b.ids[2];
+    if (width <= 3) return false;
+    const std::uint32_t *p = ids_of(a.row), *q = ids_of(b.row);
     return std::lexicographical_compare(p, p + width, q, q + width);
   };
   // Each run of equal first ids belongs to the chunk it begins in.
   run.each(count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     std::uint64_t i = begin;
-    while (i > 0 && i < end && order[i].first == order[i - 1].first) ++i;
+    while (i > 0 && i < end && rows[i].ids[0] == rows[i - 1].ids[0]) ++i;
     while (i < end) {
       std::uint64_t next = i + 1;
-      while (next < count && order[next].first == order[i].first) ++next;
-      std::sort(order.begin() + static_cast<std::ptrdiff_t>(i),
-                order.begin() + static_cast<std::ptrdiff_t>(next), less);
+      while (next < count && rows[next].ids[0] == rows[i].ids[0]) ++next;
+      if (next - i > 1)
+        std::sort(rows.begin() + static_cast<std::ptrdiff_t>(i),
+                  rows.begin() + static_cast<std::ptrdiff_t>(next), less);
       i = next;
     }
   });
-  return order;
+}
+
+/// Facets without a neighbour: those of each chunk of cells, in order.
+struct OpenFacet {
+  std::uint32_t cell, slot;
+};
+std::vector<OpenFacet> open_facets(const Triangulation& out, const Run& run) {
+  const std::uint64_t corners = out.corners(), chunk = light_grain;
+  std::vector<std::vector<OpenFacet>> found(chunk_count(out.size(), chunk));
+  run.each_chunk(out.size(), chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin * corners; i < end * corners; ++i)
+      if (out.neighbours[i] == no_cell)
+        found[c].push_back(
+            {static_cast<std::uint32_t>(i / corners), static_cast<std::uint32_t>(i % corners)});
+  });
+  std::vector<OpenFacet> all;
+  for (const auto& list : found) all.insert(all.end(), list.begin(), list.end());
+  return all;
 }
 
 void write_hull(Triangulation& out, const Run& run) {
   const unsigned k = out.corners() - 1;
-  const std::uint64_t cells = out.size();
-  std::uint32_t hull = 0, most = 0;
-  for (const std::uint32_t n : out.neighbours) hull += n == no_cell ? 1 : 0;
-  Array<std::uint32_t> rows(std::size_t{hull} * k), owner(hull);
-  std::uint32_t at = 0;
-  for (std::uint64_t c = 0; c < cells; ++c)
-    for (unsigned j = 0; j <= k; ++j) {
-      if (out.neighbours[c * (k + 1) + j] != no_cell) continue;
-      std::uint32_t* row = rows.data() + std::size_t{at} * k;
+  const std::vector<OpenFacet> facets = open_facets(out, run);
+  Array<std::uint32_t> ids(facets.size() * k);
+  Array<Ranked> order(facets.size());
+  run.each(facets.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t f = begin; f < end; ++f) {
+      const unsigned slot = facets[f].slot;
+      const auto cell = out.cell(facets[f].cell);
+      std::uint32_t* row = ids.data() + f * k;
       for (unsigned i = 0, to = 0; i <= k; ++i)
-        if (i != j) row[to++] = out.cells[c * (k + 1) + i];
+        if (i != slot) row[to++] = cell[i];
       // The boundary of a positive cell without corner j has the sign (-1)^j.
-      if (sort_corners(row, nullptr, k) != (j % 2 == 1) && k > 1) std::swap(row[k - 1], row[k - 2]);
-      most = std::max(most, row[0]);
-      owner[at++] = static_cast<std::uint32_t>(c);
+      const bool odd = sort_corners(row, nullptr, k) != (slot % 2 == 1);
+      if (odd && k > 1) std::swap(row[k - 1], row[k - 2]);
+      order[f] = ranked(row, k, static_cast<std::uint32_t>(f));
     }
-  const Array<Ranked> order = sorted_rows(rows.data(), hull, k, most, run);
-  out.hull_facets.resize(rows.size());
-  out.hull_cells.resize(hull);
-  for (std::uint32_t f = 0; f < hull; ++f) {
-    std::copy_n(rows.data() + std::size_t{order[f].cell} * k, k,
-                out.hull_facets.data() + std::size_t{f} * k);
-    out.hull_cells[f] = owner[order[f].cell];
+  });
+  sort_rows(order, k, static_cast<std::uint32_t>(out.point_count), run,
+            [&](std::uint32_t f) { return ids.data() + std::size_t{f} * k; });
+  out.hull_facets.resize(ids.size());
+  out.hull_cells.resize(facets.size());
+  for (std::size_t f = 0; f < facets.size(); ++f) {
+    std::copy_n(ids.data() + std::size_t{order[f].row} * k, k, out.hull_facets.data() + f * k);
+    out.hull_cells[f] = facets[order[f].row].cell;
   }
+}
+
+/// Finite cells with the caller's ids, corners in order, as rows to be sorted; `rank` of others.
+template <unsigned K>
+Array<Ranked> finite_cells(const LiftedPoints& s, CellStore<K>& store, Array<std::uint32_t>& rank,
+                           const Run& run) {
+  const unsigned corners = store.corners();
+  constexpr std::uint64_t chunk = light_grain;
+  std::vector<std::uint32_t> begins(chunk_count(store.count(), chunk) + 1, 0);
+  const auto finite = [&](std::uint32_t c) {
+    return !store.dead(c) && store.ghost_slot(c) == corners;
+  };
+  run.each_chunk(store.count(), chunk,
+                 [&](std::uint64_t at, std::uint64_t begin, std::uint64_t end) {
+                   for (std::uint64_t c = begin; c < end; ++c)
+                     begins[at + 1] += finite(static_cast<std::uint32_t>(c)) ? 1 : 0;
+                 });
+  for (std::size_t i = 1; i < begins.size(); ++i) begins[i] += begins[i - 1];
+  Array<Ranked> rows(begins.back());
+  run.each_chunk(store.count(), chunk,
+                 [&](std::uint64_t at, std::uint64_t begin, std::uint64_t end) {
+                   std::uint32_t to = begins[at];
+                   for (std::uint64_t i = begin; i < end; ++i) {
+                     const auto c = static_cast<std::uint32_t>(i);
+                     if (!finite(c)) {
+                       rank[c] = no_cell;
+                       continue;
+                     }
+                     std::uint32_t* v = store.vertices(c);
+                     for (unsigned j = 0; j < corners; ++j) v[j] = s.ids[v[j]];
+                     order_corners(v, store.neighbours(c), corners);
+                     rows[to++] = ranked(v, corners, c);
+                   }
+                 });
+  return rows;
 }
 
 template <unsigned K>
@@ -127,36 +187,42 @@ std::vector<std::uint32_t> places_of_ids(const LiftedPoints& s, std::uint64_t po
   return places;
 }
 
-void write_cells(const LiftedPoints& s, RawCells&& raw, Triangulation& out, const Run& run) {
-  const unsigned corners = out.corners();
-  const auto cells = static_cast<std::uint32_t>(raw.vertices.size() / corners);
-  run.each(cells, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t c = begin; c < end; ++c) {
-      std::uint32_t* v = raw.vertices.data() + c * corners;
-      for (unsigned i = 0; i < corners; ++i) v[i] = s.ids[v[i]];
-      order_corners(v, raw.neighbours.data() + c * corners, corners);
-    }
+template <unsigned K>
+void write_cells(const LiftedPoints& s, CellStore<K>& store, Triangulation& out, const Run& run) {
+  const unsigned corners = store.corners();
+  Array<std::uint32_t> rank(store.count());
+  Array<Ranked> order = finite_cells(s, store, rank, run);
+  sort_rows(order, corners, static_cast<std::uint32_t>(out.point_count), run,
+            [&](std::uint32_t c) { return store.vertices(c); });
+  run.each(order.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) rank[order[i].row] = static_cast<std::uint32_t>(i);
   });
-  const Array<Ranked> order = sorted_rows(raw.vertices.data(), cells, corners,
-                                          static_cast<std::uint32_t>(out.point_count), run);
-  Array<std::uint32_t> rank(cells);
-  run.each(cells, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t i = begin; i < end; ++i) rank[order[i].cell] = static_cast<std::uint32_t>(i);
-  });
-  out.cells.resize(raw.vertices.size());
-  out.neighbours.resize(raw.vertices.size());
-  run.each(cells, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+  out.cells.resize(order.size() * corners);
+  out.neighbours.resize(order.size() * corners);
+  run.each(order.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    constexpr std::uint64_t far = 24, near = 12;
     for (std::uint64_t i = begin; i < end; ++i) {
-      const std::size_t from = std::size_t{order[i].cell} * corners;
-      std::copy_n(raw.vertices.data() + from, corners, out.cells.data() + i * corners);
+      if (i + far < end) prefetch_line(store.vertices(order[i + far].row));
+      if (i + near < end) {
+        const std::uint32_t* n = store.neighbours(order[i + near].row);
+        for (unsigned j = 0; j < corners; ++j) prefetch_line(&rank[store.cell_of(n[j])]);
+      }
+      const std::uint32_t *v = store.vertices(order[i].row), *n = store.neighbours(order[i].row);
       for (unsigned j = 0; j < corners; ++j) {
-        const std::uint32_t o = raw.neighbours[from + j];
-        out.neighbours[i * corners + j] = o == no_cell ? no_cell : rank[o];
+        out.cells[i * corners + j] = v[j];
+        out.neighbours[i * corners + j] = rank[store.cell_of(n[j])];
       }
     }
   });
   write_hull(out, run);
 }
+template void write_cells(const LiftedPoints&, CellStore<0>&, Triangulation&, const Run&);
+template void write_cells(const LiftedPoints&, CellStore<1>&, Triangulation&, const Run&);
+template void write_cells(const LiftedPoints&, CellStore<2>&, Triangulation&, const Run&);
+template void write_cells(const LiftedPoints&, CellStore<3>&, Triangulation&, const Run&);
+template void write_cells(const LiftedPoints&, CellStore<4>&, Triangulation&, const Run&);
+template void write_cells(const LiftedPoints&, CellStore<5>&, Triangulation&, const Run&);
+template void write_cells(const LiftedPoints&, CellStore<6>&, Triangulation&, const Run&);
 
 void write_groups(const LiftedPoints& s, Triangulation& out, const Run& run) {
   const std::uint64_t cells = out.size();

@@ -4,19 +4,16 @@
 #include <vector>
 
 #include "cullhull/triangulation.hpp"
+#include "lifting/cell_store.hpp"
 #include "lifting/lifted_points.hpp"
 #include "parallel/run.hpp"
 
 namespace cullhull::internal {
 
-/// Cells of the engine without dead and infinite ones: places in the order of insertion, and
-/// numbers of cells, no_cell outside.
-struct RawCells {
-  Array<std::uint32_t> vertices, neighbours;  ///< cells x (k + 1)
-};
-
-/// Cells, neighbours and hull of `out`.
-void write_cells(const LiftedPoints& s, RawCells&& raw, Triangulation& out, const Run& run);
+/// Cells, neighbours and hull of `out` from the engine's cells, whose ids and corners are put in
+/// order on the way. K: as the store's.
+template <unsigned K>
+void write_cells(const LiftedPoints& s, CellStore<K>& store, Triangulation& out, const Run& run);
 
 /// cell_groups, from signs of the facets between cells.
 void write_groups(const LiftedPoints& s, Triangulation& out, const Run& run);

@@ -1,10 +1,10 @@
-// The data-parallel primitives that algorithms with more than one executor are written over. Every
-// executor gives the same answers, bit for bit: ties are broken by index or value, never by the
-// order of work, and compaction is stable.
+// The data-parallel primitives for algorithms that run on more than one executor. Every executor
+// gives the same answers, bit for bit: ties are broken by index or value, never by the order of
+// work, and compaction is stable.
 //
-// What an executor runs are small functors over plain pointers, marked CULLHULL_HD, so that the
-// same text is a loop body here and a kernel body on a device. Memory that they touch comes from
-// the executor (`Array`, `reserve`) and is copied by it (`fetch`, `upload`).
+// Executors run small functors over plain pointers, marked CULLHULL_HD, so that the same text is a
+// loop body on the host and a kernel body on a device. Memory that functors access comes from the
+// executor (`Array`, `reserve`) and is copied by it (`fetch`, `upload`).
 #pragma once
 
 #include <algorithm>
@@ -20,19 +20,19 @@ namespace cullhull::internal {
 
 inline constexpr std::uint32_t no_item = 0xFFFFFFFF;
 
-/// What an item offers to a cell; to be one of no cell, the value is 0.
+/// The value that an item offers to a cell; 0 with the cell no_item for no offer.
 struct Offer {
   std::uint32_t cell;
   std::uint64_t value;
 };
 
-/// Memory of an executor on the host. It grows and does not keep its contents when it does.
+/// Memory of an executor on the host. Contents are lost when it grows.
 template <class T>
 class HostArray {
  public:
   T* reserve(std::size_t count) {
     if (count > capacity_) {
-      items_ = {};  // first, so that both are never held
+      items_ = {};  // freed first, so that the two are never held at once
       capacity_ = 0;
       items_ = BigArray<T>(count);
       capacity_ = count;
@@ -47,16 +47,16 @@ class HostArray {
   std::size_t capacity_ = 0;
 };
 
-/// What executors on the host have in common.
+/// Common to all executors on the host.
 struct HostMemory {
   template <class T>
   using Array = HostArray<T>;
-  /// Items that one step of a reduction should take together.
+  /// Items that one step of a reduction takes together. A guess: some microseconds of work.
   static constexpr std::uint32_t grain = 512;
-  /// Whether work should be cut finely, even if some is done twice.
+  /// Whether work should be cut finely even where some is then done twice.
   static constexpr bool many_threads = false;
 
-  /// Room for `count` items, whose values are undefined.
+  /// Room for `count` items, not initialised.
   template <class T>
   static T* reserve(Array<T>& array, std::size_t count) {
     return array.reserve(count);
@@ -75,7 +75,7 @@ struct HostMemory {
   }
 };
 
-/// The reference: loops in order.
+/// The reference implementation: loops in order.
 class SerialExecutor : public HostMemory {
  public:
   /// body(i) for every i of [0, count).
@@ -84,8 +84,8 @@ class SerialExecutor : public HostMemory {
     for (std::uint32_t i = 0; i < count; ++i) body(i);
   }
 
-  /// All of identity, map(0) ... map(count - 1), combined. `combine` must be associative and
-  /// commutative, exactly, and `identity` neutral.
+  /// `identity`, map(0) ... map(count - 1), combined. `combine` must be associative and commutative
+  /// without rounding, `identity` its neutral element.
   template <class T, class Map, class Combine>
   T reduce(std::uint32_t count, T identity, Map&& map, Combine&& combine) const {
     for (std::uint32_t i = 0; i < count; ++i) identity = combine(identity, map(i));
@@ -93,9 +93,9 @@ class SerialExecutor : public HostMemory {
   }
 
   /// Stable compaction: emit(i, k) for the k-th i (from 0) with keep(i); returns how many there
-  /// are. `keep` may be asked twice and must answer alike. An executor may also emit an item that
-  /// is not kept, to the place of the next that is or the one after the last: it spares an
-  /// unpredictable branch.
+  /// are. `keep` may be called twice for an item and must then give the same answer. An executor
+  /// may also emit an item that is not kept, to the place of the next one kept or the one after the
+  /// last: this avoids an unpredictable branch.
   template <class Keep, class Emit>
   std::uint32_t select(std::uint32_t count, Keep&& keep, Emit&& emit) const {
     std::uint32_t k = 0;
@@ -106,7 +106,7 @@ class SerialExecutor : public HostMemory {
     return k;
   }
 
-  /// number[i] becomes how many of the items [0, i) are kept, i = 0 ... count; returns the last.
+  /// number[i] becomes the number of items kept among [0, i), i = 0 ... count; returns the last.
   template <class Keep>
   std::uint32_t enumerate(std::uint32_t count, Keep&& keep, std::uint32_t* number) const {
     std::uint32_t sum = 0;
@@ -118,9 +118,9 @@ class SerialExecutor : public HostMemory {
     return sum;
   }
 
-  /// body(i) for every item, which returns an Offer; best[c] becomes the largest value offered to
-  /// cell c of [0, cells), 0 if there is none. Returns how many offers were to no_item. There is
-  /// at least one cell.
+  /// body(i) for every item returns an Offer; best[c] becomes the largest value offered to cell c
+  /// of [0, cells), 0 if there is none. Returns the number of items without an offer (no_item).
+  /// cells >= 1.
   template <class Body>
   std::uint32_t scatter_max(std::uint32_t count, std::uint32_t cells, Body&& body,
                             std::uint64_t* best) const {
@@ -135,7 +135,7 @@ class SerialExecutor : public HostMemory {
     return none;
   }
 
-  /// For bodies, at any time: target becomes the less of target and value.
+  /// For use in bodies: an atomic target = min(target, value).
   CULLHULL_HD static void lower(std::uint32_t& target, std::uint32_t value) {
     if (value < target) target = value;
   }
@@ -157,7 +157,7 @@ class ThreadExecutor : public HostMemory {
 
   template <class T, class Map, class Combine>
   T reduce(std::uint32_t count, T identity, Map&& map, Combine&& combine) const {
-    // An item may be a block of points: short chunks.
+    // An item may be a block of points, hence short chunks.
     constexpr std::uint64_t items = 64;
     std::vector<T> partial(chunk_count(count, items), identity);
     for_each_chunk(count, items, threads_,
@@ -226,7 +226,7 @@ class ThreadExecutor : public HostMemory {
  private:
   static constexpr std::uint64_t chunk = 4096;
 
-  /// For each chunk how many items before it are kept, and at the end how many are in all.
+  /// For each chunk the number of items kept before it; returns their total.
   template <class Keep>
   std::vector<std::uint32_t> kept_before_chunks(std::uint32_t count, Keep&& keep) const {
     std::vector<std::uint32_t> offsets(chunk_count(count, chunk) + 1, 0);

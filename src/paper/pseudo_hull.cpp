@@ -55,7 +55,7 @@ struct Worker {
   PseudoHullGrowth<D, Executor, StoredRows<D>> growth;
 };
 
-/// What culled the points of one subset: simplices numbered within it.
+/// Records what culled the points of one subset; simplices are numbered within it.
 struct SubsetRecord {
   std::vector<std::uint64_t> corners;
   std::vector<std::uint32_t>* simplex_of = nullptr;  ///< of all points, shared by all subsets
@@ -70,7 +70,7 @@ struct SubsetRecord {
   }
 };
 
-/// Numbers the simplices of all subsets in turn.
+/// Renumbers the simplices of all subsets consecutively.
 void join(std::vector<SubsetRecord>& parts, unsigned corners_each, std::uint64_t points,
           const Run& run, SimplexRecord& record) {
   std::uint64_t total = 0;
@@ -162,7 +162,7 @@ std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subset
     for (SubsetRecord& p : parts) p.simplex_of = &record->simplex_of;
   }
   const auto part = [&](std::uint64_t s) { return record != nullptr ? &parts[s] : nullptr; };
-  // Waking threads takes longer than a small set does on one.
+  // Waking threads takes longer than one thread takes for a small set; 2^14 points are a guess.
   constexpr std::uint64_t least_parallel = 1 << 14;
   if (subsets == 1 && run.threads > 1 && points.count >= least_parallel) {
     Worker<D, ThreadExecutor> worker{ThreadExecutor(run.threads)};
@@ -186,8 +186,8 @@ std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subset
   return merge_subsets(std::move(kept));
 }
 
-/// The paper's 64 for the sizes the paper has: a subset of more than 2^17 points leaves the cache,
-/// one of fewer than 2^12 keeps too many.
+/// The paper's 64 subsets for sets of the paper's sizes. A subset of more than 2^17 points (3 MB in
+/// 3D) does not fit L2; one of fewer than 2^12 keeps too many points.
 unsigned subset_count(std::uint64_t points) {
   const std::uint64_t most = std::max<std::uint64_t>(1, points >> 12);
   return static_cast<unsigned>(

@@ -19,15 +19,15 @@ struct PseudoHullRound {
 };
 
 struct PseudoHullSettings {
-  /// Each subset grows a pseudo-hull of its own. 0: 64, fewer where a subset would be too small to
-  /// be worth it, more where it would not stay in the cache. 1: all threads work on one.
+  /// Each subset grows its own pseudo-hull. 0: 64 subsets, fewer where they would be too small to
+  /// pay, more where they would exceed the cache. 1: all threads work on one.
   unsigned subsets = 0;
-  /// Points still outside after so many rounds survive. A ball takes 13 to 16 rounds; only points
-  /// whose every apex leaves all others outside take many more.
+  /// Points still outside after so many rounds survive. A ball takes 13 to 16 rounds; many more
+  /// only sets where each apex leaves all other points outside.
   unsigned max_rounds = 100;
 };
 
-/// Which simplex of points culled each point: it lies strictly inside of that.
+/// For each culled point a simplex of points that it lies strictly inside of.
 struct SimplexRecord {
   std::vector<std::uint32_t> simplex_of;  ///< by point; no_item (primitives.hpp) if it survived
   std::vector<std::uint64_t> corners;     ///< simplices x (d + 1) points

@@ -1,5 +1,5 @@
 // One pseudo-hull, grown round by round over the data-parallel primitives (the paper's Algorithm
-// 1). The same text for every executor and for rows wherever they lie.
+// 1). The same text for every executor and for any kind of rows.
 #pragma once
 
 #include <algorithm>
@@ -22,8 +22,8 @@ class PseudoHullGrowth {
  public:
   explicit PseudoHullGrowth(Executor executor) : executor_(std::move(executor)) {}
 
-  /// Grows to the end; afterwards culled()[i] is 1 where row i is strictly inside, else 0.
-  /// `rounds` gets longer where needed and is added to.
+  /// Grows until no exterior set is left; afterwards culled()[i] is 1 where row i is strictly
+  /// inside, else 0. Adds to `rounds`, which is extended where needed.
   void run(const Rows& rows, std::uint32_t count, unsigned max_rounds, const Control& control,
            std::vector<PseudoHullRound>& rounds) {
     if (!start(rows, count, rounds)) {
@@ -41,14 +41,14 @@ class PseudoHullGrowth {
   const unsigned char* culled() const { return culled_.data(); }
   Executor& executor() { return executor_; }
 
-  /// From now on each run remembers which simplex culled a row: simplex_of()[row], no_item if none
-  /// did; simplex s has the rows corners()[s (D + 1) ... (s + 1) (D + 1)). For executors whose
-  /// memory is the host's.
+  /// From now on each run records which simplex culled a row: simplex_of()[row], no_item if none
+  /// did; simplex s has the rows corners()[s (D + 1) ... (s + 1) (D + 1)). Only for executors on
+  /// the host.
   void record() { recording_ = true; }
   const std::vector<std::uint32_t>& simplex_of() const { return simplex_of_; }
   const std::vector<std::uint32_t>& corners() const { return corners_; }
 
-  // What the tests look at.
+  // For tests.
   std::vector<PseudoFacet<D>> facets() { return fetched(facet_.data(), facets_); }
   std::vector<std::uint32_t> apexes() { return fetched(apex_.data(), facets_); }
   std::vector<ExteriorPoint> exterior() { return fetched(points_.data(), exterior_); }
@@ -77,7 +77,7 @@ class PseudoHullGrowth {
     return true;
   }
 
-  /// Every facet, each of which has an exterior set, is replaced by the D facets through its apex.
+  /// Replaces every facet (each has an exterior set) by the D facets through its apex.
   void round(PseudoHullRound& report) {
     const std::uint32_t cells = facets_ * D;
     executor_.reserve(fan_, facets_);
@@ -109,7 +109,7 @@ class PseudoHullGrowth {
   }
   PlaceArrays arrays() { return {place_.data(), distance_.data(), culled_.data()}; }
 
-  /// The D + 1 facets of the simplex, into the facet stream and with their planes.
+  /// Puts the D + 1 facets of the simplex into the facet stream and computes their planes.
   bool first_facets(const StartSimplex<D>& simplex, StartFacets<D>& first) {
     PseudoFacet<D> facet[D + 1];
     for (unsigned f = 0; f <= D; ++f) {
@@ -130,7 +130,7 @@ class PseudoHullGrowth {
     executor_.reserve(place_, count_);
     executor_.reserve(distance_, count_);
     executor_.reserve(culled_, count_);
-    exterior_ = count_;  // all rows, for a moment
+    exterior_ = count_;  // all rows, until regroup() removes the culled
     const std::uint32_t culled =
         executor_.scatter_max(count_, D + 1, AssignFirst<D, Rows>{rows_, first, arrays()},
                               executor_.reserve(best_, D + 1));
@@ -140,7 +140,7 @@ class PseudoHullGrowth {
     regroup(D + 1, nullptr, culled, report);
   }
 
-  /// Removes the null cells of the facet stream and the points that have found their place, and
+  /// Removes the null cells of the facet stream and the points that are culled or survive, and
   /// finds each facet's apex.
   void regroup(std::uint32_t cells, const ExteriorPoint* from, std::uint32_t culled,
                PseudoHullRound& report) {
@@ -151,7 +151,7 @@ class PseudoHullGrowth {
     executor_.reserve(apex_, facets_);
     executor_.for_each(cells, MoveFacet<D>{best_.data(), number_.data(), cell_.data(),
                                            facet_.data(), apex_.data()});
-    // One more, where an executor may put what is not kept.
+    // One more, as an executor may emit an item that is not kept.
     executor_.reserve(next_points_, std::size_t{before} - culled + 1);
     exterior_ = executor_.select(
         before, HasFacet{place_.data()},
@@ -164,7 +164,7 @@ class PseudoHullGrowth {
     report.kept += before - culled - exterior_;
   }
 
-  /// Each facet with its apex is a simplex; those of a round lie one after another.
+  /// Each facet with its apex is a simplex; those of a round are stored consecutively.
   void record_round() {
     const auto first = static_cast<std::uint32_t>(corners_.size() / (D + 1));
     for (std::uint32_t j = 0; j < facets_; ++j) {

@@ -1,5 +1,5 @@
 // The arithmetic of the PseudoHull that every executor shares: facets, their error bounds, the
-// addresses of the facet stream. Plain functions over fixed arrays, fit for a device as they are.
+// addresses of the facet stream. Plain functions over fixed arrays that compile for a device, too.
 // docs/exactness.md, "PseudoHull", derives the bounds.
 #pragma once
 
@@ -22,16 +22,16 @@ struct PseudoFacet {
 /// The plane of a facet. For any point x of the subset, in its frame,
 ///   distance(normal, base, x) > error   proves that x is strictly outside of the facet,
 ///   distance(normal, base, x) < -error  proves that it is strictly on the inner side,
-/// where base is the vertex that make_plane was given first. A plane that is not certain has normal
-/// 0 and an infinite error and proves nothing.
+/// where base is the first vertex given to make_plane. A plane that is not certain has normal 0 and
+/// an infinite error and proves nothing.
 template <unsigned D>
 struct PseudoPlane {
   double normal[D];  ///< of length 1, up to rounding
   double error;
 };
 
-/// The planes of the D facets that replace one, which share its apex as their base: what a point
-/// of its exterior set needs to find its new place, in one stretch of memory (3D: 128 bytes).
+/// The planes of the D facets that replace one, with the apex as their common base: the data that a
+/// point of its exterior set is reassigned by, contiguous in memory (3D: 128 bytes).
 template <unsigned D>
 struct alignas(16) PseudoFan {
   double apex[D];
@@ -67,7 +67,7 @@ CULLHULL_HD void set_uncertain(PseudoPlane<D>& plane) {
 }
 
 /// The plane through the D points corner[0 .. D), outward where `inner` is on the inner side.
-/// False, and the plane uncertain, where rounding could have the side wrong.
+/// False, and the plane uncertain, where rounding could have reversed it.
 template <unsigned D>
 CULLHULL_HD bool make_plane(const double* const* corner, const double* inner,
                             PseudoPlane<D>& plane) {
@@ -107,24 +107,25 @@ CULLHULL_HD bool make_plane(const double* const* corner, const double* inner,
   return false;
 }
 
-/// Where a point is, seen from some facets that bound a simplex with the facet it was outside of.
+/// The position of a point relative to some facets.
 struct Place {
-  /// Which of the facets it is nearest to of those it is outside of (the first on ties), or one of
-  /// the two below.
+  /// Of the facets it is outside of, the nearest (the first on ties), or one of the two values
+  /// below.
   std::uint32_t facet;
   double distance;
 };
-inline constexpr std::uint32_t place_inside = 0xFFFFFFFF;     ///< strictly inside all: drop it
-inline constexpr std::uint32_t place_uncertain = 0xFFFFFFFE;  ///< neither is proved: keep it
+inline constexpr std::uint32_t place_inside = 0xFFFFFFFF;     ///< strictly inside all: culled
+inline constexpr std::uint32_t place_uncertain = 0xFFFFFFFE;  ///< neither is proved: it survives
 
-/// Takes the facets one after another.
+/// Finds a point's Place; facets are offered one after another.
 struct PlaceSearch {
   std::uint64_t facet = place_uncertain;
   std::uint64_t distance = std::bit_cast<std::uint64_t>(std::numeric_limits<double>::infinity());
   std::uint64_t inside = 1;
 
-  // Masks, because where a point lies cannot be predicted and compilers make branches of anything
-  // else (a quarter of the whole filter's time). A NaN is neither outside nor inside.
+  // Masks instead of branches: a point's position cannot be predicted, and other forms were
+  // compiled to branches (a quarter of the whole filter's time). A NaN is neither outside nor
+  // inside.
   CULLHULL_HD void offer(std::uint32_t candidate, double at, double error) {
     const bool nearer = (at > error) & (at < std::bit_cast<double>(distance));
     const std::uint64_t mask = ~(static_cast<std::uint64_t>(nearer) - 1);

@@ -1,4 +1,4 @@
-// Where the rows of a subset come from: a copy in doubles, or the caller's memory.
+// The rows of a subset: a copy in doubles, or the caller's memory.
 #pragma once
 
 #include <cmath>
@@ -13,7 +13,7 @@
 
 namespace cullhull::internal {
 
-/// Subset s of M holds the blocks s, s + M, s + 2 M, ... of the points: a fair sample even where
+/// Subset s of M holds the blocks s, s + M, s + 2 M, ... of the points: a uniform sample even where
 /// neighbours in memory are neighbours in space.
 struct PseudoSubset {
   static constexpr std::uint64_t block = 512;
@@ -59,8 +59,8 @@ struct StoredRows {
   }
 };
 
-/// The points of a subset where they lie, converted and scaled whenever they are read: a device
-/// has operations to spare, not bytes. Coordinates are aligned as their type demands.
+/// The points of a subset in the caller's memory, converted and scaled at each access: a device is
+/// short of bandwidth, not of operations. Coordinates are aligned to their type.
 template <unsigned D, class T>
 struct RowsInPlace {
   const std::byte* data;

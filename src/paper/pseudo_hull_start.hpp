@@ -12,7 +12,7 @@
 namespace cullhull::internal {
 
 /// The lowest and the highest points along each axis, the first of equal ones; no_item where there
-/// is none.
+/// are no points.
 template <unsigned D>
 struct AxisExtremes {
   double low[D], high[D];
@@ -25,7 +25,7 @@ struct AxisExtremes {
       lowest[k] = highest[k] = no_item;
     }
   }
-  /// In any order. Comparisons with NaN are false, so such points are passed over.
+  /// Merges two, in any order. Comparisons with NaN are false, so such points are skipped.
   CULLHULL_HD void take(const AxisExtremes& b) {
     for (unsigned k = 0; k < D; ++k) {
       if (b.low[k] < low[k] || (b.low[k] == low[k] && b.lowest[k] < lowest[k])) {
@@ -48,7 +48,7 @@ struct TakeExtremes {
   }
 };
 
-/// Of the rows [step * grain, (step + 1) * grain).
+/// The extremes of the rows [step * grain, (step + 1) * grain).
 template <unsigned D, class Rows>
 struct ExtremesOfStep {
   Rows rows;
@@ -85,21 +85,21 @@ struct ExtremesOfStep {
   }
 };
 
-/// Powers of two that bring the extent of every axis into [1/2, 1], or below where it is less than
-/// 2^-1000. False if an axis has no extent: the points lie in a flat.
+/// Powers of two that scale the extent of every axis into [1/2, 1], or below that where it is less
+/// than 2^-1000. False if an axis has no extent: the points lie in a flat.
 template <unsigned D>
 bool axis_scales(const AxisExtremes<D>& e, double* scale) {
   for (unsigned k = 0; k < D; ++k) {
     if (!(e.low[k] < e.high[k])) return false;
     int exponent = 0;
-    std::frexp(e.high[k] / 2 - e.low[k] / 2, &exponent);  // halves: the extent itself may overflow
+    std::frexp(e.high[k] / 2 - e.low[k] / 2, &exponent);  // halved, as the extent may overflow
     scale[k] = std::ldexp(1.0, std::min(1000, -(exponent + 1)));
   }
   return true;
 }
 
 /// The affine hull of the points chosen so far, as an orthonormal basis in doubles. Approximate:
-/// the planes of the simplex are what is proved afterwards.
+/// the planes of the simplex have their own error bounds.
 template <unsigned D>
 class Flat {
  public:
@@ -135,7 +135,7 @@ class Flat {
   unsigned rank_ = 0;
 };
 
-/// How far from a flat a point is; the farther one, the first of equal ones.
+/// A point and its distance from a flat; of two the farther one, the first of equal ones.
 struct FarPoint {
   double square = -1;
   std::uint32_t point = no_item;
@@ -153,11 +153,11 @@ struct DistanceFromFlat {
     double x[D];
     rows.load(i, x);
     const double square = flat.square_distance(x);
-    return square >= 0 ? FarPoint{square, i} : FarPoint{};  // a NaN is nowhere
+    return square >= 0 ? FarPoint{square, i} : FarPoint{};  // never for a NaN
   }
 };
 
-/// Rows, wherever they are, as doubles in this program's memory.
+/// Copies rows as doubles into the host's memory.
 template <unsigned D, class Rows, unsigned Most>
 struct CopyRows {
   Rows rows;
@@ -183,20 +183,22 @@ class RowReader {
   typename Executor::template Array<double> buffer_;
 };
 
-/// D + 1 points that span a simplex, and where they are.
+/// D + 1 points that span a simplex: row numbers and coordinates.
 template <unsigned D>
 struct StartSimplex {
   std::uint32_t row[D + 1];
   double corner[D + 1][D];
 };
 
-/// Two of the axes' extreme points farthest from one another, then each time the one farthest from
-/// the flat of those before; where the extreme points lie in a flat, the farthest of all points.
-/// False if the points lie in a flat, or so nearly that doubles cannot tell.
+/// The two of the axes' extreme points that are farthest from one another, then each time the one
+/// farthest from the flat of those before; where the extreme points lie in that flat, the farthest
+/// of all points. False if the points lie in a flat, or too near to one for doubles to tell.
 template <unsigned D, class Rows, class Executor>
 bool choose_simplex(Executor& executor, RowReader<D, Rows, Executor>& reader, const Rows& rows,
                     std::uint32_t count, const AxisExtremes<D>& e, StartSimplex<D>& simplex) {
-  // Distances in the frame, where the points' extent is about 1.
+  // Distances in the frame, where the points' extent is about 1. Below `thin` all points are
+  // searched for a farther one, below `flat`, some ulps of the distance, there is no simplex.
+  // Guesses: a wrong choice costs culled points, never correctness.
   constexpr double thin = 0x1p-12, flat = 0x1p-48;
   std::uint32_t candidates[2 * D];
   std::copy_n(e.lowest, D, candidates);

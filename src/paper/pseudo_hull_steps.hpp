@@ -1,6 +1,6 @@
 // The steps of a round as functors over plain arrays: loop bodies on the host, kernel bodies on a
-// device. Each writes only to its own items, but for `lower` and the offers, which the executor
-// makes safe.
+// device. Each writes only to its own items, except through `lower` and offers, which the executor
+// makes atomic.
 #pragma once
 
 #include <bit>
@@ -18,7 +18,7 @@ struct ExteriorPoint {
   std::uint32_t facet;
 };
 
-/// What is known of the exterior points while they move: item i is the i-th of the list.
+/// The state of the exterior points while they are reassigned: item i is the i-th of the list.
 struct PlaceArrays {
   std::uint32_t* place;
   double* distance;
@@ -28,7 +28,7 @@ struct PlaceArrays {
     place[i] = found.facet;
     distance[i] = found.distance;
     culled[row] = found.facet == place_inside;
-    // Distances of points outside are positive, and positive doubles are ordered as their bits.
+    // Distances of points outside are positive, and positive doubles are ordered as their bits are.
     return {found.facet, found.facet < place_uncertain
                              ? std::bit_cast<std::uint64_t>(found.distance)
                              : std::uint64_t{0}};
@@ -43,7 +43,7 @@ struct StartFacets {
   PseudoPlane<D> plane[D + 1];
 };
 
-/// Every row finds its place among the facets of the simplex.
+/// Assigns every row to a facet of the simplex.
 template <unsigned D, class Rows>
 struct AssignFirst {
   Rows rows;
@@ -61,9 +61,9 @@ struct AssignFirst {
   }
 };
 
-/// Facet j is replaced by the D facets through its apex: their planes go to its fan, their
-/// vertices to the cells of the facet stream. Of facet i of them the apex is in the place of
-/// vertex i, which is on the inner side.
+/// Replaces facet j by the D facets through its apex: their planes go to its fan, their vertices to
+/// the cells of the facet stream. In facet i of them the apex replaces vertex i, which is on the
+/// inner side.
 template <unsigned D, class Rows>
 struct ReplaceFacet {
   Rows rows;
@@ -73,7 +73,7 @@ struct ReplaceFacet {
   PseudoFan<D>* fan;
   PseudoFacet<D>* cell;
 
-  /// All D of facet j, for few threads: each row is read once.
+  /// All D facets of facet j, where there are few threads: each row is read once.
   CULLHULL_HD void operator()(std::uint32_t j) const {
     const PseudoFacet<D> parent = facet[j];
     double tip[D], at[D][D];
@@ -94,8 +94,8 @@ struct ReplaceFacet {
     }
   }
 
-  /// Facet i of them alone, for many threads: nothing is indexed but memory that all share, so all
-  /// else fits into registers.
+  /// Only facet i of them, where there are many threads: no local array is indexed, so that all fit
+  /// into registers.
   CULLHULL_HD void one(std::uint32_t j, unsigned i) const {
     const PseudoFacet<D>& parent = facet[j];
     PseudoFacet<D>& child = cell[child_address<D>(facets, j, i)];
@@ -124,7 +124,7 @@ struct ReplaceFacetInParts {
   CULLHULL_HD void operator()(std::uint32_t item) const { facet.one(item / D, item % D); }
 };
 
-/// Each exterior point of a facet moves to the nearest of the new ones it is outside of.
+/// Reassigns each exterior point of a facet to the nearest of the new facets it is outside of.
 template <unsigned D, class Rows>
 struct Reassign {
   Rows rows;
@@ -146,13 +146,13 @@ struct Reassign {
   }
 };
 
-/// A cell that was offered a point holds a facet; the others are null.
+/// A cell that received a point holds a facet; the others are null.
 struct CellHasPoints {
   const std::uint64_t* best;
   CULLHULL_HD bool operator()(std::uint32_t c) const { return best[c] != 0; }
 };
 
-/// The facets move together.
+/// Compacts the facets.
 template <unsigned D>
 struct MoveFacet {
   const std::uint64_t* best;
@@ -173,8 +173,8 @@ struct HasFacet {
   CULLHULL_HD bool operator()(std::uint32_t i) const { return place[i] < place_uncertain; }
 };
 
-/// The points that have a facet move together; the farthest of each facet becomes its apex, of
-/// equally far ones the first row.
+/// Compacts the points that have a facet; the farthest of each facet becomes its apex, of equally
+/// far ones the first row.
 template <class Executor>
 struct MovePoint {
   std::uint32_t cells;

@@ -33,14 +33,14 @@ class BigArray {
   std::unique_ptr<T, Free> data_;
 };
 
-/// v.resize(count) for a large result: the pages are asked to be huge before they are touched.
+/// v.resize(count) for a large result: huge pages are requested before the memory is first written.
 template <class T>
 void resize_big(std::vector<T>& v, std::size_t count) {
   v.reserve(count);
   prefer_huge_pages(v.data(), count * sizeof(T));
   v.resize(count);
 }
-/// An Array asks for itself.
+/// An Array requests huge pages itself.
 template <class T>
 void resize_big(Array<T>& v, std::size_t count) {
   v.resize(count);

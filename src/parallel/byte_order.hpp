@@ -22,7 +22,7 @@ T reverse_bytes(T v) {
   return std::bit_cast<T>(bytes);
 }
 
-/// A number of this machine as little-endian memory holds it, or the number that is held so.
+/// Converts between a number of this machine and its little-endian representation, either way.
 template <class T>
 T little_endian(T v) {
   if constexpr (little_endian_machine) return v;
@@ -37,7 +37,7 @@ T load_little_endian(const void* from) {
   return little_endian(v);
 }
 
-/// Turns `bytes` bytes, items of `size` bytes each, to little-endian ones or back, in place.
+/// Converts `bytes` bytes, items of `size` bytes each, to little-endian ones or back, in place.
 inline void little_endian_items(void* items, std::size_t bytes, std::size_t size) {
   if constexpr (little_endian_machine) return;
   auto* const p = static_cast<std::byte*>(items);

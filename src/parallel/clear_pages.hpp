@@ -9,9 +9,9 @@
 
 namespace cullhull::internal {
 
-/// Writes one byte of every large page of a block whose contents do not matter. Writes that are
-/// scattered over it would otherwise have all of it cleared by whoever begins, for which a caller
-/// that wants to stop waits in vain. `check` runs between pages.
+/// Writes one byte of every huge page of a block whose contents do not matter. Otherwise scattered
+/// writes would make the system clear all of the block within their first chunk, during which
+/// cancellation is not checked. `check` runs between pages.
 template <class Check>
 void clear_pages_early(void* block, std::size_t bytes, unsigned threads, const Check& check) {
   constexpr std::size_t page = std::size_t{2} << 20;

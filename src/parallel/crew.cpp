@@ -20,7 +20,8 @@ using Clock = std::chrono::steady_clock;
 
 }  // namespace
 
-/// What helpers see of a session. It may outlive it: nobody waits for a helper without an item.
+/// The part of a session that helpers share. It may outlive the session: nobody waits for a helper
+/// that has no item.
 class Crew::Phases : public SharedWork {
  public:
   void join(unsigned lane) noexcept override {
@@ -33,7 +34,7 @@ class Crew::Phases : public SharedWork {
   }
 
   void run(std::uint32_t count, const Body& body) {
-    if (crowded()) {  // helpers may be there, but not on a processor
+    if (crowded()) {  // helpers may exist, but have no processor
       for (std::uint32_t i = 0; i < count; ++i) body(i, 0);
       return;
     }
@@ -57,7 +58,7 @@ class Crew::Phases : public SharedWork {
   void end() { over_ = true; }
 
  private:
-  /// One item of the present phase, if there is one left.
+  /// Does one item of the present phase; false where none is left.
   bool work(unsigned lane) {
     std::uint64_t t = ticket_.load(std::memory_order_acquire);
     do {
@@ -73,8 +74,8 @@ class Crew::Phases : public SharedWork {
     return true;
   }
 
-  /// Phase, number of items, next item: one word, so that nobody takes an item of a phase that is
-  /// over.
+  /// Phase, number of items, next item: one word, so that no item of a phase that is over can be
+  /// taken.
   alignas(64) std::atomic<std::uint64_t> ticket_{0};
   alignas(64) std::atomic<std::uint32_t> done_{0};
   std::atomic<bool> over_{false};
@@ -89,7 +90,7 @@ Crew::~Crew() = default;
 
 void Crew::session(const std::function<void()>& main) {
   phases_ = std::make_shared<Phases>();
-  // Helpers leave when main is over, however it ends.
+  // Helpers leave when main has returned or thrown.
   struct Session {
     OpenWork open;
     Phases& phases;

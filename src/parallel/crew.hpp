@@ -1,5 +1,6 @@
-// Threads for algorithms of very many short parallel phases (tens of microseconds): helpers wait
-// for the next phase awake, so that a phase costs about a microsecond to begin and to end.
+// Threads for algorithms of very many short parallel phases (tens of microseconds): helpers spin
+// while they wait for the next phase, so that a phase costs about a microsecond to begin and to
+// end.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +20,8 @@ class Crew {
   /// Numbers of workers, the caller's being 0, are below this.
   unsigned lanes() const { return lanes_; }
 
-  /// main() on the calling thread; during it run() has helpers, as far as the machine has threads
-  /// to spare and as soon as they come. Exceptions of main pass through.
+  /// Runs main() on the calling thread; meanwhile run() has helpers, as many as the machine has
+  /// idle threads, from when they arrive. Exceptions of main pass through.
   void session(const std::function<void()>& main);
 
   /// body(item, lane) for every item of [0, count), count < 2^20, each once; no two at a time with

@@ -10,17 +10,18 @@ namespace {
 using std::chrono::nanoseconds;
 using namespace std::chrono_literals;
 
-/// Shorter waits are none: a slice is longer, and so are most interruptions by devices.
+/// Shorter waits are ignored: a scheduler's slice is longer, most interrupts are shorter.
 constexpr nanoseconds noticeable = 2ms;
-/// Nobody is asked for so long after the first long wait; twice as long after one that soon
-/// follows.
+/// Back-off: no helper is asked for during 20 ms, a few slices, after the first long wait; the time
+/// doubles while long waits follow soon after it, up to a share of about 1 % lost to trying again.
 constexpr nanoseconds first_rest = 20ms, longest_rest = 640ms;
 
-/// One long wait alone may be for an item that was long itself (a merged facet of many corners); on
-/// a processor that is taken the next one follows at once.
+/// A single long wait may be due to a long item (a merged facet of many corners); where a processor
+/// is taken, another long wait follows within a few slices.
 constexpr nanoseconds near = 30ms;
 
-/// Since the clock's epoch; races between callers cost a rest that is a little shorter or longer.
+/// Since the clock's epoch. Unsynchronised updates of concurrent callers change the back-off a
+/// little.
 std::atomic<std::int64_t> rest_until{0};
 std::atomic<std::int64_t> last_rest{0};
 std::atomic<std::int64_t> last_wait{0};
@@ -31,7 +32,7 @@ std::int64_t now() {
 
 void begin_rest() {
   const std::int64_t time = now(), until = rest_until.load(std::memory_order_relaxed);
-  if (time < until) return;  // the wait began before the rest
+  if (time < until) return;  // the wait began before the back-off
   const std::int64_t last = last_rest.load(std::memory_order_relaxed);
   const bool soon = last != 0 && time - until < 2 * last;
   const std::int64_t rest = soon ? std::min(2 * last, longest_rest.count()) : first_rest.count();
@@ -47,8 +48,8 @@ bool crowded() noexcept {
 }
 
 void note_wait(nanoseconds expected, nanoseconds waited) noexcept {
-  // Items of one loop differ by some times: on the mantle of a cylinder a factor of two took them
-  // for absent helpers, and a fifth more time.
+  // A factor of 4, since items of one loop differ in cost: with 2, the mantle of a cylinder was
+  // taken for a busy machine, and took a fifth longer.
   if (!(waited > noticeable + 4 * expected)) return;
   const std::int64_t time = now(), last = last_wait.exchange(time, std::memory_order_relaxed);
   const std::int64_t until = rest_until.load(std::memory_order_relaxed);
@@ -58,7 +59,7 @@ void note_wait(nanoseconds expected, nanoseconds waited) noexcept {
 }
 
 void WaitWatch::add(nanoseconds worked, nanoseconds waited) noexcept {
-  constexpr nanoseconds window = 20ms;  // some slices
+  constexpr nanoseconds window = 20ms;  // some slices of the scheduler
   worked_ += worked;
   waited_ += waited;
   if (worked_ + waited_ < window) return;

@@ -19,13 +19,13 @@ class DisjointSets {
   void clear(std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) parent_[i] = static_cast<std::uint32_t>(i);
   }
-  /// The lowest member of its set; no more than that while others join.
+  /// The lowest member of i's set; while others join, some member of it that is at most i.
   std::uint32_t root(std::uint32_t i) {
     for (;;) {
       const std::uint32_t up = at(i).load(std::memory_order_relaxed);
       if (up == i) return i;
       const std::uint32_t over = at(up).load(std::memory_order_relaxed);
-      at(i).store(over, std::memory_order_relaxed);  // halves the path; i is no root any more
+      at(i).store(over, std::memory_order_relaxed);  // path halving: `i` is no root any more
       i = over;
     }
   }

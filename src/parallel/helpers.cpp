@@ -22,8 +22,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// How long a helper without work stays awake: the next phase of the same call is near, and to wake
-/// a thread costs its caller some microseconds, the thread some tens of them.
+/// How long a helper without work spins: the next phase of the same call is near, and waking a
+/// sleeping thread costs its caller some microseconds and the thread some tens of them.
 constexpr std::chrono::microseconds attentive{50};
 
 void pause_once() {
@@ -34,7 +34,7 @@ void pause_once() {
 #endif
 }
 
-/// All helpers of the process, and the work that is open to them, oldest first.
+/// All helpers of the process, and the work that they can join, oldest first.
 class Helpers {
  public:
   static Helpers& of_process() {
@@ -42,7 +42,8 @@ class Helpers {
     return *helpers;
   }
 
-  /// Whether anybody may come. Work that lasts is opened on a crowded machine too: that may pass.
+  /// Makes `work` joinable; false where no helper is available. `lasting` work is accepted on a
+  /// busy machine, too: that may pass.
   bool open(unsigned wanted, const std::shared_ptr<SharedWork>& work, bool lasting) {
     const unsigned calls = std::max(1U, calls_.load(std::memory_order_relaxed));
     const unsigned cores = machine_threads();
@@ -81,14 +82,14 @@ class Helpers {
 
   Helpers() {
 #if defined(__unix__)
-    // A forked child has none of the threads, and begins anew.
+    // A forked child has none of the threads; its lists start empty.
     pthread_atfork([] { of_process().mutex_.lock(); }, [] { of_process().mutex_.unlock(); },
                    [] { of_process().begin_anew(); });
 #endif
   }
 
   void begin_anew() {
-    ::new (&work_here_) std::condition_variable;  // without those who wait in the parent
+    ::new (&work_here_) std::condition_variable;  // without the threads that wait in the parent
     open_.clear();
     count_ = asleep_ = at_work_ = 0;
     places_ = calls_ = 0;
@@ -99,7 +100,7 @@ class Helpers {
     try {
       std::thread([this] { live(); }).detach();
     } catch (const std::system_error&) {
-      return false;  // then fewer help
+      return false;  // no more threads: fewer helpers
     }
     ++count_;
     return true;
@@ -167,8 +168,9 @@ CallScope::CallScope() { Helpers::of_process().calls().fetch_add(1, std::memory_
 CallScope::~CallScope() { Helpers::of_process().calls().fetch_sub(1, std::memory_order_relaxed); }
 
 void Patience::wait_a_little() {
-  // A sleep costs some 60 us whatever was asked for, more than many a serial part between two
-  // phases: the processor is offered to others first, and often.
+  // A sleep takes some 60 us, however short a time is requested, which is longer than many a serial
+  // part between two phases: first spin, then yield often. The counts are some 50 us of spinning
+  // and a few ms of yields, set by feel on two cores, not swept.
   constexpr unsigned spins = 2000, offers = 4000;
   if (turns_ < spins)
     pause_once();

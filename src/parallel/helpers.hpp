@@ -1,5 +1,5 @@
-// Threads that help callers with their work, as far as they come in time: whoever asks goes on with
-// the work itself, and waits at the end for nothing but what a helper has begun.
+// Threads that share a caller's work where they are free: the caller goes on with the work itself,
+// and waits at the end for nothing but what a helper has begun.
 #pragma once
 
 #include <memory>
@@ -13,19 +13,19 @@ unsigned machine_threads();
 class SharedWork {
  public:
   virtual ~SharedWork() = default;
-  /// Does of the work what nobody else has begun. `k` tells apart who joined: from 1 on. May begin
-  /// when the caller is gone: then there must be nothing left to do.
+  /// Does the items that nobody has begun. `k` numbers those who join, from 1 on. May run after the
+  /// caller has returned: then no item may be left.
   virtual void join(unsigned k) noexcept = 0;
 };
 
 /// Work that helpers may join while this lives.
 class OpenWork {
  public:
-  /// Asks for `helpers` of them. Fewer come where the machine has no more processors than there are
-  /// calls at work (CallScope), or while they help others: perhaps none. On a crowded machine only
-  /// `lasting` work, which looks at crowded() itself, is opened.
+  /// Asks for `helpers` of them. Fewer join where as many calls are at work as the machine has
+  /// processors (CallScope), or while they help others: perhaps none. On a busy machine (crowded())
+  /// only `lasting` work, which checks that itself, is opened.
   OpenWork(unsigned helpers, const std::shared_ptr<SharedWork>& work, bool lasting = false);
-  /// Nobody joins any more; those who did may still be there.
+  /// Nobody can join any more; those who did may still be running.
   ~OpenWork();
   OpenWork(const OpenWork&) = delete;
   OpenWork& operator=(const OpenWork&) = delete;
@@ -34,7 +34,8 @@ class OpenWork {
   const SharedWork* open_ = nullptr;
 };
 
-/// A call at work. While there are as many as processors, nobody helps: all are busy.
+/// A call at work. While there are as many calls as processors, no helper joins any: all processors
+/// are busy.
 class CallScope {
  public:
   CallScope();
@@ -43,8 +44,8 @@ class CallScope {
   CallScope& operator=(const CallScope&) = delete;
 };
 
-/// Waits for another thread: awake at first, then offering the processor, then in short sleeps, so
-/// that a thread that has no processor gets this one.
+/// Waits for another thread: spins at first, then yields, then sleeps briefly, so that a thread
+/// without a processor gets this one.
 class Patience {
  public:
   void wait_a_little();

@@ -1,5 +1,5 @@
-// Whole numbers of 128 bits: the compiler's own where it has them, else two words of 64 bits. Both
-// give the same numbers; PortableInt128 is there everywhere, so that it is tested everywhere.
+// Integers of 128 bits: the compiler's own where it has them, else two words of 64 bits. Both give
+// the same numbers; PortableInt128 is compiled on every machine, so that it is tested on every one.
 #pragma once
 
 #include <bit>
@@ -20,7 +20,7 @@ constexpr std::uint64_t multiply_words(std::uint64_t a, std::uint64_t b, std::ui
 class PortableInt128 {
  public:
   constexpr PortableInt128() = default;
-  constexpr PortableInt128(std::int64_t v)  // as every whole number becomes a wider one
+  constexpr PortableInt128(std::int64_t v)  // implicit, as integers widen
       : low_(static_cast<std::uint64_t>(v)), high_(v < 0 ? ~std::uint64_t{0} : 0) {}
 
   constexpr PortableInt128 operator-() const {
@@ -52,8 +52,8 @@ class PortableInt128 {
  private:
   constexpr PortableInt128(std::uint64_t low, std::uint64_t high) : low_(low), high_(high) {}
 
-  /// As an unsigned number. The 64 leading bits, the last of them set where any that follows is,
-  /// round as all bits do: a double has 53.
+  /// |v| as a double. The 64 leading bits, the last of them set if any lower bit is (a sticky bit),
+  /// round as all 128 would: a double has 53.
   double magnitude() const {
     if (high_ == 0) return static_cast<double>(low_);
     const int zeros = std::countl_zero(high_);

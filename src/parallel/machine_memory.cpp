@@ -20,15 +20,16 @@ namespace {
 
 constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::max();
 
-/// A file of one number, or of the word "max"; what is not there or not readable sets no limit.
+/// A file of one number, or of the word "max"; a file that is missing or not readable sets no
+/// limit.
 std::uint64_t limit_in(const std::string& path) {
   std::ifstream file(path);
   std::uint64_t bytes = 0;
   return file >> bytes ? bytes : no_limit;
 }
 
-/// Of a group and of all around it: in a container the outer ones are not there, and its own is
-/// mounted at the root.
+/// The least limit of a group and of those that contain it: in a container the outer ones are not
+/// visible, and its own is mounted at the root.
 std::uint64_t limit_upwards(const std::string& root, std::string group, const char* name) {
   std::uint64_t least = no_limit;
   for (;;) {
@@ -38,7 +39,8 @@ std::uint64_t limit_upwards(const std::string& root, std::string group, const ch
   }
 }
 
-/// Of the machine, or where it is less, that this process may address. 0: not known.
+/// The machine's memory, or the address space limit of this process where that is less. 0: not
+/// known.
 std::uint64_t addressable_memory() {
 #if defined(_WIN32)
   MEMORYSTATUSEX status{};

@@ -6,13 +6,13 @@
 
 namespace cullhull::internal {
 
-/// Bytes this process may use: the machine's memory or, where that is less, what its control groups
-/// allow (those of a container, say). 0 where the system does not tell. Asked once.
+/// Bytes this process may use: the machine's memory or, where that is less, the limit of its
+/// control groups (those of a container, say). 0 where the system does not tell. Determined once.
 std::uint64_t machine_memory();
 
 /// The least limit of the control groups that the file `groups` (/proc/self/cgroup) names and of
-/// those around them, whose files lie in `root` (/sys/fs/cgroup), versions 1 and 2; the greatest
-/// number where there is none.
+/// those that contain them, whose files lie in `root` (/sys/fs/cgroup), versions 1 and 2; the
+/// greatest number where there is none.
 std::uint64_t group_memory_limit(const std::string& groups, const std::string& root);
 
 }  // namespace cullhull::internal

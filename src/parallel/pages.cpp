@@ -70,7 +70,7 @@ class FreeBlocks {
   static constexpr unsigned classes = 4 * octaves + 1;
 
   struct List {
-    static constexpr unsigned room = 16;
+    static constexpr unsigned room = 64;
     void* blocks[room];
     unsigned count = 0;
   };
@@ -107,15 +107,16 @@ constexpr std::size_t page = std::size_t{2} << 20;
 std::size_t whole_pages(std::size_t bytes) { return (bytes + page - 1) / page * page; }
 
 char* map_pages(std::size_t bytes) {
-  // Often the system's choice is aligned, beside an earlier block: then both can be kept as one.
+  // Often the system's choice is aligned, next to an earlier block: then both can be kept as one
+  // range.
   void* p = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (p == MAP_FAILED) throw std::bad_alloc();
   if (reinterpret_cast<std::uintptr_t>(p) % page == 0) {
-    madvise(p, bytes, MADV_HUGEPAGE);  // advice: whether it is taken changes nothing but time
+    madvise(p, bytes, MADV_HUGEPAGE);  // only advice: changes nothing but time
     return static_cast<char*>(p);
   }
   munmap(p, bytes);
-  // Else aligned by cutting off what is too much at both ends.
+  // Otherwise map a page more and unmap what is not aligned at both ends.
   p = mmap(nullptr, bytes + page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (p == MAP_FAILED) throw std::bad_alloc();
   const auto address = reinterpret_cast<std::uintptr_t>(p);
@@ -144,7 +145,7 @@ std::size_t usual_limit() {
   return memory == 0 ? most / 4 : std::min<std::size_t>(most, memory / 16);
 }
 
-/// Ranges of whole pages that nobody uses now, joined where they touch.
+/// Unused ranges of whole pages, adjacent ones joined.
 class FreePages {
  public:
   void open() {
@@ -167,8 +168,8 @@ class FreePages {
     return kept_;
   }
 
-  /// `bytes` of the smallest range that is large enough, or, where none is, what there is from
-  /// `least` on: `bytes` becomes what is taken. nullptr: there is nothing.
+  /// `bytes` of the smallest range that is large enough, or, where none is, the largest range of at
+  /// least `least` bytes: `bytes` becomes its size. nullptr: there is none.
   char* take(std::size_t& bytes, std::size_t least) {
     const std::lock_guard lock(mutex_);
     auto best = ranges_.end(), largest = best;
@@ -212,11 +213,11 @@ class FreePages {
   }
 
  private:
-  /// Contents may be lost from now on: the system may take the pages without writing them anywhere,
-  /// until they are written to again.
+  /// The system may reclaim these pages without saving their contents, until they are written
+  /// again.
   static void offer(char* start, std::size_t bytes) { madvise(start, bytes, MADV_FREE); }
 
-  /// Gives ranges back, from the highest address on, until the limit is kept.
+  /// Returns ranges to the system, from the highest address on, until the limit is kept.
   void shrink() {
     while (kept_ > limit_) {
       const auto last = std::prev(ranges_.end());
@@ -266,8 +267,8 @@ void* grow_block(void* block, std::size_t bytes, std::size_t& more) {
   const std::size_t old = whole_pages(bytes), size = whole_pages(more);
   more = size;
   if (size <= old) return block;
-  // Kept pages need no clearing, but the contents must be copied: that is to happen seldom, so who
-  // grows by little gets more.
+  // Kept pages need no clearing, but the contents must be copied. To copy seldom, a block that
+  // grows by little gets four times its size.
   std::size_t room = old <= size / 2 ? size : 4 * size;
   if (char* kept = free_pages().take(room, std::max(size, 2 * old)); kept != nullptr) {
     std::memcpy(kept, block, bytes);
@@ -279,11 +280,11 @@ void* grow_block(void* block, std::size_t bytes, std::size_t& more) {
     madvise(block, size, MADV_HUGEPAGE);
     return block;
   }
-  // A block put together from several mappings (EFAULT) does not move as one.
+  // A block that spans several mappings (EFAULT) cannot be moved as one.
   const bool moves = errno != EFAULT;
-  char* place = map_pages(size);  // where a huge page begins: those that there are move as a whole
+  char* place = map_pages(size);  // aligned to a huge page, so that whole huge pages move
   if (moves) {
-    // A failure leaves it open whether `place` is still mapped; nothing in it was touched.
+    // After a failure `place` may or may not still be mapped; nothing in it was written.
     if (mremap(block, old, size, MREMAP_MAYMOVE | MREMAP_FIXED, place) == MAP_FAILED)
       throw std::bad_alloc();
     madvise(place, size, MADV_HUGEPAGE);

@@ -1,16 +1,16 @@
-// Large blocks of memory, on huge pages where the system grants them. While a call is at work, what
-// one step frees is kept for the next: memory from the system must be cleared first, which costs
-// more than most steps do.
+// Large blocks of memory, on huge pages where the system grants them. During a call, what one step
+// frees is kept for the next: memory from the system must be cleared first, which costs more than
+// most steps do.
 #pragma once
 
 #include "cullhull/array.hpp"
 
 namespace cullhull::internal {
 
-/// As long as one of these lives, every freed block is kept and given out again; the last one to go
-/// returns to the system what is beyond the limit of keep_memory(), and lets it have the rest when
-/// it needs it. So at any time no more is held than the calls at work have needed at once, or the
-/// limit.
+/// While any of these lives, every freed block is kept and reused; the last one to be destroyed
+/// returns to the system what is beyond the limit of keep_memory(), and lets it reclaim the rest
+/// when it needs memory. So no more is held at any time than the running calls have needed at once,
+/// or the limit.
 class PageScope {
  public:
   PageScope();
@@ -19,18 +19,19 @@ class PageScope {
   PageScope& operator=(const PageScope&) = delete;
 };
 
-/// From this size on allocate_block gives blocks that begin at a cache line and that are kept;
-/// below it malloc keeps what is freed.
-inline constexpr std::size_t kept_block = std::size_t{32} << 10;
+/// From this size on allocate_block gives blocks that begin at a cache line and that are reused.
+/// Smaller ones never fill the end of malloc's heap by themselves.
+inline constexpr std::size_t kept_block = std::size_t{4} << 10;
 
 /// A larger block with the contents of `block`, which it replaces; all sizes at least
-/// `mapped_block`, `bytes` as it was asked for. `more` becomes what there is room for: a block that
-/// grows will grow again. Moves page tables rather than bytes where memory must be new.
+/// `mapped_block`, `bytes` the size requested for `block`. `more` becomes the capacity, which may
+/// exceed the request: a block that grows will grow again. Where memory must be new, page tables
+/// are moved and not bytes.
 inline constexpr std::size_t mapped_block = std::size_t{2} << 20;
 void* grow_block(void* block, std::size_t bytes, std::size_t& more);
 
-/// Asks that what lies whole huge pages wide between two addresses be such pages, before it is
-/// first touched: advice, which changes nothing but time.
+/// Requests huge pages for the whole ones between two addresses, before they are first written:
+/// only advice, which changes nothing but time.
 void prefer_huge_pages(void* begin, std::size_t bytes) noexcept;
 
 /// Sets the limit of what is kept, in bytes, and gives back what is beyond it; what is kept now.

@@ -16,9 +16,9 @@ namespace {
 using Body = std::function<void(std::uint64_t chunk, std::uint64_t begin, std::uint64_t end)>;
 using Clock = std::chrono::steady_clock;
 
-/// A loop that several threads are at. Each begins with a contiguous part of the chunks, so that it
-/// stays within its own pages, and goes on with what is left of the others'. The loop may outlive
-/// the call: `body` is used for chunks only that the caller waits for.
+/// A loop that several threads run. Each begins with a contiguous part of the chunks, so that it
+/// stays within its own pages, and goes on with what is left of the others' parts. The object may
+/// outlive the call: `body` is used only for chunks that the caller waits for.
 class Loop : public SharedWork {
  public:
   Loop(std::uint64_t items, std::uint64_t chunk_size, unsigned parts, const Body& body)
@@ -35,7 +35,7 @@ class Loop : public SharedWork {
 
   void join(unsigned k) noexcept override { work(k); }
 
-  /// Until no chunk is left that nobody has begun; how many it did.
+  /// Runs chunks until every one has been begun; returns how many it ran.
   std::uint64_t work(unsigned k) noexcept {
     std::uint64_t done = 0;
     for (std::size_t p = 0; p < parts_.size(); ++p) {
@@ -55,7 +55,7 @@ class Loop : public SharedWork {
     return done;
   }
 
-  /// For all that was begun, by one whose own chunks took `each`.
+  /// Waits for all chunks begun by helpers; the caller's own took `each`.
   void wait(Clock::duration each) const {
     if (over_.load(std::memory_order_acquire) < count_) {
       const Clock::time_point begin = Clock::now();
@@ -72,7 +72,7 @@ class Loop : public SharedWork {
     std::uint64_t end = 0;
   };
 
-  /// Nobody begins another chunk; how many there were.
+  /// Lets nobody begin another chunk; returns how many were left.
   std::uint64_t give_up() noexcept {
     std::uint64_t left = 0;
     for (Part& part : parts_) {
@@ -112,7 +112,8 @@ void for_each_chunk(std::uint64_t count, std::uint64_t chunk_size, unsigned thre
     const OpenWork open(parts - 1, loop);
     done = loop->work(0);
   }
-  loop->wait((Clock::now() - begin) / std::max<std::uint64_t>(done, 1));
+  const Clock::duration each = (Clock::now() - begin) / std::max<std::uint64_t>(done, 1);
+  loop->wait(each);
 }
 
 }  // namespace cullhull::internal

@@ -11,9 +11,9 @@ namespace cullhull::internal {
 unsigned resolve_threads(unsigned requested);
 
 /// Runs body(chunk, begin, end) for every chunk of `chunk_size` items of [0, count) on at most
-/// `threads` threads; serial and in order for threads == 1. The caller works too, and does all of
-/// it where nobody comes in time (helpers.hpp). To ask for help costs a few microseconds: chunks
-/// should be worth some ten of them. Exceptions pass through.
+/// `threads` threads; serial and in order for threads == 1. The caller works too, and does all
+/// chunks where no helper is free (helpers.hpp). Asking for helpers costs a few microseconds:
+/// chunks should take at least some ten of them. Exceptions pass through.
 void for_each_chunk(
     std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
     const std::function<void(std::uint64_t chunk, std::uint64_t begin, std::uint64_t end)>& body);

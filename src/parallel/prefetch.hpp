@@ -9,7 +9,7 @@ namespace cullhull::internal {
 
 #if defined(__GNUC__)
 inline void prefetch_line(const void* p) { __builtin_prefetch(p); }
-/// For data that are needed once: kept out of the first cache's way.
+/// For data that are used once: kept out of the first cache.
 inline void prefetch_passing_line(const void* p) { __builtin_prefetch(p, 0, 2); }
 inline void prefetch_line_to_write(const void* p) { __builtin_prefetch(p, 1); }
 #elif defined(_MSC_VER) && defined(_M_X64)

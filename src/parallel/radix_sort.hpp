@@ -10,23 +10,26 @@
 
 namespace cullhull::internal {
 
-/// Sorts n < 2^32 items by the lowest `bits` bits of key(item), of which there are no others; items
-/// of equal keys stay in order. `scratch` has room for n as well; the two may have changed places
-/// afterwards. The counts of all chunks give each chunk its places, so threads change nothing.
+/// Sorts n < 2^32 items by the `bits` low bits of key(item), above which all bits are zero; items
+/// of equal keys stay in order. `scratch` has room for n as well; the two may be swapped
+/// afterwards. Where an item goes is computed from the counts of all chunks, so that the order does
+/// not depend on threads.
 template <class Item, class Key>
 void radix_sort(Item*& items, Item*& scratch, std::uint32_t n, unsigned bits, const Run& run,
                 const Key& key) {
   if (bits == 0 || n < 2) return;
-  if (n < 192) {  // counting would cost more
+  // Counting costs more below some 50 items: with random keys of 32 bits, 32 items take 1.0 us by
+  // comparisons and 1.2 by counting, 64 take 2.8 and 1.4, 192 take 13 and 3.5.
+  if (n < 48) {
     std::stable_sort(items, items + n,
                      [&](const Item& a, const Item& b) { return key(a) < key(b); });
     return;
   }
-  // Buckets that are cleared and summed up are not to be many more than the items.
+  // Clearing and summing the buckets must not cost more than the items do.
   const unsigned widest = n < 4096 ? 8 : 12;
   const unsigned passes = (bits + widest - 1) / widest;
   const unsigned digit_bits = (bits + passes - 1) / passes, buckets = 1U << digit_bits;
-  // Few chunks, as each has counts of its own.
+  // Few chunks, as each has its own counts.
   const std::uint64_t chunk_size = std::max<std::uint64_t>(1 << 14, n / 64);
   const std::uint64_t chunks = chunk_count(n, chunk_size);
   std::vector<std::uint32_t> places(chunks * buckets);

@@ -7,7 +7,7 @@
 
 namespace cullhull::internal {
 
-/// A bijection on 64 bits that leaves no visible pattern: SplitMix64's finaliser (Steele, Lea,
+/// A bijection on 64 bits whose output bits pass for random: SplitMix64's finaliser (Steele, Lea,
 /// Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014).
 constexpr std::uint64_t mix64(std::uint64_t z) {
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;

@@ -1,6 +1,6 @@
-// A growing array of trivial items: no initialisation, huge pages that are kept for the next step
-// (pages.hpp), and growth that moves page tables instead of bytes where the system can. Clearing
-// and copying pages was 28 % of the 3D engine.
+// A growing array of trivial items: not initialised, on huge pages that are reused from step to
+// step (pages.hpp), and growing by moving page tables instead of bytes where the system can.
+// Clearing and copying pages was 28 % of the 3D engine's time.
 #pragma once
 
 #include <cstddef>

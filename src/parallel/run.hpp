@@ -9,11 +9,11 @@
 
 namespace cullhull::internal {
 
-/// Items a chunk for loops of a few nanoseconds an item: some 50 microseconds, long beside handing a
-/// chunk to another thread, which takes about one.
+/// Items a chunk for loops of a few nanoseconds an item: some 50 microseconds, long beside the
+/// microsecond that handing a chunk to another thread takes.
 inline constexpr std::uint64_t light_grain = std::uint64_t{1} << 15;
 
-/// What the options of one call come to; views them, so they must outlive it.
+/// The options of one call, resolved; views them, so they must outlive it.
 struct Run {
   explicit Run(const Options& o)
       : options(o),
@@ -36,8 +36,8 @@ struct Run {
   void check() const { control.check(); }
   void report(const char* phase, double share) const { control.report(phase, share); }
 
-  /// body(begin, end) for chunks of `grain` items of [0, count), as for_each_chunk; cancellation is
-  /// heard before each of them.
+  /// body(begin, end) for chunks of `grain` items of [0, count), as for_each_chunk; checks for
+  /// cancellation before each of them.
   template <class Body>
   void each(std::uint64_t count, std::uint64_t grain, const Body& body) const {
     for_each_chunk(count, grain, threads,
@@ -67,7 +67,7 @@ struct Run {
   std::uint64_t budget;  ///< bytes
 };
 
-/// For work on the calling thread that is over before anybody could stop it.
+/// For short work on the calling thread that need not be cancelled.
 inline const Run& short_run() {
   static const Options options;
   static const Run run = Run(options).with_threads(1);

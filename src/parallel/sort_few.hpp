@@ -1,5 +1,5 @@
-// Sorting a handful of items, how many is known to the compiler, without a branch: their order is
-// as good as random.
+// Branchless sorting of a handful of items, their number known at compile time: their order is
+// random, so that branches would be mispredicted.
 #pragma once
 
 #include <array>
@@ -9,13 +9,13 @@
 
 namespace cullhull::internal {
 
-/// Batcher's merge exchange (Knuth, TAOCP 3, 5.2.2 M) for n items: which pairs to put in order.
+/// Batcher's merge exchange (Knuth, TAOCP 3, 5.2.2 M) for n items: the sequence of comparators.
 template <unsigned n>
 struct MergeExchange {
   struct Pair {
     unsigned low, high;
   };
-  /// Calls with(i, j) for every pair, in order.
+  /// Calls with(i, j) for every comparator, in order.
   template <class With>
   static constexpr void walk(const With& with) {
     if (n < 2) return;
@@ -42,7 +42,7 @@ struct MergeExchange {
   }();
 };
 
-/// Ascending. Whether that took an odd number of exchanges: where no two items are equal, whether
+/// Sorts ascending; returns whether the number of exchanges was odd: for distinct items, whether
 /// the permutation is odd.
 template <unsigned n, class T>
 inline bool sort_few(T* items) {

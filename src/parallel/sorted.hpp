@@ -7,7 +7,7 @@
 
 namespace cullhull::internal {
 
-/// Ascending; linear where it is so already.
+/// Ascending; linear for sorted input.
 template <class T>
 std::vector<T> sorted(std::vector<T> items) {
   if (!std::is_sorted(items.begin(), items.end())) std::sort(items.begin(), items.end());

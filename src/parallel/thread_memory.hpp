@@ -1,5 +1,5 @@
-// Memory for the length of one step, kept by each thread for the next: where a call of microseconds
-// needs more than belongs on a stack, allocating it anew would take as long as the work.
+// Scratch memory that each thread keeps from one step to the next: in a call of microseconds that
+// needs more than fits a stack, allocating would take as long as the work.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace cullhull::internal {
 
-/// What one thread keeps of one type.
+/// One thread's object of one type.
 class ThreadMemory {
  public:
   ThreadMemory() { all().push_back(this); }
@@ -26,8 +26,8 @@ class ThreadMemory {
   }
 };
 
-/// This thread's own T, with whatever the last user left in it. Who uses it must not call anything
-/// that might use the same T on the same thread.
+/// This thread's own T, with the contents that the last user left. Its user must not call anything
+/// that may use the same T on the same thread.
 template <class T>
 T& thread_memory() {
   struct Kept final : ThreadMemory {
@@ -46,7 +46,7 @@ inline void drop_thread_memory() noexcept {
   for (ThreadMemory* kept : ThreadMemory::all()) kept->drop();
 }
 
-/// How many types of it the calling thread keeps.
+/// Number of types the calling thread keeps.
 inline std::size_t thread_memories() noexcept {
   std::size_t count = 0;
   for (const ThreadMemory* kept : ThreadMemory::all()) count += kept->empty() ? 0 : 1;

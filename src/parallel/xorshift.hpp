@@ -1,4 +1,4 @@
-// Pseudo-random choices on which no result depends: samples, and where a walk turns.
+// Pseudo-random choices that no result depends on: samples, and the order of tests in a walk.
 #pragma once
 
 #include <cstdint>

@@ -4,13 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "parallel/control.hpp"
 
 namespace cullhull::internal {
 
 class DirectionCube {
  public:
   DirectionCube() = default;
-  /// About `cells` cells in R^k; none (empty()) where that leaves fewer than two along an edge.
+  /// About `cells` cells in R^k; none (empty()) where there would be fewer than two along an edge.
   DirectionCube(unsigned k, double cells) : k_(k) {
     if (k < 2) return;
     const double r = std::pow(cells / (2.0 * k), 1.0 / (k - 1));
@@ -21,12 +25,12 @@ class DirectionCube {
   bool empty() const { return resolution_ == 0; }
   std::size_t size() const { return 2 * k_ * per_face_; }
   unsigned resolution() const { return resolution_; }
-  /// Of a cell along each grid axis, on the faces of [-1, 1]^k.
+  /// Half the width of a cell along each grid axis, on the faces of [-1, 1]^k.
   double half_width() const { return 1.0 / resolution_; }
   /// The axis of the face that holds the cell.
   unsigned axis(std::size_t cell) const { return static_cast<unsigned>(cell / per_face_ / 2); }
 
-  /// Face 2 j + (x_j < 0), then row-major on the other axes. Any x; the zero vector is in some
+  /// Face 2 j + (x_j < 0), then row-major on the other axes. For any x; the zero vector is in some
   /// cell.
   std::size_t cell(const double* x) const {
     unsigned axis = 0;
@@ -36,7 +40,7 @@ class DirectionCube {
     std::size_t cell = 2 * axis + (x[axis] < 0);
     for (unsigned j = 0; j < k_; ++j) {
       if (j == axis) continue;
-      // Comparisons first: a NaN (0 times infinity) becomes 0.
+      // Comparisons in this order: a NaN (0 times infinity) becomes 0.
       const double at = x[j] * scale + half;
       const double top = resolution_ - 1.0;
       cell = cell * resolution_ + static_cast<std::size_t>(at > 0 ? std::min(at, top) : 0.0);
@@ -54,6 +58,21 @@ class DirectionCube {
       x[j] = (2.0 * static_cast<double>(rest % resolution_) + 1) / resolution_ - 1;
       rest /= resolution_;
     }
+  }
+
+  /// For each cell the result of search(result for the cell before, centre), a search that is
+  /// short where it starts nearby.
+  template <class Search>
+  std::vector<std::uint32_t> answers(const Control& control, const Search& search) const {
+    std::vector<std::uint32_t> found(size());
+    std::vector<double> x(k_);
+    std::uint32_t last = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (i % 1024 == 0) control.check();
+      centre(i, x.data());
+      found[i] = last = search(last, x.data());
+    }
+    return found;
   }
 
  private:

@@ -1,4 +1,5 @@
-// Making the cells, and the kernel that asks them: once per instruction set, chosen at run time.
+// Builds the cells; the kernel that tests points by them is compiled once per instruction set and
+// chosen at run time.
 #include "query/facet_cells.hpp"
 
 #include "parallel/simd_targets.hpp"
@@ -19,7 +20,7 @@ HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
-/// The largest |coordinate| below which a cell is not trusted, see FacetCells::build.
+/// Points whose largest |coordinate| is smaller are not tested by cells, see FacetCells::build.
 constexpr double least_reach = 0x1p-500;
 
 #if HWY_HAVE_FLOAT64
@@ -27,11 +28,11 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::ScalableTag<double>;
 using V = hn::Vec<D>;
 
-/// What is known of a block of points.
+/// Working data of a block of points.
 template <unsigned K>
 struct Block {
-  HWY_ALIGN double x[K][FacetCells::block];  // localised; of a point beyond the box 0
-  HWY_ALIGN double most[FacetCells::block];  // of all facets' values
+  HWY_ALIGN double x[K][FacetCells::block];  // localised; 0 for a point beyond the box
+  HWY_ALIGN double most[FacetCells::block];  // the largest value of any facet
   HWY_ALIGN std::int32_t cells[FacetCells::block];
 };
 
@@ -80,7 +81,7 @@ HWY_INLINE bool find_cells(const FacetCellTable& t, const double* HWY_RESTRICT c
   return hn::AllTrue(d, finite);
 }
 
-/// The largest value of a facet in the list of the point's cell; a NaN for an empty list.
+/// The largest value of the facets in the list of the point's cell; a NaN for an empty list.
 template <unsigned K>
 HWY_INLINE double most_of_list(const FacetCellTable& t, const double* HWY_RESTRICT normals,
                                const std::uint32_t* HWY_RESTRICT facets, const Block<K>& b,
@@ -102,8 +103,8 @@ HWY_INLINE double most_of_list(const FacetCellTable& t, const double* HWY_RESTRI
   return most;
 }
 
-/// value +- error_factor (reach + |value|) +- value_tiny rises with the value, so the largest value
-/// decides. A NaN decides nothing.
+/// value +- error_factor (reach + |value|) +- value_tiny is monotone in the value, so testing the
+/// largest value suffices. A NaN decides nothing.
 template <unsigned K>
 HWY_INLINE void decide(const FacetCellTable& t, const double* HWY_RESTRICT columns, std::uint32_t i,
                        const Block<K>& b, std::int8_t* HWY_RESTRICT out) {
@@ -160,7 +161,7 @@ bool cell_sides(const FacetCellTable& t, double* columns, std::uint32_t count, s
       return sides_as<4>(t, columns, count, out);
   }
 #else
-  // Without vectors of doubles every point is climbed.
+  // Without vectors of doubles every point is left undecided.
   std::fill(out, out + count, std::int8_t{0});
   return std::all_of(columns, columns + FacetCells::block * t.k,
                      [](double v) { return std::isfinite(v); });
@@ -177,26 +178,26 @@ HWY_EXPORT(cell_sides);
 
 namespace {
 
-/// Facets whose planes doubles know worse than this are asked elsewhere.
+/// Facets whose error factor is larger are not listed: they would leave many points undecided.
 constexpr double worst_factor = 0x1p-24;
 
-/// The list of one cell.
+/// Computes the list of one cell.
 class CellLister {
  public:
-  static constexpr std::size_t most = 64;  // facets; a longer list would not save anything
+  static constexpr std::size_t most = 64;  // a longer list would save nothing (a guess)
 
   explicit CellLister(const FacetSearch& search) : search_(search), k_(search.k()) {
     corners_.resize((std::size_t{1} << (k_ - 1)) * k_);
   }
 
-  /// Facets that somewhere in the cell may have the largest value, or none where they are too many.
+  /// Facets that may have the largest value somewhere in the cell; empty where they are too many.
   const std::vector<std::uint32_t>& list(const DirectionCube& cube, std::size_t cell) {
     found_.clear();
     double centre[FacetCellTable::max_k];
     cube.centre(cell, centre);
     const std::uint32_t first = search_.climb(search_.start(centre), centre);
     found_.push_back(first);
-    // Corners of the cell, and a little more.
+    // The corners of a slightly larger cell.
     const double half = cube.half_width() + 0x1p-45;
     const std::size_t count = corners_.size() / k_;
     for (std::size_t c = 0; c < count; ++c) {
@@ -213,7 +214,7 @@ class CellLister {
         return found_;
       }
     drop_dominated(count);
-    // Such a facet would leave too many points in doubt.
+    // Such a facet would leave too many points undecided.
     if (std::any_of(found_.begin(), found_.end(),
                     [this](std::uint32_t f) { return !(search_.error_factor(f) <= worst_factor); }))
       found_.clear();
@@ -229,7 +230,7 @@ class CellLister {
     return v;
   }
 
-  /// Adds the facets that at x may have a larger value than `first`; false if there are too many.
+  /// Adds the facets that may have a larger value than `first` at x; false if there are too many.
   bool add_above(std::uint32_t first, const double* x) {
     double error = 0;
     const double floor = value(first, x, error) - error;
@@ -251,8 +252,8 @@ class CellLister {
     return found_.size() <= most;
   }
 
-  /// Drops facets certainly below another one at every corner, thus in all of the cell. Certainly
-  /// below is transitive, so one that stays is above each that goes.
+  /// Drops facets that are certainly below another one at every corner, and so in the whole cell.
+  /// Being certainly below is transitive, so a facet that is kept is above each that is dropped.
   void drop_dominated(std::size_t corners) {
     low_.resize(found_.size() * corners);
     high_.resize(found_.size() * corners);
@@ -282,7 +283,8 @@ class CellLister {
   std::vector<std::uint32_t> found_, kept_, ring_, seen_;
 };
 
-/// Of a facet's share a few cells, so that most have few facets; not more than a cache takes.
+/// Some cells a facet, so that most lists are short; at most half a megabyte of offsets, which fit
+/// L2. Eight a facet and the least are guesses.
 double cell_count(const FacetSearch& search) {
   constexpr double least = 2048, most = 1 << 17, a_facet = 8;
   return std::clamp(a_facet * static_cast<double>(search.count()), least, most);

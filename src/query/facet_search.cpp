@@ -28,7 +28,7 @@ using PlaneOf = void (*)(const double*, const std::uint32_t*, double*, double&);
 constexpr PlaneOf planes_of[] = {nullptr,     nullptr,     plane_of<2>, plane_of<3>, plane_of<4>,
                                  plane_of<5>, plane_of<6>, plane_of<7>, plane_of<8>};
 
-/// A simplex of the boundary and a vertex off its facet span the flat.
+/// The vertices of a simplex of the boundary and one off its facet: they span the flat.
 std::vector<std::uint32_t> flat_basis(const QueryPoints& points, const Hull& hull) {
   if (points.k == 0) return {0};
   std::vector<std::uint32_t> basis;
@@ -129,7 +129,7 @@ void FacetSearch::copy_neighbours(const Hull& hull) {
   neighbours_.assign(hull.facet_neighbours.items.begin(), hull.facet_neighbours.items.end());
 }
 
-/// Of each facet's simplices the one whose plane is known best.
+/// Chooses for each facet the simplex with the smallest error bound of its plane.
 void FacetSearch::choose_simplices(const Hull& hull, const Control& control) {
   corners_.resize(count() * k_);
   planes_.assign(count() * stride(), 0);
@@ -170,7 +170,8 @@ void FacetSearch::set_plane(std::uint32_t f, const std::uint32_t* corners) {
   plane[k_] = 3.03 * (reach / b);
 }
 
-/// Facets whose plane doubles know have the centre beneath them; the others are asked exactly.
+/// True where every facet with a finite bound has the centre beneath it; the others are tested
+/// exactly.
 bool FacetSearch::centre_inside() const {
   std::vector<const double*> rows(k_ + 1);
   for (std::uint32_t f = 0; f < count(); ++f) {
@@ -204,19 +205,12 @@ std::uint32_t FacetSearch::hint(const double* x) const {
 }
 
 void FacetSearch::fill_hints(const Control& control) {
-  // Half a megabyte of hints, which a second cache takes.
+  // Half a megabyte of hints, which fits L2.
   constexpr double most_cells = 1 << 17;
   cube_ = DirectionCube(k_, std::min(most_cells, 2.0 * static_cast<double>(count())));
   if (cube_.empty()) return;
-  std::vector<std::uint32_t> hints(cube_.size());
-  std::vector<double> x(k_);
-  std::uint32_t last = 0;
-  for (std::size_t cell = 0; cell < hints.size(); ++cell) {
-    if (cell % 1024 == 0) control.check();
-    cube_.centre(cell, x.data());
-    hints[cell] = last = climb(last, x.data());
-  }
-  hints_ = std::move(hints);
+  hints_ =
+      cube_.answers(control, [&](std::uint32_t last, const double* x) { return climb(last, x); });
 }
 
 // ------------------------------------------------------------------------------------- climbing
@@ -243,8 +237,8 @@ std::uint32_t FacetSearch::climb(std::uint32_t start, const double* x) const {
                                  [&](auto k) { return climb_as<decltype(k)::value>(start, x); });
 }
 
-/// Collects the facets that doubles cannot tell from the largest and cannot tell to be above x.
-/// False if some facet is certainly below x (then it is doubt.certain).
+/// Collects the facets that may have the largest value and may not be certainly above x. False if
+/// some facet is certainly below x (then it is doubt.certain).
 template <unsigned K>
 bool FacetSearch::explore(const double* x, Doubt& doubt) const {
   const unsigned k = K ? K : k_;
@@ -252,9 +246,9 @@ bool FacetSearch::explore(const double* x, Doubt& doubt) const {
   const auto error = [&](std::uint32_t f, double v) {
     return value_error(error_factor(f), reach, v);
   };
-  // Steepest ascent, stopping at the first facet that sees x.
+  // Steepest ascent, stopping at the first facet visible from x.
   std::uint32_t f = hint(x);
-  double best = value<K>(f, x), rival = 0;  // the largest that a neighbour of f may have
+  double best = value<K>(f, x), rival = 0;  // an upper bound for the neighbours of f
   for (;;) {
     if (best > 1 && best - error(f, best) > 1) {
       doubt.certain = f;
@@ -273,7 +267,7 @@ bool FacetSearch::explore(const double* x, Doubt& doubt) const {
     if (next == f) break;
     f = next;
   }
-  // The largest is connected to f through facets that may be at least as large as f.
+  // The largest is connected to f through facets whose values may be at least that of f.
   const double floor = best - error(f, best);
   if (rival < floor) {
     if (!(best + error(f, best) < 1)) doubt.facets.push_back(f);
@@ -307,7 +301,7 @@ bool FacetSearch::explore(const double* x, Doubt& doubt) const {
 bool FacetSearch::gather_doubt(const double* q, Doubt& doubt) const {
   std::array<double, 8> x;
   if (!localise(q, x.data())) {
-    // So far away that a facet's doubles say nothing: every facet must be asked.
+    // So far away that the bounds exclude no facet: all facets are tested.
     doubt.facets.resize(count());
     for (std::uint32_t f = 0; f < count(); ++f) doubt.facets[f] = f;
     return true;
@@ -361,7 +355,7 @@ std::vector<std::uint32_t> FacetSearch::visible(const double* q) const {
   for (std::size_t i = 0; i < doubt.facets.size() && first == none; ++i)
     if (exact_side(doubt.facets[i], q) == Side::outside) first = doubt.facets[i];
   if (first == none) return out;
-  // What a point sees is connected.
+  // The visible facets are connected.
   std::vector<std::uint8_t> seen(count(), 0);
   std::vector<std::uint32_t> stack{first};
   seen[first] = 1;

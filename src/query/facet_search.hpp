@@ -1,4 +1,4 @@
-// Which facet a ray from the centre leaves by, and on which side of it a point is.
+// Finds the facet that a ray from the centre leaves by, and the side of it that a point is on.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@ struct QueryPoints {
   std::vector<double> low, high;   // of every axis of `full`
   /// Of a flat hull (k < dimension): k + 1 vertices that span the flat.
   std::vector<std::uint32_t> basis;
-  std::vector<std::uint32_t> corners;  // of the hull's simplices, by index: while it is prepared
+  std::vector<std::uint32_t> corners;  // of the simplices, by index; for construction only
 
   std::size_t count() const { return ids.size(); }
   const double* row(std::uint32_t v) const { return on_axes.data() + std::size_t{v} * k; }
@@ -37,17 +37,17 @@ struct QueryPoints {
 
 QueryPoints make_query_points(const PointView& points, const Hull& hull, const Control& control);
 
-/// Facets as linear functions that are 1 on the facet and less than 1 beneath it, seen from a
+/// Facets as linear functions that are 1 on the facet and less than 1 beneath it, relative to a
 /// centre inside, and the graph of neighbours to climb on. k >= 2.
 ///
 /// value(f, x) = N . x / N . (v0 - c) for x = q - c, where N is the cofactor normal; q is outside
 /// exactly if the largest value exceeds 1. The value is a linear objective on the vertices of the
-/// dual polytope, whose vertices above any level are connected. So from some facet, all facets that
-/// might still be the largest, given their error bounds, are found by going to neighbours only.
+/// dual polytope, whose vertices above any level are connected. So all facets that may have the
+/// largest value, given their error bounds, are reached from some facet through such facets alone.
 class FacetSearch {
  public:
-  /// What underflow may do to a value: determinant_tiny over the least denominator allowed, and
-  /// more.
+  /// An upper bound of what underflow adds to a value: determinant_tiny over the least denominator
+  /// allowed, with room.
   static constexpr double least_denominator = 0x1p-900, value_tiny = 0x1p-90;
 
   FacetSearch(const QueryPoints& points, const Hull& hull, const Control& control);
@@ -56,18 +56,19 @@ class FacetSearch {
   Side side(const double* q) const;
   /// All facets strictly below q, ascending; q anywhere (on the axes).
   std::vector<std::uint32_t> visible(const double* q) const;
-  /// True where doubles found no point inside: every facet is asked, and values mean nothing.
+  /// True where doubles found no centre inside: every facet is tested exactly, and values are
+  /// undefined.
   bool exhaustive() const { return exhaustive_; }
 
   std::size_t count() const { return neighbour_start_.size() - 1; }
   unsigned k() const { return k_; }
-  /// Scaled and seen from the centre. False where that overflows.
+  /// Scales q and subtracts the centre. False where that overflows.
   bool localise(const double* q, double* x) const;
   void localise_direction(const double* direction, double* x) const;
   /// The function of facet f on localised points.
   template <unsigned K>
   double value(std::uint32_t f, const double* x) const;
-  /// The value computed at x, max|x| = reach, is off by at most this.
+  /// The error bound of a value computed at x, max|x| = reach.
   static double value_error(double factor, double reach, double value) {
     return factor * (reach + std::fabs(value)) + value_tiny;
   }
@@ -81,7 +82,7 @@ class FacetSearch {
     std::copy(factor_.begin(), factor_.end(), factor);
     std::copy(centre_.begin(), centre_.end(), centre);
   }
-  /// A facet to climb from.
+  /// A facet to start climbing from.
   std::uint32_t start(const double* x) const { return hint(x); }
   /// The facet of largest value at x, up to rounding, from `start`, by steepest ascent.
   std::uint32_t climb(std::uint32_t start, const double* x) const;
@@ -89,7 +90,7 @@ class FacetSearch {
  private:
   struct Doubt {
     std::vector<std::uint32_t> facets;  // that may be above or through the point
-    std::uint32_t certain = none;       // one that certainly is below it
+    std::uint32_t certain = none;       // one that is certainly below it
   };
   static constexpr std::uint32_t none = 0xFFFFFFFF;
 

@@ -13,7 +13,7 @@ namespace cullhull {
 
 struct GrowingHull::State {
   Hull hull;
-  std::vector<double> rows;  // the vertices, by ascending id
+  std::vector<double> rows;  // of the vertices, by ascending id
   std::optional<HullQuery> query;
 
   PointView view(const std::vector<double>& of) const {
@@ -53,7 +53,7 @@ std::uint64_t GrowingHull::add(const PointView& points, const Options& options) 
   if (points.count == 0) return 0;
   const std::uint64_t before = s.hull.point_count;
 
-  // Candidates: the vertices so far, then what is outside of them.
+  // Candidates: the vertices so far, and the new points outside of them.
   std::vector<std::uint64_t> ids = s.hull.vertices;
   std::sort(ids.begin(), ids.end());
   std::vector<double> rows = s.rows;

@@ -14,7 +14,8 @@ namespace cullhull {
 namespace internal {
 namespace {
 
-/// Rows scaled to |a| = 1, the offsets then to a largest of 1; `unit` receives that scale.
+/// Rows scaled to |a| = 1, then the offsets to a largest magnitude of 1; `unit` receives that
+/// scale.
 std::vector<double> normalised(const std::vector<double>& rows, unsigned d, double& unit) {
   const std::size_t width = std::size_t{d} + 1;
   std::vector<double> out(rows);
@@ -48,8 +49,8 @@ std::vector<double> find_interior(const std::vector<double>& rows, unsigned d,
   return ball.centre;
 }
 
-/// The dual points. a . x + b is summed with a bound on its rounding: a point within it of a plane
-/// is refused, since its dual would be noise.
+/// The dual points. a . x + b is summed with a rounding error bound: a point within it of a plane
+/// is refused, as its dual point would have no correct digit.
 std::vector<double> dualise(const std::vector<double>& rows, unsigned d, const double* x) {
   const std::size_t width = std::size_t{d} + 1;
   std::vector<double> out;

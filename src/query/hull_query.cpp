@@ -1,4 +1,4 @@
-// HullQuery: the questions, one by one and in batches.
+// HullQuery: single queries and batches.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,13 +25,14 @@ namespace cullhull {
 namespace internal {
 namespace {
 
+/// Points a chunk: some 20 to 100 microseconds of single queries.
 constexpr std::uint64_t chunk = std::uint64_t{1} << 12;
 static_assert(chunk <= gauge_chunk);
-/// So many questions at once are worth a map.
+/// A batch of so many points pays for building a gauge map (a guess).
 constexpr std::uint64_t worth_a_map = 2048;
 
-/// Whether points lie in the flat of a flat hull: the basis and the point, seen on the flat's axes
-/// and any other one, must have no volume.
+/// Whether points lie in the flat of a flat hull: on the flat's axes and any other one, the simplex
+/// of the basis and the point must be degenerate.
 class FlatTest {
  public:
   explicit FlatTest(const QueryPoints& points) : points_(points) {
@@ -67,7 +68,7 @@ class FlatTest {
   std::vector<double> rows_;
 };
 
-/// The hull as the gauge map takes it; takes the corners over.
+/// The hull as an InnerPolytope; moves the corners out of `points`.
 InnerPolytope polytope_of(QueryPoints& points, const Hull& hull) {
   InnerPolytope p;
   p.dimension = points.dimension;
@@ -123,7 +124,7 @@ struct HullQuery::State {
       if (facet_vertices.size() % 8192 == 0) control.check();
       facet_vertices.push_back(points.index_of(id));
     }
-    // The lists of facets at a vertex.
+    // Lists of the facets at each vertex.
     vertex_start.assign(points.count() + 1, 0);
     for (const std::uint32_t v : facet_vertices) ++vertex_start[v + 1];
     for (std::size_t v = 0; v < points.count(); ++v) vertex_start[v + 1] += vertex_start[v];
@@ -156,7 +157,7 @@ struct HullQuery::State {
   }
   NearestFacet nearest(const double* p) const;
   std::uint32_t facet_of(const std::vector<std::uint32_t>& corners, const double* p) const;
-  /// The map over the whole hull, made when first asked for; null where there is none.
+  /// The gauge map of the whole hull, built at the first call; null where there is none.
   const GaugeMap* map() const {
     std::call_once(map_once, [this] {
       if (polytope.dimension != 0) gauge_map = GaugeMap::build(polytope);
@@ -205,7 +206,7 @@ struct HullQuery::State {
 
 Side HullQuery::State::side(const double* p) const {
   if (!in_box(p)) return Side::outside;
-  if (points.k == 0) return Side::boundary;  // the box is the point
+  if (points.k == 0) return Side::boundary;  // the box is a single point
   if (points.k < points.dimension && !flat.contains(p)) return Side::outside;
   if (points.k == 1) {
     const unsigned a = points.axes[0];
@@ -217,7 +218,7 @@ Side HullQuery::State::side(const double* p) const {
   return facets->side(q.data());
 }
 
-/// Of the facets through all corners the one that faces p most.
+/// Of the facets through all corners, the one that p is farthest above.
 std::uint32_t HullQuery::State::facet_of(const std::vector<std::uint32_t>& corners,
                                          const double* p) const {
   std::uint32_t best = RayHit::no_facet;
@@ -245,14 +246,14 @@ NearestFacet HullQuery::State::nearest(const double* p) const {
   NearestFacet out;
   if (where == Side::outside) {
     const VertexSearch::Nearest near = vertices.nearest(p);
-    out.distance = std::max(near.distance, least);  // rounding must not contradict the side
+    out.distance = std::max(near.distance, least);  // rounding must not contradict the exact side
     if (points.k == 0) return out;
     const std::uint32_t f = facet_of(near.corners, p);
     if (f != RayHit::no_facet) {
       out.facet = f;
       return out;
     }
-    // Rounding chose corners that no facet joins: the facet that p is farthest above.
+    // Rounding chose corners that no facet has in common: the facet that p is farthest above.
     double value = 0;
     out.facet = tree->largest(p, 0, value);
     return out;
@@ -360,7 +361,7 @@ void HullQuery::State::each(const PointView& view, const Options& options, Body&
   const Run run(options);
   const unsigned d = points.dimension;
   check_finite(view, nullptr, run);
-  constexpr std::uint64_t block = std::uint64_t{1} << 18;  // between two reports
+  constexpr std::uint64_t block = std::uint64_t{1} << 18;  // between two progress reports
   for (std::uint64_t first = 0; first < view.count; first += block) {
     run.report("query", static_cast<double>(first) / static_cast<double>(view.count));
     run.each(std::min(block, view.count - first), chunk,
@@ -374,14 +375,14 @@ void HullQuery::State::each(const PointView& view, const Options& options, Body&
   }
 }
 
-/// The sides of one chunk of points.
+/// Finds the sides of one chunk of points.
 struct HullQuery::State::ManySides {
   const State& state;
   const PointView& view;
   const GaugeMap* inner;    // may be null
   const FacetCells* cells;  // may be null
 
-  /// Returns the first point that is not finite, or view.count.
+  /// Returns the index of the first point that is not finite, or view.count.
   template <class Out, class Of>
   std::uint64_t ask(std::uint64_t begin, std::uint64_t end, Out* out, const Of& of) const {
     std::array<std::uint32_t, gauge_chunk> ids;
@@ -425,7 +426,7 @@ struct HullQuery::State::ManySides {
     if (!cells->sides(columns, count, sides)) return ask_each(begin, ids, count, out, of);
     for (std::uint32_t i = 0; i < count; ++i) {
       Side side = static_cast<Side>(sides[i]);
-      if (side == Side::boundary) {  // or not known
+      if (side == Side::boundary) {  // or undecided
         double p[FacetCellTable::max_k];
         load_row(view, begin + ids[i], p);
         side = state.facets->side(p);
@@ -436,8 +437,9 @@ struct HullQuery::State::ManySides {
   }
 };
 
-/// A chunk is asked while it is in the cache: first the map, which clears points well inside, then
-/// the box and the cells, then one by one. `of` turns a side into an answer.
+/// Processes each chunk while it is in the cache: first by the map, which decides points well
+/// inside, then by bounding box and cells, then one by one. `of` converts a side to an output
+/// value.
 template <class Out, class Of>
 void HullQuery::State::sides(const PointView& view, Out* out, const Options& options,
                              Of&& of) const {
@@ -446,7 +448,7 @@ void HullQuery::State::sides(const PointView& view, Out* out, const Options& opt
   const ManySides many{
       *this, view, worth_a_map <= view.count ? map() : nullptr,
       facets && view.count >= FacetCells::worthwhile(*facets) ? facet_cells(run) : nullptr};
-  constexpr std::uint64_t block = std::uint64_t{1} << 20;  // between two reports
+  constexpr std::uint64_t block = std::uint64_t{1} << 20;  // between two progress reports
   const std::uint64_t size = view.count >= block / 4 ? gauge_chunk : chunk;
   for (std::uint64_t first = 0; first < view.count; first += block) {
     run.report("query", static_cast<double>(first) / static_cast<double>(view.count));
@@ -457,7 +459,7 @@ void HullQuery::State::sides(const PointView& view, Out* out, const Options& opt
     });
     const std::vector<std::uint64_t> lowest{*std::min_element(bad.begin(), bad.end())};
     if (lowest[0] < view.count)
-      check_finite(view, &lowest, run.with_threads(1));  // says which, and throws
+      check_finite(view, &lowest, run.with_threads(1));  // throws the error that names it
   }
 }
 

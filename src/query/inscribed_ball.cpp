@@ -1,6 +1,6 @@
-// max r subject to a_i . x + r <= -b_i and |x_j| <= box, r <= cap: the dual simplex method. A basis
-// is d + 1 constraints that hold with equality at z = (x, r); the most violated of all others
-// enters, and the one leaves whose multiplier would first become negative.
+// max r subject to a_i . x + r <= -b_i and |x_j| <= box, r <= cap, by the dual simplex method. A
+// basis is d + 1 constraints that hold with equality at z = (x, r); the most violated of the others
+// enters, and the one whose multiplier would first become negative leaves.
 #include "query/inscribed_ball.hpp"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ class DualSimplex {
  public:
   DualSimplex(const std::vector<double>& rows, unsigned d, double box)
       : rows_(rows), d_(d), n_(d + 1), count_(rows.size() / (d + 1)), box_(box) {
-    // The far corner of the box; multipliers are 0 but for the cap's.
+    // The far corner of the box; all multipliers but the cap's are 0.
     for (unsigned j = 0; j < n_; ++j) basis_.push_back(count_ + 2 * j);
     inverse_.assign(std::size_t{n_} * n_, 0);
     y_.assign(n_, 0);
@@ -22,7 +22,7 @@ class DualSimplex {
   }
 
   Ball run(const Control& control) {
-    constexpr unsigned patience = 50;  // steps without progress before the first violated enters
+    constexpr unsigned patience = 50;  // steps without progress before Bland's rule; a guess
     unsigned stuck = 0;
     double before = std::numeric_limits<double>::infinity();
     for (unsigned step = 0; step < 100000 && invert(); ++step) {
@@ -154,7 +154,7 @@ class DualSimplex {
 
 Ball inscribed_ball(const std::vector<double>& rows, unsigned d, const Control& control) {
   Ball ball;
-  // Planes are at most 1 from the origin, but skew ones may meet far away.
+  // Planes are at most 1 from the origin, but nearly parallel ones may meet far away.
   for (double box = 4; box < 1e13; box *= 1000) {
     ball = DualSimplex(rows, d, box).run(control);
     if (ball.radius > 0) break;

@@ -29,7 +29,7 @@ bool NearestInHull::search(const double* rows, std::size_t count, double enough)
   now_.weights.assign(1, 1.0);
   combine(rows);
   best_ = now_;
-  // Each step comes strictly nearer; what rounding would let it do beyond that is cut off.
+  // Each step strictly decreases the distance; steps below the rounding errors are not taken.
   const double noise = 0x1p-51 * std::sqrt(longest);
   for (std::size_t step = 0; step < 64 + 8 * std::size_t{d_}; ++step) {
     const double square = dot(x_.data(), x_.data()), norm = std::sqrt(square);
@@ -51,8 +51,8 @@ bool NearestInHull::search(const double* rows, std::size_t count, double enough)
   return true;
 }
 
-/// Wolfe's minor cycle: the point nearest to the origin in the hull of the rows in use and one
-/// more.
+/// Wolfe's minor cycle: the point nearest to the origin in the hull of the rows in use and another
+/// one.
 bool NearestInHull::enter(const double* rows, std::uint32_t row) {
   if (std::find(now_.places.begin(), now_.places.end(), row) != now_.places.end()) return false;
   now_.places.push_back(row);
@@ -88,8 +88,8 @@ bool NearestInHull::enter(const double* rows, std::uint32_t row) {
   }
 }
 
-/// affine_: weights of sum 1 of the point nearest to the origin in the flat of the rows in use, by
-/// orthogonalization. False where they span too little for doubles.
+/// Sets affine_ to the weights, of sum 1, of the point nearest to the origin in the flat of the
+/// rows in use, by orthogonalization. False where the rows are too nearly dependent for doubles.
 bool NearestInHull::affine_minimum(const double* rows) {
   const std::size_t n = now_.places.size() - 1;
   if (n > d_) return false;
@@ -97,7 +97,7 @@ bool NearestInHull::affine_minimum(const double* rows) {
   basis_.assign(n * d_, 0);
   triangle_.assign(n * n, 0);
   projections_.assign(n, 0);
-  std::vector<double>& rest = affine_;  // first: the part of -origin that is not yet spanned
+  std::vector<double>& rest = affine_;  // first: the part of -origin outside of the span so far
   rest.assign(d_, 0);
   for (unsigned j = 0; j < d_; ++j) rest[j] = -origin[j];
   for (std::size_t i = 0; i < n; ++i) {
@@ -141,8 +141,8 @@ double NearestInHull::bound(const double* rows) const {
   const std::size_t m = best_.places.size();
   double total = 0;
   for (const double w : best_.weights) total += w;
-  // (m + 4) 2^-53 |terms| covers the rounding of differences, products and sums; the last factor
-  // that of all that follows.
+  // (m + 4) 2^-53 |terms| bounds the rounding of differences, products and sums; the last factor
+  // that of the remaining operations.
   double squares = 0;
   for (unsigned j = 0; j < d_; ++j) {
     double sum = 0, size = 0;

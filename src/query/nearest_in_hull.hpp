@@ -9,22 +9,23 @@ namespace cullhull::internal {
 
 /// A convex combination of few points, the nearest to the origin that was found.
 struct NearCombination {
-  std::vector<std::uint32_t> places;  ///< of the rows, at most d + 1
+  std::vector<std::uint32_t> places;  ///< indices of the rows, at most d + 1
   std::vector<double> weights;        ///< positive, of sum 1 up to rounding
 };
 
-/// Finds it by Wolfe's algorithm ("Finding the nearest point in a polytope", 1976) in doubles; what
-/// is certain is bound() alone. Deterministic. Keeps its memory: one object a thread.
+/// Finds it by Wolfe's algorithm ("Finding the nearest point in a polytope", 1976) in doubles; only
+/// bound() is guaranteed. Deterministic. Keeps its memory: use one object a thread.
 class NearestInHull {
  public:
   explicit NearestInHull(unsigned dimension);
 
-  /// `rows`: `count` >= 1 points, relative to the point asked about, |coordinate| <= 8. Gives up,
-  /// returning false, once a hyperplane shows that all rows are farther than about `enough`.
+  /// `rows`: `count` >= 1 points, relative to the query point, |coordinate| <= 8. Returns false
+  /// once a hyperplane shows that all rows are farther than about `enough`.
   bool search(const double* rows, std::size_t count, double enough);
   const NearCombination& found() const noexcept { return best_; }
-  /// An upper bound on the distance of the origin to the hull of the found rows, in real numbers:
-  /// docs/exactness.md, "Simplification". `rows` may each be rounded differences of two doubles.
+  /// An upper bound of the distance from the origin to the hull of the found rows, rounding
+  /// included: docs/exactness.md, "Simplification". `rows` may be rounded differences of two
+  /// doubles.
   double bound(const double* rows) const;
 
  private:

@@ -30,7 +30,7 @@ std::uint32_t PlaneTree::grow(std::uint32_t begin, std::uint32_t end, const Cont
   boxes_.insert(boxes_.end(), low.begin(), low.end());
   boxes_.insert(boxes_.end(), high.begin(), high.end());
   if (end - begin <= leaf) return node;
-  unsigned widest = 0;  // by direction: offsets have another unit
+  unsigned widest = 0;  // by the normal's axes, as offsets have another unit
   for (unsigned j = 1; j < d_; ++j)
     if (high[j] - low[j] > high[widest] - low[widest]) widest = j;
   const std::uint32_t middle = begin + (end - begin) / 2;

@@ -1,4 +1,4 @@
-// Facets that one plane holds but for a distance: grown from the largest facet over neighbours.
+// Facets within a distance of a common plane: grown from the largest facet over neighbours.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -54,9 +54,9 @@ class Planes {
     return rows_.data() + internal::place_of(ids_, id) * d_;
   }
 
-  /// Whether the plane of `seed` is within the distance of all vertices of `facet`, for certain,
-  /// and both face the same side. The error bound is that of a sum of d + 1 terms; the plane's
-  /// normal is a unit vector but for rounding.
+  /// Whether the plane of `seed` is certainly within the distance of all vertices of `facet`, and
+  /// both face the same side. The error bound is that of a sum of d + 1 terms; the plane's normal
+  /// is a unit vector up to rounding.
   bool holds(std::uint32_t seed, std::uint32_t facet) const {
     const double* n = plane(seed);
     const double* other = plane(facet);
@@ -77,7 +77,7 @@ class Planes {
     return true;
   }
 
-  /// By measure, the lowest number first among equals.
+  /// Facets by descending measure, the lowest number first among equals.
   std::vector<std::uint32_t> largest_first() const {
     std::vector<double> measure(hull_.facet_count(), 0);
     const auto width = static_cast<std::size_t>(hull_.affine_dimension);
@@ -91,7 +91,7 @@ class Planes {
     return order;
   }
 
-  /// Times a constant: the product of the heights that orthogonalization finds.
+  /// The simplex's measure times a constant: the product of its heights, by orthogonalization.
   double simplex_measure(const std::uint64_t* corners, std::size_t width) const {
     std::vector<double> basis((width - 1) * d_);
     double product = 1;

@@ -1,7 +1,8 @@
-// Drops vertices in rounds. In each, the vertices whose distance to the hull of their neighbours is
-// proven to be small enough are candidates; of these a set without neighbours goes, and the hull of
-// the others is computed anew. What a vertex that goes stood for, its neighbours stand for then:
-// `debt`. Why the sums bound the distance: docs/exactness.md, "Simplification".
+// Drops vertices in rounds. In each, vertices whose distance to the hull of their neighbours is
+// proven to be small enough are candidates; an independent set of them (no two neighbours) is
+// dropped, and the hull of the others is computed. A dropped vertex's neighbours then represent it,
+// and all that it represented, at a distance that is summed up in `debt`. Why the sums bound the
+// distance: docs/exactness.md, "Simplification".
 #include "cullhull/simplify.hpp"
 
 #include <algorithm>
@@ -39,7 +40,7 @@ class Simplifier {
     for (std::uint32_t v = 0; v < ids_.size(); ++v) candidates_[v] = v;
   }
 
-  /// Whether a vertex was dropped.
+  /// Runs all rounds; returns whether a vertex was dropped.
   bool run() {
     const std::size_t before = ids_.size();
     while (distance_ > 0 && !candidates_.empty()) {
@@ -58,7 +59,7 @@ class Simplifier {
   }
   std::uint64_t kept() const noexcept { return ids_.size(); }
 
-  /// Upper bound on the distance of every vertex dropped, in the points' units.
+  /// An upper bound of the distance of every dropped vertex, in the points' units.
   double reached() const {
     double most = 0;
     for (const double debt : debts_) most = std::max(most, debt);
@@ -67,16 +68,16 @@ class Simplifier {
   }
 
  private:
-  /// What dropping a candidate costs: its debt and its distance to the hull of `support`, vertices
-  /// that stand for it then.
+  /// The cost of dropping a candidate: its debt plus its distance to the hull of `support`, the
+  /// vertices that represent it then.
   struct Offer {
     std::uint32_t vertex;
     double cost;
     std::vector<std::uint32_t> support;
   };
 
-  /// Replaces candidates_ by those that may go, offers_ by what they cost. A vertex that may not
-  /// go now never may: the hull only shrinks, and debts only grow.
+  /// Replaces candidates_ by those that may be dropped, offers_ by their costs. A vertex that may
+  /// not be dropped now never may: the hull only shrinks, and debts only grow.
   void weigh(const VertexLinks& links) {
     constexpr std::uint64_t chunk_size = 256;
     std::vector<std::vector<Offer>> found(chunk_count(candidates_.size(), chunk_size));
@@ -96,7 +97,7 @@ class Simplifier {
       }
   }
 
-  /// The memory that weighing one vertex takes.
+  /// Scratch memory for weighing one vertex.
   struct Scale {
     explicit Scale(unsigned d) : nearest(d) {}
     NearestInHull nearest;
@@ -124,8 +125,8 @@ class Simplifier {
     return true;
   }
 
-  /// Whether the mean of the planes around a vertex, moved inward by twice what is `left`, still
-  /// has all its neighbours beneath: then they are too far. A quick way to say so for most.
+  /// Whether the mean of the planes around a vertex, moved inward by twice the remaining distance,
+  /// still has all its neighbours beneath: then they are too far. A cheap test that rejects most.
   bool juts_out(const VertexLinks& links, std::uint32_t v, const Scale& scale, double left) const {
     double normal[8] = {};
     if (d_ > 8) return false;
@@ -145,7 +146,7 @@ class Simplifier {
     return true;
   }
 
-  /// Offers, the cheapest first, no two of neighbours.
+  /// The cheapest offers, no two of them of neighbouring vertices.
   std::vector<const Offer*> independent(const VertexLinks& links) const {
     std::vector<const Offer*> order;
     for (const Offer& o : offers_) order.push_back(&o);
@@ -164,8 +165,8 @@ class Simplifier {
     return order;
   }
 
-  /// Drops what is chosen, or its first half, and so on, where the others span less than all. A
-  /// vertex that alone makes the difference stays for good.
+  /// Drops the chosen vertices, or half of them, and so on, where the others would span a smaller
+  /// flat. A single vertex that reduces the dimension is kept for good.
   void drop(std::vector<const Offer*> chosen) {
     while (!chosen.empty()) {
       std::vector<bool> gone(ids_.size(), false);
@@ -200,7 +201,7 @@ class Simplifier {
     return options;
   }
 
-  /// Those who stay stand for those who went; both are renumbered.
+  /// Transfers the debts of dropped vertices to those that represent them; renumbers.
   void settle(const std::vector<const Offer*>& chosen, const std::vector<bool>& gone) {
     for (const Offer* o : chosen)
       for (const std::uint32_t u : o->support) debts_[u] = std::max(debts_[u], o->cost);
@@ -220,7 +221,7 @@ class Simplifier {
   const Run run_;
   const unsigned d_;
   std::vector<std::uint64_t> ids_;  // of the vertices, ascending
-  Hull hull_;                       // of rows_, its vertices numbered by their place
+  Hull hull_;                       // of rows_, its vertices numbered by position
   std::vector<double> rows_;
   const double scale_, distance_;  // distances are scaled, rows_ are not
   std::vector<double> debts_;      // one a vertex

@@ -1,4 +1,4 @@
-// Which simplices and which other vertices surround each vertex of a hull.
+// The simplices and the other vertices around each vertex of a hull.
 #pragma once
 
 #include <algorithm>

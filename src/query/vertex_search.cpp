@@ -10,7 +10,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// Brings v's magnitude to about 1 by a power of two; 1 for zero.
+/// The power of two that scales `largest` to about 1; 1 for zero.
 double power_for(double largest, int& exponent) {
   exponent = 0;
   if (largest == 0) return 1;
@@ -33,15 +33,8 @@ VertexSearch::VertexSearch(const QueryPoints& points, const Control& control) : 
   join_neighbours(control);
   cube_ = DirectionCube(d, std::min(0x1p16, static_cast<double>(points.count())));
   if (cube_.empty() || d > 6) return;
-  std::vector<std::uint32_t> hints(cube_.size());
-  std::vector<double> u(d);
-  std::uint32_t last = 0;
-  for (std::size_t cell = 0; cell < hints.size(); ++cell) {
-    if (cell % 1024 == 0) control.check();
-    cube_.centre(cell, u.data());
-    hints[cell] = last = climb(last, u.data());
-  }
-  hints_ = std::move(hints);
+  hints_ =
+      cube_.answers(control, [&](std::uint32_t last, const double* u) { return climb(last, u); });
 }
 
 void VertexSearch::join_neighbours(const Control& control) {
@@ -109,7 +102,7 @@ int VertexSearch::compare(std::uint32_t a, std::uint32_t b, const double* direct
 std::uint32_t VertexSearch::support(const double* direction) const {
   const unsigned d = points_->dimension;
   std::vector<double> u(d);
-  // In units of the scaled coordinates, then by one power of two to a largest component near 1.
+  // In units of the scaled coordinates, then by a power of two to a largest component near 1.
   int top = std::numeric_limits<int>::min();
   for (unsigned j = 0; j < d; ++j) {
     if (direction[j] == 0) continue;
@@ -127,7 +120,7 @@ std::uint32_t VertexSearch::support(const double* direction) const {
     u[j] = std::ldexp(m, std::max(e - f + 1 - top, -2000));
     size += std::fabs(u[j]);
   }
-  // Scaled coordinates are at most 1: d products and d - 1 sums, and underflow.
+  // Scaled coordinates are at most 1: the error of d products and d - 1 sums, and underflow.
   const double error = 1.01 * (d + 1) * 0x1p-53 * size + 0x1p-1000;
   std::vector<std::uint32_t> rivals;
   if (points_->k < 2) {
@@ -156,7 +149,7 @@ std::uint32_t VertexSearch::support(const double* direction) const {
 
 namespace {
 
-/// Corners of a simplex, seen from the point asked about, and the weights of its nearest point.
+/// Corners of a simplex relative to the query point, and the weights of its nearest point.
 struct Corral {
   unsigned d;
   std::vector<std::uint32_t> ids;
@@ -176,7 +169,7 @@ struct Corral {
   }
 
   /// Weights of the point of the corners' flat nearest to the origin, by Gram-Schmidt (twice) on
-  /// the edges. False if the corners are dependent as far as doubles can tell.
+  /// the edges. False if the corners are dependent up to rounding.
   bool nearest_in_flat(std::vector<double>& w) const {
     const std::size_t n = size() - 1;
     std::vector<double> q(n * d), r(n * n, 0.0), c(n);
@@ -232,7 +225,7 @@ void settle(Corral& corral) {
   std::vector<double> w;
   for (;;) {
     if (!corral.nearest_in_flat(w)) {
-      corral.remove(corral.size() - 1);  // the newest says nothing that the others do not
+      corral.remove(corral.size() - 1);  // the newest depends on the others
       continue;
     }
     double step = 1;
@@ -261,7 +254,7 @@ VertexSearch::Nearest VertexSearch::nearest(const double* q) const {
     largest = std::max(
         {largest, std::fabs(points_->low[j]), std::fabs(points_->high[j]), std::fabs(q[j])});
   int exponent = 0;
-  const double unit = power_for(largest, exponent) / 4;  // differences stay below 1
+  const double unit = power_for(largest, exponent) / 4;  // keeps differences below 1
   const auto row = [&](std::uint32_t v, double* p) {
     for (unsigned j = 0; j < d; ++j)
       p[j] = points_->full[std::size_t{v} * d + j] * unit - q[j] * unit;
@@ -273,14 +266,14 @@ VertexSearch::Nearest VertexSearch::nearest(const double* q) const {
   corral.weights[0] = 1;
   double square = std::numeric_limits<double>::infinity();
   std::uint32_t at = 0;
-  // Norms fall in every round, so no corral comes twice; the cap is for rounding alone.
+  // Norms decrease in every round, so no corral is repeated; the limit is for rounding alone.
   for (int round = 0; round < 1000; ++round) {
     corral.point(x.data());
     double now = 0;
     for (const double v : x) now += v * v;
     if (!(now < square)) break;
     square = now;
-    // The direction against x, in the units of the scaled coordinates.
+    // The direction opposite to x, in the units of the scaled coordinates.
     for (unsigned j = 0; j < d; ++j) u[j] = -x[j] * (unit / factor_[j]);
     if (points_->k >= 2) {
       at = climb(at, u.data());

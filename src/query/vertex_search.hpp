@@ -1,4 +1,4 @@
-// The vertex extreme in a direction, and the point of the hull nearest to one outside.
+// Finds the vertex extreme in a direction, and the point of the hull nearest to a point outside.
 #pragma once
 
 #include <cstdint>
@@ -9,21 +9,21 @@
 
 namespace cullhull::internal {
 
-/// Vertices and their neighbours on the boundary. Those whose scalar product with a direction is
-/// above some level are connected, so climbing finds the largest.
+/// Vertices and their neighbours on the boundary. The vertices whose scalar product with a
+/// direction is above some level are connected, so climbing finds the largest.
 class VertexSearch {
  public:
   VertexSearch(const QueryPoints& points, const Control& control);
 
-  /// Vertex index with the exactly largest product; of several the lowest.
+  /// The index of the vertex with the exactly largest product; of several the lowest.
   std::uint32_t support(const double* direction) const;
 
   struct Nearest {
     double distance = 0;
-    /// Vertices of a simplex of the boundary that holds the nearest point.
+    /// Vertices of a boundary simplex that contains the nearest point.
     std::vector<std::uint32_t> corners;
   };
-  /// For q outside. Wolfe 1976, "Finding the nearest point in a polytope".
+  /// Requires q outside. Wolfe 1976, "Finding the nearest point in a polytope".
   Nearest nearest(const double* q) const;
 
  private:
@@ -34,7 +34,7 @@ class VertexSearch {
   int compare(std::uint32_t a, std::uint32_t b, const double* direction) const;
 
   const QueryPoints* points_;
-  std::vector<double> factor_;  // powers of two that bring each axis into [-1, 1]
+  std::vector<double> factor_;  // powers of two that scale each axis into [-1, 1]
   std::vector<double> scaled_;  // vertices x dimension
   std::vector<std::uint32_t> start_, neighbours_;
   DirectionCube cube_;

@@ -13,7 +13,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// Insertion sort of one simplex and its neighbours; true where the permutation was odd.
+/// Insertion sort of one simplex's ids with its neighbours; true if the permutation was odd.
 bool sort_simplex(std::uint32_t* ids, std::uint32_t* neighbours, unsigned k) {
   bool odd = false;
   for (unsigned i = 1; i < k; ++i)
@@ -25,7 +25,7 @@ bool sort_simplex(std::uint32_t* ids, std::uint32_t* neighbours, unsigned k) {
   return odd;
 }
 
-/// The same without a branch: the order of ids is as good as random.
+/// The same without branches, which random ids would make unpredictable.
 template <unsigned K>
 bool sort_simplex_of(std::uint32_t* ids, std::uint32_t* neighbours, unsigned) {
   std::uint64_t packed[K];
@@ -112,8 +112,8 @@ class RidgeScan {
   template <unsigned K>
   struct Plane {
     double normal[K];
-    double reach;  // prod of the rows' largest entries, times the error constant
-    /// Whether some cofactor, a determinant of K - 1 rows, is not zero beyond doubt.
+    double reach;  // the product of the rows' largest entries, times the error constant
+    /// Whether some cofactor, a determinant of K - 1 rows, is certainly nonzero.
     bool surely_proper() const {
       const double bound = reach / determinant_error(K) * determinant_error(K - 1) * 1.01;
       double largest = 0;
@@ -171,7 +171,7 @@ class RidgeScan {
     return sign;
   }
 
-  /// Whether k + 1 points lie on a plane across an axis, which is how most that lie on one do.
+  /// Whether k + 1 points lie on a plane across an axis, as most coplanar points of models do.
   static bool across_an_axis(const double* const* rows, unsigned k) {
     for (unsigned c = 0; c < k; ++c) {
       bool same = true;
@@ -188,7 +188,8 @@ class RidgeScan {
   bool filter_;
 };
 
-/// Beyond the cofactors' dimensions: every rung of the ladder, climbed once for all ridges.
+/// Beyond the cofactors' dimensions: one OrientedPlane, in which the ladder is shared by all
+/// ridges.
 template <>
 struct RidgeScan::Plane<0> {
   OrientedPlane ladder;
@@ -224,8 +225,8 @@ Scan scan_of(unsigned k) {
   return scans[std::min(k, elimination_pays) - 2];
 }
 
-/// A degenerate simplex has a vertex in the span of the opposite ridge, so one of its ridges always
-/// looks coplanar: only those simplices need this test, once each.
+/// A degenerate simplex has a vertex in the span of the opposite ridge, so one of its ridges looks
+/// coplanar: only simplices with such a ridge need this test, once each.
 void check_proper(const RidgeScan& ridge_scan, const Scan& scan, std::size_t count,
                   const CoplanarPairs& pairs, const Run& run) {
   if (pairs.empty()) return;
@@ -258,7 +259,7 @@ void sort_simplices(Boundary& s, const LocalPoints& points, const Run& run) {
     for (const auto& [duplicate, vertex] : s.duplicates)
       lowest[vertex] = std::min(lowest[vertex], duplicate);
   }
-  if (k == 1) {  // two ends, each the other's neighbour
+  if (k == 1) {  // two ends, each the neighbour of the other
     if (count != 2) fail_not_exact("a segment has two ends");
     s.neighbours = {1, 0};
   }

@@ -1,4 +1,5 @@
-// The boundary on its way to the canonical result: simplices with ascending ids, checked ridges.
+// An engine's boundary on its way to the canonical result: simplices with ascending ids, checked
+// ridges.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,7 @@ namespace cullhull::internal {
 
 inline constexpr std::uint64_t simplex_chunk = std::uint64_t{1} << 14;
 
-/// Of equal points the lowest id stands in, and the ids of each simplex ascend.
+/// Replaces equal points by the lowest id, and sorts the ids of each simplex.
 void sort_simplices(Boundary& boundary, const LocalPoints& points, const Run& run);
 
 using CoplanarPairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
@@ -26,7 +27,7 @@ CoplanarPairs coplanar_pairs(const Boundary& surface, const LocalPoints& points,
 [[noreturn]] void fail_not_exact(const char* what);
 
 /// The slot of g opposite to the ridge it shares with f across slot i; checks ids and orientations.
-/// K: surface.dimension, or 0 if that is not known to the compiler.
+/// K: surface.dimension, or 0 if it is not known at compile time.
 template <unsigned K>
 inline unsigned opposite_slot(const Boundary& surface, std::uint32_t f, unsigned i,
                               std::uint32_t g) {

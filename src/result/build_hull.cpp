@@ -14,8 +14,8 @@
 namespace cullhull::internal {
 namespace {
 
-/// k = 2: vertices counter-clockwise from the lowest id. Facet i runs from its vertex 0 to its
-/// vertex 1; the vertices ascend before.
+/// k = 2: orders the vertices, which ascend before, counter-clockwise from the lowest id. Facet i
+/// runs from its vertex 0 to its vertex 1.
 void wind_vertices(Hull& hull) {
   std::uint32_t facet = 0;
   while (hull.facets.items[2 * std::size_t{facet}] != hull.vertices[0]) ++facet;

@@ -13,10 +13,10 @@ namespace cullhull::internal {
 
 struct ResultInput {
   const PointView* view = nullptr;     ///< the caller's points (measures, planes)
-  const LocalPoints* local = nullptr;  ///< what the engine saw: k = local->dimension
+  const LocalPoints* local = nullptr;  ///< the engine's input: k = local->dimension
   /// Point id of local point i; ascending; nullptr: the identity.
   const std::uint64_t* ids = nullptr;
-  /// The k coordinate axes of the view that the local points are the projection on, ascending.
+  /// The k coordinate axes of the view that the local points are projected on, ascending.
   const unsigned* axes = nullptr;
 };
 
@@ -28,7 +28,7 @@ constexpr bool facets_are_simplices(unsigned k) { return k == 1 || k == 3; }
 /// (whose rung_counts it increases). Throws Error{not_exact} if the boundary is not weakly convex
 /// or not closed (only a foreign engine can do that).
 void build_hull(const ResultInput& input, Boundary&& boundary, const Run& run, Hull& hull);
-/// The same from the 3D engine's own facets, which are soonest made a result of.
+/// The same from the 3D engine's own facets, which takes fewer passes.
 void build_hull(const ResultInput& input, TriangleMesh&& boundary, const Run& run, Hull& hull);
 
 }  // namespace cullhull::internal

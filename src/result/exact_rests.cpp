@@ -34,7 +34,7 @@ mpz_class in_units(double v, long unit) {
   return r;
 }
 
-/// target = (target * pivot - factor * above) / previous, which leaves no remainder (Bareiss).
+/// target = (target * pivot - factor * above) / previous; the division is exact (Bareiss).
 void eliminate(mpz_class& target, const mpz_class& pivot, const mpz_class& factor,
                const mpz_class& above, const mpz_class& previous) {
   target *= pivot;

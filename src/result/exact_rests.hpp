@@ -1,5 +1,4 @@
-// Orthogonal parts of edges in exact integers: measures and normals of simplices of any
-// proportions.
+// Orthogonal parts of edges in exact integers: measures and normals of simplices of any shape.
 #pragma once
 
 #include <gmpxx.h>
@@ -10,16 +9,16 @@
 
 namespace cullhull::internal {
 
-/// For affinely independent points p[0], ..., p[rows] of R^d and the edges p[i + 1] - p[0]: what is
-/// left of each edge once its projection on the span of those before it is taken away. One
-/// fraction-free elimination of their Gram matrix yields every rest times that matrix's leading
-/// minor, in integers, so nothing is rounded before the end.
+/// For affinely independent points p[0], ..., p[rows] of R^d and the edges p[i + 1] - p[0]: the
+/// rest of each edge, its component orthogonal to the edges before it. One fraction-free
+/// elimination of their Gram matrix yields every rest times that matrix's leading minor, in
+/// integers, so nothing is rounded before the end.
 class ExactRests {
  public:
   /// Only the last edge may depend on those before it; otherwise throws Error{internal}.
   ExactRests(unsigned d, const double* const* p, unsigned rows);
 
-  /// Measure of the parallelotope of the first `count` edges.
+  /// Measure of the parallelotope of the first `count` edges, rounded once.
   Wide measure(unsigned count) const;
   /// Unit vector along rest i; empty where the rest is zero.
   std::vector<Wide> direction(unsigned i) const;
@@ -29,7 +28,7 @@ class ExactRests {
   Wide rest_length(unsigned i) const;
 
   unsigned d_;
-  long unit_ = 0;                  // integers are in units of 2^unit_ per length
+  long unit_ = 0;                  // integers are multiples of 2^unit_
   std::vector<mpz_class> minors_;  // of the Gram matrix; minors_[0] = 1
   std::vector<mpz_class> rests_;   // rows x d; row i times minors_[i]
 };

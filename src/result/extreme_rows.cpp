@@ -32,10 +32,10 @@ std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size
   }
   BigArray<std::uint8_t> used(count);
   std::memset(used.get(), 0, count);
-  // Meanwhile one thread makes room, which takes as long: a vector clears it.
+  // Meanwhile one thread resizes the result, which takes as long, as a vector clears its memory.
   run.each_item(chunk_count(size, light_grain) + 1, [&](std::uint64_t job) {
     if (job == 0) return resize_big(out, size);
-    // No two corners are equal; neighbouring bytes may be written at once.
+    // No two corners are equal, and neighbouring bytes may be written concurrently.
     const std::uint64_t end = std::min<std::uint64_t>(size, job * light_grain);
     for (std::uint64_t i = (job - 1) * light_grain; i < end; ++i) used[corners[i]] = 1;
   });

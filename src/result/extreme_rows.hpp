@@ -1,4 +1,4 @@
-// Which local points are extreme, from what an engine found.
+// The extreme points of an engine's boundary.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,8 @@ namespace cullhull::internal {
 std::vector<std::uint64_t> extreme_rows(Boundary&& boundary, const LocalPoints& points,
                                         const Run& run, std::uint64_t* rung_counts);
 
-/// Corners of a polygon among `count` rows, ascending; named by `ids`, which ascend, if not null.
+/// Ascending rows of a polygon's corners among `count` rows, or their ids (which ascend) if not
+/// null.
 std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size_t size,
                                          std::uint32_t count, const std::uint64_t* ids,
                                          const Run& run);

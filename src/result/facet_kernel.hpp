@@ -5,7 +5,7 @@
 
 namespace cullhull::internal {
 
-/// Eight simplices of K corners in R^K, lane by lane: `corner` is what goes in, the rest comes out.
+/// Eight simplices of K corners in R^K, lane by lane: input `corner` and `origin`, output the rest.
 template <unsigned K>
 struct FacetBlock {
   static constexpr unsigned lanes = 8;

@@ -1,4 +1,4 @@
-// What simplices are sorted by: their vertices, packed into 128 bits.
+// Sorting keys of simplices: their vertices, packed into 128 bits.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,8 @@
 
 namespace cullhull::internal {
 
-/// 128 bits: a stack of numbers, the last pushed lowest. What does not fit is lost at the top.
+/// 128 bits: a stack of numbers, the last one pushed in the lowest bits. Overflow is lost at the
+/// top.
 struct FacetKey {
   std::uint64_t high = 0, low = 0;
 
@@ -28,12 +29,13 @@ struct FacetKey {
   }
 };
 
-/// Keys of `count` simplices of K vertices below `vertices`: as many of their vertices, as stored,
-/// as there is room for; then the simplex's number.
+/// Keys of `count` simplices of K vertices below `vertices`: as many of their vertices, in stored
+/// order, as fit; then the simplex's number.
 template <unsigned K>
 class FacetKeys {
  public:
-  /// The first vertex is known up to its lowest `first_bits` bits.
+  /// Of the first vertex only the lowest `first_bits` bits are stored (its bucket gives the
+  /// others).
   FacetKeys(std::uint64_t vertices, std::uint64_t count, unsigned first_bits, unsigned key_bits)
       : vertex_bits_(std::max(1U, static_cast<unsigned>(std::bit_width(vertices - 1)))),
         number_bits_(std::max(1U, static_cast<unsigned>(std::bit_width(count - 1)))),
@@ -62,11 +64,11 @@ class FacetKeys {
   std::uint32_t number(const FacetKey& key) const {
     return static_cast<std::uint32_t>(key.low & ((std::uint64_t{1} << number_bits_) - 1));
   }
-  /// Whether the packed vertices are the same.
+  /// Whether the vertices in two keys are the same.
   bool alike(const FacetKey& a, const FacetKey& b) const {
     return a.high == b.high && (a.low ^ b.low) >> number_bits_ == 0;
   }
-  /// The vertices of a complete key; those bits of the first that are known otherwise: `base`.
+  /// The vertices of a complete key; `base`: the upper bits of the first.
   void unpack(FacetKey key, std::uint32_t base, std::uint32_t* vertex) const {
     key.pop(number_bits_);
     for (unsigned j = K; j-- > 1;) vertex[j] = key.pop(vertex_bits_);

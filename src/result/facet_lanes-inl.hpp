@@ -1,6 +1,5 @@
 // The arithmetic of facets, a vector of them at a time: the text of facet_math-inl.hpp over vectors
-// in place of doubles. Included once per instruction set (Highway's way of doing that asks for the
-// odd guard).
+// instead of doubles. Included once per instruction set (hence Highway's unusual include guard).
 
 #if defined(CULLHULL_FACET_LANES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef CULLHULL_FACET_LANES_INL
@@ -28,7 +27,7 @@ using M = hn::Mask<D>;
 struct Lanes {
   V v;
   Lanes() = default;
-  HWY_INLINE Lanes(V all) : v(all) {}                       // NOLINT: it is one
+  HWY_INLINE Lanes(V all) : v(all) {}                       // NOLINT: implicit, a vector is one
   HWY_INLINE Lanes(double each) : v(hn::Set(D(), each)) {}  // NOLINT: text is written for numbers
   HWY_INLINE Lanes operator-() const { return hn::Neg(v); }
 };
@@ -45,7 +44,7 @@ HWY_INLINE Lanes greater_of(Lanes a, Lanes b) { return hn::Max(a.v, b.v); }
 HWY_INLINE unsigned lane_count() { return static_cast<unsigned>(hn::Lanes(D())); }
 HWY_INLINE Lanes load(const double* from) { return hn::Load(D(), from); }
 HWY_INLINE void store(Lanes a, double* to) { hn::Store(a.v, D(), to); }
-/// Bit i: lane i.
+/// Bit mask of the lanes.
 HWY_INLINE unsigned bits_of(M mask) {
   std::uint8_t bytes[8] = {};
   hn::StoreMaskBits(D(), mask, bytes);
@@ -57,7 +56,7 @@ HWY_INLINE unsigned bits_of(M mask) {
 #include "result/facet_math-inl.hpp"
 #undef CULLHULL_MATH
 
-/// Rows of four doubles, the fourth of no meaning.
+/// Loads rows of four doubles, the fourth unused.
 HWY_INLINE void load_rows(const double* rows, Lanes (&v)[3]) {
   V unused;
   hn::LoadInterleaved4(D(), rows, v[0].v, v[1].v, v[2].v, unused);
@@ -66,8 +65,8 @@ HWY_INLINE void store_rows(const Lanes (&v)[3], Lanes fourth, double* rows) {
   hn::StoreInterleaved4(v[0].v, v[1].v, v[2].v, fourth.v, D(), rows);
 }
 
-/// What a vector of triangles from number i on adds to the measures, and their planes to
-/// planes[4 i ...), the offsets times `unit`: as facet_share has them where the normal is good.
+/// The shares of a vector of triangles from number i on, and their planes to planes[4 i ...), the
+/// offsets multiplied by `unit`: as facet_share computes them where the normal is well-conditioned.
 template <class Shares>
 HWY_INLINE void write_shares(const Lanes (&normal)[3], Lanes length, const Lanes (&corner)[3],
                              const Lanes (&origin)[3], const Lanes (&sum)[3], double unit,

@@ -1,8 +1,8 @@
-// What a facet that is a simplex adds to the measures, and its plane: the text for numbers and for
-// vectors of them, operation by operation, as the bits are part of the canonical result. To be
-// included inside a namespace that has `cofactors`, root, absolute and greater_of, once for doubles
-// (facet_math.hpp) and once for each instruction set (facet_lanes-inl.hpp). CULLHULL_MATH says how
-// its functions are to be inlined.
+// The share of the measures and the plane of a facet that is a simplex: one text for numbers and
+// for vectors of them, since the bits, and so the order of operations, are part of the canonical
+// result. To be included inside a namespace that has `cofactors`, root, absolute and greater_of:
+// once for doubles (facet_math.hpp) and once for each instruction set (facet_lanes-inl.hpp).
+// CULLHULL_MATH is the functions' inline specifier.
 
 template <unsigned K, class V>
 CULLHULL_MATH V square_of(const V (&v)[K]) {
@@ -11,7 +11,7 @@ CULLHULL_MATH V square_of(const V (&v)[K]) {
   return sum;
 }
 
-/// The largest coordinate's magnitude.
+/// The largest magnitude of a coordinate.
 template <unsigned K, class V>
 CULLHULL_MATH V largest_of(const V (&v)[K]) {
   V most = absolute(v[0]);
@@ -25,7 +25,7 @@ CULLHULL_MATH void edges_of(const V (&corner)[K][K], V (&edge)[K - 1][K]) {
     for (unsigned c = 0; c < K; ++c) edge[i - 1][c] = corner[i][c] - corner[0][c];
 }
 
-/// Of the corners' differences from the origin.
+/// The sum of the corners' differences from the origin.
 template <unsigned K, class V>
 CULLHULL_MATH void sum_of_corners(const V (&corner)[K][K], const V (&origin)[K], V (&sum)[K]) {
   for (unsigned c = 0; c < K; ++c) {
@@ -35,8 +35,8 @@ CULLHULL_MATH void sum_of_corners(const V (&corner)[K][K], const V (&origin)[K],
   }
 }
 
-/// Of the simplex that a facet makes with the origin: K! times its volume, K! (K + 1) times its
-/// moments about the origin, and the largest step from there to corner 0.
+/// For the simplex of a facet and the origin: K! times its volume, K! (K + 1) times its moments
+/// about the origin, and the largest coordinate of the vector from there to corner 0.
 template <unsigned K, class V>
 struct FacetMoments {
   V volume, moment[K], reach;
@@ -55,7 +55,7 @@ CULLHULL_MATH FacetMoments<K, V> moments_of(const V (&normal)[K], const V (&corn
   return out;
 }
 
-/// Unit normal and offset, this in the units of the corner.
+/// Unit normal and offset, the latter in the units of the corner.
 template <unsigned K, class V>
 CULLHULL_MATH void plane_of(const V (&normal)[K], V length, const V (&corner)[K],
                             V (&plane)[K + 1]) {

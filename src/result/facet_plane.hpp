@@ -15,12 +15,12 @@
 
 namespace cullhull::internal {
 
-/// A normal shorter than this share of its edges' product is computed again with more bits, so its
-/// direction is good to about 2^-38 of a right angle at worst, and usually far better.
+/// A normal shorter than this share of the product of its edges' lengths is computed again with
+/// more bits, so that its direction is accurate to about 2^-38 rad at worst, and usually far more.
 inline constexpr double conditioned = 0x1p-12;
 
-/// The same for k beyond `cofactors`, where random edges already are as far from a right angle as
-/// this: the determinant of k random unit vectors is about sqrt(k! / k^k).
+/// The same for k beyond `cofactors`, where random edges are already this far from orthogonal: the
+/// determinant of k random unit vectors is about sqrt(k! / k^k).
 inline double conditioned_in(unsigned k) {
   double share = conditioned * conditioned;
   for (unsigned i = 1; i <= k; ++i) share *= static_cast<double>(i) / k;
@@ -48,7 +48,7 @@ inline double length(const double* v, unsigned n) {
 }
 
 /// Cofactor normal (outward) of the simplex with vertices v[0..k), in the frame's axes. Returns the
-/// product of its edges' lengths from v[0], which the normal's length cannot exceed.
+/// product of the lengths of its edges from v[0], an upper bound of the normal's length.
 template <unsigned K, class Real>
 double simplex_normal(const Frame& frame, const std::uint32_t* v, Real* normal,
                       std::vector<Real>& scratch) {
@@ -88,9 +88,9 @@ class FacetPlane {
         k_(K ? K : frame.k),
         conditioned_(K != 0 ? conditioned : conditioned_in(k_)) {}
 
-  /// Normal in doubles; where badly conditioned, by way of double-doubles. Returns its length, and
-  /// in `reliable` whether that was enough. `error`: what rounding may have done to the normal, up
-  /// to a modest constant, in units of 2^-53.
+  /// Normal in doubles; where that is ill-conditioned, in double-doubles. Returns its length;
+  /// `reliable`: whether that sufficed. `error`: a bound of the normal's rounding error, up to a
+  /// modest constant, in units of 2^-53.
   double normal(const std::uint32_t* v, double* n, std::vector<double>& scratch, bool* reliable,
                 double* error) const {
     const double lengths = simplex_normal<K, double>(frame_, v, n, scratch);
@@ -101,7 +101,7 @@ class FacetPlane {
     return careful_normal(v, lengths, n, reliable, error);
   }
 
-  /// From the normal of simplex v, which is overwritten.
+  /// Writes the plane of simplex v from its normal n, which is overwritten.
   void write(const std::uint32_t* v, double* n, bool reliable, double* out) const {
     const unsigned d = frame_.dimension;
     if (frame_.wild && frame_.flat()) return write_flat(v, out);
@@ -155,7 +155,7 @@ class FacetPlane {
     return offset.to_double();
   }
 
-  /// Away from a vertex that is off the facet, at right angles to the facet.
+  /// In a flat: the direction orthogonal to the facet, away from a vertex off it.
   void write_flat(const std::uint32_t* v, double* out) const {
     std::vector<const double*> corners;
     for (unsigned j = 0; j < k_; ++j) corners.push_back(frame_.raw_at(v[j]));

@@ -1,4 +1,4 @@
-// What a facet that is a simplex adds to the measures, and its plane: in full dimension, from the
+// The share of the measures and the plane of a facet that is a simplex, in full dimension, from the
 // normal that facet_block gave. The bits are part of the canonical result.
 #pragma once
 
@@ -14,8 +14,8 @@
 
 namespace cullhull::internal {
 
-/// `vertex`: positions in stored order; `thin`: the normal needs more bits than it got; `sum`: of
-/// the corners' differences from vertex 0. Writes the plane to out[0 .. K].
+/// `vertex`: positions in stored order; `thin`: the normal is too short and must be computed with
+/// more bits; `sum`: of the corners' differences from vertex 0. Writes the plane to out[0 .. K].
 template <unsigned K>
 Share<K> facet_share(const Frame& frame, const FacetPlane<K>& plane, const std::uint32_t* vertex,
                      bool thin, const double* normal, const double* sum, double* out) {
@@ -48,7 +48,7 @@ Share<K> facet_share(const Frame& frame, const FacetPlane<K>& plane, const std::
   return share;
 }
 
-/// The shares of all runs, in canonical order.
+/// Sums the shares of all runs, in canonical order.
 template <unsigned K>
 Totals<DoubleDouble> total_of_runs(const Share<K>* runs, std::uint64_t count, const Run& run) {
   constexpr std::uint64_t runs_a_chunk = measure_chunk / measure_run;

@@ -85,14 +85,14 @@ class Measurer {
 
   void run() {
     // The usual case: every facet is one simplex, whose plane and share of the sums need the same
-    // normal. Reading the corners is what costs here.
+    // normal. Reading the corners dominates.
     fused_ = !frame_.wild && hull_.facet_count() == count_;
     resize_big(hull_.facet_planes, hull_.facet_count() * (std::size_t{frame_.dimension} + 1));
     sum();
     if (!fused_) planes();
   }
 
-  /// Where the planes are there and the sums are known to need more than doubles.
+  /// Called where the planes are done and sums in doubles were not accurate enough.
   void run_thin() { sum_carefully(); }
 
  private:
@@ -120,9 +120,9 @@ class Measurer {
     });
   }
 
-  /// Simplices: their arithmetic takes about as long as a line of memory to come.
+  /// In simplices: their arithmetic takes about as long as a cache miss.
   static constexpr std::uint64_t ahead = 12;
-  /// Corners lie anywhere in memory where ids do: ask for them early.
+  /// Corners are scattered in memory as the ids are: prefetch them.
   void prefetch(std::uint64_t i) const {
     if (i >= count_) return;
     for (unsigned j = 0; j < k_; ++j) prefetch_line(frame_.at(simplex(i)[j]));
@@ -130,8 +130,8 @@ class Measurer {
 
   const std::uint32_t* simplex(std::uint64_t i) const { return index_.data() + i * k_; }
 
-  /// Normals of simplices asked for one after the other: from 4D on by blocks, the same bits
-  /// sooner.
+  /// Normals of simplices, requested in ascending order: from 4D on computed in blocks, which gives
+  /// the same bits faster.
   class Normals {
    public:
     explicit Normals(const Measurer& measurer) : measurer_(measurer) {}
@@ -181,7 +181,7 @@ class Measurer {
                                             Totals<DoubleDouble>(d));
     run_.each_chunk(count_, measure_chunk,
                     [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                      // Short runs in plain arithmetic, then into the wider sum.
+                      // Short runs in doubles, then their sums in double-doubles.
                       for (std::uint64_t b = begin; b < end; b += measure_run) {
                         if (K == 0) run_.check();  // in 50D a run takes hundredths of a second
                         add_run<Real>(b, std::min(b + measure_run, end), parts[chunk]);
@@ -244,7 +244,7 @@ class Measurer {
     for (unsigned c = 0; c < d; ++c) out.moment[c] = out.moment[c] + DoubleDouble(moment[c]);
   }
 
-  /// Length of a normal, seen as a functional on the flat; `size`: of the bare normal in doubles.
+  /// Length of a normal as a functional on the flat; `size`: of the plain normal in doubles.
   template <class Real>
   double lifted_length(const Real* n, double size) const {
     double square = 0;
@@ -260,9 +260,8 @@ class Measurer {
     return std::sqrt(square);
   }
 
-  /// The last rung: every simplex's measures from exact integers, for hulls so thin or of such
-  /// proportions that doubles of any number lose them. All volumes count positive, seen from
-  /// vertex 0.
+  /// The last rung: every simplex's measures in exact integers, for hulls so thin that
+  /// double-doubles lose their measures. All volumes, seen from vertex 0, count as positive.
   void sum_exactly() {
     const unsigned d = frame_.dimension;
     constexpr std::uint64_t chunk_size = 512;
@@ -383,7 +382,7 @@ void measure_all(const Frame& frame, const std::vector<std::uint32_t>& index, co
   thin ? m.run_thin() : m.run();
 }
 
-/// k = 1: the two simplices are the ends, which no orientation tells apart.
+/// k = 1: the two simplices are the end points, which have no orientation.
 void measure_segment(const Frame& frame, const std::vector<std::uint32_t>& index, Hull& hull) {
   const unsigned d = frame.dimension;
   std::vector<Wide> step;
@@ -429,8 +428,8 @@ void finish_measures(const Frame& frame, const Wide& volume, const Wide& area,
 
 namespace {
 
-/// v, known to within `error`, times 2^shift as a double, if that is beyond doubt and far from the
-/// ends of the doubles' range: then it is what any longer arithmetic gives.
+/// v, known to within `error`, times 2^shift rounded to a double, if the rounding is certain and
+/// the result far from overflow and underflow: then any more precise arithmetic gives the same.
 bool round_surely(const DoubleDouble& v, double error, long shift, double& out) {
   const double low = v.high + (v.low - error), high = v.high + (v.low + error);
   if (low != high || !(std::fabs(low) > 0x1p-400 && std::fabs(low) < 0x1p400) || shift < -400 ||
@@ -443,8 +442,8 @@ bool round_surely(const DoubleDouble& v, double error, long shift, double& out) 
 /// Quotients and sums of double-doubles are off by a few units of 2^-104; this leaves room.
 constexpr double double_double_error = 0x1p-96;
 
-/// Whether q m = v exactly. q is v / m rounded, so v.high - fl(q.high m) and what is left of it and
-/// of that product's rounding are exact; two sums of two doubles are equal where both parts are.
+/// Whether q m = v exactly. q is v / m rounded, so v.high - fl(q.high m) and the rest of both
+/// products' roundings are exact; two double-doubles are equal where both parts are.
 bool is_quotient(const DoubleDouble& q, double m, const DoubleDouble& v) {
   const DoubleDouble high = DoubleDouble::product(q.high, m), low = DoubleDouble::product(q.low, m);
   const DoubleDouble rest = DoubleDouble::sum((v.high - high.high) - high.low, v.low);
@@ -459,13 +458,13 @@ bool finish_quickly(unsigned k, int exponent, const double* origin, const Double
   if (k > 8 || exponent < -40 || exponent > 40) return false;
   double factorial = 1;
   for (unsigned i = 2; i < k; ++i) factorial *= i;
-  // (k - 1)! is 1 or 2 for k <= 3, and that division is exact. It matters: a sum of two runs often
-  // lies half-way between two doubles.
+  // (k - 1)! is 1 or 2 for k <= 3, and that division is exact. This matters: a sum of two runs is
+  // often half-way between two doubles.
   const bool exact = k <= 3;
   const DoubleDouble share = exact ? DoubleDouble(area.high / factorial, area.low / factorial)
                                    : area / DoubleDouble(factorial);
   const double share_error = exact ? 0 : double_double_error * std::fabs(share.high);
-  // A sum of few runs is divisible by 3 one time in three, and may lie half-way then, too.
+  // A sum of few runs is divisible by 3 one time in three, and may then be half-way, too.
   const DoubleDouble content = volume / DoubleDouble(factorial * k);
   const double content_error = is_quotient(content, factorial * k, volume)
                                    ? 0
@@ -476,7 +475,8 @@ bool finish_quickly(unsigned k, int exponent, const double* origin, const Double
   const DoubleDouble weight = volume * DoubleDouble(k + 1.0);
   for (unsigned c = 0; c < k; ++c) {
     const DoubleDouble shift = moment[c] / weight;
-    // The vertex is in units of 2^exponent here, which changes no digit of a normal double.
+    // The vertex is in units of 2^exponent here, which changes no bit of a normal double's
+    // significand.
     const DoubleDouble from(origin[c]);
     if (from.high != 0 && std::fabs(from.high) < 0x1p-900) return false;
     const double error = double_double_error * (std::fabs(shift.high) + std::fabs(from.high));

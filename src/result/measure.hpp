@@ -14,8 +14,8 @@ void measure(const PointView& points, const std::vector<std::uint64_t>& vertices
              const std::vector<std::uint32_t>& vertex_index, const unsigned* axes, const Run& run,
              Hull& hull);
 
-/// The sums alone, of a simplicial hull whose planes are there and for which sums in doubles have
-/// been found wanting: it is thin.
+/// Only the sums, for a simplicial hull with finished planes whose sums in doubles were not
+/// accurate enough, as it is thin.
 void measure_thin(const PointView& points, const std::vector<std::uint64_t>& vertices,
                   const std::vector<std::uint32_t>& vertex_index, const unsigned* axes,
                   const Run& run, Hull& hull);

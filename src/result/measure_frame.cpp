@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint64_t gather_chunk = std::uint64_t{1} << 13;
 
 /// k + 1 affinely independent vertices: greedily the farthest from the span so far, in doubles;
-/// where rounding spoils that, the first that raise the exact rank.
+/// where rounding makes these dependent, the first vertices that raise the exact rank.
 std::vector<std::uint32_t> spanning_vertices(const Frame& frame, bool exactly) {
   const auto count = static_cast<std::uint32_t>(frame.scaled.size() / frame.dimension);
   const unsigned d = frame.dimension;
@@ -78,8 +78,8 @@ Wide wide_determinant(std::vector<Wide> m, unsigned n) {
   return det.magnitude();
 }
 
-/// Axes on which the flat projects with little loss: pivots of its orthonormal basis. Orientations
-/// on them are those on the old axes.
+/// Axes on which the flat's projection shrinks it little: pivots of its orthonormal basis.
+/// Orientations on them are those on the old axes.
 void choose_axes(Frame& frame) {
   const unsigned d = frame.dimension, k = frame.k;
   std::vector<double> m = frame.basis;
@@ -109,12 +109,12 @@ void choose_axes(Frame& frame) {
     return orientation_exact(k, rows.data());
   };
   const Sign kept = sign(axes);
-  if (kept == Sign::zero) return;  // the given axes do for a flat this odd
+  if (kept == Sign::zero) return;  // so near to degenerate, keep the given axes
   if (kept != sign(frame.axes)) std::swap(axes[0], axes[1]);
   frame.axes = axes;
 }
 
-/// Orthonormal rows that span the flat, own axes, and the stretch.
+/// Computes orthonormal rows that span the flat, its own axes, and the stretch.
 void span_flat(Frame& frame) {
   const unsigned d = frame.dimension, k = frame.k;
   const auto span = [&](bool exactly) {
@@ -146,8 +146,8 @@ struct Range {
   double low, high;
 };
 
-/// Coordinate rows of the vertices; the range of each coordinate goes to ranges[0 .. d). D: d where
-/// it is known early, else 0.
+/// Gathers coordinate rows of the vertices; the range of each coordinate goes to ranges[0 .. d). D:
+/// d where it is known at compile time, else 0.
 template <unsigned D, class T>
 void gather_in(const PointView& points, const std::vector<std::uint64_t>& ids, std::uint64_t begin,
                std::uint64_t end, double* out, Range* ranges) {
@@ -184,7 +184,7 @@ void gather(const PointView& points, const std::vector<std::uint64_t>& ids, std:
               [&](auto scalar) { gather<decltype(scalar)>(points, ids, begin, end, out, ranges); });
 }
 
-/// Fills `scaled` and `exponent`; the range of each coordinate as given.
+/// Fills `scaled` and `exponent`; returns the unscaled range of each coordinate.
 std::vector<Range> gather_scaled(Frame& f, const Run& run) {
   const std::vector<std::uint64_t>& ids = *f.vertices;
   const unsigned d = f.dimension;
@@ -233,10 +233,10 @@ Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vert
     return scale_by(ranges[c].high, -f.exponent) - scale_by(ranges[c].low, -f.exponent);
   };
   if (f.flat()) span_flat(f);
-  // A product of k extents must stay far above the smallest double.
+  // A product of k extents must stay far above underflow.
   double narrowest = 1;
   for (const unsigned a : f.axes) narrowest = std::min(narrowest, extent(a));
-  // In a flat, so must the centroid's other coordinates.
+  // In a flat, the centroid's other coordinates must, too.
   bool lost = false;
   for (unsigned c = 0; c < f.dimension; ++c)
     lost = lost || (ranges[c].low != ranges[c].high && !(extent(c) > 0x1p-400));

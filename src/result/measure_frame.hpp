@@ -1,5 +1,5 @@
-// The hull's vertices as the measures want them: gathered, scaled, with the map from the projection
-// to the flat.
+// The hull's vertices as input of the measures: gathered and scaled, with the map from the
+// projection to the flat.
 #pragma once
 
 #include <bit>
@@ -39,7 +39,7 @@ struct Frame {
 
   bool flat() const { return k < dimension; }
   const double* at(std::uint32_t v) const { return scaled.data() + std::size_t{v} * dimension; }
-  /// The coordinates as given. Gathered when first asked for: few hulls need them.
+  /// The unscaled coordinates. Gathered at the first call, as few hulls need them.
   const double* raw_at(std::uint32_t v) const;
 
   const PointView* points = nullptr;

@@ -19,7 +19,7 @@ struct Border {
   unsigned slot;
 };
 
-/// Any k but 3.
+/// Merges coplanar simplices for any k but 3.
 class Merger {
  public:
   Merger(Boundary&& surface, const LocalPoints& points, const Control& control)
@@ -40,7 +40,8 @@ class Merger {
  private:
   std::uint32_t merged_count() const { return static_cast<std::uint32_t>(starts_.size()) - 1; }
 
-  /// facet_[f]: singles first in order of their simplex, then merged ones in order of their first.
+  /// Fills facet_: first single simplices in their order, then merged facets in the order of their
+  /// first.
   void number_facets(const CoplanarPairs& pairs) {
     const std::size_t n = old_.facet_count();
     facet_.resize(n);
@@ -134,7 +135,7 @@ class Merger {
     });
   }
 
-  /// Whether w lies on every facet of incidences [begin, end).
+  /// Whether w lies on all facets of incidences [begin, end).
   bool on_all(std::uint32_t w, std::size_t begin, std::size_t end) const {
     std::size_t j = first_[w];
     for (std::size_t i = begin; i < end; ++i) {
@@ -176,7 +177,7 @@ class Merger {
     if (borders_.size() != 2) fail_not_exact("an edge has not two ends");
     std::uint32_t end[2], across[2];
     for (const Border& b : borders_) {
-      const unsigned head = old_.stored_slot(b.simplex, b.slot) == 0;  // tail omitted: head left
+      const unsigned head = old_.stored_slot(b.simplex, b.slot) == 0;  // tail omitted: head
       end[head] = old_.simplex(b.simplex)[1 - b.slot];
       across[head] = neighbour_facet(b);
     }
@@ -188,7 +189,7 @@ class Merger {
   }
 
   void pull_facet(std::uint32_t m) {
-    // The ridge towards a neighbour has the corners of the old simplices between the two.
+    // The ridge to a neighbour has the corners of the old simplices on the border between the two.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> corners;  // (neighbour, corner)
     for (const Border& b : borders_)
       for (unsigned i = 0; i < k_; ++i) {
@@ -235,7 +236,7 @@ class Merger {
     fail_not_exact("two facets have the same corners");
   }
 
-  /// Ridges with a new simplex on a side meet by their ids.
+  /// Matches the new simplices' ridges with a new simplex on either side by their ids.
   void match_new_ridges() {
     Boundary& s = out_.surface;
     struct Slot {

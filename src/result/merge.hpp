@@ -1,4 +1,4 @@
-// Coplanar simplices become one facet; facets are triangulated again, canonically.
+// Merges coplanar simplices to facets, and triangulates these canonically.
 #pragma once
 
 #include "cullhull/hull.hpp"
@@ -6,8 +6,8 @@
 
 namespace cullhull::internal {
 
-/// The facets before they are put in order. Simplex i < singles is a facet of its own, facet i;
-/// facet singles + m is merged list m.
+/// The facets before they are put in order. Facet i < singles is simplex i; facet singles + m is
+/// merged list m.
 struct Facets {
   Boundary surface;
   std::vector<std::uint32_t> facet;  ///< facet of each simplex; empty: simplex i is facet i

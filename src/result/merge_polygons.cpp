@@ -1,5 +1,5 @@
-// Merging in 3D, where a facet is a polygon: all of it is local to ridges, so it runs on all
-// threads and takes linear time but for a stable sort of the borders' edges by facet.
+// Merging in 3D, where a facet is a polygon: all steps are local to ridges, so they run on all
+// threads and take linear time, except for a stable sort of the borders' edges by facet.
 #include "result/merge_polygons.hpp"
 
 #include <algorithm>
@@ -24,13 +24,13 @@ constexpr std::memory_order relaxed = std::memory_order_relaxed;
 struct Edge {
   Id facet;  // the merged one, from 0
   Id from, to;
-  Id simplex;  // the old one it is an edge of
+  Id simplex;  // the old simplex it is an edge of
 };
 
-/// What lies between two corners of a merged facet: one edge, or several with flat vertices between
-/// them.
+/// The part of a border between two corners of a merged facet: one edge, or several with flat
+/// vertices between them.
 struct Side {
-  Id across;  // the facet there
+  Id across;  // the facet beyond it
   Edge first, last;
   Id corner() const { return first.from; }
 };
@@ -57,7 +57,8 @@ class PolygonMerger {
 
   // ------------------------------------------------------------------ which simplices, which edges
 
-  /// facet_[f]: single simplices first, in their order, then merged ones in that of their first.
+  /// Fills facet_: first single simplices in their order, then merged facets in the order of their
+  /// first.
   void number_facets() {
     const std::size_t n = old_.facet_count();
     DisjointSets sets(n);
@@ -108,7 +109,7 @@ class PolygonMerger {
     });
   }
 
-  /// Edges between facets of which the one on the left is merged, by that facet.
+  /// Collects the edges whose left facet is a merged one, by that facet.
   void collect_borders() {
     const std::size_t n = old_.facet_count();
     std::vector<std::uint64_t> begins(chunk_count(n, simplex_chunk) + 1, 0);
@@ -152,8 +153,9 @@ class PolygonMerger {
   // ------------------------------------------------------------------------------ around the
   // facets
 
-  /// Brings the edges of every merged facet into cyclic order: next_[i] is where edge i's follower
-  /// is. Facets of many edges one after the other, on all threads each; the others side by side.
+  /// Puts the edges of every merged facet into cyclic order: next_[i] is the position of the edge
+  /// after edge i. Facets of many edges are done one at a time on all threads, the others in
+  /// parallel.
   void trace_borders() {
     next_ = BigArray<Id>(edge_count_);
     run_.each(merged_count(), 256, [&](std::uint64_t begin, std::uint64_t end) {
@@ -178,7 +180,8 @@ class PolygonMerger {
     }
   }
 
-  /// Each vertex of a border begins an edge and ends one, so sorted by either end they correspond.
+  /// Each vertex of a border begins one edge and ends one, so edges sorted by either end
+  /// correspond.
   void find_next_of_many(std::uint64_t begin, std::uint64_t end) {
     struct End {
       Id vertex, edge;
@@ -213,8 +216,8 @@ class PolygonMerger {
 
   Id facet_across(const Edge& e) const { return facet_[across(e.simplex, slot_off(e))]; }
 
-  /// The sides of every merged facet, from its lowest corner. A vertex of the border is extreme
-  /// exactly if it is on a third facet: if the facets across its two edges differ.
+  /// Lists the sides of every merged facet, from its lowest corner. A vertex of the border is
+  /// extreme exactly if it is on a third facet, that is, if the facets across its two edges differ.
   void list_sides() {
     sides_ = BigArray<Side>(edge_count_);
     std::vector<std::uint64_t> counts(merged_count() + 1, 0);
@@ -229,7 +232,7 @@ class PolygonMerger {
         if (!is_large(m)) counts[m + 1] = list_sides(m);
     });
     std::partial_sum(counts.begin(), counts.end(), counts.begin());
-    // Close together.
+    // Compact the lists.
     const std::uint64_t total = counts.back();
     corner_starts_ = std::move(counts);
     BigArray<Side> close(total);
@@ -247,12 +250,12 @@ class PolygonMerger {
     out_.neighbours.offsets = out_.vertices.offsets;
   }
 
-  /// Facet m's, at its first edge's place; their number.
+  /// Lists those of facet m, at the place of its first edge; returns their number.
   std::uint64_t list_sides(std::uint64_t m) {
     const std::uint64_t begin = starts_[m], size = starts_[m + 1] - begin;
     Side* out = sides_.get() + begin;
     std::uint64_t count = 0, steps = 0, lowest = 0;
-    // Begin where a side begins, if any does.
+    // Begin at the start of a side, if there is one.
     Id start = static_cast<Id>(begin);
     for (Id facet = facet_across(edges_[start]); steps < size; ++steps) {
       start = next_[start];
@@ -280,7 +283,7 @@ class PolygonMerger {
     return count;
   }
 
-  /// body(facet, begin, end) for the sides of all merged facets, in stretches.
+  /// body(facet, begin, end) for ranges of the sides of all merged facets.
   template <class Body>
   void each_side(const Body& body) const {
     run_.each(corner_starts_.back(), simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
@@ -305,7 +308,7 @@ class PolygonMerger {
     return first_simplex(m) + static_cast<Id>(s == 0 ? 0 : std::min(s - 1, count - 3));
   }
 
-  /// The slot of an edge's simplex opposite to it.
+  /// The slot of an edge's simplex opposite to the edge.
   unsigned slot_off(const Edge& e) const {
     const Id* v = old_.simplex(e.simplex);
     unsigned j = 0;
@@ -313,8 +316,8 @@ class PolygonMerger {
     return j;
   }
 
-  /// New simplices meet at old edges: `place_` is told of the last edge of every side, and asked
-  /// about that on the other side of the first one, which is the same seen from there.
+  /// New simplices meet at old edges: `place_` maps the last edge of every side to its new simplex,
+  /// and the last edge seen from one side is the first edge seen from the other.
   void write_surface() {
     const std::uint64_t count = out_.singles + corner_starts_.back() - 2 * merged_count();
     if (count >= none) fail_not_exact("too many facets");

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint32_t none = 0xFFFFFFFFU;
 
-/// Canonical order of the simplices and everything that follows from it.
+/// Puts the simplices into canonical order, and derives all lists of the hull.
 class FacetOrderer {
  public:
   FacetOrderer(const ResultInput& input, Facets&& facets, const Run& run, Hull& hull)
@@ -61,7 +61,7 @@ class FacetOrderer {
     return false;
   }
 
-  /// By the first id, then those of each vertex by the rest.
+  /// Sorts by the first id, then the simplices of each vertex by the others.
   void sort_simplices() {
     BigArray<Key> memory(count_), other(count_);
     each_chunk(0, count_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
@@ -75,11 +75,11 @@ class FacetOrderer {
     const auto bits = static_cast<unsigned>(std::bit_width(input_.local->count));
     radix_sort(keys, scratch, static_cast<std::uint32_t>(count_), bits, run_,
                [](const Key& k) { return k.first; });
-    // A vertex that thousands of simplices share, of a facet with many corners, is sorted by all.
+    // A vertex of thousands of simplices (of a facet with many corners) is sorted by all threads.
     constexpr std::uint64_t many = 1 << 14;
     std::vector<std::vector<std::pair<std::uint64_t, std::uint64_t>>> long_runs(
         chunk_count(count_, simplex_chunk));
-    // Where the first run of each chunk begins, before anything moves.
+    // Where the first run of each chunk begins; computed before anything moves.
     std::vector<std::uint64_t> starts(long_runs.size() + 1, count_);
     each_chunk(0, count_, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t) {
       std::uint64_t i = begin;
@@ -128,7 +128,8 @@ class FacetOrderer {
 
   std::uint64_t id(std::uint32_t local) const { return input_.ids ? input_.ids[local] : local; }
 
-  /// By the first simplex in canonical order. Without merging, facet i is simplex i.
+  /// Numbers facets by their first simplex in canonical order. Without merging, facet i is simplex
+  /// i.
   void number_facets() {
     if (facets_.facet.empty()) {
       hull_.simplex_facets = EvenArray<std::uint32_t>::of_step(count_, 1);
@@ -140,7 +141,7 @@ class FacetOrderer {
       for (std::uint64_t f = begin; f < end; ++f) first[f] = f < singles ? rank_[f] : none;
     });
     each_chunk(singles, count_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-      for (std::uint64_t f = begin; f < end;) {  // those of a facet follow one another
+      for (std::uint64_t f = begin; f < end;) {  // the simplices of a facet are consecutive
         const std::uint32_t facet = facets_.facet[f];
         std::uint32_t lowest = none;
         for (; f < end && facets_.facet[f] == facet; ++f) lowest = std::min(lowest, rank_[f]);
@@ -196,7 +197,8 @@ class FacetOrderer {
     hull_.simplices = std::move(simplices);
   }
 
-  /// The old order knows nothing of the new: two steps of prefetching, records then what they name.
+  /// The old order is unrelated to the new one: prefetches a record, then what the record refers
+  /// to.
   void prefetch(std::uint64_t i) const {
     if (i + 32 >= count_) return;
     const std::size_t far = std::size_t{order_[i + 32]} * k_,
@@ -205,8 +207,7 @@ class FacetOrderer {
     prefetch_line(surface_.neighbours.data() + far);
     prefetch_line(surface_.odd.data() + order_[i + 32]);
     for (unsigned j = 0; j < k_; ++j) {
-      if (!vertices_.all_points)
-        prefetch_line(&vertices_.positions[surface_.vertices[near + j]]);
+      if (!vertices_.all_points) prefetch_line(&vertices_.positions[surface_.vertices[near + j]]);
       prefetch_line(rank_.data() + surface_.neighbours[near + j]);
     }
   }
@@ -240,8 +241,8 @@ class FacetOrderer {
     hull_.facet_neighbours.offsets = std::move(neighbour_offsets);
   }
 
-  /// Of lists in the facets' order: k items each where a facet is one simplex, else as
-  /// merged_length tells of merged facet m.
+  /// Offsets of lists in the facets' order: k items where a facet is one simplex, else
+  /// merged_length(m) for merged facet m.
   template <class Length>
   Array<std::uint64_t> offsets_of(const Length& merged_length) const {
     const std::size_t n = facets_.singles + facets_.vertices.size();
@@ -285,7 +286,7 @@ class FacetOrderer {
     hull_.facet_neighbours = Lists<std::uint32_t>::of_length(k_, std::move(neighbours));
   }
 
-  /// A facet that is simplex i of the canonical order.
+  /// Writes the vertices of a facet that is simplex i of the canonical order.
   void write_vertices(std::uint64_t i, std::uint64_t* vertices) const {
     const std::uint64_t* ids = hull_.simplices.data() + i * k_;
     for (unsigned j = 0; j < k_; ++j) vertices[j] = ids[k_ == 2 ? 1 - j : j];

@@ -10,15 +10,15 @@
 
 namespace cullhull::internal {
 
-/// What the measures need besides the hull: its vertices' ids, ascending, and for every simplex the
-/// places of its vertices among them.
+/// Input of the measures besides the hull: its vertices' ids, ascending, and for every simplex the
+/// positions of its vertices among them.
 struct OrderedFacets {
   std::vector<std::uint64_t> vertices;
   std::vector<std::uint32_t> index;
 };
 
 /// Sorts the simplices, numbers the facets, and fills every list of the hull. Its vertices ascend,
-/// which for k = 2 is not their final order.
+/// which is not their final order for k = 2.
 OrderedFacets order_facets(const ResultInput& input, Facets&& facets, const Run& run, Hull& hull);
 
 }  // namespace cullhull::internal

@@ -12,13 +12,13 @@
 
 namespace cullhull::internal {
 
-// As make_frame decides it.
+// The exponent that make_frame would choose.
 EdgeKernel::EdgeKernel(const Box& box) {
   double largest = 0;
   for (unsigned j = 0; j < 2; ++j)
     largest = std::max({largest, std::fabs(box.low[j]), std::fabs(box.high[j])});
   if (largest > 0) exponent_ = std::ilogb(largest) + 1;
-  // Beyond these exponents scale_by is no multiplication.
+  // Outside of this range scale_by is not a multiplication.
   if (exponent_ < -900 || exponent_ > 900) return;
   unscale_ = scale_by(1, exponent_);
   ordinary_ = true;
@@ -68,7 +68,7 @@ namespace {
 
 static_assert(light_grain % 64 == 0);
 
-/// std::popcount is a call where nothing is known of the processor.
+/// std::popcount compiles to a function call for baseline processors.
 std::uint32_t count_bits(std::uint64_t v) {
   v -= v >> 1 & 0x5555555555555555ULL;
   v = (v & 0x3333333333333333ULL) + (v >> 2 & 0x3333333333333333ULL);
@@ -76,7 +76,7 @@ std::uint32_t count_bits(std::uint64_t v) {
   return static_cast<std::uint32_t>(v * 0x0101010101010101ULL >> 56);
 }
 
-/// Which rows are corners, and how many before each: small enough to stay in the cache.
+/// Which rows are corners, and the number of corners before each: small enough for the cache.
 class Ranks {
  public:
   Ranks(const Array<std::uint32_t>& corners, std::uint64_t rows, const Run& run)
@@ -91,7 +91,7 @@ class Ranks {
       for (std::uint64_t w = begin; w < end; ++w) {
         std::uint64_t word = 0;
         for (std::uint64_t b = 0; b < 64; b += 8) {
-          // Eight flags at once: their lowest bits gather in the highest byte.
+          // Eight flags at a time: a multiplication gathers their lowest bits in the highest byte.
           std::uint64_t flags = 0;
           for (std::uint64_t k = 0; k < 8; ++k)
             flags |= std::uint64_t{used[64 * w + b + k]} << (8 * k);
@@ -121,7 +121,7 @@ class Ranks {
   BigArray<std::uint32_t> before_;
 };
 
-/// Coordinates as they are given, a negative zero too.
+/// Coordinates as given, negative zeros included.
 template <class T>
 struct Reader {
   const PointView& points;
@@ -139,11 +139,11 @@ struct Reader<void> {
   PlanarPoint operator()(std::uint64_t id) const { return {points.at(id, 0), points.at(id, 1)}; }
 };
 
-/// A corner as the sweep over edges wants it, which comes to them in no order that memory has: in
-/// one place, on pages that are large.
+/// The data of a corner in one record, on huge pages, as the sweep over edges accesses corners in
+/// random order.
 struct Corner {
   PlanarPoint point;         // in the kernel's units
-  std::uint64_t id, unused;  // four words, so that none lies on two lines of the cache
+  std::uint64_t id, unused;  // four words: no record straddles cache lines
 };
 
 class Writer {
@@ -181,7 +181,8 @@ class Writer {
     lists_.planes.resize(3 * count_);
     std::vector<Share<2, DoubleDouble>> parts(chunk_count(count_, measure_chunk));
     std::atomic<bool> ordinary{true};
-    // The vertices are a job of their own, the first: one thread must clear their memory.
+    // The list of vertices is a job of its own, as one thread must clear its memory, and is started
+    // first.
     run_.each_item(parts.size() + 1, [&](std::uint64_t job) {
       if (job == 0) return write_vertices(hull);
       const std::uint64_t begin = (job - 1) * measure_chunk;
@@ -212,7 +213,7 @@ class Writer {
     });
   }
 
-  /// The ranks before and after each corner.
+  /// Sets the ranks before and after each corner.
   void link() {
     run_.each(count_, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       std::uint32_t before = ranks_(cycle_[begin == 0 ? count_ - 1 : begin - 1]);
@@ -227,7 +228,7 @@ class Writer {
     });
   }
 
-  /// Simplices [begin, end), whole runs of them.
+  /// Writes simplices [begin, end), whole runs of them.
   bool write(std::uint64_t begin, std::uint64_t end, Share<2, DoubleDouble>& sums) {
     constexpr std::uint64_t ahead = 16;
     bool ordinary = true;

@@ -27,7 +27,7 @@ struct PlanarMeasures {
 struct PolygonLists {
   explicit PolygonLists(std::size_t h = 0)
       : simplices(2 * h), facets(2 * h), neighbours(2 * h), across(2 * h), planes(3 * h) {}
-  /// Hands all over.
+  /// Moves all lists into `hull`.
   void give(const PlanarMeasures& measures, Hull& hull);
 
   Array<std::uint64_t> simplices, facets;
@@ -35,14 +35,14 @@ struct PolygonLists {
   Array<double> planes;
 };
 
-/// Planes and sums of a polygon's edges, bit for bit as the fallback (measure.cpp) computes them,
-/// where coordinates are of ordinary proportions.
+/// Planes and sums of a polygon's edges, bit for bit as the general code (measure.cpp) computes
+/// them, where coordinates need no special scaling.
 class EdgeKernel {
  public:
-  /// `box`: of the corners, which is that of all points.
+  /// `box`: the bounding box of the corners, which is that of all points.
   explicit EdgeKernel(const Box& box);
 
-  /// False: too many powers of two for scaled doubles.
+  /// False where coordinates span too many powers of two for scaled doubles.
   bool ordinary() const { return ordinary_; }
   int exponent() const { return exponent_; }
 
@@ -50,7 +50,7 @@ class EdgeKernel {
     return exponent_ == 0 ? p : PlanarPoint{scale_by(p.x, -exponent_), scale_by(p.y, -exponent_)};
   }
   /// The edge from p to the corner before it, q; o is the corner with the lowest id; all scaled.
-  /// The plane goes to out[0 .. 3). False if the edge is too short for doubles.
+  /// Writes the plane to out[0 .. 3). False if the edge is too short for doubles.
   bool edge(PlanarPoint p, PlanarPoint q, PlanarPoint o, double* out, Share<2>& share) const {
     const double corner[2][2] = {{p.x, p.y}, {q.x, q.y}}, origin[2] = {o.x, o.y};
     double edge[1][2], n[2], sum[2], plane[3];
@@ -77,13 +77,13 @@ class EdgeKernel {
   bool ordinary_ = false;
 };
 
-/// Measures from the sums; `first`: the corner with the lowest id, as given. False if rounding
-/// could show (a thin polygon): the fallback handles that.
+/// Computes the measures from the sums; `first`: the unscaled corner with the lowest id. False
+/// where rounding could show in them (a thin polygon): the general code is then needed.
 bool finish_polygon(const EdgeKernel& kernel, const Share<2, DoubleDouble>& sums,
                     const PointView& points, std::uint64_t first, PlanarMeasures& measures);
 
-/// Everything of `hull` but its statistics, from three corners or more. `ids`: the point of each
-/// row, ascending; nullptr: the same. False, and nothing done, where build_hull must.
+/// Fills all of `hull` but its statistics, from three corners or more. `ids`: the point of each
+/// row, ascending; nullptr: the row. False, and nothing done, where build_hull is needed.
 bool write_polygon(const PointView& points, const std::uint64_t* ids, const Polygon& polygon,
                    const Run& run, Hull& hull);
 

@@ -61,7 +61,8 @@ class Puller {
       }
       i = end;
     }
-    // A face of dimension m - 3 or less has m - 1 vertices only from dimension 2 on.
+    // Faces of dimension m - 3 or less can have m - 1 vertices only if that dimension is at least
+    // 2.
     if (m >= 5) keep_maximal(sets);
     return sets;
   }

@@ -1,4 +1,4 @@
-// Numbering those of many items that are flagged, in order.
+// Ranks of flagged items.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,9 @@
 
 namespace cullhull::internal {
 
-/// `flags`: 0 or 1 for each of `count` items. Calls prepare(total) with how many are 1, then, if
-/// that returns true, visit(item, rank) for every item, `rank` being the flagged ones before it.
-/// Two passes over the flags, by chunks.
+/// `flags`: 0 or 1 for each of `count` items. Calls prepare(total) with the number of ones, then,
+/// if that returns true, visit(item, rank) for every item, `rank` being the number of flagged items
+/// before it. Two passes over the flags, in parallel chunks.
 template <class Prepare, class Visit>
 void rank_flagged(const std::uint8_t* flags, std::uint64_t count, const Run& run,
                   const Prepare& prepare, const Visit& visit) {

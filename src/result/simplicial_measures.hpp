@@ -1,4 +1,4 @@
-// What both ways to a simplicial result end with: area, volume and centroid.
+// The last step of both ways to a simplicial result: area, volume and centroid.
 #pragma once
 
 #include <algorithm>
@@ -15,8 +15,9 @@
 
 namespace cullhull::internal {
 
-/// From the sums over runs of facets, or afresh where those have lost too much: the hull is thin.
-/// `vertices`: their ids, ascending; hull.simplices are in place.
+/// Computes them from the sums over runs of facets, or again with more bits where those are not
+/// accurate enough: the hull is thin. `vertices`: their ids, ascending; hull.simplices must be
+/// done.
 template <unsigned K>
 void finish_simplicial(const ResultInput& input, const std::vector<std::uint64_t>& vertices,
                        const Frame& frame, const Share<K>* runs, const Run& run, Hull& hull) {

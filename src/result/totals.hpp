@@ -12,14 +12,13 @@
 
 namespace cullhull::internal {
 
-/// Short runs are added up in plain doubles, runs of a chunk in double-doubles, then the chunks:
-/// the order is part of the canonical result.
+/// Runs of 32 are summed in doubles, runs of a chunk in double-doubles, then the chunks: the order
+/// is part of the canonical result. 32 additions in doubles lose 5 bits at most.
 inline constexpr std::uint64_t measure_run = 32;
 inline constexpr std::uint64_t measure_chunk = std::uint64_t{1} << 13;
 
 /// Sums over simplices in R^K, or one simplex's share of them. `error` and `area_error` bound, up
-/// to a modest constant and in units of the last place, what rounding may have done to `volume` and
-/// `area`.
+/// to a modest constant and in units of the last place, the rounding errors of `volume` and `area`.
 template <unsigned K, class Real = double>
 struct Share {
   Real volume = 0, area = 0;
@@ -36,7 +35,7 @@ struct Share {
   }
 };
 
-/// Shares of triangles, an array for each number.
+/// Shares of triangles, one array for each number.
 template <unsigned room>
 struct ShareArrays {
   alignas(64) double volume[room], area[room], moment[3][room], error[room], area_error[room];
@@ -83,8 +82,8 @@ struct Totals {
   }
 };
 
-/// Whether rounding by `unit` and underflow (below 2^-1022 for each product) are harmless. Sums: a
-/// Share or Totals.
+/// Whether rounding errors of relative size `unit` and underflow (below 2^-1022 for each product)
+/// cannot show in the measures. Sums: a Share or Totals.
 template <class Sums>
 bool settled(const Sums& t, double unit) {
   constexpr double tolerance = 0x1p-42, far_from_underflow = 0x1p-900;
@@ -97,7 +96,7 @@ bool settled(const Sums& t, double unit) {
 void finish_measures(const Frame& frame, const Wide& volume, const Wide& area,
                      const std::vector<Wide>& moment, long exponent, Hull& hull);
 /// The same for full dimension from double-doubles, `origin` being vertex 0 in the same units;
-/// false where a rounding is in doubt.
+/// false where a rounding is uncertain.
 bool finish_quickly(unsigned k, int exponent, const double* origin, const DoubleDouble& volume,
                     const DoubleDouble& area, const DoubleDouble* moment, double* volume_out,
                     double* area_out, double* centroid_out);

@@ -28,11 +28,11 @@ using Id = std::uint32_t;
 constexpr unsigned row_stride = Shared3D::row_stride;
 static_assert(row_stride == 4);  // rows are read as vectors of four
 
-/// Facets that are worked on together, small enough for the first cache.
+/// Facets that are processed together: 16 fit L1, 32 did not and were slower.
 struct Batch {
   static constexpr unsigned size = 16;
   alignas(64) double corner[3][size * 4];  // rows
-  alignas(64) double across[3][size * 4];  // of the vertices beyond the ridges
+  alignas(64) double across[3][size * 4];  // the neighbours' vertices
   alignas(64) double normal[size * 4];
   alignas(64) double sum[size * 4];
   Id across_id[3][size];
@@ -67,13 +67,13 @@ class Sweep {
   }
 
  private:
-  /// 1 if a < b; comparisons of ids are as good as random, and compilers make branches of them.
+  /// 1 if a < b. Branchless: comparisons of ids are unpredictable, and compilers would branch.
   static HWY_INLINE std::uint64_t below(Id a, Id b) {
     return (std::uint64_t{a} - std::uint64_t{b}) >> 63;
   }
 
-  /// Numbers and rows of one facet, in stored order, and the vertices beyond its ridges. Not 0:
-  /// a ridge does not belong to two facets that are oriented alike.
+  /// Collects numbers and rows of one facet, in stored order, and the vertices beyond its ridges.
+  /// Not 0 if a ridge does not belong to two facets of the same orientation.
   HWY_INLINE Id collect(unsigned k) {
     const Facet3D* HWY_RESTRICT const facets = s_.facets;
     const double* HWY_RESTRICT const rows = s_.rows;
@@ -97,7 +97,7 @@ class Sweep {
       const Id g = n[at[j]];
       out.neighbour[j] = g;
       const Facet3D& other = facets[g];
-      // Of two facets that share more than one ridge some are found wrong here.
+      // Detects some pairs of facets that share more than one ridge.
       const std::uint64_t at_one = below(other.neighbours[1] ^ f, 1);
       const std::uint64_t at_two = below(other.neighbours[2] ^ f, 1) & (at_one ^ 1);
       const std::uint64_t back = at_one + 2 * at_two;
@@ -119,7 +119,7 @@ class Sweep {
     }
   }
 
-  /// Normals, sums and sides of a vector of facets from k on. As facet_block computes them.
+  /// Normals, sums and sides of a vector of facets from k on, as facet_block computes them.
   HWY_INLINE void compute(unsigned k, unsigned count) {
     const D d;
     Lanes corner[3][3], origin[3], edge[2][3], n[3], sum[3];
@@ -155,7 +155,7 @@ class Sweep {
     for (unsigned c = 0; c < 3; ++c) v[c] = v[c] * s_.factor[c];
   }
 
-  /// From the side of the facet with the lower number.
+  /// Keeps an undecided ridge, seen from the facet with the lower number.
   HWY_NOINLINE void keep_open(unsigned k, unsigned count, unsigned j, unsigned lanes) {
     for (unsigned i = 0; i < lane_count() && k + i < count; ++i)
       if ((lanes >> i & 1U) != 0 && b_.slot[k + i] < b_.numbers[k + i].neighbour[j])
@@ -165,7 +165,7 @@ class Sweep {
   HWY_INLINE void write(unsigned k) {
     const Batch::Numbers& numbers = b_.numbers[k];
     auto* to = reinterpret_cast<unsigned char*>(region_ + next_[numbers.vertex[0] >> shift_]++);
-    std::memcpy(to, b_.normal + 4 * k, 32);  // the last eight bytes are the next line's
+    std::memcpy(to, b_.normal + 4 * k, 32);  // the last 8 bytes are overwritten next
     std::memcpy(to + 24, b_.sum + 4 * k, 32);
     std::memcpy(to + 48, &numbers, 32);
   }
@@ -250,7 +250,7 @@ std::uint32_t count_triangles(const TriangleSource& source, std::uint32_t begin,
     if (!facet.live()) continue;
     const std::uint32_t* v = facet.vertices;
     ++counts[std::min({source.place[v[0]], source.place[v[1]], source.place[v[2]]}) >> shift];
-    // What the sweep over these facets will look at, and where it will write, all over the region.
+    // Prefetches what the sweep over these facets reads, and the lines that it writes to.
     for (unsigned j = 0; j < 3; ++j) {
       prefetch_passing_line(source.facets + facet.neighbours[j]);
       prefetch_passing_line(source.rows + std::size_t{v[j]} * Shared3D::row_stride);

@@ -15,8 +15,8 @@ VertexList list_vertices(const Boundary& surface, std::uint32_t points, const st
   const bool many = surface.dimension > 3;
   run.each(surface.vertices.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) {
-      // Threads may set the same flag, to the same value. Where a vertex has dozens
-      // of facets, most find it set, and need not take the line from one another.
+      // Threads may set the same flag, to the same value. Where a vertex has dozens of facets, most
+      // find it set, and avoid taking the cache line from one another.
       const std::atomic_ref<std::uint8_t> flag(used[surface.vertices[i]]);
       if (many && flag.load(std::memory_order_relaxed) != 0) continue;
       flag.store(1, std::memory_order_relaxed);

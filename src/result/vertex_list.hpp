@@ -1,4 +1,4 @@
-// The points a surface uses, numbered by ascending id.
+// The points that a surface uses, numbered by ascending id.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace cullhull::internal {
 
-/// Positions among the vertices, which ascend as the local ids do.
+/// Positions among the vertices ascend as the local ids do.
 struct VertexList {
   std::vector<std::uint64_t> ids;     ///< point ids, ascending
   bool all_points = false;            ///< every local point is a vertex: position = local id

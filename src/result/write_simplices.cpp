@@ -1,11 +1,11 @@
-// From 4D on hulls have so many facets that every pass over them counts, and every byte kept for
-// one. Simplices are sorted first, by keys that hold all of a simplex's vertices; then all that is
-// computed is computed in canonical order, and straight into the result. In that order two facets
-// that share a ridge are mostly near one another: they share their lowest vertex unless the ridge
-// lacks it, and that vertex has some hundred facets.
+// From 4D on hulls have so many facets that time and memory are dominated by passes over them.
+// Simplices are sorted first, by keys that hold all of a simplex's vertices; all else is computed
+// in canonical order, and written directly into the result. In that order two facets that share a
+// ridge are mostly near one another: they share their lowest vertex unless the ridge lacks it, and
+// a vertex has some hundred facets.
 //
-// Four sweeps: keys are dealt into buckets by the lowest vertex (deal), buckets are sorted and
-// simplices written (sort_buckets), neighbours are renumbered (renumber), ridges are decided and
+// Four sweeps: keys are distributed to buckets by the lowest vertex (deal), buckets are sorted and
+// simplices written (sort_buckets), neighbours are renumbered (renumber), ridges are checked and
 // planes and measures computed (scan).
 #include "result/write_simplices.hpp"
 
@@ -74,7 +74,7 @@ class SimplexWriter {
 
   // ---------------------------------------------------------------- keys, sorted
 
-  /// The arrangement depends on sizes alone.
+  /// The order within buckets depends on sizes alone, not on threads.
   void deal() {
     const std::uint64_t chunks = chunk_count(count_, simplex_chunk);
     std::vector<std::uint32_t> next(chunks * buckets_, 0);
@@ -179,6 +179,7 @@ class SimplexWriter {
   static bool is_odd(const std::uint32_t* stored) { return stored[K - 2] > stored[K - 1]; }
 
   void renumber() {
+    // Prefetch distances: the ids of a simplex, then what they refer to (guesses, not swept).
     constexpr std::uint64_t far = 40, near = 12;
     neighbours_.resize(count_ * K);
     facet_neighbours_.resize(count_ * K);
@@ -233,13 +234,14 @@ class SimplexWriter {
     return true;
   }
 
-  /// A ridge towards a higher simplex; first that simplex, then its vertex off the ridge.
+  /// A ridge to a simplex of higher number: `across` is first that simplex, then its vertex off the
+  /// ridge.
   struct Ridge {
     std::uint32_t simplex, across, slot;
   };
   static_assert(simplex_chunk % measure_run == 0 && measure_run % lanes == 0);
 
-  /// Run after run. What a run refers to is asked for while the run before is computed.
+  /// Run after run; the data of a run is prefetched while the run before is computed.
   void scan_chunk(std::uint64_t begin, std::uint64_t end, ChunkCounts& out) {
     FacetBlock<K> block;
     for (unsigned c = 0; c < K; ++c) std::fill_n(block.origin[c], lanes, frame_.at(0)[c]);
@@ -269,7 +271,7 @@ class SimplexWriter {
     }
   }
 
-  /// Which of two simplices is the higher is as good as random: no branch.
+  /// Which of two neighbouring simplices is the higher is unpredictable: no branch.
   unsigned list_ridges(std::uint64_t from, std::uint64_t to, Ridge* ridges) const {
     unsigned count = 0;
     for (std::uint64_t f = from; f < to; ++f)
@@ -287,15 +289,15 @@ class SimplexWriter {
     return count;
   }
 
-  /// Stored vertices, ascending.
+  /// Stored vertices in ascending order.
   static void straighten(const std::uint32_t* stored, std::uint32_t* v) {
     std::copy_n(stored, K, v);
     v[K - 2] = std::min(stored[K - 2], stored[K - 1]);
     v[K - 1] = std::max(stored[K - 2], stored[K - 1]);
   }
 
-  /// Makes `across` the vertex; the two simplices must share the ridge, each say so, and be
-  /// oriented alike.
+  /// Replaces `across` by the vertex; checks that the two simplices share the ridge, refer to one
+  /// another, and have the same orientation.
   void match(Ridge& ridge) const {
     const std::uint32_t f = ridge.simplex, g = ridge.across;
     const std::uint32_t* stored = &corners_[std::size_t{f} * K];
@@ -303,10 +305,10 @@ class SimplexWriter {
     std::uint32_t a[K], b[K];
     straighten(stored, a);
     straighten(other, b);
-    // If both have the ridge, sums tell the vertex that only g has.
+    // If both contain the ridge, the difference of sums gives the vertex that only g has.
     std::uint32_t x = stored[ridge.slot];
     for (unsigned c = 0; c < K; ++c) x += b[c] - a[c];
-    unsigned i = 0, j = 0;  // places of the two vertices that are off the ridge
+    unsigned i = 0, j = 0;  // indices of the two vertices that are off the ridge
     for (unsigned c = 0; c < K; ++c) {
       i += a[c] < stored[ridge.slot];
       j += b[c] < x;
@@ -342,8 +344,8 @@ class SimplexWriter {
     if (sign == Sign::zero) coplanar_.store(true, std::memory_order_relaxed);
   }
 
-  /// Of a vertex against the simplex of a lane, which is outward oriented: negative where the ridge
-  /// between them is convex. `known`: whether rounding cannot have changed it.
+  /// The side of a vertex relative to the simplex of a lane, which is outward oriented: negative
+  /// where the ridge between them is convex. `known`: whether it is certain.
   Sign side(const FacetBlock<K>& block, unsigned lane, std::uint32_t vertex, bool& known) const {
     const double* p = frame_.at(vertex);
     double sum = 0, largest = 0;
@@ -358,7 +360,7 @@ class SimplexWriter {
   }
 
   Sign exact_side(const Ridge& ridge, ChunkCounts& out) const {
-    // Local ids are those of the surface's simplices.
+    // Local ids are the vertices of the surface's simplices.
     const std::uint32_t g = neighbours_[std::size_t{ridge.simplex} * K + ridge.slot];
     const std::uint32_t* ids = surface_.simplex(order_[g]);
     std::uint32_t x = ids[0];
@@ -387,8 +389,9 @@ class SimplexWriter {
 
   // ---------------------------------------------------------------- before it all
 
-  /// Whether a few simplices, here and there, have coplanar neighbours: then most would be sorted
-  /// in vain. That none has is no promise.
+  /// Whether some simplices of a sample have coplanar neighbours: then sorting would be wasted. If
+  /// none has, there may still be coplanar ones elsewhere. Up to 64 blocks of 8: half a thousand of
+  /// more.
   bool coplanar_sample() const {
     const std::uint64_t blocks = std::min<std::uint64_t>(64, count_ / 128);
     FacetBlock<K> block;

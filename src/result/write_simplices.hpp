@@ -10,10 +10,10 @@ namespace cullhull::internal {
 
 /// For k = 4 ... 8 = surface.dimension and a frame that is not wild: checks every ridge of the
 /// surface, as `coplanar_pairs` does, and fills the hull from it in a few sweeps. Returns false,
-/// with the hull's facets and measures untouched, where some simplices are coplanar and the
-/// fallback must be gone. `vertices`: those of the surface; hull.vertices must hold their ids.
-/// `key_bits`: of those that simplices are sorted by, at most 128; fewer, so that tests see what
-/// happens if they do not do.
+/// with the hull's facets and measures unchanged, where some simplices are coplanar, so that the
+/// general code is needed. `vertices`: those of the surface; hull.vertices must hold their ids.
+/// `key_bits`: length of the sorting keys, at most 128; tests pass less to reach the code for keys
+/// that do not hold all vertices.
 bool write_simplices(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
                      const Frame& frame, const Run& run, Hull& hull, unsigned key_bits = 128);
 

@@ -1,9 +1,9 @@
-// Three sweeps. The first runs over the facets in the engine's order and numbers, where neighbours
-// lie together: it decides all ridges and writes, for each stretch of facets apart, a record of
-// everything the result needs to know about a facet, sorted into buckets by the lowest vertex. The
-// second takes a bucket from all stretches, sorts it in the cache and writes the facets out, in
-// order. The third renumbers the neighbours. The sums follow the canonical order, whatever the
-// stretches and buckets are.
+// Three sweeps. The first runs over the facets in the engine's order, where neighbours are near in
+// memory: it checks all ridges and writes, separately for each range of facets, records of all data
+// that the result needs of a facet, sorted into buckets by the lowest vertex. The second takes a
+// bucket from all ranges, sorts it in the cache and writes the facets out, in order. The third
+// renumbers the neighbours. The sums follow the canonical order, whatever the ranges and buckets
+// are.
 #include "result/write_triangles.hpp"
 
 #include <algorithm>
@@ -32,7 +32,7 @@ using Id = std::uint32_t;
 
 // -------------------------------------------------------------------------------- the vertices
 
-/// The hull's vertices, and where each of the engine's vertex numbers is among them.
+/// The hull's vertices, and the position of each of the engine's vertex numbers among them.
 class Vertices3D {
  public:
   Vertices3D(const TriangleMesh& surface, const LocalPoints& points, const Id* order,
@@ -52,9 +52,9 @@ class Vertices3D {
 
   std::vector<std::uint64_t>& ids() { return ids_; }
   const Id* place() const { return place_; }
-  /// Of the vertex at a place; null where every local point is one.
+  /// The local id of the vertex at each position; null where every local point is a vertex.
   const Id* locals() const { return all_points_ ? nullptr : locals_.get(); }
-  /// Not if the surface has more or fewer vertices than it must.
+  /// False if the surface has another number of vertices than a closed one.
   bool good() const { return good_; }
 
  private:
@@ -103,7 +103,7 @@ class Vertices3D {
   bool all_points_ = false, good_ = true;
 };
 
-/// Of equal points the lowest id stands in.
+/// Maps each point to the lowest id among its equals.
 BigArray<Id> with_lowest_ids(const TriangleMesh& surface, Id points, const Run& run) {
   BigArray<Id> order(surface.count), lowest(points);
   run.each(points, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
@@ -156,8 +156,8 @@ class TriangleWriter {
  private:
   // ---------------------------------------------------------------- first sweep
 
-  /// The engine's rows stand for the frame's where those are theirs times powers of two, as they
-  /// are where axes needed no translation; else the frame's are put in the engine's order.
+  /// The engine's rows are used where they are the frame's times powers of two, as where no axis
+  /// was translated; otherwise the frame's rows are copied into the engine's order.
   void place_rows() {
     source_.facets = surface_.facets.data();
     source_.place = vertices_.place();
@@ -181,7 +181,7 @@ class TriangleWriter {
     source_.rows = own_rows_.get();
   }
 
-  /// Finds the powers of two from one vertex and tries them on all, to the last bit.
+  /// Derives the powers of two from one vertex and checks them on all, bit by bit.
   bool find_factors() {
     const auto local_row = [&](std::uint64_t v) {
       const Id* locals = vertices_.locals();
@@ -209,8 +209,8 @@ class TriangleWriter {
     return same;
   }
 
-  /// Buckets of consecutive lowest vertices, and stretches of facets: what belongs to one of either
-  /// stays in the second cache.
+  /// Divides lowest vertices into buckets and facets into ranges of 4096, so that each fits L2
+  /// (2048 and 8192 were no faster).
   void divide() {
     const auto vertex_count = static_cast<Id>(vertices_.ids().size());
     shift_ = bucket_shift(count_, vertex_count, stretch);
@@ -221,7 +221,7 @@ class TriangleWriter {
       region_[s + 1] = region_[s] + (stretches_[s].second - stretches_[s].first);
   }
 
-  /// False if some facets are coplanar, or not those of a hull.
+  /// False if some facets are coplanar, or the surface is not that of a hull.
   bool sweep() {
     records_ = BigArray<TriangleRecord>(region_.back());
     starts_ = BigArray<Id>(stretches_.size() * (std::size_t{buckets_} + 1));
@@ -290,19 +290,19 @@ class TriangleWriter {
     cut_.resize(buckets_);
   }
 
-  /// Memory of one thread's buckets.
+  /// Scratch of one thread.
   struct Scratch {
     BucketSort<std::uint64_t> sorted;  // keys: second vertex, record
     TriangleShares shares;
     alignas(64) double planes[4 * shares_at_once];
   };
-  /// Shares of the facets of a bucket that begin before or end after the runs inside it.
+  /// Shares of the facets of a bucket that belong to runs crossing its beginning or end.
   struct Cut {
     std::vector<Share<3>> head, tail;
   };
 
   void write_facets() {
-    // Buckets side by side read the same lines of the table of starts.
+    // Neighbouring buckets read the same cache lines of the table of starts: 16 entries of 4 bytes.
     const std::uint64_t together = buckets_ >= 256 ? 16 : 1;
     run_.each(buckets_, together, [&](std::uint64_t begin, std::uint64_t end) {
       Scratch scratch;
@@ -315,7 +315,7 @@ class TriangleWriter {
     join_cut_runs();
   }
 
-  /// body(first, last) for the records of bucket b in each stretch.
+  /// body(first, last) for the records of bucket b in each range.
   template <class Body>
   void each_segment(Id b, const Body& body) const {
     const std::size_t row = std::size_t{buckets_} + 1;
@@ -324,7 +324,7 @@ class TriangleWriter {
       body(region_[s] + start[0], region_[s] + start[1]);
   }
 
-  /// Of facets with the same lowest vertex no two have the same second.
+  /// Facets with the same lowest vertex differ in their second.
   void sort(Id b, BucketSort<std::uint64_t>& sorted) const {
     const Id base = b << shift_;
     sorted.sort(
@@ -373,7 +373,7 @@ class TriangleWriter {
     }
   }
 
-  /// Planes and shares of facets [at, at + size).
+  /// Computes planes and shares of facets [at, at + size).
   void write_planes(std::uint64_t at, const TriangleRecord* const* records, unsigned size,
                     Scratch& scratch) {
     double* planes = hull_.facet_planes.data() + at * 4;
@@ -397,7 +397,7 @@ class TriangleWriter {
     for (unsigned k = 0; k < size; ++k) out.push_back(s.at(k));
   }
 
-  /// Runs that bucket borders cut, in order.
+  /// Sums the runs that cross borders of buckets, in order.
   void join_cut_runs() {
     Share<3> run;
     const auto add = [&](std::uint64_t i, const Share<3>& share) {
@@ -436,8 +436,8 @@ class TriangleWriter {
     hull_.simplex_facets = EvenArray<Id>::of_step(count_, 1);
   }
 
-  static constexpr Id stretch = 4096;
-  static constexpr std::uint64_t ahead = 16;
+  static constexpr Id stretch = 4096;         // facets of a range, see divide()
+  static constexpr std::uint64_t ahead = 16;  // facets to prefetch; a guess, not swept
 
   const ResultInput& input_;
   TriangleMesh& surface_;
@@ -448,14 +448,14 @@ class TriangleWriter {
   const Run& run_;
   Hull& hull_;
   const std::uint64_t count_;
-  const bool plain_;  // a vertex's place is its id
+  const bool plain_;  // a vertex's position is its id
   TriangleSource source_;
   BigArray<double> own_rows_;
   unsigned shift_ = 0;
   Id buckets_ = 0;
   std::vector<TriangleMesh::Run> stretches_;
-  std::vector<Id> region_;  // of the records of each stretch: where it begins
-  BigArray<Id> starts_;     // stretches x (buckets + 1): where in it each bucket begins
+  std::vector<Id> region_;  // where the records of each range begin
+  BigArray<Id> starts_;     // ranges x (buckets + 1): where each bucket begins in it
   std::vector<Id> bucket_start_;
   BigArray<TriangleRecord> records_;
   std::atomic<bool> stop_{false};

@@ -7,10 +7,9 @@
 namespace cullhull::internal {
 
 /// Checks every ridge and fills the hull in a few sweeps over the engine's own facets. Returns
-/// false, with surface and hull untouched but for their counts of rungs, where that is not enough
-/// and the fallback must be taken: some facets are coplanar, the points span too many powers of
-/// two, the surface is not that of a hull. Otherwise the surface is used up. The points must be of
-/// dimension 3 themselves.
+/// false, with surface and hull unchanged but for their counts of rungs, where the general code is
+/// needed: some facets are coplanar, the points span too many powers of two, or the surface is not
+/// that of a hull. Otherwise the surface is consumed. The points must have dimension 3.
 bool write_triangles(const ResultInput& input, TriangleMesh& surface, const Run& run, Hull& hull);
 
 }  // namespace cullhull::internal

@@ -77,12 +77,15 @@ void write_lists(const Small& from, const std::uint64_t* ids, Hull& hull) {
   hull.simplex_facets = widened<std::uint32_t>(from.facet_of, n);
 }
 
+/// The hull of `count` points with its measures; points, small and shares are working memory.
+/// False, and `hull` unchanged, where doubles do not suffice.
 template <class Points, class Small>
-bool write(const PointView& view, const std::uint64_t* ids, unsigned count, Points& points,
-           Small& small, SmallShares<Small::max_facets>& shares, Hull& hull) {
+bool write_hull(const PointView& view, const std::uint64_t* ids, unsigned count, Points& points,
+                Small& small, SmallShares<Small::max_facets>& shares, Hull& hull) {
   load(view, ids, count, points);
   if (!small_hull_3d(points, count, small)) return false;
   SmallMeasures measures;
+  // At most a facet a triangle, in eights for the measurer; a plane is four numbers.
   Array<double> planes(std::size_t{4} * ((small.count + 7) / 8 * 8));
   if (!SmallMeasurer(view, ids, points, small, shares).run(planes.data(), measures)) return false;
   planes.resize(std::size_t{4} * small.facet_count);
@@ -116,12 +119,12 @@ bool hull_of_few(const PointView& view, const std::uint64_t* ids, std::uint64_t 
       SmallShares<MediumHull3D::max_facets> shares;
     };
     Memory& memory = thread_memory<Memory>();
-    return write(view, ids, n, memory.points, memory.hull, memory.shares, hull);
+    return write_hull(view, ids, n, memory.points, memory.hull, memory.shares, hull);
   }
   SmallPoints3D points;
   SmallHull3D small;
   SmallShares<SmallHull3D::max_facets> shares;
-  return write(view, ids, n, points, small, shares, hull);
+  return write_hull(view, ids, n, points, small, shares, hull);
 }
 
 }  // namespace cullhull::internal

@@ -15,7 +15,7 @@ InnerDisc::InnerDisc(const double* rows, const std::vector<std::uint32_t>& corne
     scale[j] = 2 / range;
   }
   const auto at = [&](std::size_t i, unsigned j) { return rows[2 * std::size_t{corners[i]} + j]; };
-  // The centroid of the area, roughly; wherever it comes to lie, what follows is about that point.
+  // The centroid of the area, approximately; the bounds below hold for any point in its place.
   double area = 0, moment[2] = {};
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
     double a[2], b[2];
@@ -43,7 +43,7 @@ InnerDisc::InnerDisc(const double* rows, const std::vector<std::uint32_t>& corne
     const double twice = (l - r) - (0x1p-49 * (std::fabs(l) + std::fabs(r)) + 0x1p-900);
     const double du = ub - ua, dv = vb - va;
     const double distance = twice / (std::sqrt(du * du + dv * dv) + 0x1p-46);
-    if (!(distance > 0x1p-20)) return;  // too near to be worth it, or on the wrong side
+    if (!(distance > 0x1p-20)) return;  // too near to pay, or on the wrong side
     least = std::min(least, distance);
   }
   // What contains() computes is within the factor 1 + 2^-48 of the square of the distance from the

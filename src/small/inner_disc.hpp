@@ -8,8 +8,8 @@
 
 namespace cullhull::internal {
 
-/// Points are seen as u = (x - cx) sx, v = (y - cy) sy: an affine image, in which a disc about the
-/// origin lies inside that of a polygon.
+/// Points are mapped to u = (x - cx) sx, v = (y - cy) sy: in this affine image a disc about the
+/// origin lies inside the image of a polygon.
 class InnerDisc {
  public:
   struct Test {
@@ -23,13 +23,14 @@ class InnerDisc {
   };
 
   InnerDisc() = default;  ///< contains nothing
-  /// `corners` of `rows` (packed pairs), counter-clockwise, and their box. May contain nothing.
+  /// `corners` of `rows` (packed pairs), counter-clockwise, and their bounding box. May contain
+  /// nothing.
   InnerDisc(const double* rows, const std::vector<std::uint32_t>& corners, const Box& box);
 
-  /// Certainly strictly inside the polygon. False for what is not finite.
+  /// True only for points strictly inside the polygon. False for what is not finite.
   bool contains(double x, double y) const { return test_.contains(x, y); }
-  /// Of `count` packed pairs the positions, ascending, of those it does not contain. `out` has room
-  /// for all.
+  /// The positions, ascending, of those of `count` packed pairs that it does not contain. `out` has
+  /// room for all.
   std::uint32_t outside(const double* rows, std::uint32_t count, std::uint32_t* out) const;
 
  private:

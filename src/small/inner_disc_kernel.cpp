@@ -15,7 +15,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Operation by operation what InnerDisc::contains does.
+/// The operations of InnerDisc::contains, in the same order.
 std::uint32_t rows_outside(const InnerDisc::Test& test, const double* rows, std::uint32_t count,
                            std::uint32_t* out) {
   const hn::CappedTag<double, 8> tag;

@@ -1,6 +1,7 @@
-// Insertion of points one by one: each is held against all facets at once, in f32 with a bound, and
-// what that leaves open is decided in doubles, then exactly. Sets are so small that nothing has to
-// be searched: the facets' planes lie in vectors, and an edge's facet is found in a table.
+// Incremental hull of few points: each point is tested against all facets at once, in f32 with an
+// error bound; signs that this leaves open are decided in doubles, then exactly. Sets are so small
+// that nothing is searched: the facets' planes are kept in vectors, and an edge's facet is found in
+// a table.
 #include "small/small_3d.hpp"
 
 #include "parallel/simd_targets.hpp"
@@ -82,10 +83,10 @@ class Builder {
 
   // ------------------------------------------------------------------------------------ the points
 
-  /// Where the points lie and how far they reach; f32 copies in units that make |x - O| < 1. Within
-  /// this range underflow and overflow are far away: all differences are at most the extent
-  /// e <= 2^100, so each of the six products of a determinant loses at most 3 * 2^-1074 * 2^200
-  /// through underflow, far below `tiny`, which is far below the bound of any facet that counts.
+  /// Finds the points' bounding box and scale; f32 copies in units that make |x - O| < 1. Within
+  /// this range underflow and overflow are far away: all differences are at most the extent e <=
+  /// 2^100, so each of the six products of a determinant loses at most 3 * 2^-1074 * 2^200 through
+  /// underflow, far below `tiny`, which is far below the bound of any facet that counts.
   bool measure(Hull& out) {
     const Wide tag;
     const auto lanes = static_cast<unsigned>(hn::Lanes(tag));
@@ -104,7 +105,7 @@ class Builder {
                    most = hn::GetLane(hn::MaxOfLanes(tag, high));
       out.low[c] = least;
       out.high[c] = most;
-      middle_[c] = least + (most - least) / 2;  // between them, rounded or not
+      middle_[c] = least + (most - least) / 2;  // between the two, whatever the rounding
       reach = std::max({reach, most - middle_[c], middle_[c] - least});
       if (most - least > extent_) {
         extent_ = most - least;
@@ -125,7 +126,7 @@ class Builder {
     return true;
   }
 
-  /// A point for which `value` is largest.
+  /// The first point with the largest `value`.
   template <class Value>
   HWY_INLINE unsigned farthest(const Value& value, float* most) {
     const Tag tag;
@@ -146,7 +147,8 @@ class Builder {
     return 0;
   }
 
-  /// Four points far from one another, and their facets. What is chosen decides about speed alone.
+  /// Chooses four points far from one another, and makes their facets. The choice affects speed
+  /// only.
   HWY_INLINE bool start() {
     const Tag tag;
     float most = 0;
@@ -154,7 +156,7 @@ class Builder {
     const auto pick = [along](V x, V y, V z) HWY_ATTR {
       return along == 0 ? x : along == 1 ? y : z;
     };
-    const V two = hn::Set(tag, 2.0F);  // values are to be positive
+    const V two = hn::Set(tag, 2.0F);  // keeps values positive
     unsigned a =
         farthest([&](V x, V y, V z) HWY_ATTR { return hn::Sub(two, pick(x, y, z)); }, &most);
     unsigned b =
@@ -206,8 +208,8 @@ class Builder {
       look_from(apex, to);
       create(p, ends, ends + 1, &slot, 1);
     }
-    // Facet f lacks corner f: it shares an edge with each other facet, across which is that
-    // facet's corner that it lacks.
+    // Facet f lacks corner f: it shares an edge with each other facet, and beyond that edge is the
+    // corner that the other facet lacks.
     if constexpr (Surface::linked)
       for (unsigned f = 0; f < 4; ++f)
         for (unsigned j = 0; j < 3; ++j)
@@ -215,14 +217,15 @@ class Builder {
     return true;
   }
 
-  /// The other points, roughly by their distance from the middle: few that are inside get to be
-  /// vertices for a time.
+  /// The other points, roughly by descending distance from the middle, so that few inner points
+  /// become vertices for a time.
   HWY_INLINE unsigned outer_first(Number* order) {
     float most = 0;
     farthest([&](V x, V y, V z)
                  HWY_ATTR { return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)); },
              &most);
-    // Of the distance from the middle: outermost points come first, but need no full sort.
+    // A counting sort into 32 classes of squared distance: outermost points should come first, but
+    // their exact order does not matter.
     constexpr unsigned classes = 32;
     const float factor = (classes - 0.5F) / most;
     Number start[classes + 1] = {}, key[most_points];
@@ -245,9 +248,9 @@ class Builder {
 
   // ------------------------------------------------------------------------------------ the signs
 
-  /// On which side of (a, b, c) point p is: in doubles,
-  /// |side - exact| <= determinant_error(3) max|edge 1| max|edge 2| max|p - origin| + tiny, and a
-  /// difference is not larger than the extent, rounded alike. Then exactly.
+  /// On which side of (a, b, c) point p is. First in doubles,
+  ///   |side - exact| <= determinant_error(3) max|edge 1| max|edge 2| max|p - origin| + tiny,
+  /// where no difference is larger than the extent, which is rounded in the same way. Then exactly.
   Sign side(unsigned a, unsigned b, unsigned c, unsigned p) {
     double e[3][3], normal[3], reach[2] = {0, 0};
     for (unsigned j = 0; j < 3; ++j) {
@@ -282,15 +285,16 @@ class Builder {
     for (unsigned i = 0; i < 3; ++i)
       if (std::equal(rows[i], rows[i] + 3, rows[3])) return sign;
     if (side_in_pairs(rows[0], rows[1], rows[2], rows[3], tiny, sign)) return sign;
-    // What takes a microsecond here is no longer for small sets.
+    // After 16 signs of about a microsecond each, more than such a hull takes, the engine is
+    // faster.
     given_up_ |= ++exact_signs_ > most_exact_signs;
     const double* at[4] = {rows[0], rows[1], rows[2], rows[3]};
     return given_up_ ? Sign::zero : orientation_exact(3, at);
   }
 
-  /// Whether differences from the first point are multiples of 2^-15 of a power of two that none is
-  /// twice as large as: then a determinant is a sum of six products of integers below 2^48, and
-  /// nothing rounds.
+  /// Whether differences from the first point are multiples of 2^-15 of a power of two, and at most
+  /// twice that power: then a determinant is a sum of six products of integers below 2^48, and no
+  /// operation rounds.
   bool on_lattice() const {
     const double unit = 0x1p15 * scale_;
     for (unsigned c = 0; c < 3; ++c) {
@@ -306,7 +310,7 @@ class Builder {
 
   // ---------------------------------------------------------------------------------- the facets
 
-  /// Facets that are none are far above every point.
+  /// Unused slots get planes far above every point.
   void clear_planes() {
     const Tag tag;
     const unsigned most = std::min(capacity, 2 * padded_);
@@ -316,7 +320,7 @@ class Builder {
     }
   }
 
-  /// The direction from p to v, by a power of two that makes it at most 1.
+  /// The direction from p to v, divided by a power of two so that it is at most 1.
   HWY_INLINE void look_from(const double* at, unsigned v) {
     double d[3], reach = 0;
     for (unsigned c = 0; c < 3; ++c) {
@@ -328,9 +332,9 @@ class Builder {
     for (unsigned c = 0; c < 3; ++c) direction_[v][c] = d[c] * factor;
   }
 
-  /// Facet (p, from, to) for each of `count` edges that go round. A plane is N . x - N . p for x
-  /// and p from the middle, N the product of the directions from p to the edge's ends;
-  /// docs/exactness.md, "Few points in space", bounds its error in f32.
+  /// Makes facet (p, from, to) for each of `count` edges of a closed cycle. A plane is N . x - N .
+  /// p for x and p relative to the middle, N the cross product of the directions from p to the
+  /// edge's ends; docs/exactness.md, "Few points in space", bounds its error in f32.
   HWY_INLINE void create(unsigned p, const Number* from, const Number* to, const Number* slot,
                          unsigned count) {
     double at[3], place[3];
@@ -351,10 +355,12 @@ class Builder {
       surface_.set(f, p, from[i], to[i]);
     }
   }
-  /// More than rounding to floats can do to a side: docs/exactness.md, "Few points in space".
+  /// An upper bound for the effect of rounding to f32 on a side: docs/exactness.md, "Few points in
+  /// space".
   static constexpr float doubt = 0x1p-18F;
 
-  /// Bits of the facets f, ..., f + lanes - 1 that a point is certainly above and beneath.
+  /// Bit masks of the facets f, ..., f + lanes - 1 that a point is certainly above, and certainly
+  /// beneath.
   struct Sides {
     std::uint64_t above, beneath;
   };
@@ -368,7 +374,7 @@ class Builder {
             bits_of(tag, hn::Lt(s, hn::Set(tag, -doubt)))};
   }
 
-  /// The facets that p sees, as bits.
+  /// The facets that are visible from p, as a bit mask.
   HWY_INLINE void find_visible(unsigned p, std::uint64_t* visible) {
     const Tag tag;
     const auto lanes = static_cast<unsigned>(hn::Lanes(tag));
@@ -397,8 +403,8 @@ class Builder {
     }
   }
 
-  /// p is in the plane of a facet. Where it is equal to a corner, the lowest of equal points is to
-  /// stand for all.
+  /// p is in the plane of a facet. If it is equal to a corner, the lowest id of equal points
+  /// represents all of them.
   void touch(unsigned p, const unsigned* v) {
     if (!touched_)
       for (unsigned i = 0; i < count_; ++i) lowest_[i] = static_cast<Number>(i);
@@ -410,13 +416,13 @@ class Builder {
     }
   }
 
-  /// Replaces the facets that point p sees.
+  /// Inserts p: replaces the facets visible from it.
   HWY_INLINE void insert(unsigned p) {
     std::uint64_t seen[capacity / 64];
     find_visible(p, seen);
-    if (given_up_) return;  // a sign is missing, and what is seen may be no disc
+    if (given_up_) return;  // a sign is missing, so what is visible may not be a disc
     Number slot[capacity], from[capacity + 1], to[capacity + 1];
-    // Linked surfaces: the facet beyond each edge, and which of its edges that is.
+    // For linked surfaces: the facet beyond each edge, and the number of the edge in that facet.
     constexpr unsigned linked_room = Surface::linked ? capacity + 1 : 1;
     Number beyond[linked_room], back[linked_room];
     unsigned visible = 0, edges = 0;
@@ -426,7 +432,7 @@ class Builder {
         slot[visible++] = static_cast<Number>(f);
         unsigned v[3];
         surface_.corners(f, v);
-        for (unsigned j = 0; j < 3; ++j) {  // no branch: it would be mispredicted
+        for (unsigned j = 0; j < 3; ++j) {  // branchless: a branch would be mispredicted
           const unsigned across = surface_.across(f, v, j);
           from[edges] = static_cast<Number>(v[j]);
           to[edges] = static_cast<Number>(v[j == 2 ? 0 : j + 1]);
@@ -439,7 +445,7 @@ class Builder {
         }
       }
     if (edges == 0) return;
-    // As many facets as edges, in the old slots first.
+    // As many new facets as edges, first in the old slots.
     for (unsigned i = edges; i < visible; ++i) remove(slot[i]);
     for (unsigned i = visible; i < edges; ++i)
       slot[i] = free_count_ > 0 ? free_[--free_count_] : static_cast<Number>(surface_.top++);
@@ -447,7 +453,7 @@ class Builder {
     if constexpr (Surface::linked) link(from, to, slot, beyond, back, edges);
   }
 
-  /// The new facets with those beyond the edges, and with one another.
+  /// Links the new facets with those beyond the edges, and with one another.
   HWY_INLINE void link(const Number* from, const Number* to, const Number* slot,
                        const Number* beyond, const Number* back, unsigned count) {
     for (unsigned i = 0; i < count; ++i) {
@@ -464,7 +470,7 @@ class Builder {
     free_[free_count_++] = static_cast<Number>(f);
   }
 
-  /// The pairs of neighbours in one plane.
+  /// Lists the pairs of adjacent coplanar facets.
   unsigned find_coplanar(CoplanarPair<Surface>* pairs) {
     unsigned count = 0;
     for (unsigned f = 0; f < surface_.top; ++f) {
@@ -475,7 +481,7 @@ class Builder {
         const unsigned from = v[j], to = v[j == 2 ? 0 : j + 1], g = surface_.across(f, v, j);
         if (g < f) continue;
         surface_.corners(g, o);
-        const unsigned p = o[0] ^ o[1] ^ o[2] ^ from ^ to;  // the corner that is on no edge of f
+        const unsigned p = o[0] ^ o[1] ^ o[2] ^ from ^ to;  // the corner of the other facet
         const float s = plane_[0][f] * near_[0][p] + plane_[1][f] * near_[1][p] +
                         plane_[2][f] * near_[2][p] - plane_[3][f];
         if (!(s < -doubt) && side(v[0], v[1], v[2], p) == Sign::zero)
@@ -495,15 +501,16 @@ class Builder {
   unsigned longest_, begin_[4];
   unsigned free_count_, exact_signs_;
   Lattice lattice_;
-  bool touched_, given_up_;  // some point is in a facet's plane; signs take too long
+  bool touched_, given_up_;  // some point lies in a facet's plane; too many signs were undecided
   Surface surface_;
-  HWY_ALIGN float near_[3][most_points];  // from the middle, scaled
-  double direction_[most_points][4];      // from the point that is being inserted
+  HWY_ALIGN float near_[3][most_points];  // relative to the middle, scaled
+  double direction_[most_points][4];      // from the point being inserted
   HWY_ALIGN float values_[most_points];
   HWY_ALIGN float plane_[4][capacity];  // normals and offsets
-  Number lowest_[most_points];          // of equal points; set once some are touched
+  Number lowest_[most_points];          // the lowest id of equal points; valid if touched_
   Number free_[capacity];
-  Number beginning_[Surface::linked ? most_points : 1];  // the new facet whose edge begins there
+  Number
+      beginning_[Surface::linked ? most_points : 1];  // the new facet whose edge begins at a vertex
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The hull of a few points in space, without memory of its own: for batches of small sets, and for
-// what a filter leaves of larger ones.
+// The hull of a few points in space, without dynamic memory: for batches of small sets, and for the
+// survivors of larger ones.
 #pragma once
 
 #include <cstdint>
@@ -7,14 +7,14 @@
 
 namespace cullhull::internal {
 
-/// Simplices and facets in canonical order: simplices from their lowest vertex, counter-clockwise
-/// seen from outside, and ascending. Lists are read a vector at a time, so there is room behind
-/// them; the last simplex is repeated up to a multiple of eight.
+/// Simplices and facets in canonical order: each simplex from its lowest vertex, counter-clockwise
+/// seen from outside; the simplices ascending. Lists are read a vector at a time, so there is room
+/// behind them; the last simplex is repeated up to a multiple of eight.
 template <unsigned most>
 struct SmallHull {
   static constexpr unsigned max_points = most, max_facets = 2 * max_points;
   static constexpr unsigned room = 3 * max_facets + 64;
-  /// Of a point or a facet.
+  /// The number of a point or a facet.
   using Number = std::conditional_t<(max_facets <= 256), std::uint8_t, std::uint16_t>;
 
   double low[3], high[3];  ///< least and largest coordinates
@@ -27,20 +27,20 @@ struct SmallHull {
   Number beside[room];     ///< the facets across the edge from each corner to the next
 
   bool simplicial() const { return facet_count == count; }
-  /// Where they are not one simplex each: the facets' numbers of corners, their corners as in
-  /// `beside`, and the facet of each simplex.
+  /// Where facets are not one simplex each: the facets' numbers of corners, their corners and
+  /// neighbours (as in `beside`), and the facet of each simplex.
   Number facet_size[max_facets];
   Number corners[room];
   Number facet_of[room];
 };
-/// Everything in the first cache.
+/// All its arrays fit the L1 cache.
 using SmallHull3D = SmallHull<128>;
-/// As many as are held against all facets sooner than a facet that they see is searched, where few
-/// of them are vertices for long.
+/// For filtered points, of which few are vertices for long: up to this size, testing each against
+/// all facets was faster than searching a visible one.
 using MediumHull3D = SmallHull<2048>;
 
-/// Coordinates of up to `most` points; those beyond the last up to the next multiple of sixteen
-/// are read, too: copies of one of the points.
+/// Coordinates of up to `most` points. Rows are read up to the next multiple of sixteen: pad them
+/// with copies of one of the points.
 template <unsigned most>
 struct SmallPoints {
   alignas(64) double axes[3][most];
@@ -48,8 +48,8 @@ struct SmallPoints {
 using SmallPoints3D = SmallPoints<SmallHull3D::max_points>;
 using MediumPoints3D = SmallPoints<MediumHull3D::max_points>;
 
-/// False for flat sets, for coordinates of odd magnitudes or that are not finite, and where too
-/// many signs take long: then another engine must look.
+/// False for flat sets, for coordinates of extreme magnitude or not finite, and where too many
+/// signs need exact arithmetic: the caller must then use another engine.
 bool small_hull_3d(const SmallPoints3D& points, unsigned count, SmallHull3D& out);
 bool small_hull_3d(const MediumPoints3D& points, unsigned count, MediumHull3D& out);
 

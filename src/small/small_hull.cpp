@@ -12,7 +12,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// Kept from call to call; never at work long enough to be stopped.
+/// Kept from call to call. Cannot be cancelled, as it takes microseconds.
 struct KeptPolygon {
   SmallPolygon polygon{short_run().control};
 };
@@ -34,7 +34,7 @@ bool small_hull_2d(const PointView& points, Hull& hull) {
   return true;
 }
 
-/// Whether there are so few points that no filter could help.
+/// Whether there are so few points that no filter pays.
 bool few_enough(const PointView& points) {
   return points.dimension == 2   ? points.count <= SmallPolygon::most_points
          : points.dimension == 3 ? points.count <= most_unfiltered_in_space
@@ -44,7 +44,7 @@ bool few_enough(const PointView& points) {
 }  // namespace
 
 bool takes_small_sets(const Options& options) {
-  // Bytes: more than any small set takes, so that none needs to count them.
+  // More bytes than any small set takes, so that these paths need not count bytes.
   constexpr std::uint64_t enough = std::uint64_t{1} << 22;
   return options.engine == Engine::native && options.backend != Backend::cuda &&
          options.cull == CullMethod::automatic &&

@@ -1,5 +1,5 @@
-// Single calls with few points: straight from points to the result on the calling thread, without
-// anything of the general flow but its results.
+// Single calls with few points: from points to the result on the calling thread, bypassing the
+// general flow.
 #pragma once
 
 #include "cullhull/hull.hpp"
@@ -8,11 +8,11 @@
 
 namespace cullhull::internal {
 
-/// Whether options leave the way to us: who chooses a filter, an engine or a device gets it.
+/// Whether the options permit it: a chosen filter, engine or device is respected.
 bool takes_small_sets(const Options& options);
 
-/// All of `hull`, the same bits as the general flow gives. False, and nothing done, where that must
-/// see to it. `points` and `options` have been checked.
+/// Fills all of `hull`, the same bits as the general flow gives. False, and nothing done, where the
+/// general flow is needed. `points` and `options` have been checked.
 bool small_hull(const PointView& points, const Options& options, Hull& hull);
 
 }  // namespace cullhull::internal

@@ -20,18 +20,18 @@ struct SmallMeasures {
   double volume = 0, area = 0, centroid[3] = {};
 };
 
-/// Planes and measures, as the general path computes them.
+/// Computes planes and measures as the general path does, bit for bit.
 template <class Points, class Hull>
 class SmallMeasurer {
   using Number = typename Hull::Number;
 
  public:
-  /// `names`: the point of the view that each of `points` is; nullptr: the first, and so on.
+  /// `names`: the view's index for each of `points`; nullptr: 0, 1, ...
   SmallMeasurer(const PointView& view, const std::uint64_t* names, const Points& points,
                 const Hull& hull, SmallShares<Hull::max_facets>& shares)
       : view_(view), names_(names), points_(points), hull_(hull), shares_(shares) {}
 
-  /// Planes are written for a multiple of eight facets. False where doubles do not do.
+  /// Planes are written for a multiple of eight facets. False where doubles do not suffice.
   bool run(double* planes, SmallMeasures& out) {
     if (!find_exponent()) return false;
     small_shares(points_, hull_, exponent_, shares_, planes);
@@ -51,7 +51,7 @@ class SmallMeasurer {
   }
 
  private:
-  /// As make_frame finds it; false for frames it calls wild.
+  /// As make_frame finds it; false for frames where that sets `wild`.
   bool find_exponent() {
     double largest = 0;
     for (unsigned c = 0; c < 3; ++c)
@@ -75,7 +75,7 @@ class SmallMeasurer {
     return *frame_;
   }
 
-  /// Facet i, which may need more than the vectors do.
+  /// Recomputes facet i, which may need more than the vectors' doubles.
   void look_again(unsigned i, double* planes) {
     const Frame& f = frame();
     std::uint32_t corners[3];
@@ -97,7 +97,8 @@ class SmallMeasurer {
     shares_.set(i, share);
   }
 
-  /// Of the planes of a facet's simplices that of the longest normal, the first of equals.
+  /// Of the planes of a facet's simplices, takes the one with the longest normal, the first of
+  /// equal ones.
   void choose_planes(double* planes) const {
     Number best[Hull::max_facets];
     unsigned facets = 0;
@@ -108,12 +109,13 @@ class SmallMeasurer {
       else if (shares_.area[i] > shares_.area[best[f]])
         best[f] = static_cast<Number>(i);
     }
-    // The simplices of facet f, so its best one, come at f or later: nothing is lost.
+    // The simplices of facet f have numbers of at least f: no plane is overwritten before it is
+    // read.
     for (unsigned f = 0; f < facets; ++f)
       std::copy_n(planes + std::size_t{4} * best[f], 4, planes + std::size_t{4} * f);
   }
 
-  /// Runs in doubles, then their sum: as total_of_runs, for a single chunk.
+  /// Runs are summed in doubles, then added, as total_of_runs does for a single chunk.
   Share<3, DoubleDouble> total() const {
     static_assert(Hull::max_facets <= measure_chunk);
     Share<3, DoubleDouble> all;

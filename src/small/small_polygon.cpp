@@ -6,7 +6,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// With fewer points a sample costs more than it saves.
+/// With fewer points a sample costs more than it saves (a guess).
 constexpr std::uint32_t smallest_worth_thinning = 256;
 
 bool finite(const double* values, std::uint32_t count) {
@@ -35,10 +35,12 @@ bool SmallPolygon::find(const PointView& set) {
   return true;
 }
 
-/// Every 8th, 64th, ... row: the hull of the fewest thins the next more, and so on, so that each
-/// but the last takes little of the whole. False, and all are kept, where that does not pay.
+/// Thins by samples of every 8th, 64th, ... row: the hull of the smallest thins the next larger
+/// one, and so on, so that all but the last take little of the time. False, and all rows are kept,
+/// where that does not pay.
 bool SmallPolygon::thin(std::uint32_t count) {
-  // Each sample costs an eighth of the next; the first has some twenty corners.
+  // Each sample takes an eighth of the time of the next; the hull of the first has some twenty
+  // corners.
   constexpr std::uint32_t ratio = 8, first_sample = 200;
   std::uint32_t step = ratio;
   while (count / step > first_sample) step *= ratio;
@@ -46,8 +48,8 @@ bool SmallPolygon::thin(std::uint32_t count) {
   for (;;) {
     if (!finite(kept_rows_.data(), 2 * kept_count_)) break;
     const std::vector<std::uint32_t>& corners = series_.corners(kept_rows_.data(), kept_count_);
-    // Efron 1965: of the points the share that the hull of a sample leaves outside is about the
-    // share of the sample that is extreme.
+    // Efron 1965: the share of the points outside a sample's hull is about the share of the sample
+    // that is extreme.
     if (corners.size() < 3 || corners.size() > count / step / 3) break;
     const InnerDisc disc(kept_rows_.data(), corners, series_.box());
     step /= ratio;
@@ -59,8 +61,8 @@ bool SmallPolygon::thin(std::uint32_t count) {
   return false;
 }
 
-/// Every `step`th row that the disc does not contain; not all of them where they are more than
-/// `most_kept`.
+/// Keeps every `step`th row that the disc does not contain; stops after the block of rows in which
+/// more than `most_kept` are reached.
 void SmallPolygon::keep_rows(std::uint32_t count, std::uint32_t step, const InnerDisc& disc) {
   constexpr std::uint32_t block = 2048;
   if (kept_.empty()) {
@@ -74,11 +76,12 @@ void SmallPolygon::keep_rows(std::uint32_t count, std::uint32_t step, const Inne
     const std::uint32_t end = std::min(count, begin + block * step), before = k;
     if (step == 1) {
       k += disc.outside(rows + 2 * std::size_t{begin}, end - begin, kept + k);
+      // The disc counts from the block's first row.
       for (std::uint32_t i = before; i < k; ++i) kept[i] += begin;
       continue;
     }
     for (std::uint32_t row = begin; row < end; row += step) {
-      kept[k] = row;
+      kept[k] = row;  // overwritten by the next unless counted: no branch
       k += !disc.contains(rows[2 * std::size_t{row}], rows[2 * std::size_t{row} + 1]);
     }
   }
@@ -90,7 +93,7 @@ void SmallPolygon::keep_rows(std::uint32_t count, std::uint32_t step, const Inne
   kept_count_ = k;
 }
 
-/// Coordinates as they are given, a negative zero too.
+/// Packed coordinates as given, negative zeros included.
 const double* SmallPolygon::load(const PointView& set) {
   const auto address = reinterpret_cast<std::uintptr_t>(set.data);
   if (set.scalar == ScalarType::f64 && set.packed_rows() && address % alignof(double) == 0)

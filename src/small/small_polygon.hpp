@@ -1,5 +1,5 @@
-// Small sets of the plane from points to everything a result holds, on one thread and without
-// memory of their own but what is kept from set to set.
+// Small sets of points of the plane, from coordinates to all that a result holds, on one thread, in
+// memory that is kept from set to set.
 #pragma once
 
 #include <cstdint>
@@ -16,27 +16,27 @@ namespace cullhull::internal {
 class SmallPolygon {
  public:
   static constexpr std::uint64_t most_points = std::uint64_t{1} << 16;
-  /// That are left when what a sample's hull contains is gone.
+  /// The most points left after thinning; the sums then fit one chunk.
   static constexpr std::uint64_t most_kept = 4096;
 
-  /// Keeps some 500 KB at most, and 1 MB for points that are no packed doubles.
+  /// Keeps some 500 KB at most, and 1 MB for points that are not packed doubles.
   explicit SmallPolygon(const Control& control) : series_(control) {}
 
-  /// The corners of a set. False where the fallback must do it: other dimensions, few or
-  /// many points, lines, extraordinary proportions, points that are not finite.
+  /// Finds the corners of a set. False where the general flow must do it: other dimensions, too few
+  /// or too many points, points on a line, extreme aspect ratios, points that are not finite.
   bool find(const PointView& set);
 
-  /// Corners, and so edges.
+  /// Number of corners, and so of edges.
   std::size_t size() const { return by_rank_.size(); }
   const RungCounts& rung_counts() const { return series_.rung_counts(); }
 
-  /// size() planes, and the measures; the same bits as write_polygon's. False as for find, then
-  /// nothing was found.
+  /// size() planes, and the measures; the same bits as write_polygon's. False where doubles do not
+  /// suffice: then the result of find must not be used.
   bool measure(const PointView& set, double* planes, PlanarMeasures& measures);
 
   /// size() ids.
   void write_vertices(std::uint64_t* vertices) const;
-  /// 2 size() items each.
+  /// 2 size() items in each.
   void write_lists(std::uint64_t* simplices, std::uint32_t* simplex_neighbours,
                    std::uint64_t* facets, std::uint32_t* facet_neighbours) const;
 
@@ -49,15 +49,15 @@ class SmallPolygon {
   PolygonSeries series_;
   std::vector<double> loaded_;
   const double* rows_ = nullptr;  // of the set
-  // Rows that may be corners, ascending, and their coordinates; `all_`: these are those of the set.
+  // Rows that may be corners, ascending, and their coordinates; `all_`: all rows of the set.
   bool all_ = true;
   std::uint32_t kept_count_ = 0;
   std::vector<std::uint32_t> kept_;
   std::vector<double> kept_rows_;
-  std::vector<std::uint32_t> rank_;  // of each of them that is a corner
+  std::vector<std::uint32_t> rank_;  // by row: the rank of a corner
   struct Corner {
     std::uint32_t row, before, after;  // the ranks before and after, counter-clockwise
-    PlanarPoint point;                 // in the kernel's units
+    PlanarPoint point;                 // scaled for EdgeKernel
   };
   std::vector<Corner> by_rank_;
   std::vector<std::uint32_t> cycle_;  // ranks, counter-clockwise from the lowest

@@ -19,14 +19,14 @@ HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
-constexpr unsigned block = 8;  // facets whose corners are fetched at once
+constexpr unsigned block = 8;  // facets whose corners are gathered at once: a vector of doubles
 
 struct Corners {
   alignas(64) double at[3][3][block];  // corner, coordinate
 };
 
-/// One vector of facets, from lane `lane` of the corners on. Operation by operation what
-/// facet_block and facet_share do.
+/// A vector of facets, from lane `lane` of the corners on. The operations of facet_block and
+/// facet_share, in the same order.
 template <class Shares>
 HWY_INLINE void share(const Corners& corners, unsigned lane, const double* from, double scale,
                       double unit, unsigned i, Shares& out, double* planes) {
@@ -40,9 +40,8 @@ HWY_INLINE void share(const Corners& corners, unsigned lane, const double* from,
   sum_of_corners<3>(corner, origin, sum);
   const Lanes square = square_of<3>(normal);
   write_shares(normal, root(square), corner[0], origin, sum, unit, i, out, planes);
-  // Well conditioned by a factor of two more than is asked for, so whatever rounding does,
-  // facet_share finds it so as well; and components between 2^-351 and 8, as coordinates are at
-  // most 1.
+  // Well conditioned by a factor of two more than facet_share requires, so that it agrees whatever
+  // the rounding; and components between 2^-351 and 8, as coordinates are at most 1.
   const Lanes shortest =
       4 * conditioned * conditioned * (square_of<3>(edge[0]) * square_of<3>(edge[1]));
   const M closed = hn::And(square > shortest, square > 0x1p-700);
@@ -67,7 +66,7 @@ HWY_INLINE void all_shares(const Points& points, const Hull& hull, int exponent,
     for (unsigned lane = 0; lane < block; lane += lane_count())
       share(corners, lane, origin, scale, unit, i + lane, shares, planes);
   }
-  // Those repeated to fill the last vector are none.
+  // Copies that pad the last vector are not facets.
   for (unsigned w = 0; w < std::size(shares.open); ++w)
     if (hull.count < 64 * w + 64)
       shares.open[w] &= hull.count > 64 * w ? ~(~std::uint64_t{0} << hull.count % 64) : 0;

@@ -6,7 +6,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// Joins the simplices of a facet, and follows its border.
+/// Merges the simplices of a facet, and traces its border.
 template <class Surface>
 class Merger {
   using Number = typename Surface::Number;
@@ -45,11 +45,11 @@ class Merger {
     group_[std::max(a, b)] = static_cast<Number>(std::min(a, b));
   }
 
-  /// The members of a group in a ring.
+  /// Links the members of each group in a ring.
   void list_groups() {
     for (unsigned f = 0; f < surface_.top; ++f) {
       if (!surface_.live(f)) continue;
-      const unsigned r = root(f);  // lower, so that it came before
+      const unsigned r = root(f);  // r < f, so its ring exists already
       group_[f] = static_cast<Number>(r);
       next_in_group_[f] = static_cast<Number>(f);
       if (r == f)
@@ -70,8 +70,8 @@ class Merger {
     out_.across[end_++] = static_cast<Number>(across);
   }
 
-  /// A vertex of the border is extreme exactly if it is on a third facet: if the facets across its
-  /// two edges differ.
+  /// A vertex of the border is extreme exactly if it is on a third facet, that is, if the facets
+  /// across its two edges differ.
   void trace(unsigned first) {
     unsigned at = 0, f = first;
     do {
@@ -119,7 +119,7 @@ class Merger {
   }
 
   unsigned size(unsigned polygon) const { return out_.start[polygon + 1] - out_.start[polygon]; }
-  /// The simplex at edge e of a polygon, and which of its edges that is. first: of each fan.
+  /// A simplex at an edge of a polygon, and the edge's number in it. first: of each fan.
   struct Place {
     unsigned simplex, edge;
   };
@@ -129,8 +129,8 @@ class Merger {
     return {first[polygon] + e - 1, 1};
   }
 
-  /// Across an edge of two polygons; who has fewer edges is searched, and two large ones share one
-  /// edge only.
+  /// Links fans across the edge of two polygons: searches the one with fewer edges; two large ones
+  /// share a single edge only.
   void link_fans(const Number* first) {
     for (unsigned i = 0; i < out_.count; ++i) {
       const unsigned begin = out_.start[i], edges = size(i);
@@ -156,10 +156,10 @@ class Merger {
   SmallPolygons<Surface>& out_;
   unsigned group_count_ = 0, end_ = 0;
   Number group_[capacity], next_in_group_[capacity], groups_[capacity], number_[capacity];
-  Number follower_[Surface::most_points], beyond_[Surface::most_points];  // of a border
+  Number follower_[Surface::most_points], beyond_[Surface::most_points];  // along a border
 };
 
-/// The facets in the order of their first simplices. order[i]: which simplex of the surface is
+/// Orders the facets by their first simplices. order[i]: the simplex of the surface that gets
 /// number i.
 template <class Surface>
 void write_polygons(const SmallPolygons<Surface>& polygons, const typename Surface::Number* order,
@@ -189,8 +189,8 @@ void write_polygons(const SmallPolygons<Surface>& polygons, const typename Surfa
   }
 }
 
-/// Facets whose lowest vertex is v are found by the bits of their second vertices, as those on the
-/// left of edges from v.
+/// Facets whose lowest vertex is v are enumerated by a bit set of their second vertices: the facets
+/// on the left of edges from v.
 void sort_simplices(TableSurface& surface, unsigned point_count, TableSurface::Number* order,
                     SmallHull3D& out) {
   const unsigned words = (point_count + 63) / 64;
@@ -219,8 +219,8 @@ void sort_simplices(TableSurface& surface, unsigned point_count, TableSurface::N
   out.count = n;
 }
 
-/// A counting sort by lowest vertices; those with the same one are few, and put in order by their
-/// second as they come.
+/// A counting sort by lowest vertex; the few with the same one are inserted in the order of their
+/// second.
 void sort_simplices(LinkedSurface& surface, unsigned point_count, LinkedSurface::Number* order,
                     MediumHull3D& out) {
   using Number = LinkedSurface::Number;

@@ -1,5 +1,5 @@
-// The surfaces that small_3d makes, and their way to canonical order: coplanar facets merged, none
-// sorted.
+// The surfaces that small_3d makes, and their conversion to canonical order: coplanar facets
+// merged, without comparison sorts.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace cullhull::internal {
 
-/// Simplices, and the one on the left of each directed edge in a table: of few points.
+/// Simplices, and a table of the simplex on the left of each directed edge: for few points.
 struct TableSurface {
   using Hull = SmallHull3D;
   using Number = Hull::Number;
@@ -30,12 +30,12 @@ struct TableSurface {
     return owner[v[j == 2 ? 0 : j + 1]][v[j]];
   }
 
-  unsigned top = 0;                        ///< beyond the last simplex
+  unsigned top = 0;                        ///< number of slots in use
   std::uint32_t facets[capacity];          ///< a << 16 | b << 8 | c, counter-clockwise, or none
-  Number owner[most_points][most_points];  ///< of edges that there are
+  Number owner[most_points][most_points];  ///< by edge, valid for existing edges
 };
 
-/// Simplices and their neighbours: of more points than a table would stay in the cache for.
+/// Simplices with links to their neighbours: for more points than a table that fits the cache.
 struct LinkedSurface {
   using Hull = MediumHull3D;
   using Number = Hull::Number;
@@ -44,11 +44,11 @@ struct LinkedSurface {
   static constexpr Number none = 0xFFFF;
 
   struct Facet {
-    Number corner[3];     ///< counter-clockwise; the first is none: there is no facet
+    Number corner[3];     ///< counter-clockwise; the first is none in an unused slot
     Number neighbour[3];  ///< across the edge from each corner to the next
   };
 
-  /// Neighbours are for who calls it to set.
+  /// The caller sets the neighbours.
   void set(unsigned f, unsigned a, unsigned b, unsigned c) {
     facets[f].corner[0] = static_cast<Number>(a);
     facets[f].corner[1] = static_cast<Number>(b);
@@ -65,17 +65,17 @@ struct LinkedSurface {
     facets[g].neighbour[k] = static_cast<Number>(f);
   }
 
-  unsigned top = 0;  ///< beyond the last simplex
+  unsigned top = 0;  ///< number of slots in use
   Facet facets[capacity];
 };
 
-/// Two simplices in one plane that share an edge.
+/// Two adjacent coplanar simplices.
 template <class Surface>
 struct CoplanarPair {
   typename Surface::Number a, b;
 };
 
-/// The facets of a surface as polygons, in no particular order.
+/// The facets of a surface as polygons, in any order.
 template <class Surface>
 struct SmallPolygons {
   using Number = typename Surface::Number;
@@ -86,15 +86,15 @@ struct SmallPolygons {
   Number of_simplex[Surface::capacity];  ///< the polygon of each simplex
 };
 
-/// Merges coplanar simplices and triangulates what they make from its lowest corner: the surface
-/// becomes that of the fans. Vertices that are not extreme are dropped; `names` says what the
-/// others are to be called.
+/// Merges coplanar simplices and triangulates the facets as fans from their lowest corner: the
+/// surface becomes that of the fans. Vertices that are not extreme are dropped; `names` maps the
+/// others to ids.
 template <class Surface>
 void merge_small(Surface& surface, const CoplanarPair<Surface>* pairs, unsigned pair_count,
                  const typename Surface::Number* names, SmallPolygons<Surface>& polygons);
 
-/// In canonical order, without comparing. `polygons`: as merge_small gives them, or nullptr where
-/// every simplex is a facet. Rotates the surface's simplices.
+/// Writes in canonical order, without comparisons. `polygons`: as merge_small gives them, or
+/// nullptr where every simplex is a facet. Rotates the surface's simplices.
 template <class Surface>
 void order_small(Surface& surface, unsigned point_count, const SmallPolygons<Surface>* polygons,
                  typename Surface::Hull& out);

@@ -1,4 +1,4 @@
-// HullState: what a set of points contributes to any hull, as a value that merges and travels.
+// HullState: the extreme points of a set, as a value that can be merged and stored.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -85,7 +85,7 @@ namespace {
 constexpr char magic[8] = {'\x93', 'C', 'U', 'L', 'L', 'H', 'S', '\n'};
 constexpr std::uint32_t version = 1;
 
-/// All that precedes ids and coordinates. In bytes all numbers are little-endian.
+/// The header, before ids and coordinates. All numbers are little-endian.
 struct Head {
   char magic[8];
   std::uint32_t version, dimension;
@@ -101,8 +101,9 @@ struct Head {
 };
 static_assert(sizeof(Head) == 40);
 
-/// FNV-1a by words of 8 bytes, turned so that high bits spread, too: each step is one to one in the
-/// word, so that one that has changed always shows. `size` is a multiple of 8.
+/// FNV-1a by words of 8 bytes, with a rotation so that high bits spread, too: each step is a
+/// bijection in the word, so that a single changed word is always detected. `size` is a multiple of
+/// 8.
 std::uint64_t checksum(const std::byte* data, std::size_t size) {
   std::uint64_t sum = 0xcbf29ce484222325ULL;
   for (std::size_t i = 0; i < size; i += 8)
@@ -151,7 +152,7 @@ HullState HullState::from_bytes(std::span<const std::byte> bytes) {
   state.scalar_ = static_cast<ScalarType>(head.scalar);
   state.seen_ = head.seen;
   const std::uint64_t row = std::uint64_t{head.dimension} * scalar_size(state.scalar_);
-  // Compared by division: a header can promise any number.
+  // Compared by division, as a header can hold any number and products could overflow.
   const std::uint64_t room = bytes.size() - sizeof head - 8;
   if (head.count > room / (row + 8) ||
       sizeof head + 8 + head.count * 8 + padded(head.count * row) != bytes.size())

@@ -1,4 +1,5 @@
-// HullStream: blocks are culled where they lie; what is left waits until it is worth an exact look.
+// HullStream: blocks are culled in the caller's memory; survivors are collected and reduced exactly
+// when they are many.
 #include <algorithm>
 #include <mutex>
 #include <string>
@@ -23,21 +24,22 @@ struct HullStream::Impl {
   Options options;
   std::uint64_t budget = 0;
 
-  mutable std::mutex mutex;  ///< of what follows; held for moments
-  NumberedPoints extreme;    ///< of what was reduced
-  NumberedPoints waiting;    ///< what came since, as far as the filter left it
+  mutable std::mutex mutex;  ///< of the members below; held briefly
+  NumberedPoints extreme;    ///< of the points reduced so far
+  NumberedPoints waiting;    ///< survivors since then
   std::shared_ptr<const StreamMap> map;
   std::uint64_t seen = 0, next_id = 0;
-  std::uint64_t reduced = 0;  ///< of those seen, as many are what `extreme` is of
+  std::uint64_t reduced = 0;  ///< how many of the points seen `extreme` stands for
   std::uint64_t reductions = 0, maps = 0;
 
   std::mutex reducing;  ///< one thread at a time; locked before `mutex`
 
   // --------------------------------------------------------------------------- the exact step
 
-  /// How many points may wait. To look exactly and to lay a map costs as much as to keep so many;
-  /// then as many as are extreme, so that all looks together cost little more than the last. Of the
-  /// budget they take an eighth: the look takes a multiple of them.
+  /// How many points may wait. To reduce them and to build a map costs as much as to keep about
+  /// `worth` of them; then as many as are extreme, so that all reductions together cost little more
+  /// than the last. At most an eighth of the budget, as a reduction takes a multiple of their
+  /// memory.
   std::size_t enough() const {
     const std::size_t worth = smallest_worth_refining(waiting.dimension);
     const std::size_t wanted = std::max(reductions == 0 ? worth / 8 : worth, extreme.size());
@@ -54,7 +56,7 @@ struct HullStream::Impl {
     }
     if (count <= limit) return;
     std::unique_lock alone(reducing, std::defer_lock);
-    // While another thread looks, more may wait, but not without end.
+    // While another thread reduces, more may wait, but not more than twice the limit.
     if (count < 2 * limit ? !alone.try_lock() : (alone.lock(), false)) return;
     {
       const std::lock_guard lock(mutex);
@@ -63,8 +65,8 @@ struct HullStream::Impl {
     reduce();
   }
 
-  /// Leaves the extreme points of all that is held; where that fails nothing is lost. `reducing` is
-  /// locked.
+  /// Replaces all points held by their extreme points; they are unchanged where that fails.
+  /// `reducing` is locked.
   void reduce() {
     NumberedPoints taken, all;
     std::uint64_t seen_now;
@@ -87,7 +89,7 @@ struct HullStream::Impl {
       exact.memory_budget = budget - held;
       if (exact.memory_budget == 0) exact.memory_budget = 1;  // 0 would be the default
       keep_extreme(all, exact);
-      // Where most points are extreme a filter would drop too few to pay.
+      // Where most points are extreme a filter would not pay.
       if (all.size() < seen_now / 2) next = StreamMap::lay(all, Run(exact));
     } catch (const Error& e) {
       put_back(std::move(taken));
@@ -123,7 +125,8 @@ struct HullStream::Impl {
 
   // --------------------------------------------------------------------------- blocks
 
-  /// What has to wait: by the current map, or where there is none by one of the block's own.
+  /// The survivors of a block: by the current map, or by a map of the block's own where there is
+  /// none.
   NumberedPoints survivors(const PointView& block, std::uint64_t first_id, const Run& run) const {
     std::shared_ptr<const StreamMap> filter;
     {
@@ -139,7 +142,8 @@ struct HullStream::Impl {
       const CallScope call;
       filter->cull(block, first_id, run, kept);
     }
-    // Little of what came before tells about a block that lies elsewhere, as in scans in order.
+    // Where it keeps much, the map knows little of this block's region, as in ordered scans: the
+    // block's own map culls further.
     if (kept.size() <= block.count / 4) return kept;
     NumberedPoints fewer{block.dimension, block.scalar, {}, {}};
     cull_by_itself(kept.view(), 0, fewer);
@@ -155,7 +159,7 @@ struct HullStream::Impl {
         quietly.progress = {};
         found = cull(block, quietly);
       } catch (const Error& e) {
-        if (e.code() != ErrorCode::not_finite) throw;  // push() names it
+        if (e.code() != ErrorCode::not_finite) throw;  // push() throws the error that names it
       }
     if (found.all) return kept.append(block, 0, nullptr, block.count, first_id);
     for (const std::uint64_t i : found.ids) kept.append(block, i, nullptr, 1, first_id);
@@ -177,14 +181,14 @@ struct HullStream::Impl {
     take(std::move(kept), block.count, block.count > 0 ? first_id + block.count : 0);
   }
 
-  /// Adds to what waits; the ids below `end` are taken.
+  /// Adds to the waiting points; the ids below `end` are taken.
   void take(NumberedPoints&& kept, std::uint64_t count, std::uint64_t end) {
     const std::lock_guard lock(mutex);
     if (waiting.dimension == 0) {
       extreme = {kept.dimension, kept.scalar, {}, {}};
       waiting = extreme;
     }
-    check_block(kept.view(), 0, waiting.dimension);  // the first ones may have come at once
+    check_block(kept.view(), 0, waiting.dimension);  // the dimension may just have become known
     const ScalarType scalar = common_scalar(waiting.scalar, seen, kept.scalar, count);
     if (seen == 0) {
       waiting.scalar = extreme.scalar = scalar;
@@ -227,7 +231,7 @@ void HullStream::push(const PointView& block, std::uint64_t first_id) {
 void HullStream::push(const PointView& block) {
   std::uint64_t first_id;
   {
-    // Set aside at once, so that others who push meanwhile get other ids.
+    // Reserved at once, so that concurrent pushes get other ids.
     const std::lock_guard lock(impl_->mutex);
     check_block(block, impl_->next_id, impl_->waiting.dimension);
     first_id = impl_->next_id;

@@ -1,4 +1,4 @@
-// Points that have left their block: their global ids, and their coordinates bit for bit.
+// Points copied out of their block: global ids, and coordinates bit for bit.
 #pragma once
 
 #include <cstddef>
@@ -17,25 +17,25 @@ struct NumberedPoints {
 
   std::size_t size() const { return ids.size(); }
   std::size_t row_bytes() const { return dimension * scalar_size(scalar); }
-  /// Of memory for each point.
+  /// Memory a point.
   std::size_t point_bytes() const { return row_bytes() + sizeof(std::uint64_t); }
   PointView view() const;
 
-  /// Adds the points first + positions[i], i < count, of a view of the same dimension and scalar
-  /// type; positions null: first + i. Their ids are `first_id` beyond their place in the view.
+  /// Appends the points first + positions[i], i < count, of a view of the same dimension and scalar
+  /// type; positions null: first + i. Their ids are `first_id` plus their index in the view.
   void append(const PointView& from, std::uint64_t first, const std::uint32_t* positions,
               std::size_t count, std::uint64_t first_id);
-  /// Adds others of the same dimension and scalar type.
+  /// Appends others of the same dimension and scalar type.
   void append(const NumberedPoints& other);
-  /// Coordinates become doubles.
+  /// Converts the coordinates to doubles.
   void widen();
-  /// Orders by id; of an id that comes twice one is left.
+  /// Sorts by id; removes repeated ids.
   void sort();
-  /// Leaves those at these places, in that order.
+  /// Keeps those at these positions, in that order.
   void keep(const std::vector<std::uint64_t>& places);
 
  private:
-  void grow(std::size_t more);  ///< all of it or, where there is no memory, nothing
+  void grow(std::size_t more);  ///< reserves for `more` points; unchanged where that throws
 };
 
 /// Copies rows of a view, packed: those of first + positions[i], or first + i.

@@ -1,4 +1,4 @@
-// The way between a HullState and the points it holds, for code beside HullStream.
+// Converts between a HullState and the points it holds, for HullStream and others.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 namespace cullhull::internal {
 
 struct StateParts {
-  /// Of `seen` points whose extreme ones these are, ascending.
+  /// The state of `seen` points whose extreme points these are, ascending.
   static HullState state(NumberedPoints&& points, std::uint64_t seen) {
     HullState state;
     state.dimension_ = points.dimension;

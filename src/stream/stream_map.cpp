@@ -10,10 +10,11 @@
 namespace cullhull::internal {
 namespace {
 
-/// Beyond so many points a finer polytope drops hardly more, as nodes are limited by the cache.
+/// By dimension from 2D on: with more vertices a finer polytope culls hardly more, as the cache
+/// limits the nodes (a guess from the sizes of the planner's samples).
 constexpr std::uint64_t most_corners[] = {1 << 16, 1 << 15, 8000, 2500, 800};
 
-/// All of them, or as many as are worth it, evenly by id.
+/// The coordinates of all extreme points, or of so many, evenly by id.
 Array<double> corners_of(const NumberedPoints& extreme) {
   const std::uint64_t count = extreme.size(), most = most_corners[extreme.dimension - 2];
   const std::uint64_t taken = std::min(count, most);
@@ -37,7 +38,8 @@ std::unique_ptr<StreamMap> StreamMap::lay(const NumberedPoints& extreme, const R
   return std::unique_ptr<StreamMap>(new StreamMap(std::move(map)));
 }
 
-// Made on the first block that is large enough to show what they save: a stream has many more.
+// Built for the first block that is large enough to judge them by, as for a long pass: many more
+// blocks will follow.
 const GaugeShortcuts* StreamMap::shortcuts(const PointView& block, unsigned threads) const {
   constexpr std::uint64_t enough_to_show = 1 << 14, many = std::uint64_t{1} << 40;
   const std::lock_guard lock(mutex_);
@@ -47,13 +49,13 @@ const GaugeShortcuts* StreamMap::shortcuts(const PointView& block, unsigned thre
   return shortcuts_.get();
 }
 
-/// Positions, relative to `begin`, of the points left. What the table leaves in doubt the facet
-/// that each point's ray meets decides: it is few of them, and what is left then is outside.
+/// Positions, relative to `begin`, of the points kept. Points that the table keeps are tested once
+/// more, exactly, by the facet that their ray meets.
 std::size_t StreamMap::cull_chunk(const PointView& block, std::uint64_t begin, std::uint64_t end,
                                   const GaugeShortcuts* shortcuts, std::uint32_t* positions) const {
   const std::size_t doubtful =
       gauge_survivors(map_->table(), block, begin, end, positions, shortcuts);
-  // Where most are left the block lies elsewhere, and no facet will drop them.
+  // Where most are kept the block is outside the hull, and the facets would drop none either.
   if (doubtful > (end - begin) / 2) return doubtful;
   double row[GaugeMap::max_dimension];
   std::size_t left = 0;

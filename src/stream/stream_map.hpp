@@ -1,4 +1,4 @@
-// The filter of a stream: a gauge map on the hull of what came before, for all blocks that follow.
+// The filter of a stream: a gauge map of the hull of earlier blocks, for all later ones.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@ namespace cullhull::internal {
 /// Thread safe once made.
 class StreamMap {
  public:
-  /// On the hull of these points, all extreme; null where there is no useful one: in a flat, beyond
-  /// 6D, for too few points, or where the hull exceeds the budget.
+  /// Built from these points, all extreme; null where there is no useful map: in a flat, beyond 6D,
+  /// for too few points, or where the hull exceeds the budget.
   static std::unique_ptr<StreamMap> lay(const NumberedPoints& extreme, const Run& run);
 
-  /// Adds to `kept` the points of a block that are not provably strictly inside; a point that is
-  /// not finite is among them. `kept` has the block's dimension and scalar type.
+  /// Appends to `kept` the points of a block that are not provably strictly inside; points that are
+  /// not finite are kept. `kept` has the block's dimension and scalar type.
   void cull(const PointView& block, std::uint64_t first_id, const Run& run,
             NumberedPoints& kept) const;
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <compare>
+#include <iterator>
+#include <vector>
 
 #include "parallel/sorted.hpp"
 
@@ -18,7 +20,8 @@ class FacetCursor {
   void advance() {
     ++facet_;
     while (simplex_ < hull_.simplex_count() && hull_.simplex_facets[simplex_] < facet_) ++simplex_;
-    // Facets are numbered by their first simplices: the first one not numbered lower is facet_'s.
+    // Facets are numbered by their first simplices: the first simplex of facet `facet_` is the next
+    // one whose facet is not lower.
   }
   std::strong_ordering compare(const FacetCursor& b) const {
     const auto row = [](const FacetCursor& c) {
@@ -41,22 +44,12 @@ class FacetCursor {
 
 void count_changes(const Hull& before, const Hull& after, FrameReport& report) {
   const std::vector<std::uint64_t> old = sorted(before.vertices), now = sorted(after.vertices);
-  std::uint64_t stayed = 0;
-  for (auto a = old.begin(), b = now.begin(); a != old.end() && b != now.end();) {
-    if (*a == *b) {
-      ++stayed;
-      ++a;
-      ++b;
-    } else if (*a < *b) {
-      ++a;
-    } else {
-      ++b;
-    }
-  }
-  report.vertices_came = now.size() - stayed;
-  report.vertices_went = old.size() - stayed;
+  std::vector<std::uint64_t> both;
+  std::ranges::set_intersection(old, now, std::back_inserter(both));
+  report.vertices_came = now.size() - both.size();
+  report.vertices_went = old.size() - both.size();
 
-  stayed = 0;
+  std::uint64_t stayed = 0;
   if (before.affine_dimension == after.affine_dimension) {
     FacetCursor a(before), b(after);
     while (!a.done() && !b.done()) {

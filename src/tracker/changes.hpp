@@ -1,4 +1,4 @@
-// What came and went from one hull to the next.
+// What changed from one hull to the next.
 #pragma once
 
 #include "cullhull/hull.hpp"
@@ -6,7 +6,7 @@
 
 namespace cullhull::internal {
 
-/// Fills the counts of vertices and facets that came and went. Linear in the sizes of the hulls.
+/// Counts vertices and facets that came and went. Linear in the sizes of the hulls.
 void count_changes(const Hull& before, const Hull& after, FrameReport& report);
 
 }  // namespace cullhull::internal

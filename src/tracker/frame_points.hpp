@@ -1,4 +1,4 @@
-// The points of a frame, wherever they lie: what the tracker asks of them.
+// The points of a frame in host or device memory: the operations that the tracker needs.
 #pragma once
 
 #include <cstdint>
@@ -25,20 +25,20 @@ class FramePoints {
   const std::uint64_t count;
   const unsigned dimension;
 
-  /// The points as the host can read them; null: it cannot.
+  /// The points in host memory; null: they are elsewhere.
   virtual const PointView* on_host() const = 0;
   /// Packed rows of the points with these ids, which ascend; -0 becomes +0. Throws
   /// Error{not_finite} for the first bad point of all if one of these is bad.
   virtual Array<double> gather(const std::vector<std::uint64_t>& ids) = 0;
-  /// Nodes of a map the scan can hold close by; 0: the CPU's choice.
+  /// The most nodes of a map that fit the executor's cache; 0: the CPU's default.
   virtual std::uint32_t most_nodes() = 0;
-  /// Sets what the map keeps, where that was found, and adds why there to the reason.
+  /// Sets what the map keeps and where the pass ran, and appends why to the reason.
   virtual void scan(const GaugeMap& map, Survivors& result) = 0;
-  /// The rows of what a scan kept. Throws Error{not_finite} for the first bad point of all.
+  /// Gathers the rows of what a scan kept. Throws Error{not_finite} for the first bad point of all.
   virtual void fetch(Filtered& result) = 0;
-  /// The filter of a single set of points.
+  /// The filter as for a single set of points.
   virtual Filtered filter_afresh() = 0;
-  /// The hull of what a filter left.
+  /// The hull of a filter's survivors.
   virtual Hull hull(Filtered&& filtered) = 0;
 };
 
@@ -59,13 +59,13 @@ class HostFrame final : public FramePoints {
 
   const PointView points_;
   const Run& run_;
-  std::optional<CullPass> pass_;  ///< where it runs is decided when a scan is wanted
+  std::optional<CullPass> pass_;  ///< made when a scan is wanted
 };
 
-/// Points in a device's memory, which only leaders and survivors leave; all of them do where the
-/// CPU is asked for or chosen, for the pseudo-hull, and where the device's memory is full. Throws
-/// Error{backend_unavailable} where there is no device, Error{invalid_argument} for memory it does
-/// not read.
+/// Points in a device's memory. Only leaders and survivors are copied to the host; all points are
+/// where the CPU is asked for or chosen, for the pseudo-hull, and where the device's memory is
+/// full. Throws Error{backend_unavailable} where there is no device, Error{invalid_argument} for
+/// memory it cannot read.
 std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run& run);
 
 }  // namespace cullhull::internal

@@ -11,12 +11,13 @@
 namespace cullhull::internal {
 namespace {
 
-/// Where the scan keeps more than this share the leaders lie badly: then a sample of what is left
-/// makes a better second map than they do.
+/// Where the scan keeps more than this share, the leaders no longer span the hull: a sample of the
+/// survivors then makes a better second map. A guess.
 constexpr double coherent_share = 1.0 / 3;
 
-/// Nodes of the scan's map, as a share of what a static run would take. Leaders lie all over the
-/// hull, so a coarser map keeps hardly more, and the cones decide what it leaves in doubt.
+/// Nodes of the scan's map, as a share of those for a single set. Leaders are spread over the whole
+/// hull, so a coarser map keeps hardly more points, and the cones test those once more (a guess,
+/// not swept).
 constexpr double map_share = 0.5;
 
 /// Marks the survivors that are leaders; both lists ascend.
@@ -31,7 +32,8 @@ std::vector<char> mark_leaders(const std::vector<std::uint64_t>& survivors,
   return marks;
 }
 
-/// The last hull's surface with its vertices (leader i is vertex i) at their new places.
+/// The last hull's surface with its vertices at their new positions, which `rows` are. `leaders`,
+/// ascending, are the vertices' ids: vertex i of the surface is leader i.
 InnerPolytope moved_surface(const Hull& hull, const std::vector<std::uint64_t>& leaders,
                             std::vector<double>&& rows, const Run& run) {
   InnerPolytope p;

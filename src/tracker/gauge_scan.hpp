@@ -1,4 +1,4 @@
-// The filter of a frame, led by the vertices of the last one: our way, with a gauge map.
+// The filter of a frame by a gauge map on the last frame's vertices (the leaders).
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@
 namespace cullhull::internal {
 
 /// Drops points strictly inside the hull of the points `leaders` (ids, ascending) at their new
-/// places. False, and nothing done, where these give no map: they are too few, lie in a flat, or
-/// their hull exceeds the budget. Throws Error{not_finite} for the first bad point of all.
+/// positions. False, and nothing done, where they give no map: too few, in a flat, or their hull
+/// exceeds the budget. Throws Error{not_finite} for the first bad point of all.
 bool filter_by_leaders(FramePoints& points, const Hull& last,
                        const std::vector<std::uint64_t>& leaders, const Run& run, Filtered& result,
                        double& scan_seconds);

@@ -14,10 +14,11 @@
 namespace cullhull::internal {
 namespace {
 
-/// Beyond this share of points outside of their simplices all simplices are made anew.
+/// With more than this share of points outside of their simplices, all simplices are discarded (a
+/// guess).
 constexpr double coherent_share = 0.5;
 
-/// The planes of simplices whose corners have moved, in a frame as docs/exactness.md, P1, has it.
+/// The planes of simplices whose corners have moved, in a frame as in docs/exactness.md, P1.
 template <unsigned D>
 class MovedSimplices {
  public:
@@ -39,8 +40,9 @@ class MovedSimplices {
     return true;
   }
 
-  /// True only if x (as doubles, unscaled) is strictly inside simplex s. What lies outside of the
-  /// corners' box is outside of all simplices; the error bounds need not hold there.
+  /// True only if x (as doubles, unscaled) is strictly inside simplex s. A point outside of the
+  /// corners' bounding box is outside of all simplices; it is excluded because the error bounds
+  /// hold only within the box.
   bool inside(std::uint32_t s, const double* x) const {
     double y[D];
     bool within = true;
@@ -86,7 +88,7 @@ class MovedSimplices {
 
 constexpr std::uint64_t scan_chunk_size = 16384;
 
-/// Ids of the points that are not inside the simplices they were in; these forget theirs.
+/// Ids of the points that are no longer inside their simplices; their records are removed.
 template <unsigned D>
 std::vector<std::uint64_t> outside_simplices(const PointView& points,
                                              std::vector<std::uint32_t>& simplex_of,
@@ -159,7 +161,7 @@ Filtered SimplexMemory::filter(const PointView& points, const Run& run, bool& le
   return result;
 }
 
-/// Ids of points outside of their simplices, or all where the simplices have lost their shape.
+/// Ids of points outside of their simplices, or all where most simplices no longer hold.
 std::vector<std::uint64_t> SimplexMemory::scan(const PointView& points, const Run& run) {
   Array<double> corners;
   try {
@@ -176,7 +178,7 @@ std::vector<std::uint64_t> SimplexMemory::scan(const PointView& points, const Ru
   return ids;
 }
 
-/// A pseudo-hull of what is left, as one set unless that would be large.
+/// Grows a pseudo-hull of the remaining points, as one set unless that would be large.
 void SimplexMemory::grow(const PointView& points, Filtered& result, const Run& run) {
   const unsigned d = dimension_;
   const std::uint64_t left = result.survivors.ids.size();
@@ -190,7 +192,7 @@ void SimplexMemory::grow(const PointView& points, Filtered& result, const Run& r
   keep_of_survivors(result, d, kept);
 }
 
-/// Adds the simplices found; `ids`: the points they are about, nullptr: all.
+/// Adds the simplices found; `ids`: the ids of the points they were found for, nullptr: all.
 void SimplexMemory::remember(const SimplexRecord& found, const std::vector<std::uint64_t>* ids,
                              std::uint64_t count) {
   const std::uint64_t first = corners_.size() / (dimension_ + 1);
@@ -206,7 +208,7 @@ void SimplexMemory::remember(const SimplexRecord& found, const std::vector<std::
   if (corners_.size() / (dimension_ + 1) > 2 * after_compaction_) compact();
 }
 
-/// Drops the simplices that hold no point any more.
+/// Drops the simplices that hold no point.
 void SimplexMemory::compact() {
   const unsigned size = dimension_ + 1;
   std::vector<std::uint32_t> number(corners_.size() / size, 0);

@@ -1,4 +1,4 @@
-// The filter of a frame, led by the last one: the paper's way, with the simplices that culled.
+// The filter of a frame by the last frame's simplices: the paper's way for moving points.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,17 @@
 
 namespace cullhull::internal {
 
-/// For every point that was culled the simplex of points it was strictly inside of. In the next
-/// frame the simplices' planes are laid through their corners' new places, and each point is tested
+/// For every culled point the simplex of points that it was strictly inside of. In the next frame
+/// the simplices' planes are recomputed at their corners' new positions, and each point is tested
 /// against its own; only those no longer inside take part in growing a pseudo-hull again.
 class SimplexMemory {
  public:
-  /// Forgets everything.
+  /// Discards all simplices.
   void clear();
 
   /// The filter for a frame, in 2 to 8 dimensions, for more than d + 1 points. Every point it drops
-  /// is strictly inside a simplex of points at their places in this frame. `led` tells whether the
-  /// last frame's simplices were of use. Throws Error{not_finite} for the first bad point of all.
+  /// is strictly inside a simplex of points at their positions in this frame. `led` tells whether
+  /// the last frame's simplices were used. Throws Error{not_finite} for the first bad point of all.
   Filtered filter(const PointView& points, const Run& run, bool& led, double& scan_seconds);
 
  private:
@@ -33,7 +33,7 @@ class SimplexMemory {
   unsigned dimension_ = 0;
   std::vector<std::uint32_t> simplex_of_;  ///< by point; no_item: it survived
   std::vector<std::uint64_t> corners_;     ///< simplices x (dimension + 1) points
-  std::uint64_t after_compaction_ = 0;     ///< simplices
+  std::uint64_t after_compaction_ = 0;     ///< number of simplices after the last compaction
 };
 
 }  // namespace cullhull::internal

@@ -1,4 +1,4 @@
-// HullTracker: which way a frame goes, and what is remembered for the next.
+// HullTracker: chooses the filter of a frame, and keeps the state for the next.
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -27,12 +27,11 @@ struct HullTracker::Impl {
   FrameReport report;
   Survivors survivors;
   std::vector<std::uint64_t> leaders;  ///< the hull's vertices, ascending
-  /// Frames that go the static way before coherence is tried again, and how many the next failure
-  /// would cost.
+  /// Frames without leaders before they are tried again, and the length of the next such pause.
   std::uint64_t pause = 0, penalty = 1;
   SimplexMemory simplices;
 
-  /// Whether the last frame helps with this one.
+  /// Whether the last frame has the same points.
   bool follows(const FramePoints& points) const {
     return known && hull.point_count == points.count && hull.dimension == points.dimension;
   }
@@ -42,9 +41,10 @@ struct HullTracker::Impl {
     if (d < GaugeMap::min_dimension || d > GaugeMap::max_dimension || leaders.size() <= d)
       return false;
     if (options.cull == CullMethod::gauge) return true;
-    // A filter that takes little more than a pass needs nobody to lead it.
+    // A filter that takes little more than a pass does not gain from leaders.
     if (d == 3 && points.on_host() != nullptr && points.count <= most_by_outermost) return false;
-    // The leaders' hull costs what theirs share of the points would cost without a filter.
+    // The leaders' hull costs, as a share of the hull of all points without a filter, their share
+    // of the points: an eighth is allowed.
     return options.cull == CullMethod::automatic && pause == 0 &&
            points.count >= smallest_worth_culling(d) && leaders.size() <= points.count / 8;
   }
@@ -63,7 +63,8 @@ struct HullTracker::Impl {
     if (follows(points) && wants_gauge(points) &&
         filter_by_leaders(points, hull, leaders, run, filtered, now.scan_seconds)) {
       now.method = "gauge";
-      // Leaders that no longer lead cost a pass: for some frames do without.
+      // Leaders that did not help cost a pass: pause for some frames, at most 16, so that trying
+      // again costs a sixteenth.
       if (filtered.pass_survivors > points.count / 3) {
         pause = penalty;
         penalty = std::min<std::uint64_t>(2 * penalty, 16);
@@ -76,7 +77,7 @@ struct HullTracker::Impl {
     return points.filter_afresh();
   }
 
-  /// One frame; `points_of` makes its FramePoints.
+  /// Processes one frame; `points_of` makes its FramePoints.
   template <class PointsOf>
   const Hull& compute_next(const PointsOf& points_of) {
     const std::uint64_t index = frame++;
@@ -105,7 +106,7 @@ struct HullTracker::Impl {
     now.compute_seconds = seconds_since(start);
     next.statistics.cull_seconds = now.cull_seconds;
     next.statistics.compute_seconds = now.compute_seconds;
-    // From here on nothing throws but for want of memory, and the last hull is still whole.
+    // From here on only std::bad_alloc can be thrown, and the last hull is intact.
     count_changes(follows(points) ? hull : Hull(), next, now);
     leaders = sorted(next.vertices);
     std::swap(hull, next);

@@ -256,6 +256,25 @@ TEST(BenchRivals, BadUsage) {
   }
 }
 
+TEST(BenchStream, EveryFormatHasTheHullThatItHasInMemory) {
+  const Ran ran = run_app({"bench", "stream", "--scale", "0.0005", "--repeat", "1", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto report = nlohmann::json::parse(ran.out);
+  ASSERT_EQ(report["figures"].size(), 2U);
+  const auto& rates = report["figures"][0]["rows"];
+  ASSERT_EQ(rates.size(), 5U);
+  for (const auto& row : rates) {
+    EXPECT_TRUE(row["agrees"]) << row;
+    EXPECT_GT(row["vertices"], 100);
+    EXPECT_GT(row["values"]["plain read"], 0);
+    EXPECT_GT(row["values"]["streamed"], 0);
+  }
+  for (const auto& row : report["figures"][1]["rows"]) EXPECT_GT(row["values"]["streamed"], 1);
+  EXPECT_EQ(run_app({"bench", "stream", "--format", "doc"}).status, 2);
+  EXPECT_EQ(run_app({"bench", "stream", "--memory", "much"}).status, 2);
+  EXPECT_EQ(run_app({"bench", "stream", "--scale", "1e-5", "--folder", "/nowhere/at/all"}).status, 1);
+}
+
 const std::vector<std::string> calls = {"bench", "calls", "--seconds", "0", "--json"};
 
 TEST(BenchCalls, AFigureForEachLoadAndTheFirstCall) {

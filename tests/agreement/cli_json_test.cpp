@@ -118,6 +118,8 @@ TEST(CliJson, BenchSuites) {
       {"bench", "rivals", "--scale", "1", "--repeat", "1", "--workload", "cube-3d-100", "--json"},
       "bench");
   expect_json({"bench", "calls", "--seconds", "0", "--workload", "cube-3d-100", "--json"}, "bench");
+  expect_json({"bench", "stream", "--scale", "1e-5", "--repeat", "1", "--format", "las", "--json"},
+              "bench");
 }
 
 // What the bare flag becomes on its way to the parser is nobody's business.

@@ -11,6 +11,20 @@
 #include "distributed/communicator.hpp"
 #include "distributed/ranks.hpp"
 
+namespace {
+int duplicates = 0, freed_communicators = 0;  // that were made and freed through MPI's functions
+}
+
+// In the place of the library's own, which have a second name for that.
+extern "C" int MPI_Comm_idup(MPI_Comm comm, MPI_Comm* made, MPI_Request* request) {
+  ++duplicates;
+  return PMPI_Comm_idup(comm, made, request);
+}
+extern "C" int MPI_Comm_free(MPI_Comm* comm) {
+  ++freed_communicators;
+  return PMPI_Comm_free(comm);
+}
+
 namespace cullhull::testing_support {
 namespace {
 
@@ -137,6 +151,38 @@ TEST(MpiFaults, ArgumentsThatDoNotFitTogether) {
   // After all of these the communicator is as good as before.
   EXPECT_EQ(mpi::convex_hull(MPI_COMM_WORLD, mine).point_count,
             points_a_rank * static_cast<std::uint64_t>(world_size()));
+}
+
+// A duplicate costs a round of all ranks: one is made for a communicator, however often it is used,
+// also behind errors, and is gone with it.
+TEST(MpiFaults, OneDuplicateForACommunicator) {
+  const std::vector<double> cube = {0, 0, 0, 1, 1, 1, 0, 1, 0, 1, 0, 0};
+  const PointView mine = PointView::row_major(cube.data(), 4, 3);
+  MPI_Comm comm;
+  PMPI_Comm_dup(MPI_COMM_WORLD, &comm);
+  const int made = duplicates;
+  for (int k = 0; k < 5; ++k) {
+    mpi::JobOptions options;
+    options.root = k == 2 ? world_size() : 0;
+    error_of([&] { mpi::convex_hull(comm, mine, options); });
+  }
+  EXPECT_EQ(duplicates - made, 1);
+  const int before = freed_communicators;
+  MPI_Comm_free(&comm);
+  EXPECT_EQ(freed_communicators - before, 2);  // itself, and the duplicate
+  // One that is in use, as a Communicator is while it lives, is not shared.
+  const Options options;
+  PMPI_Comm_dup(MPI_COMM_WORLD, &comm);
+  {
+    internal::Communicator outer(comm, options), inner(comm, options);
+    std::uint64_t one[] = {1};
+    inner.sum(one);
+    outer.sum(one);
+    EXPECT_EQ(one[0],
+              static_cast<std::uint64_t>(world_size()) * static_cast<std::uint64_t>(world_size()));
+  }
+  EXPECT_EQ(duplicates - made, 3);
+  PMPI_Comm_free(&comm);
 }
 
 // What is longer than MPI counts travels in pieces; here of 1000 bytes.

@@ -9,7 +9,8 @@
 True
 
 `convex_hull` is the native function; `ConvexHull` and `HalfspaceIntersection` stand in for SciPy's
-classes of the same names, `TolerantConvexHull` for programs that assume tolerances. docs/python.md in the source tree tells the rest.
+classes of the same names, `TolerantConvexHull` for programs that assume tolerances. docs/python.md
+in the source tree has the rest.
 """
 
 from __future__ import annotations

@@ -86,7 +86,7 @@ def _columns(frame: Any) -> list[tuple[Any, Any]] | None:
 
 
 def _from_columns(columns: Iterable[tuple[Any, Any]], what: str) -> npt.NDArray[Any]:
-    """Each column by itself, so that no common type rounds one; what is missing is told."""
+    """Each column by itself, so that no common type rounds one; a missing value raises."""
     parts = []
     for name, column in columns:
         absent = np.asarray(column.isna() if hasattr(column, "isna") else column.is_null())

@@ -31,10 +31,10 @@ def as_device_points(points: Any) -> _core.DevicePoints | None:
 
 
 def _from_dlpack(points: Any) -> _core.DevicePoints:
-    """The maker is told which stream reads: its own default may be not to order anything."""
+    """Names the stream that reads: without it a library may order nothing."""
     try:
         capsule = points.__dlpack__(stream=_LEGACY_DEFAULT_STREAM)
-    except TypeError:  # it knows no streams: then all its work is waited for
+    except TypeError:  # no stream can be named: wait for all work of the device
         view = _core.DevicePoints.from_dlpack(points.__dlpack__(), points)
         _core.wait_for_cuda_device_of(view.data)
         return view

@@ -186,7 +186,7 @@ class ConvexHull(Incremental):
         del state["_solid"]
         grower = state.pop("_grower")
         if grower is not None and grower.hull._solid is not self._solid:
-            state["_grower"] = copy(grower)  # it goes on from more than `hull`
+            state["_grower"] = copy(grower)  # it holds more points than `hull`
         if callable(self._choices[-1]):  # it belongs to this process
             state["_choices"] = (*self._choices[:-1], None)
         return state
@@ -271,7 +271,7 @@ class ConvexHull(Incremental):
 
     @Lazy
     def good(self) -> npt.NDArray[np.bool_] | None:
-        """(s,) bool with ``QGn``: the simplices that point n sees, or does not see; else None."""
+        """(s,) bool with ``QGn``: the simplices visible, or not, from point n; else None."""
         point = self._options.good_point
         if point is None:
             return None

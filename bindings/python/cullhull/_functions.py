@@ -67,7 +67,7 @@ def convex_hull(
     NotFinite (a ValueError)
         For a NaN, an infinity or a missing value; names the first bad point.
     InvalidArgument (a ValueError), TypeError
-        For another shape, another type, or an option that is none.
+        For another shape, another type, or an unknown option.
     OutOfBudget (a MemoryError), BackendUnavailable (a RuntimeError), KeyboardInterrupt
 
     Examples
@@ -232,7 +232,7 @@ def generate(
 
 
 def shapes() -> dict[str, str]:
-    """The shapes that `generate` knows.
+    """The shapes that `generate` can make.
 
     Returns
     -------

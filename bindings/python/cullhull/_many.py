@@ -233,7 +233,7 @@ class GrowingHull:
     Raises
     ------
     InvalidArgument (a ValueError)
-        For a dimension that is none.
+        For an impossible dimension.
 
     Examples
     --------

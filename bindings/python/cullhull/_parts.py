@@ -65,7 +65,7 @@ def kept_in(part: Any, hull: Hull | None, first_id: int, where: str) -> npt.NDAr
 
 
 def _rows_in(rows: npt.NDArray[Any], vertices: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
-    """Which rows equal one of the vertices; few do, and a first coordinate tells most apart."""
+    """Which rows equal one of the vertices; few do, and the first coordinate excludes most."""
     found = np.zeros(rows.shape[0], dtype=bool)
     candidates = np.flatnonzero(np.isin(rows[:, 0], vertices[:, 0]))
     known = {tuple(v) for v in (vertices + 0.0).tolist()}

@@ -17,7 +17,7 @@ class QhullOptions:
     coplanar: bool = False
     #: Qi: list points strictly inside.
     interior: bool = False
-    #: QGn, QG-n: leave point n out and mark the facets it sees, or does not see.
+    #: QGn, QG-n: leave point n out and mark the facets visible, or not visible, from it.
     good_point: int | None = None
     good_if_visible: bool = True
     #: QJ: flat input is no error, not even where it is in SciPy.

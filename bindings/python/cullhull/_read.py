@@ -1,8 +1,9 @@
-"""Points from files whose readers are Python packages: LAZ, E57, Parquet, Zarr; and .npy."""
+"""Points from files whose readers are Python packages: LAZ, E57, Parquet, HDF5, Zarr; and .npy."""
 
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, Sequence
 from typing import Any, Union
 
@@ -25,7 +26,7 @@ def read(
 
     .las and .laz (LAZ and COPC: ``pip install laspy[lazrs]``) give the file's whole numbers, to
     which its scale and offset are not applied, so that a hull of them is exact; .e57 needs pye57,
-    .parquet pyarrow, .zarr zarr; .npy is mapped. All other formats are the program's
+    .parquet pyarrow, .zarr zarr, FILE.h5:/GROUP/NAME (a dataset) h5py; .npy is mapped. All other formats are the program's
     (``python -m cullhull hull FILE``).
 
     Parameters
@@ -61,6 +62,8 @@ def read(
     size = None if chunks is None else as_count(chunks, "chunks", least=1)
     name = os.fspath(path)
     ending = os.path.splitext(name)[1].lower()
+    if re.search(r"\.(h5|hdf5|he5|nc|nc4)(:|$)", name, re.IGNORECASE):
+        ending = ".h5"
     reader = _READERS.get(ending)
     if reader is None:
         raise BadFile(
@@ -107,6 +110,29 @@ def _slices(array: Any, columns: Columns, size: int, name: str) -> Iterator[npt.
 
 def _npy(name: str, columns: Columns, size: int) -> Iterator[npt.NDArray[Any]]:
     return _slices(np.load(name, mmap_mode="r"), columns, size, name)
+
+
+def _hdf5(name: str, columns: Columns, size: int) -> Iterator[npt.NDArray[Any]]:
+    h5py = _package("h5py", ".h5", "h5py")
+    path, dataset = name, ""
+    found = re.search(r"\.(h5|hdf5|he5|nc|nc4):", name, re.IGNORECASE)
+    if found and not os.path.exists(name):
+        path, dataset = name[: found.end() - 1], name[found.end() :]
+    with h5py.File(path, "r") as file:
+        arrays: list[str] = []
+
+        def note(where: str, item: Any) -> None:
+            if isinstance(item, h5py.Dataset) and item.ndim == 2 and item.dtype.kind in "fiu":
+                arrays.append("/" + where)
+
+        file.visititems(note)
+        if not dataset and len(arrays) == 1:
+            dataset = arrays[0]
+        if not isinstance(file.get(dataset) if dataset else None, h5py.Dataset):
+            raise InvalidArgument(
+                f"{path}: say which dataset, as FILE.h5:/NAME; there are {', '.join(arrays)}"
+            )
+        yield from _slices(file[dataset], columns, size, name)
 
 
 def _zarr(name: str, columns: Columns, size: int) -> Iterator[npt.NDArray[Any]]:
@@ -166,4 +192,5 @@ _READERS = {
     ".e57": _e57,
     ".parquet": _parquet,
     ".zarr": _zarr,
+    ".h5": _hdf5,
 }

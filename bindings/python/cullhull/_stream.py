@@ -88,7 +88,7 @@ class HullState:
 
     @property
     def point_count(self) -> int:
-        """How many points it stands for."""
+        """How many points were given to it."""
         return self._state.point_count
 
     def __len__(self) -> int:
@@ -189,7 +189,7 @@ class HullState:
         memory_budget: int | None = None,
         progress: Progress = None,
     ) -> Hull:
-        """The hull of all the points it stands for; indices count among all.
+        """The hull of all the points given; indices count among all of them.
 
         Parameters
         ----------
@@ -294,7 +294,7 @@ class HullStream:
     Raises
     ------
     InvalidArgument (a ValueError), TypeError
-        For an option that is none.
+        For an unknown option.
 
     Examples
     --------
@@ -323,7 +323,7 @@ class HullStream:
         Parameters
         ----------
         points : (n, d) array, or HullState
-            Read in place. A state stands for the points it was made of.
+            Read in place. A state counts for all the points it was made of.
         first_id : int, optional
             The index of the block's first point among all; by default the one after the highest so
             far.
@@ -413,8 +413,8 @@ class HullStream:
 
     @property
     def report(self) -> dict[str, int]:
-        """How it got on: ``point_count``, ``extreme`` points found exactly so far, points
-        ``waiting`` beside them, ``reductions`` (exact looks) and ``maps`` (filters laid)."""
+        """Statistics: ``point_count``, ``extreme`` points found exactly so far, points ``waiting``
+        beside them, ``reductions`` (exact hulls of both) and ``maps`` (filters built)."""
         return self._stream.report
 
     def __reduce__(self) -> tuple[Any, ...]:

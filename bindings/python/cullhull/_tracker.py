@@ -10,7 +10,7 @@ from ._hull import Hull
 
 
 class HullTracker:
-    """The exact hull of points that move, each frame led by the one before.
+    """The exact hull of points that move, each frame using the hull of the one before.
 
     Every hull is the one `convex_hull` gives for the same points, bit for bit, whatever the motion:
     the last frame only says which points to look at first. One thread at a time may use a tracker.
@@ -27,7 +27,7 @@ class HullTracker:
     Raises
     ------
     InvalidArgument (a ValueError), TypeError
-        For an option that is none.
+        For an unknown option.
 
     Examples
     --------
@@ -86,7 +86,7 @@ class HullTracker:
         Raises
         ------
         Error
-            As `convex_hull`, beginning with ``frame N:``; the tracker then still knows the last
+            As `convex_hull`, beginning with ``frame N:``; the tracker then keeps the last
             hull that succeeded. An update that is interrupted makes the next frame start afresh.
 
         Examples
@@ -108,7 +108,7 @@ class HullTracker:
     @property
     def report(self) -> dict[str, Any]:
         """What the last update that succeeded did: ``index`` of the frame, ``method`` ('gauge' or
-        'pseudo-hull': led by the last frame; 'static'), points left by the pass over all
+        'pseudo-hull': from the last frame; 'static'), points left by the pass over all
         (``scan_survivors``) and by the whole filter (``survivors``), ``vertices_came``,
         ``vertices_went``, ``facets_came``, ``facets_went`` against the frame before, seconds."""
         return self._tracker.report if self._report is None else self._report

@@ -229,7 +229,7 @@ def _ids_of(whole: Any) -> Any:
 
 
 def _sampled(part: Any, share: int) -> Any:
-    """Without what is not finite, which `kept_in` reports where it lies."""
+    """Some of the finite points; `kept_in` reports the others, with their indices."""
     some = as_points(part)[::share]
     return some[np.isfinite(some).all(axis=1)]
 

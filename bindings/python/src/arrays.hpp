@@ -1,5 +1,5 @@
-// Results as NumPy arrays: over the memory they lie in, which nobody may write to, or in memory of
-// their own. Made with NumPy's own functions, because most hulls take less time than a detour.
+// Results as NumPy arrays: read-only over the library's memory, or with memory of their own. Made
+// by NumPy's C functions, because most hulls take less time than nanobind's way.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -46,14 +46,14 @@ class Array : public nb::object {
            PyArray_TYPE(reinterpret_cast<PyArrayObject*>(h.ptr())) == NumpyScalar<T>::type_number;
   }
 
-  /// One with memory of its own, as yet without values.
+  /// An array with its own memory, not initialised.
   static Array make(std::initializer_list<std::size_t> shape) {
     return from(PyArray_New(&PyArray_Type, static_cast<int>(shape.size()), Shape(shape).sizes,
                             NumpyScalar<T>::type_number, nullptr, nullptr, 0, 0, nullptr));
   }
   /// A view of `data`, which `owner` keeps alive; read-only.
   static Array view(const T* data, std::initializer_list<std::size_t> shape, nb::handle owner) {
-    if (data == nullptr) return make(shape).lock();  // there is nothing in it
+    if (data == nullptr) return make(shape).lock();  // no items, so no memory to view
     Array array = from(PyArray_New(&PyArray_Type, static_cast<int>(shape.size()),
                                    Shape(shape).sizes, NumpyScalar<T>::type_number, nullptr,
                                    const_cast<T*>(data), 0, NPY_ARRAY_CARRAY_RO, nullptr));
@@ -62,7 +62,7 @@ class Array : public nb::object {
     return array;
   }
 
-  /// Whether its items lie one after another, along one axis.
+  /// Whether its items are contiguous along one axis.
   bool is_list() { return PyArray_NDIM(numpy()) == 1 && PyArray_IS_C_CONTIGUOUS(numpy()); }
   T* data() { return static_cast<T*>(PyArray_DATA(numpy())); }
   std::size_t size() { return static_cast<std::size_t>(PyArray_SIZE(numpy())); }
@@ -70,7 +70,7 @@ class Array : public nb::object {
     PyArray_CLEARFLAGS(numpy(), NPY_ARRAY_WRITEABLE);
     return std::move(*this);
   }
-  /// May be written to: for views of memory that nothing else shows.
+  /// Makes it writable: for memory that nothing else refers to.
   Array&& unlock() {
     PyArray_ENABLEFLAGS(numpy(), NPY_ARRAY_WRITEABLE);
     return std::move(*this);
@@ -91,14 +91,14 @@ class Array : public nb::object {
   PyArrayObject* numpy() { return reinterpret_cast<PyArrayObject*>(ptr()); }
 };
 
-/// A numpy.ndarray of int32, or int64 where that must be.
+/// A numpy.ndarray of int32, or int64 where int32 is too small.
 class IdArray : public nb::object {
  public:
   static constexpr auto Name = nb::detail::const_name("numpy.typing.NDArray[typing.Any]");
   IdArray(nb::handle h, nb::detail::borrow_t) : nb::object(h, nb::detail::borrow_t{}) {}
   IdArray(nb::handle h, nb::detail::steal_t) : nb::object(h, nb::detail::steal_t{}) {}
   template <class T>
-  IdArray(Array<T>&& array) : nb::object(std::move(array)) {}  // NOLINT: it is one
+  IdArray(Array<T>&& array) : nb::object(std::move(array)) {}  // NOLINT: implicit
   static bool check_(nb::handle h) { return PyArray_Check(h.ptr()); }
 };
 
@@ -113,15 +113,15 @@ Array<T> rows_of(const T* data, std::size_t rows, std::size_t width, nb::handle 
   return Array<T>::view(data, {rows, width}, owner);
 }
 
-/// Ids and offsets are below 2^63; NumPy's users want them signed, so that differences are too.
+/// Ids and offsets are below 2^63; for NumPy they are signed, so that differences can be negative.
 template <class Ids>
 const std::int64_t* signed_ids(const Ids& ids) {
   static_assert(std::is_same_v<typename Ids::value_type, std::uint64_t>);
   return reinterpret_cast<const std::int64_t*>(ids.data());
 }
 
-/// Numbers of facets or simplices. NumPy sees int32; more than 2^31 - 1 of them would need more
-/// memory for their planes than any machine has, but a wrong sign must never pass.
+/// Numbers of facets or simplices as int32. More than 2^31 - 1 of them need more memory for their
+/// planes than any machine has, but a wrong sign must not be possible.
 inline void check_numbers(std::size_t count) {
   if (count > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
     throw nb::builtin_exception(nb::exception_type::runtime_error,
@@ -134,14 +134,14 @@ const std::int32_t* signed_numbers(const Numbers& numbers, std::size_t count) {
   return reinterpret_cast<const std::int32_t*>(numbers.data());
 }
 
-/// Memory for `size` items of the type T, as yet without values, that may be taken and filled
-/// without the GIL before to_array() makes a NumPy array of it.
+/// Memory for `size` items of the type T, not initialised, that can be allocated and filled without
+/// the GIL, before to_array() makes a NumPy array of it.
 template <class T>
 class Output {
  public:
   explicit Output(std::size_t size) : size_(size), data_(new T[size]) {}
   T* data() noexcept { return data_.get(); }
-  /// `Shown`: the type NumPy sees, of the same size.
+  /// `Shown`: the item type for NumPy, of the same size.
   template <class Shown = T>
   Array<Shown> to_array() && {
     static_assert(sizeof(Shown) == sizeof(T));
@@ -156,7 +156,7 @@ class Output {
   std::unique_ptr<T[]> data_;
 };
 
-/// Over the memory of `owner` where there is any, else an array of its own.
+/// Views the memory of `owner` if there is any, else makes an array of its own.
 template <class T>
 Array<std::make_signed_t<T>> signed_list(const cullhull::EvenArray<T>& items, nb::handle owner) {
   using Shown = std::make_signed_t<T>;

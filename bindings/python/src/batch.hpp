@@ -1,4 +1,4 @@
-// Many hulls as Python holds them.
+// A batch of hulls as Python holds it.
 #pragma once
 
 #include <cstddef>

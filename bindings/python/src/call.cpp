@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::chrono::milliseconds signal_interval{50};
 
-/// What the working thread has to say to the waiting one.
+/// Messages from the working thread to the waiting one.
 class Mailbox {
  public:
   struct News {
@@ -32,7 +32,7 @@ class Mailbox {
     bool done = false;
   };
 
-  /// Of reports nobody has fetched yet, the last of each phase is kept.
+  /// Of several reports of a phase that were not fetched yet, only the last is kept.
   void report(const char* phase, double share) {
     {
       const std::lock_guard lock(mutex_);
@@ -61,13 +61,13 @@ class Mailbox {
   News news_;
 };
 
-/// Runs the caller's Python code, if any: progress callbacks and signal handlers.
+/// Runs the caller's Python code, if there is any: progress callbacks and signal handlers.
 void attend(const Mailbox::News& news, const nb::object& progress) {
   for (const auto& [phase, share] : news.reports) progress(phase, share);
   if (PyErr_CheckSignals() != 0) throw nb::python_error();
 }
 
-/// On this thread, which looks for signals wherever the library lets it.
+/// Runs on this thread, and checks for signals wherever the library polls.
 void run_and_poll(const Settings& settings, const std::function<void(const Options&)>& work) {
   using Clock = std::chrono::steady_clock;
   std::stop_source stop;
@@ -88,7 +88,7 @@ void run_and_poll(const Settings& settings, const std::function<void(const Optio
     const nb::gil_scoped_release release;
     work(options);
   } catch (...) {
-    if (!interruption) throw;  // else it is the stop
+    if (!interruption) throw;  // otherwise it is the effect of the stop
   }
   if (interruption) throw std::move(*interruption);
 }
@@ -100,7 +100,7 @@ void run_on_thread(const Settings& settings, const std::function<void(const Opti
   std::optional<nb::python_error> interruption;
   Options options = settings.options;
   options.stop = stop.get_token();
-  // Which device is current is a matter of each thread, and the caller's is what is meant.
+  // The current device is a property of each thread; the caller's is meant.
   if (options.device < 0 && options.backend != cullhull::Backend::cpu)
     options.device = cullhull::current_cuda_device();
   if (settings.shows_progress())
@@ -120,7 +120,7 @@ void run_on_thread(const Settings& settings, const std::function<void(const Opti
     for (bool done = false; !done;) {
       const Mailbox::News news = mailbox.wait();
       done = news.done;
-      if (interruption) continue;  // it was asked to stop, and will
+      if (interruption) continue;  // it was asked to stop
       const nb::gil_scoped_acquire acquire;
       try {
         attend(news, settings.progress);
@@ -180,7 +180,8 @@ void translate(const std::exception_ptr& e, void*) {
   }
 }
 
-// A callback may hold what holds these settings (a traceback, say): the collector must see it.
+// A callback may refer to an object that holds these settings (a traceback, say), so the garbage
+// collector must see it.
 int visit_progress(PyObject* self, visitproc visit, void* arg) {
   Py_VISIT(Py_TYPE(self));
   if (nb::inst_ready(self)) Py_VISIT(nb::inst_ptr<Settings>(self)->progress.ptr());
@@ -197,7 +198,7 @@ PyType_Slot settings_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(visit_p
 }  // namespace
 
 const Settings& settings_or_default(const Settings* settings) {
-  static const Settings* const as_a_rule = new Settings{};  // never freed: Python may be gone then
+  static const Settings* const as_a_rule = new Settings{};  // never freed: Python may have ended
   return settings != nullptr ? *settings : *as_a_rule;
 }
 
@@ -213,8 +214,8 @@ void run(const Settings* given, Length length, const std::function<void(const Op
   }
 }
 
-// A thread takes some 50 us to start and, on a busy machine, milliseconds; the bounds are where
-// that is at most some hundredths of the time that points of a ball or a sphere take.
+// Starting a thread takes some 50 us, on a busy machine milliseconds; with these bounds that is at
+// most some hundredths of the time that points of a ball or a sphere take.
 Length length_of(const cullhull::PointView& points) noexcept {
   const std::uint32_t d = points.dimension;
   const std::uint64_t n = points.count;

@@ -24,7 +24,7 @@ using cullhull::ScalarType;
 
 namespace {
 
-/// A view and the Python object whose memory it is of.
+/// A view, and the Python object that owns its memory.
 struct DevicePoints {
   DevicePointView view;
   nb::object owner;
@@ -46,8 +46,8 @@ DevicePoints from_interface(std::uintptr_t data, std::uint64_t count, std::uint3
   return points;
 }
 
-/// A capsule of DLPack whose maker was asked to order its work before the default stream, which is
-/// the view's.
+/// A DLPack capsule whose producer was asked to order its work before the default stream, which the
+/// view uses.
 DevicePoints from_dlpack(const nb::object& capsule, nb::object owner) {
   const auto array = nb::cast<nb::ndarray<nb::ro, nb::ndim<2>>>(capsule);
   const bool is_double = array.dtype() == nb::dtype<double>();
@@ -111,7 +111,7 @@ void bind_device(nb::module_& m) {
   m.def("convex_hull_of_device_points", convex_hull, nb::arg("points"), nb::arg("settings").none());
   m.def("cull_device_points", cull, nb::arg("points"), nb::arg("settings").none());
   m.def("cuda_status", cuda_status);
-  // On the calling thread: the per-thread default stream is its own.
+  // On the calling thread, as the per-thread default stream belongs to it.
   m.def(
       "wait_for_cuda_stream",
       [](std::uintptr_t stream) {

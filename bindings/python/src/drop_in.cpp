@@ -1,4 +1,4 @@
-// The arrays of the class that stands in for SciPy's: of its types, and the caller's to change.
+// The arrays of the drop-in class for SciPy's: with its types, and writable.
 #include <nanobind/nanobind.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 
 using Self = SolidHandle;
 
-/// int32 as SciPy has, or int64 where an id needs it.
+/// int32 as in SciPy, or int64 where an id needs it.
 template <class Ids>
 IdArray ids_like_scipys(const Ids& ids, std::initializer_list<std::size_t> shape) {
   const auto fits = [](std::uint64_t id) {
@@ -56,7 +56,7 @@ Array<double> equations(Self self) {
   const Hull& h = hull_in(self);
   const std::size_t width = std::size_t{h.dimension} + 1, count = h.simplex_count();
   Array<double> all = Array<double>::make({count, width});
-  if (h.facet_count() == count) {  // in their order: facets go by their first simplex
+  if (h.facet_count() == count) {  // in order, as facets are numbered by their first simplex
     std::copy_n(h.facet_planes.data(), count * width, all.data());
     return all;
   }

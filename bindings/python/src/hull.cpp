@@ -73,7 +73,7 @@ nb::typed<nb::dict, nb::str, nb::str> shapes() {
   return all;
 }
 
-/// A file of `solid` over `array`, or, for None, over its own vertices, numbered by their place.
+/// Writes a file of `solid` and the points `array`, or, for None, its own vertices, renumbered.
 void save(const std::string& path, const Solid& solid, nb::handle array,
           const std::string& format) {
   if (!array.is_none()) {
@@ -106,7 +106,7 @@ nb::typed<nb::dict, nb::str, nb::any> statistics(const Solid& solid) {
   return all;
 }
 
-/// The same hull, of points among which one more has this id and no part in the hull.
+/// The same hull, of points among which another one, which does not affect the hull, has this id.
 std::unique_ptr<Solid> skipping(const Solid& solid, std::uint64_t id) {
   Hull hull = solid.hull();
   hull.rename([id](std::uint64_t v) { return v >= id ? v + 1 : v; });

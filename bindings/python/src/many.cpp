@@ -115,7 +115,7 @@ class Grower {
         [&](const Options& options) { outside = growing_.add(points.view(), options); });
     return outside;
   }
-  /// The hull as it is now, in a copy that further points do not change.
+  /// A copy of the present hull, which further points do not change.
   std::unique_ptr<Solid> solid() {
     const Busy busy(busy_, adding);
     const cullhull::Hull& hull = growing_.hull();

@@ -1,5 +1,5 @@
-// The extension module cullhull._core: thin, complete, and private. What users see is the Python
-// around it (bindings/python/cullhull), which converts arguments and wraps results.
+// The extension module cullhull._core: complete and private. The public interface is the Python
+// code around it (bindings/python/cullhull), which converts arguments and wraps results.
 #define CULLHULL_IMPORTS_NUMPY
 #include <nanobind/nanobind.h>
 

@@ -1,4 +1,4 @@
-// NumPy's C functions, whose table is imported once, by module.cpp.
+// NumPy's C functions; module.cpp imports their table once.
 #pragma once
 
 #define PY_ARRAY_UNIQUE_SYMBOL cullhull_numpy_api
@@ -7,5 +7,5 @@
 #ifndef CULLHULL_IMPORTS_NUMPY
 #define NO_IMPORT_ARRAY
 #endif
-#include <nanobind/nanobind.h>  // Python.h as nanobind wants it
+#include <nanobind/nanobind.h>  // before Python.h
 #include <numpy/arrayobject.h>

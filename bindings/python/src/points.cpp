@@ -12,7 +12,7 @@ using cullhull::ScalarType;
 
 namespace {
 
-/// By size, because C has several names for an integer of 32 bits.
+/// By size, because C has several integer types of 32 bits.
 std::optional<ScalarType> scalar_of(int type, std::size_t size) {
   if (type == NPY_FLOAT64) return ScalarType::f64;
   if (type == NPY_FLOAT32) return ScalarType::f32;

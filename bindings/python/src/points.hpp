@@ -1,4 +1,4 @@
-// A NumPy array as a PointView, read where it lies.
+// A NumPy array as a PointView, read in place.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -7,12 +7,12 @@
 
 namespace binding {
 
-/// Keeps a two-dimensional array alive, and so the memory it lies in: nobody can free it meanwhile.
-/// Created and destroyed with the GIL held; view() needs none.
+/// Keeps a two-dimensional array and its memory alive. Created and destroyed with the GIL held;
+/// view() does not need it.
 class Points {
  public:
-  /// Throws TypeError for what is no NumPy array or of a scalar type that cannot be read in place
-  /// (cullhull/_arguments.py converts those first), ValueError for another number of axes.
+  /// Throws TypeError for other objects than NumPy arrays, and for scalar types that cannot be read
+  /// in place (cullhull/_arguments.py converts those first), ValueError for another number of axes.
   explicit Points(nanobind::handle array);
 
   const cullhull::PointView& view() const noexcept { return view_; }

@@ -1,4 +1,4 @@
-// Questions to a hull, one array of them at a time.
+// Queries of a hull, for arrays of points.
 #include "cullhull/query.hpp"
 
 #include <nanobind/nanobind.h>

@@ -22,7 +22,7 @@ using cullhull::Simplification;
 
 namespace {
 
-/// What a solid knows of its points: the vertices, numbered by their place.
+/// The points of a solid: its vertices, numbered by their position.
 struct Vertices {
   explicit Vertices(const Solid& solid)
       : hull(solid.by_place()),

@@ -39,7 +39,7 @@ Solid::Solid(Hull hull, std::vector<double> vertex_rows)
 const std::vector<std::uint64_t>& Solid::ids() const {
   std::call_once(sorted_, [this] {
     ids_ = hull_.vertices;
-    std::sort(ids_.begin(), ids_.end());  // already so but for polygons, which go round
+    std::sort(ids_.begin(), ids_.end());  // a polygon's are in cyclic order
   });
   return ids_;
 }

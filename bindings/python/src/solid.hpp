@@ -1,4 +1,4 @@
-// A hull as Python holds it: the result, the coordinates of its vertices, and its questions.
+// A hull as Python holds it: the result, the coordinates of its vertices, and its queries.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -14,7 +14,7 @@
 
 namespace binding {
 
-/// Independent of the array it was computed from: that may change or go away.
+/// Independent of the array it was computed from, which may change or be freed.
 class Solid {
  public:
   /// `points`: those the hull was computed from.
@@ -25,15 +25,15 @@ class Solid {
   const cullhull::Hull& hull() const noexcept { return hull_; }
   const std::vector<double>& vertex_rows() const noexcept { return vertex_rows_; }
 
-  /// Prepared at the first question; any thread may ask, with or without the GIL.
+  /// Prepared at the first query; callable from any thread, with or without the GIL.
   const cullhull::HullQuery& query() const;
-  /// The ids of the vertices, ascending: their places in this list are how query() counts them.
+  /// The ids of the vertices, ascending: query() numbers them by their position here.
   const std::vector<std::uint64_t>& ids() const;
-  /// The hull over its vertices alone, numbered by their place, and their coordinates.
+  /// The hull over its vertices alone, numbered by their position, and their coordinates.
   cullhull::Hull by_place() const;
   std::vector<double> rows_by_place() const;
-  /// This hull was computed over the vertices of `whole` by place: gives it back their ids. To be
-  /// called before any other member.
+  /// For a hull computed over the vertices of `whole` by position: restores their ids. To be called
+  /// before any other member.
   void renumber(const Solid& whole);
 
  private:
@@ -44,7 +44,7 @@ class Solid {
   mutable std::unique_ptr<cullhull::HullQuery> query_;
 };
 
-/// The ids of `count` points that a filter kept, as NumPy has them.
+/// The ids of `count` points that a filter kept, as a NumPy array.
 inline Output<std::int64_t> kept_ids(const cullhull::Survivors& survivors, std::uint64_t count) {
   Output<std::int64_t> ids(survivors.size(count));
   for (std::uint64_t i = 0; i < survivors.size(count); ++i)
@@ -52,7 +52,7 @@ inline Output<std::int64_t> kept_ids(const cullhull::Survivors& survivors, std::
   return ids;
 }
 
-/// How Python sees a hull whose arrays it shows: by its object, which keeps their memory.
+/// Shows a hull's arrays to Python: they refer to its object, which keeps their memory.
 using SolidHandle = nanobind::handle_t<Solid>;
 inline const cullhull::Hull& hull_in(SolidHandle self) {
   return nanobind::inst_ptr<Solid>(self)->hull();

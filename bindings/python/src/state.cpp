@@ -1,5 +1,5 @@
 // Hulls, batches and triangulations as plain values and arrays, and back: for pickle and what is
-// built on it.
+// based on it.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
@@ -39,7 +39,7 @@ void require(bool holds, const char* what) {
   if (!holds) refuse(what);
 }
 
-/// What NumPy sees of the library's integers.
+/// The type that NumPy shows for the library's integers.
 template <class T, bool = std::is_integral_v<T>>
 struct Shown {
   using type = T;
@@ -51,7 +51,7 @@ struct Shown<T, true> {
 template <class T>
 using shown_t = typename Shown<std::remove_const_t<T>>::type;
 
-/// A view of `list` in memory that `owner` keeps.
+/// A view of `list`, whose memory `owner` keeps.
 template <class List>
 nb::object saved(const List& list, nb::handle owner) {
   using T = shown_t<typename List::value_type>;
@@ -65,7 +65,7 @@ nb::object copied(const List& list) {
   std::copy(list.begin(), list.end(), array.data());
   return array;
 }
-/// The same as saved(); (count, step) where the items take no memory.
+/// The same as saved(); (count, step) where the items are not stored.
 template <class T>
 nb::object saved(const EvenArray<T>& list, nb::handle owner) {
   if (list.step() != nullptr) return nb::make_tuple(list.size(), *list.step());
@@ -130,7 +130,7 @@ ScalarType scalar_named(const std::string& name) {
   refuse("scalar");
 }
 
-/// Strings the library has, so that `const char*` in a result stays what it was.
+/// The library's own string constants, as `const char*` in a result must not dangle.
 const char* known(const std::string& text, std::initializer_list<const char*> words) {
   for (const char* word : words)
     if (text == word) return word;
@@ -146,7 +146,7 @@ void check_version(const State& state) {
                               std::to_string(state_version) + ")");
 }
 
-// What both have, member by member: `each(name, member)`.
+// The members that both have: `each(name, member)`.
 
 template <class H, class Each>
 void each_member(H& h, Each&& each) {
@@ -222,7 +222,7 @@ State state_of_solid(SolidHandle self) {
   state["affine_dimension"] = h.affine_dimension;
   state["volume"] = h.volume;
   state["area"] = h.area;
-  // Mostly the facets are the simplices, and their lists one.
+  // Usually the facets are the simplices, and share one list.
   state["facet_vertices"] =
       h.facets.items.shares(h.simplices) ? nb::none() : saved(h.facets.items, self);
   state["vertex_rows"] = saved(nb::inst_ptr<Solid>(self)->vertex_rows(), self);
@@ -248,7 +248,7 @@ void load_statistics(const State& state, cullhull::Statistics& s) {
   s.backend = known(backend, {"cpu", "cuda"});
 }
 
-/// Whatever a question would go by: a wrong number must not lead out of an array.
+/// Checks every index that a query would use: a wrong one must not lead out of an array.
 void check(const Hull& h, const std::vector<double>& vertex_rows) {
   const std::size_t d = h.dimension, k = simplex_width(h), facets = h.facet_count();
   require(d > 0 && h.affine_dimension >= -1 && h.affine_dimension <= static_cast<int>(d),
@@ -301,7 +301,8 @@ State state_of_batch(nb::handle_t<Batch> self) {
   return state;
 }
 
-/// The lists of all sets; what one set's own hold is checked when it is asked for (Batch::at).
+/// Checks the lists of all sets; those of a single set are checked when it is requested
+/// (Batch::at).
 void check(const Batch& batch) {
   const HullBatch& b = batch.hulls;
   const std::size_t sets = b.size(), facets = b.facets.size();

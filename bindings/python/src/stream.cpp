@@ -45,7 +45,8 @@ std::unique_ptr<Solid> solid_of(const HullState& state, const Settings* settings
   return solid;
 }
 
-/// Runs to its end, then raises what came meanwhile: a push is done or not done, never half.
+/// Runs to its end, then raises a pending signal's exception: a push is done completely or not at
+/// all.
 template <class Work>
 void run_whole(const Settings* settings, const cullhull::PointView& points, const Work& work) {
   run(settings, length_of(points), [&](const Options&) { work(); });

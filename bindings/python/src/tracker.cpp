@@ -20,11 +20,11 @@ using cullhull::Options;
 
 namespace {
 
-/// A tracker keeps the options of its construction; here each update may be stopped and watched by
-/// itself. A stop that was requested cannot be taken back, so an interrupted tracker starts afresh.
+/// A tracker keeps the options of its construction; here each update can be stopped and observed
+/// separately. A requested stop cannot be withdrawn, so an interrupted tracker starts afresh.
 class Tracker {
  public:
-  /// `frames`: how many there were before, of a tracker that this one goes on for.
+  /// `frames`: the number of frames before, for a tracker that continues another one.
   Tracker(const Settings* settings, std::uint64_t frames)
       : options_(settings_or_default(settings).options), frames_(frames) {
     start();

@@ -192,6 +192,24 @@ def test_read_npy_in_chunks(tmp_path):
         cullhull.read(tmp_path / "a.obj")
 
 
+def test_read_hdf5_by_dataset(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    points = cullhull.generate("ball", 1000)
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        file["scan/points"] = points
+    assert np.array_equal(cullhull.read(path), points)
+    with h5py.File(path, "a") as file:
+        file["other"] = points[:7]
+    assert np.array_equal(cullhull.read(f"{path}:/scan/points"), points)
+    blocks = list(cullhull.read(f"{path}:other", columns=[2, 0], chunks=3))
+    assert [len(b) for b in blocks] == [3, 3, 1]
+    assert np.array_equal(np.concatenate(blocks), points[:7, [2, 0]])
+    for name in (path, f"{path}:nothing", f"{path}:scan"):
+        with pytest.raises(ValueError, match="/other, /scan/points"):
+            cullhull.read(name)
+
+
 def test_read_parquet_by_column(tmp_path):
     pa = pytest.importorskip("pyarrow")
     parquet = pytest.importorskip("pyarrow.parquet")

@@ -29,6 +29,7 @@ class Cullhull(CMakePackage):
         return [
             *(self.define(f"CULLHULL_BUILD_{part}", False) for part in off),
             self.define("CULLHULL_WITH_QHULL", False),
+            self.define("CULLHULL_WITH_HDF5", "OFF"),
             self.define_from_variant("CULLHULL_SHARED", "shared"),
             self.define_from_variant("CULLHULL_BUILD_APPS", "apps"),
         ]

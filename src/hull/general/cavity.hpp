@@ -1,4 +1,4 @@
-// What one insertion works with: the facets a point sees, their border, and a worker's scratch.
+// The data of one insertion: the facets visible from a point, their border, and a worker's scratch.
 #pragma once
 
 #include <atomic>
@@ -13,26 +13,26 @@
 
 namespace cullhull::internal {
 
-/// A ridge between a facet that the point sees and one that it does not.
+/// A ridge between a facet that is visible from the point and one that is not.
 struct HorizonRidge {
   std::uint32_t facet, outside;
   std::uint8_t apex;  ///< index in `facet` of the vertex opposite to the ridge
-  std::uint8_t back;  ///< the same in `outside`
+  std::uint8_t back;  ///< the same in facet `outside`
 };
 
-/// A run of the insertion order, near one another in space, and its next point's cavity.
+/// A part of the insertion order, of points near one another, and the cavity of its next point.
 struct Stream {
   std::uint32_t next = 0, end = 0;
   std::uint32_t hint = 0;  ///< a facet near the last point
   bool found = false;      ///< visible and horizon are those of point `next`
   bool accepted = false;
-  /// The `seen` facets that it sees; then, once accepted, further slots, if new facets need more.
+  /// The `seen` visible facets; once accepted also further slots, if new facets need more.
   std::vector<std::uint32_t> visible;
   std::size_t seen = 0;
   std::vector<HorizonRidge> horizon;
 };
 
-/// A worker's part of a batch: what others take, too, when they have done their own.
+/// A worker's part of a batch; workers that finish early take from others' parts.
 struct alignas(64) Share {
   std::atomic<std::size_t> next{0};
   std::size_t end = 0;
@@ -52,12 +52,12 @@ struct Lane {
   }
   RawArray<std::uint8_t> visited;  ///< of every facet slot; all zero between searches
   std::size_t visited_size = 0;
-  std::vector<std::uint32_t> vertices, neighbours, ridges;  // of new facets
+  std::vector<std::uint32_t> vertices, neighbours, ridges;  // of the new facets
   std::vector<std::uint64_t> table;                         // of ridges
   std::vector<std::uint32_t> candidates;
   std::vector<std::uint8_t> apex;
   std::vector<float> planes;
-  std::vector<float> offset;  // the point seen from O
+  std::vector<float> offset;  // the point relative to O
   std::vector<const double*> rows, simplex_rows;
   std::vector<double> minors;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;

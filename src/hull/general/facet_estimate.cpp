@@ -1,10 +1,10 @@
-// Facets = vertices x facets per vertex, each extrapolated by itself.
+// Facets = vertices x facets per vertex, each extrapolated separately.
 //
-// Facets per vertex: those of random points on a sphere in R^d tend to a limit as their number V
-// grows, and their spacing squared, V^(-2 / (d - 1)), goes to 0. Other bodies are held against the
-// sphere at the size of a sample. Beyond 8D hulls that can be built have few vertices, whatever the
-// body, and are compared with the most facets that as many vertices can have.
-// Vertices: by linear programs, whether each of a few points is extreme among all.
+// Facets per vertex: for random points on a sphere in R^d these tend to a limit as the number V of
+// points grows and their squared spacing, V^(-2 / (d - 1)), goes to 0. Other bodies are compared
+// with the sphere at the size of a sample. Beyond 8D hulls that can be built have few vertices,
+// whatever the body, and are compared with the most facets that as many vertices can have.
+// Vertices: linear programs decide for a few points whether each is extreme among all.
 #include "hull/general/facet_estimate.hpp"
 
 #include <algorithm>
@@ -23,8 +23,8 @@
 namespace cullhull::internal {
 namespace {
 
-/// Facets per vertex of random points on a sphere: in the limit (limit), and for V = 20, 40, ...
-/// 640 points how far from it (limit / value - 1). Measured.
+/// Facets per vertex of random points on a sphere: the limit, and for V = 20, 40, ... 640 points
+/// the relative distance from it (limit / value - 1). Measured.
 constexpr unsigned table_size = 6;
 struct Sphere {
   double limit;
@@ -38,8 +38,9 @@ constexpr Sphere spheres[] = {
     {10262, {177, 37.2, 15, 7.4, 4.08, 2.59}},       // 8D
 };
 
-/// Between the measured sizes along a power law, beyond them along the theory's, a little steeper.
-/// Beyond 8D: limits grow by d - 0.1, distances by about 2.5.
+/// Between the measured sizes along a power law; beyond them with the exponent -2.4 / (d - 1), a
+/// little steeper than the theory's. Beyond 8D limits grow by the factor d - 0.1 for each
+/// dimension, distances by about 2.5.
 double facets_per_vertex(double vertices, unsigned d) {
   const Sphere& s = spheres[std::clamp(d, 4U, 8U) - 4];
   const double at = std::clamp(std::log2(std::max(vertices, 20.0) / 20), 0.0, table_size - 1.0);
@@ -88,17 +89,18 @@ SampleHull hull_of(const LocalPoints& points, const std::uint32_t* ids, std::uin
   return result;
 }
 
-/// Expected number of extreme points among `size` random points, from tests of a few of them.
+/// Expected number of extreme points among `size` random points, estimated by testing a few of
+/// them.
 double extreme_among(const LocalPoints& points, const std::vector<std::uint32_t>& ids,
                      std::uint32_t size, const Run& run) {
-  // 24 extreme points found put the estimate within a fifth (a standard deviation).
+  // With 24 extreme points found the estimate has a standard deviation of a fifth (1 / sqrt(24)).
   constexpr std::uint32_t block = 64, most_tests = 1024, enough = 24;
   const PointColumns others(points, {ids.begin(), ids.begin() + size}, run.control);
   PointColumns working(
       points, {ids.begin(), ids.begin() + std::min<std::uint32_t>(size, 32 * points.dimension)},
       run.control);
   std::uint32_t tested = 0, found = 0;
-  // Where few are extreme, more are tested; those that are not are tested fast.
+  // Where few points are extreme, more are tested; points that are not extreme are tested fast.
   while (tested < std::min(most_tests, size) && found < enough) {
     const std::uint32_t count = std::min(block, size - tested);
     std::vector<std::uint8_t> extreme(count, 0);
@@ -117,10 +119,10 @@ double extreme_among(const LocalPoints& points, const std::vector<std::uint32_t>
   return static_cast<double>(size) * std::max(found, 1U) / tested;
 }
 
-/// The share of most_facets(V, d) is about (1 + m / b)^(1 - d/2), m = V - d - 1: of the most by
-/// definition for a simplex, and linear in V in the end, as it is on a sphere. Measured for random
-/// points in balls, on spheres, in cubes, from 9D to 16D: b is 50 to 160, falling slowly with m, so
-/// that what a small sample says of b is right within a factor of 2 for ten times its points.
+/// The ratio to most_facets(V, d) is about (1 + m / b)^(1 - d/2), m = V - d - 1: 1 for a simplex by
+/// definition, and such that the number of facets becomes linear in V, as on a sphere. Measured for
+/// random points in balls, on spheres and in cubes, from 9D to 16D: b is 50 to 160 and falls slowly
+/// with m, so that b of a small sample predicts ten times its points within a factor of 2.
 double extrapolate(const SampleHull& sample, double vertices, unsigned d) {
   const double power = d / 2 - 1.0;
   const double most = most_facets(static_cast<std::uint64_t>(sample.vertices), d);
@@ -131,7 +133,8 @@ double extrapolate(const SampleHull& sample, double vertices, unsigned d) {
          std::pow(1 + rise * (vertices - d - 1) / m, -power);
 }
 
-/// Beyond 8D: as many points as have no more facets than take some hundredths of a second.
+/// Beyond 8D: the largest sample that cannot have more facets than take some hundredths of a
+/// second.
 std::uint32_t affordable_sample(std::uint32_t count, unsigned d) {
   const double most = std::max(1000.0, 2e7 / std::pow(d, 3));
   std::uint32_t size = std::min(count, d + 3);
@@ -139,7 +142,8 @@ std::uint32_t affordable_sample(std::uint32_t count, unsigned d) {
   return size;
 }
 
-/// Facets of a set of `vertices` extreme points, of at most n points, seen by the sample's.
+/// Facets of a set with `vertices` extreme points, of at most n points, extrapolated from the
+/// sample.
 double extrapolated_facets(const SampleHull& sample, double vertices, std::uint64_t n, unsigned d) {
   const double facets = d > 8 ? extrapolate(sample, vertices, d)
                               : vertices * facets_per_vertex(vertices, d) * sample.facets /
@@ -168,7 +172,7 @@ double smooth_facets(double vertices, unsigned d) {
 FacetEstimate estimate_facets(const LocalPoints& points, const Run& run) {
   const unsigned d = points.dimension;
   constexpr std::uint32_t largest_set = 20000;
-  constexpr double enough_facets = 40000;  // the last sample has two or three times as many
+  constexpr double enough_facets = 40000;  // the last sample has up to 3 times as many: 0.1 s
   const std::uint32_t n = points.count, set = std::min(n, largest_set);
   const std::vector<std::uint32_t> ids = random_points(n, set);
 
@@ -181,7 +185,7 @@ FacetEstimate estimate_facets(const LocalPoints& points, const Run& run) {
     size = std::min(set, size + size / 2);
   }
   double vertices = extreme_among(points, ids, set, run);
-  if (set < n) {  // by the exponent between a quarter of the set and the set
+  if (set < n) {  // extrapolates from a quarter of the set and the set
     const double quarter = extreme_among(points, ids, set / 4, run);
     const double exponent = std::clamp(std::log(vertices / quarter) / std::log(4.0), 0.0, 1.0);
     vertices *= std::pow(static_cast<double>(n) / set, exponent);
@@ -198,7 +202,7 @@ void check_facets(const LocalPoints& points, std::uint64_t bytes_per_facet, cons
   if (std::min(smooth_facets(points.count, d), most_facets(points.count, d)) <= affordable) return;
   const FacetEstimate e = estimate_facets(points, run);
   if (e.facets <= affordable) return;
-  const auto rounded = [](double v) {  // two digits: it is an estimate
+  const auto rounded = [](double v) {  // two digits, as it is an estimate
     const double unit = std::pow(10.0, std::max(0.0, std::floor(std::log10(std::max(v, 1.0))) - 1));
     std::string digits =
         std::to_string(static_cast<std::uint64_t>(std::min(std::round(v / unit) * unit, 1e18)));

@@ -1,4 +1,4 @@
-// How many facets a hull will have, before it is built.
+// Estimates the number of facets of a hull before it is built.
 #pragma once
 
 #include <cstdint>
@@ -15,16 +15,17 @@ struct FacetEstimate {
 /// The most facets n points can have (McMullen 1970, the upper bound theorem), or infinity.
 double most_facets(std::uint64_t n, unsigned d);
 
-/// Facets where all n points are extreme on a smooth body: what a cheap first look assumes.
+/// Facets where all n points are extreme on a smooth body: the assumption of a first, cheap
+/// estimate.
 double smooth_facets(double vertices, unsigned d);
 
-/// Extrapolated from the hulls of small samples and from how many of a few points are extreme.
-/// Usually within a factor of 2. Takes tenths of a second; deterministic.
+/// Extrapolated from the hulls of small samples and from the share of a few points that are
+/// extreme. Usually within a factor of 2. Takes tenths of a second; deterministic.
 FacetEstimate estimate_facets(const LocalPoints& points, const Run& run);
 
 /// Throws Error{out_of_budget} with the estimate if the hull is expected to need more than
-/// `budget` bytes, at `bytes_per_facet`. Costs nothing where n points cannot need that much on a
-/// smooth body.
+/// run.budget bytes, at `bytes_per_facet`. Returns at once where n points on a smooth body cannot
+/// need that much.
 void check_facets(const LocalPoints& points, std::uint64_t bytes_per_facet, const Run& run);
 
 }  // namespace cullhull::internal

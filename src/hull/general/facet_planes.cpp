@@ -30,11 +30,11 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// At most 8 doubles: wider vectors would outgrow the horizons of 4D.
+// At most 8 doubles: wider vectors would be larger than the horizons of 4D.
 using F = hn::CappedTag<double, 8>;
 using VF = hn::Vec<F>;
 
-/// acc + sign x y; the first term of a sum starts it.
+/// acc + sign x y; the first term of a sum has no acc.
 template <bool first, bool negative>
 HWY_INLINE VF term(VF acc, VF x, VF y) {
   if constexpr (first) return negative ? hn::Neg(hn::Mul(x, y)) : hn::Mul(x, y);
@@ -134,8 +134,8 @@ void planes_of_group(const PlaneFrame& frame, const double* apex, const double* 
   for (unsigned j = 0; j < D; ++j)
     hn::Store(hn::DemoteTo(narrow, hn::IfThenElseZero(good, hn::Mul(normal[j], scale))), narrow,
               out + j * lanes);
-  // Rounding to nearest may go down: a factor of two roundings of f32 goes up in any case.
-  // Infinity is set as a float: emulated vectors convert that of doubles to the largest float.
+  // Rounding to nearest may round down; multiplied by 1 + two units of f32 it rounds up. Infinity
+  // is set as a float: emulated vectors convert that of doubles to the largest float.
   const VF wider = hn::IfThenElse(good, hn::Mul(error, hn::Set(f, 1 + 0x1p-22)), hn::Set(f, 2.0));
   const auto narrowed = hn::DemoteTo(narrow, wider);
   hn::Store(hn::IfThenElse(hn::Gt(narrowed, hn::Set(narrow, 1.0F)),

@@ -6,10 +6,10 @@
 
 namespace cullhull::internal {
 
-/// What planes are computed from. Facets are rows of d ids; their planes are scaled to
-/// n . (x - O) = 1 and stored as d + 1 floats, the last being the error E: for g~ = n . y in f32
-/// with y = x - O rounded to f32, |g~ - g| <= E max(1, |g|) (docs/exactness.md, "Cached planes").
-/// Where nothing useful can be promised: n = 0, E = infinity.
+/// The input of planes. Facets are rows of d ids; their planes are scaled to n . (x - O) = 1 and
+/// stored as d + 1 floats, the last being the error E: for g~ = n . y in f32 with y = x - O rounded
+/// to f32, |g~ - g| <= E max(1, |g|) (docs/exactness.md, "Cached planes"). Where no finite bound is
+/// proved: n = 0, E = infinity.
 struct PlaneFrame {
   unsigned dimension = 0;
   const double* rows = nullptr;    ///< points, packed rows, |x| <= 1

@@ -17,7 +17,8 @@ class AnyPlanes {
 
   void plane(const std::uint32_t* v, float* out) {
     for (unsigned i = 0; i < d_; ++i) rows_[i] = frame_.rows + std::size_t{v[i]} * d_;
-    // Rows that are off by 2^-1074 are no worse than what underflow does, unless scaled up a lot.
+    // Rows that are off by 2^-1074 are covered by the terms for underflow, unless scaled up by
+    // much.
     const bool known =
         plane_.set(d_, rows_.data()) && (frame_.exact_rows || plane_.largest_scale() < 0x1p50);
     if (known && scaled(out)) return;
@@ -26,7 +27,7 @@ class AnyPlanes {
   }
 
  private:
-  /// The same bounds as the vector code's.
+  /// Scales the plane, with the bounds of the vector code.
   bool scaled(float* out) {
     double size = 0, reached = 0, level = 0, total_error = 0;
     for (unsigned j = 0; j < d_; ++j) {

@@ -30,7 +30,8 @@ void two_vectors(const float* planes, std::size_t count, const float* y, std::ui
     a[j] = hn::LoadU(f, y + j * sieve_block);
     b[j] = hn::LoadU(f, y + j * sieve_block + lanes);
   }
-  // Where no point is beneath all of the first facets, the others need not be asked.
+  // After every 64 facets: where no point of the block is beneath them all, the rest can be
+  // skipped.
   constexpr std::size_t at_once = 64;
   V highest_a = hn::Set(f, -1.0F), highest_b = highest_a;
   for (std::size_t first = 0; first < count; first += at_once) {

@@ -10,8 +10,8 @@
 namespace cullhull::internal {
 
 /// Hot: the plane as d + 1 floats. Cold: d vertices, then d neighbours, neighbour j across the
-/// ridge opposite to vertex j. In 4D and 5D both are one cache line; beyond, the hot part is half a
-/// line up to 7D. D: the dimension, or 0 for one known at run time only.
+/// ridge opposite to vertex j. In 4D and 5D both are one cache line; in 6D and 7D the hot part is
+/// half a line. D: the dimension, or 0 for one known at run time only.
 template <unsigned D>
 class FacetStore {
  public:

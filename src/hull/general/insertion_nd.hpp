@@ -1,15 +1,16 @@
 // Incremental insertion: the exact engine for d >= 4. docs/algorithm.md, "The engine".
 //
-// No conflict lists: a point finds a facet it sees by climbing n . p over neighbouring facets, with
-// planes scaled to n . (x - O) = 1 (linear programming on the dual polytope). What the climb cannot
-// decide beyond its error bounds, an exact walk does.
+// There are no conflict lists: a facet visible from a point is found by climbing n . p over
+// neighbouring facets, with planes scaled to n . (x - O) = 1 (linear programming on the dual
+// polytope). Where the error bounds leave the climb's end undecided, an exact walk decides.
 //
-// Points are taken in batches from streams that are far apart: every stream finds the cavity of its
-// next point, the hull being read only; cavities that do not touch one another are then replaced
-// all at once. A point whose cavity touches an earlier stream's waits for the next batch.
+// Points are taken in batches from streams whose points are far apart: every stream finds the
+// cavity of its next point while the hull is only read; cavities that do not touch one another are
+// then replaced all at once. A point whose cavity touches that of an earlier stream waits for the
+// next batch.
 //
-// The outermost points come first, by themselves; what their hull has strictly inside is dropped
-// by facet tests (insertion_nd_start.hpp) before it is given a place in the order.
+// The outermost points are inserted first; facet tests against their hull (insertion_nd_start.hpp)
+// drop the points strictly inside it before those are sorted into the insertion order.
 #pragma once
 
 #include <algorithm>
@@ -51,9 +52,11 @@ class InsertionNd {
   using Id = std::uint32_t;
   static constexpr Id none = 0xFFFFFFFF;
   static constexpr Id dead = FacetStore<D>::dead;
-  /// In loops over records that lie anywhere: how many before its turn a record is asked for.
+  /// How many iterations ahead records are prefetched in loops over scattered ones (a tenth of
+  /// `replace`).
   static constexpr std::size_t ahead = 8;
-  /// In a visible facet's neighbour slot across a horizon ridge: the new facet built on it.
+  /// In a visible facet's neighbour slot at a horizon ridge: tags the number of the new facet
+  /// there.
   static constexpr Id horizon_tag = 0x80000000;
 
   unsigned dim() const {
@@ -70,8 +73,8 @@ class InsertionNd {
     return sum;
   }
   float gauge(const Lane& lane, Id f) const { return gauge(lane.offset.data(), f); }
-  /// Where x is among the dim() distinct items, of which it is one. Without branches, which nothing
-  /// would predict: sums, because a choice is made a branch by compilers.
+  /// The index of x in items[0, dim()), which contain it. Without branches, which would be
+  /// mispredicted; as a sum, because compilers turn selections into branches.
   unsigned index_of(const Id* items, Id x) const {
     unsigned at = 0;
     for (unsigned i = 1; i < dim(); ++i) at += i * static_cast<unsigned>(items[i] == x);
@@ -131,28 +134,30 @@ class InsertionNd {
   bool centre_exact_ = false;
   PlaneFrame frame_;
   FacetStore<D> store_;
-  /// Points in insertion order: an id here is a position in `order_`. The simplex comes first.
+  /// Points in insertion order: an id in this class is a position in `order_`. The simplex is
+  /// first.
   std::vector<Id> order_;
-  std::vector<Id> starts_;  ///< of the rounds in `order_` so far, and the end of the last
+  std::vector<Id> starts_;  ///< of the rounds in `order_` so far, and the last one's end
   std::size_t rounds_done_ = 0;
   RawArray<double> ordered_;
-  std::size_t expected_ = 0;  ///< points in all, as far as is known
+  std::size_t expected_ = 0;  ///< number of points in all, as far as is known
   std::size_t facet_slots_ = 0, facet_capacity_ = 0, live_ = 0;
   std::vector<Id> free_;
-  Id recent_ = 0;  ///< a facet that is alive
+  Id recent_ = 0;  ///< some live facet
 
   Crew crew_;
-  bool shared_ = false;                         ///< whether the crew is at work
+  bool shared_ = false;                         ///< whether the crew runs
   unsigned batches_shared_ = 0, absences_ = 0;  ///< since the last review; in a row
   std::deque<Lane> lanes_;
   std::vector<Share> shares_;
   bool same_facets_;  ///< whatever the number of workers
   std::vector<Stream> streams_;
-  std::vector<Id> batch_;  ///< streams that have work
-  /// For every facet slot: twice the batch that last claimed it, plus 1 where it was visible.
+  std::vector<Id> batch_;  ///< streams with points left
+  /// For every facet slot: twice the number of the last batch that claimed it, plus 1 where the
+  /// facet was visible.
   RawArray<std::uint32_t> claims_;
   std::uint32_t batch_number_ = 0;
-  double width_;  ///< number of streams: see adapt
+  double width_;  ///< number of streams: see adapt()
   std::uint64_t batch_facets_ = 0;
   Boundary result_;
 };
@@ -184,9 +189,9 @@ InsertionNd<D>::InsertionNd(const LocalPoints& points, const std::uint32_t* simp
             points_.exact == points_.coordinates};
 }
 
-/// O: the simplex's centroid, rounded to as few bits as leave it strictly inside, so that exact
-/// arithmetic on lattices stays short. Where even the double nearest to it is not inside, or the
-/// engine's frame is not exact, O is the exact centroid.
+/// O: the simplex's centroid, rounded to as few bits as keep it strictly inside, so that exact
+/// arithmetic on lattices stays short. Where even the nearest double is not inside, or the engine's
+/// frame is not exact, O is the exact centroid.
 template <unsigned D>
 void InsertionNd<D>::choose_centre() {
   const unsigned d = dim();
@@ -258,8 +263,9 @@ Boundary InsertionNd<D>::run() {
   return collect();
 }
 
-/// Whether so many points take some ten milliseconds: threads hand over twice a batch, and lose
-/// more than they save on a hull of fewer facets.
+/// Whether inserting so many points takes at least some ten milliseconds: with fewer facets the two
+/// synchronisations a batch cost more than threads save. The numbers by dimension are estimates
+/// from the engine's time a point.
 template <unsigned D>
 bool InsertionNd<D>::worth_sharing(std::size_t points) const {
   constexpr std::size_t fewest[] = {8000, 1000, 150, 50, 20};
@@ -295,7 +301,7 @@ template <unsigned D>
 void InsertionNd<D>::reserve(std::size_t facets) {
   if (facets <= facet_capacity_) return;
   const std::size_t capacity = std::max(facets, facet_capacity_ + facet_capacity_ / 2);
-  // The result takes about as much again beside the records and the claims.
+  // Besides the records and the claims the result takes about as much again.
   const std::uint64_t per_facet = store_.bytes_per_facet() + sizeof(std::uint32_t);
   if (capacity >= horizon_tag || 2 * capacity * per_facet > run_.budget) {
     throw Error(ErrorCode::out_of_budget, "the hull has more than " + std::to_string(live_) +
@@ -351,9 +357,9 @@ Sign InsertionNd<D>::side(Lane& lane, Id f, Id point) const {
   return s;
 }
 
-/// Which of the facets the point sees, as bits: of dim() facets, or 32 at most from `first`. About
-/// every second is seen, as good as at random: comparisons are signs of differences, so that no
-/// branch is made of them.
+/// Bit mask of the facets that are visible from the point: of dim() facets, or 32 at most from
+/// `first`. About every second is, unpredictably: comparisons are signs of differences, so that
+/// they compile to no branch.
 template <unsigned D>
 [[gnu::always_inline]] inline std::uint32_t InsertionNd<D>::seen_among(Lane& lane, const float* y,
                                                                        const Id* facets,
@@ -427,7 +433,7 @@ bool InsertionNd<D>::note_duplicate(Lane& lane, Id f, Id point) const {
   return false;
 }
 
-/// A facet the point sees, or `none`. `end`: where the search came to.
+/// A facet visible from the point, or `none`. `end`: the facet where the search ended.
 template <unsigned D>
 typename InsertionNd<D>::Id InsertionNd<D>::locate(Lane& lane, Id start, Id point, Id& end) const {
   Id f = start;
@@ -451,7 +457,7 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate(Lane& lane, Id start, Id poin
       end = f;
       const float e = error(f);
       // A strict maximum beyond the bounds: the ray from O to the point leaves through f, and the
-      // point is beneath f. The sums are rounded, by less than 2^-22.
+      // point is beneath f. The sums here are rounded, by less than 2^-22.
       if (g > e && g + e < 1 - 0x1p-20F && highest < g - e - 0x1p-20F) {
         lane.rung_counts.count(Rung::plane);
         return none;
@@ -471,8 +477,8 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate_exactly(Lane& lane, Id start,
   const unsigned d = dim();
   Id f = start;
   // A visibility walk on the projection of the hull from O. The projection is a regular subdivision
-  // but for its coplanar pieces, so a walk that picks the ridge at random ends with probability 1
-  // (Devillers, Pion, Teillaud 2002).
+  // except for its coplanar pieces, so a walk that chooses the ridge at random ends with
+  // probability 1 (Devillers, Pion, Teillaud 2002).
   XorShift random(XorShift::golden ^ (std::uint64_t{point} << 20));
   for (std::uint32_t step = 1;; ++step) {
     if (step % 256 == 0) run_.check();

@@ -11,13 +11,13 @@ namespace cullhull::internal {
 template <unsigned D>
 template <class Body>
 void InsertionNd<D>::in_parallel(const Body& body) {
-  // Below some tens of microseconds waking nobody is faster.
+  // Batches of fewer than some 100 facets, tens of microseconds, are done faster by one thread.
   const std::size_t count = batch_.size(), lanes = lanes_.size();
   if (batch_facets_ < 100 || !shared_ || count == 1 || crowded()) {
     for (const Id s : batch_) body(streams_[s], lanes_[0]);
     return;
   }
-  // Each worker has streams of its own, whose facets are in its cache; who is done helps others.
+  // Each worker has its own streams, whose facets are in its cache; one that is done takes others'.
   for (std::size_t k = 0; k < lanes; ++k) {
     shares_[k].next.store(count * k / lanes, std::memory_order_relaxed);
     shares_[k].end = count * (k + 1) / lanes;
@@ -36,8 +36,8 @@ void InsertionNd<D>::in_parallel(const Body& body) {
   ++batches_shared_;
 }
 
-/// Now and then: where the others have done hardly anything, they are left in peace for a while,
-/// and from the third time in a row on for good.
+/// Every 64 batches: where the helpers did less than an eighth of the work, they are not asked for
+/// a while (crowding.hpp), and after the third time in a row no more in this session.
 template <unsigned D>
 void InsertionNd<D>::review_sharing() {
   constexpr unsigned batches = 64, most_absences = 3;
@@ -89,9 +89,10 @@ void InsertionNd<D>::insert_round() {
   run_.report("hull", static_cast<double>(end) / static_cast<double>(expected_));
 }
 
-/// As many streams as make a batch worth its hand-overs for every worker, and no more: a stream's
-/// facets are to stay in the cache until it is its turn again. Also the share of refused cavities
-/// is proportional to the number of streams.
+/// Adapts the number of streams. A batch should create about 250 facets for each worker (some tens
+/// of microseconds) to be worth its synchronisation; more streams would displace one another's
+/// facets from the cache. The share of refused cavities grows with the number of streams: 6 % costs
+/// little, and less leaves 6D with too few streams (two to six points a batch).
 template <unsigned D>
 void InsertionNd<D>::adapt(std::size_t tried, std::size_t refused, std::size_t made) {
   constexpr double wanted = 0.06, batch = 250, fewest = 8, most = 256;
@@ -103,10 +104,10 @@ void InsertionNd<D>::adapt(std::size_t tried, std::size_t refused, std::size_t m
   width_ = std::clamp(width_ * std::clamp(wanted / std::max(share, 1e-3), 0.5, 4.0), 2.0, busy);
 }
 
-/// Takes points from the stream until one is outside, and finds its cavity.
+/// Advances the stream to its next point outside of the hull, and finds that point's cavity.
 template <unsigned D>
 void InsertionNd<D>::advance(Stream& s, Lane& lane) {
-  constexpr unsigned at_once = 64;  // so that no stream keeps the others waiting
+  constexpr unsigned at_once = 64;  // so that other streams do not wait for long
   s.found = s.accepted = false;
   for (unsigned k = 0; k < at_once && s.next < s.end; ++k, ++s.next) {
     if (!store_.alive(s.hint)) s.hint = recent_;
@@ -120,7 +121,7 @@ void InsertionNd<D>::advance(Stream& s, Lane& lane) {
   }
 }
 
-/// Decides in order which cavities are replaced now, and gives them slots.
+/// Decides in the order of streams which cavities are replaced now, and assigns their slots.
 template <unsigned D>
 void InsertionNd<D>::settle() {
   if (++batch_number_ >= 0x7FFFFFFF) {
@@ -155,7 +156,8 @@ void InsertionNd<D>::settle() {
     live_ -= s.seen;
     recent_ = s.visible[0];
   }
-  // Slots given up now are read until all cavities are replaced: they serve from the next batch on.
+  // Slots freed here are still read until all cavities are replaced: they are reused from the next
+  // batch on.
   for (const Id i : batch_) {
     const Stream& s = streams_[i];
     if (!s.accepted) continue;
@@ -163,9 +165,10 @@ void InsertionNd<D>::settle() {
   }
 }
 
-/// Two cavities can be replaced together if neither sees a facet that the other sees or borders on:
-/// a new facet's plane lies between those of the two facets at its ridge, so who sees neither of
-/// these does not see the new one.
+/// Two cavities can be replaced together if no facet visible from one point is visible from the
+/// other or beyond a horizon ridge of the other: a new facet's plane lies between those of the two
+/// facets at its ridge, so from a point that both are invisible from, the new one is invisible,
+/// too.
 template <unsigned D>
 bool InsertionNd<D>::clear_of_others(const Stream& s) const {
   const std::uint32_t border = 2 * batch_number_, visible = border + 1;

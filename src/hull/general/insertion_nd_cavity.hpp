@@ -1,5 +1,5 @@
-// A part of insertion_nd.hpp: the cavity of a point, the facets that replace it, how they
-// find their neighbours, and the surface in the end.
+// A part of insertion_nd.hpp: the cavity of a point, the facets that replace it, how these find
+// their neighbours, and the final surface.
 #pragma once
 
 #include <cstring>
@@ -16,11 +16,12 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
   const unsigned d = dim();
   if (lane.visited_size < facet_slots_) lane.cover(facet_capacity_);
   std::uint8_t* visited = lane.visited.data();
-  // A copy that nothing written below can change stays in registers.
+  // A local copy, which no store below can alias, stays in registers.
   float copy[D > 0 ? D : 1];
   const float* y = lane.offset.data();
   if constexpr (D > 0) y = std::copy_n(y, D, copy) - D;
-  constexpr std::size_t early = D == 4 || D == 5 ? 2 : 6;  // cavities of hundreds of facets
+  // Facets ahead to prefetch: more where cavities have hundreds of facets.
+  constexpr std::size_t early = D == 4 || D == 5 ? 2 : 6;
   std::size_t visible = 1, ridges = 0;
   s.visible.resize(std::max<std::size_t>(s.visible.size(), 64));
   s.horizon.resize(std::max<std::size_t>(s.horizon.size(), 64));
@@ -34,7 +35,7 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
     HorizonRidge* const horizon = s.horizon.data();
     const Id f = list[k];
     const Id* n = store_.neighbours(f);
-    // Which neighbours are visible is as good as random: no branch on it. A facet beyond the
+    // Which neighbours are visible is unpredictable: no branch depends on it. A facet beyond the
     // horizon is tested once for each of its ridges, which costs less than remembering it.
     for (unsigned first = 0; first < d; first += 32) {
       std::uint32_t all = seen_among(lane, y, n, first, s.next);
@@ -48,7 +49,7 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
         ridges += 1 - seen;
       }
     }
-    // What is at the end of the list comes last: time to fetch it.
+    // Prefetch the facets that are `early` places from being processed.
     if (k + early < visible) {
       const Id* next = store_.neighbours(list[k + early]);
       for (unsigned j = 0; j < d; ++j) store_.prefetch(next[j]);
@@ -65,8 +66,8 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
   }
 }
 
-/// A new facet on every horizon ridge, in the slots of the visible ones as far as they go: what is
-/// near stays near, and hints stay good.
+/// Makes a new facet on every horizon ridge, first in the slots of the visible ones: so neighbours
+/// stay near in memory, and hints stay valid.
 template <unsigned D>
 void InsertionNd<D>::replace(Stream& s, Lane& lane) {
   const unsigned d = dim();
@@ -87,7 +88,7 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
   }
   link(s, lane);
   run_.check();
-  // Beyond 8D a plane can take milliseconds: one at a time, so that the caller can stop.
+  // Beyond 8D a plane can take milliseconds: one at a time, with a check for cancellation.
   const std::size_t at_once = D > 0 ? count : 1;
   for (std::size_t k = 0; k < count; k += at_once) {
     if constexpr (D == 0) run_.check();
@@ -116,22 +117,22 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
 
 /// Finds the other new facets around the new facets, into lane.neighbours (0 across the horizon).
 ///
-/// Every ridge through the point belongs to two of them. Each adds one and its number to the table
-/// slot that the ridge's vertices hash to; where a slot counts two, they are the two facets of one
-/// ridge whatever the hash is worth, and the sum tells the other from the one. Where it counts
-/// more, the other one is found by turning.
+/// Every ridge through the point belongs to two of them. Each adds 1 to the count and its number to
+/// the sum in the table slot that the ridge's vertices hash to. Where a slot's count is 2, its
+/// facets are the two of one ridge, whatever the hash function, and the sum minus one facet's
+/// number is the other's. Where the count is larger, the neighbour is found by turning.
 template <unsigned D>
 void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
   const unsigned d = dim();
   constexpr unsigned sum_bits = 42;
   const std::size_t count = s.horizon.size();
-  if (count * d >= std::size_t{1} << 20) {  // sums might reach the counts
+  if (count * d >= std::size_t{1} << 20) {  // sums might carry into the counts
     for (std::size_t k = 0; k < count; ++k)
       for (unsigned i = 0; i < d; ++i)
         lane.neighbours[k * d + i] = i != lane.apex[k] ? turn(s, k, i) : 0;
     return;
   }
-  // Small tables can afford to be wide: fewer slots are crowded.
+  // Small tables get twice as many slots, which reduces collisions and still fits L1.
   const auto bits = static_cast<unsigned>(std::bit_width(count * d)) + (count * d < 4096 ? 2 : 1);
   const std::uint32_t shift = 32 - bits, none_of_them = std::uint32_t{1} << bits;
   if (lane.table.size() <= none_of_them) lane.table.resize(std::size_t{none_of_them} + 1);
@@ -171,8 +172,8 @@ void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
   }
 }
 
-/// The other new facet at the ridge of new facet k opposite to vertex i: reached by turning,
-/// through visible facets, about what facet k shares with its old one without vertex i.
+/// The new facet beyond the ridge of new facet k opposite to vertex i: found by turning, through
+/// visible facets, about the horizon ridge of facet k without vertex i.
 template <unsigned D>
 typename InsertionNd<D>::Id InsertionNd<D>::turn(const Stream& s, std::size_t k, unsigned i) const {
   Id at = s.horizon[k].facet, kept_vertex = store_.vertices(at)[s.horizon[k].apex];
@@ -193,7 +194,7 @@ Boundary InsertionNd<D>::collect() {
   ordered_.release();
   store_.release_planes();
   claims_.release();
-  // A facet's number: how many are alive in the chunks before its own, and in this one before it.
+  // A facet's number: the live facets in earlier chunks, plus those before it in its own.
   constexpr unsigned chunk_bits = 14;
   constexpr std::uint64_t chunk = std::uint64_t{1} << chunk_bits;
   RawArray<Id> number;

@@ -1,5 +1,4 @@
-// A part of insertion_nd.hpp: the outermost points, whose hull decides which others are taken at
-// all.
+// A part of insertion_nd.hpp: inserts the outermost points, and thins the others by their hull.
 #pragma once
 
 #include <algorithm>
@@ -21,11 +20,13 @@ void InsertionNd<D>::append_round(NormOrder& order) {
             });
 }
 
-/// Rounds by rounds, until testing what is left against all facets costs more than it saves.
+/// Inserts round by round, until testing the remaining points against all facets costs more than it
+/// saves.
 template <unsigned D>
 void InsertionNd<D>::insert_outermost(NormOrder& order) {
   if (dim() < sieve_min_dimension || dim() > sieve_max_dimension) return;
-  // So many facet tests cost as much as a place in the order and a search. Measured on balls.
+  // So many facet tests take as long as sorting a point and searching its facet: measured on balls,
+  // by dimension from 4D on.
   constexpr std::size_t worth[] = {3000, 4500, 8000, 14000, 25000};
   const std::size_t most = worth[dim() - sieve_min_dimension];
   std::vector<float> planes;
@@ -40,7 +41,7 @@ void InsertionNd<D>::insert_outermost(NormOrder& order) {
   }
 }
 
-/// Normals and levels for beneath_facets.
+/// Collects normals and levels for beneath_facets.
 template <unsigned D>
 void InsertionNd<D>::list_planes(std::vector<float>& planes) const {
   const unsigned d = dim();
@@ -53,7 +54,8 @@ void InsertionNd<D>::list_planes(std::vector<float>& planes) const {
   }
 }
 
-/// Which of at most sieve_block points at(0), at(1), ... are certainly strictly inside.
+/// inside[k] = 1 for those of the points at(0), ..., at(count - 1), count <= sieve_block, that are
+/// certainly strictly inside.
 template <unsigned D>
 template <class At>
 void InsertionNd<D>::test_block(const std::vector<float>& planes, const At& at, std::uint32_t count,
@@ -67,7 +69,7 @@ void InsertionNd<D>::test_block(const std::vector<float>& planes, const At& at, 
   beneath_facets(d, planes.data(), planes.size() / (d + 1), y, inside);
 }
 
-/// Whether enough of one block of points, from all over what is left, are inside.
+/// Whether enough of one block of points, spread over the remaining ones, are inside.
 template <unsigned D>
 bool InsertionNd<D>::sieve_pays(const NormOrder& order, const std::vector<float>& planes,
                                 std::size_t worth) const {
@@ -82,7 +84,7 @@ bool InsertionNd<D>::sieve_pays(const NormOrder& order, const std::vector<float>
 
 template <unsigned D>
 void InsertionNd<D>::sieve(NormOrder& order, const std::vector<float>& planes) const {
-  // Some hundred microseconds a chunk.
+  // A chunk takes some hundred microseconds.
   const std::uint64_t chunk = std::max<std::uint64_t>(1, (1 << 16) / live_) * sieve_block;
   const Id left = order.left();
   std::vector<std::uint8_t> inside(chunk_count(left, sieve_block) * sieve_block);

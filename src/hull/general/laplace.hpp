@@ -66,7 +66,7 @@ struct Laplace {
     unsigned set = 0;
     for (;; ++set)
       if ((set & ~columns) == 0 && Subsets<D>::size_of(set) == top_rows && k-- == 0) break;
-    // Exchanges that bring the columns of `set` before the others.
+    // Exchanges that move the columns of `set` before the others.
     unsigned exchanges = j;
     for (unsigned c = 0; c < D; ++c)
       if ((set >> c & 1U) != 0)
@@ -78,7 +78,8 @@ struct Laplace {
 /// docs/exactness.md, "Cached planes": constants of E.
 template <unsigned D>
 struct PlaneBounds {
-  /// Roundings between the coordinates and a cofactor, on the way of one product of D - 1 entries.
+  /// The most roundings that a product of D - 1 entries meets between the coordinates and a
+  /// cofactor.
   static constexpr double roundings() {
     constexpr double a = Laplace<D>::top_rows, b = Laplace<D>::bottom_rows;
     return (D - 1) + (a - 1) + a * (a - 1) / 2 + (b - 1) + b * (b - 1) / 2 + Laplace<D>::splits;
@@ -88,7 +89,7 @@ struct PlaneBounds {
   /// a + b + (2 D + 6) u S = 4 T + (2 (D + 5) + (2 D + 2) + (2 D + 6)) u S with T = D per_cofactor.
   static constexpr double per_norm = 1.0625 * 4 * D * per_cofactor;
   static constexpr double per_size = 1.0625 * (6.0 * D + 18) * unit_roundoff;
-  /// Rounding to f32 and the dot product there.
+  /// Error of rounding to f32 and of the dot product in f32.
   static constexpr double per_reach = (D + 3) * 0x1p-24 * (1 + 0x1p-10);
 };
 

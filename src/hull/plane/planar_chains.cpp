@@ -7,7 +7,7 @@
 namespace cullhull::internal {
 namespace {
 
-constexpr std::uint32_t few = 24;  // as many are sorted by insertion
+constexpr std::uint32_t few = 24;  // so many are sorted by insertion; a guess
 
 /// Stable, and linear where little is out of order.
 void insertion_sort(Entry* begin, Entry* end) {
@@ -23,7 +23,7 @@ void insertion_sort(Entry* begin, Entry* end) {
   }
 }
 
-/// All at one x: copies of the lowest, then the highest.
+/// All have the same x: replaces them by copies of the lowest, then the highest.
 void sort_column(Entry* begin, Entry* end) {
   const auto [low, high] = std::minmax_element(begin, end, before);
   const Entry lowest = *low;
@@ -34,8 +34,8 @@ void sort_column(Entry* begin, Entry* end) {
   end[-1] = highest;
 }
 
-/// `depth`: how often keys may still be made anew of the range at hand; some points lie so that
-/// only comparing them sorts them.
+/// `depth`: how many more levels may compute new keys for their range; some inputs can only be
+/// sorted by comparisons.
 void sort_many(Entry* begin, Entry* end, unsigned depth, const Control& control) {
   const auto n = static_cast<std::uint32_t>(end - begin);
   control.check();
@@ -72,8 +72,8 @@ void sort_many(Entry* begin, Entry* end, unsigned depth, const Control& control)
 
 }  // namespace
 
-// Halving first keeps the range of the largest doubles finite; below the normal ones it may round,
-// which leaves the map monotone.
+// Halving keeps the range of the largest doubles finite; on subnormal numbers it may round, which
+// leaves the map monotone.
 KeyMap::KeyMap(double low, double high) {
   if (std::fabs(low) > 0x1p1000 || std::fabs(high) > 0x1p1000) half_ = 0.5;
   low_ = low * half_;
@@ -90,9 +90,9 @@ void sort_entries(Entry* begin, Entry* end, const Control& control) {
     sort_many(begin, end, 3, control);
 }
 
-/// Sorts the points by the bits of their keys that follow into cells of about half a point, those
-/// below the chord first. A point too near the chord to tell is put on both sides, which is always
-/// right.
+/// Distributes the points by the next bits of their keys to about two cells a point, first those
+/// below the chord. A point too near the chord to decide is put on both sides, which is always
+/// correct.
 void ChainBuilder::divide(const Entry* points, std::uint32_t count, unsigned low_bits) {
   const unsigned cell_bits =
       std::min({low_bits, 16U, static_cast<unsigned>(std::bit_width(count))});
@@ -145,7 +145,7 @@ void ChainBuilder::add(const Entry* points, std::uint32_t count, unsigned low_bi
   extend(upper_, upper_count_, sorted_.data() + below_, above_, -1);
 }
 
-/// A chain turns `side` at every vertex: +1 left, -1 right.
+/// A chain turns to the same `side` at every vertex: +1 left, -1 right.
 void ChainBuilder::extend(Entries& chain, std::uint32_t& size, const Entry* points,
                           std::uint32_t count, int side) {
   if (chain.size() < std::size_t{size} + count)

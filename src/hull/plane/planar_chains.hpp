@@ -11,13 +11,13 @@
 
 namespace cullhull::internal {
 
-/// The lexicographically first and last point: what is above the chord between them cannot be on
-/// the lower chain, what is below not on the upper one.
+/// The lexicographically first and last point: points above the chord between them cannot be on the
+/// lower chain, points below it not on the upper one.
 struct Chord {
   Entry first, last;
 };
 
-/// Keys of points with x in [low, high]: 32 bits that ascend with x, all of them used.
+/// Keys of points with x in [low, high]: 32 bits, monotone in x, over the whole range of values.
 class KeyMap {
  public:
   KeyMap() = default;
@@ -27,7 +27,7 @@ class KeyMap {
     const double q = (x * half_ - low_) * scale_;
     return static_cast<std::uint32_t>(static_cast<std::int64_t>(q < top ? q : top));
   }
-  /// False: the range is too small a multiple of the smallest double; all keys are 0.
+  /// False where the range is too near underflow: all keys are 0.
   bool useful() const { return scale_ > 0; }
 
  private:
@@ -41,14 +41,14 @@ class ChainBuilder {
   ChainBuilder(const Chord& chord, const Turn& turn, const Control& control)
       : chord_(chord), turn_(turn), control_(&control) {}
 
-  /// Empty chains of other points.
+  /// Starts with empty chains for other points.
   void restart(const Chord& chord) {
     chord_ = chord;
     turn_.restart();
     lower_count_ = upper_count_ = 0;
   }
-  /// Points whose keys differ in the `low_bits` lowest bits at most, none before those of earlier
-  /// calls in lexicographic order.
+  /// Adds points whose keys differ at most in the `low_bits` lowest bits, none lexicographically
+  /// before those of earlier calls.
   void add(const Entry* points, std::uint32_t count, unsigned low_bits);
 
   const Entry* lower() const { return lower_.data(); }
@@ -69,16 +69,16 @@ class ChainBuilder {
   const Control* control_;
   Entries lower_, upper_;
   std::uint32_t lower_count_ = 0, upper_count_ = 0;
-  // Of one bucket: the points below the chord, sorted, then those above; the cell each goes to;
-  // where a cell's next point goes.
+  // For one bucket: the points below the chord, sorted, then those above; each point's cell; the
+  // position of each cell's next point.
   Entries sorted_;
   std::vector<Entry> both_;
   Array<std::uint32_t> cells_, next_;
   std::uint32_t below_ = 0, above_ = 0;
 };
 
-/// Sorts by `before`. Of points with one x only the lowest and the highest need be right, the rest
-/// may be replaced by copies of them: no others are extreme.
+/// Sorts by `before`. Among points with the same x only the lowest and the highest are correct, the
+/// others may be replaced by copies of them: they are not extreme.
 void sort_entries(Entry* begin, Entry* end, const Control& control);
 
 }  // namespace cullhull::internal

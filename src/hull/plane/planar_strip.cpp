@@ -18,8 +18,8 @@ struct SampleChains {
   std::vector<Entry> sample, lower, upper;
 };
 
-/// Hull of `size` rows spread evenly, each at a pseudo-random place in its stretch: no period of
-/// the input's order hides points.
+/// Hull of `size` rows spread evenly, each at a pseudo-random place in its interval, so that a
+/// period in the input's order cannot hide points.
 SampleChains chains_of_sample(const PlanarSource& source, const Box& box, std::uint32_t size,
                               const Control& control) {
   const KeyMap map(box.low[0], box.high[0]);
@@ -40,16 +40,16 @@ SampleChains chains_of_sample(const PlanarSource& source, const Box& box, std::u
           {chains.upper(), chains.upper() + chains.upper_count()}};
 }
 
-/// Whether it is a copy of a corner, with a higher row.
+/// Whether the point is a copy of a corner, with a higher row.
 bool copies_corner(double x, double y, std::uint32_t row, const Corners& corners) {
   for (unsigned i = 0; i < 4; ++i)
     if (x == corners[i].x && y == corners[i].y) return row > corners[i].row;
   return false;
 }
 
-/// Rows that are neither in the strip nor between the four corners, where points crowd at the ends
-/// of the strip, nor copies of the corners: of a million points of which a third were clamped to a
-/// square's corners these two take a hull from 114 to 77 ms.
+/// Rows that are outside of the strip and of the quadrilateral of the four corners (points may
+/// crowd at the ends of the strip) and are no copies of the corners. With a third of a million
+/// points clamped to a square's corners, the latter two tests take a hull from 114 to 77 ms.
 std::vector<std::uint32_t> outside(const PlanarSource& source, const Strip& strip,
                                    const Corners& corners, const Quadrilateral& middle,
                                    const Run& run) {
@@ -88,8 +88,9 @@ std::vector<Strip::Corner> Strip::gather(const std::vector<Entry>& chain) const 
   std::vector<Corner> out;
   for (const Entry& e : chain) {
     const Corner c{(e.x - low_[0]) * scale_[0], (e.y - low_[1]) * scale_[1]};
-    // Without vertical pieces: of points with one u the innermost counts, which is the later at the
-    // left end and the earlier at the right one. In between, rounding only makes them.
+    // Without vertical pieces: of points with equal u the inner one counts, which is the later at
+    // the left end and the earlier at the right end. Between the ends vertical pieces arise only
+    // from rounding.
     if (!out.empty() && out.back().u == c.u) {
       if (out.size() == 1) out.back().v = c.v;
       continue;
@@ -133,7 +134,7 @@ bool Strip::build(const Box& box, const std::vector<Entry>& lower,
   return true;
 }
 
-/// `from` moves to the piece that u is on; u does not decrease by more than a bucket.
+/// Moves `from` to the piece that contains u; u decreases by at most a bucket between calls.
 double Strip::height(const std::vector<Corner>& chain, std::size_t& from, double u) {
   while (from > 0 && chain[from].u > u) --from;
   while (from + 2 < chain.size() && chain[from + 1].u < u) ++from;
@@ -146,7 +147,7 @@ std::vector<std::uint32_t> discard_inner(const PlanarSource& source, const Box& 
   const std::uint32_t n = source.count();
   if (n < discard_from) return {};
   // Efron 1965: the share of points outside a sample's hull is about its vertices' share of it. A
-  // small sample tells at little cost where most points are extreme.
+  // sample of 512 shows at little cost where most points are extreme.
   SampleChains chains;
   for (const std::uint32_t m : {probe_size, std::min(sample_size, n / 32)}) {
     chains = chains_of_sample(source, box, m, run.control);
@@ -155,7 +156,7 @@ std::vector<std::uint32_t> discard_inner(const PlanarSource& source, const Box& 
   const auto strip = std::make_unique<Strip>();
   if (!strip->build(box, chains.lower, chains.upper)) return {};
   const Quadrilateral middle({&corners[0], &corners[1], &corners[2], &corners[3]}, box);
-  // Along straight edges a sample's hull has few vertices though most points are on it.
+  // Along straight edges a sample's hull has few vertices although most points are on it.
   const auto dropped =
       std::count_if(chains.sample.begin(), chains.sample.end(), [&](const Entry& e) {
         return strip->contains(e.x, e.y) || middle.contains(e.x, e.y) ||

@@ -1,4 +1,4 @@
-// What certainly lies inside the hull of a sample, before the rest is sorted.
+// Discards points inside the hull of a sample, before the others are sorted.
 #pragma once
 
 #include <vector>
@@ -14,7 +14,7 @@ struct Box {
 };
 
 /// The four outermost points, of equal ones the lowest row: first and last by x, then y; first and
-/// last by y, then x. All of them are extreme.
+/// last by y, then x. All are extreme.
 class Corners {
  public:
   /// Rows must ascend.
@@ -31,7 +31,7 @@ class Corners {
   }
   const Entry& first() const { return at_[0]; }
   const Entry& last() const { return at_[2]; }
-  /// Counter-clockwise; some may be the same.
+  /// Counter-clockwise; some may coincide.
   const Entry& operator[](unsigned i) const { return at_[i]; }
 
  private:
@@ -48,21 +48,22 @@ class Corners {
 /// The area between two chains of hull points, over buckets of x: a point of bucket i with
 /// floor[i] < y < ceiling[i] is in their hull and no vertex of it.
 ///
-/// Coordinates are seen as u = fl((x - low) 2^-e), e such that 0 <= u <= 1 and the largest u is at
-/// least 1/2: off the affine image by 2^-53 at most, one rounding of a difference. So a chain of
+/// Coordinates are mapped to u = fl((x - low) 2^-e), e such that 0 <= u <= 1 and the largest u is
+/// at least 1/2: off the affine image by 2^-53 at most, one rounding of a difference. So a chain of
 /// rounded points is within 2^-53 (in u and in v) of the image of the chain, which is convex.
 class Strip {
  public:
   static constexpr unsigned buckets = 1024;
 
-  /// False if the points are too few or of proportions that the bounds below do not cover.
+  /// False if the points are too few or of a range that the bounds below do not cover.
   bool build(const Box& box, const std::vector<Entry>& lower, const std::vector<Entry>& upper);
 
   bool contains(double x, double y) const {
     const double u = (x - low_[0]) * scale_[0], v = (y - low_[1]) * scale_[1];
     const double t = (u - left_) * per_unit_;
     const Cell& c = cells_[static_cast<int>(t < 0 ? 0.0 : t < buckets - 1.0 ? t : buckets - 1.0)];
-    // Rounding is monotone, so what is strictly between the ends here is so in truth.
+    // Rounding is monotone, so what is strictly between the rounded ends is strictly between the
+    // ends.
     return (u > left_) & (u < right_) & (v > c.floor) & (v < c.ceiling);
   }
 
@@ -81,8 +82,7 @@ class Strip {
   Cell cells_[buckets];
 };
 
-/// Rows that may be extreme, ascending; or nothing where a sample says that discarding does not
-/// pay.
+/// Rows that may be extreme, ascending; empty where a sample shows that discarding does not pay.
 std::vector<std::uint32_t> discard_inner(const PlanarSource& source, const Box& box,
                                          const Corners& corners, const Run& run);
 

@@ -1,5 +1,5 @@
-// The hull of points of the plane as a cycle: what the 2D engine finds, and all that extreme points
-// alone or a result written directly need.
+// The hull of points of the plane as a cycle: the result of the 2D engine, for extreme points alone
+// and for results written without a frame.
 #pragma once
 
 #include <cstdint>
@@ -16,17 +16,17 @@ struct Polygon {
   /// Rows of the extreme points (of equal points the lowest row), counter-clockwise from the
   /// lexicographically lowest. Two if all points lie on a line, one if all are equal.
   Array<std::uint32_t> corners;
-  std::uint32_t rows = 0;  ///< there were
+  std::uint32_t rows = 0;  ///< number of rows there were
   Box box{};               ///< of all points
   RungCounts rung_counts;
 };
 
 /// points.dimension == 2, 0 < count < 2^32 - 1. `lattice`: doubles compute every turn exactly.
-/// Points are read where they lie, twice; memory: 24 bytes a point that is not discarded early, and
-/// 8 a corner. Throws Error{not_finite} naming the lowest id with a NaN or an infinity.
+/// Reads the points in place, twice; memory: 24 bytes a point that is not discarded early, and 8 a
+/// corner. Throws Error{not_finite} naming the lowest id with a NaN or an infinity.
 Polygon polygon_of(const PointView& points, bool lattice, const Run& run);
 
-/// The same for many small sets one after another: memory is kept, and one thread does all.
+/// The same for many small sets one after another, on one thread, in memory that is kept.
 class PolygonSeries {
  public:
   explicit PolygonSeries(const Control& control);

@@ -1,4 +1,4 @@
-// Polygons of small sets: one bucket each, what is inside dropped before it is sorted.
+// Polygons of small sets: a single bucket each; inner points are dropped before sorting.
 #include "hull/plane/polygon.hpp"
 #include "hull/plane/quadrilateral.hpp"
 

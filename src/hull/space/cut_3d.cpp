@@ -1,5 +1,5 @@
-// How the surface is cut into pieces for the threads of a round: along the curve of the insertion
-// order, or, where that would run along many long facets, by parallel planes.
+// How the surface is divided into pieces for the threads of a round: along the curve of the
+// insertion order, or, where that would cut many long facets, by parallel planes.
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +9,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// Eigenvectors (rows) of a symmetric matrix by Jacobi's rotations; any rough result will do.
+/// Eigenvectors (rows) of a symmetric matrix by Jacobi's rotations; approximations suffice.
 void eigenvectors(double (&m)[3][3], double (&vectors)[3][3]) {
   for (unsigned i = 0; i < 3; ++i)
     for (unsigned j = 0; j < 3; ++j) vectors[i][j] = i == j;
@@ -54,7 +54,7 @@ void Engine3D::middle(const Facet3D& f, double* out) const {
              3;
 }
 
-/// Along the curve of directions or of normals, at the first point of each piece but the first.
+/// Along the curve of directions or of normals: a piece begins at the key of its first point.
 Cut3D Engine3D::cut_along_curve(const std::vector<Work>& work) const {
   Cut3D cut;
   for (std::size_t t = 1; t < work.size(); ++t) {
@@ -73,8 +73,8 @@ std::uint32_t Engine3D::key_of(const double* p) const {
   return keys[0];
 }
 
-/// The share of facets, of a sample, that the cut would set between pieces: whose corners are not
-/// all in the piece of their middle.
+/// The share of sampled facets that the cut would divide between pieces: those whose corners are
+/// not all in the piece of their centroid.
 double Engine3D::share_cut(const Cut3D& cut, const std::vector<Id>& sample) const {
   constexpr std::size_t together = DirectionKey::block / 4;  // positions of each: corners, middle
   std::size_t between = 0;
@@ -106,7 +106,7 @@ double Engine3D::share_cut(const Cut3D& cut, const std::vector<Id>& sample) cons
 }
 
 std::vector<Engine3D::Id> Engine3D::sample_facets() const {
-  // Tells shares of facets to within 2 %.
+  // 1024 facets: a share is estimated within 2 % (a standard deviation of 1.6 % at most).
   constexpr std::size_t wanted = 1024;
   std::vector<Id> sample;
   XorShift random;
@@ -118,8 +118,8 @@ std::vector<Engine3D::Id> Engine3D::sample_facets() const {
   return sample;
 }
 
-/// Planes that set equally many of the points of [begin, end) apart along an axis; none where too
-/// many of them share a plane.
+/// Planes across `axis` that divide the points of [begin, end) into equal parts; none where too
+/// many points lie on one plane.
 Cut3D Engine3D::cut_by_planes(const double* axis, Id begin, Id end, std::size_t count) const {
   Cut3D cut;
   std::copy_n(axis, 3, cut.axis);
@@ -144,15 +144,15 @@ Cut3D Engine3D::cut_by_planes(const double* axis, Id begin, Id end, std::size_t 
   return cut;
 }
 
-/// Facets as long as the body, on cylinders say, or between two polygons, should lie along the
-/// cut, not across it: of planes across the main axes of the facets' edges, seen where the points
-/// are round, and across the coordinate axes, those that cut fewest facets.
+/// Facets as long as the body, on cylinders say, or between two polygons, should lie along the cut,
+/// not across it. Tries planes across the main axes of the facets' edges (in the frame where the
+/// points are round) and across the coordinate axes; takes the cut that divides fewest facets.
 Cut3D Engine3D::choose_cut(const std::vector<Work>& work) const {
   Cut3D best = cut_along_curve(work);
   const std::vector<Id> sample = sample_facets();
   double least = share_cut(best, sample);
-  // Round pieces of F facets in all have some multiple of sqrt(F / pieces) at each one's border:
-  // where no more are cut, planes would not do better, and trying them costs two milliseconds.
+  // A round piece has a multiple of sqrt(F / pieces) of all F facets at its border: where the curve
+  // cuts no more than that, planes would not do better, and trying them takes two milliseconds.
   const double round =
       6 * std::sqrt(static_cast<double>(work.size()) / static_cast<double>(slots_));
   if (least <= std::max(1.0 / 32, round)) return best;
@@ -174,7 +174,7 @@ Cut3D Engine3D::choose_cut(const std::vector<Work>& work) const {
         for (unsigned j = 0; j < 3; ++j) moments[i][j] += e[i] * e[j] / std::sqrt(square);
     }
   eigenvectors(moments, main_axes);
-  least /= 2;  // pieces of the curve are stretches of the order, which is worth something
+  least /= 2;  // halved: pieces along the curve need no reordering of points
   for (unsigned k = 0; k < 6; ++k) {
     double axis[3] = {};
     for (unsigned j = 0; j < 3; ++j)

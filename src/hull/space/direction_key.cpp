@@ -46,7 +46,7 @@ void cells(const DirectionKey::Map& map, const double* x, const double* y, const
     number = hn::Add(
         number,
         hn::IfThenElse(on_p, hn::Zero(d), hn::IfThenElse(on_r, hn::Set(d, 2.0), hn::Set(d, 1.0))));
-    // A direction that is zero gets some cell.
+    // A zero direction gets an arbitrary cell.
     const V scale = hn::Div(half, hn::Max(m, hn::Set(d, 0x1p-900)));
     const auto place = [&](V k) HWY_ATTR {
       return hn::Min(hn::Max(hn::MulAdd(k, scale, half), hn::Zero(d)), last);
@@ -67,7 +67,7 @@ HWY_INLINE hn::Vec<hn::ScalableTag<std::uint64_t>> load(hn::ScalableTag<std::uin
   return hn::BitCast(d, hn::PromoteTo(hn::RebindToSigned<decltype(d)>(), hn::LoadU(i32, from)));
 }
 
-/// Position on the Hilbert curve of a face's cells: no branches, they would be taken at random.
+/// Position on the Hilbert curve of a face's cells; branchless, as branches would be unpredictable.
 template <class Key>
 void curve(const std::int32_t* face, const std::int32_t* u, const std::int32_t* v, unsigned bits,
            Key* keys) {
@@ -171,8 +171,8 @@ bool invert(const double (&c)[3][3], double (&out)[3][3]) {
 DirectionKey::DirectionKey(const LocalPoints& points, const double* centre,
                            const std::uint32_t* simplex)
     : map_{{centre[0], centre[1], centre[2]}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}} {
-  // Coordinates along the simplex's edges first: that makes the sums below well-conditioned however
-  // thin the body is.
+  // First changes to coordinates along the simplex's edges: the sums below are then
+  // well-conditioned however thin the body is.
   double edges[3][3], rough[3][3];
   for (unsigned i = 0; i < 3; ++i)
     for (unsigned j = 0; j < 3; ++j)
@@ -203,7 +203,7 @@ DirectionKey::DirectionKey(const LocalPoints& points, const double* centre,
 DirectionKey DirectionKey::for_normals() const {
   DirectionKey key;
   key.map_ = {{0, 0, 0}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-  double inverse[3][3];  // of the transpose: the rows are taken as columns
+  double inverse[3][3];  // of the transpose, as rows are passed as columns
   if (invert(map_.linear, inverse))
     std::copy(&inverse[0][0], &inverse[0][0] + 9, &key.map_.linear[0][0]);
   return key;

@@ -1,4 +1,4 @@
-// Where a direction lies on a curve over all directions: the 3D engine's order along the surface.
+// Positions of directions on a curve over all directions: the 3D engine's order along the surface.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,14 @@
 namespace cullhull::internal {
 
 /// Hilbert curves over the faces of the cube of directions, after a linear map that makes the
-/// points round: a thin body's directions would crowd.
+/// points' covariance round: without it the directions of a thin body would crowd.
 class DirectionKey {
  public:
   static constexpr std::uint32_t block = 64;
 
   DirectionKey(const LocalPoints& points, const double* centre, const std::uint32_t* simplex);
 
-  /// The same for normals of planes, which such a map moves by its inverse's transpose.
+  /// The same for normals of planes, which the map transforms by its inverse transpose.
   DirectionKey for_normals() const;
 
   /// keys[i] in [0, 6 * 4^bits) of the positions (x[i], y[i], z[i]), i < block; bits <= 14.

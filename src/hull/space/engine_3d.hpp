@@ -1,5 +1,5 @@
-// The 3D engine: rounds of sorted insertion, the large ones on several pieces of the surface side
-// by side. docs/algorithm.md, "The engine in 3D".
+// The 3D engine: rounds of sorted insertion, large rounds on several pieces of the surface in
+// parallel. docs/algorithm.md, "The engine in 3D".
 #pragma once
 
 #include <cstdint>
@@ -21,20 +21,21 @@ struct Cut3D {
   std::vector<double> levels;       // of the planes, ascending
   std::vector<std::uint32_t> keys;  // of the first point of each piece but the first
   bool planes() const { return !levels.empty(); }
-  /// Of planes: where a point is.
+  /// For planes: the piece that contains p.
   std::uint32_t piece_of(const double* p) const;
 };
 
 class Engine3D {
  public:
-  /// `simplex`: four independent points; the deeper inside their centroid, the better.
+  /// `simplex`: four independent points, whose centroid should be deep inside the hull.
   Engine3D(const LocalPoints& points, const std::uint32_t* simplex, const Run& run);
   TriangleMesh run();
 
  private:
   using Id = std::uint32_t;
   static constexpr Id none = Facet3D::none;
-  /// Below this many points a round is not worth cutting.
+  /// Smaller rounds are inserted by one thread: 8192 points take about a millisecond, cutting and
+  /// joining about half of that.
   static constexpr Id smallest_parallel_round = 8192;
 
   void copy_rows();
@@ -43,15 +44,15 @@ class Engine3D {
   void insert_round(Id begin, Id end);
   void give_slots(Id points);
   void take_back_slots();
-  /// The slots in use (their facets need not be live), in runs of at most `length`.
+  /// The slots in use (their facets may be dead), in ranges of at most `length`.
   std::vector<std::pair<Id, Id>> used_slots(Id length) const;
-  /// Whether a slot was ever used: others hold nothing.
+  /// Whether a slot was ever used; others have no contents.
   bool in_use(Id slot) const;
   Id live_facet() const;
   TriangleMesh surface();
 
   // pieces_3d.cpp
-  struct Work {  // of one piece: positions, or a range of them
+  struct Work {  // a piece's: positions, or a range of them
     std::vector<Id> positions;
     Id begin = 0, end = 0;
   };
@@ -88,11 +89,11 @@ class Engine3D {
   BigArray<double> rows_;
   RawArray<Facet3D> facets_;
   Shared3D shared_;
-  Id slots_ = 0;              // in use, or a piece's
-  bool by_normals_ = false;   // the order of the points that are left, and how the surface is cut
-  BigArray<Id> rank_;         // of facets by their normals, when the round began
-  bool normals_help_ = true;  // as far as is known
-  bool few_seen_ = false;     // of the last round's points saw the surface
+  Id slots_ = 0;              // number in use, or assigned to a piece
+  bool by_normals_ = false;   // whether the remaining points and the cuts are ordered by normals
+  BigArray<Id> rank_;         // of facets by their normals, at the start of the round
+  bool normals_help_ = true;  // false once they did not shorten walks
+  bool few_seen_ = false;     // few of the last round's points were outside
   std::vector<Piece3D> pieces_;
   std::vector<Entries3D::Entry> entries_;
 };

@@ -29,12 +29,11 @@ using D = hn::CappedTag<double, 8>;
 using V = hn::Vec<D>;
 
 constexpr Id inside = 0xFFFFFFFF;   // the point is in the hull
-constexpr Id foreign = 0xFFFFFFFE;  // another piece has to say
+constexpr Id foreign = 0xFFFFFFFE;  // another piece's facet is involved
 
-/// Planes of the facets (p, a_i, a_(i+1)), i < count, where x, y, z hold a_i - p, count + 1 and
-/// padding of them; y0 = p - O. Writes normal and error, and the gauges of `next`.
-/// The bounds: docs/exactness.md, "Cached planes", for d = 3; products may be fused, which rounds
-/// less.
+/// Planes of the facets (p, a_i, a_(i+1)), i < count. x, y, z hold a_i - p for count + 1 points and
+/// padding; y0 = p - O. Writes normal and error, and the gauges of `next`. The bounds:
+/// docs/exactness.md, "Cached planes", for d = 3; products may be fused, which rounds less.
 HWY_INLINE void planes_around(const double* HWY_RESTRICT x, const double* HWY_RESTRICT y,
                               const double* HWY_RESTRICT z, std::uint32_t count, const double* y0,
                               const double* next, double* HWY_RESTRICT planes,
@@ -49,7 +48,7 @@ HWY_INLINE void planes_around(const double* HWY_RESTRICT x, const double* HWY_RE
             bz = hn::LoadU(d, z + i + 1);
     const V zy = hn::Mul(az, by), xz = hn::Mul(ax, bz), yx = hn::Mul(ay, bx);
     const V n0 = hn::MulSub(ay, bz, zy), n1 = hn::MulSub(az, bx, xz), n2 = hn::MulSub(ax, by, yx);
-    // |second product| twice and |n| bound both products' magnitudes.
+    // |second product| twice and |n| bound the magnitudes of both products.
     const V sum = hn::Add(hn::Add(hn::Abs(n0), hn::Abs(n1)), hn::Abs(n2));
     const V second = hn::Add(hn::Add(hn::Abs(zy), hn::Abs(xz)), hn::Abs(yx));
     const V level = hn::MulAdd(n0, y0x, hn::MulAdd(n1, y0y, hn::Mul(n2, y0z)));
@@ -90,7 +89,7 @@ class Inserter {
       }
       const Id p = positions != nullptr ? positions[k] : k;
       const Id next = k + 1 == end ? p : positions != nullptr ? positions[k + 1] : k + 1;
-      // Chosen points may lie far apart.
+      // Selected points may be far apart in memory.
       if (positions != nullptr &&
           (k == begin || p / Entries3D::block != positions[k - 1] / Entries3D::block))
         enter(p);
@@ -153,7 +152,7 @@ class Inserter {
                                  point(p), piece_.rungs);
   }
 
-  /// A facet p sees, or `inside`, or `foreign`.
+  /// A facet visible from p, or `inside`, or `foreign`.
   Id locate(Id p) {
     Id f = piece_.hint;
     double g = gauge(f, y_);
@@ -178,7 +177,7 @@ class Inserter {
     }
   }
 
-  /// At a local maximum of the gauge: a strict one beyond the bounds proves that p is inside.
+  /// At a local maximum of the gauge: where it is strict beyond the bounds, p is inside.
   Id judge(Id f, double g, Id p) {
     piece_.hint = f;
     const double e = facets_[f].error;
@@ -193,8 +192,8 @@ class Inserter {
   }
 
   /// A visibility walk on the projection of the hull from O. The projection is a regular
-  /// subdivision but for its coplanar pieces, so a walk that picks the edge at random ends with
-  /// probability 1 (Devillers, Pion, Teillaud 2002).
+  /// subdivision except for its coplanar pieces, so a walk that chooses the edge at random ends
+  /// with probability 1 (Devillers, Pion, Teillaud 2002).
   Id locate_exactly(Id f, Id p) {
     if (note_duplicate(f, p)) return inside;
     for (Id step = 1;; ++step) {
@@ -218,24 +217,24 @@ class Inserter {
     return inside;
   }
 
-  /// Begins the walk to p where the surface, when it was cut, was nearest; false where that is not
-  /// known to be ours now.
+  /// Starts the walk to p at the facet that was nearest to it when the surface was cut; false where
+  /// that may not belong to this piece any more.
   bool enter(Id p) {
     if (piece_.entries.entries == nullptr) return false;
     const Entries3D::Entry& e =
         piece_.entries.entries[p / Entries3D::block - piece_.entries.first_block];
-    // The slot of a facet that was another's is not ours to read.
+    // The slot of another piece's facet must not be read.
     if (!piece_.owns(e.owner) || !piece_.owns(facets_[e.facet])) return false;
     piece_.hint = e.facet;
     return true;
   }
 
-  /// False if the point concerns facets of other pieces; then nothing has changed.
+  /// False if the point involves facets of other pieces; then nothing has changed.
   bool insert(Id p, Id next) {
     offset(s_.row(p), y_);
     Id seed = locate(p);
     if (HWY_UNLIKELY(seed == foreign)) {
-      // The way may be barred though the goal is ours.
+      // Another piece may be in the way although the goal is this one's.
       if (!enter(p)) return false;
       seed = locate(p);
       if (seed == foreign) return false;
@@ -253,7 +252,7 @@ class Inserter {
 
   HWY_NOINLINE void grow_ring() {
     piece_.ring_capacity = std::max<Id>(64, 2 * piece_.ring_capacity);
-    // A sentinel, and a vector's worth of padding.
+    // A sentinel, and the padding of a vector.
     const std::size_t room = piece_.ring_capacity + std::size_t{16};
     for (auto* ids : {&piece_.ring_start, &piece_.ring_outside, &piece_.ring_back, &piece_.created})
       ids->resize(room);
@@ -265,7 +264,7 @@ class Inserter {
   HWY_NOINLINE void grow_visible() {
     piece_.visible_capacity = std::max<Id>(64, 2 * piece_.visible_capacity);
     piece_.visible.resize(piece_.visible_capacity);
-    // One edge of each visible facet waits, and one more of the first.
+    // The stack holds one edge for each visible facet, and one more of the first.
     piece_.stack.resize(piece_.visible_capacity + std::size_t{1});
     use_scratch();
   }
@@ -281,7 +280,8 @@ class Inserter {
     stack_ = piece_.stack.data();
   }
 
-  /// Depth first over the visible facets, edges counter-clockwise: the horizon comes out in order.
+  /// Depth first over the visible facets, edges counter-clockwise: horizon edges come in cyclic
+  /// order.
   bool find_cavity(Id p, Id seed) {
     const Id epoch = ++piece_.epoch, first_owner = piece_.first_owner, owners = piece_.owner_count;
     const double* point = s_.row(p);
@@ -299,7 +299,7 @@ class Inserter {
     for (;;) {
       const Id g = facets_[f].neighbours[edge];
       Facet3D& other = facets_[g];
-      // The foreign facet's mark is not ours to read.
+      // The mark of another piece's facet must not be read.
       if (HWY_UNLIKELY(other.owner - first_owner >= owners)) return false;
       if (other.mark != epoch) {
         const unsigned back = static_cast<unsigned>(other.neighbours[1] == f) +
@@ -353,7 +353,7 @@ class Inserter {
     return piece_.next_slot++;
   }
 
-  /// A new facet on each horizon edge, in the slots of the visible ones.
+  /// Makes a new facet on each horizon edge, first in the slots of the visible ones.
   void replace_cavity(Id p, Id next) {
     const Id count = ring_;
     x_[count] = x_[0];
@@ -404,7 +404,7 @@ class Inserter {
   double centre_[3];
   double y_[3];  // the point being inserted, relative to O
   Id ring_ = 0, visible_count_ = 0;
-  // Of the piece's scratch.
+  // Pointers into the piece's scratch.
   Id *start_ = nullptr, *outside_ = nullptr, *back_ = nullptr, *created_ = nullptr;
   double *x_ = nullptr, *y_ring_ = nullptr, *z_ = nullptr;
   Id* visible_ = nullptr;

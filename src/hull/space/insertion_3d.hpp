@@ -1,9 +1,9 @@
-// Incremental insertion in 3D: what the pieces of a surface share, and a piece of it.
+// Incremental insertion in 3D: the state that the pieces of a surface share, and a piece of it.
 //
 // The surface is one array of facets. A piece owns some of them and inserts points whose whole
-// cavity is its own; facets next to another piece's are never replaced, so what a piece reads
-// beyond its border does not change, and pieces work side by side without locks.
-// docs/algorithm.md, "The engine in 3D".
+// cavity it owns; facets next to another piece's are never replaced, so what a piece reads beyond
+// its border does not change, and pieces work in parallel without locks. docs/algorithm.md, "The
+// engine in 3D".
 #pragma once
 
 #include <cstddef>
@@ -35,7 +35,7 @@ struct alignas(64) Facet3D {
 };
 static_assert(sizeof(Facet3D) == 64);
 
-/// Points are in insertion order: an id is a position in it.
+/// Points are in insertion order: an id is a position in that order.
 struct Shared3D {
   static constexpr unsigned row_stride = 4;  // a row never straddles cache lines
 
@@ -48,17 +48,17 @@ struct Shared3D {
   const double* row(std::uint32_t p) const { return rows + std::size_t{p} * row_stride; }
 };
 
-/// Facets to begin walks at, known for every block of points when the surface was cut.
+/// Facets where walks begin, one for every block of points, found when the surface was cut.
 struct Entries3D {
   static constexpr std::uint32_t block = 256;
   struct Entry {
-    std::uint32_t facet, owner;  // at that time
+    std::uint32_t facet, owner;  // when the surface was cut
   };
   const Entry* entries = nullptr;  // of positions / block - first_block
   std::uint32_t first_block = 0;
 };
 
-/// What one thread works with. Aligned so that no two threads write to the same lines.
+/// The state of one thread. Aligned so that no two threads write to the same cache line.
 struct alignas(256) Piece3D {
   std::uint32_t first_owner = 0, owner_count = 1;  // the facets it owns
   std::uint32_t epoch = 0;
@@ -66,8 +66,8 @@ struct alignas(256) Piece3D {
   XorShift random;
   std::uint32_t next_slot = 0, end_slot = 0;                   // slots never used
   std::vector<std::uint32_t> free;                             // slots used before
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> spare;  // ranges of slots never used
-  std::vector<std::uint32_t> deferred;  // points that concern other pieces' facets, ascending
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> spare;  // ranges of unused slots
+  std::vector<std::uint32_t> deferred;  // points that involve other pieces' facets, ascending
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
   RungCounts rungs;
   std::uint64_t steps = 0, inserted = 0;
@@ -88,19 +88,19 @@ struct alignas(256) Piece3D {
 };
 
 /// Inserts the points at the given ascending positions, or [begin, end) where `positions` is null.
-/// Points that concern facets of other pieces are appended to `deferred`.
-/// `progress`: called now and then with the share done; may be null.
+/// Appends points that involve facets of other pieces to `deferred`. `progress`: called now and
+/// then with the share done; may be null.
 void insert_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
                    std::uint32_t begin, std::uint32_t end,
                    const std::function<void(double)>* progress);
 
-/// Appends those of the points (as for insert_points) that see the surface to piece.deferred; the
-/// others are inside for good. Only reads the surface, all of which the piece must own.
+/// Appends those of the points (as for insert_points) that are outside of the surface to
+/// piece.deferred; the others stay inside. Only reads the surface, all of which the piece must own.
 void screen_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
                    std::uint32_t begin, std::uint32_t end);
 
-/// The facet that the ray from O through p leaves by, as well as doubles can tell, or one that p
-/// sees; climbing from `start` and only reading.
+/// The facet that the ray from O through p leaves by, up to rounding, or one visible from p; climbs
+/// from `start`, and only reads.
 std::uint32_t climb(const Shared3D& shared, std::uint32_t start, const double* p);
 
 /// Fills normal and error of a facet from its vertices.

@@ -1,4 +1,4 @@
-// The 3D engine's second order of insertion, for slivers.
+// The 3D engine's second insertion order, for slivers.
 #include <algorithm>
 #include <bit>
 
@@ -39,8 +39,8 @@ void Engine3D::rank_facets() {
   for (std::size_t k = 0; k < order.size(); ++k) rank_[ranked[k].facet] = static_cast<Id>(k);
 }
 
-/// How far a point is on the way across facet f from the neighbour of lowest rank to that of
-/// highest rank, in [0, 1).
+/// The relative position of a point on facet f between the neighbours of lowest and of highest
+/// rank, in [0, 1).
 double Engine3D::way_across(Id f, const double* p) const {
   const Facet3D& facet = facets_[f];
   Id low = facet.neighbours[0], high = low;
@@ -60,12 +60,12 @@ double Engine3D::way_across(Id f, const double* p) const {
     most = std::max(most, at);
   }
   const double way = (at - least) / (most - least);
-  return way > 0 ? std::min(way, 0.999) : 0;  // 0 / 0 as well
+  return way > 0 ? std::min(way, 0.999) : 0;  // also for 0 / 0
 }
 
-/// Sorts the points of each round to come by the normal of the facet they are in or see. Where
-/// facets are slivers, along the rulings of a cone say, they are neighbours exactly if their
-/// normals are close, and those run along a curve.
+/// Sorts the points of the coming rounds by the normal of the facet they are above or beneath.
+/// Where facets are slivers, along the rulings of a cone say, facets are neighbours exactly if
+/// their normals are close, and normals lie along a curve.
 void Engine3D::sort_by_normals(std::size_t round) {
   const Id begin = order_.round_ends[round], n = points_.count;
   rank_facets();
@@ -99,10 +99,10 @@ void Engine3D::sort_by_normals(std::size_t round) {
   permute(begin, keyed);
 }
 
-/// Tries both orders on stretches of the round's points. Where normals are noise, as on a plane
-/// that was turned, they scatter what directions had in order.
+/// Compares both orders on parts of the round's points. Where normals are noise, as on a rotated
+/// plane, ordering by them scatters points that were in order.
 bool Engine3D::shorter_walks(Id begin, Id end, const Keyed* order) const {
-  // 512 walks each way: where orders differ at all, walks differ by factors.
+  // 16 times 32 walks for each order: where orders differ at all, walks differ by factors.
   constexpr Id stretches = 16, length = 32;
   if (end - begin < stretches * length) return false;
   std::uint64_t steps[2] = {0, 0};
@@ -115,7 +115,7 @@ bool Engine3D::shorter_walks(Id begin, Id end, const Keyed* order) const {
       Id positions[length];
       for (Id i = 0; i < length; ++i)
         positions[i] = way == 0 ? begin + first + i : order[first + i].id;
-      screen_points(shared_, reader, positions, 0, 1);  // the way to the stretch does not count
+      screen_points(shared_, reader, positions, 0, 1);  // this walk does not count
       const std::uint64_t before = reader.steps;
       screen_points(shared_, reader, positions, 1, length);
       steps[way] += reader.steps - before;
@@ -124,7 +124,7 @@ bool Engine3D::shorter_walks(Id begin, Id end, const Keyed* order) const {
   return steps[1] < steps[0];
 }
 
-/// Brings the points from position `begin` on into the given order of positions.
+/// Permutes the points from position `begin` on into the given order of positions.
 void Engine3D::permute(Id begin, const Keyed* order) {
   const Id n = points_.count;
   BigArray<Id> ids(n);

@@ -1,4 +1,4 @@
-// The order in which the 3D engine takes its points.
+// The insertion order of the 3D engine.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace cullhull::internal {
 
 /// Biased randomised insertion order (Amenta, Choi, Rote 2003): rounds of geometrically growing
-/// random samples, each along the curve of directions.
+/// random samples, each sorted along the curve of directions.
 struct InsertionOrder3D {
   BigArray<std::uint32_t> ids;
   std::vector<std::uint32_t> round_ends;  // ascending, the last is the number of points

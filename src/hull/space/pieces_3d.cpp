@@ -1,4 +1,4 @@
-// The 3D engine on several threads: the surface is cut into pieces, which join two by two.
+// The 3D engine on several threads: the surface is cut into pieces, which are joined pairwise.
 #include <algorithm>
 #include <thread>
 
@@ -7,14 +7,14 @@
 
 namespace cullhull::internal {
 
-/// Where few points see the surface: all threads look for those, one inserts them.
+/// Where few points are outside: all threads search for those, one inserts them.
 void Engine3D::screen_and_insert(Id begin, Id end) {
   constexpr std::uint64_t chunk = 1 << 13;
   std::vector<Piece3D> readers(chunk_count(end - begin, chunk));
   const Id start = live_facet();
   run_.each_chunk(end - begin, chunk,
                   [&](std::uint64_t c, std::uint64_t first, std::uint64_t last) {
-                    readers[c].owner_count = none;  // all
+                    readers[c].owner_count = none;  // all facets
                     readers[c].hint = start;
                     screen_points(shared_, readers[c], nullptr, static_cast<Id>(begin + first),
                                   static_cast<Id>(begin + last));
@@ -32,8 +32,8 @@ void Engine3D::screen_and_insert(Id begin, Id end) {
   take_back_slots();
 }
 
-/// Cuts the surface into pieces of about equally many new points, fills them side by side, and
-/// joins neighbouring pieces two by two until the points at the last border are in.
+/// Cuts the surface into pieces with about equally many new points, inserts into them in parallel,
+/// and joins neighbouring pieces pairwise until the points at the last border are inserted.
 void Engine3D::insert_in_pieces(Id begin, Id end) {
   const Id count = std::min<Id>(run_.threads, (end - begin) / (smallest_parallel_round / 4));
   std::vector<Work> work(count);
@@ -48,7 +48,7 @@ void Engine3D::insert_in_pieces(Id begin, Id end) {
     work = join_pieces();
     run_pieces(work, begin, end);
   }
-  pieces_[0].entries = {};  // they are of this round's points
+  pieces_[0].entries = {};  // valid for this round's points only
   take_back_slots();
 }
 
@@ -81,7 +81,7 @@ void Engine3D::cut(std::vector<Work>& work) {
   }
 }
 
-/// From stretches of the order to the points between planes.
+/// Redistributes points from ranges of the order to the pieces between planes.
 void Engine3D::divide(std::vector<Work>& work, const Cut3D& cut) const {
   const Id begin = work.front().begin, end = work.back().end;
   constexpr std::uint64_t chunk = 1 << 14;
@@ -132,7 +132,7 @@ void Engine3D::find_entries(Id begin, Id end) {
   constexpr std::uint64_t chunk = 64;
   run_.each(entries_.size(), chunk, [&](std::uint64_t first, std::uint64_t last) {
     Piece3D reader;
-    reader.owner_count = none;  // all
+    reader.owner_count = none;  // all facets
     reader.hint = start;
     for (std::uint64_t b = first; b < last; ++b) {
       const auto position = static_cast<Id>((first_block + b) * Entries3D::block);
@@ -152,7 +152,7 @@ void Engine3D::run_pieces(const std::vector<Work>& work, Id begin, Id end) {
       if (std::this_thread::get_id() == caller)
         run_.report("hull", (begin + share * (end - begin)) / points_.count);
     };
-    if (piece.hint == none) {  // no facet of its own
+    if (piece.hint == none) {  // it owns no facet
       piece.deferred = w.positions;
       for (Id p = w.begin; p < w.end; ++p) piece.deferred.push_back(p);
     } else if (w.positions.empty()) {
@@ -164,8 +164,8 @@ void Engine3D::run_pieces(const std::vector<Work>& work, Id begin, Id end) {
   });
 }
 
-/// Joins pieces 2 k and 2 k + 1, whose common border opens; what they deferred is to be tried
-/// again.
+/// Joins pieces 2 k and 2 k + 1, whose common border vanishes; returns their deferred points, to be
+/// tried again.
 std::vector<Engine3D::Work> Engine3D::join_pieces() {
   const std::size_t count = (pieces_.size() + 1) / 2;
   std::vector<Work> work(count);

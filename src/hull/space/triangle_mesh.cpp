@@ -33,7 +33,7 @@ Boundary boundary_of(TriangleMesh&& surface, const Run& run) {
     first[c + 1] = count;
   });
   for (std::size_t c = 0; c < runs.size(); ++c) first[c + 1] += first[c];
-  // Where every point is extreme no slot is free, and a facet's number is its slot.
+  // Where every point is extreme no slot is unused, and a facet's number is its slot.
   const Id slots = runs.empty() ? 0 : runs.back().second;
   const bool dense = first.back() == slots;
   BigArray<Id> number(dense ? 0 : slots);

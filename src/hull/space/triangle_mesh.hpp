@@ -1,6 +1,5 @@
-// What the 3D engine leaves: its own facets and numbers, in which neighbours lie near one another
-// in memory. The result of a hull with millions of facets is made from this; all else takes the
-// Boundary.
+// The 3D engine's own facets and numbering, in which neighbours are near one another in memory. The
+// results of large 3D hulls are made from this; all else uses the Boundary.
 #pragma once
 
 #include <cstdint>
@@ -17,24 +16,24 @@
 
 namespace cullhull::internal {
 
-/// A surface of triangles as the engine has it: slots of facets, some of them unused.
+/// A surface of triangles in the engine's records: slots of facets, some of them unused.
 struct TriangleMesh {
   using Run = std::pair<std::uint32_t, std::uint32_t>;
 
   RawArray<Facet3D> facets;
   /// Ranges of slots, ascending and not adjoining, that were ever used: facets in them may be live
-  /// or dead, elsewhere there is nothing.
+  /// or dead.
   std::vector<Run> used;
   std::uint64_t live = 0;                   ///< facets
   BigArray<std::uint32_t> order;            ///< local id of each vertex number
-  BigArray<double> rows;                    ///< of each, Shared3D::row_stride apart
-  std::uint32_t count = 0;                  ///< vertex numbers; not all need be in use
-  std::optional<Orientation3D> predicates;  ///< of the local points; refers to them
+  BigArray<double> rows;                    ///< row of each, Shared3D::row_stride apart
+  std::uint32_t count = 0;                  ///< number of vertex numbers; some may not be in use
+  std::optional<Orientation3D> predicates;  ///< for the local points, which it refers to
   /// As in Boundary.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
   RungCounts rung_counts;
 
-  /// The used slots in runs of at most `length`.
+  /// The used slots in ranges of at most `length`.
   std::vector<Run> runs(std::uint32_t length) const;
 };
 

@@ -6,7 +6,9 @@
 
 #include "io/blocks/byte_stream.hpp"
 #include "io/columns.hpp"
+#include "io/hdf5/hdf5_points.hpp"
 #include "io/mapped_file.hpp"
+#include "io/packed/archive.hpp"
 #include "io/packed/unpack.hpp"
 #include "io/records.hpp"
 #include "io/text.hpp"
@@ -26,7 +28,7 @@ char* BlockMemory::room(std::size_t bytes, std::size_t keep) {
 
 namespace {
 
-/// Records of a regular file: any thread reads any of them.
+/// Records of a regular file: threads read them in any order.
 class RecordBlocks : public BlockSource {
  public:
   RecordBlocks(OpenedBytes&& from, RecordLayout&& layout, std::size_t block_bytes)
@@ -64,6 +66,41 @@ class RecordBlocks : public BlockSource {
 
   OpenedBytes from_;
   RecordLayout layout_;
+  std::uint64_t per_block_, next_ = 0;
+};
+
+/// Points of HDF5: any thread reads any of them, one at a time.
+class Hdf5Blocks : public BlockSource {
+ public:
+  Hdf5Blocks(const InputName& input, std::size_t block_bytes, const ReadOptions& options)
+      : points_(input.file, input.member), options_(options) {
+    name_ = points_.name();
+    format_ = "hdf5";
+    const std::uint64_t chunk = points_.chunk_points();
+    per_block_ = std::max<std::uint64_t>(1, block_bytes / points_.record_bytes());
+    if (per_block_ > chunk) per_block_ -= per_block_ % chunk;
+  }
+  void go_on_from(const BlockPosition& from) override { next_ = from.file_points; }
+
+  bool next(BlockTask& task, BlockMemory& memory) override {
+    if (next_ >= points_.count()) return false;
+    const std::uint64_t first = next_, count = std::min(per_block_, points_.count() - first);
+    next_ += count;
+    task.count = count;
+    task.file_points = next_;
+    task.taken = next_ * points_.record_bytes();
+    task.load = [this, first, count, &memory] {
+      LoadedBlock block;
+      block.data = points_.read(first, count, memory.room(count * points_.record_bytes()));
+      choose_columns(block.data, name_, {}, options_);
+      return block;
+    };
+    return true;
+  }
+
+ private:
+  Hdf5Points points_;
+  ReadOptions options_;
   std::uint64_t per_block_, next_ = 0;
 };
 
@@ -122,7 +159,7 @@ class PipedRecords : public BlockSource {
     skip(layout_.offset + pass_ * layout_.record_bytes, memory);
     next_ = pass_;
   }
-  /// Who writes the pipe must not find it closed before the end.
+  /// Reads to the end, as the writer of a pipe must not find it closed before.
   void finish(BlockMemory& memory) {
     constexpr std::size_t piece = std::size_t{1} << 20;
     while (from_.stream->read(memory.room(piece), piece) > 0)
@@ -135,10 +172,10 @@ class PipedRecords : public BlockSource {
   bool begun_ = false;
 };
 
-/// A point a line: cut at the ends of lines in order, parsed by any thread.
+/// One point a line: divided at line ends in order, parsed by any thread.
 class TextBlocks : public BlockSource {
  public:
-  /// `body`: bytes before the first line of points.
+  /// `body`: offset of the first line of points.
   TextBlocks(OpenedBytes&& from, const Preamble& preamble, std::uint64_t body,
              std::size_t block_bytes, const ReadOptions& options)
       : from_(std::move(from)),
@@ -197,7 +234,7 @@ class TextBlocks : public BlockSource {
     }
     at_ = body_;
   }
-  /// Fills the memory with whole lines; what is left of the last one waits for the next call.
+  /// Fills the memory with whole lines; the rest of the last line is kept for the next call.
   std::size_t cut(BlockMemory& memory) {
     std::size_t size = rest_.size(), capacity = size + block_bytes_;
     char* out = memory.room(capacity);
@@ -234,7 +271,7 @@ class TextBlocks : public BlockSource {
   bool begun_ = false, ended_ = false;
 };
 
-/// What has to be in memory as a whole: one block.
+/// A format that has to be in memory as a whole: a single block.
 class WholeInput : public BlockSource {
  public:
   WholeInput(OpenedBytes&& from, std::string format, const ReadOptions& options)
@@ -288,7 +325,7 @@ class WholeInput : public BlockSource {
   bool done_ = false;
 };
 
-/// The first lines of a text, which tell what it holds.
+/// The first lines of a text, which determine its layout.
 std::optional<Preamble> preamble_of(const OpenedBytes& from, const std::string& format,
                                     const ReadOptions& options) {
   std::string_view head = from.head;
@@ -301,7 +338,7 @@ std::optional<Preamble> preamble_of(const OpenedBytes& from, const std::string& 
   return preamble;
 }
 
-/// Of what is decoded, only the columns asked for.
+/// Restricts decoded points to the columns asked for.
 void choose_columns_of(RecordLayout& layout, const std::string& file,
                        const std::vector<std::string>& names, const ReadOptions& options) {
   layout.decode = [decode = layout.decode, file, names, options](
@@ -317,6 +354,9 @@ void choose_columns_of(RecordLayout& layout, const std::string& file,
 std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOptions& options) {
   OpenedBytes from = open_bytes(path, options.read);
   const Source head{from.name, from.head.data(), from.head.size()};
+  const InputName input = split_input(path);
+  if (holds_hdf5(input.file, from.head))
+    return std::make_unique<Hdf5Blocks>(input, options.block_bytes, options.read);
   if (extension_of(unpacked_name(path)) == "hullstate" || from.head.starts_with("\x93"
                                                                                 "CULLHS\n"))
     return std::make_unique<WholeInput>(std::move(from), "hullstate", options.read);
@@ -327,13 +367,14 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
   if (!from.format.empty()) read.format = from.format;
   const std::string format = choose_format({head.name, head.data + skip, head.size - skip}, read);
   std::optional<RecordLayout> layout;
-  // A block that was begun is finished, so that there is a position to go on from: whoever visits
-  // blocks hears a cancellation between them.
+  // A block that was begun is finished, so that its position can be continued from: visit_blocks
+  // checks for cancellation between blocks.
   ReadOptions uninterrupted = read;
   uninterrupted.stop = {};
   if (format == "npy") layout = npy_records(head, from.size, uninterrupted);
   if (format == "raw") layout = raw_records(head, from.size, uninterrupted);
   if (format == "ply") layout = ply_records(head, from.size, uninterrupted);
+  if (format == "pcd") layout = pcd_records(head, from.size, uninterrupted);
   if (format == "las") layout = las_records(head, from.size);
   if (layout) {
     if (!read.columns.empty() || !read.key.empty())

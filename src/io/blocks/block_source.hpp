@@ -15,7 +15,7 @@ namespace cullhull::internal {
 /// Memory that a reading thread keeps from block to block.
 class BlockMemory {
  public:
-  /// Room for so many bytes, with the first `keep` of what was there.
+  /// Returns room for so many bytes, keeping the first `keep` of its contents.
   char* room(std::size_t bytes, std::size_t keep = 0);
   std::size_t size() const { return size_; }
 
@@ -26,7 +26,7 @@ class BlockMemory {
 
 struct LoadedBlock {
   PointData data;
-  std::optional<HullState> state;  ///< in the place of points
+  std::optional<HullState> state;  ///< instead of points
 
   std::uint64_t count() const { return state ? state->point_count() : data.view.count; }
   std::uint32_t dimension() const { return state ? state->dimension() : data.view.dimension; }
@@ -34,10 +34,10 @@ struct LoadedBlock {
 };
 
 struct BlockTask {
-  std::optional<std::uint64_t> count;  ///< of points, where that is known without loading
-  /// For any thread; the memory is that which next() was given.
+  std::optional<std::uint64_t> count;  ///< of points, where it is known before loading
+  /// Callable from any thread; uses the memory that next() was given.
   std::function<LoadedBlock()> load;
-  /// Where the input stands behind this block; of points only where `count` is known.
+  /// The input's position after this block; of points only where `count` is known.
   std::uint64_t file_points = 0, file_bytes = 0, file_lines = 0;
   std::uint64_t taken = 0;  ///< of the input's bytes on disk, up to here
 };
@@ -45,12 +45,12 @@ struct BlockTask {
 class BlockSource {
  public:
   virtual ~BlockSource() = default;
-  /// The next block, false at the end. By one thread at a time, in order; may read into `memory`,
-  /// which stays as it is until the task has been loaded and visited.
+  /// The next block, false at the end. Called by one thread at a time, in order; may read into
+  /// `memory`, which must not change until the task has been loaded and visited.
   virtual bool next(BlockTask& task, BlockMemory& memory) = 0;
-  /// Passes what was visited before; called before next().
+  /// Skips what was visited before; called before next().
   virtual void go_on_from(const BlockPosition& from) = 0;
-  /// Once all tasks were loaded: whether the whole is what its beginning promised.
+  /// After all tasks were loaded: checks that the input was as long as its header promised.
   virtual void finish() const {}
   const std::string& name() const { return name_; }
   const std::string& format() const { return format_; }

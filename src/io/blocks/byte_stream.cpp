@@ -21,7 +21,7 @@ constexpr std::size_t head_bytes = std::size_t{1} << 20;
   throw Error(ErrorCode::io, name + ": " + doing + ": " + std::system_category().message(error));
 }
 
-/// Of a descriptor, from where it stands.
+/// Reads a descriptor from its present position.
 class FileBytes : public ByteStream {
  public:
   FileBytes(std::string name, int fd, bool waits, std::stop_token stop)
@@ -42,7 +42,7 @@ class FileBytes : public ByteStream {
   std::uint64_t taken() const override { return taken_; }
 
  private:
-  /// A pipe may have nothing for long: then it is asked now and then whether to go on.
+  /// A pipe may be idle for long: checks now and then whether to stop.
   void wait() const {
     if (!waits_) return;
     do {
@@ -57,7 +57,7 @@ class FileBytes : public ByteStream {
   std::uint64_t taken_ = 0;
 };
 
-/// Another stream behind bytes that were taken from it, and what keeps its file open.
+/// Puts back bytes that were taken from a stream; keeps the stream's file open.
 class WithHead : public ByteStream {
  public:
   WithHead(Descriptor file, std::unique_ptr<ByteStream> rest, std::string head)
@@ -96,7 +96,7 @@ class PartBytes : public ByteStream {
   std::uint64_t at_, left_;
 };
 
-/// Puts another stream in the place of the file's own, with its beginning at hand.
+/// Replaces the stream of a file by another one, and reads its beginning.
 void replace_stream(OpenedBytes& opened, std::unique_ptr<ByteStream> stream) {
   opened.head.resize(head_bytes);
   opened.head.resize(stream->read(opened.head.data(), head_bytes));
@@ -110,7 +110,7 @@ Descriptor another(const Descriptor& file, const std::string& name) {
   return copy;
 }
 
-/// The array of an archive in the archive's place.
+/// Replaces an archive by one of its arrays.
 OpenedBytes open_member(OpenedBytes&& archive, const std::string& member) {
   if (archive.file.get() < 0)
     throw Error(ErrorCode::invalid_argument,
@@ -160,13 +160,13 @@ OpenedBytes open_file(const std::string& path, const std::stop_token& stop) {
   opened.head.resize(head_bytes);
   opened.head.resize(bytes->read(opened.head.data(), head_bytes));
   if (opened.head.empty()) fail({opened.name, nullptr, 0}, "empty file");
-  // Files of /proc have no size, and standard input may be a file that others read, too.
+  // Files in /proc have size 0, and standard input may be a file that others read, too.
   if (path != "-" && regular && status.st_size > 0) {
     opened.size = static_cast<std::uint64_t>(status.st_size);
     system::expect_in_order(file.get());
     opened.file = another(file, opened.name);
   } else {
-    system::enlarge_pipe(file.get());  // perhaps no pipe
+    system::enlarge_pipe(file.get());  // fails where it is no pipe
   }
   opened.stream = std::make_unique<WithHead>(std::move(file), std::move(bytes), opened.head);
   return opened;

@@ -1,4 +1,4 @@
-// Bytes that come one after the other: of a file, a pipe, or what a decompressor makes of one.
+// Sequential bytes of a file, of a pipe, or of a decompressor.
 #pragma once
 
 #include <cstddef>
@@ -31,30 +31,30 @@ class Descriptor {
 class ByteStream {
  public:
   virtual ~ByteStream() = default;
-  /// Fills `out` as far as there is something; fewer bytes only at the end. Throws Error{io}, and
-  /// Error{bad_file} for what is not compressed as its name says.
+  /// Fills `out` as far as bytes are available; fewer only at the end. Throws Error{io}, and
+  /// Error{bad_file} for corrupt compressed bytes.
   virtual std::size_t read(char* out, std::size_t size) = 0;
-  /// Bytes of the file behind it that have been taken so far, for progress.
+  /// Bytes of the underlying file that were read so far, for progress.
   virtual std::uint64_t taken() const = 0;
 };
 
-/// What has been opened, with its beginning at hand.
+/// An opened input, with its first bytes.
 struct OpenedBytes {
   std::string name;  ///< for messages
   Descriptor file;   ///< where it is a regular file that is not compressed, for reading anywhere
-  std::uint64_t base = 0;              ///< where in it the bytes begin, in an archive
+  std::uint64_t base = 0;              ///< offset of the bytes in it (in an archive)
   std::uint64_t size = 0;              ///< of them; unknown_size else
   std::string format;                  ///< where what it lies in tells: "npy"
   std::unique_ptr<ByteStream> stream;  ///< all bytes from the first
   std::string head;                    ///< the first MiB or, if fewer, all
 };
 
-/// "-" is standard input; FILE.npz:NAME an array in an archive. What is compressed is unpacked.
-/// Throws Error{io}, Error{bad_file} for an empty file; and Error{cancelled}, here and where it is
-/// read, while a pipe has nothing and `options.stop` is requested.
+/// "-" is standard input; FILE.npz:NAME an array in an archive. Compressed files are decompressed.
+/// Throws Error{io}, Error{bad_file} for an empty file; and Error{cancelled}, here and when it is
+/// read, if `options.stop` is requested while a pipe is idle.
 OpenedBytes open_bytes(const std::string& path, const ReadOptions& options);
 
-/// Reads at an offset as much as is asked for. Throws Error{io}, also where the file has shrunk.
+/// Reads exactly `size` bytes at an offset. Throws Error{io}, also where the file has shrunk.
 void read_at(const OpenedBytes& from, char* out, std::size_t size, std::uint64_t offset);
 
 }  // namespace cullhull::internal

@@ -1,4 +1,4 @@
-// Which files some words stand for.
+// Expands words to the files that they name.
 #include <algorithm>
 #include <fstream>
 

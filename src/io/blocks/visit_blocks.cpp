@@ -18,10 +18,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// An input of which blocks are under way.
+/// An input with blocks in work.
 struct ActiveInput {
   std::unique_ptr<BlockSource> source;
-  std::uint64_t file = 0;           ///< its place among the inputs
+  std::uint64_t file = 0;           ///< its index among the inputs
   std::uint64_t points_before = 0;  ///< of all inputs before it; known with its first block's id
   std::uint64_t under_way = 0;
   bool begun = false, ended = false;
@@ -29,21 +29,21 @@ struct ActiveInput {
 
 using InputPlace = std::list<ActiveInput>::iterator;
 
-/// A block from when it is taken to when it has been visited. Blocks are numbered in order.
+/// A block from being taken to having been visited. Blocks are numbered in order.
 struct Taken {
   BlockTask task;
   InputPlace input;
   std::uint64_t number = 0, first_id = 0;
 };
 
-/// The dimension of a block and of whose points it is.
+/// The dimension of a block, and its file.
 struct DimensionOf {
   std::uint64_t number = 0;
   std::uint32_t dimension = 0;
   std::string file;
 };
 
-/// Thrown where a block is not visited, an error of some block being known already.
+/// Thrown where a block is skipped because another one has failed.
 struct Dropped {};
 
 class Reading {
@@ -91,7 +91,7 @@ class Reading {
     working_ = readers;
     for (unsigned t = 0; t < readers; ++t) try {
         threads.emplace_back([this] { work(); });
-      } catch (const std::system_error&) {  // as many as the system gives, but one
+      } catch (const std::system_error&) {  // as many threads as the system allows
         if (threads.empty()) throw;
         const std::lock_guard lock(mutex_);
         --working_;
@@ -99,7 +99,7 @@ class Reading {
     return threads;
   }
 
-  /// Progress, cancellation, pauses, until the threads are done.
+  /// Reports progress, checks for cancellation and pauses, until the threads are done.
   void watch() {
     Clock::time_point last_pause = Clock::now();
     const auto wait = std::chrono::milliseconds(50);
@@ -135,7 +135,7 @@ class Reading {
       options_.progress("read", static_cast<double>(at.bytes) / static_cast<double>(total_bytes_));
   }
 
-  /// Of the last block taken; with `mutex_` locked or all threads gone.
+  /// After the last block taken; requires `mutex_` or that all threads have ended.
   BlockPosition position() const {
     BlockPosition at;
     at.file = next_file_;
@@ -172,7 +172,7 @@ class Reading {
 
   /// The next block; false when there is none, or reading has to stop.
   bool take(Taken& taken, BlockMemory& memory) {
-    const std::lock_guard turn(taking_);  // one thread at a time asks the input, in order
+    const std::lock_guard turn(taking_);  // one thread at a time calls next(), in order
     {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, [&] { return !paused_ || stop_; });
@@ -189,7 +189,7 @@ class Reading {
       ++current_->under_way;
       last_ = taken.task;
       last_.load = nullptr;
-      // Where the counts of all before are known, so is the first id.
+      // Where the counts of all blocks before are known, so is the first id.
       if (taken.task.count && taken.number == next_named_) assign(taken, *taken.task.count);
       return true;
     } catch (...) {
@@ -218,7 +218,7 @@ class Reading {
     if (summary_.format.empty()) summary_.format = current_->source->format();
     if (next_file_ == options_.from.file) {
       current_->source->go_on_from(options_.from);
-      // Ids go on from there; bytes are counted from the beginning of the input again.
+      // Ids continue from there; bytes are counted from the beginning of the input again.
       current_->begun = options_.from.file_points > 0;
       current_->points_before = options_.from.points - options_.from.file_points;
       bytes_before_ -= std::min(bytes_before_, options_.from.input_bytes);
@@ -227,7 +227,7 @@ class Reading {
     return true;
   }
 
-  /// With `mutex_` locked.
+  /// Requires `mutex_`.
   void assign(Taken& taken, std::uint64_t count) {
     taken.first_id = named_points_;
     if (!std::exchange(taken.input->begun, true)) taken.input->points_before = named_points_;
@@ -236,7 +236,8 @@ class Reading {
     changed_.notify_all();
   }
 
-  /// Gives a block its first id, once all before have theirs, and holds it against them.
+  /// Gives a block its first id, once all before have theirs, and compares its dimension with
+  /// theirs.
   void name(Taken& taken, const LoadedBlock& block) {
     std::unique_lock lock(mutex_);
     if (next_named_ <= taken.number) {
@@ -260,8 +261,8 @@ class Reading {
                                          std::to_string(lowest_.dimension) + " in " + lowest_.file);
   }
 
-  /// Blocks come here in any order, but are held against the lowest, and an error is of the lowest
-  /// that differs. With `mutex_` locked.
+  /// Blocks arrive in any order but are compared with the lowest, and the error is that of the
+  /// lowest that differs. Requires `mutex_`.
   void compare_dimension(DimensionOf block) {
     if (summary_.dimension == 0) {
       summary_.dimension = block.dimension;
@@ -306,7 +307,7 @@ class Reading {
     leave();
   }
 
-  /// With `mutex_` locked.
+  /// Requires `mutex_`.
   void finish(InputPlace input) {
     if (!input->ended || input->under_way > 0) return;
     input->source->finish();
@@ -322,8 +323,8 @@ class Reading {
     keep_error(number, std::current_exception());
     leave();
   }
-  /// The error of the lowest block is what is told, whichever came first; null: that its dimension
-  /// is another. With `mutex_` locked.
+  /// Keeps the error of the lowest block, whichever came first; null: that its dimension differs.
+  /// Requires `mutex_`.
   void keep_error(std::uint64_t number, std::exception_ptr error) {
     if (!std::exchange(failed_, true) || number < error_at_) {
       error_ = std::move(error);
@@ -349,12 +350,12 @@ class Reading {
   std::uint64_t next_file_, next_number_ = 0;
   std::uint64_t next_named_ = 0, named_points_;
   std::uint64_t bytes_before_;
-  BlockTask last_;  ///< taken
+  BlockTask last_;  ///< the last one taken
   std::exception_ptr error_;
   bool failed_ = false;
   std::uint64_t error_at_ = 0;
   bool any_points_ = false;
-  DimensionOf lowest_, odd_;  ///< of the blocks named so far; of those that differ
+  DimensionOf lowest_, odd_;  ///< the lowest block so far; the lowest with another dimension
   BlockSummary summary_;
 };
 

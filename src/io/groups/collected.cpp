@@ -53,7 +53,7 @@ void CollectedPoints::add(const PointView& block, std::uint64_t first_id, const 
   const std::lock_guard lock(mutex_);
   dimension_ = d;
   for (std::uint64_t i = 0; i < block.count; ++i) kept.groups[i] = words_.number(keys[i]);
-  // The rows are there twice while they are sorted.
+  // While they are sorted the rows exist twice.
   bytes_ += block.count * (16 * d + 4);
   require_budget(budget_, bytes_ + words_.bytes(), "sorting the points by group");
   blocks_.push_back(std::move(kept));
@@ -108,7 +108,7 @@ SortedGroups CollectedPoints::sort() {
     for (std::uint64_t i = 0; i < block.count; ++i)
       std::copy_n(block.rows.data() + i * dimension_, dimension_,
                   rows + next[rank[block.groups[i]]]++ * dimension_);
-    block = {};  // its memory goes as that of the sorted rows is touched
+    block = {};  // frees the block's memory as the sorted rows' memory fills
   }
   blocks_.clear();
   return sorted;

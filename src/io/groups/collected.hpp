@@ -12,7 +12,7 @@
 
 namespace cullhull::internal {
 
-/// Numbers for words, in the order in which they come. Open addressing: 20 bytes a word and itself.
+/// Numbers words in the order in which they come. Open addressing: 20 bytes a word, and the word.
 class WordNumbers {
  public:
   std::uint32_t number(std::string_view word);
@@ -30,7 +30,7 @@ class WordNumbers {
   std::vector<Slot> slots_;
 };
 
-/// Points of a group stand together, in the order of their ids.
+/// The points of a group are consecutive, ordered by id.
 struct SortedGroups {
   std::uint32_t dimension = 0;
   std::vector<std::uint64_t> offsets{0};  ///< of each group's points
@@ -43,7 +43,7 @@ class CollectedPoints {
   explicit CollectedPoints(std::uint64_t budget) : budget_(budget) {}
   /// From any thread. Throws Error{not_finite}, Error{out_of_budget}.
   void add(const PointView& block, std::uint64_t first_id, const PointKeys& keys);
-  /// Takes the points away.
+  /// Sorts and hands over all points.
   SortedGroups sort();
   const WordNumbers& words() const { return words_; }
   bool numeric() const { return numeric_; }
@@ -64,7 +64,7 @@ class CollectedPoints {
   WordNumbers words_;
 };
 
-/// Whether a key is a number as JSON has it, so that it need not be written as a word.
+/// Whether a key is a valid JSON number, and so need not be written as a string.
 bool is_json_number(std::string_view word);
 
 }  // namespace cullhull::internal

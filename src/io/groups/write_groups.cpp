@@ -41,7 +41,7 @@ struct GroupHull {
   std::uint64_t facets() const { return batch.facet_starts[set + 1] - batch.facet_starts[set]; }
   double volume() const { return batch.volumes[set]; }
   double area() const { return batch.areas[set]; }
-  /// In the plane: around it, twice along a segment; and what is within.
+  /// In the plane: the perimeter (twice a segment's length), and the area.
   double perimeter() const { return affine_dimension() == 2 ? area() : 2 * volume(); }
   double within() const { return affine_dimension() == 2 ? volume() : 0; }
 
@@ -59,7 +59,7 @@ struct GroupHull {
   }
 };
 
-/// A record in a format; what precedes the first one, parts them, and follows the last.
+/// The text of a record in a format, and what comes before, between and after records.
 class GroupFormat {
  public:
   GroupFormat(std::string format, std::string key_name, std::uint32_t dimension)
@@ -163,7 +163,7 @@ class GroupFormat {
     append_facets(out, hull);
     out += "]}";
   }
-  /// Each by the places of its corners among the vertices.
+  /// Each facet by the positions of its corners among the vertices.
   static void append_facets(std::string& out, const GroupHull& hull) {
     std::vector<std::pair<std::uint64_t, std::uint64_t>> places;
     for (const std::uint64_t v : hull.vertices()) places.emplace_back(v, places.size());
@@ -215,7 +215,7 @@ void write_slices(const CollectedPoints& collected, const SortedGroups& sorted,
   out.write(text + format.tail());
 }
 
-/// The key as the output calls it: its name, or the word column and its number.
+/// The key's name in the output: its own, or "column" and its number.
 std::string name_of_key(const std::string& key) {
   return key.find_first_not_of("0123456789") == std::string::npos ? "column " + key : key;
 }

@@ -11,7 +11,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// Little-endian fields of bytes that are there.
+/// Little-endian fields of bytes whose presence has been checked.
 class Fields {
  public:
   explicit Fields(std::string_view bytes) : bytes_(bytes) {}
@@ -46,7 +46,7 @@ class Archive {
     return list;
   }
 
-  /// Where a member's bytes begin is told by what precedes them.
+  /// A member's bytes begin after its local header.
   void locate(ArchiveMember& member) const {
     constexpr std::size_t fixed = 30;
     const std::string head = bytes_at(member.offset, fixed);
@@ -70,7 +70,7 @@ class Archive {
     return bytes;
   }
 
-  /// The record at the end, behind which a comment may stand; and its wide form.
+  /// Finds the end record, which may be followed by a comment, and its 64-bit form.
   Directory find_directory() const {
     constexpr std::uint64_t record = 22, longest = record + 0xFFFF, wide = 0xFFFFFFFF;
     const std::uint64_t tail = std::min(size_, longest);
@@ -117,7 +117,7 @@ class Archive {
     return m;
   }
 
-  /// Numbers beyond 32 bits stand in an extra field, those only that are.
+  /// Replaces the fields that do not fit 32 bits by those of the extra field.
   static void widen(ArchiveMember& m, std::string_view extra) {
     while (extra.size() >= 4) {
       const Fields f(extra);
@@ -148,10 +148,14 @@ std::string without_ending(const std::string& name) {
 InputName split_input(const std::string& path) {
   std::string lower = path;
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  const std::size_t colon = lower.find(".npz:");
   system::FileStatus status{};
-  if (colon == std::string::npos || system::status_of(path.c_str(), status) == 0) return {path, ""};
-  return {path.substr(0, colon + 4), path.substr(colon + 5)};
+  for (const std::string_view ending : {".npz:", ".h5:", ".hdf5:", ".he5:", ".nc:", ".nc4:"}) {
+    const std::size_t found = lower.find(ending);
+    if (found == std::string::npos || system::status_of(path.c_str(), status) == 0) continue;
+    const std::size_t colon = found + ending.size() - 1;
+    return {path.substr(0, colon), path.substr(colon + 1)};
+  }
+  return {path, ""};
 }
 
 bool begins_archive(std::string_view head) {

@@ -41,7 +41,7 @@ class MemoryBytes : public ByteStream {
 };
 
 #if CULLHULL_HAVE_ZLIB || CULLHULL_HAVE_ZSTD
-/// A compressed stream and the piece of it that a decoder works on.
+/// A compressed stream, and the piece of it that is being decoded.
 class Packed : public ByteStream {
  public:
   Packed(std::unique_ptr<ByteStream> from, std::string name)
@@ -101,7 +101,7 @@ class Inflated : public Packed {
   }
 
  private:
-  /// False at the end, which must be that of a member.
+  /// False at the end, which must be the end of a member.
   bool fill() {
     z_.avail_in = static_cast<uInt>(refill());
     z_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(piece()));
@@ -110,7 +110,7 @@ class Inflated : public Packed {
     ended_ = true;
     return false;
   }
-  /// Members follow one another; zeros that fill up a block of a tape may follow the last.
+  /// Members may follow one another; zeros that pad a block of a tape may follow the last.
   bool next_member() {
     if (!any_member_) {
       at_member_ = false;
@@ -131,7 +131,7 @@ class Inflated : public Packed {
   bool at_member_ = true, any_member_ = false, ended_ = false;
 };
 
-/// Holds what comes out of a member against what the archive says of it.
+/// Checks the length and check sum of a member against the archive's.
 class CheckedMember : public ByteStream {
  public:
   CheckedMember(std::unique_ptr<ByteStream> from, std::uint64_t size, std::uint32_t crc,
@@ -186,9 +186,9 @@ class Zstd : public Packed {
       const std::size_t before = in_.pos;
       const std::size_t hint = ::ZSTD_decompressStream(context_, &to, &in_);
       if (::ZSTD_isError(hint) != 0) corrupt(::ZSTD_getErrorName(hint));
-      // Between frames it asks for more although nothing is missing.
+      // Between frames zstd asks for input although nothing is missing.
       if (to.pos > have || in_.pos > before) within_frame_ = hint != 0;
-      full_ = to.pos == size && to.pos > have;  // it may hold more, which takes no further input
+      full_ = to.pos == size && to.pos > have;  // there may be more output without further input
       have = to.pos;
     }
     return have;
@@ -223,7 +223,7 @@ Packing packing_of(std::string_view head, const std::string& name, const ReadOpt
   if (raw && !named) return Packing::none;
   if (head.starts_with("\x1F\x8B")) return Packing::gzip;
   if (head.starts_with("\x28\xB5\x2F\xFD")) return Packing::zstd;
-  // A frame that is to be skipped may come first: 0x184D2A50 to 0x184D2A5F.
+  // A skippable frame may come first: 0x184D2A50 to 0x184D2A5F.
   if (head.size() >= 4 && head.substr(1, 3) == "\x2A\x4D\x18" &&
       (static_cast<unsigned char>(head[0]) & 0xF0) == 0x50)
     return Packing::zstd;
@@ -273,7 +273,7 @@ Buffer read_all(ByteStream& from, const std::string& name, std::uint64_t budget,
   for (;;) {
     size += from.read(buffer.as<char>() + size, capacity - size);
     if (size < capacity) return buffer;
-    // Two buffers live while it grows.
+    // While it grows, two buffers exist.
     if (capacity > limit / 3)
       throw Error(ErrorCode::out_of_budget,
                   name + ": unpacks to more than " + std::to_string(capacity >> 20) +

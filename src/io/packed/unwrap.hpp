@@ -1,5 +1,4 @@
-// What a file holds in another: the array in an archive, the bytes of which it is a compressed
-// form.
+// Files within files: the array in an archive, the contents of a compressed file.
 #pragma once
 
 #include <string>
@@ -9,12 +8,12 @@
 
 namespace cullhull::internal {
 
-/// Whether to look into an archive. `file`: the name without a member's.
+/// Whether the file is an archive to look into. `file`: the name without a member's.
 bool is_archive(const std::string& file, std::string_view head, const ReadOptions& options);
 
-/// Makes `source` what is in the file `input.file`, of which it has the bytes, and `options` say
-/// how to read that. Bytes that had to be unpacked are in `memory`; else `source` is part of what
-/// it was. Throws Error{bad_file}, Error{out_of_budget}, Error{invalid_argument}.
+/// Replaces `source`, the bytes of the file `input.file`, by the contents, and sets `options` to
+/// read those. Decompressed bytes are stored in `memory`; else `source` is a part of what it was.
+/// Throws Error{bad_file}, Error{out_of_budget}, Error{invalid_argument}.
 void unwrap(const InputName& input, Source& source, ReadOptions& options, Buffer& memory);
 
 }  // namespace cullhull::internal

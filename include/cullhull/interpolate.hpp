@@ -1,0 +1,51 @@
+// Values at points, interpolated between them.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+
+#include "cullhull/options.hpp"
+#include "cullhull/point_view.hpp"
+#include "cullhull/triangulation.hpp"
+#include "cullhull/triangulation_query.hpp"
+
+#pragma GCC visibility push(default)
+namespace cullhull {
+
+/// Values at the vertices of a triangulation made by delaunay(), prepared for interpolation. All
+/// members are const and thread safe; points, triangulation and values are copied.
+class Interpolator {
+ public:
+  /// `values`: point_count x components numbers; of equal points that of the one that stands in
+  /// counts. Errors: as of TriangulationQuery; invalid_argument for no components.
+  Interpolator(const PointView& points, const Triangulation& triangulation, const double* values,
+               std::uint32_t components = 1, const Options& options = {});
+  ~Interpolator();
+  Interpolator(Interpolator&&) noexcept;
+  Interpolator& operator=(Interpolator&&) noexcept;
+
+  std::uint32_t components() const noexcept;
+  const TriangulationQuery& query() const noexcept;
+
+  /// Linear in each cell: the corners' values by their exact barycentric coordinates, rounded (each
+  /// within 2^-50 max(1, |itself|)), summed in the order of the cell's ids. On faces that cells
+  /// share the cell of lowest number counts; at a vertex the result is its value. `outside` where
+  /// no cell is. `out`: points x components.
+  void linear(const PointView& points, double* out,
+              double outside = std::numeric_limits<double>::quiet_NaN(),
+              const Options& options = {}) const;
+
+  /// The value of the nearest vertex, exactly the nearest, of several the lowest id. `outside`
+  /// where there is no vertex at all.
+  void nearest(const PointView& points, double* out,
+               double outside = std::numeric_limits<double>::quiet_NaN(),
+               const Options& options = {}) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace cullhull
+#pragma GCC visibility pop

@@ -1,0 +1,102 @@
+// Planes of the cells of a growing triangulation, kept beside them.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "geometry/orientation.hpp"
+#include "lifting/cell_store.hpp"
+#include "lifting/lift_planes.hpp"
+#include "lifting/lifted_points.hpp"
+#include "parallel/raw_array.hpp"
+
+namespace cullhull::internal {
+
+/// For 4 <= K <= 6 and points without weights that span all of space.
+template <unsigned K>
+class CellPlanes {
+ public:
+  explicit CellPlanes(const LiftedPoints& s)
+      : s_(s), used_(s.filtered && s.stride == s.base && !s.may_hide) {}
+
+  bool used() const { return used_; }
+  void set_room(std::size_t cells) {
+    if (used_) planes_.reserve(cells);
+  }
+  /// A ghost, or a cell whose plane is not known.
+  void set_none(std::uint32_t c) { planes_[c].origin = infinite; }
+
+  /// Of cells that have the point p: collected until there are enough. `v`: corners of cell c, of
+  /// which `slot` is p.
+  void add(std::uint32_t c, const std::uint32_t* v, unsigned slot, std::uint32_t p) {
+    const double* o = s_.row(p);
+    for (unsigned i = 0, to = 0; i <= K; ++i) {
+      if (i == slot) continue;
+      const double* q = s_.row(v[i]);
+      for (unsigned j = 0; j < K; ++j) rows_[(to * (K + 1) + j) * lift_block + open_] = q[j] - o[j];
+      ++to;
+    }
+    cells_[open_] = c;
+    odd_[open_] = slot % 2 == 1;
+    if (++open_ == lift_block) flush(p);
+  }
+  /// All that were added are of the same p; to be called after the last of them.
+  void flush(std::uint32_t p) {
+    if (open_ == 0) return;
+    lift_planes(K, rows_, block_);
+    for (std::size_t i = 0; i < open_; ++i) {
+      Plane& plane = planes_[cells_[i]];
+      plane.origin = p;
+      for (unsigned j = 0; j <= K; ++j) {
+        const double v = block_[j * lift_block + i];
+        plane.normal[j] = odd_[i] ? -v : v;
+      }
+      plane.linear = block_[(K + 1) * lift_block + i];
+      plane.square = block_[(K + 2) * lift_block + i];
+    }
+    open_ = 0;
+  }
+
+  /// Whether a cell's plane is known.
+  bool known(std::uint32_t c) const { return planes_[c].origin != infinite; }
+  /// lift_side of a cell whose plane is known; zero: it cannot tell.
+  Sign side(std::uint32_t c, const double* p) const {
+    const Plane& plane = planes_[c];
+    const double* o = s_.row(plane.origin);
+    double lift = 0, value = 0, most = 0;
+    for (unsigned j = 0; j < K; ++j) {
+      const double v = p[j] - o[j];
+      most = std::max(most, std::abs(v));
+      lift += v * v;
+      value += plane.normal[j] * v;
+    }
+    value += plane.normal[K] * lift;
+    const double bound = (plane.linear + plane.square * most) * most + 0x1p-1000;
+    if (value > bound) return Sign::positive;
+    if (value < -bound) return Sign::negative;
+    return Sign::zero;
+  }
+
+ private:
+  struct Plane {
+    double normal[K + 1];
+    double linear, square;  ///< as lift_planes has them
+    std::uint32_t origin;
+  };
+
+  const LiftedPoints& s_;
+  bool used_;
+  RawArray<Plane> planes_;
+  std::size_t open_ = 0;
+  std::uint32_t cells_[lift_block] = {};
+  bool odd_[lift_block] = {};
+  double rows_[K * (K + 1) * lift_block] = {}, block_[(K + 3) * lift_block] = {};
+};
+
+/// Where no planes are kept.
+struct NoPlanes {
+  explicit NoPlanes(const LiftedPoints&) {}
+};
+
+}  // namespace cullhull::internal

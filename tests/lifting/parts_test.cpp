@@ -1,0 +1,94 @@
+// Triangulations put together from parts are those of one insertion: same cells, same neighbours.
+#include "lifting/parts.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "cullhull/options.hpp"
+#include "lifting/lifted_sets.hpp"
+#include "lifting/prepare.hpp"
+#include "parallel/run.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+using namespace testing_support;
+
+/// Corners of each cell, ghosts among them, and what lies across the facet without each corner.
+template <unsigned K>
+std::map<std::set<std::uint32_t>, std::map<std::uint32_t, std::set<std::uint32_t>>> cells_of(
+    CellStore<K>& store) {
+  const auto corners = [&](std::uint32_t c) {
+    return std::set<std::uint32_t>(store.vertices(c), store.vertices(c) + K + 1);
+  };
+  std::map<std::set<std::uint32_t>, std::map<std::uint32_t, std::set<std::uint32_t>>> cells;
+  for (std::uint32_t c = 0; c < store.count(); ++c) {
+    if (store.dead(c)) continue;
+    auto& across = cells[corners(c)];
+    for (unsigned j = 0; j <= K; ++j) {
+      const std::uint32_t code = store.neighbours(c)[j];
+      EXPECT_EQ(store.neighbours(store.cell_of(code))[store.slot_of(code)], store.code(c, j));
+      across[store.vertices(c)[j]] = corners(store.cell_of(code));
+    }
+  }
+  return cells;
+}
+
+template <unsigned K>
+void check(const LiftedSet& s) {
+  Options options;
+  for (const unsigned threads : {1U, 4U}) {
+    options.threads = threads;
+    const Run run(options);
+    const Prepared p =
+        prepare_points(PointView::row_major(s.rows.data(), s.count(), K), {}, false, {}, run);
+    if (p.points.base != K) return;
+    CellInsertion<K> engine(p.points, run);
+    engine.start(p.simplex.data(), p.points.count);
+    for (std::uint32_t i = 0; i < p.points.count; ++i)
+      if (std::count(p.simplex.begin(), p.simplex.end(), i) == 0) engine.insert(i);
+    const auto expected = cells_of(engine.store());
+    unsigned put_together = 0;
+    for (unsigned levels = 1; levels <= 3; ++levels) {
+      InsertionTotals totals;
+      const auto store = Parts<K>(p.points, run).triangulate(levels, totals);
+      if (store == nullptr) continue;
+      ++put_together;
+      EXPECT_TRUE(cells_of(*store) == expected) << s.name << ", " << levels << " levels";
+    }
+    if (s.name.find("random") == 0) {
+      EXPECT_GT(put_together, 0U) << s.name;
+    }
+  }
+}
+
+template <unsigned K>
+void check_sets(unsigned n) {
+  for (LiftedSet& s : large_lifted_sets(K, n)) {
+    s.weights.clear();
+    check<K>(s);
+  }
+}
+
+TEST(Parts, InThePlane) { check_sets<2>(4000); }
+TEST(Parts, InSpace) { check_sets<3>(6000); }
+
+TEST(Parts, BallsThatMissABoxDoSoByMore) {
+  LiftedPoints s;
+  s.base = s.width = s.stride = 2;
+  s.rows.assign({0.0, 0.0, 0.5, 0.0, 0.25, 0.25});  // centre (0.25, 0), radius 0.25
+  const std::uint32_t cell[] = {0, 1, 2};
+  EXPECT_TRUE(surely_misses<2>(s, cell, Box<2>{{0.5 + 0x1p-40, -1}, {1, 1}}));
+  EXPECT_FALSE(surely_misses<2>(s, cell, Box<2>{{0.5, -1}, {1, 1}}));
+  EXPECT_FALSE(surely_misses<2>(s, cell, Box<2>{{0.5 - 0x1p-40, 0}, {1, 1}}));
+  EXPECT_TRUE(surely_misses<2>(s, cell, Box<2>{{0.4, 0.25}, {1, 1}}));
+  s.rows.assign({0.0, 0.0, 0.5, 0.0, 0.25, 0.0});  // on a line: all of one side
+  EXPECT_FALSE(surely_misses<2>(s, cell, Box<2>{{0.9, 0.9}, {1, 1}}));
+}
+
+}  // namespace
+}  // namespace cullhull::internal
