@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""cullhull's drop-in class beside SciPy's, call by call in one run: a table in Markdown.
+"""cullhull's drop-in classes beside SciPy's, call by call in one run: a table in Markdown.
 
-    build/python/venv/bin/python bench/scipy_table.py [--sizes 10 1k 1M] [--dimensions 2 3]
-        [--shapes gauss ball] [--threads N] [--seconds 1] [--limit 30]
+    build/python/venv/bin/python bench/scipy_table.py [--what hull] [--sizes 10 1k 1M]
+        [--dimensions 2 3] [--shapes gauss ball] [--threads N] [--seconds 1] [--limit 30]
 
-A call is the whole of what programs do: make the hull and read vertices, simplices, equations,
-neighbors, area and volume. Ours and SciPy's go by turns over several sets of a size; the figures are
+A call is the whole of what programs do. hull: make the hull and read vertices, simplices,
+equations, neighbors, area and volume. delaunay: the triangulation, its simplices and neighbors.
+voronoi: the diagram, its vertices, ridges and regions. find_simplex: as many questions as points to
+a triangulation that is made. linear: linear interpolation at as many points, likewise. Ours and SciPy's go by turns over several sets of a size; the figures are
 medians in microseconds, with the 99th percentile of ours where there are 100 calls or more. A row
 ends where one call of SciPy's takes longer than --limit seconds, or than memory allows.
 """
@@ -19,6 +21,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import scipy.interpolate
 import scipy.spatial
 
 import cullhull
@@ -43,8 +46,64 @@ def timed(call: Callable[[], Any]) -> tuple[float, Any]:
     return time.perf_counter() - start, result
 
 
-def row(shape: str, n: int, d: int, threads: int | None, seconds: float) -> tuple[list[float], list[float]]:
+def hull(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
+    return lambda: complete(kind.ConvexHull(points, **choices))
+
+
+def delaunay(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
+    def call() -> Any:
+        found = kind.Delaunay(points, **choices)
+        return found.simplices, found.neighbors
+
+    return call
+
+
+def voronoi(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
+    def call() -> Any:
+        found = kind.Voronoi(points, **choices)
+        return found.vertices, found.ridge_points, found.ridge_vertices, found.regions
+
+    return call
+
+
+def asked(points: Any) -> Any:
+    """As many others, between the least and the largest coordinates."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    return low + (high - low) * np.random.default_rng(0).random(points.shape)
+
+
+def find_simplex(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
+    found, questions = kind.Delaunay(points, **choices), asked(points)
+    return lambda: found.find_simplex(questions)
+
+
+def linear(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
+    module = scipy.interpolate if kind is scipy.spatial else kind
+    found, questions = module.LinearNDInterpolator(points, points[:, 0], **choices), asked(points)
+    return lambda: found(questions)
+
+
+def agree(what: str, a: Any, b: Any) -> bool:
+    """Whether the results are the same, but for what Qhull takes for flat or equal."""
+    if what == "hull":
+        return bool(np.isclose(a[-1], b[-1]) and np.isin(b[0], a[0]).all())
+    if what == "delaunay":
+        return bool(abs(len(a[0]) - len(b[0])) <= 0.001 * len(b[0]) + 2)
+    if what == "voronoi":
+        return bool(abs(len(a[0]) - len(b[0])) <= 0.001 * len(b[0]) + 2)
+    if what == "find_simplex":
+        return bool(((a < 0) == (b < 0)).mean() > 0.999)
+    return bool(np.isclose(a, b, rtol=1e-6, atol=1e-6, equal_nan=True).mean() > 0.999)
+
+
+CALLS = {call.__name__: call for call in (hull, delaunay, voronoi, find_simplex, linear)}
+
+
+def row(
+    what: str, shape: str, n: int, d: int, threads: int | None, seconds: float
+) -> tuple[list[float], list[float]]:
     """Seconds of each call, ours and SciPy's, by turns."""
+    prepare = CALLS[what]
     count = max(1, min(32, 200_000 // n))
     sets = [cullhull.generate(shape, n, d, seed=seed) for seed in range(1, count + 1)]
     ours, theirs = [], []
@@ -52,10 +111,10 @@ def row(shape: str, n: int, d: int, threads: int | None, seconds: float) -> tupl
     turn = 0
     while turn < 4 or time.perf_counter() < end:
         points = sets[turn % count]
-        mine, a = timed(lambda: complete(cullhull.ConvexHull(points, threads=threads)))
-        other, b = timed(lambda: complete(scipy.spatial.ConvexHull(points)))
-        if turn < count:  # the same hull, but for extreme points that Qhull takes for flat
-            assert np.isclose(a[-1], b[-1]) and np.isin(b[0], a[0]).all()
+        mine, a = timed(prepare(cullhull, points, threads=threads))
+        other, b = timed(prepare(scipy.spatial, points))
+        if turn < count:
+            assert agree(what, a, b)
         del a, b
         if turn > 0:  # the first call of a size finds no warm pages
             ours.append(mine)
@@ -72,6 +131,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
+    parser.add_argument("--what", choices=CALLS, default="hull")
     parser.add_argument("--sizes", nargs="+", default=SIZES)
     parser.add_argument("--dimensions", nargs="+", type=int, default=[2, 3, 4, 5])
     parser.add_argument("--shapes", nargs="+", default=SHAPES)
@@ -86,7 +146,9 @@ def main() -> None:
             for n in map(number, arguments.sizes):
                 if shape == "sphere" and n > LARGEST_SPHERE.get(d, n):
                     break
-                ours, theirs = row(shape, n, d, arguments.threads, arguments.seconds)
+                ours, theirs = row(
+                    arguments.what, shape, n, d, arguments.threads, arguments.seconds
+                )
                 a, b = statistics.median(ours), statistics.median(theirs)
                 worst = f"{percentile(ours, 0.99) * 1e6:,.1f}" if len(ours) >= 100 else ""
                 print(

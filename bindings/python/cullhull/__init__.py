@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._answers import NearestFacets, Rays
 from ._core import version as __version__
+from ._delaunay import Delaunay, tsearch
 from ._device import cuda_status
 from ._drop_in import ConvexHull
 from ._errors import (
@@ -39,12 +40,17 @@ from ._functions import certify, convex_hull, cull, generate, shapes
 from ._groups import GroupHulls, hulls_by
 from ._halfspaces import HalfspaceIntersection
 from ._hull import Certificate, Hull, Simplified
+from ._interpolation import LinearNDInterpolator, NearestNDInterpolator, griddata
 from ._lists import Lists
 from ._many import GrowingHull, HullBatch, convex_hulls
+from ._plots import delaunay_plot_2d, voronoi_plot_2d
 from ._read import read
+from ._spherical import SphericalVoronoi
 from ._stream import HullState, HullStream
 from ._tolerant import TolerantConvexHull
 from ._tracker import HullTracker
+from ._triangulation import Triangulation, delaunay
+from ._voronoi import ClippedCells, Voronoi, VoronoiDiagram, voronoi
 
 if TYPE_CHECKING:
 
@@ -57,7 +63,9 @@ __all__ = [
     "BadFile",
     "Cancelled",
     "Certificate",
+    "ClippedCells",
     "ConvexHull",
+    "Delaunay",
     "Error",
     "FileError",
     "GroupHulls",
@@ -70,8 +78,10 @@ __all__ = [
     "HullTracker",
     "InternalError",
     "InvalidArgument",
+    "LinearNDInterpolator",
     "Lists",
     "NearestFacets",
+    "NearestNDInterpolator",
     "NotCertified",
     "NotFinite",
     "OptionWarning",
@@ -80,17 +90,27 @@ __all__ = [
     "Rays",
     "ShapeWarning",
     "Simplified",
+    "SphericalVoronoi",
     "TolerantConvexHull",
+    "Triangulation",
+    "Voronoi",
+    "VoronoiDiagram",
     "__version__",
     "certify",
     "convex_hull",
     "convex_hulls",
     "cuda_status",
     "cull",
+    "delaunay",
+    "delaunay_plot_2d",
     "generate",
+    "griddata",
     "hulls_by",
     "read",
     "shapes",
+    "tsearch",
+    "voronoi",
+    "voronoi_plot_2d",
 ]
 
 

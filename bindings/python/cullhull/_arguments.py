@@ -144,7 +144,9 @@ def _require_exact(array: npt.NDArray[Any], doubles: npt.NDArray[Any], what: str
         )
 
 
-def as_questions(points: Any, dimension: int, what: str) -> tuple[npt.NDArray[Any], bool]:
+def as_questions(
+    points: Any, dimension: int, what: str, whose: str = "hull"
+) -> tuple[npt.NDArray[Any], bool]:
     """Rows to ask about, and whether it was a single one: shape (d,) instead of (m, d)."""
     array = points if type(points) is np.ndarray else _from_anything(points, what)
     single = array.ndim == 1
@@ -153,7 +155,7 @@ def as_questions(points: Any, dimension: int, what: str) -> tuple[npt.NDArray[An
     array = as_points(array, what)
     if array.shape[1] != dimension:
         raise InvalidArgument(
-            f"the hull has dimension {dimension}, `{what}` has {array.shape[1]} coordinates"
+            f"the {whose} has dimension {dimension}, `{what}` has {array.shape[1]} coordinates"
         )
     return array, single
 

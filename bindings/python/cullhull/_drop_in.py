@@ -127,7 +127,7 @@ class ConvexHull(Incremental):
             solid = _core.convex_hull(everything, self._settings())
         if self._strict and solid.affine_dimension < self.ndim and not self._options.joggled:
             self._grower = None
-            _raise_flat(everything, solid.affine_dimension)
+            raise_flat(everything, solid.affine_dimension)
         self._array, self._solid = everything, self._settle(solid)
 
     def _grow(self, everything: npt.NDArray[Any], added: npt.NDArray[Any]) -> _core.Solid:
@@ -297,16 +297,18 @@ class ConvexHull(Incremental):
 _LAZY = lazy_names(ConvexHull)
 
 
-def _raise_flat(points: npt.NDArray[Any], affine_dimension: int) -> NoReturn:
+def raise_flat(
+    points: npt.NDArray[Any], affine_dimension: int, their_class: str = "ConvexHull"
+) -> NoReturn:
     """In SciPy's words, as programs match them: it names the numbers at fault, and Qhull's state."""
     kind = qhull_error()
     try:
-        from scipy.spatial import ConvexHull as Theirs
+        import scipy.spatial
     except ImportError:
         pass
     else:
         try:
-            Theirs(points.astype(np.float64))
+            getattr(scipy.spatial, their_class)(points.astype(np.float64))
         except RuntimeError as error:
             raise kind(*error.args) from None
     count, dimension = points.shape

@@ -78,7 +78,9 @@ class Lists(Sequence[npt.NDArray[Any]]):
         >>> cullhull.Lists(np.array([0, 2, 5]), np.arange(5)).tolist()
         [[0, 1], [2, 3, 4]]
         """
-        return [part.tolist() for part in self]
+        items: list[int] = self.items.tolist()
+        ends: list[int] = self.offsets.tolist()
+        return [items[begin:end] for begin, end in zip(ends, ends[1:])]
 
     def __repr__(self) -> str:
         return f"<Lists: {len(self)} lists, {len(self.items)} items>"

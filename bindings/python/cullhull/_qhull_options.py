@@ -22,6 +22,10 @@ class QhullOptions:
     good_if_visible: bool = True
     #: QJ: flat input is no error, not even where it is in SciPy.
     joggled: bool = False
+    #: Qbb: the last coordinate, which of a triangulation is the lifted one, is scaled.
+    scaled_last: bool = False
+    #: Qz: a point at infinity takes part; Qhull's default for triangulations that do not grow.
+    at_infinity: bool = False
 
 
 NOTHING = QhullOptions()
@@ -91,13 +95,37 @@ TABLE: tuple[tuple[str, Kind, str], ...] = (
     ("[dv]|H.*", Kind.refused, "asks for something else than a hull"),
 )
 
+#: What Delaunay and Voronoi make of some of them; of all others the same.
+LIFTED_TABLE: tuple[tuple[str, Kind, str], ...] = (
+    ("Qc", Kind.works, "lists duplicates in `coplanar`"),
+    ("Qbb", Kind.works, "scales the lifted coordinate of `equations`"),
+    ("Qz", Kind.works, "adds a point at infinity, which is needed for rounding's sake alone"),
+    ("Qi|[dv]", Kind.silent, "asks for what one always gets"),
+    (
+        f"QJ({_NUMBER})?",
+        Kind.warned,
+        "joggles the input until rounding does no harm; here none does, and the triangulation is "
+        "that of the points as they are: equal points share a vertex, and flat ones are "
+        "triangulated in their flat",
+    ),
+    (
+        "QbB",
+        Kind.warned,
+        "scales the input against rounding; here `equations` are those of the points as they are",
+    ),
+    (r"QG-?\d+", Kind.refused, "leaves a point out; leave it out of the array instead"),
+    ("Qu", Kind.refused, "asks for the furthest-site diagram; pass furthest_site=True instead"),
+)
+
 _TABLE = [(re.compile(pattern), kind, why) for pattern, kind, why in TABLE]
+_LIFTED_TABLE = [(re.compile(pattern), kind, why) for pattern, kind, why in LIFTED_TABLE]
 
 
-def parse(options: str | bytes | None) -> QhullOptions:
+def parse(options: str | bytes | None, *, lifted: bool = False) -> QhullOptions:
     """Reads an option string as SciPy takes it, with one OptionWarning for what has no effect.
 
-    Raises InvalidArgument for what would change the answer, and for unknown options.
+    `lifted`: for a triangulation or a diagram, not a hull. Raises InvalidArgument for what would
+    change the answer, and for unknown options.
     """
     if options is None:
         return NOTHING
@@ -108,7 +136,7 @@ def parse(options: str | bytes | None) -> QhullOptions:
     found = NOTHING
     without_effect = []
     for word in options.split():
-        kind, why = kind_of(word)
+        kind, why = kind_of(word, lifted=lifted)
         if kind is Kind.refused:
             raise InvalidArgument(f"Qhull option {word!r} is not supported: it {why}")
         if kind is Kind.warned:
@@ -120,9 +148,9 @@ def parse(options: str | bytes | None) -> QhullOptions:
     return found
 
 
-def kind_of(word: str) -> tuple[Kind, str]:
+def kind_of(word: str, *, lifted: bool = False) -> tuple[Kind, str]:
     """What becomes of one option, and why. Raises InvalidArgument for unknown ones."""
-    for pattern, kind, why in _TABLE:
+    for pattern, kind, why in [*_LIFTED_TABLE, *_TABLE] if lifted else _TABLE:
         if pattern.fullmatch(word):
             return kind, why
     raise InvalidArgument(f"Qhull option {word!r} is unknown")
@@ -135,4 +163,8 @@ def _with(options: QhullOptions, word: str) -> QhullOptions:
         return replace(options, interior=True)
     if word.startswith("QJ"):
         return replace(options, joggled=True)
+    if word == "Qbb":
+        return replace(options, scaled_last=True)
+    if word == "Qz":
+        return replace(options, at_infinity=True)
     return replace(options, good_point=int(word[2:].lstrip("-")), good_if_visible="-" not in word)

@@ -1,4 +1,5 @@
-// Hulls and batches as plain values and arrays, and back: for pickle and what is based on it.
+// Hulls, batches and triangulations as plain values and arrays, and back: for pickle and what is
+// based on it.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
@@ -14,6 +15,7 @@
 #include "batch.hpp"
 #include "cullhull/error.hpp"
 #include "solid.hpp"
+#include "triangulation.hpp"
 
 namespace binding {
 
@@ -21,6 +23,7 @@ using cullhull::EvenArray;
 using cullhull::Hull;
 using cullhull::HullBatch;
 using cullhull::ScalarType;
+using cullhull::Triangulation;
 
 namespace {
 
@@ -30,7 +33,7 @@ constexpr int state_version = 1;
 
 [[noreturn]] void refuse(const char* what) {
   throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
-                        std::string("this is not the pickled state of a hull: ") + what);
+                        std::string("this is not the pickled state of such a result: ") + what);
 }
 void require(bool holds, const char* what) {
   if (!holds) refuse(what);
@@ -54,7 +57,15 @@ nb::object saved(const List& list, nb::handle owner) {
   using T = shown_t<typename List::value_type>;
   return list_of(reinterpret_cast<const T*>(list.data()), list.size(), owner);
 }
-/// The same; (count, step) where the items are not stored.
+/// A copy of it.
+template <class List>
+nb::object copied(const List& list) {
+  using T = shown_t<typename List::value_type>;
+  Array<T> array = Array<T>::make({list.size()});
+  std::copy(list.begin(), list.end(), array.data());
+  return array;
+}
+/// The same as saved(); (count, step) where the items are not stored.
 template <class T>
 nb::object saved(const EvenArray<T>& list, nb::handle owner) {
   if (list.step() != nullptr) return nb::make_tuple(list.size(), *list.step());
@@ -130,7 +141,7 @@ void check_version(const State& state) {
   const int version = value<int>(state, "version");
   if (version != state_version)
     throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
-                          "a hull pickled by another version of cullhull (state " +
+                          "a result pickled by another version of cullhull (state " +
                               std::to_string(version) + ", this one reads " +
                               std::to_string(state_version) + ")");
 }
@@ -171,6 +182,17 @@ void each_list(HullBatch& b, Each&& each) {
   each("simplex_neighbours", b.simplex_neighbours.items);
   each("simplex_facet_offsets", b.simplex_facets.offsets);
   each("simplex_facets", b.simplex_facets.items);
+}
+
+template <class Each>
+void each_list(Triangulation& t, Each&& each) {
+  each("axes", t.axes);
+  each("cells", t.cells);
+  each("neighbours", t.neighbours);
+  each("cell_groups", t.cell_groups);
+  each("hull_facets", t.hull_facets);
+  each("hull_cells", t.hull_cells);
+  each("hidden", t.hidden);
 }
 
 template <class H>
@@ -317,9 +339,92 @@ std::unique_ptr<Batch> batch_of_state(const State& state) {
   return batch;
 }
 
+State state_of_cells(CellsHandle self) {
+  const Cells& cells = cells_in(self);
+  const Triangulation& t = cells.triangulation();
+  State state;
+  state["version"] = state_version;
+  state["points"] = cells.points_array();
+  state["weights"] = cells.weights_array();
+  state["affine_dimension"] = t.affine_dimension;
+  state["furthest_site"] = t.furthest_site;
+  each_list(const_cast<Triangulation&>(t), [&](const char* name, const auto& list) {  // reads only
+    state[name] = saved(list, self);
+  });
+  std::vector<std::uint32_t> pairs;
+  for (const cullhull::DuplicatePoint& p : t.duplicates) {
+    pairs.push_back(p.id);
+    pairs.push_back(p.representative);
+  }
+  state["duplicates"] = copied(pairs);
+  const cullhull::TriangulationStatistics& s = t.statistics;
+  state["statistics"] = nb::make_tuple(s.rung_counts[0], s.rung_counts[1], s.rung_counts[2], s.ties,
+                                       s.cells_created, s.threads, s.order_seconds,
+                                       s.insert_seconds, s.write_seconds, s.compute_seconds);
+  return state;
+}
+
+void load_statistics(const State& state, cullhull::TriangulationStatistics& s) {
+  const auto all = value<nb::tuple>(state, "statistics");
+  require(all.size() == 10 && nb::try_cast(all[0], s.rung_counts[0]) &&
+              nb::try_cast(all[1], s.rung_counts[1]) && nb::try_cast(all[2], s.rung_counts[2]) &&
+              nb::try_cast(all[3], s.ties) && nb::try_cast(all[4], s.cells_created) &&
+              nb::try_cast(all[5], s.threads) && nb::try_cast(all[6], s.order_seconds) &&
+              nb::try_cast(all[7], s.insert_seconds) && nb::try_cast(all[8], s.write_seconds) &&
+              nb::try_cast(all[9], s.compute_seconds),
+          "statistics");
+}
+
+/// Whatever a walk would go by: a wrong number must not lead out of an array.
+void check(const Triangulation& t) {
+  const std::size_t corners = t.corners(), cells = t.size(), facets = t.hull_cells.size();
+  require(t.dimension > 0 && t.affine_dimension >= -1 &&
+              t.affine_dimension <= static_cast<int>(t.dimension),
+          "affine_dimension");
+  require(t.axes.size() + (t.affine_dimension < 0 ? 0 : 1) == corners, "axes");
+  require(t.cells.size() == cells * corners && t.neighbours.size() == t.cells.size(), "cells");
+  require(t.cell_groups.empty() || t.cell_groups.size() == cells, "cell_groups");
+  require(t.hull_facets.size() == facets * (corners == 0 ? 0 : corners - 1), "hull_facets");
+  require(t.point_count < cullhull::no_cell && cells < cullhull::no_cell, "points");
+  check_below(t.axes, t.dimension, "axes");
+  check_below(t.cells, t.point_count, "cells");
+  for (const std::uint32_t n : t.neighbours)
+    require(n < cells || n == cullhull::no_cell, "neighbours");
+  check_below(t.cell_groups, cells, "cell_groups");
+  check_below(t.hull_facets, t.point_count, "hull_facets");
+  check_below(t.hull_cells, cells, "hull_cells");
+  check_below(t.hidden, t.point_count, "hidden");
+  for (const cullhull::DuplicatePoint& p : t.duplicates)
+    require(p.id < t.point_count && p.representative < t.point_count, "duplicates");
+}
+
+std::unique_ptr<Cells> cells_of_state(const State& state) {
+  check_version(state);
+  Triangulation t;
+  nb::object array = item(state, "points"), weights = item(state, "weights");
+  const cullhull::PointView view = Points(array).view();
+  t.dimension = view.dimension;
+  t.point_count = view.count;
+  t.scalar = view.scalar;
+  t.affine_dimension = value<int>(state, "affine_dimension");
+  t.furthest_site = value<bool>(state, "furthest_site");
+  require(weights.is_none() || weights_of(weights).size() == t.point_count, "weights");
+  each_list(t, [&](const char* name, auto& list) { load(state, name, list); });
+  std::vector<std::uint32_t> pairs;
+  load(state, "duplicates", pairs);
+  require(pairs.size() % 2 == 0, "duplicates");
+  for (std::size_t i = 0; i < pairs.size(); i += 2)
+    t.duplicates.push_back({pairs[i], pairs[i + 1]});
+  load_statistics(state, t.statistics);
+  check(t);
+  return std::make_unique<Cells>(std::move(t), std::move(array), std::move(weights));
+}
+
 }  // namespace
 
 void bind_state(nb::module_& m) {
+  m.def("state_of_cells", state_of_cells, nb::arg("cells"));
+  m.def("cells_of_state", cells_of_state, nb::arg("state"));
   m.def("state_of_solid", state_of_solid, nb::arg("solid"));
   m.def("solid_of_state", solid_of_state, nb::arg("state"));
   m.def("state_of_batch", state_of_batch, nb::arg("batch"));

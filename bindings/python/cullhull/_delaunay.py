@@ -1,0 +1,530 @@
+"""The class that stands in for scipy.spatial.Delaunay."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._arguments import Progress, as_point_set, as_points
+from ._drop_in import raise_flat
+from ._errors import InvalidArgument
+from ._incremental import Incremental, Lazy, lazy_names
+from ._qhull_options import QhullOptions, parse
+from ._triangulation import Triangulation, delaunay
+
+#: SciPy's own where none are given: of triangulations that do not grow, and of others.
+_DEFAULTS = QhullOptions(coplanar=True, scaled_last=True, at_infinity=True)
+_DEFAULTS_INCREMENTAL = QhullOptions(coplanar=True)
+
+#: `find_simplex`'s tolerance and the reciprocal condition number below which `transform` is NaN, as
+#: SciPy documents and has them. Neither decides about the triangulation.
+_DEFAULT_TOLERANCE = 100 * np.finfo(np.float64).eps
+#: How far, as a share of its way to the middle, a point outside is moved to look for its cell.
+_LARGEST_PULL = 2.0**-20
+_LEAST_RECIPROCAL_CONDITION = 1000 * np.finfo(np.float64).eps
+
+
+class Lifted(Incremental):
+    """What `Delaunay` and `Voronoi` share: points, options, adding, copies."""
+
+    _lazy: frozenset[str]
+
+    def __init__(
+        self,
+        points: Any,
+        furthest_site: bool = False,
+        incremental: bool = False,
+        qhull_options: str | None = None,
+        *,
+        threads: int | None = None,
+        memory_budget: int | None = None,
+        progress: Progress = None,
+    ) -> None:
+        array = as_point_set(points)
+        count, self.ndim = array.shape
+        if self.ndim < 2:
+            raise InvalidArgument("Need at least 2-D data")
+        if count == 0:
+            raise InvalidArgument("No points given")
+        if qhull_options is None:
+            self._options = _DEFAULTS_INCREMENTAL if incremental else _DEFAULTS
+        else:
+            self._options = parse(qhull_options, lifted=True)
+        if incremental and self._options.at_infinity:
+            raise InvalidArgument("Qhull option 'Qz' is not for incremental use")
+        self.furthest_site = bool(furthest_site)
+        self._choices = (threads, memory_budget, progress)
+        self._open = bool(incremental)
+        if incremental:  # points to be added to must not change under us
+            array = np.array(array, dtype=np.float64)
+        self._compute(array)
+
+    def _compute(self, array: npt.NDArray[Any]) -> None:
+        threads, memory_budget, progress = self._choices
+        found = delaunay(
+            array,
+            furthest_site=self.furthest_site,
+            threads=threads,
+            memory_budget=memory_budget,
+            progress=progress,
+        )
+        if found.affine_dimension < self.ndim and not self._options.joggled:
+            raise_flat(array, found.affine_dimension, "Delaunay")
+        self._array, self.triangulation = array, found
+        for name in self._lazy:
+            self.__dict__.pop(name, None)
+
+    def add_points(self, points: Any, restart: bool = False) -> None:
+        """Adds points; only with ``incremental=True``.
+
+        The result is computed anew, and is that of all points at once.
+
+        Parameters
+        ----------
+        points : (m, d) array
+        restart : bool
+            The result does not depend on it.
+
+        Raises
+        ------
+        RuntimeError
+            Not incremental, or closed.
+        InvalidArgument, NotFinite (ValueErrors), QhullError
+            As for the first points; nothing is added then.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> found = cullhull.Delaunay([[0, 0], [1, 0], [0, 1]], incremental=True)
+        >>> found.add_points([[1, 1]])
+        >>> found.npoints, found.nsimplex
+        (4, 2)
+        """
+        self._require_open()
+        array = as_points(points)
+        if array.shape[1] != self.ndim:
+            raise InvalidArgument(
+                f"Adding points of dimension {array.shape[1]} to ones of dimension {self.ndim}"
+            )
+        self._compute(np.concatenate([self._array, array], dtype=np.float64))
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = {k: v for k, v in self.__dict__.items() if k not in self._lazy}
+        if callable(self._choices[-1]):  # it belongs to this process
+            state["_choices"] = (*self._choices[:-1], None)
+        return state
+
+    @property
+    def npoints(self) -> int:
+        """Number of points."""
+        return len(self._array)
+
+    @Lazy
+    def points(self) -> npt.NDArray[np.float64]:
+        """(n, d) float64: the points."""
+        return np.ascontiguousarray(self._array, dtype=np.float64)
+
+    @Lazy
+    def min_bound(self) -> npt.NDArray[np.float64]:
+        """(d,) float64: the least coordinates."""
+        bound: npt.NDArray[np.float64] = self.points.min(axis=0)
+        return bound
+
+    @Lazy
+    def max_bound(self) -> npt.NDArray[np.float64]:
+        """(d,) float64: the largest coordinates."""
+        bound: npt.NDArray[np.float64] = self.points.max(axis=0)
+        return bound
+
+
+class Delaunay(Lifted):
+    """In place of `scipy.spatial.Delaunay`: the same attributes, exact, and faster.
+
+    Pickles, copies and is sent between processes; also while incremental.
+
+    Parameters
+    ----------
+    points : (n, d) array, d >= 2
+        Read in place where `convex_hull` does so.
+    furthest_site : bool
+        The triangulation dual to the furthest-site Voronoi diagram.
+    incremental : bool
+        Allow `add_points`.
+    qhull_options : str, optional
+        As in SciPy ``Qbb Qc Qz Q12`` if not given, ``Qc`` if incremental. ``Qbb`` and ``Qz`` set
+        `paraboloid_scale` and `paraboloid_shift`, without ``Qc`` `coplanar` is empty; others are
+        accepted or refused as in `ConvexHull`.
+    threads, memory_budget, progress : as in `convex_hull`
+
+    Attributes
+    ----------
+    points : (n, d) float64
+    simplices : (s, d + 1) int32, oriented positively: in 2D counter-clockwise
+    neighbors : (s, d + 1) int32, entry j opposite to vertex j, -1 outside
+    equations : (s, d + 2) float64: planes of the lifted simplices, unit normal and offset
+    paraboloid_scale, paraboloid_shift : float: points are lifted to ``scale * |x|**2 + shift``
+    transform : (s, d + 1, d) float64: barycentric coordinates; NaN where nearly flat
+    vertex_to_simplex : (n,) int32: a simplex of each vertex, -1 for points that are none
+    convex_hull : (f, d) int32: facets of the hull
+    coplanar : (c, 3) int32: points equal to others; simplex and vertex that stand in
+    vertex_neighbor_vertices : two int32 arrays, offsets and indices of neighbours
+    good : (s,) int32, ones
+    ndim, npoints, nsimplex : int
+    min_bound, max_bound : (d,) float64
+    furthest_site : bool
+    triangulation : the native `Triangulation`
+
+    Raises
+    ------
+    InvalidArgument, NotFinite (ValueErrors), TypeError
+        For another shape or type, no points, an unknown option, a NaN or an infinity.
+    QhullError (a RuntimeError)
+        For points that lie in a plane or a line. `delaunay` triangulates these.
+    OutOfBudget (a MemoryError), KeyboardInterrupt
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> found = cullhull.Delaunay([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0.5]])
+    >>> found
+    <Delaunay of 5 points in 2D: 4 simplices>
+    >>> found.simplices[found.find_simplex([1.5, 0.5])].tolist()
+    [1, 2, 4]
+    """
+
+    ndim: int
+
+    @classmethod
+    def _of(cls, found: Triangulation) -> Delaunay:
+        """Over a native triangulation."""
+        if found.affine_dimension < max(found.dimension, 2):
+            raise InvalidArgument("a triangulation of points in a plane or a line, or of too few")
+        result = cls.__new__(cls)
+        result._options, result._choices, result._open = _DEFAULTS, (None, None, None), False
+        result.ndim, result.furthest_site = found.dimension, found.furthest_site
+        result._array, result.triangulation = found.points, found
+        return result
+
+    def __repr__(self) -> str:
+        return f"<Delaunay of {self.npoints} points in {self.ndim}D: {self.nsimplex} simplices>"
+
+    @property
+    def nsimplex(self) -> int:
+        """Number of simplices."""
+        return self.triangulation.cell_count
+
+    @Lazy
+    def simplices(self) -> npt.NDArray[np.int32]:
+        """(s, d + 1) int32: indices of the simplices' vertices."""
+        return self.triangulation.cells.copy()
+
+    @Lazy
+    def neighbors(self) -> npt.NDArray[np.int32]:
+        """(s, d + 1) int32: entry j is the simplex opposite to vertex j, or -1."""
+        return self.triangulation.neighbours.copy()
+
+    @Lazy
+    def good(self) -> npt.NDArray[np.int32]:
+        """(s,) int32, ones: without ``QGn`` all are good."""
+        return np.ones(self.nsimplex, dtype=np.int32)
+
+    @Lazy
+    def _paraboloid(self) -> tuple[float, float]:
+        """As Qhull's Qbb has it: lifted coordinates between 0 and the largest coordinate; the point
+        at infinity, a tenth above all others, is among them."""
+        if not self._options.scaled_last:
+            return 1.0, 0.0
+        heights = (self.points**2).sum(axis=1)
+        least, most = float(heights.min()), float(heights.max())
+        if self._options.at_infinity and not self.furthest_site:
+            most *= 1.1
+        if not most > least:
+            return 1.0, 0.0
+        scale = float(np.abs(self.points).max()) / (most - least)
+        return scale, -least * scale
+
+    @property
+    def paraboloid_scale(self) -> float:
+        """What the squared length of a point is multiplied with when it is lifted."""
+        return self._paraboloid[0]
+
+    @property
+    def paraboloid_shift(self) -> float:
+        """What is added then."""
+        return self._paraboloid[1]
+
+    @Lazy
+    def equations(self) -> npt.NDArray[np.float64]:
+        """(s, d + 2) float64: outward unit normal and offset of each lifted simplex."""
+        scale, shift = self._paraboloid
+        centres, powers = self._spheres
+        planes = np.empty((self.nsimplex, self.ndim + 2))
+        planes[:, :-2] = 2 * scale * centres
+        planes[:, -2] = -1
+        planes[:, -1] = shift - scale * powers
+        planes /= np.sqrt((planes[:, :-1] ** 2).sum(axis=1))[:, np.newaxis]
+        return -planes if self.furthest_site else planes
+
+    @Lazy
+    def _spheres(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Centre c of each simplex' sphere of radius r, and the power |c|^2 - r^2 of the origin."""
+        corners = self.points[self.triangulation.cells]
+        first = corners[:, 0]
+        edges = corners[:, 1:] - first[:, np.newaxis]
+        away = _solutions(edges, 0.5 * (edges**2).sum(axis=2))
+        # |first + away|^2 - |away|^2, in which |away|^2, large for a flat simplex, cancels
+        with np.errstate(invalid="ignore"):
+            return first + away, (first * (first + 2 * away)).sum(axis=1)
+
+    @Lazy
+    def transform(self) -> npt.NDArray[np.float64]:
+        """(s, d + 1, d) float64: ``transform[i, :d] @ (x - transform[i, d])`` are the first d
+        barycentric coordinates of x in simplex i; NaN where it is nearly flat."""
+        corners = self.points[self.triangulation.cells]
+        last = corners[:, -1]
+        edges = np.swapaxes(corners[:, :-1] - last[:, np.newaxis], 1, 2)
+        out = np.empty((self.nsimplex, self.ndim + 1, self.ndim))
+        out[:, :-1] = _inverses(edges)
+        out[:, -1] = last
+        norms = np.abs(edges).sum(axis=1).max(axis=1), np.abs(out[:, :-1]).sum(axis=1).max(axis=1)
+        with np.errstate(all="ignore"):
+            flat = ~(1 / (norms[0] * norms[1]) >= _LEAST_RECIPROCAL_CONDITION)
+        out[flat] = np.nan
+        return out
+
+    @Lazy
+    def vertex_to_simplex(self) -> npt.NDArray[np.int32]:
+        """(n,) int32: the first simplex with each vertex; for a point equal to another, of that
+        one; -1 for points that are no vertices."""
+        cells = self.triangulation.cells
+        first = np.full(self.npoints, -1, dtype=np.int32)
+        # backwards: of several values for one place NumPy keeps the last
+        numbers = np.arange(len(cells), dtype=np.int32)[::-1]
+        first[cells.ravel()[::-1]] = np.repeat(numbers, cells.shape[1])
+        equal = self.triangulation.duplicates
+        first[equal[:, 0]] = first[equal[:, 1]]
+        return first
+
+    @Lazy
+    def coplanar(self) -> npt.NDArray[np.int32]:
+        """(c, 3) int32: each point that is no vertex because it equals one, a simplex with that
+        vertex, and the vertex."""
+        equal = self.triangulation.duplicates
+        table = np.column_stack([equal[:, 0], self.vertex_to_simplex[equal[:, 1]], equal[:, 1]])
+        return table[(table[:, 1] >= 0) & self._options.coplanar]
+
+    @Lazy
+    def convex_hull(self) -> npt.NDArray[np.int32]:
+        """(f, d) int32: indices of the vertices of the facets of the convex hull."""
+        return self.triangulation.hull_facets.copy()
+
+    @Lazy
+    def vertex_neighbor_vertices(self) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:
+        """Offsets (n + 1,) and indices, int32: the neighbours of vertex i are
+        ``indices[offsets[i]:offsets[i + 1]]``, ascending."""
+        cells = self.triangulation.cells.astype(np.int64)
+        width = cells.shape[1]
+        pairs = [cells[:, i] * self.npoints + cells[:, j]
+                 for i in range(width) for j in range(width) if i != j]  # fmt: skip
+        both = np.unique(np.concatenate(pairs)) if pairs else np.empty(0, dtype=np.int64)
+        counts = np.bincount(both // self.npoints, minlength=self.npoints)
+        offsets = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
+        return offsets, (both % self.npoints).astype(np.int32)
+
+    def find_simplex(
+        self, xi: Any, bruteforce: bool = False, tol: float | None = None
+    ) -> npt.NDArray[np.int32]:
+        """The simplex that each point is in.
+
+        Inside the hull it is exact: of simplices that share the point the first. Points outside by
+        rounding alone are in the hull for SciPy, and so they are here.
+
+        Parameters
+        ----------
+        xi : (..., d) array
+        bruteforce : bool
+            The result does not depend on it.
+        tol : float, optional
+            A point outside is in a simplex of which no barycentric coordinate is below ``-tol``.
+            100 times the machine's epsilon if not given, as in SciPy; 0 for none.
+
+        Returns
+        -------
+        (...) int32 array
+            -1 outside, and for points that are not finite.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another number of coordinates.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> found = cullhull.Delaunay([[0, 0], [1, 0], [1, 1], [0, 1]])
+        >>> found.find_simplex([[[0.75, 0.5], [2, 2]]]).tolist()
+        [[0, -1]]
+        """
+        x = self._as_questions(xi)
+        cells = np.full(x.shape[:-1], -1, dtype=np.int32)
+        rows, flat = x.reshape(-1, self.ndim), cells.reshape(-1)
+        places: Any = slice(None)
+        if not np.isfinite(rows).all():
+            places = np.flatnonzero(np.isfinite(rows).all(axis=1))
+        flat[places] = self.triangulation.find_simplex(rows[places])
+        tolerance = _DEFAULT_TOLERANCE if tol is None else float(tol)
+        if tolerance > 0:
+            self._find_near(rows, flat, tolerance)
+        return cells
+
+    def _find_near(
+        self, rows: npt.NDArray[np.float64], cells: npt.NDArray[np.int32], tolerance: float
+    ) -> None:
+        """Sets the cells of points outside that a tolerance puts into one."""
+        low, high = self.min_bound, self.max_bound
+        margin = (self.ndim + 1) * tolerance * (high - low)
+        near = (rows >= low - margin).all(axis=1) & (rows <= high + margin).all(axis=1)
+        places = np.flatnonzero(near & (cells < 0))
+        # The cell from which a point sticks out is met on the way to the middle of all.
+        pull = min(4 * tolerance, _LARGEST_PULL)
+        for share in (pull, 0.25 * pull):
+            if len(places) == 0:
+                return
+            at = rows[places]
+            found = self.triangulation.find_simplex(at + share * (self._middle - at))
+            shares = self.triangulation.barycentric(at, found)
+            inside = (shares >= -tolerance).all(axis=1)  # NaN where no cell was found
+            cells[places[inside]] = found[inside]
+            places = places[~inside]
+        if tolerance > _LARGEST_PULL:
+            self._find_far(rows, cells, places, tolerance)
+
+    def _find_far(
+        self,
+        rows: npt.NDArray[np.float64],
+        cells: npt.NDArray[np.int32],
+        places: npt.NDArray[np.intp],
+        tolerance: float,
+    ) -> None:
+        """The same for tolerances that no rounding asks for: all cells at the hull are tried."""
+        for cell in np.unique(self.triangulation.hull_cells):
+            if len(places) == 0:
+                return
+            every = np.full(len(places), cell, dtype=np.int32)
+            shares = self.triangulation.barycentric(rows[places], every)
+            inside = (shares >= -tolerance).all(axis=1)
+            cells[places[inside]] = cell
+            places = places[~inside]
+
+    @Lazy
+    def _middle(self) -> npt.NDArray[np.float64]:
+        middle: npt.NDArray[np.float64] = self.points.mean(axis=0)
+        return middle
+
+    def lift_points(self, x: Any) -> npt.NDArray[np.float64]:
+        """Points lifted to the paraboloid.
+
+        Parameters
+        ----------
+        x : (..., d) array
+
+        Returns
+        -------
+        (..., d + 1) float64 array
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another number of coordinates.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> found = cullhull.Delaunay([[0, 0], [1, 0], [0, 1]], qhull_options="Qc")
+        >>> found.lift_points([1, 2]).tolist()
+        [1.0, 2.0, 5.0]
+        """
+        x = self._as_questions(x)
+        scale, shift = self._paraboloid
+        height = scale * (x**2).sum(axis=-1, keepdims=True) + shift
+        lifted: npt.NDArray[np.float64] = np.concatenate([x, height], axis=-1)
+        return lifted
+
+    def plane_distance(self, xi: Any) -> npt.NDArray[np.float64]:
+        """Signed distances of lifted points to the planes of all lifted simplices.
+
+        Parameters
+        ----------
+        xi : (..., d) array
+
+        Returns
+        -------
+        (..., s) float64 array
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another number of coordinates.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> found = cullhull.Delaunay([[0, 0], [1, 0], [0, 1]], qhull_options="Qc")
+        >>> found.plane_distance([1, 1]).round(3).tolist()
+        [0.0]
+        """
+        z = self.lift_points(xi)
+        planes = self.equations
+        distances: npt.NDArray[np.float64] = z @ planes[:, :-1].T + planes[:, -1]
+        return distances
+
+    def _as_questions(self, x: Any) -> npt.NDArray[np.float64]:
+        array = np.asanyarray(x)
+        if array.ndim == 0:  # SciPy's error for what is no point at all
+            raise IndexError("wrong dimensionality in xi")
+        if array.shape[-1] != self.ndim:
+            raise InvalidArgument("wrong dimensionality in xi")
+        return np.asarray(array, dtype=np.float64)
+
+
+Delaunay._lazy = lazy_names(Lifted) | lazy_names(Delaunay)
+
+
+def tsearch(tri: Delaunay, xi: Any) -> npt.NDArray[np.int32]:
+    """In place of `scipy.spatial.tsearch`: ``tri.find_simplex(xi)``.
+
+    >>> import cullhull
+    >>> int(cullhull.tsearch(cullhull.Delaunay([[0, 0], [1, 0], [0, 1]]), [0.2, 0.2]))
+    0
+    """
+    return tri.find_simplex(xi)
+
+
+def _solutions(
+    matrices: npt.NDArray[np.float64], right: npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]:
+    """Of each system the solution, of least length for fewer equations than unknowns; not finite
+    where the matrix is singular in doubles."""
+    if matrices.shape[1] != matrices.shape[2]:
+        inverses = np.linalg.pinv(matrices)
+        return (inverses @ right[:, :, np.newaxis])[:, :, 0]
+    out = np.full(right.shape, np.nan)
+    good = _regular(matrices)
+    out[good] = np.linalg.solve(matrices[good], right[good][:, :, np.newaxis])[:, :, 0]
+    return out
+
+
+def _inverses(matrices: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    out = np.full(matrices.shape, np.nan)
+    good = _regular(matrices)
+    out[good] = np.linalg.inv(matrices[good])
+    return out
+
+
+def _regular(matrices: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
+    """Those that LAPACK can factor: one singular matrix would make it refuse all of them."""
+    sign, _ = np.linalg.slogdet(matrices)
+    regular: npt.NDArray[np.bool_] = sign != 0
+    return regular

@@ -1,0 +1,340 @@
+"""Interpolation between scattered points, in the place of scipy.interpolate's."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._arguments import Progress, as_point_set
+from ._delaunay import Delaunay
+from ._errors import InvalidArgument
+from ._triangulation import Triangulation, delaunay
+
+#: Up to it nearest points are found by a triangulation; beyond it that has too many cells, and
+#: SciPy's tree is asked.
+_MOST_DIMENSIONS = 4
+
+
+class _Interpolator:
+    """What both share: points, values of any shape and type, questions of any shape."""
+
+    points: npt.NDArray[np.float64]
+    values: npt.NDArray[Any]
+    #: What questions are shifted by and then divided by; None without ``rescale``.
+    offset: npt.NDArray[np.float64] | None = None
+    scale: npt.NDArray[np.float64] | None = None
+
+    def _set_points(self, points: Any, rescale: bool) -> None:
+        rows = as_point_set(_rows(points))
+        if rows.shape[1] < 2:
+            raise InvalidArgument("input data must be at least 2-D")
+        array = np.ascontiguousarray(rows, dtype=np.float64)
+        if rescale and len(array):
+            self.offset = array.mean(axis=0)
+            scale = np.ptp(array, axis=0)
+            self.scale = np.where(scale > 0, scale, 1.0)
+            array = (array - self.offset) / self.scale
+        self.points = array
+
+    def _set_values(self, values: Any) -> None:
+        self.values = np.asarray(values)
+        if self.values.ndim == 0 or len(self.values) != len(self.points):
+            raise InvalidArgument("different number of values and points")
+
+    def _questions(self, args: tuple[Any, ...]) -> npt.NDArray[np.float64]:
+        d = self.points.shape[1]
+        xi = np.asarray(_rows(args), dtype=np.float64)
+        if xi.ndim == 1 and (len(args) == 1 and not isinstance(args[0], tuple)) and xi.size % d == 0:
+            xi = xi.reshape(-1, d)  # as SciPy: coordinates one after another
+        if xi.ndim == 0 or xi.shape[-1] != d:
+            raise InvalidArgument("number of dimensions in xi does not match x")
+        if self.scale is not None:
+            xi = (xi - self.offset) / self.scale
+        return xi
+
+    def _spread(
+        self,
+        xi: npt.NDArray[np.float64],
+        inside: npt.NDArray[np.bool_],
+        found: npt.NDArray[Any],
+        fill: Any,
+    ) -> npt.NDArray[Any]:
+        """Answers in the shape of the questions; `found` those inside."""
+        out = np.full((inside.size, *self.values.shape[1:]), fill, dtype=found.dtype)
+        out[inside] = found
+        return out.reshape(xi.shape[:-1] + self.values.shape[1:])
+
+
+class LinearNDInterpolator(_Interpolator):
+    """In place of `scipy.interpolate.LinearNDInterpolator`: linear on each simplex.
+
+    Parameters
+    ----------
+    points : (n, d) array, tuple of d arrays, `Delaunay` or `Triangulation`
+    values : (n, ...) array of float or complex
+    fill_value : float
+        The value outside the points' hull.
+    rescale : bool
+        Divide each coordinate by its range first; the triangulation is another then.
+    threads : int, optional
+        Threads to use; all the machine offers if not given.
+
+    Attributes
+    ----------
+    points, values : the arrays
+    tri : Delaunay
+    fill_value : float or complex
+
+    Raises
+    ------
+    InvalidArgument, NotFinite (ValueErrors), QhullError
+        As `Delaunay`; also for another number of values than of points.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> square = [[0, 0], [1, 0], [1, 1], [0, 1]]
+    >>> height = cullhull.LinearNDInterpolator(square, [0.0, 0.0, 4.0, 0.0])
+    >>> height([[0.75, 0.5], [2, 2]]).tolist(), float(height(0.5, 0.25))
+    ([2.0, nan], 1.0)
+    """
+
+    tri: Delaunay
+
+    def __init__(
+        self,
+        points: Any,
+        values: Any,
+        fill_value: Any = np.nan,
+        rescale: bool = False,
+        *,
+        threads: int | None = None,
+    ) -> None:
+        self._threads = threads
+        if isinstance(points, Triangulation):
+            points = Delaunay._of(points)
+        if isinstance(points, Delaunay):
+            if rescale:
+                raise InvalidArgument(
+                    "Rescaling is not supported when passing a Delaunay triangulation as "
+                    "``points``."
+                )
+            self.tri, self.points = points, points.points
+        else:
+            self._set_points(points, rescale)
+            self.tri = Delaunay(self.points, threads=threads)
+        self._set_values(values)
+        kind = np.complex128 if np.iscomplexobj(self.values) else np.float64
+        self.values = np.ascontiguousarray(self.values, dtype=kind)
+        self.fill_value = kind(fill_value)
+
+    def __call__(self, *args: Any) -> npt.NDArray[Any]:
+        """The values at points.
+
+        Parameters
+        ----------
+        args : (..., d) array, or d arrays that are broadcast together, or a tuple of such
+
+        Returns
+        -------
+        array of the points' shape and that of a value
+            ``fill_value`` outside the hull.
+        """
+        xi = self._questions(args)
+        rows = xi.reshape(-1, xi.shape[-1])
+        cells = self.tri.find_simplex(rows)
+        inside = cells >= 0
+        if not inside.all():
+            cells, rows = cells[inside], rows[inside]
+        native = self.tri.triangulation
+        shares = native.barycentric(rows, cells, threads=self._threads)
+        corners = native.cells[cells]
+        found = np.zeros((len(cells), *self.values.shape[1:]), dtype=self.values.dtype)
+        shape = (-1, *(1,) * (self.values.ndim - 1))
+        for j in range(corners.shape[1]):
+            found += shares[:, j].reshape(shape) * self.values[corners[:, j]]
+        return self._spread(xi, inside, found, self.fill_value)
+
+
+class NearestNDInterpolator(_Interpolator):
+    """In place of `scipy.interpolate.NearestNDInterpolator`: the value of the nearest point.
+
+    Nearest is decided exactly, and of several nearest points the first counts. In more than 4
+    dimensions, and for other distances than Euclid's, SciPy's tree is asked.
+
+    Parameters
+    ----------
+    x : (n, d) array, or tuple of d arrays
+    y : (n, ...) array
+    rescale : bool
+        Divide each coordinate by its range first.
+    tree_options : dict, optional
+        Options of SciPy's tree, where it is asked.
+    threads : int, optional
+        Threads to use; all the machine offers if not given.
+
+    Attributes
+    ----------
+    points, values : the arrays
+
+    Raises
+    ------
+    InvalidArgument, NotFinite (ValueErrors)
+        For another shape or type, a NaN or an infinity.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> nearest = cullhull.NearestNDInterpolator([[0, 0], [1, 0], [1, 1]], [1, 2, 3])
+    >>> nearest([[0.1, 0], [9, 9]]).tolist()
+    [1.0, 3.0]
+    """
+
+    def __init__(
+        self,
+        x: Any,
+        y: Any,
+        rescale: bool = False,
+        tree_options: dict[str, Any] | None = None,
+        *,
+        threads: int | None = None,
+    ) -> None:
+        self._threads = threads
+        self._tree_options = dict(tree_options or {})
+        self._set_points(x, rescale)
+        self._set_values(y)
+        if len(self.points) == 0:
+            raise InvalidArgument("No points given")
+        self._native: Triangulation | None = None
+        if self.points.shape[1] <= _MOST_DIMENSIONS:
+            self._native = delaunay(self.points, threads=threads)
+
+    def __call__(
+        self,
+        *args: Any,
+        eps: float = 0.0,
+        p: float = 2.0,
+        distance_upper_bound: float = np.inf,
+        workers: int = 1,
+    ) -> npt.NDArray[Any]:
+        """The values at points.
+
+        Parameters
+        ----------
+        args : (..., d) array, or d arrays that are broadcast together, or a tuple of such
+        eps : float
+            Allows SciPy's tree to be wrong by that share.
+        p : float
+            Whose distance: 2 is Euclid's.
+        distance_upper_bound : float
+            NaN where no point is nearer than that.
+        workers : int
+            Threads of SciPy's tree.
+
+        Returns
+        -------
+        array of the points' shape and that of a value
+        """
+        xi = self._questions(args)
+        rows = xi.reshape(-1, xi.shape[-1])
+        if not np.isfinite(rows).all():
+            raise InvalidArgument("'x' must be finite, check for nan or inf values")
+        if self._native is not None and p == 2:
+            ids: npt.NDArray[Any] = np.asarray(self._native.nearest(rows, threads=self._threads))
+            inside = np.ones(len(rows), dtype=bool)
+            if distance_upper_bound < np.inf:
+                away = np.sqrt(((self.points[ids] - rows) ** 2).sum(axis=1))
+                inside = away < distance_upper_bound
+        else:
+            away, ids = self._tree().query(
+                rows, eps=eps, p=p, distance_upper_bound=distance_upper_bound, workers=workers
+            )
+            inside = np.isfinite(away)
+        found = self.values[ids[inside]]
+        if not np.iscomplexobj(found):
+            found = found.astype(np.float64)
+        return self._spread(xi, inside, found, np.nan)
+
+    def _tree(self) -> Any:
+        try:
+            from scipy.spatial import cKDTree
+        except ImportError:
+            raise ImportError(
+                f"in more than {_MOST_DIMENSIONS} dimensions and for p != 2 SciPy's tree is asked, "
+                "and SciPy is not installed"
+            ) from None
+        return cKDTree(self.points, **self._tree_options)
+
+
+def griddata(
+    points: Any,
+    values: Any,
+    xi: Any,
+    method: str = "linear",
+    fill_value: Any = np.nan,
+    rescale: bool = False,
+    *,
+    threads: int | None = None,
+) -> npt.NDArray[Any]:
+    """In place of `scipy.interpolate.griddata`: values at `xi` from those at scattered points.
+
+    Parameters
+    ----------
+    points : (n, d) array, or tuple of d arrays
+    values : (n, ...) array of float or complex
+    xi : (..., d) array, or tuple of d arrays that are broadcast together
+    method : 'linear', 'nearest' or 'cubic'
+        'cubic', and any in one dimension, is SciPy's own, which must be installed.
+    fill_value : float
+        The value outside the points' hull; 'nearest' has none.
+    rescale : bool
+        Divide each coordinate by its range first.
+    threads : int, optional
+        Threads to use; all the machine offers if not given.
+
+    Returns
+    -------
+    array
+
+    Raises
+    ------
+    InvalidArgument, NotFinite (ValueErrors), QhullError
+        As `LinearNDInterpolator`; also for another method.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> corners, heights = [[0, 0], [1, 0], [0, 1]], [0, 1, 2]
+    >>> cullhull.griddata(corners, heights, [[0.25, 0.5], [1, 1]]).tolist()
+    [1.25, nan]
+    """
+    rows = np.asarray(_rows(points))
+    dimension = 1 if rows.ndim < 2 else rows.shape[-1]
+    if (dimension == 1 and method in ("linear", "nearest", "cubic")) or (
+        dimension == 2 and method == "cubic"
+    ):
+        from scipy.interpolate import griddata as theirs
+
+        found: npt.NDArray[Any] = theirs(
+            points, values, xi, method, fill_value=fill_value, rescale=rescale
+        )
+        return found
+    if method == "nearest":
+        return NearestNDInterpolator(rows, values, rescale=rescale, threads=threads)(xi)
+    if method == "linear":
+        return LinearNDInterpolator(rows, values, fill_value, rescale, threads=threads)(xi)
+    raise InvalidArgument(
+        f"Unknown interpolation method {method!r} for {dimension} dimensional data"
+    )
+
+
+def _rows(points: Any) -> Any:
+    """A tuple of coordinates, broadcast together, as one array; others as they are."""
+    if isinstance(points, tuple) and len(points) == 1:
+        return _rows(points[0])
+    if isinstance(points, tuple):
+        columns = np.broadcast_arrays(*points)
+        return np.stack([np.asarray(column, dtype=np.float64) for column in columns], axis=-1)
+    return points

@@ -1,0 +1,379 @@
+"""Triangulations: what `delaunay` makes, and the questions one can ask it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._arguments import Progress, as_point_set, as_points, as_questions, settings
+from ._errors import InvalidArgument, NotCertified
+from ._hull import Certificate
+
+
+def delaunay(
+    points: Any,
+    weights: Any = None,
+    *,
+    furthest_site: bool = False,
+    threads: int | None = None,
+    memory_budget: int | None = None,
+    certify: bool = False,
+    progress: Progress = None,
+) -> Triangulation:
+    """The exact Delaunay triangulation of points in any dimension; regular, with weights.
+
+    It is the same, bit for bit, for any threads and layout of the points: cells of one sphere are
+    cut from the lowest index of all their vertices.
+
+    Parameters
+    ----------
+    points : (n, d) array
+        Read in place where `convex_hull` does so, and kept: change it only when you no longer need
+        the triangulation's questions.
+    weights : (n,) array, optional
+        The regular triangulation, dual to the power diagram: point i is lifted to
+        ``|x|**2 - weights[i]``. Points whose cell of the diagram is empty are `hidden`.
+    furthest_site : bool
+        The triangulation dual to the furthest-point Voronoi diagram; its vertices are those of the
+        convex hull.
+    threads, memory_budget, progress : as in `convex_hull`
+    certify : bool
+        Check the result with an independent exact test, kept as ``result.certificate``.
+
+    Returns
+    -------
+    Triangulation
+
+    Raises
+    ------
+    NotFinite, InvalidArgument (ValueErrors), TypeError
+        As `convex_hull`; also for another number of weights than of points.
+    OutOfBudget (a MemoryError), KeyboardInterrupt
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> square = [[0, 0], [1, 0], [1, 1], [0, 1]]
+    >>> found = cullhull.delaunay(square, certify=True)
+    >>> found.cells.tolist(), found.neighbours.tolist(), found.certificate
+    ([[0, 1, 2], [0, 2, 3]], [[-1, 1, -1], [-1, -1, 0]], <Certificate: valid>)
+    >>> found.cell_groups.tolist()                       # one circle
+    [0, 0]
+    >>> cullhull.delaunay([*square, [0.5, 0.5]], [0, 0, 0, 0, -1]).hidden.tolist()
+    [4]
+    """
+    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+    array = as_point_set(points)
+    heights = None
+    if weights is not None:
+        heights = np.ascontiguousarray(as_points(weights, "weights", axes=1), dtype=np.float64)
+        if len(heights) != len(array):
+            raise InvalidArgument(f"{len(array)} points have {len(heights)} weights")
+    result = Triangulation._of(_core.triangulate(array, heights, bool(furthest_site), chosen))
+    if certify:
+        result.certificate = _core.certify_cells(result._cells, chosen)
+        if not result.certificate:
+            raise NotCertified(result.certificate.reason)
+    return result
+
+
+class Triangulation:
+    """An exact Delaunay or regular triangulation, made by `delaunay`.
+
+    Below, n is the number of points, d their dimension and k the dimension of the flat they span
+    (`affine_dimension`): for k < d the points are triangulated inside their flat.
+
+    All arrays are read-only views of the result's own memory. It never changes: copies share their
+    memory, and a pickle holds the arrays and the points.
+
+    Attributes
+    ----------
+    certificate : Certificate or None
+        What ``certify=True`` found.
+
+    Raises
+    ------
+    TypeError
+        When called: triangulations are made by `delaunay`.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> found = cullhull.delaunay([[0, 0], [2, 0], [0, 2], [2, 2], [1, 1], [1, 1]])
+    >>> found
+    <Triangulation of 6 points in 2D: 5 vertices, 4 cells>
+    >>> found.cells.tolist(), found.duplicates.tolist()
+    ([[0, 1, 4], [0, 4, 2], [1, 3, 4], [2, 4, 3]], [[5, 4]])
+    >>> found.hull_facets.tolist(), found.hull_cells.tolist()
+    ([[0, 1], [1, 3], [2, 0], [3, 2]], [0, 2, 1, 3])
+    """
+
+    __slots__ = ("__weakref__", "_cells", "certificate")
+
+    _cells: _core.Cells
+    #: What ``certify=True`` found, else None.
+    certificate: Certificate | None
+
+    def __init__(self) -> None:
+        raise TypeError("triangulations are made by cullhull.delaunay")
+
+    @classmethod
+    def _of(cls, cells: _core.Cells, certificate: Certificate | None = None) -> Triangulation:
+        result = object.__new__(cls)
+        result._cells = cells
+        result.certificate = certificate
+        return result
+
+    def __copy__(self) -> Triangulation:
+        return Triangulation._of(self._cells, self.certificate)  # nobody can change either
+
+    def __deepcopy__(self, memo: Any) -> Triangulation:
+        return self.__copy__()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _of_state, (_core.state_of_cells(self._cells), self.certificate)
+
+    def __repr__(self) -> str:
+        kind = "Triangulation" if self.weights is None else "Regular triangulation"
+        flat = "" if self.affine_dimension == self.dimension else f" ({self.affine_dimension}D)"
+        return (
+            f"<{kind} of {self.point_count} points in {self.dimension}D{flat}: "
+            f"{self.vertex_count} vertices, {self.cell_count} cells>"
+        )
+
+    def __len__(self) -> int:
+        return self.cell_count
+
+    # What it is
+
+    @property
+    def points(self) -> npt.NDArray[Any]:
+        """(n, d): the points, as they were given; not a copy where they were read in place."""
+        array: npt.NDArray[Any] = self._cells.points
+        return array
+
+    @property
+    def weights(self) -> npt.NDArray[np.float64] | None:
+        """(n,) float64, or None where there are none."""
+        array: npt.NDArray[np.float64] | None = self._cells.weights
+        return array
+
+    @property
+    def dimension(self) -> int:
+        """d, the number of coordinates of a point."""
+        return self._cells.dimension
+
+    @property
+    def affine_dimension(self) -> int:
+        """k, the dimension of the flat the points span: -1 no points, 0 all equal, ..., d full."""
+        return self._cells.affine_dimension
+
+    @property
+    def axes(self) -> npt.NDArray[np.int32]:
+        """(k,) int32, ascending: axes onto which the flat projects one to one."""
+        return self._cells.axes
+
+    @property
+    def point_count(self) -> int:
+        """n, the number of points."""
+        return self._cells.point_count
+
+    @property
+    def vertex_count(self) -> int:
+        """Number of points that are vertices of cells: neither duplicates nor hidden."""
+        return self._cells.vertex_count
+
+    @property
+    def cell_count(self) -> int:
+        """Number of cells."""
+        return self._cells.cell_count
+
+    @property
+    def furthest_site(self) -> bool:
+        """Whether it is dual to the furthest-point Voronoi diagram."""
+        return self._cells.furthest_site
+
+    @property
+    def statistics(self) -> dict[str, Any]:
+        """How it was computed: decisions by rung (doubles, double-doubles, integers), ties, cells
+        made on the way, threads, seconds."""
+        return self._cells.statistics
+
+    # What it consists of
+
+    @property
+    def cells(self) -> npt.NDArray[np.int32]:
+        """(c, k + 1) int32: indices of each cell's vertices, ascending but for the last two, which
+        are swapped where that orients it positively (in 2D counter-clockwise); rows sorted."""
+        return self._cells.cells
+
+    @property
+    def neighbours(self) -> npt.NDArray[np.int32]:
+        """(c, k + 1) int32: entry j is the cell opposite to vertex j, or -1."""
+        return self._cells.neighbours
+
+    @property
+    def cell_groups(self) -> npt.NDArray[np.int32]:
+        """(c,) int32: cells of one sphere share a number; numbers ascend by first cell."""
+        return self._cells.cell_groups
+
+    @property
+    def hull_facets(self) -> npt.NDArray[np.int32]:
+        """(f, k) int32: facets without a neighbour, oriented outward; rows sorted."""
+        return self._cells.hull_facets
+
+    @property
+    def hull_cells(self) -> npt.NDArray[np.int32]:
+        """(f,) int32: the cell of each of `hull_facets`."""
+        return self._cells.hull_cells
+
+    @property
+    def duplicates(self) -> npt.NDArray[np.int32]:
+        """(m, 2) int32: points with the coordinates of another, and the one that stands in."""
+        return self._cells.duplicates
+
+    @property
+    def hidden(self) -> npt.NDArray[np.int32]:
+        """(h,) int32, ascending: points that are neither vertices nor duplicates; none without
+        weights or ``furthest_site``."""
+        return self._cells.hidden
+
+    # Questions
+
+    def find_simplex(
+        self, points: Any, *, threads: int | None = None, progress: Progress = None
+    ) -> npt.NDArray[np.int32] | int:
+        """The cell that each point is in, exactly.
+
+        Parameters
+        ----------
+        points : (m, d) array, or (d,) for one
+            Finite.
+
+        Returns
+        -------
+        (m,) int32 array, or int
+            On faces that cells share the lowest of their numbers; -1 outside, and for points off
+            the flat of a flat triangulation.
+
+        Raises
+        ------
+        InvalidArgument, NotFinite (ValueErrors)
+            For another number of coordinates, a NaN or an infinity.
+        KeyboardInterrupt
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> found = cullhull.delaunay([[0, 0], [1, 0], [1, 1], [0, 1]])
+        >>> found.find_simplex([[0.75, 0.5], [0.5, 0.75], [0.5, 0.5], [2, 0]]).tolist()
+        [0, 1, 0, -1]
+        """
+        array, single = as_questions(points, self.dimension, "points", "triangulation")
+        cells = self._cells.find(array, settings(threads=threads, progress=progress))
+        return int(cells[0]) if single else cells
+
+    def nearest(
+        self, points: Any, *, threads: int | None = None, progress: Progress = None
+    ) -> npt.NDArray[np.int32] | int:
+        """The vertex nearest to each point, exactly.
+
+        Parameters
+        ----------
+        points : (m, d) array, or (d,) for one
+            Finite.
+
+        Returns
+        -------
+        (m,) int32 array, or int
+            Indices of points; of several that are nearest the lowest. With weights the one of least
+            power, ``|x - p|**2 - weight``; for the furthest site the furthest one. -1 where the
+            triangulation has no vertex.
+
+        Raises
+        ------
+        InvalidArgument, NotFinite (ValueErrors), KeyboardInterrupt
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> cullhull.delaunay([[0, 0], [1, 0], [0, 1]]).nearest([[2, 1], [0.5, 0.5]]).tolist()
+        [1, 0]
+        """
+        array, single = as_questions(points, self.dimension, "points", "triangulation")
+        ids = self._cells.nearest(array, settings(threads=threads, progress=progress))
+        return int(ids[0]) if single else ids
+
+    def barycentric(
+        self,
+        points: Any,
+        cells: Any = None,
+        *,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> npt.NDArray[np.float64]:
+        """Each point as an affine combination of the corners of a cell.
+
+        Parameters
+        ----------
+        points : (m, d) array, or (d,) for one
+            Finite.
+        cells : (m,) array of int, or int, optional
+            Those of `find_simplex` if not given.
+
+        Returns
+        -------
+        (m, k + 1) float64 array, or (k + 1,)
+            In the order of the cell's vertices, each within 2**-50 of the exact one, relative to it
+            where it is larger than 1; zero exactly where it is zero. NaN for a cell of -1.
+
+        Raises
+        ------
+        InvalidArgument, NotFinite (ValueErrors), KeyboardInterrupt
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> cullhull.delaunay([[0, 0], [1, 0], [0, 1]]).barycentric([0.25, 0.5]).tolist()
+        [0.25, 0.25, 0.5]
+        """
+        array, single = as_questions(points, self.dimension, "points", "triangulation")
+        chosen = settings(threads=threads, progress=progress)
+        if cells is None:
+            found = self._cells.find(array, chosen)
+        else:
+            found = np.ascontiguousarray(np.atleast_1d(cells), dtype=np.int32)
+            if found.shape != (len(array),):
+                raise InvalidArgument(f"{len(array)} points need as many cells")
+        width = self.affine_dimension + 1
+        rows = self._cells.barycentric(array, found, chosen).reshape(len(array), width)
+        return rows[0] if single else rows
+
+    def certify(
+        self, *, threads: int | None = None, progress: Progress = None
+    ) -> Certificate:
+        """Checks this triangulation of its points with an independent exact test.
+
+        Returns
+        -------
+        Certificate
+            True if it is proven.
+
+        Raises
+        ------
+        KeyboardInterrupt
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> bool(cullhull.delaunay(cullhull.generate("ball", 100)).certify())
+        True
+        """
+        return _core.certify_cells(self._cells, settings(threads=threads, progress=progress))
+
+
+def _of_state(state: dict[str, Any], certificate: Certificate | None) -> Triangulation:
+    return Triangulation._of(_core.cells_of_state(state), certificate)

@@ -1,0 +1,56 @@
+// A triangulation as Python holds it: the result beside the array it was computed from.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "call.hpp"
+#include "cullhull/triangulation.hpp"
+#include "cullhull/triangulation_query.hpp"
+#include "points.hpp"
+
+namespace binding {
+
+/// None, or a list of doubles.
+std::vector<double> weights_of(nanobind::handle array);
+
+/// Keeps the array alive, which its questions read; nobody may change that meanwhile.
+class Cells {
+ public:
+  Cells(cullhull::Triangulation triangulation, nanobind::object points, nanobind::object weights);
+
+  const cullhull::Triangulation& triangulation() const noexcept { return triangulation_; }
+  const nanobind::object& points_array() const noexcept { return points_array_; }
+  /// None without weights.
+  const nanobind::object& weights_array() const noexcept { return weights_array_; }
+
+  const Points& points() const noexcept { return points_; }
+  /// Empty without weights.
+  const std::vector<double>& weights() const noexcept { return weights_; }
+
+  /// Prepared at the first question; any thread may ask, with or without the GIL. A preparation
+  /// that was stopped is made anew by the next question.
+  const cullhull::TriangulationQuery& query(const cullhull::Options& options) const;
+
+ private:
+  cullhull::Triangulation triangulation_;
+  nanobind::object points_array_, weights_array_;
+  Points points_;
+  std::vector<double> weights_;
+  mutable std::once_flag prepared_;
+  mutable std::unique_ptr<cullhull::TriangulationQuery> query_;
+};
+
+/// How Python sees a triangulation whose arrays it shows: by its object, which keeps their memory.
+using CellsHandle = nanobind::handle_t<Cells>;
+inline const Cells& cells_in(CellsHandle self) { return *nanobind::inst_ptr<Cells>(self); }
+
+/// Questions to a triangulation.
+void bind_cells_query(nanobind::class_<Cells>& c);
+
+cullhull::TriangulationOptions options_of(const cullhull::Options& options);
+
+}  // namespace binding

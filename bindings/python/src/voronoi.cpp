@@ -1,0 +1,147 @@
+// Voronoi and power diagrams, whole and within a region.
+#include "cullhull/voronoi.hpp"
+
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "solid.hpp"
+#include "triangulation.hpp"
+
+namespace binding {
+
+using cullhull::ClippedCells;
+using cullhull::Options;
+using cullhull::Voronoi;
+
+namespace {
+
+// Arrays of the results, as views of memory that `self` keeps.
+
+template <class List>
+Array<std::int64_t> offsets_in(const List& list, nb::handle self) {
+  return list_of(reinterpret_cast<const std::int64_t*>(list.data()), list.size(), self);
+}
+/// int32, with -1 for at_infinity and no_point.
+template <class List>
+Array<std::int32_t> numbers_in(const List& list, nb::handle self) {
+  return list_of(reinterpret_cast<const std::int32_t*>(list.data()), list.size(), self);
+}
+template <class List>
+Array<double> rows_in(const List& list, std::size_t width, nb::handle self) {
+  return rows_of(list.data(), width == 0 ? 0 : list.size() / width, width, self);
+}
+
+using Self = nb::handle_t<Voronoi>;
+const Voronoi& shown(Self self) { return *nb::inst_ptr<Voronoi>(self); }
+using ClippedSelf = nb::handle_t<ClippedCells>;
+const ClippedCells& shown_cells(ClippedSelf self) { return *nb::inst_ptr<ClippedCells>(self); }
+
+/// Some microseconds a cell.
+Length length_of_diagram(const Cells& cells) noexcept {
+  const std::uint64_t n = cells.triangulation().size();
+  return n <= 200 ? Length::brief : n <= 20'000 ? Length::moderate : Length::long_;
+}
+
+std::unique_ptr<Voronoi> voronoi(const Cells& cells, const Settings* settings) {
+  std::unique_ptr<Voronoi> result;
+  run(settings, length_of_diagram(cells), [&](const Options& options) {
+    result = std::make_unique<Voronoi>(
+        cullhull::voronoi(cells.points().view(), cells.triangulation(), cells.weights(), options));
+  });
+  check_numbers(result->vertex_count());
+  check_numbers(result->point_count);
+  return result;
+}
+
+std::unique_ptr<ClippedCells> clip_to_box(const Cells& cells, const std::vector<double>& low,
+                                          const std::vector<double>& high, bool shapes,
+                                          const Settings* settings) {
+  std::unique_ptr<ClippedCells> result;
+  run(settings, length_of_diagram(cells), [&](const Options& options) {
+    result = std::make_unique<ClippedCells>(cullhull::clip_voronoi(
+        cells.points().view(), cells.triangulation(), low, high, cells.weights(), shapes, options));
+  });
+  return result;
+}
+
+std::unique_ptr<ClippedCells> clip_to_hull(const Cells& cells, nb::handle array, bool shapes,
+                                           const Settings* settings) {
+  const Points region(array);
+  std::unique_ptr<ClippedCells> result;
+  run(settings, length_of_diagram(cells), [&](const Options& options) {
+    result = std::make_unique<ClippedCells>(
+        cullhull::clip_voronoi(cells.points().view(), cells.triangulation(), region.view(),
+                               cells.weights(), shapes, options));
+  });
+  return result;
+}
+
+void bind_diagram(nb::module_& m) {
+  nb::class_<Voronoi>(m, "Diagram", "A diagram: cullhull.VoronoiDiagram wraps it.")
+      .def_prop_ro(
+          "vertices",
+          [](Self self) { return rows_in(shown(self).vertices, shown(self).dimension, self); })
+      .def_prop_ro("ridge_points",
+                   [](Self self) {
+                     return rows_of(
+                         reinterpret_cast<const std::int32_t*>(shown(self).ridge_points.data()),
+                         shown(self).ridge_count(), 2, self);
+                   })
+      .def_prop_ro("ridge_offsets",
+                   [](Self self) { return offsets_in(shown(self).ridge_offsets, self); })
+      .def_prop_ro("ridge_vertices",
+                   [](Self self) { return numbers_in(shown(self).ridge_vertices, self); })
+      .def_prop_ro("region_offsets",
+                   [](Self self) { return offsets_in(shown(self).region_offsets, self); })
+      .def_prop_ro("region_vertices",
+                   [](Self self) { return numbers_in(shown(self).region_vertices, self); })
+      .def_prop_ro("ray_vertices",
+                   [](Self self) { return numbers_in(shown(self).ray_vertices, self); })
+      .def_prop_ro("ray_directions", [](Self self) {
+        return rows_in(shown(self).ray_directions, shown(self).dimension, self);
+      });
+}
+
+void bind_clipped_cells(nb::module_& m) {
+  using Clipped = ClippedSelf;
+  nb::class_<ClippedCells>(m, "ClippedCells", "Cells in a region: cullhull.ClippedCells wraps it.")
+      .def_prop_ro("measures",
+                   [](Clipped self) {
+                     const auto& measures = shown_cells(self).measures;
+                     return list_of(measures.data(), measures.size(), self);
+                   })
+      .def_prop_ro("vertex_offsets",
+                   [](Clipped self) { return offsets_in(shown_cells(self).vertex_offsets, self); })
+      .def_prop_ro("vertices",
+                   [](Clipped self) {
+                     return rows_in(shown_cells(self).vertices, shown_cells(self).dimension, self);
+                   })
+      .def_prop_ro("face_offsets",
+                   [](Clipped self) { return offsets_in(shown_cells(self).face_offsets, self); })
+      .def_prop_ro("face_starts",
+                   [](Clipped self) { return offsets_in(shown_cells(self).face_starts, self); })
+      .def_prop_ro("face_vertices",
+                   [](Clipped self) { return numbers_in(shown_cells(self).face_vertices, self); })
+      .def_prop_ro("neighbours",
+                   [](Clipped self) { return numbers_in(shown_cells(self).neighbours, self); });
+}
+
+}  // namespace
+
+void bind_voronoi(nb::module_& m) {
+  bind_diagram(m);
+  bind_clipped_cells(m);
+  m.def("voronoi", voronoi, nb::arg("cells"), nb::arg("settings").none());
+  m.def("clip_to_box", clip_to_box, nb::arg("cells"), nb::arg("low"), nb::arg("high"),
+        nb::arg("shapes"), nb::arg("settings").none());
+  m.def("clip_to_hull", clip_to_hull, nb::arg("cells"), nb::arg("region"), nb::arg("shapes"),
+        nb::arg("settings").none());
+}
+
+}  // namespace binding

@@ -1,0 +1,135 @@
+"""Interpolation between scattered points, against SciPy's."""
+
+import copy
+import inspect
+import pickle
+
+import numpy as np
+import pytest
+
+import cullhull
+
+interpolate = pytest.importorskip("scipy.interpolate")
+NAMES = ("LinearNDInterpolator", "NearestNDInterpolator")
+
+
+def values_of(points, kind):
+    real = np.sin(3 * points).sum(axis=1)
+    if kind == "complex":
+        return real + 1j * points[:, 0]
+    return np.stack([real, points[:, 0] ** 2], axis=1) if kind == "rows" else real
+
+
+@pytest.mark.parametrize("kind", ["real", "complex", "rows"])
+@pytest.mark.parametrize("rescale", [False, True])
+@pytest.mark.parametrize("dimension", [2, 3, 4])
+@pytest.mark.parametrize("name", NAMES)
+def test_as_scipys(name, dimension, rescale, kind):
+    rng = np.random.default_rng(dimension)
+    points = rng.random((200, dimension)) * np.arange(1, dimension + 1)
+    values = values_of(points, kind)
+    asked = rng.random((4, 50, dimension)) * dimension
+    ours = getattr(cullhull, name)(points, values, rescale=rescale)(asked)
+    theirs = getattr(interpolate, name)(points, values, rescale=rescale)(asked)
+    assert ours.shape == theirs.shape and ours.dtype == theirs.dtype
+    assert np.array_equal(np.isnan(ours), np.isnan(theirs))
+    assert np.allclose(ours, theirs, rtol=1e-9, equal_nan=True)
+    assert np.isnan(ours).any() == (name == "LinearNDInterpolator")
+
+
+def test_the_same_arguments():
+    for name in (*NAMES, "griddata"):
+        mine, other = (
+            list(inspect.signature(getattr(m, name)).parameters) for m in (cullhull, interpolate)
+        )
+        assert mine[: len(other)] == other
+
+
+@pytest.mark.parametrize("method", ["linear", "nearest", "cubic"])
+@pytest.mark.parametrize("dimension", [1, 2, 3])
+def test_griddata(method, dimension):
+    rng = np.random.default_rng(dimension)
+    points = rng.random((100, dimension))
+    columns = tuple(points.T)
+    values = values_of(points, "real")
+    asked = tuple(np.meshgrid(*[np.linspace(0, 1, 9)] * dimension))
+    if dimension == 3 and method == "cubic":
+        with pytest.raises(ValueError, match="cubic"):
+            cullhull.griddata(points, values, asked, method)
+        return
+    for given in (points, columns):
+        ours = cullhull.griddata(given, values, asked, method, fill_value=-7)
+        theirs = interpolate.griddata(given, values, asked, method, fill_value=-7)
+        assert ours.shape == theirs.shape and np.allclose(ours, theirs)
+    with pytest.raises(ValueError, match="magic"):
+        cullhull.griddata(points, values, asked, "magic")
+
+
+def test_linear_is_linear():
+    """A linear function comes back, and corners come back as they are."""
+    points = np.random.default_rng(1).random((500, 3))
+    values = points @ [1.0, -2.0, 0.5] + 3
+    found = cullhull.LinearNDInterpolator(points, values)
+    asked = np.random.default_rng(2).random((1000, 3))
+    inside = found.tri.find_simplex(asked) >= 0
+    assert np.allclose(found(asked)[inside], asked[inside] @ [1.0, -2.0, 0.5] + 3, rtol=1e-13)
+    assert np.isnan(found(asked)[~inside]).all() and not inside.all()
+    assert np.array_equal(found(points), values)
+
+
+def test_triangulations_as_input():
+    points = np.random.default_rng(1).random((30, 2))
+    values = points[:, 0]
+    drop_in, native = cullhull.Delaunay(points), cullhull.delaunay(points)
+    expected = cullhull.LinearNDInterpolator(points, values)([0.4, 0.5])
+    for given in (drop_in, native):
+        assert cullhull.LinearNDInterpolator(given, values)([0.4, 0.5]) == expected
+        with pytest.raises(ValueError, match="Rescaling"):
+            cullhull.LinearNDInterpolator(given, values, rescale=True)
+    assert cullhull.LinearNDInterpolator(drop_in, values).tri is drop_in
+    with pytest.raises(ValueError):
+        cullhull.LinearNDInterpolator(cullhull.delaunay(points * [1, 0]), values)
+
+
+def test_nearest_is_exact_and_the_first():
+    points = np.array([[1.0, 0], [0, 1], [-1, 0], [0, -1], [1, 0]])
+    found = cullhull.NearestNDInterpolator(points, np.arange(5))
+    assert found([[0, 0], [9, 0], [-9, 1e-9]]).tolist() == [0, 0, 2]
+    assert found(0.1, [0.2, 0.0]).tolist() == [1, 0]
+    assert np.isnan(found([[0, 0]], distance_upper_bound=1.0)).all()
+    assert found([[0.5, 0.4]], p=np.inf).tolist() == [0]
+    line = cullhull.NearestNDInterpolator([[0, 0], [1, 1], [2, 2]], [1, 2, 3])
+    assert line([[5, 0], [-1, -1]]).tolist() == [3, 1]
+    many = np.random.default_rng(1).random((50, 9))
+    assert np.array_equal(cullhull.NearestNDInterpolator(many, np.arange(50))(many), np.arange(50))
+    with pytest.raises(TypeError):
+        found([0.5, 0.5], query_options="not a dictionary")
+
+
+@pytest.mark.parametrize("way", [copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))])
+@pytest.mark.parametrize("name", NAMES)
+def test_copies_and_pickles(name, way):
+    points = np.random.default_rng(1).random((30, 2))
+    found = getattr(cullhull, name)(points, points[:, 0], rescale=True)
+    assert way(found)(0.5, 0.5) == found(0.5, 0.5)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_makes_no_sense(name):
+    make = getattr(cullhull, name)
+    points = np.random.default_rng(1).random((30, 2))
+    for bad, values in (
+        (points, points[:7, 0]),
+        (points, 3.0),
+        (points[:, :1], points[:, 0]),
+        (np.zeros((0, 2)), []),
+        (points * np.nan, points[:, 0]),
+        (points[:, np.newaxis], points[:, 0]),
+    ):
+        with pytest.raises(ValueError):
+            make(bad, values)
+    found = make(points, points[:, 0])
+    for bad in ([0.5], [0.5] * 3, 0.5):
+        with pytest.raises(ValueError):
+            found(bad)
+    assert found(np.zeros((0, 2))).shape == (0,)
