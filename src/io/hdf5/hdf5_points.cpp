@@ -197,7 +197,7 @@ struct Hdf5Points::Impl {
   std::uint32_t dimension = 0;
 
   void open(const std::string& path, const std::string& datasets) {
-    file = Handle(h5().H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), h5().H5Fclose);
+    file = Handle(h5().H5Fopen(path.c_str(), read_only, H5P_DEFAULT), h5().H5Fclose);
     if (!file) fail({file_name, nullptr, 0}, "is no HDF5 file that can be opened" + reason());
     name = file_name;
     if (datasets.empty()) return choose();
