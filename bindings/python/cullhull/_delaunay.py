@@ -495,6 +495,22 @@ Delaunay._lazy = lazy_names(Lifted) | lazy_names(Delaunay)
 def tsearch(tri: Delaunay, xi: Any) -> npt.NDArray[np.int32]:
     """In place of `scipy.spatial.tsearch`: ``tri.find_simplex(xi)``.
 
+    Parameters
+    ----------
+    tri : Delaunay
+    xi : (..., d) array
+
+    Returns
+    -------
+    (...) int32 array
+
+    Raises
+    ------
+    InvalidArgument (a ValueError)
+        For another number of coordinates.
+
+    Examples
+    --------
     >>> import cullhull
     >>> int(cullhull.tsearch(cullhull.Delaunay([[0, 0], [1, 0], [0, 1]]), [0.2, 0.2]))
     0

@@ -23,8 +23,8 @@ class _Interpolator:
     points: npt.NDArray[np.float64]
     values: npt.NDArray[Any]
     #: What questions are shifted by and then divided by; None without ``rescale``.
-    offset: npt.NDArray[np.float64] | None = None
-    scale: npt.NDArray[np.float64] | None = None
+    _offset: npt.NDArray[np.float64] | None = None
+    _scale: npt.NDArray[np.float64] | None = None
 
     def _set_points(self, points: Any, rescale: bool) -> None:
         rows = as_point_set(_rows(points))
@@ -32,10 +32,10 @@ class _Interpolator:
             raise InvalidArgument("input data must be at least 2-D")
         array = np.ascontiguousarray(rows, dtype=np.float64)
         if rescale and len(array):
-            self.offset = array.mean(axis=0)
+            self._offset = array.mean(axis=0)
             scale = np.ptp(array, axis=0)
-            self.scale = np.where(scale > 0, scale, 1.0)
-            array = (array - self.offset) / self.scale
+            self._scale = np.where(scale > 0, scale, 1.0)
+            array = (array - self._offset) / self._scale
         self.points = array
 
     def _set_values(self, values: Any) -> None:
@@ -50,8 +50,8 @@ class _Interpolator:
             xi = xi.reshape(-1, d)  # as SciPy: coordinates one after another
         if xi.ndim == 0 or xi.shape[-1] != d:
             raise InvalidArgument("number of dimensions in xi does not match x")
-        if self.scale is not None:
-            xi = (xi - self.offset) / self.scale
+        if self._scale is not None:
+            xi = (xi - self._offset) / self._scale
         return xi
 
     def _spread(

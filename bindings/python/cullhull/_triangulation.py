@@ -252,6 +252,7 @@ class Triangulation:
         ----------
         points : (m, d) array, or (d,) for one
             Finite.
+        threads, progress : as in `convex_hull`
 
         Returns
         -------
@@ -285,6 +286,7 @@ class Triangulation:
         ----------
         points : (m, d) array, or (d,) for one
             Finite.
+        threads, progress : as in `convex_hull`
 
         Returns
         -------
@@ -323,6 +325,7 @@ class Triangulation:
             Finite.
         cells : (m,) array of int, or int, optional
             Those of `find_simplex` if not given.
+        threads, progress : as in `convex_hull`
 
         Returns
         -------
@@ -356,6 +359,10 @@ class Triangulation:
         self, *, threads: int | None = None, progress: Progress = None
     ) -> Certificate:
         """Checks this triangulation of its points with an independent exact test.
+
+        Parameters
+        ----------
+        threads, progress : as in `convex_hull`
 
         Returns
         -------

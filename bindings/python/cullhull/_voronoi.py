@@ -180,6 +180,7 @@ class VoronoiDiagram:
             A box; or `low` alone, an (m, d) array: the convex hull of these points.
         shapes : bool
             Whether the cells' corners and faces are wanted, or only their measures.
+        threads, progress : as in `convex_hull`
 
         Returns
         -------
@@ -238,6 +239,11 @@ class ClippedCells:
     def corners(self, point: int) -> npt.NDArray[np.float64]:
         """(m, d) float64: the corners of a point's cell; in 2D counter-clockwise.
 
+        Parameters
+        ----------
+        point : int
+            Its index.
+
         >>> import cullhull
         >>> cullhull.voronoi([[0], [1]]).clip([-1], [3]).corners(1).tolist()
         [[0.5], [3.0]]
@@ -248,6 +254,11 @@ class ClippedCells:
 
     def faces(self, point: int) -> list[list[int]]:
         """In 3D the faces of a point's cell: rows of its `corners`, counter-clockwise from outside.
+
+        Parameters
+        ----------
+        point : int
+            Its index.
 
         >>> import cullhull
         >>> cells = cullhull.voronoi([[0, 0, 0], [1, 0, 0]]).clip([-1] * 3, [2] * 3)
@@ -331,7 +342,7 @@ class Voronoi(Lifted):
     >>> found.regions[found.point_region[4]]
     [0, 2, 3, 1]
     >>> found.ridge_dict[0, 4]
-    [0, 1]
+    [1, 0]
     """
 
     ndim: int
