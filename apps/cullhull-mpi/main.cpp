@@ -178,6 +178,7 @@ void silence_others(bool started, int rank) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  app::system::prepare_heap();
   app::keep_standard_streams();
   const std::vector<std::string> words(argv + 1, argv + argc);
   int status = 0;

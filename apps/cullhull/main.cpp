@@ -7,6 +7,7 @@
 #include "cullhull/version.hpp"
 #include "endings.hpp"
 #include "signals.hpp"
+#include "system.hpp"
 #include "terminal.hpp"
 #include "words.hpp"
 
@@ -66,6 +67,7 @@ int run(const std::vector<std::string>& given) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  app::system::prepare_heap();
   app::keep_standard_streams();
   const std::vector<std::string> words(argv + 1, argv + argc);
   try {

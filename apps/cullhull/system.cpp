@@ -22,6 +22,9 @@
 #include <filesystem>
 #else
 #include <fcntl.h>
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 #include <poll.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -34,6 +37,7 @@ namespace app::system {
 std::ptrdiff_t write_some(int fd, const char* data, std::size_t size) {
   return _write(fd, data, static_cast<unsigned>(std::min<std::size_t>(size, INT_MAX)));
 }
+void prepare_heap() {}
 bool is_terminal(int fd) { return _isatty(fd) != 0; }
 void open_if_closed(int fd) {
   if (_get_osfhandle(fd) == -1) (void)_open("NUL", fd == 0 ? _O_WRONLY : _O_RDONLY);
@@ -98,6 +102,13 @@ FileIdentity identify(int fd) { return identity_of(reinterpret_cast<HANDLE>(_get
 
 std::ptrdiff_t write_some(int fd, const char* data, std::size_t size) {
   return ::write(fd, data, size);
+}
+void prepare_heap() {
+#if defined(__GLIBC__)
+  rlimit addresses{};
+  if (::getrlimit(RLIMIT_AS, &addresses) == 0 && addresses.rlim_cur != RLIM_INFINITY)
+    ::mallopt(M_ARENA_MAX, 1);
+#endif
 }
 bool is_terminal(int fd) { return ::isatty(fd) == 1; }
 void open_if_closed(int fd) {

@@ -393,7 +393,7 @@ class Delaunay(Lifted):
             if len(places) == 0:
                 return
             at = rows[places]
-            found = self.triangulation.find_simplex(at + share * (self._middle - at))
+            found = np.asarray(self.triangulation.find_simplex(at + share * (self._middle - at)))
             shares = self.triangulation.barycentric(at, found)
             inside = (shares >= -tolerance).all(axis=1)  # NaN where no cell was found
             cells[places[inside]] = found[inside]

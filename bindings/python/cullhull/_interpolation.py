@@ -50,7 +50,7 @@ class _Interpolator:
             xi = xi.reshape(-1, d)  # as SciPy: coordinates one after another
         if xi.ndim == 0 or xi.shape[-1] != d:
             raise InvalidArgument("number of dimensions in xi does not match x")
-        if self._scale is not None:
+        if self._scale is not None and self._offset is not None:
             xi = (xi - self._offset) / self._scale
         return xi
 

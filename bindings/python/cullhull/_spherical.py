@@ -131,7 +131,7 @@ class SphericalVoronoi:
         following = (3 * across + at_point).ravel()
         walkers = np.flatnonzero(first >= 0)
         at, start = first[walkers], first[walkers]
-        found = []
+        found: list[tuple[npt.NDArray[Any], ...]] = []
         while len(walkers):
             found.append((walkers, np.full(len(walkers), len(found), dtype=np.intp), at // 3))
             at = following[at]
@@ -179,7 +179,8 @@ class SphericalVoronoi:
             (self.vertices[here] - self.center) / self.radius,
             (self.vertices[following] - self.center) / self.radius,
         )
-        return np.bincount(owner, weights=angles, minlength=len(sizes)) * self.radius**2
+        areas = np.bincount(owner, weights=angles, minlength=len(sizes)) * self.radius**2
+        return np.asarray(areas, dtype=np.float64)
 
     def _lengths(self) -> npt.NDArray[np.float64]:
         """Half of the arc to each neighbour."""
@@ -193,7 +194,7 @@ class SphericalVoronoi:
         lengths = np.bincount(
             self._simplices.ravel(), weights=np.repeat(half, 2), minlength=len(self.points)
         )
-        return lengths * self.radius
+        return np.asarray(lengths * self.radius, dtype=np.float64)
 
     def __repr__(self) -> str:
         return (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -152,14 +152,12 @@ class Triangulation:
     @property
     def points(self) -> npt.NDArray[Any]:
         """(n, d): the points, as they were given; not a copy where they were read in place."""
-        array: npt.NDArray[Any] = self._cells.points
-        return array
+        return cast("npt.NDArray[Any]", self._cells.points)
 
     @property
     def weights(self) -> npt.NDArray[np.float64] | None:
         """(n,) float64, or None where there are none."""
-        array: npt.NDArray[np.float64] | None = self._cells.weights
-        return array
+        return cast("npt.NDArray[np.float64] | None", self._cells.weights)
 
     @property
     def dimension(self) -> int:

@@ -21,12 +21,12 @@ namespace cullhull::internal {
 #define CULLHULL_HDF5_FUNCTIONS(X)                                                              \
   X(H5Dclose)                                                                                   \
   X(H5Dget_create_plist)                                                                        \
-  X(H5Dget_space) X(H5Dget_type) X(H5Dopen2) X(H5Dread) X(H5Eget_auto2) X(H5Eset_auto2)         \
-      X(H5Ewalk2) X(H5Fclose) X(H5Fopen) X(H5Ovisit) X(H5Pclose) X(H5Pcreate) X(H5Pget_chunk)   \
-          X(H5Pget_layout) X(H5Pset_chunk_cache) X(H5Sclose) X(H5Screate_simple)                \
-              X(H5Sget_simple_extent_dims) X(H5Sget_simple_extent_ndims) X(H5Sselect_hyperslab) \
-                  X(H5Tclose) X(H5Tget_class) X(H5Tget_fields) X(H5Tget_sign) X(H5Tget_size)    \
-                      X(H5dont_atexit) X(H5open)
+  X(H5Dget_space)                                                                               \
+  X(H5Dget_type) X(H5Dopen2) X(H5Dread) X(H5Eget_auto2) X(H5Eset_auto2) X(H5Ewalk2) X(H5Fclose) \
+      X(H5Fopen) X(H5Ovisit) X(H5Pclose) X(H5Pcreate) X(H5Pget_chunk) X(H5Pget_layout)          \
+          X(H5Pset_chunk_cache) X(H5Sclose) X(H5Screate_simple) X(H5Sget_simple_extent_dims)    \
+              X(H5Sget_simple_extent_ndims) X(H5Sselect_hyperslab) X(H5Tclose) X(H5Tget_class)  \
+                  X(H5Tget_fields) X(H5Tget_sign) X(H5Tget_size) X(H5dont_atexit) X(H5open)
 // In two steps: some of the names are macros, for the version of a function.
 #define CULLHULL_HDF5_NAME(f) #f
 #define CULLHULL_HDF5_MEMBER(f) decltype(&::f) f;
@@ -43,6 +43,10 @@ class Hdf5Library {
       throw Error(ErrorCode::io, std::string("HDF5 is read by ") + CULLHULL_HDF5_LIBRARY +
                                      ", which cannot be loaded: is it installed?");
     CULLHULL_HDF5_FUNCTIONS(CULLHULL_HDF5_FIND)
+    // Before all else. Opening a corrupt file leaves something open in libhdf5 1.10, which would
+    // complain of it on standard error when the process ends. What a caller leaves open itself is
+    // not closed then.
+    H5dont_atexit();
     H5open();
   }
   /// A number that the library sets as it starts: of a type, or of a class of properties.
@@ -107,11 +111,7 @@ class Quiet {
 
  private:
   static std::mutex& mutex() {
-    // Opening a corrupt file leaves something open in libhdf5 1.10, which would complain of it on
-    // standard error when the process ends. What a caller leaves open itself is not closed then.
-    static const herr_t never_at_exit = h5().H5dont_atexit();
     static std::mutex one;
-    static_cast<void>(never_at_exit);
     return one;
   }
   std::lock_guard<std::mutex> lock_;
