@@ -204,10 +204,11 @@ void write_points(const std::string& path, const PointView& points,
 /// Likewise the extreme points that a state holds.
 void write_points(const std::string& path, const HullState& state, const std::string& format = "");
 
-/// Those records of the LAS file `las` (any name that open_points takes one by) whose ids are given,
-/// ascending, as a LAS file: every field of them, and its scale, offset, point format and other
-/// records, are the input's bytes; the header's counts and box are theirs. Throws Error{bad_file}
-/// unless `las` is LAS, Error{invalid_argument} for an id beyond its points or a name but .las.
+/// Those records of the LAS file `las` (any name that open_points takes one by) whose ids are
+/// given, ascending, as a LAS file: every field of them, and its scale, offset, point format and
+/// other records, are the input's bytes; the header's counts and box are theirs. Throws
+/// Error{bad_file} unless `las` is LAS, Error{invalid_argument} for an id beyond its points or a
+/// name but .las.
 void write_las_records(const std::string& path, const std::string& las,
                        const std::vector<std::uint64_t>& ids);
 

@@ -272,7 +272,8 @@ TEST(BenchStream, EveryFormatHasTheHullThatItHasInMemory) {
   for (const auto& row : report["figures"][1]["rows"]) EXPECT_GT(row["values"]["streamed"], 1);
   EXPECT_EQ(run_app({"bench", "stream", "--format", "doc"}).status, 2);
   EXPECT_EQ(run_app({"bench", "stream", "--memory", "much"}).status, 2);
-  EXPECT_EQ(run_app({"bench", "stream", "--scale", "1e-5", "--folder", "/nowhere/at/all"}).status, 1);
+  EXPECT_EQ(run_app({"bench", "stream", "--scale", "1e-5", "--folder", "/nowhere/at/all"}).status,
+            1);
 }
 
 const std::vector<std::string> calls = {"bench", "calls", "--seconds", "0", "--json"};

@@ -73,7 +73,8 @@ std::string zip(const std::vector<Member>& members, bool wide = false) {
         wide ? little(1, 2) + little(16, 2) + little(m.bytes.size(), 8) + little(data.size(), 8)
              : "";
     central += "PK\x01\x02" + little(20, 2) + common + sizes + little(m.name.size(), 2) +
-               little(extra.size(), 2) + std::string(10, '\0') + little(out.size(), 4) + m.name + extra;
+               little(extra.size(), 2) + std::string(10, '\0') + little(out.size(), 4) + m.name +
+               extra;
     out += "PK\x03\x04" + common + sizes + little(m.name.size(), 2) + little(extra.size(), 2) +
            m.name + extra + data;
   }
