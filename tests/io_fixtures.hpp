@@ -17,6 +17,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
+#include "cullhull/point_blocks.hpp"
 #include "io/source.hpp"
 #include "parallel/byte_order.hpp"
 
@@ -191,6 +192,25 @@ inline Example square() {
   h.area = 4;
   h.centroid = {0.5, 0.5};
   return e;
+}
+
+/// What reading the file says against it, "" if nothing: the same whole and in blocks.
+inline std::string error_whole_and_in_blocks(const std::string& path) {
+  std::string messages[2];
+  try {
+    open_points(path);
+  } catch (const Error& e) {
+    messages[0] = e.what();
+  }
+  try {
+    BlockVisitor visitor;
+    visitor.points = [](const PointView&, std::uint64_t) {};
+    visit_blocks({path}, visitor, {});
+  } catch (const Error& e) {
+    messages[1] = e.what();
+  }
+  EXPECT_EQ(messages[0], messages[1]);
+  return messages[0];
 }
 
 }  // namespace cullhull::testing

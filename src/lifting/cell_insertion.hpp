@@ -27,8 +27,8 @@ class CellInsertion {
  public:
   CellInsertion(const LiftedPoints& points, const Run& run)
       : s_(points), run_(run), store_(points.base, run.budget), signs_(points), planes_(points) {
-    if constexpr (K >= 3) labels_.resize(points.count, 0);
     if constexpr (K == 3) {
+      labels_.resize(points.count, 0);
       edges_.assign(std::size_t{most_labels} * most_labels, unset);
     }
   }
@@ -61,7 +61,6 @@ class CellInsertion {
     make_cells(p);
     bool joined = false;
     if constexpr (K == 3) joined = join_along_edges();
-    if constexpr (K >= 4 && K <= 6) joined = join_along_ridges();
     if (!joined) join_cells();
     for (const std::uint32_t c : cavity_) store_.free_cell(c);
     work_ += facets_.size();
@@ -75,10 +74,6 @@ class CellInsertion {
  private:
   struct Facet {
     std::uint32_t cell, slot, made;
-  };
-  struct Ridge {
-    std::uint64_t key = 0;
-    std::uint32_t code = 0, stamp = 0;
   };
 
   unsigned k() const { return store_.corners() - 1; }
@@ -230,56 +225,6 @@ class CellInsertion {
     return true;
   }
 
-  /// From 4D on new cells meet in ridges: found by their labels, in order, as one number. False,
-  /// with some linked, where the boundary has too many vertices for that.
-  bool join_along_ridges() {
-    constexpr unsigned bits = 10;
-    static_assert(K != 6 || (std::uint64_t{1} << bits) == most_labels);
-    clear_labels();
-    std::size_t size = 64;
-    while (size < facets_.size() * K) size *= 2;
-    if (ridges_.size() < size) ridges_.assign(size, {});
-    const unsigned shift = 64 - static_cast<unsigned>(std::bit_width(ridges_.size() - 1));
-    if (++ridge_stamp_ == 0) {
-      ridges_.assign(ridges_.size(), {});
-      ridge_stamp_ = 1;
-    }
-    for (const Facet& f : facets_) {
-      const std::uint32_t* v = store_.vertices(f.made);
-      std::uint32_t corner[K], slot[K];
-      for (unsigned i = 0, count = 0; i <= K; ++i) {
-        if (i == f.slot) continue;
-        const std::uint32_t own = label(v[i]);
-        unsigned at = count++;
-        for (; at > 0 && corner[at - 1] > own; --at) {
-          corner[at] = corner[at - 1];
-          slot[at] = slot[at - 1];
-        }
-        corner[at] = own;
-        slot[at] = i;
-      }
-      if (label_count_ > most_labels) {
-        label_base_ += most_labels;  // past those that are too many
-        return false;
-      }
-      std::uint64_t all = 0;
-      for (unsigned i = 0; i < K; ++i) all |= std::uint64_t{corner[i]} << (bits * i);
-      for (unsigned i = 0; i < K; ++i) {
-        const std::uint64_t low = (std::uint64_t{1} << (bits * i)) - 1;
-        const std::uint64_t key = (all & low) | (all >> bits & ~low);
-        std::size_t at = key * 0x9E3779B97F4A7C15ULL >> shift;
-        while (ridges_[at].stamp == ridge_stamp_ && ridges_[at].key != key)
-          at = (at + 1) & (ridges_.size() - 1);
-        Ridge& ridge = ridges_[at];
-        if (ridge.stamp != ridge_stamp_)
-          ridge = {key, store_.code(f.made, slot[i]), ridge_stamp_};
-        else
-          store_.link(f.made, slot[i], ridge.code);
-      }
-    }
-    return true;
-  }
-
   void join_cells() {
     for (const Facet& f : facets_) {
       const std::uint32_t* n = store_.neighbours(f.made);
@@ -306,7 +251,7 @@ class CellInsertion {
     }
   }
 
-  static constexpr std::uint32_t most_labels = K == 3 ? 64 : 1024;
+  static constexpr std::uint32_t most_labels = 64;
   static constexpr bool with_planes = K >= 4 && K <= 6;
 
   const LiftedPoints& s_;
@@ -319,11 +264,9 @@ class CellInsertion {
   std::uint32_t last_ = 0, in_ = 0;
   std::vector<std::uint32_t> cavity_;
   std::vector<Facet> facets_;
-  // A label of each vertex of a boundary, from label_base_ on; edges met once, by labels; ridges.
+  // A label of each vertex of a boundary, from label_base_ on; edges met once, by labels.
   std::vector<std::uint32_t> labels_, edges_;
   std::uint32_t label_base_ = 0, label_count_ = 0, at_infinity_ = unset;
-  std::vector<Ridge> ridges_;
-  std::uint32_t ridge_stamp_ = 0;
 };
 
 }  // namespace cullhull::internal

@@ -82,22 +82,7 @@ TEST(IoLas, EveryVersionAndPointFormat) {
 }
 
 std::string error_of(const testing::TemporaryFolder& folder, const std::string& bytes) {
-  const std::string path = folder.write("a.las", bytes);
-  std::string messages[2];
-  try {
-    open_points(path);
-  } catch (const Error& e) {
-    messages[0] = e.what();
-  }
-  try {
-    BlockVisitor visitor;
-    visitor.points = [](const PointView&, std::uint64_t) {};
-    visit_blocks({path}, visitor, {});
-  } catch (const Error& e) {
-    messages[1] = e.what();
-  }
-  EXPECT_EQ(messages[0], messages[1]);
-  return messages[0];
+  return testing::error_whole_and_in_blocks(folder.write("a.las", bytes));
 }
 
 TEST(IoLas, HeadersThatLie) {
