@@ -55,47 +55,77 @@ class InsertTogether {
 
  private:
   using Lane = CellInsertion<K, true>;
-  static constexpr std::uint32_t few = 64;    // points that one thread does alone; a guess
-  static constexpr std::uint64_t chunk = 32;  // neighbours along the curve, one lane's
+  static constexpr std::uint32_t few = 64;  // points that one thread does alone; a guess
+  /// Neighbours along the curve, one lane's: some 100 microseconds, for which lanes may have to
+  /// wait for the last of them.
+  static constexpr std::uint32_t chunk = K == 2 || K == 3 ? 32 : K == 4 ? 4 : 1;
+
+  /// Places that are one lane's from the front, any other's from the back.
+  class Stretch {
+   public:
+    void set(std::size_t begin, std::size_t end) { ends_ = std::uint64_t{begin} << 32 | end; }
+    bool take_first(std::uint32_t most, std::uint32_t& begin, std::uint32_t& end) {
+      return take(begin, end, [&](std::uint32_t& first, std::uint32_t last) {
+        begin = first;
+        end = first = std::min(last, first + most);
+      });
+    }
+    bool take_last(std::uint32_t most, std::uint32_t& begin, std::uint32_t& end) {
+      return take(begin, end, [&](std::uint32_t first, std::uint32_t& last) {
+        end = last;
+        begin = last = std::max(first + most, last) - most;
+      });
+    }
+
+   private:
+    template <class Cut>
+    bool take(std::uint32_t& begin, std::uint32_t& end, const Cut& cut) {
+      std::uint64_t ends = ends_.load(std::memory_order_relaxed);
+      for (;;) {
+        auto first = static_cast<std::uint32_t>(ends >> 32),
+             last = static_cast<std::uint32_t>(ends);
+        if (first == last) return false;
+        cut(first, last);
+        if (ends_.compare_exchange_weak(ends, std::uint64_t{first} << 32 | last,
+                                        std::memory_order_relaxed))
+          return begin < end;
+      }
+    }
+    std::atomic<std::uint64_t> ends_{0};
+  };
 
   /// What was not inserted.
   std::vector<std::uint32_t> round(const std::uint32_t* places, std::size_t count) {
     alone_.share(spare_);
-    const std::uint64_t chunks = (count + chunk - 1) / chunk, lanes = lanes_.size();
-    std::atomic<std::uint64_t> next{0};
+    const std::size_t lanes = lanes_.size();
+    std::vector<Stretch> stretches(lanes);
+    for (std::size_t t = 0; t < lanes; ++t)
+      stretches[t].set(count * t / lanes, count * (t + 1) / lanes);
     std::atomic<bool> full{false};
     std::vector<std::vector<std::uint32_t>> left(lanes);
     for (const auto& lane : lanes_) lane->rest();
     run_.each_item(lanes, [&](std::uint64_t t) {
-      for (std::uint64_t i = next++; i < chunks; i = next++) {
-        // Lanes that take chunks by turns are far from one another.
-        const std::uint64_t c = spread(i, chunks, lanes);
-        const std::uint64_t end = std::min<std::uint64_t>(count, (c + 1) * chunk);
-        for (std::uint64_t j = c * chunk; j < end; ++j) {
-          if (full.load(std::memory_order_relaxed)) {
-            left[t].push_back(places[j]);
-            continue;
-          }
-          const Inserted how = lanes_[t]->insert(places[j]);
-          if (how == Inserted::busy || how == Inserted::full) left[t].push_back(places[j]);
-          if (how == Inserted::full) full = true;
-        }
-      }
+      const auto take = [&](std::uint32_t place) {
+        Inserted how = Inserted::full;
+        if (!full.load(std::memory_order_relaxed)) how = lanes_[t]->insert(place);
+        if (how == Inserted::busy || how == Inserted::full) left[t].push_back(place);
+        if (how == Inserted::full) full = true;
+      };
+      std::uint32_t begin = 0, end = 0;
+      while (stretches[t].take_first(chunk, begin, end))
+        for (std::uint32_t i = begin; i < end; ++i) take(places[i]);
+      // Others' from their ends, where they come last.
+      for (std::size_t other = 1; other < lanes; ++other)
+        while (stretches[(t + other) % lanes].take_last(chunk, begin, end))
+          for (std::uint32_t i = end; i > begin; --i) take(places[i - 1]);
     });
     alone_.unshare();
     std::vector<std::uint32_t> all;
-    for (std::uint64_t t = 0; t < lanes; ++t) {
+    for (std::size_t t = 0; t < lanes; ++t) {
       lanes_[t]->give_cells_back();
       all.insert(all.end(), left[t].begin(), left[t].end());
     }
     return all;
-  }
-
-  /// Item i of a table of chunks with a row a lane, column by column.
-  static std::uint64_t spread(std::uint64_t i, std::uint64_t chunks, std::uint64_t lanes) {
-    const std::uint64_t column = i / lanes, row = i % lanes;
-    const std::uint64_t columns = chunks / lanes, longer = chunks % lanes;
-    return row * columns + std::min(row, longer) + column;
   }
 
   const LiftedPoints& s_;
