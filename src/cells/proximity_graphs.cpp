@@ -152,25 +152,38 @@ class LuneSearch {
   /// it in the triangulation. Done where one end has no more of them.
   bool empty(const Edge& e) {
     edge_ = e;
-    Side sides[2];
-    sides[0].start(e.low);
-    sides[1].start(e.high);
+    for (Side& side : sides_) side.clear();
+    // Where there is one it is most often a neighbour of both.
+    if (!expand(sides_[0], e.low, e.low, e.high) || !expand(sides_[1], e.high, e.high, e.low))
+      return false;
     for (;;)
       for (unsigned i = 0; i < 2; ++i) {
-        if (sides[i].todo.empty()) return true;
-        const std::uint32_t v = sides[i].todo.back();
-        sides[i].todo.pop_back();
-        if (!expand(sides[i], v, i == 0 ? e.low : e.high, i == 0 ? e.high : e.low)) return false;
+        if (sides_[i].todo.empty()) return true;
+        const std::uint32_t v = sides_[i].todo.back();
+        sides_[i].todo.pop_back();
+        if (!expand(sides_[i], v, i == 0 ? e.low : e.high, i == 0 ? e.high : e.low)) return false;
       }
   }
 
  private:
+  /// Points met: few, so that a list is looked through, or else a table.
   struct Side {
-    std::vector<std::uint32_t> todo;
-    std::unordered_set<std::uint32_t> met;
-    void start(std::uint32_t v) {
-      todo.assign(1, v);
-      met.insert(v);
+    static constexpr std::size_t few = 32;
+    std::vector<std::uint32_t> todo, met;
+    std::unordered_set<std::uint32_t> many;
+
+    void clear() {
+      todo.clear();
+      met.clear();
+      if (!many.empty()) many.clear();
+    }
+    bool meet(std::uint32_t v) {
+      if (met.size() < few) {
+        if (std::find(met.begin(), met.end(), v) != met.end()) return false;
+        met.push_back(v);
+        return true;
+      }
+      return std::find(met.begin(), met.end(), v) == met.end() && many.insert(v).second;
     }
   };
   /// Whether v is nearer to `end` than the edge is long.
@@ -179,11 +192,11 @@ class LuneSearch {
            Sign::negative;
   }
   /// False if a neighbour of v is in the lune.
-  bool expand(Side& side, std::uint32_t v, std::uint32_t own, std::uint32_t other) const {
+  bool expand(Side& side, std::uint32_t v, std::uint32_t own, std::uint32_t other) {
     for (const std::uint32_t next : graph_.of(v)) {
       if (next == other || next == own || !nearer(next, own)) continue;
       if (nearer(next, other)) return false;
-      if (side.met.insert(next).second) side.todo.push_back(next);
+      if (side.meet(next)) side.todo.push_back(next);
     }
     return true;
   }
@@ -192,6 +205,7 @@ class LuneSearch {
   const PointNeighbours& graph_;
   unsigned d_;
   Edge edge_{};
+  Side sides_[2];
 };
 
 }  // namespace

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -19,6 +18,24 @@ namespace internal {
 namespace {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
+
+/// Edges in order, each with a number.
+class EdgeTable {
+ public:
+  using Item = std::pair<Edge, std::uint64_t>;
+  void add(const Edge& edge, std::uint64_t number) { items_.emplace_back(edge, number); }
+  void sort() { std::sort(items_.begin(), items_.end()); }
+  /// Null: it is not there.
+  const Item* find(const Edge& edge) const {
+    const auto at = std::lower_bound(items_.begin(), items_.end(), Item(edge, 0));
+    return at != items_.end() && at->first == edge ? &*at : nullptr;
+  }
+  std::vector<Item>& items() { return items_; }
+  const std::vector<Item>& items() const { return items_; }
+
+ private:
+  std::vector<Item> items_;
+};
 
 class ConstrainedSubject {
  public:
@@ -36,7 +53,9 @@ class ConstrainedSubject {
       const Certificate flat = certify(points_, t_);
       if (!flat.valid) throw Fault{flat.reason};
       for (std::size_t i = 0; i + 1 < t_.cells.size(); i += 2)
-        if (t_.affine_dimension == 1) sides_.emplace(std::minmax(t_.cells[i], t_.cells[i + 1]), 0U);
+        if (t_.affine_dimension == 1)
+          edges_of_cells_.add(std::minmax(t_.cells[i], t_.cells[i + 1]), 0);
+      edges_of_cells_.sort();
     } else {
       check_cells();
       check_hull();
@@ -89,46 +108,50 @@ class ConstrainedSubject {
                                                  v.begin(), v.end()))
         fault("cell ", i, " is out of order");
       for (unsigned j = 0; j < 3; ++j)
-        if (!left_.emplace(Edge(v[(j + 1) % 3], v[(j + 2) % 3]), 3 * std::uint64_t{i} + j).second)
-          fault("cell ", i, " shares a side of an edge");
+        left_.add({v[(j + 1) % 3], v[(j + 2) % 3]}, 3 * std::uint64_t{i} + j);
     }
-    for (const auto& [edge, at] : left_) {
-      const auto back = left_.find({edge.second, edge.first});
+    left_.sort();
+    for (std::size_t i = 1; i < left_.items().size(); ++i)
+      if (left_.items()[i].first == left_.items()[i - 1].first)
+        fault("cell ", left_.items()[i].second / 3, " shares a side of an edge");
+    for (const auto& [edge, at] : left_.items()) {
+      const auto* back = left_.find({edge.second, edge.first});
       const std::uint32_t expected =
-          back == left_.end() ? no_cell : static_cast<std::uint32_t>(back->second / 3);
+          back == nullptr ? no_cell : static_cast<std::uint32_t>(back->second / 3);
       if (t_.neighbours[at] != expected) fault("cell ", at / 3, " has another neighbour");
-      sides_.emplace(std::minmax(edge.first, edge.second), 0U);
+      if (back == nullptr || edge.first < edge.second)
+        edges_of_cells_.add(std::minmax(edge.first, edge.second), 0);
     }
+    edges_of_cells_.sort();
   }
 
   /// One convex ring: with cells that are turned left and share edges pairwise it covers once what
   /// it goes around.
   void check_hull() const {
-    std::map<std::uint32_t, std::uint32_t> next;
+    std::vector<std::uint32_t> next(points_.count, no_cell);
     std::vector<std::pair<Edge, std::uint32_t>> hull;
-    for (const auto& [edge, at] : left_) {
+    for (const auto& [edge, at] : left_.items()) {
       if (t_.neighbours[at] != no_cell) continue;
-      if (!next.emplace(edge.first, edge.second).second)
-        fault("the hull meets point ", edge.first, " twice");
+      if (next[edge.first] != no_cell) fault("the hull meets point ", edge.first, " twice");
+      next[edge.first] = edge.second;
       hull.emplace_back(edge, static_cast<std::uint32_t>(at / 3));
     }
     if (hull.empty()) fault("there is no hull");
     unsigned turns = 0;
-    std::uint32_t a = next.begin()->first;
+    const std::uint32_t start = hull[0].first.first;
+    std::uint32_t a = start;
     for (std::size_t i = 0; i < hull.size(); ++i) {
-      const auto b = next.find(a);
-      if (b == next.end()) fault("the hull is not closed");
-      const auto c = next.find(b->second);
-      if (c == next.end()) fault("the hull is not closed");
-      if (side(a, b->second, c->second) == Sign::negative)
-        fault("the hull turns right at point ", b->second);
-      if (before(a, b->second) != before(b->second, c->second)) ++turns;
-      a = b->second;
-      if (a == next.begin()->first && i + 1 < hull.size()) fault("the hull has several rings");
+      const std::uint32_t b = next[a];
+      const std::uint32_t c = b == no_cell ? no_cell : next[b];
+      if (c == no_cell) fault("the hull is not closed");
+      if (side(a, b, c) == Sign::negative) fault("the hull turns right at point ", b);
+      if (before(a, b) != before(b, c)) ++turns;
+      a = b;
+      if (a == start && i + 1 < hull.size()) fault("the hull has several rings");
     }
     if (turns != 2) fault("the hull goes around more than once");
     if (hull.size() != t_.hull_cells.size()) fault("the hull has another number of facets");
-    for (std::size_t i = 0; i < hull.size(); ++i)  // sorted, as the map is
+    for (std::size_t i = 0; i < hull.size(); ++i)  // sorted, as the table is
       if (t_.hull_facets[2 * i] != hull[i].first.first ||
           t_.hull_facets[2 * i + 1] != hull[i].first.second || t_.hull_cells[i] != hull[i].second)
         fault("facet ", i, " of the hull is another one");
@@ -150,17 +173,19 @@ class ConstrainedSubject {
 
   /// Each constraint is a chain of pieces, each piece is an edge and its lowest constraint's.
   void check_pieces() {
-    std::multimap<std::uint32_t, std::pair<std::uint32_t, std::uint32_t>> at;  // other, number
+    EdgeTable at;  // pieces from each end
     for (std::uint32_t i = 0; i < c_.piece_sources.size(); ++i) {
       const Edge e(c_.pieces[2 * std::size_t{i}], c_.pieces[2 * std::size_t{i} + 1]);
-      const auto edge = sides_.find(e);
-      if (e.first >= e.second || edge == sides_.end()) fault("piece ", i, " is no edge");
+      const auto* edge = edges_of_cells_.find(e);
+      if (e.first >= e.second || edge == nullptr) fault("piece ", i, " is no edge");
       if (i > 0 && !(Edge(c_.pieces[2 * i - 2], c_.pieces[2 * i - 1]) < e))
         fault("piece ", i, " is out of order");
-      edge->second = 1;
-      at.emplace(e.first, std::pair(e.second, i));
-      at.emplace(e.second, std::pair(e.first, i));
+      edges_of_cells_.items()[static_cast<std::size_t>(edge - edges_of_cells_.items().data())]
+          .second = 1;
+      at.add(e, i);
+      at.add({e.second, e.first}, i);
     }
+    at.sort();
     std::vector<std::uint32_t> standing_in(points_.count),
         sources(c_.piece_sources.size(), no_cell);
     for (std::uint32_t v = 0; v < points_.count; ++v) standing_in[v] = v;
@@ -170,14 +195,16 @@ class ConstrainedSubject {
       const std::uint32_t end = standing_in[edges_[2 * std::size_t{i} + 1]];
       while (v != end) {
         std::uint32_t next = no_cell;
-        for (auto [item, last] = at.equal_range(v); item != last; ++item) {
-          const auto [other, piece] = item->second;
+        for (auto item =
+                 std::lower_bound(at.items().begin(), at.items().end(), EdgeTable::Item({v, 0}, 0));
+             item != at.items().end() && item->first.first == v; ++item) {
+          const std::uint32_t other = item->first.second;
           if (other != end &&
               (side(v, end, other) != Sign::zero || before(v, end) != before(v, other) ||
                before(v, other) != before(other, end)))
             continue;
           next = other;
-          sources[piece] = std::min(sources[piece], i);
+          sources[item->second] = std::min(sources[item->second], i);
         }
         if (next == no_cell) fault("constraint ", i, " has no piece at point ", v);
         v = next;
@@ -187,15 +214,15 @@ class ConstrainedSubject {
       if (sources[i] != c_.piece_sources[i]) fault("piece ", i, " is another constraint's");
   }
   bool is_piece(std::uint32_t a, std::uint32_t b) const {
-    return sides_.find(std::minmax(a, b))->second != 0;
+    return edges_of_cells_.find(std::minmax(a, b))->second != 0;
   }
 
   /// Every edge between cells that is no piece.
   std::uint64_t check_circles() const {
     std::uint64_t count = 0;
-    for (const auto& [edge, place] : left_) {
-      const auto back = left_.find({edge.second, edge.first});
-      if (back == left_.end() || edge.first > edge.second || is_piece(edge.first, edge.second))
+    for (const auto& [edge, place] : left_.items()) {
+      const auto* back = left_.find({edge.second, edge.first});
+      if (back == nullptr || edge.first > edge.second || is_piece(edge.first, edge.second))
         continue;
       ++count;
       const std::uint32_t p = t_.cells[place], q = t_.cells[back->second];
@@ -239,8 +266,8 @@ class ConstrainedSubject {
   const ConstrainedTriangulation& c_;
   const Triangulation& t_;
   Array<double> rows_;
-  std::map<Edge, std::uint64_t> left_;   ///< 3 cell + slot, of the cell on the left
-  std::map<Edge, std::uint32_t> sides_;  ///< all edges, the lower id first: 1 for pieces
+  EdgeTable left_;            ///< 3 cell + slot, of the cell on the left
+  EdgeTable edges_of_cells_;  ///< the lower id first: 1 for pieces
 };
 
 }  // namespace

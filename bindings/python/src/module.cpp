@@ -22,4 +22,5 @@ NB_MODULE(_core, m) {
   binding::bind_stream(m);
   binding::bind_triangulation(m);
   binding::bind_voronoi(m);
+  binding::bind_cells(m);
 }

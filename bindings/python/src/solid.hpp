@@ -74,5 +74,6 @@ void bind_simplify(nanobind::module_& m);
 void bind_stream(nanobind::module_& m);
 void bind_triangulation(nanobind::module_& m);
 void bind_voronoi(nanobind::module_& m);
+void bind_cells(nanobind::module_& m);
 
 }  // namespace binding
