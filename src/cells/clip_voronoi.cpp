@@ -258,7 +258,7 @@ void clip_all(const DualPoints& points, const Triangulation& t, const Region& re
   const PointNeighbours neighbours(t, run);
   std::vector<bool> vertex(t.point_count);
   for (const std::uint32_t v : t.cells) vertex[v] = true;
-  constexpr std::uint64_t grain = 512;
+  constexpr std::uint64_t grain = 512;  // cells; some hundred us of clipping, not tuned
   std::vector<Part> parts(chunk_count(t.point_count, grain));
   run.each_chunk(t.point_count, grain,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {

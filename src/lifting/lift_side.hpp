@@ -14,6 +14,11 @@ namespace cullhull::internal {
 struct LiftCounts {
   std::uint64_t rungs[3] = {0, 0, 0};
   std::uint64_t ties = 0;
+
+  void add(const LiftCounts& more) {
+    for (unsigned r = 0; r < 3; ++r) rungs[r] += more.rungs[r];
+    ties += more.ties;
+  }
 };
 
 /// Which side of the plane through the lifted points c[0 .. k] the lifted point p is on: for a

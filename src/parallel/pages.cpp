@@ -70,7 +70,7 @@ class FreeBlocks {
   static constexpr unsigned classes = 4 * octaves + 1;
 
   struct List {
-    static constexpr unsigned room = 64;
+    static constexpr unsigned room = 64;  // blocks of a class; a guess
     void* blocks[room];
     unsigned count = 0;
   };
@@ -140,6 +140,7 @@ void prefer_huge_pages(void* begin, std::size_t bytes) noexcept {
 namespace {
 
 std::size_t usual_limit() {
+  // Bytes kept between calls, whatever the machine has.
   constexpr std::size_t most = std::size_t{1} << 30;
   const std::uint64_t memory = machine_memory();
   return memory == 0 ? most / 4 : std::min<std::size_t>(most, memory / 16);

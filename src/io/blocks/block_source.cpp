@@ -146,7 +146,7 @@ class PipedRecords : public BlockSource {
 
  private:
   void skip(std::uint64_t bytes, BlockMemory& memory) {
-    constexpr std::size_t piece = std::size_t{1} << 20;
+    constexpr std::size_t piece = std::size_t{1} << 20;  // bytes
     while (bytes > 0) {
       const std::size_t wanted = std::min<std::uint64_t>(bytes, piece);
       if (from_.stream->read(memory.room(wanted), wanted) < wanted)
@@ -225,7 +225,7 @@ class TextBlocks : public BlockSource {
  private:
   void begin(BlockMemory& memory) {
     begun_ = true;
-    constexpr std::uint64_t piece = std::uint64_t{1} << 20;
+    constexpr std::uint64_t piece = std::uint64_t{1} << 20;  // bytes
     for (std::uint64_t left = body_; left > 0;) {
       const std::size_t wanted = std::min(left, piece);
       if (from_.stream->read(memory.room(wanted), wanted) < wanted)
