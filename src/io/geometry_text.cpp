@@ -55,6 +55,30 @@ void append_wkt(std::string& out, std::span<const double> boundary) {
   out += count > 2 ? "))" : ")";
 }
 
+void append_geojson(std::string& out, const PlaneRings& rings) {
+  if (rings.size() < 2)
+    return append_geojson(out, rings.empty() ? std::span<const double>() : rings[0]);
+  out += "{\"type\": \"Polygon\", \"coordinates\": [";
+  for (std::size_t i = 0; i < rings.size(); ++i) {
+    out += i > 0 ? ", [" : "[";
+    append_positions(out, rings[i], true, "[", ", ", "]", ", ");
+    out += "]";
+  }
+  out += "]}";
+}
+
+void append_wkt(std::string& out, const PlaneRings& rings) {
+  if (rings.size() < 2)
+    return append_wkt(out, rings.empty() ? std::span<const double>() : rings[0]);
+  out += "POLYGON (";
+  for (std::size_t i = 0; i < rings.size(); ++i) {
+    out += i > 0 ? ", (" : "(";
+    append_positions(out, rings[i], true, "", " ", "", ", ");
+    out += ")";
+  }
+  out += ")";
+}
+
 void append_json_string(std::string& out, std::string_view text) {
   out += nlohmann::json(std::string(text))
              .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);

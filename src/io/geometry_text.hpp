@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "io/coordinates.hpp"
 
@@ -14,6 +15,13 @@ namespace cullhull::internal {
 /// points are a line, one is a point, none is null (GeoJSON) or an empty polygon (WKT).
 void append_geojson(std::string& out, std::span<const double> boundary);
 void append_wkt(std::string& out, std::span<const double> boundary);
+
+/// Rings of a polygon: x y of its points, the outer ring first.
+using PlaneRings = std::vector<std::vector<double>>;
+
+/// The same of a polygon with holes; one ring as above.
+void append_geojson(std::string& out, const PlaneRings& rings);
+void append_wkt(std::string& out, const PlaneRings& rings);
 
 /// Appends `text` as a JSON string. Invalid UTF-8 becomes U+FFFD.
 void append_json_string(std::string& out, std::string_view text);

@@ -23,4 +23,5 @@ NB_MODULE(_core, m) {
   binding::bind_files(m);
   binding::bind_triangulation(m);
   binding::bind_voronoi(m);
+  binding::bind_cells(m);
 }
