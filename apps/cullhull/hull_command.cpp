@@ -321,9 +321,17 @@ Certificate certify_streamed(const HullArguments& arguments, const Streamed& str
   return check.finish();
 }
 
+/// Of its ids and coordinates, which --memory has to hold as well.
+std::uint64_t bytes_of(const cullhull::HullState& state) {
+  return state.ids().size() * (8 + state.dimension() * cullhull::scalar_size(state.scalar()));
+}
+
 Hull hull_of_state(const HullArguments& arguments, const Streamed& streamed) {
   const Stopwatch watch;
-  Repeated<Hull> found = repeat(arguments.run, 1, [&](const cullhull::Options& options) {
+  const std::uint64_t held = bytes_of(streamed.state);
+  Repeated<Hull> found = repeat(arguments.run, 1, [&](cullhull::Options options) {
+    if (options.memory_budget > 0)
+      options.memory_budget -= std::min(held, options.memory_budget - 1);
     return streamed.state.hull(options);
   });
   cullhull::Statistics& s = found.result.statistics;
