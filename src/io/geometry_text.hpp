@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cullhull/io.hpp"
 #include "io/coordinates.hpp"
 
 namespace cullhull::internal {
@@ -28,6 +29,7 @@ void append_json_string(std::string& out, std::string_view text);
 
 /// The whole file for one hull: a Feature with its measures, or one line. Error{invalid_argument}
 /// unless the points are 2D.
-std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format);
+std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format,
+                          const Placement& placement);
 
 }  // namespace cullhull::internal

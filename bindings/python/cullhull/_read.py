@@ -31,9 +31,12 @@ def read(
     .npy, .ply, .las, .pcd, .obj, .off, .stl, .xyz, .txt and .csv, and these compressed (.gz, .zst,
     .npz) need no other package; what holds records of numbers is mapped, and the array is a view of
     the file that is not to be changed meanwhile. .laz and COPC need laspy (``pip install
-    laspy[lazrs]``), .e57 pye57, .parquet pyarrow, .zarr zarr, FILE.h5:/GROUP/NAME (a dataset) h5py.
-    .las and .laz give the file's whole numbers, to which its scale and offset are not applied, so
-    that a hull of them is exact.
+    laspy[lazrs]``), .e57 pye57, .parquet pyarrow, FOLDER.zarr or FOLDER.zarr/NAME (an array) zarr,
+    FILE.h5:/GROUP/NAME (a dataset) h5py. .las and .laz give the file's whole numbers, to which its
+    scale and offset are not applied, so that a hull of them is exact.
+
+    Names with a protocol (``s3://bucket/a.parquet``) are opened by fsspec: .npy, .las, .laz, .parquet,
+    .zarr and .h5.
 
     Parameters
     ----------
@@ -72,7 +75,15 @@ def read(
     ending = os.path.splitext(name)[1].lower()
     if re.search(r"\.(h5|hdf5|he5|nc|nc4)(:|$)", name, re.IGNORECASE):
         ending = ".h5"
-    pieces = _READERS.get(ending, _native)(name, columns, size)
+    if re.search(r"\.zarr(/|$)", name, re.IGNORECASE):
+        ending = ".zarr"
+    remote = "://" in name
+    reader = _READERS.get(ending, _native)
+    if ending == ".las" and not remote:
+        reader = _native
+    if remote and reader is _native:
+        raise BadFile(f"{name}: by fsspec read reads {' '.join(_READERS)}")
+    pieces = reader(name, columns, size)
     if size is not None:
         return pieces
     parts = list(pieces)
@@ -88,8 +99,15 @@ def _package(name: str, ending: str, install: str) -> Any:
         return importlib.import_module(name)
     except ImportError:
         raise ImportError(
-            f"{ending} files are read with {name}, which is not installed: pip install {install}"
+            f"{ending} are read with {name}, which is not installed: pip install {install}"
         ) from None
+
+
+def _opened(name: str) -> Any:
+    """What a reader is given: the name of a file here, or an open file from elsewhere."""
+    if "://" not in name:
+        return name
+    return _package("fsspec", "files with a protocol", "fsspec").open(name, "rb").open()
 
 
 def _numbers(columns: Columns, width: int, name: str) -> list[int]:
@@ -123,16 +141,18 @@ def _native(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArr
 
 
 def _npy(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
-    return _slices(np.load(name, mmap_mode="r"), columns, size, name)
+    file = _opened(name)
+    mode: Any = "r" if file is name else None
+    return _slices(np.load(file, mmap_mode=mode), columns, size, name)
 
 
 def _hdf5(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
-    h5py = _package("h5py", ".h5", "h5py")
+    h5py = _package("h5py", ".h5 files", "h5py")
     path, dataset = name, ""
     found = re.search(r"\.(h5|hdf5|he5|nc|nc4):", name, re.IGNORECASE)
     if found and not os.path.exists(name):
         path, dataset = name[: found.end() - 1], name[found.end() :]
-    with h5py.File(path, "r") as file:
+    with h5py.File(_opened(path), "r") as file:
         arrays: list[str] = []
 
         def note(where: str, item: Any) -> None:
@@ -150,14 +170,18 @@ def _hdf5(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray
 
 
 def _zarr(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
-    return _slices(_package("zarr", ".zarr", "zarr").open(name, mode="r"), columns, size, name)
+    array = _package("zarr", ".zarr folders", "zarr").open(name, mode="r")
+    if not hasattr(array, "ndim"):
+        names = ", ".join(sorted(array.array_keys()))
+        raise InvalidArgument(f"{name}: say which array, as FOLDER.zarr/NAME; there are {names}")
+    return _slices(array, columns, size, name)
 
 
 def _las(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
-    laspy = _package("laspy", ".laz", "'laspy[lazrs]'")
+    laspy = _package("laspy", ".las and .laz files", "'laspy[lazrs]'")
     taken = _numbers(columns, 3, name)
     try:
-        with laspy.open(name) as file:
+        with laspy.open(_opened(name)) as file:
             for points in file.chunk_iterator(size or _MANY):
                 axes = (points.X, points.Y, points.Z)
                 yield np.column_stack([np.asarray(axes[j], dtype=np.int32) for j in taken])
@@ -166,18 +190,22 @@ def _las(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[
 
 
 def _e57(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
-    pye57 = _package("pye57", ".e57", "pye57")
+    pye57 = _package("pye57", ".e57 files", "pye57")
     taken = _numbers(columns, 3, name)
-    file = pye57.E57(name)
-    for scan in range(file.scan_count):
-        axes = file.read_scan(scan, ignore_missing_fields=True)
-        rows = np.column_stack([axes[f"cartesian{'XYZ'[j]}"] for j in taken])
-        yield from _blocks(rows, size)
+    try:
+        with pye57.E57(name) as file:
+            for scan in range(file.scan_count):
+                axes = file.read_scan(scan, ignore_missing_fields=True)
+                rows = np.column_stack([axes[f"cartesian{'XYZ'[j]}"] for j in taken])
+                for start in range(0, len(rows), size):
+                    yield rows[start : start + size]
+    except pye57.libe57.E57Exception as error:
+        raise BadFile(f"{name}: {error}") from None
 
 
 def _parquet(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
-    parquet = _package("pyarrow.parquet", ".parquet", "pyarrow")
-    file = parquet.ParquetFile(name)
+    parquet = _package("pyarrow.parquet", ".parquet files", "pyarrow")
+    file = parquet.ParquetFile(_opened(name))
     names = list(file.schema_arrow.names)
     if columns is None:
         xyz = [c for c in "xyz" if c in names]
@@ -200,6 +228,7 @@ def _parquet(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDAr
 
 _READERS = {
     ".npy": _npy,
+    ".las": _las,
     ".laz": _las,
     ".e57": _e57,
     ".parquet": _parquet,

@@ -296,3 +296,74 @@ def test_las_of_every_point_format(tmp_path, point_format, ending):
     las.write(str(path))
     assert np.array_equal(cullhull.read(path), points)
     assert np.array_equal(np.concatenate(list(cullhull.read(path, chunks=77))), points)
+
+
+def test_read_zarr_by_name(tmp_path):
+    zarr = pytest.importorskip("zarr")
+    points = cullhull.generate("ball", 1000)
+    zarr.save_array(str(tmp_path / "a.zarr"), points)
+    assert np.array_equal(cullhull.read(tmp_path / "a.zarr"), points)
+    blocks = list(cullhull.read(tmp_path / "a.zarr", columns=[2, 0], chunks=300))
+    assert np.array_equal(np.concatenate(blocks), points[:, [2, 0]])
+    zarr.save_group(str(tmp_path / "b.zarr"), scan=points, other=points[:7])
+    assert np.array_equal(cullhull.read(f"{tmp_path}/b.zarr/scan"), points)
+    with pytest.raises(ValueError, match="as FOLDER.zarr/NAME; there are other, scan"):
+        cullhull.read(tmp_path / "b.zarr")
+
+
+def test_read_e57_of_several_scans(tmp_path):
+    pye57 = pytest.importorskip("pye57")
+    points = cullhull.generate("ball", 1000).astype(np.float32)  # as it writes them
+    path = tmp_path / "a.e57"
+    with pye57.E57(str(path), mode="w") as file:
+        for part in (points[:400], points[400:]):
+            axes = {f"cartesian{c}": part[:, j].copy() for j, c in enumerate("XYZ")}
+            file.write_scan_raw(axes)
+    assert np.array_equal(cullhull.read(path), points)
+    blocks = list(cullhull.read(path, columns=[2, 0], chunks=300))
+    assert [len(b) for b in blocks] == [300, 100, 300, 300]
+    assert np.array_equal(np.concatenate(blocks), points[:, [2, 0]])
+    path.write_bytes(path.read_bytes()[:500])
+    with pytest.raises(cullhull.BadFile, match="a.e57: "):
+        cullhull.read(path)
+
+
+@pytest.mark.parametrize("ending", ["npy", "h5", "parquet", "las", "zarr"])
+def test_read_by_fsspec(ending):
+    fsspec = pytest.importorskip("fsspec")
+    package = {"h5": "h5py", "parquet": "pyarrow", "las": "laspy", "zarr": "zarr"}.get(ending)
+    if package is not None:
+        pytest.importorskip(package)
+    points = (cullhull.generate("ball", 500) * 1e6).astype(np.int32)
+    name = f"memory://cullhull/a.{ending}"
+    _write_by_fsspec(fsspec, name, ending, points)
+    assert np.array_equal(cullhull.read(name), points)
+    assert np.array_equal(np.concatenate(list(cullhull.read(name, chunks=77))), points)
+
+
+def _write_by_fsspec(fsspec, name, ending, points):
+    if ending == "zarr":
+        import zarr
+
+        zarr.save_array(name, points)
+        return
+    with fsspec.open(name, "wb") as file:
+        if ending == "npy":
+            np.save(file, points)
+        elif ending == "h5":
+            import h5py
+
+            with h5py.File(file, "w") as archive:
+                archive["points"] = points
+        elif ending == "parquet":
+            import pyarrow.parquet
+
+            pyarrow.parquet.write_table(
+                pyarrow.table({c: points[:, j] for j, c in enumerate("xyz")}), file
+            )
+        else:
+            import laspy
+
+            las = laspy.LasData(laspy.LasHeader(point_format=0, version="1.2"))
+            las.X, las.Y, las.Z = points.T
+            las.write(file)
