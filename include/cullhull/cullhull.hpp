@@ -7,6 +7,7 @@
 #include "cullhull/batch.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
+#include "cullhull/device_batch.hpp"
 #include "cullhull/device_points.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/extreme_points.hpp"

@@ -1,5 +1,6 @@
 // The CUDA backend of builds without CUDA: every function reports that it is missing.
 #include "cuda/backend.hpp"
+#include "cuda/set_hulls.hpp"
 #include "cullhull/device_points.hpp"
 #include "flow/device_filter.hpp"
 #include "tracker/frame_points.hpp"
@@ -25,6 +26,20 @@ std::vector<std::uint64_t> cuda::survivors_there(const GaugeMap&, const PointVie
   require_cuda();
   return {};
 }
+
+struct cuda::SetsOnDevice::State {};
+cuda::SetsOnDevice::SetsOnDevice(const DevicePointView&, const Control&) { require_cuda(); }
+cuda::SetsOnDevice::~SetsOnDevice() = default;
+std::vector<std::uint64_t> cuda::SetsOnDevice::fetch_offsets(const std::uint64_t*,
+                                                             std::uint64_t) const {
+  return {};
+}
+void cuda::SetsOnDevice::find(const std::uint64_t*, std::uint32_t) {}
+void cuda::SetsOnDevice::find_nothing(const std::uint64_t*, std::uint32_t) {}
+std::vector<std::uint32_t> cuda::SetsOnDevice::open_sets() const { return {}; }
+cuda::FoundLists cuda::SetsOnDevice::fetch() const { return {}; }
+cuda::SetRows cuda::SetsOnDevice::fetch_rows(const std::vector<std::uint32_t>&) const { return {}; }
+DeviceHullBatch cuda::SetsOnDevice::join(const HullBatch&) const { return {}; }
 
 Filtered run_device_filter(const DevicePointView&, const Run&) {
   require_cuda();
