@@ -22,9 +22,11 @@ namespace cullhull {
 /// smaller, and then, unless Backend::cuda was given, the CPU's. Throws what
 /// convex_hulls(PointView) throws, Error{backend_unavailable} without a device,
 /// Error{out_of_budget} where the device's memory is full, Error{invalid_argument} for memory or
-/// scalars it does not take.
+/// scalars it does not take. `vertex_coordinates`, where given, receives those of
+/// HullBatch::vertices, a row each, in their order.
 HullBatch convex_hulls(const DevicePointView& points, const std::uint64_t* offsets,
-                       std::uint64_t set_count, const Options& options = {});
+                       std::uint64_t set_count, const Options& options = {},
+                       Array<double>* vertex_coordinates = nullptr);
 
 /// Vertices and simplices of the hulls of many sets, in a device's memory, in the order of
 /// HullBatch. Ids count from the set's first point. Copies share the memory, which is freed with

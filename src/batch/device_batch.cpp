@@ -57,6 +57,15 @@ class DeviceBatch {
     return std::move(maker).finish();
   }
 
+  /// Of all sets' vertices.
+  Array<double> vertex_rows(const HullBatch& batch) const {
+    std::vector<std::uint64_t> ids;
+    ids.reserve(batch.vertices.items.size());
+    for (std::uint64_t i = 0; i < sets_; ++i)
+      for (const std::uint64_t v : batch.vertices[i]) ids.push_back(starts_[i] + v);
+    return fetch_points(points_, ids);
+  }
+
   DeviceHullBatch to_device() {
     if (sets_ > most_sets)
       throw Error(ErrorCode::invalid_argument, "a batch on a device has at most 2^31 - 1 sets");
@@ -183,8 +192,12 @@ class DeviceBatch {
 }  // namespace internal
 
 HullBatch convex_hulls(const DevicePointView& points, const std::uint64_t* offsets,
-                       std::uint64_t set_count, const Options& options) {
-  return internal::DeviceBatch(points, offsets, set_count, options).to_host();
+                       std::uint64_t set_count, const Options& options,
+                       Array<double>* vertex_coordinates) {
+  internal::DeviceBatch sets(points, offsets, set_count, options);
+  HullBatch batch = sets.to_host();
+  if (vertex_coordinates != nullptr) *vertex_coordinates = sets.vertex_rows(batch);
+  return batch;
 }
 
 DeviceHullBatch convex_hulls_on_device(const DevicePointView& points, const std::uint64_t* offsets,

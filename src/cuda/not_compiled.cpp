@@ -1,5 +1,6 @@
 // The CUDA backend of builds without CUDA: every function reports that it is missing.
 #include "cuda/backend.hpp"
+#include "cuda/hull_questions.hpp"
 #include "cuda/set_hulls.hpp"
 #include "cullhull/device_points.hpp"
 #include "flow/device_filter.hpp"
@@ -41,6 +42,19 @@ cuda::FoundLists cuda::SetsOnDevice::fetch() const { return {}; }
 cuda::SetRows cuda::SetsOnDevice::fetch_rows(const std::vector<std::uint32_t>&) const { return {}; }
 DeviceHullBatch cuda::SetsOnDevice::join(const HullBatch&) const { return {}; }
 
+struct cuda::QuestionsOnDevice::State {};
+cuda::QuestionsOnDevice::QuestionsOnDevice(const DevicePointView&, const HullTables*) {
+  require_cuda();
+}
+cuda::QuestionsOnDevice::~QuestionsOnDevice() = default;
+void cuda::QuestionsOnDevice::sides(const GaugeTable*, std::uint64_t, std::uint64_t, PointAnswer*,
+                                    double*) const {}
+void cuda::QuestionsOnDevice::supports(std::uint64_t, std::uint64_t, std::uint32_t*) const {}
+Array<double> cuda::QuestionsOnDevice::rows(const std::vector<std::uint64_t>&, const Run&) const {
+  return {};
+}
+Array<double> cuda::QuestionsOnDevice::all_rows(const Run&) const { return {}; }
+
 Filtered run_device_filter(const DevicePointView&, const Run&) {
   require_cuda();
   return {};
@@ -55,6 +69,10 @@ std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const R
 }  // namespace internal
 
 int current_cuda_device() noexcept { return -1; }
+Array<double> fetch_points(const DevicePointView&, std::span<const std::uint64_t>) {
+  internal::require_cuda();
+  return {};
+}
 void wait_for_cuda_stream(void*) { internal::require_cuda(); }
 void wait_for_cuda_device_of(const void*) { internal::require_cuda(); }
 

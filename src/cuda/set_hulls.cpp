@@ -122,13 +122,13 @@ struct Lengths {
 }  // namespace
 
 struct SetsOnDevice::State {
-  State(const DevicePointView& points, const Control& control)
-      : points(points), control(control), stream(static_cast<cudaStream_t>(points.stream)) {
-    if (points.count == 0) {
+  State(const DevicePointView& view, const Control& caller)
+      : points(view), control(caller), stream(static_cast<cudaStream_t>(view.stream)) {
+    if (view.count == 0) {
       (void)device();
       return;
     }
-    const int ordinal = device_of(points);
+    const int ordinal = device_of(view);
     (void)device(ordinal);
     scope.emplace(ordinal);
   }

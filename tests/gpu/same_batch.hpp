@@ -50,6 +50,15 @@ struct Sets {
       rows[i * d + j] = static_cast<T>(rows[i * d + j] * by);
   }
 
+  /// The last `n` points come so near to a plane across all axes.
+  void flatten_last(std::size_t n, double by) {
+    for (std::size_t i = rows.size() / d - n; i < rows.size() / d; ++i) {
+      double sum = rows[i * d + d - 1] * by;
+      for (unsigned j = 0; j + 1 < d; ++j) sum -= rows[i * d + j];
+      rows[i * d + d - 1] = static_cast<T>(sum);
+    }
+  }
+
   unsigned d;
   std::vector<T> rows;
   std::vector<std::uint64_t> offsets{0};

@@ -32,8 +32,11 @@ void expect_the_cpus(const Sets<T>& sets, const std::string& what) {
   const OnDevice there(sets.rows);
   const auto view = DevicePointView::row_major(there.data<T>(), sets.offsets.back(), sets.d);
   const HullBatch expected = convex_hulls(host_view(sets), sets.offsets.data(), sets.count());
-  expect_same(convex_hulls(view, sets.offsets.data(), sets.count()), expected);
-  expect_same_lists(convex_hulls_on_device(view, sets.offsets.data(), sets.count()), expected);
+  Options options;
+  options.backend = Backend::cuda;  // not the CPU in its stead where memory is short
+  expect_same(convex_hulls(view, sets.offsets.data(), sets.count(), options), expected);
+  expect_same_lists(convex_hulls_on_device(view, sets.offsets.data(), sets.count(), options),
+                    expected);
 }
 
 TEST_F(GpuSets, AllSizesAreTheCpusBatch) {
@@ -49,16 +52,28 @@ TEST_F(GpuSets, AllSizesAreTheCpusBatch) {
   }
 }
 
+template <class T>
+std::size_t open_sets(const Sets<T>& sets) {
+  const OnDevice there(sets.rows);
+  const auto view = DevicePointView::row_major(there.data<T>(), sets.offsets.back(), sets.d);
+  const internal::Control control{Options()};
+  internal::cuda::SetsOnDevice device(view, control);
+  device.find(sets.offsets.data(), static_cast<std::uint32_t>(sets.count()));
+  return device.open_sets().size();
+}
+
 TEST_F(GpuSets, OrdinarySetsAreDecidedThere) {
   for (const unsigned d : {2U, 3U}) {
     Sets<float> sets(d);
-    for (std::size_t i = 0; i < 300; ++i) sets.add_ball(50, i);
-    const OnDevice there(sets.rows);
-    const auto view = DevicePointView::row_major(there.data<float>(), sets.offsets.back(), d);
-    const internal::Control control{Options()};
-    internal::cuda::SetsOnDevice device(view, control);
-    device.find(sets.offsets.data(), 300);
-    EXPECT_EQ(device.open_sets().size(), 0U) << d;
+    Sets<double> thin(d);
+    for (std::size_t i = 0; i < 200; ++i) {
+      sets.add_ball(50, i);
+      thin.add_ball(33, i);
+      thin.flatten_last(33, 0x1p-30);  // signs that f32 does not have, and doubles do
+    }
+    EXPECT_EQ(open_sets(sets), 0U) << d;
+    EXPECT_LT(open_sets(thin), 50U) << d;
+    expect_the_cpus(thin, "thin");
   }
 }
 
@@ -74,6 +89,8 @@ TEST_F(GpuSets, SetsThatNeedExactSigns) {
       for (std::size_t k = 1; k <= 25; ++k) sets.rows[sets.rows.size() - k * d] = 0.25;  // a flat
       sets.add_ball(33, i + 3000);
       sets.stretch_last(33, 0, 0x1p-40);  // nearly a flat
+      sets.add_ball(33, i + 4000);
+      sets.flatten_last(33, 0x1p-30);  // signs that f32 does not have
       sets.add_ball(9, i);
       sets.stretch_last(9, d - 1, 0x1p-600);
       sets.add_ball(12, i);

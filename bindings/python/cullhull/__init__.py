@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 from ._answers import NearestFacets, Rays
 from ._core import version as __version__
 from ._delaunay import Delaunay, tsearch
-from ._device import cuda_status
+from ._device import DeviceArray, cuda_status
 from ._drop_in import ConvexHull
 from ._errors import (
     BackendUnavailable,
@@ -42,7 +42,13 @@ from ._halfspaces import HalfspaceIntersection
 from ._hull import Certificate, Hull, Simplified
 from ._interpolation import LinearNDInterpolator, NearestNDInterpolator, griddata
 from ._lists import Lists
-from ._many import GrowingHull, HullBatch, convex_hulls
+from ._many import (
+    DeviceHullBatch,
+    GrowingHull,
+    HullBatch,
+    convex_hulls,
+    convex_hulls_on_device,
+)
 from ._plots import delaunay_plot_2d, voronoi_plot_2d
 from ._read import read
 from ._spherical import SphericalVoronoi
@@ -66,6 +72,8 @@ __all__ = [
     "ClippedCells",
     "ConvexHull",
     "Delaunay",
+    "DeviceArray",
+    "DeviceHullBatch",
     "Error",
     "FileError",
     "GroupHulls",
@@ -99,6 +107,7 @@ __all__ = [
     "certify",
     "convex_hull",
     "convex_hulls",
+    "convex_hulls_on_device",
     "cuda_status",
     "cull",
     "delaunay",
