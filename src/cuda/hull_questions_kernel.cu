@@ -107,7 +107,7 @@ __device__ std::uint32_t support_of(const TablesThere& hull, double (&u)[D]) {
       second = product;
     }
   }
-  const double bound = 1.01 * (D + 1) * 0x1p-53 * sum * hull.vertex_reach + 0x1p-1000;
+  const double bound = 1.01 * (D + 1) * 0x1p-53 * sum * hull.vertex_reach + 0x1p-900;
   return best - second > 2.01 * bound ? found : open_vertex;
 }
 
