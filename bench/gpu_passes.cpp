@@ -25,6 +25,7 @@
 #include "cuda/gauge_kernel.hpp"
 #include "cuda/pseudo_hull.hpp"
 #include "cuda/runtime.hpp"
+#include "cuda/set_hulls_kernel.hpp"
 #include "cull/gauge_map.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/device_points.hpp"
@@ -118,6 +119,8 @@ class Passes {
     part("hulls on threads beside one another", [&] { return hulls_on_threads(); });
     part("pseudo-hull", [&] { return pseudo_hull(); });
     part("moving points", [&] { return tracker(); });
+    for (const unsigned d : {2U, 3U}) part("batch of sets of 50", [&] { return batch(d); });
+    part("questions to a hull", [&] { return questions(); });
     part("pass, more than 2^31 points", [&] { return many_points(); });
   }
   bool failed() const { return failed_; }
@@ -401,6 +404,75 @@ class Passes {
             {"frames", frames},
             {"device_seconds", median({on_device.begin() + 2, on_device.end()})},
             {"cpu_seconds", median({on_host.begin() + 2, on_host.end()})}};
+  }
+
+  /// 100,000 sets of 50 points of a ball: the kernel by events, both results, and the CPU's.
+  ordered_json batch(unsigned d) const {
+    constexpr std::uint64_t size = 50;
+    const auto sets = std::max<std::uint64_t>(200, static_cast<std::uint64_t>(1e5 * scale_));
+    const std::vector<float> rows = ball<float>(d, sets * size);
+    std::vector<std::uint64_t> offsets(sets + 1);
+    for (std::uint64_t i = 0; i <= sets; ++i) offsets[i] = i * size;
+    const cuda::Stream stream;
+    const cuda::DeviceArray<float> points(rows.size(), stream.get());
+    cuda::upload(points.data(), rows.data(), rows.size(), stream.get());
+    const auto there = DevicePointView::row_major(points.data(), sets * size, d, stream.get());
+    const auto here = PointView::row_major(rows.data(), sets * size, d);
+
+    const cuda::DeviceArray<std::uint64_t> starts(offsets.size(), stream.get());
+    cuda::upload(starts.data(), offsets.data(), offsets.size(), stream.get());
+    const cuda::DeviceArray<std::uint16_t> counts(sets, stream.get());
+    const cuda::DeviceArray<std::uint8_t> vertices(sets * size, stream.get()),
+        simplices(sets * size * cuda::simplex_room(d), stream.get());
+    const cuda::WarpSets task{starts.data(), static_cast<std::uint32_t>(sets), counts.data(),
+                              vertices.data(), simplices.data()};
+    const double kernel = by_events(stream.get(), [&] {
+      cuda::check(cuda::find_set_hulls(there, task, 33, 64, stream.get()), "hulling sets");
+    });
+    HullBatch device, host;
+    const double to_host =
+        wall([&] { device = convex_hulls(there, offsets.data(), sets, on(Backend::cuda)); });
+    DeviceHullBatch left;
+    const double on_device = wall(
+        [&] { left = convex_hulls_on_device(there, offsets.data(), sets, on(Backend::cuda)); });
+    const double cpu = wall([&] { host = convex_hulls(here, offsets.data(), sets); });
+    if (device.vertices != host.vertices || device.volumes != host.volumes ||
+        left.vertex_count != host.vertices.items.size())
+      throw std::runtime_error("the device's batch is not the CPU's");
+    return {{"dimension", d},
+            {"sets", sets},
+            {"kernel_seconds", kernel},
+            {"to_host_seconds", to_host},
+            {"left_there_seconds", on_device},
+            {"cpu_seconds", cpu}};
+  }
+
+  /// Points in and about a ball to the hull of some of it.
+  ordered_json questions() const {
+    const std::uint64_t n = scaled(1e6);
+    std::vector<float> rows = ball<float>(3, n);
+    const auto some = PointView::row_major(rows.data(), std::min<std::uint64_t>(n, 100000), 3);
+    const HullQuery query(some, convex_hull(some));
+    for (float& v : rows) v *= 1.1F;
+    const cuda::Stream stream;
+    const cuda::DeviceArray<float> points(rows.size(), stream.get());
+    cuda::upload(points.data(), rows.data(), rows.size(), stream.get());
+    const auto there = DevicePointView::row_major(points.data(), n, 3, stream.get());
+    const auto here = PointView::row_major(rows.data(), n, 3);
+    std::vector<std::uint8_t> device(n), host(n);
+    std::vector<std::uint64_t> device_vertices(n), host_vertices(n);
+    const double contains = wall([&] { query.contains(there, device.data(), on(Backend::cuda)); });
+    const double cpu_contains = wall([&] { query.contains(here, host.data()); });
+    const double supports =
+        wall([&] { query.supports(there, device_vertices.data(), on(Backend::cuda)); });
+    const double cpu_supports = wall([&] { query.supports(here, host_vertices.data()); });
+    if (device != host || device_vertices != host_vertices)
+      throw std::runtime_error("the device's answers are not the CPU's");
+    return {{"count", n},
+            {"contains_seconds", contains},
+            {"cpu_contains_seconds", cpu_contains},
+            {"supports_seconds", supports},
+            {"cpu_supports_seconds", cpu_supports}};
   }
 
   double scale_, seconds_, copy_rate_ = 0;

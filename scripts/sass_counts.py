@@ -146,6 +146,8 @@ def family(name: str) -> tuple[str, int]:
             d = int(m[2])
             general = re.sub(rf"<{d}([,>])", r"<d\1", name)
             return re.sub(r"(CopyRows<.*), \d+>", r"\1, 2d>", general), d
+    if m := re.match(r"(set_hulls|pack_lists|hull_sides|hull_supports)<(\d), (.*)>$", name):
+        return f"{m[1]}<{m[3]}>", int(m[2])
     return name, 0
 
 
@@ -163,6 +165,9 @@ def worded(name: str) -> str:
         kind = re.search(r"RowsInPlace<d, (\w+)>", m[2])
         body = {"EmitKept": f"EmitKept, {re.search(r'(MovePoint|EmitId|$)', m[2])[0]}"}.get(body, body)
         return f"{m[1]}: {body}" + (f", {'f64' if kind[1] == 'double' else 'f32'}" if kind else "")
+    if m := re.fullmatch(r"pack_lists<(float|double), (.*)>", name):
+        ids = "bytes and rows" if "char" in m[2] else "integers"
+        return f"pack_lists: {ids}, {'f32' if m[1] == 'float' else 'f64'}"
     if m := re.fullmatch(r"(\w+)<(float|double)>", name):
         return f"{m[1]}, {'f32' if m[2] == 'float' else 'f64'}"
     return name

@@ -4,10 +4,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
 
+#include "cullhull/array.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/options.hpp"
@@ -92,6 +94,11 @@ void wait_for_cuda_stream(void* stream);
 /// its stream. Throws Error{backend_unavailable}, and Error{invalid_argument} for memory that
 /// belongs to no device.
 void wait_for_cuda_device_of(const void* memory);
+
+/// Coordinates of the points with these ids, in this order, a row each; bit for bit, not checked
+/// for finiteness. Throws Error{backend_unavailable}, Error{invalid_argument} for an id that is not
+/// there and for memory or scalars it does not take.
+Array<double> fetch_points(const DevicePointView& points, std::span<const std::uint64_t> ids);
 
 /// As cull(PointView): drops points that provably lie strictly inside the hull. They are tested
 /// where they lie; only samples and survivors are transferred. `Backend::cpu` copies all points to

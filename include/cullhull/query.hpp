@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "cullhull/device_points.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
@@ -83,6 +84,20 @@ class HullQuery {
   void signed_distances(const PointView& points, double* out, const Options& options = {}) const;
   void rays(const PointView& origins, const PointView& directions, RayHit* out,
             const Options& options = {}) const;
+
+  /// The same answers about points in a CUDA device's memory; `out` is in the host's. Hulls of full
+  /// dimension from 2 to 6 are asked on the device; the points that arithmetic in doubles leaves
+  /// open are copied and asked here, with signed_distances all that are not inside. All points are
+  /// with Backend::cpu, for other hulls, and, unless Backend::cuda was given, where the device's
+  /// memory is full. Throws Error{backend_unavailable} without a device, Error{out_of_budget},
+  /// Error{invalid_argument} for memory or scalars it does not take.
+  void contains(const DevicePointView& points, std::uint8_t* out,
+                const Options& options = {}) const;
+  void sides(const DevicePointView& points, Side* out, const Options& options = {}) const;
+  void supports(const DevicePointView& directions, std::uint64_t* out,
+                const Options& options = {}) const;
+  void signed_distances(const DevicePointView& points, double* out,
+                        const Options& options = {}) const;
 
  private:
   struct State;

@@ -7,6 +7,7 @@
 #include "small/few_in_space.hpp"
 #include "small/small_3d.hpp"
 #include "small/small_measures.hpp"
+#include "small/small_surface.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -85,14 +86,9 @@ void write(const PointView& set, const SmallHull3D& hull, const SmallMeasures& m
   to.simplex_facets.offsets.push_back(to.simplex_facets.items.size());
 }
 
-}  // namespace
-
-bool append_small_3d(const PointView& set, HullBatch& to) {
-  if (set.dimension != 3 || set.count < 4 || set.count > SmallHull3D::max_points) return false;
-  SmallPoints3D points;
-  SmallHull3D hull;
-  load_small(set, nullptr, static_cast<unsigned>(set.count), points);
-  if (!small_hull_3d(points, static_cast<unsigned>(set.count), hull)) return false;
+/// False, with `to` unchanged, where a measure needs more than doubles.
+bool measure_and_write(const PointView& set, const SmallPoints3D& points, const SmallHull3D& hull,
+                       HullBatch& to) {
   const std::size_t planes = to.facet_planes.size();
   SmallMeasures measures;
   SmallShares<SmallHull3D::max_facets> shares;
@@ -102,6 +98,37 @@ bool append_small_3d(const PointView& set, HullBatch& to) {
   to.facet_planes.resize(done ? planes + std::size_t{4} * hull.facet_count : planes);
   if (done) write(set, hull, measures, to);
   return done;
+}
+
+}  // namespace
+
+bool append_small_3d(const PointView& set, HullBatch& to) {
+  if (set.dimension != 3 || set.count < 4 || set.count > SmallHull3D::max_points) return false;
+  SmallPoints3D points;
+  SmallHull3D hull;
+  load_small(set, nullptr, static_cast<unsigned>(set.count), points);
+  if (!small_hull_3d(points, static_cast<unsigned>(set.count), hull)) return false;
+  return measure_and_write(set, points, hull, to);
+}
+
+bool append_simplices_3d(const FoundHull& found, HullBatch& to) {
+  const auto n = static_cast<unsigned>(found.rows.count);
+  SmallPoints3D points;
+  load_small(found.rows, nullptr, n, points);
+  TableSurface surface;
+  surface.top = found.simplex_count;
+  for (unsigned f = 0; f < surface.top; ++f) {
+    const std::uint8_t* const v = found.simplices + std::size_t{3} * f;
+    surface.set(f, v[0], v[1], v[2]);
+  }
+  SmallHull3D hull;
+  order_small<TableSurface>(surface, n, nullptr, hull);
+  for (unsigned c = 0; c < 3; ++c) {
+    const auto [low, high] = std::minmax_element(points.axes[c], points.axes[c] + n);
+    hull.low[c] = *low;
+    hull.high[c] = *high;
+  }
+  return measure_and_write(found.rows, points, hull, to);
 }
 
 }  // namespace cullhull::internal

@@ -70,6 +70,22 @@ void refuse_first_not_finite(const DevicePointView& points, const Run& run) {
 
 namespace cullhull {
 
+Array<double> fetch_points(const DevicePointView& points, std::span<const std::uint64_t> ids) {
+  using namespace internal;
+  for (const std::uint64_t id : ids)
+    if (id >= points.count)
+      throw Error(ErrorCode::invalid_argument, "there is no point " + std::to_string(id) + " of " +
+                                                   std::to_string(points.count));
+  if (ids.empty()) {
+    (void)cuda::device();
+    return {};
+  }
+  if (points.scalar != ScalarType::f32 && points.scalar != ScalarType::f64)
+    throw Error(ErrorCode::invalid_argument, "points on a device must be f32 or f64");
+  const cuda::DeviceScope scope(device_of(points));
+  return cuda::download_points(points, ids.data(), ids.size(), short_run().control);
+}
+
 void wait_for_cuda_device_of(const void* memory) {
   using namespace internal;
   const cuda::DeviceScope scope(device_of_memory(memory));

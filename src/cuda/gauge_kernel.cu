@@ -10,6 +10,7 @@
 #include <cub/block/block_scan.cuh>
 #include <cub/device/device_scan.cuh>
 
+#include "cuda/coordinate.cuh"
 #include "cuda/gauge_kernel.hpp"
 #include "cuda/runtime.hpp"
 #include "cull/gauge_lanes.hpp"
@@ -174,13 +175,6 @@ unsigned tiles_of(std::uint64_t words) {
 }
 
 // ---------------------------------------------------------------- gathering
-
-template <class T>
-__device__ T coordinate(const DevicePointView& p, std::uint64_t point, unsigned axis) {
-  return *reinterpret_cast<const T*>(static_cast<const std::byte*>(p.data) +
-                                     static_cast<std::ptrdiff_t>(point) * p.point_stride +
-                                     static_cast<std::ptrdiff_t>(axis) * p.coordinate_stride);
-}
 
 /// One thread a coordinate: rows are written without gaps.
 template <class T>

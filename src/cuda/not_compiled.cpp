@@ -1,5 +1,7 @@
 // The CUDA backend of builds without CUDA: every function reports that it is missing.
 #include "cuda/backend.hpp"
+#include "cuda/hull_questions.hpp"
+#include "cuda/set_hulls.hpp"
 #include "cullhull/device_points.hpp"
 #include "flow/device_filter.hpp"
 #include "tracker/frame_points.hpp"
@@ -26,6 +28,33 @@ std::vector<std::uint64_t> cuda::survivors_there(const GaugeMap&, const PointVie
   return {};
 }
 
+struct cuda::SetsOnDevice::State {};
+cuda::SetsOnDevice::SetsOnDevice(const DevicePointView&, const Control&) { require_cuda(); }
+cuda::SetsOnDevice::~SetsOnDevice() = default;
+std::vector<std::uint64_t> cuda::SetsOnDevice::fetch_offsets(const std::uint64_t*,
+                                                             std::uint64_t) const {
+  return {};
+}
+void cuda::SetsOnDevice::find(const std::uint64_t*, std::uint32_t) {}
+void cuda::SetsOnDevice::find_nothing(const std::uint64_t*, std::uint32_t) {}
+std::vector<std::uint32_t> cuda::SetsOnDevice::open_sets() const { return {}; }
+cuda::FoundLists cuda::SetsOnDevice::fetch() const { return {}; }
+cuda::SetRows cuda::SetsOnDevice::fetch_rows(const std::vector<std::uint32_t>&) const { return {}; }
+DeviceHullBatch cuda::SetsOnDevice::join(const HullBatch&) const { return {}; }
+
+struct cuda::QuestionsOnDevice::State {};
+cuda::QuestionsOnDevice::QuestionsOnDevice(const DevicePointView&, const HullTables*) {
+  require_cuda();
+}
+cuda::QuestionsOnDevice::~QuestionsOnDevice() = default;
+void cuda::QuestionsOnDevice::sides(const GaugeTable*, std::uint64_t, std::uint64_t, PointAnswer*,
+                                    double*) const {}
+void cuda::QuestionsOnDevice::supports(std::uint64_t, std::uint64_t, std::uint32_t*) const {}
+Array<double> cuda::QuestionsOnDevice::rows(const std::vector<std::uint64_t>&, const Run&) const {
+  return {};
+}
+Array<double> cuda::QuestionsOnDevice::all_rows(const Run&) const { return {}; }
+
 Filtered run_device_filter(const DevicePointView&, const Run&) {
   require_cuda();
   return {};
@@ -40,6 +69,10 @@ std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const R
 }  // namespace internal
 
 int current_cuda_device() noexcept { return -1; }
+Array<double> fetch_points(const DevicePointView&, std::span<const std::uint64_t>) {
+  internal::require_cuda();
+  return {};
+}
 void wait_for_cuda_stream(void*) { internal::require_cuda(); }
 void wait_for_cuda_device_of(const void*) { internal::require_cuda(); }
 

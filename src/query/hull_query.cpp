@@ -16,6 +16,7 @@
 #include "geometry/gather.hpp"
 #include "geometry/orientation.hpp"
 #include "parallel/run.hpp"
+#include "query/device_questions.hpp"
 #include "query/facet_cells.hpp"
 #include "query/facet_search.hpp"
 #include "query/plane_tree.hpp"
@@ -171,13 +172,19 @@ struct HullQuery::State {
     });
     return cells.get();
   }
+  /// The same for a device's tables.
+  const cuda::HullTables* tables() const {
+    std::call_once(tables_once, [this] { device_tables = hull_tables(polytope, planes); });
+    return device_tables ? &*device_tables : nullptr;
+  }
   RayHit ray(const double* origin, const double* direction) const;
   RayHit ray_on_line(double origin, double direction) const;  // d = 1
   RayHit ray_past_all(const double* origin, const double* direction) const;
   RayHit ray_by_climbs(const double* origin, const double* direction) const;
   double end_of_line(const std::vector<double>& x, const std::vector<double>& u,
                      std::uint32_t& facet) const;
-  void check_dimension(const PointView& view) const {
+  template <class View>
+  void check_dimension(const View& view) const {
     if (view.dimension != points.dimension)
       throw Error(ErrorCode::invalid_argument,
                   "points of dimension " + std::to_string(view.dimension) +
@@ -200,6 +207,8 @@ struct HullQuery::State {
   InnerPolytope polytope;
   mutable std::once_flag map_once;
   mutable std::unique_ptr<GaugeMap> gauge_map;
+  mutable std::once_flag tables_once;
+  mutable std::optional<cuda::HullTables> device_tables;
   mutable std::once_flag cells_once;
   mutable std::unique_ptr<FacetCells> cells;
 };
@@ -538,6 +547,47 @@ void HullQuery::signed_distances(const PointView& points, double* out,
                                  const Options& options) const {
   state_->each(points, options,
                [&](std::uint64_t i, const double* p) { out[i] = state_->nearest(p).distance; });
+}
+
+void HullQuery::sides(const DevicePointView& points, Side* out, const Options& options) const {
+  const State& s = *state_;
+  s.check_dimension(points);
+  const auto* const inner =
+      points.count >= worth_a_map && s.tables() != nullptr ? s.map() : nullptr;
+  DeviceQuestions(points, s.tables(), options)
+      .sides(inner != nullptr ? &inner->table() : nullptr, out,
+             [&](const PointView& view, Side* answers, const Options& here) {
+               sides(view, answers, here);
+             });
+}
+
+void HullQuery::contains(const DevicePointView& points, std::uint8_t* out,
+                         const Options& options) const {
+  std::vector<Side> found(points.count);
+  sides(points, found.data(), options);
+  std::transform(found.begin(), found.end(), out,
+                 [](Side s) { return static_cast<std::uint8_t>(s != Side::outside); });
+}
+
+void HullQuery::supports(const DevicePointView& directions, std::uint64_t* out,
+                         const Options& options) const {
+  const State& s = *state_;
+  s.check_dimension(directions);
+  DeviceQuestions(directions, s.tables(), options)
+      .supports(s.points.ids, out,
+                [&](const PointView& view, std::uint64_t* answers, const Options& here) {
+                  supports(view, answers, here);
+                });
+}
+
+void HullQuery::signed_distances(const DevicePointView& points, double* out,
+                                 const Options& options) const {
+  const State& s = *state_;
+  s.check_dimension(points);
+  DeviceQuestions(points, s.tables(), options)
+      .distances(out, [&](const PointView& view, double* answers, const Options& here) {
+        signed_distances(view, answers, here);
+      });
 }
 
 void HullQuery::rays(const PointView& origins, const PointView& directions, RayHit* out,

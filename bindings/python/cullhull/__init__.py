@@ -22,7 +22,7 @@ from ._answers import NearestFacets, Rays
 from ._constrained import ConstrainedTriangulation, constrained_delaunay
 from ._core import version as __version__
 from ._delaunay import Delaunay, tsearch
-from ._device import cuda_status
+from ._device import DeviceArray, cuda_status
 from ._drop_in import ConvexHull
 from ._errors import (
     BackendUnavailable,
@@ -50,7 +50,13 @@ from ._interpolation import (
     griddata,
 )
 from ._lists import Lists
-from ._many import GrowingHull, HullBatch, convex_hulls
+from ._many import (
+    DeviceHullBatch,
+    GrowingHull,
+    HullBatch,
+    convex_hulls,
+    convex_hulls_on_device,
+)
 from ._plots import delaunay_plot_2d, voronoi_plot_2d
 from ._read import read
 from ._spherical import SphericalVoronoi
@@ -76,6 +82,8 @@ __all__ = [
     "ConstrainedTriangulation",
     "ConvexHull",
     "Delaunay",
+    "DeviceArray",
+    "DeviceHullBatch",
     "Error",
     "FileError",
     "GroupHulls",
@@ -113,6 +121,7 @@ __all__ = [
     "constrained_delaunay",
     "convex_hull",
     "convex_hulls",
+    "convex_hulls_on_device",
     "cuda_status",
     "cull",
     "delaunay",

@@ -105,7 +105,7 @@ def _from_columns(columns: Iterable[tuple[Any, Any]], what: str) -> npt.NDArray[
 
 def _device_memory(what: str) -> BackendUnavailable:
     return BackendUnavailable(
-        f"`{what}` is in a device's memory, which only convex_hull and cull read; "
+        f"`{what}` is in a device's memory, which this function does not read; "
         "copy it to the host first (cupy.asnumpy(x), x.cpu())"
     )
 

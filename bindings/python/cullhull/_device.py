@@ -1,4 +1,4 @@
-"""Arrays in a CUDA device's memory (CuPy, PyTorch, Numba, JAX): culled where they lie."""
+"""Arrays in a CUDA device's memory (CuPy, PyTorch, Numba, JAX): read where they lie, and results."""
 
 from __future__ import annotations
 
@@ -12,22 +12,128 @@ _DLPACK_CUDA = (2, 13)  # device and managed memory
 _LEGACY_DEFAULT_STREAM, _PER_THREAD_DEFAULT_STREAM = 1, 2  # as both protocols number them
 
 
-def as_device_points(points: Any) -> _core.DevicePoints | None:
+def as_device_points(points: Any, *, sets: bool = False) -> _core.DevicePoints | None:
     """A view of ``points`` if they are in a CUDA device's memory, else None.
 
-    They must be (n, d) float32 or float64, aligned; any strides.
+    They must be (n, d) float32 or float64, aligned; any strides. ``sets``: or (b, n, d), where the
+    sets follow one another at equal steps; the view is then one of all their points.
     """
     if hasattr(points, "__array_interface__"):
         return None
     interface = getattr(points, "__cuda_array_interface__", None)
     if interface is not None:
-        return _from_interface(interface, points)
+        return _from_interface(_of_sets(interface) if sets else interface, points)
     if hasattr(points, "__dlpack_device__") and points.__dlpack_device__()[0] in _DLPACK_CUDA:
         status = _core.cuda_status()
         if not status["available"]:
             raise BackendUnavailable(f"points in a device's memory: {status['reason']}")
-        return _from_dlpack(points)
+        view = _from_dlpack(points)
+        if not sets and view.sets >= 0:
+            raise InvalidArgument("`points` should be a 2D array, not 3D")
+        return view
     return None
+
+
+def _of_sets(interface: Any) -> Any:
+    """The interface of all points where it is one of sets of them, (b, n, d)."""
+    shape = interface.get("shape") if isinstance(interface, dict) else None
+    if not isinstance(shape, tuple) or len(shape) != 3:
+        return interface
+    sets, size, dimension = _integers(shape, "shape")
+    folded = {**interface, "shape": (sets * size, dimension)}
+    if interface.get("strides") is not None:
+        strides = _integers(interface["strides"], "strides")
+        if len(strides) != 3:
+            raise InvalidArgument(f"3 strides are needed, not {len(strides)}")
+        if sets > 1 and size > 0 and strides[0] != size * strides[1]:
+            raise InvalidArgument(
+                "sets of points on a device must follow one another at equal steps"
+            )
+        folded["strides"] = strides[1:]
+    return folded
+
+
+def set_shape(points: Any, view: _core.DevicePoints) -> tuple[int, int] | None:
+    """How many sets, and the points of each, where an array is (b, n, d); else None."""
+    interface = getattr(points, "__cuda_array_interface__", None)
+    if interface is not None:
+        shape = interface["shape"]
+        return (int(shape[0]), int(shape[1])) if len(shape) == 3 else None
+    return (view.sets, view.set_size) if view.sets >= 0 else None
+
+
+def as_device_offsets(offsets: Any) -> tuple[int, int] | None:
+    """Address and number of int64 offsets in a device's memory, which are complete; else None."""
+    interface = getattr(offsets, "__cuda_array_interface__", None)
+    if interface is None:
+        return None
+    shape, strides = interface["shape"], interface.get("strides")
+    if len(shape) != 1 or shape[0] == 0:
+        raise InvalidArgument("`offsets` should be a list of at least one integer")
+    if interface["typestr"] != "<i8" or strides not in (None, (8,)):
+        raise TypeError("offsets on a device must be int64, one after another")
+    address = operator.index(interface["data"][0])
+    _core.wait_for_cuda_device_of(address)
+    return address, operator.index(shape[0])
+
+
+class DeviceArray:
+    """An array of integers in a CUDA device's memory, part of a `DeviceHullBatch`.
+
+    It has no arithmetic of its own: ``torch.as_tensor(a)`` or ``torch.from_dlpack(a)``,
+    ``cupy.asarray(a)``, ``numba.cuda.as_cuda_array(a)`` and ``jax.dlpack.from_dlpack(a)`` view it
+    without a copy. It is complete, so it has no stream to wait for.
+    """
+
+    __slots__ = ("_items",)
+
+    def __init__(self) -> None:
+        raise TypeError("device arrays are made by cullhull.convex_hulls_on_device")
+
+    @classmethod
+    def _of(cls, items: _core.DeviceItems) -> DeviceArray:
+        array = object.__new__(cls)
+        array._items = items
+        return array
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Its lengths along its axes; items lie row by row."""
+        return tuple(self._items.shape)
+
+    @property
+    def dtype(self) -> str:
+        """'int32' or 'int64'."""
+        return "int64" if self._items.typestr == "<i8" else "int32"
+
+    @property
+    def device(self) -> int:
+        """The number of the CUDA device."""
+        return self._items.device
+
+    @property
+    def __cuda_array_interface__(self) -> dict[str, Any]:
+        empty = 0 in self.shape
+        return {
+            "shape": self.shape,
+            "typestr": self._items.typestr,
+            "data": (0 if empty else self._items.data, False),
+            "strides": None,
+            "stream": None,
+            "version": 3,
+        }
+
+    def __dlpack__(self, **arguments: Any) -> Any:
+        return self._items.dlpack().__dlpack__(**arguments)
+
+    def __dlpack_device__(self) -> tuple[int, int]:
+        return _DLPACK_CUDA[0], self.device
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __repr__(self) -> str:
+        return f"<DeviceArray of shape {self.shape}, {self.dtype}, on CUDA device {self.device}>"
 
 
 def _from_dlpack(points: Any) -> _core.DevicePoints:

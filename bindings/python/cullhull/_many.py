@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._arguments import Progress, as_count, as_point_set, as_points, as_position, settings
+from ._device import DeviceArray, as_device_offsets, as_device_points, set_shape
 from ._errors import InvalidArgument
 from ._hull import Hull
 from ._lists import Lists
@@ -155,7 +156,8 @@ def convex_hulls(
     Parameters
     ----------
     points : (n, d) array, with `offsets`; or (b, m, d) array; or a list of (n_i, d) arrays
-        The first two are read in place; a list is copied end to end.
+        The first two are read in place; a list is copied end to end. Arrays in a CUDA device's
+        memory (``__cuda_array_interface__``, DLPack) are hulled there as far as doubles decide.
     offsets : (b + 1,) integers, ascending
         Set i is ``points[offsets[i]:offsets[i + 1]]``.
     threads, memory_budget, progress : as in `convex_hull`
@@ -179,19 +181,144 @@ def convex_hulls(
     >>> bool(cullhull.convex_hulls([points[:40], points[40:]])[1].volume == batch.volumes[1])
     True
     """
+    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+    there = None if isinstance(points, (np.ndarray, list, tuple)) else _on_device(points, offsets)
+    if there is not None:
+        return HullBatch._of(_core.convex_hulls_of_device_points(*there, chosen))
     if offsets is None:
         array, starts = _end_to_end(points)
     else:
-        array = as_points(points)
-        starts = np.asarray(offsets)
-        if starts.ndim != 1 or starts.dtype.kind not in "iu" or starts.size == 0:
-            raise InvalidArgument("`offsets` should be a list of at least one integer")
-        if starts.size and int(starts.min()) < 0:
-            raise InvalidArgument("`offsets` must not be negative")
+        array, starts = as_points(points), _as_offsets(offsets)
+    return HullBatch._of(_core.convex_hulls(array, starts, chosen))
+
+
+def _as_offsets(offsets: Any) -> npt.NDArray[np.int64]:
+    starts = np.asarray(offsets)
+    if starts.ndim != 1 or starts.dtype.kind not in "iu" or starts.size == 0:
+        raise InvalidArgument("`offsets` should be a list of at least one integer")
+    if starts.size and int(starts.min()) < 0:
+        raise InvalidArgument("`offsets` must not be negative")
+    return np.ascontiguousarray(starts, dtype=np.int64)
+
+
+def _on_device(
+    points: Any, offsets: Any
+) -> tuple[_core.DevicePoints, npt.NDArray[np.int64] | None, int, int] | None:
+    """Points in a device's memory; offsets here, or their address and number there."""
+    view = as_device_points(points, sets=offsets is None)
+    if view is None:
+        return None
+    if offsets is None:
+        shape = set_shape(points, view)
+        if shape is None:
+            raise InvalidArgument("points on a device need offsets, or the shape (b, n, d)")
+        return view, np.arange(shape[0] + 1, dtype=np.int64) * shape[1], 0, 0
+    there = as_device_offsets(offsets)
+    if there is not None:
+        return view, None, *there
+    return view, _as_offsets(offsets), 0, 0
+
+
+class DeviceHullBatch:
+    """The hulls of many sets in a CUDA device's memory, from `convex_hulls_on_device`.
+
+    Below, b is the number of sets and d the dimension. Vertex indices count from a set's first
+    point. The arrays share one block of memory, which is freed behind all work that the device has
+    when the last of them goes.
+
+    Raises
+    ------
+    TypeError
+        When called: batches are made by `convex_hulls_on_device`.
+    """
+
+    __slots__ = ("_batch",)
+
+    _batch: _core.DeviceBatch
+
+    def __init__(self) -> None:
+        raise TypeError("batches are made by cullhull.convex_hulls_on_device")
+
+    @classmethod
+    def _of(cls, batch: _core.DeviceBatch) -> DeviceHullBatch:
+        result = object.__new__(cls)
+        result._batch = batch
+        return result
+
+    def __len__(self) -> int:
+        return len(self._batch)
+
+    @property
+    def dimension(self) -> int:
+        """d, the number of coordinates of a point."""
+        return self._batch.dimension
+
+    @property
+    def vertices(self) -> DeviceArray:
+        """(vertices of all sets,) int32, end to end, each set's in the order of `Hull.vertices`."""
+        return DeviceArray._of(self._batch.vertices)
+
+    @property
+    def vertex_offsets(self) -> DeviceArray:
+        """(b + 1,) int64: set i has the vertices [``vertex_offsets[i]``, ``...[i + 1]``)."""
+        return DeviceArray._of(self._batch.vertex_offsets)
+
+    @property
+    def simplices(self) -> DeviceArray:
+        """(simplices of all sets, d) int32, end to end: see `Hull.simplices`."""
+        return DeviceArray._of(self._batch.simplices)
+
+    @property
+    def simplex_offsets(self) -> DeviceArray:
+        """(b + 1,) int64, as ``vertex_offsets``. A set in a flat has vertices, but no simplex."""
+        return DeviceArray._of(self._batch.simplex_offsets)
+
+    @property
+    def affine_dimensions(self) -> DeviceArray:
+        """(b,) int32: dimension of the flat each set spans, -1 for an empty one."""
+        return DeviceArray._of(self._batch.affine_dimensions)
+
+    def __repr__(self) -> str:
+        return f"<DeviceHullBatch of {len(self)} hulls in {self.dimension}D>"
+
+
+def convex_hulls_on_device(
+    points: Any,
+    offsets: Any = None,
+    *,
+    threads: int | None = None,
+    memory_budget: int | None = None,
+    progress: Progress = None,
+) -> DeviceHullBatch:
+    """The exact hulls of many sets in a CUDA device's memory, left there.
+
+    Parameters
+    ----------
+    points : (n, d) array, with `offsets`; or (b, m, d) array
+        In a device's memory (``__cuda_array_interface__``, DLPack), float32 or float64. Sets of up
+        to 128 points in the plane and in space are hulled there; those that doubles do not decide
+        (coplanar points, say), larger ones and flats are hulled by the CPU and copied back.
+    offsets : (b + 1,) integers, ascending
+        Set i is ``points[offsets[i]:offsets[i + 1]]``. On a device: int64.
+    threads, memory_budget, progress : as in `convex_hull`
+
+    Returns
+    -------
+    DeviceHullBatch
+        The vertices and simplices of `convex_hulls`, exactly.
+
+    Raises
+    ------
+    InvalidArgument, NotFinite (ValueErrors), TypeError, OutOfBudget (a MemoryError)
+        As `convex_hulls`; TypeError also for points on the host.
+    BackendUnavailable (a RuntimeError)
+        Where there is no device.
+    """
     chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
-    return HullBatch._of(
-        _core.convex_hulls(array, np.ascontiguousarray(starts, dtype=np.int64), chosen)
-    )
+    there = _on_device(points, offsets)
+    if there is None:
+        raise TypeError("convex_hulls_on_device needs points in a CUDA device's memory")
+    return DeviceHullBatch._of(_core.convex_hulls_on_device(*there, chosen))
 
 
 def _end_to_end(points: Any) -> tuple[npt.NDArray[Any], npt.NDArray[np.int64]]:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from . import _core
 from ._answers import NearestFacets, Rays
 from ._arguments import Progress, as_questions, settings
+from ._device import as_device_points
 from ._errors import InvalidArgument
 
 
@@ -28,6 +29,7 @@ class Questions:
         Parameters
         ----------
         points : (m, d) or (d,) array
+            Of the host's memory, or (m, d) in a CUDA device's, where they are asked about.
         threads : int, optional
             Threads to use; all the machine offers if not given.
         progress : callable or bool
@@ -52,6 +54,9 @@ class Questions:
         >>> hull.contains([[1, 0], [1, 2]]), hull.contains([2, 1])
         (array([ True, False]), True)
         """
+        there = None if type(points) is np.ndarray else as_device_points(points)
+        if there is not None:
+            return self._solid.contains_there(there, settings(threads=threads, progress=progress))
         array, single = as_questions(points, self._solid.dimension, "points")
         answer = self._solid.contains(array, settings(threads=threads, progress=progress))
         return bool(answer[0]) if single else answer
@@ -62,6 +67,7 @@ class Questions:
         Parameters
         ----------
         points : (m, d) or (d,) array
+            Of the host's memory, or (m, d) in a CUDA device's, where they are asked about.
         threads : int, optional
             Threads to use; all the machine offers if not given.
         progress : callable or bool
@@ -85,6 +91,9 @@ class Questions:
         >>> hull.sides([[1, 0.5], [1, 0], [1, 2]])
         array([-1,  0,  1], dtype=int8)
         """
+        there = None if type(points) is np.ndarray else as_device_points(points)
+        if there is not None:
+            return self._solid.sides_there(there, settings(threads=threads, progress=progress))
         array, single = as_questions(points, self._solid.dimension, "points")
         answer = self._solid.sides(array, settings(threads=threads, progress=progress))
         return int(answer[0]) if single else answer
@@ -97,6 +106,7 @@ class Questions:
         Parameters
         ----------
         points : (m, d) or (d,) array
+            Of the host's memory, or (m, d) in a CUDA device's, where they are asked about.
         threads : int, optional
             Threads to use; all the machine offers if not given.
         progress : callable or bool
@@ -121,6 +131,9 @@ class Questions:
         >>> hull.distance([[1, 0.5], [5, 5]])
         array([-0.5,  5. ])
         """
+        there = None if type(points) is np.ndarray else as_device_points(points)
+        if there is not None:
+            return self._solid.distances_there(there, settings(threads=threads, progress=progress))
         array, single = as_questions(points, self._solid.dimension, "points")
         answer = self._solid.distances(array, settings(threads=threads, progress=progress))
         return float(answer[0]) if single else answer
@@ -171,6 +184,7 @@ class Questions:
         Parameters
         ----------
         directions : (m, d) or (d,) array
+            Of the host's memory, or (m, d) in a CUDA device's, where they are asked about.
             Of any length.
         threads : int, optional
             Threads to use; all the machine offers if not given.
@@ -195,6 +209,9 @@ class Questions:
         >>> hull.support([[1, 1], [-1, -1]]), hull.support([0, 1])
         (array([2, 0]), 2)
         """
+        there = None if type(directions) is np.ndarray else as_device_points(directions)
+        if there is not None:
+            return self._solid.supports_there(there, settings(threads=threads, progress=progress))
         array, single = as_questions(directions, self._solid.dimension, "directions")
         answer = self._solid.supports(array, settings(threads=threads, progress=progress))
         return int(answer[0]) if single else answer

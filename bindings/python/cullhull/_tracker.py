@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from . import _core
 from ._arguments import Backend, CullMethod, Progress, as_point_set, settings
+from ._device import as_device_points
 from ._hull import Hull
 
 
@@ -74,7 +77,8 @@ class HullTracker:
         Parameters
         ----------
         points : (n, d) array
-            Read in place. Point i is the point i of the frame before if n and d are the same; else
+            Read in place; of an array in a CUDA device's memory only the last hull's vertices and
+            what survives the filter are copied. Point i is the point i of the frame before if n and d are the same; else
             tracking starts afresh.
         progress : callable or bool
             As in `convex_hull`.
@@ -95,8 +99,12 @@ class HullTracker:
         >>> cullhull.HullTracker().update([[0, 0], [1, 0], [0, 1]]).volume
         0.5
         """
-        array = as_point_set(points)
-        self._hull = Hull._of(self._tracker.update(array, settings(progress=progress)))
+        chosen = settings(progress=progress)
+        device = None if type(points) is np.ndarray else as_device_points(points)
+        if device is not None:
+            self._hull = Hull._of(self._tracker.update_on_device(device, chosen))
+        else:
+            self._hull = Hull._of(self._tracker.update(as_point_set(points), chosen))
         self._report = None
         return self._hull
 

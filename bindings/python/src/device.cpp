@@ -12,23 +12,17 @@
 
 #include "arrays.hpp"
 #include "cullhull/device_points.hpp"
+#include "device_points.hpp"
 #include "solid.hpp"
 
 namespace binding {
 
 using cullhull::CudaStatus;
-using cullhull::DevicePointView;
 using cullhull::Hull;
 using cullhull::Options;
 using cullhull::ScalarType;
 
 namespace {
-
-/// A view, and the Python object that owns its memory.
-struct DevicePoints {
-  DevicePointView view;
-  nb::object owner;
-};
 
 /// The fields of the interface; strides and all in bytes.
 DevicePoints from_interface(std::uintptr_t data, std::uint64_t count, std::uint32_t dimension,
@@ -47,18 +41,31 @@ DevicePoints from_interface(std::uintptr_t data, std::uint64_t count, std::uint3
 }
 
 /// A DLPack capsule whose producer was asked to order its work before the default stream, which the
-/// view uses.
+/// view uses: points, or sets of them, shape (sets, n, d), that follow one another at equal steps.
 DevicePoints from_dlpack(const nb::object& capsule, nb::object owner) {
-  const auto array = nb::cast<nb::ndarray<nb::ro, nb::ndim<2>>>(capsule);
+  const auto array = nb::cast<nb::ndarray<nb::ro>>(capsule);
   const bool is_double = array.dtype() == nb::dtype<double>();
   if (!is_double && array.dtype() != nb::dtype<float>())
     throw nb::builtin_exception(nb::exception_type::type_error,
                                 "points on a device must be float32 or float64");
+  if (array.ndim() != 2 && array.ndim() != 3)
+    throw nb::value_error("`points` should be a 2D array, or a 3D array of sets");
   const auto size = static_cast<std::ptrdiff_t>(is_double ? sizeof(double) : sizeof(float));
-  return from_interface(reinterpret_cast<std::uintptr_t>(array.data()), array.shape(0),
-                        static_cast<std::uint32_t>(array.shape(1)), array.stride(0) * size,
-                        array.stride(1) * size, is_double, 0,
-                        nb::make_tuple(std::move(owner), nb::cast(array)));
+  const bool many = array.ndim() == 3;
+  const std::size_t last = array.ndim() - 1;
+  const std::uint64_t sets = many ? array.shape(0) : 1, each = array.shape(last - 1);
+  if (many && sets > 1 && each > 0 &&
+      array.stride(0) != static_cast<std::int64_t>(each) * array.stride(1))
+    throw nb::value_error("sets of points on a device must follow one another at equal steps");
+  DevicePoints points = from_interface(
+      reinterpret_cast<std::uintptr_t>(array.data()), sets * each,
+      static_cast<std::uint32_t>(array.shape(last)), array.stride(last - 1) * size,
+      array.stride(last) * size, is_double, 0, nb::make_tuple(std::move(owner), nb::cast(array)));
+  if (many) {
+    points.sets = static_cast<std::int64_t>(sets);
+    points.set_size = static_cast<std::int64_t>(each);
+  }
+  return points;
 }
 
 std::unique_ptr<Solid> convex_hull(const DevicePoints& points, const Settings* settings) {
@@ -104,6 +111,9 @@ void bind_device(nb::module_& m) {
       .def_prop_ro(
           "data",
           [](const DevicePoints& p) { return reinterpret_cast<std::uintptr_t>(p.view.data); })
+      .def_prop_ro("sets", [](const DevicePoints& p) { return p.sets; })
+      .def_prop_ro("set_size", [](const DevicePoints& p) { return p.set_size; })
+      .def_prop_ro("dimension", [](const DevicePoints& p) { return p.view.dimension; })
       .def_static("from_interface", from_interface, nb::arg("data"), nb::arg("count"),
                   nb::arg("dimension"), nb::arg("point_stride"), nb::arg("coordinate_stride"),
                   nb::arg("is_double"), nb::arg("stream"), nb::arg("owner"))

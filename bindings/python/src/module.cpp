@@ -17,6 +17,7 @@ NB_MODULE(_core, m) {
   binding::bind_state(m);
   binding::bind_halfspaces(m);
   binding::bind_device(m);
+  binding::bind_device_batch(m);
   binding::bind_tracker(m);
   binding::bind_simplify(m);
   binding::bind_stream(m);

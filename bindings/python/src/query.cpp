@@ -11,11 +11,13 @@
 
 #include "arrays.hpp"
 #include "cullhull/error.hpp"
+#include "device_points.hpp"
 #include "points.hpp"
 #include "solid.hpp"
 
 namespace binding {
 
+using cullhull::DevicePointView;
 using cullhull::HullQuery;
 using cullhull::NearestFacet;
 using cullhull::Options;
@@ -150,6 +152,60 @@ Rays rays(const Solid& solid, nb::handle origin_array, nb::handle direction_arra
               std::move(exit_facet).to_array());
 }
 
+// ---------------------------------------------------------------- points in a device's memory
+
+/// The same as ask_all.
+template <class Ask>
+void ask_there(const Solid& solid, const DevicePoints& points, const Settings* settings,
+               const Ask& ask) {
+  run(settings, Length::long_,
+      [&](const Options& options) { ask(solid.query(), points.view, options); });
+}
+
+Array<bool> contains_there(const Solid& solid, const DevicePoints& points,
+                           const Settings* settings) {
+  Output<std::uint8_t> out(points.view.count);
+  ask_there(solid, points, settings,
+            [&](const HullQuery& query, const DevicePointView& view, const Options& options) {
+              query.contains(view, out.data(), options);
+            });
+  return std::move(out).to_array<bool>();
+}
+
+Array<std::int8_t> sides_there(const Solid& solid, const DevicePoints& points,
+                               const Settings* settings) {
+  Output<std::int8_t> out(points.view.count);
+  ask_there(solid, points, settings,
+            [&](const HullQuery& query, const DevicePointView& view, const Options& options) {
+              query.sides(view, reinterpret_cast<Side*>(out.data()), options);
+            });
+  return std::move(out).to_array();
+}
+
+Array<double> distances_there(const Solid& solid, const DevicePoints& points,
+                              const Settings* settings) {
+  Output<double> out(points.view.count);
+  ask_there(solid, points, settings,
+            [&](const HullQuery& query, const DevicePointView& view, const Options& options) {
+              query.signed_distances(view, out.data(), options);
+            });
+  return std::move(out).to_array();
+}
+
+Array<std::int64_t> supports_there(const Solid& solid, const DevicePoints& directions,
+                                   const Settings* settings) {
+  const std::size_t n = directions.view.count;
+  Output<std::int64_t> out(n);
+  ask_there(solid, directions, settings,
+            [&](const HullQuery& query, const DevicePointView& view, const Options& options) {
+              std::vector<std::uint64_t> places(n);
+              query.supports(view, places.data(), options);
+              for (std::size_t i = 0; i < n; ++i)
+                out.data()[i] = static_cast<std::int64_t>(solid.ids()[places[i]]);
+            });
+  return std::move(out).to_array();
+}
+
 }  // namespace
 
 void bind_query(nb::class_<Solid>& c) {
@@ -158,6 +214,10 @@ void bind_query(nb::class_<Solid>& c) {
       .def("distances", distances, nb::arg("points"), nb::arg("settings").none())
       .def("nearest_facets", nearest_facets, nb::arg("points"), nb::arg("settings").none())
       .def("supports", supports, nb::arg("directions"), nb::arg("settings").none())
+      .def("contains_there", contains_there, nb::arg("points"), nb::arg("settings").none())
+      .def("sides_there", sides_there, nb::arg("points"), nb::arg("settings").none())
+      .def("distances_there", distances_there, nb::arg("points"), nb::arg("settings").none())
+      .def("supports_there", supports_there, nb::arg("directions"), nb::arg("settings").none())
       .def("visible_facets", visible_facets, nb::arg("points"), nb::arg("settings").none())
       .def("rays", rays, nb::arg("origins"), nb::arg("directions"), nb::arg("settings").none());
 }

@@ -69,6 +69,7 @@ void bind_query(nanobind::class_<Solid>& c);
 void bind_many(nanobind::module_& m);
 void bind_halfspaces(nanobind::module_& m);
 void bind_device(nanobind::module_& m);
+void bind_device_batch(nanobind::module_& m);
 void bind_tracker(nanobind::module_& m);
 void bind_simplify(nanobind::module_& m);
 void bind_stream(nanobind::module_& m);

@@ -6,9 +6,11 @@
 #include <memory>
 #include <stop_token>
 #include <utility>
+#include <vector>
 
 #include "arrays.hpp"
 #include "cullhull/track.hpp"
+#include "device_points.hpp"
 #include "points.hpp"
 #include "solid.hpp"
 
@@ -34,21 +36,17 @@ class Tracker {
 
   std::unique_ptr<Solid> update(nb::handle array, const Settings* settings) {
     const Points points(array);
-    const Busy busy(busy_, updating);
-    std::unique_ptr<Solid> solid;
-    try {
-      run(settings, length_of(points.view()), [&](const Options& call) {
-        const std::stop_callback pass_on(call.stop, [this] { stop_.request_stop(); });
-        call_ = &call;
-        solid = std::make_unique<Solid>(tracker_->update(points.view()), points.view());
-      });
-    } catch (...) {
-      ++frames_;
-      if (stop_.stop_requested()) start();
-      throw;
-    }
-    frame_ = frames_++;
-    return solid;
+    return update(settings, length_of(points.view()), [&] {
+      return std::make_unique<Solid>(tracker_->update(points.view()), points.view());
+    });
+  }
+  std::unique_ptr<Solid> update_on_device(const DevicePoints& points, const Settings* settings) {
+    return update(settings, Length::long_, [&] {
+      cullhull::Hull hull = tracker_->update(points.view);
+      const auto rows = cullhull::fetch_points(points.view, hull.vertices);
+      return std::make_unique<Solid>(std::move(hull),
+                                     std::vector<double>(rows.begin(), rows.end()));
+    });
   }
   void reset() {
     const Busy busy(busy_, updating);
@@ -79,6 +77,26 @@ class Tracker {
  private:
   static constexpr const char* updating = "updating this tracker";
 
+  /// compute(): the hull of the next frame.
+  template <class Compute>
+  std::unique_ptr<Solid> update(const Settings* settings, Length length, const Compute& compute) {
+    const Busy busy(busy_, updating);
+    std::unique_ptr<Solid> solid;
+    try {
+      run(settings, length, [&](const Options& call) {
+        const std::stop_callback pass_on(call.stop, [this] { stop_.request_stop(); });
+        call_ = &call;
+        solid = compute();
+      });
+    } catch (...) {
+      ++frames_;
+      if (stop_.stop_requested()) start();
+      throw;
+    }
+    frame_ = frames_++;
+    return solid;
+  }
+
   void start() {
     stop_ = std::stop_source();
     Options options = options_;
@@ -107,7 +125,10 @@ void bind_tracker(nb::module_& m) {
       .def(nb::init<const Settings*, std::uint64_t>(), nb::arg("settings").none(),
            nb::arg("frames") = 0)
       .def_prop_ro("frames", &Tracker::frames)
-      .def("update", &Tracker::update, nb::arg("points"), nb::arg("settings").none())
+      .def("update", nb::overload_cast<nb::handle, const Settings*>(&Tracker::update),
+           nb::arg("points"), nb::arg("settings").none())
+      .def("update_on_device", &Tracker::update_on_device, nb::arg("points"),
+           nb::arg("settings").none())
       .def("reset", &Tracker::reset)
       .def_prop_ro("report", &Tracker::report);
 }

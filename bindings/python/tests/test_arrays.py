@@ -122,6 +122,32 @@ class Device:
         }
 
 
+ASKED = cullhull.convex_hull(CUBE)
+
+
+@pytest.mark.skipif(cullhull.cuda_status()["available"], reason="there is a device")
+def test_everything_that_reads_device_arrays_says_that_there_is_none():
+    sets = Device(shape=(2, 4, 3))
+    for call in (
+        lambda: cullhull.convex_hulls(Device(), [0, 4, 8]),
+        lambda: cullhull.convex_hulls(sets),
+        lambda: cullhull.convex_hulls_on_device(Device(), [0, 4, 8]),
+        lambda: cullhull.convex_hulls_on_device(sets),
+        lambda: cullhull.HullTracker().update(Device()),
+        lambda: ASKED.contains(Device()),
+        lambda: ASKED.sides(Device(stream=1)),
+        lambda: ASKED.distance(Device()),
+        lambda: ASKED.support(Device(stream=1)),
+    ):
+        with pytest.raises(cullhull.BackendUnavailable):
+            call()
+    with pytest.raises(TypeError, match="device's memory"):
+        cullhull.convex_hulls_on_device(CUBE, [0, 8])
+    for made in (cullhull.DeviceHullBatch, cullhull.DeviceArray):
+        with pytest.raises(TypeError, match="convex_hulls_on_device"):
+            made()
+
+
 @pytest.mark.skipif(cullhull.cuda_status()["available"], reason="there is a device")
 def test_device_arrays_without_a_device():
     assert cullhull.cuda_status()["reason"]
@@ -249,6 +275,86 @@ def test_dlpack_is_told_the_stream_that_reads(fake_core):
 
     assert as_device_points(OldMaker(CUBE, device=(2, 0))) is not None
     assert fake_core.waited == [("device", 1 << 20)]
+
+
+def test_sets_of_points_on_a_device_are_one_view(fake_core):
+    from cullhull._device import as_device_offsets, as_device_points, set_shape
+
+    sets = Device(shape=(5, 4, 3))
+    view = as_device_points(sets, sets=True)
+    assert view[1:5] == (20, 3, 12, 4) and set_shape(sets, view) == (5, 4)
+    strided = Device(shape=(5, 4, 3), strides=(96, 24, 8))
+    assert as_device_points(strided, sets=True)[3:5] == (24, 8)
+    plain = Device()
+    assert set_shape(plain, as_device_points(plain, sets=True)) is None
+    for changes in ({"strides": (100, 24, 8)}, {"strides": (24, 8)}):
+        with pytest.raises(ValueError):
+            as_device_points(Device(shape=(5, 4, 3), **changes), sets=True)
+    with pytest.raises(ValueError):
+        as_device_points(sets)
+
+    fake_core.waited.clear()
+    offsets = Device(shape=(6,), typestr="<i8")
+    assert as_device_offsets(offsets) == (1 << 20, 6)
+    assert fake_core.waited == [("device", 1 << 20)] and as_device_offsets([0, 8]) is None
+    for changes, error in (
+        ({"shape": (6,), "typestr": "<i4"}, TypeError),
+        ({"shape": (6,), "typestr": "<i8", "strides": (16,)}, TypeError),
+        ({"shape": (0,), "typestr": "<i8"}, ValueError),
+        ({"shape": (6, 1), "typestr": "<i8"}, ValueError),
+    ):
+        with pytest.raises(error):
+            as_device_offsets(Device(**changes))
+
+
+def test_arrays_on_a_device_describe_themselves():
+    class Items:
+        data, shape, typestr, device = 4096, [7, 3], "<i4", 1
+
+        def dlpack(self):
+            return Dlpack(np.zeros((7, 3), np.int32))
+
+    array = cullhull.DeviceArray._of(Items())
+    assert array.__cuda_array_interface__ == {
+        "shape": (7, 3),
+        "typestr": "<i4",
+        "data": (4096, False),
+        "strides": None,
+        "stream": None,
+        "version": 3,
+    }
+    assert (len(array), array.dtype, array.device) == (7, "int32", 1)
+    assert array.__dlpack_device__() == (2, 1) and "CUDA device 1" in repr(array)
+    assert "PyCapsule" in repr(array.__dlpack__())
+
+
+@pytest.mark.skipif(not cullhull.cuda_status()["available"], reason="needs a CUDA device")
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_batches_and_questions_on_a_device(dtype):
+    cupy = pytest.importorskip("cupy")
+    points = cullhull.generate("ball", 50_000, 3).astype(dtype).reshape(1000, 50, 3)
+    there = cupy.asarray(points)
+    expected = cullhull.convex_hulls(points)
+    flat, offsets = there.reshape(-1, 3), cupy.arange(1001) * 50
+    for batch in (cullhull.convex_hulls(there), cullhull.convex_hulls(flat, offsets)):
+        assert np.array_equal(batch.volumes, expected.volumes)
+        assert np.array_equal(batch.vertex_points, expected.vertex_points)
+        assert np.array_equal(batch.facet_planes, expected.facet_planes)
+    left = cullhull.convex_hulls_on_device(flat, offsets)
+    vertices = cupy.asarray(left.vertices)
+    assert np.array_equal(cupy.asnumpy(vertices), expected.vertices.items)
+    assert np.array_equal(cupy.asnumpy(cupy.from_dlpack(left.vertices)), expected.vertices.items)
+    assert np.array_equal(cupy.asnumpy(cupy.asarray(left.simplices)).ravel(), expected.simplices.items)
+    del left  # the arrays keep the memory
+    assert np.array_equal(cupy.asnumpy(vertices), expected.vertices.items)
+    hull = cullhull.convex_hull(points[0])
+    for name in ("contains", "sides", "distance", "support"):
+        assert np.array_equal(getattr(hull, name)(flat), getattr(hull, name)(points.reshape(-1, 3)))
+    tracker, there_too = cullhull.HullTracker(), cullhull.HullTracker()
+    for _ in range(3):
+        a, b = tracker.update(points.reshape(-1, 3)), there_too.update(flat)
+        assert np.array_equal(a.simplices, b.simplices)
+        assert np.array_equal(a.vertex_points, b.vertex_points)
 
 
 @pytest.mark.skipif(not cullhull.cuda_status()["available"], reason="needs a CUDA device")

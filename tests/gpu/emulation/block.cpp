@@ -223,6 +223,8 @@ std::uint64_t warp_operation(WarpOperation which, unsigned mask, std::uint64_t v
                  : value;
     case WarpOperation::ballot:
       break;
+    case WarpOperation::wait:
+      return 0;
   }
   std::uint64_t bits = 0;
   for (unsigned i = 0; i < warp_lanes; ++i) bits |= (values[i] & 1) << i;

@@ -18,7 +18,7 @@ extern Index thread_index, block_index, block_size, grid_size;
 /// which hold garbage at first and are checked for writes beyond their end.
 void run_block(const std::function<void()>& body, unsigned threads, std::size_t shared);
 
-enum class WarpOperation { shuffle_xor, shuffle_down, ballot };
+enum class WarpOperation { shuffle_xor, shuffle_down, ballot, wait };
 
 // What kernels call. `where` tells one call in the text from another: threads that meet at
 // different ones are a violation, and so are threads that have left.

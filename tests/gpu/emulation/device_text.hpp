@@ -39,12 +39,14 @@
 #define EMULATION_HERE __FILE__ ":" EMULATION_TEXT(__LINE__)
 
 #define __syncthreads() ::emulation::barrier(EMULATION_HERE)
-#define __shfl_xor_sync(mask, value, lanes)                                                    \
-  ::emulation::word(::emulation::warp_operation(::emulation::WarpOperation::shuffle_xor, mask, \
-                                                value, lanes, EMULATION_HERE))
-#define __shfl_down_sync(mask, value, lanes)                                                    \
-  ::emulation::word(::emulation::warp_operation(::emulation::WarpOperation::shuffle_down, mask, \
-                                                value, lanes, EMULATION_HERE))
+#define __syncwarp() \
+  ::emulation::warp_operation(::emulation::WarpOperation::wait, 0xFFFFFFFFU, 0, 0, EMULATION_HERE)
+#define __shfl_xor_sync(mask, value, lanes)                                   \
+  ::emulation::shuffled(::emulation::WarpOperation::shuffle_xor, mask, value, \
+                        static_cast<int>(lanes), EMULATION_HERE)
+#define __shfl_down_sync(mask, value, lanes)                                   \
+  ::emulation::shuffled(::emulation::WarpOperation::shuffle_down, mask, value, \
+                        static_cast<int>(lanes), EMULATION_HERE)
 #define __ballot_sync(mask, predicate)                                                    \
   ::emulation::word(::emulation::warp_operation(::emulation::WarpOperation::ballot, mask, \
                                                 (predicate) != 0, 0, EMULATION_HERE))
@@ -52,6 +54,17 @@
 namespace emulation {
 
 inline std::uint32_t word(std::uint64_t value) { return static_cast<std::uint32_t>(value); }
+
+/// Values of up to eight bytes, as a device's shuffles take them.
+template <class T>
+T shuffled(WarpOperation which, unsigned mask, T value, int lanes, const char* where) {
+  static_assert(sizeof(T) == 4 || sizeof(T) == 8);
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, &value, sizeof value);
+  bits = warp_operation(which, mask, bits, lanes, where);
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
+}
 
 template <class T>
 void require_aligned(const T* p, const char* doing) {
@@ -78,6 +91,13 @@ T atomic_min(T* target, U value) {
   require_aligned(target, "an atomic operation");
   const T before = *target;
   if (static_cast<T>(value) < before) *target = static_cast<T>(value);
+  return before;
+}
+template <class T, class U>
+T atomic_or(T* target, U value) {
+  require_aligned(target, "an atomic operation");
+  const T before = *target;
+  *target = before | static_cast<T>(value);
   return before;
 }
 template <class T, class U>
@@ -117,6 +137,16 @@ inline std::uint32_t bits_of(float v) {
   std::memcpy(&bits, &v, sizeof bits);
   return bits;
 }
+inline long long bits_of_double(double v) {
+  long long bits;
+  std::memcpy(&bits, &v, sizeof bits);
+  return bits;
+}
+inline double double_of_bits(long long bits) {
+  double v;
+  std::memcpy(&v, &bits, sizeof v);
+  return v;
+}
 
 /// What <<<...>>> becomes.
 template <class Call>
@@ -143,6 +173,7 @@ Launcher<Call> launch(const char* name, const void* function, Call call, unsigne
 #define atomicMax ::emulation::atomic_max
 #define atomicMin ::emulation::atomic_min
 #define atomicAdd ::emulation::atomic_add
+#define atomicOr ::emulation::atomic_or
 #define __fadd_rd ::emulation::add_rounding_down
 #define __fmaf_rn(a, b, c) \
   std::fma(static_cast<float>(a), static_cast<float>(b), static_cast<float>(c))
@@ -150,6 +181,8 @@ Launcher<Call> launch(const char* name, const void* function, Call call, unsigne
   std::fma(static_cast<double>(a), static_cast<double>(b), static_cast<double>(c))
 #define __double2float_rn(v) static_cast<float>(v)
 #define __float_as_uint ::emulation::bits_of
+#define __double_as_longlong ::emulation::bits_of_double
+#define __longlong_as_double ::emulation::double_of_bits
 #define cospi(x) std::cos(3.14159265358979323846 * (x))
 using std::isfinite;
 

@@ -46,6 +46,32 @@ PLANTED = {
         "check(gather_rows(part, piece_ids_.data(), n, packed_.data(), nullptr)",
     ),
     "no-block-barrier": ("executor.cuh", "    __syncthreads();\n", ""),
+    "no-warp-wait": (
+        "warp_hull.cuh",
+        "      mark(c, a);\n    }\n    __syncwarp();\n",
+        "      mark(c, a);\n    }\n",
+    ),
+    "early-facets": (
+        "warp_hull.cuh",
+        "      spares_ += seen - edges;\n    }\n    __syncwarp();\n",
+        "      spares_ += seen - edges;\n    }\n",
+    ),
+    "loose-bound": ("warp_hull.cuh", ": 0x1p-18F;", ": 0x1p-60F;"),
+    "no-open-side": (
+        "hull_questions_kernel.cu",
+        "open = open || !(sum < -bound);",
+        "open = open && !(sum < -bound);",
+    ),
+    "small-warp-memory": (
+        "set_hulls_kernel.cu",
+        "warps * WarpMemory<D>::bytes(room);",
+        "warps * WarpMemory<D>::bytes(room) - 16;",
+    ),
+    "sets-other-stream": (
+        "set_hulls.cpp",
+        "simplices.data(), rows.data(), s.stream)",
+        "simplices.data(), rows.data(), nullptr)",
+    ),
 }
 
 

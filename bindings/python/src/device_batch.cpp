@@ -1,0 +1,131 @@
+// Batches of points in a device's memory, and results that stay there.
+#include "cullhull/device_batch.hpp"
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "batch.hpp"
+#include "device_points.hpp"
+#include "solid.hpp"
+
+namespace binding {
+
+using cullhull::DeviceHullBatch;
+using cullhull::Options;
+
+namespace {
+
+/// An array of a result in a device's memory: cullhull.DeviceArray wraps it.
+struct DeviceItems {
+  const void* data = nullptr;
+  std::vector<std::size_t> shape;
+  bool wide = false;  ///< int64, else int32
+  int device = 0;
+  std::shared_ptr<const void> memory;
+};
+
+nb::ndarray<> dlpack(nb::handle_t<DeviceItems> self) {
+  const DeviceItems& items = *nb::inst_ptr<DeviceItems>(self);
+  return nb::ndarray<>(const_cast<void*>(items.data), items.shape.size(), items.shape.data(), self,
+                       nullptr, items.wide ? nb::dtype<std::int64_t>() : nb::dtype<std::int32_t>(),
+                       nb::device::cuda::value, items.device);
+}
+
+/// The offsets that Python hands in: an array of the host, or an address on a device.
+class Offsets {
+ public:
+  Offsets(nb::handle array, std::uintptr_t address, std::uint64_t count)
+      : data_(reinterpret_cast<const std::uint64_t*>(address)), count_(count) {
+    if (!array.is_none()) {
+      auto here = nb::cast<Array<std::int64_t>>(array);
+      data_ = reinterpret_cast<const std::uint64_t*>(here.data());
+      count_ = here.size();
+      here_ = std::move(here);
+    }
+    if (count_ == 0) throw nb::value_error("offsets must be at least one");
+  }
+  const std::uint64_t* data() const { return data_; }
+  std::uint64_t sets() const { return count_ - 1; }
+
+ private:
+  nb::object here_;
+  const std::uint64_t* data_;
+  std::uint64_t count_;
+};
+
+/// `array`: contiguous int64, or None for `count` numbers at an address on a device.
+std::unique_ptr<Batch> convex_hulls(const DevicePoints& points, nb::handle array,
+                                    std::uintptr_t address, std::uint64_t count,
+                                    const Settings* settings) {
+  const Offsets offsets(array, address, count);
+  auto batch = std::make_unique<Batch>();
+  run(settings, Length::long_, [&](const Options& options) {
+    batch->hulls = cullhull::convex_hulls(points.view, offsets.data(), offsets.sets(), options,
+                                          &batch->vertex_rows);
+  });
+  return batch;
+}
+
+DeviceHullBatch convex_hulls_on_device(const DevicePoints& points, nb::handle array,
+                                       std::uintptr_t address, std::uint64_t count,
+                                       const Settings* settings) {
+  const Offsets offsets(array, address, count);
+  DeviceHullBatch batch;
+  run(settings, Length::long_, [&](const Options& options) {
+    batch = cullhull::convex_hulls_on_device(points.view, offsets.data(), offsets.sets(), options);
+  });
+  return batch;
+}
+
+template <class T>
+DeviceItems items_of(const DeviceHullBatch& b, const T* data, std::vector<std::size_t> shape) {
+  return {data, std::move(shape), sizeof(T) == 8, b.device, b.memory};
+}
+
+}  // namespace
+
+void bind_device_batch(nb::module_& m) {
+  nb::class_<DeviceItems>(m, "DeviceItems", "An array of a result in a device's memory.")
+      .def_prop_ro("data",
+                   [](const DeviceItems& a) { return reinterpret_cast<std::uintptr_t>(a.data); })
+      .def_prop_ro("shape", [](const DeviceItems& a) { return a.shape; })
+      .def_prop_ro("typestr", [](const DeviceItems& a) { return a.wide ? "<i8" : "<i4"; })
+      .def_prop_ro("device", [](const DeviceItems& a) { return a.device; })
+      .def("dlpack", dlpack);
+  nb::class_<DeviceHullBatch>(m, "DeviceBatch", "Hulls: cullhull.DeviceHullBatch wraps it.")
+      .def_prop_ro("dimension", [](const DeviceHullBatch& b) { return b.dimension; })
+      .def("__len__", [](const DeviceHullBatch& b) { return b.sets; })
+      .def_prop_ro(
+          "vertices",
+          [](const DeviceHullBatch& b) { return items_of(b, b.vertices, {b.vertex_count}); })
+      .def_prop_ro(
+          "vertex_offsets",
+          [](const DeviceHullBatch& b) { return items_of(b, b.vertex_offsets, {b.sets + 1}); })
+      .def_prop_ro("simplices",
+                   [](const DeviceHullBatch& b) {
+                     return items_of(b, b.simplices, {b.simplex_count, b.dimension});
+                   })
+      .def_prop_ro(
+          "simplex_offsets",
+          [](const DeviceHullBatch& b) { return items_of(b, b.simplex_offsets, {b.sets + 1}); })
+      .def_prop_ro("affine_dimensions", [](const DeviceHullBatch& b) {
+        return items_of(b, b.affine_dimensions, {b.sets});
+      });
+  m.def("convex_hulls_of_device_points", convex_hulls, nb::arg("points"), nb::arg("offsets").none(),
+        nb::arg("address"), nb::arg("count"), nb::arg("settings").none());
+  m.def("convex_hulls_on_device", convex_hulls_on_device, nb::arg("points"),
+        nb::arg("offsets").none(), nb::arg("address"), nb::arg("count"),
+        nb::arg("settings").none());
+}
+
+}  // namespace binding

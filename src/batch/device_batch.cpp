@@ -1,0 +1,208 @@
+// Many small hulls of points in a device's memory: what is found there is completed here, what is
+// not is hulled here.
+#include "cullhull/device_batch.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batch/batch_maker.hpp"
+#include "cuda/backend.hpp"
+#include "cuda/set_hulls.hpp"
+#include "flow/device_filter.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+using cuda::SetsOnDevice;
+
+/// Sets of one call.
+class DeviceBatch {
+ public:
+  DeviceBatch(const DevicePointView& points, const std::uint64_t* offsets, std::uint64_t sets,
+              const Options& options)
+      : points_(checked(points)),
+        options_(on_host(options)),
+        run_(options_),
+        there_(points, run_.control),
+        starts_(there_.fetch_offsets(offsets, sets + 1)),
+        sets_(sets),
+        must_(options.backend == Backend::cuda),
+        warps_((points.dimension == 2 || points.dimension == 3) &&
+               options.backend != Backend::cpu && options.engine == Engine::native) {
+    check_offsets(points.count, starts_.data(), sets);
+  }
+
+  HullBatch to_host() {
+    BatchMaker maker = made_of(sets_, points_in(0, sets_));
+    std::uint64_t piece = piece_points();
+    for (std::uint64_t first = 0; first < sets_;) {
+      run_.check();
+      const std::uint32_t count = sets_within(first, piece);
+      try {
+        add(maker, first, count, warps_);
+      } catch (const cuda::OutOfMemory&) {
+        if (count > least_sets) {
+          piece = std::max<std::uint64_t>(points_in(first, first + count) / 2, 1);
+          continue;
+        }
+        if (must_) throw;
+        add(maker, first, count, false);
+      }
+      first += count;
+    }
+    return std::move(maker).finish();
+  }
+
+  /// Of all sets' vertices.
+  Array<double> vertex_rows(const HullBatch& batch) const {
+    std::vector<std::uint64_t> ids;
+    ids.reserve(batch.vertices.items.size());
+    for (std::uint64_t i = 0; i < sets_; ++i)
+      for (const std::uint64_t v : batch.vertices[i]) ids.push_back(starts_[i] + v);
+    return fetch_points(points_, ids);
+  }
+
+  DeviceHullBatch to_device() {
+    if (sets_ > most_sets)
+      throw Error(ErrorCode::invalid_argument, "a batch on a device has at most 2^31 - 1 sets");
+    for (std::uint64_t i = 0; i < sets_; ++i)
+      if (starts_[i + 1] - starts_[i] > most_sets)
+        throw Error(ErrorCode::invalid_argument,
+                    "set " + std::to_string(i) + " has more than 2^31 - 1 points");
+    run_.check();
+    find(0, static_cast<std::uint32_t>(sets_), warps_);
+    const std::vector<std::uint32_t> open = there_.open_sets();
+    const cuda::SetRows rows = there_.fetch_rows(open);
+    BatchMaker maker = made_of(open.size(), rows.points.count);
+    maker.add(
+        open.size(),
+        [&](SetHuller& huller, std::uint64_t i, HullBatch& part) {
+          huller.append(rows.set(i), part);
+        },
+        [&](std::uint64_t i) { return open[i]; });
+    const HullBatch rest = std::move(maker).finish();
+    run_.check();
+    return there_.join(rest);
+  }
+
+ private:
+  static constexpr std::uint64_t most_sets = std::numeric_limits<std::int32_t>::max();
+  /// A piece of so few sets is not halved where memory is short.
+  static constexpr std::uint32_t least_sets = 64;
+  static constexpr unsigned most_vertices = 128;  ///< of what a warp finds
+
+  static const DevicePointView& checked(const DevicePointView& points) {
+    check_arguments(points);
+    return points;
+  }
+  static Options on_host(const Options& options) {
+    Options o = options;
+    o.backend = Backend::cpu;
+    return o;
+  }
+
+  std::uint64_t points_in(std::uint64_t begin, std::uint64_t end) const {
+    return starts_[end] - starts_[begin];
+  }
+  BatchMaker made_of(std::uint64_t sets, std::uint64_t points) const {
+    return {points_.dimension, points_.scalar, sets, points, run_};
+  }
+
+  /// Enough sets to fill any device some times over, as far as the budget permits: a point takes
+  /// its row and its share of the lists.
+  std::uint64_t piece_points() const {
+    constexpr std::uint64_t wanted = std::uint64_t{1} << 21;
+    const std::uint64_t bytes = points_.dimension * sizeof(double) + 8;
+    return std::clamp<std::uint64_t>(run_.budget / (4 * bytes), 1, wanted);
+  }
+  /// As many sets from `first` on as have so many points in all; at least one.
+  std::uint32_t sets_within(std::uint64_t first, std::uint64_t points) const {
+    const auto begin = starts_.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto end = std::upper_bound(begin + 1, starts_.end(), *begin + points);
+    const auto sets = static_cast<std::uint64_t>(end - begin) - 1;
+    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(sets, 1, std::uint64_t{1} << 20));
+  }
+
+  void find(std::uint64_t first, std::uint32_t count, bool warps) {
+    if (warps)
+      there_.find(starts_.data() + first, count);
+    else
+      there_.find_nothing(starts_.data() + first, count);
+  }
+
+  /// Adds sets [first, first + count). Throws OutOfMemory before anything is added.
+  void add(BatchMaker& maker, std::uint64_t first, std::uint32_t count, bool warps) {
+    find(first, count, warps);
+    const cuda::FoundLists found = there_.fetch();
+    const std::vector<std::uint32_t> open = there_.open_sets();
+    const cuda::SetRows rows = there_.fetch_rows(open);
+    std::vector<std::uint32_t> place(count);  // among the open ones
+    for (std::size_t k = 0; k < open.size(); ++k) place[open[k]] = static_cast<std::uint32_t>(k);
+    maker.add(
+        count,
+        [&](SetHuller& huller, std::uint64_t i, HullBatch& part) {
+          if (found.vertex_at[i + 1] > found.vertex_at[i])
+            append(found, first, i, huller, part);
+          else
+            huller.append(rows.set(place[i]), part);
+        },
+        [&](std::uint64_t i) { return first + i; });
+  }
+
+  /// Appends set first + i, set i of those found.
+  void append(const cuda::FoundLists& found, std::uint64_t first, std::uint64_t i,
+              SetHuller& huller, HullBatch& part) const {
+    const std::uint64_t at = found.vertex_at[i], vertices = found.vertex_at[i + 1] - at;
+    std::uint64_t ids[most_vertices];
+    std::copy_n(found.vertices + at, vertices, ids);
+    FoundHull hull;
+    hull.rows.data = found.rows + at * points_.dimension * scalar_size(points_.scalar);
+    hull.rows.scalar = points_.scalar;
+    hull.rows.dimension = points_.dimension;
+    hull.rows.count = vertices;
+    hull.rows.coordinate_stride = static_cast<std::ptrdiff_t>(scalar_size(points_.scalar));
+    hull.rows.point_stride = hull.rows.coordinate_stride * points_.dimension;
+    hull.ids = ids;
+    hull.point_count = points_in(first + i, first + i + 1);
+    std::uint8_t place[most_vertices], corners[3 * 2 * most_vertices];
+    if (points_.dimension == 3) {
+      for (std::uint64_t k = 0; k < vertices; ++k) place[ids[k]] = static_cast<std::uint8_t>(k);
+      hull.simplex_count = static_cast<unsigned>(found.simplex_at[i + 1] - found.simplex_at[i]);
+      const std::uint8_t* const from = found.simplices + 3 * found.simplex_at[i];
+      for (unsigned k = 0; k < 3 * hull.simplex_count; ++k) corners[k] = place[from[k]];
+      hull.simplices = corners;
+    }
+    huller.append(hull, part);
+  }
+
+  const DevicePointView points_;
+  const Options options_;
+  const Run run_;
+  SetsOnDevice there_;
+  const std::vector<std::uint64_t> starts_;
+  const std::uint64_t sets_;
+  const bool must_, warps_;
+};
+
+}  // namespace
+}  // namespace internal
+
+HullBatch convex_hulls(const DevicePointView& points, const std::uint64_t* offsets,
+                       std::uint64_t set_count, const Options& options,
+                       Array<double>* vertex_coordinates) {
+  internal::DeviceBatch sets(points, offsets, set_count, options);
+  HullBatch batch = sets.to_host();
+  if (vertex_coordinates != nullptr) *vertex_coordinates = sets.vertex_rows(batch);
+  return batch;
+}
+
+DeviceHullBatch convex_hulls_on_device(const DevicePointView& points, const std::uint64_t* offsets,
+                                       std::uint64_t set_count, const Options& options) {
+  return internal::DeviceBatch(points, offsets, set_count, options).to_device();
+}
+
+}  // namespace cullhull

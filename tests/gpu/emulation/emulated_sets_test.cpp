@@ -1,0 +1,262 @@
+// Random batches on the emulated device: sizes, kinds of sets, layouts, streams, threads, what
+// fails and when. Each ends with the CPU's batch, bit for bit, or with an error that the failure
+// explains. CULLHULL_RANDOM_RUNS is how many; a failing one names its seed.
+#include <cuda_runtime_api.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "emulation.hpp"
+#include "tests/gpu/same_batch.hpp"
+
+namespace cullhull::testing {
+namespace {
+
+class RandomBatch {
+ public:
+  explicit RandomBatch(std::uint64_t seed) : random_(seed), seed_(seed) {}
+
+  void run() {
+    emulation::settings() = {};
+    emulation::restart(seed_);
+    if (one_in(2))
+      run_as<float>();
+    else
+      run_as<double>();
+    emulation::settings() = {};
+  }
+
+ private:
+  std::uint64_t below(std::uint64_t n) { return random_() % n; }
+  bool one_in(std::uint64_t n) { return below(n) == 0; }
+
+  template <class T>
+  Sets<T> sets() {
+    Sets<T> s(one_in(8) ? 1 + 3 * static_cast<unsigned>(below(2))
+                        : 2 + static_cast<unsigned>(below(2)));
+    const std::uint64_t count = one_in(8) ? below(3) : below(90);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const std::size_t n = one_in(6) ? below(200) : below(70);
+      if (one_in(8)) {
+        s.add_lattice(n, 2 + static_cast<unsigned>(below(5)), random_());
+        continue;
+      }
+      s.add_ball(n, random_());
+      if (one_in(10)) s.stretch_last(n, static_cast<unsigned>(below(s.d)), 0);
+      if (one_in(10)) s.stretch_last(n, 0, 0x1p-30);
+      if (one_in(10)) s.flatten_last(n, one_in(2) ? 0x1p-25 : 0x1p-45);
+      if (one_in(10)) s.repeat_last_points(below(n + 1));
+    }
+    return s;
+  }
+
+  Options options() {
+    Options o;
+    const Backend backends[] = {Backend::automatic, Backend::cuda, Backend::cuda, Backend::cpu};
+    o.backend = backends[below(4)];
+    o.threads = 1 + static_cast<unsigned>(below(3));
+    if (one_in(3)) o.memory_budget = std::uint64_t{1} << (18 + below(6));
+    return o;
+  }
+
+  void choose_failures() {
+    emulation::Settings& s = emulation::settings();
+    const emulation::Order orders[] = {emulation::Order::late, emulation::Order::shuffled,
+                                       emulation::Order::at_once};
+    s.order = orders[below(3)];
+    s.pools = !one_in(4);
+    if (one_in(4)) s.failing_allocation = 1 + static_cast<long>(below(16));
+    if (one_in(6)) s.failing_allocations_from = 1 + static_cast<long>(below(16));
+    if (one_in(8)) s.failing_pinned_from = 1 + static_cast<long>(below(3));
+    fails_ = s.failing_allocation != 0 || s.failing_allocations_from != 0;
+    if (one_in(4)) keep_memory(0);
+  }
+
+  template <class T>
+  void run_as() {
+    SCOPED_TRACE("seed " + std::to_string(seed_));
+    const Sets<T> s = sets<T>();
+    const unsigned d = s.d;
+    Options o = options();
+    const std::size_t n = s.rows.size() / d, extra = one_in(2) ? 0 : below(3);
+    const bool columns = one_in(4);
+    std::vector<T> memory(columns ? n * d : n * (d + extra));
+    for (std::size_t i = 0; i < n; ++i)
+      for (unsigned j = 0; j < d; ++j)
+        memory[columns ? j * n + i : i * (d + extra) + j] = s.rows[i * d + j];
+    emulation::settings().devices = 2;
+    const int holder = static_cast<int>(below(2));
+    check(cudaSetDevice(holder));
+    {
+      const OnDevice there(memory), offsets_there(s.offsets);
+      const Stream own;
+      const cudaStream_t streams[] = {own, nullptr, cudaStreamPerThread};
+      const std::uint64_t which = below(3);
+      auto view = columns ? DevicePointView::column_major(there.data<T>(), n, d, streams[which])
+                          : DevicePointView::row_major(there.data<T>(), n, d, streams[which]);
+      if (!columns) view.point_stride = static_cast<std::ptrdiff_t>((d + extra) * sizeof(T));
+      const std::uint64_t* offsets =
+          one_in(2) ? s.offsets.data() : offsets_there.data<std::uint64_t>();
+      std::string problem;
+      HullBatch expected;
+      try {  // with little memory a set may be too large for the CPU, too
+        Options plain = o;
+        plain.backend = Backend::cpu;
+        expected = convex_hulls(PointView::row_major(s.rows.data(), n, d), s.offsets.data(),
+                                s.count(), plain);
+      } catch (const Error& e) {
+        problem = e.what();
+      }
+      emulation::restart(seed_ + 1);
+      choose_failures();
+      emulation::settings().devices = 2;
+      if (which != 0 && n > 0) check(cudaSetDevice(static_cast<int>(below(2))));
+      const bool to_host = one_in(2);
+      try {
+        if (to_host) {
+          expect_same(convex_hulls(view, offsets, s.count(), o), expected);
+        } else {
+          const DeviceHullBatch batch = convex_hulls_on_device(view, offsets, s.count(), o);
+          emulation::settings() = {};
+          emulation::settings().devices = 2;
+          expect_same_lists(batch, expected);
+        }
+        EXPECT_EQ(problem, "");
+      } catch (const Error& e) {
+        if (e.what() != problem) {
+          EXPECT_TRUE(fails_) << e.what();
+          EXPECT_EQ(e.code(), ErrorCode::out_of_budget) << e.what();
+          EXPECT_TRUE(!to_host || o.backend == Backend::cuda) << e.what();
+        }
+      }
+      emulation::settings() = {};
+      emulation::settings().devices = 2;
+      check(cudaSetDevice(holder));
+    }
+  }
+
+  std::mt19937_64 random_;
+  std::uint64_t seed_;
+  bool fails_ = false;
+};
+
+TEST(EmulatedSets, EndWithTheBatchOrAnErrorThatExplains) {
+  const char* wanted = std::getenv("CULLHULL_RANDOM_RUNS");
+  const long runs = wanted != nullptr ? std::atol(wanted) : 200;
+  const char* first = std::getenv("CULLHULL_RANDOM_SEED");
+  const long seed = first != nullptr ? std::atol(first) : 1;
+  for (long i = 0; i < runs && !::testing::Test::HasFailure(); ++i)
+    RandomBatch(static_cast<std::uint64_t>(seed + i)).run();
+  EXPECT_EQ(emulation::counters().live_bytes, 0U) << "memory of a device was not freed";
+}
+
+// Questions about points on a device: every allocation fails once, and from some on all do.
+TEST(EmulatedQuestions, WhateverAllocationFails) {
+  emulation::settings() = {};
+  emulation::restart();
+  Sets<double> sets(3);
+  sets.add_ball(100, 1);
+  sets.add_ball(3000, 2);
+  const auto base = PointView::row_major(sets.rows.data(), 100, 3);
+  const HullQuery query(base, convex_hull(base));
+  const auto here = PointView::row_major(sets.rows.data(), 3100, 3);
+  std::vector<Side> sides(3100);
+  std::vector<double> distances(3100);
+  std::vector<std::uint64_t> vertices(3100);
+  query.sides(here, sides.data());
+  query.signed_distances(here, distances.data());
+  query.supports(here, vertices.data());
+  for (const Backend backend : {Backend::automatic, Backend::cuda})
+    for (const bool all : {false, true})
+      for (long n = 0; n < 14; ++n) {
+        SCOPED_TRACE(std::to_string(n) + (all ? " and all later ones" : ""));
+        const OnDevice copy(sets.rows);
+        const auto there = DevicePointView::row_major(copy.data<double>(), 3100, 3);
+        Options options;
+        options.backend = backend;
+        const auto ask = [&](auto&& question) {
+          emulation::restart();
+          (all ? emulation::settings().failing_allocations_from
+               : emulation::settings().failing_allocation) = n;
+          try {
+            question();
+          } catch (const Error& e) {
+            EXPECT_EQ(e.code(), ErrorCode::out_of_budget);
+            EXPECT_EQ(backend, Backend::cuda);
+          }
+          emulation::settings() = {};
+        };
+        ask([&] {
+          std::vector<Side> found(3100);
+          query.sides(there, found.data(), options);
+          EXPECT_EQ(found, sides);
+          if (n == 0) {
+            EXPECT_EQ(emulation::counters().launches["hull_sides<D, T>"], 1U);
+          }
+        });
+        ask([&] {
+          std::vector<double> found(3100);
+          query.signed_distances(there, found.data(), options);
+          expect_same_bits(found, distances, "distances");
+        });
+        ask([&] {
+          std::vector<std::uint64_t> found(3100);
+          query.supports(there, found.data(), options);
+          expect_same_bits(found, vertices, "supports");
+        });
+      }
+}
+
+// A result outlives the stream of its call, and its last copy frees it.
+TEST(EmulatedSets, AResultIsFreedBehindAllWork) {
+  emulation::settings() = {};
+  emulation::restart();
+  Sets<float> sets(3);
+  for (std::size_t i = 0; i < 40; ++i) sets.add_ball(30, i);
+  {
+    const OnDevice there(sets.rows);
+    const std::size_t before = emulation::counters().live_bytes;
+    DeviceHullBatch copy;
+    {
+      const Stream stream;
+      const auto view = DevicePointView::row_major(there.data<float>(), 1200, 3, stream);
+      const DeviceHullBatch batch = convex_hulls_on_device(view, sets.offsets.data(), 40);
+      EXPECT_EQ(batch.device, 0);
+      copy = batch;
+    }
+    EXPECT_GT(emulation::counters().live_bytes, before);
+    std::vector<std::int32_t> ids(copy.vertex_count);
+    const Stream reader;
+    check(cudaMemcpyAsync(ids.data(), copy.vertices, ids.size() * sizeof(std::int32_t),
+                          cudaMemcpyDeviceToHost, reader));
+    copy = {};  // waits for the reader
+    EXPECT_EQ(ids[0], 0);
+    check(cudaDeviceSynchronize());
+    EXPECT_EQ(emulation::counters().live_bytes, before);
+  }
+}
+
+// It breaks the device for the process, so it is the last test here.
+TEST(EmulatedSetsLast, AFailedLaunchIsAnError) {
+  emulation::settings() = {};
+  emulation::restart();
+  Sets<float> sets(2);
+  for (std::size_t i = 0; i < 40; ++i) sets.add_ball(30, i);
+  const OnDevice there(sets.rows);
+  emulation::restart();
+  emulation::settings().failing_launch = 1;
+  const auto view = DevicePointView::row_major(there.data<float>(), 1200, 2);
+  for (int call = 0; call < 2; ++call) try {
+      (void)convex_hulls(view, sets.offsets.data(), 40);
+      ADD_FAILURE() << "no error";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::backend_unavailable) << e.what();
+    }
+}
+
+}  // namespace
+}  // namespace cullhull::testing

@@ -1,0 +1,132 @@
+// Sets of points for batches on a device, and what is expected of them.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <random>
+#include <vector>
+
+#include "cuda/set_hulls.hpp"
+#include "cullhull/cullhull.hpp"
+#include "parallel/control.hpp"
+#include "tests/gpu/device.hpp"
+
+namespace cullhull::testing {
+
+template <class T>
+struct Sets {
+  explicit Sets(unsigned dimension) : d(dimension) {}
+
+  std::size_t count() const { return offsets.size() - 1; }
+  void end_set() { offsets.push_back(rows.size() / d); }
+  void add_ball(std::size_t n, std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> unit;
+    for (std::size_t i = 0; i < n; ++i) {
+      double x[8], square = 0;
+      for (unsigned j = 0; j < d; ++j) x[j] = normal(random), square += x[j] * x[j];
+      const double scale = std::pow(unit(random), 1.0 / d) / std::sqrt(square);
+      for (unsigned j = 0; j < d; ++j) rows.push_back(static_cast<T>(x[j] * scale));
+    }
+    end_set();
+  }
+  void add_lattice(std::size_t n, unsigned side, std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    for (std::size_t i = 0; i < n * d; ++i) rows.push_back(static_cast<T>(random() % side));
+    end_set();
+  }
+  /// Copies of the last `n` points join their set.
+  void repeat_last_points(std::size_t n) {
+    for (std::size_t i = 0; i < n * d; ++i) rows.push_back(rows[rows.size() - n * d]);
+    offsets.back() = rows.size() / d;
+  }
+  /// Coordinate j of the last `n` points times a number.
+  void stretch_last(std::size_t n, unsigned j, double by) {
+    for (std::size_t i = rows.size() / d - n; i < rows.size() / d; ++i)
+      rows[i * d + j] = static_cast<T>(rows[i * d + j] * by);
+  }
+
+  /// The last `n` points come so near to a plane across all axes.
+  void flatten_last(std::size_t n, double by) {
+    for (std::size_t i = rows.size() / d - n; i < rows.size() / d; ++i) {
+      double sum = rows[i * d + d - 1] * by;
+      for (unsigned j = 0; j + 1 < d; ++j) sum -= rows[i * d + j];
+      rows[i * d + d - 1] = static_cast<T>(sum);
+    }
+  }
+
+  unsigned d;
+  std::vector<T> rows;
+  std::vector<std::uint64_t> offsets{0};
+};
+
+/// Of the same length and bits.
+template <class A>
+void expect_same_bits(const A& a, const A& b, const char* what) {
+  ASSERT_EQ(a.size(), b.size()) << what;
+  using T = typename A::value_type;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const T x = a[i], y = b[i];
+    ASSERT_EQ(std::memcmp(&x, &y, sizeof(T)), 0) << what << ", item " << i << ": " << x << " " << y;
+  }
+}
+
+inline void expect_same(const HullBatch& a, const HullBatch& b) {
+  EXPECT_EQ(a.dimension, b.dimension);
+  EXPECT_EQ(a.scalar, b.scalar);
+  expect_same_bits(a.point_counts, b.point_counts, "point counts");
+  expect_same_bits(a.affine_dimensions, b.affine_dimensions, "affine dimensions");
+  expect_same_bits(a.volumes, b.volumes, "volumes");
+  expect_same_bits(a.areas, b.areas, "areas");
+  expect_same_bits(a.centroids, b.centroids, "centroids");
+  expect_same_bits(a.vertices.offsets, b.vertices.offsets, "offsets of vertices");
+  expect_same_bits(a.vertices.items, b.vertices.items, "vertices");
+  expect_same_bits(a.facet_starts, b.facet_starts, "facets");
+  expect_same_bits(a.facets.offsets, b.facets.offsets, "offsets of facets");
+  expect_same_bits(a.facets.items, b.facets.items, "facets");
+  expect_same_bits(a.facet_neighbours.offsets, b.facet_neighbours.offsets, "neighbours");
+  expect_same_bits(a.facet_neighbours.items, b.facet_neighbours.items, "neighbours");
+  expect_same_bits(a.facet_planes, b.facet_planes, "planes");
+  expect_same_bits(a.simplices.offsets, b.simplices.offsets, "offsets of simplices");
+  expect_same_bits(a.simplices.items, b.simplices.items, "simplices");
+  expect_same_bits(a.simplex_neighbours.items, b.simplex_neighbours.items, "neighbours");
+  expect_same_bits(a.simplex_facets.items, b.simplex_facets.items, "facets of simplices");
+}
+
+/// A copy of an array of the device.
+template <class T>
+std::vector<T> fetched(const T* there, std::uint64_t count) {
+  std::vector<T> here(count);
+  check(cudaMemcpy(here.data(), there, count * sizeof(T), cudaMemcpyDeviceToHost));
+  return here;
+}
+
+inline void expect_same_lists(const DeviceHullBatch& there, const HullBatch& b) {
+  ASSERT_EQ(there.dimension, b.dimension);
+  ASSERT_EQ(there.sets, b.size());
+  std::vector<std::int64_t> vertex_at{0}, simplex_at{0};
+  std::vector<std::int32_t> vertices, simplices;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    for (const std::uint64_t id : b.vertices[i]) vertices.push_back(static_cast<std::int32_t>(id));
+    if (b.affine_dimensions[i] == static_cast<std::int32_t>(b.dimension))
+      for (const std::uint64_t id : b.simplices[i])
+        simplices.push_back(static_cast<std::int32_t>(id));
+    vertex_at.push_back(static_cast<std::int64_t>(vertices.size()));
+    simplex_at.push_back(static_cast<std::int64_t>(simplices.size() / b.dimension));
+  }
+  ASSERT_EQ(there.vertex_count, vertices.size());
+  ASSERT_EQ(there.simplex_count, simplices.size() / b.dimension);
+  expect_same_bits(fetched(there.vertex_offsets, there.sets + 1), vertex_at, "offsets");
+  expect_same_bits(fetched(there.simplex_offsets, there.sets + 1), simplex_at, "offsets");
+  expect_same_bits(fetched(there.vertices, there.vertex_count), vertices, "vertices");
+  expect_same_bits(fetched(there.simplices, there.simplex_count * b.dimension), simplices,
+                   "simplices");
+  expect_same_bits(fetched(there.affine_dimensions, there.sets), b.affine_dimensions,
+                   "affine dimensions");
+}
+
+}  // namespace cullhull::testing
