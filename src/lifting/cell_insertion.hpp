@@ -423,7 +423,52 @@ class CellInsertion {
     return true;
   }
 
+  /// From 4D on: new cells meet in ridges of the cavity's boundary, twice in each. A table of sums
+  /// over those of one hash has how many there are and their codes: of two, the sum less one's code
+  /// is the other's. Where ridges share a hash their cells are joined by walking.
+  void join_by_sums() {
+    constexpr unsigned sum_bits = 42;
+    const std::size_t ridges = facets_.size() * (corners() - 1);
+    const auto bits = static_cast<unsigned>(std::bit_width(2 * ridges));
+    sums_.assign(std::size_t{1} << bits, 0);
+    places_.resize(ridges);
+    std::uint32_t* place = places_.data();
+    for (const Facet& f : facets_) {
+      const std::uint32_t* v = cells_.store.vertices(f.made);
+      std::uint64_t hash[K + 1], all = 0;
+      for (unsigned i = 0; i <= K; ++i) {
+        hash[i] = i == f.slot ? 0 : hash_of(v[i]);
+        all += hash[i];
+      }
+      for (unsigned i = 0; i <= K; ++i) {
+        if (i == f.slot) continue;
+        *place = static_cast<std::uint32_t>((all - hash[i]) >> (64 - bits));
+        sums_[*place++] += (std::uint64_t{1} << sum_bits) + cells_.store.code(f.made, i);
+      }
+    }
+    place = places_.data();
+    for (const Facet& f : facets_) {
+      std::uint32_t* n = cells_.store.neighbours(f.made);
+      for (unsigned i = 0; i <= K; ++i) {
+        if (i == f.slot) continue;
+        const std::uint64_t sum = sums_[*place++];
+        if (sum >> sum_bits == 2)
+          n[i] = static_cast<std::uint32_t>((sum & ((std::uint64_t{1} << sum_bits) - 1)) -
+                                            cells_.store.code(f.made, i));
+        else if (n[i] == unset)
+          join(f, i);
+      }
+    }
+  }
+  static std::uint64_t hash_of(std::uint32_t v) {
+    const std::uint64_t x = (std::uint64_t{v} + 1) * XorShift::golden;
+    return (x ^ x >> 29) * XorShift::golden;
+  }
+
   void join_cells() {
+    if constexpr (with_planes) {
+      if (facets_.size() * K < std::size_t{1} << 20) return join_by_sums();  // counts and sums fit
+    }
     for (const Facet& f : facets_) {
       const std::uint32_t* n = cells_.store.neighbours(f.made);
       for (unsigned i = 0; i < corners(); ++i)
@@ -465,6 +510,8 @@ class CellInsertion {
   std::vector<Facet> facets_;
   // A label of each vertex of a boundary, from label_base_ on; edges met once, by labels.
   std::vector<std::uint32_t> labels_, edges_;
+  std::vector<std::uint64_t> sums_;
+  std::vector<std::uint32_t> places_;
   std::uint32_t label_base_ = 0, label_count_ = 0, at_infinity_ = unset;
   // Of one thread among several: cells it holds, dead ones to be used, how many it made.
   std::vector<std::uint32_t> held_, spare_;

@@ -61,7 +61,7 @@ template <unsigned K, class Insertion>
 std::size_t alone_first(const LiftedPoints& s, const Run& run) {
   constexpr std::size_t all = ~std::size_t{0};
   if (std::is_same_v<Insertion, PlaneInsertion> || K == 1 || run.threads == 1) return all;
-  const std::size_t alone = K == 2 ? 4096 : K == 3 ? 1024 : K == 4 ? 256 : K == 5 ? 128 : 64;
+  const std::size_t alone = K == 2 ? 4096 : K == 3 ? 1024 : K == 4 ? 256 : K == 5 ? 128 : 512;
   return s.count >= 2 * alone ? alone : all;
 }
 
