@@ -17,7 +17,7 @@ import sys
 
 root = pathlib.Path(__file__).resolve().parent.parent
 TOP = ["README", "HACKING", "CHANGELOG", "CONTRIBUTING", "SECURITY"]
-COMMANDS = ["hull", "cull", "track", "certify", "generate", "info", "view", "qconvex", "bench"]
+COMMANDS = ["hull", "cull", "track", "delaunay", "voronoi", "alpha", "certify", "generate", "info", "view", "qconvex", "bench"]
 
 
 def pages():

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 
 #include "arguments.hpp"
 #include "commands.hpp"
+#include "cullhull/constrained.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/triangulation.hpp"
 #include "cullhull/triangulation_io.hpp"
@@ -42,6 +44,7 @@ constexpr const char* delaunay_footer =
     "  cullhull delaunay disk.npy -o mesh.ply --certify      the mesh, its cells checked\n"
     "  cullhull delaunay sites.csv --columns x,y --weights w -o regular.json\n"
     "  rbox 100 D2 | cullhull delaunay - --format i          in the place of qdelaunay\n"
+    "  cullhull delaunay map.csv --edges rings.csv --inside -o map.vtp   inside of rings\n"
     "\n"
     "All points must fit in memory. Exit status: 0 success; 1 bad input; 2 bad usage; 3 not\n"
     "certified; 4 out of the memory budget; 130 cancelled.";
@@ -71,8 +74,8 @@ struct DualArguments {
   InputArguments input;
   RunArguments run;
   std::vector<std::string> outputs, formats;
-  std::string weights, json, measures, box;
-  bool furthest = false, certify = false;
+  std::string weights, json, measures, box, edges;
+  bool furthest = false, certify = false, inside = false;
   std::vector<std::string> files;  ///< that the words of the input stand for
 };
 
@@ -123,6 +126,28 @@ std::vector<double> read_weights(const DualArguments& a, std::uint64_t count) {
   return weights;
 }
 
+/// Pairs of numbers of points, a pair a line.
+std::vector<std::uint32_t> read_edges(const DualArguments& a, std::uint64_t count) {
+  InputArguments from;
+  from.path = a.edges;
+  const Input input = open_input(from, a.run.threads, a.run.memory_bytes());
+  if (input.points.dimension != 2)
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("--edges {}: {} columns, where two points a line are wanted", a.edges,
+                            input.points.dimension));
+  std::vector<std::uint32_t> edges;
+  for (std::uint64_t i = 0; i < input.points.count; ++i)
+    for (std::uint32_t j = 0; j < 2; ++j) {
+      const double v = input.points.at(i, j);
+      if (!(v >= 0 && v < static_cast<double>(count) && v == std::floor(v)))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("--edges {}: edge {} has {}, which is no number of {} points",
+                                a.edges, i, v, count));
+      edges.push_back(static_cast<std::uint32_t>(v));
+    }
+  return edges;
+}
+
 struct Box {
   std::vector<double> low, high;
 };
@@ -169,11 +194,39 @@ struct Outcome {
   std::optional<Voronoi> voronoi;
   std::optional<cullhull::ClippedCells> cells;
   std::optional<Certificate> certificate;
+  std::optional<std::uint64_t> piece_count;  ///< of forced edges
   std::vector<double> weights;
   double read_seconds = 0, dual_seconds = 0;
 };
 
+void triangulate_with_edges(const DualArguments& a, const PointView& points, Outcome& out) {
+  const std::vector<std::uint32_t> edges = read_edges(a, points.count);
+  const auto forced = [&](bool inside) {
+    return repeat(a.run, 1,
+                  [&](const cullhull::Options& options) {
+                    cullhull::ConstrainedOptions o;
+                    o.inside_only = inside;
+                    o.threads = options.threads;
+                    o.memory_budget = options.memory_budget;
+                    o.progress = options.progress;
+                    o.stop = options.stop;
+                    o.poll = options.poll;
+                    return naming_file(a.input.path, [&] {
+                      return cullhull::constrained_delaunay(points, edges, o);
+                    });
+                  })
+        .result;
+  };
+  cullhull::ConstrainedTriangulation found = forced(a.inside);
+  // The certificate is of a whole one.
+  if (a.certify)
+    out.certificate = cullhull::certify(points, edges, a.inside ? forced(false) : found);
+  out.piece_count = found.piece_sources.size();
+  out.triangulation = std::move(found.triangulation);
+}
+
 void triangulate(const DualArguments& a, const PointView& points, Outcome& out) {
+  if (!a.edges.empty()) return triangulate_with_edges(a, points, out);
   out.triangulation = repeat(a.run, 1, [&](const cullhull::Options& options) {
                         cullhull::TriangulationOptions o;
                         o.furthest_site = a.furthest;
@@ -231,6 +284,7 @@ std::string report(const DualArguments& a, const PointView& points, const Outcom
   json["hull_facet_count"] = t.hull_facet_count();
   json["duplicate_count"] = t.duplicates.size();
   json["hidden_count"] = t.hidden.size();
+  if (out.piece_count) json["piece_count"] = *out.piece_count;
   if (out.voronoi) {
     json["vertex_count"] = out.voronoi->vertex_count();
     json["ridge_count"] = out.voronoi->ridge_count();
@@ -257,6 +311,7 @@ std::string summary(const DualArguments& a, const Input& input, const Outcome& o
                     t.affine_dimension);
   text += fmt::format("cells      {}, {} facets on the hull\n", grouped(t.size()),
                       grouped(t.hull_facet_count()));
+  if (out.piece_count) text += fmt::format("edges      {} forced\n", grouped(*out.piece_count));
   if (!t.duplicates.empty() || !t.hidden.empty())
     text += fmt::format("left out   {} duplicates, {} hidden\n", grouped(t.duplicates.size()),
                         grouped(t.hidden.size()));
@@ -300,9 +355,15 @@ void write_results(const DualArguments& a, const PointView& points, const Outcom
 
 int run(DualArguments a, bool dual) {
   (void)words_of(a.formats, dual ? cullhull::voronoi_formats() : cullhull::delaunay_formats());
+  if (!a.edges.empty() && (!a.weights.empty() || a.furthest))
+    throw Error(ErrorCode::invalid_argument,
+                "--edges: there are none with weights or of the furthest site");
+  if (a.inside && a.edges.empty())
+    throw Error(ErrorCode::invalid_argument, "--inside: of which --edges?");
   a.files = a.input.find_files();
   FilePlan plan;
   plan.reads(a.files);
+  if (!a.edges.empty()) plan.reads(a.edges);
   std::error_code ignored;
   if (!a.weights.empty() && std::filesystem::exists(a.weights, ignored)) plan.reads(a.weights);
   for (const std::string& path : a.outputs)
@@ -358,6 +419,12 @@ Command add_delaunay(Parser& parent) {
   auto a = std::make_shared<DualArguments>();
   Parser& command =
       add_common(parent, "delaunay", "The exact Delaunay triangulation of a file of points", *a);
+  needs_value(*command.add_option("--edges", a->edges,
+                                  "Edges of 2D points that must be there: a file of pairs of\n"
+                                  "numbers of points, from 0. Points on them cut them"))
+      .type_name("FILE");
+  command.add_flag("--inside", a->inside,
+                   "Keep the cells that have an odd number of these edges around them");
   command.footer(std::string(input_help) + "\n\n" + delaunay_footer);
   return [a] { return run(*a, false); };
 }

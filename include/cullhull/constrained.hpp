@@ -27,7 +27,8 @@ struct ConstrainedOptions {
 struct ConstrainedTriangulation {
   /// As delaunay() gives it, but for cell_groups, which is empty, and statistics, which are those
   /// of the triangulation without constraints. With inside_only the hull is the boundary of what is
-  /// left. Points on one line (k < 2): as delaunay() gives it.
+  /// left. Points on one line (k < 2): as delaunay() gives it. TriangulationQuery, voronoi() and
+  /// others want a Delaunay triangulation, which this is not.
   Triangulation triangulation;
   /// pieces x 2 ids, the lower one first, sorted lexicographically: what the constraints consist of
   /// where they are cut at points that lie on them.

@@ -59,7 +59,7 @@ struct DuplicatePoint {
 ///
 /// Which triangulation: the lower hull of the points lifted to |x|^2 (less the weight). Cells of
 /// one sphere are merged and cut again by pulling: from the lowest id of all their vertices, then
-/// of each face from its own lowest. There is one such triangulation, whatever the order of points,
+/// of each face from its own lowest. There is one such triangulation, whatever the order of work,
 /// threads or scalar type.
 struct Triangulation {
   std::uint32_t dimension = 0;

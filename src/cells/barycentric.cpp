@@ -8,12 +8,11 @@
 #include "geometry/double_double.hpp"
 #include "geometry/minors.hpp"
 #include "geometry/orientation.hpp"
+#include "lifting/lift_filter.hpp"
 #include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {
 namespace {
-
-constexpr double factorial(unsigned n) { return n < 2 ? 1 : n * factorial(n - 1); }
 
 /// The determinants of the rows p_i - q but one by double-doubles, whose operations err by 2^-102
 /// relatively: each is within `bound`, and their sum, the cell's own determinant, within (k + 1)

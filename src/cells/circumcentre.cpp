@@ -8,12 +8,11 @@
 #include "geometry/double_double.hpp"
 #include "geometry/minors.hpp"
 #include "geometry/orientation.hpp"
+#include "lifting/lift_filter.hpp"
 #include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {
 namespace {
-
-constexpr double factorial(unsigned n) { return n < 2 ? 1 : n * factorial(n - 1); }
 
 /// The centre less p_0, coordinate j within error[j].
 template <unsigned K>

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "geometry/double_double.hpp"
 #include "geometry/minors.hpp"
@@ -52,15 +51,17 @@ bool same_components(unsigned d, const double* a, const double* b, const double*
     const DoubleDouble v = DoubleDouble::sum(x, -y);
     return v.high < 0 ? Parts(-v.high, -v.low) : Parts(v.high, v.low);
   };
-  std::vector<Parts> left, right;
+  constexpr unsigned most = 8;  // beyond, it is left to exact arithmetic
+  if (d > most) return false;
+  Parts left[most], right[most];
   for (unsigned j = 0; j < d; ++j) {
-    left.push_back(parts(a[j], b[j]));
-    right.push_back(parts(c[j], e[j]));
+    left[j] = parts(a[j], b[j]);
+    right[j] = parts(c[j], e[j]);
     if (!std::isfinite(left[j].first) || !std::isfinite(right[j].first)) return false;
   }
-  std::sort(left.begin(), left.end());
-  std::sort(right.begin(), right.end());
-  return left == right;
+  std::sort(left, left + d);
+  std::sort(right, right + d);
+  return std::equal(left, left + d, right);
 }
 
 }  // namespace
@@ -105,9 +106,9 @@ Sign compare_lengths(unsigned d, const double* a, const double* b, const double*
   if (sum.exact) return sign_of(sum.value);
   if (sum.value > sum.bound) return Sign::positive;
   if (sum.value < -sum.bound) return Sign::negative;
+  if (same_components(d, a, b, c, e)) return Sign::zero;
   const Sign sign = by_double_doubles(d, terms);
-  if (sign != Sign::zero) return sign;
-  return same_components(d, a, b, c, e) ? Sign::zero : exactly(d, terms);
+  return sign != Sign::zero ? sign : exactly(d, terms);
 }
 
 }  // namespace cullhull::internal

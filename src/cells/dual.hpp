@@ -13,10 +13,13 @@
 
 namespace cullhull::internal {
 
+/// Throws Error{invalid_argument} if points or weights are not those of the triangulation.
+void require_points_of(const Triangulation& t, const PointView& points,
+                       std::span<const double> weights);
+
 /// All points as rows of d doubles, and the weight where there is one.
 class DualPoints {
  public:
-  /// Throws Error{invalid_argument} if points or weights are not those of the triangulation.
   DualPoints(const PointView& points, const Triangulation& t, std::span<const double> weights,
              const Run& run);
   bool weighted() const { return weighted_; }

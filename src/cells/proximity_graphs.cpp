@@ -10,7 +10,7 @@
 #include "cells/difference_products.hpp"
 #include "cells/dual.hpp"
 #include "cullhull/error.hpp"
-#include "geometry/minors.hpp"
+#include "geometry/double_double.hpp"
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/helpers.hpp"
 #include "parallel/pages.hpp"
@@ -55,27 +55,40 @@ void each_edge(const EdgeCells& edges, std::uint64_t begin, std::uint64_t end, c
 // ------------------------------------------------------------------------- the spanning tree
 
 struct MeasuredEdge {
-  double size;  ///< the squared length, rounded
+  DoubleDouble size;  ///< the squared length, rounded
   Edge edge;
   bool exact;  ///< not rounded
 };
 
-/// Edges by length, then by ids. First by what doubles tell; where neighbours in that order are too
-/// near for it, exactly.
+/// Edges by length, then by ids. First by what double-doubles tell; where neighbours in that order
+/// are too near for it, exactly.
 class EdgeOrder {
  public:
   EdgeOrder(const DualPoints& p, unsigned d) : p_(p), d_(d) {}
 
+  /// Whole where each square is the only one, or squares and sums are doubles.
   MeasuredEdge measure(const Edge& e) const {
-    const double *a = p_.row(e.low), *b = p_.row(e.high);
-    const DifferenceProduct term{1, a, b, a, b};
-    const EstimatedSum sum = estimate_products(d_, {&term, 1});
-    return {sum.value, e, sum.exact};
+    MeasuredEdge m{{}, e, true};
+    for (unsigned j = 0; j < d_; ++j) {
+      const DoubleDouble x = DoubleDouble::sum(p_.row(e.low)[j], -p_.row(e.high)[j]);
+      if (x.high == 0) continue;
+      const DoubleDouble square = x * x;
+      m.exact = m.exact && x.low == 0 && square.high >= 0x1p-900 && square.high <= 0x1p900;
+      if (m.size.high == 0) {
+        m.size = square;
+        continue;
+      }
+      m.exact = m.exact && m.size.low == 0 && square.low == 0;
+      m.size = m.size + square;
+    }
+    if (!(m.size.high <= 0x1p1000)) m = {DoubleDouble(INFINITY), e, false};  // overflow
+    return m;
   }
 
   void sort(std::vector<MeasuredEdge>& edges) const {
     std::sort(edges.begin(), edges.end(), [](const MeasuredEdge& a, const MeasuredEdge& b) {
-      return a.size != b.size ? a.size < b.size : by_ids(a, b);
+      if (a.size.high != b.size.high) return a.size.high < b.size.high;
+      return a.size.low != b.size.low ? a.size.low < b.size.low : by_ids(a, b);
     });
     for (std::size_t begin = 0; begin < edges.size();) {
       std::size_t end = begin + 1;
@@ -94,11 +107,11 @@ class EdgeOrder {
   static bool by_ids(const MeasuredEdge& a, const MeasuredEdge& b) {
     return a.edge.low != b.edge.low ? a.edge.low < b.edge.low : a.edge.high < b.edge.high;
   }
-  /// Twice what both may be off by; true for what overflowed.
+  /// Twice what both may be off by, 2^-101 an operation; true for what overflowed.
   bool near(const MeasuredEdge& a, const MeasuredEdge& b) const {
     if (a.exact && b.exact) return false;
-    const double doubt = 4 * (2.0 * d_ + 10) * unit_roundoff * b.size + 0x1p-990;
-    return !(b.size - a.size > doubt);
+    const double doubt = (4.0 * d_ + 16) * 0x1p-101 * b.size.high + 0x1p-890;
+    return !((b.size.high - a.size.high) + (b.size.low - a.size.low) > doubt);
   }
   bool less(const MeasuredEdge& a, const MeasuredEdge& b) const {
     const Sign sign = compare_lengths(d_, p_.row(a.edge.low), p_.row(a.edge.high),

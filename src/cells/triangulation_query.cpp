@@ -44,16 +44,17 @@ void each_along_curve(const WalkMesh& mesh, const PointView& view, const Run& ru
       double* r = rows.data() + begin * d;
       load_rows(view, first + begin, first + end, r);
       std::vector<double> row(d);
-      std::vector<std::uint32_t> keys(end - begin);
       if (mesh.corners < d + 1)
         for (std::uint64_t i = begin; i < end; ++i) {
           double* const at = rows.data() + i * d;
           std::copy_n(at, d, row.begin());
           for (unsigned j = 0; j < d; ++j) at[j] = row[mesh.columns[j]];
         }
-      mesh.frame.keys(r, end - begin, d, keys.data());
-      for (std::uint64_t i = begin; i < end; ++i)
-        items[i] = {keys[i - begin], static_cast<std::uint32_t>(i)};
+      mesh.frame.keys(
+          end - begin, [&](std::uint64_t i) { return r + i * d; },
+          [&](std::uint64_t i, std::uint32_t key) {
+            items[begin + i] = {key, static_cast<std::uint32_t>(begin + i)};
+          });
     });
     Placed *from = items.data(), *to = scratch.data();
     radix_sort(from, to, n, mesh.frame.key_bits(), run, [](const Placed& p) { return p.key; });

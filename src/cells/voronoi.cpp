@@ -133,9 +133,8 @@ void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
 
 }  // namespace
 
-DualPoints::DualPoints(const PointView& points, const Triangulation& t,
-                       std::span<const double> weights, const Run& run)
-    : stride_(t.dimension + (weights.empty() ? 0 : 1)), weighted_(!weights.empty()) {
+void require_points_of(const Triangulation& t, const PointView& points,
+                       std::span<const double> weights) {
   const auto require = [](bool condition, const std::string& message) {
     if (!condition) throw Error(ErrorCode::invalid_argument, message);
   };
@@ -146,6 +145,12 @@ DualPoints::DualPoints(const PointView& points, const Triangulation& t,
   require(weights.empty() || weights.size() == points.count,
           "there are " + std::to_string(points.count) + " points, but " +
               std::to_string(weights.size()) + " weights");
+}
+
+DualPoints::DualPoints(const PointView& points, const Triangulation& t,
+                       std::span<const double> weights, const Run& run)
+    : stride_(t.dimension + (weights.empty() ? 0 : 1)), weighted_(!weights.empty()) {
+  require_points_of(t, points, weights);
   rows_ = gather_points(points, nullptr, points.count, run);
   if (!weighted_) return;
   const unsigned d = t.dimension;

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "cells/dual.hpp"
 #include "cullhull/error.hpp"
-#include "geometry/curve_keys.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/radix_sort.hpp"
 
@@ -46,54 +46,6 @@ Array<std::uint32_t> vertices_of(const Triangulation& t) {
 
 }  // namespace
 
-CurveFrame::CurveFrame(const double* rows, std::uint32_t n, unsigned stride, unsigned k,
-                       const Run& run)
-    : axes_(std::min(k, 32U)),
-      bits_(k == 0   ? 0
-            : k == 1 ? 31
-                     : std::max(1U, 32 / k)) {
-  for (unsigned j = 0; j < axes_ && n > 0; ++j) {
-    run.check();
-    double low = rows[j], high = low;
-    for (std::uint32_t i = 1; i < n; ++i) {
-      const double v = rows[std::size_t{i} * stride + j];
-      low = std::min(low, v);
-      high = std::max(high, v);
-    }
-    low_.push_back(low * 0.5);
-    widest_ = std::max(widest_, high * 0.5 - low * 0.5);
-  }
-}
-
-std::uint32_t CurveFrame::step(double v, unsigned j) const {
-  const double across = std::ldexp(1.0, static_cast<int>(bits_));
-  const double share = (v * 0.5 - low_[j]) / widest_;
-  return static_cast<std::uint32_t>(std::clamp(share * across, 0.0, across - 1));
-}
-
-void CurveFrame::keys(const double* rows, std::uint64_t n, unsigned stride,
-                      std::uint32_t* out) const {
-  if (!(widest_ > 0)) {
-    std::fill_n(out, n, 0U);
-    return;
-  }
-  std::uint32_t cells[32 * curve_block] = {}, keys[curve_block];
-  for (std::uint64_t begin = 0; begin < n; begin += curve_block) {
-    const auto count = std::min<std::uint64_t>(curve_block, n - begin);
-    for (std::uint64_t i = 0; i < count; ++i)
-      for (unsigned j = 0; j < axes_; ++j)
-        cells[j * curve_block + i] = step(rows[(begin + i) * stride + j], j);
-    if (axes_ > 1) curve_keys(axes_, bits_, cells, keys);
-    std::copy_n(axes_ > 1 ? keys : cells, count, out + begin);
-  }
-}
-
-std::uint32_t CurveFrame::key(const double* row) const {
-  std::uint32_t key = 0;
-  keys(row, 1, 0, &key);
-  return key;
-}
-
 WalkMesh::WalkMesh(const PointView& points, const Triangulation& t, std::span<const double> weights,
                    const Run& run)
     : dimension(t.dimension),
@@ -101,16 +53,7 @@ WalkMesh::WalkMesh(const PointView& points, const Triangulation& t, std::span<co
       corners(t.corners()),
       stride(t.dimension + (weights.empty() ? 0 : 1)),
       furthest(t.furthest_site) {
-  const auto require = [](bool condition, const std::string& message) {
-    if (!condition) throw Error(ErrorCode::invalid_argument, message);
-  };
-  require(points.dimension == t.dimension && points.count == t.point_count,
-          "the triangulation is of " + std::to_string(t.point_count) + " points in dimension " +
-              std::to_string(t.dimension) + ", not of " + std::to_string(points.count) +
-              " in dimension " + std::to_string(points.dimension));
-  require(weights.empty() || weights.size() == points.count,
-          "there are " + std::to_string(points.count) + " points, but " +
-              std::to_string(weights.size()) + " weights");
+  require_points_of(t, points, weights);
   columns.assign(t.axes.begin(), t.axes.end());
   for (unsigned j = 0; j < dimension; ++j)
     if (std::find(t.axes.begin(), t.axes.end(), j) == t.axes.end()) columns.push_back(j);
@@ -132,10 +75,14 @@ void WalkMesh::take_vertices(const PointView& points, const Triangulation& t,
       if (stride > dimension) r[dimension] = weights[vertices[i]];
     }
   });
-  frame = CurveFrame(by_id.data(), n, stride, corners - 1, run);
+  frame = CurveFrame(corners - 1);
+  frame.measure(
+      n, [&](std::uint64_t i) { return by_id.data() + i * stride; }, run);
   Array<std::uint32_t> unsorted(n);
   run.each(n, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-    frame.keys(by_id.data() + begin * stride, end - begin, stride, unsorted.data() + begin);
+    frame.keys(
+        end - begin, [&](std::uint64_t i) { return by_id.data() + (begin + i) * stride; },
+        [&](std::uint64_t i, std::uint32_t key) { unsorted[begin + i] = key; });
   });
   const Array<Placed> order = sorted_by_key(unsorted, frame.key_bits(), run);
   ids.resize(n);

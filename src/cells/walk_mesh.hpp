@@ -7,30 +7,10 @@
 
 #include "cullhull/array.hpp"
 #include "cullhull/triangulation.hpp"
+#include "geometry/curve_frame.hpp"
 #include "parallel/run.hpp"
 
 namespace cullhull::internal {
-
-/// Keys along a Hilbert curve through the box of some rows; of others, those of the box's nearest
-/// points.
-class CurveFrame {
- public:
-  CurveFrame() = default;
-  /// The first k of `stride` numbers of n rows; all finite.
-  CurveFrame(const double* rows, std::uint32_t n, unsigned stride, unsigned k, const Run& run);
-
-  std::uint32_t key(const double* row) const;
-  /// Of n rows.
-  void keys(const double* rows, std::uint64_t n, unsigned stride, std::uint32_t* out) const;
-  unsigned key_bits() const { return axes_ * bits_; }
-
- private:
-  std::uint32_t step(double v, unsigned j) const;
-
-  unsigned axes_ = 0, bits_ = 0;
-  std::vector<double> low_;  ///< halves, so that no difference overflows
-  double widest_ = 0;
-};
 
 struct WalkMesh {
   WalkMesh(const PointView& points, const Triangulation& t, std::span<const double> weights,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "certify/certificate.hpp"
+#include "certify/side_filter.hpp"
 #include "cullhull/error.hpp"
 #include "geometry/gather.hpp"
 #include "geometry/lifted_rows.hpp"
@@ -227,7 +228,9 @@ class ConstrainedSubject {
       ++count;
       const std::uint32_t p = t_.cells[place], q = t_.cells[back->second];
       const double* corners[] = {row(edge.first), row(edge.second), row(p)};
-      const Sign sign = determinant_sign(LiftedRows(2, 2, false, corners, row(q)));
+      Sign sign = Sign::zero;
+      if (!side_filtered<2>(2, false, corners, row(q), sign))
+        sign = determinant_sign(LiftedRows(2, 2, false, corners, row(q)));
       if (sign == Sign::negative)
         fault("the circle of cell ", place / 3, " has the point ", q, " inside");
       if (sign == Sign::zero && std::min(p, q) < edge.first)

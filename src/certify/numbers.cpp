@@ -257,7 +257,7 @@ class MeasureCheck {
 
   WideSums wide_sums() const {
     constexpr std::uint64_t chunk = 256;  // GMP: a facet takes microseconds
-    constexpr mp_bitcnt_t bits = 4608;  // holds sums of products of doubles
+    constexpr mp_bitcnt_t bits = 4608;    // holds sums of products of doubles
     const WideSums none(d_, mpf_class(0, bits), mpf_class(0, 256));
     std::vector<WideSums> parts((s_.simplex_count() + chunk - 1) / chunk, none);
     check_chunks(s_, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {

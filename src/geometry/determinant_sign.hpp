@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "geometry/exact_plane.hpp"
+#include "geometry/factorials.hpp"
 #include "geometry/integer_points.hpp"
 #include "geometry/minors.hpp"
 #include "geometry/orientation.hpp"
@@ -33,7 +34,6 @@ bool determinant_128(const Rows& a, Sign& sign) {
     }
     bits += bit_length(any);
   }
-  constexpr int factorial_bits[] = {0, 0, 1, 3, 5, 7, 10, 13, 16};
   if (bits + factorial_bits[D] > 126) return false;
   Int128 det[1U << D];
   expand_minors<D, false>(m, D, det, static_cast<Int128*>(nullptr));

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "geometry/double_parts.hpp"
+#include "geometry/factorials.hpp"
 #include "geometry/orientation.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/parallel.hpp"
@@ -400,7 +401,6 @@ void LocalFrame::keep_axes(Array<double>& rows) const {
 void LocalFrame::detect_lattice() {
   const auto k = static_cast<unsigned>(affine_dimension_);
   if (k < 2 || k > 8) return;
-  constexpr int factorial_bits[] = {0, 0, 1, 3, 5, 7, 10, 13, 16};
   const int allowed = 53 - factorial_bits[k];
   // |x| <= 1, so differences on a lattice of spacing 2^l are at most 2^(1 - l) spacings.
   std::vector<int> bits(chunk_count(count_, sweep) * k, 0);

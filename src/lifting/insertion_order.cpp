@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "geometry/curve_keys.hpp"
+#include "geometry/curve_frame.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/radix_sort.hpp"
 #include "parallel/xorshift.hpp"
@@ -18,10 +18,8 @@ struct Placed {
 
 class Sorter {
  public:
-  Sorter(const double* rows, unsigned d, const Run& run) : rows_(rows), d_(d), run_(run), low_(d) {
-    bits_ = d == 1 ? 31 : std::max(1U, 32 / d);
-    axes_ = std::min(d, 32U);
-  }
+  Sorter(const double* rows, unsigned d, const Run& run)
+      : rows_(rows), d_(d), run_(run), frame_(d) {}
 
   /// items[0, n) along the curve of their own box, by id where no coordinate differs. Items of one
   /// key are many where few points are far away: they get a curve of their own.
@@ -29,7 +27,7 @@ class Sorter {
     if (n < 2) return;
     if (!place(items, n)) return sort_by_coordinates(items, n);
     Placed *from = items, *to = scratch;
-    radix_sort(from, to, n, bits_ * axes_, run_, [](const Placed& p) { return p.key; });
+    radix_sort(from, to, n, frame_.key_bits(), run_, [](const Placed& p) { return p.key; });
     if (from != items) std::copy(from, from + n, items);
     for (std::uint32_t begin = 0; begin < n;) {
       std::uint32_t end = begin + 1;
@@ -62,73 +60,25 @@ class Sorter {
     std::sort(items, items + n, [&](const Placed& a, const Placed& b) { return less(a.id, b.id); });
   }
 
-  /// Keys; false if the box is too small for them, or a point. Halves of coordinates are taken, so
-  /// that no difference overflows. Keys of equal points are equal, and the ends of the widest of
-  /// the axes that count have different ones.
+  /// Keys; false if the box is too small for them, or a point.
   bool place(Placed* items, std::uint32_t n) {
-    const double widest = measure(items, n);
-    if (!(widest > 0)) return false;
+    const auto row_of = [&](std::uint64_t i) { return row(items[i].id); };
+    if (!frame_.measure(n, row_of, run_)) return false;
     with_dimension<2, 4, 0>(d_, [&](auto d) {
       run_.each(n, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-        place_some<d()>(items + begin, static_cast<std::uint32_t>(end - begin), widest);
+        Placed* const own = items + begin;
+        frame_.keys<d()>(
+            end - begin, [&](std::uint64_t i) { return row(own[i].id); },
+            [&](std::uint64_t i, std::uint32_t key) { own[i].key = key; });
       });
     });
     return true;
   }
 
-  /// Half the width of the box, whose low corner is kept.
-  double measure(const Placed* items, std::uint32_t n) {
-    const std::uint64_t chunks = chunk_count(n, light_grain);
-    std::vector<double> lows(chunks * axes_), highs(chunks * axes_);
-    run_.each_chunk(n, light_grain, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-      double *low = lows.data() + c * axes_, *high = highs.data() + c * axes_;
-      std::copy_n(row(items[begin].id), axes_, low);
-      std::copy_n(low, axes_, high);
-      for (std::uint64_t i = begin; i < end; ++i)
-        for (unsigned j = 0; j < axes_; ++j) {
-          low[j] = std::min(low[j], row(items[i].id)[j]);
-          high[j] = std::max(high[j], row(items[i].id)[j]);
-        }
-    });
-    double widest = 0;
-    for (unsigned j = 0; j < axes_; ++j) {
-      double low = lows[j], high = highs[j];
-      for (std::uint64_t c = 1; c < chunks; ++c) {
-        low = std::min(low, lows[c * axes_ + j]);
-        high = std::max(high, highs[c * axes_ + j]);
-      }
-      low_[j] = low;
-      widest = std::max(widest, high * 0.5 - low * 0.5);
-    }
-    return widest;
-  }
-
-  template <unsigned D>
-  void place_some(Placed* items, std::uint32_t n, double widest) const {
-    const unsigned axes = D ? D : axes_;
-    const double across = std::ldexp(1.0, static_cast<int>(bits_)), top = across - 1;
-    std::vector<std::uint32_t> cells(axes * curve_block);
-    std::uint32_t keys[curve_block];
-    for (std::uint32_t begin = 0; begin < n; begin += curve_block) {
-      const std::uint32_t count = std::min<std::uint32_t>(n - begin, curve_block);
-      for (std::uint32_t i = 0; i < count; ++i)
-        for (unsigned j = 0; j < axes; ++j) {
-          const double share = (row(items[begin + i].id)[j] * 0.5 - low_[j] * 0.5) / widest;
-          cells[j * curve_block + i] =
-              static_cast<std::uint32_t>(std::clamp(share * across, 0.0, top));
-        }
-      if (d_ == 1)
-        std::copy_n(cells.data(), curve_block, keys);
-      else
-        curve_keys(axes, bits_, cells.data(), keys);
-      for (std::uint32_t i = 0; i < count; ++i) items[begin + i].key = keys[i];
-    }
-  }
-
   const double* rows_;
-  unsigned d_, bits_ = 0, axes_ = 0;
+  unsigned d_;
   const Run& run_;
-  std::vector<double> low_;
+  CurveFrame frame_;
 };
 
 /// Which of n shuffled points come in the last round, which in the one before, ...: each round is

@@ -110,6 +110,26 @@ TEST(CliTriangulation, WeightsFromFilesAndColumns) {
                "2 numbers for 4 points");
 }
 
+TEST(CliTriangulation, ForcesEdges) {
+  const Folder f;
+  write_file(f / "p.csv", "x,y\n0,0\n4,0\n4,1\n0,1\n2,0.9\n2,0.1\n9,9\n");
+  write_file(f / "e.txt", "0 1\n1 2\n2 3\n3 0\n0 2\n");
+  const Ran ran = run_app({"delaunay", f / "p.csv", "--edges", f / "e.txt", "--certify"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.out.find("edges      5 forced\n"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("certified  yes\n"), std::string::npos) << ran.out;
+  const Ran inside = run_app(
+      {"delaunay", f / "p.csv", "--edges", f / "e.txt", "--inside", "--certify", "--format", "i"});
+  EXPECT_EQ(inside.out, "6\n0 1 5\n0 2 4\n0 4 3\n0 5 2\n1 2 5\n2 3 4\n") << inside.err;
+  write_file(f / "x.txt", "0 2\n1 3\n");
+  expect_error({"delaunay", f / "p.csv", "--edges", f / "x.txt"}, 2,
+               "edges 0 (0, 2) and 1 (1, 3) cross");
+  write_file(f / "y.txt", "0 7\n");
+  expect_error({"delaunay", f / "p.csv", "--edges", f / "y.txt"}, 2, "no number of 7 points");
+  expect_error({"delaunay", f / "p.csv", "--inside"}, 2, "of which --edges");
+  expect_error({"delaunay", f / "p.csv", "--edges", f / "x.txt", "--furthest"}, 2, "furthest");
+}
+
 TEST(CliTriangulation, RefusesWhatCannotBe) {
   const Folder f;
   write_points(f / "ball.npy", "ball", 300, 3);

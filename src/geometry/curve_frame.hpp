@@ -1,0 +1,96 @@
+// Keys of points along a Hilbert curve through a box.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/curve_keys.hpp"
+#include "parallel/run.hpp"
+
+namespace cullhull::internal {
+
+/// The cube over the low corner of some rows' box whose side is the box's longest; up to 32 axes
+/// count. Halves of coordinates are taken, so that no difference overflows. Keys of equal points
+/// are equal, those of the ends of the widest axis that counts differ, and points outside have the
+/// keys of the cube's nearest ones.
+class CurveFrame {
+ public:
+  CurveFrame() = default;
+  /// For rows of k numbers.
+  explicit CurveFrame(unsigned k)
+      : axes_(std::min(k, 32U)),
+        bits_(k == 0   ? 0
+              : k == 1 ? 31
+                       : std::max(1U, 32 / k)) {}
+
+  unsigned key_bits() const { return axes_ * bits_; }
+
+  /// The box of n rows, all finite: row(i) is the first number of one. False, and all keys are 0,
+  /// if it is a point, or too small for keys.
+  template <class Row>
+  bool measure(std::uint32_t n, const Row& row, const Run& run) {
+    const std::uint64_t chunks = chunk_count(n, light_grain);
+    std::vector<double> lows(chunks * axes_), highs(chunks * axes_);
+    run.each_chunk(n, light_grain, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      double *low = lows.data() + c * axes_, *high = highs.data() + c * axes_;
+      std::copy_n(row(begin), axes_, low);
+      std::copy_n(low, axes_, high);
+      for (std::uint64_t i = begin; i < end; ++i)
+        for (unsigned j = 0; j < axes_; ++j) {
+          low[j] = std::min(low[j], row(i)[j]);
+          high[j] = std::max(high[j], row(i)[j]);
+        }
+    });
+    low_.assign(axes_, 0);
+    widest_ = 0;
+    for (unsigned j = 0; j < axes_ && n > 0; ++j) {
+      double low = lows[j], high = highs[j];
+      for (std::uint64_t c = 1; c < chunks; ++c) {
+        low = std::min(low, lows[c * axes_ + j]);
+        high = std::max(high, highs[c * axes_ + j]);
+      }
+      low_[j] = low * 0.5;
+      widest_ = std::max(widest_, high * 0.5 - low * 0.5);
+    }
+    return widest_ > 0;
+  }
+
+  /// Of n rows; put(i, key). D: the number of axes where it is known early, else 0.
+  template <unsigned D = 0, class Row, class Put>
+  void keys(std::uint64_t n, const Row& row, const Put& put) const {
+    if (!(widest_ > 0)) {
+      for (std::uint64_t i = 0; i < n; ++i) put(i, 0U);
+      return;
+    }
+    const unsigned axes = D ? D : axes_;
+    const double across = std::ldexp(1.0, static_cast<int>(bits_)), top = across - 1;
+    std::uint32_t cells[(D ? D : 32) * curve_block] = {}, keys[curve_block];
+    for (std::uint64_t begin = 0; begin < n; begin += curve_block) {
+      const auto count = static_cast<unsigned>(std::min<std::uint64_t>(n - begin, curve_block));
+      for (unsigned i = 0; i < count; ++i)
+        for (unsigned j = 0; j < axes; ++j) {
+          const double share = (row(begin + i)[j] * 0.5 - low_[j]) / widest_;
+          cells[j * curve_block + i] =
+              static_cast<std::uint32_t>(std::clamp(share * across, 0.0, top));
+        }
+      if (axes > 1) curve_keys(axes, bits_, cells, keys);
+      for (unsigned i = 0; i < count; ++i) put(begin + i, axes > 1 ? keys[i] : cells[i]);
+    }
+  }
+  std::uint32_t key(const double* row) const {
+    std::uint32_t found = 0;
+    keys(
+        1, [&](std::uint64_t) { return row; },
+        [&](std::uint64_t, std::uint32_t key) { found = key; });
+    return found;
+  }
+
+ private:
+  unsigned axes_ = 0, bits_ = 0;
+  std::vector<double> low_;  ///< halves
+  double widest_ = 0;        ///< likewise
+};
+
+}  // namespace cullhull::internal
