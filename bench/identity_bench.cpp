@@ -3,14 +3,19 @@
 //
 //     identity_bench [--threads 1,2,3,4,8] [--cull auto,none,gauge,pseudo-hull] [--no-certify]
 //                    [WORKLOAD ...]
+//     identity_bench --small COUNT [--seed N] [--threads ...] [--no-certify]
 //
 // Workloads are named as in `cullhull bench rivals`: cone-3d-1M, ball-4d-8M-f32. For each run it
 // prints the seconds and a hash of every list and number of the hull; the first hull of a workload
+// is certified. --small takes that many random sets of up to 200 points in 1D to 6D, many of them
+// degenerate, and prints a hash for each thousand, to be compared with another version's; each hull
 // is certified. Ends with status 1 where a hash differs or a hull is not certified.
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -29,6 +34,7 @@ using Clock = std::chrono::steady_clock;
 struct Settings {
   std::vector<std::string> threads{"1", "2", "3", "4", "8"}, culls{"auto"}, workloads;
   bool certify = true;
+  std::uint64_t small = 0, seed = 1;
 };
 
 double seconds_since(Clock::time_point start) {
@@ -108,6 +114,105 @@ bool holds(const Settings& settings, const std::string& name) {
   return good;
 }
 
+/// Random points in d dimensions: general position, lattices, a sphere, wild axes, flats, equal
+/// points, corners that differ in their last bits.
+class SmallSets {
+ public:
+  explicit SmallSets(std::uint64_t seed) : random_(seed) {}
+
+  std::vector<double> next(unsigned& d) {
+    static constexpr unsigned most[] = {8, 20, 60, 200};
+    d = 1 + below(6);
+    const unsigned n = 1 + below(std::min(most[below(4)], d < 5 ? 200U : 30U));
+    std::vector<double> v(std::size_t{n} * d);
+    const unsigned kind = below(8);
+    for (double& x : v) x = kind == 1 ? integer(3) : kind == 6 ? integer(1) : normal();
+    if (kind == 2) onto_sphere(v, d);
+    if (kind == 3) scale_axes(v, d);
+    if (kind == 4) flatten(v, d);
+    if (kind == 5)
+      for (double& x : v) x = static_cast<float>(x);
+    if (kind == 6)
+      for (double& x : v) x += 1e-15 * integer(1);
+    if (kind == 7)
+      for (std::size_t i = v.size() / 3 / d * d; i < v.size(); ++i)
+        v[i] = v[i % std::max<std::size_t>(v.size() / 3 / d * d, d)];
+    return v;
+  }
+
+ private:
+  unsigned below(unsigned end) { return static_cast<unsigned>(random_() % end); }
+  double integer(unsigned most) { return static_cast<double>(below(2 * most + 1)) - most; }
+  /// The sum of four uniform ones: no function of the standard library, whose results vary.
+  double normal() {
+    double sum = -2;
+    for (int i = 0; i < 4; ++i) sum += static_cast<double>(random_() >> 11) * 0x1p-53;
+    return sum;
+  }
+  static void onto_sphere(std::vector<double>& v, unsigned d) {
+    for (std::size_t i = 0; i < v.size(); i += d) {
+      double square = 1e-300;
+      for (unsigned k = 0; k < d; ++k) square += v[i + k] * v[i + k];
+      for (unsigned k = 0; k < d; ++k) v[i + k] /= std::sqrt(square);
+    }
+  }
+  void scale_axes(std::vector<double>& v, unsigned d) {
+    for (unsigned k = 0; k < d; ++k) {
+      const int exponent = static_cast<int>(below(1200)) - 600;
+      for (std::size_t i = k; i < v.size(); i += d) v[i] = std::ldexp(v[i], exponent);
+    }
+  }
+  /// Whole combinations of the first few coordinates.
+  void flatten(std::vector<double>& v, unsigned d) {
+    const unsigned kept = below(d + 1);
+    for (double& x : v) x = integer(9);
+    for (unsigned k = kept; k < d; ++k) {
+      double factors[6];
+      for (double& f : factors) f = integer(3);
+      for (std::size_t i = 0; i < v.size(); i += d) {
+        v[i + k] = factors[5];
+        for (unsigned j = 0; j < kept; ++j) v[i + k] += factors[j % 5] * v[i + j];
+      }
+    }
+  }
+
+  std::mt19937_64 random_;
+};
+
+bool small_hold(const Settings& settings) {
+  SmallSets sets(settings.seed);
+  bool good = true;
+  testing_support::Fnv all;
+  for (std::uint64_t i = 0; i < settings.small; ++i) {
+    unsigned d = 0;
+    const std::vector<double> v = sets.next(d);
+    const PointView points = PointView::row_major(v.data(), v.size() / d, d);
+    std::uint64_t expected = 0;
+    bool first = true;
+    for (const std::string& threads : settings.threads) {
+      Options options;
+      options.threads = static_cast<unsigned>(std::stoul(threads));
+      const Hull hull = convex_hull(points, options);
+      const std::uint64_t hash = testing_support::canonical_hash(hull);
+      if (first) expected = hash;
+      const bool certified = !first || !settings.certify || certify(points, hull).valid;
+      if (hash != expected || !certified) {
+        std::printf("set %llu, %s threads: %s\n", static_cast<unsigned long long>(i),
+                    threads.c_str(), certified ? "DIFFERS" : "NOT certified");
+        good = false;
+      }
+      first = false;
+    }
+    all.word(expected);
+    if ((i + 1) % 1000 == 0 || i + 1 == settings.small) {
+      std::printf("%llu sets: hash %016llx\n", static_cast<unsigned long long>(i + 1),
+                  static_cast<unsigned long long>(all.value()));
+      std::fflush(stdout);
+    }
+  }
+  return good;
+}
+
 int run(int argc, char** argv) {
   Settings settings;
   for (int i = 1; i < argc; ++i) {
@@ -116,15 +221,19 @@ int run(int argc, char** argv) {
       settings.threads = split(argv[++i]);
     else if (i + 1 < argc && a == "--cull")
       settings.culls = split(argv[++i]);
+    else if (i + 1 < argc && a == "--small")
+      settings.small = std::stoull(argv[++i]);
+    else if (i + 1 < argc && a == "--seed")
+      settings.seed = std::stoull(argv[++i]);
     else if (a == "--no-certify")
       settings.certify = false;
     else
       settings.workloads.push_back(a);
   }
-  if (settings.workloads.empty())
+  bool good = settings.small == 0 || small_hold(settings);
+  if (settings.workloads.empty() && settings.small == 0)
     for (const bench::Workload& w : bench::rival_workloads())
       if (w.scalar != ScalarType::i32) settings.workloads.push_back(w.name());
-  bool good = true;
   for (const std::string& name : settings.workloads) good = holds(settings, name) && good;
   std::printf("%s\n", good ? "all the same" : "NOT all the same, or not certified");
   return good ? 0 : 1;

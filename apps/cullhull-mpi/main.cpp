@@ -116,6 +116,7 @@ class Job {
     result.read.dimension = result.state.dimension();
     result.read.scalar = result.state.scalar();
     result.read.format = share_.format;
+    result.read.placement = share_.placement;
     result.report.maps = report.common > 0 ? 1 : 0;
     result.report.reductions = 1;
     result.seconds = watch.seconds();

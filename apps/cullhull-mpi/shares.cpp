@@ -1,6 +1,7 @@
 #include "shares.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <utility>
 
@@ -17,7 +18,29 @@ using cullhull::PointView;
 /// The data of a file that all ranks get from the rank that opened it.
 struct FileFacts {
   std::uint64_t count = 0, sliced = 0;
+  std::uint64_t placed = 0;  ///< a hash of the placement, 0 for none
 };
+
+/// FNV-1a of the doubles' bits; not 0.
+std::uint64_t hash_of(const cullhull::Placement& placement) {
+  if (placement.empty()) return 0;
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const std::vector<double>* numbers : {&placement.scale, &placement.offset})
+    for (const double v : *numbers) hash = (hash ^ std::bit_cast<std::uint64_t>(v)) * 0x100000001b3;
+  return hash | 1;
+}
+
+/// That of all files, of which this rank has opened the first; empty where one has none.
+cullhull::Placement common_placement(const Input& first, const std::vector<FileFacts>& facts,
+                                     const std::vector<std::string>& files) {
+  for (const FileFacts& f : facts)
+    if (f.placed == 0) return {};
+  for (std::size_t i = 1; i < facts.size(); ++i)
+    if (facts[i].placed != facts[0].placed)
+      throw Error(ErrorCode::bad_file,
+                  files[i] + ": scale or offset are not those of the numbers in " + files[0]);
+  return first.placement;
+}
 
 PointView rows_of(PointView view, std::uint64_t begin, std::uint64_t end) {
   if (begin < end) view.data = view.address(begin, 0);
@@ -57,12 +80,14 @@ Share open_share(MPI_Comm comm, const InputArguments& arguments,
       if (owner(i) != rank) continue;
       opened[i] = open_one(arguments, files[i], threads);
       facts[i] = {opened[i].points.count,
-                  !whole_files && opened[i].file.mapped() && opened[i].gathered.empty()};
+                  !whole_files && opened[i].file.mapped() && opened[i].gathered.empty(),
+                  hash_of(opened[i].placement)};
     }
   });
-  MPI_Allreduce(MPI_IN_PLACE, facts.data(), static_cast<int>(2 * facts.size()), MPI_UINT64_T,
+  MPI_Allreduce(MPI_IN_PLACE, facts.data(), static_cast<int>(3 * facts.size()), MPI_UINT64_T,
                 MPI_MAX, comm);
   together([&] {
+    share.placement = common_placement(opened[0], facts, files);
     std::uint64_t first = 0;
     for (std::size_t i = 0; i < files.size(); first += facts[i++].count) {
       const std::uint64_t n = facts[i].count;

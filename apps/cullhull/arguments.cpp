@@ -158,7 +158,19 @@ Input open_input(const InputArguments& arguments, unsigned threads, std::uint64_
                                                  arguments.path + " was read as " +
                                                  input.file.format());
   input.points = input.file.points();
+  input.placement = input.file.placement();
   return input;
+}
+
+cullhull::Placement common_placement(const std::vector<Input>& parts,
+                                     const std::vector<std::string>& files) {
+  for (const Input& part : parts)
+    if (part.placement.empty()) return {};
+  for (std::size_t i = 1; i < parts.size(); ++i)
+    if (parts[i].placement != parts[0].placement)
+      throw Error(ErrorCode::bad_file,
+                  files[i] + ": scale or offset are not those of the numbers in " + files[0]);
+  return parts[0].placement;
 }
 
 Input open_inputs(const InputArguments& arguments, const std::vector<std::string>& files,
@@ -180,6 +192,7 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
                       std::to_string(parts[0].points.dimension) + " in " + files[0]);
     all.points.count += part.count;
   }
+  all.placement = common_placement(parts, files);
   const std::uint32_t d = parts[0].points.dimension;
   const std::size_t size = cullhull::scalar_size(all.points.scalar);
   all.gathered.resize(all.points.count * d * size);

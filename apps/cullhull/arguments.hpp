@@ -42,6 +42,7 @@ struct Input {
   /// Owns the points where they come from several files.
   std::vector<std::byte> gathered;
   cullhull::PointView points;
+  cullhull::Placement placement;  ///< of all files; empty where one has none
 };
 
 /// `memory`: limit for decompressed data; 0: that of ReadOptions.

@@ -21,6 +21,7 @@ Command add_info(Parser& parent);
 Command add_track(Parser& parent);
 Command add_delaunay(Parser& parent);
 Command add_voronoi(Parser& parent);
+Command add_alpha(Parser& parent);
 Command add_view(Parser& parent);
 Command add_qconvex(Parser& parent);
 Command add_bench(Parser& parent);

@@ -179,11 +179,12 @@ std::string wrote_lines(const HullArguments& arguments) {
 
 /// `points`: all points, or their state.
 template <class Points>
-void write_results(const HullArguments& arguments, const Points& points, const Hull& hull,
+void write_results(const HullArguments& arguments, const Points& points,
+                   const cullhull::Placement& placement, const Hull& hull,
                    const cullhull::JsonExtras& extras) {
   const auto faces = arguments.triangles ? cullhull::Faces::triangles : cullhull::Faces::polygons;
   for (const std::string& path : arguments.outputs)
-    cullhull::write_hull(path, points, hull, "", faces);
+    cullhull::write_hull(path, points, hull, "", faces, placement);
   if (!arguments.vertices.empty()) {
     std::vector<std::uint64_t> ids = hull.vertices;
     std::sort(ids.begin(), ids.end());  // in 2D they are counter-clockwise
@@ -321,9 +322,17 @@ Certificate certify_streamed(const HullArguments& arguments, const Streamed& str
   return check.finish();
 }
 
+/// Of its ids and coordinates, which --memory has to hold as well.
+std::uint64_t bytes_of(const cullhull::HullState& state) {
+  return state.ids().size() * (8 + state.dimension() * cullhull::scalar_size(state.scalar()));
+}
+
 Hull hull_of_state(const HullArguments& arguments, const Streamed& streamed) {
   const Stopwatch watch;
-  Repeated<Hull> found = repeat(arguments.run, 1, [&](const cullhull::Options& options) {
+  const std::uint64_t held = bytes_of(streamed.state);
+  Repeated<Hull> found = repeat(arguments.run, 1, [&](cullhull::Options options) {
+    if (options.memory_budget > 0)
+      options.memory_budget -= std::min(held, options.memory_budget - 1);
     return streamed.state.hull(options);
   });
   cullhull::Statistics& s = found.result.statistics;
@@ -385,7 +394,7 @@ int run_streamed(const HullArguments& arguments, const FilePlan& plan) {
   std::optional<Certificate> certificate;
   if (arguments.certify) certificate = certify_streamed(arguments, streamed, hull);
   const std::uint64_t peak = peak_bytes();
-  write_results(arguments, state, hull,
+  write_results(arguments, state, streamed.read.placement, hull,
                 extras_of(certificate, {hull.statistics.compute_seconds}, 0, peak));
   if (speaks)
     write_stdout(state_lines(arguments, streamed) + hull_lines(hull) +
@@ -406,7 +415,7 @@ int run_in_memory(const HullArguments& arguments, const FilePlan& plan) {
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const Outcome outcome = compute(arguments, input.points);
   const std::uint64_t peak = peak_bytes();
-  write_results(arguments, input.points, outcome.result,
+  write_results(arguments, input.points, input.placement, outcome.result,
                 extras_of(outcome.certificate, outcome.seconds, read_seconds, peak));
   if (!arguments.run.quiet && !plan.uses_stdout())
     write_stdout(summary(input, outcome, read_seconds, peak) + wrote_lines(arguments));

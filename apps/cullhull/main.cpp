@@ -39,8 +39,8 @@ int run(const std::vector<std::string>& given) {
   parser.require_subcommand(1, 1);
   std::vector<std::pair<const app::Parser*, app::Command>> commands;
   for (const auto add : {app::add_hull, app::add_cull, app::add_track, app::add_delaunay,
-                         app::add_voronoi, app::add_certify, app::add_generate, app::add_info,
-                         app::add_view, app::add_qconvex, app::add_bench}) {
+                         app::add_voronoi, app::add_alpha, app::add_certify, app::add_generate,
+                         app::add_info, app::add_view, app::add_qconvex, app::add_bench}) {
     app::Command command = add(parser);
     commands.emplace_back(parser.last_subcommand(), std::move(command));
   }

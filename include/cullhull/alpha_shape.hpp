@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "cullhull/array.hpp"
 #include "cullhull/options.hpp"
@@ -29,6 +30,43 @@ struct AlphaShape {
 /// Source: docs/exactness.md, "Voronoi diagrams".
 AlphaShape alpha_shape(const PointView& points, const Triangulation& triangulation, double alpha,
                        const Options& options = {});
+
+/// For each cell the least double that is at least the radius of its circumscribed sphere, infinite
+/// beyond the range of doubles: the cell is in alpha_shape(alpha) if and only if this is at most
+/// alpha. Errors as above.
+Array<double> alpha_radii(const PointView& points, const Triangulation& triangulation,
+                          const Options& options = {});
+
+/// What a shape is wanted to be: with a cell at every vertex, or besides all of one piece, cells
+/// being joined through facets.
+enum class AlphaGoal { all_points, one_region };
+
+/// The least alpha whose shape has every vertex of the triangulation, and for one_region the least
+/// of these whose shape is of one piece. 0 without cells, and for k = 0. Time O(cells (k^3 + log)).
+/// Errors as above.
+double critical_alpha(const PointView& points, const Triangulation& triangulation, AlphaGoal goal,
+                      const Options& options = {});
+
+/// Regions of the plane bounded by rings of points.
+struct CellPolygons {
+  /// Ring i has the ids [ring_offsets[i], ring_offsets[i + 1]), none twice, beginning at the
+  /// lowest.
+  Array<std::uint32_t> ids;
+  Array<std::uint64_t> ring_offsets;
+  /// Polygon i has the rings [polygon_offsets[i], polygon_offsets[i + 1]): the outer one, counter-
+  /// clockwise, then holes, clockwise, by their ids. Polygons are sorted by their outer ring's ids.
+  Array<std::uint64_t> polygon_offsets;
+
+  std::uint64_t ring_count() const noexcept { return ring_offsets.size() - 1; }
+  std::uint64_t polygon_count() const noexcept { return polygon_offsets.size() - 1; }
+};
+
+/// The union of some cells of a triangulation of the plane (k = 2), a polygon for all that hang
+/// together through edges. Rings touch each other, and themselves, in single points at most, so
+/// that polygons are valid as GeoJSON and WKT have it. `cells`: ascending. Errors: invalid_argument
+/// for k > 2 and for points that are not those of the triangulation.
+CellPolygons cell_polygons(const PointView& points, const Triangulation& triangulation,
+                           std::span<const std::uint32_t> cells, const Options& options = {});
 
 }  // namespace cullhull
 #pragma GCC visibility pop

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <vector>
 
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
@@ -12,6 +13,12 @@
 
 #pragma GCC visibility push(default)
 namespace cullhull {
+
+/// The vertices that a point's value comes from, ascending, and their shares.
+struct NaturalNeighbours {
+  std::vector<std::uint32_t> ids;
+  std::vector<double> weights;
+};
 
 /// Values at the vertices of a triangulation made by delaunay(), prepared for interpolation. All
 /// members are const and thread safe; points, triangulation and values are copied.
@@ -41,6 +48,21 @@ class Interpolator {
   void nearest(const PointView& points, double* out,
                double outside = std::numeric_limits<double>::quiet_NaN(),
                const Options& options = {}) const;
+
+  /// Sibson's natural neighbours (1981): inserted among the vertices, the point's Voronoi cell
+  /// takes from the cell of each vertex a share of its volume, which is the vertex's weight. Values
+  /// are continuous, smooth but for the vertices, and linear ones stay so; on the boundary of the
+  /// hull the shares are those within the face (on an edge linear), which is their limit there. At
+  /// a vertex the result is its value. For triangulations of affine dimension 1 to 3 (1: linear),
+  /// else Error{invalid_argument}. `out`, `outside` as for linear(). Time: some microseconds a
+  /// point in the plane, some ten in space. Source: docs/exactness.md, "Natural neighbours".
+  void natural(const PointView& points, double* out,
+               double outside = std::numeric_limits<double>::quiet_NaN(),
+               const Options& options = {}) const;
+
+  /// The weights of one point, d numbers: each within 2^-51 of exact and not negative, so that n of
+  /// them add up to 1 within n 2^-51. None outside. Errors as above, not_finite.
+  NaturalNeighbours natural_neighbours(const double* point) const;
 
  private:
   struct State;

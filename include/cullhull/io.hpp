@@ -48,6 +48,18 @@ struct ReadOptions {
   std::stop_token stop;
 };
 
+/// Where the whole numbers of a scan lie: along each axis at number * scale + offset. Empty where a
+/// file has none such (all formats but .las).
+struct Placement {
+  std::vector<double> scale, offset;
+
+  bool empty() const noexcept { return scale.empty(); }
+  double at(std::size_t axis, double number) const noexcept {
+    return empty() ? number : number * scale[axis] + offset[axis];
+  }
+  friend bool operator==(const Placement&, const Placement&) = default;
+};
+
 /// Points of a file: mapped (binary) or parsed (text, meshes). Movable; `points()` views its
 /// memory.
 class PointFile {
@@ -60,6 +72,8 @@ class PointFile {
   const PointView& points() const noexcept;
   /// Red, green and blue of every point (u8, dimension 3), where a PLY has them; else no points.
   const PointView& colours() const noexcept;
+  /// Of the points' numbers, which are those of the file; by axis of points().
+  const Placement& placement() const noexcept;
   const std::string& format() const noexcept;  ///< "npy", "ply (binary little-endian)", ...
   bool mapped() const noexcept;                ///< true when read in place
   double read_seconds() const noexcept;
@@ -140,14 +154,18 @@ enum class Faces {
 /// .wkt .json .txt) or in `format`: one of those words, or of qhull_formats(). The bytes depend on
 /// points and hull alone, so .json holds the result and no times. The file appears whole or not at
 /// all (written beside, then renamed); "-" and what is no regular file (a pipe, a device) are
-/// written directly. Throws Error{invalid_argument} if the format cannot hold the hull's dimension,
-/// Error{io} with the system's reason.
+/// written directly. Meshes, .geojson and .wkt have their vertices where `placement` says, rounded,
+/// and measures of these; other formats have the points' numbers. Throws Error{invalid_argument} if
+/// the format cannot hold the hull's dimension or the placement is of another, Error{io} with the
+/// system's reason.
 void write_hull(const std::string& path, const PointView& points, const Hull& hull,
-                const std::string& format = "", Faces faces = Faces::polygons);
+                const std::string& format = "", Faces faces = Faces::polygons,
+                const Placement& placement = {});
 /// The same bytes from the points' state and its hull(). Formats that list every point are refused:
 /// Error{invalid_argument}.
 void write_hull(const std::string& path, const HullState& state, const Hull& hull,
-                const std::string& format = "", Faces faces = Faces::polygons);
+                const std::string& format = "", Faces faces = Faces::polygons,
+                const Placement& placement = {});
 
 /// For a handler of SIGINT or SIGTERM (async-signal-safe): removes the temporary files of writers
 /// that have not finished.

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cullhull/alpha_shape.hpp"
 #include "cullhull/point_view.hpp"
 #include "cullhull/triangulation.hpp"
 #include "cullhull/voronoi.hpp"
@@ -28,6 +29,15 @@ void write_cells(const std::string& path, const ClippedCells& cells,
 
 /// Likewise the diagram as .json.
 void write_voronoi(const std::string& path, const Voronoi& voronoi, const std::string& format = "");
+
+/// Likewise the shape of alpha_shape(points, triangulation, alpha): its boundary as .ply .obj .off
+/// .stl .glb .vtp (in 3D; of 2D points its triangles) or as polygons with holes, one for each
+/// piece, .geojson .wkt (2D); its cells as .vtk (up to 3 dimensions); everything as .json.
+void write_alpha_shape(const std::string& path, const PointView& points,
+                       const Triangulation& triangulation, const AlphaShape& shape, double alpha,
+                       const std::string& format = "");
+/// Throws what it would throw for a name, before the work.
+void check_alpha_shape_format(const std::string& path, std::uint32_t dimension);
 
 /// Throws what the writers would throw for a name, before the work: for a diagram's cells or, with
 /// `cells` false, for a triangulation.

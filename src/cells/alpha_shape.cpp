@@ -6,61 +6,71 @@
 #include <utility>
 #include <vector>
 
+#include "cells/cell_boundary.hpp"
 #include "cells/circumcentre.hpp"
 #include "cells/dual.hpp"
 #include "cullhull/error.hpp"
+#include "parallel/disjoint_sets.hpp"
 #include "parallel/helpers.hpp"
 
 namespace cullhull {
 namespace internal {
 namespace {
 
-/// Facets of kept cells towards others, before they are ordered.
-struct Boundary {
-  std::vector<std::uint32_t> ids, cells;
-};
-
-Boundary boundary_of(const Triangulation& t, const Array<std::uint8_t>& kept) {
-  Boundary b;
-  const unsigned k = t.corners() - 1;
-  for (std::uint32_t c = 0; c < t.size() && k > 0; ++c) {
-    if (kept[c] == 0) continue;
-    for (unsigned j = 0; j <= k; ++j) {
-      const std::uint32_t o = t.neighbours_of(c)[j];
-      if (o != no_cell && kept[o] != 0) continue;
-      const std::size_t at = b.ids.size();
-      for (unsigned i = 0; i <= k; ++i)
-        if (i != j) b.ids.push_back(t.cell(c)[i]);
-      // The boundary of a positive cell without corner j has the sign (-1)^j; ascending but for the
-      // last two, which may have to change places.
-      const auto row = b.ids.begin() + static_cast<std::ptrdiff_t>(at);
-      bool odd = j % 2 == 1;
-      for (unsigned i = 1; i < k; ++i)
-        for (unsigned n = i; n > 0 && row[n] < row[n - 1]; --n) {
-          std::swap(row[n], row[n - 1]);
-          odd = !odd;
-        }
-      if (odd && k > 1) std::swap(row[k - 1], row[k - 2]);
-      b.cells.push_back(c);
-    }
-  }
-  return b;
+void require_delaunay(const Triangulation& t) {
+  if (t.furthest_site)
+    throw Error(ErrorCode::invalid_argument,
+                "alpha shapes are of Delaunay triangulations, not of the furthest site");
 }
 
-void write_boundary(const Triangulation& t, const Boundary& b, AlphaShape& out) {
-  const unsigned k = t.corners() - 1;
-  std::vector<std::uint32_t> order(b.cells.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t x, std::uint32_t y) {
-    const std::uint32_t *p = b.ids.data() + std::size_t{x} * k,
-                        *q = b.ids.data() + std::size_t{y} * k;
-    return std::lexicographical_compare(p, p + k, q, q + k);
+/// body(cell, rows of its corners).
+template <class Body>
+void each_cell(const DualPoints& p, const Triangulation& t, const Run& run, const Body& body) {
+  run.each(t.size(), light_grain / 64, [&](std::uint64_t begin, std::uint64_t end) {
+    std::vector<const double*> rows(t.corners());
+    for (std::uint64_t c = begin; c < end; ++c) {
+      for (unsigned i = 0; i < t.corners(); ++i) rows[i] = p.row(t.cell(c)[i]);
+      body(c, rows.data());
+    }
   });
-  for (const std::uint32_t f : order) {
-    const std::uint32_t* row = b.ids.data() + std::size_t{f} * k;
-    out.facets.insert(out.facets.end(), row, row + k);
-    out.facet_cells.push_back(b.cells[f]);
+}
+
+/// Of the vertex that gets its first cell last.
+double greatest_first_radius(const Triangulation& t, const Array<double>& radii) {
+  Array<double> first(t.point_count);
+  std::fill(first.begin(), first.end(), INFINITY);
+  for (std::uint64_t c = 0; c < t.size(); ++c)
+    for (const std::uint32_t v : t.cell(c)) first[v] = std::min(first[v], radii[c]);
+  double greatest = 0;
+  for (const std::uint32_t v : t.cells) greatest = std::max(greatest, first[v]);
+  return greatest;
+}
+
+/// Cells join by ascending radius; the first radius from `least` on at which all are one.
+double first_single_region(const Triangulation& t, const Array<double>& radii, double least) {
+  const auto count = static_cast<std::uint32_t>(t.size());
+  std::vector<std::uint32_t> order(count);
+  std::iota(order.begin(), order.end(), 0U);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return radii[a] != radii[b] ? radii[a] < radii[b] : a < b;
+  });
+  DisjointSets regions(count);
+  regions.clear(0, count);
+  std::vector<bool> there(count);
+  std::uint32_t region_count = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t c = order[i];
+    there[c] = true;
+    ++region_count;
+    for (const std::uint32_t o : t.neighbours_of(c)) {
+      if (o == no_cell || !there[o] || regions.root(o) == regions.root(c)) continue;
+      regions.join(o, c);
+      --region_count;
+    }
+    const bool more = i + 1 < count && radii[order[i + 1]] == radii[c];
+    if (!more && region_count == 1 && radii[c] >= least) return radii[c];
   }
+  return least;
 }
 
 }  // namespace
@@ -72,9 +82,7 @@ AlphaShape alpha_shape(const PointView& points, const Triangulation& triangulati
   const Triangulation& t = triangulation;
   if (!(alpha >= 0))
     throw Error(ErrorCode::invalid_argument, "alpha must be a number that is not negative");
-  if (t.furthest_site)
-    throw Error(ErrorCode::invalid_argument,
-                "alpha shapes are of Delaunay triangulations, not of the furthest site");
+  require_delaunay(t);
   const Run run(options);
   const CallScope call;
   const DualPoints p(points, t, {}, run);
@@ -82,17 +90,37 @@ AlphaShape alpha_shape(const PointView& points, const Triangulation& triangulati
   if (t.corners() == 0) return out;
   const unsigned k = t.corners() - 1;
   Array<std::uint8_t> kept(t.size());
-  run.each(t.size(), light_grain / 64, [&](std::uint64_t begin, std::uint64_t end) {
-    std::vector<const double*> rows(k + 1);
-    for (std::uint64_t c = begin; c < end; ++c) {
-      for (unsigned i = 0; i <= k; ++i) rows[i] = p.row(t.cell(c)[i]);
-      kept[c] = k == 0 || std::isinf(alpha) || radius_at_most(t.dimension, k, rows.data(), alpha);
-    }
+  each_cell(p, t, run, [&](std::uint64_t c, const double* const* rows) {
+    kept[c] = k == 0 || std::isinf(alpha) || radius_at_most(t.dimension, k, rows, alpha);
   });
   for (std::uint32_t c = 0; c < t.size(); ++c)
     if (kept[c] != 0) out.cells.push_back(c);
-  if (k > 0) write_boundary(t, boundary_of(t, kept), out);
+  write_boundary(t, kept, out.facets, out.facet_cells);
   return out;
+}
+
+Array<double> alpha_radii(const PointView& points, const Triangulation& triangulation,
+                          const Options& options) {
+  using namespace internal;
+  const Triangulation& t = triangulation;
+  require_delaunay(t);
+  const Run run(options);
+  const CallScope call;
+  const DualPoints p(points, t, {}, run);
+  Array<double> radii(t.size());
+  const unsigned k = t.corners() == 0 ? 0 : t.corners() - 1;
+  each_cell(p, t, run, [&](std::uint64_t c, const double* const* rows) {
+    radii[c] = k == 0 ? 0 : radius_above(t.dimension, k, rows);
+  });
+  return radii;
+}
+
+double critical_alpha(const PointView& points, const Triangulation& triangulation, AlphaGoal goal,
+                      const Options& options) {
+  using namespace internal;
+  const Array<double> radii = alpha_radii(points, triangulation, options);
+  const double all = greatest_first_radius(triangulation, radii);
+  return goal == AlphaGoal::all_points ? all : first_single_region(triangulation, radii, all);
 }
 
 }  // namespace cullhull

@@ -91,10 +91,8 @@ bool by_double_doubles(bool weighted, const double* const* p, double* out) {
 
 /// Of |offset|^2 - radius^2; zero: it cannot tell.
 template <unsigned K>
-Sign radius_by_double_doubles(const double* const* p, double radius) {
-  Offset<K> y;
+Sign compare_radius(const Offset<K>& y, double radius) {
   if (!(radius >= 0x1p-80 && radius <= 0x1p300)) return Sign::zero;
-  if (!offset_by_double_doubles<K>(false, p, y)) return Sign::zero;
   DoubleDouble sum = -(DoubleDouble(radius) * DoubleDouble(radius));
   double doubt = 0x1p-96 * radius * radius;
   for (unsigned j = 0; j < K; ++j) {
@@ -107,6 +105,31 @@ Sign radius_by_double_doubles(const double* const* p, double radius) {
   return sum.high > 2 * doubt    ? Sign::positive
          : sum.high < -2 * doubt ? Sign::negative
                                  : Sign::zero;
+}
+
+template <unsigned K>
+Sign radius_by_double_doubles(const double* const* p, double radius) {
+  Offset<K> y;
+  return offset_by_double_doubles<K>(false, p, y) ? compare_radius(y, radius) : Sign::zero;
+}
+
+/// The least double that is at least the radius, from an estimate; 0: it cannot tell.
+template <unsigned K>
+double radius_above_by_double_doubles(const double* const* p) {
+  Offset<K> y;
+  if (!offset_by_double_doubles<K>(false, p, y)) return 0;
+  double square = 0;
+  for (unsigned j = 0; j < K; ++j) square += y.value[j].high * y.value[j].high;
+  double radius = std::sqrt(square);
+  for (Sign sign; (sign = compare_radius(y, radius)) != Sign::negative;) {
+    if (sign == Sign::zero) return 0;
+    radius = std::nextafter(radius, INFINITY);
+  }
+  for (Sign sign; (sign = compare_radius(y, std::nextafter(radius, 0))) != Sign::positive;) {
+    if (sign == Sign::zero) return 0;
+    radius = std::nextafter(radius, 0);
+  }
+  return radius;
 }
 
 mpq_class dot(const std::vector<mpq_class>& a, const std::vector<mpq_class>& b) {
@@ -196,6 +219,34 @@ bool radius_at_most(unsigned d, unsigned k, const double* const* p, double radiu
   }
   const std::vector<mpq_class> y = exact_offset(d, k, false, p);
   return dot(y, y) <= mpq_class(radius) * mpq_class(radius);
+}
+
+double radius_above(unsigned d, unsigned k, const double* const* p) {
+  double radius = 0;
+  if (d == k)
+    radius = with_dimension<1, 6, 0>(k, [&](auto known) {
+      if constexpr (known() == 0)
+        return 0.0;
+      else
+        return radius_above_by_double_doubles<known()>(p);
+    });
+  if (radius > 0) return radius;
+  const std::vector<mpq_class> y = exact_offset(d, k, false, p);
+  const mpq_class square = dot(y, y);
+  const auto reaches = [&](double r) { return std::isinf(r) || mpq_class(r) * r >= square; };
+  // An estimate from a square that is scaled by a power of four into the range of doubles.
+  const long bits = static_cast<long>(mpz_sizeinbase(square.get_num().get_mpz_t(), 2)) -
+                    static_cast<long>(mpz_sizeinbase(square.get_den().get_mpz_t(), 2));
+  const long half = bits / 2;
+  mpq_class scaled;
+  if (half >= 0)
+    mpq_div_2exp(scaled.get_mpq_t(), square.get_mpq_t(), static_cast<mp_bitcnt_t>(2 * half));
+  else
+    mpq_mul_2exp(scaled.get_mpq_t(), square.get_mpq_t(), static_cast<mp_bitcnt_t>(-2 * half));
+  radius = std::ldexp(std::sqrt(scaled.get_d()), static_cast<int>(half));
+  while (!reaches(radius)) radius = std::nextafter(radius, INFINITY);
+  while (radius > 0 && reaches(std::nextafter(radius, 0))) radius = std::nextafter(radius, 0);
+  return radius;
 }
 
 void outward_direction(unsigned d, unsigned k, const double* const* p, const double* opposite,

@@ -11,6 +11,9 @@ void circumcentre(unsigned d, unsigned k, bool weighted, const double* const* p,
 /// and not negative: exactly.
 bool radius_at_most(unsigned d, unsigned k, const double* const* p, double radius);
 
+/// The least double that is at least that radius; infinite beyond their range.
+double radius_above(unsigned d, unsigned k, const double* const* p);
+
 /// The direction in the flat of the facet p[0 .. k) and the point `opposite` that is at right
 /// angles to the facet and points away from `opposite`, scaled by a positive number so that the
 /// largest component is in [0.5, 1] in magnitude: each component within 2^-50 of exact, relatively.

@@ -76,41 +76,6 @@ Region hull_region(const Triangulation& t, const PointView& points, const Option
   return r;
 }
 
-/// The neighbours of each point in the triangulation, ascending.
-class Neighbours {
- public:
-  Neighbours(const Triangulation& t, const Run& run) : begin_(t.point_count + 1) {
-    const EdgeCells edges(t, run);
-    std::fill(begin_.begin(), begin_.end(), 0U);
-    const auto each = [&](const auto& body) {
-      for (std::uint64_t v = 0; v < t.point_count; ++v) {
-        std::uint32_t last = no_point;
-        for (const auto& item : edges.of(v)) {
-          if (item.other != last) body(static_cast<std::uint32_t>(v), item.other);
-          last = item.other;
-        }
-      }
-    };
-    each([&](std::uint32_t a, std::uint32_t b) {
-      ++begin_[a + 1];
-      ++begin_[b + 1];
-    });
-    for (std::uint64_t v = 0; v < t.point_count; ++v) begin_[v + 1] += begin_[v];
-    items_.resize(begin_.back());
-    Array<std::uint64_t> at(begin_);
-    // Lower neighbours come first, in order, as rows ascend; then the higher ones.
-    each([&](std::uint32_t a, std::uint32_t b) { items_[at[b]++] = a; });
-    each([&](std::uint32_t a, std::uint32_t b) { items_[at[a]++] = b; });
-  }
-  std::span<const std::uint32_t> of(std::uint64_t v) const {
-    return {items_.data() + begin_[v], begin_[v + 1] - begin_[v]};
-  }
-
- private:
-  Array<std::uint64_t> begin_;
-  Array<std::uint32_t> items_;
-};
-
 /// The halfspace of the points, relative to p, that are at least as near to p as to q; with a
 /// normal whose largest component is 1. The other one for the furthest site.
 template <unsigned D>
@@ -216,7 +181,7 @@ void add_faces(const ClipInterval& shape, Part& part) {
 template <unsigned D, class Shape>
 class Clipper {
  public:
-  Clipper(const DualPoints& points, const Triangulation& t, const Neighbours& neighbours,
+  Clipper(const DualPoints& points, const Triangulation& t, const PointNeighbours& neighbours,
           const Region& region)
       : points_(points), t_(t), neighbours_(neighbours), region_(region) {}
 
@@ -255,7 +220,7 @@ class Clipper {
  private:
   const DualPoints& points_;
   const Triangulation& t_;
-  const Neighbours& neighbours_;
+  const PointNeighbours& neighbours_;
   const Region& region_;
   std::vector<CutPlane<D>> planes_;
   Shape shape_;
@@ -290,10 +255,10 @@ void join(std::vector<Part>& parts, ClippedCells& out) {
 template <unsigned D, class Shape>
 void clip_all(const DualPoints& points, const Triangulation& t, const Region& region, bool shapes,
               ClippedCells& out, const Run& run) {
-  const Neighbours neighbours(t, run);
+  const PointNeighbours neighbours(t, run);
   std::vector<bool> vertex(t.point_count);
   for (const std::uint32_t v : t.cells) vertex[v] = true;
-  constexpr std::uint64_t grain = 512;
+  constexpr std::uint64_t grain = 512;  // cells; some hundred us of clipping, not tuned
   std::vector<Part> parts(chunk_count(t.point_count, grain));
   run.each_chunk(t.point_count, grain,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {

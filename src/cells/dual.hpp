@@ -75,6 +75,19 @@ class EdgeCells {
   Array<Item> items_;
 };
 
+/// The points that share a cell with each point, ascending.
+class PointNeighbours {
+ public:
+  PointNeighbours(const Triangulation& t, const Run& run);
+  std::span<const std::uint32_t> of(std::uint64_t v) const {
+    return {items_.data() + begin_[v], begin_[v + 1] - begin_[v]};
+  }
+
+ private:
+  Array<std::uint64_t> begin_;
+  Array<std::uint32_t> items_;
+};
+
 /// Ridges into `out`.
 void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run);
 

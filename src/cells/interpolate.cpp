@@ -1,9 +1,11 @@
 #include "cullhull/interpolate.hpp"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "cells/natural_weights.hpp"
 #include "cullhull/error.hpp"
 #include "parallel/run.hpp"
 
@@ -17,6 +19,14 @@ struct Interpolator::State {
   unsigned corners;
   Array<std::uint32_t> cells;
   Array<double> values;
+  NaturalTriangulation triangulation;
+
+  void require_natural() const {
+    if (corners > 4)
+      throw Error(ErrorCode::invalid_argument,
+                  "natural neighbours are of points in up to 3 dimensions, not in " +
+                      std::to_string(corners - 1));
+  }
 
   const double* of(std::uint32_t id) const { return values.data() + std::size_t{id} * components; }
 
@@ -43,7 +53,8 @@ Interpolator::Interpolator(const PointView& points, const Triangulation& triangu
   TriangulationQuery query(points, triangulation, {}, options);
   state_ = std::make_unique<State>(
       State{std::move(query), components, triangulation.corners(), triangulation.cells,
-            Array<double>(values, values + points.count * components)});
+            Array<double>(values, values + points.count * components),
+            NaturalTriangulation(points, triangulation, Run(options))});
 }
 Interpolator::~Interpolator() = default;
 Interpolator::Interpolator(Interpolator&&) noexcept = default;
@@ -75,6 +86,47 @@ void Interpolator::linear(const PointView& points, double* out, double outside,
       }
     });
   });
+}
+
+void Interpolator::natural(const PointView& points, double* out, double outside,
+                           const Options& options) const {
+  const State& s = *state_;
+  s.require_natural();
+  const Run run(options);
+  s.each_block(points, out, [&](const PointView& part, double* to) {
+    Array<std::uint32_t> cells(part.count);
+    Array<double> shares(part.count * s.corners);
+    s.query.find(part, cells.data(), options);
+    s.query.barycentric(part, cells.data(), shares.data(), options);
+    run.each(part.count, 256, [&](std::uint64_t begin, std::uint64_t end) {
+      NaturalWeights natural(s.triangulation);
+      NaturalNeighbours found;
+      std::vector<double> point(part.dimension);
+      for (std::uint64_t i = begin; i < end; ++i) {
+        double* row = to + i * s.components;
+        std::fill_n(row, s.components, cells[i] == no_cell ? outside : 0);
+        if (cells[i] == no_cell) continue;
+        for (std::uint32_t j = 0; j < part.dimension; ++j) point[j] = part.at(i, j);
+        natural.find(point.data(), cells[i], shares.data() + i * s.corners, found);
+        for (std::size_t n = 0; n < found.ids.size(); ++n) {
+          const double* value = s.of(found.ids[n]);
+          for (std::uint32_t c = 0; c < s.components; ++c) row[c] += found.weights[n] * value[c];
+        }
+      }
+    });
+  });
+}
+
+NaturalNeighbours Interpolator::natural_neighbours(const double* point) const {
+  const State& s = *state_;
+  s.require_natural();
+  NaturalNeighbours found;
+  const std::uint32_t cell = s.query.find(point);
+  if (cell == no_cell) return found;
+  std::vector<double> shares(s.corners);
+  s.query.barycentric(point, cell, shares.data());
+  NaturalWeights(s.triangulation).find(point, cell, shares.data(), found);
+  return found;
 }
 
 void Interpolator::nearest(const PointView& points, double* out, double outside,

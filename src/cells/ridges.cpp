@@ -202,6 +202,31 @@ EdgeCells::EdgeCells(const Triangulation& t, const Run& run) : begin_(t.point_co
   });
 }
 
+PointNeighbours::PointNeighbours(const Triangulation& t, const Run& run)
+    : begin_(t.point_count + 1) {
+  const EdgeCells edges(t, run);
+  std::fill(begin_.begin(), begin_.end(), 0U);
+  const auto each = [&](const auto& body) {
+    for (std::uint64_t v = 0; v < t.point_count; ++v) {
+      std::uint32_t last = no_point;
+      for (const auto& item : edges.of(v)) {
+        if (item.other != last) body(static_cast<std::uint32_t>(v), item.other);
+        last = item.other;
+      }
+    }
+  };
+  each([&](std::uint32_t a, std::uint32_t b) {
+    ++begin_[a + 1];
+    ++begin_[b + 1];
+  });
+  for (std::uint64_t v = 0; v < t.point_count; ++v) begin_[v + 1] += begin_[v];
+  items_.resize(begin_.back());
+  Array<std::uint64_t> at(begin_);
+  // Lower neighbours come first, in order, as rows ascend; then the higher ones.
+  each([&](std::uint32_t a, std::uint32_t b) { items_[at[b]++] = a; });
+  each([&](std::uint32_t a, std::uint32_t b) { items_[at[a]++] = b; });
+}
+
 void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run) {
   const EdgeCells edges(t, run);
   const GroupVertices groups(t);

@@ -104,7 +104,7 @@ struct Subject {
   }
 
   void prefetch_corners(std::uint64_t f) const {
-    constexpr std::uint64_t ahead = 16;
+    constexpr std::uint64_t ahead = 16;  // facets: about the delay of memory; not tuned
     if (f + ahead < simplex_count())
       for (unsigned j = 0; j < k; ++j) prefetch_line(row(index[(f + ahead) * k + j]));
   }

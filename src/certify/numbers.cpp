@@ -204,7 +204,7 @@ class MeasureCheck {
     return std::min(1.0, t.share / f_.careful_share()) + 0x1p-48;
   }
   QuickSums quick_sums() const {
-    constexpr std::uint64_t chunk = std::uint64_t{1} << 12;
+    constexpr std::uint64_t chunk = std::uint64_t{1} << 12;  // tens of us of work; not tuned
     std::vector<QuickSums> parts((s_.simplex_count() + chunk - 1) / chunk, QuickSums(d_, 0.0, 0.0));
     check_chunks(s_, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
       FacetTerms terms;
@@ -256,7 +256,7 @@ class MeasureCheck {
   }
 
   WideSums wide_sums() const {
-    constexpr std::uint64_t chunk = 256;
+    constexpr std::uint64_t chunk = 256;  // GMP: a facet takes microseconds
     constexpr mp_bitcnt_t bits = 4608;  // holds sums of products of doubles
     const WideSums none(d_, mpf_class(0, bits), mpf_class(0, 256));
     std::vector<WideSums> parts((s_.simplex_count() + chunk - 1) / chunk, none);

@@ -142,6 +142,7 @@ std::vector<std::uint64_t> cull_pieces(const GaugeTable& table, const PointView&
   return ids;
 }
 
+/// Points; of fewer the copy takes less than its launch.
 constexpr std::uint64_t least_piece = 1 << 16;
 
 }  // namespace
@@ -196,7 +197,7 @@ DeviceIds survivors_of_device_points(const GaugeTable& table, const DevicePointV
 std::vector<std::uint64_t> survivors_by_pieces(const GaugeTable& table,
                                                const DevicePointView& points,
                                                const Control& control) {
-  constexpr std::uint64_t piece = 1 << 22;
+  constexpr std::uint64_t piece = 1 << 22;  // points: a mask of half a megabyte
   const cudaStream_t stream = stream_of(points);
   const DeviceArray<float> nodes = upload_nodes(table, stream);
   const DeviceArray<std::uint32_t> device_mask(mask_room(piece), stream);

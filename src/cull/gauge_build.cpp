@@ -77,6 +77,7 @@ class Builder final : public GaugeCones {
   }
 
  private:
+  // Nodes; fewer take less time than a thread to wake up.
   static constexpr std::uint64_t least_parallel = 4096;
 
   static std::uint64_t power(std::uint64_t base, unsigned e) {

@@ -157,7 +157,7 @@ CULLHULL_HD void sort_descending(float (&key)[K], std::int32_t (&step)[K]) {
 template <unsigned D, class C, class Nodes>
 CULLHULL_HD bool gauge_inside(const GaugeConstants<D, C>& t, const Nodes& nodes,
                               const float (&y)[D]) {
-  constexpr float tiny = 0x1p-100F;
+  constexpr float tiny = 0x1p-100F;  // no division by less: quotients stay finite in floats
   constexpr std::uint32_t shift_bits = 0x4B000000U;  // of 2^23
 
   // Dominant axis, the first of equal ones; grid axis k is axis k below it, k + 1 from it on.

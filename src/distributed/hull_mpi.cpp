@@ -78,7 +78,7 @@ HullState state_of(MPI_Comm comm, std::vector<Block> blocks, bool numbered,
   if (job.everywhere()) broadcast(job.ranks(), job.root(), part, [](std::uint64_t) {});
   job.finish();
   if (!job.everywhere() && !job.is_root()) return {};
-  return StateParts::state(std::move(part.points), part.seen);
+  return StateParts::state(part.points, part.seen);
 }
 
 }  // namespace
@@ -102,7 +102,7 @@ Survivors local_survivors(const Job& job, const Part& common) {
   const Block& block = job.blocks()[0];
   NumberedPoints left = survivors_of(common.points, block, job.beside());
   found.all = left.size() == block.points.count;
-  if (!found.all) found.ids = std::move(left.ids);
+  if (!found.all) found.ids.assign(left.ids.begin(), left.ids.end());
   for (std::uint64_t& id : found.ids) id -= block.first_id;
   if (!found.all) found.method = "gauge";
   found.reason = common.points.size() == 0 ? "no map of all ranks would pay"

@@ -179,6 +179,7 @@ HullMembership::Farthest HullMembership::roughly_most_against(const PointColumns
 HullMembership::Answer HullMembership::approach(std::uint32_t point, const PointColumns& working,
                                                 const std::vector<std::uint32_t>& useful) {
   const unsigned most_steps = 50 + 20 * d_;
+  // Points of the greatest norm, which decide most steps; a guess.
   constexpr std::size_t outermost = 16 * std::size_t{PointColumns::block};
   for (unsigned step = 0; step < most_steps; ++step) {
     combine();

@@ -11,7 +11,7 @@
 namespace cullhull::internal {
 namespace {
 
-constexpr std::uint64_t chunk_size = 1 << 15;
+constexpr std::uint64_t chunk_size = 1 << 15;  // rows: about a megabyte
 
 /// Rows of the points id(i), i in [begin, end).
 template <class T, class Id>
@@ -126,7 +126,7 @@ void check_rows_finite(const double* rows, std::uint64_t count, unsigned dimensi
 void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, const Run& run) {
   if (view.scalar != ScalarType::f32 && view.scalar != ScalarType::f64) return;
   const unsigned d = view.dimension;
-  constexpr std::uint64_t block = 1 << 12;
+  constexpr std::uint64_t block = 1 << 12;  // rows, copied to the cache before they are tested
   Lowest bad;
   run.each(ids != nullptr ? ids->size() : view.count, block,
            [&](std::uint64_t begin, std::uint64_t end) {

@@ -64,7 +64,7 @@ class QhullRun {
   qhT* get() { return state_.get(); }
 
  private:
-  static constexpr int facets_a_report = 200;
+  static constexpr int facets_a_report = 200;  // some ms between two checks for a stop; a guess
 
   /// Called by the C library inside Qhull: must not throw.
   static ssize_t hear(void* self, const char* text, std::size_t size) noexcept {

@@ -1,5 +1,6 @@
 #include "io/geometry_text.hpp"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -29,6 +30,33 @@ void append_positions(std::string& out, std::span<const double> boundary, bool r
   }
 }
 
+struct PlaneMeasures {
+  double perimeter = 0, area = 0;
+};
+
+/// As .json has them: of a polygon `area` is the perimeter, `volume` the area.
+PlaneMeasures measures_of(const Hull& hull) {
+  if (hull.affine_dimension <= 0) return {};
+  if (hull.affine_dimension == 1) return {2 * hull.volume, 0};
+  return {hull.area, hull.volume};
+}
+
+/// Of the rounded positions, summed up from the first.
+PlaneMeasures measures_of(std::span<const double> boundary) {
+  const std::size_t count = boundary.size() / 2;
+  PlaneMeasures m;
+  double doubled = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double* const p = boundary.data() + 2 * i;
+    const double* const q = boundary.data() + (i + 1 < count ? 2 * i + 2 : 0);
+    m.perimeter += std::hypot(q[0] - p[0], q[1] - p[1]);
+    doubled +=
+        (p[0] - boundary[0]) * (q[1] - boundary[1]) - (p[1] - boundary[1]) * (q[0] - boundary[0]);
+  }
+  m.area = doubled / 2;
+  return m;
+}
+
 }  // namespace
 
 void append_geojson(std::string& out, std::span<const double> boundary) {
@@ -55,19 +83,44 @@ void append_wkt(std::string& out, std::span<const double> boundary) {
   out += count > 2 ? "))" : ")";
 }
 
+void append_geojson(std::string& out, const PlaneRings& rings) {
+  if (rings.size() < 2)
+    return append_geojson(out, rings.empty() ? std::span<const double>() : rings[0]);
+  out += "{\"type\": \"Polygon\", \"coordinates\": [";
+  for (std::size_t i = 0; i < rings.size(); ++i) {
+    out += i > 0 ? ", [" : "[";
+    append_positions(out, rings[i], true, "[", ", ", "]", ", ");
+    out += "]";
+  }
+  out += "]}";
+}
+
+void append_wkt(std::string& out, const PlaneRings& rings) {
+  if (rings.size() < 2)
+    return append_wkt(out, rings.empty() ? std::span<const double>() : rings[0]);
+  out += "POLYGON (";
+  for (std::size_t i = 0; i < rings.size(); ++i) {
+    out += i > 0 ? ", (" : "(";
+    append_positions(out, rings[i], true, "", " ", "", ", ");
+    out += ")";
+  }
+  out += ")";
+}
+
 void append_json_string(std::string& out, std::string_view text) {
   out += nlohmann::json(std::string(text))
              .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format) {
+std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format,
+                          const Placement& placement) {
   if (hull.dimension != 2)
     throw Error(ErrorCode::invalid_argument, "." + format + " holds hulls of 2D points, not " +
                                                  std::to_string(hull.dimension) +
                                                  "D; meshes hold 3D, .json any");
   std::vector<double> boundary;
   for (const std::uint64_t id : hull.vertices)
-    for (std::uint32_t j = 0; j < 2; ++j) boundary.push_back(points.at(id, j));
+    for (std::uint32_t j = 0; j < 2; ++j) boundary.push_back(placement.at(j, points.at(id, j)));
   std::string out;
   if (format == "wkt") {
     append_wkt(out, boundary);
@@ -75,13 +128,11 @@ std::string geometry_file(const Coordinates& points, const Hull& hull, const std
   }
   out = "{\"type\": \"Feature\", \"properties\": {\"points\": ";
   append_number(out, hull.point_count);
-  // As .json has it: of a polygon `area` is the perimeter, `volume` the area.
-  const bool polygon = hull.affine_dimension == 2;
-  for (const auto& [name, value] : {std::pair{"perimeter", polygon ? hull.area : 2 * hull.volume},
-                                    std::pair{"area", polygon ? hull.volume : 0.0}}) {
+  const PlaneMeasures m = placement.empty() ? measures_of(hull) : measures_of(boundary);
+  for (const auto& [name, value] : {std::pair{"perimeter", m.perimeter}, {"area", m.area}}) {
     out += std::string(", \"") + name + "\": ";
     if (value - value == 0)
-      append_number(out, hull.affine_dimension > 0 ? value : 0.0);
+      append_number(out, value);
     else
       out += "\"inf\"";
   }

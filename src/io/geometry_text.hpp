@@ -5,7 +5,9 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "cullhull/io.hpp"
 #include "io/coordinates.hpp"
 
 namespace cullhull::internal {
@@ -15,11 +17,19 @@ namespace cullhull::internal {
 void append_geojson(std::string& out, std::span<const double> boundary);
 void append_wkt(std::string& out, std::span<const double> boundary);
 
+/// Rings of a polygon: x y of its points, the outer ring first.
+using PlaneRings = std::vector<std::vector<double>>;
+
+/// The same of a polygon with holes; one ring as above.
+void append_geojson(std::string& out, const PlaneRings& rings);
+void append_wkt(std::string& out, const PlaneRings& rings);
+
 /// Appends `text` as a JSON string. Invalid UTF-8 becomes U+FFFD.
 void append_json_string(std::string& out, std::string_view text);
 
 /// The whole file for one hull: a Feature with its measures, or one line. Error{invalid_argument}
 /// unless the points are 2D.
-std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format);
+std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format,
+                          const Placement& placement);
 
 }  // namespace cullhull::internal

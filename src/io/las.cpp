@@ -1,6 +1,7 @@
 // LAS 1.0 to 1.4, all point formats: x y z as they are in the file, whole numbers of 32 bits; and
 // some of a file's records as another.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -23,10 +24,24 @@ T field(const Source& head, std::size_t at) {
 struct LasHeader {
   unsigned minor = 0, format = 0;
   std::uint64_t offset = 0, record = 0, count = 0;
+  Placement placement;
 };
 
 /// Bytes that each point format has at least (ASPRS LAS 1.4 R15).
 constexpr std::uint64_t least_record[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
+
+/// None where a scale is no positive number, as in headers that were not filled in.
+Placement placement_of(const Source& head) {
+  Placement placement;
+  for (std::size_t j = 0; j < 3; ++j) {
+    placement.scale.push_back(field<double>(head, 131 + 8 * j));
+    placement.offset.push_back(field<double>(head, 155 + 8 * j));
+    if (!(placement.scale[j] > 0) || !std::isfinite(placement.scale[j]) ||
+        !std::isfinite(placement.offset[j]))
+      return {};
+  }
+  return placement;
+}
 
 LasHeader parse_header(const Source& head) {
   constexpr std::size_t oldest = 227, with_wide_count = 375;
@@ -64,6 +79,7 @@ LasHeader parse_header(const Source& head) {
   }
   if (h.offset < header_size)
     fail_at_byte(head, 96, "points at byte " + std::to_string(h.offset) + ", within the header");
+  h.placement = placement_of(head);
   return h;
 }
 
@@ -81,6 +97,7 @@ PointData points_of_records(const char* records, std::uint64_t count, const LasH
   PointData data;
   data.format = "las 1." + std::to_string(h.minor) + ", point format " + std::to_string(h.format);
   data.in_place = true;
+  data.placement = h.placement;
   data.view = {reinterpret_cast<const std::byte*>(records),
                ScalarType::i32,
                3,
@@ -107,6 +124,7 @@ std::optional<RecordLayout> las_records(const Source& head, std::uint64_t size) 
   layout.count = h.count;
   layout.record_bytes = h.record;
   layout.ends_file = false;
+  layout.placement = h.placement;
   layout.decode = [h](const Source& records, std::uint64_t, std::uint64_t count) {
     return points_of_records(records.data, count, h);
   };

@@ -380,7 +380,7 @@ namespace {
 
 template <class T>
 void write_converted(OutputFile& out, const double* v, std::uint64_t count) {
-  constexpr std::uint64_t block = 4096;
+  constexpr std::uint64_t block = 4096;  // numbers, on the stack
   T converted[block];
   for (std::uint64_t i = 0; i < count; ++i) {
     bool ok = true;

@@ -30,6 +30,7 @@ PointFile::~PointFile() = default;
 
 const PointView& PointFile::points() const noexcept { return impl_->data.view; }
 const PointView& PointFile::colours() const noexcept { return impl_->data.colours; }
+const Placement& PointFile::placement() const noexcept { return impl_->data.placement; }
 const std::string& PointFile::format() const noexcept { return impl_->data.format; }
 bool PointFile::mapped() const noexcept { return impl_->data.in_place && impl_->file.mapped(); }
 double PointFile::read_seconds() const noexcept { return impl_->seconds; }

@@ -22,6 +22,7 @@ struct RecordLayout {
   /// The number of arrays of `count` records, one after the other; a point has a record in each.
   std::uint32_t columns = 1;
   bool ends_file = true;  ///< nothing follows the records
+  Placement placement;    ///< of the points that decode() makes
   /// Makes points of `count` points' records (columns one after the other), the first of which has
   /// index `first` in the file; in place where possible.
   std::function<PointData(const Source& records, std::uint64_t first, std::uint64_t count)> decode;

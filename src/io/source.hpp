@@ -49,6 +49,7 @@ struct PointData {
   Buffer storage;         ///< what `view` points into unless `in_place`
   Buffer colour_storage;  ///< what `colours` points into unless that is the source
   bool in_place = false;  ///< `view` points into the source
+  Placement placement;    ///< of the view's axes
   PointKeys keys;         ///< of every point, where ReadOptions::key asks for them
 };
 

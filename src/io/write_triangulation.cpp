@@ -1,14 +1,14 @@
 // Triangulations and Voronoi diagrams as files.
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
+#include <numeric>
 #include <utility>
 
 #include "cullhull/error.hpp"
 #include "cullhull/triangulation_io.hpp"
-#include "io/geometry_text.hpp"
 #include "io/mesh.hpp"
-#include "io/output_file.hpp"
+#include "io/output_text.hpp"
+#include "io/plane_map.hpp"
 #include "io/source.hpp"
 
 namespace cullhull {
@@ -19,97 +19,14 @@ constexpr const char* triangulation_endings = ".ply .obj .off .vtp .vtk .geojson
 constexpr const char* cell_endings = ".ply .obj .off .vtp .geojson .wkt .json";
 
 bool is_mesh(const std::string& f) { return f == "ply" || f == "obj" || f == "off" || f == "vtp"; }
-bool is_map(const std::string& f) { return f == "geojson" || f == "wkt"; }
 
 [[noreturn]] void refuse(const std::string& f, const std::string& holds, std::uint32_t dimension) {
   throw Error(ErrorCode::invalid_argument,
               "." + f + " holds " + holds + ", not " + std::to_string(dimension) + "D");
 }
 
-void write_mesh(const std::string& path, const std::string& f, const HullMesh& mesh) {
-  OutputFile out(path);
-  if (f == "ply") write_ply(out, mesh);
-  if (f == "obj") write_obj(out, mesh);
-  if (f == "off") write_off(out, mesh);
-  if (f == "vtp") write_vtp(out, mesh);
-  out.commit();
-}
-
-/// Text that goes to a file in pieces.
-class Text {
- public:
-  explicit Text(const std::string& path) : out_(path) {}
-  Text& add(std::string_view s) {
-    text_ += s;
-    if (text_.size() > 1 << 16) flush();
-    return *this;
-  }
-  template <class Number>
-  Text& number(Number v) {
-    append_number(text_, v);
-    return add("");
-  }
-  void commit() {
-    flush();
-    out_.commit();
-  }
-  std::string& text() { return text_; }
-
- private:
-  void flush() {
-    out_.write(text_);
-    text_.clear();
-  }
-  OutputFile out_;
-  std::string text_;
-};
-
-/// A number as JSON has it: what is not finite is a string.
-void add_real(Text& out, double v) {
-  if (std::isfinite(v))
-    out.number(v);
-  else
-    out.add(v > 0 ? "\"inf\"" : v < 0 ? "\"-inf\"" : "\"nan\"");
-}
-
-/// `items` in rows of `width`; `none` becomes -1.
-template <class Items>
-void add_rows(Text& out, const char* key, const Items& items, std::size_t width,
-              std::uint32_t none = no_cell) {
-  out.add(",\n  \"").add(key).add("\": [");
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    if (width > 0 && i % width == 0) out.add(i == 0 ? "\n    [" : "],\n    [");
-    if (i > 0 && (width == 0 || i % width != 0)) out.add(", ");
-    if constexpr (std::is_floating_point_v<typename Items::value_type>)
-      add_real(out, items[i]);
-    else if (items[i] == none)
-      out.add("-1");
-    else
-      out.number(std::uint64_t{items[i]});
-  }
-  out.add(width > 0 && items.size() > 0 ? "]]" : "]");
-}
-
-/// Lists of items between offsets; at_infinity becomes -1.
-template <class Offsets, class Items>
-void add_lists(Text& out, const char* key, const Offsets& offsets, const Items& items) {
-  out.add(",\n  \"").add(key).add("\": [");
-  for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
-    out.add(i == 0 ? "\n    [" : ",\n    [");
-    for (auto j = offsets[i]; j < offsets[i + 1]; ++j) {
-      if (j > offsets[i]) out.add(", ");
-      if (items[j] == at_infinity)
-        out.add("-1");
-      else
-        out.number(std::uint64_t{items[j]});
-    }
-    out.add("]");
-  }
-  out.add("]");
-}
-
 void write_triangulation_json(const std::string& path, const Triangulation& t) {
-  Text out(path);
+  OutputText out(path);
   out.add("{\n  \"points\": {\"count\": ").number(t.point_count);
   out.add(", \"dimension\": ").number(std::uint64_t{t.dimension});
   out.add("},\n  \"affine_dimension\": ");
@@ -144,53 +61,6 @@ HullMesh mesh_of(const PointView& points, const Triangulation& t) {
   }
   mesh.edges = (t.cells.size() + t.hull_facet_count()) / 2;
   return mesh;
-}
-
-/// VTK's legacy text: cells by their number of corners.
-void write_vtk(const std::string& path, const PointView& points, const Triangulation& t) {
-  static constexpr const char* kinds[] = {"", "1\n", "3\n", "5\n", "10\n"};
-  Text out(path);
-  out.add(
-      "# vtk DataFile Version 3.0\ncullhull triangulation\nASCII\n"
-      "DATASET UNSTRUCTURED_GRID\nPOINTS ");
-  out.number(points.count).add(" double\n");
-  for (std::uint64_t i = 0; i < points.count; ++i)
-    for (std::uint32_t j = 0; j < 3; ++j)
-      out.number(j < points.dimension ? points.at(i, j) : 0.0).add(j < 2 ? " " : "\n");
-  const std::uint64_t m = t.corners();
-  out.add("CELLS ").number(t.size()).add(" ").number(t.size() * (m + 1)).add("\n");
-  for (std::uint64_t c = 0; c < t.size(); ++c) {
-    out.number(m);
-    for (const std::uint32_t v : t.cell(c)) out.add(" ").number(std::uint64_t{v});
-    out.add("\n");
-  }
-  out.add("CELL_TYPES ").number(t.size()).add("\n");
-  for (std::uint64_t c = 0; c < t.size(); ++c) out.add(kinds[m]);
-  out.commit();
-}
-
-/// A collection of polygons, each with its number: `polygon(i)` is x y of its corners, around.
-template <class Polygon>
-void write_map(const std::string& path, const std::string& f, std::uint64_t count, const char* name,
-               const Polygon& polygon) {
-  Text out(path);
-  const bool geojson = f == "geojson";
-  out.add(geojson ? "{\"type\": \"FeatureCollection\", \"features\": [" : "GEOMETRYCOLLECTION ");
-  if (!geojson) out.add(count == 0 ? "EMPTY" : "(");
-  for (std::uint64_t i = 0; i < count; ++i) {
-    if (i > 0) out.add(geojson ? "," : ", ");
-    const std::vector<double> corners = polygon(i);
-    if (geojson) {
-      out.add("\n{\"type\": \"Feature\", \"properties\": {\"").add(name).add("\": ").number(i);
-      out.add("}, \"geometry\": ");
-      append_geojson(out.text(), corners);
-      out.add("}");
-    } else {
-      append_wkt(out.text(), corners);
-    }
-  }
-  out.add(geojson ? "]}\n" : count == 0 ? "\n" : ")\n");
-  out.commit();
 }
 
 /// The faces of cells; of the plane the cells themselves.
@@ -257,16 +127,18 @@ void write_triangulation(const std::string& path, const PointView& points, const
   if (f == "json") return write_triangulation_json(path, t);
   if (f == "vtk") {
     if (t.dimension > 3) refuse(f, "cells of points of up to 3 dimensions", t.dimension);
-    return write_vtk(path, points, t);
+    std::vector<std::uint32_t> all(t.size());
+    std::iota(all.begin(), all.end(), 0U);
+    return write_vtk(path, points, t, all);
   }
   if (!is_mesh(f) && !is_map(f)) refuse_format(path, f, triangulation_endings);
   if (t.dimension != 2) refuse(f, "triangles of 2D points", t.dimension);
   const bool triangles = t.affine_dimension == 2;  // else there are none
   if (is_mesh(f)) return write_mesh(path, f, triangles ? mesh_of(points, t) : HullMesh());
   write_map(path, f, triangles ? t.size() : 0, "cell", [&](std::uint64_t c) {
-    std::vector<double> corners;
+    PlaneRings corners(1);
     for (const std::uint32_t v : t.cell(c))
-      for (std::uint32_t j = 0; j < 2; ++j) corners.push_back(points.at(v, j));
+      for (std::uint32_t j = 0; j < 2; ++j) corners[0].push_back(points.at(v, j));
     return corners;
   });
 }
@@ -280,15 +152,15 @@ void write_cells(const std::string& path, const ClippedCells& cells, const std::
     throw Error(ErrorCode::invalid_argument, "the cells have no shapes to write");
   if (is_mesh(f)) return write_mesh(path, f, mesh_of(cells));
   write_map(path, f, cells.point_count, "point", [&](std::uint64_t i) {
-    return std::vector<double>(cells.vertices.data() + 2 * cells.vertex_offsets[i],
-                               cells.vertices.data() + 2 * cells.vertex_offsets[i + 1]);
+    return PlaneRings{{cells.vertices.data() + 2 * cells.vertex_offsets[i],
+                       cells.vertices.data() + 2 * cells.vertex_offsets[i + 1]}};
   });
 }
 
 void write_voronoi(const std::string& path, const Voronoi& v, const std::string& format) {
   const std::string f = output_format(path, format, "json");
   if (f != "json") refuse_format(path, f, ".json");
-  Text out(path);
+  OutputText out(path);
   out.add("{\n  \"points\": {\"count\": ").number(v.point_count);
   out.add(", \"dimension\": ").number(std::uint64_t{v.dimension});
   out.add("},\n  \"affine_dimension\": ");

@@ -9,9 +9,20 @@
 #include "lifting/cell_store.hpp"
 #include "lifting/lift_planes.hpp"
 #include "lifting/lifted_points.hpp"
+#include "parallel/prefetch.hpp"
 #include "parallel/raw_array.hpp"
 
 namespace cullhull::internal {
+
+template <unsigned K>
+struct LiftedPlane {
+  double normal[K + 1];
+  double linear, square;  ///< as lift_planes has them
+  std::uint32_t origin;
+};
+/// By the number of the cell.
+template <unsigned K>
+using PlaneArray = RawArray<LiftedPlane<K>>;
 
 /// For 4 <= K <= 6 and points without weights that span all of space.
 template <unsigned K>
@@ -21,8 +32,11 @@ class CellPlanes {
       : s_(s), used_(s.filtered && s.stride == s.base && !s.may_hide) {}
 
   bool used() const { return used_; }
-  void set_room(std::size_t cells) {
-    if (used_) planes_.reserve(cells);
+  /// To be called when there may be more cells, or planes may have moved.
+  void set_room(PlaneArray<K>& planes, std::size_t cells) {
+    if (!used_) return;
+    planes.reserve(cells);
+    planes_ = planes.data();
   }
   /// A ghost, or a cell whose plane is not known.
   void set_none(std::uint32_t c) { planes_[c].origin = infinite; }
@@ -46,7 +60,7 @@ class CellPlanes {
     if (open_ == 0) return;
     lift_planes(K, rows_, block_);
     for (std::size_t i = 0; i < open_; ++i) {
-      Plane& plane = planes_[cells_[i]];
+      LiftedPlane<K>& plane = planes_[cells_[i]];
       plane.origin = p;
       for (unsigned j = 0; j <= K; ++j) {
         const double v = block_[j * lift_block + i];
@@ -60,9 +74,13 @@ class CellPlanes {
 
   /// Whether a cell's plane is known.
   bool known(std::uint32_t c) const { return planes_[c].origin != infinite; }
+  void prefetch(std::uint32_t c) const {
+    prefetch_line(planes_ + c);
+    prefetch_line(&planes_[c].origin);
+  }
   /// lift_side of a cell whose plane is known; zero: it cannot tell.
   Sign side(std::uint32_t c, const double* p) const {
-    const Plane& plane = planes_[c];
+    const LiftedPlane<K>& plane = planes_[c];
     const double* o = s_.row(plane.origin);
     double lift = 0, value = 0, most = 0;
     for (unsigned j = 0; j < K; ++j) {
@@ -79,15 +97,9 @@ class CellPlanes {
   }
 
  private:
-  struct Plane {
-    double normal[K + 1];
-    double linear, square;  ///< as lift_planes has them
-    std::uint32_t origin;
-  };
-
   const LiftedPoints& s_;
   bool used_;
-  RawArray<Plane> planes_;
+  LiftedPlane<K>* planes_ = nullptr;
   std::size_t open_ = 0;
   std::uint32_t cells_[lift_block] = {};
   bool odd_[lift_block] = {};

@@ -9,6 +9,7 @@
 
 #include "cullhull/error.hpp"
 #include "parallel/memory.hpp"
+#include "parallel/prefetch.hpp"
 #include "parallel/raw_array.hpp"
 
 namespace cullhull::internal {
@@ -35,6 +36,7 @@ class CellStore {
   std::uint32_t* vertices(std::uint32_t c) { return data_.data() + std::size_t{c} * 2 * corners(); }
   std::uint32_t* neighbours(std::uint32_t c) { return vertices(c) + corners(); }
   std::uint32_t& mark(std::uint32_t c) { return marks_[c]; }
+  void prefetch_mark(std::uint32_t c) const { prefetch_line(marks_.data() + c); }
 
   std::uint32_t code(std::uint32_t cell, unsigned slot) const { return cell << shift() | slot; }
   std::uint32_t cell_of(std::uint32_t code) const { return code >> shift(); }
@@ -43,6 +45,12 @@ class CellStore {
     unsigned j = 0;
     while (j < corners() && list[j] != item) ++j;
     return j;
+  }
+  /// Where it is known to be one: which it is is unpredictable, so there is no branch.
+  unsigned find_known(const std::uint32_t* list, std::uint32_t item) const {
+    unsigned found = 0;
+    for (unsigned j = 1; j < corners(); ++j) found |= list[j] == item ? j : 0;
+    return found;
   }
   /// corners() where the cell is finite.
   unsigned ghost_slot(std::uint32_t c) { return find(vertices(c), infinite); }
@@ -89,6 +97,27 @@ class CellStore {
     free_.push_back(c);
   }
 
+  /// For several threads that take cells from count() on: of at least `capacity` those that do not
+  /// live are marked dead, the others 0.
+  void share(std::uint64_t capacity) {
+    if (capacity > capacity_) reserve(std::min(capacity, limit()));
+    for (std::uint32_t c = 0; c < count_; ++c)
+      if (!dead(c)) marks_[c] = 0;
+    std::fill(marks_.data() + count_, marks_.data() + capacity_, dead_mark);
+  }
+  /// After that: which cells have been taken.
+  void unshare(std::uint64_t count) {
+    count_ = static_cast<std::uint32_t>(std::min(count, capacity_));
+  }
+  /// Dead cells that a thread had, and how many it made.
+  void give_back(const std::vector<std::uint32_t>& cells, std::uint64_t created) {
+    free_.insert(free_.end(), cells.begin(), cells.end());
+    created_ += created;
+  }
+  std::uint32_t living() const { return count_ - static_cast<std::uint32_t>(free_.size()); }
+
+  static constexpr std::uint32_t dead_mark = 0xffffffff;
+
   /// That many cells, of which nothing is set.
   void resize(std::uint32_t count) {
     expected_ = 0;
@@ -110,8 +139,6 @@ class CellStore {
   }
 
  private:
-  static constexpr std::uint32_t dead_mark = 0xffffffff;
-
   unsigned shift() const { return K ? static_cast<unsigned>(std::bit_width(K)) : shift_; }
 
   void grow() {
@@ -122,11 +149,14 @@ class CellStore {
     if (most == capacity_)
       throw Error(ErrorCode::out_of_budget,
                   "the triangulation has too many cells for their numbers");
-    require_budget(budget_, most * (2 * corners() + 1) * sizeof(std::uint32_t),
+    reserve(most);
+  }
+  void reserve(std::uint64_t cells) {
+    require_budget(budget_, cells * (2 * corners() + 1) * sizeof(std::uint32_t),
                    "the triangulation");
-    data_.reserve(most * 2 * corners());
-    marks_.reserve(most);
-    capacity_ = most;
+    data_.reserve(cells * 2 * corners());
+    marks_.reserve(cells);
+    capacity_ = cells;
   }
 
   unsigned k_, shift_;

@@ -49,7 +49,7 @@ class Sorter {
   }
 
  private:
-  static constexpr std::uint32_t few = 48;
+  static constexpr std::uint32_t few = 48;  // points sorted by insertion; a guess
 
   const double* row(std::uint32_t i) const { return rows_ + std::size_t{i} * d_; }
   bool less(std::uint32_t a, std::uint32_t b) const {

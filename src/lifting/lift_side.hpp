@@ -14,6 +14,11 @@ namespace cullhull::internal {
 struct LiftCounts {
   std::uint64_t rungs[3] = {0, 0, 0};
   std::uint64_t ties = 0;
+
+  void add(const LiftCounts& more) {
+    for (unsigned r = 0; r < 3; ++r) rungs[r] += more.rungs[r];
+    ties += more.ties;
+  }
 };
 
 /// Which side of the plane through the lifted points c[0 .. k] the lifted point p is on: for a
@@ -52,21 +57,23 @@ inline Sign base_orientation(const LiftedPoints& s, const double* const* p) {
       if (det > bound) return Sign::positive;
       if (det < -bound) return Sign::negative;
     }
-  } else if constexpr (K == 3) {
+  } else if constexpr (K >= 3) {
     if (s.filtered) {
-      double m[3][3];
-      double largest[3] = {};
-      for (unsigned i = 0; i < 3; ++i)
-        for (unsigned j = 0; j < 3; ++j) {
+      double m[K][K];
+      double largest[K] = {};
+      for (unsigned i = 0; i < K; ++i)
+        for (unsigned j = 0; j < K; ++j) {
           m[i][j] = p[i + 1][j] - p[0][j];
           largest[j] = std::max(largest[j], std::abs(m[i][j]));
         }
-      double det[8];
-      expand_minors<3, false>(m, 3, det, static_cast<double*>(nullptr));
-      constexpr double factor = (minor_roundings(3) + 6) * 6 * unit_roundoff;
-      const double bound = factor * largest[0] * largest[1] * largest[2] + 0x1p-1000;
-      if (det[7] > bound) return Sign::positive;
-      if (det[7] < -bound) return Sign::negative;
+      double det[1U << K];
+      expand_minors<K, false>(m, K, det, static_cast<double*>(nullptr));
+      // Each of the K! products: K differences, the roundings of the expansion; those of the bound.
+      double bound = (minor_roundings(K) + 2 * K) * factorial(K) * unit_roundoff;
+      for (unsigned j = 0; j < K; ++j) bound *= largest[j];
+      bound += 0x1p-1000;
+      if (det[(1U << K) - 1] > bound) return Sign::positive;
+      if (det[(1U << K) - 1] < -bound) return Sign::negative;
     }
   }
   return orientation(s.base, p);

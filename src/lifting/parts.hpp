@@ -31,8 +31,7 @@ struct InsertionTotals {
   LiftCounts counts;
   std::uint64_t created = 0;
   void add(const LiftCounts& more, std::uint64_t cells) {
-    for (unsigned r = 0; r < 3; ++r) counts.rungs[r] += more.rungs[r];
-    counts.ties += more.ties;
+    counts.add(more);
     created += cells;
   }
 };

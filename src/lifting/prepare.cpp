@@ -23,7 +23,7 @@ void find_flat(const Array<double>& rows, std::uint32_t n, unsigned d, Prepared&
                const Run& run) {
   out.axes.resize(d);
   std::iota(out.axes.begin(), out.axes.end(), 0U);
-  constexpr std::uint32_t tries = 16;
+  constexpr std::uint32_t tries = 16;  // simplices; in general position the first is one
   std::vector<const double*> p(d + 1);
   for (std::uint32_t t = 0; n > d && t < tries && t < n; ++t) {
     out.simplex.clear();

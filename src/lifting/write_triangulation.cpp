@@ -10,6 +10,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/radix_sort.hpp"
+#include "parallel/sort_few.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -27,10 +28,21 @@ bool sort_corners(std::uint32_t* v, std::uint32_t* n, unsigned count) {
 }
 
 /// Corners as Triangulation has them: an odd permutation is made even by the last two.
+template <unsigned K>
 void order_corners(std::uint32_t* v, std::uint32_t* n, unsigned count) {
-  if (!sort_corners(v, n, count)) return;
-  std::swap(v[count - 1], v[count - 2]);
-  if (n != nullptr) std::swap(n[count - 1], n[count - 2]);
+  if constexpr (K == 0) {
+    if (!sort_corners(v, n, count)) return;
+    std::swap(v[count - 1], v[count - 2]);
+    std::swap(n[count - 1], n[count - 2]);
+  } else {
+    std::uint64_t both[K + 1];
+    for (unsigned i = 0; i <= K; ++i) both[i] = std::uint64_t{v[i]} << 32 | n[i];
+    if (sort_few<K + 1>(both)) std::swap(both[K], both[K - 1]);
+    for (unsigned i = 0; i <= K; ++i) {
+      v[i] = static_cast<std::uint32_t>(both[i] >> 32);
+      n[i] = static_cast<std::uint32_t>(both[i]);
+    }
+  }
 }
 
 /// A row of ids, as far as it decides most comparisons.
@@ -54,8 +66,9 @@ void sort_rows(Array<Ranked>& rows, unsigned width, std::uint32_t id_limit, cons
              [](const Ranked& r) { return r.ids[0]; });
   if (items != rows.data()) std::swap(rows, scratch);
   const auto less = [&](const Ranked& a, const Ranked& b) {
-    if (a.ids[1] != b.ids[1]) return a.ids[1] < b.ids[1];
-    if (a.ids[2] != b.ids[2]) return a.ids[2] < b.ids[2];
+    const std::uint64_t x = std::uint64_t{a.ids[1]} << 32 | a.ids[2],
+                        y = std::uint64_t{b.ids[1]} << 32 | b.ids[2];
+    if (x != y) return x < y;
     if (width <= 3) return false;
     const std::uint32_t *p = ids_of(a.row), *q = ids_of(b.row);
     return std::lexicographical_compare(p, p + width, q, q + width);
@@ -149,7 +162,7 @@ Array<Ranked> finite_cells(const LiftedPoints& s, CellStore<K>& store, Array<std
                      }
                      std::uint32_t* v = store.vertices(c);
                      for (unsigned j = 0; j < corners; ++j) v[j] = s.ids[v[j]];
-                     order_corners(v, store.neighbours(c), corners);
+                     order_corners<K>(v, store.neighbours(c), corners);
                      rows[to++] = ranked(v, corners, c);
                    }
                  });

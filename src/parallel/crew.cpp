@@ -12,7 +12,7 @@
 namespace cullhull::internal {
 namespace {
 
-constexpr unsigned item_bits = 20;
+constexpr unsigned item_bits = 20;  // of a ticket: phase, number of items, next item
 constexpr std::uint64_t item_mask = (std::uint64_t{1} << item_bits) - 1;
 
 using Body = std::function<void(std::uint32_t, unsigned)>;

@@ -70,7 +70,7 @@ class FreeBlocks {
   static constexpr unsigned classes = 4 * octaves + 1;
 
   struct List {
-    static constexpr unsigned room = 64;
+    static constexpr unsigned room = 64;  // blocks of a class; a guess
     void* blocks[room];
     unsigned count = 0;
   };
@@ -140,6 +140,7 @@ void prefer_huge_pages(void* begin, std::size_t bytes) noexcept {
 namespace {
 
 std::size_t usual_limit() {
+  // Bytes kept between calls, whatever the machine has.
   constexpr std::size_t most = std::size_t{1} << 30;
   const std::uint64_t memory = machine_memory();
   return memory == 0 ? most / 4 : std::min<std::size_t>(most, memory / 16);
@@ -155,13 +156,17 @@ class FreePages {
   void close() {
     const std::lock_guard lock(mutex_);
     if (--scopes_ > 0) return;
-    shrink();
+    shrink(limit_);
     for (const auto& [start, bytes] : ranges_) offer(start, bytes);
   }
   void limit(std::size_t bytes) {
     const std::lock_guard lock(mutex_);
     limit_ = bytes;
-    if (scopes_ == 0) shrink();
+    if (scopes_ == 0) shrink(limit_);
+  }
+  void trim(std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    shrink(bytes);
   }
   std::size_t kept() {
     const std::lock_guard lock(mutex_);
@@ -217,11 +222,11 @@ class FreePages {
   /// again.
   static void offer(char* start, std::size_t bytes) { madvise(start, bytes, MADV_FREE); }
 
-  /// Returns ranges to the system, from the highest address on, until the limit is kept.
-  void shrink() {
-    while (kept_ > limit_) {
+  /// Returns ranges to the system, from the highest address on, until so much is kept.
+  void shrink(std::size_t most) {
+    while (kept_ > most) {
       const auto last = std::prev(ranges_.end());
-      const std::size_t cut = std::min(last->second, whole_pages(kept_ - limit_));
+      const std::size_t cut = std::min(last->second, whole_pages(kept_ - most));
       last->second -= cut;
       kept_ -= cut;
       munmap(last->first + last->second, cut);
@@ -300,6 +305,7 @@ void keep_pages(std::size_t limit) noexcept {
   free_blocks().limit(limit);
 }
 std::size_t kept_pages() noexcept { return free_pages().kept() + free_blocks().kept(); }
+void trim_pages(std::size_t most) noexcept { free_pages().trim(most); }
 
 #else
 
@@ -326,6 +332,7 @@ void* grow_block(void* block, std::size_t bytes, std::size_t& more) {
 
 void keep_pages(std::size_t limit) noexcept { free_blocks().limit(limit); }
 std::size_t kept_pages() noexcept { return free_blocks().kept(); }
+void trim_pages(std::size_t) noexcept {}
 
 #endif
 

@@ -38,4 +38,7 @@ void prefer_huge_pages(void* begin, std::size_t bytes) noexcept;
 void keep_pages(std::size_t limit) noexcept;
 std::size_t kept_pages() noexcept;
 
+/// Gives back what is kept beyond so many bytes, once; the limit stays.
+void trim_pages(std::size_t most) noexcept;
+
 }  // namespace cullhull::internal

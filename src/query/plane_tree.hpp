@@ -20,7 +20,7 @@ class PlaneTree {
   std::uint32_t largest(const double* x, std::uint32_t start, double& value) const;
 
  private:
-  static constexpr std::uint32_t leaf = 8;
+  static constexpr std::uint32_t leaf = 8;  // planes: one SIMD register or two; a guess
   struct Node {
     std::uint32_t begin, end, right;  // right child, 0 for a leaf; the left child is the next node
   };

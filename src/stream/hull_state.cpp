@@ -11,6 +11,7 @@
 #include "parallel/byte_order.hpp"
 #include "stream/numbered_points.hpp"
 #include "stream/reduce.hpp"
+#include "stream/state_parts.hpp"
 
 namespace cullhull {
 
@@ -42,24 +43,21 @@ void HullState::merge(const HullState& other, const Options& options) {
                 "a state of dimension " + std::to_string(other.dimension_) +
                     " cannot be merged into one of dimension " + std::to_string(dimension_));
   const ScalarType scalar = common_scalar(scalar_, seen_, other.scalar_, other.seen_);
-  NumberedPoints mine{dimension_, scalar_, ids_, rows_};
-  NumberedPoints theirs{other.dimension_, other.scalar_, other.ids_, other.rows_};
   if (seen_ == 0) {
     const bool known = dimension_ != 0;
     *this = other;
     if (known) scalar_ = scalar;
     return;
   }
+  NumberedPoints mine = StateParts::points(*this), theirs = StateParts::points(other);
   if (other.seen_ > 0) {
     if (scalar != mine.scalar) mine.widen();
     if (scalar != theirs.scalar) theirs.widen();
     mine.append(theirs);
     keep_extreme(mine, options);
   }
-  ids_ = std::move(mine.ids);
-  rows_ = std::move(mine.rows);
-  scalar_ = scalar;
-  seen_ += other.seen_;
+  const std::uint64_t seen = seen_ + other.seen_;
+  *this = StateParts::state(mine, seen);
 }
 
 void HullState::shift_ids(std::uint64_t offset) {

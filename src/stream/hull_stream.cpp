@@ -11,9 +11,11 @@
 #include "cullhull/stream.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/helpers.hpp"
+#include "parallel/pages.hpp"
 #include "parallel/run.hpp"
 #include "stream/numbered_points.hpp"
 #include "stream/reduce.hpp"
+#include "stream/state_parts.hpp"
 #include "stream/stream_map.hpp"
 
 namespace cullhull {
@@ -25,8 +27,10 @@ struct HullStream::Impl {
   std::uint64_t budget = 0;
 
   mutable std::mutex mutex;  ///< of the members below; held briefly
-  NumberedPoints extreme;    ///< of the points reduced so far
+  NumberedPoints extreme;    ///< of the points reduced so far; more where a reduction has failed
   NumberedPoints waiting;    ///< survivors since then
+  std::uint64_t known = 0;   ///< how many extreme points the last reduction found
+  std::uint64_t away = 0;    ///< points that a reduction has taken
   std::shared_ptr<const StreamMap> map;
   std::uint64_t seen = 0, next_id = 0;
   std::uint64_t reduced = 0;  ///< how many of the points seen `extreme` stands for
@@ -38,19 +42,22 @@ struct HullStream::Impl {
 
   /// How many points may wait. To reduce them and to build a map costs as much as to keep about
   /// `worth` of them; then as many as are extreme, so that all reductions together cost little more
-  /// than the last. At most an eighth of the budget, as a reduction takes a multiple of their
-  /// memory.
+  /// than the last. At most a sixteenth of the budget: while they are reduced, twice as many may
+  /// wait (reduce_if_worth), and vectors that grow may have room for twice that.
   std::size_t enough() const {
     const std::size_t worth = smallest_worth_refining(waiting.dimension);
-    const std::size_t wanted = std::max(reductions == 0 ? worth / 8 : worth, extreme.size());
-    return std::min<std::size_t>(wanted, budget / 8 / waiting.point_bytes());
+    const std::size_t wanted = std::max<std::size_t>(reductions == 0 ? worth / 8 : worth, known);
+    return std::min<std::size_t>(wanted, budget / 16 / waiting.point_bytes());
   }
+  std::uint64_t most_waiting_bytes() const { return 4 * enough() * waiting.point_bytes(); }
+  /// Points not yet reduced, but for those that a reduction has taken.
+  std::size_t unreduced() const { return waiting.size() + (away > 0 ? 0 : extreme.size() - known); }
 
   void reduce_if_worth() {
     std::size_t count, limit;
     {
       const std::lock_guard lock(mutex);
-      count = waiting.size();
+      count = unreduced();
       if (count == 0) return;
       limit = enough();
     }
@@ -60,56 +67,73 @@ struct HullStream::Impl {
     if (count < 2 * limit ? !alone.try_lock() : (alone.lock(), false)) return;
     {
       const std::lock_guard lock(mutex);
-      if (waiting.size() <= enough()) return;
+      if (unreduced() <= enough()) return;
     }
     reduce();
   }
 
-  /// Replaces all points held by their extreme points; they are unchanged where that fails.
+  /// Replaces all points held by their extreme points; they are the same where that fails.
   /// `reducing` is locked.
   void reduce() {
-    NumberedPoints taken, all;
-    std::uint64_t seen_now;
+    NumberedPoints all, taken;
+    std::uint64_t seen_now, others;
     {
       const std::lock_guard lock(mutex);
-      if (waiting.ids.empty()) {
+      if (unreduced() == 0) {
         reduced = seen;
         return;
       }
-      all = extreme;
-      all.append(waiting);
+      others = most_waiting_bytes();
+      away = extreme.size() + waiting.size();
+      all = std::exchange(extreme, {waiting.dimension, waiting.scalar, {}, {}});
       taken = std::exchange(waiting, {waiting.dimension, waiting.scalar, {}, {}});
       seen_now = seen;
     }
     std::shared_ptr<const StreamMap> next;
     try {
+      all.take(taken);
       Options exact = options;
-      const std::uint64_t held = 3 * all.size() * all.point_bytes();
-      require_budget(budget, held, std::to_string(all.size()) + " points that may be extreme");
-      exact.memory_budget = budget - held;
-      if (exact.memory_budget == 0) exact.memory_budget = 1;  // 0 would be the default
+      exact.memory_budget = left_beside(all, others);
       keep_extreme(all, exact);
+      // What the step has freed is still resident; from now on the points held have to fit beside.
+      trim_pages(budget / 8);
       // Where most points are extreme a filter would not pay.
       if (all.size() < seen_now / 2) next = StreamMap::lay(all, Run(exact));
     } catch (const Error& e) {
-      put_back(std::move(taken));
+      put_back(std::move(all), std::move(taken));
       if (e.code() == ErrorCode::out_of_budget) refuse(e.what());
       throw;
     } catch (...) {
-      put_back(std::move(taken));
+      put_back(std::move(all), std::move(taken));
       throw;
     }
     const std::lock_guard lock(mutex);
     if (all.scalar != waiting.scalar) all.widen();
     extreme = std::move(all);
+    known = extreme.size();
+    away = 0;
     map = std::move(next);
     reduced = seen_now;
     ++reductions;
     if (map != nullptr) ++maps;
   }
 
-  void put_back(NumberedPoints&& taken) {
+  /// What an exact step may take beside these points, which are sorted first, and those that wait.
+  std::uint64_t left_beside(const NumberedPoints& all, std::uint64_t others) const {
+    const std::uint64_t held = all.size() * all.point_bytes() + others;
+    const std::uint64_t sorting = all.size() * (all.point_bytes() + sizeof(std::uint64_t));
+    require_budget(budget, held + sorting + 1,
+                   std::to_string(all.size()) + " points that may be extreme");
+    return budget - held;
+  }
+
+  void put_back(NumberedPoints&& all, NumberedPoints&& taken) {
+    trim_pages(budget / 8);
     const std::lock_guard lock(mutex);
+    if (all.scalar != waiting.scalar) all.widen();
+    extreme = std::move(all);
+    away = 0;
+    if (taken.ids.empty()) return;
     if (taken.scalar != waiting.scalar) taken.widen();
     taken.append(waiting);
     waiting = std::move(taken);
@@ -206,13 +230,7 @@ struct HullStream::Impl {
     const std::lock_guard alone(reducing);
     reduce();
     const std::lock_guard lock(mutex);
-    HullState state;
-    state.dimension_ = extreme.dimension;
-    state.scalar_ = extreme.scalar;
-    state.seen_ = reduced;
-    state.ids_ = extreme.ids;
-    state.rows_ = extreme.rows;
-    return state;
+    return StateParts::state(extreme, reduced);
   }
 };
 
@@ -249,19 +267,28 @@ void HullStream::push(const PointView& block) {
 void HullStream::push(const HullState& state) {
   if (state.dimension_ == 0) return;
   impl_->reduce_if_worth();
-  NumberedPoints points{state.dimension_, state.scalar_, state.ids_, state.rows_};
+  NumberedPoints points = StateParts::points(state);
   const std::uint64_t end = state.ids_.empty() ? 0 : std::max(state.ids_.back() + 1, state.seen_);
   impl_->take(std::move(points), state.seen_, end);
 }
 
 HullState HullStream::state() { return impl_->state(); }
 
-Hull HullStream::hull() { return state().hull(impl_->options); }
+Hull HullStream::hull() {
+  const HullState state = impl_->state();
+  Options options = impl_->options;
+  // Beside the state and the stream's own copy of its points.
+  const PointView points = state.points();
+  const std::uint64_t held =
+      2 * points.count * (points.dimension * scalar_size(points.scalar) + sizeof(std::uint64_t));
+  options.memory_budget = impl_->budget - std::min(held, impl_->budget - 1);
+  return state.hull(options);
+}
 
 StreamReport HullStream::report() const {
   const std::lock_guard lock(impl_->mutex);
-  return {impl_->seen, impl_->extreme.size(), impl_->waiting.size(), impl_->reductions,
-          impl_->maps};
+  const std::uint64_t held = impl_->extreme.size() + impl_->waiting.size() + impl_->away;
+  return {impl_->seen, impl_->known, held - impl_->known, impl_->reductions, impl_->maps};
 }
 
 }  // namespace cullhull

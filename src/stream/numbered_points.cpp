@@ -60,10 +60,17 @@ void NumberedPoints::append(const NumberedPoints& other) {
             rows.begin() + static_cast<std::ptrdiff_t>(before * row_bytes()));
 }
 
+void NumberedPoints::take(NumberedPoints& other) {
+  ids.reserve(size() + other.size());
+  rows.reserve((size() + other.size()) * row_bytes());
+  append(other);
+  other = {other.dimension, other.scalar, {}, {}};
+}
+
 void NumberedPoints::widen() {
   if (scalar == ScalarType::f64) return;
   const PointView narrow = view();
-  std::vector<std::byte> wide(ids.size() * dimension * sizeof(double));
+  Array<std::byte> wide(ids.size() * dimension * sizeof(double));
   std::byte* out = wide.data();
   for (std::uint64_t i = 0; i < narrow.count; ++i)
     for (std::uint32_t j = 0; j < dimension; ++j, out += sizeof(double)) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
 
 namespace cullhull::internal {
@@ -12,8 +13,8 @@ namespace cullhull::internal {
 struct NumberedPoints {
   std::uint32_t dimension = 0;
   ScalarType scalar = ScalarType::f64;
-  std::vector<std::uint64_t> ids;
-  std::vector<std::byte> rows;  ///< packed, a row for each id
+  Array<std::uint64_t> ids;
+  Array<std::byte> rows;  ///< packed, a row for each id
 
   std::size_t size() const { return ids.size(); }
   std::size_t row_bytes() const { return dimension * scalar_size(scalar); }
@@ -27,6 +28,9 @@ struct NumberedPoints {
               std::size_t count, std::uint64_t first_id);
   /// Appends others of the same dimension and scalar type.
   void append(const NumberedPoints& other);
+  /// Appends others of the same dimension and scalar type, and frees them; no more room is taken
+  /// than the points need. Both are unchanged where that throws.
+  void take(NumberedPoints& other);
   /// Converts the coordinates to doubles.
   void widen();
   /// Sorts by id; removes repeated ids.

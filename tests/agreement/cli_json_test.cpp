@@ -72,6 +72,8 @@ TEST(CliJson, TriangulationsFollowTheSchema) {
   for (const std::string p : {f / "disk.npy", f / "ball.npy", f / "line.txt"}) {
     EXPECT_EQ(expect_json({"delaunay", p, "--json", "--certify"}, "delaunay")["certified"], true);
     EXPECT_EQ(expect_json({"voronoi", p, "--json"}, "voronoi")["measure"], nullptr);
+    EXPECT_GT(expect_json({"alpha", p, "--json"}, "alpha")["cell_count"], 0);
+    EXPECT_EQ(expect_json({"alpha", p, "--alpha", "inf", "--json"}, "alpha")["alpha"], nullptr);
     EXPECT_GT(
         expect_json({"voronoi", p, "--json", "--measures", f / "m.npy"}, "voronoi")["measure"],
         0.0);

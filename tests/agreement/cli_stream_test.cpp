@@ -287,6 +287,32 @@ TEST(CliStream, BudgetIsToldInOneLine) {
   EXPECT_NE(ran.err.find("the stream holds "), std::string::npos) << ran.err;
 }
 
+// Points that are all extreme are what a budget is for: refused or done, no more is resident than
+// the budget and what a run of few points takes.
+TEST(CliStream, NoMoreIsResidentThanTheBudget) {
+  if (testing::sanitized) GTEST_SKIP() << "a sanitizer's own memory counts, too";
+  const Folder f;
+  const auto made = [&](const char* name, const char* count) {
+    run_app({"generate", "sphere", "-n", count, "-o", f / name});
+    return f / name;
+  };
+  const std::string few = made("few.npy", "20k"), many = made("many.npy", "2M");
+  const auto run = [&](const std::string& file, const std::string& memory) {
+    return run_app({"hull", file, "--stream", "on", "--memory", memory, "--threads", "2", "-q"});
+  };
+  const std::uint64_t besides = run(few, "1GiB").peak_bytes;
+  bool refused = false, done = false;
+  for (const std::uint64_t mebibytes : {80, 160, 240, 400, 640, 2000}) {
+    const Ran ran = run(many, std::to_string(mebibytes) + "MiB");
+    (ran.status == 0 ? done : refused) = true;
+    if (ran.status != 0) {
+      EXPECT_EQ(ran.status, 4) << ran.err;
+    }
+    EXPECT_LE(ran.peak_bytes >> 20, mebibytes + (besides >> 20)) << ran.err;
+  }
+  EXPECT_TRUE(refused && done);
+}
+
 TEST(CliStream, AFileLargerThanTheAddressSpace) {
   if (testing::sanitized) GTEST_SKIP() << "a sanitizer needs more addresses than that";
   const Folder f;
@@ -326,15 +352,19 @@ pid_t start_quietly(const std::vector<std::string>& words) {
   return child;
 }
 
+/// How long a run takes here and now: what moments in its middle are taken from.
+std::chrono::microseconds time_of_whole(const std::vector<std::string>& words) {
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(testing::wait_for(start_quietly(words)), 0);
+  return std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() -
+                                                               start);
+}
+
 TEST(CliStream, KilledAtAnyMomentAndResumed) {
   const Folder f;
   write_slow_input(f);
   const std::string expected = hull_bytes(f, {f / "tile-*.npy"});
-  // Moments over a whole run, however long it takes here and now.
-  const auto start = std::chrono::steady_clock::now();
-  ASSERT_EQ(testing::wait_for(start_quietly(checkpointed(f))), 0);
-  const auto whole = std::chrono::duration_cast<std::chrono::microseconds>(
-      std::chrono::steady_clock::now() - start);
+  const auto whole = time_of_whole(checkpointed(f));
   std::mt19937 random(3);
   int killed = 0, resumed = 0;
   for (int round = 0; round < 200; ++round) {
@@ -365,10 +395,12 @@ TEST(CliStream, InterruptedAndResumed) {
   const std::string expected = hull_bytes(f, {f / "tile-*.npy"});
   std::vector<std::string> words = checkpointed(f);
   *std::find(words.begin(), words.end(), "0") = "1000";  // on Ctrl-C alone
+  const auto whole = time_of_whole(words);
+  std::mt19937 random(5);
   int interrupted = 0;
-  for (int round = 0; round < 40 && interrupted < 3; ++round) {
+  for (int round = 0; round < 100 && interrupted < 3; ++round) {
     const pid_t child = start_quietly(words);
-    std::this_thread::sleep_for(std::chrono::milliseconds(10 + round * round));
+    std::this_thread::sleep_for(whole * static_cast<int>(random() % 100) / 100);
     testing::send(child, SIGINT);
     if (testing::wait_for(child) != 130) continue;
     if (std::filesystem::exists(f / "run.checkpoint")) ++interrupted;

@@ -6,6 +6,7 @@
 #include <pty.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -67,10 +68,10 @@ inline std::string read_file(const std::string& path) {
   return out.str();
 }
 
-/// How a program ended: its exit status, or 1000 + the signal that killed it.
-inline int wait_for(pid_t child) {
+/// How a program ended: its exit status, or 1000 + the signal that killed it; and what it used.
+inline int wait_for(pid_t child, rusage* used = nullptr) {
   int status = 0;
-  while (::waitpid(child, &status, 0) < 0)
+  while (::wait4(child, &status, 0, used) < 0)
     if (errno != EINTR) return -1;
   return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
 }
@@ -110,6 +111,7 @@ inline void send(pid_t child, int number) {
 struct Ran {
   int status = -1;
   std::string out, err;
+  std::uint64_t peak_bytes = 0;  ///< resident; at least what this process has when it starts it
 };
 
 /// Runs to the end with standard input from a file, output and errors captured.
@@ -122,7 +124,9 @@ inline Ran run_app(const std::vector<std::string>& arguments,
                      ::open(out.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600),
                      ::open(err.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600)};
   Ran ran;
-  ran.status = wait_for(start_app(arguments, fds[0], fds[1], fds[2]));
+  rusage used{};
+  ran.status = wait_for(start_app(arguments, fds[0], fds[1], fds[2]), &used);
+  ran.peak_bytes = static_cast<std::uint64_t>(used.ru_maxrss) << 10;
   for (const int fd : fds) ::close(fd);
   if (output.empty()) ran.out = read_file(out);
   ran.err = read_file(err);

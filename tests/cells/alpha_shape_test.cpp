@@ -86,6 +86,141 @@ TEST(AlphaShape, SmallSetsAreAsDefined) {
       if (s.weights.empty()) check(s);
 }
 
+bool reaches(double radius, const mpq_class& square) {
+  return std::isinf(radius) || mpq_class(radius) * mpq_class(radius) >= square;
+}
+
+/// Whether each vertex has a cell among those of at most this radius, and they are of one piece.
+std::pair<bool, bool> slow_goals(const Triangulation& t, const Array<double>& radii, double alpha) {
+  std::set<std::uint32_t> met, kept, todo;
+  for (std::uint32_t c = 0; c < t.size(); ++c) {
+    if (radii[c] > alpha) continue;
+    kept.insert(c);
+    met.insert(t.cell(c).begin(), t.cell(c).end());
+  }
+  const bool all = met.size() == t.vertex_count();
+  if (kept.empty()) return {all, false};
+  todo.insert(*kept.begin());
+  while (!todo.empty()) {
+    const std::uint32_t c = *todo.begin();
+    todo.erase(todo.begin());
+    kept.erase(c);
+    for (const std::uint32_t o : t.neighbours_of(c))
+      if (kept.contains(o)) todo.insert(o);
+  }
+  return {all, all && kept.empty()};
+}
+
+void check_radii(const LiftedSet& s) {
+  const Triangulation t = triangulate(s);
+  const Array<double> radii = alpha_radii(view_of(s), t);
+  ASSERT_EQ(radii.size(), t.size());
+  std::set<double> candidates{0};
+  for (std::uint64_t c = 0; c < t.size(); ++c) {
+    const mpq_class square = t.affine_dimension > 0 ? slow_radius(s, t.cell(c)) : mpq_class(0);
+    EXPECT_TRUE(reaches(radii[c], square)) << s.name;
+    EXPECT_TRUE(radii[c] == 0 || !reaches(std::nextafter(radii[c], 0), square)) << s.name;
+    candidates.insert(radii[c]);
+  }
+  double all = -1, one = -1;
+  for (const double alpha : candidates) {
+    const auto [has_all, is_one] = slow_goals(t, radii, alpha);
+    if (has_all && all < 0) all = alpha;
+    if (is_one && one < 0) one = alpha;
+  }
+  if (t.size() == 0) one = 0;
+  EXPECT_EQ(critical_alpha(view_of(s), t, AlphaGoal::all_points), all) << s.name;
+  EXPECT_EQ(critical_alpha(view_of(s), t, AlphaGoal::one_region), one) << s.name;
+}
+
+TEST(AlphaShape, RadiiAreTheLeastDoubles) {
+  for (unsigned d = 1; d <= 4; ++d)
+    for (const LiftedSet& s : small_lifted_sets(d, 47))
+      if (s.weights.empty()) check_radii(s);
+  check_radii({"none", 2, {}, {}});
+  check_radii({"one", 2, {3, 4}, {}});
+  check_radii(random_points(2, 60, 9));
+  check_radii(drawn_grid(2, 60, 9, 1, 0, 9));
+  check_radii(random_points(3, 40, 9));
+}
+
+mpq_class twice_area(const LiftedSet& s, const Triangulation& t,
+                     std::span<const std::uint32_t> ring) {
+  mpq_class sum = 0;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Rationals a = rational_point(s, ring[i]),
+                    b = rational_point(s, ring[(i + 1) % ring.size()]);
+    sum += a[t.axes[0]] * b[t.axes[1]] - a[t.axes[1]] * b[t.axes[0]];
+  }
+  return sum;
+}
+
+/// Rings have each edge of the boundary once and no point twice, outer ones turn left and holes
+/// right, areas add up piece by piece.
+void check_polygons(const LiftedSet& s, const Triangulation& t,
+                    const std::vector<std::uint32_t>& cells) {
+  const CellPolygons polygons = cell_polygons(view_of(s), t, cells);
+  std::multiset<std::pair<std::uint32_t, std::uint32_t>> edges, found;
+  mpq_class area = 0, sum = 0;
+  for (const std::uint32_t c : cells) {
+    area += twice_area(s, t, t.cell(c));
+    for (unsigned j = 0; j < 3; ++j)
+      if (std::count(cells.begin(), cells.end(), t.neighbours_of(c)[j]) == 0)
+        edges.emplace(t.cell(c)[(j + 1) % 3], t.cell(c)[(j + 2) % 3]);
+  }
+  std::set<std::uint32_t> todo(cells.begin(), cells.end());
+  std::size_t pieces = 0;
+  for (; !todo.empty(); ++pieces) {
+    std::vector<std::uint32_t> stack{*todo.begin()};
+    todo.erase(todo.begin());
+    while (!stack.empty()) {
+      const std::uint32_t c = stack.back();
+      stack.pop_back();
+      for (const std::uint32_t o : t.neighbours_of(c))
+        if (todo.erase(o) > 0) stack.push_back(o);
+    }
+  }
+  EXPECT_EQ(polygons.polygon_count(), pieces) << s.name;
+  for (std::uint64_t i = 0; i < polygons.polygon_count(); ++i)
+    for (std::uint64_t r = polygons.polygon_offsets[i]; r < polygons.polygon_offsets[i + 1]; ++r) {
+      const std::span<const std::uint32_t> ring(
+          polygons.ids.data() + polygons.ring_offsets[r],
+          polygons.ring_offsets[r + 1] - polygons.ring_offsets[r]);
+      EXPECT_EQ(std::set<std::uint32_t>(ring.begin(), ring.end()).size(), ring.size()) << s.name;
+      EXPECT_EQ(ring[0], *std::min_element(ring.begin(), ring.end()));
+      const mpq_class own = twice_area(s, t, ring);
+      EXPECT_EQ(own > 0, r == polygons.polygon_offsets[i]) << s.name;
+      sum += own;
+      for (std::size_t v = 0; v < ring.size(); ++v)
+        found.emplace(ring[v], ring[(v + 1) % ring.size()]);
+    }
+  EXPECT_TRUE(edges == found) << s.name;
+  EXPECT_TRUE(area == sum) << s.name;
+}
+
+TEST(AlphaShape, PolygonsAreTheBoundaryOfCells) {
+  std::vector<LiftedSet> sets{random_points(2, 40, 3),
+                              drawn_grid(2, 40, 7, 1, 0, 3),
+                              in_a_flat(3, 2, 30, 3),
+                              {"none", 2, {}, {}}};
+  for (const LiftedSet& s : small_lifted_sets(2, 53))
+    if (s.weights.empty()) sets.push_back(s);
+  std::mt19937_64 random(5);
+  for (const LiftedSet& s : sets) {
+    const Triangulation t = triangulate(s);
+    if (t.affine_dimension != 2) {
+      EXPECT_EQ(cell_polygons(view_of(s), t, {}).ring_count(), 0U);
+      continue;
+    }
+    for (unsigned share = 1; share <= 4; ++share) {
+      std::vector<std::uint32_t> cells;
+      for (std::uint32_t c = 0; c < t.size(); ++c)
+        if (random() % 4 < share) cells.push_back(c);
+      check_polygons(s, t, cells);
+    }
+  }
+}
+
 /// A square's half diagonal is no double: both of its neighbours tell the cells apart.
 TEST(AlphaShape, ComparesExactly) {
   const std::vector<double> rows{0, 0, 1, 0, 0, 1, 1, 1};

@@ -22,7 +22,8 @@ const std::vector<std::vector<std::string>> layers = {
     {"result"},
     {"small", "cuda"},
     {"flow"},
-    {"query", "tracker", "batch", "stream", "lifting", "cells"},
+    {"query", "tracker", "batch", "stream", "lifting"},
+    {"cells"},
     {"distributed"},
 };
 /// Folders beside the layers, and all that they may include but themselves.

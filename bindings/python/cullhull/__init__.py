@@ -17,7 +17,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from ._alpha import AlphaShape, alpha_radii, alpha_shape
 from ._answers import NearestFacets, Rays
+from ._constrained import ConstrainedTriangulation, constrained_delaunay
 from ._core import version as __version__
 from ._delaunay import Delaunay, tsearch
 from ._device import DeviceArray, cuda_status
@@ -37,10 +39,16 @@ from ._errors import (
     ShapeWarning,
 )
 from ._functions import certify, convex_hull, cull, generate, shapes
+from ._graphs import gabriel_graph, minimum_spanning_tree, relative_neighbourhood_graph
 from ._groups import GroupHulls, hulls_by
 from ._halfspaces import HalfspaceIntersection
 from ._hull import Certificate, Hull, Simplified
-from ._interpolation import LinearNDInterpolator, NearestNDInterpolator, griddata
+from ._interpolation import (
+    LinearNDInterpolator,
+    NaturalNDInterpolator,
+    NearestNDInterpolator,
+    griddata,
+)
 from ._lists import Lists
 from ._many import (
     DeviceHullBatch,
@@ -65,11 +73,13 @@ if TYPE_CHECKING:
 
 
 __all__ = [
+    "AlphaShape",
     "BackendUnavailable",
     "BadFile",
     "Cancelled",
     "Certificate",
     "ClippedCells",
+    "ConstrainedTriangulation",
     "ConvexHull",
     "Delaunay",
     "DeviceArray",
@@ -88,6 +98,7 @@ __all__ = [
     "InvalidArgument",
     "LinearNDInterpolator",
     "Lists",
+    "NaturalNDInterpolator",
     "NearestFacets",
     "NearestNDInterpolator",
     "NotCertified",
@@ -104,7 +115,10 @@ __all__ = [
     "Voronoi",
     "VoronoiDiagram",
     "__version__",
+    "alpha_radii",
+    "alpha_shape",
     "certify",
+    "constrained_delaunay",
     "convex_hull",
     "convex_hulls",
     "convex_hulls_on_device",
@@ -112,10 +126,13 @@ __all__ = [
     "cull",
     "delaunay",
     "delaunay_plot_2d",
+    "gabriel_graph",
     "generate",
     "griddata",
     "hulls_by",
+    "minimum_spanning_tree",
     "read",
+    "relative_neighbourhood_graph",
     "shapes",
     "tsearch",
     "voronoi",

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._arguments import Progress, as_point_set
+from . import _core
+from ._arguments import as_point_set, settings
 from ._delaunay import Delaunay
 from ._errors import InvalidArgument
 from ._triangulation import Triangulation, delaunay
@@ -67,7 +68,40 @@ class _Interpolator:
         return out.reshape(xi.shape[:-1] + self.values.shape[1:])
 
 
-class LinearNDInterpolator(_Interpolator):
+class _OnCells(_Interpolator):
+    """Those that need a triangulation."""
+
+    tri: Delaunay
+
+    def __init__(
+        self,
+        points: Any,
+        values: Any,
+        fill_value: Any = np.nan,
+        rescale: bool = False,
+        *,
+        threads: int | None = None,
+    ) -> None:
+        self._threads = threads
+        if isinstance(points, Triangulation):
+            points = Delaunay._of(points)
+        if isinstance(points, Delaunay):
+            if rescale:
+                raise InvalidArgument(
+                    "Rescaling is not supported when passing a Delaunay triangulation as "
+                    "``points``."
+                )
+            self.tri, self.points = points, points.points
+        else:
+            self._set_points(points, rescale)
+            self.tri = Delaunay(self.points, threads=threads)
+        self._set_values(values)
+        kind = np.complex128 if np.iscomplexobj(self.values) else np.float64
+        self.values = np.ascontiguousarray(self.values, dtype=kind)
+        self.fill_value = kind(fill_value)
+
+
+class LinearNDInterpolator(_OnCells):
     """In place of `scipy.interpolate.LinearNDInterpolator`: linear on each simplex.
 
     Parameters
@@ -101,35 +135,6 @@ class LinearNDInterpolator(_Interpolator):
     ([2.0, nan], 1.0)
     """
 
-    tri: Delaunay
-
-    def __init__(
-        self,
-        points: Any,
-        values: Any,
-        fill_value: Any = np.nan,
-        rescale: bool = False,
-        *,
-        threads: int | None = None,
-    ) -> None:
-        self._threads = threads
-        if isinstance(points, Triangulation):
-            points = Delaunay._of(points)
-        if isinstance(points, Delaunay):
-            if rescale:
-                raise InvalidArgument(
-                    "Rescaling is not supported when passing a Delaunay triangulation as "
-                    "``points``."
-                )
-            self.tri, self.points = points, points.points
-        else:
-            self._set_points(points, rescale)
-            self.tri = Delaunay(self.points, threads=threads)
-        self._set_values(values)
-        kind = np.complex128 if np.iscomplexobj(self.values) else np.float64
-        self.values = np.ascontiguousarray(self.values, dtype=kind)
-        self.fill_value = kind(fill_value)
-
     def __call__(self, *args: Any) -> npt.NDArray[Any]:
         """The values at points.
 
@@ -156,6 +161,125 @@ class LinearNDInterpolator(_Interpolator):
         for j in range(corners.shape[1]):
             found += shares[:, j].reshape(shape) * self.values[corners[:, j]]
         return self._spread(xi, inside, found, self.fill_value)
+
+
+class NaturalNDInterpolator(_OnCells):
+    """Natural neighbour interpolation (Sibson) in 2 or 3 dimensions, called as SciPy's classes are.
+
+    A value is the mean of those of its neighbours, weighted by what its Voronoi cell would take
+    from theirs: smooth but at the points, through all values, and linear values stay linear. Each
+    weight is within 2**-51 of the exact one.
+
+    Parameters
+    ----------
+    points : (n, d) array, tuple of d arrays, `Delaunay` or `Triangulation`
+        d is 2 or 3; of more dimensions where they span no more than 3.
+    values : (n, ...) array of float or complex
+    fill_value : float
+        The value outside the points' hull.
+    rescale : bool
+        Divide each coordinate by its range first; neighbours are others then.
+    threads : int, optional
+        Threads to use; all the machine offers if not given.
+
+    Attributes
+    ----------
+    points, values : the arrays
+    tri : Delaunay
+    fill_value : float or complex
+
+    Raises
+    ------
+    InvalidArgument, NotFinite (ValueErrors), QhullError
+        As `Delaunay`; also for another number of values than of points, and when called for points
+        that span more than 3 dimensions.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> corners, heights = [[0, 0], [2, 0], [2, 2], [0, 2], [1, 1]], [0.0, 0.0, 0.0, 0.0, 1.0]
+    >>> height = cullhull.NaturalNDInterpolator(corners, heights)
+    >>> height([[1, 1], [1, 0], [1, 0.5], [3, 3]]).tolist()
+    [1.0, 0.0, 0.5, nan]
+    >>> ids, weights = height.neighbours([1, 0.5])
+    >>> ids.tolist(), weights.tolist()
+    ([0, 1, 4], [0.25, 0.25, 0.5])
+    """
+
+    def __init__(
+        self,
+        points: Any,
+        values: Any,
+        fill_value: Any = np.nan,
+        rescale: bool = False,
+        *,
+        threads: int | None = None,
+    ) -> None:
+        super().__init__(points, values, fill_value, rescale, threads=threads)
+        n = len(self.values)
+        parts = self.values.reshape(n, -1)
+        if np.iscomplexobj(parts):
+            parts = np.concatenate([parts.real, parts.imag], axis=1)
+        self._components = parts.shape[1]
+        self._native = _core.interpolator(
+            self.tri.triangulation._cells,
+            np.ascontiguousarray(parts, dtype=np.float64).reshape(-1),
+            self._components,
+            settings(threads=threads),
+        )
+
+    def __call__(self, *args: Any) -> npt.NDArray[Any]:
+        """The values at points.
+
+        Parameters
+        ----------
+        args : (..., d) array, or d arrays that are broadcast together, or a tuple of such
+
+        Returns
+        -------
+        array of the points' shape and that of a value
+            ``fill_value`` outside the hull.
+        """
+        xi = self._questions(args)
+        rows = np.ascontiguousarray(xi.reshape(-1, xi.shape[-1]))
+        inside = self.tri.find_simplex(rows) >= 0
+        chosen = settings(threads=self._threads)
+        found: npt.NDArray[Any] = self._native.natural(rows[inside], np.nan, chosen)
+        found = found.reshape(-1, self._components)
+        if np.iscomplexobj(self.values):
+            half = self._components // 2
+            found = found[:, :half] + 1j * found[:, half:]
+        found = found.reshape(-1, *self.values.shape[1:])
+        return self._spread(xi, inside, found, self.fill_value)
+
+    def neighbours(self, point: Any) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.float64]]:
+        """The points that a value comes from, and their weights.
+
+        Parameters
+        ----------
+        point : (d,) array
+
+        Returns
+        -------
+        (m,) int32 array, (m,) float64 array
+            Indices, ascending, and weights that add up to 1 within m * 2**-51; both empty outside.
+
+        Raises
+        ------
+        InvalidArgument, NotFinite (ValueErrors)
+            For several points, another number of coordinates, a NaN or an infinity.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> of = cullhull.NaturalNDInterpolator([[0, 0], [1, 0], [0, 1]], [1, 2, 3])
+        >>> of.neighbours([0.25, 0.5])[1].tolist()
+        [0.25, 0.25, 0.5]
+        """
+        xi = self._questions((point,))
+        if xi.shape[:-1] not in ((), (1,)):
+            raise InvalidArgument("one point is asked about at a time")
+        return self._native.natural_neighbours(np.ascontiguousarray(xi.reshape(-1)))
 
 
 class NearestNDInterpolator(_Interpolator):
@@ -285,8 +409,9 @@ def griddata(
     points : (n, d) array, or tuple of d arrays
     values : (n, ...) array of float or complex
     xi : (..., d) array, or tuple of d arrays that are broadcast together
-    method : 'linear', 'nearest' or 'cubic'
-        'cubic', and any in one dimension, is SciPy's own, which must be installed.
+    method : 'linear', 'nearest', 'natural' or 'cubic'
+        'natural' is `NaturalNDInterpolator`, which SciPy lacks. 'cubic', and any of SciPy's in one
+        dimension, is SciPy's own, which must be installed.
     fill_value : float
         The value outside the points' hull; 'nearest' has none.
     rescale : bool
@@ -323,6 +448,8 @@ def griddata(
         return found
     if method == "nearest":
         return NearestNDInterpolator(rows, values, rescale=rescale, threads=threads)(xi)
+    if method == "natural":
+        return NaturalNDInterpolator(rows, values, fill_value, rescale, threads=threads)(xi)
     if method == "linear":
         return LinearNDInterpolator(rows, values, fill_value, rescale, threads=threads)(xi)
     raise InvalidArgument(

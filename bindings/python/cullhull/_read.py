@@ -1,4 +1,5 @@
-"""Points from files whose readers are Python packages: LAZ, E57, Parquet, HDF5, Zarr; and .npy."""
+"""Points from files: by the program's own readers, or by Python packages (LAZ, E57, Parquet, HDF5,
+Zarr)."""
 
 from __future__ import annotations
 
@@ -10,10 +11,13 @@ from typing import Any, Union
 import numpy as np
 import numpy.typing as npt
 
+from . import _core
 from ._arguments import as_count
-from ._errors import BadFile, InvalidArgument
+from ._errors import BadFile, InvalidArgument, ShapeWarning, warn
 
 Columns = Union[Sequence[str], Sequence[int], None]
+#: Points read at a time by a package that gives no view of all.
+_MANY = 1 << 20
 
 
 def read(
@@ -22,21 +26,28 @@ def read(
     columns: Columns = None,
     chunks: int | None = None,
 ) -> Any:
-    """The points of a file, for the formats that have a reader in Python alone.
+    """The points of a file.
 
-    .las and .laz (LAZ and COPC: ``pip install laspy[lazrs]``) give the file's whole numbers, to
-    which its scale and offset are not applied, so that a hull of them is exact; .e57 needs pye57,
-    .parquet pyarrow, .zarr zarr, FILE.h5:/GROUP/NAME (a dataset) h5py; .npy is mapped. All other formats are the program's
-    (``python -m cullhull hull FILE``).
+    .npy, .ply, .las, .pcd, .obj, .off, .stl, .xyz, .txt and .csv, and these compressed (.gz, .zst,
+    .npz) need no other package; what holds records of numbers is mapped, and the array is a view of
+    the file that is not to be changed meanwhile. .laz and COPC need laspy (``pip install
+    laspy[lazrs]``), .e57 pye57, .parquet pyarrow, FOLDER.zarr or FOLDER.zarr/NAME (an array) zarr,
+    FILE.h5:/GROUP/NAME (a dataset) h5py. .las and .laz give the file's whole numbers, to which its
+    scale and offset are not applied, so that a hull of them is exact.
+
+    Names with a protocol (``s3://bucket/a.parquet``) are opened by fsspec: .npy, .las, .laz, .parquet,
+    .zarr and .h5.
 
     Parameters
     ----------
     path : str or path
     columns : names or numbers, optional
-        Which coordinates: names of Parquet's columns, else numbers. By default x, y, z of a
-        Parquet file that has them, else all.
+        Which coordinates: numbers, or names where the file has some (a text's first line, x, y, z
+        of meshes and scans, Parquet). By default x, y, z where there are columns so named, else
+        all; a text of which columns are left out so gives a `ShapeWarning`.
     chunks : int, optional
-        At most so many points at a time: an iterator of arrays instead of one.
+        At most so many points at a time: an iterator of arrays instead of one. Text and what is
+        compressed is read whole all the same.
 
     Returns
     -------
@@ -64,13 +75,15 @@ def read(
     ending = os.path.splitext(name)[1].lower()
     if re.search(r"\.(h5|hdf5|he5|nc|nc4)(:|$)", name, re.IGNORECASE):
         ending = ".h5"
-    reader = _READERS.get(ending)
-    if reader is None:
-        raise BadFile(
-            f"{name}: read reads {' '.join(_READERS)}; the program reads more: "
-            "python -m cullhull hull FILE"
-        )
-    pieces = reader(name, columns, size or 1 << 20)
+    if re.search(r"\.zarr(/|$)", name, re.IGNORECASE):
+        ending = ".zarr"
+    remote = "://" in name
+    reader = _READERS.get(ending, _native)
+    if ending == ".las" and not remote:
+        reader = _native
+    if remote and reader is _native:
+        raise BadFile(f"{name}: by fsspec read reads {' '.join(_READERS)}")
+    pieces = reader(name, columns, size)
     if size is not None:
         return pieces
     parts = list(pieces)
@@ -86,8 +99,15 @@ def _package(name: str, ending: str, install: str) -> Any:
         return importlib.import_module(name)
     except ImportError:
         raise ImportError(
-            f"{ending} files are read with {name}, which is not installed: pip install {install}"
+            f"{ending} are read with {name}, which is not installed: pip install {install}"
         ) from None
+
+
+def _opened(name: str) -> Any:
+    """What a reader is given: the name of a file here, or an open file from elsewhere."""
+    if "://" not in name:
+        return name
+    return _package("fsspec", "files with a protocol", "fsspec").open(name, "rb").open()
 
 
 def _numbers(columns: Columns, width: int, name: str) -> list[int]:
@@ -99,26 +119,40 @@ def _numbers(columns: Columns, width: int, name: str) -> list[int]:
     return [int(c) for c in numbers]
 
 
-def _slices(array: Any, columns: Columns, size: int, name: str) -> Iterator[npt.NDArray[Any]]:
+def _blocks(array: Any, size: int | None) -> Iterator[npt.NDArray[Any]]:
+    for start in range(0, array.shape[0], size or max(1, array.shape[0])):
+        yield np.asarray(array[start : start + size] if size else array[:])
+
+
+def _slices(array: Any, columns: Columns, size: int | None, name: str) -> Iterator[npt.NDArray[Any]]:
     if array.ndim != 2:
         raise BadFile(f"{name}: array of {array.ndim} axes; points need (n, d)")
     taken = _numbers(columns, array.shape[1], name)
-    for start in range(0, array.shape[0], size):
-        block = np.asarray(array[start : start + size])
+    for block in _blocks(array, size):
         yield block if columns is None else block[:, taken]
 
 
-def _npy(name: str, columns: Columns, size: int) -> Iterator[npt.NDArray[Any]]:
-    return _slices(np.load(name, mmap_mode="r"), columns, size, name)
+def _native(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
+    wanted = ",".join(f'"{c}"' if isinstance(c, str) else str(int(c)) for c in columns or ())
+    array, remarks = _core.read_points(name, wanted)
+    for line in remarks:
+        warn(line, ShapeWarning)
+    yield from _blocks(array, size)
 
 
-def _hdf5(name: str, columns: Columns, size: int) -> Iterator[npt.NDArray[Any]]:
-    h5py = _package("h5py", ".h5", "h5py")
+def _npy(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
+    file = _opened(name)
+    mode: Any = "r" if file is name else None
+    return _slices(np.load(file, mmap_mode=mode), columns, size, name)
+
+
+def _hdf5(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
+    h5py = _package("h5py", ".h5 files", "h5py")
     path, dataset = name, ""
     found = re.search(r"\.(h5|hdf5|he5|nc|nc4):", name, re.IGNORECASE)
     if found and not os.path.exists(name):
         path, dataset = name[: found.end() - 1], name[found.end() :]
-    with h5py.File(path, "r") as file:
+    with h5py.File(_opened(path), "r") as file:
         arrays: list[str] = []
 
         def note(where: str, item: Any) -> None:
@@ -135,36 +169,43 @@ def _hdf5(name: str, columns: Columns, size: int) -> Iterator[npt.NDArray[Any]]:
         yield from _slices(file[dataset], columns, size, name)
 
 
-def _zarr(name: str, columns: Columns, size: int) -> Iterator[npt.NDArray[Any]]:
-    return _slices(_package("zarr", ".zarr", "zarr").open(name, mode="r"), columns, size, name)
+def _zarr(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
+    array = _package("zarr", ".zarr folders", "zarr").open(name, mode="r")
+    if not hasattr(array, "ndim"):
+        names = ", ".join(sorted(array.array_keys()))
+        raise InvalidArgument(f"{name}: say which array, as FOLDER.zarr/NAME; there are {names}")
+    return _slices(array, columns, size, name)
 
 
-def _las(name: str, columns: Columns, size: int) -> Iterator[npt.NDArray[Any]]:
-    laspy = _package("laspy", ".las and .laz", "'laspy[lazrs]'")
+def _las(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
+    laspy = _package("laspy", ".las and .laz files", "'laspy[lazrs]'")
     taken = _numbers(columns, 3, name)
     try:
-        with laspy.open(name) as file:
-            for points in file.chunk_iterator(size):
+        with laspy.open(_opened(name)) as file:
+            for points in file.chunk_iterator(size or _MANY):
                 axes = (points.X, points.Y, points.Z)
                 yield np.column_stack([np.asarray(axes[j], dtype=np.int32) for j in taken])
     except laspy.errors.LaspyException as error:
         raise BadFile(f"{name}: {error}") from None
 
 
-def _e57(name: str, columns: Columns, size: int) -> Iterator[npt.NDArray[Any]]:
-    pye57 = _package("pye57", ".e57", "pye57")
+def _e57(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
+    pye57 = _package("pye57", ".e57 files", "pye57")
     taken = _numbers(columns, 3, name)
-    file = pye57.E57(name)
-    for scan in range(file.scan_count):
-        axes = file.read_scan(scan, ignore_missing_fields=True)
-        rows = np.column_stack([axes[f"cartesian{'XYZ'[j]}"] for j in taken])
-        for start in range(0, len(rows), size):
-            yield rows[start : start + size]
+    try:
+        with pye57.E57(name) as file:
+            for scan in range(file.scan_count):
+                axes = file.read_scan(scan, ignore_missing_fields=True)
+                rows = np.column_stack([axes[f"cartesian{'XYZ'[j]}"] for j in taken])
+                for start in range(0, len(rows), size):
+                    yield rows[start : start + size]
+    except pye57.libe57.E57Exception as error:
+        raise BadFile(f"{name}: {error}") from None
 
 
-def _parquet(name: str, columns: Columns, size: int) -> Iterator[npt.NDArray[Any]]:
-    parquet = _package("pyarrow.parquet", ".parquet", "pyarrow")
-    file = parquet.ParquetFile(name)
+def _parquet(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
+    parquet = _package("pyarrow.parquet", ".parquet files", "pyarrow")
+    file = parquet.ParquetFile(_opened(name))
     names = list(file.schema_arrow.names)
     if columns is None:
         xyz = [c for c in "xyz" if c in names]
@@ -176,7 +217,7 @@ def _parquet(name: str, columns: Columns, size: int) -> Iterator[npt.NDArray[Any
     missing = [c for c in wanted if c not in names]
     if missing:
         raise InvalidArgument(f"{name}: no column {missing[0]!r}; there are {', '.join(names)}")
-    for batch in file.iter_batches(batch_size=size, columns=wanted):
+    for batch in file.iter_batches(batch_size=size or _MANY, columns=wanted):
         for column in wanted:
             if batch.column(column).null_count:
                 raise BadFile(f"{name}: column {column!r} has missing values")

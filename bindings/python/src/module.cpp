@@ -21,6 +21,8 @@ NB_MODULE(_core, m) {
   binding::bind_tracker(m);
   binding::bind_simplify(m);
   binding::bind_stream(m);
+  binding::bind_files(m);
   binding::bind_triangulation(m);
   binding::bind_voronoi(m);
+  binding::bind_cells(m);
 }

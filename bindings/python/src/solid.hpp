@@ -73,7 +73,9 @@ void bind_device_batch(nanobind::module_& m);
 void bind_tracker(nanobind::module_& m);
 void bind_simplify(nanobind::module_& m);
 void bind_stream(nanobind::module_& m);
+void bind_files(nanobind::module_& m);
 void bind_triangulation(nanobind::module_& m);
 void bind_voronoi(nanobind::module_& m);
+void bind_cells(nanobind::module_& m);
 
 }  // namespace binding

@@ -2,8 +2,10 @@
 
 import concurrent.futures
 import copy
+import gzip
 import pickle
 import random
+import struct
 import threading
 import time
 
@@ -188,8 +190,55 @@ def test_read_npy_in_chunks(tmp_path):
     assert np.array_equal(np.concatenate(blocks), points[:, [0, 2, 3]])
     with pytest.raises(ValueError, match="columns must be numbers from 0 to 3"):
         list(cullhull.read(tmp_path / "a.npy", columns=[4], chunks=10))
-    with pytest.raises(cullhull.BadFile, match="the program reads more"):
-        cullhull.read(tmp_path / "a.obj")
+
+
+WRITTEN = {
+    "a.xyz": b"0 1 2\n3 4 5\n",
+    "a.csv": b"name,z,y,x,intensity\np,2,1,0,7\nq,5,4,3,8\n",
+    "a.obj": b"v 0 1 2\nv 3 4 5\n",
+    "a.off": b"OFF\n2 0 0\n0 1 2\n3 4 5\n",
+    "a.ply": b"ply\nformat binary_little_endian 1.0\nelement vertex 2\nproperty uchar a\n"
+    b"property float x\nproperty float y\nproperty float z\nend_header\n"
+    + b"".join(struct.pack("<Bfff", 9, k, k + 1, k + 2) for k in (0, 3)),
+    "a.pcd": b"VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\n"
+    b"POINTS 2\nDATA ascii\n0 1 2\n3 4 5\n",
+    "a.xyz.gz": gzip.compress(b"0 1 2\n3 4 5\n"),
+}
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+@pytest.mark.filterwarnings("ignore::cullhull.ShapeWarning")
+def test_read_by_the_programs_readers(tmp_path, name):
+    (tmp_path / name).write_bytes(WRITTEN[name])
+    points = cullhull.read(tmp_path / name)
+    assert points.tolist() == [[0, 1, 2], [3, 4, 5]]
+    assert [b.tolist() for b in cullhull.read(tmp_path / name, chunks=1)] == [
+        [[0, 1, 2]],
+        [[3, 4, 5]],
+    ]
+    assert cullhull.convex_hull(points).volume == cullhull.convex_hull([[0, 1, 2], [3, 4, 5]]).volume
+
+
+def test_read_columns_of_text(tmp_path):
+    (tmp_path / "a.csv").write_bytes(WRITTEN["a.csv"])
+    with pytest.warns(cullhull.ShapeWarning, match="x, y and z of 5 columns"):
+        cullhull.read(tmp_path / "a.csv")
+    assert cullhull.read(tmp_path / "a.csv", columns=["intensity", "x"]).tolist() == [[7, 0], [8, 3]]
+    assert cullhull.read(tmp_path / "a.csv", columns=[1, 2]).tolist() == [[2, 1], [5, 4]]
+    with pytest.raises(ValueError, match="no column"):
+        cullhull.read(tmp_path / "a.csv", columns=["w"])
+
+
+def test_read_refuses(tmp_path):
+    with pytest.raises(OSError, match="none.ply"):
+        cullhull.read(tmp_path / "none.ply")
+    (tmp_path / "bad.ply").write_bytes(b"ply\nformat ascii 1.0\n")
+    with pytest.raises(cullhull.BadFile, match="bad.ply"):
+        cullhull.read(tmp_path / "bad.ply")
+    (tmp_path / "a.xyz").write_bytes(b"0 1 2\n")
+    kept = cullhull.read(tmp_path / "a.xyz")
+    with pytest.raises(ValueError, match="read-only"):
+        kept[0, 0] = 1
 
 
 def test_read_hdf5_by_dataset(tmp_path):
@@ -247,3 +296,74 @@ def test_las_of_every_point_format(tmp_path, point_format, ending):
     las.write(str(path))
     assert np.array_equal(cullhull.read(path), points)
     assert np.array_equal(np.concatenate(list(cullhull.read(path, chunks=77))), points)
+
+
+def test_read_zarr_by_name(tmp_path):
+    zarr = pytest.importorskip("zarr")
+    points = cullhull.generate("ball", 1000)
+    zarr.save_array(str(tmp_path / "a.zarr"), points)
+    assert np.array_equal(cullhull.read(tmp_path / "a.zarr"), points)
+    blocks = list(cullhull.read(tmp_path / "a.zarr", columns=[2, 0], chunks=300))
+    assert np.array_equal(np.concatenate(blocks), points[:, [2, 0]])
+    zarr.save_group(str(tmp_path / "b.zarr"), scan=points, other=points[:7])
+    assert np.array_equal(cullhull.read(f"{tmp_path}/b.zarr/scan"), points)
+    with pytest.raises(ValueError, match="as FOLDER.zarr/NAME; there are other, scan"):
+        cullhull.read(tmp_path / "b.zarr")
+
+
+def test_read_e57_of_several_scans(tmp_path):
+    pye57 = pytest.importorskip("pye57")
+    points = cullhull.generate("ball", 1000).astype(np.float32)  # as it writes them
+    path = tmp_path / "a.e57"
+    with pye57.E57(str(path), mode="w") as file:
+        for part in (points[:400], points[400:]):
+            axes = {f"cartesian{c}": part[:, j].copy() for j, c in enumerate("XYZ")}
+            file.write_scan_raw(axes)
+    assert np.array_equal(cullhull.read(path), points)
+    blocks = list(cullhull.read(path, columns=[2, 0], chunks=300))
+    assert [len(b) for b in blocks] == [300, 100, 300, 300]
+    assert np.array_equal(np.concatenate(blocks), points[:, [2, 0]])
+    path.write_bytes(path.read_bytes()[:500])
+    with pytest.raises(cullhull.BadFile, match="a.e57: "):
+        cullhull.read(path)
+
+
+@pytest.mark.parametrize("ending", ["npy", "h5", "parquet", "las", "zarr"])
+def test_read_by_fsspec(ending):
+    fsspec = pytest.importorskip("fsspec")
+    package = {"h5": "h5py", "parquet": "pyarrow", "las": "laspy", "zarr": "zarr"}.get(ending)
+    if package is not None:
+        pytest.importorskip(package)
+    points = (cullhull.generate("ball", 500) * 1e6).astype(np.int32)
+    name = f"memory://cullhull/a.{ending}"
+    _write_by_fsspec(fsspec, name, ending, points)
+    assert np.array_equal(cullhull.read(name), points)
+    assert np.array_equal(np.concatenate(list(cullhull.read(name, chunks=77))), points)
+
+
+def _write_by_fsspec(fsspec, name, ending, points):
+    if ending == "zarr":
+        import zarr
+
+        zarr.save_array(name, points)
+        return
+    with fsspec.open(name, "wb") as file:
+        if ending == "npy":
+            np.save(file, points)
+        elif ending == "h5":
+            import h5py
+
+            with h5py.File(file, "w") as archive:
+                archive["points"] = points
+        elif ending == "parquet":
+            import pyarrow.parquet
+
+            pyarrow.parquet.write_table(
+                pyarrow.table({c: points[:, j] for j, c in enumerate("xyz")}), file
+            )
+        else:
+            import laspy
+
+            las = laspy.LasData(laspy.LasHeader(point_format=0, version="1.2"))
+            las.X, las.Y, las.Z = points.T
+            las.write(file)

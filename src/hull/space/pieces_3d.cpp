@@ -129,7 +129,7 @@ void Engine3D::find_entries(Id begin, Id end) {
   const Id first_block = begin / Entries3D::block;
   entries_.resize(end / Entries3D::block - first_block + 1);
   const Id start = live_facet();
-  constexpr std::uint64_t chunk = 64;
+  constexpr std::uint64_t chunk = 64;  // blocks of points
   run_.each(entries_.size(), chunk, [&](std::uint64_t first, std::uint64_t last) {
     Piece3D reader;
     reader.owner_count = none;  // all facets

@@ -35,6 +35,7 @@ class RecordBlocks : public BlockSource {
       : from_(std::move(from)), layout_(std::move(layout)) {
     name_ = from_.name;
     format_ = layout_.format;
+    placement_ = layout_.placement;
     per_block_ = std::max<std::uint64_t>(1, block_bytes / (layout_.record_bytes * layout_.columns));
   }
   void go_on_from(const BlockPosition& from) override { next_ = from.file_points; }
@@ -111,6 +112,7 @@ class PipedRecords : public BlockSource {
       : from_(std::move(from)), layout_(std::move(layout)) {
     name_ = from_.name;
     format_ = layout_.format;
+    placement_ = layout_.placement;
     per_block_ = std::max<std::uint64_t>(1, block_bytes / layout_.record_bytes);
   }
   void go_on_from(const BlockPosition& from) override { pass_ = from.file_points; }
@@ -146,7 +148,7 @@ class PipedRecords : public BlockSource {
 
  private:
   void skip(std::uint64_t bytes, BlockMemory& memory) {
-    constexpr std::size_t piece = std::size_t{1} << 20;
+    constexpr std::size_t piece = std::size_t{1} << 20;  // bytes
     while (bytes > 0) {
       const std::size_t wanted = std::min<std::uint64_t>(bytes, piece);
       if (from_.stream->read(memory.room(wanted), wanted) < wanted)
@@ -225,7 +227,7 @@ class TextBlocks : public BlockSource {
  private:
   void begin(BlockMemory& memory) {
     begun_ = true;
-    constexpr std::uint64_t piece = std::uint64_t{1} << 20;
+    constexpr std::uint64_t piece = std::uint64_t{1} << 20;  // bytes
     for (std::uint64_t left = body_; left > 0;) {
       const std::size_t wanted = std::min(left, piece);
       if (from_.stream->read(memory.room(wanted), wanted) < wanted)
@@ -341,6 +343,7 @@ std::optional<Preamble> preamble_of(const OpenedBytes& from, const std::string& 
 /// Restricts decoded points to the columns asked for.
 void choose_columns_of(RecordLayout& layout, const std::string& file,
                        const std::vector<std::string>& names, const ReadOptions& options) {
+  layout.placement = placement_of_columns(layout.placement, file, names, options);
   layout.decode = [decode = layout.decode, file, names, options](
                       const Source& records, std::uint64_t first, std::uint64_t count) {
     PointData data = decode(records, first, count);

@@ -54,9 +54,11 @@ class BlockSource {
   virtual void finish() const {}
   const std::string& name() const { return name_; }
   const std::string& format() const { return format_; }
+  const Placement& placement() const { return placement_; }
 
  protected:
   std::string name_, format_;
+  Placement placement_;
 };
 
 /// Opens an input and finds its format.

@@ -188,6 +188,7 @@ class GroupFormat {
 
 void write_slices(const CollectedPoints& collected, const SortedGroups& sorted,
                   const GroupFormat& format, const Options& options, OutputFile& out) {
+  // Hulled and written at a time: some 100 MB of text at most. Not tuned.
   constexpr std::uint64_t slice_points = std::uint64_t{1} << 20;
   const std::uint32_t d = sorted.dimension;
   const std::size_t groups = sorted.order.size();

@@ -256,7 +256,7 @@ struct Hdf5Points::Impl {
                                           std::to_string(shape.count) + " numbers");
       if (shape.numbers.scalar != scalar) scalar = ScalarType::f64;
     }
-    constexpr std::uint64_t most = 1U << 20;
+    constexpr std::uint64_t most = 1U << 20;  // coordinates; more is a damaged header
     if (width == 0 || width > most)
       fail({file_name, nullptr, 0}, "points of " + std::to_string(width) + " coordinates");
     dimension = static_cast<std::uint32_t>(width);

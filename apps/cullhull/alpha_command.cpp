@@ -1,0 +1,206 @@
+// cullhull alpha: the alpha shape of a file of points.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "arguments.hpp"
+#include "commands.hpp"
+#include "cullhull/alpha_shape.hpp"
+#include "cullhull/error.hpp"
+#include "cullhull/triangulation.hpp"
+#include "cullhull/triangulation_io.hpp"
+#include "measure.hpp"
+#include "outputs.hpp"
+#include "terminal.hpp"
+
+namespace app {
+namespace {
+
+using cullhull::AlphaGoal;
+using cullhull::AlphaShape;
+using cullhull::Error;
+using cullhull::ErrorCode;
+using cullhull::PointView;
+using cullhull::Triangulation;
+
+constexpr const char* footer =
+    "Alpha (--alpha), the largest radius of a circle or sphere around a cell that stays:\n"
+    "  one-region            the least with a cell at every point and all of one piece (default)\n"
+    "  all-points            the least with a cell at every point\n"
+    "  NUMBER                compared exactly; inf for the convex hull\n"
+    "\n"
+    "Output (-o, by extension; may be given more than once):\n"
+    "  .geojson .wkt         2D: polygons with holes, one for each piece\n"
+    "  .ply .obj .off .stl .glb .vtp   3D: the boundary; 2D: the triangles\n"
+    "  .vtk                  the cells, of up to 3 dimensions\n"
+    "  .json                 alpha, cells and boundary facets as numbers of points\n"
+    "\n"
+    "Examples:\n"
+    "  cullhull alpha lidar.las --columns x,y -o outline.geojson   a concave hull\n"
+    "  cullhull alpha scan.ply --alpha 0.05 -o surface.stl         a surface around points\n"
+    "\n"
+    "All points must fit in memory. Exit status: 0 success; 1 bad input; 2 bad usage; 4 out of "
+    "the\n"
+    "memory budget; 130 cancelled.";
+
+const Endings endings{".ply", ".obj", ".off",     ".stl", ".glb",
+                      ".vtp", ".vtk", ".geojson", ".wkt", ".json"};
+
+struct AlphaArguments {
+  InputArguments input;
+  RunArguments run;
+  std::vector<std::string> outputs;
+  std::string alpha = "one-region", json;
+  std::vector<std::string> files;  ///< that the words of the input stand for
+};
+
+struct Outcome {
+  Triangulation triangulation;
+  AlphaShape shape;
+  double alpha = 0, read_seconds = 0, compute_seconds = 0;
+  std::uint64_t region_count = 0;
+};
+
+/// The number of --alpha; negative for one of the words.
+double given_alpha(const std::string& text) {
+  if (text == "one-region" || text == "all-points") return -1;
+  if (text == "inf") return INFINITY;
+  double value = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !(value >= 0))
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("--alpha {}: known are one-region, all-points, and numbers that are "
+                            "not negative",
+                            text));
+  return value;
+}
+
+/// Pieces of the shape, joined through facets.
+std::uint64_t count_regions(const Triangulation& t, const AlphaShape& shape) {
+  std::vector<bool> todo(t.size());
+  for (const std::uint32_t c : shape.cells) todo[c] = true;
+  std::uint64_t regions = 0;
+  std::vector<std::uint32_t> stack;
+  for (const std::uint32_t first : shape.cells) {
+    if (!todo[first]) continue;
+    ++regions;
+    todo[first] = false;
+    for (stack.assign(1, first); !stack.empty();) {
+      const std::uint32_t c = stack.back();
+      stack.pop_back();
+      for (const std::uint32_t o : t.neighbours_of(c)) {
+        if (o == cullhull::no_cell || !todo[o]) continue;
+        todo[o] = false;
+        stack.push_back(o);
+      }
+    }
+  }
+  return regions;
+}
+
+void find_shape(const AlphaArguments& a, const PointView& points, Outcome& out) {
+  const Stopwatch watch;
+  out.triangulation =
+      repeat(a.run, 1, [&](const cullhull::Options& options) {
+        cullhull::TriangulationOptions o;
+        o.threads = options.threads;
+        o.memory_budget = options.memory_budget;
+        o.progress = options.progress;
+        o.stop = options.stop;
+        o.poll = options.poll;
+        return naming_file(a.input.path, [&] { return cullhull::delaunay(points, o); });
+      }).result;
+  const Triangulation& t = out.triangulation;
+  out.alpha = given_alpha(a.alpha);
+  out.shape =
+      repeat(a.run, 1, [&](const cullhull::Options& options) {
+        if (out.alpha < 0)
+          out.alpha = cullhull::critical_alpha(
+              points, t, a.alpha == "one-region" ? AlphaGoal::one_region : AlphaGoal::all_points,
+              options);
+        return cullhull::alpha_shape(points, t, out.alpha, options);
+      }).result;
+  out.region_count = count_regions(t, out.shape);
+  out.compute_seconds = watch.seconds();
+}
+
+std::string report(const PointView& points, const Outcome& out) {
+  const Triangulation& t = out.triangulation;
+  nlohmann::ordered_json json = report_head(points);
+  json["threads"] = t.statistics.threads;
+  json["affine_dimension"] = t.affine_dimension;
+  json["alpha"] =
+      std::isfinite(out.alpha) ? nlohmann::ordered_json(out.alpha) : nlohmann::ordered_json();
+  json["cell_count"] = out.shape.cells.size();
+  json["facet_count"] = out.shape.facet_cells.size();
+  json["region_count"] = out.region_count;
+  json["read_seconds"] = out.read_seconds;
+  json["compute_seconds"] = out.compute_seconds;
+  json["peak_bytes"] = peak_bytes();
+  return json.dump(2) + '\n';
+}
+
+std::string summary(const AlphaArguments& a, const Input& input, const Outcome& out) {
+  const Triangulation& t = out.triangulation;
+  std::string text = points_line(input);
+  if (t.affine_dimension >= 0 && t.affine_dimension != static_cast<int>(t.dimension))
+    text += fmt::format("flat       the points span dimension {} only, and so does the shape\n",
+                        t.affine_dimension);
+  text += fmt::format("alpha      {}\n", out.alpha);
+  text += fmt::format("cells      {} of {}, {} facets around {} region{}\n",
+                      grouped(out.shape.cells.size()), grouped(t.size()),
+                      grouped(out.shape.facet_cells.size()), grouped(out.region_count),
+                      out.region_count == 1 ? "" : "s");
+  text += fmt::format("seconds    {:.6f}; reading {:.6f}\n", out.compute_seconds, out.read_seconds);
+  for (const std::string& path : a.outputs) text += wrote_line(path);
+  return text + wrote_line(a.json);
+}
+
+int run(AlphaArguments a) {
+  (void)given_alpha(a.alpha);  // refused before the work
+  a.files = a.input.find_files();
+  FilePlan plan;
+  plan.reads(a.files);
+  for (const std::string& path : a.outputs) plan.writes("-o", path, endings);
+  plan.writes_json(a.json);
+  const Input input = open_inputs(a.input, a.files, a.run.threads, a.run.memory_bytes());
+  for (const std::string& path : a.outputs)
+    cullhull::check_alpha_shape_format(path, input.points.dimension);
+  Outcome out;
+  out.read_seconds = input.file.read_seconds() + warm_pages(input.points);
+  find_shape(a, input.points, out);
+  for (const std::string& path : a.outputs)
+    cullhull::write_alpha_shape(path, input.points, out.triangulation, out.shape, out.alpha);
+  if (!a.json.empty()) cullhull::write_text(a.json, report(input.points, out));
+  if (!a.run.quiet && !plan.uses_stdout()) write_stdout(summary(a, input, out));
+  return 0;
+}
+
+}  // namespace
+
+Command add_alpha(Parser& parent) {
+  auto a = std::make_shared<AlphaArguments>();
+  Parser& command =
+      *parent.add_subcommand("alpha", "The alpha shape, a concave hull, of a file of points");
+  needs_value(*command.add_option("-o,--output", a->outputs, "Write to this file"))
+      .allow_extra_args(false)
+      ->type_name("FILE");
+  needs_value(*command.add_option("--alpha", a->alpha, "Which cells stay, see below"))
+      .type_name("NUMBER|WORD");
+  add_json_option(command, a->json, "Counts and times");
+  needs_value(
+      *command.add_option("--memory", a->run.memory,
+                          "Most it may take beyond the input, e.g. 2G or 512MiB; else half\n"
+                          "of the machine's. What needs more is refused, status 4"))
+      .type_name("BYTES");
+  a->run.add_to(command, false);
+  a->input.add_many_to(command);
+  command.footer(std::string(input_help) + "\n\n" + footer);
+  return [a] { return run(*a); };
+}
+
+}  // namespace app

@@ -1,0 +1,173 @@
+"""Alpha shapes: concave hulls of points, and the surface around them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._arguments import Progress, settings
+from ._errors import InvalidArgument
+from ._triangulation import Triangulation, triangulated
+
+
+def alpha_shape(
+    points: Any,
+    alpha: float | str = "one-region",
+    *,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> AlphaShape:
+    """The alpha shape of points: the cells of their Delaunay triangulation that are small enough.
+
+    Parameters
+    ----------
+    points : (n, d) array, or a `Triangulation` of `delaunay`
+    alpha : float or str
+        The largest radius of a cell's circumscribed sphere, compared exactly; infinite for the
+        convex hull. Or which one is looked for: ``"all-points"`` the least with a cell at every
+        point, ``"one-region"`` the least of these whose cells are of one piece.
+    threads, progress : as in `convex_hull`
+
+    Returns
+    -------
+    AlphaShape
+
+    Raises
+    ------
+    NotFinite, InvalidArgument (ValueErrors), TypeError
+        As `delaunay`; also for an alpha that is negative or NaN, another word, and a triangulation
+        of the furthest site.
+    KeyboardInterrupt
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> corner = [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [0, 2]]
+    >>> shape = cullhull.alpha_shape(corner)
+    >>> shape.alpha, shape.cells.tolist()
+    (0.7071067811865476, [[0, 1, 4], [0, 4, 3], [1, 2, 4], [3, 4, 5]])
+    >>> [ring.tolist() for ring in shape.polygons()[0]]
+    [[0, 1, 2, 4, 5, 3]]
+    """
+    chosen = settings(threads=threads, progress=progress)
+    found = triangulated(points, threads=threads, progress=progress)
+    if isinstance(alpha, str):
+        if alpha not in ("all-points", "one-region"):
+            raise InvalidArgument(
+                f'alpha {alpha!r}: known are "one-region", "all-points" and numbers'
+            )
+        alpha = _core.critical_alpha(found._cells, alpha == "one-region", chosen)
+    return AlphaShape(found, float(alpha), *_core.alpha_shape(found._cells, alpha, chosen))
+
+
+class AlphaShape:
+    """An alpha shape, made by `alpha_shape`.
+
+    Attributes
+    ----------
+    triangulation : Triangulation
+    alpha : float
+    cell_numbers : (c,) int32 array, ascending
+        Cells of the triangulation that are in the shape.
+    facets : (f, k) int32 array
+        Indices of points of the facets between a cell of the shape and none, oriented outward; rows
+        sorted.
+    facet_cells : (f,) int32 array
+        The cell of each of them.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> shape = cullhull.alpha_shape(cullhull.generate("disk", 500, 2, seed=1), 0.2)
+    >>> len(shape.polygons())
+    1
+    """
+
+    __slots__ = ("__weakref__", "alpha", "cell_numbers", "facet_cells", "facets", "triangulation")
+
+    def __init__(
+        self,
+        triangulation: Triangulation,
+        alpha: float,
+        cell_numbers: npt.NDArray[np.int32],
+        facets: npt.NDArray[np.int32],
+        facet_cells: npt.NDArray[np.int32],
+    ) -> None:
+        self.triangulation, self.alpha = triangulation, alpha
+        self.cell_numbers, self.facet_cells = cell_numbers, facet_cells
+        self.facets = facets.reshape(len(facet_cells), max(triangulation.affine_dimension, 0))
+
+    def __repr__(self) -> str:
+        return (
+            f"<AlphaShape of {self.triangulation.point_count} points in "
+            f"{self.triangulation.dimension}D: {len(self.cell_numbers)} cells, "
+            f"{len(self.facet_cells)} facets, alpha {self.alpha:g}>"
+        )
+
+    @property
+    def cells(self) -> npt.NDArray[np.int32]:
+        """(c, k + 1) int32: indices of the vertices of each cell, as `Triangulation.cells`."""
+        return self.triangulation.cells[self.cell_numbers]
+
+    def polygons(self) -> list[list[npt.NDArray[np.int32]]]:
+        """The shape of points in the plane as polygons, one for each piece.
+
+        Returns
+        -------
+        list of lists of int32 arrays
+            Of each polygon its rings as indices of points: the outer one, counter-clockwise, then
+            holes, clockwise; none closed by its first point again. Rings touch in single points at
+            most, as GeoJSON, WKT and Shapely want it.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For points that span more than two dimensions.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> cullhull.alpha_shape([[0, 0], [1, 0], [0, 1]]).polygons()[0][0].tolist()
+        [0, 1, 2]
+        """
+        ids, rings, polygons = _core.cell_polygons(
+            self.triangulation._cells, self.cell_numbers, None
+        )
+        return [
+            [ids[rings[ring] : rings[ring + 1]] for ring in range(begin, end)]
+            for begin, end in zip(polygons[:-1].tolist(), polygons[1:].tolist())
+        ]
+
+
+def alpha_radii(
+    points: Any, *, threads: int | None = None, progress: Progress = None
+) -> npt.NDArray[np.float64]:
+    """The radius from which on each cell of a Delaunay triangulation is in the alpha shape.
+
+    Parameters
+    ----------
+    points : (n, d) array, or a `Triangulation` of `delaunay`
+    threads, progress : as in `convex_hull`
+
+    Returns
+    -------
+    (c,) float64 array
+        For each cell the least double that is at least the radius of its circumscribed sphere, so
+        that comparing it with any alpha is exact.
+
+    Raises
+    ------
+    NotFinite, InvalidArgument (ValueErrors), TypeError, KeyboardInterrupt
+        As `alpha_shape`.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> cullhull.alpha_radii([[0, 0], [6, 0], [0, 8]]).tolist()
+    [5.0]
+    """
+    found = triangulated(points, threads=threads, progress=progress)
+    return _core.alpha_radii(found._cells, settings(threads=threads, progress=progress))

@@ -1,0 +1,167 @@
+"""Constrained Delaunay triangulations of the plane."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._arguments import Progress, as_point_set, settings
+from ._errors import InvalidArgument, NotCertified
+from ._hull import Certificate
+
+
+def constrained_delaunay(
+    points: Any,
+    edges: Any,
+    *,
+    inside_only: bool = False,
+    threads: int | None = None,
+    memory_budget: int | None = None,
+    certify: bool = False,
+    progress: Progress = None,
+) -> ConstrainedTriangulation:
+    """The Delaunay triangulation of points in the plane in which given edges are edges.
+
+    Every other edge is locally Delaunay, exactly, and of points on a circle the lowest index is on
+    the edges between them: there is one result, whatever the order of the edges.
+
+    Parameters
+    ----------
+    points : (n, 2) array
+    edges : (m, 2) array of int
+        Pairs of points. A point exactly on an edge cuts it; edges may overlap. Edges between points
+        of equal coordinates are none.
+    inside_only : bool
+        Keep the cells inside alone, which have an odd number of edges around them, as polygons with
+        holes and islands have it.
+    threads, memory_budget, progress : as in `convex_hull`
+    certify : bool
+        Check the result with an independent exact test, kept as ``result.certificate``.
+
+    Returns
+    -------
+    ConstrainedTriangulation
+
+    Raises
+    ------
+    NotFinite, InvalidArgument (ValueErrors), TypeError
+        As `delaunay`; also for points not in the plane, an edge of a point that is none, and edges
+        that cross where there is no point, which are named.
+    OutOfBudget (a MemoryError), KeyboardInterrupt
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> points = [[0, 0], [4, 0], [4, 1], [0, 1], [2, 0.9], [2, 0.1]]
+    >>> found = cullhull.constrained_delaunay(points, [[3, 2], [0, 2]], certify=True)
+    >>> found.cells.tolist(), found.pieces.tolist()
+    ([[0, 1, 5], [0, 2, 4], [0, 4, 3], [0, 5, 2], [1, 2, 5], [2, 3, 4]], [[0, 2], [2, 3]])
+    >>> cullhull.constrained_delaunay(points, [[0, 1], [1, 2], [2, 3], [3, 0]]).depths.tolist()
+    [1, 1, 1, 1, 1, 1]
+    """
+    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+    array = as_point_set(points)
+    pairs = np.asarray(edges)
+    if pairs.size == 0:
+        pairs = np.zeros((0, 2), dtype=np.int32)
+    if pairs.ndim != 2 or pairs.shape[1] != 2:
+        raise InvalidArgument(f"`edges` should be pairs of points, not of shape {pairs.shape}")
+    if pairs.dtype.kind not in "iu":
+        raise TypeError(f"`edges` should be whole numbers, not {pairs.dtype}")
+    wrong = (pairs < 0) | (pairs >= len(array))
+    if wrong.any():
+        raise InvalidArgument(f"there is no point {pairs[wrong][0]} among {len(array)}")
+    flat = np.ascontiguousarray(pairs, dtype=np.int32).reshape(-1)
+    cells, pieces, sources, depths, certificate = _core.constrained(
+        array, flat, bool(inside_only), bool(certify), chosen
+    )
+    if certify and not certificate:
+        raise NotCertified(certificate.reason)
+    return ConstrainedTriangulation(
+        cells, pieces.reshape(-1, 2), sources, depths, certificate if certify else None
+    )
+
+
+class ConstrainedTriangulation:
+    """A constrained Delaunay triangulation, made by `constrained_delaunay`.
+
+    Attributes
+    ----------
+    pieces : (p, 2) int32 array
+        What the given edges consist of where points cut them, the lower index first; rows sorted.
+    piece_sources : (p,) int32 array
+        The lowest of the given edges that each of them belongs to.
+    depths : (c,) int32 array
+        How many given edges one must cross, at least, from each cell to the outside; odd inside.
+    certificate : Certificate or None
+        What ``certify=True`` found, of the whole triangulation.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> square, edge = [[0, 0], [1, 0], [1, 1], [0, 1]], [[3, 1]]
+    >>> found = cullhull.constrained_delaunay(square, edge)
+    >>> found
+    <ConstrainedTriangulation of 4 points: 2 cells, 1 constrained edge>
+    >>> found.cells.tolist(), found.neighbours.tolist()
+    ([[0, 1, 3], [1, 2, 3]], [[1, -1, -1], [-1, 0, -1]])
+    """
+
+    __slots__ = ("__weakref__", "_cells", "certificate", "depths", "piece_sources", "pieces")
+
+    def __init__(
+        self,
+        cells: _core.Cells,
+        pieces: npt.NDArray[np.int32],
+        piece_sources: npt.NDArray[np.int32],
+        depths: npt.NDArray[np.int32],
+        certificate: Certificate | None,
+    ) -> None:
+        self._cells, self.pieces, self.piece_sources = cells, pieces, piece_sources
+        self.depths, self.certificate = depths, certificate
+
+    def __repr__(self) -> str:
+        n = len(self.pieces)
+        return (
+            f"<ConstrainedTriangulation of {self._cells.point_count} points: "
+            f"{self._cells.cell_count} cells, {n} constrained edge{'' if n == 1 else 's'}>"
+        )
+
+    @property
+    def points(self) -> npt.NDArray[Any]:
+        """(n, 2): the points, as they were given; not a copy where they were read in place."""
+        return cast("npt.NDArray[Any]", self._cells.points)
+
+    @property
+    def cells(self) -> npt.NDArray[np.int32]:
+        """(c, 3) int32: triangles, counter-clockwise from their lowest index; rows sorted. Points
+        on one line: (c, 2), the steps from one to the next."""
+        return self._cells.cells
+
+    @property
+    def neighbours(self) -> npt.NDArray[np.int32]:
+        """(c, 3) int32: entry j is the cell opposite to vertex j, or -1."""
+        return self._cells.neighbours
+
+    @property
+    def hull_facets(self) -> npt.NDArray[np.int32]:
+        """(f, 2) int32: edges without a neighbour, counter-clockwise around what is left."""
+        return self._cells.hull_facets
+
+    @property
+    def hull_cells(self) -> npt.NDArray[np.int32]:
+        """(f,) int32: the cell of each of `hull_facets`."""
+        return self._cells.hull_cells
+
+    @property
+    def duplicates(self) -> npt.NDArray[np.int32]:
+        """(m, 2) int32: points with the coordinates of another, and the one that stands in."""
+        return self._cells.duplicates
+
+    @property
+    def hidden(self) -> npt.NDArray[np.int32]:
+        """(h,) int32, ascending: points that ``inside_only`` has left no cell at."""
+        return self._cells.hidden

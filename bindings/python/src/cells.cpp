@@ -1,0 +1,198 @@
+// What is made of triangulations: alpha shapes, graphs, constrained edges, natural neighbours.
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/unique_ptr.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "cullhull/alpha_shape.hpp"
+#include "cullhull/constrained.hpp"
+#include "cullhull/error.hpp"
+#include "cullhull/interpolate.hpp"
+#include "cullhull/proximity_graphs.hpp"
+#include "solid.hpp"
+#include "triangulation.hpp"
+
+namespace binding {
+
+using cullhull::Interpolator;
+using cullhull::Options;
+using cullhull::Triangulation;
+
+namespace {
+
+/// Some microseconds a cell.
+Length length_of_cells(const Cells& cells) noexcept {
+  const std::uint64_t n = cells.triangulation().size();
+  return n <= 200 ? Length::brief : n <= 20'000 ? Length::moderate : Length::long_;
+}
+
+/// An array of its own, read-only: numbers of points and cells are below 2^31, offsets below 2^63.
+template <class List>
+auto copied(const List& list) {
+  using Item = typename List::value_type;
+  using Shown = std::conditional_t<
+      std::is_floating_point_v<Item>, Item,
+      std::make_signed_t<std::conditional_t<std::is_floating_point_v<Item>, std::uint32_t, Item>>>;
+  Array<Shown> out = Array<Shown>::make({list.size()});
+  std::transform(list.begin(), list.end(), out.data(),
+                 [](Item v) { return static_cast<Shown>(v); });
+  return std::move(out).lock();
+}
+
+std::vector<std::uint32_t> numbers_of(Array<std::int32_t> list, const char* what) {
+  if (!list.is_list()) throw nb::value_error("numbers must lie one after another");
+  std::vector<std::uint32_t> numbers;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (list.data()[i] < 0)
+      throw cullhull::Error(
+          cullhull::ErrorCode::invalid_argument,
+          std::string("there is no ") + what + " " + std::to_string(list.data()[i]));
+    numbers.push_back(static_cast<std::uint32_t>(list.data()[i]));
+  }
+  return numbers;
+}
+
+using Numbers = Array<std::int32_t>;
+using Offsets = Array<std::int64_t>;
+
+// -------------------------------------------------------------------------------- alpha shapes
+
+std::tuple<Numbers, Numbers, Numbers> alpha_shape(const Cells& cells, double alpha,
+                                                  const Settings* settings) {
+  cullhull::AlphaShape shape;
+  run(settings, length_of_cells(cells), [&](const Options& options) {
+    shape = cullhull::alpha_shape(cells.points().view(), cells.triangulation(), alpha, options);
+  });
+  return {copied(shape.cells), copied(shape.facets), copied(shape.facet_cells)};
+}
+
+Array<double> alpha_radii(const Cells& cells, const Settings* settings) {
+  cullhull::Array<double> radii;
+  run(settings, length_of_cells(cells), [&](const Options& options) {
+    radii = cullhull::alpha_radii(cells.points().view(), cells.triangulation(), options);
+  });
+  return copied(radii);
+}
+
+double critical_alpha(const Cells& cells, bool one_region, const Settings* settings) {
+  double alpha = 0;
+  run(settings, length_of_cells(cells), [&](const Options& options) {
+    alpha = cullhull::critical_alpha(
+        cells.points().view(), cells.triangulation(),
+        one_region ? cullhull::AlphaGoal::one_region : cullhull::AlphaGoal::all_points, options);
+  });
+  return alpha;
+}
+
+std::tuple<Numbers, Offsets, Offsets> cell_polygons(const Cells& cells, Numbers chosen,
+                                                    const Settings* settings) {
+  const std::vector<std::uint32_t> numbers = numbers_of(std::move(chosen), "cell");
+  cullhull::CellPolygons polygons;
+  run(settings, length_of_cells(cells), [&](const Options& options) {
+    polygons =
+        cullhull::cell_polygons(cells.points().view(), cells.triangulation(), numbers, options);
+  });
+  return {copied(polygons.ids), copied(polygons.ring_offsets), copied(polygons.polygon_offsets)};
+}
+
+// -------------------------------------------------------------------------------------- graphs
+
+using GraphOf = cullhull::Array<std::uint32_t> (*)(const cullhull::PointView&, const Triangulation&,
+                                                   const Options&);
+
+template <GraphOf graph_of>
+Numbers graph(const Cells& cells, const Settings* settings) {
+  cullhull::Array<std::uint32_t> edges;
+  run(settings, length_of_cells(cells), [&](const Options& options) {
+    edges = graph_of(cells.points().view(), cells.triangulation(), options);
+  });
+  return copied(edges);
+}
+
+// --------------------------------------------------------------------------- constrained edges
+
+std::tuple<std::unique_ptr<Cells>, Numbers, Numbers, Numbers, cullhull::Certificate> constrained(
+    nb::object array, Numbers edges, bool inside_only, bool certified, const Settings* settings) {
+  const Points points(array);
+  const std::vector<std::uint32_t> pairs = numbers_of(std::move(edges), "point");
+  cullhull::ConstrainedTriangulation result;
+  cullhull::Certificate certificate;
+  run(settings, points.view().count < 100 ? Length::brief : Length::long_,
+      [&](const Options& options) {
+        cullhull::ConstrainedOptions chosen;
+        chosen.threads = options.threads;
+        chosen.memory_budget = options.memory_budget;
+        chosen.progress = options.progress;
+        chosen.stop = options.stop;
+        chosen.poll = options.poll;
+        if (certified || !inside_only)
+          result = cullhull::constrained_delaunay(points.view(), pairs, chosen);
+        if (certified) certificate = cullhull::certify(points.view(), pairs, result);
+        chosen.inside_only = true;
+        if (inside_only) result = cullhull::constrained_delaunay(points.view(), pairs, chosen);
+      });
+  check_numbers(result.triangulation.size());
+  Numbers pieces = copied(result.pieces), sources = copied(result.piece_sources),
+          depths = copied(result.depths);
+  return {std::make_unique<Cells>(std::move(result.triangulation), std::move(array), nb::none()),
+          std::move(pieces), std::move(sources), std::move(depths), std::move(certificate)};
+}
+
+// -------------------------------------------------------------------------- natural neighbours
+
+std::unique_ptr<Interpolator> interpolator(const Cells& cells, Array<double> values,
+                                           std::uint32_t components, const Settings* settings) {
+  if (!values.is_list() || values.size() != cells.triangulation().point_count * components)
+    throw nb::value_error("a value for each point");
+  std::unique_ptr<Interpolator> made;
+  run(settings, length_of_cells(cells), [&](const Options& options) {
+    made = std::make_unique<Interpolator>(cells.points().view(), cells.triangulation(),
+                                          values.data(), components, options);
+  });
+  return made;
+}
+
+Array<double> natural(const Interpolator& of, nb::handle array, double outside,
+                      const Settings* settings) {
+  const Points points(array);
+  Output<double> out(points.view().count * of.components());
+  run(settings, points.view().count < 10 ? Length::brief : Length::long_,
+      [&](const Options& options) { of.natural(points.view(), out.data(), outside, options); });
+  return std::move(out).to_array();
+}
+
+std::tuple<Numbers, Array<double>> natural_neighbours(const Interpolator& of, Array<double> point) {
+  const cullhull::NaturalNeighbours found = of.natural_neighbours(point.data());
+  return {copied(found.ids), copied(found.weights)};
+}
+
+}  // namespace
+
+void bind_cells(nb::module_& m) {
+  const auto cells = nb::arg("cells");
+  const auto settings = nb::arg("settings").none();
+  m.def("alpha_shape", alpha_shape, cells, nb::arg("alpha"), settings);
+  m.def("alpha_radii", alpha_radii, cells, settings);
+  m.def("critical_alpha", critical_alpha, cells, nb::arg("one_region"), settings);
+  m.def("cell_polygons", cell_polygons, cells, nb::arg("chosen"), settings);
+  m.def("minimum_spanning_tree", graph<cullhull::minimum_spanning_tree>, cells, settings);
+  m.def("gabriel_graph", graph<cullhull::gabriel_graph>, cells, settings);
+  m.def("relative_neighbourhood_graph", graph<cullhull::relative_neighbourhood_graph>, cells,
+        settings);
+  m.def("constrained", constrained, nb::arg("points"), nb::arg("edges"), nb::arg("inside_only"),
+        nb::arg("certified"), settings);
+  nb::class_<Interpolator>(m, "Interpolator", "Values at the vertices of a triangulation.")
+      .def("natural", natural, nb::arg("points"), nb::arg("outside"), settings)
+      .def("natural_neighbours", natural_neighbours, nb::arg("point"));
+  m.def("interpolator", interpolator, cells, nb::arg("values"), nb::arg("components"), settings);
+}
+
+}  // namespace binding

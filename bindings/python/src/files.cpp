@@ -1,0 +1,100 @@
+// Points of a file, by the readers that the program has.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "call.hpp"
+#include "cullhull/io.hpp"
+#include "numpy_api.hpp"
+#include "solid.hpp"
+
+namespace binding {
+
+using cullhull::PointFile;
+using cullhull::ScalarType;
+
+namespace {
+
+int numpy_type(ScalarType scalar) {
+  switch (scalar) {
+    case ScalarType::f64:
+      return NPY_FLOAT64;
+    case ScalarType::f32:
+      return NPY_FLOAT32;
+    case ScalarType::i8:
+      return NPY_INT8;
+    case ScalarType::u8:
+      return NPY_UINT8;
+    case ScalarType::i16:
+      return NPY_INT16;
+    case ScalarType::u16:
+      return NPY_UINT16;
+    case ScalarType::i32:
+      return NPY_INT32;
+    case ScalarType::u32:
+      return NPY_UINT32;
+  }
+  return NPY_NOTYPE;
+}
+
+/// A read-only view of the points where they lie, at any stride and alignment; keeps `file`.
+nb::object points_of(nb::handle file) {
+  const cullhull::PointView& points = nb::cast<const PointFile&>(file).points();
+  npy_intp shape[2] = {static_cast<npy_intp>(points.count),
+                       static_cast<npy_intp>(points.dimension)};
+  npy_intp strides[2] = {points.point_stride, points.coordinate_stride};
+  PyObject* const made =
+      points.count == 0 ? PyArray_SimpleNew(2, shape, numpy_type(points.scalar))
+                        : PyArray_New(&PyArray_Type, 2, shape, numpy_type(points.scalar), strides,
+                                      const_cast<std::byte*>(points.data), 0, 0, nullptr);
+  if (made == nullptr) throw nb::python_error();
+  nb::object array = nb::steal(made);
+  auto* const numpy = reinterpret_cast<PyArrayObject*>(made);
+  if (points.count > 0) {
+    Py_INCREF(file.ptr());
+    if (PyArray_SetBaseObject(numpy, file.ptr()) != 0) throw nb::python_error();
+  }
+  PyArray_UpdateFlags(numpy, NPY_ARRAY_UPDATE_ALL);
+  return array;
+}
+
+/// The file, and the lines it has for its user.
+std::pair<PointFile, std::vector<std::string>> open_file(const std::string& path,
+                                                         const std::string& columns) {
+  PointFile file;
+  std::vector<std::string> remarks;
+  std::mutex mutex;
+  run(nullptr, Length::long_, [&](const cullhull::Options& options) {
+    cullhull::ReadOptions read;
+    read.columns = columns;
+    read.stop = options.stop;
+    read.remark = [&](const std::string& line) {
+      const std::lock_guard lock(mutex);
+      remarks.push_back(line);
+    };
+    file = cullhull::open_points(path, read);
+  });
+  return {std::move(file), std::move(remarks)};
+}
+
+}  // namespace
+
+void bind_files(nb::module_& m) {
+  nb::class_<PointFile>(m, "PointFile", "The memory behind what cullhull.read gives.")
+      .def_prop_ro("format", &PointFile::format);
+  m.def(
+      "read_points",
+      [](const std::string& path, const std::string& columns) {
+        auto [file, remarks] = open_file(path, columns);
+        return std::pair(points_of(nb::cast(std::move(file))), std::move(remarks));
+      },
+      nb::arg("path"), nb::arg("columns"));
+}
+
+}  // namespace binding
