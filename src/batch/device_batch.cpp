@@ -91,7 +91,7 @@ class DeviceBatch {
 
  private:
   static constexpr std::uint64_t most_sets = std::numeric_limits<std::int32_t>::max();
-  /// A piece of so few sets is not halved where memory is short.
+  /// A piece of so few sets is not halved where memory is short (a guess).
   static constexpr std::uint32_t least_sets = 64;
   static constexpr unsigned most_vertices = 128;  ///< of what a warp finds
 

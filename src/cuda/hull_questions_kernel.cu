@@ -7,7 +7,7 @@
 namespace cullhull::internal::cuda {
 namespace {
 
-constexpr unsigned ask_threads = 128;
+constexpr unsigned ask_threads = 128;  // a guess
 
 /// False where a coordinate is not finite.
 template <unsigned D, class T>

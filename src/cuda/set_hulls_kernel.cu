@@ -7,7 +7,8 @@
 namespace cullhull::internal::cuda {
 namespace {
 
-constexpr unsigned most_warps = 8;
+/// With some 82 registers a thread, blocks of four warps leave fewest of a processor's unused.
+constexpr unsigned most_warps = 4;
 /// Blocks may have so much shared memory without asking for more.
 constexpr std::size_t block_memory = 48 << 10;
 
@@ -23,9 +24,10 @@ __device__ inline std::uint64_t warp_of() {
   return std::uint64_t{blockIdx.x} * (blockDim.x / lanes) + threadIdx.x / lanes;
 }
 
-/// `room`: most points of a set, a multiple of 32. All lanes of a warp leave together.
+/// `room`: most points of a set, a multiple of 32. All lanes of a warp leave together. One block a
+/// processor is asked for so that ptxas spills nothing (before, 16 bytes on some architectures).
 template <unsigned D, class T>
-__global__ void __launch_bounds__(most_warps* lanes)
+__global__ void __launch_bounds__(most_warps* lanes, 1)
     set_hulls(const __grid_constant__ DevicePointView points, const __grid_constant__ WarpSets sets,
               unsigned least, unsigned most, unsigned room) {
   extern __shared__ double shared[];
@@ -86,7 +88,7 @@ __global__ void item_runs(const std::int32_t* __restrict__ items,
     out[runs.to[run] + i] = items[runs.from[run] + i];
 }
 
-constexpr unsigned copying_warps = 4;
+constexpr unsigned copying_warps = 4;  // a guess
 
 unsigned blocks_of(std::uint64_t warps, unsigned in_block) {
   return static_cast<unsigned>((warps + in_block - 1) / in_block);

@@ -12,7 +12,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// Points of a piece: the answers about them lie in the device's memory.
+/// Points of a piece: the answers about them lie in the device's memory (a guess).
 constexpr std::uint64_t piece = std::uint64_t{1} << 22;
 
 /// A corner of each simplex, its normal as it leads away from the centre, and the factor of its

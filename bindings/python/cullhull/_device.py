@@ -123,8 +123,19 @@ class DeviceArray:
             "version": 3,
         }
 
-    def __dlpack__(self, **arguments: Any) -> Any:
-        return self._items.dlpack().__dlpack__(**arguments)
+    def __dlpack__(
+        self,
+        *,
+        stream: Any = None,
+        max_version: Any = None,
+        dl_device: tuple[int, int] | None = None,
+        copy: bool | None = None,
+    ) -> Any:
+        if dl_device is not None and tuple(dl_device) != self.__dlpack_device__():
+            raise BufferError("it stays on its device")
+        if copy:
+            raise BufferError("it is viewed, not copied")
+        return self._items.dlpack()  # a capsule of the first version, which all take
 
     def __dlpack_device__(self) -> tuple[int, int]:
         return _DLPACK_CUDA[0], self.device

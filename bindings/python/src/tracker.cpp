@@ -36,12 +36,12 @@ class Tracker {
 
   std::unique_ptr<Solid> update(nb::handle array, const Settings* settings) {
     const Points points(array);
-    return update(settings, length_of(points.view()), [&] {
+    return next(settings, length_of(points.view()), [&] {
       return std::make_unique<Solid>(tracker_->update(points.view()), points.view());
     });
   }
   std::unique_ptr<Solid> update_on_device(const DevicePoints& points, const Settings* settings) {
-    return update(settings, Length::long_, [&] {
+    return next(settings, Length::long_, [&] {
       cullhull::Hull hull = tracker_->update(points.view);
       const auto rows = cullhull::fetch_points(points.view, hull.vertices);
       return std::make_unique<Solid>(std::move(hull),
@@ -79,7 +79,7 @@ class Tracker {
 
   /// compute(): the hull of the next frame.
   template <class Compute>
-  std::unique_ptr<Solid> update(const Settings* settings, Length length, const Compute& compute) {
+  std::unique_ptr<Solid> next(const Settings* settings, Length length, const Compute& compute) {
     const Busy busy(busy_, updating);
     std::unique_ptr<Solid> solid;
     try {
@@ -125,8 +125,7 @@ void bind_tracker(nb::module_& m) {
       .def(nb::init<const Settings*, std::uint64_t>(), nb::arg("settings").none(),
            nb::arg("frames") = 0)
       .def_prop_ro("frames", &Tracker::frames)
-      .def("update", nb::overload_cast<nb::handle, const Settings*>(&Tracker::update),
-           nb::arg("points"), nb::arg("settings").none())
+      .def("update", &Tracker::update, nb::arg("points"), nb::arg("settings").none())
       .def("update_on_device", &Tracker::update_on_device, nb::arg("points"),
            nb::arg("settings").none())
       .def("reset", &Tracker::reset)

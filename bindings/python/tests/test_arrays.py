@@ -206,7 +206,7 @@ class FakeCore:
     """In the place of the extension: what it is asked to wait for, in order."""
 
     class DevicePoints:
-        data = 1 << 20
+        data, sets = 1 << 20, -1
 
         @staticmethod
         def from_interface(*fields):
@@ -312,7 +312,7 @@ def test_arrays_on_a_device_describe_themselves():
         data, shape, typestr, device = 4096, [7, 3], "<i4", 1
 
         def dlpack(self):
-            return Dlpack(np.zeros((7, 3), np.int32))
+            return "capsule"
 
     array = cullhull.DeviceArray._of(Items())
     assert array.__cuda_array_interface__ == {
@@ -325,7 +325,10 @@ def test_arrays_on_a_device_describe_themselves():
     }
     assert (len(array), array.dtype, array.device) == (7, "int32", 1)
     assert array.__dlpack_device__() == (2, 1) and "CUDA device 1" in repr(array)
-    assert "PyCapsule" in repr(array.__dlpack__())
+    assert array.__dlpack__(stream=7, max_version=(1, 0), dl_device=(2, 1)) == "capsule"
+    for refused in ({"dl_device": (1, 0)}, {"copy": True}):
+        with pytest.raises(BufferError):
+            array.__dlpack__(**refused)
 
 
 @pytest.mark.skipif(not cullhull.cuda_status()["available"], reason="needs a CUDA device")

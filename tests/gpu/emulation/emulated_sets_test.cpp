@@ -215,6 +215,7 @@ TEST(EmulatedQuestions, WhateverAllocationFails) {
 TEST(EmulatedSets, AResultIsFreedBehindAllWork) {
   emulation::settings() = {};
   emulation::restart();
+  check(cudaSetDevice(0));
   Sets<float> sets(3);
   for (std::size_t i = 0; i < 40; ++i) sets.add_ball(30, i);
   {
