@@ -197,8 +197,7 @@ def _e57(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[
             for scan in range(file.scan_count):
                 axes = file.read_scan(scan, ignore_missing_fields=True)
                 rows = np.column_stack([axes[f"cartesian{'XYZ'[j]}"] for j in taken])
-                for start in range(0, len(rows), size):
-                    yield rows[start : start + size]
+                yield from _blocks(rows, size)
     except pye57.libe57.E57Exception as error:
         raise BadFile(f"{name}: {error}") from None
 
