@@ -73,13 +73,19 @@ void sort_rows(Array<Ranked>& rows, unsigned width, std::uint32_t id_limit, cons
     const std::uint32_t *p = ids_of(a.row), *q = ids_of(b.row);
     return std::lexicographical_compare(p, p + width, q, q + width);
   };
-  // Each run of equal first ids belongs to the chunk it begins in.
-  run.each(count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-    std::uint64_t i = begin;
-    while (i > 0 && i < end && rows[i].ids[0] == rows[i - 1].ids[0]) ++i;
-    while (i < end) {
+  // Each run of equal first ids belongs to the chunk it begins in. Where chunks end is settled
+  // before any of them is sorted.
+  constexpr std::uint64_t chunk = light_grain;
+  std::vector<std::uint64_t> begins(chunk_count(count, chunk) + 1, count);
+  for (std::size_t c = 0; c + 1 < begins.size(); ++c) {
+    std::uint64_t i = c * chunk;
+    while (i > 0 && i < count && rows[i].ids[0] == rows[i - 1].ids[0]) ++i;
+    begins[c] = i;
+  }
+  run.each_chunk(count, chunk, [&](std::uint64_t c, std::uint64_t, std::uint64_t) {
+    for (std::uint64_t i = begins[c]; i < begins[c + 1];) {
       std::uint64_t next = i + 1;
-      while (next < count && rows[next].ids[0] == rows[i].ids[0]) ++next;
+      while (next < begins[c + 1] && rows[next].ids[0] == rows[i].ids[0]) ++next;
       if (next - i > 1)
         std::sort(rows.begin() + static_cast<std::ptrdiff_t>(i),
                   rows.begin() + static_cast<std::ptrdiff_t>(next), less);
