@@ -83,9 +83,17 @@ class DeviceArray:
     It has no arithmetic of its own: ``torch.as_tensor(a)`` or ``torch.from_dlpack(a)``,
     ``cupy.asarray(a)``, ``numba.cuda.as_cuda_array(a)`` and ``jax.dlpack.from_dlpack(a)`` view it
     without a copy. It is complete, so it has no stream to wait for.
+
+    Examples
+    --------
+    >>> def fetched(array):
+    ...     import cupy
+    ...     return cupy.asnumpy(cupy.asarray(array))
     """
 
     __slots__ = ("_items",)
+
+    _items: _core.DeviceItems
 
     def __init__(self) -> None:
         raise TypeError("device arrays are made by cullhull.convex_hulls_on_device")

@@ -230,6 +230,13 @@ class DeviceHullBatch:
     ------
     TypeError
         When called: batches are made by `convex_hulls_on_device`.
+
+    Examples
+    --------
+    >>> def longest(batch):
+    ...     import torch
+    ...     ends = torch.from_dlpack(batch.vertex_offsets)
+    ...     return int((ends[1:] - ends[:-1]).max())    # never leaves the device
     """
 
     __slots__ = ("_batch",)
@@ -313,6 +320,16 @@ def convex_hulls_on_device(
         As `convex_hulls`; TypeError also for points on the host.
     BackendUnavailable (a RuntimeError)
         Where there is no device.
+
+    Examples
+    --------
+    >>> import cullhull, numpy as np
+    >>> def vertices(tensor):    # (b, m, d), on a device
+    ...     import torch
+    ...     return torch.from_dlpack(cullhull.convex_hulls_on_device(tensor).vertices)
+    >>> cullhull.convex_hulls_on_device(np.zeros((2, 4, 3)))
+    Traceback (most recent call last):
+    TypeError: convex_hulls_on_device needs points in a CUDA device's memory
     """
     chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
     there = _on_device(points, offsets)

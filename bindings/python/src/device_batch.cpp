@@ -101,7 +101,7 @@ void bind_device_batch(nb::module_& m) {
       .def_prop_ro("shape", [](const DeviceItems& a) { return a.shape; })
       .def_prop_ro("typestr", [](const DeviceItems& a) { return a.wide ? "<i8" : "<i4"; })
       .def_prop_ro("device", [](const DeviceItems& a) { return a.device; })
-      .def("dlpack", dlpack);
+      .def("dlpack", dlpack, nb::sig("def dlpack(self) -> object"));
   nb::class_<DeviceHullBatch>(m, "DeviceBatch", "Hulls: cullhull.DeviceHullBatch wraps it.")
       .def_prop_ro("dimension", [](const DeviceHullBatch& b) { return b.dimension; })
       .def("__len__", [](const DeviceHullBatch& b) { return b.sets; })
