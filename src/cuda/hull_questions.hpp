@@ -14,7 +14,7 @@
 namespace cullhull::internal::cuda {
 
 /// A full-dimensional hull of dimension d <= 6 as kernels test points against it. Its extents lie
-/// between 2^-100 and 2^100 (docs/exactness.md, "Questions on a device").
+/// between 2^-100 and 2^100 (docs/exactness.md, "Queries").
 struct HullTables {
   static constexpr unsigned most_dimensions = 6;
   unsigned dimension = 0;

@@ -77,7 +77,7 @@ __global__ void __launch_bounds__(ask_threads)
 }
 
 /// Of the vertices' products with u, scaled by a power of two, the largest, if no other comes
-/// within the errors of both: docs/exactness.md, "Questions on a device".
+/// within the errors of both: docs/exactness.md, "Queries".
 template <unsigned D>
 __device__ std::uint32_t support_of(const TablesThere& hull, double (&u)[D]) {
   double largest = 0;

@@ -236,7 +236,10 @@ struct HullStream::Impl {
 
 HullStream::HullStream(Options options) : impl_(std::make_unique<Impl>()) {
   impl_->options = std::move(options);
-  impl_->budget = resolve_budget(impl_->options.memory_budget);
+  // Arrays lie in huge pages where the machine has some free: each takes up to one more than is
+  // counted, and blocks of middle sizes are kept.
+  const std::uint64_t budget = resolve_budget(impl_->options.memory_budget);
+  impl_->budget = budget - std::min(budget / 4, std::uint64_t{16} << 20);
 }
 HullStream::HullStream(HullStream&&) noexcept = default;
 HullStream& HullStream::operator=(HullStream&&) noexcept = default;
