@@ -68,7 +68,8 @@ inline bool lift_side_filtered(const LiftedPoints& s, const double* const* c, co
   } else {
     double product = factorial(K + 1);
     for (unsigned j = 0; j <= K; ++j) product *= largest[j];
-    if (!(product <= s.exact_limit)) return false;
+    // Without a lattice nothing is exact, not even a product that underflows to 0.
+    if (!(s.exact_limit > 0 && product <= s.exact_limit)) return false;
     sign = sign_of(value);  // all of it was whole numbers of units below 2^53
   }
   if (s.furthest) sign = -sign;

@@ -96,6 +96,13 @@ inline std::vector<LiftedSet> small_lifted_sets(unsigned d, std::uint64_t seed) 
   far.rows[0] = 1e15;
   far.name = "one far away";
   sets.push_back(far);
+  if (d <= 3) {  // products of differences underflow in doubles
+    LiftedSet tiny = random_points(d, n, seed + 7);
+    for (std::size_t i = 0; i < tiny.rows.size() - d; ++i)
+      tiny.rows[i] = std::ldexp(tiny.rows[i], -380);
+    tiny.name = "2^-380 beside 1";
+    sets.push_back(tiny);
+  }
   LiftedSet line = drawn_grid(d, n, 5, 1, 0, seed + 6);  // part of it on a line
   for (unsigned i = 0; i < n / 2; ++i)
     for (unsigned j = 0; j < d; ++j) line.rows[i * d + j] = i;
