@@ -236,10 +236,10 @@ struct HullStream::Impl {
 
 HullStream::HullStream(Options options) : impl_(std::make_unique<Impl>()) {
   impl_->options = std::move(options);
-  // Arrays lie in huge pages where the machine has some free: each takes up to one more than is
-  // counted, and blocks of middle sizes are kept.
+  // Arrays lie in huge pages where the machine has some free, the allocator keeps what it has been
+  // given back, blocks of middle sizes are kept: up to a tenth more was resident than is counted.
   const std::uint64_t budget = resolve_budget(impl_->options.memory_budget);
-  impl_->budget = budget - std::min(budget / 4, std::uint64_t{16} << 20);
+  impl_->budget = budget - budget / 5;
 }
 HullStream::HullStream(HullStream&&) noexcept = default;
 HullStream& HullStream::operator=(HullStream&&) noexcept = default;
