@@ -1,7 +1,4 @@
 // cullhull: exact convex hulls of very large point sets.
-#include <cstdio>
-#include <cstdlib>
-#include <exception>
 #include <string>
 #include <utility>
 #include <vector>
@@ -67,17 +64,9 @@ int run(const std::vector<std::string>& given) {
   return app::bad_usage;
 }
 
-/// Where there is no memory even for an exception the run-time library gives up without one.
-[[noreturn]] void end_without_exception() {
-  if (std::current_exception() != nullptr) std::abort();
-  std::fputs("cullhull: out of memory\n", stderr);
-  std::_Exit(4);
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::set_terminate(end_without_exception);
   app::system::prepare_heap();
   app::keep_standard_streams();
   const std::vector<std::string> words(argv + 1, argv + argc);

@@ -31,8 +31,12 @@ void limit_to(int resource, rlim_t most) {
   ::setrlimit(static_cast<__rlimit_resource_t>(resource), &limit);
 }
 
-/// A program that could not be loaded never ran: the loader says so itself, or is killed.
+/// A program that could not be loaded never ran: the loader says so itself, or is killed, or there
+/// is no memory for what precedes main and the run-time library gives up (from main on the
+/// program's own handler would speak).
 bool loaded(const Ran& ran) {
+  if (ran.status == 1000 + SIGABRT && ran.err == "terminate called without an active exception\n")
+    return false;
   return ran.status != 127 && !(ran.status == 1000 + SIGSEGV && ran.err.empty() && ran.out.empty());
 }
 

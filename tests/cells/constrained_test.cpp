@@ -100,9 +100,10 @@ ConstrainedTriangulation check(const LiftedSet& s, const Edges& edges, bool slow
   const auto there = edges_of(t);
   for (std::size_t i = 0; i < c.pieces.size(); i += 2)
     EXPECT_TRUE(there.contains({c.pieces[i], c.pieces[i + 1]})) << s.name;
-  if (slow && t.affine_dimension == 2)
+  if (slow && t.affine_dimension == 2) {
     for (std::uint64_t i = 0; i < t.size(); ++i)
       EXPECT_TRUE(slow_is_delaunay(s, t, t.cell(i), edges)) << s.name << ", cell " << i;
+  }
   // The other way round, and with each edge from its other end.
   Edges turned;
   for (std::size_t i = edges.size(); i > 0; i -= 2)

@@ -49,8 +49,9 @@ void check(const LiftedSet& s) {
         sum += shares[j] * mpq_class(values[2 * t.cell(c)[j] + m]);
       EXPECT_TRUE(near(linear[2 * i + m], sum, 1e-14, 500)) << s.name;
       // At a vertex its own value, or that of the point that stands in.
-      if (i < s.count() && std::count(shares.begin(), shares.end(), 0) + 1 == t.corners())
+      if (i < s.count() && std::count(shares.begin(), shares.end(), 0) + 1 == t.corners()) {
         EXPECT_EQ(linear[2 * i + m], nearest[2 * i + m]) << s.name;
+      }
     }
   }
 }
