@@ -191,7 +191,8 @@ bool NaturalWeights::share_face(const std::vector<HullFacet>& facets, NaturalNei
     if (orientation(3, corners) != Sign::zero) return false;
   }
   const unsigned d = t_.dimension();
-  for (const auto& [x, y] : {std::pair(0U, 1U), std::pair(0U, 2U), std::pair(1U, 2U)}) {
+  for (const auto& axes : {std::pair(0U, 1U), std::pair(0U, 2U), std::pair(1U, 2U)}) {
+    const unsigned x = axes.first, y = axes.second;
     std::vector<std::vector<double>> turned;
     const auto turn = [&](const double* p) {
       std::vector<double> r{p[x], p[y]};
