@@ -128,8 +128,8 @@ class CellInsertion {
     cells_.next = cells_.store.count();
   }
   void unshare() { cells_.store.unshare(cells_.next); }
-  /// Before a point is inserted by one thread, or by several, where the other way was taken before.
-  void rest() {
+  /// To be called where others have inserted: the cell that walks began in may be gone.
+  void restart() {
     last_ = 0;
     while (cells_.store.dead(last_)) ++last_;
     if constexpr (with_planes) planes_.set_room(cells_.planes, cells_.store.capacity());

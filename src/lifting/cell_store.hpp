@@ -97,10 +97,11 @@ class CellStore {
     free_.push_back(c);
   }
 
-  /// For several threads that take cells from count() on: of at least `capacity` those that do not
-  /// live are marked dead, the others 0.
+  /// For several threads that take cells from count() on: of `capacity`, or as many as the budget
+  /// allows, those that do not live are marked dead, the others 0.
   void share(std::uint64_t capacity) {
-    if (capacity > capacity_) reserve(std::min(capacity, limit()));
+    const std::uint64_t most = std::min({capacity, limit(), budget_ / cell_bytes()});
+    if (most > capacity_) reserve(most);
     for (std::uint32_t c = 0; c < count_; ++c)
       if (!dead(c)) marks_[c] = 0;
     std::fill(marks_.data() + count_, marks_.data() + capacity_, dead_mark);
@@ -121,8 +122,7 @@ class CellStore {
   /// That many cells, of which nothing is set.
   void resize(std::uint32_t count) {
     expected_ = 0;
-    require_budget(budget_, std::uint64_t{count} * (2 * corners() + 1) * sizeof(std::uint32_t),
-                   "the triangulation");
+    require_budget(budget_, count * cell_bytes(), "the triangulation");
     data_.reserve(std::size_t{count} * 2 * corners());
     marks_.reserve(count);
     capacity_ = count_ = count;
@@ -141,6 +141,9 @@ class CellStore {
  private:
   unsigned shift() const { return K ? static_cast<unsigned>(std::bit_width(K)) : shift_; }
 
+  /// Corners, neighbours and a mark.
+  std::uint64_t cell_bytes() const { return (2 * corners() + 1) * sizeof(std::uint32_t); }
+
   void grow() {
     const unsigned cells_a_point = corners() == 2 ? 1 : corners() == 3 ? 2 : 7;
     const std::uint64_t wanted =
@@ -152,8 +155,7 @@ class CellStore {
     reserve(most);
   }
   void reserve(std::uint64_t cells) {
-    require_budget(budget_, cells * (2 * corners() + 1) * sizeof(std::uint32_t),
-                   "the triangulation");
+    require_budget(budget_, cells * cell_bytes(), "the triangulation");
     data_.reserve(cells * 2 * corners());
     marks_.reserve(cells);
     capacity_ = cells;

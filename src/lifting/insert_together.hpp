@@ -43,7 +43,7 @@ class InsertTogether {
       next = end;
       run_.report("triangulate", double(done) / s_.count);
     }
-    alone_.rest();
+    alone_.restart();
     for (const std::uint32_t p : left) alone_.insert(p);
   }
 
@@ -103,7 +103,7 @@ class InsertTogether {
       stretches[t].set(count * t / lanes, count * (t + 1) / lanes);
     std::atomic<bool> full{false};
     std::vector<std::vector<std::uint32_t>> left(lanes);
-    for (const auto& lane : lanes_) lane->rest();
+    for (const auto& lane : lanes_) lane->restart();
     run_.each_item(lanes, [&](std::uint64_t t) {
       const auto take = [&](std::uint32_t place) {
         Inserted how = Inserted::full;

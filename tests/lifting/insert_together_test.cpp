@@ -27,8 +27,8 @@ struct Set {
 };
 
 Set prepared(const LiftedSet& s, const Run& run) {
-  Set p{prepare_points(PointView::row_major(s.rows.data(), s.count(), s.dimension), s.weights, false, {},
-                       run),
+  Set p{prepare_points(PointView::row_major(s.rows.data(), s.count(), s.dimension), s.weights,
+                       false, {}, run),
         {}};
   const auto& simplex = p.points.simplex;
   for (std::uint32_t i = 0; i < p.points.points.count; ++i)
@@ -77,6 +77,23 @@ TEST(InsertTogether, In5D) { check_sets<5>(120); }
 
 TEST(InsertTogether, HardlyAnyPoints) {
   for (unsigned n = 4; n < 12; ++n) check<3>(random_points(3, n, n), 0, 0);
+}
+
+// A budget that has no room for twice the cells is one for a thread alone all the same.
+TEST(InsertTogether, KeepsTheBudget) {
+  const LiftedSet s = random_points(3, 3000, 2);
+  Options options;
+  options.threads = 2;
+  const std::uint64_t cells = 3000 * 7 + 64;  // what one thread has room for
+  options.memory_budget = cells * 9 * sizeof(std::uint32_t);
+  const internal::Run run(options);
+  const Set p = prepared(s, run);
+  CellInsertion<3> engine(p.points.points, run);
+  engine.start(p.points.simplex.data(), p.points.points.count);
+  InsertTogether<3> together(p.points.points, run, engine);
+  together.insert(p.places, 0);
+  EXPECT_LE(engine.store().capacity(), cells);
+  EXPECT_GT(engine.store().living(), 18000U);
 }
 
 TEST(InsertTogether, StopsWhenAsked) {
