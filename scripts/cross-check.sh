@@ -41,7 +41,7 @@ fi
 
 # Tests of the tree itself, of what is not compiled there, and those that take more than ten seconds
 # without an emulator.
-left_out="layers_test mentions_test headers_test cgal_oracle_test cuda_gauge_test cuda_reason_test
+left_out="layers_test mentions_test headers_test cgal_oracle_test cuda_reason_test
 bench_command_test external_oracles_test random_runs_test query_test degenerate_sets_test
 many_dimensions_test outermost_first_test general_position_test small_planar_sets_test
 few_points_test magnitudes_test engine_3d_test flat_sets_test"

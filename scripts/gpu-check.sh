@@ -39,22 +39,19 @@ stage() {
     -DCULLHULL_WITH_HDF5=OFF -DCULLHULL_WITH_MPI=OFF \
     -DCMAKE_BUILD_RPATH='$ORIGIN/../lib' \
     -DCMAKE_EXE_LINKER_FLAGS="-Wl,--disable-new-dtags -static-libstdc++ -static-libgcc"
-  local gpu=() twins=(primitives_test pseudo_hull_test pseudo_hull_device_test) test
-  for test in tests/gpu/*_test.cu tests/gpu/*_test.cpp; do
-    [[ -e $test ]] && test=${test##*/} && gpu+=("${test%.*}")
-  done
-  cmake --build "$build" -j "${JOBS:-$(nproc)}" --target cullhull_app gpu_bench gpu_passes "${gpu[@]}" \
+  local twins=(primitives_test pseudo_hull_test pseudo_hull_device_test)
+  cmake --build "$build" -j "${JOBS:-$(nproc)}" --target cullhull_app gpu_bench gpu_passes gpu_tests \
     "${twins[@]}"
 
   rm -rf "$folder"
-  mkdir -p "$folder/bin/gpu" "$folder/bin/cpu" "$folder/lib" "$folder/system"
-  cp "$build"/bin/{cullhull,gpu_bench,gpu_passes} "$folder/bin/"
-  (cd "$build/bin" && cp "${gpu[@]}" "../bundle/bin/gpu/" && cp "${twins[@]}" "../bundle/bin/cpu/")
-  # From bin/gpu the libraries are one folder farther up.
+  mkdir -p "$folder/bin/cpu" "$folder/lib" "$folder/system"
+  cp "$build"/bin/{cullhull,gpu_bench,gpu_passes,gpu_tests} "$folder/bin/"
+  (cd "$build/bin" && cp "${twins[@]}" "../bundle/bin/cpu/")
+  # From bin/cpu the libraries are one folder farther up.
   ln -s ../lib "$folder/bin/lib"
   # The C library is the machine's own where that is not older: then ours stays in its folder.
   local library
-  ldd "$folder"/bin/{cullhull,gpu_bench,gpu_passes} "$folder"/bin/*/*_test | awk '$2 == "=>" && $3 ~ /^\// {print $3}' |
+  ldd "$folder"/bin/{cullhull,gpu_*} "$folder"/bin/cpu/*_test | awk '$2 == "=>" && $3 ~ /^\// {print $3}' |
     sort -u | while read -r library; do
     case "${library##*/}" in
       libc.so.* | libm.so.* | libdl.so.* | librt.so.* | libpthread.so.*)
@@ -70,7 +67,7 @@ stage() {
   done
   cp -L "$(ldd "$folder/bin/cullhull" | awk '$1 ~ /ld-linux/ {print $1}')" "$folder/system/loader"
   cp scripts/gpu-check.sh "$folder/"
-  strip "$folder"/bin/{cullhull,gpu_bench,gpu_passes} "$folder"/bin/*/*_test
+  strip "$folder"/bin/{cullhull,gpu_*} "$folder"/bin/cpu/*_test
   {
     echo "commit $(git rev-parse HEAD 2>/dev/null || echo unknown)$(git diff --quiet HEAD 2>/dev/null || echo ', changed')"
     echo "built $(date -u +%Y-%m-%dT%H:%M:%SZ) with $(nvcc --version 2>/dev/null | tail -1 || echo nvcc)"
@@ -79,7 +76,7 @@ stage() {
   # that has (glibc 2.28 and older), and the driver's libraries, which ask for less, beside it.
   local program strange own
   own=$(realpath "$folder")
-  for program in "$own"/bin/{cullhull,gpu_bench,gpu_passes} "$own"/bin/*/*_test; do
+  for program in "$own"/bin/{cullhull,gpu_*} "$own"/bin/cpu/*_test; do
     strange=$("$own/system/loader" --library-path "$own/lib:$own/system" --list "$program" |
       awk -v own="$own/" '/=>/ && index($3, own) != 1 {print $1}')
     [[ -z $strange ]] || fail 1 "$program would take from the machine: $strange"
@@ -169,26 +166,35 @@ need_device() {
   sed -n 's/^ *"name": "\(.*\)",$/device \1/p' <<<"$report" >>"$summary"
 }
 
+# Sets `suites`, the names of the suites of gpu_tests.
+list_suites() {
+  suites=$("${launcher[@]}" "$root/bin/gpu_tests" --gtest_list_tests | sed -n 's/^\([A-Za-z]*\)\.$/\1/p')
+  [[ -n $suites ]] || fail 1 "gpu_tests does not name its tests here"
+}
+
 run_tests() {
-  local test
-  for test in "$root"/bin/gpu/*_test; do
-    step_of_all "gpu ${test##*/}" "${launcher[@]}" "$test" --gtest_brief=0
+  local suites suite
+  list_suites
+  for suite in $suites; do
+    step_of_all "gpu $suite" "${launcher[@]}" "$root/bin/gpu_tests" --gtest_filter="$suite.*" --gtest_brief=0
   done
   step "gpu hull" "${launcher[@]}" "$root/bin/cullhull" hull "$scratch/p.npy" --backend cuda --certify
 }
 
 run_sanitizer() {
-  local sanitizer tool test
+  local sanitizer tool suites suite
   sanitizer=$(command -v compute-sanitizer || ls /usr/local/cuda*/bin/compute-sanitizer 2>/dev/null | tail -1) || true
   if [[ -z $sanitizer ]]; then
     echo "FAILED  compute-sanitizer is not here" | tee -a "$summary"
     failures=$((failures + 1))
     return
   fi
+  list_suites
   for tool in memcheck racecheck initcheck synccheck; do
-    for test in "$root"/bin/gpu/*_test; do
-      step "$tool ${test##*/}" env CULLHULL_GPU_TESTS=short timeout "$sanitizer_seconds" \
-        "$sanitizer" --tool "$tool" --error-exitcode 9 "${launcher[@]}" "$test" --gtest_filter=-*Large* --gtest_brief=1
+    for suite in $suites; do
+      [[ $suite != *Large ]] || continue
+      step "$tool $suite" env CULLHULL_GPU_TESTS=short timeout "$sanitizer_seconds" "$sanitizer" --tool "$tool" \
+        --error-exitcode 9 "${launcher[@]}" "$root/bin/gpu_tests" --gtest_filter="$suite.*" --gtest_brief=1
     done
   done
 }
@@ -237,7 +243,7 @@ run() {
   deadline=$((SECONDS + seconds))
   scratch=$(mktemp -d)
   trap 'rm -rf "$scratch"' EXIT
-  if [[ -z $bundle && -d $here/bin/gpu ]]; then # unpacked already
+  if [[ -z $bundle && -d $here/bin/cpu ]]; then # unpacked already
     root=$here
     : "${results:=$here/results}"
   else
