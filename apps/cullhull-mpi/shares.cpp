@@ -66,7 +66,8 @@ Share open_share(MPI_Comm comm, const InputArguments& arguments,
   const auto owner = [&](std::size_t i) {
     return whole_files ? i * ranks / files.size() : i % ranks;
   };
-  cullhull::ReadOptions read = read_options(arguments, run.threads > 0 ? run.threads : 1);
+  cullhull::ReadOptions read =
+      read_options(arguments, std::max(run.threads, 1U), run.memory_bytes());
   if (!whole_files) {
     read.part = rank;
     read.parts = ranks;

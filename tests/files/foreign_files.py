@@ -327,12 +327,15 @@ class Ranks(Files):
         if not ON_RANKS:
             self.skipTest("the program for MPI jobs was not built")
 
+    def hull_on(self, ranks, *words):
+        launcher, program = ON_RANKS[:-1], ON_RANKS[-1]
+        command = [*launcher, "-n", str(ranks), program, "hull", *map(str, words), "-q"]
+        return subprocess.run(command, capture_output=True, timeout=120)
+
     def check(self, *inputs):
         """Four ranks write what one process does."""
         out = self.folder / "ranks.json"
-        launcher, program = ON_RANKS[:-1], ON_RANKS[-1]
-        done = subprocess.run([*launcher, "-n", "4", program, "hull", *map(str, inputs), "-o", out],
-                              capture_output=True, timeout=120)
+        done = self.hull_on(4, *inputs, "-o", out)
         self.assertEqual(done.returncode, 0, done.stderr.decode())
         one = self.folder / "one.json"
         self.hull_of(*inputs, options=("--stream", "on", "-o", str(one)))
@@ -352,6 +355,18 @@ class Ranks(Files):
                 with self.subTest(layout=layout, count=count):
                     self.check(f"{path}:p")
                     self.check(f"{path}:x,y")
+
+    def test_no_rank_reads_the_others_hyperslabs(self):
+        path, out = self.folder / "a.h5", self.folder / "out.json"
+        with h5py.File(path, "w") as file:  # 120 MB
+            file["p"] = self.random.standard_normal((10**7, 3), dtype=np.float32)
+        if b"built without libhdf5" in run("hull", f"{path}:p").stderr:
+            self.skipTest("the program was built without libhdf5")
+        options = ("--memory", "100MB", "-o", out)
+        self.assertIn(b"do not fit", self.hull_on(1, f"{path}:p", *options).stderr)
+        done = self.hull_on(4, f"{path}:p", *options)
+        self.assertEqual(done.returncode, 0, done.stderr.decode())
+        self.check(f"{path}:p")
 
     def test_slices_and_tiles_of_scans(self):
         points = (self.points * 1000).astype("i4")
