@@ -358,17 +358,18 @@ PointData Hdf5Points::read(std::uint64_t, std::uint64_t, char*) const { return {
 #endif
 
 PointData read_hdf5(const std::string& file, const std::string& datasets,
-                    const ReadOptions& options) {
+                    const ReadOptions& options, Slice& slice) {
   const Hdf5Points points(file, datasets);
+  slice = Slice(points.count(), options);
   std::uint64_t bytes = 0;
-  if (!multiply(points.count(), points.record_bytes(), bytes) ||
+  if (!multiply(slice.count, points.record_bytes(), bytes) ||
       bytes > resolve_budget(options.memory_budget))
     throw Error(ErrorCode::out_of_budget,
-                points.name() + ": " + std::to_string(points.count()) + " points of " +
+                points.name() + ": " + std::to_string(slice.count) + " points of " +
                     std::to_string(points.record_bytes()) +
                     " bytes do not fit; --stream on reads them in blocks");
   Buffer memory(std::max<std::uint64_t>(bytes, 1));
-  PointData data = points.read(0, points.count(), memory.as<char>());
+  PointData data = points.read(slice.first, slice.count, memory.as<char>());
   data.storage = std::move(memory);
   data.in_place = false;
   choose_columns(data, points.name(), {}, options);
