@@ -134,6 +134,9 @@ TEST(CliJson, BenchSuites) {
       {"bench", "rivals", "--scale", "1", "--repeat", "1", "--workload", "cube-3d-100", "--json"},
       "bench");
   expect_json({"bench", "calls", "--seconds", "0", "--workload", "cube-3d-100", "--json"}, "bench");
+  expect_json({"bench", "lifting", "--scale", "1", "--repeat", "1", "--workload", "uniform-3d-50",
+               "--json"},
+              "bench");
   expect_json({"bench", "stream", "--scale", "1e-5", "--repeat", "1", "--format", "las", "--json"},
               "bench");
 }
