@@ -33,8 +33,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   options.threads = 1;
   options.memory_budget = std::uint64_t{1} << 24;
   try {
+    internal::Slice slice;
     const internal::PointData points =
-        internal::read_hdf5(file.name(), datasets[data[0] % 4], options);
+        internal::read_hdf5(file.name(), datasets[data[0] % 4], options, slice);
     if (points.view.dimension == 0) std::abort();
     volatile double sink = 0;
     for (std::uint64_t i = 0; i < points.view.count; ++i)

@@ -42,20 +42,15 @@ cullhull::Placement common_placement(const Input& first, const std::vector<FileF
   return first.placement;
 }
 
-PointView rows_of(PointView view, std::uint64_t begin, std::uint64_t end) {
-  if (begin < end) view.data = view.address(begin, 0);
-  view.count = end - begin;
-  return view;
-}
-
-Input open_one(const InputArguments& arguments, const std::string& file, unsigned threads) {
+/// The part that the options name, where the file comes in parts.
+Input open_one(const InputArguments& arguments, const std::string& file,
+               const cullhull::ReadOptions& options) {
   if (file == "-" || ending_of(file) == ".hullstate")
     throw Error(ErrorCode::invalid_argument,
                 input_name(file) + ": cullhull-mpi reads files of points that all ranks see");
   InputArguments one = arguments;
   one.path = file;
-  Input input = open_input(one, threads);
-  return input;
+  return open_input(one, options);
 }
 
 }  // namespace
@@ -71,16 +66,20 @@ Share open_share(MPI_Comm comm, const InputArguments& arguments,
   const auto owner = [&](std::size_t i) {
     return whole_files ? i * ranks / files.size() : i % ranks;
   };
-  const unsigned threads = run.threads > 0 ? run.threads : 1;
+  cullhull::ReadOptions read =
+      read_options(arguments, std::max(run.threads, 1U), run.memory_bytes());
+  if (!whole_files) {
+    read.part = rank;
+    read.parts = ranks;
+  }
   std::vector<Input> opened(files.size());
   std::vector<FileFacts> facts(files.size());
   Share share;
   together([&] {
     for (std::size_t i = 0; i < files.size(); ++i) {
       if (owner(i) != rank) continue;
-      opened[i] = open_one(arguments, files[i], threads);
-      facts[i] = {opened[i].points.count,
-                  !whole_files && opened[i].file.mapped() && opened[i].gathered.empty(),
+      opened[i] = open_one(arguments, files[i], read);
+      facts[i] = {opened[i].file.total(), !whole_files && opened[i].file.in_parts(),
                   hash_of(opened[i].placement)};
     }
   });
@@ -92,20 +91,15 @@ Share open_share(MPI_Comm comm, const InputArguments& arguments,
     for (std::size_t i = 0; i < files.size(); first += facts[i++].count) {
       const std::uint64_t n = facts[i].count;
       if (facts[i].sliced != 0 && owner(i) != rank)
-        opened[i] = open_one(arguments, files[i], threads);
+        opened[i] = open_one(arguments, files[i], read);
       else if (owner(i) != rank)
         continue;
       Input& input = opened[i];
-      if (input.points.count != n)
+      if (input.file.total() != n)
         throw Error(ErrorCode::bad_file, files[i] + ": ranks see " + std::to_string(n) + " and " +
-                                             std::to_string(input.points.count) + " points");
-      std::uint64_t begin = 0, end = n;
-      if (facts[i].sliced != 0) {
-        begin = n / ranks * rank + std::min(rank, n % ranks);
-        end = begin + n / ranks + (rank < n % ranks ? 1 : 0);
-      }
+                                             std::to_string(input.file.total()) + " points");
       if (i == 0) share.format = input.file.format();
-      share.blocks.push_back({rows_of(input.points, begin, end), first + begin});
+      share.blocks.push_back({input.points, first + input.file.first()});
     }
   });
   share.inputs = std::move(opened);  // the blocks view its memory, which does not move

@@ -150,8 +150,12 @@ cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned thr
 }
 
 Input open_input(const InputArguments& arguments, unsigned threads, std::uint64_t memory) {
+  return open_input(arguments, read_options(arguments, threads, memory));
+}
+
+Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& options) {
   Input input;
-  input.file = cullhull::open_points(arguments.path, read_options(arguments, threads, memory));
+  input.file = cullhull::open_points(arguments.path, options);
   if ((arguments.dimension != 0 || !arguments.type.empty()) &&
       input.file.format().rfind("raw", 0) != 0)
     throw Error(ErrorCode::invalid_argument, "--dim and --type describe raw input, but " +

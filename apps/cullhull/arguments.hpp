@@ -47,6 +47,7 @@ struct Input {
 
 /// `memory`: limit for decompressed data; 0: that of ReadOptions.
 Input open_input(const InputArguments& arguments, unsigned threads = 0, std::uint64_t memory = 0);
+Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& options);
 /// All of these files' points in memory, one after the other.
 Input open_inputs(const InputArguments& arguments, const std::vector<std::string>& files,
                   unsigned threads, std::uint64_t memory = 0);

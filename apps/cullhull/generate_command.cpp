@@ -1,8 +1,10 @@
 // cullhull generate: seeded point sets.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "arguments.hpp"
 #include "commands.hpp"
@@ -77,6 +79,31 @@ void write_sequence(const GenerateArguments& arguments, const Made& made) {
   }
 }
 
+/// Points a piece: enough for all threads, and few enough that a file may exceed memory.
+std::uint64_t piece_of(std::uint32_t dimension) {
+  constexpr std::uint64_t run = cullhull::PointGenerator::run_length;
+  constexpr std::uint64_t bytes = std::uint64_t{32} << 20;
+  const std::uint64_t runs = bytes / (run * dimension * sizeof(double));
+  return run * std::max<std::uint64_t>({1, runs, std::thread::hardware_concurrency()});
+}
+
+void write_points(const GenerateArguments& arguments, const Made& made) {
+  const cullhull::PointGenerator generator(arguments.shape, made.count, made.dimension, made.seed);
+  const auto total = static_cast<double>(made.count);
+  TerminalProgress progress(arguments.quiet, total, "points");
+  const cullhull::Progress report = progress.callback();
+  cullhull::NpyPointsWriter writer(arguments.output, made.count, made.dimension, made.type);
+  const std::uint64_t piece = std::min(made.count, piece_of(made.dimension));
+  std::vector<double> points(piece * made.dimension);
+  for (std::uint64_t first = 0; first < made.count; first += piece) {
+    if (stop_token().stop_requested()) return;  // the writer removes its unfinished file
+    if (report) report("points", static_cast<double>(first) / total);
+    const std::uint64_t count = std::min(piece, made.count - first);
+    generator.rows(first, count, points.data(), stop_token());
+    writer.write(points.data(), count);
+  }
+}
+
 Made read_arguments(const GenerateArguments& arguments) {
   Made made;
   made.count = parse_size(arguments.count, "-n");
@@ -123,14 +150,12 @@ int run(const GenerateArguments& arguments) {
   plan.writes("-o", arguments.output, {".npy"});
   plan.writes_json(arguments.json);
   const Made made = read_arguments(arguments);
-  if (!arguments.motion.empty()) {
-    cancellable([&] { write_sequence(arguments, made); });
-  } else {
-    const std::vector<double> points =
-        cullhull::generate(arguments.shape, made.count, made.dimension, made.seed);
-    cullhull::write_npy_points(arguments.output, points.data(), made.count, made.dimension,
-                               made.type);
-  }
+  cancellable([&] {
+    if (arguments.motion.empty())
+      write_points(arguments, made);
+    else
+      write_sequence(arguments, made);
+  });
   if (!arguments.json.empty()) cullhull::write_text(arguments.json, report(arguments, made));
   if (!arguments.quiet && !plan.uses_stdout()) write_stdout(summary(arguments, made));
   return 0;

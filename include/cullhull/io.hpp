@@ -42,6 +42,10 @@ struct ReadOptions {
   /// Compressed files (.gz, .zst, .npz) may unpack to at most this many bytes in memory; 0: half of
   /// what the process may use. Read in blocks (visit_blocks) they take no more memory than others.
   std::uint64_t memory_budget = 0;
+  /// Only the part of this number, from 0, of so many nearly equal ones, where points can be read
+  /// from any of them on: .npy, .las, raw, binary .ply and .pcd, unless compressed, and HDF5. Other
+  /// files are read whole (PointFile::in_parts). Of open_points alone.
+  std::uint64_t part = 0, parts = 1;
   /// Threads that parse text; 0 means all the machine offers.
   unsigned threads = 0;
   /// Checked while text is parsed.
@@ -76,6 +80,10 @@ class PointFile {
   const Placement& placement() const noexcept;
   const std::string& format() const noexcept;  ///< "npy", "ply (binary little-endian)", ...
   bool mapped() const noexcept;                ///< true when read in place
+  /// Whether points() is the part that ReadOptions::part names; else it is all of them.
+  bool in_parts() const noexcept;
+  std::uint64_t first() const noexcept;  ///< number, in the file, of the first of points()
+  std::uint64_t total() const noexcept;  ///< points in the file
   double read_seconds() const noexcept;
 
   struct Impl;
@@ -234,6 +242,21 @@ void write_las_records(const std::string& path, const std::string& las,
 void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& ids);
 void write_npy_points(const std::string& path, const double* coordinates, std::uint64_t count,
                       std::uint32_t dimension, ScalarType type);
+
+/// An array (count, dimension) written some points at a time; the file appears when the last one
+/// has been written. Throws as the other writers do.
+class NpyPointsWriter {
+ public:
+  NpyPointsWriter(const std::string& path, std::uint64_t count, std::uint32_t dimension,
+                  ScalarType type);
+  ~NpyPointsWriter();
+  /// The next points: count x dimension doubles.
+  void write(const double* coordinates, std::uint64_t count);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 /// An array (frames, count, dimension) written frame by frame; the file appears when the last one
 /// has been written. Throws as the other writers do.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "cullhull/error.hpp"
 #include "generate/turn.hpp"
@@ -276,8 +277,13 @@ const std::vector<Shape>& shapes() {
   return list;
 }
 
-std::vector<double> generate(std::string_view shape, std::uint64_t count, std::uint32_t dimension,
-                             std::uint64_t seed, const std::stop_token& stop) {
+struct PointGenerator::Impl {
+  Job job;
+  PointFunction point;
+};
+
+PointGenerator::PointGenerator(std::string_view shape, std::uint64_t count, std::uint32_t dimension,
+                               std::uint64_t seed) {
   const auto colon = shape.find(':');
   const ShapeEntry& entry = find_shape(shape.substr(0, colon));
   Job job{.dimension = dimension, .count = count, .seed = seed};
@@ -288,22 +294,42 @@ std::vector<double> generate(std::string_view shape, std::uint64_t count, std::u
     job.grid_size = parse_grid_size(shape.substr(colon + 1));
   }
   check_dimension(entry, dimension);
-  std::vector<double> points;
-  if (count > points.max_size() / dimension)
+  constexpr std::uint64_t most_coordinates = (std::uint64_t{1} << 60) - 1;
+  if (count > most_coordinates / dimension)
     throw Error(ErrorCode::invalid_argument, std::to_string(count) + " points of dimension " +
                                                  std::to_string(dimension) +
-                                                 " do not fit into memory");
-  resize_in_steps(points, count * dimension, stop);
+                                                 " have 2^60 coordinates or more");
   if (entry.prepare != nullptr) entry.prepare(job);
-  // The chunk size is part of the contract: with another one other points would be drawn.
-  constexpr std::uint64_t chunk_size = 4096;
-  internal::for_each_chunk(count, chunk_size, internal::resolve_threads(0),
-                           [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+  impl_.reset(new Impl{std::move(job), entry.point});
+}
+
+PointGenerator::PointGenerator(PointGenerator&&) noexcept = default;
+PointGenerator& PointGenerator::operator=(PointGenerator&&) noexcept = default;
+PointGenerator::~PointGenerator() = default;
+
+// The length of a run is part of the contract: with another one other points would be drawn.
+void PointGenerator::rows(std::uint64_t first, std::uint64_t count, double* out,
+                          const std::stop_token& stop) const {
+  const Job& job = impl_->job;
+  if (first % run_length != 0 || first > job.count || count > job.count - first)
+    throw Error(ErrorCode::invalid_argument, std::to_string(count) + " points from point " +
+                                                 std::to_string(first) + " on, of " +
+                                                 std::to_string(job.count));
+  internal::for_each_chunk(count, run_length, internal::resolve_threads(0),
+                           [&](std::uint64_t run, std::uint64_t begin, std::uint64_t end) {
                              check(stop);
-                             RandomStream random(seed, chunk);
+                             RandomStream random(job.seed, first / run_length + run);
                              for (std::uint64_t i = begin; i < end; ++i)
-                               entry.point(job, random, i, points.data() + i * dimension);
+                               impl_->point(job, random, first + i, out + i * job.dimension);
                            });
+}
+
+std::vector<double> generate(std::string_view shape, std::uint64_t count, std::uint32_t dimension,
+                             std::uint64_t seed, const std::stop_token& stop) {
+  const PointGenerator generator(shape, count, dimension, seed);
+  std::vector<double> points;
+  resize_in_steps(points, count * dimension, stop);
+  generator.rows(0, count, points.data(), stop);
   return points;
 }
 

@@ -146,13 +146,17 @@ void MappedFile::check_size() const {
     throw Error(ErrorCode::io, source_.name + ": shrank while it was being read");
 }
 
-void MappedFile::prefault(unsigned threads) const {
+void MappedFile::prefault(const std::byte* from, std::uint64_t bytes, unsigned threads) const {
   if (!mapped_ || source_.size > room() / 4) return;
-  constexpr std::uint64_t piece = std::uint64_t{16} << 20;
-  for_each_chunk(source_.size, piece, resolve_threads(threads),
+  constexpr std::uint64_t piece = std::uint64_t{16} << 20, page = std::uint64_t{64} << 10;
+  const auto before =
+      static_cast<std::uint64_t>(from - reinterpret_cast<const std::byte*>(source_.data));
+  const std::uint64_t first = std::min<std::uint64_t>(before, source_.size) / page * page;
+  const std::uint64_t last = std::min<std::uint64_t>(before + bytes, source_.size);
+  for_each_chunk(last - first, piece, resolve_threads(threads),
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
                    // A hint: old kernels refuse it, and pages are then faulted in on access.
-                   system::fetch_pages(source_.data + begin, end - begin);
+                   system::fetch_pages(source_.data + first + begin, end - begin);
                  });
 }
 

@@ -24,9 +24,10 @@ class MappedFile {
   bool mapped() const noexcept { return mapped_; }
   /// Error{io} if the file has shrunk since it was opened.
   void check_size() const;
-  /// Fills the page tables, so that the first pass over the points need not. Skipped for files that
-  /// would evict other data from memory.
-  void prefault(unsigned threads) const;
+  /// Fills the page tables of those bytes of the file that lie among [from, from + bytes), so that
+  /// the first pass over the points need not. Skipped for files that would evict other data from
+  /// memory.
+  void prefault(const std::byte* from, std::uint64_t bytes, unsigned threads) const;
 
  private:
   void map(int descriptor, std::size_t size);

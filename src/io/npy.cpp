@@ -412,12 +412,32 @@ void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& id
   out.commit();
 }
 
+struct NpyPointsWriter::Impl {
+  internal::OutputFile out;
+  std::uint64_t points;  ///< that are missing
+  std::uint32_t dimension;
+  ScalarType type;
+};
+
+NpyPointsWriter::NpyPointsWriter(const std::string& path, std::uint64_t count,
+                                 std::uint32_t dimension, ScalarType type)
+    : impl_(new Impl{internal::OutputFile(path), count, dimension, type}) {
+  impl_->out.write(internal::npy_header(internal::npy_descr(type).c_str(), {count, dimension}));
+  if (count == 0) impl_->out.commit();
+}
+NpyPointsWriter::~NpyPointsWriter() = default;
+
+void NpyPointsWriter::write(const double* coordinates, std::uint64_t count) {
+  if (count > impl_->points)
+    throw Error(ErrorCode::invalid_argument, "more points written than were announced");
+  if (count == 0) return;
+  internal::write_values(impl_->out, coordinates, count * impl_->dimension, impl_->type);
+  if ((impl_->points -= count) == 0) impl_->out.commit();
+}
+
 void write_npy_points(const std::string& path, const double* coordinates, std::uint64_t count,
                       std::uint32_t dimension, ScalarType type) {
-  internal::OutputFile out(path);
-  out.write(internal::npy_header(internal::npy_descr(type).c_str(), {count, dimension}));
-  internal::write_values(out, coordinates, count * dimension, type);
-  out.commit();
+  NpyPointsWriter(path, count, dimension, type).write(coordinates, count);
 }
 
 struct NpySequenceWriter::Impl {

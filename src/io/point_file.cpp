@@ -1,6 +1,7 @@
 // Opens a file of points: determines its format, and owns the memory.
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
 
 #include "io/columns.hpp"
@@ -19,6 +20,8 @@ struct PointFile::Impl {
   internal::MappedFile file;
   internal::Buffer unpacked;  ///< decompressed contents
   internal::PointData data;
+  internal::Slice slice;
+  bool in_parts = false;
   double seconds = 0;
 };
 
@@ -33,6 +36,9 @@ const PointView& PointFile::colours() const noexcept { return impl_->data.colour
 const Placement& PointFile::placement() const noexcept { return impl_->data.placement; }
 const std::string& PointFile::format() const noexcept { return impl_->data.format; }
 bool PointFile::mapped() const noexcept { return impl_->data.in_place && impl_->file.mapped(); }
+bool PointFile::in_parts() const noexcept { return impl_->in_parts; }
+std::uint64_t PointFile::first() const noexcept { return impl_->slice.first; }
+std::uint64_t PointFile::total() const noexcept { return impl_->slice.total; }
 double PointFile::read_seconds() const noexcept { return impl_->seconds; }
 
 namespace internal {
@@ -191,6 +197,34 @@ std::optional<RecordLayout> raw_records(const Source& head, std::uint64_t size,
   return layout;
 }
 
+Slice::Slice(std::uint64_t points, const ReadOptions& options) : total(points) {
+  const std::uint64_t part = options.part, parts = options.parts;
+  if (part >= parts)
+    throw Error(ErrorCode::invalid_argument,
+                "part " + std::to_string(part) + " of " + std::to_string(parts));
+  first = points / parts * part + std::min(part, points % parts);
+  count = points / parts + (part < points % parts ? 1 : 0);
+}
+
+namespace {
+
+void restrict_to(const Slice& slice, PointView& view) {
+  if (view.count == 0) return;  // no colours, say
+  if (slice.count > 0) view.data = view.address(slice.first, 0);
+  view.count = slice.count;
+}
+
+/// Of a view that is in place, row after row or axis after axis.
+void prefault(const MappedFile& file, const PointView& view, unsigned threads) {
+  if (view.count == 0) return;
+  const auto row = static_cast<std::uint64_t>(std::abs(view.point_stride));
+  const auto step = static_cast<std::uint64_t>(std::abs(view.coordinate_stride));
+  const bool axes = step > row;
+  for (std::uint32_t j = 0; j < (axes ? view.dimension : 1); ++j)
+    file.prefault(view.address(0, j), view.count * std::max<std::uint64_t>(row, 1), threads);
+}
+
+}  // namespace
 }  // namespace internal
 
 PointFile open_points(const std::string& path, const ReadOptions& options) {
@@ -201,7 +235,8 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
   internal::Source source = impl->file.source();
   if (internal::holds_hdf5(input.file, {source.data, std::min<std::size_t>(source.size, 16)})) {
     impl->file = internal::MappedFile();
-    impl->data = internal::read_hdf5(input.file, input.member, options);
+    impl->data = internal::read_hdf5(input.file, input.member, options, impl->slice);
+    impl->in_parts = true;
     impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return PointFile(std::move(impl));
   }
@@ -210,10 +245,16 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
   impl->data = internal::read_points(source, reading);
   impl->file.check_size();
   const bool unpacked = impl->unpacked.data() != nullptr;
-  if (impl->data.in_place && !unpacked)
-    impl->file.prefault(options.threads);
-  else
+  impl->slice = {0, impl->data.view.count, impl->data.view.count};
+  if (impl->data.in_place && !unpacked) {
+    impl->in_parts = true;
+    impl->slice = internal::Slice(impl->data.view.count, options);
+    internal::restrict_to(impl->slice, impl->data.view);
+    internal::restrict_to(impl->slice, impl->data.colours);
+    internal::prefault(impl->file, impl->data.view, options.threads);
+  } else {
     impl->file = internal::MappedFile();  // parsed or decompressed: the file is not needed
+  }
   if (!impl->data.in_place) impl->unpacked = {};
   impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return PointFile(std::move(impl));

@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 
 #include "agreement/run_app.hpp"
@@ -38,6 +39,24 @@ bool loaded(const Ran& ran) {
   if (ran.status == 1000 + SIGABRT && ran.err == "terminate called without an active exception\n")
     return false;
   return ran.status != 127 && !(ran.status == 1000 + SIGSEGV && ran.err.empty() && ran.out.empty());
+}
+
+// Four million points take 96 MB; more than 64 MB at once would be all of them or most.
+TEST(Limits, MakingPointsTakesNoMoreMemoryTheMoreThereAre) {
+  const Folder f;
+  const auto make = [&](const char* count, const std::string& name) {
+    const Ran ran = run_app({"generate", "gauss", "-n", count, "--seed", "3", "-o", f / name});
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    return ran.peak_bytes;
+  };
+  const std::uint64_t besides = make("10", "few.npy"), peak = make("4000001", "many.npy");
+  if (!testing::sanitized) {
+    EXPECT_LE(peak, besides + (std::uint64_t{64} << 20));
+  }
+  const std::vector<double> rows = generate("gauss", 4000001, 3, 3);
+  const PointFile file = open_points(f / "many.npy");
+  ASSERT_EQ(file.points().count, 4000001U);
+  EXPECT_EQ(std::memcmp(file.points().data, rows.data(), 8 * rows.size()), 0);
 }
 
 TEST(Limits, AddressSpace) {

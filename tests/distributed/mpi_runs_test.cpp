@@ -100,18 +100,16 @@ struct Expected {
 /// What rank 0 finds alone; the others are told.
 Expected expected(const Case& c, bool floats) {
   Expected e;
-  std::uint64_t words[4] = {};
+  std::vector<std::uint64_t> words(4);
   if (world_rank() == 0) {
     const Hull hull = convex_hull(whole(c, floats));
     e.extreme = sorted_vertices(hull);
-    words[0] = canonical_hash(hull);
-    words[1] = e.extreme.size();
-    words[2] = static_cast<std::uint64_t>(hull.scalar);
-    words[3] = static_cast<std::uint64_t>(hull.affine_dimension + 1);
+    words = {canonical_hash(hull), e.extreme.size(), static_cast<std::uint64_t>(hull.scalar),
+             static_cast<std::uint64_t>(hull.affine_dimension + 1)};
   }
-  MPI_Bcast(words, 4, MPI_UINT64_T, 0, MPI_COMM_WORLD);
+  tell_all(words);
   e.extreme.resize(words[1]);
-  MPI_Bcast(e.extreme.data(), static_cast<int>(words[1]), MPI_UINT64_T, 0, MPI_COMM_WORLD);
+  tell_all(e.extreme);
   e.hull = words[0];
   e.scalar = static_cast<ScalarType>(words[2]);
   e.affine = static_cast<int>(words[3]) - 1;

@@ -4,8 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "cullhull/error.hpp"
 #include "cullhull/mpi.hpp"
@@ -23,10 +27,36 @@ inline int world_size() {
   return size;
 }
 
+/// Waits asleep: MPI's own waits take turns on the processor, which where ranks are more than
+/// processors, or other programs run beside them, is taken from the rank that all wait for.
+inline void wait_asleep(MPI_Request request) {
+  for (int done = 0;;) {
+    MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+    if (done != 0) return;
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+}
+
+/// A barrier of all ranks at which they sleep.
+inline void wait_for_all() {
+  MPI_Request request;
+  MPI_Ibarrier(MPI_COMM_WORLD, &request);
+  wait_asleep(request);
+}
+
+/// Gives every rank rank 0's values; all know the length.
+inline void tell_all(std::vector<std::uint64_t>& values) {
+  MPI_Request request;
+  MPI_Ibcast(values.data(), static_cast<int>(values.size()), MPI_UINT64_T, 0, MPI_COMM_WORLD,
+             &request);
+  wait_asleep(request);
+}
+
 /// The first `count` ranks, MPI_COMM_NULL on the others.
 class FirstRanks {
  public:
   explicit FirstRanks(int count) {
+    wait_for_all();
     MPI_Comm_split(MPI_COMM_WORLD, world_rank() < count ? 0 : MPI_UNDEFINED, 0, &comm);
   }
   ~FirstRanks() {

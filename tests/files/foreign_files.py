@@ -1,7 +1,8 @@
 """Point sets as h5py, netCDF4, pypcd4 and laspy write them, held against the same points as .npy.
 
-foreign_files.py PROGRAM: the program gives the same hull, whole and in blocks, or one line that says
-what is wrong. A program without libhdf5 must say so.
+foreign_files.py PROGRAM [MPI_PROGRAM LAUNCHER...]: the program gives the same hull, whole and in
+blocks, and on the ranks of a job, or one line that says what is wrong. A program without libhdf5
+must say so.
 """
 
 import gzip
@@ -18,6 +19,7 @@ import numpy as np
 from pypcd4 import Encoding, PointCloud
 
 PROGRAM = ""
+ON_RANKS = []  # launcher and program, but for the number of ranks
 
 
 def run(*words):
@@ -319,6 +321,66 @@ class Tiles(Files):
                 self.assertEqual(self.hull_of(state, halves[1]), expected)
 
 
+class Ranks(Files):
+    def setUp(self):
+        super().setUp()
+        if not ON_RANKS:
+            self.skipTest("the program for MPI jobs was not built")
+
+    def hull_on(self, ranks, *words):
+        launcher, program = ON_RANKS[:-1], ON_RANKS[-1]
+        command = [*launcher, "-n", str(ranks), program, "hull", *map(str, words), "-q"]
+        return subprocess.run(command, capture_output=True, timeout=120)
+
+    def check(self, *inputs):
+        """Four ranks write what one process does."""
+        out = self.folder / "ranks.json"
+        done = self.hull_on(4, *inputs, "-o", out)
+        self.assertEqual(done.returncode, 0, done.stderr.decode())
+        one = self.folder / "one.json"
+        self.hull_of(*inputs, options=("--stream", "on", "-o", str(one)))
+        self.assertEqual(out.read_bytes(), one.read_bytes())
+
+    def test_hyperslabs_of_one_dataset(self):
+        path = self.folder / "a.h5"
+        for layout in ({}, {"chunks": (700, 2)}, {"chunks": (999, 3), "compression": "gzip"}):
+            for count in (5000, 3, 1):
+                with h5py.File(path, "w") as file:
+                    points = self.points[:count]
+                    chunks = {"chunks": (1, 3)} if count < 999 and layout else layout
+                    file.create_dataset("p", data=points, **chunks)
+                    file["x"], file["y"] = points[:, 0], points[:, 1].astype("f8")
+                if b"built without libhdf5" in run("hull", f"{path}:p").stderr:
+                    self.skipTest("the program was built without libhdf5")
+                with self.subTest(layout=layout, count=count):
+                    self.check(f"{path}:p")
+                    self.check(f"{path}:x,y")
+
+    def test_no_rank_reads_the_others_hyperslabs(self):
+        path, out = self.folder / "a.h5", self.folder / "out.json"
+        with h5py.File(path, "w") as file:  # 120 MB
+            file["p"] = self.random.standard_normal((10**7, 3), dtype=np.float32)
+        if b"built without libhdf5" in run("hull", f"{path}:p").stderr:
+            self.skipTest("the program was built without libhdf5")
+        options = ("--memory", "100MB", "-o", out)
+        self.assertIn(b"do not fit", self.hull_on(1, f"{path}:p", *options).stderr)
+        done = self.hull_on(4, f"{path}:p", *options)
+        self.assertEqual(done.returncode, 0, done.stderr.decode())
+        self.check(f"{path}:p")
+
+    def test_slices_and_tiles_of_scans(self):
+        points = (self.points * 1000).astype("i4")
+        for kind in ("las", "b.pcd", "npy"):
+            with self.subTest(kind=kind):
+                slices = self.folder / f"all.{kind}"
+                write_tile(slices, points)
+                self.check(slices)
+                tiles = [self.folder / f"tile{i}.{kind}" for i in range(17)]
+                for tile, part in zip(tiles, np.array_split(points, 17)):
+                    write_tile(tile, part)
+                self.check(*tiles)
+
+
 class Others(Files):
     def test_zarr_names_what_reads_it(self):
         folder = self.folder / "a.zarr"
@@ -329,5 +391,6 @@ class Others(Files):
 
 
 if __name__ == "__main__":
-    PROGRAM = sys.argv.pop(1)
-    unittest.main()
+    PROGRAM, *rest = sys.argv[1:]
+    ON_RANKS = [*rest[1:], rest[0]] if rest else []
+    unittest.main(argv=sys.argv[:1])

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Files that other people's programs write, read by ours: run.sh FOLDER PROGRAM. FOLDER keeps the
-# virtual environment. Exit status 77: PyPI is out of reach.
+# Files that other people's programs write, read by ours: run.sh FOLDER PROGRAM [MPI_PROGRAM
+# LAUNCHER...]. FOLDER keeps the virtual environment. Exit status 77: PyPI is out of reach.
 set -euo pipefail
 folder=$(realpath -m "${1:?usage: run.sh FOLDER PROGRAM}")
 program=$(realpath "${2:?usage: run.sh FOLDER PROGRAM}")
@@ -15,4 +15,4 @@ if ! "$python" -c 'import numpy, h5py, laspy, lazrs, pypcd4, netCDF4' 2>/dev/nul
     exit 77
   }
 fi
-exec "$python" "$here/foreign_files.py" "$program"
+exec "$python" "$here/foreign_files.py" "$program" "${@:3}"

@@ -7,7 +7,11 @@
 #include <list>
 #include <map>
 #include <set>
+#include <stop_token>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "cullhull/error.hpp"
 #include "parallel/helpers.hpp"
@@ -34,10 +38,14 @@ std::uint64_t hash(const std::vector<double>& values) {
   return h;
 }
 
+/// One that the shape has.
+unsigned a_dimension_of(const std::string& shape) {
+  return shape == "disk" || shape == "circle" ? 2 : 3;
+}
+
 TEST(Generate, SameBitsForEveryThreadCount) {
   for (const Shape& shape : shapes()) {
-    const unsigned d =
-        shape.name == std::string("disk") || shape.name == std::string("circle") ? 2 : 3;
+    const unsigned d = a_dimension_of(shape.name);
     const auto many = generate(shape.name, 20000, d, seed);
     std::list<internal::CallScope> busy;  // then nobody helps
     while (busy.size() < internal::machine_threads()) busy.emplace_back();
@@ -51,6 +59,42 @@ TEST(Generate, APrefixIsTheSameSet) {
   const auto few = generate("ball", 5000, 3, seed);
   const auto many = generate("ball", 9000, 3, seed);
   EXPECT_TRUE(std::equal(few.begin(), few.end(), many.begin()));
+}
+
+TEST(Generate, PiecesInAnyOrderAreTheWhole) {
+  constexpr std::uint64_t run = PointGenerator::run_length, count = 5 * run + 17;
+  for (const Shape& shape : shapes()) {
+    const unsigned d = a_dimension_of(shape.name);
+    const std::vector<double> whole = generate(shape.name, count, d, seed);
+    const PointGenerator generator(shape.name, count, d, seed);
+    std::vector<double> pieces(whole.size());
+    const std::pair<std::uint64_t, std::uint64_t> order[] = {
+        {4 * run, run + 17}, {0, 1}, {0, 3 * run}, {3 * run, run}, {5 * run, 0}, {5 * run, 17}};
+    for (const auto& [first, length] : order)
+      generator.rows(first, length, pieces.data() + first * d);
+    EXPECT_EQ(hash(pieces), hash(whole)) << shape.name;
+  }
+}
+
+TEST(Generate, NoPiecesThatAreNot) {
+  constexpr std::uint64_t run = PointGenerator::run_length, most = ~std::uint64_t{0};
+  const PointGenerator generator("ball", 2 * run + 5, 3, seed);
+  std::vector<double> rows(3 * 3 * run);
+  for (const auto& [first, count] : std::vector<std::pair<std::uint64_t, std::uint64_t>>{
+           {1, 1}, {2 * run, 6}, {3 * run, 0}, {0, most}, {most - run + 1, 1}}) {
+    try {
+      generator.rows(first, count, rows.data());
+      ADD_FAILURE() << first << ' ' << count;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::invalid_argument);
+    }
+  }
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_THROW(generator.rows(0, 1, rows.data(), stop.get_token()), Error);
+  EXPECT_THROW(PointGenerator("ball", most / 16 + 1, 1), Error);
+  EXPECT_THROW(PointGenerator("ball", std::uint64_t{1} << 50, 1U << 10), Error);
+  EXPECT_THROW(PointGenerator("cone", 5, 1), Error);
 }
 
 TEST(Generate, PointsLieWhereTheShapeSays) {

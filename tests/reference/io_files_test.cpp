@@ -86,6 +86,60 @@ TEST(Open, Raw) {
   error_of(ErrorCode::invalid_argument, [&] { open_points(shorter); });
 }
 
+/// Number of the point in the file, in both orders of .npy, raw, or text.
+std::string numbered_points(const TemporaryFolder& folder, const std::string& kind,
+                            std::uint64_t count) {
+  std::vector<double> numbers(2 * count);
+  std::string text;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    numbers[2 * i] = numbers[2 * i + 1] = static_cast<double>(i);
+    text += std::to_string(i) + " " + std::to_string(i) + "\n";
+  }
+  if (kind == "fortran.npy")
+    for (std::uint64_t i = 0; i < 2 * count; ++i) numbers[i] = static_cast<double>(i % count);
+  std::string bytes(reinterpret_cast<const char*>(numbers.data()), 16 * count);
+  const std::string shape = "'shape':(" + std::to_string(count) + ",2)}";
+  if (kind == "rows.npy") bytes = npy("{'descr':'<f8','fortran_order':False," + shape, bytes);
+  if (kind == "fortran.npy") bytes = npy("{'descr':'<f8','fortran_order':True," + shape, bytes);
+  return folder.write(kind, kind == "text.xyz" ? text : bytes);
+}
+
+TEST(Open, PartsAreTheWholeFile) {
+  const TemporaryFolder folder;
+  for (const std::string kind : {"rows.npy", "fortran.npy", "points.raw", "text.xyz"})
+    for (const std::uint64_t count : {1, 2, 7, 30000}) {
+      const std::string path = numbered_points(folder, kind, count);
+      ReadOptions options;
+      if (kind == "points.raw") {
+        options.raw_dimension = 2;
+        options.raw_scalar = ScalarType::f64;
+      }
+      for (options.parts = 1; options.parts <= 5; ++options.parts) {
+        std::uint64_t next = 0;
+        for (options.part = 0; options.part < options.parts; ++options.part) {
+          const PointFile file = open_points(path, options);
+          const bool in_parts = kind != "text.xyz" && internal::little_endian_machine;
+          EXPECT_EQ(file.in_parts(), in_parts) << kind;
+          EXPECT_EQ(file.total(), count);
+          EXPECT_EQ(file.first(), in_parts ? next : 0);
+          if (!in_parts) next = 0;
+          ASSERT_LE(file.points().count, count - next) << kind;
+          EXPECT_LE(file.points().count, in_parts ? count / options.parts + 1 : count);
+          for (std::uint64_t i = 0; i < file.points().count; ++i, ++next) {
+            ASSERT_EQ(file.points().at(i, 0), static_cast<double>(next)) << kind;
+            ASSERT_EQ(file.points().at(i, 1), static_cast<double>(next)) << kind;
+          }
+        }
+        EXPECT_EQ(next, count) << kind << ' ' << options.parts;
+      }
+      options.part = 5;
+      options.parts = 5;
+      if (kind == "rows.npy") {
+        error_of(ErrorCode::invalid_argument, [&] { open_points(path, options); });
+      }
+    }
+}
+
 TEST(Open, StreamsAreReadWhole) {
   const TemporaryFolder folder;
   const std::string pipe = folder.file("pipe");

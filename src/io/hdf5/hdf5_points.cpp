@@ -1,5 +1,7 @@
 #include "io/hdf5/hdf5_points.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <mutex>
 #include <optional>
@@ -109,8 +111,8 @@ extern "C" herr_t list_dataset(hid_t root, const char* name, const H5O_info_t* i
 }
 
 std::string text_of(const Shape& shape) {
-  return "(" + std::to_string(shape.count) +
-         (shape.axes == 2 ? ", " + std::to_string(shape.width) : "") + ")";
+  return shape.axes == 2 ? fmt::format("({}, {})", shape.count, shape.width)
+                         : fmt::format("({})", shape.count);
 }
 
 class OpenDataset {
@@ -201,7 +203,7 @@ struct Hdf5Points::Impl {
     if (!file) fail({file_name, nullptr, 0}, "is no HDF5 file that can be opened" + reason());
     name = file_name;
     if (datasets.empty()) return choose();
-    name += ":" + display_name(datasets);
+    name.append(1, ':').append(display_name(datasets));
     for (const std::string& one : between_commas(datasets)) add(one);
   }
   void add(const std::string& path) {
@@ -356,17 +358,18 @@ PointData Hdf5Points::read(std::uint64_t, std::uint64_t, char*) const { return {
 #endif
 
 PointData read_hdf5(const std::string& file, const std::string& datasets,
-                    const ReadOptions& options) {
+                    const ReadOptions& options, Slice& slice) {
   const Hdf5Points points(file, datasets);
+  slice = Slice(points.count(), options);
   std::uint64_t bytes = 0;
-  if (!multiply(points.count(), points.record_bytes(), bytes) ||
+  if (!multiply(slice.count, points.record_bytes(), bytes) ||
       bytes > resolve_budget(options.memory_budget))
     throw Error(ErrorCode::out_of_budget,
-                points.name() + ": " + std::to_string(points.count()) + " points of " +
+                points.name() + ": " + std::to_string(slice.count) + " points of " +
                     std::to_string(points.record_bytes()) +
                     " bytes do not fit; --stream on reads them in blocks");
   Buffer memory(std::max<std::uint64_t>(bytes, 1));
-  PointData data = points.read(0, points.count(), memory.as<char>());
+  PointData data = points.read(slice.first, slice.count, memory.as<char>());
   data.storage = std::move(memory);
   data.in_place = false;
   choose_columns(data, points.name(), {}, options);

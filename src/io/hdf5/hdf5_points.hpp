@@ -42,8 +42,9 @@ class Hdf5Points {
   std::unique_ptr<Impl> impl_;
 };
 
-/// All points, within options.memory_budget: Error{out_of_budget}.
+/// The part that the options name, within options.memory_budget: Error{out_of_budget}. `slice`:
+/// which points these are, of the file's.
 PointData read_hdf5(const std::string& file, const std::string& datasets,
-                    const ReadOptions& options);
+                    const ReadOptions& options, Slice& slice);
 
 }  // namespace cullhull::internal
