@@ -130,12 +130,7 @@ void find_shape(const AlphaArguments& a, const PointView& points, Outcome& out) 
   const Stopwatch watch;
   out.triangulation =
       repeat(a.run, 1, [&](const cullhull::Options& options) {
-        cullhull::TriangulationOptions o;
-        o.threads = options.threads;
-        o.memory_budget = options.memory_budget;
-        o.progress = options.progress;
-        o.stop = options.stop;
-        o.poll = options.poll;
+        auto o = run_as<cullhull::TriangulationOptions>(options);
         return naming_file(a.input.path, [&] { return cullhull::delaunay(points, o); });
       }).result;
   const Triangulation& t = out.triangulation;

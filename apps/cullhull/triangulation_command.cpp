@@ -203,13 +203,8 @@ void triangulate_with_edges(const DualArguments& a, const PointView& points, Out
   const std::vector<std::uint32_t> edges = read_edges(a, points.count);
   cullhull::ConstrainedTriangulation found =
       repeat(a.run, 1, [&](const cullhull::Options& options) {
-        cullhull::ConstrainedOptions o;
+        auto o = run_as<cullhull::ConstrainedOptions>(options);
         o.inside_only = a.inside;
-        o.threads = options.threads;
-        o.memory_budget = options.memory_budget;
-        o.progress = options.progress;
-        o.stop = options.stop;
-        o.poll = options.poll;
         return naming_file(a.input.path, [&] {
           cullhull::ConstrainedTriangulation made =
               cullhull::constrained_delaunay(points, edges, o);
@@ -224,13 +219,8 @@ void triangulate_with_edges(const DualArguments& a, const PointView& points, Out
 void triangulate(const DualArguments& a, const PointView& points, Outcome& out) {
   if (!a.edges.empty()) return triangulate_with_edges(a, points, out);
   out.triangulation = repeat(a.run, 1, [&](const cullhull::Options& options) {
-                        cullhull::TriangulationOptions o;
+                        auto o = run_as<cullhull::TriangulationOptions>(options);
                         o.furthest_site = a.furthest;
-                        o.threads = options.threads;
-                        o.memory_budget = options.memory_budget;
-                        o.progress = options.progress;
-                        o.stop = options.stop;
-                        o.poll = options.poll;
                         return naming_file(a.input.path, [&] {
                           return out.weights.empty()
                                      ? cullhull::delaunay(points, o)

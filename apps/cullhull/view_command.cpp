@@ -59,12 +59,7 @@ struct ViewArguments {
   std::optional<cullhull::TriangulationOptions> triangulation(
       const cullhull::Options& given) const {
     if (!cells) return std::nullopt;
-    cullhull::TriangulationOptions options;
-    options.threads = given.threads;
-    options.memory_budget = given.memory_budget;
-    options.stop = given.stop;
-    options.poll = given.poll;
-    return options;
+    return run_as<cullhull::TriangulationOptions>(given);
   }
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <ranges>
 
 #include "cgal.hpp"
 #include "contest.hpp"
@@ -161,7 +162,8 @@ class Suite {
     return all;
   }
 
-  /// Rivals first, so that ours never finds its own lines in the caches. The last of ours.
+  /// Rivals first, then ours with the most threads, so that this finds nothing of its own in the
+  /// caches. The last of ours.
   Triangulation take_turns(const Workload& w, const PointView& points, std::vector<Ours>& ours,
                            std::vector<Rival>& rivals, Row& row) const {
     Triangulation first, cells;
@@ -175,7 +177,7 @@ class Suite {
                       r.name + ": no rival that writes its seconds and number of simplices");
         if (r.last) r.seconds.push_back(r.last->seconds);
       }
-      for (Ours& o : ours) {
+      for (Ours& o : std::views::reverse(ours)) {
         steps_.step(fmt::format("{}, {}", w.name(), our_column(o.threads)));
         TriangulationOptions options;
         options.threads = o.threads;
