@@ -185,9 +185,12 @@ def concave_hull(
     >>> cullhull.concave_hull(corner, 1).ring.tolist()
     [0, 1, 2]
     """
-    if (ratio is None) == (edge_length is None):
+    if edge_length is None and ratio is not None:
+        number = ratio
+    elif edge_length is not None and ratio is None:
+        number = edge_length
+    else:
         raise InvalidArgument("concave_hull needs either a ratio or an edge_length")
-    number = edge_length if ratio is None else ratio
     found = triangulated(points, threads=threads, progress=progress)
     chosen = settings(threads=threads, progress=progress)
     return ConcaveHull(
