@@ -146,11 +146,9 @@ std::tuple<std::unique_ptr<Cells>, Numbers, Numbers, Numbers, cullhull::Certific
         chosen.progress = options.progress;
         chosen.stop = options.stop;
         chosen.poll = options.poll;
-        if (certified || !inside_only)
-          result = cullhull::constrained_delaunay(points.view(), pairs, chosen);
-        if (certified) certificate = cullhull::certify(points.view(), pairs, result);
-        chosen.inside_only = true;
-        if (inside_only) result = cullhull::constrained_delaunay(points.view(), pairs, chosen);
+        chosen.inside_only = inside_only;
+        result = cullhull::constrained_delaunay(points.view(), pairs, chosen);
+        if (certified) certificate = cullhull::certify(points.view(), pairs, result, chosen);
       });
   check_numbers(result.triangulation.size());
   Numbers pieces = copied(result.pieces), sources = copied(result.piece_sources),
