@@ -40,6 +40,14 @@ bool finite(const PointView& view, std::uint64_t i) {
   return true;
 }
 
+void drop_not_finite(NumberedPoints& points) {
+  const PointView view = points.view();
+  std::vector<std::uint64_t> places;
+  for (std::uint64_t i = 0; i < view.count; ++i)
+    if (finite(view, i)) places.push_back(i);
+  if (places.size() < points.size()) points.keep(places);
+}
+
 }  // namespace
 
 Job::Job(MPI_Comm comm, const mpi::JobOptions& options)
@@ -133,11 +141,14 @@ NumberedPoints Job::sampled(std::uint64_t size) const {
   const std::vector<std::uint64_t> places = sample_ids(local_, std::min(size, local_));
   std::uint64_t before = 0;
   auto at = places.begin();
+  std::vector<std::uint64_t> of_this;
   for (const mpi::Block& b : blocks_) {
-    NumberedPoints of_block{dimension_, b.points.scalar, {}, {}};
+    of_this.clear();
     for (; at != places.end() && *at - before < b.points.count; ++at)
-      if (finite(b.points, *at - before))
-        of_block.append(b.points, *at - before, nullptr, 1, b.first_id);
+      of_this.push_back(*at - before);
+    NumberedPoints of_block{dimension_, b.points.scalar, {}, {}};
+    of_block.append(b.points, of_this, b.first_id);
+    drop_not_finite(of_block);
     if (of_block.scalar != scalar_) of_block.widen();
     all.append(of_block);
     before += b.points.count;

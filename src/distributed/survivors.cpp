@@ -33,15 +33,7 @@ NumberedPoints rows_of(const mpi::Block& block, const Survivors& left) {
     kept.append(block.points, 0, nullptr, block.points.count, block.first_id);
     return kept;
   }
-  // In ranges of as many points as 32 bits count.
-  std::vector<std::uint32_t> positions;
-  for (auto id = left.ids.begin(); id != left.ids.end();) {
-    const std::uint64_t first = *id;
-    positions.clear();
-    for (; id != left.ids.end() && *id - first <= 0xFFFFFFFF; ++id)
-      positions.push_back(static_cast<std::uint32_t>(*id - first));
-    kept.append(block.points, first, positions.data(), positions.size(), block.first_id);
-  }
+  kept.append(block.points, left.ids, block.first_id);
   return kept;
 }
 

@@ -4,25 +4,61 @@
 #include <cstring>
 #include <numeric>
 
+#include "parallel/prefetch.hpp"
+
 namespace cullhull::internal {
+
+namespace {
+
+/// Rows of the points index(i), i < count: packed rows of `Row` bytes, or of any (0). Few of many
+/// points are copied, so that each waits for its line of memory unless that was asked for before.
+template <std::size_t Row, class Index>
+void copy_packed(const PointView& from, const Index& index, std::size_t count, std::byte* out) {
+  constexpr std::size_t ahead = 16;
+  const std::size_t row = Row > 0 ? Row : from.dimension * scalar_size(from.scalar);
+  for (std::size_t i = 0; i < count; ++i, out += row) {
+    if (i + ahead < count) prefetch_line(from.address(index(i + ahead), 0));
+    std::memcpy(out, from.address(index(i), 0), Row > 0 ? Row : row);
+  }
+}
+
+template <class Index>
+void copy_rows_of(const PointView& from, const Index& index, std::size_t count, std::byte* out) {
+  const std::size_t size = scalar_size(from.scalar);
+  if (from.coordinate_stride == static_cast<std::ptrdiff_t>(size)) {
+    switch (from.dimension * size) {
+      case 8:
+        return copy_packed<8>(from, index, count, out);
+      case 12:
+        return copy_packed<12>(from, index, count, out);
+      case 16:
+        return copy_packed<16>(from, index, count, out);
+      case 24:
+        return copy_packed<24>(from, index, count, out);
+      default:
+        return copy_packed<0>(from, index, count, out);
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::byte* p = from.address(index(i), 0);
+    for (std::uint32_t j = 0; j < from.dimension; ++j, out += size, p += from.coordinate_stride)
+      std::memcpy(out, p, size);
+  }
+}
+
+}  // namespace
 
 void copy_rows(const PointView& from, std::uint64_t first, const std::uint32_t* positions,
                std::size_t count, std::byte* out) {
-  const std::size_t size = scalar_size(from.scalar), row = from.dimension * size;
-  if (positions == nullptr && from.packed_rows()) {
-    if (count > 0) std::memcpy(out, from.address(first, 0), count * row);
-    return;
-  }
-  const bool together = from.coordinate_stride == static_cast<std::ptrdiff_t>(size);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::byte* p = from.address(first + (positions != nullptr ? positions[i] : i), 0);
-    if (together) {
-      std::memcpy(out, p, row);
-      out += row;
-      continue;
-    }
-    for (std::uint32_t j = 0; j < from.dimension; ++j, out += size, p += from.coordinate_stride)
-      std::memcpy(out, p, size);
+  if (positions != nullptr) {
+    copy_rows_of(
+        from, [=](std::size_t i) { return first + positions[i]; }, count, out);
+  } else if (from.packed_rows()) {
+    if (count > 0)
+      std::memcpy(out, from.address(first, 0), count * from.dimension * scalar_size(from.scalar));
+  } else {
+    copy_rows_of(
+        from, [=](std::size_t i) { return first + i; }, count, out);
   }
 }
 
@@ -50,6 +86,16 @@ void NumberedPoints::append(const PointView& from, std::uint64_t first,
   copy_rows(from, first, positions, count, rows.data() + before * row_bytes());
   for (std::size_t i = 0; i < count; ++i)
     ids[before + i] = first_id + first + (positions != nullptr ? positions[i] : i);
+}
+
+void NumberedPoints::append(const PointView& from, const std::vector<std::uint64_t>& indices,
+                            std::uint64_t first_id) {
+  const std::size_t before = ids.size();
+  grow(indices.size());
+  copy_rows_of(
+      from, [&](std::size_t i) { return indices[i]; }, indices.size(),
+      rows.data() + before * row_bytes());
+  for (std::size_t i = 0; i < indices.size(); ++i) ids[before + i] = first_id + indices[i];
 }
 
 void NumberedPoints::append(const NumberedPoints& other) {

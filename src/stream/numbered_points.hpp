@@ -26,6 +26,9 @@ struct NumberedPoints {
   /// type; positions null: first + i. Their ids are `first_id` plus their index in the view.
   void append(const PointView& from, std::uint64_t first, const std::uint32_t* positions,
               std::size_t count, std::uint64_t first_id);
+  /// The same for the points of these indices.
+  void append(const PointView& from, const std::vector<std::uint64_t>& indices,
+              std::uint64_t first_id);
   /// Appends others of the same dimension and scalar type.
   void append(const NumberedPoints& other);
   /// Appends others of the same dimension and scalar type, and frees them; no more room is taken
