@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 #include <optional>
-#include <ranges>
 
 #include "cgal.hpp"
 #include "contest.hpp"
@@ -177,7 +176,8 @@ class Suite {
                       r.name + ": no rival that writes its seconds and number of simplices");
         if (r.last) r.seconds.push_back(r.last->seconds);
       }
-      for (Ours& o : std::views::reverse(ours)) {
+      for (auto at = ours.rbegin(); at != ours.rend(); ++at) {
+        Ours& o = *at;
         steps_.step(fmt::format("{}, {}", w.name(), our_column(o.threads)));
         TriangulationOptions options;
         options.threads = o.threads;

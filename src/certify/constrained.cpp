@@ -313,7 +313,9 @@ class InsideSubject {
     for (std::uint32_t c = 0; c < w_.size(); ++c) {
       const std::uint32_t at = number_[c];
       if (at == no_cell) continue;
-      if (!std::ranges::equal(t_.cell(at), w_.cell(c))) fault("cell ", at, " is another one");
+      const auto own = t_.cell(at), expected = w_.cell(c);
+      if (!std::equal(own.begin(), own.end(), expected.begin()))
+        fault("cell ", at, " is another one");
       if (result_.depths[at] != whole_.depths[c]) fault("cell ", at, " has another depth");
       for (unsigned j = 0; j < 3; ++j) {
         const std::uint32_t o = w_.neighbours_of(c)[j];
