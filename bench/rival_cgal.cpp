@@ -1,7 +1,11 @@
 // CGAL's convex_hull_2 and convex_hull_3 (exact predicates, inexact constructions) on a .npy of
 // doubles: writes the seconds and then the extreme points, all as doubles in binary. With a number
-// of sets to divide the points into, the seconds of each instead. A separate program because CGAL
-// is GPL: nothing of ours links it, `cullhull bench rivals` runs it where it is installed.
+// of sets to divide the points into, the seconds of each instead. With the word `delaunay` or, in
+// 3D with TBB, `delaunay-parallel` the seconds of the triangulation and its number of simplices. A
+// separate program because CGAL is GPL: nothing of ours links it, `cullhull bench` runs it where it
+// is installed.
+#include <CGAL/Delaunay_triangulation_2.h>
+#include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/convex_hull_2.h>
@@ -11,6 +15,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <iterator>
+#include <string>
 #include <vector>
 
 #include "cullhull/io.hpp"
@@ -61,12 +66,59 @@ std::vector<double> seconds_of_sets(const PointView& points, std::uint64_t sets)
   return seconds;
 }
 
+/// The seconds, then the number of simplices.
+std::vector<double> delaunay_2(const PointView& p) {
+  std::vector<Kernel::Point_2> points;
+  for (std::uint64_t i = 0; i < p.count; ++i) points.emplace_back(p.at(i, 0), p.at(i, 1));
+  CGAL::Delaunay_triangulation_2<Kernel> t;
+  const double seconds = seconds_of([&] { t.insert(points.begin(), points.end()); });
+  return {seconds, t.dimension() < 2 ? 0.0 : static_cast<double>(t.number_of_faces())};
+}
+
+/// `lock`: nothing, or where threads lock what they work on.
+template <class Triangulation, class... Lock>
+std::vector<double> delaunay_3(const PointView& p, Lock*... lock) {
+  std::vector<Kernel::Point_3> points;
+  for (std::uint64_t i = 0; i < p.count; ++i)
+    points.emplace_back(p.at(i, 0), p.at(i, 1), p.at(i, 2));
+  Triangulation t(Kernel(), lock...);
+  const double seconds = seconds_of([&] { t.insert(points.begin(), points.end()); });
+  return {seconds, t.dimension() < 3 ? 0.0 : static_cast<double>(t.number_of_finite_cells())};
+}
+
+/// Nothing where there is no such triangulation.
+std::vector<double> delaunay(const PointView& p, bool parallel) {
+  if (!parallel && p.dimension == 2) return delaunay_2(p);
+  if (!parallel && p.dimension == 3) return delaunay_3<CGAL::Delaunay_triangulation_3<Kernel>>(p);
+#ifdef CGAL_LINKED_WITH_TBB
+  if (parallel && p.dimension == 3) {
+    using Data =
+        CGAL::Triangulation_data_structure_3<CGAL::Triangulation_vertex_base_3<Kernel>,
+                                             CGAL::Delaunay_triangulation_cell_base_3<Kernel>,
+                                             CGAL::Parallel_tag>;
+    using Parallel = CGAL::Delaunay_triangulation_3<Kernel, Data>;
+    CGAL::Bbox_3 box;
+    for (std::uint64_t i = 0; i < p.count; ++i)
+      box += CGAL::Bbox_3(p.at(i, 0), p.at(i, 1), p.at(i, 2), p.at(i, 0), p.at(i, 1), p.at(i, 2));
+    Parallel::Lock_data_structure locks(box, 50);
+    return delaunay_3<Parallel>(p, &locks);
+  }
+#endif
+  return {};
+}
+
+int write_doubles(const std::vector<double>& out) {
+  return std::fwrite(out.data(), sizeof(double), out.size(), stdout) == out.size() ? 0 : 1;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
-  const std::uint64_t sets = argc == 3 ? std::strtoull(argv[2], nullptr, 10) : 0;
-  if (argc != 2 && sets == 0) {
-    std::fputs("usage: cullhull-rival-cgal POINTS.npy [SETS]\n", stderr);
+  const std::string word = argc == 3 ? argv[2] : "";
+  const bool lifted = word == "delaunay" || word == "delaunay-parallel";
+  const std::uint64_t sets = std::strtoull(word.c_str(), nullptr, 10);
+  if (argc != 2 && sets == 0 && !lifted) {
+    std::fputs("usage: cullhull-rival-cgal POINTS.npy [SETS|delaunay|delaunay-parallel]\n", stderr);
     return 2;
   }
   const cullhull::PointFile file = cullhull::open_points(argv[1]);
@@ -76,6 +128,10 @@ int main(int argc, char** argv) try {
     return 1;
   }
   std::vector<double> out;
+  if (lifted) {
+    out = delaunay(p, word == "delaunay-parallel");
+    return out.empty() ? 1 : write_doubles(out);
+  }
   if (sets > 0) {
     out = seconds_of_sets(p, sets);
   } else {
@@ -83,7 +139,7 @@ int main(int argc, char** argv) try {
     const double seconds = hull(p, out);
     out[0] = seconds;
   }
-  return std::fwrite(out.data(), sizeof(double), out.size(), stdout) == out.size() ? 0 : 1;
+  return write_doubles(out);
 } catch (const std::exception& e) {
   std::fprintf(stderr, "cullhull-rival-cgal: %s\n", e.what());
   return 1;

@@ -2,14 +2,15 @@
 """cullhull's drop-in classes beside SciPy's, call by call in one run: a table in Markdown.
 
     build/python/venv/bin/python bench/scipy_table.py [--what hull] [--sizes 10 1k 1M]
-        [--dimensions 2 3] [--shapes gauss ball] [--threads N] [--seconds 1] [--limit 30]
+        [--dimensions 2 3] [--shapes gauss ball] [--threads N] [--seconds 1] [--limit 30] [--once]
 
 A call is the whole of what programs do. hull: make the hull and read vertices, simplices,
 equations, neighbors, area and volume. delaunay: the triangulation, its simplices and neighbors.
 voronoi: the diagram, its vertices, ridges and regions. find_simplex: as many questions as points to
 a triangulation that is made. linear: linear interpolation at as many points, likewise. Ours and SciPy's go by turns over several sets of a size; the figures are
 medians in microseconds, with the 99th percentile of ours where there are 100 calls or more. A row
-ends where one call of SciPy's takes longer than --limit seconds, or than memory allows.
+ends where one call of SciPy's takes longer than --limit seconds, or than memory allows. With --once
+SciPy has one call and ours three, over one set: for rows of minutes.
 """
 
 from __future__ import annotations
@@ -100,10 +101,17 @@ CALLS = {call.__name__: call for call in (hull, delaunay, voronoi, find_simplex,
 
 
 def row(
-    what: str, shape: str, n: int, d: int, threads: int | None, seconds: float
+    what: str, shape: str, n: int, d: int, threads: int | None, seconds: float, once: bool
 ) -> tuple[list[float], list[float]]:
     """Seconds of each call, ours and SciPy's, by turns."""
     prepare = CALLS[what]
+    if once:
+        points = cullhull.generate(shape, n, d, seed=1)
+        call = prepare(cullhull, points, threads=threads)
+        results = [timed(call) for _ in range(3)]
+        other, b = timed(prepare(scipy.spatial, points))
+        assert agree(what, results[0][1], b)
+        return [mine for mine, _ in results], [other]
     count = max(1, min(32, 200_000 // n))
     sets = [cullhull.generate(shape, n, d, seed=seed) for seed in range(1, count + 1)]
     ours, theirs = [], []
@@ -138,6 +146,7 @@ def main() -> None:
     parser.add_argument("--threads", type=int, help="of ours; all the machine offers if not given")
     parser.add_argument("--seconds", type=float, default=1.0, help="for each row")
     parser.add_argument("--limit", type=float, default=30.0, help="seconds of one call of SciPy's")
+    parser.add_argument("--once", action="store_true", help="SciPy once, ours three times")
     arguments = parser.parse_args()
 
     print("| set | n | cullhull (us) | 99 % | SciPy (us) | ratio |\n|---|---:|---:|---:|---:|---:|")
@@ -147,7 +156,13 @@ def main() -> None:
                 if shape == "sphere" and n > LARGEST_SPHERE.get(d, n):
                     break
                 ours, theirs = row(
-                    arguments.what, shape, n, d, arguments.threads, arguments.seconds
+                    arguments.what,
+                    shape,
+                    n,
+                    d,
+                    arguments.threads,
+                    arguments.seconds,
+                    arguments.once,
                 )
                 a, b = statistics.median(ours), statistics.median(theirs)
                 worst = f"{percentile(ours, 0.99) * 1e6:,.1f}" if len(ours) >= 100 else ""

@@ -24,9 +24,10 @@ function(cullhull_together target folder)
     return()
   endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  string(MAKE_C_IDENTIFIER "${folder}" group)
   foreach(name IN LISTS ARGN)
-    set_source_files_properties("${folder}/${name}.cpp"
-      TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP "${folder}")
+    set_source_files_properties("${CMAKE_CURRENT_SOURCE_DIR}/${folder}/${name}.cpp"
+      TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP "${group}")
   endforeach()
   # GCC takes a source that is included for a header, whose classes should not hold local types.
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")

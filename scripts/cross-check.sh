@@ -4,9 +4,10 @@
 #   scripts/cross-check.sh aarch64|s390x [TEST ...]
 #   scripts/cross-check.sh libcxx [TEST ...]    here, with clang and libc++ (CXX, CXXFLAGS)
 # TEST: names of test programs; if none, all of tests/reference, tests/exactness and tests/agreement
-# but those of the program (cli_*, which are named where they are wanted) and the longest. Needs a Debian with its mirror, g++-PROCESSOR-linux-gnu and qemu-user-static
-# (scripts/install-deps.sh cross); no root. Everything lies in build/cross. Exit status 77: not
-# possible here. JOBS: how many are compiled and run at once.
+# but those of the program (cli_*, which are named where they are wanted) and the longest. Needs a
+# Debian with its mirror, g++-PROCESSOR-linux-gnu and qemu-user-static (scripts/install-deps.sh
+# cross); no root. Everything lies in build/cross. Exit status 77: not possible here. JOBS: how many
+# are compiled and run at once.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cross=$PWD/build/cross
@@ -24,7 +25,7 @@ case "$processor" in
   s390x) debian=s390x ;;
   libcxx) debian= ;;
   *)
-    sed -n '2,11s/^# \{0,1\}//p' "$0" >&2
+    sed -n '2,12s/^# \{0,1\}//p' "$0" >&2
     exit 2
     ;;
 esac
@@ -41,7 +42,7 @@ fi
 
 # Tests of the tree itself, of what is not compiled there, and those that take more than ten seconds
 # without an emulator.
-left_out="layers_test mentions_test headers_test cgal_oracle_test cuda_gauge_test cuda_reason_test
+left_out="layers_test mentions_test headers_test cgal_oracle_test cuda_reason_test
 bench_command_test external_oracles_test random_runs_test query_test degenerate_sets_test
 many_dimensions_test outermost_first_test general_position_test small_planar_sets_test
 few_points_test magnitudes_test engine_3d_test flat_sets_test"
@@ -83,6 +84,7 @@ make_root() {
 
 build() { # build NAME CMAKE-OPTIONS...: the tests
   local tree=$cross/$1/build
+  mkdir -p "$cross"
   cmake -S . -B "$tree" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS_RELEASE=-O1 \
     -DCULLHULL_FAST_BUILD=ON -DCULLHULL_BUILD_EXAMPLES=OFF -DCULLHULL_BUILD_BENCH=OFF \
     -DCULLHULL_RECORD_HULLS=ON "${@:2}" >"$cross/$1.configured"

@@ -4,11 +4,13 @@
 #   scripts/gpu-check.sh stage [BUNDLE.tar.gz]
 #       here: builds GPU tests, their host twins, cullhull, gpu_passes and gpu_bench, and packs them
 #       with the shared libraries they use, the C library and its loader among them: where the
-#       machine's own is older, the programs are started by that. Default: build/gpu-check.tar.gz
+#       machine's own is older, the programs are started by that. Default: build/gpu-check.tar.gz.
+#       The Python package is in it if there is the Python that the other machine has:
+#       GPU_CHECK_PYTHON, python3.12 if not set.
 #   scripts/gpu-check.sh run [--call 1|2] [--only PART,...] [--seconds T] [--results FOLDER]
 #                            [BUNDLE.tar.gz]
 #       there: unpacks and runs, within T seconds (460), the parts cpu (host twins and a hull, no
-#       device needed), tests, passes (every kind of points, kernels by events), bench (beside
+#       device needed), tests, python (arrays of CuPy and PyTorch), passes (every kind of points, kernels by events), bench (beside
 #       Qhull), sanitizer (compute-sanitizer's four tools on small sizes). Call 1 is all but the
 #       last, call 2 the last. Writes gpu-check-DATE.txt (device, driver, command, what passed),
 #       gpu-check-DATE.log (all output), gpu-passes-DATE.jsonl and gpu-bench-DATE.json to FOLDER,
@@ -28,9 +30,24 @@ fail() { # STATUS MESSAGE
 
 # ---- stage ------------------------------------------------------------------------------------
 
+# Prints a virtual environment's Python that the package can be built with; nothing if there is none.
+stage_python() {
+  local python venv=build/gpu-stage-python
+  python=$(command -v "${GPU_CHECK_PYTHON:-python3.12}") || return 0
+  [[ -x $venv/bin/pip ]] || "$python" -m venv "$venv" >&2
+  "$venv/bin/pip" install --quiet --disable-pip-version-check nanobind numpy >&2
+  realpath -s "$venv/bin/python"
+}
+
 stage() {
-  local bundle=${1:-build/gpu-check.tar.gz}
+  local bundle=${1:-build/gpu-check.tar.gz} python module=()
   cd "$here/.."
+  python=$(stage_python)
+  if [[ -z $python ]]; then
+    echo "$me: no ${GPU_CHECK_PYTHON:-python3.12}: the bundle is without the Python package" >&2
+  else
+    module=(cullhull_python)
+  fi
   local build=build/gpu-stage folder=build/gpu-stage/bundle
   # RPATH, not RUNPATH: the libraries' own dependencies must be found in the bundle, too.
   cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCULLHULL_WITH_CUDA=ON \
@@ -38,23 +55,22 @@ stage() {
     -DCULLHULL_BUILD_TESTS=ON -DCULLHULL_BUILD_BENCH=ON -DCULLHULL_BUILD_EXAMPLES=OFF \
     -DCULLHULL_WITH_HDF5=OFF -DCULLHULL_WITH_MPI=OFF \
     -DCMAKE_BUILD_RPATH='$ORIGIN/../lib' \
-    -DCMAKE_EXE_LINKER_FLAGS="-Wl,--disable-new-dtags -static-libstdc++ -static-libgcc"
-  local gpu=() twins=(primitives_test pseudo_hull_test pseudo_hull_device_test) test
-  for test in tests/gpu/*_test.cu tests/gpu/*_test.cpp; do
-    [[ -e $test ]] && test=${test##*/} && gpu+=("${test%.*}")
-  done
-  cmake --build "$build" -j "${JOBS:-$(nproc)}" --target cullhull_app gpu_bench gpu_passes "${gpu[@]}" \
-    "${twins[@]}"
+    -DCMAKE_{EXE,MODULE}_LINKER_FLAGS="-Wl,--disable-new-dtags -static-libstdc++ -static-libgcc" \
+    -U 'Python_*' -U '_Python_*' ${python:+-DPython_EXECUTABLE="$python"} \
+    -DCULLHULL_BUILD_PYTHON=$([[ -n $python ]] && echo ON || echo OFF)
+  local twins=(primitives_test pseudo_hull_test pseudo_hull_device_test)
+  cmake --build "$build" -j "${JOBS:-$(nproc)}" --target cullhull_app gpu_bench gpu_passes gpu_tests \
+    "${twins[@]}" "${module[@]}"
 
   rm -rf "$folder"
-  mkdir -p "$folder/bin/gpu" "$folder/bin/cpu" "$folder/lib" "$folder/system"
-  cp "$build"/bin/{cullhull,gpu_bench,gpu_passes} "$folder/bin/"
-  (cd "$build/bin" && cp "${gpu[@]}" "../bundle/bin/gpu/" && cp "${twins[@]}" "../bundle/bin/cpu/")
-  # From bin/gpu the libraries are one folder farther up.
+  mkdir -p "$folder/bin/cpu" "$folder/lib" "$folder/system"
+  cp "$build"/bin/{cullhull,gpu_bench,gpu_passes,gpu_tests} "$folder/bin/"
+  (cd "$build/bin" && cp "${twins[@]}" "../bundle/bin/cpu/")
+  # From bin/cpu the libraries are one folder farther up.
   ln -s ../lib "$folder/bin/lib"
   # The C library is the machine's own where that is not older: then ours stays in its folder.
   local library
-  ldd "$folder"/bin/{cullhull,gpu_bench,gpu_passes} "$folder"/bin/*/*_test | awk '$2 == "=>" && $3 ~ /^\// {print $3}' |
+  ldd "$folder"/bin/{cullhull,gpu_*} "$folder"/bin/cpu/*_test | awk '$2 == "=>" && $3 ~ /^\// {print $3}' |
     sort -u | while read -r library; do
     case "${library##*/}" in
       libc.so.* | libm.so.* | libdl.so.* | librt.so.* | libpthread.so.*)
@@ -63,6 +79,20 @@ stage() {
       *) cp -L "$library" "$folder/lib/" ;;
     esac
   done
+  if [[ -n $python ]]; then
+    mkdir -p "$folder/python/tests"
+    cp -r bindings/python/cullhull "$folder/python/"
+    cp "$build"/bindings/python/_core.*.so "$folder/python/cullhull/"
+    cp bindings/python/tests/test_arrays.py "$folder/python/tests/"
+    mkdir "$folder/python/lib"
+    # The C++ library is what PyTorch and CuPy run with, which may need a newer one than ours.
+    for library in "$folder"/lib/*; do
+      [[ $library == *libstdc++* || $library == *libgcc_s* ]] ||
+        ln -s "../../lib/${library##*/}" "$folder/python/lib/"
+    done
+    rm -rf "$folder/python/cullhull/__pycache__"
+    strip "$folder"/python/cullhull/_core.*.so
+  fi
   local system
   system=$(dirname "$(ldd "$folder/bin/cullhull" | awk '$1 ~ /^libc\.so/ {print $3}')")
   for library in libdl.so.2 librt.so.1 libpthread.so.0; do # the driver's, which may name them
@@ -70,7 +100,7 @@ stage() {
   done
   cp -L "$(ldd "$folder/bin/cullhull" | awk '$1 ~ /ld-linux/ {print $1}')" "$folder/system/loader"
   cp scripts/gpu-check.sh "$folder/"
-  strip "$folder"/bin/{cullhull,gpu_bench,gpu_passes} "$folder"/bin/*/*_test
+  strip "$folder"/bin/{cullhull,gpu_*} "$folder"/bin/cpu/*_test
   {
     echo "commit $(git rev-parse HEAD 2>/dev/null || echo unknown)$(git diff --quiet HEAD 2>/dev/null || echo ', changed')"
     echo "built $(date -u +%Y-%m-%dT%H:%M:%SZ) with $(nvcc --version 2>/dev/null | tail -1 || echo nvcc)"
@@ -79,7 +109,7 @@ stage() {
   # that has (glibc 2.28 and older), and the driver's libraries, which ask for less, beside it.
   local program strange own
   own=$(realpath "$folder")
-  for program in "$own"/bin/{cullhull,gpu_bench,gpu_passes} "$own"/bin/*/*_test; do
+  for program in "$own"/bin/{cullhull,gpu_*} "$own"/bin/cpu/*_test; do
     strange=$("$own/system/loader" --library-path "$own/lib:$own/system" --list "$program" |
       awk -v own="$own/" '/=>/ && index($3, own) != 1 {print $1}')
     [[ -z $strange ]] || fail 1 "$program would take from the machine: $strange"
@@ -169,26 +199,51 @@ need_device() {
   sed -n 's/^ *"name": "\(.*\)",$/device \1/p' <<<"$report" >>"$summary"
 }
 
+# Sets `suites`, the names of the suites of gpu_tests.
+list_suites() {
+  suites=$("${launcher[@]}" "$root/bin/gpu_tests" --gtest_list_tests | sed -n 's/^\([A-Za-z]*\)\.$/\1/p')
+  [[ -n $suites ]] || fail 1 "gpu_tests does not name its tests here"
+}
+
 run_tests() {
-  local test
-  for test in "$root"/bin/gpu/*_test; do
-    step_of_all "gpu ${test##*/}" "${launcher[@]}" "$test" --gtest_brief=0
+  local suites suite
+  list_suites
+  for suite in $suites; do
+    step_of_all "gpu $suite" "${launcher[@]}" "$root/bin/gpu_tests" --gtest_filter="$suite.*" --gtest_brief=0
   done
   step "gpu hull" "${launcher[@]}" "$root/bin/cullhull" hull "$scratch/p.npy" --backend cuda --certify
 }
 
+# By the machine's own Python, and so its C library. A test that skips has not passed.
+run_python() {
+  local before=$failures tests=$root/python/tests/test_arrays.py from
+  if [[ ! -d $root/python ]]; then
+    echo "LEFT OUT: the bundle was made without it  python" | tee -a "$summary"
+    return
+  fi
+  from=$(wc -l <"$log")
+  step "python" env PYTHONPATH="$root/python" PYTHONDONTWRITEBYTECODE=1 python3 -m pytest -q -rs -p no:cacheprovider \
+    "$tests"::test_{batches_and_questions_on_a_device,device_arrays_of_side_streams,device_arrays}
+  if ((failures == before)) && tail -n "+$((from + 1))" "$log" | grep '^SKIPPED' >>"$summary"; then
+    echo "FAILED: skipped  python" | tee -a "$summary"
+    failures=$((failures + 1))
+  fi
+}
+
 run_sanitizer() {
-  local sanitizer tool test
+  local sanitizer tool suites suite
   sanitizer=$(command -v compute-sanitizer || ls /usr/local/cuda*/bin/compute-sanitizer 2>/dev/null | tail -1) || true
   if [[ -z $sanitizer ]]; then
     echo "FAILED  compute-sanitizer is not here" | tee -a "$summary"
     failures=$((failures + 1))
     return
   fi
+  list_suites
   for tool in memcheck racecheck initcheck synccheck; do
-    for test in "$root"/bin/gpu/*_test; do
-      step "$tool ${test##*/}" env CULLHULL_GPU_TESTS=short timeout "$sanitizer_seconds" \
-        "$sanitizer" --tool "$tool" --error-exitcode 9 "${launcher[@]}" "$test" --gtest_filter=-*Large* --gtest_brief=1
+    for suite in $suites; do
+      [[ $suite != *Large ]] || continue
+      step "$tool $suite" env CULLHULL_GPU_TESTS=short timeout "$sanitizer_seconds" "$sanitizer" --tool "$tool" \
+        --error-exitcode 9 "${launcher[@]}" "$root/bin/gpu_tests" --gtest_filter="$suite.*" --gtest_brief=1
     done
   done
 }
@@ -210,14 +265,14 @@ run_bench() {
 wants() { [[ ,$only, == *",$1,"* ]]; }
 
 run() {
-  local only=cpu,tests,passes,bench,sanitizer bundle="" words="$0 run $*" seconds=460
+  local only=cpu,tests,python,passes,bench,sanitizer bundle="" words="$0 run $*" seconds=460
   results=""
   while (($#)); do
     case "$1" in
       --only) only=${2:?} && shift ;;
       --call)
         case "${2:?}" in
-          1) only=cpu,tests,passes,bench ;;
+          1) only=cpu,tests,python,passes,bench ;;
           2) only=sanitizer ;;
           *) fail 2 "there are calls 1 and 2" ;;
         esac
@@ -232,12 +287,12 @@ run() {
   done
   local part
   for part in ${only//,/ }; do
-    [[ " cpu tests passes bench sanitizer " == *" $part "* ]] || fail 2 "unknown part $part"
+    [[ " cpu tests python passes bench sanitizer " == *" $part "* ]] || fail 2 "unknown part $part"
   done
   deadline=$((SECONDS + seconds))
   scratch=$(mktemp -d)
   trap 'rm -rf "$scratch"' EXIT
-  if [[ -z $bundle && -d $here/bin/gpu ]]; then # unpacked already
+  if [[ -z $bundle && -d $here/bin/cpu ]]; then # unpacked already
     root=$here
     : "${results:=$here/results}"
   else
@@ -257,11 +312,12 @@ run() {
   } | tee "$summary"
   find_launcher
   if wants cpu; then run_cpu; fi
-  if wants tests || wants passes || wants bench || wants sanitizer; then
+  if wants tests || wants python || wants passes || wants bench || wants sanitizer; then
     need_device
     [[ -f $scratch/p.npy ]] ||
       "${launcher[@]}" "$root/bin/cullhull" generate ball -n 100000 -d 3 --type f32 -o "$scratch/p.npy"
     if wants tests; then run_tests; fi
+    if wants python; then run_python; fi
     if wants passes; then run_passes; fi
     if wants bench; then run_bench; fi
     if wants sanitizer; then run_sanitizer; fi

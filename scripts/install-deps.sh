@@ -14,7 +14,7 @@ test=("${mpi[@]}" libhdf5-dev libgtest-dev qhull-bin libcgal-dev libboost-dev li
 if grep -qx 'ID=debian' /etc/os-release 2>/dev/null; then
   test+=(chromium chromium-driver python3-selenium python3-pil)
 fi
-bench=(libbenchmark-dev libcgal-dev libboost-dev)
+bench=(libbenchmark-dev libcgal-dev libboost-dev libtbb-dev)
 docs=(doxygen python3 python3-venv python3-pip)
 fuzz=(clang)
 format=(clang-format)

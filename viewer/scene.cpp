@@ -8,6 +8,7 @@
 #include "cullhull/error.hpp"
 #include "parallel/byte_order.hpp"
 #include "viewer/assets.hpp"
+#include "viewer/drawn_cells.hpp"
 #include "viewer/hull_shape.hpp"
 #include "viewer/page.hpp"
 
@@ -85,11 +86,12 @@ std::string Scene::indices(const char* name, const std::vector<std::uint32_t>& i
   return array(name, "u16", std::vector<std::uint16_t>(items.begin(), items.end()));
 }
 
-Scene::Rows Scene::choose_rows(const SceneFrame& frame, std::uint64_t row_bytes) const {
+Scene::Rows Scene::choose_rows(const SceneFrame& frame, std::uint64_t row_bytes,
+                               std::uint64_t frame_bytes) const {
   const Hull& hull = *frame.hull;
   const int k = hull.affine_dimension;
   Rows rows;
-  rows.shape = hull_shape(hull, frame.vertex_rows, shape_limits(k, frame_bytes_, row_bytes));
+  rows.shape = hull_shape(hull, frame.vertex_rows, shape_limits(k, frame_bytes, row_bytes));
   std::uint64_t used =
       rows.shape.vertices.size() * row_bytes +
       4 * (rows.shape.edges.size() + rows.shape.triangles.size() + rows.shape.facets.size());
@@ -97,7 +99,7 @@ Scene::Rows Scene::choose_rows(const SceneFrame& frame, std::uint64_t row_bytes)
     rows.shadows = shadows(frame.vertex_rows, dimension_, rows.shape.vertices, axes_);
     std::uint64_t bytes = 0;
     for (const Shadow& s : rows.shadows) bytes += 4 * (s.edges.size() + s.triangles.size());
-    if (bytes > frame_bytes_ / 4)
+    if (bytes > frame_bytes / 4)
       rows.shadows.clear();  // draws edges instead
     else
       used += bytes;
@@ -105,7 +107,7 @@ Scene::Rows Scene::choose_rows(const SceneFrame& frame, std::uint64_t row_bytes)
   if (frame.points.count == 0) return rows;
 
   const std::uint64_t n = frame.points.count;
-  const std::uint64_t room = (frame_bytes_ - std::min(used, frame_bytes_)) / row_bytes;
+  const std::uint64_t room = (frame_bytes - std::min(used, frame_bytes)) / row_bytes;
   std::vector<std::uint64_t> vertices(hull.vertices.begin(), hull.vertices.end());
   std::sort(vertices.begin(), vertices.end());
   const Survivors& survivors = *frame.survivors;
@@ -151,6 +153,17 @@ void Scene::write_rows(const SceneFrame& frame, const Rows& rows, std::string& j
   else
     json += array("coordinates", "f64", coordinates);
   if (frame.colours.count > 0) write_colours(frame.colours, ids, json);
+  if (frame.triangulate != nullptr) write_cells(frame, ids, coordinates, json);
+}
+
+/// Of all rows, or a fair sample of them.
+void Scene::write_cells(const SceneFrame& frame, const std::vector<double>& ids,
+                        const std::vector<double>& coordinates, std::string& json) {
+  const DrawnCells cells =
+      drawn_cells(ids, coordinates, axes_, cell_bytes() / 4, *frame.triangulate);
+  json += member("cell_corners", cells.corners);
+  json += member("cell_points", cells.points);
+  json += indices("cells", cells.rows, ids.size());
 }
 
 void Scene::write_colours(const PointView& colours, const std::vector<double>& ids,
@@ -186,7 +199,12 @@ void Scene::add(const SceneFrame& frame) {
   const std::uint64_t row_bytes = axes_ * (narrow_scalar(hull.scalar) ? 4U : 8U) +
                                   (wide_ids(hull.point_count) ? 8U : 4U) +
                                   (frame.colours.count > 0 ? 3U : 0U);
-  const Rows rows = choose_rows(frame, row_bytes);
+  if (frame.triangulate != nullptr && (dimension_ < 2 || dimension_ > 3))
+    throw Error(
+        ErrorCode::invalid_argument,
+        "cells are drawn of points of dimension 2 and 3, not " + std::to_string(dimension_));
+  const Rows rows = choose_rows(frame, row_bytes,
+                                frame_bytes_ - (frame.triangulate != nullptr ? cell_bytes() : 0));
   std::string& json = frames_json_;
   json += json.empty() ? "{" : ",\n{";
   json += member("index", frame.index);
@@ -218,9 +236,9 @@ std::string Scene::page() const {
   page.body = assets::view_html;
   page.styles = {assets::view_css};
   page.notice = assets::three_licence_txt;
-  page.scripts = {assets::three_js, assets::data_js,   assets::colours_js, assets::shadow_js,
-                  assets::axes_js,  assets::camera_js, assets::stage_js,   assets::panel_js,
-                  assets::tools_js, assets::view_js};
+  page.scripts = {assets::three_js,  assets::data_js,  assets::cells_js,  assets::colours_js,
+                  assets::shadow_js, assets::axes_js,  assets::camera_js, assets::stage_js,
+                  assets::panel_js,  assets::tools_js, assets::view_js};
   std::string scene =
       fmt::format("{{\"frame_count\":{},\"dimension\":{},\"axes\":{},\"frames\":[{}]}}", frames_,
                   dimension_, axes_, frames_json_);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cullhull/hull.hpp"
+#include "cullhull/triangulation.hpp"
 
 namespace cullhull::viewer {
 
@@ -25,6 +26,8 @@ struct SceneFrame {
   PointView colours;
   /// Used only if there are points.
   const Survivors* survivors = nullptr;
+  /// How to triangulate what is drawn; null: no cells. Of points of dimension 2 and 3.
+  const TriangulationOptions* triangulate = nullptr;
   /// A JSON object: the figures to show (hull_to_json without lists).
   std::string report;
 };
@@ -52,10 +55,15 @@ class Scene {
   std::string array(const char* name, const char* type, const std::vector<T>& items);
   std::string indices(const char* name, const std::vector<std::uint32_t>& items,
                       std::uint64_t rows);
-  Rows choose_rows(const SceneFrame& frame, std::uint64_t row_bytes) const;
+  Rows choose_rows(const SceneFrame& frame, std::uint64_t row_bytes, std::uint64_t bytes) const;
   void write_rows(const SceneFrame& frame, const Rows& rows, std::string& json);
+  void write_cells(const SceneFrame& frame, const std::vector<double>& ids,
+                   const std::vector<double>& coordinates, std::string& json);
   void write_colours(const PointView& colours, const std::vector<double>& ids, std::string& json);
   void write_shadows(const Rows& rows, std::string& json);
+
+  /// Of a frame's bytes: those for its cells.
+  std::uint64_t cell_bytes() const { return frame_bytes_ / 2; }
 
   std::string title_;
   std::uint64_t frames_;

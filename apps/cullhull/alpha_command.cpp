@@ -1,11 +1,13 @@
-// cullhull alpha: the alpha shape of a file of points.
+// cullhull alpha: the alpha shape, or the concave hull by edges, of a file of points.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "arguments.hpp"
 #include "commands.hpp"
@@ -33,6 +35,14 @@ constexpr const char* footer =
     "  all-points            the least with a cell at every point\n"
     "  NUMBER                compared exactly; inf for the convex hull\n"
     "\n"
+    "Instead, of points in the plane, the concave hull by the length of edges: one ring without\n"
+    "holes around all points, dug out of the convex hull, the longest edges first, while they are\n"
+    "longer than\n"
+    "  --edge-length NUMBER  this, compared exactly\n"
+    "  --ratio NUMBER        this share of the way from the shortest edge of the triangulation, 0, "
+    "to\n"
+    "                        the longest, 1, which gives the convex hull\n"
+    "\n"
     "Output (-o, by extension; may be given more than once):\n"
     "  .geojson .wkt         2D: polygons with holes, one for each piece\n"
     "  .ply .obj .off .stl .glb .vtp   3D: the boundary; 2D: the triangles\n"
@@ -41,6 +51,7 @@ constexpr const char* footer =
     "\n"
     "Examples:\n"
     "  cullhull alpha lidar.las --columns x,y -o outline.geojson   a concave hull\n"
+    "  cullhull alpha sites.csv --ratio 0.1 -o outline.wkt         one ring around all points\n"
     "  cullhull alpha scan.ply --alpha 0.05 -o surface.stl         a surface around points\n"
     "\n"
     "All points must fit in memory. Exit status: 0 success; 1 bad input; 2 bad usage; 4 out of "
@@ -54,20 +65,33 @@ struct AlphaArguments {
   InputArguments input;
   RunArguments run;
   std::vector<std::string> outputs;
-  std::string alpha = "one-region", json;
-  std::vector<std::string> files;  ///< that the words of the input stand for
+  std::string alpha, json;  ///< alpha: a number or a word; empty: the default, or by edges
+  double edge_length = -1, ratio = -1;  ///< negative: not given
+  std::vector<std::string> files;       ///< that the words of the input stand for
+
+  bool by_edges() const { return edge_length >= 0 || ratio >= 0; }
 };
+
+/// Refuses what contradicts itself, before the work.
+void check_choice(const AlphaArguments& a) {
+  const int given =
+      (a.alpha.empty() ? 0 : 1) + (a.edge_length >= 0 ? 1 : 0) + (a.ratio >= 0 ? 1 : 0);
+  if (given > 1)
+    throw Error(ErrorCode::invalid_argument,
+                "--alpha, --edge-length and --ratio are three ways to say one thing");
+}
 
 struct Outcome {
   Triangulation triangulation;
   AlphaShape shape;
   double alpha = 0, read_seconds = 0, compute_seconds = 0;
+  std::optional<double> edge_length;  ///< by it, not by alpha
   std::uint64_t region_count = 0;
 };
 
 /// The number of --alpha; negative for one of the words.
 double given_alpha(const std::string& text) {
-  if (text == "one-region" || text == "all-points") return -1;
+  if (text.empty() || text == "one-region" || text == "all-points") return -1;
   if (text == "inf") return INFINITY;
   double value = -1;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -115,12 +139,15 @@ void find_shape(const AlphaArguments& a, const PointView& points, Outcome& out) 
         return naming_file(a.input.path, [&] { return cullhull::delaunay(points, o); });
       }).result;
   const Triangulation& t = out.triangulation;
-  out.alpha = given_alpha(a.alpha);
+  out.alpha = a.by_edges() ? INFINITY : given_alpha(a.alpha);
+  if (a.edge_length >= 0) out.edge_length = a.edge_length;
   out.shape =
       repeat(a.run, 1, [&](const cullhull::Options& options) {
+        if (a.ratio >= 0) out.edge_length = cullhull::concave_length(points, t, a.ratio, options);
+        if (out.edge_length) return cullhull::concave_hull(points, t, *out.edge_length, options);
         if (out.alpha < 0)
           out.alpha = cullhull::critical_alpha(
-              points, t, a.alpha == "one-region" ? AlphaGoal::one_region : AlphaGoal::all_points,
+              points, t, a.alpha == "all-points" ? AlphaGoal::all_points : AlphaGoal::one_region,
               options);
         return cullhull::alpha_shape(points, t, out.alpha, options);
       }).result;
@@ -135,6 +162,9 @@ std::string report(const PointView& points, const Outcome& out) {
   json["affine_dimension"] = t.affine_dimension;
   json["alpha"] =
       std::isfinite(out.alpha) ? nlohmann::ordered_json(out.alpha) : nlohmann::ordered_json();
+  if (out.edge_length)
+    json["edge_length"] = std::isfinite(*out.edge_length) ? nlohmann::ordered_json(*out.edge_length)
+                                                          : nlohmann::ordered_json();
   json["cell_count"] = out.shape.cells.size();
   json["facet_count"] = out.shape.facet_cells.size();
   json["region_count"] = out.region_count;
@@ -150,7 +180,9 @@ std::string summary(const AlphaArguments& a, const Input& input, const Outcome& 
   if (t.affine_dimension >= 0 && t.affine_dimension != static_cast<int>(t.dimension))
     text += fmt::format("flat       the points span dimension {} only, and so does the shape\n",
                         t.affine_dimension);
-  text += fmt::format("alpha      {}\n", out.alpha);
+  text += out.edge_length
+              ? fmt::format("edges      dug in where longer than {}\n", *out.edge_length)
+              : fmt::format("alpha      {}\n", out.alpha);
   text += fmt::format("cells      {} of {}, {} facets around {} region{}\n",
                       grouped(out.shape.cells.size()), grouped(t.size()),
                       grouped(out.shape.facet_cells.size()), grouped(out.region_count),
@@ -161,6 +193,7 @@ std::string summary(const AlphaArguments& a, const Input& input, const Outcome& 
 }
 
 int run(AlphaArguments a) {
+  check_choice(a);
   (void)given_alpha(a.alpha);  // refused before the work
   a.files = a.input.find_files();
   FilePlan plan;
@@ -191,6 +224,15 @@ Command add_alpha(Parser& parent) {
       ->type_name("FILE");
   needs_value(*command.add_option("--alpha", a->alpha, "Which cells stay, see below"))
       .type_name("NUMBER|WORD");
+  allow_real_range(*command
+                        .add_option("--edge-length", a->edge_length,
+                                    "By the length of edges instead, see below: dig where longer")
+                        ->type_name("NUMBER"),
+                   0, std::numeric_limits<double>::max());
+  allow_real_range(
+      *command.add_option("--ratio", a->ratio, "The same by a share of the lengths, from 0 to 1")
+           ->type_name("NUMBER"),
+      0, 1);
   add_json_option(command, a->json, "Counts and times");
   needs_value(
       *command.add_option("--memory", a->run.memory,

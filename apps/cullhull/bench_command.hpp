@@ -9,6 +9,7 @@ Command add_bench_machine(Parser& bench);
 Command add_bench_paper(Parser& bench);
 Command add_bench_rivals(Parser& bench);
 Command add_bench_calls(Parser& bench);
+Command add_bench_lifting(Parser& bench);
 Command add_bench_stream(Parser& bench);
 
 }  // namespace app

@@ -1,4 +1,4 @@
-// cullhull bench paper, rivals, calls and stream: suites that give a report.
+// cullhull bench paper, rivals, calls, lifting and stream: suites that give a report.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,6 +16,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "families.hpp"
+#include "lifting.hpp"
 #include "outputs.hpp"
 #include "paper.hpp"
 #include "rivals.hpp"
@@ -31,8 +32,8 @@ namespace {
 using cullhull::bench::Report;
 
 constexpr const char* exit_status_text =
-    "Exit status: 0 success; 1 the system refused; 2 bad usage; 3 extreme points differ and ours\n"
-    "are not proved; 4 out of memory; 130 cancelled.";
+    "Exit status: 0 success; 1 the system refused; 2 bad usage; 3 results differ and ours are\n"
+    "not proved; 4 out of memory; 130 cancelled.";
 
 /// Where to write a report.
 struct ReportArguments {
@@ -127,13 +128,48 @@ struct SetArguments {
   }
 
   using Workload = cullhull::bench::Workload;
-  std::vector<Workload> chosen(const std::vector<Workload>& usual) const;
+  std::vector<Workload> chosen(const std::vector<Workload>& usual,
+                               const char* usual_shape = "ball") const;
 };
+
+void add_without(Parser& command, std::vector<std::string>& without) {
+  allow_words(*command.add_option("--without", without, "Leave this rival out"), {"qhull", "cgal"});
+}
+
+void add_programs(Parser& command, std::vector<std::string>& programs) {
+  command.add_option("--rival", programs, "Another program that is timed; may be given again")
+      ->type_name("NAME=PROGRAM");
+}
+
+std::vector<cullhull::bench::RivalProgram> programs_in(const std::vector<std::string>& given) {
+  std::vector<cullhull::bench::RivalProgram> programs;
+  for (const std::string& rival : given) {
+    const std::size_t equals = rival.find('=');
+    if (equals == 0 || equals == std::string::npos || equals + 1 == rival.size())
+      throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                            "--rival needs NAME=PROGRAM, not '" + rival + "'");
+    programs.push_back({rival.substr(0, equals), rival.substr(equals + 1)});
+  }
+  return programs;
+}
 
 struct RivalArguments : RunsArguments {
   std::string threads;
   SetArguments sets;
   std::vector<std::string> without;
+
+  void add_to(Parser& command) {
+    RunsArguments::add_to(command);
+    command.add_option("--threads", threads, "For ours, e.g. 1,2,4,all; one and all if not given")
+        ->type_name("LIST");
+    sets.add_to(command);
+    add_without(command, without);
+  }
+};
+
+struct LiftingArguments : RivalArguments {
+  std::string scan;
+  std::vector<std::string> programs;
 };
 
 struct CallArguments : ReportArguments {
@@ -171,15 +207,15 @@ std::vector<unsigned> counts_in(const std::string& text, const char* option, uns
 
 /// The workloads named, else the product of the options given, else the default ones; each for
 /// every scalar type given.
-std::vector<cullhull::bench::Workload> SetArguments::chosen(
-    const std::vector<Workload>& usual) const {
+std::vector<cullhull::bench::Workload> SetArguments::chosen(const std::vector<Workload>& usual,
+                                                            const char* usual_shape) const {
   std::vector<Workload> sets;
   for (const std::string& name : workloads) sets.push_back(cullhull::bench::workload_named(name));
   if (!shapes.empty() || !dimensions.empty() || !points.empty()) {
     const auto or_else = [](const auto& given, auto otherwise) {
       return given.empty() ? std::decay_t<decltype(given)>{otherwise} : given;
     };
-    for (const std::string& shape : or_else(shapes, std::string("ball")))
+    for (const std::string& shape : or_else(shapes, std::string(usual_shape)))
       for (const unsigned d : or_else(dimensions, 3U))
         for (const std::string& n : or_else(points, std::string("1M")))
           sets.push_back({shape, d, parse_size(n, "--points"), cullhull::ScalarType::f64});
@@ -240,6 +276,28 @@ std::string rivals_help() {
          exit_status_text;
 }
 
+std::string lifting_help() {
+  std::string text = "Points are the shapes of 'cullhull generate', and\n";
+  for (const cullhull::Shape& family : cullhull::bench::spread_families())
+    text += fmt::format("  {:<11}{}\n", family.name, family.description);
+  text += "  scan       the first coordinates of the points of --scan FILE\n";
+  text += usual_workloads(cullhull::bench::lifting_workloads(false));
+  return text +
+         "\nand with --scan scan-2d-100k scan-2d-1M. Qhull is called as SciPy calls it; CGAL is "
+         "timed\n"
+         "by cullhull-rival-cgal, if that program lies beside this one, in 2D and 3D. A rival's\n"
+         "PROGRAM is run with a .npy of doubles and the word delaunay, and writes its seconds and "
+         "the\n"
+         "number of simplices as doubles in binary.\n"
+         "\n"
+         "Examples:\n"
+         "  cullhull bench lifting --scale 0.1                     a minute\n"
+         "  cullhull bench lifting --scan tile.laz.npy --workload scan-2d-1M\n"
+         "  cullhull bench lifting --shape uniform --dimension 4 --points 10k --without cgal\n"
+         "\n" +
+         std::string(exit_status_text);
+}
+
 std::string calls_help() {
   return "Calls follow one another over different sets of the points of 'cullhull generate'; a\n"
          "name is that of a set, such as ball-3d-100 or sphere-2d-1k-f32.\n" +
@@ -288,11 +346,6 @@ Command add_bench_rivals(Parser& bench) {
   Parser& command =
       *bench.add_subcommand("rivals", "Ours beside Qhull and, where it was built, CGAL");
   a->add_to(command);
-  command.add_option("--threads", a->threads, "For ours, e.g. 1,2,4,all; one and all if not given")
-      ->type_name("LIST");
-  a->sets.add_to(command);
-  allow_words(*command.add_option("--without", a->without, "Leave this rival out"),
-              {"qhull", "cgal"});
   command.footer(rivals_help());
   return [a] {
     return run(*a, [&](const cullhull::Progress& progress) {
@@ -305,6 +358,34 @@ Command add_bench_rivals(Parser& bench) {
       s.with_qhull = !left_out(a->without, "qhull");
       s.with_cgal = !left_out(a->without, "cgal");
       return cullhull::bench::run_rivals(s, progress, stop_token());
+    });
+  };
+}
+
+Command add_bench_lifting(Parser& bench) {
+  auto a = std::make_shared<LiftingArguments>();
+  a->repeat = 3;
+  a->limit = 60;
+  Parser& command = *bench.add_subcommand(
+      "lifting", "Delaunay triangulations beside Qhull and, where it was built, CGAL");
+  a->add_to(command);
+  needs_value(*command.add_option("--scan", a->scan, "Points of a file, named scan above"))
+      .type_name("FILE");
+  add_programs(command, a->programs);
+  command.footer(lifting_help());
+  return [a] {
+    return run(*a, [&](const cullhull::Progress& progress) {
+      cullhull::bench::LiftingSettings s;
+      s.workloads = a->sets.chosen(cullhull::bench::lifting_workloads(!a->scan.empty()), "uniform");
+      s.scan = a->scan;
+      s.scale = a->scale;
+      s.repeat = a->repeat;
+      if (!a->threads.empty()) s.threads = counts_in(a->threads, "--threads", 1, true);
+      s.limit = a->limit;
+      s.with_qhull = !left_out(a->without, "qhull");
+      s.with_cgal = !left_out(a->without, "cgal");
+      s.rivals = programs_in(a->programs);
+      return cullhull::bench::run_lifting(s, progress, stop_token());
     });
   };
 }
@@ -328,10 +409,8 @@ Command add_bench_calls(Parser& bench) {
            ->type_name("S"),
       0, 1e6);
   command.add_option("--seed", a->seed, "Of the sets; 1 if not given");
-  command.add_option("--rival", a->rivals, "Another program that is timed; may be given again")
-      ->type_name("NAME=PROGRAM");
-  allow_words(*command.add_option("--without", a->without, "Leave this rival out"),
-              {"qhull", "cgal"});
+  add_programs(command, a->rivals);
+  add_without(command, a->without);
   command.footer(calls_help());
   return [a] {
     return run(*a, [&](const cullhull::Progress& progress) {
@@ -345,13 +424,7 @@ Command add_bench_calls(Parser& bench) {
       s.limit = a->limit;
       s.with_qhull = !left_out(a->without, "qhull");
       s.with_cgal = !left_out(a->without, "cgal");
-      for (const std::string& rival : a->rivals) {
-        const std::size_t equals = rival.find('=');
-        if (equals == 0 || equals == std::string::npos || equals + 1 == rival.size())
-          throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
-                                "--rival needs NAME=PROGRAM, not '" + rival + "'");
-        s.rivals.push_back({rival.substr(0, equals), rival.substr(equals + 1)});
-      }
+      s.rivals = programs_in(a->rivals);
       return cullhull::bench::run_calls(s, progress, stop_token());
     });
   };

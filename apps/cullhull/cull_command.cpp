@@ -86,10 +86,10 @@ bool holds_points(const std::string& path) {
 }
 
 /// Compressed or not.
-bool has_las_name(std::string path) {
-  for (const char* packing : {".gz", ".zst"})
-    if (ending_of(path) == packing) path.resize(path.size() - std::string_view(packing).size());
-  return ending_of(path) == ".las";
+bool has_las_name(const std::string& path) {
+  const std::string ending = ending_of(path);
+  const bool packed = ending == ".gz" || ending == ".zst";
+  return (packed ? ending_of(path.substr(0, path.size() - ending.size())) : ending) == ".las";
 }
 
 /// Records are copied from one file: those of several may differ in scale and point format.

@@ -1,6 +1,7 @@
 #include "parser.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <sstream>
 
 namespace app {
@@ -41,6 +42,12 @@ void allow_range(Option& option, std::uint32_t least, std::uint32_t greatest) {
 
 void allow_real_range(Option& option, double least, double greatest) {
   option.option_->check(CLI::Range(least, greatest).description(""));
+  // Comparisons let it through.
+  option.option_->check([](const std::string& text) {
+    double value = 0;
+    return CLI::detail::lexical_cast(text, value) && std::isnan(value) ? text + " is no number"
+                                                                       : std::string();
+  });
 }
 
 // --------------------------------------------------------------------------------- Parser

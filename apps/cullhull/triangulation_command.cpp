@@ -201,26 +201,22 @@ struct Outcome {
 
 void triangulate_with_edges(const DualArguments& a, const PointView& points, Outcome& out) {
   const std::vector<std::uint32_t> edges = read_edges(a, points.count);
-  const auto forced = [&](bool inside) {
-    return repeat(a.run, 1,
-                  [&](const cullhull::Options& options) {
-                    cullhull::ConstrainedOptions o;
-                    o.inside_only = inside;
-                    o.threads = options.threads;
-                    o.memory_budget = options.memory_budget;
-                    o.progress = options.progress;
-                    o.stop = options.stop;
-                    o.poll = options.poll;
-                    return naming_file(a.input.path, [&] {
-                      return cullhull::constrained_delaunay(points, edges, o);
-                    });
-                  })
-        .result;
-  };
-  cullhull::ConstrainedTriangulation found = forced(a.inside);
-  // The certificate is of a whole one.
-  if (a.certify)
-    out.certificate = cullhull::certify(points, edges, a.inside ? forced(false) : found);
+  cullhull::ConstrainedTriangulation found =
+      repeat(a.run, 1, [&](const cullhull::Options& options) {
+        cullhull::ConstrainedOptions o;
+        o.inside_only = a.inside;
+        o.threads = options.threads;
+        o.memory_budget = options.memory_budget;
+        o.progress = options.progress;
+        o.stop = options.stop;
+        o.poll = options.poll;
+        return naming_file(a.input.path, [&] {
+          cullhull::ConstrainedTriangulation made =
+              cullhull::constrained_delaunay(points, edges, o);
+          if (a.certify) out.certificate = cullhull::certify(points, edges, made, o);
+          return made;
+        });
+      }).result;
   out.piece_count = found.piece_sources.size();
   out.triangulation = std::move(found.triangulation);
 }

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "arguments.hpp"
 #include "commands.hpp"
@@ -40,6 +41,7 @@ constexpr const char* help =
     "Examples:\n"
     "  cullhull view scan.ply -o scan.html\n"
     "  cullhull view cloud.npy --columns 0:3 -o cloud.html --json=figures.json\n"
+    "  cullhull view wells.csv --delaunay -o cells.html\n"
     "  cullhull hull big.npy -o hull.json && cullhull view hull.json -o hull.html\n"
     "  cullhull track twist.npy -o 'f-%03d.json' && cullhull view 'f-*.json' -o twist.html\n"
     "\n"
@@ -51,6 +53,19 @@ struct ViewArguments {
   RunArguments run;
   std::string output;
   std::string json;
+  bool cells = false;
+
+  /// Of the cells of `--delaunay`; nothing without it.
+  std::optional<cullhull::TriangulationOptions> triangulation(
+      const cullhull::Options& given) const {
+    if (!cells) return std::nullopt;
+    cullhull::TriangulationOptions options;
+    options.threads = given.threads;
+    options.memory_budget = given.memory_budget;
+    options.stop = given.stop;
+    options.poll = given.poll;
+    return options;
+  }
 };
 
 std::string title_of(const std::string& path) {
@@ -109,9 +124,11 @@ Computed compute(const cullhull::PointView& points, double read_seconds,
 }
 
 void add_frame(const cullhull::PointView& points, std::uint64_t index, const cullhull::Hull& hull,
-               const cullhull::Survivors& survivors, const std::string& report, Scene& scene,
+               const cullhull::Survivors& survivors, const std::string& report,
+               const std::optional<cullhull::TriangulationOptions>& triangulation, Scene& scene,
                const cullhull::PointView& colours = {}) {
   SceneFrame frame;
+  if (triangulation && points.count > 0) frame.triangulate = &*triangulation;
   frame.index = index;
   frame.hull = &hull;
   frame.vertex_rows = cullhull::viewer::vertex_rows(points, hull);
@@ -133,8 +150,8 @@ Written view_input(const ViewArguments& arguments, const Input& input,
   const double read = input.file.read_seconds() + warm_pages(input.points);
   const Computed computed =
       naming_file(arguments.input.path, [&] { return compute(input.points, read, options); });
-  add_frame(input.points, 0, computed.hull, computed.survivors, computed.report, scene,
-            input.file.colours());
+  add_frame(input.points, 0, computed.hull, computed.survivors, computed.report,
+            arguments.triangulation(options), scene, input.file.colours());
   return {scene.page(), computed.report};
 }
 
@@ -211,13 +228,15 @@ Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
       const Computed computed =
           naming_file(sequence.name(), [&] { return compute(input.points, read, options); });
       chosen.add(computed.report);
-      add_frame(input.points, 0, computed.hull, computed.survivors, computed.report, scene);
+      add_frame(input.points, 0, computed.hull, computed.survivors, computed.report,
+                arguments.triangulation(options), scene);
       continue;
     }
     naming_file(sequence.name(), [&] { tracker.update(input.points); });
     const std::string report = tracked_report(tracker, input.points, read);
     chosen.add(report);
-    add_frame(input.points, sequence.index(), tracker.hull(), tracker.survivors(), report, scene);
+    add_frame(input.points, sequence.index(), tracker.hull(), tracker.survivors(), report,
+              arguments.triangulation(options), scene);
   }
   return {scene.page(), chosen.reports()};
 }
@@ -254,6 +273,9 @@ int run(const ViewArguments& arguments) {
     TerminalProgress progress(arguments.run.quiet);
     options.progress = progress.callback();
     const std::vector<std::string> hulls = hull_files(arguments.input);
+    if (arguments.cells && !hulls.empty())
+      throw Error(ErrorCode::invalid_argument,
+                  "--delaunay: " + arguments.input.path + " is a hull, without its points");
     if (hulls.empty() && !may_be_sequence(arguments.input))
       written = view_points(arguments, options);
     else
@@ -278,6 +300,9 @@ Command add_view(Parser& parent) {
   needs_value(*command.add_option("-o,--output", a->output, "Write the page to this file"))
       .type_name("PAGE.html")
       ->required();
+  command.add_flag("--delaunay", a->cells,
+                   "Show the cells of the Delaunay triangulation, too:\n"
+                   "in 2D all, in 3D those that the clip plane cuts");
   add_json_option(command, a->json, "The figures of the page");
   a->run.add_to(command, true);
   a->input.add_to(command);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "cullhull/error.hpp"
 
@@ -77,6 +78,69 @@ Rows thin_plane(std::uint64_t n) {
   return turned(rows);
 }
 
+// ------------------------------------------------------------ of any dimension, for triangulations
+
+/// Numbers of [0, 1), the same on every machine.
+class Units {
+ public:
+  double unit() { return std::ldexp(static_cast<double>(random_() >> 11), -53); }
+  int below(int n) { return static_cast<int>(random_() % static_cast<unsigned>(n)); }
+
+ private:
+  std::mt19937_64 random_{1};
+};
+
+/// Densities from 1 to 2^(20 d).
+Rows clustered(std::uint64_t n, unsigned d) {
+  Units random;
+  Rows rows;
+  rows.reserve(n * d);
+  for (std::uint64_t i = 0; i < n; ++i) {
+    const double size = std::ldexp(1.0, -random.below(20));
+    for (unsigned j = 0; j < d; ++j) rows.push_back(random.unit() * size + random.below(7));
+  }
+  return rows;
+}
+
+Rows lattice(std::uint64_t n, unsigned d) {
+  const auto width = static_cast<std::uint64_t>(
+      std::max(1LL, std::llround(std::pow(static_cast<double>(n), 1.0 / d))));
+  Rows rows;
+  rows.reserve(n * d);
+  for (std::uint64_t i = 0; i < n; ++i)
+    for (std::uint64_t j = 0, rest = i; j < d; ++j, rest /= width)
+      rows.push_back(static_cast<double>(j + 1 < d ? rest % width : rest));
+  return rows;
+}
+
+/// On sixteen parallel lines.
+Rows lines(std::uint64_t n, unsigned d) {
+  Units random;
+  Rows rows;
+  rows.reserve(n * d);
+  for (std::uint64_t i = 0; i < n; ++i) {
+    const double along = random.unit(), line = random.below(16);
+    for (unsigned j = 0; j < d; ++j) rows.push_back(j == 0 ? along : line * (j + 1) + along * j);
+  }
+  return rows;
+}
+
+struct SpreadFamily {
+  Shape shape;
+  Rows (*make)(std::uint64_t, unsigned);
+};
+
+constexpr SpreadFamily spread[] = {
+    {{"uniform", "uniform in a cube"},
+     [](std::uint64_t n, unsigned d) { return generate("cube", n, d); }},
+    {{"clustered", "clusters within clusters: densities from 1 to 2^20 along each axis"},
+     clustered},
+    {{"lattice", "every point of an integer lattice: all cells are ties"}, lattice},
+    {{"lines", "on sixteen parallel lines"}, lines},
+};
+
+// ----------------------------------------------------------------------------------- the list
+
 struct Family {
   Shape shape;
   Rows (*make)(std::uint64_t);
@@ -100,25 +164,36 @@ constexpr Family families[] = {
     {{"duplicates", "a sphere's surface, every point eight times"}, duplicates},
 };
 
-const Family* find(std::string_view name) {
-  for (const Family& f : families)
+/// The family of a table that has the name, or null.
+template <class Table>
+auto find(const Table& table, std::string_view name) -> decltype(std::begin(table)) {
+  for (const auto& f : table)
     if (name == f.shape.name) return &f;
   return nullptr;
+}
+
+template <class Table>
+std::vector<Shape> shapes_of(const Table& table) {
+  std::vector<Shape> all;
+  for (const auto& f : table) all.push_back(f.shape);
+  return all;
 }
 
 }  // namespace
 
 const std::vector<Shape>& hard_families() {
-  static const std::vector<Shape> shapes = [] {
-    std::vector<Shape> all;
-    for (const Family& f : families) all.push_back(f.shape);
-    return all;
-  }();
+  static const std::vector<Shape> shapes = shapes_of(families);
+  return shapes;
+}
+
+const std::vector<Shape>& spread_families() {
+  static const std::vector<Shape> shapes = shapes_of(spread);
   return shapes;
 }
 
 bool is_family(std::string_view name, unsigned d) {
-  if (find(name) != nullptr) return d == 3;
+  if (find(spread, name) != nullptr) return true;
+  if (find(families, name) != nullptr) return d == 3;
   try {
     generate(name, 1, d);
   } catch (const Error&) {
@@ -128,7 +203,8 @@ bool is_family(std::string_view name, unsigned d) {
 }
 
 std::vector<double> make_family(std::string_view name, std::uint64_t count, unsigned d) {
-  const Family* family = find(name);
+  if (const SpreadFamily* any = find(spread, name)) return any->make(count, d);
+  const Family* family = find(families, name);
   if (family == nullptr) return generate(name, count, d);
   if (d != 3)
     throw Error(ErrorCode::invalid_argument, "points '" + std::string(name) + "' have dimension 3");

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <memory>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "timing.hpp"
 #endif
@@ -20,6 +22,36 @@ struct Figures {
   double seconds, volume;
   std::uint64_t vertices;
 };
+
+template <class T>
+std::string bytes_of(const T& figures) {
+  std::string bytes(sizeof figures, '\0');
+  std::memcpy(bytes.data(), &figures, sizeof figures);
+  return bytes;
+}
+
+/// The bytes of the seconds and the number of simplices, both as doubles. In a process that ends
+/// afterwards. Qz and Qbb change the points, which in a fork are nobody else's.
+std::string triangulate_once(const PointView& points) {
+  std::FILE* nowhere = std::fopen("/dev/null", "w");
+  if (nowhere == nullptr) throw std::runtime_error("/dev/null");
+  auto q = std::make_unique<qhT>();
+  qh_zero(q.get(), nowhere);
+  std::string command = points.dimension < 5 ? "qhull d Qbb Qc Qz Q12" : "qhull d Qbb Qc Qz Qx Q12";
+  std::vector<double> rows(points.count * points.dimension);
+  std::memcpy(rows.data(), points.data, rows.size() * sizeof(double));
+  int code = 0;
+  double figures[2] = {0, 0};
+  figures[0] = seconds_of([&] {
+    code = qh_new_qhull(q.get(), static_cast<int>(points.dimension), static_cast<int>(points.count),
+                        rows.data(), 0, command.data(), nowhere, nowhere);
+    if (code == 0) qh_triangulate(q.get());
+  });
+  if (code != 0) throw std::runtime_error("qhull");
+  for (const facetT* f = q->facet_list; f != nullptr && f->next != nullptr; f = f->next)
+    figures[1] += f->upperdelaunay ? 0 : 1;
+  return bytes_of(figures);
+}
 
 /// The bytes of Figures. In a process that ends afterwards, so nothing is given back.
 std::string hull_once(const PointView& points) {
@@ -40,9 +72,7 @@ std::string hull_once(const PointView& points) {
   qh_getarea(q.get(), q->facet_list);
   figures.volume = q->totvol;
   figures.vertices = static_cast<std::uint64_t>(q->num_vertices);
-  std::string bytes(sizeof figures, '\0');
-  std::memcpy(bytes.data(), &figures, sizeof figures);
-  return bytes;
+  return bytes_of(figures);
 }
 
 }  // namespace
@@ -55,6 +85,10 @@ std::optional<QhullRun> run_qhull(const PointView& points, const ChildLimits& li
   if (child->output.size() != sizeof figures) return std::nullopt;
   std::memcpy(&figures, child->output.data(), sizeof figures);
   return QhullRun{figures.seconds, figures.volume, figures.vertices, true};
+}
+
+std::optional<LiftedRun> run_qhull_delaunay(const PointView& points, const ChildLimits& limits) {
+  return lifted_run(run_forked([&] { return triangulate_once(points); }, limits), limits);
 }
 
 bool has_qhull() { return true; }
@@ -77,6 +111,9 @@ double qhull_seconds(const PointView& points) {
 #else
 
 std::optional<QhullRun> run_qhull(const PointView&, const ChildLimits&) { return std::nullopt; }
+std::optional<LiftedRun> run_qhull_delaunay(const PointView&, const ChildLimits&) {
+  return std::nullopt;
+}
 bool has_qhull() { return false; }
 double qhull_seconds(const PointView&) { return 0; }
 

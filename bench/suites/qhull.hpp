@@ -6,6 +6,7 @@
 
 #include "child.hpp"
 #include "cullhull/point_view.hpp"
+#include "lifting_rivals.hpp"
 
 namespace cullhull::bench {
 
@@ -19,6 +20,9 @@ struct QhullRun {
 /// `points` are packed rows of doubles. Nothing where this build has no Qhull, or where it failed.
 /// Runs in a process of its own; throws Error{cancelled}.
 std::optional<QhullRun> run_qhull(const PointView& points, const ChildLimits& limits);
+
+/// The Delaunay triangulation with the options that SciPy calls Qhull with. As run_qhull().
+std::optional<LiftedRun> run_qhull_delaunay(const PointView& points, const ChildLimits& limits);
 
 /// Whether this build has Qhull.
 bool has_qhull();

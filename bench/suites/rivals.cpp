@@ -4,40 +4,30 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "cgal.hpp"
+#include "contest.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
 #include "families.hpp"
 #include "machine.hpp"
-#include "parallel/parallel.hpp"
 #include "qhull.hpp"
 #include "timing.hpp"
 
 namespace cullhull::bench {
 namespace {
 
-/// One run follows another as long as all together have taken less.
-constexpr double most_seconds_of_ours = 10;
-
 class Suite {
  public:
   Suite(const RivalSettings& settings, const Progress& progress, const std::stop_token& stop)
       : settings_(settings),
-        progress_(progress),
-        stop_(stop),
+        steps_(progress, stop),
         cgal_(!settings.with_cgal     ? ""
               : settings.cgal.empty() ? cgal_program()
-                                      : settings.cgal) {
-    threads_ = settings.threads;
-    if (threads_.empty()) threads_ = {1, 0};
-    for (unsigned& t : threads_) t = internal::resolve_threads(t);
-    std::sort(threads_.begin(), threads_.end());
-    threads_.erase(std::unique(threads_.begin(), threads_.end()), threads_.end());
-  }
+                                      : settings.cgal),
+        threads_(thread_counts(settings.threads)) {}
 
   Report run() {
     const std::vector<Workload>& wanted =
@@ -54,24 +44,17 @@ class Suite {
     report_.machine = describe_machine();
     report_.command = command();
     for (const unsigned t : threads_)
-      report_.read_bandwidth.emplace_back(t, read_bandwidth(t, stop_));
+      report_.read_bandwidth.emplace_back(t, read_bandwidth(t, steps_.stop()));
     Figure all{"rivals", "Time to the hull", "s", "", false, {}};
     all.note = fmt::format(
         "Ratio: the time of the faster rival over ours with {} thread{}. Rivals run once, on one "
         "core, as they are made; ours is the median of {} runs, of fewer where they are long.",
         threads_.back(), threads_.back() == 1 ? "" : "s", settings_.repeat);
     for (std::size_t i = 0; i < wanted.size(); ++i) {
-      at_ = static_cast<double>(i) / static_cast<double>(wanted.size());
+      steps_.row(i, wanted.size());
       all.rows.push_back(row_of(wanted[i]));
     }
-    const auto those = [&](const char* id, const char* title, const auto& test) {
-      Figure some{id, title, "s", "", false, {}};
-      std::copy_if(all.rows.begin(), all.rows.end(), std::back_inserter(some.rows), test);
-      if (!some.rows.empty()) report_.figures.push_back(std::move(some));
-    };
-    those("differ", "Where extreme points differ", [](const Row& r) { return !r.agrees; });
-    those("lost", "Where a rival is faster", [](const Row& r) { return !r.slower.empty(); });
-    report_.figures.push_back(std::move(all));
+    report_.figures = judged_figures(std::move(all), "Where extreme points differ");
     return std::move(report_);
   }
 
@@ -86,20 +69,9 @@ class Suite {
     return text;
   }
 
-  void step(const std::string& what) const {
-    if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
-    if (progress_) progress_(what.c_str(), at_);
-  }
-
-  std::string column(unsigned threads) const {
-    return fmt::format("cullhull, {} thread{}", threads, threads == 1 ? "" : "s");
-  }
-
   Row row_of(Workload w) {
-    w.count = std::max<std::uint64_t>(
-        w.dimension + 2,
-        static_cast<std::uint64_t>(std::llround(static_cast<double>(w.count) * settings_.scale)));
-    step(w.name() + ", points");
+    w.count = scaled_count(w.count, settings_.scale, w.dimension);
+    steps_.step(w.name() + ", points");
     const Points points = points_of(w, make_family(w.family, w.count, w.dimension));
     w.count = points.view.count;
     Row row;
@@ -109,11 +81,10 @@ class Suite {
     row.dimension = w.dimension;
     row.scalar = scalar_name(w.scalar);
     const Hull hull = ours(w, points.view, row);
-    std::vector<std::pair<std::string, double>> ours_values = std::move(row.values);
+    const NamedSeconds ours_values = std::move(row.values);
     row.values.clear();
     rivals(w, points, hull, row);
-    compare_times(ours_values, row);
-    row.values.insert(row.values.end(), ours_values.begin(), ours_values.end());
+    add_ours(row, ours_values);
     return row;
   }
 
@@ -124,12 +95,12 @@ class Suite {
     for (const unsigned t : threads_) {
       Options options;
       options.threads = t;
-      options.stop = stop_;
+      options.stop = steps_.stop();
       std::vector<double> times, shares;
       double spent = 0;
       const std::vector<std::uint64_t> before = std::move(hull.vertices);
-      for (unsigned k = 0; k < settings_.repeat && (k == 0 || spent < most_seconds_of_ours); ++k) {
-        step(fmt::format("{}, {}", w.name(), column(t)));
+      for (unsigned k = 0; k < settings_.repeat && (k == 0 || spent < most_seconds_of_runs); ++k) {
+        steps_.step(fmt::format("{}, {}", w.name(), our_column(t)));
         hull = {};
         hull = convex_hull(points, options);
         times.push_back(hull.statistics.compute_seconds);
@@ -140,7 +111,7 @@ class Suite {
         row.agrees = false;
         row.check = fmt::format("{} threads give another hull; ", t);
       }
-      row.values.emplace_back(column(t), median(times));
+      row.values.emplace_back(our_column(t), median(times));
       row.bandwidth = median(shares);
       row.reads = reads_of(points, median(times), t);
     }
@@ -158,19 +129,19 @@ class Suite {
   }
 
   void rivals(const Workload& w, const Points& points, const Hull& hull, Row& row) const {
-    const ChildLimits limits{settings_.limit, stop_};
+    const ChildLimits limits{settings_.limit, steps_.stop()};
     std::optional<QhullRun> qhull;
     std::optional<CgalRun> cgal;
     if (settings_.with_qhull) {
-      step(w.name() + ", Qhull");
+      steps_.step(w.name() + ", Qhull");
       qhull = run_qhull(points.doubles, limits);
-      add_value(row, "Qhull", qhull ? qhull->seconds : 0, qhull.has_value(),
+      add_rival(row, "Qhull", qhull ? qhull->seconds : 0, qhull.has_value(),
                 !qhull || qhull->finished);
     }
     if (settings_.with_cgal) {
-      step(w.name() + ", CGAL");
+      steps_.step(w.name() + ", CGAL");
       cgal = run_cgal(cgal_, points.rows, w.dimension, limits);
-      add_value(row, "CGAL", cgal ? cgal->seconds : 0, cgal.has_value(), !cgal || cgal->finished);
+      add_rival(row, "CGAL", cgal ? cgal->seconds : 0, cgal.has_value(), !cgal || cgal->finished);
     }
     row.check += fmt::format("{} vertices", hull.vertices.size());
     const bool judged = cgal && cgal->finished && compare_with_cgal(points, hull, *cgal, row);
@@ -179,11 +150,6 @@ class Suite {
       row.remark = "Qhull, which decides with tolerances, found other extreme points.";
       if (!judged) prove(w, points, hull, row);
     }
-  }
-
-  static void add_value(Row& row, const char* name, double seconds, bool there, bool finished) {
-    row.values.emplace_back(name, there ? seconds : std::numeric_limits<double>::quiet_NaN());
-    if (!finished) row.unfinished.emplace_back(name);
   }
 
   /// CGAL decides exactly, so its extreme points have to be ours; of equal points we name the one
@@ -207,45 +173,18 @@ class Suite {
 
   /// Where there is nobody exact to ask.
   void prove(const Workload& w, const Points& points, const Hull& hull, Row& row) const {
-    step(w.name() + ", certificate");
+    steps_.step(w.name() + ", certificate");
     const Certificate certificate = certify(points.view, hull);
     row.agrees = row.agrees && certificate.valid;
     row.check +=
         certificate.valid ? ", ours certified" : ", ours NOT certified: " + certificate.reason;
   }
 
-  void compare_times(const std::vector<std::pair<std::string, double>>& ours_values,
-                     Row& row) const {
-    double best = std::numeric_limits<double>::infinity();
-    std::string fastest;
-    for (const auto& [name, seconds] : row.values)
-      if (seconds < best) {
-        best = seconds;
-        fastest = name;
-      }
-    if (fastest.empty()) {
-      row.check += ", nobody to compare with";
-      return;
-    }
-    row.ratio = best / ours_values.back().second;
-    row.ratio_is_bound =
-        std::find(row.unfinished.begin(), row.unfinished.end(), fastest) != row.unfinished.end();
-    std::vector<std::string> lost;
-    for (const auto& [name, seconds] : ours_values)
-      if (best < seconds) lost.push_back(name.substr(name.find(", ") + 2));
-    if (lost.empty()) return;
-    row.slower = "than " + fastest;
-    if (lost.size() < ours_values.size())
-      row.slower += fmt::format(" with {}", fmt::join(lost, " and "));
-  }
-
   const RivalSettings& settings_;
-  const Progress& progress_;
-  std::stop_token stop_;
+  Steps steps_;
   std::string cgal_;
   std::vector<unsigned> threads_;
   Report report_;
-  double at_ = 0;
 };
 
 }  // namespace

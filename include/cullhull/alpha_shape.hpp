@@ -1,4 +1,5 @@
-// Alpha shapes: the part of a triangulation whose cells have small circumscribed spheres.
+// Alpha shapes, the part of a triangulation whose cells have small circumscribed spheres, and concave
+// hulls by the length of edges.
 #pragma once
 
 #include <cstdint>
@@ -12,10 +13,10 @@
 #pragma GCC visibility push(default)
 namespace cullhull {
 
-/// The regularised alpha shape: cells alone, without edges and faces that bound none.
+/// A regularised alpha shape or a concave hull: cells alone, without edges and faces that bound none.
 struct AlphaShape {
-  /// Cells of the triangulation, ascending: those whose circumscribed sphere (of a flat: within the
-  /// flat) has a radius of at most alpha, compared exactly.
+  /// Cells of the triangulation, ascending: of an alpha shape those whose circumscribed sphere (of a
+  /// flat: within the flat) has a radius of at most alpha, compared exactly.
   Array<std::uint32_t> cells;
   /// facets x k ids: those between a cell of the shape and none, oriented outward and ordered as
   /// Triangulation::hull_facets. None for k < 1.
@@ -45,6 +46,22 @@ enum class AlphaGoal { all_points, one_region };
 /// of these whose shape is of one piece. 0 without cells, and for k = 0. Time O(cells (k^3 + log)).
 /// Errors as above.
 double critical_alpha(const PointView& points, const Triangulation& triangulation, AlphaGoal goal,
+                      const Options& options = {});
+
+/// The concave hull by the length of edges (the chi-shape of Duckham and others, 2008) of points of
+/// a plane: from the convex hull on, the longest edge of the boundary that is longer than `length`
+/// is taken away with its triangle, as long as the boundary stays one ring that has no point twice.
+/// So it is of one piece without holes and leaves no point out. Lengths are compared exactly; of
+/// equal edges the one of the lowest ids is first. `length` >= 0, infinite for the convex hull.
+/// Points on one line (k < 2) keep all cells. Time O(cells log). Options used: stop. Errors:
+/// invalid_argument for k > 2, a length that is negative or NaN, points that are not those of the
+/// triangulation, weights that hide points and the furthest site.
+AlphaShape concave_hull(const PointView& points, const Triangulation& triangulation, double length,
+                        const Options& options = {});
+
+/// The length that is `ratio` of the way from the shortest edge of the triangulation to the longest
+/// (0 to 1; 1 gives infinity, the convex hull), rounded. Errors as above, and for another ratio.
+double concave_length(const PointView& points, const Triangulation& triangulation, double ratio,
                       const Options& options = {});
 
 /// Regions of the plane bounded by rings of points.

@@ -221,20 +221,7 @@ class LuneSearch {
   Side sides_[2];
 };
 
-}  // namespace
-}  // namespace internal
-
-using namespace internal;
-
-Array<std::uint32_t> minimum_spanning_tree(const PointView& points,
-                                           const Triangulation& triangulation,
-                                           const Options& options) {
-  const Triangulation& t = triangulation;
-  require_delaunay(t);
-  const Run run(options);
-  const CallScope call;
-  const PageScope pages;
-  const DualPoints p(points, t, {}, run);
+std::vector<Edge> spanning_edges(const DualPoints& p, const Triangulation& t, const Run& run) {
   const EdgeOrder order(p, t.dimension);
   std::vector<MeasuredEdge> edges;
   if (t.corners() > 1) {
@@ -257,37 +244,13 @@ Array<std::uint32_t> minimum_spanning_tree(const PointView& points,
   std::sort(tree.begin(), tree.end(), [](const Edge& a, const Edge& b) {
     return a.low != b.low ? a.low < b.low : a.high < b.high;
   });
-  Array<std::uint32_t> out;
-  write_edges(tree, out);
-  run.report("done", 1);
-  return out;
+  return tree;
 }
 
-Array<std::uint32_t> gabriel_graph(const PointView& points, const Triangulation& triangulation,
-                                   const Options& options) {
-  require_delaunay(triangulation);
-  const Run run(options);
-  const CallScope call;
-  const PageScope pages;
-  const DualPoints p(points, triangulation, {}, run);
-  Array<std::uint32_t> out;
-  write_edges(gabriel_edges(p, triangulation, run), out);
-  run.report("done", 1);
-  return out;
-}
-
-Array<std::uint32_t> relative_neighbourhood_graph(const PointView& points,
-                                                  const Triangulation& triangulation,
-                                                  const Options& options) {
-  const Triangulation& t = triangulation;
-  require_delaunay(t);
-  const Run run(options);
-  const CallScope call;
-  const PageScope pages;
-  const DualPoints p(points, t, {}, run);
+std::vector<Edge> lune_edges(const DualPoints& p, const Triangulation& t, const Run& run) {
   const std::vector<Edge> candidates = gabriel_edges(p, t, run);
-  Array<std::uint32_t> out;
-  if (candidates.empty()) return out;
+  std::vector<Edge> edges;
+  if (candidates.empty()) return edges;
   run.report("lunes", 0.5);
   const PointNeighbours graph(t, run);
   Array<std::uint8_t> kept(candidates.size());
@@ -295,12 +258,46 @@ Array<std::uint32_t> relative_neighbourhood_graph(const PointView& points,
     LuneSearch search(p, graph, t.dimension);
     for (std::uint64_t i = begin; i < end; ++i) kept[i] = search.empty(candidates[i]) ? 1 : 0;
   });
-  std::vector<Edge> edges;
   for (std::size_t i = 0; i < candidates.size(); ++i)
     if (kept[i] != 0) edges.push_back(candidates[i]);
-  write_edges(edges, out);
+  return edges;
+}
+
+/// What a graph's public function does: checks, then `edges_of(points, triangulation, run)`.
+template <class EdgesOf>
+Array<std::uint32_t> graph_of(const PointView& points, const Triangulation& t,
+                              const Options& options, const EdgesOf& edges_of) {
+  require_delaunay(t);
+  const Run run(options);
+  const CallScope call;
+  const PageScope pages;
+  const DualPoints p(points, t, {}, run);
+  Array<std::uint32_t> out;
+  write_edges(edges_of(p, t, run), out);
   run.report("done", 1);
   return out;
+}
+
+}  // namespace
+}  // namespace internal
+
+using namespace internal;
+
+Array<std::uint32_t> minimum_spanning_tree(const PointView& points,
+                                           const Triangulation& triangulation,
+                                           const Options& options) {
+  return graph_of(points, triangulation, options, spanning_edges);
+}
+
+Array<std::uint32_t> gabriel_graph(const PointView& points, const Triangulation& triangulation,
+                                   const Options& options) {
+  return graph_of(points, triangulation, options, gabriel_edges);
+}
+
+Array<std::uint32_t> relative_neighbourhood_graph(const PointView& points,
+                                                  const Triangulation& triangulation,
+                                                  const Options& options) {
+  return graph_of(points, triangulation, options, lune_edges);
 }
 
 }  // namespace cullhull

@@ -273,15 +273,111 @@ class ConstrainedSubject {
   EdgeTable edges_of_cells_;  ///< the lower id first: 1 for pieces
 };
 
+/// Whether `result` is what is left of a certified whole one: cells of odd depth.
+class InsideSubject {
+ public:
+  InsideSubject(const ConstrainedTriangulation& whole, const ConstrainedTriangulation& result)
+      : whole_(whole), result_(result), w_(whole.triangulation), t_(result.triangulation) {}
+
+  void check() {
+    if (t_.dimension != w_.dimension || t_.point_count != w_.point_count ||
+        t_.affine_dimension != w_.affine_dimension || t_.axes != w_.axes ||
+        t_.duplicates != w_.duplicates)
+      fault("the triangulation is not of these points");
+    if (result_.pieces != whole_.pieces || result_.piece_sources != whole_.piece_sources)
+      fault("the pieces are other ones");
+    if (!t_.cell_groups.empty()) fault("constrained triangulations have no groups");
+    if (w_.affine_dimension < 2) {
+      if (t_.cells != w_.cells || t_.neighbours != w_.neighbours ||
+          t_.hull_facets != w_.hull_facets || t_.hull_cells != w_.hull_cells ||
+          !t_.hidden.empty() || !result_.depths.empty())
+        fault("points on a line have other cells");
+      return;
+    }
+    check_cells();
+    check_hull();
+    check_hidden();
+  }
+
+ private:
+  bool inside(std::uint32_t cell) const { return whole_.depths[cell] % 2 == 1; }
+
+  void check_cells() {
+    number_.assign(w_.size(), no_cell);
+    std::uint32_t count = 0;
+    for (std::uint32_t c = 0; c < w_.size(); ++c)
+      if (inside(c)) number_[c] = count++;
+    if (t_.cells.size() != 3 * std::size_t{count} || t_.neighbours.size() != t_.cells.size() ||
+        result_.depths.size() != count)
+      fault("there are other cells than the ", count, " inside");
+    for (std::uint32_t c = 0; c < w_.size(); ++c) {
+      const std::uint32_t at = number_[c];
+      if (at == no_cell) continue;
+      if (!std::ranges::equal(t_.cell(at), w_.cell(c))) fault("cell ", at, " is another one");
+      if (result_.depths[at] != whole_.depths[c]) fault("cell ", at, " has another depth");
+      for (unsigned j = 0; j < 3; ++j) {
+        const std::uint32_t o = w_.neighbours_of(c)[j];
+        if (t_.neighbours_of(at)[j] != (o == no_cell ? no_cell : number_[o]))
+          fault("cell ", at, " has another neighbour");
+      }
+    }
+  }
+  void check_hull() const {
+    std::vector<std::pair<Edge, std::uint32_t>> hull;
+    for (std::uint32_t c = 0; c < t_.size(); ++c)
+      for (unsigned j = 0; j < 3; ++j)
+        if (t_.neighbours_of(c)[j] == no_cell)
+          hull.push_back({{t_.cell(c)[(j + 1) % 3], t_.cell(c)[(j + 2) % 3]}, c});
+    std::sort(hull.begin(), hull.end());
+    if (t_.hull_cells.size() != hull.size() || t_.hull_facets.size() != 2 * hull.size())
+      fault("the hull has another number of facets");
+    for (std::size_t i = 0; i < hull.size(); ++i)
+      if (Edge(t_.hull_facets[2 * i], t_.hull_facets[2 * i + 1]) != hull[i].first ||
+          t_.hull_cells[i] != hull[i].second)
+        fault("facet ", i, " of the hull is another one");
+  }
+  void check_hidden() const {
+    std::vector<bool> told(t_.point_count);
+    for (const std::uint32_t v : t_.cells) told[v] = true;
+    for (const DuplicatePoint& p : t_.duplicates) told[p.id] = true;
+    std::vector<std::uint32_t> hidden;
+    for (std::uint32_t v = 0; v < t_.point_count; ++v)
+      if (!told[v]) hidden.push_back(v);
+    if (hidden != t_.hidden) fault("other points are hidden");
+  }
+
+  const ConstrainedTriangulation &whole_, &result_;
+  const Triangulation &w_, &t_;
+  std::vector<std::uint32_t> number_;  ///< of the whole one's cells in the result
+};
+
+/// The whole one that `result` is the inside of; a fault where there is none.
+ConstrainedTriangulation witness_of(const PointView& points, std::span<const std::uint32_t> edges,
+                                    ConstrainedOptions options) {
+  options.inside_only = false;
+  try {
+    return constrained_delaunay(points, edges, options);
+  } catch (const Error& e) {
+    if (e.code() == ErrorCode::cancelled || e.code() == ErrorCode::out_of_budget) throw;
+    throw Fault{e.what()};
+  }
+}
+
 }  // namespace
 }  // namespace internal
 
 Certificate certify(const PointView& points, std::span<const std::uint32_t> edges,
-                    const ConstrainedTriangulation& result) {
+                    const ConstrainedTriangulation& result, const ConstrainedOptions& options) {
   using namespace internal;
   Certificate out;
   try {
-    ConstrainedSubject(points, edges, result).check(out);
+    if (options.inside_only) {
+      const ConstrainedTriangulation whole = witness_of(points, edges, options);
+      ConstrainedSubject(points, edges, whole).check(out);
+      InsideSubject(whole, result).check();
+    } else {
+      ConstrainedSubject(points, edges, result).check(out);
+    }
     out.valid = true;
   } catch (const Fault& f) {
     out.reason = f.reason;

@@ -111,7 +111,7 @@ void insert_and_write(const Prepared& p, Triangulation& out, const Run& run) {
   std::unique_ptr<CellStore<K>> cells;
   if constexpr (K == 2) {
     if (const unsigned levels = part_levels(p.points, run); levels > 0)
-      cells = Parts<K>(p.points, run).triangulate(levels, totals);
+      cells = triangulate_in_parts(p.points, levels, totals, run);
   }
   if constexpr (K == 2) {
     if (cells == nullptr && plain_plane(p.points))

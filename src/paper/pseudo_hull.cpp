@@ -1,13 +1,13 @@
 #include "paper/pseudo_hull.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <memory>
 #include <mutex>
 #include <string>
 
 #include "cullhull/error.hpp"
+#include "geometry/gather.hpp"
 #include "paper/pseudo_hull_growth.hpp"
 #include "parallel/dispatch.hpp"
 
@@ -15,24 +15,6 @@ namespace cullhull::internal {
 namespace {
 
 constexpr std::uint64_t block_size = PseudoSubset::block;
-
-template <class T, unsigned D>
-void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t count, double* out) {
-  for (std::uint64_t i = 0; i < count; ++i) {
-    const std::byte* p = view.address(begin + i, 0);
-    for (unsigned k = 0; k < D; ++k) {
-      T v;
-      std::memcpy(&v, p + static_cast<std::ptrdiff_t>(k) * view.coordinate_stride, sizeof v);
-      out[i * D + k] = static_cast<double>(v);
-    }
-  }
-}
-
-template <unsigned D>
-void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t count, double* out) {
-  with_scalar(view.scalar,
-              [&](auto scalar) { load_rows<decltype(scalar), D>(view, begin, count, out); });
-}
 
 /// A point with a NaN or an infinity becomes NaN in every coordinate, so that no comparison holds.
 template <unsigned D>
@@ -106,7 +88,8 @@ void filter_subset(const PointView& view, const PseudoSubset& subset, unsigned m
   worker.executor.for_each(
       static_cast<std::uint32_t>(chunk_count(size, block_size)), [&](std::uint32_t b) {
         const std::uint64_t begin = b * block_size, count = std::min(block_size, size - begin);
-        load_rows<D>(view, subset.point(begin), count, rows + begin * D);
+        const std::uint64_t first = subset.point(begin);
+        load_rows(view, first, first + count, rows + begin * D);
         blot_out<D>(rows + begin * D, count);
       });
   if (record != nullptr) worker.growth.record();

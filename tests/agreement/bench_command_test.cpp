@@ -109,7 +109,8 @@ void expect_sound(const nlohmann::json& report) {
       EXPECT_EQ(row["reads"].is_null(), report["suite"] != "rivals");
     }
   }
-  EXPECT_EQ(report["read_bytes_per_second"].empty(), report["suite"] == "calls");
+  EXPECT_EQ(report["read_bytes_per_second"].empty(),
+            report["suite"] == "calls" || report["suite"] == "lifting");
   for (const auto& [threads, rate] : report["read_bytes_per_second"].items())
     EXPECT_GT(rate.get<double>(), 0) << threads;
   for (const char* key : {"processor", "cores", "memory"}) EXPECT_NE(report["machine"][key], "");
@@ -142,6 +143,13 @@ std::map<std::string, nlohmann::json> rows_of(const nlohmann::json& report) {
   for (const auto& row : report["figures"].back()["rows"])
     rows[row["name"].get<std::string>()] = row;
   return rows;
+}
+
+/// A shell script that can be run, in the place of a rival's program.
+std::string script_at(const std::string& path, const std::string& body) {
+  write_file(path, "#!/bin/sh\n" + body);
+  std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+  return path;
 }
 
 const std::vector<std::string> rivals = {"bench", "rivals", "--repeat", "1"};
@@ -227,8 +235,7 @@ TEST(BenchRivals, OtherExtremePointsAreAnError) {
   const std::string ours = f / "cullhull";
   std::filesystem::copy_file(CULLHULL_APP, ours);
   const std::string program = f / "cullhull-rival-cgal";
-  write_file(program, "#!/bin/sh\nprintf '\\0\\0\\0\\0\\0\\0\\360?'\nhead -c 48 /dev/zero\n");
-  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  script_at(program, "printf '\\0\\0\\0\\0\\0\\0\\360?'\nhead -c 48 /dev/zero\n");
   const std::string out = f / "report.json";
   std::string command = ours;
   command += " bench rivals --scale 1 --repeat 1 --workload cube-3d-100 -q --json=";
@@ -276,6 +283,89 @@ TEST(BenchStream, EveryFormatHasTheHullThatItHasInMemory) {
             1);
 }
 
+const std::vector<std::string> lifting = {"bench", "lifting", "--scale", "1", "--repeat", "1"};
+
+TEST(BenchLifting, EveryFamilyAndDimensionAgreesWithARivalOrIsCertified) {
+  const Folder f;
+  const std::string file = f / "scan.csv";
+  write_file(file, "0,0,9\n1,0,9\n0,1,9\n1,1.5,9\n7,7,9\n");
+  const Ran ran = run_app(with(lifting, {"--shape",     "uniform",
+                                         "--shape",     "clustered",
+                                         "--shape",     "lattice",
+                                         "--shape",     "sphere",
+                                         "--shape",     "lines",
+                                         "--dimension", "2",
+                                         "--dimension", "3",
+                                         "--dimension", "4",
+                                         "--points",    "300",
+                                         "--workload",  "scan-2d-1M",
+                                         "--workload",  "uniform-5d-60-f32",
+                                         "--scan",      file,
+                                         "--threads",   "1,2",
+                                         "--json"}));
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto report = nlohmann::json::parse(ran.out);
+  expect_sound(report);
+  const auto rows = rows_of(report);
+  ASSERT_EQ(rows.size(), 17U);
+  // All of a lattice is ties: beyond the plane its cells are not counted but certified.
+  EXPECT_NE(rows.at("lattice-3d-300")["check"].get<std::string>().find(", certified"),
+            std::string::npos);
+  EXPECT_EQ(rows.at("scan-2d-5")["check"].get<std::string>().substr(0, 7), "4 cells");
+  for (const auto& [name, row] : rows) {
+    EXPECT_GT(row["values"]["cullhull, 1 thread"], 0) << name;
+    EXPECT_GT(row["values"]["cullhull, 2 threads"], 0) << name;
+    const std::string check = row["check"];
+    EXPECT_TRUE(check.find("as many as CGAL") != std::string::npos ||
+                check.find(", certified") != std::string::npos)
+        << name << ' ' << check;
+  }
+}
+
+/// Seconds and simplices as doubles: one of each, of which the square has two.
+TEST(BenchLifting, ProgramsOfOthersAndWhoCountsOtherCells) {
+  const Folder f;
+  const std::string one_and_one = "printf '\\0\\0\\0\\0\\0\\0\\360?\\0\\0\\0\\0\\0\\0\\360?'\n";
+  const std::vector<std::string> square = {"--workload", "lattice-2d-4", "--without", "qhull"};
+  const auto other = run_app(with(
+      with(lifting, square),
+      {"--rival", "other=" + script_at(f / "other", "test \"$2\" = delaunay && " + one_and_one),
+       "--without", "cgal", "--json"}));
+  ASSERT_EQ(other.status, 0) << other.err;
+  const auto row = rows_of(nlohmann::json::parse(other.out)).begin()->second;
+  EXPECT_EQ(row["values"]["other"], 1.0);
+  EXPECT_EQ(row["check"], "2 cells, other 1, certified");
+
+  const Ran silent = run_app(with(
+      with(lifting, square), {"--rival", "silent=" + script_at(f / "silent", "printf 12"), "-q"}));
+  EXPECT_EQ(silent.status, 1);
+  EXPECT_TRUE(one_line(silent.err)) << silent.err;
+
+  const std::string ours = f / "cullhull", out = f / "report.json";
+  std::filesystem::copy_file(CULLHULL_APP, ours);
+  script_at(f / "cullhull-rival-cgal", one_and_one);
+  std::string command = ours + " bench lifting --scale 1 --repeat 1 --without qhull -q";
+  command += " --workload lattice-2d-4 --json=" + out + " 2>/dev/null";
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 3);
+  const auto report = nlohmann::json::parse(read_file(out));
+  EXPECT_EQ(report["figures"][0]["id"], "differ");
+  EXPECT_EQ(report["figures"][0]["rows"][0]["check"], "2 cells, CGAL 1");
+}
+
+TEST(BenchLifting, BadUsage) {
+  for (const auto& words : std::vector<std::vector<std::string>>{{"--workload", "scan-2d-10"},
+                                                                 {"--workload", "nothing-2d-10"},
+                                                                 {"--workload", "squashed-2d-10"},
+                                                                 {"--rival", "program"},
+                                                                 {"--threads", "0"}}) {
+    const Ran ran = run_app(with(lifting, words));
+    EXPECT_EQ(ran.status, 2) << words[1] << ran.err;
+    EXPECT_TRUE(one_line(ran.err)) << ran.err;
+  }
+  EXPECT_EQ(run_app(with(lifting, {"--workload", "scan-2d-10", "--scan", "/no/file.ply"})).status,
+            1);
+}
+
 const std::vector<std::string> calls = {"bench", "calls", "--seconds", "0", "--json"};
 
 TEST(BenchCalls, AFigureForEachLoadAndTheFirstCall) {
@@ -304,18 +394,17 @@ TEST(BenchCalls, ProgramsOfOthers) {
   const Folder f;
   const std::string program = f / "rival";
   const auto measured_with = [&](const char* script) {
-    write_file(program, script);
-    std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+    script_at(program, script);
     return run_app(with(calls, {"--points", "8", "--busy", "0", "--rival", "slow=" + program}));
   };
   const Ran ran = measured_with(
-      "#!/bin/sh\ntest -s \"$1\" && for i in $(seq $2); do printf '\\0\\0\\0\\0\\0\\0\\360?'; "
+      "test -s \"$1\" && for i in $(seq $2); do printf '\\0\\0\\0\\0\\0\\0\\360?'; "
       "done");
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto row = nlohmann::json::parse(ran.out)["figures"][0]["rows"][0];
   EXPECT_EQ(row["values"]["slow"], 1.0);
   EXPECT_EQ(row["values"]["slow, 99 %"], 1.0);
-  const Ran less = measured_with("#!/bin/sh\nprintf 1234");
+  const Ran less = measured_with("printf 1234");
   EXPECT_EQ(less.status, 1);
   EXPECT_TRUE(one_line(less.err)) << less.err;
   EXPECT_NE(less.err.find(program), std::string::npos) << less.err;

@@ -39,6 +39,39 @@ TEST(CliAlpha, SaysWhatThereIs) {
   EXPECT_NE(all.out.find("cells      23 of 23"), std::string::npos) << all.out;
 }
 
+/// A comb: by the length of edges what is between its teeth is outside, and there are no holes.
+TEST(CliAlpha, ByTheLengthOfEdges) {
+  const Folder f;
+  std::string text;
+  for (int x = 0; x <= 9; ++x)
+    for (int y = 0; y <= 5; ++y)
+      if (y <= 1 || x % 4 <= 1) text += std::to_string(x) + " " + std::to_string(y) + "\n";
+  write_file(f / "p.txt", text);
+  const Ran ran =
+      run_app({"alpha", f / "p.txt", "--edge-length", "1", "-o", f / "a.wkt", "-o", f / "a.json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.out.find("edges      dug in where longer than 1\n"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("around 1 region\n"), std::string::npos) << ran.out;
+  const auto points_of_ring = [&] {
+    const std::string wkt = read_file(f / "a.wkt");
+    return std::count(wkt.begin(), wkt.end(), ',') + 1;
+  };
+  EXPECT_EQ(points_of_ring(), 45);  // every point, and the first again
+  EXPECT_EQ(nlohmann::json::parse(read_file(f / "a.json"))["facets"].size(), 44U);
+  ASSERT_EQ(run_app({"alpha", f / "p.txt", "--ratio", "1", "-q", "-o", f / "a.wkt"}).status, 0);
+  EXPECT_EQ(points_of_ring(), 25);  // those on the convex hull
+  const Ran half = run_app({"alpha", f / "p.txt", "--ratio", "0.5", "--json"});
+  EXPECT_EQ(nlohmann::json::parse(half.out)["alpha"], nullptr);
+  EXPECT_EQ(nlohmann::json::parse(half.out)["edge_length"], (1 + std::sqrt(10)) / 2);
+  expect_error({"alpha", f / "p.txt", "--ratio", "1", "--edge-length", "2"}, 2, "three ways");
+  expect_error({"alpha", f / "p.txt", "--ratio", "1", "--alpha", "2"}, 2, "three ways");
+  expect_error({"alpha", f / "p.txt", "--ratio", "1.5"}, 2, "--ratio");
+  expect_error({"alpha", f / "p.txt", "--edge-length", "-1"}, 2, "--edge-length");
+  expect_error({"alpha", f / "p.txt", "--edge-length", "nan"}, 2, "--edge-length");
+  write_file(f / "solid.txt", "0 0 0\n1 0 0\n0 1 0\n0 0 1\n");
+  expect_error({"alpha", f / "solid.txt", "--ratio", "0.5"}, 2, "points in a plane");
+}
+
 TEST(CliAlpha, WritesPolygonsWithHoles) {
   const Folder f;
   // A square with a square hole, whose corners are farther apart than anything else.

@@ -69,7 +69,7 @@ TEST(CliJson, TriangulationsFollowTheSchema) {
   write_points(f / "disk.npy", "disk", 2000, 2);
   write_points(f / "ball.npy", "ball", 200, 3);
   write_file(f / "line.txt", "0 0\n1 1\n2 2\n");
-  for (const std::string p : {f / "disk.npy", f / "ball.npy", f / "line.txt"}) {
+  for (const std::string& p : {f / "disk.npy", f / "ball.npy", f / "line.txt"}) {
     EXPECT_EQ(expect_json({"delaunay", p, "--json", "--certify"}, "delaunay")["certified"], true);
     EXPECT_EQ(expect_json({"voronoi", p, "--json"}, "voronoi")["measure"], nullptr);
     EXPECT_GT(expect_json({"alpha", p, "--json"}, "alpha")["cell_count"], 0);
@@ -134,6 +134,9 @@ TEST(CliJson, BenchSuites) {
       {"bench", "rivals", "--scale", "1", "--repeat", "1", "--workload", "cube-3d-100", "--json"},
       "bench");
   expect_json({"bench", "calls", "--seconds", "0", "--workload", "cube-3d-100", "--json"}, "bench");
+  expect_json({"bench", "lifting", "--scale", "1", "--repeat", "1", "--workload", "uniform-3d-50",
+               "--json"},
+              "bench");
   expect_json({"bench", "stream", "--scale", "1e-5", "--repeat", "1", "--format", "las", "--json"},
               "bench");
 }

@@ -302,5 +302,90 @@ TEST(Constrained, CertificateRefusesWhatIsWrong) {
   EXPECT_FALSE(certify(view_of(s), {}, good).valid);
 }
 
+ConstrainedOptions inside_alone() {
+  ConstrainedOptions o;
+  o.inside_only = true;
+  return o;
+}
+
+TEST(Constrained, InsidesAreCertified) {
+  for (std::uint64_t seed = 0; seed < 6; ++seed)
+    for (const LiftedSet& s : small_lifted_sets(2, 91 + seed)) {
+      if (!s.weights.empty()) continue;
+      const Edges edges = random_edges(s, 12, seed);
+      const auto inside = constrained_delaunay(view_of(s), edges, inside_alone());
+      const Certificate proof = certify(view_of(s), edges, inside, inside_alone());
+      EXPECT_TRUE(proof.valid) << s.name << ": " << proof.reason;
+    }
+  for (const LiftedSet& s : {LiftedSet{"none", 2, {}, {}}, LiftedSet{"one", 2, {1, 2}, {}},
+                             LiftedSet{"line", 2, {0, 0, 1, 1, 2, 2}, {}}}) {
+    const Edges edges = s.count() < 2 ? Edges{} : Edges{0, 1};
+    const auto inside = constrained_delaunay(view_of(s), edges, inside_alone());
+    EXPECT_TRUE(certify(view_of(s), edges, inside, inside_alone()).valid) << s.name;
+  }
+}
+
+/// A square within a square, the ring between them kept, with points in all three regions.
+TEST(Constrained, CertificateRefusesWhatIsNotTheInside) {
+  LiftedSet s{"rings", 2, {0, 0, 9, 0, 9, 9, 0, 9, 3, 3, 6, 3, 6, 6, 3, 6}, {}};
+  std::mt19937_64 random(2);
+  for (unsigned i = 0; i < 120; ++i)
+    s.rows.push_back(static_cast<double>(random() % 1300) / 100 - 2);
+  s.rows.insert(s.rows.end(), {0, 0});  // a duplicate
+  const Edges edges{0, 1, 1, 2, 2, 3, 3, 0, 4, 5, 5, 6, 6, 7, 7, 4};
+  const auto good = constrained_delaunay(view_of(s), edges, inside_alone());
+  const auto whole = constrained_delaunay(view_of(s), edges);
+  const auto verdict = [&](const auto& c) {
+    return certify(view_of(s), edges, c, inside_alone()).valid;
+  };
+  ASSERT_TRUE(verdict(good));
+  ASSERT_LT(good.triangulation.size(), whole.triangulation.size());
+  EXPECT_FALSE(verdict(whole));
+  EXPECT_FALSE(certify(view_of(s), edges, good).valid);
+  const auto refused = [&](const auto& change) {
+    ConstrainedTriangulation bad = good;
+    change(bad);
+    EXPECT_FALSE(verdict(bad));
+  };
+  // One cell too few: its neighbours and the hull told as they would be.
+  refused([](auto& c) {
+    Triangulation& t = c.triangulation;
+    for (unsigned i = 0; i < 3; ++i) t.cells.pop_back(), t.neighbours.pop_back();
+    c.depths.pop_back();
+    const auto gone = static_cast<std::uint32_t>(t.size());
+    for (std::uint32_t& n : t.neighbours)
+      if (n == gone) n = no_cell;
+  });
+  // A cell of the hole in the place of one inside.
+  refused([&](auto& c) {
+    for (std::uint64_t i = 0; i < whole.triangulation.size(); ++i)
+      if (whole.depths[i] == 2)
+        std::copy_n(whole.triangulation.cell(i).begin(), 3, c.triangulation.cells.begin());
+  });
+  refused([](auto& c) {
+    std::rotate(c.triangulation.cells.begin(), c.triangulation.cells.begin() + 1,
+                c.triangulation.cells.begin() + 3);
+  });
+  refused([](auto& c) { c.triangulation.neighbours[0] ^= 1U; });
+  refused([](auto& c) { c.depths[0] += 2; });
+  refused([](auto& c) { c.triangulation.hidden.pop_back(); });
+  refused([](auto& c) { c.triangulation.hidden.insert(c.triangulation.hidden.begin(), 0); });
+  refused([](auto& c) { c.triangulation.duplicates.clear(); });
+  refused([](auto& c) { c.triangulation.hull_facets[1] ^= 1U; });
+  refused([](auto& c) { c.triangulation.hull_cells[0] += 1; });
+  refused([](auto& c) { c.triangulation.hull_cells.pop_back(); });
+  refused([](auto& c) { c.triangulation.cell_groups.assign(c.triangulation.size(), 0); });
+  refused([](auto& c) { c.triangulation.affine_dimension = 1; });
+  refused([](auto& c) { c.piece_sources[2] += 1; });
+  refused([](auto& c) { c.pieces.resize(c.pieces.size() - 2), c.piece_sources.pop_back(); });
+  refused([&](auto& c) { c = constrained_delaunay(view_of(s), {}, inside_alone()); });
+  refused([&](auto& c) {  // without the hole
+    c = constrained_delaunay(view_of(s), std::span(edges).first(8), inside_alone());
+  });
+  const Edges crossing{0, 2, 1, 3};
+  EXPECT_FALSE(certify(view_of(s), crossing, good, inside_alone()).valid);
+  EXPECT_FALSE(certify(view_of(random_points(2, 69, 1)), edges, good, inside_alone()).valid);
+}
+
 }  // namespace
 }  // namespace cullhull

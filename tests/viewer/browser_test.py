@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """browser_test.py CULLHULL: the pages cullhull writes, opened in a browser from file://."""
 import json
+import math
 import os
 import random
 import subprocess
@@ -255,6 +256,95 @@ class Static(Page):
         self.choose("clip-axis", "")
         browser.run("document.activeElement.blur()")
         self.assertEqual(pixels_changed(whole, browser.picture()), 0)
+
+    def cells(self, source):
+        """Those that `cullhull delaunay` writes, as sets of ids."""
+        app("delaunay", source, "-o", source + ".cells.json", "-q")
+        with open(source + ".cells.json") as file:
+            return {frozenset(cell) for cell in json.load(file)["cells"]}
+
+    def shown_cells(self):
+        """Those of the page."""
+        return {frozenset(cell) for cell in browser.run("""
+            const f = viewer.frame, k = f.cell_corners, out = [];
+            for (let i = 0; i < f.cells.length; i += k) out.push([...f.cells.slice(i, i + k)].map(r => f.ids[r]));
+            return out;""")}
+
+    def drawn_polygons(self):
+        """The triangles of the cells' part, in the picture's units, and how many lines are around."""
+        return browser.run("""
+            const p = viewer.stage.parts, at = p.cells.geometry.attributes.position.array;
+            return [[...at], p.cellEdges.geometry.attributes.position.array.length / 6];""")
+
+    def test_cells_of_the_plane(self):
+        # A grid's ties are cut by ids, and equal points are one.
+        rows = [(x, y) for x in range(12) for y in range(9)] + [(3, 3), (0.5, 0.25), (7.3, 2.1)]
+        source = written("cells.txt", rows)
+        self.view(source, "--delaunay")
+        wanted = self.cells(source)
+        self.assertEqual(self.shown_cells(), wanted)
+        self.assertIn(f"{len(wanted)} Delaunay cells of all points", self.text("notes"))
+        places, lines = self.drawn_polygons()
+        self.assertEqual(lines, 3 * len(wanted))
+        area = 0
+        for i in range(0, len(places), 9):
+            (ax, ay), (bx, by), (cx, cy) = (places[i + 3 * k:i + 3 * k + 2] for k in range(3))
+            area += ((bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) / 2
+        self.assertAlmostEqual(area, 4 * 8 / 11, places=4)  # 11 by 8, the longer side 2
+        self.expect_not_blank(10_000)
+        self.expect_toggles_work(("survivors", "vertices", "faces", "cells", "edges", "axes"))
+
+    def test_cells_of_space_are_cut(self):
+        source = generated("cut.npy", "ball", "-n", "700", "-d", "3")
+        self.view(source, "--delaunay")
+        self.assertEqual(self.shown_cells(), self.cells(source))
+        middle, _ = self.drawn_polygons()
+        # The plane y = const through the middle: all of it lies there, and its area is that of the
+        # hull's section, found from where the plane cuts the hull's edges (these are few).
+        ys = {round(y, 5) for y in middle[1::3]}
+        self.assertEqual(len(ys), 1)
+        area = 0
+        for i in range(0, len(middle), 9):
+            (ax, _, az), (bx, _, bz), (cx, _, cz) = (middle[i + 3 * k:i + 3 * k + 3] for k in range(3))
+            area += abs((bx - ax) * (cz - az) - (bz - az) * (cx - ax)) / 2
+        section = sorted(browser.run("""
+            const f = viewer.frame, at = viewer.stage.hull, w = arguments[0], out = [];
+            for (let i = 0; i < f.edges.length; i += 2) {
+              const [a, b] = [3 * f.edges[i], 3 * f.edges[i + 1]];
+              const s = at[a + 1] - w, t = at[b + 1] - w;
+              if ((s > 0) === (t > 0)) continue;
+              const u = s / (s - t);
+              out.push([at[a] + u * (at[b] - at[a]), at[a + 2] + u * (at[b + 2] - at[a + 2])]);
+            }
+            return out;""", min(ys)), key=lambda p: math.atan2(p[1], p[0]))
+        ring = zip(section, section[1:] + section[:1])
+        self.assertAlmostEqual(area, sum(a[0] * b[1] - a[1] * b[0] for a, b in ring) / 2, places=3)
+        half = browser.picture()
+        self.click("show-cells")
+        self.assertGreater(pixels_changed(half, browser.picture()), 2000)
+        self.click("show-cells")
+        self.click("clip-flip")
+        self.assertGreater(pixels_changed(half, browser.picture()), 5000)
+        self.choose("clip-axis", "2")
+        self.assertNotEqual(self.drawn_polygons()[0], middle)
+        self.choose("clip-axis", "")
+        self.assertEqual(self.drawn_polygons(), [[], 0])
+
+    def test_cells_of_flats_and_few_points(self):
+        for name, rows, cells in (("one", [(1, 2)], 0), ("two", [(1, 2), (3, 4)], 0),
+                                  ("line", [(0, 0), (1, 1), (3, 3)], 0),
+                                  ("three", [(0, 0), (1, 0), (0, 1)], 1),
+                                  ("plane", [(0, 0, 0), (1, 0, 1), (0, 1, 2), (1, 1, 3)], 2)):
+            self.view(written(f"flat-{name}.txt", rows), "--delaunay")
+            self.assertEqual(len(self.drawn_polygons()[0]), 9 * cells, name)
+            self.assertEqual(browser.complaints(self.page), [])
+
+    def test_many_cells_are_those_of_a_sample(self):
+        self.view(generated("many.npy", "cube", "-n", "60k", "-d", "3"), "--delaunay")
+        shown = browser.run("return [viewer.frame.cells.length / 4, viewer.frame.cell_points]")
+        self.assertTrue(20_000 < shown[1] < 60_000 and shown[0] > 5 * shown[1], shown)
+        self.assertIn("a fair sample, seen where", self.text("notes"))
+        self.assertGreater(len(self.drawn_polygons()[0]), 1000)
 
     def test_saving(self):
         """The PNG is the picture; the mesh has the hull that the program finds, bit for bit."""
@@ -511,6 +601,10 @@ class Errors(unittest.TestCase):
         self.refused(1, "cannot write", good, "-o", path("nowhere/x.html"))
         self.refused(2, "standard output", good, "-o", "-", "--json")
         app("hull", good, f"--json={path('report.json')}", "-q")
+        self.refused(2, "dimension 2 and 3", generated("four.npy", "ball", "-n", "20", "-d", "4"),
+                     "--delaunay", "-o", path("x.html"))
+        app("hull", good, "-o", path("good.json"), "-q")
+        self.refused(2, "without its points", path("good.json"), "--delaunay", "-o", path("x.html"))
         self.refused(1, "no hull with its lists", path("report.json"), "-o", path("x.html"))
         self.assertFalse(os.path.exists(path("x.html")))
 

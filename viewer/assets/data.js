@@ -14,13 +14,13 @@ function readScene() {
   const kinds = { u8: Uint8Array, u16: Uint16Array, u32: Uint32Array, f32: Float32Array, f64: Float64Array };
   const unpack = (holder, names) => {
     for (const name of names) {
-      if (!holder[name]) continue;  // colours, facets: not in every page
+      if (!holder[name]) continue;  // colours, facets, cells: not in every page
       const [offset, length, kind] = holder[name];
       holder[name] = new kinds[kind](bytes, offset, length);
     }
   };
   for (const frame of scene.frames) {
-    unpack(frame, ["ids", "coordinates", "colours", "edges", "triangles", "facets"]);
+    unpack(frame, ["ids", "coordinates", "colours", "edges", "triangles", "facets", "cells"]);
     for (const shadow of frame.shadows || []) unpack(shadow, ["edges", "triangles"]);
   }
   scene.ranges = axisRanges(scene);

@@ -118,7 +118,7 @@ function summaryOf(scene, frame) {
 function notesOf(scene, frame) {
   const part = (drawn, all, one, many) =>
     drawn === all ? `all ${plural(all, one, many)}` : `${grouped.format(drawn)} of ${plural(all, one, many)}, a fair sample`;
-  const notes = [];
+  const notes = [], r = frame.report;
   const list = [];
   if (!frame.simplified) list.push(part(frame.vertices, frame.all_vertices, "vertex", "vertices"));
   if (frame.all_survivors > 0) list.push(part(frame.survivors, frame.all_survivors, "other survivor"));
@@ -134,6 +134,11 @@ function notesOf(scene, frame) {
     notes.push(`Only the first ${scene.axes} of ${grouped.format(scene.dimension)} coordinates are in this page.`);
   if (scene.frame_count > scene.frames.length)
     notes.push(`${scene.frames.length} of ${grouped.format(scene.frame_count)} frames are in this page.`);
+  if (frame.cells) {
+    const cells = plural(frame.cell_corners ? frame.cells.length / frame.cell_corners : 0, "Delaunay cell");
+    const points = frame.cell_points === r.points.count ? "all points" : `${plural(frame.cell_points, "point")}, a fair sample`;
+    notes.push(`${cells} of ${points}${frame.cell_corners === 4 ? ", seen where the clip plane cuts them" : ""}.`);
+  }
   if (frame.affine_dimension > 3)
     notes.push("Seen is the shadow of the hull on the axes chosen: the outline of all its vertices, projected.");
   return notes;

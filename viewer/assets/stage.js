@@ -46,6 +46,23 @@ void main() {
   gl_FragColor = vec4(colour, alpha);
 }`,
   },
+  // A cell of a triangulation, lighter or darker than its neighbours.
+  cell: {
+    vertex: `attribute float tone;
+varying float own;
+void main() {
+  inside = position;
+  own = tone;
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+}`,
+    fragment: `uniform vec3 lit, paper;
+uniform float alpha;
+varying float own;
+void main() {
+  cut();
+  gl_FragColor = vec4(mix(lit, paper, 0.75 * own), alpha);
+}`,
+  },
   // Each facet has one normal, so that facets are told apart by their light; where one looks along
   // the surface it is less transparent, as glass is.
   surface: {
@@ -117,8 +134,13 @@ class Stage {
     const surface = (order, settings) => this.part(new THREE.Mesh(new THREE.BufferGeometry(),
       this.material("surface", { lit: colour(), shade: colour(), alpha: 1, plain: 0 }, { depthWrite: false, ...settings })), order);
     const whole = { value: new THREE.Vector4(0, 0, 0, 1) };
+    // What lies in the clip plane is not clipped.
+    const cells = (order, settings) => this.part(new THREE.Mesh(new THREE.BufferGeometry(),
+      this.material("cell", { lit: colour(), paper: colour(), alpha: 1, clip: whole }, { side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1, ...settings })), order);
     this.parts = {
       box: lines(0, {}, { alpha: 0.55, clip: whole }),
+      cells: cells(0.5, {}),
+      cellEdges: lines(2.5, {}, { clip: whole }),
       points: dots(1, {}),
       survivors: dots(2, {}),
       back: surface(3, { side: THREE.BackSide }),
@@ -169,6 +191,15 @@ class Stage {
     for (const name of names) this.parts[name].geometry = geometry;
     for (const geometry of old) geometry.dispose();
   }
+  // What cellShape (cells.js) found, or null.
+  loadCells(shape) {
+    const none = new Float32Array(0);
+    this.fill(["cells"], shape ? shape.places : none);
+    this.parts.cells.geometry.setAttribute("tone", new THREE.BufferAttribute(shape ? shape.tones : none, 1));
+    this.fill(["cellEdges"], shape ? shape.lines : none);
+    this.parts.cells.material.depthWrite = !this.flat;
+    this.cellCount = shape ? shape.lines.length / 18 : 0;
+  }
   // Three bytes for each survivor, then for each dropped point; null: the parts' own colours.
   tint(bytes, survivors) {
     for (const [name, from, to] of [["survivors", 0, 3 * survivors], ["points", 3 * survivors, undefined]]) {
@@ -215,6 +246,7 @@ class Stage {
     p.web.material.uniforms.alpha.value = eased(this.lines, 100, 100000, 0.5, 0.03);
     p.front.material.uniforms.alpha.value = this.flat ? 0.16 : this.glass;
     p.back.material.uniforms.alpha.value = 0.75 * this.glass * (1 - this.glass) + 0.1;
+    p.cellEdges.material.uniforms.alpha.value = eased(this.cellCount, 300, 30000, 0.9, 0.3);
     p.facet.material.uniforms.alpha.value = this.flat ? 0.5 : 0.8;
   }
 
@@ -233,6 +265,9 @@ class Stage {
     set("facet", "shade", "picked");
     for (const name of ["edges", "farEdges", "web"]) set(name, "colour", "edges");
     set("box", "colour", "axes");
+    set("cells", "lit", "lit");
+    set("cells", "paper", "paper");
+    set("cellEdges", "colour", "edges");
   }
 
   show(on) {
@@ -247,6 +282,8 @@ class Stage {
     p.front.visible = on.faces;
     p.back.visible = on.faces && this.solid;
     p.depth.visible = this.solid;
+    p.cells.visible = on.cells;
+    p.cellEdges.visible = on.cells;
     p.box.visible = on.axes && !this.flat;
   }
 

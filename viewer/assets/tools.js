@@ -116,7 +116,7 @@ class Clip {
     });
   }
   offer(names) {
-    const chosen = this.axis.value;
+    const chosen = this.axis.options.length > 0 ? this.axis.value : this.first();
     this.axis.replaceChildren(element("option", { value: "" }, "Off"),
       ...names.map((name, i) => element("option", { value: i }, "Across " + name)));
     this.axis.value = chosen !== "" && Number(chosen) < names.length ? chosen : "";
@@ -124,8 +124,17 @@ class Clip {
     if (names.length < 3) this.axis.value = "";
     this.apply();
   }
+  // Tetrahedra are seen where they are cut, from the front to begin with.
+  first() {
+    if (!this.viewer.scene.frames.some((f) => f.cell_corners === 4)) return "";
+    this.sign = -1;
+    return "1";
+  }
+  get on() {
+    return this.axis.value !== "";
+  }
   apply() {
-    const on = this.axis.value !== "";
+    const { on } = this;
     this.place.parentElement.hidden = !on;
     this.flip.disabled = !on;
     const clip = this.viewer.stage.clip.value;
@@ -135,6 +144,7 @@ class Clip {
       normal[i] = this.sign;
       clip.set(...normal, this.sign * (2 * (this.place.value / 1000) - 1) * this.viewer.space.extent[i]);
     }
+    if (this.viewer.cells) this.viewer.cut();
     this.viewer.invalidate();
   }
 }

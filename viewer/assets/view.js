@@ -6,7 +6,7 @@ class Viewer {
   constructor(scene) {
     this.scene = scene;
     this.axes = [0, 1, 2].map((axis) => (axis < scene.axes ? axis : -1));
-    this.on = { points: true, survivors: true, vertices: true, faces: true, edges: true, axes: true, web: false };
+    this.on = { points: true, survivors: true, vertices: true, faces: true, edges: true, axes: true, web: false, cells: true };
     this.at = 0;
     this.picked = null;  // the id of a point
     this.facet = null;   // what facetFigures found
@@ -100,6 +100,8 @@ class Viewer {
     const frame = this.frame;
     this.shape = shapeOn(this.scene, frame, this.axes);
     this.stage.load(frame, this.space, this.shape, this.flat);
+    this.cells = frame.cells && this.space.positions(frame, 0, frame.ids.length);
+    this.cut();
     this.tint();
     if (this.facet) this.pickFacet(null);
     showFigures(frame.report);
@@ -107,6 +109,10 @@ class Viewer {
     this.showPick();
     this.drawPairs();
     this.invalidate();
+  }
+  // The cells that are seen, by the clip plane where there is one.
+  cut() {
+    this.stage.loadCells(this.cells ? cellShape(this.frame, this.cells, this.clip.on ? this.stage.clip.value : null) : null);
   }
   tint() {
     const byAxis = this.colourBy !== "role" && this.colourBy !== "file";
@@ -244,6 +250,7 @@ class Viewer {
       ["edges", high ? "Outline" : "Edges", "E", "edges", "stroke", any("edges")],
       ["axes", "Axes", "A", "axes", "stroke", true],
     ];
+    if (this.scene.frames.some((f) => f.cells)) toggles.splice(4, 0, ["cells", "Cells", "C", "lit", "area", this.scene.frames.some((f) => f.cell_corners > 2)]);
     if (high) toggles.push(["web", "All edges", "W", "edges", "stroke", any("edges")]);
     this.on.web = high && !shadowed;
     this.keys = {};

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ._alpha import AlphaShape, alpha_radii, alpha_shape
+from ._alpha import AlphaShape, ConcaveHull, alpha_radii, alpha_shape, concave_hull
 from ._answers import NearestFacets, Rays
 from ._constrained import ConstrainedTriangulation, constrained_delaunay
 from ._core import version as __version__
@@ -79,6 +79,7 @@ __all__ = [
     "Cancelled",
     "Certificate",
     "ClippedCells",
+    "ConcaveHull",
     "ConstrainedTriangulation",
     "ConvexHull",
     "Delaunay",
@@ -118,6 +119,7 @@ __all__ = [
     "alpha_radii",
     "alpha_shape",
     "certify",
+    "concave_hull",
     "constrained_delaunay",
     "convex_hull",
     "convex_hulls",

@@ -1,4 +1,4 @@
-"""Alpha shapes: concave hulls of points, and the surface around them."""
+"""Alpha shapes and concave hulls of points, and the surface around them."""
 
 from __future__ import annotations
 
@@ -140,6 +140,103 @@ class AlphaShape:
             [ids[rings[ring] : rings[ring + 1]] for ring in range(begin, end)]
             for begin, end in zip(polygons[:-1].tolist(), polygons[1:].tolist())
         ]
+
+
+def concave_hull(
+    points: Any,
+    ratio: float | None = None,
+    *,
+    edge_length: float | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> ConcaveHull:
+    """The concave hull of points in a plane: one ring without holes, around all of them.
+
+    It is dug out of the convex hull, the longest edge of the boundary first, as long as that is
+    longer than a limit and the boundary stays one simple ring (Duckham and others, 2008).
+
+    Parameters
+    ----------
+    points : (n, d) array, or a `Triangulation` of `delaunay`
+    ratio : float, optional
+        The limit as a share of the way from the shortest edge of the triangulation, 0, to the
+        longest, 1, which gives the convex hull.
+    edge_length : float, optional
+        The limit itself, compared exactly. One of both must be given.
+    threads, progress : as in `convex_hull`
+
+    Returns
+    -------
+    ConcaveHull
+
+    Raises
+    ------
+    NotFinite, InvalidArgument (ValueErrors), TypeError
+        As `delaunay`; also for points that span more than two dimensions, numbers out of range,
+        and triangulations of the furthest site or with hidden points.
+    KeyboardInterrupt
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> corner = [[0, 0], [4, 0], [0, 4], [1, 1]]
+    >>> cullhull.concave_hull(corner, edge_length=5).ring.tolist()
+    [0, 1, 3, 2]
+    >>> cullhull.concave_hull(corner, 1).ring.tolist()
+    [0, 1, 2]
+    """
+    if (ratio is None) == (edge_length is None):
+        raise InvalidArgument("concave_hull needs either a ratio or an edge_length")
+    number = edge_length if ratio is None else ratio
+    found = triangulated(points, threads=threads, progress=progress)
+    chosen = settings(threads=threads, progress=progress)
+    return ConcaveHull(
+        found, *_core.concave_hull(found._cells, float(number), ratio is not None, chosen)
+    )
+
+
+class ConcaveHull(AlphaShape):
+    """A concave hull by the length of edges, made by `concave_hull`.
+
+    Attributes
+    ----------
+    edge_length : float
+        Edges of the boundary that are longer are there because the ring could not be cut there.
+    alpha : float
+        Infinite, as cells of any size may stay. All else is as in `AlphaShape`.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> hull = cullhull.concave_hull(cullhull.generate("disk", 500, 2, seed=1), 0.3)
+    >>> len(hull.polygons()), len(hull.polygons()[0])
+    (1, 1)
+    """
+
+    __slots__ = ("edge_length",)
+
+    def __init__(
+        self,
+        triangulation: Triangulation,
+        edge_length: float,
+        cell_numbers: npt.NDArray[np.int32],
+        facets: npt.NDArray[np.int32],
+        facet_cells: npt.NDArray[np.int32],
+    ) -> None:
+        super().__init__(triangulation, float("inf"), cell_numbers, facets, facet_cells)
+        self.edge_length = edge_length
+
+    def __repr__(self) -> str:
+        return (
+            f"<ConcaveHull of {self.triangulation.point_count} points: "
+            f"{len(self.facet_cells)} edges, dug in where longer than {self.edge_length:g}>"
+        )
+
+    @property
+    def ring(self) -> npt.NDArray[np.int32]:
+        """(m,) int32: indices of points around the hull, counter-clockwise from the lowest."""
+        polygons = self.polygons()
+        return polygons[0][0] if polygons else np.empty(0, np.int32)
 
 
 def alpha_radii(

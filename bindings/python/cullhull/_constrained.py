@@ -97,7 +97,7 @@ class ConstrainedTriangulation:
     depths : (c,) int32 array
         How many given edges one must cross, at least, from each cell to the outside; odd inside.
     certificate : Certificate or None
-        What ``certify=True`` found, of the whole triangulation.
+        What ``certify=True`` found.
 
     Examples
     --------

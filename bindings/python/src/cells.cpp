@@ -82,6 +82,19 @@ Array<double> alpha_radii(const Cells& cells, const Settings* settings) {
   return copied(radii);
 }
 
+/// By a length, or with `ratio` by a share of the lengths; the length, too.
+std::tuple<double, Numbers, Numbers, Numbers> concave_hull(const Cells& cells, double number,
+                                                           bool ratio, const Settings* settings) {
+  cullhull::AlphaShape hull;
+  double length = number;
+  run(settings, length_of_cells(cells), [&](const Options& options) {
+    const auto points = cells.points().view();
+    if (ratio) length = cullhull::concave_length(points, cells.triangulation(), number, options);
+    hull = cullhull::concave_hull(points, cells.triangulation(), length, options);
+  });
+  return {length, copied(hull.cells), copied(hull.facets), copied(hull.facet_cells)};
+}
+
 double critical_alpha(const Cells& cells, bool one_region, const Settings* settings) {
   double alpha = 0;
   run(settings, length_of_cells(cells), [&](const Options& options) {
@@ -133,11 +146,9 @@ std::tuple<std::unique_ptr<Cells>, Numbers, Numbers, Numbers, cullhull::Certific
         chosen.progress = options.progress;
         chosen.stop = options.stop;
         chosen.poll = options.poll;
-        if (certified || !inside_only)
-          result = cullhull::constrained_delaunay(points.view(), pairs, chosen);
-        if (certified) certificate = cullhull::certify(points.view(), pairs, result);
-        chosen.inside_only = true;
-        if (inside_only) result = cullhull::constrained_delaunay(points.view(), pairs, chosen);
+        chosen.inside_only = inside_only;
+        result = cullhull::constrained_delaunay(points.view(), pairs, chosen);
+        if (certified) certificate = cullhull::certify(points.view(), pairs, result, chosen);
       });
   check_numbers(result.triangulation.size());
   Numbers pieces = copied(result.pieces), sources = copied(result.piece_sources),
@@ -181,6 +192,7 @@ void bind_cells(nb::module_& m) {
   const auto settings = nb::arg("settings").none();
   m.def("alpha_shape", alpha_shape, cells, nb::arg("alpha"), settings);
   m.def("alpha_radii", alpha_radii, cells, settings);
+  m.def("concave_hull", concave_hull, cells, nb::arg("number"), nb::arg("ratio"), settings);
   m.def("critical_alpha", critical_alpha, cells, nb::arg("one_region"), settings);
   m.def("cell_polygons", cell_polygons, cells, nb::arg("chosen"), settings);
   m.def("minimum_spanning_tree", graph<cullhull::minimum_spanning_tree>, cells, settings);

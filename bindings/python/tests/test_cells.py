@@ -61,6 +61,49 @@ def test_polygons_are_valid():
             assert shapely.MultiPolygon(polygons).is_valid
 
 
+def test_concave_hulls_are_shapelys():
+    shapely = pytest.importorskip("shapely")
+    turned = random_points(800, 2)
+    turned = np.c_[np.cos(5 * turned[:, 0]), np.sin(5 * turned[:, 0])] * (1 + turned[:, 1:] / 4)
+    for points in (random_points(10, 2), random_points(700, 2, 1), turned):
+        found = cullhull.delaunay(points)
+        for ratio in (0, 0.05, 0.1, 0.3, 0.8, 1):
+            hull = cullhull.concave_hull(found, ratio)
+            ours = shapely.Polygon(points[hull.ring])
+            other = shapely.concave_hull(shapely.MultiPoint(points), ratio)
+            assert ours.normalize().equals(other.normalize()), ratio
+
+
+def test_concave_hulls_leave_out_no_point_and_long_edges_only_where_they_must():
+    points = random_points(500, 2)
+    found = cullhull.delaunay(points)
+    for length in (0.0, 0.04, 0.1, 0.5):
+        hull = cullhull.concave_hull(found, edge_length=length)
+        assert hull.edge_length == length and hull.alpha == np.inf
+        assert set(hull.cells.ravel().tolist()) == set(range(500))
+        assert len(set(hull.ring.tolist())) == len(hull.ring) == len(hull.facets)
+        ends = points[hull.facets]
+        long = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) > length
+        apexes = found.cells[hull.facet_cells[long]]
+        for edge, cell in zip(hull.facets[long].tolist(), apexes.tolist()):
+            (apex,) = set(cell) - set(edge)
+            assert apex in hull.ring
+    assert cullhull.concave_hull(found, 1).facets.tolist() == found.hull_facets.tolist()
+    assert repr(hull).startswith("<ConcaveHull of 500 points: ")
+
+
+def test_concave_hulls_of_few_points_and_refusals():
+    for few in (np.zeros((0, 2)), [[1, 2]], [[0, 0], [1, 1]], np.ones((3, 3))):
+        assert len(cullhull.concave_hull(few, 0.5).ring) == 0
+    assert cullhull.concave_hull([[0, 0], [1, 0], [0, 1]], 0).ring.tolist() == [0, 1, 2]
+    points = random_points(20, 2)
+    for bad in ((), (0.5, 0.5), (-1,), (1.5,), (np.nan,), (None, -1), (None, np.nan)):
+        with pytest.raises(cullhull.InvalidArgument):
+            cullhull.concave_hull(points, *bad[:1], edge_length=bad[1] if len(bad) > 1 else None)
+    with pytest.raises(cullhull.InvalidArgument):
+        cullhull.concave_hull(random_points(20, 3), 0.5)
+
+
 def test_surfaces_in_space_are_closed():
     shape = cullhull.alpha_shape(random_points(400, 3))
     edges = np.concatenate([shape.facets[:, [i, (i + 1) % 3]] for i in range(3)])

@@ -1,5 +1,7 @@
 #include "io/hdf5/hdf5_points.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <mutex>
 #include <optional>
@@ -109,8 +111,8 @@ extern "C" herr_t list_dataset(hid_t root, const char* name, const H5O_info_t* i
 }
 
 std::string text_of(const Shape& shape) {
-  return "(" + std::to_string(shape.count) +
-         (shape.axes == 2 ? ", " + std::to_string(shape.width) : "") + ")";
+  return shape.axes == 2 ? fmt::format("({}, {})", shape.count, shape.width)
+                         : fmt::format("({})", shape.count);
 }
 
 class OpenDataset {
@@ -201,7 +203,7 @@ struct Hdf5Points::Impl {
     if (!file) fail({file_name, nullptr, 0}, "is no HDF5 file that can be opened" + reason());
     name = file_name;
     if (datasets.empty()) return choose();
-    name += ":" + display_name(datasets);
+    name.append(1, ':').append(display_name(datasets));
     for (const std::string& one : between_commas(datasets)) add(one);
   }
   void add(const std::string& path) {

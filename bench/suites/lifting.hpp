@@ -1,0 +1,42 @@
+// Suite `lifting`: Delaunay triangulations beside Qhull's (as SciPy calls it), CGAL's where its
+// program is installed, and those of other programs.
+#pragma once
+
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "calls.hpp"
+#include "cullhull/options.hpp"
+#include "report.hpp"
+#include "workload.hpp"
+
+namespace cullhull::bench {
+
+/// Those that are measured if nothing else is asked for: uniform, clustered, on a lattice, on a
+/// sphere and on lines in 2D and 3D, uniform in 4D and 5D; with a file its points in 2D.
+std::vector<Workload> lifting_workloads(bool with_scan);
+
+struct LiftingSettings {
+  std::vector<Workload> workloads;  ///< empty: lifting_workloads()
+  std::string scan;                 ///< file of the points of the family "scan"
+  double scale = 1;                 ///< of every size
+  unsigned repeat = 3;              ///< medians of so many turns, of fewer where they are long
+  std::vector<unsigned> threads;    ///< for ours, ascending; 0: all; empty: one, and all
+  double limit = 60;                ///< seconds for one run of a rival; 0: as long as it takes
+  bool with_qhull = true, with_cgal = true;
+  /// Programs that are run with a .npy of doubles and the word `delaunay`, and write the seconds
+  /// and the number of simplices as doubles in binary.
+  std::vector<RivalProgram> rivals;
+  std::string cgal;  ///< bench/rival_cgal.cpp; empty: beside this program, if it is there
+};
+
+/// Ours and the rivals by turns over the same doubles, rivals in processes of their own. A row
+/// agrees if ours are the same for every number of threads and as many as CGAL's, which is exact;
+/// where there is no CGAL, or where ties allow other cells, if ours are certified. Throws
+/// Error{cancelled}; Error{invalid_argument} for a family that has no points of a dimension, or
+/// "scan" without a file; Error{io} for a program of `rivals` that does not answer.
+Report run_lifting(const LiftingSettings& settings, const Progress& progress,
+                   const std::stop_token& stop);
+
+}  // namespace cullhull::bench
