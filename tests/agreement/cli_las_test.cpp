@@ -123,6 +123,34 @@ TEST(CliLas, TilesOfOneGridAreOneSetAndOthersAreRefused) {
                  "t2.las: scale or offset are not those of the numbers in");
 }
 
+// So that they are the same points, whole: what scale and offset make of them is rounded.
+TEST(CliLas, PointsAsTextAreTheNumbersOfTheFile) {
+  const Folder f;
+  const Numbers numbers = ball(3000);
+  write_file(f / "a.las", las(numbers, metres));
+  for (const char* stream : {"off", "on"}) {
+    ASSERT_EQ(run_app({"cull", f / "a.las", "--stream", stream, "-o", f / "ids.txt", "--points",
+                       f / "kept.csv"})
+                  .status,
+              0);
+    std::istringstream ids(read_file(f / "ids.txt"));
+    std::string expected = "x,y,z\n";
+    for (std::size_t id = 0; ids >> id;)
+      for (std::size_t j = 0; j < 3; ++j)
+        expected += std::to_string(numbers[3 * id + j]) + (j < 2 ? ',' : '\n');
+    EXPECT_EQ(read_file(f / "kept.csv"), expected);
+    // Beside a mesh of the same file, whose vertices lie elsewhere.
+    ASSERT_EQ(run_app({"hull", f / "kept.csv", "-o", f / "kept.obj"}).status, 0);
+    ASSERT_EQ(run_app({"hull", f / "a.las", "-o", f / "las.obj"}).status, 0);
+    std::vector<double> placed = vertices_of_obj(read_file(f / "kept.obj"));
+    for (std::size_t i = 0; i < placed.size(); ++i) placed[i] = metres.at(i % 3, placed[i]);
+    std::vector<double> lie = vertices_of_obj(read_file(f / "las.obj"));
+    std::sort(placed.begin(), placed.end());
+    std::sort(lie.begin(), lie.end());
+    EXPECT_EQ(placed, lie);
+  }
+}
+
 // Headers that were not filled in, and numbers of another format among them: as they are.
 TEST(CliLas, WithoutAScaleNumbersAreAsTheyAre) {
   const Folder f;

@@ -10,7 +10,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 # coxeter's own tests are those of one version.
 coxeter=0.11.0
 extras=(pandas pyarrow shapely polars xarray scikit-image rtree hypothesis miniball "coxeter==$coxeter"
-  "dask[array,dataframe,distributed]" duckdb h5py laspy lazrs zarr pye57 fsspec)
+  "dask[array,dataframe,distributed]" duckdb ray h5py laspy lazrs zarr pye57 fsspec)
 if command -v mpirun >/dev/null; then extras+=(mpi4py); fi
 if command -v java >/dev/null; then extras+=(pyspark); fi
 for extra in "${extras[@]}"; do
