@@ -39,7 +39,10 @@ class MemoryFile {
 extern "C" const char* __asan_default_options();
 extern "C" const char* __asan_default_options() { return "quarantine_size_mb=16"; }
 
-// What libhdf5 itself reads beyond a buffer of its own is its own to mend.
+// What libhdf5 itself reads beyond a buffer of its own, or forgets of a damaged file, is its own to
+// mend.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
 extern "C" const char* __asan_default_suppressions();
 extern "C" const char* __asan_default_suppressions() { return "interceptor_via_lib:libhdf5"; }
 
