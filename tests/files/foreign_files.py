@@ -247,6 +247,15 @@ class Hdf5(Files):
         done = subprocess.run([PROGRAM, "hull", "-"], input=path.read_bytes(), capture_output=True)
         self.assertIn(b"from a file", done.stderr)
 
+    def test_names_in_errors_are_printable(self):
+        path = self.folder / "a.h5"
+        with h5py.File(path, "w", libver="earliest") as file:
+            for name in ("aaaa", "bbbb"):
+                file[name] = np.eye(2)
+        path.write_bytes(path.read_bytes().replace(b"aaaa\0", b"\xf7\xff\x01\x1b\0", 1))
+        for stream in ("on", "off"):  # libhdf5 finds the name, and nothing by it
+            self.assertIn("object '????'", error_of("hull", path, "--stream", stream))
+
     def test_what_is_corrupt(self):
         path = self.folder / "a.h5"
         with h5py.File(path, "w") as file:

@@ -130,7 +130,9 @@ extern "C" inline herr_t keep_first(unsigned, const H5E_error2_t* error, void* o
 inline std::string reason() {
   char text[128] = {};
   h5().H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_first, text);
-  return text[0] == 0 ? "" : " (libhdf5: " + display_name(text) + ")";
+  for (char* c = text; *c != 0; ++c)  // it quotes names, which a damaged file makes of any bytes
+    if (*c < ' ' || *c > '~') *c = '?';
+  return text[0] == 0 ? "" : " (libhdf5: " + std::string(text) + ")";
 }
 
 }  // namespace cullhull::internal
