@@ -35,9 +35,11 @@ class MemoryFile {
 }  // namespace
 
 // Libhdf5 allocates half a megabyte for every file it opens, and frees it: AddressSanitizer would
-// keep 256 MB of such before it reuses any.
+// keep 256 MB of such before it reuses any. What a damaged file makes it ask for is refused.
 extern "C" const char* __asan_default_options();
-extern "C" const char* __asan_default_options() { return "quarantine_size_mb=16"; }
+extern "C" const char* __asan_default_options() {
+  return "quarantine_size_mb=16:allocator_may_return_null=1";
+}
 
 // What libhdf5 itself reads beyond a buffer of its own, or forgets of a damaged file, is its own to
 // mend.
