@@ -11,11 +11,13 @@
 #include <unistd.h>
 #endif
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <climits>
 #include <csignal>
 #include <exception>
+#include <iterator>
 #include <new>
 #include <system_error>
 #include <thread>
@@ -64,14 +66,19 @@ bool ignored(int signal) {
   return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
 }
 
-// SIGBUS: a mapped file has been truncated. Any other SIGBUS is a bug and keeps its default effect.
+// SIGBUS: a mapped file has been truncated. All of them: libhdf5 has crashed. Any other fault is a
+// bug and keeps the effect it had.
+constexpr int faults[] = {SIGBUS, SIGSEGV, SIGFPE, SIGABRT};
+struct sigaction effects[std::size(faults)];
+
 void end_on_fault(int signal, siginfo_t* info, void*) {
-  const char* name = cullhull::describe_mapped_fault(info->si_addr);
-  if (name == nullptr) {
-    std::signal(signal, SIG_DFL);
-    return;  // the access is repeated, and faults again
-  }
-  end_with_line(bad_input, name, ": the file was cut short while it was being read");
+  if (const char* name = cullhull::describe_library_fault())
+    end_with_line(bad_input, name, ": libhdf5 crashed on it, as it does on some damaged files");
+  const char* name = signal == SIGBUS ? cullhull::describe_mapped_fault(info->si_addr) : nullptr;
+  if (name != nullptr)
+    end_with_line(bad_input, name, ": the file was cut short while it was being read");
+  const auto which = std::find(std::begin(faults), std::end(faults), signal) - std::begin(faults);
+  sigaction(signal, effects + which, nullptr);  // the access is repeated, and faults again
 }
 #endif
 
@@ -125,7 +132,7 @@ void install_signals() {
   struct sigaction fault = {};
   fault.sa_sigaction = end_on_fault;
   fault.sa_flags = SA_SIGINFO;
-  sigaction(SIGBUS, &fault, nullptr);
+  for (std::size_t i = 0; i < std::size(faults); ++i) sigaction(faults[i], &fault, effects + i);
 
   sigset_t signals;
   sigemptyset(&signals);

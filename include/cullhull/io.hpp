@@ -139,6 +139,10 @@ std::vector<std::string> sequence_files(const std::vector<std::string>& paths);
 /// shrinks under its reader. The name stays readable as long as the PointFile is open.
 const char* describe_mapped_fault(const void* address) noexcept;
 
+/// For a handler of SIGSEGV, SIGBUS, SIGFPE or SIGABRT (async-signal-safe): the name of the HDF5
+/// file that libhdf5 is reading on this thread, or nullptr. Some damaged files crash it.
+const char* describe_library_fault() noexcept;
+
 struct JsonExtras {
   double read_seconds = 0;
   /// The times of all runs where there were several; the hull's statistics have the median run's.

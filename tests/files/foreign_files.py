@@ -256,6 +256,11 @@ class Hdf5(Files):
         for stream in ("on", "off"):  # libhdf5 finds the name, and nothing by it
             self.assertIn("object '????'", error_of("hull", path, "--stream", stream))
 
+    def test_what_crashes_libhdf5(self):
+        path = pathlib.Path(__file__).parent / "damaged.h5"  # of 1.10, by a length of a heap's names
+        for stream in ("on", "off"):
+            self.assertIn(str(path), error_of("hull", f"{path}:x,y", "--stream", stream))
+
     def test_what_is_corrupt(self):
         path = self.folder / "a.h5"
         with h5py.File(path, "w") as file:

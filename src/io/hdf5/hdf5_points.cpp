@@ -280,7 +280,7 @@ struct Hdf5Points::Impl {
 };
 
 Hdf5Points::Hdf5Points(const std::string& file, const std::string& datasets) {
-  const Quiet call;
+  const Quiet call(file);
   auto impl = std::make_unique<Impl>();  // closed before the call is over, should it be refused
   impl->file_name = display_name(file);
   impl->open(file, datasets);
@@ -289,7 +289,8 @@ Hdf5Points::Hdf5Points(const std::string& file, const std::string& datasets) {
 }
 
 Hdf5Points::~Hdf5Points() {
-  const Quiet call;
+  const std::string name = std::move(impl_->file_name);
+  const Quiet call(name);
   impl_.reset();
 }
 
@@ -313,7 +314,7 @@ PointData Hdf5Points::read(std::uint64_t first, std::uint64_t count, char* out) 
   data.view = {
       base,  impl_->scalar,          impl_->dimension,
       count, rows ? size * d : size, rows ? size : size * static_cast<std::ptrdiff_t>(count)};
-  const Quiet call;
+  const Quiet call(impl_->file_name);
   if (rows) {
     impl_->read_column(impl_->columns[0], first, count, out, impl_->dimension);
     return data;
@@ -377,3 +378,11 @@ PointData read_hdf5(const std::string& file, const std::string& datasets,
 }
 
 }  // namespace cullhull::internal
+
+const char* cullhull::describe_library_fault() noexcept {
+#if CULLHULL_HAVE_HDF5
+  return internal::read_by_libhdf5();
+#else
+  return nullptr;
+#endif
+}

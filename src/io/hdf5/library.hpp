@@ -23,11 +23,12 @@ namespace cullhull::internal {
   X(H5Dget_create_plist)                                                                          \
   X(H5Dget_space)                                                                                 \
   X(H5Dget_type)                                                                                  \
-  X(H5Dopen2) X(H5Dread) X(H5Eget_auto2) X(H5Eset_auto2) X(H5Ewalk2) X(H5Fclose) X(H5Fopen)       \
-      X(H5Ovisit) X(H5Pclose) X(H5Pcreate) X(H5Pget_chunk) X(H5Pget_layout) X(H5Pset_chunk_cache) \
-          X(H5Sclose) X(H5Screate_simple) X(H5Sget_simple_extent_dims)                            \
-              X(H5Sget_simple_extent_ndims) X(H5Sselect_hyperslab) X(H5Tclose) X(H5Tget_class)    \
-                  X(H5Tget_fields) X(H5Tget_sign) X(H5Tget_size) X(H5dont_atexit) X(H5open)
+  X(H5Dopen2)                                                                                     \
+  X(H5Dread) X(H5Eget_auto2) X(H5Eset_auto2) X(H5Ewalk2) X(H5Fclose) X(H5Fopen) X(H5Ovisit)       \
+      X(H5Pclose) X(H5Pcreate) X(H5Pget_chunk) X(H5Pget_layout) X(H5Pset_chunk_cache) X(H5Sclose) \
+          X(H5Screate_simple) X(H5Sget_simple_extent_dims) X(H5Sget_simple_extent_ndims)          \
+              X(H5Sselect_hyperslab) X(H5Tclose) X(H5Tget_class) X(H5Tget_fields) X(H5Tget_sign)  \
+                  X(H5Tget_size) X(H5dont_atexit) X(H5open)
 // In two steps: some of the names are macros, for the version of a function.
 #define CULLHULL_HDF5_NAME(f) #f
 #define CULLHULL_HDF5_MEMBER(f) decltype(&::f) f;
@@ -99,16 +100,27 @@ class Handle {
   herr_t (*close_)(hid_t) = nullptr;
 };
 
+/// What this thread has libhdf5 read; null while it does not call it.
+inline const char*& read_by_libhdf5() {
+  static thread_local const char* name = nullptr;
+  return name;
+}
+
 /// While it lives, this thread alone calls libhdf5 and nothing is printed on standard error.
 class Quiet {
  public:
-  Quiet() : lock_(mutex()) {
+  /// `name`: of the file, for describe_library_fault(); it outlives the call.
+  explicit Quiet(const std::string& name) : lock_(mutex()) {
+    read_by_libhdf5() = name.c_str();
     h5().H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
     h5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   }
   Quiet(const Quiet&) = delete;
   Quiet& operator=(const Quiet&) = delete;
-  ~Quiet() { h5().H5Eset_auto2(H5E_DEFAULT, print_, data_); }
+  ~Quiet() {
+    h5().H5Eset_auto2(H5E_DEFAULT, print_, data_);
+    read_by_libhdf5() = nullptr;
+  }
 
  private:
   static std::mutex& mutex() {
