@@ -134,8 +134,10 @@ int create_file(const char* path) {
 }
 int duplicate(int fd) { return ::dup(fd); }
 
+#if CULLHULL_HAVE_HDF5  // else no library is loaded, nor dlopen's own linked (glibc before 2.34)
 void* open_library(const char* name) { return ::dlopen(name, RTLD_NOW | RTLD_LOCAL); }
 void* find_symbol(void* library, const char* name) { return ::dlsym(library, name); }
+#endif
 
 std::ptrdiff_t read_some(int fd, void* out, std::size_t size) { return ::read(fd, out, size); }
 std::ptrdiff_t read_some_at(int fd, void* out, std::size_t size, std::uint64_t offset) {
