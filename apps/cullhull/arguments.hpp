@@ -71,18 +71,6 @@ struct RunArguments {
   std::uint64_t memory_bytes() const;
 };
 
-/// Options of a step that has its own kind of them, run as `given` says.
-template <class StepOptions>
-StepOptions run_as(const cullhull::Options& given) {
-  StepOptions options;
-  options.threads = given.threads;
-  options.memory_budget = given.memory_budget;
-  options.progress = given.progress;
-  options.stop = given.stop;
-  options.poll = given.poll;
-  return options;
-}
-
 /// The file of the machine's constants: $CULLHULL_MACHINE, else cullhull/machine.json in
 /// $XDG_CONFIG_HOME or ~/.config; empty without a home.
 std::string machine_file();

@@ -165,6 +165,7 @@ struct RivalArguments : RunsArguments {
     sets.add_to(command);
     add_without(command, without);
   }
+  void write_to(cullhull::bench::ContestSettings& settings) const;  ///< all but the workloads
 };
 
 struct LiftingArguments : RivalArguments {
@@ -237,6 +238,15 @@ std::vector<cullhull::bench::Workload> SetArguments::chosen(const std::vector<Wo
 
 bool left_out(const std::vector<std::string>& without, const char* name) {
   return std::find(without.begin(), without.end(), name) != without.end();
+}
+
+void RivalArguments::write_to(cullhull::bench::ContestSettings& settings) const {
+  settings.scale = scale;
+  settings.repeat = repeat;
+  if (!threads.empty()) settings.threads = counts_in(threads, "--threads", 1, true);
+  settings.limit = limit;
+  settings.with_qhull = !left_out(without, "qhull");
+  settings.with_cgal = !left_out(without, "cgal");
 }
 
 /// "If nothing is chosen:" and the names.
@@ -349,14 +359,9 @@ Command add_bench_rivals(Parser& bench) {
   command.footer(rivals_help());
   return [a] {
     return run(*a, [&](const cullhull::Progress& progress) {
-      cullhull::bench::RivalSettings s;
+      cullhull::bench::ContestSettings s;
+      a->write_to(s);
       s.workloads = a->sets.chosen(cullhull::bench::rival_workloads());
-      s.scale = a->scale;
-      s.repeat = a->repeat;
-      if (!a->threads.empty()) s.threads = counts_in(a->threads, "--threads", 1, true);
-      s.limit = a->limit;
-      s.with_qhull = !left_out(a->without, "qhull");
-      s.with_cgal = !left_out(a->without, "cgal");
       return cullhull::bench::run_rivals(s, progress, stop_token());
     });
   };
@@ -376,14 +381,9 @@ Command add_bench_lifting(Parser& bench) {
   return [a] {
     return run(*a, [&](const cullhull::Progress& progress) {
       cullhull::bench::LiftingSettings s;
+      a->write_to(s);
       s.workloads = a->sets.chosen(cullhull::bench::lifting_workloads(!a->scan.empty()), "uniform");
       s.scan = a->scan;
-      s.scale = a->scale;
-      s.repeat = a->repeat;
-      if (!a->threads.empty()) s.threads = counts_in(a->threads, "--threads", 1, true);
-      s.limit = a->limit;
-      s.with_qhull = !left_out(a->without, "qhull");
-      s.with_cgal = !left_out(a->without, "cgal");
       s.rivals = programs_in(a->programs);
       return cullhull::bench::run_lifting(s, progress, stop_token());
     });

@@ -203,7 +203,7 @@ void triangulate_with_edges(const DualArguments& a, const PointView& points, Out
   const std::vector<std::uint32_t> edges = read_edges(a, points.count);
   cullhull::ConstrainedTriangulation found =
       repeat(a.run, 1, [&](const cullhull::Options& options) {
-        auto o = run_as<cullhull::ConstrainedOptions>(options);
+        auto o = cullhull::run_as<cullhull::ConstrainedOptions>(options);
         o.inside_only = a.inside;
         return naming_file(a.input.path, [&] {
           cullhull::ConstrainedTriangulation made =
@@ -219,7 +219,7 @@ void triangulate_with_edges(const DualArguments& a, const PointView& points, Out
 void triangulate(const DualArguments& a, const PointView& points, Outcome& out) {
   if (!a.edges.empty()) return triangulate_with_edges(a, points, out);
   out.triangulation = repeat(a.run, 1, [&](const cullhull::Options& options) {
-                        auto o = run_as<cullhull::TriangulationOptions>(options);
+                        auto o = cullhull::run_as<cullhull::TriangulationOptions>(options);
                         o.furthest_site = a.furthest;
                         return naming_file(a.input.path, [&] {
                           return out.weights.empty()

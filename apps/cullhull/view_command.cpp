@@ -59,7 +59,7 @@ struct ViewArguments {
   std::optional<cullhull::TriangulationOptions> triangulation(
       const cullhull::Options& given) const {
     if (!cells) return std::nullopt;
-    return run_as<cullhull::TriangulationOptions>(given);
+    return cullhull::run_as<cullhull::TriangulationOptions>(given);
   }
 };
 

@@ -20,6 +20,7 @@
 
 #include "cgal.hpp"
 #include "child.hpp"
+#include "contest.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
@@ -263,12 +264,7 @@ class Suite {
   }
 
   Row row_of(const Workload& w, const Hull& hull, const Certificate& certificate) const {
-    Row row;
-    row.name = w.name();
-    row.title = w.title();
-    row.points = w.count;
-    row.dimension = w.dimension;
-    row.scalar = scalar_name(w.scalar);
+    Row row = begin_row(w);
     row.vertices = hull.vertices.size();
     row.agrees = certificate.valid;
     row.check = certificate.valid ? "certified" : "NOT certified: " + certificate.reason;

@@ -7,10 +7,45 @@
 #include <iterator>
 #include <limits>
 
+#include "cgal.hpp"
 #include "cullhull/error.hpp"
+#include "machine.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull::bench {
+
+std::string cgal_of(const ContestSettings& settings) {
+  if (!settings.with_cgal) return "";
+  return settings.cgal.empty() ? cgal_program() : settings.cgal;
+}
+
+Report begin_report(const char* suite, const ContestSettings& settings,
+                    const std::vector<unsigned>& threads) {
+  Report report;
+  report.suite = suite;
+  report.date = date_now();
+  report.scale = settings.scale;
+  report.threads = threads.back();
+  report.machine = describe_machine();
+  std::string& text = report.command;
+  text = fmt::format("cullhull bench {} --scale {:g} --repeat {} --limit {:g}", suite,
+                     settings.scale, settings.repeat, settings.limit);
+  if (!settings.threads.empty()) text += fmt::format(" --threads {}", fmt::join(threads, ","));
+  for (const Workload& w : settings.workloads) text += " --workload " + w.name();
+  if (!settings.with_qhull) text += " --without qhull";
+  if (!settings.with_cgal) text += " --without cgal";
+  return report;
+}
+
+Row begin_row(const Workload& w) {
+  Row row;
+  row.name = w.name();
+  row.title = w.title();
+  row.points = w.count;
+  row.dimension = w.dimension;
+  row.scalar = scalar_name(w.scalar);
+  return row;
+}
 
 std::vector<unsigned> thread_counts(std::vector<unsigned> wanted) {
   if (wanted.empty()) wanted = {1, 0};

@@ -8,6 +8,7 @@
 
 #include "cullhull/options.hpp"
 #include "report.hpp"
+#include "workload.hpp"
 
 namespace cullhull::bench {
 
@@ -16,6 +17,28 @@ using NamedSeconds = std::vector<std::pair<std::string, double>>;
 
 /// One run follows another as long as all together have taken less.
 inline constexpr double most_seconds_of_runs = 10;
+
+/// What such suites are told.
+struct ContestSettings {
+  std::vector<Workload> workloads;  ///< empty: the suite's usual ones
+  double scale = 1;                 ///< of every size
+  unsigned repeat = 5;              ///< medians of so many runs, of fewer where they are long
+  std::vector<unsigned> threads;    ///< for ours, ascending; 0: all; empty: one, and all
+  double limit = 30;                ///< seconds for one run of a rival; 0: as long as it takes
+  bool with_qhull = true, with_cgal = true;
+  /// Program that times CGAL (bench/rival_cgal.cpp); empty: beside this one, if it is there.
+  std::string cgal;
+};
+
+/// The program that times CGAL; empty where it is left out or not there.
+std::string cgal_of(const ContestSettings& settings);
+
+/// A report without figures; its command is that of the settings.
+Report begin_report(const char* suite, const ContestSettings& settings,
+                    const std::vector<unsigned>& threads);
+
+/// A row without values.
+Row begin_row(const Workload& w);
 
 /// As they are measured: ascending, each once, 0 as what the machine has. Empty: one, and all.
 std::vector<unsigned> thread_counts(std::vector<unsigned> wanted);

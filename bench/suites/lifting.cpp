@@ -45,22 +45,17 @@ class Suite {
       : settings_(settings),
         steps_(progress, stop),
         threads_(thread_counts(settings.threads)),
-        cgal_(!settings.with_cgal     ? ""
-              : settings.cgal.empty() ? cgal_program()
-                                      : settings.cgal) {}
+        cgal_(cgal_of(settings)) {}
 
   Report run() {
     const std::vector<Workload> wanted = settings_.workloads.empty()
                                              ? lifting_workloads(!settings_.scan.empty())
                                              : settings_.workloads;
     for (const Workload& w : wanted) require_points(w);
-    Report report;
-    report.suite = "lifting";
-    report.date = date_now();
-    report.scale = settings_.scale;
-    report.threads = threads_.back();
-    report.machine = describe_machine();
-    report.command = command();
+    Report report = begin_report("lifting", settings_, threads_);
+    if (!settings_.scan.empty()) report.command += " --scan " + settings_.scan;
+    for (const RivalProgram& r : settings_.rivals)
+      report.command += " --rival " + r.name + "=" + r.path;
     Figure all{"lifting", "Time to the Delaunay triangulation", "s", "", false, {}};
     all.note = fmt::format(
         "Ratio: the time of the fastest rival over ours with {} thread{}. Medians of {} turns, of "
@@ -90,18 +85,6 @@ class Suite {
           fmt::format("bench lifting knows no points '{}' of dimension {}", w.family, w.dimension));
   }
 
-  std::string command() const {
-    std::string text = fmt::format("cullhull bench lifting --scale {:g} --repeat {} --limit {:g}",
-                                   settings_.scale, settings_.repeat, settings_.limit);
-    if (!settings_.threads.empty()) text += fmt::format(" --threads {}", fmt::join(threads_, ","));
-    if (!settings_.scan.empty()) text += " --scan " + settings_.scan;
-    for (const Workload& w : settings_.workloads) text += " --workload " + w.name();
-    for (const RivalProgram& r : settings_.rivals) text += " --rival " + r.name + "=" + r.path;
-    if (!settings_.with_qhull) text += " --without qhull";
-    if (!settings_.with_cgal) text += " --without cgal";
-    return text;
-  }
-
   /// The first coordinates of the file's first points.
   std::vector<double> scanned(const Workload& w) const {
     const PointFile file = open_points(settings_.scan);
@@ -124,12 +107,7 @@ class Suite {
     const Points points =
         points_of(w, w.family == scan ? scanned(w) : make_family(w.family, w.count, w.dimension));
     w.count = points.view.count;
-    Row row;
-    row.name = w.name();
-    row.title = w.title();
-    row.points = w.count;
-    row.dimension = w.dimension;
-    row.scalar = scalar_name(w.scalar);
+    Row row = begin_row(w);
     std::vector<Rival> rivals = rivals_of(points.doubles);
     std::vector<Ours> ours;
     for (const unsigned t : threads_) ours.push_back({t});

@@ -7,9 +7,8 @@
 #include <vector>
 
 #include "calls.hpp"
+#include "contest.hpp"
 #include "cullhull/options.hpp"
-#include "report.hpp"
-#include "workload.hpp"
 
 namespace cullhull::bench {
 
@@ -17,18 +16,11 @@ namespace cullhull::bench {
 /// sphere and on lines in 2D and 3D, uniform in 4D and 5D; with a file its points in 2D.
 std::vector<Workload> lifting_workloads(bool with_scan);
 
-struct LiftingSettings {
-  std::vector<Workload> workloads;  ///< empty: lifting_workloads()
-  std::string scan;                 ///< file of the points of the family "scan"
-  double scale = 1;                 ///< of every size
-  unsigned repeat = 3;              ///< medians of so many turns, of fewer where they are long
-  std::vector<unsigned> threads;    ///< for ours, ascending; 0: all; empty: one, and all
-  double limit = 60;                ///< seconds for one run of a rival; 0: as long as it takes
-  bool with_qhull = true, with_cgal = true;
+struct LiftingSettings : ContestSettings {
+  std::string scan;  ///< file of the points of the family "scan"
   /// Programs that are run with a .npy of doubles and the word `delaunay`, and write the seconds
   /// and the number of simplices as doubles in binary.
   std::vector<RivalProgram> rivals;
-  std::string cgal;  ///< bench/rival_cgal.cpp; empty: beside this program, if it is there
 };
 
 /// Ours and the rivals by turns over the same doubles, rivals in processes of their own. A row

@@ -21,12 +21,10 @@ namespace {
 
 class Suite {
  public:
-  Suite(const RivalSettings& settings, const Progress& progress, const std::stop_token& stop)
+  Suite(const ContestSettings& settings, const Progress& progress, const std::stop_token& stop)
       : settings_(settings),
         steps_(progress, stop),
-        cgal_(!settings.with_cgal     ? ""
-              : settings.cgal.empty() ? cgal_program()
-                                      : settings.cgal),
+        cgal_(cgal_of(settings)),
         threads_(thread_counts(settings.threads)) {}
 
   Report run() {
@@ -37,12 +35,7 @@ class Suite {
         throw Error(ErrorCode::invalid_argument, "bench rivals knows no points '" + w.family +
                                                      "' of dimension " +
                                                      std::to_string(w.dimension));
-    report_.suite = "rivals";
-    report_.date = date_now();
-    report_.scale = settings_.scale;
-    report_.threads = threads_.back();
-    report_.machine = describe_machine();
-    report_.command = command();
+    report_ = begin_report("rivals", settings_, threads_);
     for (const unsigned t : threads_)
       report_.read_bandwidth.emplace_back(t, read_bandwidth(t, steps_.stop()));
     Figure all{"rivals", "Time to the hull", "s", "", false, {}};
@@ -59,27 +52,12 @@ class Suite {
   }
 
  private:
-  std::string command() const {
-    std::string text = fmt::format("cullhull bench rivals --scale {:g} --repeat {} --limit {:g}",
-                                   settings_.scale, settings_.repeat, settings_.limit);
-    if (!settings_.threads.empty()) text += fmt::format(" --threads {}", fmt::join(threads_, ","));
-    for (const Workload& w : settings_.workloads) text += " --workload " + w.name();
-    if (!settings_.with_qhull) text += " --without qhull";
-    if (!settings_.with_cgal) text += " --without cgal";
-    return text;
-  }
-
   Row row_of(Workload w) {
     w.count = scaled_count(w.count, settings_.scale, w.dimension);
     steps_.step(w.name() + ", points");
     const Points points = points_of(w, make_family(w.family, w.count, w.dimension));
     w.count = points.view.count;
-    Row row;
-    row.name = w.name();
-    row.title = w.title();
-    row.points = w.count;
-    row.dimension = w.dimension;
-    row.scalar = scalar_name(w.scalar);
+    Row row = begin_row(w);
     const Hull hull = ours(w, points.view, row);
     const NamedSeconds ours_values = std::move(row.values);
     row.values.clear();
@@ -180,7 +158,7 @@ class Suite {
         certificate.valid ? ", ours certified" : ", ours NOT certified: " + certificate.reason;
   }
 
-  const RivalSettings& settings_;
+  const ContestSettings& settings_;
   Steps steps_;
   std::string cgal_;
   std::vector<unsigned> threads_;
@@ -228,7 +206,7 @@ const std::vector<Workload>& rival_workloads() {
   return workloads;
 }
 
-Report run_rivals(const RivalSettings& settings, const Progress& progress,
+Report run_rivals(const ContestSettings& settings, const Progress& progress,
                   const std::stop_token& stop) {
   return Suite(settings, progress, stop).run();
 }

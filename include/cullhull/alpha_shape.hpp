@@ -1,5 +1,5 @@
-// Alpha shapes, the part of a triangulation whose cells have small circumscribed spheres, and concave
-// hulls by the length of edges.
+// Alpha shapes, the part of a triangulation whose cells have small circumscribed spheres, and
+// concave hulls by the length of edges.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,11 @@
 #pragma GCC visibility push(default)
 namespace cullhull {
 
-/// A regularised alpha shape or a concave hull: cells alone, without edges and faces that bound none.
+/// A regularised alpha shape or a concave hull: cells alone, without edges and faces that bound
+/// none.
 struct AlphaShape {
-  /// Cells of the triangulation, ascending: of an alpha shape those whose circumscribed sphere (of a
-  /// flat: within the flat) has a radius of at most alpha, compared exactly.
+  /// Cells of the triangulation, ascending: of an alpha shape those whose circumscribed sphere (of
+  /// a flat: within the flat) has a radius of at most alpha, compared exactly.
   Array<std::uint32_t> cells;
   /// facets x k ids: those between a cell of the shape and none, oriented outward and ordered as
   /// Triangulation::hull_facets. None for k < 1.

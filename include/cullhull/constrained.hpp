@@ -57,18 +57,18 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
                                               std::span<const std::uint32_t> edges,
                                               const ConstrainedOptions& options = {});
 
-/// Checks one with exact predicates and none of the code that made it: cells, neighbours, the hull, every point, the constraints as chains of pieces and no
-/// other pieces, and that every edge that is none is locally Delaunay with the documented choice
-/// among points on a circle. So a valid certificate proves it is the triangulation documented
-/// above. `ridges_checked` counts edges between cells.
+/// Checks one with exact predicates and none of the code that made it: cells, neighbours, the hull,
+/// every point, the constraints as chains of pieces and no other pieces, and that every edge that
+/// is none is locally Delaunay with the documented choice among points on a circle. So a valid
+/// certificate proves it is the triangulation documented above. `ridges_checked` counts edges
+/// between cells.
 ///
 /// `options`: those it was made with. With inside_only a whole one is made as a witness, which is
 /// checked as above, its depths among the rest, and need not be trusted; `result` must be its cells
 /// of odd depth, all of them and no others, and what belongs to them. Errors: cancelled,
 /// out_of_budget.
 Certificate certify(const PointView& points, std::span<const std::uint32_t> edges,
-                    const ConstrainedTriangulation& result,
-                    const ConstrainedOptions& options = {});
+                    const ConstrainedTriangulation& result, const ConstrainedOptions& options = {});
 
 }  // namespace cullhull
 #pragma GCC visibility pop

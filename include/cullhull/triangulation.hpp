@@ -33,6 +33,19 @@ struct TriangulationOptions {
   Poll poll;
 };
 
+/// Options of one kind that run as those of another do: with their threads, memory budget,
+/// progress, stop and poll. All else is as it is by default.
+template <class To, class From>
+To run_as(const From& given) {
+  To options;
+  options.threads = given.threads;
+  options.memory_budget = given.memory_budget;
+  options.progress = given.progress;
+  options.stop = given.stop;
+  options.poll = given.poll;
+  return options;
+}
+
 struct TriangulationStatistics {
   /// Signs by what decided them (docs/exactness.md, "Lifting"): doubles, double-doubles, integers.
   std::uint64_t rung_counts[3] = {0, 0, 0};

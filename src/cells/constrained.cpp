@@ -453,21 +453,14 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
   if (points.dimension != 2)
     refuse("constrained triangulations are of points in the plane, not in dimension " +
            std::to_string(points.dimension));
-  TriangulationOptions first;
-  Options options;
-  first.threads = options.threads = o.threads;
-  first.memory_budget = options.memory_budget = o.memory_budget;
-  first.progress = options.progress = o.progress;
-  first.stop = options.stop = o.stop;
-  first.poll = options.poll = o.poll;
   ConstrainedTriangulation out;
-  out.triangulation = delaunay(points, first);
+  out.triangulation = delaunay(points, run_as<TriangulationOptions>(o));
   const Constraints constraints(out.triangulation, edges);
   if (out.triangulation.affine_dimension < 2) {
     if (out.triangulation.affine_dimension == 1) force_on_line(points, constraints, out);
     return out;
   }
-  const Run run(options);
+  const Run run(run_as<Options>(o));
   const CallScope call;
   const PageScope pages;
   require_budget(run.budget, points.count * 140, "the constrained triangulation");

@@ -1,5 +1,6 @@
 // certify() of constrained triangulations of the plane. Nothing of src/cells and src/lifting is
-// used; docs/exactness.md, "Constrained triangulations", says why what is checked is a proof.
+// used but to make a witness, which is checked like any other; docs/exactness.md, "Constrained
+// triangulations", says why what is checked is a proof.
 #include "cullhull/constrained.hpp"
 
 #include <algorithm>

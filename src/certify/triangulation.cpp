@@ -507,12 +507,7 @@ Certificate certify_triangulation(const PointView& points, std::span<const doubl
                                   const Triangulation& t, const TriangulationOptions& o) {
   if (points.dimension == 0 || (points.count > 0 && points.data == nullptr))
     throw Error(ErrorCode::invalid_argument, "certify needs points of at least one dimension");
-  Options options;
-  options.threads = o.threads;
-  options.progress = o.progress;
-  options.stop = o.stop;
-  options.poll = o.poll;
-  const Run run(options);
+  const Run run(run_as<Options>(o));
   Certificate out;
   TriangulationSubject subject(points, weights, t, run);
   try {

@@ -24,16 +24,6 @@ namespace cullhull {
 namespace internal {
 namespace {
 
-Options run_options(const TriangulationOptions& o) {
-  Options options;
-  options.threads = o.threads;
-  options.memory_budget = o.memory_budget;
-  options.progress = o.progress;
-  options.stop = o.stop;
-  options.poll = o.poll;
-  return options;
-}
-
 void check_arguments(const PointView& points) {
   if (points.dimension == 0)
     throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
@@ -176,7 +166,7 @@ Triangulation triangulate_without(const PointView& points, std::span<const doubl
 Triangulation triangulate(const PointView& points, std::span<const double> weights,
                           const TriangulationOptions& o) {
   check_arguments(points);
-  const Options options = run_options(o);
+  const Options options = run_as<Options>(o);
   const Run run(options);
   const CallScope call;
   const PageScope pages;

@@ -140,12 +140,7 @@ std::tuple<std::unique_ptr<Cells>, Numbers, Numbers, Numbers, cullhull::Certific
   cullhull::Certificate certificate;
   run(settings, points.view().count < 100 ? Length::brief : Length::long_,
       [&](const Options& options) {
-        cullhull::ConstrainedOptions chosen;
-        chosen.threads = options.threads;
-        chosen.memory_budget = options.memory_budget;
-        chosen.progress = options.progress;
-        chosen.stop = options.stop;
-        chosen.poll = options.poll;
+        auto chosen = cullhull::run_as<cullhull::ConstrainedOptions>(options);
         chosen.inside_only = inside_only;
         result = cullhull::constrained_delaunay(points.view(), pairs, chosen);
         if (certified) certificate = cullhull::certify(points.view(), pairs, result, chosen);

@@ -16,6 +16,7 @@ namespace binding {
 
 using cullhull::Certificate;
 using cullhull::Options;
+using cullhull::run_as;
 using cullhull::Triangulation;
 using cullhull::TriangulationOptions;
 
@@ -31,16 +32,6 @@ std::vector<double> weights_of(nb::handle array) {
   auto list = nb::cast<Array<double>>(array);
   if (!list.is_list()) throw nb::type_error("weights must lie one after another");
   return {list.data(), list.data() + list.size()};
-}
-
-TriangulationOptions options_of(const Options& options) {
-  TriangulationOptions chosen;
-  chosen.threads = options.threads;
-  chosen.memory_budget = options.memory_budget;
-  chosen.progress = options.progress;
-  chosen.stop = options.stop;
-  chosen.poll = options.poll;
-  return chosen;
 }
 
 namespace {
@@ -62,7 +53,7 @@ std::unique_ptr<Cells> triangulate(nb::object array, nb::object weights, bool fu
   const std::vector<double> heights = weights_of(weights);
   Triangulation result;
   run(settings, length_of_triangulation(points.view()), [&](const Options& options) {
-    TriangulationOptions chosen = options_of(options);
+    TriangulationOptions chosen = run_as<TriangulationOptions>(options);
     chosen.furthest_site = furthest_site;
     result = weights.is_none() ? cullhull::delaunay(points.view(), chosen)
                                : cullhull::regular_triangulation(points.view(), heights, chosen);
@@ -74,7 +65,7 @@ Certificate certify(const Cells& cells, const Settings* settings) {
   const cullhull::PointView& points = cells.points().view();
   Certificate certificate;
   run(settings, length_of_triangulation(points), [&](const Options& options) {
-    const TriangulationOptions chosen = options_of(options);
+    const TriangulationOptions chosen = run_as<TriangulationOptions>(options);
     certificate = cells.weights_array().is_none()
                       ? cullhull::certify(points, cells.triangulation(), chosen)
                       : cullhull::certify(points, cells.weights(), cells.triangulation(), chosen);

@@ -51,6 +51,4 @@ inline const Cells& cells_in(CellsHandle self) { return *nanobind::inst_ptr<Cell
 /// Questions to a triangulation.
 void bind_cells_query(nanobind::class_<Cells>& c);
 
-cullhull::TriangulationOptions options_of(const cullhull::Options& options);
-
 }  // namespace binding
