@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Builds the Python package and installs it into FOLDER/venv: scripts/python-venv.sh FOLDER [EXTRA...]
 # EXTRA: parts of the package's optional dependencies (test, plot, progress). PYTHON names another
-# interpreter, CXX another compiler. Exit status 77: this machine cannot do it (no venv, or PyPI out
-# of reach); anything else but 0: the build failed.
+# interpreter, CXX another compiler, CULLHULL_INSTALLED the prefix of an installed cullhull to link
+# instead of compiling the library once more. Exit status 77: this machine cannot do it (no venv, or
+# PyPI out of reach); anything else but 0: the build failed.
 set -euo pipefail
 folder=$(realpath -m "${1:?usage: scripts/python-venv.sh FOLDER [EXTRA...]}")
 shift
@@ -37,6 +38,8 @@ PY
   give_up "PyPI has not given ${needs[*]}"
 
 settings=()
-if [[ -n ${CXX:-} ]]; then settings+=(--config-settings "cmake.define.CMAKE_CXX_COMPILER=$CXX"); fi
+define() { settings+=(--config-settings "cmake.define.$1=$2"); }
+if [[ -n ${CXX:-} ]]; then define CMAKE_CXX_COMPILER "$CXX"; fi
+define CULLHULL_INSTALLED "${CULLHULL_INSTALLED:-}"
 PATH="$folder/venv/bin:$PATH" "$folder/venv/bin/pip" install --quiet --disable-pip-version-check \
   --no-build-isolation --no-deps --force-reinstall "${settings[@]}" .
