@@ -192,8 +192,9 @@ std::string hull_to_json(const HullState& state, const Hull& hull, const JsonExt
 /// Reads what write_hull(".json") or hull_to_json with lists wrote. Every size, offset and index is
 /// checked, so that the result can be handed to certify(); its statistics are not in the file.
 /// `vertex_coordinates`, if given, takes the rows of that key, in the order of `vertices`.
-/// Throws Error{bad_file} or Error{io}.
-Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates = nullptr);
+/// Options used: stop, poll. Throws Error{bad_file}, Error{io} or Error{cancelled}.
+Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates = nullptr,
+                    const Options& options = {});
 
 /// certify() of the hull in such a file; its `vertex_coordinates`, which a Hull does not have, must
 /// be those of the points. Throws what hull_from_json and certify throw.

@@ -12,7 +12,7 @@ namespace internal {
 
 Certificate certify_source(const PointView& points, const Source& source, const Options& options) {
   std::vector<double> rows;
-  const Hull hull = read_hull_json(source, &rows);
+  const Hull hull = read_hull_json(source, &rows, options);
   Certificate certificate = certify(points, hull, options);
   if (!certificate.valid) return certificate;
   const unsigned d = points.dimension;
