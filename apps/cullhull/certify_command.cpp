@@ -88,13 +88,13 @@ Outcome certify_in_memory(const CertifyArguments& arguments) {
 Outcome certify_streamed(const CertifyArguments& arguments) {
   Outcome outcome;
   std::vector<double> rows;
+  const cullhull::Options options = arguments.run.options();
   const cullhull::Hull hull =
-      cullhull::hull_from_json(arguments.hull, &rows, arguments.stream.first_id);
+      cullhull::hull_from_json(arguments.hull, &rows, options, arguments.stream.first_id);
   outcome.points.count = hull.point_count;
   outcome.points.dimension = hull.dimension;
   outcome.points.scalar = hull.scalar;
   const Stopwatch watch;
-  cullhull::Options options = arguments.run.options();
   cullhull::CertifyStream check(hull, std::move(rows), options);
   stream_blocks(
       arguments.input, arguments.files, arguments.run,

@@ -197,10 +197,10 @@ std::string hull_to_json(const HullState& state, const Hull& hull, const JsonExt
 /// Reads what write_hull(".json") or hull_to_json with lists wrote. Every size, offset and index is
 /// checked, so that the result can be handed to certify(); its statistics are not in the file.
 /// `vertex_coordinates`, if given, takes the rows of that key, in the order of `vertices`.
-/// `first_id`: the id of point 0 in the file; the result counts from 0.
-/// Throws Error{bad_file} or Error{io}.
+/// Options used: stop, poll. `first_id`: the id of point 0 in the file; the result counts from 0.
+/// Throws Error{bad_file}, Error{io} or Error{cancelled}.
 Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates = nullptr,
-                    std::uint64_t first_id = 0);
+                    const Options& options = {}, std::uint64_t first_id = 0);
 
 /// certify() of the hull in such a file; its `vertex_coordinates`, which a Hull does not have, must
 /// be those of the points. `first_id`: the id of point 0 in the file. Throws what hull_from_json

@@ -8,6 +8,7 @@
 #include "geometry/cofactors.hpp"
 #include "geometry/double_double.hpp"
 #include "geometry/double_parts.hpp"
+#include "geometry/exact_plane.hpp"
 #include "geometry/minors.hpp"
 #include "parallel/dispatch.hpp"
 
@@ -183,6 +184,10 @@ CheckedFacets::CheckedFacets(const Subject& s)
   beta_ = 2 * d_ + 48;
   // Where random edges are far from orthogonal, the library uses doubles down to smaller shares.
   for (unsigned i = 1; k_ > 8 && i <= k_; ++i) careful_share_ *= std::sqrt(i / k);
+  // docs/exactness.md, "Numbers": the greatest permanents of simplices that doubles were used for.
+  double spread = std::pow(k, -(k - 1) / 2);
+  for (unsigned i = 2; i <= k_; ++i) spread *= i;
+  relative_ = k_ <= 8 ? 0x1p-31 * terms * spread : std::min(0.25, 0x1p-36 * k / careful_share_);
   if (by_component()) {
     alpha_ = k_ == 1 ? 0 : terms;
   } else {
@@ -446,6 +451,48 @@ bool CheckedFacets::wide_cofactors(std::uint32_t i, const double* origin, WideTe
   }
 }
 
+/// The cofactor normal in integers: axes of any proportions cost no bits, and nothing is lost.
+WideTerms CheckedFacets::exact_cofactors(std::uint32_t i, const double* origin) const {
+  constexpr mp_bitcnt_t bits = 256;
+  const auto row = [&](std::uint32_t v) { return s_.full.data() + std::size_t{v} * d_; };
+  const std::uint32_t* v = s_.simplex(i);
+  std::vector<const double*> corners;
+  for (unsigned j = 0; j < k_; ++j) corners.push_back(row(v[j]));
+  ExactPlane plane;
+  plane.set(k_, corners.data());
+  if (plane.degenerate()) fault("simplex ", i, " is degenerate");
+  const auto rounded = [](const ExactPlane::ScaledInteger& n) {
+    mpf_class value(0, bits);
+    mpf_set_z(value.get_mpf_t(), n.value);
+    return times_power_of_two(std::move(value), n.exponent);
+  };
+  Sign inner = Sign::zero;
+  for (std::size_t b = 0; b < s_.basis.size() && inner == Sign::zero; ++b)
+    inner = plane.side(row(s_.basis[b]));
+  if (inner == Sign::zero) fault("the plane of simplex ", i, " holds all vertices");
+  WideTerms w{{}, mpf_class(1, bits), mpf_class(0, bits), mpf_class(0, bits), {}};
+  for (unsigned c = 0; c < k_; ++c) {
+    w.normal.push_back(rounded(plane.cofactor(c)));
+    w.measure += w.normal[c] * w.normal[c];
+  }
+  w.measure = sqrt(w.measure);
+  for (mpf_class& n : w.normal)
+    n = inner == Sign::positive ? mpf_class(-n / w.measure) : mpf_class(n / w.measure);
+  if (origin != nullptr) {
+    const mpf_class determinant = rounded(plane.determinant(origin));
+    w.height = (inner == Sign::positive ? determinant : mpf_class(-determinant)) / w.measure;
+  }
+  for (unsigned j = 1; j < k_; ++j) {
+    mpf_class square(0, bits);
+    for (unsigned c = 0; c < k_; ++c) {
+      const mpf_class step = mpf_class(corners[j][c], bits) - mpf_class(corners[0][c], bits);
+      square += step * step;
+    }
+    w.lengths *= sqrt(square);
+  }
+  return w;
+}
+
 WideTerms CheckedFacets::wide_terms(std::uint32_t i) const {
   s_.exact_decisions.fetch_add(1, std::memory_order_relaxed);
   const auto row = [&](std::uint32_t v) { return s_.full.data() + std::size_t{v} * d_; };
@@ -453,6 +500,7 @@ WideTerms CheckedFacets::wide_terms(std::uint32_t i) const {
   const bool level = s_.side(i, s_.row(0), scratch.data()) == Sign::zero;
   const double* const origin = level ? nullptr : row(0);
   if (WideTerms w; k_ == d_ && k_ >= 2 && k_ <= 8 && wide_cofactors(i, origin, w)) return w;
+  if (k_ == d_ && k_ > 8) return exact_cofactors(i, origin);
   const std::uint32_t* v = s_.simplex(i);
   const mp_bitcnt_t enough = wide_bits(i);
   // Flats of wild frames are tested by the bound for each component, of which the smallest matter:
@@ -484,25 +532,20 @@ void CheckedFacets::fill_spread(const WideTerms& w, FacetTerms& out) const {
   normal_and_spread<K>(rows, normal, out.spread.data());
 }
 
-void CheckedFacets::exactly(std::uint32_t i, FacetTerms& out) const {
-  const WideTerms w = wide_terms(i);
+void CheckedFacets::rounded_terms(const WideTerms& w, FacetTerms& out) const {
   out.normal.clear();
   for (const mpf_class& n : w.normal) out.normal.push_back(n.get_d());
   out.share = mpf_class(w.measure / w.lengths).get_d();
-  long shift = -static_cast<long>(exponent_) * static_cast<long>(k_ - 1);
-  mpf_class lengths = w.lengths;
-  if (shift >= 0)
-    mpf_mul_2exp(lengths.get_mpf_t(), lengths.get_mpf_t(), static_cast<mp_bitcnt_t>(shift));
-  else
-    mpf_div_2exp(lengths.get_mpf_t(), lengths.get_mpf_t(), static_cast<mp_bitcnt_t>(-shift));
-  out.lengths = lengths.get_d();
+  const long shift = -static_cast<long>(exponent_) * static_cast<long>(k_ - 1);
+  out.lengths = times_power_of_two(w.lengths, shift).get_d();
   out.spread.clear();
-  if (k_ != d_ || k_ < 2 || k_ > 8) return;
-  with_dimension<2, 7, 8>(k_, [&](auto k) { fill_spread<k>(w, out); });
+  if (k_ == d_ && k_ >= 2 && k_ <= 8)
+    with_dimension<2, 7, 8>(k_, [&](auto k) { fill_spread<k>(w, out); });
+  out.spread_length = length(out.spread.data(), static_cast<unsigned>(out.spread.size()));
 }
 
 void CheckedFacets::terms(std::uint32_t simplex, FacetTerms& out) const {
-  if (!quickly(simplex, out)) exactly(simplex, out);
+  if (!quickly(simplex, out)) return rounded_terms(wide_terms(simplex), out);
   out.spread_length = length(out.spread.data(), static_cast<unsigned>(out.spread.size()));
 }
 

@@ -13,7 +13,7 @@ namespace internal {
 Certificate certify_source(const PointView& points, const Source& source, const Options& options,
                            std::uint64_t first_id) {
   std::vector<double> rows;
-  const Hull hull = read_hull_json(source, &rows, first_id);
+  const Hull hull = read_hull_json(source, &rows, options, first_id);
   Certificate certificate = certify(points, hull, options);
   if (!certificate.valid) return certificate;
   const unsigned d = points.dimension;

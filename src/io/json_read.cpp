@@ -6,6 +6,7 @@
 
 #include "io/mapped_file.hpp"
 #include "io/source.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull {
 namespace internal {
@@ -69,20 +70,29 @@ struct RawHull {
 
 class HullReader final : public nlohmann::json_sax<json> {
  public:
-  HullReader(const Source& source, RawHull& raw) : source_(source), raw_(raw) {}
+  HullReader(const Source& source, RawHull& raw, const Control& control)
+      : source_(source), raw_(raw), control_(control) {}
 
   bool null() override { return unexpected(); }
   bool boolean(bool) override { return unexpected(); }
   bool number_integer(std::int64_t v) override {
+    poll();
     if (top_level() && field_ == Field::affine_dimension) {
       raw_.affine_dimension = v;
       return true;
     }
     return real(static_cast<double>(v), true);
   }
-  bool number_unsigned(std::uint64_t v) override { return whole(v); }
-  bool number_float(double v, const std::string&) override { return real(v, true); }
+  bool number_unsigned(std::uint64_t v) override {
+    poll();
+    return whole(v);
+  }
+  bool number_float(double v, const std::string&) override {
+    poll();
+    return real(v, true);
+  }
   bool string(std::string& v) override {
+    poll();
     // A measure or an offset that overflows doubles.
     if (v == "inf") return real(std::numeric_limits<double>::infinity(), false);
     if (v == "-inf") return real(-std::numeric_limits<double>::infinity(), false);
@@ -138,6 +148,10 @@ class HullReader final : public nlohmann::json_sax<json> {
   }
 
  private:
+  /// Called for each value: 2^16 of them take milliseconds.
+  void poll() {
+    if ((++values_ & 0xFFFF) == 0) control_.check();
+  }
   bool top_level() const { return depth_ == 1; }
   bool in_points() const { return depth_ == 2 && field_ == Field::points; }
   bool is_flat() const {
@@ -261,6 +275,8 @@ class HullReader final : public nlohmann::json_sax<json> {
 
   const Source& source_;
   RawHull& raw_;
+  const Control& control_;
+  std::uint64_t values_ = 0;
   int depth_ = 0;
   Field field_ = Field::ignored;
   std::string inner_;
@@ -386,11 +402,13 @@ class HullChecker {
 }  // namespace
 
 Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinates,
-                    std::uint64_t first_id) {
+                    const Options& options, std::uint64_t first_id) {
   RawHull raw;
   raw.first_id = first_id;
   raw.want_coordinates = vertex_coordinates != nullptr;
-  HullReader reader(source, raw);
+  const Control control(options);
+  control.check();
+  HullReader reader(source, raw, control);
   json::sax_parse(source.data, source.data + source.size, &reader);
   Hull hull = HullChecker(source, raw).check();
   if (vertex_coordinates != nullptr)
@@ -401,9 +419,9 @@ Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinate
 }  // namespace internal
 
 Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates,
-                    std::uint64_t first_id) {
+                    const Options& options, std::uint64_t first_id) {
   const internal::MappedFile file(path);
-  Hull hull = internal::read_hull_json(file.source(), vertex_coordinates, first_id);
+  Hull hull = internal::read_hull_json(file.source(), vertex_coordinates, options, first_id);
   file.check_size();
   return hull;
 }

@@ -96,8 +96,9 @@ struct NpyFrames {
 
 /// By the format that options.format names, else by the extension, else by the content.
 PointData read_points(const Source& source, const ReadOptions& options);
+/// Options used: stop, poll. `first_id`: the id of point 0 in the file.
 Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinates = nullptr,
-                    std::uint64_t first_id = 0);
+                    const Options& options = {}, std::uint64_t first_id = 0);
 
 [[noreturn]] void fail(const Source& source, const std::string& message);
 [[noreturn]] void fail_at_line(const Source& source, std::uint64_t line,
