@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include "cullhull/error.hpp"
 #include "cullhull/point_blocks.hpp"
@@ -143,8 +144,13 @@ cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned thr
   options.columns = arguments.columns;
   options.memory_budget = memory;
   options.remark = [](const std::string& line) {
-    static std::once_flag told;  // once, however many tiles have the same remark
-    std::call_once(told, [&] { write_stderr("cullhull: " + line + "; --columns takes others\n"); });
+    static std::mutex mutex;
+    static std::set<std::string> told;  // once, however many tiles have the same remark
+    const std::lock_guard lock(mutex);
+    const std::size_t name = line.find(": ");
+    if (!told.insert(name == std::string::npos ? line : line.substr(name)).second) return;
+    const bool columns = line.find("taken as coordinates") != std::string::npos;
+    write_stderr("cullhull: " + line + (columns ? "; --columns takes others\n" : "\n"));
   };
   return options;
 }

@@ -36,8 +36,9 @@ struct ReadOptions {
   /// unless `columns` names it, too. BlockVisitor::keyed receives its values as they are written in
   /// the file.
   std::string key;
-  /// Called with one line to show the user where columns were left out without having been asked
-  /// to. From any thread.
+  /// Called with one line to show the user where the reader chose or left out something without
+  /// having been asked to: columns of a text, bytes or text behind the points, faces that are cut
+  /// short. From any thread.
   std::function<void(const std::string&)> remark;
   /// Compressed files (.gz, .zst, .npz) may unpack to at most this many bytes in memory; 0: half of
   /// what the process may use. Read in blocks (visit_blocks) they take no more memory than others.

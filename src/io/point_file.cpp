@@ -73,7 +73,7 @@ std::string format_of_content(const Source& s) {
     const std::string_view word = first_word(lines.begin(), lines.end());
     if (word.empty() || is_comment(word.data(), lines.end())) continue;
     if (word == "solid") return "stl";
-    if (word.ends_with("OFF")) return "off";
+    if (word.substr(0, word.find_last_not_of("0123456789") + 1).ends_with("OFF")) return "off";
     if (is_obj_keyword(word)) return "obj";
     if (word.starts_with("{")) fail(s, "looks like JSON, which holds a hull and no points");
     return "text";
