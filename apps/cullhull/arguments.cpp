@@ -91,6 +91,18 @@ std::uint64_t parse_whole(std::string_view text, std::string_view option) {
                   std::string(text) + "'");
 }
 
+std::string place_of(const std::string& path, const std::string& message) {
+  constexpr std::string_view begin = "point ";
+  std::uint64_t point = 0;
+  if (message.starts_with(begin)) {
+    const char* const end = message.data() + message.size();
+    if (std::from_chars(message.data() + begin.size(), end, point).ec == std::errc())
+      if (const auto line = cullhull::line_of_point(path, point))
+        return input_name(path) + ":" + std::to_string(*line);
+  }
+  return input_name(path);
+}
+
 std::string input_name(const std::string& path) { return path == "-" ? "standard input" : path; }
 
 void InputArguments::add_to(Parser& command) {

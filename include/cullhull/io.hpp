@@ -99,6 +99,10 @@ class PointFile {
 /// Error{io} or Error{bad_file} with file and line or byte offset.
 PointFile open_points(const std::string& path, const ReadOptions& options = {});
 
+/// The line, from 1, of a point of an uncompressed text of points, for a message; none of other
+/// formats, and where the file cannot be read so. Takes the time of counting lines.
+std::optional<std::uint64_t> line_of_point(const std::string& path, std::uint64_t point) noexcept;
+
 /// Moving points, frame after frame: an array (frames, n, d) in an .npy file, of which only one
 /// frame is mapped at a time (so a sequence may exceed memory), or one file of points a frame.
 class PointSequence {
