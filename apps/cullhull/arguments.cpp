@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include "cullhull/error.hpp"
 #include "cullhull/point_blocks.hpp"
@@ -90,6 +91,18 @@ std::uint64_t parse_whole(std::string_view text, std::string_view option) {
                   std::string(text) + "'");
 }
 
+std::string place_of(const std::string& path, const std::string& message) {
+  constexpr std::string_view begin = "point ";
+  std::uint64_t point = 0;
+  if (message.starts_with(begin)) {
+    const char* const end = message.data() + message.size();
+    if (std::from_chars(message.data() + begin.size(), end, point).ec == std::errc())
+      if (const auto line = cullhull::line_of_point(path, point))
+        return input_name(path) + ":" + std::to_string(*line);
+  }
+  return input_name(path);
+}
+
 std::string input_name(const std::string& path) { return path == "-" ? "standard input" : path; }
 
 void InputArguments::add_to(Parser& command) {
@@ -144,8 +157,13 @@ cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned thr
   options.weights = arguments.weights;
   options.memory_budget = memory;
   options.remark = [](const std::string& line) {
-    static std::once_flag told;  // once, however many tiles have the same remark
-    std::call_once(told, [&] { write_stderr("cullhull: " + line + "; --columns takes others\n"); });
+    static std::mutex mutex;
+    static std::set<std::string> told;  // once, however many tiles have the same remark
+    const std::lock_guard lock(mutex);
+    const std::size_t name = line.find(": ");
+    if (!told.insert(name == std::string::npos ? line : line.substr(name)).second) return;
+    const bool columns = line.find("taken as coordinates") != std::string::npos;
+    write_stderr("cullhull: " + line + (columns ? "; --columns takes others\n" : "\n"));
   };
   return options;
 }

@@ -87,14 +87,17 @@ std::uint64_t parse_whole(std::string_view text, std::string_view option);
 /// "standard input" for "-".
 std::string input_name(const std::string& path);
 
-/// Calls read(); an error about a point that is not finite then also names the file.
+/// The file and, where it is a text, the line of the point that such a message begins with.
+std::string place_of(const std::string& path, const std::string& message);
+
+/// Calls read(); an error about a point that is not finite then also names the file and its line.
 template <class Read>
 auto naming_file(const std::string& path, const Read& read) -> decltype(read()) {
   try {
     return read();
   } catch (const cullhull::Error& e) {
     if (e.code() != cullhull::ErrorCode::not_finite) throw;
-    throw cullhull::Error(e.code(), input_name(path) + ": " + e.what());
+    throw cullhull::Error(e.code(), place_of(path, e.what()) + ": " + e.what());
   }
 }
 

@@ -70,6 +70,8 @@ void write_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
 std::optional<Checkpoint> read_checkpoint(const std::string& path) {
   std::error_code unknown;
   if (!std::filesystem::exists(path, unknown)) return std::nullopt;
+  if (std::filesystem::is_directory(path, unknown))
+    throw Error(ErrorCode::io, path + ": a folder, where a checkpoint is a file");
   std::ifstream file(path, std::ios::binary);
   if (!file) throw Error(ErrorCode::io, path + ": cannot open the checkpoint");
   const std::string text{std::istreambuf_iterator<char>(file), {}};

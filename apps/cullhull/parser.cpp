@@ -1,5 +1,7 @@
 #include "parser.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
@@ -44,12 +46,14 @@ void allow_range(Option& option, std::uint32_t least, std::uint32_t greatest) {
 }
 
 void allow_real_range(Option& option, double least, double greatest) {
-  option.option_->check(CLI::Range(least, greatest).description(""));
-  // Comparisons let it through.
-  option.option_->check([](const std::string& text) {
+  // CLI::Range would write its limits with all their digits, up to 309.
+  option.option_->check([least, greatest](const std::string& text) {
     double value = 0;
-    return CLI::detail::lexical_cast(text, value) && std::isnan(value) ? text + " is no number"
-                                                                       : std::string();
+    if (!CLI::detail::lexical_cast(text, value) || std::isnan(value)) return text + " is no number";
+    if (value >= least && value <= greatest) return std::string();
+    return greatest < std::numeric_limits<double>::max()
+               ? fmt::format("Value {} not in range {:g} to {:g}", text, least, greatest)
+               : fmt::format("Value {} is not a finite number from {:g} on", text, least);
   });
 }
 

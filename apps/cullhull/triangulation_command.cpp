@@ -32,7 +32,8 @@ using cullhull::Voronoi;
 
 constexpr const char* delaunay_footer =
     "Output (-o, by extension; may be given more than once):\n"
-    "  .ply .obj .off .vtp   triangles of 2D points\n"
+    "  .ply .obj .off .stl   triangles of 2D points, at the heights of --height\n"
+    "  .glb .vtp             likewise\n"
     "  .vtk                  cells of points of up to 3 dimensions\n"
     "  .geojson .wkt         triangles of 2D points\n"
     "  .json                 everything: cells, neighbours, groups, hull, duplicates, hidden "
@@ -43,6 +44,7 @@ constexpr const char* delaunay_footer =
     "Examples:\n"
     "  cullhull delaunay disk.npy -o mesh.ply --certify      the mesh, its cells checked\n"
     "  cullhull delaunay sites.csv --columns x,y --weights w -o regular.json\n"
+    "  cullhull delaunay terrain.csv --columns x,y --height z -o tin.obj   a surface (TIN)\n"
     "  rbox 100 D2 | cullhull delaunay - --format i          in the place of qdelaunay\n"
     "  cullhull delaunay map.csv --edges rings.csv --inside -o map.vtp   inside of rings\n"
     "\n"
@@ -74,13 +76,13 @@ struct DualArguments {
   InputArguments input;
   RunArguments run;
   std::vector<std::string> outputs, formats;
-  std::string weights, json, measures, box, edges;
+  std::string weights, heights, json, measures, box, edges;
   bool furthest = false, certify = false, inside = false;
   std::vector<std::string> files;  ///< that the words of the input stand for
 };
 
-const Endings triangulation_endings{".ply", ".obj",     ".off", ".vtp",
-                                    ".vtk", ".geojson", ".wkt", ".json"};
+const Endings triangulation_endings{".ply", ".obj", ".off",     ".stl", ".glb",
+                                    ".vtp", ".vtk", ".geojson", ".wkt", ".json"};
 const Endings cell_endings{".ply", ".obj", ".off", ".vtp", ".geojson", ".wkt", ".json"};
 const Endings measure_endings{".npy", ".csv", ".txt"};
 
@@ -100,27 +102,36 @@ std::vector<std::string> words_of(const std::vector<std::string>& given,
   return words;
 }
 
-/// Else --weights names a column of the input.
-bool weights_are_a_file(const DualArguments& a) {
+bool names_file(const std::string& given) {
   std::error_code ignored;
-  return !a.weights.empty() && std::filesystem::exists(a.weights, ignored);
+  return !given.empty() && std::filesystem::exists(given, ignored);
 }
 
-/// Of a file of one number a point.
-std::vector<double> read_weights(const DualArguments& a, std::uint64_t count) {
+/// Of a file of one number a point, or of a column of the input; `given` is what `option` names.
+std::vector<double> read_numbers(const DualArguments& a, const char* option,
+                                 const std::string& given, std::uint64_t count) {
+  if (given.empty()) return {};
   InputArguments from;
-  from.path = a.weights;
-  const Input input = open_input(from, a.run.threads, a.run.memory_bytes());
+  const bool is_file = names_file(given);
+  if (is_file) {
+    from.path = given;
+  } else {
+    from = a.input;
+    from.columns = given;
+    from.weights.clear();
+  }
+  const Input input = is_file ? open_input(from, a.run.threads, a.run.memory_bytes())
+                              : open_inputs(from, a.files, a.run.threads, a.run.memory_bytes());
   if (input.points.dimension != 1)
     throw Error(ErrorCode::invalid_argument,
-                fmt::format("--weights {}: {} columns, where one number a point is wanted",
-                            a.weights, input.points.dimension));
+                fmt::format("{} {}: {} columns, where one number a point is wanted", option, given,
+                            input.points.dimension));
   if (input.points.count != count)
-    throw Error(ErrorCode::invalid_argument, fmt::format("--weights {}: {} numbers for {} points",
-                                                         a.weights, input.points.count, count));
-  std::vector<double> weights(count);
-  for (std::uint64_t i = 0; i < count; ++i) weights[i] = input.points.at(i, 0);
-  return weights;
+    throw Error(ErrorCode::invalid_argument, fmt::format("{} {}: {} numbers for {} points", option,
+                                                         given, input.points.count, count));
+  std::vector<double> numbers(count);
+  for (std::uint64_t i = 0; i < count; ++i) numbers[i] = input.points.at(i, 0);
+  return numbers;
 }
 
 /// Pairs of numbers of points, a pair a line.
@@ -192,7 +203,7 @@ struct Outcome {
   std::optional<cullhull::ClippedCells> cells;
   std::optional<Certificate> certificate;
   std::optional<std::uint64_t> piece_count;  ///< of forced edges
-  std::vector<double> weights;
+  std::vector<double> weights, heights;
   double read_seconds = 0, dual_seconds = 0;
 };
 
@@ -315,7 +326,7 @@ std::string summary(const DualArguments& a, const Input& input, const Outcome& o
 void write_results(const DualArguments& a, const PointView& points, const Outcome& out) {
   for (const std::string& path : a.outputs) {
     if (!out.voronoi)
-      cullhull::write_triangulation(path, points, out.triangulation);
+      cullhull::write_triangulation(path, points, out.triangulation, "", out.heights);
     else if (ending_of(path) == ".json" || path == "-")
       cullhull::write_voronoi(path, *out.voronoi);
     else
@@ -347,9 +358,12 @@ int run(DualArguments a, bool dual) {
   FilePlan plan;
   plan.reads_inputs(a.input.words, a.files);
   if (!a.edges.empty()) plan.reads(a.edges);
-  const bool weights_apart = weights_are_a_file(a);
-  if (weights_apart) plan.reads(a.weights);
-  if (!weights_apart) a.input.weights = a.weights;
+  for (const std::string& given : {a.weights, a.heights})
+    if (names_file(given)) plan.reads(given);
+  // One column is read with the points, which may come from a pipe.
+  const bool weights_beside = !a.weights.empty() && !names_file(a.weights);
+  const bool heights_beside = !weights_beside && !a.heights.empty() && !names_file(a.heights);
+  a.input.weights = weights_beside ? a.weights : heights_beside ? a.heights : "";
   for (const std::string& path : a.outputs)
     plan.writes("-o", path, dual ? cell_endings : triangulation_endings);
   plan.writes("--measures", a.measures, measure_endings);
@@ -357,11 +371,19 @@ int run(DualArguments a, bool dual) {
   if (!a.formats.empty()) plan.prints("--format");
   Input input = open_inputs(a.input, a.files, a.run.threads, a.run.memory_bytes());
   for (const std::string& path : a.outputs)
-    cullhull::check_triangulation_format(path, input.points.dimension, dual);
+    cullhull::check_triangulation_format(path, input.points.dimension, dual, !a.heights.empty());
+  if (!a.heights.empty() && input.points.dimension != 2)
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("--height is of 2D points, and these are {}D; --columns x,y leaves the "
+                            "height to --height",
+                            input.points.dimension));
   if (!a.box.empty()) (void)box_of(a, input.points);  // refused before the work
   Outcome out;
   out.read_seconds = input.file.read_seconds() + warm_pages(input.points);
-  out.weights = weights_apart ? read_weights(a, input.points.count) : std::move(input.weights);
+  out.weights = weights_beside ? std::move(input.weights)
+                               : read_numbers(a, "--weights", a.weights, input.points.count);
+  out.heights = heights_beside ? std::move(input.weights)
+                               : read_numbers(a, "--height", a.heights, input.points.count);
   triangulate(a, input.points, out);
   if (dual) find_dual(a, input.points, out);
   write_results(a, input.points, out);
@@ -407,6 +429,11 @@ Command add_delaunay(Parser& parent) {
                                   "Edges of 2D points that must be there: a file of pairs of\n"
                                   "numbers of points, from 0. Points on them cut them"))
       .type_name("FILE");
+  needs_value(*command.add_option("--height", a->heights,
+                                  "Heights of 2D points, which meshes, .vtk and .json of the\n"
+                                  "triangulation keep: a column of INPUT, or a file of one\n"
+                                  "number a point"))
+      .type_name("COLUMN|FILE");
   command.add_flag("--inside", a->inside,
                    "Keep the cells that have an odd number of these edges around them");
   command.footer(std::string(input_help) + "\n\n" + delaunay_footer);

@@ -39,8 +39,9 @@ struct ReadOptions {
   /// unless `columns` names it, too. BlockVisitor::keyed receives its values as they are written in
   /// the file.
   std::string key;
-  /// Called with one line to show the user where columns were left out without having been asked
-  /// to. From any thread.
+  /// Called with one line to show the user where the reader chose or left out something without
+  /// having been asked to: columns of a text, bytes or text behind the points, faces that are cut
+  /// short. From any thread.
   std::function<void(const std::string&)> remark;
   /// Compressed files (.gz, .zst, .npz) may unpack to at most this many bytes in memory; 0: half of
   /// what the process may use. Read in blocks (visit_blocks) they take no more memory than others.
@@ -102,6 +103,10 @@ class PointFile {
 /// dataset of an HDF5 or NetCDF-4 file). What is compressed by gzip or zstd is unpacked. Throws
 /// Error{io} or Error{bad_file} with file and line or byte offset.
 PointFile open_points(const std::string& path, const ReadOptions& options = {});
+
+/// The line, from 1, of a point of an uncompressed text of points, for a message; none of other
+/// formats, and where the file cannot be read so. Takes the time of counting lines.
+std::optional<std::uint64_t> line_of_point(const std::string& path, std::uint64_t point) noexcept;
 
 /// Moving points, frame after frame: an array (frames, n, d) in an .npy file, of which only one
 /// frame is mapped at a time (so a sequence may exceed memory), or one file of points a frame.

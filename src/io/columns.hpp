@@ -23,9 +23,19 @@ std::vector<std::string> names_in(const std::string& text);
 /// Equal regardless of case.
 bool alike(std::string_view a, std::string_view b);
 
-/// The columns named x, y and, if there is one, z, regardless of case; none where x or y is
-/// missing, or one of the names occurs twice.
-std::vector<std::uint32_t> find_xyz(const std::vector<std::string>& names);
+/// Columns that are coordinates by their names, regardless of case.
+struct KnownColumns {
+  std::vector<std::uint32_t> columns;  ///< empty: the names say nothing
+  std::string text;                    ///< of their names, for a remark: "x, y and z"
+};
+
+/// The columns named x, y and, if there is one, z; else lon and lat, longitude and latitude, or
+/// easting and northing, and a z, height, elevation or altitude. None where one of the names occurs
+/// twice.
+KnownColumns find_known_columns(const std::vector<std::string>& names);
+
+/// The columns whose names say that they number the points: id, index, fid, or none at all.
+std::vector<std::uint32_t> find_numbering(const std::vector<std::string>& names);
 
 /// The column of ReadOptions::key, which is removed from `columns` unless these were asked for; the
 /// largest number where there is no key. Throws as find_columns does.

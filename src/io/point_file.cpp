@@ -11,6 +11,7 @@
 #include "io/packed/unwrap.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
+#include "io/text.hpp"
 #include "io/text_scan.hpp"
 #include "parallel/byte_order.hpp"
 
@@ -75,7 +76,7 @@ std::string format_of_content(const Source& s) {
     const std::string_view word = first_word(lines.begin(), lines.end());
     if (word.empty() || is_comment(word.data(), lines.end())) continue;
     if (word == "solid") return "stl";
-    if (word.ends_with("OFF")) return "off";
+    if (word.substr(0, word.find_last_not_of("0123456789") + 1).ends_with("OFF")) return "off";
     if (is_obj_keyword(word)) return "obj";
     if (word.starts_with("{")) fail(s, "looks like JSON, which holds a hull and no points");
     return "text";
@@ -139,6 +140,9 @@ PointData read_points(const Source& file, const ReadOptions& options) {
   if (file.size == 0) fail(file, "empty file");
   const Source text = behind_byte_order_mark(file);
   const std::string format = choose_format(text, options);
+  if ((begins(file, "\xFF\xFE") || begins(file, "\xFE\xFF")) &&
+      (is_text(format) || format == "obj" || format == "off"))
+    fail(file, "text in UTF-16; what is read is UTF-8");
   if (is_text(format)) {
     PointData data = read_text(text, options, format == "csv");
     if (format != "text") data.format = format;
@@ -284,6 +288,21 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
   if (!impl->data.in_place) impl->unpacked = {};
   impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return PointFile(std::move(impl));
+}
+
+std::optional<std::uint64_t> line_of_point(const std::string& path, std::uint64_t point) noexcept {
+  try {
+    if (path == "-") return std::nullopt;  // it has been read
+    const internal::MappedFile file(path);
+    const internal::Source source = internal::behind_byte_order_mark(file.source());
+    if (source.size == 0 || internal::unpacked_name(source.name) != source.name)
+      return std::nullopt;
+    const std::string format = internal::choose_format(source, {});
+    if (!internal::is_text(format)) return std::nullopt;
+    return internal::line_of_row(source, point, format == "csv");
+  } catch (...) {
+    return std::nullopt;
+  }
 }
 
 }  // namespace cullhull

@@ -13,7 +13,8 @@ import numpy.typing as npt
 
 from . import _core
 from ._arguments import as_count
-from ._errors import BadFile, InvalidArgument, ShapeWarning, warn
+from ._errors import BadFile, Error, InvalidArgument, ShapeWarning, warn
+from ._parquet import choose
 
 Columns = Union[Sequence[str], Sequence[int], None]
 #: Points read at a time by a package that gives no view of all.
@@ -110,9 +111,15 @@ def _opened(name: str) -> Any:
     return _package("fsspec", "files with a protocol", "fsspec").open(name, "rb").open()
 
 
-def _numbers(columns: Columns, width: int, name: str) -> list[int]:
+def _numbers(columns: Columns, width: int, name: str, names: str = "") -> list[int]:
+    """`names`: of the columns, a letter each, which are known in either case."""
     if columns is None:
         return list(range(width))
+    if names:
+        for c in columns:
+            if isinstance(c, str) and (len(c) != 1 or c.lower() not in names):
+                raise InvalidArgument(f"{name}: no column {c!r}; there are {', '.join(names)}")
+        columns = [names.index(c.lower()) if isinstance(c, str) else c for c in columns]
     numbers = [c for c in columns if isinstance(c, (int, np.integer)) and 0 <= c < width]
     if len(numbers) != len(columns) or not numbers:
         raise InvalidArgument(f"{name}: columns must be numbers from 0 to {width - 1}")
@@ -159,14 +166,71 @@ def _hdf5(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray
             if isinstance(item, h5py.Dataset) and item.ndim == 2 and item.dtype.kind in "fiu":
                 arrays.append("/" + where)
 
+        def note_columns(where: str, item: Any) -> None:
+            if isinstance(item, h5py.Dataset) and item.ndim == 1 and item.dtype.kind in "fiu":
+                arrays.append("/" + where)
+
         file.visititems(note)
         if not dataset and len(arrays) == 1:
             dataset = arrays[0]
-        if not isinstance(file.get(dataset) if dataset else None, h5py.Dataset):
+        names = dataset.split(",")
+        found_all = [file.get(n) if n else None for n in names]
+        if not all(isinstance(found, h5py.Dataset) for found in found_all):
+            if len(names) > 1:
+                file.visititems(note_columns)
             raise InvalidArgument(
                 f"{path}: say which dataset, as FILE.h5:/NAME; there are {', '.join(arrays)}"
             )
-        yield from _slices(file[dataset], columns, size, name)
+        for found in found_all:
+            _refuse_gaps(h5py, found, path)
+        if len(names) == 1:
+            yield from _slices(found_all[0], columns, size, name)
+            return
+        yield from _columns_of(found_all, names, columns, size, path)
+
+
+def _refuse_gaps(h5py: Any, dataset: Any, path: str) -> None:
+    """Refuses a dataset that was never written, or not everywhere, and has no fill value."""
+    made = dataset.id.get_create_plist()
+    filled = (
+        made.get_fill_time() != h5py.h5d.FILL_TIME_NEVER
+        and made.fill_value_defined() != h5py.h5d.FILL_VALUE_UNDEFINED
+    )
+    status = dataset.id.get_space_status()
+    if filled or not dataset.size or made.get_external_count() or dataset.is_virtual:
+        return
+    gap = status == h5py.h5d.SPACE_STATUS_NOT_ALLOCATED
+    if status == h5py.h5d.SPACE_STATUS_PART_ALLOCATED and dataset.chunks:
+        chunks = 1
+        for extent, chunk in zip(dataset.shape, dataset.chunks):
+            chunks *= -(-extent // chunk)
+        gap = dataset.id.get_num_chunks() < chunks
+    if gap:
+        raise BadFile(
+            f"{path}: dataset {dataset.name!r}: points that were never written, and the dataset "
+            "has no fill value"
+        )
+
+
+def _columns_of(
+    datasets: list[Any], names: list[str], columns: Columns, size: int | None, path: str
+) -> Iterator[npt.NDArray[Any]]:
+    """Datasets of one axis and one length, side by side."""
+    count = len(datasets[0]) if datasets[0].shape else 0
+    for column, column_name in zip(datasets, names):
+        if column.ndim != 1 or column.dtype.kind not in "fiu":
+            raise BadFile(
+                f"{path}: dataset {column_name!r} of {column.shape} is no column of numbers"
+            )
+        if len(column) != count:
+            raise BadFile(
+                f"{path}: datasets {names[0]!r} and {column_name!r} have {count} and "
+                f"{len(column)} numbers"
+            )
+    taken = _numbers(columns, len(datasets), path)
+    step = size or max(1, count)
+    for start in range(0, count, step):
+        yield np.column_stack([datasets[j][start : start + step] for j in taken])
 
 
 def _zarr(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
@@ -179,19 +243,23 @@ def _zarr(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray
 
 def _las(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
     laspy = _package("laspy", ".las and .laz files", "'laspy[lazrs]'")
-    taken = _numbers(columns, 3, name)
+    taken = _numbers(columns, 3, name, "xyz")
     try:
         with laspy.open(_opened(name)) as file:
             for points in file.chunk_iterator(size or _MANY):
                 axes = (points.X, points.Y, points.Z)
                 yield np.column_stack([np.asarray(axes[j], dtype=np.int32) for j in taken])
-    except laspy.errors.LaspyException as error:
-        raise BadFile(f"{name}: {error}") from None
+    except (Error, MemoryError, ImportError, OSError):
+        raise
+    except BaseException as error:  # a panic of lazrs is no Exception
+        if isinstance(error, Exception) or type(error).__name__ == "PanicException":
+            raise BadFile(f"{name}: {' '.join(str(error).split())}") from None
+        raise
 
 
 def _e57(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
     pye57 = _package("pye57", ".e57 files", "pye57")
-    taken = _numbers(columns, 3, name)
+    taken = _numbers(columns, 3, name, "xyz")
     try:
         with pye57.E57(name) as file:
             for scan in range(file.scan_count):
@@ -204,25 +272,37 @@ def _e57(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[
 
 def _parquet(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
     parquet = _package("pyarrow.parquet", ".parquet files", "pyarrow")
-    file = parquet.ParquetFile(_opened(name))
-    names = list(file.schema_arrow.names)
-    if columns is None:
-        xyz = [c for c in "xyz" if c in names]
-        wanted = xyz if len(xyz) >= 2 else names
-    elif all(isinstance(c, str) for c in columns):
-        wanted = [str(c) for c in columns]
-    else:
-        wanted = [names[j] for j in _numbers(columns, len(names), name)]
-    missing = [c for c in wanted if c not in names]
-    if missing:
-        raise InvalidArgument(f"{name}: no column {missing[0]!r}; there are {', '.join(names)}")
-    for batch in file.iter_batches(batch_size=size or _MANY, columns=wanted):
-        for column in wanted:
-            if batch.column(column).null_count:
-                raise BadFile(f"{name}: column {column!r} has missing values")
-        yield np.column_stack(
-            [batch.column(column).to_numpy(zero_copy_only=False) for column in wanted]
-        )
+    arrow = _package("pyarrow", ".parquet files", "pyarrow")
+    try:
+        file = parquet.ParquetFile(_opened(name))
+        wanted, rows = choose(name, file.schema_arrow, columns)
+        before: int | None = None
+        for batch in file.iter_batches(batch_size=size or _MANY, columns=wanted):
+            if rows is not None:
+                block = _named(name, rows, batch.column(wanted[0]), wanted[0])
+                if before not in (None, block.shape[1]):
+                    raise BadFile(
+                        f"{name}: column {wanted[0]!r}: points of {before} and of "
+                        f"{block.shape[1]} coordinates"
+                    )
+                before = block.shape[1]
+                yield block
+                continue
+            for column in wanted:
+                if batch.column(column).null_count:
+                    raise BadFile(f"{name}: column {column!r} has missing values")
+            yield np.column_stack(
+                [batch.column(column).to_numpy(zero_copy_only=False) for column in wanted]
+            )
+    except arrow.lib.ArrowException as error:
+        raise BadFile(f"{name}: {' '.join(str(error).split())}") from None
+
+
+def _named(name: str, rows: Any, array: Any, column: str) -> npt.NDArray[Any]:
+    try:
+        return rows(array, column)
+    except BadFile as error:
+        raise BadFile(f"{name}: {error}") from None
 
 
 _READERS = {
