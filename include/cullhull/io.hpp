@@ -13,11 +13,21 @@
 #include "cullhull/certify.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/machine.hpp"
+#include "cullhull/placement.hpp"
 #include "cullhull/point_view.hpp"
 #include "cullhull/stream.hpp"
 
 #pragma GCC visibility push(default)
 namespace cullhull {
+
+/// What a point of a file that has a Placement is; other files' numbers are coordinates.
+enum class Numbers {
+  /// Coordinates in the world, as doubles: on a decimal grid (common_grid) the nearest ones, else
+  /// number * scale + offset as laspy computes it.
+  world,
+  grid,  ///< whole multiples on a grid, exact, for computing; in the world where there is none
+  file,  ///< the file's own numbers, in place
+};
 
 struct ReadOptions {
   /// Force a format ("npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "raw");
@@ -46,22 +56,14 @@ struct ReadOptions {
   /// from any of them on: .npy, .las, raw, binary .ply and .pcd, unless compressed, and HDF5. Other
   /// files are read whole (PointFile::in_parts). Of open_points alone.
   std::uint64_t part = 0, parts = 1;
+  Numbers numbers = Numbers::world;
+  /// For Numbers::grid: the grid, by common_grid of all inputs; without it the file's own. An empty
+  /// one: coordinates in the world.
+  std::optional<Grid> grid;
   /// Threads that parse text; 0 means all the machine offers.
   unsigned threads = 0;
   /// Checked while text is parsed.
   std::stop_token stop;
-};
-
-/// Where the whole numbers of a scan lie: along each axis at number * scale + offset. Empty where a
-/// file has none such (all formats but .las).
-struct Placement {
-  std::vector<double> scale, offset;
-
-  bool empty() const noexcept { return scale.empty(); }
-  double at(std::size_t axis, double number) const noexcept {
-    return empty() ? number : number * scale[axis] + offset[axis];
-  }
-  friend bool operator==(const Placement&, const Placement&) = default;
 };
 
 /// Points of a file: mapped (binary) or parsed (text, meshes). Movable; `points()` views its
@@ -76,8 +78,10 @@ class PointFile {
   const PointView& points() const noexcept;
   /// Red, green and blue of every point (u8, dimension 3), where a PLY has them; else no points.
   const PointView& colours() const noexcept;
-  /// Of the points' numbers, which are those of the file; by axis of points().
+  /// Of the file's numbers, by axis of points().
   const Placement& placement() const noexcept;
+  /// The grid that the numbers of points() count on; none unless Numbers::grid was asked for.
+  const Grid& grid() const noexcept;
   const std::string& format() const noexcept;  ///< "npy", "ply (binary little-endian)", ...
   bool mapped() const noexcept;                ///< true when read in place
   /// Whether points() is the part that ReadOptions::part names; else it is all of them.
@@ -117,6 +121,7 @@ class PointSequence {
   std::uint64_t index() const noexcept;
   const std::string& name() const noexcept;
   const std::string& format() const noexcept;
+  const Grid& grid() const noexcept;     ///< as PointFile::grid(), the same for all frames
   double read_seconds() const noexcept;  ///< of the current frame
 
   struct Impl;
@@ -166,18 +171,14 @@ enum class Faces {
 /// .wkt .json .txt) or in `format`: one of those words, or of qhull_formats(). The bytes depend on
 /// points and hull alone, so .json holds the result and no times. The file appears whole or not at
 /// all (written beside, then renamed); "-" and what is no regular file (a pipe, a device) are
-/// written directly. Meshes, .geojson and .wkt have their vertices where `placement` says, rounded,
-/// and measures of these; other formats have the points' numbers. Throws Error{invalid_argument} if
-/// the format cannot hold the hull's dimension or the placement is of another, Error{io} with the
-/// system's reason.
+/// written directly. Throws Error{invalid_argument} if the format cannot hold the hull's dimension,
+/// Error{io} with the system's reason.
 void write_hull(const std::string& path, const PointView& points, const Hull& hull,
-                const std::string& format = "", Faces faces = Faces::polygons,
-                const Placement& placement = {});
+                const std::string& format = "", Faces faces = Faces::polygons);
 /// The same bytes from the points' state and its hull(). Formats that list every point are refused:
 /// Error{invalid_argument}.
 void write_hull(const std::string& path, const HullState& state, const Hull& hull,
-                const std::string& format = "", Faces faces = Faces::polygons,
-                const Placement& placement = {});
+                const std::string& format = "", Faces faces = Faces::polygons);
 
 /// For a handler of SIGINT or SIGTERM (async-signal-safe): removes the temporary files of writers
 /// that have not finished.
@@ -197,8 +198,9 @@ Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordin
 
 /// certify() of the hull in such a file; its `vertex_coordinates`, which a Hull does not have, must
 /// be those of the points. Throws what hull_from_json and certify throw.
+/// Points on a grid are compared with what the file has in the world.
 Certificate certify_file(const PointView& points, const std::string& path,
-                         const Options& options = {});
+                         const Options& options = {}, const Grid& grid = {});
 
 /// Reads what `cullhull bench machine` wrote: an object with the members of MachineConstants. The
 /// rates of link and device may be missing or null. Throws Error{bad_file} or Error{io}.

@@ -9,6 +9,7 @@
 #include "io/mapped_file.hpp"
 #include "io/packed/unpack.hpp"
 #include "io/packed/unwrap.hpp"
+#include "io/placing.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/text_scan.hpp"
@@ -34,6 +35,7 @@ PointFile::~PointFile() = default;
 const PointView& PointFile::points() const noexcept { return impl_->data.view; }
 const PointView& PointFile::colours() const noexcept { return impl_->data.colours; }
 const Placement& PointFile::placement() const noexcept { return impl_->data.placement; }
+const Grid& PointFile::grid() const noexcept { return impl_->data.grid; }
 const std::string& PointFile::format() const noexcept { return impl_->data.format; }
 bool PointFile::mapped() const noexcept { return impl_->data.in_place && impl_->file.mapped(); }
 bool PointFile::in_parts() const noexcept { return impl_->in_parts; }
@@ -143,7 +145,7 @@ PointData read_points(const Source& file, const ReadOptions& options) {
     return data;
   }
   PointData data = read_format(file, text, format, options);
-  choose_columns(data, file.name, column_names(format), options);
+  if (format != "las") choose_columns(data, file.name, column_names(format), options);
   return data;
 }
 
@@ -252,9 +254,10 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
     internal::restrict_to(impl->slice, impl->data.view);
     internal::restrict_to(impl->slice, impl->data.colours);
     internal::prefault(impl->file, impl->data.view, options.threads);
-  } else {
-    impl->file = internal::MappedFile();  // parsed or decompressed: the file is not needed
   }
+  internal::place(impl->data, options);
+  // Parsed, decompressed or placed: the file is not needed.
+  if (!impl->data.in_place || unpacked) impl->file = internal::MappedFile();
   if (!impl->data.in_place) impl->unpacked = {};
   impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return PointFile(std::move(impl));
