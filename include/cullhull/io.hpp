@@ -82,6 +82,8 @@ class PointFile {
   const Placement& placement() const noexcept;
   /// The grid that the numbers of points() count on; none unless Numbers::grid was asked for.
   const Grid& grid() const noexcept;
+  /// Points on a grid take their coordinates in the world, in their memory; grid() is none then.
+  void to_world();
   const std::string& format() const noexcept;  ///< "npy", "ply (binary little-endian)", ...
   bool mapped() const noexcept;                ///< true when read in place
   /// Whether points() is the part that ReadOptions::part names; else it is all of them.

@@ -36,6 +36,13 @@ const PointView& PointFile::points() const noexcept { return impl_->data.view; }
 const PointView& PointFile::colours() const noexcept { return impl_->data.colours; }
 const Placement& PointFile::placement() const noexcept { return impl_->data.placement; }
 const Grid& PointFile::grid() const noexcept { return impl_->data.grid; }
+void PointFile::to_world() {
+  internal::PointData& data = impl_->data;
+  auto* const numbers = data.storage.as<double>();
+  for (std::uint64_t i = 0; !data.grid.empty() && i < data.view.count * data.view.dimension; ++i)
+    numbers[i] = data.grid.to_world(numbers[i]);
+  data.grid = {};
+}
 const std::string& PointFile::format() const noexcept { return impl_->data.format; }
 bool PointFile::mapped() const noexcept { return impl_->data.in_place && impl_->file.mapped(); }
 bool PointFile::in_parts() const noexcept { return impl_->in_parts; }
