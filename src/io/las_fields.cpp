@@ -86,13 +86,14 @@ void append(PointKeys& keys, double value) {
 
 /// Coordinates some of which are fields.
 void gather(PointData& data, const Columns& all, const char* records, std::size_t record,
-            const std::vector<std::uint32_t>& columns) {
+            const std::vector<std::uint32_t>& columns, const ReadOptions& options) {
   const PointView from = data.view;
   const Placement axes = data.placement;
   const auto is_time = [&](std::uint32_t c) {
     return !Columns::is_axis(c) && all.field(c).kind == Kind::f64;
   };
-  const bool in_world = std::any_of(columns.begin(), columns.end(), is_time);
+  const bool timed = std::any_of(columns.begin(), columns.end(), is_time);
+  const bool in_world = timed && options.numbers != Numbers::file;
   const auto d = static_cast<std::uint32_t>(columns.size());
   Buffer room(std::max<std::uint64_t>(1, from.count * d * sizeof(double)));
   auto* out = room.as<double>();
@@ -103,7 +104,7 @@ void gather(PointData& data, const Columns& all, const char* records, std::size_
     }
   data.placement = {};
   for (const std::uint32_t c : columns) {
-    if (in_world || axes.empty()) break;
+    if (timed || axes.empty()) break;
     data.placement.scale.push_back(Columns::is_axis(c) ? axes.scale[c] : 1);
     data.placement.offset.push_back(Columns::is_axis(c) ? axes.offset[c] : 0);
   }
@@ -157,7 +158,7 @@ void choose_las_columns(PointData& data, const char* records, std::size_t record
   if (std::all_of(columns.begin(), columns.end(), Columns::is_axis))
     take_columns(data, columns);
   else
-    gather(data, all, records, record, columns);
+    gather(data, all, records, record, columns, options);
 }
 
 }  // namespace cullhull::internal
