@@ -177,8 +177,19 @@ Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& o
   return input;
 }
 
+void Input::to_grid(const cullhull::ReadOptions& options) {
+  file.to_grid(options);
+  points = file.points();
+  placing.grid = file.grid();
+}
+
 void Input::to_world() {
-  if (gathered.empty()) return file.to_world();
+  if (placing.raw) return;
+  if (gathered.empty()) {
+    file.to_world();
+    points = file.points();
+    return;
+  }
   const cullhull::Grid& grid = placing.grid;
   for (std::size_t at = 0; !grid.empty() && at < gathered.size(); at += sizeof(double)) {
     double number = 0;

@@ -49,7 +49,9 @@ struct Input {
   cullhull::PointView points;
   Placing placing;
 
-  /// Points on a grid take their coordinates in the world. The placing still names the grid.
+  /// Points of one file, its own numbers, take their places on its grid.
+  void to_grid(const cullhull::ReadOptions& options);
+  /// Points take their coordinates in the world. The placing still names the grid.
   void to_world();
 };
 

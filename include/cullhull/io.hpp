@@ -82,7 +82,10 @@ class PointFile {
   const Placement& placement() const noexcept;
   /// The grid that the numbers of points() count on; none unless Numbers::grid was asked for.
   const Grid& grid() const noexcept;
-  /// Points on a grid take their coordinates in the world, in their memory; grid() is none then.
+  /// A file's own numbers take their places on a grid, if they have one, else in the world; as
+  /// ReadOptions with Numbers::grid reads them. Once.
+  void to_grid(const ReadOptions& options);
+  /// Points on a grid, or a file's own numbers, take their coordinates in the world. Once.
   void to_world();
   const std::string& format() const noexcept;  ///< "npy", "ply (binary little-endian)", ...
   bool mapped() const noexcept;                ///< true when read in place

@@ -61,6 +61,19 @@ class Grid {
 /// is empty, or a coordinate might need more than 50 bits.
 Grid common_grid(const std::vector<Placement>& placements);
 
+/// A file's numbers on a grid that its placement lies on: exact.
+class GridAxes {
+ public:
+  /// Error{invalid_argument} where it does not lie on it (common_grid).
+  GridAxes(const Placement& placement, const Grid& grid);
+  double at(std::size_t axis, double number) const noexcept {
+    return number * step_[axis] + origin_[axis];
+  }
+
+ private:
+  std::vector<double> step_, origin_;
+};
+
 /// Numbers of a hull on a grid as those in the world, and back; rounded. Ids, facets and normals
 /// stay.
 void to_world(Hull& hull, const Grid& grid);

@@ -162,6 +162,14 @@ Grid common_grid(const std::vector<Placement>& placements) {
   return Grid(decimals);
 }
 
+GridAxes::GridAxes(const Placement& placement, const Grid& grid) {
+  std::optional<internal::Multiples> multiples;
+  if (!grid.empty()) multiples = multiples_of(placement, grid.decimals());
+  if (!multiples) throw Error(ErrorCode::invalid_argument, "the numbers do not lie on the grid");
+  step_ = std::move(multiples->step);
+  origin_ = std::move(multiples->origin);
+}
+
 void to_world(Hull& hull, const Grid& grid) {
   if (grid.empty()) return;
   const std::size_t width = std::size_t{hull.dimension} + 1;

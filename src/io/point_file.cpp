@@ -23,7 +23,17 @@ struct PointFile::Impl {
   internal::PointData data;
   internal::Slice slice;
   bool in_parts = false;
+  bool placed = false;  ///< no longer the file's own numbers
   double seconds = 0;
+
+  /// What was mapped or unpacked is given back where the points are a copy then.
+  void place(const ReadOptions& options) {
+    internal::place(data, options);
+    placed = options.numbers != Numbers::file || data.placement.empty();
+    if (data.in_place) return;
+    file = internal::MappedFile();
+    unpacked = {};
+  }
 };
 
 PointFile::PointFile() : impl_(std::make_unique<Impl>()) {}
@@ -36,10 +46,17 @@ const PointView& PointFile::points() const noexcept { return impl_->data.view; }
 const PointView& PointFile::colours() const noexcept { return impl_->data.colours; }
 const Placement& PointFile::placement() const noexcept { return impl_->data.placement; }
 const Grid& PointFile::grid() const noexcept { return impl_->data.grid; }
+void PointFile::to_grid(const ReadOptions& options) {
+  ReadOptions placing = options;
+  placing.numbers = Numbers::grid;
+  impl_->place(placing);
+}
 void PointFile::to_world() {
   internal::PointData& data = impl_->data;
+  if (impl_->placed && data.grid.empty()) return;
+  if (!impl_->placed) return impl_->place({});
   auto* const numbers = data.storage.as<double>();
-  for (std::uint64_t i = 0; !data.grid.empty() && i < data.view.count * data.view.dimension; ++i)
+  for (std::uint64_t i = 0; i < data.view.count * data.view.dimension; ++i)
     numbers[i] = data.grid.to_world(numbers[i]);
   data.grid = {};
 }
@@ -262,10 +279,8 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
     internal::restrict_to(impl->slice, impl->data.colours);
     internal::prefault(impl->file, impl->data.view, options.threads);
   }
-  internal::place(impl->data, options);
-  // Parsed, decompressed or placed: the file is not needed.
-  if (!impl->data.in_place || unpacked) impl->file = internal::MappedFile();
-  if (!impl->data.in_place) impl->unpacked = {};
+  if (unpacked) impl->file = internal::MappedFile();
+  impl->place(options);
   impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return PointFile(std::move(impl));
 }
