@@ -34,8 +34,8 @@ def read(
     the file that is not to be changed meanwhile. .laz and COPC need laspy (``pip install
     laspy[lazrs]``), .e57 pye57, .parquet pyarrow, FOLDER.zarr or FOLDER.zarr/NAME (an array) zarr,
     FILE.h5:/GROUP/NAME (a dataset) h5py. .las and .laz give coordinates as doubles: where scale and
-    offset are decimals the ones nearest to them, else number * scale + offset as laspy computes it,
-    from which the former differ in the last place at most.
+    offset are decimals the ones nearest to number * scale + offset, else what laspy computes for
+    it. The two differ by laspy's roundings.
 
     Names with a protocol (``s3://bucket/a.parquet``) are opened by fsspec: .npy, .las, .laz, .parquet,
     .zarr and .h5.
