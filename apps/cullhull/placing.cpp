@@ -36,10 +36,12 @@ std::string units_lines(const Placing& placing, const cullhull::PointView& point
   std::string text = "units      ";
   if (placing.raw)
     text += "the file's whole numbers";
-  else if (!placing.grid.empty())
-    text += fmt::format("the file's, exact on the grid of {}", placing.grid.unit());
   else
-    text += "the file's, coordinates rounded to doubles";
+    text += placing.placement.unit.empty() ? "the file's" : placing.placement.unit;
+  if (!placing.grid.empty())
+    text += fmt::format(", exact on the grid of {}", placing.grid.unit());
+  else if (!placing.raw)
+    text += ", coordinates rounded to doubles";
   if (!placing.placement.empty())
     text += fmt::format("; scale {}, offset {}", fmt::join(placing.placement.scale, " "),
                         fmt::join(placing.placement.offset, " "));
@@ -57,6 +59,7 @@ Json placing_json(const Placing& placing, const cullhull::PointView& points) {
   json["grid"] = placing.grid.empty() ? Json() : Json(placing.grid.unit());
   json["scale"] = p.empty() ? Json() : Json(p.scale);
   json["offset"] = p.empty() ? Json() : Json(p.offset);
+  json["unit"] = p.unit.empty() || placing.raw ? Json() : Json(p.unit);
   json["extent"] = Json::array();
   for (const Range& axis : box_of(points))
     json["extent"].push_back(Json::array({axis.least, axis.greatest}));

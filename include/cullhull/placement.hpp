@@ -18,6 +18,7 @@ struct ReadOptions;
 /// file has none such (all formats but .las).
 struct Placement {
   std::vector<double> scale, offset;
+  std::string unit{};  ///< of x and y, by the file's reference system: "metre", ...; empty: unknown
 
   bool empty() const noexcept { return scale.empty(); }
   /// In doubles, as laspy computes it.

@@ -209,6 +209,7 @@ void take_columns(PointData& data, const std::vector<std::uint32_t>& columns) {
       chosen.scale.push_back(data.placement.scale[c]);
       chosen.offset.push_back(data.placement.offset[c]);
     }
+    chosen.unit = data.placement.unit;
     data.placement = std::move(chosen);
   }
   if (!evenly_spaced(columns)) return gather(data, columns);

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "io/las_fields.hpp"
+#include "io/las_units.hpp"
 #include "io/mapped_file.hpp"
 #include "io/output_file.hpp"
 #include "io/packed/unwrap.hpp"
@@ -63,9 +64,9 @@ LasHeader parse_header(const Source& head) {
   const unsigned format = field<std::uint8_t>(head, 104);
   h.format = format & 0x3F;
   if (format != h.format)
-    fail(
-        head,
-        "holds compressed points (LAZ), which the Python package alone reads: cullhull.read(path)");
+    fail(head,
+         "holds compressed points (LAZ), which the Python package unpacks: python3 -m cullhull ... "
+         "in the place of cullhull ..., or cullhull.read(path) (pip install 'laspy[lazrs]')");
   if (h.format >= std::size(least_record))
     fail_at_byte(head, 104, "LAS point format " + std::to_string(h.format) + "; 0 to 10 are known");
   h.record = field<std::uint16_t>(head, 105);
@@ -81,6 +82,8 @@ LasHeader parse_header(const Source& head) {
   if (h.offset < header_size)
     fail_at_byte(head, 96, "points at byte " + std::to_string(h.offset) + ", within the header");
   h.placement = placement_of(head);
+  if (!h.placement.empty())
+    h.placement.unit = las_unit(head, header_size, field<std::uint32_t>(head, 100));
   return h;
 }
 

@@ -103,6 +103,7 @@ void gather(PointData& data, const Columns& all, const char* records, std::size_
       *out++ = in_world && Columns::is_axis(c) ? axes.at(c, x) : x;
     }
   data.placement = {};
+  if (!timed && !axes.empty()) data.placement.unit = axes.unit;
   for (const std::uint32_t c : columns) {
     if (timed || axes.empty()) break;
     data.placement.scale.push_back(Columns::is_axis(c) ? axes.scale[c] : 1);

@@ -3,6 +3,7 @@
 import concurrent.futures
 import copy
 import gzip
+import importlib.util
 import pickle
 import random
 import struct

@@ -322,7 +322,7 @@ class WholeInput : public BlockSource {
     constexpr std::uint32_t most = 1U << 20;  // of what a damaged one may say
     if (code == 0 || code > 16 || dimension > most) return;
     const double unit = std::stod("1e-" + std::to_string(code - 1));
-    placement_ = {std::vector(dimension, unit), std::vector(dimension, 0.0)};
+    placement_ = {std::vector(dimension, unit), std::vector(dimension, 0.0), ""};
     grid_ = grid_of(placement_, options_);
   }
   LoadedBlock load(const Source& source) const {
