@@ -37,9 +37,9 @@ def _unpack(path: str, folder: str) -> str:
             with laspy.open(file, mode="w", header=scan.header, closefd=False) as out:
                 for points in scan.chunk_iterator(1 << 20):
                     out.write_points(points)
-    except (laspy.errors.LaspyException, OSError, BaseException) as error:
-        if isinstance(error, (KeyboardInterrupt, SystemExit)):
-            raise
+    except (KeyboardInterrupt, SystemExit):
+        raise
+    except BaseException as error:  # lazrs panics on some damaged files
         raise BadFile(f"{path}: {error}") from None
     return target
 

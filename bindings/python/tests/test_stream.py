@@ -7,6 +7,8 @@ import importlib.util
 import pickle
 import random
 import struct
+import subprocess
+import sys
 import threading
 import time
 
@@ -390,3 +392,29 @@ def _write_by_fsspec(fsspec, name, ending, points):
             las = laspy.LasData(laspy.LasHeader(point_format=0, version="1.2"))
             las.X, las.Y, las.Z = points.T
             las.write(file)
+
+
+def test_the_package_reads_laz_for_the_program(tmp_path):
+    laspy = pytest.importorskip("laspy")
+    pytest.importorskip("lazrs")
+    header = laspy.LasHeader(point_format=6, version="1.4")
+    header.scales, header.offsets = [0.01, 0.1, 0.001], [484000, -200.5, 300]
+    las = laspy.LasData(header)
+    las.X, las.Y, las.Z = (cullhull.generate("ball", 900) * 1e6).astype(np.int32).T
+    las.classification = np.arange(900) % 3
+    for name in ("a.las", "a.laz"):
+        las.write(str(tmp_path / name))
+
+    def run(*words):
+        command = [sys.executable, "-m", "cullhull", *map(str, words)]
+        return subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+
+    for words in (("hull", "a.las", "-o", "-"), ("hull", "a.las", "--by", "classification", "-o", "-")):
+        expected, got = run(*words), run(words[0], "a.laz", *words[2:])
+        assert (got.returncode, got.stdout, got.stderr) == (0, expected.stdout, "")
+    assert run("hull", "a.laz", "-o", "b.obj").returncode == 0
+    assert run("hull", "*.laz", "--json").returncode == 0
+    (tmp_path / "bad.laz").write_bytes(b"LASF nothing")
+    bad = run("hull", "bad.laz")
+    assert bad.returncode == 1 and bad.stderr.startswith("cullhull: bad.laz: ")
+    assert bad.stderr.count("\n") == 1
