@@ -131,6 +131,7 @@ std::vector<double> read_weights(const DualArguments& a, std::uint64_t count) {
 std::vector<std::uint32_t> read_edges(const DualArguments& a, std::uint64_t count) {
   InputArguments from;
   from.path = a.edges;
+  from.grid = cullhull::Grid();  // numbers of points, as they are
   const Input input = open_input(from, a.run.threads, a.run.memory_bytes());
   if (input.points.dimension != 2)
     throw Error(ErrorCode::invalid_argument,
