@@ -78,7 +78,8 @@ Outcome certify_in_memory(const CertifyArguments& arguments) {
   cancellable([&] {
     naming_file(arguments.input.path, [&] {
       outcome.certificate =
-          cullhull::certify_file(input.points, arguments.hull, options, arguments.stream.first_id);
+          cullhull::certify_file(input.points, arguments.hull, options, input.placing.grid,
+                                 arguments.stream.first_id);
     });
   });
   outcome.seconds = watch.seconds();
@@ -89,15 +90,21 @@ Outcome certify_streamed(const CertifyArguments& arguments) {
   Outcome outcome;
   std::vector<double> rows;
   const cullhull::Options options = arguments.run.options();
-  const cullhull::Hull hull =
+  cullhull::Hull hull =
       cullhull::hull_from_json(arguments.hull, &rows, options, arguments.stream.first_id);
+  InputArguments from = arguments.input;
+  // Before anything is read: the hull is to be on the grid as its points will be.
+  from.grid = arguments.input.raw ? cullhull::Grid()
+                                  : cullhull::common_grid(arguments.files, read_options(from, 1));
+  cullhull::to_grid(hull, *from.grid);
+  for (double& x : rows) x = from.grid->number_of(x);
   outcome.points.count = hull.point_count;
   outcome.points.dimension = hull.dimension;
   outcome.points.scalar = hull.scalar;
   const Stopwatch watch;
   cullhull::CertifyStream check(hull, std::move(rows), options);
   stream_blocks(
-      arguments.input, arguments.files, arguments.run,
+      from, arguments.files, arguments.run,
       [&](const cullhull::PointView& block, std::uint64_t first) { check.push(block, first); });
   outcome.certificate = check.finish();
   outcome.seconds = watch.seconds();

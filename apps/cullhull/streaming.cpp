@@ -24,8 +24,8 @@ bool is_state(const std::string& file) { return ending_of(file) == ".hullstate";
 /// What a checkpoint must match to be continued: the same files, read with the same options.
 std::string identity_of(const InputArguments& input, const std::vector<std::string>& files,
                         const StreamArguments& stream) {
-  std::string text = fmt::format("{} {} {} {} {} {}\n", input.format, input.dimension, input.type,
-                                 input.columns, stream.first_id, stream.global_ids);
+  std::string text = fmt::format("{} {} {} {} {} {} {}\n", input.raw, input.format, input.dimension,
+                                 input.type, input.columns, stream.first_id, stream.global_ids);
   for (const std::string& file : files) {
     const system::FileIdentity found = system::identify(cullhull::file_of_input(file));
     if (!found.regular)
@@ -158,6 +158,7 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
     };
   }
   Streamed result;
+  result.raw = input.raw;
   cancellable([&] {
     result.read = cullhull::visit_blocks(files, visitor, blocks);
     result.state = hull.state();
@@ -165,6 +166,15 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
   result.report = hull.report();
   result.seconds = watch.seconds();
   return result;
+}
+
+void write_partial(const StreamArguments& stream, const cullhull::HullState& state,
+                   const cullhull::Grid& grid) {
+  if (stream.partial.empty()) return;
+  if (grid.empty()) return cullhull::write_state(stream.partial, state);
+  cullhull::HullState placed = state;
+  cullhull::to_world(placed, grid);
+  cullhull::write_state(stream.partial, placed);
 }
 
 cullhull::BlockSummary stream_blocks(

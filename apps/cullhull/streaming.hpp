@@ -50,11 +50,18 @@ struct Streamed {
   cullhull::BlockSummary read;
   cullhull::StreamReport report;
   double seconds = 0;
+  bool raw = false;  ///< as InputArguments::raw
+
+  Placing placing() const { return {read.placement, read.grid, read.any_placed, raw}; }
 };
 
 /// The state of all points of the inputs; with checkpoints and progress as requested.
 Streamed stream_state(const InputArguments& input, const std::vector<std::string>& files,
                       const StreamArguments& stream, const RunArguments& run);
+
+/// The state as --partial has it, in the world; nothing without that option.
+void write_partial(const StreamArguments& stream, const cullhull::HullState& state,
+                   const cullhull::Grid& grid);
 
 /// Passes each block to `points`, with progress; from several threads at once.
 cullhull::BlockSummary stream_blocks(

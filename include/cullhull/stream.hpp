@@ -57,6 +57,15 @@ class HullState {
   /// Error{invalid_argument} where an id would reach 2^64.
   void shift_ids(std::uint64_t offset);
 
+  /// Points on a grid of so many decimals (cullhull/placement.hpp) take their coordinates in the
+  /// world, rounded, and remember the grid: merge() goes by the numbers on it, if both states have
+  /// the same. Error{invalid_argument} beyond 15 decimals.
+  void to_world(int decimals);
+  /// Back: their numbers on the grid. Nothing without one.
+  void to_grid();
+  /// Of the grid on which the state was found and merges exactly; -1: none.
+  int decimals() const noexcept { return decimals_; }
+
   /// What convex_hull() gives for all the points, ids being the global ones; bit for bit but for
   /// `statistics`, which are those of the last step. Errors as convex_hull; Error{invalid_argument}
   /// while no dimension is known.
@@ -74,6 +83,7 @@ class HullState {
   friend struct internal::StateParts;
   std::uint32_t dimension_ = 0;
   ScalarType scalar_ = ScalarType::f64;
+  int decimals_ = -1;
   std::uint64_t seen_ = 0;
   std::vector<std::uint64_t> ids_;
   std::vector<std::byte> rows_;

@@ -9,6 +9,7 @@
 #include "io/mapped_file.hpp"
 #include "io/packed/unpack.hpp"
 #include "io/packed/unwrap.hpp"
+#include "io/placing.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/text.hpp"
@@ -24,7 +25,17 @@ struct PointFile::Impl {
   std::vector<double> weights;
   internal::Slice slice;
   bool in_parts = false;
+  bool placed = false;  ///< no longer the file's own numbers
   double seconds = 0;
+
+  /// What was mapped or unpacked is given back where the points are a copy then.
+  void place(const ReadOptions& options) {
+    internal::place(data, options);
+    placed = options.numbers != Numbers::file || data.placement.empty();
+    if (data.in_place) return;
+    file = internal::MappedFile();
+    unpacked = {};
+  }
 };
 
 PointFile::PointFile() : impl_(std::make_unique<Impl>()) {}
@@ -37,6 +48,21 @@ const PointView& PointFile::points() const noexcept { return impl_->data.view; }
 const PointView& PointFile::colours() const noexcept { return impl_->data.colours; }
 const Placement& PointFile::placement() const noexcept { return impl_->data.placement; }
 const std::vector<double>& PointFile::weights() const noexcept { return impl_->weights; }
+const Grid& PointFile::grid() const noexcept { return impl_->data.grid; }
+void PointFile::to_grid(const ReadOptions& options) {
+  ReadOptions placing = options;
+  placing.numbers = Numbers::grid;
+  impl_->place(placing);
+}
+void PointFile::to_world() {
+  internal::PointData& data = impl_->data;
+  if (impl_->placed && data.grid.empty()) return;
+  if (!impl_->placed) return impl_->place({});
+  auto* const numbers = data.storage.as<double>();
+  for (std::uint64_t i = 0; i < data.view.count * data.view.dimension; ++i)
+    numbers[i] = data.grid.to_world(numbers[i]);
+  data.grid = {};
+}
 const std::string& PointFile::format() const noexcept { return impl_->data.format; }
 bool PointFile::mapped() const noexcept { return impl_->data.in_place && impl_->file.mapped(); }
 bool PointFile::in_parts() const noexcept { return impl_->in_parts; }
@@ -149,7 +175,7 @@ PointData read_points(const Source& file, const ReadOptions& options) {
     return data;
   }
   PointData data = read_format(file, text, format, options);
-  choose_columns(data, file.name, column_names(format), options);
+  if (format != "las") choose_columns(data, file.name, column_names(format), options);
   return data;
 }
 
@@ -282,10 +308,9 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
     internal::restrict_to(impl->slice, impl->data.view);
     internal::restrict_to(impl->slice, impl->data.colours);
     internal::prefault(impl->file, impl->data.view, options.threads);
-  } else {
-    impl->file = internal::MappedFile();  // parsed or decompressed: the file is not needed
   }
-  if (!impl->data.in_place) impl->unpacked = {};
+  if (unpacked) impl->file = internal::MappedFile();
+  impl->place(options);
   impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return PointFile(std::move(impl));
 }

@@ -50,6 +50,7 @@ struct PointData {
   Buffer colour_storage;  ///< what `colours` points into unless that is the source
   bool in_place = false;  ///< `view` points into the source
   Placement placement;    ///< of the view's axes
+  Grid grid;              ///< as PointFile::grid()
   PointKeys keys;         ///< of every point, where ReadOptions::key asks for them
 };
 

@@ -11,9 +11,12 @@
 #include "io/mapped_file.hpp"
 #include "io/packed/archive.hpp"
 #include "io/packed/unpack.hpp"
+#include "io/placing.hpp"
 #include "io/records.hpp"
+#include "io/system.hpp"
 #include "io/text.hpp"
 #include "io/text_scan.hpp"
+#include "parallel/byte_order.hpp"
 #include "parallel/memory.hpp"
 
 namespace cullhull::internal {
@@ -38,6 +41,7 @@ class RecordBlocks : public BlockSource {
     name_ = from_.name;
     format_ = layout_.format;
     placement_ = layout_.placement;
+    grid_ = layout_.grid;
     per_block_ = std::max<std::uint64_t>(1, block_bytes / (layout_.record_bytes * layout_.columns));
     empty_ = layout_.count == 0;
   }
@@ -119,6 +123,7 @@ class PipedRecords : public BlockSource {
     name_ = from_.name;
     format_ = layout_.format;
     placement_ = layout_.placement;
+    grid_ = layout_.grid;
     per_block_ = std::max<std::uint64_t>(1, block_bytes / layout_.record_bytes);
   }
   void go_on_from(const BlockPosition& from) override { pass_ = from.file_points; }
@@ -288,6 +293,7 @@ class WholeInput : public BlockSource {
     name_ = from_.name;
     options_.format = std::move(format);
     options_.threads = 1;
+    if (options_.format == "hullstate") note_grid();
   }
   void go_on_from(const BlockPosition& from) override { done_ = from.file_points > 0; }
 
@@ -314,6 +320,18 @@ class WholeInput : public BlockSource {
   }
 
  private:
+  /// Of a state: dimension and grid are in its first bytes.
+  void note_grid() {
+    constexpr std::size_t dimension_at = 12, grid_at = 20, head = 24;
+    if (from_.head.size() < head) return;
+    const auto dimension = load_little_endian<std::uint32_t>(from_.head.data() + dimension_at);
+    const auto code = load_little_endian<std::uint32_t>(from_.head.data() + grid_at);
+    constexpr std::uint32_t most = 1U << 20;  // of what a damaged one may say
+    if (code == 0 || code > 16 || dimension > most) return;
+    const double unit = std::stod("1e-" + std::to_string(code - 1));
+    placement_ = {std::vector(dimension, unit), std::vector(dimension, 0.0), ""};
+    grid_ = grid_of(placement_, options_);
+  }
   LoadedBlock load(const Source& source) const {
     LoadedBlock block;
     if (options_.format == "hullstate") {
@@ -323,6 +341,7 @@ class WholeInput : public BlockSource {
       } catch (const Error& e) {
         throw Error(e.code(), name_ + ": " + e.what());
       }
+      if (!grid_.empty()) block.state->to_grid();
     } else {
       block.data = read_points(source, options_);
     }
@@ -361,10 +380,21 @@ std::optional<Preamble> preamble_of(OpenedBytes& from, const std::string& format
   return preamble;
 }
 
+/// Gives decoded points their place.
+void place_points_of(RecordLayout& layout, const ReadOptions& options) {
+  if (layout.placement.empty() || options.numbers == Numbers::file) return;
+  layout.grid = grid_of(layout.placement, options);
+  layout.decode = [decode = layout.decode, options](const Source& records, std::uint64_t first,
+                                                    std::uint64_t count) {
+    PointData data = decode(records, first, count);
+    place(data, options);
+    return data;
+  };
+}
+
 /// Restricts decoded points to the columns asked for.
 void choose_columns_of(RecordLayout& layout, const std::string& file,
                        const std::vector<std::string>& names, const ReadOptions& options) {
-  layout.placement = placement_of_columns(layout.placement, file, names, options);
   layout.decode = [decode = layout.decode, file, names, options](
                       const Source& records, std::uint64_t first, std::uint64_t count) {
     PointData data = decode(records, first, count);
@@ -399,10 +429,11 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
   if (format == "raw") layout = raw_records(head, from.size, uninterrupted);
   if (format == "ply") layout = ply_records(head, from.size, uninterrupted);
   if (format == "pcd") layout = pcd_records(head, from.size, uninterrupted);
-  if (format == "las") layout = las_records(head, from.size);
+  if (format == "las") layout = las_records(head, from.size, uninterrupted);
   if (layout) {
-    if (!read.columns.empty() || !read.key.empty())
+    if (format != "las" && (!read.columns.empty() || !read.key.empty()))
       choose_columns_of(*layout, head.name, column_names(format), read);
+    place_points_of(*layout, read);
     if (from.file.get() >= 0)
       return std::make_unique<RecordBlocks>(std::move(from), std::move(*layout),
                                             options.block_bytes);
@@ -420,3 +451,29 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
 }
 
 }  // namespace cullhull::internal
+
+namespace cullhull {
+
+Grid common_grid(const std::vector<std::string>& files, const ReadOptions& options) {
+  using namespace internal;
+  BlockOptions reading;
+  reading.read = options;
+  reading.read.grid.reset();
+  std::vector<Placement> placements;
+  int of_states = -1;
+  for (const std::string& file : files) {
+    system::FileStatus status{};
+    if (system::status_of(file_of_input(file).c_str(), status) != 0 || !system::is_regular(status))
+      return {};
+    const std::unique_ptr<BlockSource> source = open_source(file, reading);
+    if (source->placement().empty()) return {};
+    placements.push_back(source->placement());
+    const bool state = source->format() == "hullstate";
+    if (state && of_states >= 0 && of_states != source->grid().decimals()) return {};
+    if (state) of_states = source->grid().decimals();
+  }
+  const Grid grid = common_grid(placements);
+  return of_states >= 0 && of_states != grid.decimals() ? Grid() : grid;
+}
+
+}  // namespace cullhull
