@@ -15,12 +15,18 @@ import os
 import shutil
 import sys
 import time
+import zlib
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import coverage
+import ends
+from across import Across
 from cells import Cells
 from known import EXPECTED
+from package import Package
 from program import Program
-from sets import point_sets
+from sets import PointSet, point_sets
 
 
 def main() -> int:
@@ -32,17 +38,39 @@ def main() -> int:
     parser.add_argument("--large", action="store_true",
                         default=os.environ.get("CULLHULL_MATRIX") == "large")
     given = parser.parse_args()
-    folder = given.folder / "matrix"
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
+    folder = work_folder(given.folder)
     cells = Cells(EXPECTED, given.only)
     schema = json.loads((given.root / "docs" / "cullhull.schema.json").read_text())
     sets = point_sets(given.large)
     start = time.monotonic()
     program = Program(given.program, folder, cells, schema, given.large)
+    with ThreadPoolExecutor(1) as beside:
+        running = beside.submit(_all_of_program, program, sets)
+        Package(folder, cells, given.large).all_cells(sets)
+        Across(program, folder, cells, given.large).all_cells(sets)
+        print(f"python: {time.monotonic() - start:.0f} s", flush=True)
+        running.result()
+    print(f"program: {program.runs} runs, {time.monotonic() - start:.0f} s")
+    status = cells.finish(given.only is None)
+    if status == 0:
+        shutil.rmtree(folder)
+    return status
+
+
+def _all_of_program(program: Program, sets: list[PointSet]) -> None:
+    coverage.all_cells(program)
     program.all_cells(sets)
-    print(f"program: {program.runs} runs in {time.monotonic() - start:.0f} s")
-    return cells.finish(given.only is None)
+    ends.all_cells(program)
+
+
+def work_folder(near: Path) -> Path:
+    """Emptied, and in memory where there is room: tens of thousands of small files come and go."""
+    memory = Path("/dev/shm")
+    name = f"cullhull-matrix-{zlib.crc32(str(near.resolve()).encode()):08x}"
+    folder = memory / name if os.access(memory, os.W_OK) else near / "work"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    return folder
 
 
 if __name__ == "__main__":

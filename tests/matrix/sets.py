@@ -91,13 +91,14 @@ KINDS = {
 }
 
 
-def _generic(d: int, n: int = 24, seed: int = 5) -> Any:
+def generic(d: int, n: int = 24, seed: int = 5) -> Any:
+    """Points of which no d + 1 share a hyperplane and no d + 2 a sphere."""
     rng = np.random.default_rng(seed + d)
     return np.unique(rng.integers(-500, 500, (n, d)), axis=0)[rng.permutation(n)] / 8.0
 
 
 def _flat(d: int) -> Any:
-    base = _generic(max(d - 1, 1), 16, 11)
+    base = generic(max(d - 1, 1), 16, 11)
     if d == 1:
         return np.full((5, 1), 2.5)
     last = base @ np.arange(1, d) - 3.0
@@ -114,7 +115,7 @@ def _decimal(d: int) -> PointSet:
 
 def _points_of(kind: str, d: int) -> Any:
     rng = np.random.default_rng(900 + d)
-    generic = _generic(d)
+    spread = generic(d)
     if kind == "empty":
         return np.zeros((0, d))
     if kind == "one":
@@ -125,7 +126,7 @@ def _points_of(kind: str, d: int) -> Any:
         corners = np.vstack([np.zeros(d), np.diag(np.arange(2.0, d + 2))]) + 1
         return corners[: d if kind == "few" else d + 1]
     if kind == "generic":
-        return generic
+        return spread
     if kind == "doubles":
         return rng.normal(size=(40, d))
     if kind == "flat":
@@ -133,14 +134,14 @@ def _points_of(kind: str, d: int) -> Any:
     if kind == "collinear":
         return rng.permutation(np.arange(-4.0, 5.0))[:, None] * np.array([1.0, -2, 0.5, 3])[:d] + 1
     if kind == "duplicates":
-        return np.vstack([generic[:12], generic[:12][::-1]])
+        return np.vstack([spread[:12], spread[:12][::-1]])
     if kind in ("nan", "infinite"):
-        broken = generic.copy()
+        broken = spread.copy()
         broken[7, d - 1] = np.nan if kind == "nan" else -np.inf
         return broken
     if kind == "minus-zero":
         signs = np.array(np.meshgrid(*[[-0.0, 1.0]] * d)).reshape(d, -1).T
-        return np.vstack([signs, np.abs(signs), generic[:3] / 64])
+        return np.vstack([signs, np.abs(signs), spread[:3] / 64])
     if kind == "huge":
         return rng.normal(size=(20, d)) * 1e300
     if kind == "tiny":
