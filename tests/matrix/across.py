@@ -21,10 +21,10 @@ SIZES = {"grid": "grid:7", "disk": "disk", "circle": "circle"}
 
 
 class Across:
-    def __init__(self, program: Program, folder: Path, cells: Cells, large: bool) -> None:
+    def __init__(self, program: Program, folder: Path, cells: Cells) -> None:
         import cullhull
 
-        self.cullhull, self.program, self.cells, self.large = cullhull, program, cells, large
+        self.cullhull, self.program, self.cells = cullhull, program, cells
         self.folder = folder / "across"
         self.folder.mkdir()
 

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import os
+import pickle
 import re
+import signal
+import sys
 import threading
+import traceback
 from collections import Counter
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Sequence
+from typing import Any, Callable, Sequence
 
 #: How many failures are shown in full.
 SHOWN = 60
@@ -20,6 +25,7 @@ class Cells:
         self._lock = threading.Lock()
         self._expected = expected
         self._only = only
+        self.at: Path | None = None  #: a file that holds the cell being tried
         self.passed = 0
         self.reasons: Counter[str] = Counter()
         self.known: Counter[str] = Counter()
@@ -31,6 +37,11 @@ class Cells:
             return True
         parts = self._only.split("/")
         return all(fnmatchcase(a, b) for a, b in zip(start.split("/"), parts))
+
+    def starts(self, cell: str, line: str) -> None:
+        """Notes what is tried now, for the case that the process dies of it."""
+        if self.at is not None:
+            self.at.write_text(f"{cell}\n{line}")
 
     def no_meaning(self, cell: str, why: str) -> None:
         with self._lock:
@@ -48,6 +59,20 @@ class Cells:
                 self.known[pattern] += 1
             else:
                 self.failures.append((cell, fault, reproduce))
+
+    def taken(self) -> tuple[int, Counter[str], Counter[str], list[tuple[str, str, str]]]:
+        """The tally, which starts afresh."""
+        with self._lock:
+            held = self.passed, self.reasons, self.known, self.failures
+            self.passed, self.reasons, self.known, self.failures = 0, Counter(), Counter(), []
+        return held
+
+    def add(self, tally: tuple[int, Counter[str], Counter[str], list[tuple[str, str, str]]]) -> None:
+        with self._lock:
+            self.passed += tally[0]
+            self.reasons += tally[1]
+            self.known += tally[2]
+            self.failures += tally[3]
 
     def shows(self, folder: Path) -> bool:
         """Whether a failure's command line names files of this folder."""
@@ -87,6 +112,40 @@ class Cells:
                 print(f"    and {len(alike) - 1} more alike, of {' '.join(sets)}")
         if len(kinds) > SHOWN:
             print(f"and {len(kinds) - SHOWN} more kinds of failures")
+
+
+def forked(cells: Cells, folder: Path, work: Callable[..., None], *given: Any) -> None:
+    """work(*given) in a process of its own: where it dies, the cell it was at is a failure."""
+    told, at = folder / f"{os.getpid()}.tally", folder / f"{os.getpid()}.at"
+    told.unlink(missing_ok=True)
+    at.write_text(getattr(work, "__qualname__", str(work)))
+    sys.stdout.flush()
+    child = os.fork()
+    if child == 0:
+        status = 1
+        try:
+            cells.taken()
+            cells.at = at
+            work(*given)
+            told.write_bytes(pickle.dumps(cells.taken()))
+            status = 0
+        finally:
+            if status:
+                traceback.print_exc()
+            sys.stderr.flush()
+            os._exit(status)
+    _, status = os.waitpid(child, 0)
+    if status == 0:
+        cells.add(pickle.loads(told.read_bytes()))
+    else:
+        cell, _, line = at.read_text().partition("\n")
+        cells.judge(cell, f"the process died: {_ending(status)}", line)
+
+
+def _ending(status: int) -> str:
+    if os.WIFSIGNALED(status):
+        return signal.Signals(os.WTERMSIG(status)).name
+    return f"status {os.waitstatus_to_exitcode(status)}"
 
 
 def _kind(failure: tuple[str, str, str]) -> tuple[str, str]:

@@ -12,21 +12,22 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import pickle
 import shutil
+import subprocess
 import sys
 import time
 import zlib
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import coverage
 import ends
 from across import Across
-from cells import Cells
+from cells import Cells, forked
 from known import EXPECTED
 from package import Package
 from program import Program
-from sets import PointSet, point_sets
+from sets import point_sets
 
 
 def main() -> int:
@@ -37,30 +38,46 @@ def main() -> int:
     parser.add_argument("--only")
     parser.add_argument("--large", action="store_true",
                         default=os.environ.get("CULLHULL_MATRIX") == "large")
+    parser.add_argument("--package", type=Path, help=argparse.SUPPRESS)  # a folder: the other process
     given = parser.parse_args()
+    if given.package:
+        return _all_of_package(given)
     folder = work_folder(given.folder)
     cells = Cells(EXPECTED, given.only)
-    schema = json.loads((given.root / "docs" / "cullhull.schema.json").read_text())
-    sets = point_sets(given.large)
     start = time.monotonic()
-    program = Program(given.program, folder, cells, schema, given.large)
-    with ThreadPoolExecutor(1) as beside:
-        running = beside.submit(_all_of_program, program, sets)
-        Package(folder, cells, given.large).all_cells(sets)
-        Across(program, folder, cells, given.large).all_cells(sets)
-        print(f"python: {time.monotonic() - start:.0f} s", flush=True)
-        running.result()
-    print(f"program: {program.runs} runs, {time.monotonic() - start:.0f} s")
+    with subprocess.Popen([sys.executable, *sys.argv, "--package", str(folder)]) as package:
+        program = _program(given, folder, cells)
+        sets = point_sets(given.large)
+        coverage.all_cells(program)
+        program.all_cells(sets)
+        ends.all_cells(program)
+        print(f"program: {program.runs} runs, {time.monotonic() - start:.0f} s", flush=True)
+    print(f"with python: {time.monotonic() - start:.0f} s")
+    if package.returncode != 0:
+        cells.judge("python", f"the process of the package ended with {package.returncode}", "")
+    else:
+        cells.add(pickle.loads((folder / "package.cells").read_bytes()))
     status = cells.finish(given.only is None)
     if status == 0:
         shutil.rmtree(folder)
     return status
 
 
-def _all_of_program(program: Program, sets: list[PointSet]) -> None:
-    coverage.all_cells(program)
-    program.all_cells(sets)
-    ends.all_cells(program)
+def _program(given: argparse.Namespace, folder: Path, cells: Cells) -> Program:
+    schema = json.loads((given.root / "docs" / "cullhull.schema.json").read_text())
+    return Program(given.program, folder, cells, schema, given.large)
+
+
+def _all_of_package(given: argparse.Namespace) -> int:
+    """The cells of Python, in a process of its own that forks one for each call."""
+    cells = Cells(EXPECTED, given.only)
+    sets = point_sets(given.large)
+    package = Package(given.package, cells, given.large)
+    package.all_cells(sets)
+    across = Across(_program(given, given.package, cells), given.package, cells)
+    forked(cells, given.package, across.all_cells, sets)
+    (given.package / "package.cells").write_bytes(pickle.dumps(cells.taken()))
+    return 0
 
 
 def work_folder(near: Path) -> Path:

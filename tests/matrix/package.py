@@ -14,7 +14,7 @@ import numpy as np
 
 import arrays
 from arrays import ARRAYS, FEW_ARRAYS, Array
-from cells import Cells
+from cells import Cells, forked
 from commands import FEW_SETS
 from functions import CALLS, ELSEWHERE, METHODS_ELSEWHERE, Call
 from results import digest, first_difference
@@ -65,12 +65,15 @@ class Package:
 
     def all_cells(self, sets: list[PointSet]) -> None:
         self._names()
+        for call in CALLS:
+            if self.cells.wanted(f"python/{call.name}") or self.cells.wanted("python out"):
+                forked(self.cells, self.folder, self._all_sets, call, sets)
+
+    def _all_sets(self, call: Call, sets: list[PointSet]) -> None:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             for s in sets:
-                for call in CALLS:
-                    if self.cells.wanted(f"python/{call.name}"):
-                        self._call_of_set(call, s)
+                self._call_of_set(call, s)
 
     def _names(self) -> None:
         """Every public name and every public method has a row, or a reason."""
@@ -117,15 +120,16 @@ class Package:
                 continue
             if not self._tried(call, array, s):
                 continue
-            got, result = self._outcome(call, array, names)
             line = self._line(call, array, s)
+            self.cells.starts(cell, line)
+            got, result = self._outcome(call, array, names)
             if array is ARRAYS[0]:
                 want = got
-                self.cells.judge(cell, self._expected(call, s, got), line)
+                self.cells.judge(cell, expected(call, s, got), line)
                 if not isinstance(got, Raised):
                     self._ways_out(call, s, result, got, line)
                 continue
-            self.cells.judge(cell, _fault(array, got, want), line)
+            self.cells.judge(cell, _fault(call, array, s, got, want), line)
 
     def _tried(self, call: Call, array: Array, s: PointSet) -> bool:
         if self.large or array is ARRAYS[0]:
@@ -144,12 +148,6 @@ class Package:
         except Exception as error:
             return Raised(error), None
         return digest(result), result
-
-    def _expected(self, call: Call, s: PointSet, got: Any) -> Optional[str]:
-        error = call.raises(s)
-        if isinstance(got, Raised):
-            return None if error in got.kinds else f"raises {got.text}" + (f", not {error}" if error else "")
-        return None if error is None else f"returns {str(got)[:100]}, where {error} is due"
 
     def _line(self, call: Call, array: Array, s: PointSet) -> str:
         path = self.folder / f"{s.name}.npy"
@@ -199,6 +197,9 @@ class Package:
         if s.dimension not in ((2,) if planar else (2, 3)):
             self.cells.no_meaning(f"{start}/plot/{s.name}", "pictures are of the plane or of space")
             return
+        if s.kind in ("huge", "wide", "tiny"):
+            self.cells.no_meaning(f"{start}/plot/{s.name}", "Matplotlib's axes do not reach so far")
+            return
         self.cells.judge(f"{start}/plot/{s.name}", _drawn(draw), line)
 
 
@@ -206,16 +207,23 @@ class Package:
 _PLOTTED = {"Hull": "convex_hull", "Delaunay": "Delaunay", "Voronoi": "Voronoi"}
 
 
-def _fault(array: Array, got: Any, want: Any) -> Optional[str]:
+def expected(call: Call, s: PointSet, got: Any) -> Optional[str]:
+    """Whether a set gives a result, or the error that it is to raise."""
+    error = call.raises(s)
+    if isinstance(got, Raised):
+        return None if error in got.kinds else f"raises {got.text}" + (f", not {error}" if error else "")
+    return None if error is None else f"returns {str(got)[:100]}, where {error} is due"
+
+
+def _fault(call: Call, array: Array, s: PointSet, got: Any, want: Any) -> Optional[str]:
     """Whether a door gives what the reference door gave."""
     if array.refused is not None:
         if isinstance(got, Raised) and array.refused in got.kinds:
             return None
         return f"{got.text if isinstance(got, Raised) else 'is taken'}, where {array.refused} is due"
     if isinstance(want, Raised):
-        if isinstance(got, Raised) and got.kinds == want.kinds:
-            return None
-        return f"{got.text if isinstance(got, Raised) else 'a result'}; by the reference {want.text}"
+        fault = expected(call, s, got)
+        return f"{fault}; by the reference {want.text}" if fault else None
     if isinstance(got, Raised):
         return f"raises {got.text}"
     return None if got == want else first_difference(got, want)
