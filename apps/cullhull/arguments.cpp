@@ -141,6 +141,7 @@ cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned thr
   options.raw_dimension = arguments.dimension;
   options.raw_scalar = scalar_type(arguments.type);
   options.columns = arguments.columns;
+  options.weights = arguments.weights;
   options.memory_budget = memory;
   options.remark = [](const std::string& line) {
     static std::once_flag told;  // once, however many tiles have the same remark
@@ -163,6 +164,7 @@ Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& o
                                                  input.file.format());
   input.points = input.file.points();
   input.placement = input.file.placement();
+  input.weights = input.file.weights();
   return input;
 }
 
@@ -195,6 +197,8 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
                   file + ": points of dimension " + std::to_string(part.dimension) + ", but of " +
                       std::to_string(parts[0].points.dimension) + " in " + files[0]);
     all.points.count += part.count;
+    const std::vector<double>& weights = parts.back().weights;
+    all.weights.insert(all.weights.end(), weights.begin(), weights.end());
   }
   all.placement = common_placement(parts, files);
   const std::uint32_t d = parts[0].points.dimension;

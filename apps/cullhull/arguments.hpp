@@ -21,6 +21,7 @@ struct InputArguments {
   std::uint32_t dimension = 0;
   std::string type;
   std::string columns;
+  std::string weights;  ///< a column beside the coordinates
   /// The words as given, for commands that take several files. Their files are one set of points.
   std::vector<std::string> words;
 
@@ -43,6 +44,7 @@ struct Input {
   std::vector<std::byte> gathered;
   cullhull::PointView points;
   cullhull::Placement placement;  ///< of all files; empty where one has none
+  std::vector<double> weights;    ///< where InputArguments::weights names a column
 };
 
 /// `memory`: limit for decompressed data; 0: that of ReadOptions.

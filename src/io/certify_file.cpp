@@ -10,9 +10,10 @@
 namespace cullhull {
 namespace internal {
 
-Certificate certify_source(const PointView& points, const Source& source, const Options& options) {
+Certificate certify_source(const PointView& points, const Source& source, const Options& options,
+                           std::uint64_t first_id) {
   std::vector<double> rows;
-  const Hull hull = read_hull_json(source, &rows);
+  const Hull hull = read_hull_json(source, &rows, first_id);
   Certificate certificate = certify(points, hull, options);
   if (!certificate.valid) return certificate;
   const unsigned d = points.dimension;
@@ -28,9 +29,11 @@ Certificate certify_source(const PointView& points, const Source& source, const 
 
 }  // namespace internal
 
-Certificate certify_file(const PointView& points, const std::string& path, const Options& options) {
+Certificate certify_file(const PointView& points, const std::string& path, const Options& options,
+                         std::uint64_t first_id) {
   const internal::MappedFile file(path);
-  const Certificate certificate = internal::certify_source(points, file.source(), options);
+  const Certificate certificate =
+      internal::certify_source(points, file.source(), options, first_id);
   file.check_size();
   return certificate;
 }

@@ -192,10 +192,24 @@ class Reading {
       // Where the counts of all blocks before are known, so is the first id.
       if (taken.task.count && taken.number == next_named_) assign(taken, *taken.task.count);
       return true;
+    } catch (const Error& e) {
+      if (e.code() == ErrorCode::cancelled)
+        end_cancelled();
+      else
+        note_error(next_number_);
     } catch (...) {
       note_error(next_number_);
-      return false;
     }
+    return false;
+  }
+
+  /// Opening or waiting for an input heard of the cancellation before watch() did. No block was
+  /// taken, so that the position is right.
+  void end_cancelled() {
+    const std::lock_guard lock(mutex_);
+    stop_ = cancelled_ = true;
+    changed_.notify_all();
+    leave();
   }
 
   bool open_next() {
