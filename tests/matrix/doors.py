@@ -34,8 +34,9 @@ class Door:
     reason: Callable[[PointSet], Optional[str]]  #: why a set cannot come by it; None: it can
     single: bool = True  #: one file of this name alone holds the points
     options: frozenset[str] = frozenset()  #: options that it uses
-    #: Whether the same points come out bit for bit; else within a rounding of each coordinate.
-    exact: bool = True
+    #: 'exact': the same bits are due. 'both': coordinates are doubles, and there is a cell for what
+    #: agrees within a rounding of each and another for the bits. 'close': no double holds them.
+    exact: str = "exact"
     blocks: bool = False  #: whether the program reads it in blocks where it can
     scalar: str = "f64"  #: the type that the program reads
     #: Why the program refuses a set that could come by it, with status 1; None: it does not.
@@ -258,11 +259,11 @@ DOORS = [
          options=frozenset(["--input-format", "--dim", "--type"])),
     Door("format-by-option", _file(".dat", files.npy, "--input-format", "npy"), always,
          options=frozenset(["--input-format"])),
-    Door("las", _las, on_grid, scalar="i32"),
-    Door("las-columns", _las_columns, on_plane_grid, scalar="i32", options=frozenset(["--columns"])),
-    Door("las-tiles", _las_tiles, both(on_grid, not_empty), single=False, blocks=True),
-    Door("las-and-npy", _las_and_npy, both(on_grid, not_empty), single=False, blocks=True),
-    Door("las-decimal", _las_decimal, decimal, exact=False, scalar="i32"),
+    Door("las", _las, on_grid, scalar="i32", exact="both"),
+    Door("las-columns", _las_columns, on_plane_grid, scalar="i32", options=frozenset(["--columns"]), exact="both"),
+    Door("las-tiles", _las_tiles, both(on_grid, not_empty), single=False, blocks=True, exact="both"),
+    Door("las-and-npy", _las_and_npy, both(on_grid, not_empty), single=False, blocks=True, exact="both"),
+    Door("las-decimal", _las_decimal, decimal, exact="close", scalar="i32"),
     Door("gz", _file(".npy.gz", lambda p: gzip.compress(files.npy(p))), always, blocks=True),
     Door("zst", _file(".npy.zst", lambda p: _zstd(files.npy(p))), always, blocks=True),
     Door("csv-gz", _file(".csv.gz", lambda p: gzip.compress(files.csv_of_names(p))),

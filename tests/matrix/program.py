@@ -243,12 +243,16 @@ class Program:
                                                  reference.written[output.name], door)
                     except Exception as error:  # whatever a reader finds
                         found = f"cannot be read: {type(error).__name__}: {error}"
-            self.cells.judge(f"{start}/{output.name}", found,
-                             f"{ran.line}\n    reference: {reference.line}" if found else "")
+            line = f"{ran.line}\n    reference: {reference.line}" if found else ""
+            self.cells.judge(f"{start}/{output.name}", found, line)
+            if door.exact == "both" and fault is None and output.name in reference.written:
+                bits = difference(output, written[output.name], reference.written[output.name], True)
+                self.cells.judge(f"{start}/{output.name} bit for bit", found or bits,
+                                 f"{ran.line}\n    reference: {reference.line}")
 
     def _difference(self, s: PointSet, output: Output, got: bytes, want: bytes,
                     door: Door) -> Optional[str]:
-        fault = difference(output, got, want, door.exact)
+        fault = difference(output, got, want, door.exact == "exact")
         if fault is None or output.alike != "survivors" or not door.blocks:
             return fault
         return self._lost(s, output, got)
