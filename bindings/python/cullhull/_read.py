@@ -135,7 +135,7 @@ def _numbers(columns: Columns, width: int, name: str, names: str = "") -> list[i
 
 
 def _blocks(array: Any, size: int | None) -> Iterator[npt.NDArray[Any]]:
-    for start in range(0, array.shape[0], size or max(1, array.shape[0])):
+    for start in range(0, max(1, array.shape[0]), size or max(1, array.shape[0])):
         yield np.asarray(array[start : start + size] if size else array[:])
 
 
