@@ -256,7 +256,7 @@ void find_dual(const DualArguments& a, const PointView& points, Outcome& out) {
 
 std::string report(const DualArguments& a, const PointView& points, const Outcome& out) {
   const Triangulation& t = out.triangulation;
-  nlohmann::ordered_json json = report_head(points);
+  nlohmann::ordered_json json;
   json["threads"] = t.statistics.threads;
   json["weights"] = !out.weights.empty();
   json["furthest_site"] = a.furthest;
@@ -285,7 +285,7 @@ std::string report(const DualArguments& a, const PointView& points, const Outcom
   json["read_seconds"] = out.read_seconds;
   json["compute_seconds"] = t.statistics.compute_seconds;
   json["peak_bytes"] = peak_bytes();
-  return json.dump(2) + '\n';
+  return report_text(out.voronoi ? "voronoi_report" : "triangulation_report", points, json);
 }
 
 std::string summary(const DualArguments& a, const Input& input, const Outcome& out) {

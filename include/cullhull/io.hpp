@@ -152,9 +152,9 @@ struct JsonExtras {
   std::optional<bool> certified;
 };
 
-/// The version of docs/cullhull.schema.json, which every report names in its member "schema". It is
-/// increased when a member is removed or changes its meaning; members may be added without.
-inline constexpr int json_schema_version = 1;
+/// The version of docs/cullhull.schema.json, which every document names in its member "schema". It
+/// is increased when a member is removed or changes its meaning; members may be added without.
+inline constexpr int json_schema_version = 2;
 
 /// How a mesh file (.ply .obj .off) holds facets of more than three corners.
 enum class Faces {
