@@ -189,10 +189,10 @@ std::string hull_to_json(const PointView& points, const Hull& hull, const JsonEx
                          bool with_lists);
 std::string hull_to_json(const HullState& state, const Hull& hull, const JsonExtras& extras,
                          bool with_lists);
-/// Reads what write_hull(".json") or hull_to_json with lists wrote. Every size, offset and index is
-/// checked, so that the result can be handed to certify(); its statistics are not in the file.
-/// `vertex_coordinates`, if given, takes the rows of that key, in the order of `vertices`.
-/// Throws Error{bad_file} or Error{io}.
+/// Reads what write_hull(".json") or hull_to_json with lists wrote, of this schema version or an
+/// earlier one. Every size, offset and index is checked, so that the result can be handed to
+/// certify(); its statistics are not in the file. `vertex_coordinates`, if given, takes the rows of
+/// that key, in the order of `vertices`. Throws Error{bad_file} or Error{io}.
 Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates = nullptr);
 
 /// certify() of the hull in such a file; its `vertex_coordinates`, which a Hull does not have, must

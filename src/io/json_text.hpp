@@ -3,6 +3,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -15,7 +16,7 @@ requires std::is_integral_v<T>
 void append_json_number(std::string& out, T value) {
   char text[24];
   const auto r = std::to_chars(text, text + sizeof text, value);
-  out.append(text, r.ptr);
+  out.append(text, static_cast<std::size_t>(r.ptr - text));
 }
 
 /// The shortest decimal that reads back as the same double. JSON has no numbers that are not
@@ -28,7 +29,7 @@ inline void append_json_number(std::string& out, double value) {
   } else {
     char text[40];
     const auto r = std::to_chars(text, text + sizeof text, value);
-    out.append(text, r.ptr);
+    out.append(text, static_cast<std::size_t>(r.ptr - text));
   }
 }
 

@@ -68,10 +68,10 @@ void write_polygons(const std::string& path, const std::string& f, const PointVi
   });
 }
 
-void write_json(const std::string& path, ScalarType scalar, const Triangulation& t,
-                const AlphaShape& shape, double alpha) {
+void write_json(const std::string& path, const Triangulation& t, const AlphaShape& shape,
+                double alpha) {
   OutputText out(path);
-  out.json({"alpha_shape", JsonPoints{t.point_count, t.dimension, scalar}}, [&](JsonWriter& w) {
+  out.json({"alpha_shape", JsonPoints{t.point_count, t.dimension, t.scalar}}, [&](JsonWriter& w) {
     w.member("affine_dimension", t.affine_dimension);
     w.key("alpha");
     if (std::isnan(alpha))
@@ -120,7 +120,7 @@ void write_alpha_shape(const std::string& path, const PointView& points, const T
     throw Error(ErrorCode::invalid_argument, "the triangulation is not that of these points");
   const std::string f = output_format(path, format, "json");
   check(path, f, t.dimension);
-  if (f == "json") return write_json(path, points.scalar, t, shape, alpha);
+  if (f == "json") return write_json(path, t, shape, alpha);
   if (f == "vtk") return write_vtk(path, points, t, shape.cells);
   if (is_map(f)) return write_polygons(path, f, points, t, shape);
   write_mesh(path, f, mesh_of(points, t, shape));

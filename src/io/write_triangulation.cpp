@@ -45,9 +45,9 @@ void vertex_lists(JsonWriter& w, const char* name, const Offsets& offsets, const
   });
 }
 
-void write_triangulation_json(const std::string& path, ScalarType scalar, const Triangulation& t) {
+void write_triangulation_json(const std::string& path, const Triangulation& t) {
   OutputText out(path);
-  const JsonPoints about{t.point_count, t.dimension, scalar};
+  const JsonPoints about{t.point_count, t.dimension, t.scalar};
   out.json({"triangulation", about}, [&](JsonWriter& w) {
     w.member("affine_dimension", t.affine_dimension);
     w.member("furthest_site", t.furthest_site);
@@ -143,7 +143,7 @@ void write_triangulation(const std::string& path, const PointView& points, const
   if (points.count != t.point_count || points.dimension != t.dimension)
     throw Error(ErrorCode::invalid_argument, "the triangulation is not that of these points");
   const std::string f = output_format(path, format, "json");
-  if (f == "json") return write_triangulation_json(path, points.scalar, t);
+  if (f == "json") return write_triangulation_json(path, t);
   if (f == "vtk") {
     if (t.dimension > 3) refuse(f, "cells of points of up to 3 dimensions", t.dimension);
     std::vector<std::uint32_t> all(t.size());
