@@ -255,12 +255,4 @@ std::vector<double> vertex_rows(const PointView& points, const Hull& hull) {
   return rows;
 }
 
-std::string result_figures(const std::string& report) {
-  auto figures = nlohmann::ordered_json::parse(report);
-  for (const char* key : {"schema", "threads", "backend", "cull", "hull", "read_seconds",
-                          "compute_seconds", "compute_seconds_all", "peak_bytes", "certified"})
-    figures.erase(key);
-  return figures.dump(1) + "\n";
-}
-
 }  // namespace cullhull::viewer

@@ -77,7 +77,4 @@ class Scene {
 /// vertex_rows of a hull from its points.
 std::vector<double> vertex_rows(const PointView& points, const Hull& hull);
 
-/// The report from a hull's file, without the members that describe a run.
-std::string result_figures(const std::string& report);
-
 }  // namespace cullhull::viewer

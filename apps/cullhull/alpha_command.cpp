@@ -136,7 +136,7 @@ void find_shape(const AlphaArguments& a, const PointView& points, const cullhull
         return naming_file(a.input.path, [&] { return cullhull::delaunay(points, o); });
       }).result;
   const Triangulation& t = out.triangulation;
-  out.alpha = a.by_edges() ? INFINITY : grid.to_grid(given_alpha(a.alpha));
+  out.alpha = a.by_edges() ? NAN : grid.to_grid(given_alpha(a.alpha));
   if (a.edge_length >= 0) out.edge_length = grid.to_grid(a.edge_length);
   out.shape =
       repeat(a.run, 1, [&](const cullhull::Options& options) {
@@ -154,22 +154,19 @@ void find_shape(const AlphaArguments& a, const PointView& points, const cullhull
 
 std::string report(const Input& input, const Outcome& out) {
   const Triangulation& t = out.triangulation;
-  nlohmann::ordered_json json = report_head(input.points);
+  nlohmann::ordered_json json;
   add_placing(json, input.placing, input.points);
   json["threads"] = t.statistics.threads;
   json["affine_dimension"] = t.affine_dimension;
-  json["alpha"] =
-      std::isfinite(out.alpha) ? nlohmann::ordered_json(out.alpha) : nlohmann::ordered_json();
-  if (out.edge_length)
-    json["edge_length"] = std::isfinite(*out.edge_length) ? nlohmann::ordered_json(*out.edge_length)
-                                                          : nlohmann::ordered_json();
+  json["alpha"] = out.edge_length ? nlohmann::ordered_json() : nlohmann::ordered_json(out.alpha);
+  if (out.edge_length) json["edge_length"] = *out.edge_length;
   json["cell_count"] = out.shape.cells.size();
   json["facet_count"] = out.shape.facet_cells.size();
   json["region_count"] = out.region_count;
   json["read_seconds"] = out.read_seconds;
   json["compute_seconds"] = out.compute_seconds;
   json["peak_bytes"] = peak_bytes();
-  return json.dump(2) + '\n';
+  return report_text("alpha_report", points, json);
 }
 
 std::string summary(const AlphaArguments& a, const Input& input, const Outcome& out) {

@@ -44,7 +44,7 @@ struct CertifyArguments {
 
 std::string report(const cullhull::PointView& points, const cullhull::Certificate& certificate,
                    unsigned threads, double read_seconds, double seconds) {
-  nlohmann::ordered_json json = report_head(points);
+  nlohmann::ordered_json json;
   json["threads"] = threads;
   json["certified"] = certificate.valid;
   json["reason"] =
@@ -55,8 +55,7 @@ std::string report(const cullhull::PointView& points, const cullhull::Certificat
   json["read_seconds"] = read_seconds;
   json["certify_seconds"] = seconds;
   json["peak_bytes"] = peak_bytes();
-  // A reason may quote the file, which may hold any bytes.
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+  return report_text("certify_report", points, json);
 }
 
 struct Outcome {

@@ -52,7 +52,7 @@ using Outcome = Repeated<cullhull::Survivors>;
 
 std::string report(const CullArguments& arguments, const cullhull::PointView& points,
                    const Outcome& outcome, double read_seconds) {
-  nlohmann::ordered_json json = report_head(points);
+  nlohmann::ordered_json json;
   json["threads"] = threads_used(arguments.run.threads);
   const cullhull::Survivors& survivors = outcome.result;
   json["backend"] = survivors.backend;
@@ -64,7 +64,7 @@ std::string report(const CullArguments& arguments, const cullhull::PointView& po
   json["compute_seconds"] = median(outcome.seconds);
   json["compute_seconds_all"] = outcome.seconds;
   json["peak_bytes"] = peak_bytes();
-  return json.dump(2) + '\n';
+  return report_text("cull_report", points, json);
 }
 
 std::string summary(const Input& input, const Outcome& outcome, double read_seconds) {

@@ -11,7 +11,6 @@
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
-#include "cullhull/version.hpp"
 #include "outputs.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
@@ -122,17 +121,16 @@ Made read_arguments(const GenerateArguments& arguments) {
 std::string report(const GenerateArguments& arguments, const Made& made) {
   using Json = nlohmann::ordered_json;
   Json json;
-  json["version"] = CULLHULL_VERSION;
-  json["schema"] = cullhull::json_schema_version;
   json["shape"] = arguments.shape;
-  json["points"] = {{"count", made.count},
-                    {"dimension", made.dimension},
-                    {"scalar", cullhull::scalar_name(made.type)}};
   json["seed"] = made.seed;
   json["motion"] = arguments.motion.empty() ? Json() : Json(arguments.motion);
   json["frames"] = arguments.motion.empty() ? Json() : Json(made.frames);
   json["output"] = arguments.output;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  cullhull::PointView points;
+  points.count = made.count;
+  points.dimension = made.dimension;
+  points.scalar = made.type;
+  return report_text("generate_report", points, json);
 }
 
 std::string summary(const GenerateArguments& arguments, const Made& made) {

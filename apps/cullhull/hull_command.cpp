@@ -1,9 +1,9 @@
 // cullhull hull: the exact hull of a file of points.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 
@@ -233,27 +233,20 @@ std::string extreme_json(const cullhull::PointView& view, const Extreme& found, 
                          std::uint64_t peak) {
   const cullhull::ExtremePoints& points = found.result;
   const cullhull::Statistics& s = points.statistics;
-  return fmt::format(
-      "{{\n"
-      "  \"version\": \"{}\",\n"
-      "  \"schema\": {},\n"
-      "  \"points\": {{\"count\": {}, \"dimension\": {}, \"scalar\": \"{}\"}},\n"
-      "  \"threads\": {},\n"
-      "  \"backend\": \"{}\",\n"
-      "  \"cull\": {{\"method\": \"{}\", \"survivors\": {}, \"seconds\": {}}},\n"
-      "  \"only\": \"vertices\",\n"
-      "  \"affine_dimension\": {},\n"
-      "  \"vertex_count\": {},\n"
-      "  \"read_seconds\": {},\n"
-      "  \"compute_seconds\": {},\n"
-      "  \"compute_seconds_all\": [{}],\n"
-      "  \"peak_bytes\": {},\n"
-      "  \"vertices\": [{}]\n"
-      "}}\n",
-      CULLHULL_VERSION, cullhull::json_schema_version, view.count, view.dimension,
-      cullhull::scalar_name(view.scalar), s.threads, s.backend, s.cull_method, s.survivors,
-      s.cull_seconds, points.affine_dimension, points.ids.size(), read_seconds, s.compute_seconds,
-      fmt::join(found.seconds, ", "), peak, fmt::join(points.ids, ", "));
+  nlohmann::ordered_json json;
+  json["threads"] = s.threads;
+  json["backend"] = s.backend;
+  json["cull"] = {
+      {"method", s.cull_method}, {"survivors", s.survivors}, {"seconds", s.cull_seconds}};
+  json["only"] = "vertices";
+  json["affine_dimension"] = points.affine_dimension;
+  json["vertex_count"] = points.ids.size();
+  json["read_seconds"] = read_seconds;
+  json["compute_seconds"] = s.compute_seconds;
+  json["compute_seconds_all"] = found.seconds;
+  json["peak_bytes"] = peak;
+  json["vertices"] = points.ids;
+  return report_text("extreme_report", view, json);
 }
 
 void check_vertices_only(const HullArguments& arguments) {

@@ -68,17 +68,16 @@ Scan scan(const cullhull::PointView& points, std::uint64_t first_id = 0) {
   return result;
 }
 
-/// A number, or a string for values that JSON cannot represent; null for an axis without points.
+/// Null for an axis without points.
 nlohmann::ordered_json number(double value, bool any) {
   if (!any) return nullptr;
-  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
   return value;
 }
 
 std::string report(const Described& input, const Scan& found) {
   using Json = nlohmann::ordered_json;
   const cullhull::PointView& points = input.points;
-  Json json = report_head(points);
+  Json json;
   json["format"] = input.format;
   json["in_place"] = input.in_place;
   json["point_stride"] = points.point_stride;
@@ -93,7 +92,7 @@ std::string report(const Described& input, const Scan& found) {
   json["not_finite"] = found.not_finite;
   json["first_not_finite"] = found.not_finite > 0 ? Json(found.first_not_finite) : Json();
   json["read_seconds"] = input.read_seconds;
-  return json.dump(2) + '\n';
+  return report_text("info_report", points, json);
 }
 
 std::string summary(const Described& input, const Scan& found) {

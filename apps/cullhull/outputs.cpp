@@ -9,7 +9,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/point_blocks.hpp"
-#include "cullhull/version.hpp"
+#include "io/json_writer.hpp"
 #include "system.hpp"
 #include "terminal.hpp"
 
@@ -68,14 +68,16 @@ std::string measure_lines(int affine_dimension, double area, double volume) {
   return fmt::format("area       {}\nvolume     {}\n", area, volume);
 }
 
-nlohmann::ordered_json report_head(const cullhull::PointView& points) {
-  nlohmann::ordered_json json;
-  json["version"] = CULLHULL_VERSION;
-  json["schema"] = cullhull::json_schema_version;
-  json["points"] = {{"count", points.count},
-                    {"dimension", points.dimension},
-                    {"scalar", cullhull::scalar_name(points.scalar)}};
-  return json;
+std::string report_text(std::string_view kind, const cullhull::PointView& points,
+                        const nlohmann::ordered_json& members) {
+  using cullhull::internal::JsonPoints;
+  return cullhull::internal::json_document(
+      {kind, JsonPoints{points.count, points.dimension, points.scalar}}, members);
+}
+
+void add_measures(nlohmann::ordered_json& json, int affine_dimension, double area, double volume) {
+  cullhull::internal::put_measures(affine_dimension, area, volume,
+                                   [&](const char* name, double measure) { json[name] = measure; });
 }
 
 std::string wrote_line(const std::string& path) {

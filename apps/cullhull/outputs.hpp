@@ -25,9 +25,13 @@ std::string measure_lines(int affine_dimension, double area, double volume);
 /// "wrote      page.html, 1.2 MB\n"; nothing for standard output.
 std::string wrote_line(const std::string& path);
 
-/// The first members of a JSON report: version, schema, and the number, dimension and type of
-/// points.
-nlohmann::ordered_json report_head(const cullhull::PointView& points);
+/// The text of a JSON report on these points: `members` after what every document begins with.
+/// `kind`: its name in docs/cullhull.schema.json.
+std::string report_text(std::string_view kind, const cullhull::PointView& points,
+                        const nlohmann::ordered_json& members);
+
+/// Adds the measures of a hull of this dimension, by the names of measure_lines.
+void add_measures(nlohmann::ordered_json& json, int affine_dimension, double area, double volume);
 
 /// Extensions in small letters, with their dots.
 using Endings = std::vector<std::string_view>;

@@ -178,25 +178,25 @@ struct Outcome {
 };
 
 Json frame_record(std::uint64_t index, const FrameReport& r, const Hull& h, double read_seconds) {
-  return {{"index", index},
-          {"method", r.method},
-          {"backend", h.statistics.backend},
-          {"affine_dimension", h.affine_dimension},
-          {"vertex_count", h.vertices.size()},
-          {"facet_count", h.facet_count()},
-          {"scan_survivors", r.scan_survivors},
-          {"survivors", r.survivors},
-          {"vertices_came", r.vertices_came},
-          {"vertices_went", r.vertices_went},
-          {"facets_came", r.facets_came},
-          {"facets_went", r.facets_went},
-          {"read_seconds", read_seconds},
-          {"scan_seconds", r.scan_seconds},
-          {"cull_seconds", r.cull_seconds},
-          {"hull_seconds", r.hull_seconds},
-          {"compute_seconds", r.compute_seconds},
-          {"volume", h.volume},
-          {"area", h.area}};
+  Json record = {{"index", index},
+                 {"method", r.method},
+                 {"backend", h.statistics.backend},
+                 {"affine_dimension", h.affine_dimension},
+                 {"vertex_count", h.vertices.size()},
+                 {"facet_count", h.facet_count()},
+                 {"scan_survivors", r.scan_survivors},
+                 {"survivors", r.survivors},
+                 {"vertices_came", r.vertices_came},
+                 {"vertices_went", r.vertices_went},
+                 {"facets_came", r.facets_came},
+                 {"facets_went", r.facets_went},
+                 {"read_seconds", read_seconds},
+                 {"scan_seconds", r.scan_seconds},
+                 {"cull_seconds", r.cull_seconds},
+                 {"hull_seconds", r.hull_seconds},
+                 {"compute_seconds", r.compute_seconds}};
+  add_measures(record, h.affine_dimension, h.area, h.volume);
+  return record;
 }
 
 /// A frame in the world, whose points may be on a grid.
@@ -284,13 +284,7 @@ Outcome track(const TrackArguments& arguments, const FrameNames& names,
 
 std::string report_of(const TrackArguments& arguments, const cullhull::PointSequence& sequence,
                       Outcome&& o) {
-  Json report = {{"version", CULLHULL_VERSION},
-                 {"schema", cullhull::json_schema_version},
-                 {"points",
-                  {{"count", o.count},
-                   {"dimension", o.dimension},
-                   {"scalar", cullhull::scalar_name(o.scalar)}}},
-                 {"format", sequence.format()},
+  Json report = {{"format", sequence.format()},
                  {"threads", o.threads},
                  {"backend", o.backend()},
                  {"cull", arguments.run.cull},
@@ -309,8 +303,11 @@ std::string report_of(const TrackArguments& arguments, const cullhull::PointSequ
                    {"frames_per_second", o.frames_per_second()}}},
                  {"peak_bytes", peak_bytes()}};
   if (o.certified) report["certified"] = *o.certified;
-  // The message of a failed frame holds a file's name, which may have any bytes.
-  return report.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  cullhull::PointView points;
+  points.count = o.count;
+  points.dimension = o.dimension;
+  points.scalar = o.scalar;
+  return report_text("track_report", points, report);
 }
 
 std::string summary(const cullhull::PointSequence& sequence, const Outcome& o) {

@@ -270,7 +270,7 @@ void find_dual(const DualArguments& a, const PointView& points, const cullhull::
 std::string report(const DualArguments& a, const Input& input, const Outcome& out) {
   const PointView& points = input.points;
   const Triangulation& t = out.triangulation;
-  nlohmann::ordered_json json = report_head(points);
+  nlohmann::ordered_json json;
   add_placing(json, input.placing, points);
   json["threads"] = t.statistics.threads;
   json["weights"] = !out.weights.empty();
@@ -300,7 +300,7 @@ std::string report(const DualArguments& a, const Input& input, const Outcome& ou
   json["read_seconds"] = out.read_seconds;
   json["compute_seconds"] = t.statistics.compute_seconds;
   json["peak_bytes"] = peak_bytes();
-  return json.dump(2) + '\n';
+  return report_text(out.voronoi ? "voronoi_report" : "triangulation_report", points, json);
 }
 
 std::string summary(const DualArguments& a, const Input& input, const Outcome& out) {

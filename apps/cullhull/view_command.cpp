@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/io.hpp"
+#include "io/json_writer.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "signals.hpp"
@@ -177,7 +178,7 @@ std::string tracked_report(const cullhull::HullTracker& tracker, const cullhull:
                      {"facets_came", r.facets_came},
                      {"facets_went", r.facets_went},
                      {"scan_seconds", r.scan_seconds}};
-  return report.dump(1) + "\n";
+  return cullhull::internal::json_text(report);
 }
 
 /// Which of `count` frames are shown, and their reports as one text.
@@ -191,14 +192,19 @@ class Shown {
     return added_ < shown_ && index == added_ * count_ / shown_;
   }
   void add(const std::string& report) {
-    if (added_++ > 0) reports_ += ",\n";
-    reports_ += report;
+    ++added_;
+    reports_.push_back(nlohmann::ordered_json::parse(report));
   }
-  std::string reports() const { return count_ > 1 ? "[\n" + reports_ + "]\n" : reports_; }
+  /// One frame's report, or a document of all.
+  std::string report() const {
+    if (count_ == 1) return cullhull::internal::json_text(reports_[0]);
+    return cullhull::internal::json_document({"view_report", {}},
+                                             nlohmann::ordered_json{{"frames", reports_}});
+  }
 
  private:
   std::uint64_t count_, shown_, added_ = 0;
-  std::string reports_;
+  nlohmann::ordered_json reports_ = nlohmann::ordered_json::array();
 };
 
 /// Frames tracked one after the other; each hull is the one that `hull` gives for that frame.
@@ -235,7 +241,18 @@ Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
     add_frame(input.points, sequence.index(), tracker.hull(), tracker.survivors(), report,
               arguments.triangulation(options), scene);
   }
-  return {scene.page(), chosen.reports()};
+  return {scene.page(), chosen.report()};
+}
+
+/// The members of a hull's report that tell nothing of a run.
+std::string result_figures(const cullhull::Hull& hull) {
+  auto figures =
+      nlohmann::ordered_json::parse(cullhull::hull_to_json(cullhull::PointView{}, hull, {}, false));
+  for (const char* key : {"threads", "backend", "cull", "hull", "read_seconds", "compute_seconds",
+                          "compute_seconds_all", "peak_bytes", "certified"})
+    figures.erase(key);
+  figures["kind"] = "hull_figures";
+  return cullhull::internal::json_text(figures);
 }
 
 Written view_hulls(const ViewArguments& arguments, const std::vector<std::string>& files,
@@ -250,12 +267,11 @@ Written view_hulls(const ViewArguments& arguments, const std::vector<std::string
     const cullhull::Hull hull = cullhull::hull_from_json(files[i], &frame.vertex_rows);
     frame.index = i;
     frame.hull = &hull;
-    frame.report = cullhull::viewer::result_figures(
-        cullhull::hull_to_json(cullhull::PointView{}, hull, {}, false));
+    frame.report = result_figures(hull);
     chosen.add(frame.report);
     scene.add(frame);
   }
-  return {scene.page(), chosen.reports()};
+  return {scene.page(), chosen.report()};
 }
 
 int run(const ViewArguments& arguments) {

@@ -12,7 +12,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
-#include "cullhull/version.hpp"
+#include "io/json_writer.hpp"
 #include "parallel/big_array.hpp"
 #include "parallel/parallel.hpp"
 
@@ -164,8 +164,6 @@ std::string machine_table(const MachineRates& rates) {
 
 std::string machine_json(const MachineRates& rates) {
   nlohmann::ordered_json json;
-  json["version"] = CULLHULL_VERSION;
-  json["schema"] = cullhull::json_schema_version;
   json["suite"] = "machine";
   json["date"] = rates.date;
   json["cores"] = rates.cores;
@@ -183,7 +181,7 @@ std::string machine_json(const MachineRates& rates) {
     json["device"] = nullptr;
     json["no_device"] = rates.no_device;
   }
-  return json.dump(2) + '\n';
+  return internal::json_document({"bench_machine_report", {}}, json);
 }
 
 std::string planner_constants(const MachineRates& rates) {
@@ -196,7 +194,7 @@ std::string planner_constants(const MachineRates& rates) {
   }
   json["cores"] = rates.cores;
   json["date"] = rates.date;
-  return json.dump(2) + '\n';
+  return internal::json_document({"machine", {}}, json);
 }
 
 }  // namespace cullhull::bench

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "cullhull/io.hpp"
-#include "cullhull/version.hpp"
+#include "io/json_writer.hpp"
 #include "parallel/parallel.hpp"
 
 namespace cullhull::bench {
@@ -66,8 +66,6 @@ double bandwidth_share(const Report& report, const PointView& points,
 std::string report_json(const Report& report) {
   using Json = nlohmann::ordered_json;
   Json json;
-  json["version"] = CULLHULL_VERSION;
-  json["schema"] = cullhull::json_schema_version;
   json["suite"] = report.suite;
   json["date"] = report.date;
   json["command"] = report.command;
@@ -105,7 +103,7 @@ std::string report_json(const Report& report) {
                                    {"series", figure.series},
                                    {"rows", std::move(rows)}});
   }
-  return json.dump(2) + '\n';
+  return internal::json_document({"bench_report", {}}, json);
 }
 
 }  // namespace cullhull::bench

@@ -172,9 +172,9 @@ struct JsonExtras {
   std::optional<bool> certified;
 };
 
-/// The version of docs/cullhull.schema.json, which every report names in its member "schema". It is
-/// increased when a member is removed or changes its meaning; members may be added without.
-inline constexpr int json_schema_version = 1;
+/// The version of docs/cullhull.schema.json, which every document names in its member "schema". It
+/// is increased when a member is removed or changes its meaning; members may be added without.
+inline constexpr int json_schema_version = 2;
 
 /// How a mesh file (.ply .obj .off) holds facets of more than three corners.
 enum class Faces {
@@ -205,11 +205,11 @@ std::string hull_to_json(const PointView& points, const Hull& hull, const JsonEx
                          bool with_lists);
 std::string hull_to_json(const HullState& state, const Hull& hull, const JsonExtras& extras,
                          bool with_lists);
-/// Reads what write_hull(".json") or hull_to_json with lists wrote. Every size, offset and index is
-/// checked, so that the result can be handed to certify(); its statistics are not in the file.
-/// `vertex_coordinates`, if given, takes the rows of that key, in the order of `vertices`.
-/// Options used: stop, poll. `first_id`: the id of point 0 in the file; the result counts from 0.
-/// Throws Error{bad_file}, Error{io} or Error{cancelled}.
+/// Reads what write_hull(".json") or hull_to_json with lists wrote, of this schema version or an
+/// earlier one. Every size, offset and index is checked, so that the result can be handed to
+/// certify(); its statistics are not in the file. `vertex_coordinates`, if given, takes the rows of
+/// that key, in the order of `vertices`. Options used: stop, poll. `first_id`: the id of point 0 in
+/// the file; the result counts from 0. Throws Error{bad_file}, Error{io} or Error{cancelled}.
 Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates = nullptr,
                     const Options& options = {}, std::uint64_t first_id = 0);
 

@@ -23,6 +23,7 @@ inline constexpr std::uint32_t no_point = 0xffffffff;
 struct Voronoi {
   std::uint32_t dimension = 0;
   std::uint64_t point_count = 0;
+  ScalarType scalar = ScalarType::f64;  ///< of the points
   int affine_dimension = -1;
   bool furthest_site = false;
 

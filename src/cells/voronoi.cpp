@@ -179,6 +179,7 @@ Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
   Voronoi out;
   out.dimension = t.dimension;
   out.point_count = t.point_count;
+  out.scalar = t.scalar;
   out.affine_dimension = t.affine_dimension;
   out.furthest_site = t.furthest_site;
   const DualPoints p(points, t, weights, run);

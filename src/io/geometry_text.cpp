@@ -1,39 +1,50 @@
 #include "io/geometry_text.hpp"
 
-#include <nlohmann/json.hpp>
+#include <cmath>
 #include <vector>
 
 #include "cullhull/error.hpp"
+#include "io/json_text.hpp"
 #include "io/mesh.hpp"
 
 namespace cullhull::internal {
 namespace {
 
-void append_position(std::string& out, std::span<const double> boundary, std::size_t i,
-                     const char* between) {
-  append_number(out, boundary[2 * i]);
-  out += between;
-  append_number(out, boundary[2 * i + 1]);
-}
-
-/// The first `count` positions and, for a ring, the first one again.
+/// The first positions and, for a ring, the first one again, each written by one(x, y).
+template <class One>
 void append_positions(std::string& out, std::span<const double> boundary, bool ring,
-                      const char* open, const char* between, const char* close,
-                      const char* separator) {
+                      const One& one) {
   const std::size_t count = boundary.size() / 2;
   for (std::size_t i = 0; i < count + (ring ? 1 : 0); ++i) {
-    if (i > 0) out += separator;
-    out += open;
-    append_position(out, boundary, i < count ? i : 0, between);
-    out += close;
+    if (i > 0) out += ", ";
+    const double* const at = boundary.data() + (i < count ? 2 * i : 0);
+    one(at[0], at[1]);
   }
+}
+
+void append_json_positions(std::string& out, std::span<const double> boundary, bool ring) {
+  append_positions(out, boundary, ring, [&](double x, double y) {
+    out += '[';
+    append_json_number(out, x);
+    out += ", ";
+    append_json_number(out, y);
+    out += ']';
+  });
+}
+
+void append_wkt_positions(std::string& out, std::span<const double> boundary, bool ring) {
+  append_positions(out, boundary, ring, [&](double x, double y) {
+    append_number(out, x);
+    out += ' ';
+    append_number(out, y);
+  });
 }
 
 struct PlaneMeasures {
   double perimeter = 0, area = 0;
 };
 
-/// As .json has them: of a polygon `area` is the perimeter, `volume` the area.
+/// Perimeter and area; of a segment twice its length, and 0.
 PlaneMeasures measures_of(const Hull& hull) {
   if (hull.affine_dimension <= 0) return {};
   if (hull.affine_dimension == 1) return {2 * hull.volume, 0};
@@ -51,7 +62,7 @@ void append_geojson(std::string& out, std::span<const double> boundary) {
   static constexpr const char* kinds[] = {"Point", "LineString", "Polygon"};
   out += std::string("{\"type\": \"") + kinds[count > 2 ? 2 : count - 1] + "\", \"coordinates\": ";
   out += count > 2 ? "[[" : count > 1 ? "[" : "";
-  append_positions(out, boundary, count > 2, "[", ", ", "]", ", ");
+  append_json_positions(out, boundary, count > 2);
   out += count > 2 ? "]]}" : count > 1 ? "]}" : "}";
 }
 
@@ -62,7 +73,7 @@ void append_wkt(std::string& out, std::span<const double> boundary) {
     return;
   }
   out += count > 2 ? "POLYGON ((" : count > 1 ? "LINESTRING (" : "POINT (";
-  append_positions(out, boundary, count > 2, "", " ", "", ", ");
+  append_wkt_positions(out, boundary, count > 2);
   out += count > 2 ? "))" : ")";
 }
 
@@ -72,7 +83,7 @@ void append_geojson(std::string& out, const PlaneRings& rings) {
   out += "{\"type\": \"Polygon\", \"coordinates\": [";
   for (std::size_t i = 0; i < rings.size(); ++i) {
     out += i > 0 ? ", [" : "[";
-    append_positions(out, rings[i], true, "[", ", ", "]", ", ");
+    append_json_positions(out, rings[i], true);
     out += "]";
   }
   out += "]}";
@@ -84,15 +95,10 @@ void append_wkt(std::string& out, const PlaneRings& rings) {
   out += "POLYGON (";
   for (std::size_t i = 0; i < rings.size(); ++i) {
     out += i > 0 ? ", (" : "(";
-    append_positions(out, rings[i], true, "", " ", "", ", ");
+    append_wkt_positions(out, rings[i], true);
     out += ")";
   }
   out += ")";
-}
-
-void append_json_string(std::string& out, std::string_view text) {
-  out += nlohmann::json(std::string(text))
-             .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format) {
@@ -113,10 +119,7 @@ std::string geometry_file(const Coordinates& points, const Hull& hull, const std
   const PlaneMeasures m = measures_of(hull);
   for (const auto& [name, value] : {std::pair{"perimeter", m.perimeter}, {"area", m.area}}) {
     out += std::string(", \"") + name + "\": ";
-    if (value - value == 0)
-      append_number(out, value);
-    else
-      out += "\"inf\"";
+    append_json_number(out, value);
   }
   out += "}, \"geometry\": ";
   append_geojson(out, boundary);

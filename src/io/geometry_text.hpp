@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "cullhull/io.hpp"
@@ -23,9 +22,6 @@ using PlaneRings = std::vector<std::vector<double>>;
 /// The same of a polygon with holes; one ring as above.
 void append_geojson(std::string& out, const PlaneRings& rings);
 void append_wkt(std::string& out, const PlaneRings& rings);
-
-/// Appends `text` as a JSON string. Invalid UTF-8 becomes U+FFFD.
-void append_json_string(std::string& out, std::string_view text);
 
 /// The whole file for one hull: a Feature with its measures, or one line. Error{invalid_argument}
 /// unless the points are 2D.

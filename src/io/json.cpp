@@ -1,142 +1,15 @@
-// JSON writers. Our own, because a hull of millions of facets must be streamed. Doubles are printed
-// so that they read back as the same double, infinities as the strings "inf" and "-inf".
+// A hull as JSON.
 #include "io/json.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <utility>
 #include <vector>
-
-#include "cullhull/version.hpp"
-#include "io/mesh.hpp"
 
 namespace cullhull {
 namespace internal {
 namespace {
 
-class JsonWriter {
- public:
-  explicit JsonWriter(const TextSink& sink) : sink_(sink) {}
-
-  void open() { text_ += "{\n"; }
-  void close() {
-    text_ += "\n}\n";
-    flush();
-  }
-  void key(const char* name) {
-    if (!std::exchange(first_, false)) text_ += ",\n";
-    text_ += '"';
-    text_ += name;
-    text_ += "\": ";
-  }
-  template <class T>
-  void member(const char* name, const T& v) {
-    key(name);
-    value(v);
-  }
-  void object(const char* name) {
-    key(name);
-    text_ += '{';
-    inner_first_ = true;
-  }
-  template <class T>
-  void inner(const char* name, const T& v) {
-    if (!std::exchange(inner_first_, false)) text_ += ", ";
-    text_ += '"';
-    text_ += name;
-    text_ += "\": ";
-    value(v);
-  }
-  void end_object() { text_ += '}'; }
-
-  /// [a, b, ...] of items [from, to).
-  template <class Items>
-  void list(const Items& items, std::uint64_t from, std::uint64_t to) {
-    text_ += '[';
-    for (std::uint64_t i = from; i < to; ++i) {
-      if (i > from) text_ += ',';
-      value(items[i]);
-      if (text_.size() > flush_size) flush();
-    }
-    text_ += ']';
-  }
-  template <class Items>
-  void flat(const char* name, const Items& items) {
-    key(name);
-    list(items, 0, items.size());
-  }
-  template <class T, class Items>
-  void nested(const char* name, const Lists<T, Items>& lists) {
-    rows(name, lists.size(),
-         [&](std::uint64_t i) { list(lists.items, lists.offsets[i], lists.offsets[i + 1]); });
-  }
-  template <class Items>
-  void nested(const char* name, const Items& items, std::uint64_t width) {
-    rows(name, width > 0 ? items.size() / width : 0,
-         [&](std::uint64_t i) { list(items, i * width, (i + 1) * width); });
-  }
-  template <class Row>
-  void rows(const char* name, std::uint64_t count, const Row& row) {
-    key(name);
-    text_ += '[';
-    for (std::uint64_t i = 0; i < count; ++i) {
-      text_ += i > 0 ? ",\n" : "\n";
-      row(i);
-    }
-    text_ += ']';
-  }
-
-  void null() { text_ += "null"; }
-  void value(bool v) { text_ += v ? "true" : "false"; }
-  void value(std::uint64_t v) { append_number(text_, v); }
-  void value(std::uint32_t v) { append_number(text_, std::uint64_t{v}); }
-  void value(int v) { text_ += std::to_string(v); }
-  void value(double v) {
-    if (std::isinf(v))
-      text_ += v > 0 ? "\"inf\"" : "\"-inf\"";  // a volume that overflows doubles
-    else if (std::isnan(v))
-      null();
-    else if (v == 0 && std::signbit(v))
-      text_ += "-0.0";  // "-0" would read back as an integer, which has no sign
-    else
-      append_number(text_, v);
-  }
-  void value(const char* s) {
-    text_ += '"';
-    for (; *s != 0; ++s) {
-      const char c = *s;
-      if (c == '"' || c == '\\') {
-        (text_ += '\\') += c;
-      } else if (static_cast<unsigned char>(c) < ' ') {
-        char escape[8];
-        std::snprintf(escape, sizeof escape, "\\u%04x", static_cast<unsigned>(c));
-        text_ += escape;
-      } else {
-        text_ += c;
-      }
-    }
-    text_ += '"';
-  }
-
- private:
-  static constexpr std::size_t flush_size = std::size_t{1} << 18;
-  void flush() {
-    sink_(text_);
-    text_.clear();
-  }
-  const TextSink& sink_;
-  std::string text_;
-  bool first_ = true, inner_first_ = true;
-};
-
-void write_points(JsonWriter& w, const Hull& hull) {
-  w.member("version", CULLHULL_VERSION);
-  w.object("points");
-  w.inner("count", hull.point_count);
-  w.inner("dimension", hull.dimension);
-  w.inner("scalar", scalar_name(hull.scalar));
-  w.end_object();
+JsonHead head_of(std::string_view kind, const Hull& hull) {
+  return {kind, JsonPoints{hull.point_count, hull.dimension, hull.scalar}};
 }
 
 void write_measures(JsonWriter& w, const Hull& hull) {
@@ -144,8 +17,8 @@ void write_measures(JsonWriter& w, const Hull& hull) {
   w.member("vertex_count", std::uint64_t{hull.vertices.size()});
   w.member("facet_count", hull.facet_count());
   w.member("simplex_count", hull.simplex_count());
-  w.member("area", hull.area);
-  w.member("volume", hull.volume);
+  put_measures(hull.affine_dimension, hull.area, hull.volume,
+               [&](const char* name, double measure) { w.member(name, measure); });
   w.flat("centroid", hull.centroid);
 }
 
@@ -184,12 +57,12 @@ void write_run(JsonWriter& w, const Hull& hull, const JsonExtras& extras) {
 }  // namespace
 
 void write_result_json(const Coordinates& points, const Hull& hull, const TextSink& sink) {
-  JsonWriter w(sink);
-  w.open();
-  write_points(w, hull);
+  std::string text;
+  JsonWriter w(text, sink);
+  w.begin_document(head_of("hull", hull));
   write_measures(w, hull);
   write_lists(w, points, hull);
-  w.close();
+  w.end_document();
 }
 
 }  // namespace internal
@@ -199,28 +72,27 @@ namespace {
 std::string report_json(const internal::Coordinates& points, const Hull& hull,
                         const JsonExtras& extras, bool with_lists) {
   std::string text;
-  const internal::TextSink sink = [&](const std::string& piece) { text += piece; };
-  internal::JsonWriter w(sink);
+  internal::JsonWriter w(text);
   const Statistics& s = hull.statistics;
-  w.open();
-  internal::write_points(w, hull);
-  w.member("schema", json_schema_version);
-  w.member("threads", std::uint32_t{s.threads});
+  w.begin_document(internal::head_of("hull_report", hull));
+  w.member("threads", s.threads);
   w.member("backend", s.backend);
-  w.object("cull");
-  w.inner("method", s.cull_method);
-  w.inner("survivors", s.survivors);
-  w.inner("seconds", s.cull_seconds);
-  w.inner("reason", s.cull_reason.c_str());
+  w.key("cull");
+  w.begin_object();
+  w.member("method", s.cull_method);
+  w.member("survivors", s.survivors);
+  w.member("seconds", s.cull_seconds);
+  w.member("reason", s.cull_reason);
   w.end_object();
-  w.object("hull");
-  w.inner("engine", s.engine);
-  w.inner("seconds", s.hull_seconds);
+  w.key("hull");
+  w.begin_object();
+  w.member("engine", s.engine);
+  w.member("seconds", s.hull_seconds);
   w.end_object();
   internal::write_measures(w, hull);
   internal::write_run(w, hull, extras);
   if (with_lists) internal::write_lists(w, points, hull);
-  w.close();
+  w.end_document();
   return text;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "io/mapped_file.hpp"
 #include "io/source.hpp"
@@ -16,11 +17,15 @@ using nlohmann::json;
 
 enum class Field {
   ignored,
+  kind,
+  schema,
   points,
   affine_dimension,
   vertex_count,
   facet_count,
   simplex_count,
+  length,
+  perimeter,
   area,
   volume,
   centroid,
@@ -34,11 +39,15 @@ enum class Field {
   simplex_facets,
 };
 constexpr const char* field_names[] = {"",
+                                       "kind",
+                                       "schema",
                                        "points",
                                        "affine_dimension",
                                        "vertex_count",
                                        "facet_count",
                                        "simplex_count",
+                                       "length",
+                                       "perimeter",
                                        "area",
                                        "volume",
                                        "centroid",
@@ -58,6 +67,7 @@ struct RawHull {
   std::uint64_t vertex_count = 0, facet_count = 0, simplex_count = 0;
   std::uint64_t dimension = 0;
   std::int64_t affine_dimension = 0;
+  double length = 0, perimeter = 0, area = 0, volume = 0;
   bool has_count = false, has_dimension = false, has_scalar = false;
   Lists<double> planes;
   Lists<double> coordinates;
@@ -66,6 +76,7 @@ struct RawHull {
   Lists<std::uint64_t> simplices;
   Lists<std::uint32_t> simplex_neighbours;
   bool seen[field_total] = {};
+  bool has(Field field) const { return seen[static_cast<int>(field)]; }
 };
 
 class HullReader final : public nlohmann::json_sax<json> {
@@ -93,9 +104,11 @@ class HullReader final : public nlohmann::json_sax<json> {
   }
   bool string(std::string& v) override {
     poll();
+    if (top_level() && field_ == Field::kind) return check_kind(v);
     // A measure or an offset that overflows doubles.
     if (v == "inf") return real(std::numeric_limits<double>::infinity(), false);
     if (v == "-inf") return real(-std::numeric_limits<double>::infinity(), false);
+    if (v == "nan") return real(std::numeric_limits<double>::quiet_NaN(), false);
     if (!in_points() || inner_ != "scalar") return unexpected();
     for (int t = 0; t <= static_cast<int>(ScalarType::u32); ++t)
       if (v == scalar_name(static_cast<ScalarType>(t))) {
@@ -196,6 +209,15 @@ class HullReader final : public nlohmann::json_sax<json> {
         raw_.simplex_neighbours.offsets.push_back(raw_.simplex_neighbours.items.size());
     }
   }
+  bool check_kind(const std::string& kind) const {
+    if (kind == "hull" || kind == "hull_report") return true;
+    fail(source_, "JSON of the kind " + quoted_text(kind) + ", which is no hull");
+  }
+  bool check_schema(std::uint64_t v) const {
+    if (v <= json_schema_version) return true;
+    fail(source_, "JSON of schema " + std::to_string(v) + ", newer than this program's " +
+                      std::to_string(json_schema_version));
+  }
   std::uint32_t narrow(std::uint64_t v) const {
     if (v > std::numeric_limits<std::uint32_t>::max()) fault(std::to_string(v) + " is no index");
     return static_cast<std::uint32_t>(v);
@@ -204,6 +226,8 @@ class HullReader final : public nlohmann::json_sax<json> {
     const int level = is_nested() ? 3 : is_flat() || field_ == Field::points ? 2 : 1;
     if (depth_ != level) return unexpected();
     switch (field_) {
+      case Field::schema:
+        return check_schema(v);
       case Field::points:
         return point_value(v);
       case Field::affine_dimension:
@@ -255,13 +279,26 @@ class HullReader final : public nlohmann::json_sax<json> {
     }
     return true;
   }
+  double* measure_of_field() {
+    if (!top_level()) return nullptr;
+    switch (field_) {
+      case Field::length:
+        return &raw_.length;
+      case Field::perimeter:
+        return &raw_.perimeter;
+      case Field::area:
+        return &raw_.area;
+      case Field::volume:
+        return &raw_.volume;
+      default:
+        return nullptr;
+    }
+  }
   /// A double. `number`: written as one, so that it must be finite; else it stands for a word.
   bool real(double v, bool number) {
     if (number && !std::isfinite(v)) fault("a number out of range");
-    if (top_level() && field_ == Field::area)
-      raw_.hull.area = v;
-    else if (top_level() && field_ == Field::volume)
-      raw_.hull.volume = v;
+    if (double* const measure = measure_of_field())
+      *measure = v;
     else if (depth_ == 2 && field_ == Field::centroid)
       raw_.hull.centroid.push_back(v);
     else if (depth_ == 3 && field_ == Field::facet_planes)
@@ -327,10 +364,41 @@ class HullChecker {
   [[noreturn]] void fault(const std::string& field, const std::string& message) const {
     fail(source_, field + ": " + message);
   }
+  bool is_required(Field field) const {
+    if (field == Field::vertex_coordinates) return raw_.want_coordinates;
+    return field != Field::kind && field != Field::schema && !is_measure(field);
+  }
+  static bool is_measure(Field field) {
+    return field == Field::length || field == Field::perimeter || field == Field::area ||
+           field == Field::volume;
+  }
+  /// By the names that measures have in the hull's dimension; in schema 1 they were `area` and
+  /// `volume` in every dimension, `area` being that of the boundary.
+  void take_measures() {
+    const std::int64_t k = raw_.affine_dimension;
+    const bool old = k < 3 && raw_.has(Field::volume);
+    const auto wanted = [&](Field field) {
+      if (old || k > 2) return field == Field::area || field == Field::volume;
+      if (k == 2) return field == Field::perimeter || field == Field::area;
+      return k == 1 && field == Field::length;
+    };
+    for (const Field field : {Field::length, Field::perimeter, Field::area, Field::volume}) {
+      const char* const name = field_names[static_cast<int>(field)];
+      if (wanted(field) && !raw_.has(field))
+        fault(name, "missing, so this is no hull with its lists");
+      if (!wanted(field) && raw_.has(field))
+        fault(name, "no measure of a hull of dimension " + std::to_string(k));
+    }
+    const bool boundary_is_perimeter = k == 2 && !old;
+    hull_.volume = boundary_is_perimeter ? raw_.area : raw_.volume;
+    hull_.area = boundary_is_perimeter ? raw_.perimeter : raw_.area;
+    if (k != 1 || old) return;
+    hull_.volume = raw_.length;
+    hull_.area = 2;  // the end points
+  }
   void check_header() {
     for (std::size_t i = 1; i < field_total; ++i) {
-      if (i == static_cast<std::size_t>(Field::vertex_coordinates) && !raw_.want_coordinates)
-        continue;
+      if (!is_required(static_cast<Field>(i))) continue;
       if (!raw_.seen[i]) fault(field_names[i], "missing, so this is no hull with its lists");
     }
     if (!raw_.has_count || !raw_.has_dimension || !raw_.has_scalar)
@@ -344,6 +412,7 @@ class HullChecker {
                                     std::to_string(raw_.dimension));
     hull_.dimension = static_cast<std::uint32_t>(raw_.dimension);
     hull_.affine_dimension = static_cast<int>(raw_.affine_dimension);
+    take_measures();
     const std::uint64_t least = static_cast<std::uint64_t>(raw_.affine_dimension + 1);
     if (hull_.vertices.size() < least || (least <= 1 && hull_.vertices.size() != least))
       fault("vertices", std::to_string(hull_.vertices.size()) + " cannot span affine dimension " +

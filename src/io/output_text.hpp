@@ -1,16 +1,13 @@
-// Text that goes to a file in pieces: lists of numbers as JSON has them, cells as VTK does.
+// Text that goes to a file in pieces; cells as VTK has them.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
-#include <type_traits>
-#include <vector>
 
 #include "cullhull/triangulation.hpp"
-#include "cullhull/voronoi.hpp"
+#include "io/json_writer.hpp"
 #include "io/mesh.hpp"
 #include "io/output_file.hpp"
 
@@ -35,6 +32,14 @@ class OutputText {
     out_.commit();
   }
   std::string& text() { return text_; }
+  /// Writes one JSON document: write(writer) its members.
+  template <class Write>
+  void json(const JsonHead& head, const Write& write) {
+    JsonWriter w(text_, [this](const std::string& piece) { out_.write(piece); });
+    w.begin_document(head);
+    write(w);
+    w.end_document();
+  }
 
  private:
   void flush() {
@@ -44,50 +49,6 @@ class OutputText {
   OutputFile out_;
   std::string text_;
 };
-
-/// A number as JSON has it: what is not finite is a string.
-inline void add_real(OutputText& out, double v) {
-  if (std::isfinite(v))
-    out.number(v);
-  else
-    out.add(v > 0 ? "\"inf\"" : v < 0 ? "\"-inf\"" : "\"nan\"");
-}
-
-/// `items` in rows of `width`; `none` becomes -1.
-template <class Items>
-void add_rows(OutputText& out, const char* key, const Items& items, std::size_t width,
-              std::uint32_t none = no_cell) {
-  out.add(",\n  \"").add(key).add("\": [");
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    if (width > 0 && i % width == 0) out.add(i == 0 ? "\n    [" : "],\n    [");
-    if (i > 0 && (width == 0 || i % width != 0)) out.add(", ");
-    if constexpr (std::is_floating_point_v<typename Items::value_type>)
-      add_real(out, items[i]);
-    else if (items[i] == none)
-      out.add("-1");
-    else
-      out.number(std::uint64_t{items[i]});
-  }
-  out.add(width > 0 && items.size() > 0 ? "]]" : "]");
-}
-
-/// Lists of items between offsets; at_infinity becomes -1.
-template <class Offsets, class Items>
-void add_lists(OutputText& out, const char* key, const Offsets& offsets, const Items& items) {
-  out.add(",\n  \"").add(key).add("\": [");
-  for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
-    out.add(i == 0 ? "\n    [" : ",\n    [");
-    for (auto j = offsets[i]; j < offsets[i + 1]; ++j) {
-      if (j > offsets[i]) out.add(", ");
-      if (items[j] == at_infinity)
-        out.add("-1");
-      else
-        out.number(std::uint64_t{items[j]});
-    }
-    out.add("]");
-  }
-  out.add("]");
-}
 
 /// VTK's legacy text of these cells of a triangulation of up to 3 dimensions.
 void write_vtk(const std::string& path, const PointView& points, const Triangulation& t,

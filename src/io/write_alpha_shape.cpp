@@ -1,5 +1,6 @@
 // Alpha shapes as files.
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -70,16 +71,20 @@ void write_polygons(const std::string& path, const std::string& f, const PointVi
 void write_json(const std::string& path, const Triangulation& t, const AlphaShape& shape,
                 double alpha) {
   OutputText out(path);
-  out.add("{\n  \"points\": {\"count\": ").number(t.point_count);
-  out.add(", \"dimension\": ").number(std::uint64_t{t.dimension});
-  out.add("},\n  \"alpha\": ");
-  add_real(out, alpha);
-  Array<std::uint32_t> cells;
-  for (const std::uint32_t c : shape.cells)
-    cells.insert(cells.end(), t.cell(c).begin(), t.cell(c).end());
-  add_rows(out, "cells", cells, t.corners());
-  add_rows(out, "facets", shape.facets, t.corners() > 1 ? t.corners() - 1 : 0);
-  out.add("\n}\n");
+  out.json({"alpha_shape", JsonPoints{t.point_count, t.dimension, t.scalar}}, [&](JsonWriter& w) {
+    w.member("affine_dimension", t.affine_dimension);
+    w.key("alpha");
+    if (std::isnan(alpha))
+      w.null();
+    else
+      w.value(alpha);
+    w.rows("cells", shape.cells.size(), [&](std::uint64_t i) {
+      const auto corners = t.cell(shape.cells[i]);
+      w.list(corners, 0, corners.size());
+    });
+    const std::size_t width = t.corners() > 1 ? t.corners() - 1 : 0;
+    w.nested("facets", shape.facets, width);
+  });
   out.commit();
 }
 

@@ -1,6 +1,5 @@
 // Triangulations and Voronoi diagrams as files.
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -54,28 +53,47 @@ std::vector<double> lift(const PointView& points, std::span<const double> height
   return rows;
 }
 
+/// Rows of indices, each row on a line; a flat list where `width` is 0. `none` becomes -1.
+template <class Items>
+void indices(JsonWriter& w, const char* name, const Items& items, std::uint64_t width,
+             std::uint32_t none = no_cell) {
+  const auto one = [&](std::uint32_t v) { w.index(v, none); };
+  if (width == 0) {
+    w.key(name);
+    return w.list_by(items, 0, items.size(), one);
+  }
+  w.rows(name, items.size() / width,
+         [&](std::uint64_t i) { w.list_by(items, i * width, (i + 1) * width, one); });
+}
+
+/// Lists of vertices between offsets, each on a line; the one at infinity becomes -1.
+template <class Offsets, class Items>
+void vertex_lists(JsonWriter& w, const char* name, const Offsets& offsets, const Items& items) {
+  w.rows(name, offsets.empty() ? 0 : offsets.size() - 1, [&](std::uint64_t i) {
+    w.list_by(items, offsets[i], offsets[i + 1], [&](std::uint32_t v) { w.index(v, at_infinity); });
+  });
+}
+
 void write_triangulation_json(const std::string& path, const Triangulation& t,
                               std::span<const double> heights) {
   OutputText out(path);
-  out.add("{\n  \"points\": {\"count\": ").number(t.point_count);
-  out.add(", \"dimension\": ").number(std::uint64_t{t.dimension});
-  out.add("},\n  \"affine_dimension\": ");
-  out.add(std::to_string(t.affine_dimension));
-  out.add(t.furthest_site ? ",\n  \"furthest_site\": true" : ",\n  \"furthest_site\": false");
-  add_rows(out, "axes", t.axes, 0);
-  add_rows(out, "cells", t.cells, t.corners());
-  add_rows(out, "neighbours", t.neighbours, t.corners());
-  add_rows(out, "cell_groups", t.cell_groups, 0);
-  add_rows(out, "hull_facets", t.hull_facets, t.corners() > 1 ? t.corners() - 1 : 0);
-  add_rows(out, "hull_cells", t.hull_cells, 0);
-  Array<std::uint32_t> duplicates;
-  for (const DuplicatePoint& p : t.duplicates)
-    for (const std::uint32_t id : {p.id, p.representative}) duplicates.push_back(id);
-  add_rows(out, "duplicates", duplicates, 2);
-  add_rows(out, "hidden", t.hidden, 0);
-  if (!heights.empty())
-    add_rows(out, "heights", std::vector<double>(heights.begin(), heights.end()), 0);
-  out.add("\n}\n");
+  const JsonPoints about{t.point_count, t.dimension, t.scalar};
+  out.json({"triangulation", about}, [&](JsonWriter& w) {
+    w.member("affine_dimension", t.affine_dimension);
+    w.member("furthest_site", t.furthest_site);
+    w.flat("axes", t.axes);
+    indices(w, "cells", t.cells, t.corners());
+    indices(w, "neighbours", t.neighbours, t.corners());
+    indices(w, "cell_groups", t.cell_groups, 0);
+    indices(w, "hull_facets", t.hull_facets, t.corners() > 1 ? t.corners() - 1 : 0);
+    indices(w, "hull_cells", t.hull_cells, 0);
+    w.rows("duplicates", t.duplicates.size(), [&](std::uint64_t i) {
+      const std::uint32_t pair[] = {t.duplicates[i].id, t.duplicates[i].representative};
+      w.list(pair, 0, 2);
+    });
+    indices(w, "hidden", t.hidden, 0);
+    if (!heights.empty()) w.flat("heights", heights);
+  });
   out.commit();
 }
 
@@ -201,18 +219,16 @@ void write_voronoi(const std::string& path, const Voronoi& v, const std::string&
   const std::string f = output_format(path, format, "json");
   if (f != "json") refuse_format(path, f, ".json");
   OutputText out(path);
-  out.add("{\n  \"points\": {\"count\": ").number(v.point_count);
-  out.add(", \"dimension\": ").number(std::uint64_t{v.dimension});
-  out.add("},\n  \"affine_dimension\": ");
-  out.add(std::to_string(v.affine_dimension));
-  out.add(v.furthest_site ? ",\n  \"furthest_site\": true" : ",\n  \"furthest_site\": false");
-  add_rows(out, "vertices", v.vertices, v.dimension);
-  add_rows(out, "ridge_points", v.ridge_points, 2);
-  add_lists(out, "ridge_vertices", v.ridge_offsets, v.ridge_vertices);
-  add_lists(out, "regions", v.region_offsets, v.region_vertices);
-  add_rows(out, "ray_vertices", v.ray_vertices, 0);
-  add_rows(out, "ray_directions", v.ray_directions, v.dimension);
-  out.add("\n}\n");
+  out.json({"voronoi", JsonPoints{v.point_count, v.dimension, v.scalar}}, [&](JsonWriter& w) {
+    w.member("affine_dimension", v.affine_dimension);
+    w.member("furthest_site", v.furthest_site);
+    w.nested("vertices", v.vertices, v.dimension);
+    w.nested("ridge_points", v.ridge_points, 2);
+    vertex_lists(w, "ridge_vertices", v.ridge_offsets, v.ridge_vertices);
+    vertex_lists(w, "regions", v.region_offsets, v.region_vertices);
+    w.flat("ray_vertices", v.ray_vertices);
+    w.nested("ray_directions", v.ray_directions, v.dimension);
+  });
   out.commit();
 }
 

@@ -56,6 +56,7 @@ TEST(BenchMachine, SavesWhereThePlannerLooks) {
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_EQ(ran.out, "");
   const auto json = nlohmann::json::parse(read_file(f / "deep/er/machine.json"));
+  EXPECT_EQ(json["kind"], "machine");
   EXPECT_GT(json["host_read_bytes_per_second"].get<double>(), 0);
   EXPECT_GT(json["host_copy_bytes_per_second"].get<double>(), 0);
   EXPECT_GE(json["cores"].get<int>(), 1);

@@ -1,10 +1,12 @@
-// Every JSON text the program writes is the one that docs/cullhull.schema.json describes.
+// Every JSON document the program writes is the one that docs/cullhull.schema.json describes.
 #include <filesystem>
+#include <utility>
 
 #include "agreement/json_schema.hpp"
 #include "agreement/run_app.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
+#include "cullhull/version.hpp"
 
 namespace cullhull {
 namespace {
@@ -23,15 +25,32 @@ const JsonSchema& schema() {
   return instance;
 }
 
+/// A document of this kind, checked against the schema, and its first members.
+json expect_document(const std::string& text, const std::string& kind) {
+  const json parsed = json::parse(text, nullptr, false);
+  EXPECT_FALSE(parsed.is_discarded()) << text;
+  EXPECT_EQ(schema().fault(parsed, kind), "") << text.substr(0, 2000);
+  const std::string first =
+      "{\n\"version\": \"" CULLHULL_VERSION "\",\n\"kind\": \"" + kind + "\",\n\"schema\": 2,\n";
+  EXPECT_EQ(text.substr(0, first.size()), first);
+  return parsed;
+}
+
 /// Standard output, checked.
 json expect_json(const std::vector<std::string>& arguments, const std::string& name,
                  int status = 0) {
   const Ran ran = run_app(arguments);
   EXPECT_EQ(ran.status, status) << arguments[0] << ": " << ran.err;
-  const json parsed = json::parse(ran.out, nullptr, false);
-  EXPECT_FALSE(parsed.is_discarded()) << ran.out;
-  EXPECT_EQ(schema().fault(parsed, name), "") << arguments[0] << "\n" << ran.out.substr(0, 2000);
-  return parsed;
+  return expect_document(ran.out, name);
+}
+
+/// The file `-o` writes with these arguments, checked.
+json expect_file(std::vector<std::string> arguments, const std::string& file,
+                 const std::string& kind) {
+  arguments.insert(arguments.end(), {"-o", file});
+  const Ran ran = run_app(arguments);
+  EXPECT_EQ(ran.status, 0) << arguments[0] << ": " << ran.err;
+  return expect_document(read_file(file), kind);
 }
 
 /// Sets of every kind of result: space, plane, flat, line, point, 5D, beyond the doubles.
@@ -50,15 +69,16 @@ std::vector<std::string> sets(const Folder& f) {
 TEST(CliJson, ReportsFollowTheSchema) {
   const Folder f;
   for (const std::string& p : sets(f)) {
-    EXPECT_EQ(expect_json({"hull", p, "--json"}, "hull")["certified"], nullptr);
-    EXPECT_EQ(expect_json({"hull", p, "--json", "--certify", "--repeat", "2"}, "hull")["certified"],
+    EXPECT_EQ(expect_json({"hull", p, "--json"}, "hull_report")["certified"], nullptr);
+    EXPECT_EQ(expect_json({"hull", p, "--json", "--certify", "--repeat", "2"},
+                          "hull_report")["certified"],
               true);
-    expect_json({"hull", p, "--only", "vertices", "--json"}, "extreme");
-    expect_json({"hull", p, "-o", "-"}, "result");
-    expect_json({"cull", p, "--json"}, "cull");
-    expect_json({"info", p, "--json"}, "info");
+    expect_json({"hull", p, "--only", "vertices", "--json"}, "extreme_report");
+    expect_json({"hull", p, "-o", "-"}, "hull");
+    expect_json({"cull", p, "--json"}, "cull_report");
+    expect_json({"info", p, "--json"}, "info_report");
     ASSERT_EQ(run_app({"hull", p, "-q", "-o", f / "h.json"}).status, 0);
-    const json checked = expect_json({"certify", p, f / "h.json", "--json"}, "certify");
+    const json checked = expect_json({"certify", p, f / "h.json", "--json"}, "certify_report");
     EXPECT_EQ(checked["certified"], true);
     EXPECT_EQ(checked["reason"], nullptr);
   }
@@ -70,13 +90,16 @@ TEST(CliJson, TriangulationsFollowTheSchema) {
   write_points(f / "ball.npy", "ball", 200, 3);
   write_file(f / "line.txt", "0 0\n1 1\n2 2\n");
   for (const std::string& p : {f / "disk.npy", f / "ball.npy", f / "line.txt"}) {
-    EXPECT_EQ(expect_json({"delaunay", p, "--json", "--certify"}, "delaunay")["certified"], true);
-    EXPECT_EQ(expect_json({"voronoi", p, "--json"}, "voronoi")["measure"], nullptr);
-    EXPECT_GT(expect_json({"alpha", p, "--json"}, "alpha")["cell_count"], 0);
-    EXPECT_EQ(expect_json({"alpha", p, "--alpha", "inf", "--json"}, "alpha")["alpha"], nullptr);
-    EXPECT_GT(
-        expect_json({"voronoi", p, "--json", "--measures", f / "m.npy"}, "voronoi")["measure"],
-        0.0);
+    EXPECT_EQ(
+        expect_json({"delaunay", p, "--json", "--certify"}, "triangulation_report")["certified"],
+        true);
+    EXPECT_EQ(expect_json({"voronoi", p, "--json"}, "voronoi_report")["measure"], nullptr);
+    EXPECT_GT(expect_json({"alpha", p, "--json"}, "alpha_report")["cell_count"], 0);
+    EXPECT_EQ(expect_json({"alpha", p, "--alpha", "inf", "--json"}, "alpha_report")["alpha"],
+              "inf");
+    EXPECT_GT(expect_json({"voronoi", p, "--json", "--measures", f / "m.npy"},
+                          "voronoi_report")["measure"],
+              0.0);
   }
 }
 
@@ -85,7 +108,8 @@ TEST(CliJson, CertifySaysWhyNot) {
   write_points(f / "p.npy", "ball", 3000, 3);
   ASSERT_EQ(run_app({"hull", f / "p.npy", "-q", "-o", f / "h.json"}).status, 0);
   write_npy_points(f / "q.npy", generate("ball", 3000, 3, 4).data(), 3000, 3, ScalarType::f64);
-  const json checked = expect_json({"certify", f / "q.npy", f / "h.json", "--json"}, "certify", 3);
+  const json checked =
+      expect_json({"certify", f / "q.npy", f / "h.json", "--json"}, "certify_report", 3);
   EXPECT_EQ(checked["certified"], false);
   EXPECT_TRUE(checked["reason"].is_string());
 }
@@ -93,16 +117,17 @@ TEST(CliJson, CertifySaysWhyNot) {
 TEST(CliJson, InfoCountsWhatIsNotFinite) {
   const Folder f;
   write_file(f / "p.txt", "0 0\n1 inf\n0 nan\n-inf 1\n");
-  const json info = expect_json({"info", f / "p.txt", "--json"}, "info");
+  const json info = expect_json({"info", f / "p.txt", "--json"}, "info_report");
   EXPECT_EQ(info["not_finite"], 3);
   EXPECT_EQ(info["first_not_finite"], 1);
   EXPECT_EQ(info["axes"][0]["least"], "-inf");
   EXPECT_EQ(info["axes"][1]["greatest"], "inf");
   ASSERT_EQ(run_app({"generate", "ball", "-n", "0", "-q", "-o", f / "none.npy"}).status, 0);
-  EXPECT_EQ(expect_json({"info", f / "none.npy", "--json"}, "info")["axes"][0]["least"], nullptr);
+  EXPECT_EQ(expect_json({"info", f / "none.npy", "--json"}, "info_report")["axes"][0]["least"],
+            nullptr);
   // Into a file, the summary stays.
   const Ran ran = run_app({"info", f / "p.txt", "--json=" + (f / "i.json")});
-  EXPECT_EQ(schema().fault(json::parse(read_file(f / "i.json")), "info"), "");
+  EXPECT_EQ(schema().fault(json::parse(read_file(f / "i.json")), "info_report"), "");
   EXPECT_NE(ran.out.find("finite     no: 3 points"), std::string::npos) << ran.out;
 }
 
@@ -111,34 +136,40 @@ TEST(CliJson, SequencesPagesAndSets) {
   const json made =
       expect_json({"generate", "ball", "-n", "3000", "--frames", "3", "--motion", "spin", "--seed",
                    "18446744073709551615", "-o", f / "s.npy", "--json"},
-                  "generate");
+                  "generate_report");
   EXPECT_EQ(made["seed"], 18446744073709551615U);
   EXPECT_EQ(made["frames"], 3);
   EXPECT_EQ(expect_json({"generate", "ball", "-n", "30", "-o", f / "p.npy", "--json"},
-                        "generate")["motion"],
+                        "generate_report")["motion"],
             nullptr);
-  EXPECT_EQ(expect_json({"track", f / "s.npy", "--json", "--certify"}, "track")["certified"], true);
+  EXPECT_EQ(expect_json({"track", f / "s.npy", "--json", "--certify"}, "track_report")["certified"],
+            true);
   write_file(f / "a.txt", "0 0\n1 0\n0 1\n");
   write_file(f / "b.txt", "0 0\n1 0\n0 nan\n");
-  expect_json({"track", f / "a.txt", f / "b.txt", "--json", "--keep-going"}, "track", 1);
+  expect_json({"track", f / "a.txt", f / "b.txt", "--json", "--keep-going"}, "track_report", 1);
   if (run_app({"view", f / "p.npy", "-q", "-o", f / "v.html"}).status == 5) return;
-  expect_json({"view", f / "p.npy", "-o", f / "v.html", "--json"}, "view");
-  expect_json({"view", f / "s.npy", "-o", f / "v.html", "--json"}, "view");
+  expect_json({"view", f / "p.npy", "-o", f / "v.html", "--json"}, "hull_report");
+  const json shown =
+      expect_json({"view", f / "s.npy", "-o", f / "v.html", "--json"}, "view_report");
+  ASSERT_EQ(shown["frames"].size(), 3U);
+  EXPECT_EQ(shown["frames"][2]["kind"], "hull_report");
   ASSERT_EQ(run_app({"hull", f / "p.npy", "-q", "-o", f / "h.json"}).status, 0);
-  expect_json({"view", f / "h.json", "-o", f / "v.html", "--json"}, "view");
+  expect_json({"view", f / "h.json", "-o", f / "v.html", "--json"}, "hull_figures");
 }
 
 TEST(CliJson, BenchSuites) {
-  expect_json({"bench", "machine", "--bytes", "1M", "--passes", "1", "--json"}, "bench_machine");
+  expect_json({"bench", "machine", "--bytes", "1M", "--passes", "1", "--json"},
+              "bench_machine_report");
   expect_json(
       {"bench", "rivals", "--scale", "1", "--repeat", "1", "--workload", "cube-3d-100", "--json"},
-      "bench");
-  expect_json({"bench", "calls", "--seconds", "0", "--workload", "cube-3d-100", "--json"}, "bench");
+      "bench_report");
+  expect_json({"bench", "calls", "--seconds", "0", "--workload", "cube-3d-100", "--json"},
+              "bench_report");
   expect_json({"bench", "lifting", "--scale", "1", "--repeat", "1", "--workload", "uniform-3d-50",
                "--json"},
-              "bench");
+              "bench_report");
   expect_json({"bench", "stream", "--scale", "1e-5", "--repeat", "1", "--format", "las", "--json"},
-              "bench");
+              "bench_report");
 }
 
 // What the bare flag becomes on its way to the parser is nobody's business.
@@ -156,27 +187,121 @@ TEST(CliJson, Groups) {
   testing::write_file(f / "p.csv", "k,x,y\na,0,0\na,1,0\na,0,2\nb,3,3\n");
   const Ran ran = run_app({"hull", f / "p.csv", "--by", "k", "-o", f / "h.json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
-  json parsed = json::parse(read_file(f / "h.json"));
-  EXPECT_EQ(schema().fault(parsed, "groups"), "");
+  json parsed = expect_document(read_file(f / "h.json"), "groups");
+  EXPECT_EQ(parsed["points"], (json{{"count", 4}, {"dimension", 2}, {"scalar", "f64"}}));
   parsed["groups"][0].erase("points");
   EXPECT_NE(schema().fault(parsed, "groups"), "");
+}
+
+TEST(CliJson, DocumentsFollowTheSchema) {
+  const Folder f;
+  const std::vector<std::string> all = sets(f);
+  for (const std::string& p : all) {
+    expect_file({"hull", p}, f / "h.json", "hull");
+    if (p == f / "huge.txt") continue;  // its circumspheres are beyond the doubles
+    const json cells = expect_file({"delaunay", p}, f / "t.json", "triangulation");
+    const json dual = expect_file({"voronoi", p}, f / "v.json", "voronoi");
+    const json shape = expect_file({"alpha", p}, f / "a.json", "alpha_shape");
+    EXPECT_EQ(cells["points"], dual["points"]);
+    EXPECT_EQ(cells["points"], shape["points"]);
+  }
+  write_npy_points(f / "f.npy", std::vector<double>{0, 0, 1, 0, 0, 1, 1, 2}.data(), 4, 2,
+                   ScalarType::f32);
+  for (const auto& [command, kind] :
+       {std::pair{"delaunay", "triangulation"}, {"voronoi", "voronoi"}, {"alpha", "alpha_shape"}})
+    EXPECT_EQ(expect_file({command, f / "f.npy"}, f / "x.json", kind)["points"],
+              (json{{"count", 4}, {"dimension", 2}, {"scalar", "f32"}}))
+        << command;
+  const json all_cells =
+      expect_file({"alpha", f / "f.npy", "--alpha", "inf"}, f / "a.json", "alpha_shape");
+  EXPECT_EQ(all_cells["alpha"], "inf");
+  const json by_edges =
+      expect_file({"alpha", f / "f.npy", "--ratio", "0.5"}, f / "a.json", "alpha_shape");
+  EXPECT_EQ(by_edges["alpha"], nullptr);
+}
+
+// -0 and what is not finite are spelled alike by all writers.
+TEST(CliJson, OneSpellingOfNumbers) {
+  const Folder f;
+  write_file(f / "p.csv", "k,x,y\na,-0.0,-0.0\na,1,-0.0\na,-0.0,2\n");
+  const std::string zero = "\"vertex_coordinates\": [";
+  ASSERT_EQ(run_app({"hull", f / "p.csv", "--columns", "x,y", "-q", "-o", f / "h.json", "-o",
+                     f / "h.geojson"})
+                .status,
+            0);
+  ASSERT_EQ(run_app({"hull", f / "p.csv", "--by", "k", "-q", "-o", f / "g.json"}).status, 0);
+  EXPECT_NE(read_file(f / "h.json").find(zero + "\n[-0.0,-0.0],\n[1,-0.0],\n[-0.0,2]]"),
+            std::string::npos)
+      << read_file(f / "h.json");
+  EXPECT_NE(read_file(f / "g.json").find(zero + "[-0.0,-0.0],[1,-0.0],[-0.0,2]]"),
+            std::string::npos)
+      << read_file(f / "g.json");
+  EXPECT_NE(read_file(f / "h.geojson").find("[-0.0, 2]"), std::string::npos)
+      << read_file(f / "h.geojson");
+  ASSERT_EQ(run_app({"voronoi", f / "p.csv", "--columns", "x,y", "-q", "-o", f / "v.json"}).status,
+            0);
+  EXPECT_EQ(json::parse(read_file(f / "v.json"))["vertices"], json::parse("[[0.5, 1]]"));
+  write_file(f / "far.csv", "k,x,y\na,0,0\na,1e308,0\na,0,1e308\n");
+  ASSERT_EQ(run_app({"hull", f / "far.csv", "--by", "k", "-q", "-o", f / "g.json"}).status, 0);
+  EXPECT_EQ(json::parse(read_file(f / "g.json"))["groups"][0]["area"], "inf");
+  EXPECT_EQ(
+      expect_json({"hull", f / "far.csv", "--columns", "x,y", "--json"}, "hull_report")["area"],
+      "inf");
+}
+
+// `area` is that of a polygon in the plane and that of a surface in space, in every document.
+TEST(CliJson, MeasuresAreNamedByTheDimension) {
+  const Folder f;
+  write_file(f / "box.csv", "k,x,y\n1,0,0\n1,3,0\n1,3,2\n1,0,2\n");
+  write_file(f / "line.csv", "k,x,y\n1,0,0\n1,3,4\n");
+  write_file(f / "one.csv", "k,x,y\n1,3,4\n");
+  const auto measures = [](const json& of) {
+    json found = json::object();
+    for (const char* key : {"length", "perimeter", "area", "volume"})
+      if (of.contains(key)) found[key] = of[key];
+    return found;
+  };
+  for (const auto& [name, expected] : {std::pair{"box.csv", json{{"perimeter", 10}, {"area", 6}}},
+                                       {"line.csv", json{{"length", 5}}},
+                                       {"one.csv", json::object()}}) {
+    const std::vector<std::string> hull{"hull", f / name, "--columns", "x,y"};
+    EXPECT_EQ(measures(expect_file(hull, f / "h.json", "hull")), expected) << name;
+    EXPECT_EQ(
+        measures(expect_json({"hull", f / name, "--columns", "x,y", "--json"}, "hull_report")),
+        expected)
+        << name;
+    ASSERT_EQ(run_app({"hull", f / name, "--by", "k", "-q", "-o", f / "g.json"}).status, 0);
+    EXPECT_EQ(measures(expect_document(read_file(f / "g.json"), "groups")["groups"][0]), expected)
+        << name;
+    ASSERT_EQ(run_app({"cull", f / name, "--columns", "x,y", "-q", "--cull", "none", "--points",
+                       f / "p.npy"})
+                  .status,
+              0);
+    EXPECT_EQ(measures(expect_json({"track", f / "p.npy", "--json"}, "track_report")["frames"][0]),
+              expected)
+        << name;
+    EXPECT_EQ(run_app({"certify", f / name, f / "h.json", "--columns", "x,y"}).status, 0) << name;
+  }
+  write_file(f / "corner.txt", "0 0 0\n1 0 0\n0 1 0\n0 0 1\n");
+  EXPECT_EQ(measures(expect_file({"hull", f / "corner.txt"}, f / "h.json", "hull")).size(), 2U);
+  EXPECT_TRUE(expect_file({"hull", f / "corner.txt"}, f / "h.json", "hull").contains("volume"));
 }
 
 // The schema itself refuses what it should.
 TEST(CliJson, TheSchemaIsStrict) {
   const Folder f;
   write_points(f / "p.npy", "ball", 30, 3);
-  const json good = expect_json({"info", f / "p.npy", "--json"}, "info");
+  const json good = expect_json({"info", f / "p.npy", "--json"}, "info_report");
   for (const auto& [key, value] : good.items()) {
     json bad = good;
     bad.erase(key);
-    EXPECT_NE(schema().fault(bad, "info"), "") << key;
+    EXPECT_NE(schema().fault(bad, "info_report"), "") << key;
     bad[key] = json::object({{"no", "such"}});
-    EXPECT_NE(schema().fault(bad, "info"), "") << key;
+    EXPECT_NE(schema().fault(bad, "info_report"), "") << key;
   }
   json more = good;
   more["more"] = 1;
-  EXPECT_EQ(schema().fault(more, "info"), "info.more is not in the schema");
+  EXPECT_EQ(schema().fault(more, "info_report"), "info_report.more is not in the schema");
 }
 
 }  // namespace

@@ -106,6 +106,10 @@ PointSet any_small_set(Random& r) {
 // ---------------------------------------------------------------------------------------------
 // What changes the meaning
 
+bool is_measure(const std::string& key) {
+  return key == "length" || key == "perimeter" || key == "area" || key == "volume";
+}
+
 class Judge {
  public:
   Judge(const PointSet& s, const Hull& h, const json& good) : h_(h), good_(good) {
@@ -115,7 +119,7 @@ class Judge {
   Verdict judge(const json& bad) {
     Verdict all = Verdict::right;
     for (const auto& [key, value] : good_.items()) {
-      if (key == "version" || all == Verdict::wrong) continue;
+      if (key == "version" || key == "kind" || key == "schema" || all == Verdict::wrong) continue;
       if (!bad.contains(key)) return Verdict::wrong;
       all = std::max(all, judge(key, value, bad[key]));
     }
@@ -124,7 +128,7 @@ class Judge {
 
  private:
   static bool is_real(const std::string& key) {
-    return key == "area" || key == "volume" || key == "centroid" || key == "facet_planes";
+    return is_measure(key) || key == "centroid" || key == "facet_planes";
   }
   /// NaN stands for what is no number.
   static double real(const json& v) {
@@ -135,8 +139,9 @@ class Judge {
   }
   Verdict judge(const std::string& key, const json& good, const json& bad) {
     if (!is_real(key) || !slow_) return good == bad ? Verdict::right : Verdict::wrong;
-    if (key == "area") return slow_->judge_area(real(bad));
-    if (key == "volume") return slow_->judge_volume(real(bad));
+    if (key == "perimeter" || (key == "area" && h_.affine_dimension != 2))
+      return slow_->judge_area(real(bad));
+    if (is_measure(key)) return slow_->judge_volume(real(bad));
     if (!bad.is_array() || bad.size() != good.size()) return Verdict::wrong;
     Verdict all = Verdict::right;
     for (std::size_t i = 0; i < bad.size(); ++i) {
@@ -276,16 +281,18 @@ void spoil_together(json& file, Random& r) {
 }
 
 constexpr const char* fields[] = {
-    "points",         "affine_dimension", "vertex_count", "facet_count", "simplex_count",
-    "area",           "volume",           "centroid",     "vertices",    "vertex_coordinates",
-    "facets",         "facet_neighbours", "facet_planes", "simplices",   "simplex_neighbours",
-    "simplex_facets", "together",         "area",         "volume",      "centroid"};
+    "length",      "perimeter",          "points",         "affine_dimension", "vertex_count",
+    "facet_count", "simplex_count",      "area",           "volume",           "centroid",
+    "vertices",    "vertex_coordinates", "facets",         "facet_neighbours", "facet_planes",
+    "simplices",   "simplex_neighbours", "simplex_facets", "together",         "area",
+    "volume",      "centroid"};
 
 void spoil(json& file, const std::string& field, Random& r) {
   if (field == "together") return spoil_together(file, r);
+  if (!file.contains(field)) return;  // no measure of this dimension
   json& value = file[field];
-  const bool real = field == "area" || field == "volume" || field == "centroid" ||
-                    field == "facet_planes" || field == "vertex_coordinates";
+  const bool real = is_measure(field) || field == "centroid" || field == "facet_planes" ||
+                    field == "vertex_coordinates";
   if (r.integer(0, 40) == 0) {
     if (r.integer(0, 1))
       file.erase(field);

@@ -3,12 +3,14 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stop_token>
+#include <utility>
 
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/version.hpp"
 #include "io/certify_file.hpp"
 #include "io/json.hpp"
+#include "io/json_writer.hpp"
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {
@@ -91,10 +93,10 @@ TEST(Json, TheFileHoldsTheResultAndNothingOfTheRun) {
   std::set<std::string> keys;
   const json parsed = json::parse(result_text(a));
   for (const auto& [key, value] : parsed.items()) keys.insert(key);
-  EXPECT_EQ(keys, (std::set<std::string>{"version", "points", "affine_dimension", "vertex_count",
-                                         "facet_count", "simplex_count", "area", "volume",
-                                         "centroid", "vertices", "vertex_coordinates", "facets",
-                                         "facet_neighbours", "facet_planes", "simplices",
+  EXPECT_EQ(keys, (std::set<std::string>{"version", "kind", "schema", "points", "affine_dimension",
+                                         "vertex_count", "facet_count", "simplex_count", "area",
+                                         "volume", "centroid", "vertices", "vertex_coordinates",
+                                         "facets", "facet_neighbours", "facet_planes", "simplices",
                                          "simplex_neighbours", "simplex_facets"}));
 }
 
@@ -118,6 +120,7 @@ TEST(Json, TheReportHasTheKeysOfTheContract) {
       j,
       (json{{"version", CULLHULL_VERSION},
             {"points", {{"count", 9}, {"dimension", 3}, {"scalar", "f64"}}},
+            {"kind", "hull_report"},
             {"schema", json_schema_version},
             {"threads", 2},
             {"backend", "cpu"},
@@ -197,12 +200,96 @@ TEST(Json, HostileFilesAreRefused) {
   EXPECT_EQ(refused("volume", "big"), "F: volume: a value of the wrong kind");
   EXPECT_EQ(refused("centroid", {1, 2}), "F: centroid: needs one number for each dimension");
   for (const auto& [key, value] : good.items()) {
-    if (key == "version" || key == "vertex_coordinates") continue;
+    if (key == "version" || key == "kind" || key == "schema" || key == "vertex_coordinates")
+      continue;
     json bad = good;
     bad.erase(key);
     const std::string text = bad.dump();
     EXPECT_NE(error_of(ErrorCode::bad_file, [&] { read(text); }).find("F: " + key + ": missing"),
               std::string::npos);
+  }
+}
+
+// Schema 1 had no kind, and called the measures `area` and `volume` in every dimension.
+TEST(Json, HullsOfTheFirstSchemaAreRead) {
+  for (const Example& e : {cube(), square()}) {
+    json old = json::parse(result_text(e));
+    for (const char* key : {"kind", "schema", "perimeter"}) old.erase(key);
+    old["area"] = e.hull.area;
+    old["volume"] = e.hull.volume;
+    expect_equal(read(old.dump()), e.hull);
+    old["schema"] = 1;  // as reports had it
+    expect_equal(read(old.dump()), e.hull);
+  }
+  json line = json::parse(
+      R"({"version": "1", "points": {"count": 2, "dimension": 1, "scalar": "f64"},
+"affine_dimension": 1, "vertex_count": 2, "facet_count": 2, "simplex_count": 2, "area": 2,
+"volume": 5, "centroid": [2.5], "vertices": [0, 1], "vertex_coordinates": [[0], [5]],
+"facets": [[0], [1]], "facet_neighbours": [[1], [0]], "facet_planes": [[-1, 0], [1, 5]],
+"simplices": [[0], [1]], "simplex_neighbours": [[1], [0]], "simplex_facets": [0, 1]})");
+  const Hull old = read(line.dump());
+  line.erase("area");
+  line.erase("volume");
+  line["length"] = 5;
+  expect_equal(read(line.dump()), old);
+  EXPECT_EQ(old.volume, 5);
+  EXPECT_EQ(old.area, 2);
+}
+
+TEST(Json, OtherKindsAndMeasuresAreRefused) {
+  const json good = json::parse(result_text(square()));
+  const auto refused = [&](const char* key, const json& value, const char* without = "") {
+    json bad = good;
+    bad[key] = value;
+    bad.erase(without);
+    const std::string text = bad.dump();
+    return error_of(ErrorCode::bad_file, [&] { read(text); });
+  };
+  EXPECT_EQ(refused("kind", "voronoi"), "F: JSON of the kind 'voronoi', which is no hull");
+  EXPECT_EQ(refused("kind", 3), "F: kind: a value of the wrong kind");
+  EXPECT_EQ(refused("schema", 3), "F: JSON of schema 3, newer than this program's 2");
+  EXPECT_EQ(refused("schema", "2"), "F: schema: a value of the wrong kind");
+  EXPECT_EQ(refused("volume", 1), "F: perimeter: no measure of a hull of dimension 2");
+  EXPECT_EQ(refused("length", 1), "F: length: no measure of a hull of dimension 2");
+  EXPECT_EQ(refused("kind", "hull", "area"), "F: area: missing, so this is no hull with its lists");
+  EXPECT_EQ(refused("kind", "hull", "perimeter"),
+            "F: perimeter: missing, so this is no hull with its lists");
+}
+
+TEST(Json, TheWritersLayout) {
+  const auto tree = nlohmann::ordered_json::parse(
+      R"({"a": 1, "b": [1, 2.5], "c": {"d": -1, "e": [[1], [2]]}, "f": [[1], [{"g": null}]],
+          "h": true, "i": [], "j": {}, "k": -0.0, "l": 1e300})");
+  EXPECT_EQ(internal::json_document({"test", internal::JsonPoints{5, 3, ScalarType::u16}}, tree),
+            "{\n\"version\": \"" CULLHULL_VERSION
+            "\",\n\"kind\": \"test\",\n\"schema\": 2,\n"
+            "\"points\": {\"count\": 5, \"dimension\": 3, \"scalar\": \"u16\"},\n"
+            "\"a\": 1,\n\"b\": [1,2.5],\n\"c\": {\"d\": -1, \"e\": [[1],[2]]},\n"
+            "\"f\": [\n[1],\n[{\"g\": null}]],\n\"h\": true,\n\"i\": [],\n\"j\": {},\n"
+            "\"k\": -0.0,\n\"l\": 1e+300\n}\n");
+}
+
+TEST(Json, EveryStringAndNumberIsJson) {
+  const double inf = std::numeric_limits<double>::infinity();
+  std::string text;
+  for (const double v : {inf, -inf, std::nan(""), -0.0, 0.0, 5e-324, 0.1}) {
+    internal::append_json_number(text, v);
+    text += ' ';
+  }
+  EXPECT_EQ(text, "\"inf\" \"-inf\" \"nan\" -0.0 0 5e-324 0.1 ");
+  // Each byte that is no UTF-8 becomes U+FFFD: cut, overlong, a surrogate, beyond the last.
+  const std::pair<std::string, std::string> words[] = {
+      {"a\"\\\n\x01\x7f", "a\"\\\n\x01\x7f"},
+      {"\xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80", "\xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80"},
+      {"\xff", "\xef\xbf\xbd"},
+      {"x\xe2\x82", "x\xef\xbf\xbd\xef\xbf\xbd"},
+      {"\xc0\xaf", "\xef\xbf\xbd\xef\xbf\xbd"},
+      {"\xed\xa0\x80", "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd"},
+      {"\xf4\x90\x80\x80", "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd"}};
+  for (const auto& [given, expected] : words) {
+    std::string written;
+    internal::append_json_string(written, given);
+    EXPECT_EQ(json::parse(written).get<std::string>(), expected) << written;
   }
 }
 

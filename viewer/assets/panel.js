@@ -19,9 +19,7 @@ function flattened(report, prefix = "") {
 }
 
 function measureNames(k) {
-  if (k <= 0) return { volume: "Volume", area: "Boundary" };
-  if (k === 1) return { volume: "Length", area: "Ends" };
-  if (k === 2) return { volume: "Area", area: "Perimeter" };
+  if (k <= 2) return { length: "Length", perimeter: "Perimeter", area: "Area" };
   if (k === 3) return { volume: "Volume", area: "Surface area" };
   return { volume: `Volume (${k}D)`, area: `Boundary (${k - 1}D)` };
 }
@@ -37,7 +35,7 @@ const figureNames = {
   "track.vertices_came": "Vertices that came", "track.vertices_went": "Vertices that went",
   "track.facets_came": "Facets that came", "track.facets_went": "Facets that went",
 };
-const resultFigures = new Set(["points.count", "points.dimension", "points.scalar", "affine_dimension", "vertex_count", "facet_count", "simplex_count", "area", "volume", "centroid", "cull.survivors",
+const resultFigures = new Set(["points.count", "points.dimension", "points.scalar", "affine_dimension", "vertex_count", "facet_count", "simplex_count", "length", "perimeter", "area", "volume", "centroid", "cull.survivors",
   "track.vertices_came", "track.vertices_went", "track.facets_came", "track.facets_went"]);
 
 // At most six digits; groups of three before the point.
@@ -89,7 +87,7 @@ function showFigures(report) {
   const rows = { result: [], run: [] };
   for (const [key, value] of flattened(report)) {
     if (Array.isArray(value) && value.length === 0) continue;
-    if (key === "schema") continue;  // of the report, not of the hull
+    if (key === "schema" || key === "kind") continue;  // of the report, not of the hull
     const number = typeof value === "number" || key === "centroid";
     const lines = key === "centroid" ? value.map((v) => figureText(key, v)) : [figureText(key, value)];
     const about = { "data-key": key, "data-value": JSON.stringify(value) };

@@ -8,9 +8,9 @@
 
 #include "cullhull/batch.hpp"
 #include "cullhull/group_hulls.hpp"
-#include "cullhull/version.hpp"
 #include "io/geometry_text.hpp"
 #include "io/groups/collected.hpp"
+#include "io/json_writer.hpp"
 #include "io/mesh.hpp"
 #include "io/output_file.hpp"
 #include "parallel/memory.hpp"
@@ -18,13 +18,6 @@
 namespace cullhull {
 namespace internal {
 namespace {
-
-void append_measure(std::string& out, double value) {
-  if (value - value == 0)
-    append_number(out, value);
-  else
-    out += "\"inf\"";
-}
 
 /// One hull of a batch, and the rows of its points.
 struct GroupHull {
@@ -64,38 +57,49 @@ struct GroupHull {
   int affine() const { return std::max(affine_dimension(), 0); }
 };
 
-/// The text of a record in a format, and what comes before, between and after records.
-class GroupFormat {
+/// Writes the records of a file to a text, and what comes before, between and after them.
+class GroupRecords {
  public:
-  GroupFormat(std::string format, std::string key_name, std::uint32_t dimension)
-      : format_(std::move(format)), key_name_(std::move(key_name)), dimension_(dimension) {
+  GroupRecords(std::string format, std::string key_name, const JsonPoints& points,
+               std::string& text)
+      : format_(std::move(format)),
+        key_name_(std::move(key_name)),
+        points_(points),
+        dimension_(points.dimension),
+        text_(text),
+        json_(text) {
     if (format_ == "geojson" && dimension_ != 2 && dimension_ != 0)
       throw Error(ErrorCode::invalid_argument, ".geojson holds hulls of 2D points, not " +
                                                    std::to_string(dimension_) +
                                                    "D; .csv and .json hold any");
   }
 
-  std::string head() const {
-    std::string out;
-    if (format_ == "geojson") return "{\"type\": \"FeatureCollection\", \"features\": [\n";
-    if (format_ == "csv") {
-      append_csv(out, key_name_);
-      return out + (dimension_ == 2 ? ",points,vertices,perimeter,area,wkt\n"
-                                    : ",points,affine_dimension,vertices,facets,area,volume\n");
+  void begin() {
+    if (format_ == "geojson") {
+      text_ += "{\"type\": \"FeatureCollection\", \"features\": [";
+    } else if (format_ == "csv") {
+      append_csv(text_, key_name_);
+      text_ += dimension_ == 2 ? ",points,vertices,perimeter,area,wkt\n"
+                               : ",points,affine_dimension,vertices,facets,area,volume\n";
+    } else {
+      json_.begin_document({"groups", points_});
+      json_.member("by", key_name_);
+      json_.key("groups");
+      json_.begin_list(true);
     }
-    out = "{\n\"version\": \"" CULLHULL_VERSION "\",\n\"schema\": " +
-          std::to_string(json_schema_version) + ",\n\"by\": ";
-    append_json_string(out, key_name_);
-    return out + ",\n\"dimension\": " + std::to_string(dimension_) + ",\n\"groups\": [\n";
   }
-  const char* between() const { return format_ == "csv" ? "" : ",\n"; }
-  const char* tail() const {
-    return format_ == "csv" ? "" : format_ == "geojson" ? "\n]}\n" : "\n]\n}\n";
+  void add(const GroupHull& hull) {
+    const bool first = std::exchange(first_, false);
+    if (format_ == "csv") return append_row(text_, hull);
+    if (format_ == "json") return write_record(hull);
+    text_ += first ? "\n" : ",\n";
+    append_feature(text_, hull);
   }
-  void append(std::string& out, const GroupHull& hull) const {
-    if (format_ == "geojson") return append_feature(out, hull);
-    if (format_ == "csv") return append_row(out, hull);
-    append_object(out, hull);
+  void end() {
+    if (format_ == "geojson") text_ += "\n]}\n";
+    if (format_ != "json") return;
+    json_.end_list();
+    json_.end_document();
   }
 
  private:
@@ -116,9 +120,9 @@ class GroupFormat {
     out += ", \"points\": ";
     append_number(out, hull.points());
     out += ", \"perimeter\": ";
-    append_measure(out, hull.perimeter());
+    append_json_number(out, hull.perimeter());
     out += ", \"area\": ";
-    append_measure(out, hull.within());
+    append_json_number(out, hull.within());
     out += "}, \"geometry\": ";
     append_geojson(out, hull.boundary());
     out += '}';
@@ -147,58 +151,63 @@ class GroupFormat {
     }
     out += '\n';
   }
-  void append_object(std::string& out, const GroupHull& hull) const {
-    out += "{\"key\": ";
-    hull.append_key(out);
-    out += ", \"points\": ";
-    append_number(out, hull.points());
-    out += ", \"affine_dimension\": " + std::to_string(hull.affine_dimension());
-    out += ", \"area\": ";
-    append_measure(out, hull.area());
-    out += ", \"volume\": ";
-    append_measure(out, hull.volume());
-    out += ", \"vertex_coordinates\": [";
+  void write_record(const GroupHull& hull) {
+    json_.item();
+    json_.begin_object();
+    json_.key("key");
+    hull.append_key(text_);
+    json_.member("points", hull.points());
+    json_.member("affine_dimension", hull.affine_dimension());
+    put_measures(hull.affine_dimension(), hull.area(), hull.volume(),
+                 [&](const char* name, double measure) { json_.member(name, measure); });
+    json_.key("vertex_coordinates");
+    json_.begin_list(false);
     const std::vector<double> rows = hull.boundary();
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      out += i % dimension_ != 0 ? ", " : i > 0 ? ", [" : "[";
-      append_number(out, rows[i]);
-      if ((i + 1) % dimension_ == 0) out += ']';
+    for (std::size_t i = 0; i < rows.size(); i += dimension_) {
+      json_.item();
+      json_.list(rows, i, i + dimension_);
     }
-    out += "], \"facets\": [";
-    append_facets(out, hull);
-    out += "]}";
+    json_.end_list();
+    write_facets(hull);
+    json_.end_object();
   }
   /// Each facet by the positions of its corners among the vertices.
-  static void append_facets(std::string& out, const GroupHull& hull) {
+  void write_facets(const GroupHull& hull) {
     std::vector<std::pair<std::uint64_t, std::uint64_t>> places;
     for (const std::uint64_t v : hull.vertices()) places.emplace_back(v, places.size());
     std::sort(places.begin(), places.end());
-    const std::uint64_t first = hull.batch.facet_starts[hull.set];
-    for (std::uint64_t f = first; f < hull.batch.facet_starts[hull.set + 1]; ++f) {
-      out += f > first ? ", [" : "[";
-      bool any = false;
-      for (const std::uint64_t v : hull.batch.facets[f]) {
-        const auto place =
-            std::lower_bound(places.begin(), places.end(), std::pair{v, std::uint64_t{0}});
-        if (std::exchange(any, true)) out += ", ";
-        append_number(out, place->second);
-      }
-      out += ']';
+    const auto place_of = [&](std::uint64_t v) {
+      json_.value(
+          std::lower_bound(places.begin(), places.end(), std::pair{v, std::uint64_t{0}})->second);
+    };
+    json_.key("facets");
+    json_.begin_list(false);
+    for (std::uint64_t f = hull.batch.facet_starts[hull.set];
+         f < hull.batch.facet_starts[hull.set + 1]; ++f) {
+      json_.item();
+      const auto corners = hull.batch.facets[f];
+      json_.list_by(corners, 0, corners.size(), place_of);
     }
+    json_.end_list();
   }
 
   std::string format_, key_name_;
+  JsonPoints points_;
   std::uint32_t dimension_;
+  std::string& text_;
+  JsonWriter json_;
+  bool first_ = true;
 };
 
 void write_slices(const CollectedPoints& collected, const SortedGroups& sorted,
-                  const GroupFormat& format, const Grid& grid, const Options& options,
+                  GroupRecords& records, std::string& text, const Grid& grid,
+                  const Options& options,
                   OutputFile& out) {
   // Hulled and written at a time: some 100 MB of text at most. Not tuned.
   constexpr std::uint64_t slice_points = std::uint64_t{1} << 20;
   const std::uint32_t d = sorted.dimension;
   const std::size_t groups = sorted.order.size();
-  std::string text = format.head();
+  records.begin();
   for (std::size_t begin = 0, end = 0; begin < groups; begin = end) {
     const std::uint64_t first = sorted.offsets[begin];
     while (end < groups && (end == begin || sorted.offsets[end + 1] - first <= slice_points)) ++end;
@@ -208,9 +217,8 @@ void write_slices(const CollectedPoints& collected, const SortedGroups& sorted,
     const HullBatch batch = convex_hulls(PointView::row_major(rows, offsets.back(), d),
                                          offsets.data(), end - begin, options);
     for (std::size_t i = begin; i < end; ++i) {
-      if (i > 0) text += format.between();
-      format.append(text, {collected.words()[sorted.order[i]], collected.numeric(), batch,
-                           i - begin, rows + offsets[i - begin] * d, d, grid});
+      records.add({collected.words()[sorted.order[i]], collected.numeric(), batch, i - begin,
+                   rows + offsets[i - begin] * d, d, grid});
       if (text.size() > std::size_t{1} << 20) {
         out.write(text);
         text.clear();
@@ -219,7 +227,8 @@ void write_slices(const CollectedPoints& collected, const SortedGroups& sorted,
     if (options.progress)
       options.progress("hulls", static_cast<double>(end) / static_cast<double>(groups));
   }
-  out.write(text + format.tail());
+  records.end();
+  out.write(text);
 }
 
 /// The key's name in the output: its own, or "column" and its number.
@@ -253,9 +262,11 @@ GroupReport write_group_hulls(const std::vector<std::string>& files, const std::
   report.dimension = read.dimension;
   const Clock::time_point sorted_at = Clock::now();
   report.read_seconds = std::chrono::duration<double>(sorted_at - start).count();
-  const GroupFormat records(format, name_of_key(reading.read.key), read.dimension);
+  std::string text;
+  GroupRecords records(format, name_of_key(reading.read.key),
+                       {report.points, report.dimension, read.scalar}, text);
   OutputFile out(path);
-  write_slices(collected, sorted, records, read.grid, options, out);
+  write_slices(collected, sorted, records, text, read.grid, options, out);
   out.commit();
   report.hull_seconds = std::chrono::duration<double>(Clock::now() - sorted_at).count();
   return report;
