@@ -195,7 +195,7 @@ int run(AlphaArguments a) {
   (void)given_alpha(a.alpha);  // refused before the work
   a.files = a.input.find_files();
   FilePlan plan;
-  plan.reads(a.files);
+  plan.reads_inputs(a.input.words, a.files);
   for (const std::string& path : a.outputs) plan.writes("-o", path, endings);
   plan.writes_json(a.json);
   Input input = open_inputs(a.input, a.files, a.run.threads, a.run.memory_bytes());

@@ -149,6 +149,7 @@ cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned thr
   options.raw_dimension = arguments.dimension;
   options.raw_scalar = scalar_type(arguments.type);
   options.columns = arguments.columns;
+  options.weights = arguments.weights;
   options.memory_budget = memory;
   options.numbers = arguments.raw ? cullhull::Numbers::file : cullhull::Numbers::grid;
   options.grid = arguments.grid;
@@ -174,6 +175,7 @@ Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& o
   input.points = input.file.points();
   const cullhull::Placement& placement = input.file.placement();
   input.placing = {placement, input.file.grid(), !placement.empty(), arguments.raw};
+  input.weights = input.file.weights();
   return input;
 }
 
@@ -219,6 +221,8 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
                   file + ": points of dimension " + std::to_string(part.dimension) + ", but of " +
                       std::to_string(parts[0].points.dimension) + " in " + files[0]);
     all.points.count += part.count;
+    const std::vector<double>& weights = parts.back().weights;
+    all.weights.insert(all.weights.end(), weights.begin(), weights.end());
   }
   all.placing = parts[0].placing;
   for (const Input& part : parts) all.placing.any = all.placing.any || part.placing.any;

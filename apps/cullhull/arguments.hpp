@@ -26,6 +26,7 @@ struct InputArguments {
   bool raw = false;  ///< the files' own numbers
   /// Instead of the grid that the files have in common: an empty one for coordinates in the world.
   std::optional<cullhull::Grid> grid;
+  std::string weights;  ///< a column beside the coordinates
   /// The words as given, for commands that take several files. Their files are one set of points.
   std::vector<std::string> words;
 
@@ -48,6 +49,7 @@ struct Input {
   std::vector<std::byte> gathered;
   cullhull::PointView points;
   Placing placing;
+  std::vector<double> weights;  ///< where InputArguments::weights names a column
 
   /// Points of one file, its own numbers, take their places on its grid.
   void to_grid(const cullhull::ReadOptions& options);

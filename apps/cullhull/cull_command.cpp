@@ -104,7 +104,7 @@ void check_one_las(const CullArguments& arguments, const std::string& output) {
 
 FilePlan plan_files(const CullArguments& arguments) {
   FilePlan plan;
-  plan.reads(arguments.files);
+  plan.reads_inputs(arguments.input.words, arguments.files);
   plan.writes("-o", arguments.output, {".npy", ".csv", ".txt", ".ply", ".xyz", ".las"});
   plan.writes("--points", arguments.points, point_endings);
   plan.writes_json(arguments.json);

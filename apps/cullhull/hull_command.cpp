@@ -93,7 +93,7 @@ std::vector<std::string> format_words(const std::vector<std::string>& given) {
 
 FilePlan plan_files(const HullArguments& arguments) {
   FilePlan plan;
-  plan.reads(arguments.files);
+  plan.reads_inputs(arguments.input.words, arguments.files);
   for (const std::string& path : arguments.outputs)
     plan.writes("-o", path, arguments.by.empty() ? hull_endings : group_endings);
   plan.writes("--vertices", arguments.vertices, id_endings);
@@ -318,15 +318,15 @@ Certificate certify_streamed(const HullArguments& arguments, const Streamed& str
   if (arguments.elsewhere != nullptr)
     return arguments.elsewhere->certify(hull, vertex_rows(streamed.state, hull));
   for (const std::string& file : arguments.files)
-    if (file == "-" || ending_of(file) == ".hullstate" || arguments.stream.first_id > 0)
-      throw Error(ErrorCode::invalid_argument,
-                  "--certify reads all points once more, from 0 on: "
-                  "not from " +
-                      input_name(file));
+    if (file == "-" || ending_of(file) == ".hullstate")
+      throw Error(ErrorCode::invalid_argument, "--certify reads all points once more, which " +
+                                                   input_name(file) + " does not have");
   std::vector<double> rows = vertex_rows(streamed.state, hull);
   cullhull::Options options = arguments.run.options();
   options.threads = 1;  // the reading threads do the work
-  cullhull::CertifyStream check(hull, std::move(rows), options);
+  Hull from_zero = hull;
+  from_zero.rename([&](std::uint64_t id) { return id - arguments.stream.first_id; });
+  cullhull::CertifyStream check(from_zero, std::move(rows), options);
   stream_blocks(
       arguments.input, arguments.files, arguments.run,
       [&](const cullhull::PointView& block, std::uint64_t first) { check.push(block, first); });

@@ -157,7 +157,7 @@ Described describe_streamed(const InputArguments& arguments, const std::vector<s
 int run(const InfoArguments& arguments) {
   const std::vector<std::string> files = arguments.input.files();
   FilePlan plan;
-  plan.reads(files);
+  plan.reads_inputs(arguments.input.words, files);
   plan.writes_json(arguments.json);
   Scan found;
   const bool streamed = arguments.stream.wanted(files, RunArguments{}, "");

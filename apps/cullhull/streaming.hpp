@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,9 @@
 #include "outputs.hpp"
 
 namespace app {
+
+/// Ids are written as signed numbers of 64 bits.
+inline constexpr std::uint64_t greatest_id = std::numeric_limits<std::int64_t>::max();
 
 struct StreamArguments {
   std::string stream = "auto";
@@ -24,6 +28,9 @@ struct StreamArguments {
 
   /// `states`: with the options for writing and reading states.
   void add_to(Parser& command, bool states);
+  void add_first_id_to(Parser& command);
+  /// Refuses a --first-id beyond the greatest id: Error{invalid_argument}.
+  void check_ids() const;
   /// Whether any option differs from its default.
   bool any() const {
     return stream != "auto" || !checkpoint.empty() || !partial.empty() || global_ids ||

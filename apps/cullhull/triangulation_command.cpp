@@ -100,21 +100,18 @@ std::vector<std::string> words_of(const std::vector<std::string>& given,
   return words;
 }
 
-/// Of a file of one number a point, or of a column of the input.
-std::vector<double> read_weights(const DualArguments& a, std::uint64_t count) {
-  if (a.weights.empty()) return {};
-  InputArguments from;
+/// Else --weights names a column of the input.
+bool weights_are_a_file(const DualArguments& a) {
   std::error_code ignored;
-  const bool is_file = std::filesystem::exists(a.weights, ignored);
-  if (is_file) {
-    from.path = a.weights;
-  } else {
-    from = a.input;
-    from.columns = a.weights;
-  }
+  return !a.weights.empty() && std::filesystem::exists(a.weights, ignored);
+}
+
+/// Of a file of one number a point.
+std::vector<double> read_weights(const DualArguments& a, std::uint64_t count) {
+  InputArguments from;
+  from.path = a.weights;
   from.grid = cullhull::Grid();  // as they are
-  const Input input = is_file ? open_input(from, a.run.threads, a.run.memory_bytes())
-                              : open_inputs(from, a.files, a.run.threads, a.run.memory_bytes());
+  const Input input = open_input(from, a.run.threads, a.run.memory_bytes());
   if (input.points.dimension != 1)
     throw Error(ErrorCode::invalid_argument,
                 fmt::format("--weights {}: {} columns, where one number a point is wanted",
@@ -356,10 +353,11 @@ int run(DualArguments a, bool dual) {
     throw Error(ErrorCode::invalid_argument, "--inside: of which --edges?");
   a.files = a.input.find_files();
   FilePlan plan;
-  plan.reads(a.files);
+  plan.reads_inputs(a.input.words, a.files);
   if (!a.edges.empty()) plan.reads(a.edges);
-  std::error_code ignored;
-  if (!a.weights.empty() && std::filesystem::exists(a.weights, ignored)) plan.reads(a.weights);
+  const bool weights_apart = weights_are_a_file(a);
+  if (weights_apart) plan.reads(a.weights);
+  if (!weights_apart) a.input.weights = a.weights;
   for (const std::string& path : a.outputs)
     plan.writes("-o", path, dual ? cell_endings : triangulation_endings);
   plan.writes("--measures", a.measures, measure_endings);
@@ -372,7 +370,7 @@ int run(DualArguments a, bool dual) {
   Outcome out;
   out.read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const cullhull::Grid grid = input.placing.grid;
-  out.weights = read_weights(a, input.points.count);
+  out.weights = weights_apart ? read_weights(a, input.points.count) : std::move(input.weights);
   for (double& w : out.weights) w = grid.measure_to_grid(w, 2);  // squares of lengths
   triangulate(a, input.points, out);
   if (dual) find_dual(a, input.points, grid, out);

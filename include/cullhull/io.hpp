@@ -42,6 +42,9 @@ struct ReadOptions {
   /// are those of a text's first line; mesh and scan formats have x, y, z. The other columns of a
   /// text may hold anything.
   std::string columns;
+  /// A column of one more number a point, named as in `columns`; it is no coordinate unless
+  /// `columns` names it, too (PointFile::weights). Of open_points alone, and not beside `key`.
+  std::string weights;
   /// A column that tells which group a point belongs to, named as in `columns`; it is no coordinate
   /// unless `columns` names it, too. BlockVisitor::keyed receives its values as they are written in
   /// the file.
@@ -80,6 +83,8 @@ class PointFile {
   const PointView& colours() const noexcept;
   /// Of the file's numbers, by axis of points().
   const Placement& placement() const noexcept;
+  /// The numbers of ReadOptions::weights, one a point of points(); else none.
+  const std::vector<double>& weights() const noexcept;
   /// The grid that the numbers of points() count on; none unless Numbers::grid was asked for.
   const Grid& grid() const noexcept;
   /// A file's own numbers take their places on a grid, if they have one, else in the world; as
@@ -198,14 +203,21 @@ std::string hull_to_json(const HullState& state, const Hull& hull, const JsonExt
 /// Reads what write_hull(".json") or hull_to_json with lists wrote. Every size, offset and index is
 /// checked, so that the result can be handed to certify(); its statistics are not in the file.
 /// `vertex_coordinates`, if given, takes the rows of that key, in the order of `vertices`.
+/// `first_id`: the id of point 0 in the file; the result counts from 0.
 /// Throws Error{bad_file} or Error{io}.
-Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates = nullptr);
+Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates = nullptr,
+                    std::uint64_t first_id = 0);
 
 /// certify() of the hull in such a file; its `vertex_coordinates`, which a Hull does not have, must
-/// be those of the points. Throws what hull_from_json and certify throw.
-/// Points on a grid are compared with what the file has in the world.
+/// be those of the points. `first_id`: the id of point 0 in the file. `grid`: on which the points
+/// are; the file has their coordinates in the world. Throws what hull_from_json and certify throw.
 Certificate certify_file(const PointView& points, const std::string& path,
-                         const Options& options = {}, const Grid& grid = {});
+                         const Options& options = {}, std::uint64_t first_id = 0,
+                         const Grid& grid = {});
+
+/// Throws Error{io} where a file of this name cannot be written; for a check before long work.
+/// Leaves a file that exists as it is.
+void check_writable(const std::string& path);
 
 /// Reads what `cullhull bench machine` wrote: an object with the members of MachineConstants. The
 /// rates of link and device may be missing or null. Throws Error{bad_file} or Error{io}.

@@ -48,9 +48,9 @@ class HullState {
   /// Their coordinates, packed rows of scalar(), in that order; invalidated when the state changes.
   PointView points() const noexcept;
 
-  /// Adds another set's points; the two sets may share nothing but equal points. Errors as
+  /// Adds another set's points. An id may occur in both only for the same point. Errors as
   /// extreme_points(), after which the state is unchanged. Error{invalid_argument} where dimensions
-  /// differ.
+  /// differ, or where different extreme points of the two have one id.
   void merge(const HullState& other, const Options& options = {});
 
   /// Adds `offset` to every id: a part that was numbered from 0 takes its place in the whole.
@@ -118,7 +118,8 @@ class HullStream {
   ~HullStream();
 
   /// Points with the ids first_id, first_id + 1, ...; each id is to be pushed once. The first block
-  /// determines the dimension. Blocks may be of any size, 0 included.
+  /// determines the dimension. Blocks may be of any size, 0 included. Where different points that
+  /// may be extreme have one id, this or a later call throws Error{invalid_argument}.
   ///
   /// Errors, after which the stream is as if the block had not come: not_finite, naming the global
   /// id; out_of_budget, where the points that may be extreme exceed the memory: what was pushed

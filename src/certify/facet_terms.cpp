@@ -11,7 +11,7 @@
 #include "geometry/minors.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::certificate {
 namespace {
 
 /// Where the library works in doubles (make_frame), the flat's measure is at most this many times
@@ -155,7 +155,8 @@ constexpr double least_edge = 0x1p-80;
 
 }  // namespace
 
-Facets::Facets(const Subject& s) : s_(s), d_(s.hull.dimension), k_(s.k), rows_(s.full.data()) {
+CheckedFacets::CheckedFacets(const Subject& s)
+    : s_(s), d_(s.hull.dimension), k_(s.k), rows_(s.full.data()) {
   for (const double v : s.full) largest_ = std::max(largest_, std::fabs(v));
   if (largest_ > 0 && !(largest_ > 0x1p-20 && largest_ < 0x1p20)) {
     exponent_ = std::ilogb(largest_) + 1;
@@ -194,7 +195,7 @@ Facets::Facets(const Subject& s) : s_(s), d_(s.hull.dimension), k_(s.k), rows_(s
   }
 }
 
-double Facets::normal_bound(const FacetTerms& t, std::uint32_t simplex, unsigned c) const {
+double CheckedFacets::normal_bound(const FacetTerms& t, std::uint32_t simplex, unsigned c) const {
   const double underflow = wild_ ? 0x1p-1070 : 0x1p-500;
   const double share = std::max(t.share, careful_share_);
   if (by_component()) {
@@ -216,20 +217,20 @@ double Facets::normal_bound(const FacetTerms& t, std::uint32_t simplex, unsigned
   return unit * (alpha_ / share + beta_);
 }
 
-double Facets::offset_underflow() const {
+double CheckedFacets::offset_underflow() const {
   const double least = std::numeric_limits<double>::denorm_min();
   return wild_ ? least : least * 4 * d_ * std::max(largest_, 1.0) + least;
 }
 
 /// Whether the edge is long enough that its products do not underflow and its scaling was exact.
-bool Facets::in_range(std::uint32_t from, std::uint32_t to) const {
+bool CheckedFacets::in_range(std::uint32_t from, std::uint32_t to) const {
   double most = 0;
   for (unsigned c = 0; c < d_; ++c) most = std::max(most, std::fabs(at(to)[c] - at(from)[c]));
   return most > least_edge;
 }
 
 template <unsigned K, class Real>
-bool Facets::by_cofactors(std::uint32_t simplex, FacetTerms& out) const {
+bool CheckedFacets::by_cofactors(std::uint32_t simplex, FacetTerms& out) const {
   const std::uint32_t* v = s_.simplex(simplex);
   double rows[K - 1][K], n[K], spread[K];
   double lengths = 1;
@@ -266,7 +267,7 @@ bool Facets::by_cofactors(std::uint32_t simplex, FacetTerms& out) const {
   return true;
 }
 
-bool Facets::quickly(std::uint32_t i, FacetTerms& out) const {
+bool CheckedFacets::quickly(std::uint32_t i, FacetTerms& out) const {
   if (k_ == 1 || wild_) return false;
   if (k_ != d_ || k_ > 8) return orthogonally(i, out);
   return with_dimension<2, 7, 8>(k_, [&](auto k) {
@@ -274,7 +275,7 @@ bool Facets::quickly(std::uint32_t i, FacetTerms& out) const {
   });
 }
 
-bool Facets::orthogonally(std::uint32_t i, FacetTerms& out) const {
+bool CheckedFacets::orthogonally(std::uint32_t i, FacetTerms& out) const {
   const std::uint32_t* v = s_.simplex(i);
   Orthogonal<DoubleDoubles> o(DoubleDoubles{}, d_);
   for (unsigned j = 1; j < k_; ++j)
@@ -292,7 +293,7 @@ bool Facets::orthogonally(std::uint32_t i, FacetTerms& out) const {
   return out.lengths > 0x1p-400;
 }
 
-mp_bitcnt_t Facets::wide_bits(std::uint32_t simplex) const {
+mp_bitcnt_t CheckedFacets::wide_bits(std::uint32_t simplex) const {
   int low = 0, high = 0;
   bool any = false;
   const auto see = [&](std::uint32_t v) {
@@ -318,7 +319,7 @@ mp_bitcnt_t Facets::wide_bits(std::uint32_t simplex) const {
 /// 2^-(bits - 16) of its permanent. The bound on a unit normal's component is at least a unit of
 /// that permanent over the edges' lengths, while what was lost is divided by the measure: a share
 /// of 2^-(bits - 80) leaves 2^-11 of the bound. Exponents of these numbers know no bounds.
-class Facets::WideCofactors {
+class CheckedFacets::WideCofactors {
  public:
   WideCofactors(unsigned k, mp_bitcnt_t bits)
       : k_(k),
@@ -427,7 +428,7 @@ class Facets::WideCofactors {
   std::vector<mpf_class> edges_, minors_, permanents_, spread_;
 };
 
-bool Facets::wide_cofactors(std::uint32_t i, const double* origin, WideTerms& out) const {
+bool CheckedFacets::wide_cofactors(std::uint32_t i, const double* origin, WideTerms& out) const {
   const auto row = [&](std::uint32_t v) { return s_.full.data() + std::size_t{v} * d_; };
   std::vector<const double*> corners, apexes;
   for (unsigned j = 0; j < k_; ++j) corners.push_back(row(s_.simplex(i)[j]));
@@ -445,7 +446,7 @@ bool Facets::wide_cofactors(std::uint32_t i, const double* origin, WideTerms& ou
   }
 }
 
-WideTerms Facets::wide_terms(std::uint32_t i) const {
+WideTerms CheckedFacets::wide_terms(std::uint32_t i) const {
   s_.exact_decisions.fetch_add(1, std::memory_order_relaxed);
   const auto row = [&](std::uint32_t v) { return s_.full.data() + std::size_t{v} * d_; };
   std::vector<const double*> scratch(k_ + 1);
@@ -474,7 +475,7 @@ WideTerms Facets::wide_terms(std::uint32_t i) const {
 }
 
 template <unsigned K>
-void Facets::fill_spread(const WideTerms& w, FacetTerms& out) const {
+void CheckedFacets::fill_spread(const WideTerms& w, FacetTerms& out) const {
   double rows[K - 1][K];
   for (unsigned i = 0; i + 1 < K; ++i)
     for (unsigned c = 0; c < K; ++c) rows[i][c] = w.unit_edges[std::size_t{i} * K + c];
@@ -483,7 +484,7 @@ void Facets::fill_spread(const WideTerms& w, FacetTerms& out) const {
   normal_and_spread<K>(rows, normal, out.spread.data());
 }
 
-void Facets::exactly(std::uint32_t i, FacetTerms& out) const {
+void CheckedFacets::exactly(std::uint32_t i, FacetTerms& out) const {
   const WideTerms w = wide_terms(i);
   out.normal.clear();
   for (const mpf_class& n : w.normal) out.normal.push_back(n.get_d());
@@ -500,9 +501,9 @@ void Facets::exactly(std::uint32_t i, FacetTerms& out) const {
   with_dimension<2, 7, 8>(k_, [&](auto k) { fill_spread<k>(w, out); });
 }
 
-void Facets::terms(std::uint32_t simplex, FacetTerms& out) const {
+void CheckedFacets::terms(std::uint32_t simplex, FacetTerms& out) const {
   if (!quickly(simplex, out)) exactly(simplex, out);
   out.spread_length = length(out.spread.data(), static_cast<unsigned>(out.spread.size()));
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::certificate

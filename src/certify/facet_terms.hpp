@@ -9,9 +9,9 @@
 
 #include "certify/certificate.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::certificate {
 
-/// A simplex of the surface. Lengths are in the units of Facets::at.
+/// A simplex of the surface. Lengths are in the units of CheckedFacets::at.
 struct FacetTerms {
   std::vector<double> normal;  ///< outward, of length 1, in the flat
   std::vector<double> spread;  ///< p of the bound; empty where the bound has none
@@ -29,9 +29,9 @@ struct WideTerms {
 };
 
 /// The facets of a hull whose surface has been checked. Thread safe.
-class Facets {
+class CheckedFacets {
  public:
-  explicit Facets(const Subject& s);
+  explicit CheckedFacets(const Subject& s);
 
   /// Coordinates of a vertex in units of 2^exponent(), exact except where they underflow.
   const double* at(std::uint32_t v) const { return rows_ + std::size_t{v} * d_; }
@@ -84,4 +84,4 @@ class Facets {
   double alpha_ = 0, beta_ = 0, careful_share_ = 0x1p-13;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::certificate

@@ -8,10 +8,10 @@
 #include "certify/facet_terms.hpp"
 #include "geometry/double_double.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::certificate {
 namespace {
 
-constexpr double unit = Facets::unit;
+constexpr double unit = CheckedFacets::unit;
 /// Factor of the bound that includes the check's own error.
 constexpr double with_own = 1.25;
 
@@ -31,7 +31,7 @@ mpf_class beyond_doubles() { return times_power_of_two(mpf_class(1 - 0x1p-54, 25
 
 class PlaneCheck {
  public:
-  PlaneCheck(const Subject& s, const Facets& facets)
+  PlaneCheck(const Subject& s, const CheckedFacets& facets)
       : s_(s), h_(s.hull), f_(facets), d_(s.hull.dimension), k_(s.k) {}
 
   /// Checks the facet that is one simplex.
@@ -128,7 +128,7 @@ class PlaneCheck {
 
   const Subject& s_;
   const Hull& h_;
-  const Facets& f_;
+  const CheckedFacets& f_;
   const unsigned d_, k_;
 };
 
@@ -157,7 +157,7 @@ using WideSums = Sums<mpf_class, mpf_class>;
 
 class MeasureCheck {
  public:
-  MeasureCheck(const Subject& s, const Facets& facets)
+  MeasureCheck(const Subject& s, const CheckedFacets& facets)
       : s_(s), h_(s.hull), f_(facets), planes_(s, facets), d_(s.hull.dimension), k_(s.k) {}
 
   /// Checks measures, and in the same pass planes of facets that are simplices.
@@ -352,7 +352,7 @@ class MeasureCheck {
 
   const Subject& s_;
   const Hull& h_;
-  const Facets& f_;
+  const CheckedFacets& f_;
   const PlaneCheck planes_;
   const unsigned d_, k_;
 };
@@ -360,8 +360,8 @@ class MeasureCheck {
 }  // namespace
 
 void check_numbers(const Subject& s) {
-  const Facets facets(s);
+  const CheckedFacets facets(s);
   MeasureCheck(s, facets).run();
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::certificate

@@ -11,9 +11,9 @@ namespace cullhull {
 namespace internal {
 
 Certificate certify_source(const PointView& points, const Source& source, const Options& options,
-                           const Grid& grid) {
+                           std::uint64_t first_id, const Grid& grid) {
   std::vector<double> rows;
-  Hull hull = read_hull_json(source, &rows);
+  Hull hull = read_hull_json(source, &rows, first_id);
   to_grid(hull, grid);
   Certificate certificate = certify(points, hull, options);
   if (!certificate.valid) return certificate;
@@ -31,9 +31,10 @@ Certificate certify_source(const PointView& points, const Source& source, const 
 }  // namespace internal
 
 Certificate certify_file(const PointView& points, const std::string& path, const Options& options,
-                         const Grid& grid) {
+                         std::uint64_t first_id, const Grid& grid) {
   const internal::MappedFile file(path);
-  const Certificate certificate = internal::certify_source(points, file.source(), options, grid);
+  const Certificate certificate =
+      internal::certify_source(points, file.source(), options, first_id, grid);
   file.check_size();
   return certificate;
 }

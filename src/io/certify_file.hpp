@@ -7,6 +7,6 @@
 namespace cullhull::internal {
 
 Certificate certify_source(const PointView& points, const Source& source, const Options& options,
-                           const Grid& grid = {});
+                           std::uint64_t first_id = 0, const Grid& grid = {});
 
 }  // namespace cullhull::internal

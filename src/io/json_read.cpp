@@ -61,6 +61,7 @@ struct RawHull {
   Lists<double> planes;
   Lists<double> coordinates;
   bool want_coordinates = false;  ///< otherwise they are skipped
+  std::uint64_t first_id = 0;     ///< id of point 0 in the file
   Lists<std::uint64_t> simplices;
   Lists<std::uint32_t> simplex_neighbours;
   bool seen[field_total] = {};
@@ -286,10 +287,10 @@ class HullChecker {
     equal("simplex_neighbours", raw_.simplex_neighbours.size(), simplices);
     if (k == 0 && (facets > 0 || simplices > 0)) fault("facets", "a hull of one point has none");
 
-    below("vertices", hull_.vertices, hull_.point_count);
-    below("facets", hull_.facets.items, hull_.point_count);
+    number_points("vertices", hull_.vertices);
+    number_points("facets", hull_.facets.items.edit());
     below("facet_neighbours", hull_.facet_neighbours.items, facets);
-    below("simplices", raw_.simplices.items, hull_.point_count);
+    number_points("simplices", raw_.simplices.items);
     below("simplex_neighbours", raw_.simplex_neighbours.items, simplices);
     below("simplex_facets", hull_.simplex_facets, facets);
 
@@ -336,6 +337,20 @@ class HullChecker {
     if (have != want)
       fault(field, "has " + std::to_string(have) + " entries instead of " + std::to_string(want));
   }
+  /// Ids, which begin at first_id in the file, become positions.
+  template <class Items>
+  void number_points(const char* field, Items& ids) const {
+    const std::uint64_t first = raw_.first_id, end = first + hull_.point_count;
+    for (std::uint64_t i = 0; i < ids.size(); ++i) {
+      if (ids[i] < first || ids[i] >= end)
+        fault(field, "item " + std::to_string(i) + " is " + std::to_string(ids[i]) +
+                         ", but the ids of " + std::to_string(hull_.point_count) +
+                         " points go from " + std::to_string(first) + " to below " +
+                         std::to_string(end) +
+                         "; for a hull made with --first-id give it here, too");
+      ids[i] -= first;
+    }
+  }
   template <class Items>
   void below(const char* field, const Items& items, std::uint64_t limit) const {
     for (std::uint64_t i = 0; i < items.size(); ++i)
@@ -370,8 +385,10 @@ class HullChecker {
 
 }  // namespace
 
-Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinates) {
+Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinates,
+                    std::uint64_t first_id) {
   RawHull raw;
+  raw.first_id = first_id;
   raw.want_coordinates = vertex_coordinates != nullptr;
   HullReader reader(source, raw);
   json::sax_parse(source.data, source.data + source.size, &reader);
@@ -383,9 +400,10 @@ Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinate
 
 }  // namespace internal
 
-Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates) {
+Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates,
+                    std::uint64_t first_id) {
   const internal::MappedFile file(path);
-  Hull hull = internal::read_hull_json(file.source(), vertex_coordinates);
+  Hull hull = internal::read_hull_json(file.source(), vertex_coordinates, first_id);
   file.check_size();
   return hull;
 }

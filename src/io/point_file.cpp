@@ -21,6 +21,7 @@ struct PointFile::Impl {
   internal::MappedFile file;
   internal::Buffer unpacked;  ///< decompressed contents
   internal::PointData data;
+  std::vector<double> weights;
   internal::Slice slice;
   bool in_parts = false;
   bool placed = false;  ///< no longer the file's own numbers
@@ -60,6 +61,7 @@ void PointFile::to_world() {
     numbers[i] = data.grid.to_world(numbers[i]);
   data.grid = {};
 }
+const std::vector<double>& PointFile::weights() const noexcept { return impl_->weights; }
 const std::string& PointFile::format() const noexcept { return impl_->data.format; }
 bool PointFile::mapped() const noexcept { return impl_->data.in_place && impl_->file.mapped(); }
 bool PointFile::in_parts() const noexcept { return impl_->in_parts; }
@@ -175,6 +177,22 @@ PointData read_points(const Source& file, const ReadOptions& options) {
 
 namespace {
 
+/// The words of a column, which were read as keys, as numbers.
+std::vector<double> numbers_of(const PointKeys& words, const std::string& name,
+                               const std::string& column) {
+  std::vector<double> numbers(words.size());
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string_view word = words[i];
+    const char* p = word.data();
+    const char* const end = p + word.size();
+    if (scan_number(p, end, numbers[i]) != Scan::ok || skip_blanks(p, end) != end)
+      throw Error(ErrorCode::bad_file, name + ": column " + quoted_text(column) + " of point " +
+                                           std::to_string(i) +
+                                           " is no number: " + quoted_text(std::string(word)));
+  }
+  return numbers;
+}
+
 std::uint64_t raw_record(const Source& source, const ReadOptions& options) {
   if (options.raw_dimension == 0 || !options.raw_scalar)
     throw Error(ErrorCode::invalid_argument,
@@ -259,17 +277,25 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
   const internal::InputName input = internal::split_input(path);
   impl->file = internal::MappedFile(input.file);
   internal::Source source = impl->file.source();
+  ReadOptions reading = options;
+  if (!options.weights.empty()) reading.key = options.weights;
+  const auto take_weights = [&] {
+    if (!options.weights.empty())
+      impl->weights = internal::numbers_of(impl->data.keys, source.name, options.weights);
+    impl->data.keys = {};
+  };
   if (internal::holds_hdf5(input.file, {source.data, std::min<std::size_t>(source.size, 16)})) {
     impl->file = internal::MappedFile();
-    impl->data = internal::read_hdf5(input.file, input.member, options, impl->slice);
+    impl->data = internal::read_hdf5(input.file, input.member, reading, impl->slice);
     impl->in_parts = true;
+    take_weights();
     impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return PointFile(std::move(impl));
   }
-  ReadOptions reading = options;
   internal::unwrap(input, source, reading, impl->unpacked);
   impl->data = internal::read_points(source, reading);
   impl->file.check_size();
+  take_weights();
   const bool unpacked = impl->unpacked.data() != nullptr;
   impl->slice = {0, impl->data.view.count, impl->data.view.count};
   if (impl->data.in_place && !unpacked) {

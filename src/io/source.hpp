@@ -97,7 +97,8 @@ struct NpyFrames {
 
 /// By the format that options.format names, else by the extension, else by the content.
 PointData read_points(const Source& source, const ReadOptions& options);
-Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinates = nullptr);
+Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinates = nullptr,
+                    std::uint64_t first_id = 0);
 
 [[noreturn]] void fail(const Source& source, const std::string& message);
 [[noreturn]] void fail_at_line(const Source& source, std::uint64_t line,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <utility>
 
 #include "io/blocks/byte_stream.hpp"
 #include "io/columns.hpp"
@@ -14,6 +15,7 @@
 #include "io/records.hpp"
 #include "io/system.hpp"
 #include "io/text.hpp"
+#include "io/text_scan.hpp"
 #include "parallel/byte_order.hpp"
 #include "parallel/memory.hpp"
 
@@ -41,11 +43,12 @@ class RecordBlocks : public BlockSource {
     placement_ = layout_.placement;
     grid_ = layout_.grid;
     per_block_ = std::max<std::uint64_t>(1, block_bytes / (layout_.record_bytes * layout_.columns));
+    empty_ = layout_.count == 0;
   }
   void go_on_from(const BlockPosition& from) override { next_ = from.file_points; }
 
   bool next(BlockTask& task, BlockMemory& memory) override {
-    if (next_ >= layout_.count) return false;
+    if (next_ >= layout_.count && !std::exchange(empty_, false)) return false;
     const std::uint64_t first = next_, count = std::min(per_block_, layout_.count - first);
     next_ += count;
     task.count = count;
@@ -72,6 +75,7 @@ class RecordBlocks : public BlockSource {
   OpenedBytes from_;
   RecordLayout layout_;
   std::uint64_t per_block_, next_ = 0;
+  bool empty_;  ///< no points, of which one empty block is to tell the dimension
 };
 
 /// Points of HDF5: any thread reads any of them, one at a time.
@@ -84,11 +88,12 @@ class Hdf5Blocks : public BlockSource {
     const std::uint64_t chunk = points_.chunk_points();
     per_block_ = std::max<std::uint64_t>(1, block_bytes / points_.record_bytes());
     if (per_block_ > chunk) per_block_ -= per_block_ % chunk;
+    empty_ = points_.count() == 0;
   }
   void go_on_from(const BlockPosition& from) override { next_ = from.file_points; }
 
   bool next(BlockTask& task, BlockMemory& memory) override {
-    if (next_ >= points_.count()) return false;
+    if (next_ >= points_.count() && !std::exchange(empty_, false)) return false;
     const std::uint64_t first = next_, count = std::min(per_block_, points_.count() - first);
     next_ += count;
     task.count = count;
@@ -107,6 +112,7 @@ class Hdf5Blocks : public BlockSource {
   Hdf5Points points_;
   ReadOptions options_;
   std::uint64_t per_block_, next_ = 0;
+  bool empty_;  ///< as in RecordBlocks
 };
 
 /// Records of a pipe: read in order.
@@ -124,7 +130,7 @@ class PipedRecords : public BlockSource {
 
   bool next(BlockTask& task, BlockMemory& memory) override {
     if (next_ == 0 && !begun_) begin(memory);
-    if (next_ >= layout_.count) {
+    if (next_ >= layout_.count && !empty_) {
       finish(memory);
       return false;
     }
@@ -139,7 +145,7 @@ class PipedRecords : public BlockSource {
            "ends within point " + std::to_string(next_) +
                (layout_.count == unknown_size ? std::string()
                                               : " of " + std::to_string(layout_.count)));
-    if (count == 0) return false;
+    if (!std::exchange(empty_, false) && count == 0) return false;
     task.count = count;
     task.file_points = next_;
     task.taken = from_.stream->taken();
@@ -177,6 +183,7 @@ class PipedRecords : public BlockSource {
   RecordLayout layout_;
   std::uint64_t per_block_, next_ = 0, pass_ = 0;
   bool begun_ = false;
+  bool empty_ = true;  ///< no points so far
 };
 
 /// One point a line: divided at line ends in order, parsed by any thread.
@@ -346,11 +353,25 @@ class WholeInput : public BlockSource {
   bool done_ = false;
 };
 
+/// Reads on until the head of a text has a line of points behind its comments.
+void pass_comments(OpenedBytes& from) {
+  constexpr std::size_t most = std::size_t{1} << 30;
+  while (from.head.size() < most) {
+    const std::string_view head = from.head;
+    LineScanner lines(head.data(), head.data() + head.rfind('\n') + 1);
+    while (lines.next())
+      if (is_point_line(lines.begin(), lines.end())) return;
+    if (!read_more_of_head(from)) return;
+  }
+}
+
 /// The first lines of a text, which determine its layout.
-std::optional<Preamble> preamble_of(const OpenedBytes& from, const std::string& format,
+std::optional<Preamble> preamble_of(OpenedBytes& from, const std::string& format,
                                     const ReadOptions& options) {
+  const bool whole = from.head.size() < std::size_t{1} << 20;
+  if (!whole) pass_comments(from);
   std::string_view head = from.head;
-  if (head.size() >= std::size_t{1} << 20) head = head.substr(0, head.rfind('\n') + 1);
+  if (!whole) head = head.substr(0, head.rfind('\n') + 1);
   if (head.starts_with("\xEF\xBB\xBF")) head.remove_prefix(3);
   if (head.empty()) return std::nullopt;
   const Source source{from.name, head.data(), head.size()};
