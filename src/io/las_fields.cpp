@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <optional>
 
+#include "cullhull/placement.hpp"
 #include "io/columns.hpp"
 #include "parallel/byte_order.hpp"
 
@@ -152,10 +154,19 @@ void choose_las_columns(PointData& data, const char* records, std::size_t record
   std::vector<std::uint32_t> columns =
       find_columns(options.columns.empty() ? ":" : options.columns, file, all.names(), axes);
   const std::uint32_t key = find_key(options, file, all.names(), axes, columns);
+  const bool placed = options.numbers != Numbers::file && !data.placement.empty();
+  const Grid grid = placed ? common_grid({data.placement}) : Grid();
+  std::optional<GridAxes> on_grid;
+  if (!grid.empty()) on_grid.emplace(data.placement, grid);
+  const auto coordinate = [&](std::uint64_t i, std::uint32_t axis) {
+    const double number = data.view.at(i, axis);
+    if (!placed) return number;
+    return on_grid ? grid.to_world(on_grid->at(axis, number)) : data.placement.at(axis, number);
+  };
   if (!options.key.empty())
     for (std::uint64_t i = 0; i < data.view.count; ++i)
-      append(data.keys, !Columns::is_axis(key) ? all.field(key).of(records + i * record)
-                                               : data.view.at(i, key));
+      append(data.keys,
+             Columns::is_axis(key) ? coordinate(i, key) : all.field(key).of(records + i * record));
   if (std::all_of(columns.begin(), columns.end(), Columns::is_axis))
     take_columns(data, columns);
   else

@@ -43,12 +43,12 @@ void HullState::merge(const HullState& other, const Options& options) {
                 "a state of dimension " + std::to_string(other.dimension_) +
                     " cannot be merged into one of dimension " + std::to_string(dimension_));
   if (decimals_ >= 0 && decimals_ == other.decimals_) {
-    HullState numbers = other;
-    const int decimals = decimals_;
+    HullState merged = *this, numbers = other;
+    merged.to_grid();
     numbers.to_grid();
-    to_grid();
-    merge(numbers, options);
-    to_world(decimals);
+    merged.merge(numbers, options);
+    merged.to_world(decimals_);
+    *this = std::move(merged);
     return;
   }
   const int decimals = seen_ == 0 ? other.decimals_ : other.seen_ == 0 ? decimals_ : -1;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/placement.hpp"

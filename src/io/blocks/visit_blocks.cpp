@@ -56,7 +56,10 @@ class Reading {
         total_bytes_(input_bytes(files)),
         next_file_(options.from.file),
         named_points_(options.from.points),
-        bytes_before_(options.from.bytes) {}
+        bytes_before_(options.from.bytes) {
+    if (options.read.numbers == Numbers::grid && options.read.grid)
+      summary_.grid = *options.read.grid;
+  }
 
   BlockSummary run() {
     std::vector<std::thread> threads = start();
@@ -247,7 +250,7 @@ class Reading {
     summary_.any_placed = summary_.any_placed || !source.placement().empty();
     if (std::exchange(any_opened_, true)) return;
     summary_.placement = source.placement();
-    summary_.grid = source.grid();
+    if (!options_.read.grid) summary_.grid = source.grid();
   }
 
   /// Requires `mutex_`.
@@ -388,7 +391,9 @@ class Reading {
 BlockSummary visit_blocks(const std::vector<std::string>& files, const BlockVisitor& visitor,
                           const BlockOptions& options) {
   BlockOptions reading = options;
-  if (files.size() > 1 && reading.read.numbers == Numbers::grid && !reading.read.grid)
+  // Before the first input is opened: what was visited before may have been all of them.
+  const bool many = files.size() > 1 || options.from != BlockPosition();
+  if (many && reading.read.numbers == Numbers::grid && !reading.read.grid)
     reading.read.grid = common_grid(files, reading.read);
   return internal::Reading(files, visitor, reading).run();
 }
