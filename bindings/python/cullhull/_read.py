@@ -33,7 +33,7 @@ def read(
     .npz) need no other package; what holds records of numbers is mapped, and the array is a view of
     the file that is not to be changed meanwhile. .laz and COPC need laspy (``pip install
     laspy[lazrs]``), .e57 pye57, .parquet pyarrow, FOLDER.zarr or FOLDER.zarr/NAME (an array) zarr,
-    FILE.h5:/GROUP/NAME (a dataset) h5py. .las and .laz give the file's whole numbers, to which its
+    FILE.h5:/GROUP/NAME (a dataset) or FILE.nc:x,y,z (a column each) h5py. .las and .laz give the file's whole numbers, to which its
     scale and offset are not applied, so that a hull of them is exact.
 
     Names with a protocol (``s3://bucket/a.parquet``) are opened by fsspec: .npy, .las, .laz, .parquet,
@@ -44,8 +44,12 @@ def read(
     path : str or path
     columns : names or numbers, optional
         Which coordinates: numbers, or names where the file has some (a text's first line, x, y, z
-        of meshes and scans, Parquet). By default x, y, z where there are columns so named, else
-        all; a text of which columns are left out so gives a `ShapeWarning`.
+        of meshes and scans, Parquet). By default x, y, z where there are columns so named in either
+        case, else lon and lat, longitude and latitude, or easting and northing, perhaps with a
+        height; else all but id, index, fid and columns without a name. Of Parquet, where no columns
+        are so named, GeoParquet's points (WKB) or the one column of lists of numbers come before
+        that. A `ShapeWarning` says which columns were chosen or left out, and what else the reader
+        passed over, such as faces that are cut short.
     chunks : int, optional
         At most so many points at a time: an iterator of arrays instead of one. Text and what is
         compressed is read whole all the same.
