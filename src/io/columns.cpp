@@ -218,29 +218,26 @@ std::uint32_t find_key(const ReadOptions& options, const std::string& file,
   return key[0];
 }
 
-Placement placement_of_columns(const Placement& placement, const std::string& file,
-                               const std::vector<std::string>& names, const ReadOptions& options) {
-  if (placement.empty() || (options.columns.empty() && options.key.empty())) return placement;
-  const auto width = static_cast<std::uint32_t>(placement.scale.size());
-  std::vector<std::uint32_t> columns =
-      find_columns(options.columns.empty() ? ":" : options.columns, file, names, width);
-  (void)find_key(options, file, names, width, columns);
-  Placement chosen;
-  for (const std::uint32_t c : columns) {
-    chosen.scale.push_back(placement.scale[c]);
-    chosen.offset.push_back(placement.offset[c]);
-  }
-  return chosen;
-}
-
 void choose_columns(PointData& data, const std::string& file, const std::vector<std::string>& names,
                     const ReadOptions& options) {
   if (options.columns.empty() && options.key.empty()) return;
-  data.placement = placement_of_columns(data.placement, file, names, options);
   std::vector<std::uint32_t> columns = find_columns(options.columns.empty() ? ":" : options.columns,
                                                     file, names, data.view.dimension);
   const std::uint32_t key = find_key(options, file, names, data.view.dimension, columns);
   if (key != 0xFFFFFFFF) add_keys(data, key);
+  take_columns(data, columns);
+}
+
+void take_columns(PointData& data, const std::vector<std::uint32_t>& columns) {
+  if (!data.placement.empty()) {
+    Placement chosen;
+    for (const std::uint32_t c : columns) {
+      chosen.scale.push_back(data.placement.scale[c]);
+      chosen.offset.push_back(data.placement.offset[c]);
+    }
+    chosen.unit = data.placement.unit;
+    data.placement = std::move(chosen);
+  }
   if (!evenly_spaced(columns)) return gather(data, columns);
   PointView& view = data.view;
   view.data += static_cast<std::ptrdiff_t>(columns[0]) * view.coordinate_stride;

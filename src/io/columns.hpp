@@ -43,13 +43,11 @@ std::uint32_t find_key(const ReadOptions& options, const std::string& file,
                        const std::vector<std::string>& names, std::uint32_t width,
                        std::vector<std::uint32_t>& columns);
 
-/// The placement of the columns that `options` ask for, of a file with these names.
-Placement placement_of_columns(const Placement& placement, const std::string& file,
-                               const std::vector<std::string>& names, const ReadOptions& options);
-
 /// Restricts the view to the columns that `options` ask for: by strides where possible, else by a
 /// copy. Keys, where asked for, are numbers as decimals.
 void choose_columns(PointData& data, const std::string& file, const std::vector<std::string>& names,
                     const ReadOptions& options);
+/// Restricts the view, and its placement, to these columns.
+void take_columns(PointData& data, const std::vector<std::uint32_t>& columns);
 
 }  // namespace cullhull::internal

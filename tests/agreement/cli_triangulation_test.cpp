@@ -162,6 +162,15 @@ TEST(CliTriangulation, WeightsFromFilesAndColumns) {
   EXPECT_EQ(file.out, column.out) << file.err;
   EXPECT_EQ(run_app({"delaunay", f / "p.csv", "--columns", "x,y", "--format", "i"}).out,
             "2\n0 3 2\n1 2 3\n");
+  // The input is read once, so that it may be a pipe; the weights are no coordinate.
+  const Ran pipe = run_app(
+      {"delaunay", "-", "--input-format", "csv", "--weights", "w", "--format", "i"}, f / "p.csv");
+  EXPECT_EQ(pipe.out, column.out) << pipe.err;
+  write_file(f / "q.csv", "a,b,w\n0,0,0\n2,0,0\n0,2,0\n1,0,-1.5\n");
+  EXPECT_EQ(run_app({"delaunay", f / "q.csv", "--weights", "w", "--format", "i"}).out, column.out);
+  write_file(f / "word.csv", "x,y,w\n0,0,0\n2,0,heavy\n0,2,0\n");
+  expect_error({"delaunay", f / "word.csv", "--weights", "w"}, 1,
+               "column 'w' of point 1 is no number: 'heavy'");
   write_file(f / "few.txt", "0\n0\n");
   expect_error({"delaunay", f / "p.csv", "--columns", "x,y", "--weights", f / "few.txt"}, 2,
                "2 numbers for 4 points");

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Union
 
 import numpy as np
@@ -26,6 +26,7 @@ def read(
     *,
     columns: Columns = None,
     chunks: int | None = None,
+    raw: bool = False,
 ) -> Any:
     """The points of a file.
 
@@ -33,8 +34,9 @@ def read(
     .npz) need no other package; what holds records of numbers is mapped, and the array is a view of
     the file that is not to be changed meanwhile. .laz and COPC need laspy (``pip install
     laspy[lazrs]``), .e57 pye57, .parquet pyarrow, FOLDER.zarr or FOLDER.zarr/NAME (an array) zarr,
-    FILE.h5:/GROUP/NAME (a dataset) or FILE.nc:x,y,z (a column each) h5py. .las and .laz give the file's whole numbers, to which its
-    scale and offset are not applied, so that a hull of them is exact.
+    FILE.h5:/GROUP/NAME (a dataset) or FILE.nc:x,y,z (a column each) h5py. .las and .laz
+    give coordinates as doubles: where scale and offset are decimals the ones nearest to number *
+    scale + offset, else what laspy computes for it. The two differ by laspy's roundings.
 
     Names with a protocol (``s3://bucket/a.parquet``) are opened by fsspec: .npy, .las, .laz, .parquet,
     .zarr and .h5.
@@ -53,6 +55,9 @@ def read(
     chunks : int, optional
         At most so many points at a time: an iterator of arrays instead of one. Text and what is
         compressed is read whole all the same.
+    raw : bool
+        The whole numbers of a .las or .laz as they are in the file, without its scale and offset:
+        .las in place.
 
     Returns
     -------
@@ -88,7 +93,10 @@ def read(
         reader = _native
     if remote and reader is _native:
         raise BadFile(f"{name}: by fsspec read reads {' '.join(_READERS)}")
-    pieces = reader(name, columns, size)
+    if reader in (_native, _las):
+        pieces = reader(name, columns, size, raw)
+    else:
+        pieces = reader(name, columns, size)
     if size is not None:
         return pieces
     parts = list(pieces)
@@ -131,7 +139,7 @@ def _numbers(columns: Columns, width: int, name: str, names: str = "") -> list[i
 
 
 def _blocks(array: Any, size: int | None) -> Iterator[npt.NDArray[Any]]:
-    for start in range(0, array.shape[0], size or max(1, array.shape[0])):
+    for start in range(0, max(1, array.shape[0]), size or max(1, array.shape[0])):
         yield np.asarray(array[start : start + size] if size else array[:])
 
 
@@ -143,12 +151,19 @@ def _slices(array: Any, columns: Columns, size: int | None, name: str) -> Iterat
         yield block if columns is None else block[:, taken]
 
 
-def _native(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
+def _native(
+    name: str, columns: Columns, size: int | None, raw: bool = False
+) -> Iterator[npt.NDArray[Any]]:
     wanted = ",".join(f'"{c}"' if isinstance(c, str) else str(int(c)) for c in columns or ())
-    array, remarks = _core.read_points(name, wanted)
+    array, remarks, scale, offset = _core.read_points(name, wanted, raw or size is not None)
     for line in remarks:
         warn(line, ShapeWarning)
-    yield from _blocks(array, size)
+    if size is None or raw or not scale:
+        yield from _blocks(array, size)
+        return
+    place = _Placing(scale, offset)  # a block at a time: the file stays mapped
+    for block in _blocks(array, size):
+        yield np.column_stack([place(j, block[:, j]) for j in range(len(scale))])
 
 
 def _npy(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
@@ -245,20 +260,72 @@ def _zarr(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray
     return _slices(array, columns, size, name)
 
 
-def _las(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
+def _las(
+    name: str, columns: Columns, size: int | None, raw: bool = False
+) -> Iterator[npt.NDArray[Any]]:
     laspy = _package("laspy", ".las and .laz files", "'laspy[lazrs]'")
-    taken = _numbers(columns, 3, name, "xyz")
     try:
         with laspy.open(_opened(name)) as file:
+            taken = _las_names(columns, list(file.header.point_format.dimension_names), name)
+            scale, offset = (
+                [float(of["xyz".index(c)]) if c in "xyz" else whole for c in taken]
+                for of, whole in ((file.header.scales, 1.0), (file.header.offsets, 0.0))
+            )
+            place = _Placing([] if raw else scale, offset, exact="gps_time" not in taken)
             for points in file.chunk_iterator(size or _MANY):
-                axes = (points.X, points.Y, points.Z)
-                yield np.column_stack([np.asarray(axes[j], dtype=np.int32) for j in taken])
+                columns_of = [np.asarray(points[c.upper() if c in "xyz" else c]) for c in taken]
+                yield np.column_stack([place(j, column) for j, column in enumerate(columns_of)])
     except (Error, MemoryError, ImportError, OSError):
         raise
     except BaseException as error:  # a panic of lazrs is no Exception
         if isinstance(error, Exception) or type(error).__name__ == "PanicException":
             raise BadFile(f"{name}: {' '.join(str(error).split())}") from None
         raise
+
+
+def _las_names(columns: Columns, fields: list[str], name: str) -> list[str]:
+    """What columns ask for: x, y and z, by number too, and the fields of a record."""
+    axes = ["x", "y", "z"]
+    if columns is None or not all(isinstance(c, str) for c in columns):
+        return [axes[j] for j in _numbers(columns, 3, name)]
+    fields = [f for f in fields if f not in ("X", "Y", "Z")]
+    known = {f.lower(): f for f in axes + fields}
+    for c in columns:
+        if str(c).lower() not in known:
+            raise InvalidArgument(f"{name}: no column {c!r}; there are {', '.join(known.values())}")
+    return [known[str(c).lower()] for c in columns]
+
+
+class _Placing:
+    """From the whole numbers of a scan to coordinates, as the library computes them; none of them
+    where a scale is no positive number, as in headers that were not filled in. `exact`: whether all
+    numbers are whole."""
+
+    def __init__(self, scale: list[float], offset: list[float], *, exact: bool = True) -> None:
+        self._scale, self._offset = scale, offset
+        self._raw = not scale or not all(
+            0 < s < np.inf and np.isfinite(o) for s, o in zip(scale, offset)
+        )
+        self._decimals = None if self._raw or not exact else _core.grid_of(scale, offset)
+
+    def __call__(self, axis: int, numbers: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        if self._raw:
+            return numbers
+        scale, offset = self._scale[axis], self._offset[axis]
+        whole = np.asarray(numbers, dtype=np.float64)
+        result: npt.NDArray[Any]
+        if self._decimals is None:
+            result = whole * scale + offset
+        else:  # exact but for the division
+            step, origin = _scaled(scale, self._decimals), _scaled(offset, self._decimals)
+            result = (whole * step + origin) / 10.0**self._decimals
+        return result
+
+
+def _scaled(value: float, decimals: int) -> float:
+    from decimal import Decimal
+
+    return float(Decimal(repr(value)).scaleb(decimals))
 
 
 def _e57(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
@@ -302,7 +369,9 @@ def _parquet(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDAr
         raise BadFile(f"{name}: {' '.join(str(error).split())}") from None
 
 
-def _named(name: str, rows: Any, array: Any, column: str) -> npt.NDArray[Any]:
+def _named(
+    name: str, rows: Callable[[Any, str], npt.NDArray[Any]], array: Any, column: str
+) -> npt.NDArray[Any]:
     try:
         return rows(array, column)
     except BadFile as error:

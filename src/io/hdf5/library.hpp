@@ -15,6 +15,7 @@
 #include "cullhull/error.hpp"
 #include "io/source.hpp"
 #include "io/system.hpp"
+#include "parallel/fork_guard.hpp"
 
 namespace cullhull::internal {
 
@@ -111,11 +112,20 @@ inline const char*& read_by_libhdf5() {
   return name;
 }
 
+/// Held by the thread that calls libhdf5; libhdf5's own state is in the middle of something then,
+/// too.
+inline std::mutex& hdf5_mutex() {
+  static std::mutex& one = *new std::mutex;
+  return one;
+}
+inline const ForkGuard hdf5_guard(
+    ForkGuard::Order::outer, [] { hdf5_mutex().lock(); }, [] { hdf5_mutex().unlock(); });
+
 /// While it lives, this thread alone calls libhdf5 and nothing is printed on standard error.
 class Quiet {
  public:
   /// `name`: of the file, for describe_library_fault(); it outlives the call.
-  explicit Quiet(const std::string& name) : lock_(mutex()) {
+  explicit Quiet(const std::string& name) : lock_(hdf5_mutex()) {
     read_by_libhdf5() = name.c_str();
     h5().H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
     h5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
@@ -128,10 +138,6 @@ class Quiet {
   }
 
  private:
-  static std::mutex& mutex() {
-    static std::mutex one;
-    return one;
-  }
   std::lock_guard<std::mutex> lock_;
   H5E_auto2_t print_ = nullptr;
   void* data_ = nullptr;
