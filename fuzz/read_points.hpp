@@ -27,6 +27,12 @@ inline void check_refusal(const Error& error, bool columns = false) {
 inline void read_all(const std::uint8_t* data, std::size_t size, ReadOptions options) {
   const std::vector<char> bytes(data, data + size);
   options.threads = 1;
+  unsigned remarks = 0;
+  options.remark = [&](const std::string& line) {  // at most one, printable
+    if (++remarks > 1) std::abort();
+    for (const char c : line)
+      if (c < ' ' || c > '~') std::abort();
+  };
   try {
     const internal::PointData points =
         internal::read_points({"input", bytes.data(), bytes.size()}, options);

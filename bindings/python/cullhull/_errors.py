@@ -132,7 +132,8 @@ class OptionWarning(UserWarning):
 
 
 class ShapeWarning(UserWarning):
-    """Fewer points than coordinates, and many of these: perhaps the array should be transposed.
+    """Fewer points than coordinates, and many of these: perhaps the array should be transposed. Or
+    what `read` chose or passed over in a file without having been asked to.
 
     >>> import cullhull, warnings
     >>> with warnings.catch_warnings(record=True) as told:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import struct
 from collections.abc import Callable, Sequence
@@ -122,13 +123,13 @@ def _described(types: dict[str, Any], most: int = 12) -> str:
 
 
 def _is_number(kind: Any) -> bool:
-    import pyarrow.types as t
+    t: Any = importlib.import_module("pyarrow.types")
 
     return bool(t.is_integer(kind) or t.is_floating(kind))
 
 
 def _rows_of(kind: Any) -> Callable[[Any, str], Rows] | None:
-    import pyarrow.types as t
+    t: Any = importlib.import_module("pyarrow.types")
 
     if t.is_fixed_size_list(kind) or t.is_list(kind) or t.is_large_list(kind):
         return _rows_of_lists if _is_number(kind.value_type) else None

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Union
 
 import numpy as np
@@ -34,9 +34,9 @@ def read(
     .npz) need no other package; what holds records of numbers is mapped, and the array is a view of
     the file that is not to be changed meanwhile. .laz and COPC need laspy (``pip install
     laspy[lazrs]``), .e57 pye57, .parquet pyarrow, FOLDER.zarr or FOLDER.zarr/NAME (an array) zarr,
-    FILE.h5:/GROUP/NAME (a dataset) h5py. .las and .laz give coordinates as doubles: where scale and
-    offset are decimals the ones nearest to number * scale + offset, else what laspy computes for
-    it. The two differ by laspy's roundings.
+    FILE.h5:/GROUP/NAME (a dataset) or FILE.nc:x,y,z (a column each) h5py. .las and .laz
+    give coordinates as doubles: where scale and offset are decimals the ones nearest to number *
+    scale + offset, else what laspy computes for it. The two differ by laspy's roundings.
 
     Names with a protocol (``s3://bucket/a.parquet``) are opened by fsspec: .npy, .las, .laz, .parquet,
     .zarr and .h5.
@@ -46,8 +46,12 @@ def read(
     path : str or path
     columns : names or numbers, optional
         Which coordinates: numbers, or names where the file has some (a text's first line, x, y, z
-        of meshes and scans, Parquet). By default x, y, z where there are columns so named, else
-        all; a text of which columns are left out so gives a `ShapeWarning`.
+        of meshes and scans, Parquet). By default x, y, z where there are columns so named in either
+        case, else lon and lat, longitude and latitude, or easting and northing, perhaps with a
+        height; else all but id, index, fid and columns without a name. Of Parquet, where no columns
+        are so named, GeoParquet's points (WKB) or the one column of lists of numbers come before
+        that. A `ShapeWarning` says which columns were chosen or left out, and what else the reader
+        passed over, such as faces that are cut short.
     chunks : int, optional
         At most so many points at a time: an iterator of arrays instead of one. Text and what is
         compressed is read whole all the same.
@@ -365,7 +369,9 @@ def _parquet(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDAr
         raise BadFile(f"{name}: {' '.join(str(error).split())}") from None
 
 
-def _named(name: str, rows: Any, array: Any, column: str) -> npt.NDArray[Any]:
+def _named(
+    name: str, rows: Callable[[Any, str], npt.NDArray[Any]], array: Any, column: str
+) -> npt.NDArray[Any]:
     try:
         return rows(array, column)
     except BadFile as error:
