@@ -14,6 +14,7 @@ from cells import Cells
 from doors import DOORS, Door
 from package import Raised
 from program import Program
+from schema import fault_of
 from sets import PointSet
 
 #: What `--help` of generate lists under "Shapes:" and "Motions", and how each is asked for.
@@ -145,6 +146,9 @@ class Across:
     # generate
 
     def _made(self) -> None:
+        told = self.program.run(["generate", "ball", "-n", "9", "-o", str(self.folder / "t.npy"), "--json"])
+        fault = fault_of(self.program.schema, "generate", told.out) if told.out else told.err
+        self.cells.judge("program/generate/--json", fault, told.line)
         said = self.program.help_of("generate")
         shapes = re.findall(r"^  ([\w-]+) ", said.split("Shapes:")[1].split("Motions")[0], re.M)
         known = set(self.cullhull.shapes())

@@ -79,13 +79,17 @@ class Cells:
         with self._lock:
             return any(f"{folder}/" in line for _, _, line in self.failures)
 
-    def finish(self, complete: bool) -> int:
-        """Prints the tally; the exit status."""
+    def finish(self, complete: bool, folder: Path) -> int:
+        """Prints the tally, and writes all failures into `folder`; the exit status."""
         if complete:
             for pattern, _ in self._expected:
                 if not self.known[pattern]:
                     self.failures.append((pattern, "fails no more: take it off known.py", ""))
         self._show_failures()
+        if self.failures:
+            text = "".join(f"{cell}: {fault}\n    {line}\n" for cell, fault, line in sorted(self.failures))
+            (folder / "failures.txt").write_text(text)
+            print(f"All failures: {folder / 'failures.txt'}")
         if self.known:
             print("Expected failures:")
             whys = dict(self._expected)

@@ -178,6 +178,7 @@ ROWS = (
             (False, _s(".txt", texts.ids_txt), _s(".ply", texts.ply, mesh)),
         )
     ),
+    Row("cull --partial", ("cull", "-q"), (STATE,), ways=IN_BLOCKS, doors="main"),
     Row("delaunay", ("delaunay", "-q"), (
         *(_o(e, r, PLANE) for e, r in
           ((".ply", texts.ply), (".obj", texts.obj), (".off", texts.off), (".vtp", texts.vtp))),
@@ -209,6 +210,9 @@ ROWS = (
     Row("voronoi --box", ("voronoi", "-q", "--box", "{box}"), reason=up_to_space, outputs=(
         Output("--measures .txt", ("--measures", "{}"), ".txt", texts.measures_csv),
         _report("voronoi")), doors="main"),
+    Row("voronoi --certify", ("voronoi", "-q", "--certify"), (_report("voronoi"),), doors="main"),
+    Row("voronoi --furthest", ("voronoi", "-q", "--furthest"),
+        (_o(".json", texts.result_json, alike="scalar"), _report("voronoi")), doors="main"),
     Row("voronoi --weights", ("voronoi", "-q"),
         (_o(".json", texts.result_json, alike="scalar"), _report("voronoi")),
         doors="main", extra="weights"),
@@ -236,6 +240,10 @@ ROWS = (
         doors="main"),
     Row("track", ("track", "-q"), (_report("track"),), shape="sequence", without=SEQUENCE,
         ways={"--cull": "--json says how each frame was filtered"}),
+    Row("track --certify", ("track", "-q", "--certify"), (_report("track"),), shape="sequence",
+        without=SEQUENCE, doors="main"),
+    Row("track --triangles", ("track", "-q", "--triangles"), HULL_MESHES[:1], shape="sequence",
+        without=SEQUENCE, doors="main"),
     *(
         Row(f"track to {o.name}", ("track", "-q"), (o,), shape="sequence", without=SEQUENCE, doors="main")
         for o in (*HULL_MESHES[:4], _o(".json", texts.result_json, alike="scalar", schema="result"),
@@ -248,7 +256,7 @@ ROWS = (
 
 #: Commands that take no points, and where their own cells are.
 WITHOUT_POINTS = {
-    "generate": "makes points: the cells of `making.py`",
+    "generate": "makes points: the cells of across.py",
     "bench": "measures: bench_command_test and cli_json_test run each suite",
 }
 
@@ -258,13 +266,13 @@ OPTIONS_ELSEWHERE = {
     "--help": "checked against this table",
     "--version": "one line",
     "--quiet": "on every command line here",
-    "--global-ids": "ids of states: cli_stream tests",
-    "--first-id": "ids of states: cli_stream tests",
-    "--checkpoint": "resumes a stream: cli_stream tests",
-    "--checkpoint-every": "resumes a stream: cli_stream tests",
+    "--global-ids": "ids of states: cli_stream_test",
+    "--first-id": "ids of states: cli_stream_test",
+    "--checkpoint": "resumes a stream: cli_stream_test",
+    "--checkpoint-every": "resumes a stream: cli_stream_test",
     "--keep-going": "frames that are not finite: cli_track_test",
     "--inside": "needs rings: the tests of constrained edges",
-    "--by": "groups, whose own row is `groups` in making.py",
+    "--by": "groups: cli_groups_test and test_groups",
     "--edge-length": "the number that --ratio stands for",
     "--count": "generate", "--seed": "generate", "--frames": "generate", "--motion": "generate",
 }

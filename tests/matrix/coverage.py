@@ -43,6 +43,8 @@ def _options(program: Program, command: str) -> None:
                      *([f"--{row.extra}"] if row.extra else []))
     }
     known = {word.split("=")[0] for word in of_rows} | {"--output"}
+    if command == "generate":
+        known |= {"--json", "--type", "--dim"}  # across.py
     known |= {option for door in DOORS for option in door.options} | {option for option, _ in WAYS}
     for option in sorted(program.options_of(command)):
         if option in OPTIONS_ELSEWHERE:

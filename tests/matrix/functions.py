@@ -214,9 +214,9 @@ ELSEWHERE = {
     "__version__": "a text",
     "delaunay_plot_2d": "an output: the cells 'plot'",
     "voronoi_plot_2d": "an output: the cells 'plot'",
-    "generate": "makes points: making.py",
-    "shapes": "makes points: making.py",
-    "read": "takes files: the cells 'read'",
+    "generate": "makes points: across.py",
+    "shapes": "makes points: across.py",
+    "read": "takes files: the cells 'read' of across.py",
 }
 
 #: Public methods of results without a `Call`, and why.

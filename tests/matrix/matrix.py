@@ -57,7 +57,7 @@ def main() -> int:
         cells.judge("python", f"the process of the package ended with {package.returncode}", "")
     else:
         cells.add(pickle.loads((folder / "package.cells").read_bytes()))
-    status = cells.finish(given.only is None)
+    status = cells.finish(given.only is None, folder)
     if status == 0:
         shutil.rmtree(folder)
     return status
