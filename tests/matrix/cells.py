@@ -67,7 +67,9 @@ class Cells:
             self.passed, self.reasons, self.known, self.failures = 0, Counter(), Counter(), []
         return held
 
-    def add(self, tally: tuple[int, Counter[str], Counter[str], list[tuple[str, str, str]]]) -> None:
+    def add(
+        self, tally: tuple[int, Counter[str], Counter[str], list[tuple[str, str, str]]]
+    ) -> None:
         with self._lock:
             self.passed += tally[0]
             self.reasons += tally[1]
@@ -87,7 +89,9 @@ class Cells:
                     self.failures.append((pattern, "fails no more: take it off known.py", ""))
         self._show_failures()
         if self.failures:
-            text = "".join(f"{cell}: {fault}\n    {line}\n" for cell, fault, line in sorted(self.failures))
+            text = "".join(
+                f"{cell}: {fault}\n    {line}\n" for cell, fault, line in sorted(self.failures)
+            )
             (folder / "failures.txt").write_text(text)
             print(f"All failures: {folder / 'failures.txt'}")
         if self.known:
