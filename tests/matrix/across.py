@@ -14,6 +14,7 @@ from cells import Cells
 from doors import DOORS, Door
 from package import Raised
 from program import Program
+from schema import fault_of
 from sets import PointSet
 
 #: What `--help` of generate lists under "Shapes:" and "Motions", and how each is asked for.
@@ -56,7 +57,8 @@ class Across:
             return
         entry = door.enter(self.folder, s)
         columns = _columns(entry.options, s.dimension)
-        line = f"python -c \"import cullhull; print(cullhull.read('{entry.words[0]}', columns={columns}))\""
+        words = f"cullhull.read('{entry.words[0]}', columns={columns})"
+        line = f'python -c "import cullhull; print({words})"'
         try:
             got = self.cullhull.read(entry.words[0], columns=columns)
             if got.shape != s.points.shape:
@@ -70,7 +72,9 @@ class Across:
         if door.refuses(s) is not None:
             refused = fault is not None and fault.startswith("raises BadFile")
             self.cells.no_meaning(cell, door.refuses(s) or "")
-            self.cells.judge(f"{cell}/refused", None if refused else f"is not BadFile: {fault}", line)
+            self.cells.judge(
+                f"{cell}/refused", None if refused else f"is not BadFile: {fault}", line
+            )
             return
         self.cells.judge(cell, fault, line)
 
@@ -88,9 +92,22 @@ class Across:
             if ran.status != 0:
                 self.cells.judge(cell, f"status {ran.status}: {ran.err[:200]!r}", ran.line)
                 continue
-            self.cells.judge(cell, self._alike(made, s.points, json.loads(out.read_text())), ran.line)
+            self.cells.judge(
+                cell, self._alike(made, s.points, json.loads(out.read_text())), ran.line
+            )
         hull = self.cullhull.convex_hull(s.points)
-        for ending in (".ply", ".obj", ".off", ".stl", ".glb", ".vtp", ".geojson", ".wkt", ".json", ".txt"):
+        for ending in (
+            ".ply",
+            ".obj",
+            ".off",
+            ".stl",
+            ".glb",
+            ".vtp",
+            ".geojson",
+            ".wkt",
+            ".json",
+            ".txt",
+        ):
             self._saved(hull, s, path, ending)
         self._state(s)
 
@@ -103,7 +120,9 @@ class Across:
                     if value != want:
                         return f"{key}: {value} in Python, {want} of the program"
                 elif [_listed(row) for row in value] != [_listed(row) for row in want]:
-                    return f"{key} differs: {str(_listed(value))[:100]} in Python, {str(want)[:100]}"
+                    return (
+                        f"{key} differs: {str(_listed(value))[:100]} in Python, {str(want)[:100]}"
+                    )
         except Exception as error:
             return f"raises {type(error).__name__}: {error}"
         return None
@@ -122,8 +141,14 @@ class Across:
         except Exception as raised:
             error = Raised(raised)
         if ran.status != 0:
-            fault = None if error and "InvalidArgument" in error.kinds and not ours.exists() else (
-                f"the program refuses it ({ran.err.strip()}), Python {error.text if error else 'writes it'}")
+            fault = (
+                None
+                if error and "InvalidArgument" in error.kinds and not ours.exists()
+                else (
+                    f"the program refuses it ({ran.err.strip()}), "
+                    f"Python {error.text if error else 'writes it'}"
+                )
+            )
         elif error is not None:
             fault = f"raises {error.text}"
         else:
@@ -137,7 +162,9 @@ class Across:
         try:
             state = self.cullhull.HullState(s.points)
             state.save(path)
-            fault = None if self.cullhull.HullState.load(path) == state else "another state is loaded"
+            fault = (
+                None if self.cullhull.HullState.load(path) == state else "another state is loaded"
+            )
         except Exception as error:
             fault = f"raises {type(error).__name__}: {error}"
         self.cells.judge(cell, fault, "cullhull.HullState(points).save(path)")
@@ -145,6 +172,11 @@ class Across:
     # generate
 
     def _made(self) -> None:
+        told = self.program.run(
+            ["generate", "ball", "-n", "9", "-o", str(self.folder / "t.npy"), "--json"]
+        )
+        fault = fault_of(self.program.schema, "generate", told.out) if told.out else told.err
+        self.cells.judge("program/generate/--json", fault, told.line)
         said = self.program.help_of("generate")
         shapes = re.findall(r"^  ([\w-]+) ", said.split("Shapes:")[1].split("Motions")[0], re.M)
         known = set(self.cullhull.shapes())
@@ -155,8 +187,21 @@ class Across:
         for name in motions:
             cell = f"program/generate/--motion {name}"
             out = self.folder / "moving.npy"
-            ran = self.program.run(["generate", "ball", "-n", "50", "--frames", "3", "--motion", name,
-                                    "-q", "-o", str(out)])
+            ran = self.program.run(
+                [
+                    "generate",
+                    "ball",
+                    "-n",
+                    "50",
+                    "--frames",
+                    "3",
+                    "--motion",
+                    name,
+                    "-q",
+                    "-o",
+                    str(out),
+                ]
+            )
             good = ran.status == 0 and np.load(out).shape == (3, 50, 3)
             self.cells.judge(cell, None if good else f"status {ran.status}: {ran.err!r}", ran.line)
 
@@ -166,16 +211,34 @@ class Across:
             self.cells.no_meaning(cell, "a shape of the plane")
             return
         out = self.folder / "made.npy"
-        ran = self.program.run(["generate", shape, "-n", "100", "-d", str(d), "--seed", "7", "-q",
-                                "-o", str(out)])
+        ran = self.program.run(
+            ["generate", shape, "-n", "100", "-d", str(d), "--seed", "7", "-q", "-o", str(out)]
+        )
         if ran.status != 0 or not both:
-            self.cells.judge(cell, f"status {ran.status}; in both lists: {both}; {ran.err!r}", ran.line)
+            self.cells.judge(
+                cell, f"status {ran.status}; in both lists: {both}; {ran.err!r}", ran.line
+            )
             return
         same = np.load(out).tobytes() == self.cullhull.generate(shape, 100, d, seed=7).tobytes()
         self.cells.judge(cell, None if same else "other bits than cullhull.generate", ran.line)
         single = self.folder / "single.npy"
-        self.program.run(["generate", shape, "-n", "100", "-d", str(d), "--seed", "7", "-q", "--type",
-                          "f32", "-o", str(single)])
+        self.program.run(
+            [
+                "generate",
+                shape,
+                "-n",
+                "100",
+                "-d",
+                str(d),
+                "--seed",
+                "7",
+                "-q",
+                "--type",
+                "f32",
+                "-o",
+                str(single),
+            ]
+        )
         rounded = np.array_equal(np.load(single), np.load(out).astype(np.float32))
         self.cells.judge(f"{cell}/f32", None if rounded else "not the doubles, rounded", ran.line)
 
@@ -204,22 +267,40 @@ def _listed(row: Any) -> Any:
 
 def _hull(cullhull: Any, p: Any) -> dict[str, Any]:
     h = cullhull.convex_hull(p)
-    return {"vertices": h.vertices, "facets": list(h.facets), "facet_planes": h.facet_planes,
-            "simplices": h.simplices, "centroid": h.centroid, "vertex_coordinates": h.vertex_points,
-            "facet_neighbours": list(h.facet_neighbours)}
+    return {
+        "vertices": h.vertices,
+        "facets": list(h.facets),
+        "facet_planes": h.facet_planes,
+        "simplices": h.simplices,
+        "centroid": h.centroid,
+        "vertex_coordinates": h.vertex_points,
+        "facet_neighbours": list(h.facet_neighbours),
+    }
 
 
 def _cells(cullhull: Any, p: Any) -> dict[str, Any]:
     t = cullhull.delaunay(p)
-    return {"cells": t.cells, "neighbours": t.neighbours, "hull_facets": t.hull_facets,
-            "hull_cells": t.hull_cells, "duplicates": t.duplicates, "hidden": t.hidden, "axes": t.axes}
+    return {
+        "cells": t.cells,
+        "neighbours": t.neighbours,
+        "hull_facets": t.hull_facets,
+        "hull_cells": t.hull_cells,
+        "duplicates": t.duplicates,
+        "hidden": t.hidden,
+        "axes": t.axes,
+    }
 
 
 def _diagram(cullhull: Any, p: Any) -> dict[str, Any]:
     v = cullhull.voronoi(p)
-    return {"vertices": v.vertices, "ridge_points": v.ridge_points, "ridge_vertices": list(v.ridges),
-            "regions": list(v.regions), "ray_vertices": v.ray_vertices,
-            "ray_directions": v.ray_directions}
+    return {
+        "vertices": v.vertices,
+        "ridge_points": v.ridge_points,
+        "ridge_vertices": list(v.ridges),
+        "regions": list(v.regions),
+        "ray_vertices": v.ray_vertices,
+        "ray_directions": v.ray_directions,
+    }
 
 
 def _shape(cullhull: Any, p: Any) -> dict[str, Any]:

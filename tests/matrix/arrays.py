@@ -1,4 +1,4 @@
-"""The doors of Python: what users hold their points in, as expressions of `a`, the (n, d) doubles."""
+"""The doors of Python: what users hold points in, as expressions of `a`, the (n, d) doubles."""
 
 from __future__ import annotations
 
@@ -49,7 +49,9 @@ def unaligned(array: Any) -> Any:
 
 def fields(array: Any) -> Any:
     """The coordinates within records that hold more."""
-    records = np.zeros(len(array), np.dtype([("id", "<i8"), ("at", "<f8", array.shape[1]), ("w", "<f4")]))
+    records = np.zeros(
+        len(array), np.dtype([("id", "<i8"), ("at", "<f8", array.shape[1]), ("w", "<f4")])
+    )
     records["at"] = array
     return records["at"]
 
@@ -77,7 +79,6 @@ def zeros_and_ones(s: PointSet) -> Optional[str]:
     return None if held and not s.has_minus_zero else "not all coordinates are 0 or 1"
 
 
-
 ARRAYS = (
     Array("array", "a"),
     Array("fortran", "np.asfortranarray(a)"),
@@ -88,8 +89,10 @@ ARRAYS = (
     Array("fields", "fields(a)"),
     Array("big-endian", "a.astype('>f8')"),
     Array("longdouble", "a.astype(np.longdouble)"),
-    *(Array(t, f"a.astype('{t}')", fitting(t))
-      for t in ("f4", "f2", "i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8")),
+    *(
+        Array(t, f"a.astype('{t}')", fitting(t))
+        for t in ("f4", "f2", "i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8")
+    ),
     Array("bool", "a.astype(bool)", zeros_and_ones),
     Array("list", "a.tolist()", with_rows),
     Array("tuples", "tuple(map(tuple, a.tolist()))", with_rows),
@@ -99,18 +102,37 @@ ARRAYS = (
     Array("matrix", "np.asmatrix(a)"),
     Array("pandas", "pd.DataFrame(a)", package="pandas"),
     Array("pandas-f4", "pd.DataFrame(a.astype('f4'))", fitting("f4"), package="pandas"),
-    Array("pandas-mixed", "pd.DataFrame({n: c.astype('i4' if i else 'f8') "
-          "for i, (n, c) in enumerate(zip(names(a), a.T))})", fitting("i4"), package="pandas"),
-    Array("pandas-nullable", "pd.DataFrame(a, columns=names(a)).astype('Float64')", package="pandas"),
+    Array(
+        "pandas-mixed",
+        "pd.DataFrame({n: c.astype('i4' if i else 'f8') "
+        "for i, (n, c) in enumerate(zip(names(a), a.T))})",
+        fitting("i4"),
+        package="pandas",
+    ),
+    Array(
+        "pandas-nullable", "pd.DataFrame(a, columns=names(a)).astype('Float64')", package="pandas"
+    ),
     Array("polars", "pl.DataFrame({n: c for n, c in zip(names(a), a.T.copy())})", package="polars"),
-    Array("polars-f4", "pl.DataFrame({n: c.astype('f4') for n, c in zip(names(a), a.T)})",
-          fitting("f4"), package="polars"),
+    Array(
+        "polars-f4",
+        "pl.DataFrame({n: c.astype('f4') for n, c in zip(names(a), a.T)})",
+        fitting("f4"),
+        package="polars",
+    ),
     Array("pyarrow", "pa.table({n: c for n, c in zip(names(a), a.T.copy())})", package="pyarrow"),
-    Array("pyarrow-chunks", "pa.concat_tables([pa.table({n: c[i:i + 5] for n, c in "
-          "zip(names(a), a.T.copy())}) for i in range(0, len(a), 5)])",
-          lambda s: None if s.count else "no chunks", package="pyarrow"),
-    Array("pyarrow-i2", "pa.table({n: c.astype('i2') for n, c in zip(names(a), a.T)})",
-          fitting("i2"), package="pyarrow"),
+    Array(
+        "pyarrow-chunks",
+        "pa.concat_tables([pa.table({n: c[i:i + 5] for n, c in "
+        "zip(names(a), a.T.copy())}) for i in range(0, len(a), 5)])",
+        lambda s: None if s.count else "no chunks",
+        package="pyarrow",
+    ),
+    Array(
+        "pyarrow-i2",
+        "pa.table({n: c.astype('i2') for n, c in zip(names(a), a.T)})",
+        fitting("i2"),
+        package="pyarrow",
+    ),
     Array("objects", "a.astype(object)", refused="TypeError"),
     Array("complex", "a.astype(complex)", refused="TypeError"),
     Array("masked", "np.ma.masked_array(a)", refused="InvalidArgument"),

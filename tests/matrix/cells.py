@@ -67,7 +67,9 @@ class Cells:
             self.passed, self.reasons, self.known, self.failures = 0, Counter(), Counter(), []
         return held
 
-    def add(self, tally: tuple[int, Counter[str], Counter[str], list[tuple[str, str, str]]]) -> None:
+    def add(
+        self, tally: tuple[int, Counter[str], Counter[str], list[tuple[str, str, str]]]
+    ) -> None:
         with self._lock:
             self.passed += tally[0]
             self.reasons += tally[1]
@@ -79,13 +81,19 @@ class Cells:
         with self._lock:
             return any(f"{folder}/" in line for _, _, line in self.failures)
 
-    def finish(self, complete: bool) -> int:
-        """Prints the tally; the exit status."""
+    def finish(self, complete: bool, folder: Path) -> int:
+        """Prints the tally, and writes all failures into `folder`; the exit status."""
         if complete:
             for pattern, _ in self._expected:
                 if not self.known[pattern]:
                     self.failures.append((pattern, "fails no more: take it off known.py", ""))
         self._show_failures()
+        if self.failures:
+            text = "".join(
+                f"{cell}: {fault}\n    {line}\n" for cell, fault, line in sorted(self.failures)
+            )
+            (folder / "failures.txt").write_text(text)
+            print(f"All failures: {folder / 'failures.txt'}")
         if self.known:
             print("Expected failures:")
             whys = dict(self._expected)

@@ -102,7 +102,9 @@ def _s(ending: str, read: texts.Reader, reason: Reason = always) -> Output:
 
 
 def _report(schema: str) -> Output:
-    return Output("--json", ("--json={}",), ".report", texts.strict_json, alike="report", schema=schema)
+    return Output(
+        "--json", ("--json={}",), ".report", texts.strict_json, alike="report", schema=schema
+    )
 
 
 def _format(word: str, reason: Reason = always) -> Output:
@@ -149,27 +151,51 @@ _BLOCKS = "reads in blocks: all points are never in memory"
 IN_BLOCKS = dict.fromkeys(("--cull", "--engine", "--repeat", "--stream", "--backend"), _BLOCKS)
 
 ROWS = (
-    Row("hull", ("hull", "-q"), (
-        *HULL_MESHES, *PLANE_SHAPES,
-        _o(".json", texts.result_json, alike="scalar", schema="result"),
-        _o(".txt", texts.counted_txt),
-        *IDS[:1], _report("hull"),
-    ), doors="every"),
-    Row("hull --format", ("hull", "-q"), tuple(
-        _format(w, spanning if w in DRAWN else always) for w in QCONVEX_WORDS
-    ), ways={"--stream": "--format o prints all points, which are never in memory together"}),
+    Row(
+        "hull",
+        ("hull", "-q"),
+        (
+            *HULL_MESHES,
+            *PLANE_SHAPES,
+            _o(".json", texts.result_json, alike="scalar", schema="result"),
+            _o(".txt", texts.counted_txt),
+            *IDS[:1],
+            _report("hull"),
+        ),
+        doors="every",
+    ),
+    Row(
+        "hull --format",
+        ("hull", "-q"),
+        tuple(_format(w, spanning if w in DRAWN else always) for w in QCONVEX_WORDS),
+        ways={"--stream": "--format o prints all points, which are never in memory together"},
+    ),
     Row("hull --triangles", ("hull", "-q", "--triangles"), HULL_MESHES[:3], doors="main"),
-    Row("hull --certify", ("hull", "-q", "--certify"),
-        (_o(".json", texts.result_json, alike="scalar"), *IDS[1:2], _report("hull")), doors="main"),
+    Row(
+        "hull --certify",
+        ("hull", "-q", "--certify"),
+        (_o(".json", texts.result_json, alike="scalar"), *IDS[1:2], _report("hull")),
+        doors="main",
+    ),
     Row("hull --partial", ("hull", "-q"), (STATE, *IDS[2:], _report("hull")), ways=IN_BLOCKS),
-    Row("hull --only vertices", ("hull", "-q", "--only", "vertices"), (*IDS[:1], _report("extreme")),
-        ways={"--engine": "the engines are not asked"}),
+    Row(
+        "hull --only vertices",
+        ("hull", "-q", "--only", "vertices"),
+        (*IDS[:1], _report("extreme")),
+        ways={"--engine": "the engines are not asked"},
+    ),
     *(
-        Row(f"cull -o {ids.name} --points {points.name}", ("cull", "-q"), (
-            ids, replace(points, name=f"--points {points.name}", words=("--points", "{}")),
-            *([_report("cull")] if first else []),
-        ), ways={"--repeat": "the filter is the same", "--memory": "the filter is the same"},
-            doors="all" if first else "main")
+        Row(
+            f"cull -o {ids.name} --points {points.name}",
+            ("cull", "-q"),
+            (
+                ids,
+                replace(points, name=f"--points {points.name}", words=("--points", "{}")),
+                *([_report("cull")] if first else []),
+            ),
+            ways={"--repeat": "the filter is the same", "--memory": "the filter is the same"},
+            doors="all" if first else "main",
+        )
         for first, ids, points in (
             (True, _s(".npy", texts.ids), _s(".csv", texts.points_csv)),
             (True, _s(".ply", texts.ply, mesh), _s(".npy", texts.points_npy)),
@@ -178,102 +204,257 @@ ROWS = (
             (False, _s(".txt", texts.ids_txt), _s(".ply", texts.ply, mesh)),
         )
     ),
-    Row("delaunay", ("delaunay", "-q"), (
-        *(_o(e, r, PLANE) for e, r in
-          ((".ply", texts.ply), (".obj", texts.obj), (".off", texts.off), (".vtp", texts.vtp))),
-        _o(".vtk", texts.vtk, up_to_space), *PLANE_SHAPES,
-        _o(".json", texts.result_json, alike="scalar"), _report("delaunay"),
-        *(_format(w) for w in ("i", "Fn", "Fx", "p")),
-    )),
-    Row("delaunay --certify", ("delaunay", "-q", "--certify"),
-        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")), doors="main"),
-    Row("delaunay --furthest", ("delaunay", "-q", "--furthest"),
-        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")), doors="main"),
-    Row("delaunay --weights", ("delaunay", "-q"),
-        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")), extra="weights"),
-    Row("delaunay --edges", ("delaunay", "-q"),
-        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")),
-        reason=lambda s: PLANE(s) or (None if s.count > 3 else "an edge needs two points to part others"),
-        doors="main", extra="edges"),
-    Row("voronoi", ("voronoi", "-q"), (
-        *(_o(e, r, mesh, of_points=False) for e, r in
-          ((".ply", texts.ply), (".obj", texts.obj), (".off", texts.off), (".vtp", texts.vtp))),
-        *(_o(o.name, o.read, PLANE, of_points=False) for o in PLANE_SHAPES),
-        _o(".json", texts.result_json, alike="scalar"), _report("voronoi"),
-        Output("--measures .npy", ("--measures", "{}"), ".npy", texts.measures, up_to_space),
-        *(_format(w) for w in ("p", "o", "Fv")),
-    )),
-    Row("voronoi --measures", ("voronoi", "-q"), (
-        Output("--measures .csv", ("--measures", "{}"), ".csv", texts.measures_csv, up_to_space),),
-        doors="main"),
-    Row("voronoi --box", ("voronoi", "-q", "--box", "{box}"), reason=up_to_space, outputs=(
-        Output("--measures .txt", ("--measures", "{}"), ".txt", texts.measures_csv),
-        _report("voronoi")), doors="main"),
-    Row("voronoi --weights", ("voronoi", "-q"),
-        (_o(".json", texts.result_json, alike="scalar"), _report("voronoi")),
-        doors="main", extra="weights"),
-    Row("alpha", ("alpha", "-q"), (
-        *HULL_MESHES, _o(".vtk", texts.vtk, up_to_space), *PLANE_SHAPES,
-        _o(".json", texts.result_json, alike="scalar"), _report("alpha"),
-    )),
-    Row("alpha --alpha all-points", ("alpha", "-q", "--alpha", "all-points"),
-        (_o(".json", texts.result_json, alike="scalar"), *PLANE_SHAPES), doors="main"),
-    Row("alpha --alpha NUMBER", ("alpha", "-q", "--alpha", "20"),
-        (_o(".json", texts.result_json, alike="scalar"), *PLANE_SHAPES), doors="main"),
-    Row("alpha --ratio", ("alpha", "-q", "--ratio", "0.3"),
-        (_o(".json", texts.result_json, alike="scalar"), *PLANE_SHAPES), reason=PLANE),
-    Row("certify", ("certify", "-q"), (_report("certify"),), shape="with hull", reason=has_hull),
-    Row("certify the reference", ("certify", "-q"), (_report("certify"),), shape="with reference",
-        reason=has_hull, scalars="f64"),
-    Row("info", ("info",), (_report("info"),), not_finite=0),
-    Row("view", ("view", "-q"), (_o(".html", texts.page, alike="page"), _report("view")),
-        without={"several": "a page shows one input", "list": "a page shows one input",
-                 "folder": "several files are several frames", "pattern": "several files are several frames"},
-        doors="main"),
-    Row("view --delaunay", ("view", "-q", "--delaunay"), (_o(".html", texts.page, alike="page"),),
-        without={"several": "a page shows one input", "list": "a page shows one input",
-                 "folder": "several files are several frames", "pattern": "several files are several frames"},
-        doors="main"),
-    Row("track", ("track", "-q"), (_report("track"),), shape="sequence", without=SEQUENCE,
-        ways={"--cull": "--json says how each frame was filtered"}),
-    *(
-        Row(f"track to {o.name}", ("track", "-q"), (o,), shape="sequence", without=SEQUENCE, doors="main")
-        for o in (*HULL_MESHES[:4], _o(".json", texts.result_json, alike="scalar", schema="result"),
-                  _o(".txt", texts.counted_txt))
+    Row("cull --partial", ("cull", "-q"), (STATE,), ways=IN_BLOCKS, doors="main"),
+    Row(
+        "delaunay",
+        ("delaunay", "-q"),
+        (
+            *(
+                _o(e, r, PLANE)
+                for e, r in (
+                    (".ply", texts.ply),
+                    (".obj", texts.obj),
+                    (".off", texts.off),
+                    (".vtp", texts.vtp),
+                )
+            ),
+            _o(".vtk", texts.vtk, up_to_space),
+            *PLANE_SHAPES,
+            _o(".json", texts.result_json, alike="scalar"),
+            _report("delaunay"),
+            *(_format(w) for w in ("i", "Fn", "Fx", "p")),
+        ),
     ),
-    Row("qconvex", ("qconvex", "-q"), tuple(
-        Output(w, (w,), None, texts.text, spanning if w in DRAWN else always) for w in QCONVEX_WORDS
-    ), shape="qconvex", without=ONE_FILE),
+    Row(
+        "delaunay --certify",
+        ("delaunay", "-q", "--certify"),
+        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")),
+        doors="main",
+    ),
+    Row(
+        "delaunay --furthest",
+        ("delaunay", "-q", "--furthest"),
+        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")),
+        doors="main",
+    ),
+    Row(
+        "delaunay --weights",
+        ("delaunay", "-q"),
+        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")),
+        extra="weights",
+    ),
+    Row(
+        "delaunay --edges",
+        ("delaunay", "-q"),
+        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")),
+        reason=lambda s: PLANE(s)
+        or (None if s.count > 3 else "an edge needs two points to part others"),
+        doors="main",
+        extra="edges",
+    ),
+    Row(
+        "voronoi",
+        ("voronoi", "-q"),
+        (
+            *(
+                _o(e, r, mesh, of_points=False)
+                for e, r in (
+                    (".ply", texts.ply),
+                    (".obj", texts.obj),
+                    (".off", texts.off),
+                    (".vtp", texts.vtp),
+                )
+            ),
+            *(_o(o.name, o.read, PLANE, of_points=False) for o in PLANE_SHAPES),
+            _o(".json", texts.result_json, alike="scalar"),
+            _report("voronoi"),
+            Output("--measures .npy", ("--measures", "{}"), ".npy", texts.measures, up_to_space),
+            *(_format(w) for w in ("p", "o", "Fv")),
+        ),
+    ),
+    Row(
+        "voronoi --measures",
+        ("voronoi", "-q"),
+        (Output("--measures .csv", ("--measures", "{}"), ".csv", texts.measures_csv, up_to_space),),
+        doors="main",
+    ),
+    Row(
+        "voronoi --box",
+        ("voronoi", "-q", "--box", "{box}"),
+        reason=up_to_space,
+        outputs=(
+            Output("--measures .txt", ("--measures", "{}"), ".txt", texts.measures_csv),
+            _report("voronoi"),
+        ),
+        doors="main",
+    ),
+    Row("voronoi --certify", ("voronoi", "-q", "--certify"), (_report("voronoi"),), doors="main"),
+    Row(
+        "voronoi --furthest",
+        ("voronoi", "-q", "--furthest"),
+        (_o(".json", texts.result_json, alike="scalar"), _report("voronoi")),
+        doors="main",
+    ),
+    Row(
+        "voronoi --weights",
+        ("voronoi", "-q"),
+        (_o(".json", texts.result_json, alike="scalar"), _report("voronoi")),
+        doors="main",
+        extra="weights",
+    ),
+    Row(
+        "alpha",
+        ("alpha", "-q"),
+        (
+            *HULL_MESHES,
+            _o(".vtk", texts.vtk, up_to_space),
+            *PLANE_SHAPES,
+            _o(".json", texts.result_json, alike="scalar"),
+            _report("alpha"),
+        ),
+    ),
+    Row(
+        "alpha --alpha all-points",
+        ("alpha", "-q", "--alpha", "all-points"),
+        (_o(".json", texts.result_json, alike="scalar"), *PLANE_SHAPES),
+        doors="main",
+    ),
+    Row(
+        "alpha --alpha NUMBER",
+        ("alpha", "-q", "--alpha", "20"),
+        (_o(".json", texts.result_json, alike="scalar"), *PLANE_SHAPES),
+        doors="main",
+    ),
+    Row(
+        "alpha --ratio",
+        ("alpha", "-q", "--ratio", "0.3"),
+        (_o(".json", texts.result_json, alike="scalar"), *PLANE_SHAPES),
+        reason=PLANE,
+    ),
+    Row("certify", ("certify", "-q"), (_report("certify"),), shape="with hull", reason=has_hull),
+    Row(
+        "certify the reference",
+        ("certify", "-q"),
+        (_report("certify"),),
+        shape="with reference",
+        reason=has_hull,
+        scalars="f64",
+    ),
+    Row("info", ("info",), (_report("info"),), not_finite=0),
+    Row(
+        "view",
+        ("view", "-q"),
+        (_o(".html", texts.page, alike="page"), _report("view")),
+        without={
+            "several": "a page shows one input",
+            "list": "a page shows one input",
+            "folder": "several files are several frames",
+            "pattern": "several files are several frames",
+        },
+        doors="main",
+    ),
+    Row(
+        "view --delaunay",
+        ("view", "-q", "--delaunay"),
+        (_o(".html", texts.page, alike="page"),),
+        without={
+            "several": "a page shows one input",
+            "list": "a page shows one input",
+            "folder": "several files are several frames",
+            "pattern": "several files are several frames",
+        },
+        doors="main",
+    ),
+    Row(
+        "track",
+        ("track", "-q"),
+        (_report("track"),),
+        shape="sequence",
+        without=SEQUENCE,
+        ways={"--cull": "--json says how each frame was filtered"},
+    ),
+    Row(
+        "track --certify",
+        ("track", "-q", "--certify"),
+        (_report("track"),),
+        shape="sequence",
+        without=SEQUENCE,
+        doors="main",
+    ),
+    Row(
+        "track --triangles",
+        ("track", "-q", "--triangles"),
+        HULL_MESHES[:1],
+        shape="sequence",
+        without=SEQUENCE,
+        doors="main",
+    ),
+    *(
+        Row(
+            f"track to {o.name}",
+            ("track", "-q"),
+            (o,),
+            shape="sequence",
+            without=SEQUENCE,
+            doors="main",
+        )
+        for o in (
+            *HULL_MESHES[:4],
+            _o(".json", texts.result_json, alike="scalar", schema="result"),
+            _o(".txt", texts.counted_txt),
+        )
+    ),
+    Row(
+        "qconvex",
+        ("qconvex", "-q"),
+        tuple(
+            Output(w, (w,), None, texts.text, spanning if w in DRAWN else always)
+            for w in QCONVEX_WORDS
+        ),
+        shape="qconvex",
+        without=ONE_FILE,
+    ),
 )
 
 #: Commands that take no points, and where their own cells are.
 WITHOUT_POINTS = {
-    "generate": "makes points: the cells of `making.py`",
+    "generate": "makes points: the cells of across.py",
     "bench": "measures: bench_command_test and cli_json_test run each suite",
 }
 
-#: Options that no row names, and why. An option of `--help` that is neither here, nor a row's, nor a
-#: door's, nor a way's (below) fails the test.
+#: Options that no row names, and why. An option of `--help` that is neither here, nor a row's, nor
+#: a door's, nor a way's (below) fails the test.
 OPTIONS_ELSEWHERE = {
     "--help": "checked against this table",
     "--version": "one line",
     "--quiet": "on every command line here",
-    "--global-ids": "ids of states: cli_stream tests",
-    "--first-id": "ids of states: cli_stream tests",
-    "--checkpoint": "resumes a stream: cli_stream tests",
-    "--checkpoint-every": "resumes a stream: cli_stream tests",
+    "--global-ids": "ids of states: cli_stream_test",
+    "--first-id": "ids of states: cli_stream_test",
+    "--checkpoint": "resumes a stream: cli_stream_test",
+    "--checkpoint-every": "resumes a stream: cli_stream_test",
     "--keep-going": "frames that are not finite: cli_track_test",
     "--inside": "needs rings: the tests of constrained edges",
-    "--by": "groups, whose own row is `groups` in making.py",
+    "--by": "groups: cli_groups_test and test_groups",
     "--edge-length": "the number that --ratio stands for",
-    "--count": "generate", "--seed": "generate", "--frames": "generate", "--motion": "generate",
+    "--count": "generate",
+    "--seed": "generate",
+    "--frames": "generate",
+    "--motion": "generate",
 }
 
 #: Options that must not change a bit of any answer: each is tried with every row that has it.
 WAYS = (
-    ("--threads", "1"), ("--threads", "2"), ("--cull", "none"), ("--cull", "gauge"),
-    ("--cull", "pseudo-hull"), ("--backend", "cpu"), ("--memory", "1G"), ("--stream", "on"),
-    ("--stream", "off"), ("--repeat", "2"), ("--engine", "qhull"),
+    ("--threads", "1"),
+    ("--threads", "2"),
+    ("--cull", "none"),
+    ("--cull", "gauge"),
+    ("--cull", "pseudo-hull"),
+    ("--backend", "cpu"),
+    ("--memory", "1G"),
+    ("--stream", "on"),
+    ("--stream", "off"),
+    ("--repeat", "2"),
+    ("--engine", "qhull"),
 )
 
 #: What a short run tries of rows that it does not try whole. (Every row has all sets by the

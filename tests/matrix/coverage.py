@@ -15,8 +15,12 @@ def all_cells(program: Program) -> None:
     commands = _commands(program)
     covered = {row.words[0] for row in ROWS} | set(WITHOUT_POINTS)
     for command in commands:
-        judge(program, f"commands/{command}",
-              None if command in covered else f"{command} has no row in commands.py", "--help")
+        judge(
+            program,
+            f"commands/{command}",
+            None if command in covered else f"{command} has no row in commands.py",
+            "--help",
+        )
     for command in sorted(covered - set(commands)):
         judge(program, f"commands/{command}", f"there is no command {command}", "--help")
     for command, why in WITHOUT_POINTS.items():
@@ -38,11 +42,18 @@ def _commands(program: Program) -> list[str]:
 
 def _options(program: Program, command: str) -> None:
     of_rows = {
-        word for row in ROWS if row.words[0] == command
-        for word in (*row.words, *(w for o in row.outputs for w in o.words),
-                     *([f"--{row.extra}"] if row.extra else []))
+        word
+        for row in ROWS
+        if row.words[0] == command
+        for word in (
+            *row.words,
+            *(w for o in row.outputs for w in o.words),
+            *([f"--{row.extra}"] if row.extra else []),
+        )
     }
     known = {word.split("=")[0] for word in of_rows} | {"--output"}
+    if command == "generate":
+        known |= {"--json", "--type", "--dim"}  # across.py
     known |= {option for door in DOORS for option in door.options} | {option for option, _ in WAYS}
     for option in sorted(program.options_of(command)):
         if option in OPTIONS_ELSEWHERE:
@@ -55,8 +66,16 @@ def _options(program: Program, command: str) -> None:
 #: Options that write files: what the row's words say before the name, and the command line that
 #: makes the program list the endings it takes.
 _WRITING = (
-    ("hull", "-o"), ("hull", "--vertices"), ("hull", "--partial"), ("cull", "-o"), ("cull", "--points"),
-    ("delaunay", "-o"), ("voronoi", "-o"), ("voronoi", "--measures"), ("alpha", "-o"), ("view", "-o"),
+    ("hull", "-o"),
+    ("hull", "--vertices"),
+    ("hull", "--partial"),
+    ("cull", "-o"),
+    ("cull", "--points"),
+    ("delaunay", "-o"),
+    ("voronoi", "-o"),
+    ("voronoi", "--measures"),
+    ("alpha", "-o"),
+    ("view", "-o"),
 )
 #: Endings that need another input than the doors give.
 _OTHER_ENDINGS = {
@@ -70,19 +89,37 @@ def _endings(program: Program) -> None:
     points = program.folder / "endings.xyz"
     points.write_text("0 0\n1 0\n0 1\n")
     for command, option in _WRITING:
-        said = program.run([command, str(points), "-q", option, str(program.folder / "x.unknown")]).err
+        said = program.run(
+            [command, str(points), "-q", option, str(program.folder / "x.unknown")]
+        ).err
         listed = re.findall(r"\.\w+", said.split("must end in")[-1])
-        held = {o.ending for row in ROWS if row.words[0] == command for o in row.outputs
-                if o.words[0] == option}
-        judge(program, f"endings/{command} {option}", None if listed else f"lists none: {said!r}",
-              command, option)
+        held = {
+            o.ending
+            for row in ROWS
+            if row.words[0] == command
+            for o in row.outputs
+            if o.words[0] == option
+        }
+        judge(
+            program,
+            f"endings/{command} {option}",
+            None if listed else f"lists none: {said!r}",
+            command,
+            option,
+        )
         for ending in listed:
             if ending in _OTHER_ENDINGS:
-                program.cells.no_meaning(f"program names/{command} {option} {ending}",
-                                         _OTHER_ENDINGS[ending])
+                program.cells.no_meaning(
+                    f"program names/{command} {option} {ending}", _OTHER_ENDINGS[ending]
+                )
                 continue
-            judge(program, f"endings/{command} {option} {ending}",
-                  None if ending in held else "no row writes it", command, option)
+            judge(
+                program,
+                f"endings/{command} {option} {ending}",
+                None if ending in held else "no row writes it",
+                command,
+                option,
+            )
 
 
 def _inputs(program: Program) -> None:
@@ -96,5 +133,3 @@ def _inputs(program: Program) -> None:
     for ending in sorted(set(re.findall(r"(?<![\w}])\.[a-z]\w*", listed))):
         fault = None if ending in held.split() else "neither a door of doors.py nor in ELSEWHERE"
         judge(program, f"inputs/{ending}", fault, "hull --help")
-
-

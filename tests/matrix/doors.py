@@ -99,7 +99,9 @@ def _pipe(write: Callable[[Any], bytes], *options: str) -> Callable[..., Entry]:
 
 
 def _zstd(data: bytes) -> bytes:
-    return subprocess.run(["zstd", "-q", "-c"], input=data, stdout=subprocess.PIPE, check=True).stdout
+    return subprocess.run(
+        ["zstd", "-q", "-c"], input=data, stdout=subprocess.PIPE, check=True
+    ).stdout
 
 
 def _as(dtype: str) -> Callable[[Any], bytes]:
@@ -112,8 +114,14 @@ def _among_columns(p: Any) -> bytes:
 
 def _several(names: tuple[str, ...], spelled: str) -> Callable[..., Entry]:
     """The set in pieces, a file each, of the formats of these names."""
-    writers = {".npy": files.npy, ".txt": files.lines, ".csv": files.csv_of_names,
-               ".ply": files.ply, ".f4.npy": _as("f4"), ".npy.gz": lambda p: gzip.compress(files.npy(p))}
+    writers = {
+        ".npy": files.npy,
+        ".txt": files.lines,
+        ".csv": files.csv_of_names,
+        ".ply": files.ply,
+        ".f4.npy": _as("f4"),
+        ".npy.gz": lambda p: gzip.compress(files.npy(p)),
+    }
 
     def enter(folder: Path, s: PointSet) -> Entry:
         parts = np.array_split(s.points, len(names))
@@ -150,7 +158,11 @@ def on_grid(s: PointSet) -> Optional[str]:
         return "whole numbers hold no NaN, no infinity and one zero"
     numbers = _las_numbers(s)
     back = numbers * GRID + GRID_OFFSET
-    if (back != s.points).any() or (numbers != np.rint(numbers)).any() or (np.abs(numbers) >= 2**31).any():
+    if (
+        (back != s.points).any()
+        or (numbers != np.rint(numbers)).any()
+        or (np.abs(numbers) >= 2**31).any()
+    ):
         return "not on the grid of 32-bit numbers"
     return None
 
@@ -225,8 +237,12 @@ DOORS = [
     ),
     Door("npz", _file(".npz", files.npz), always),
     Door("ply", _file(".ply", files.ply), DIMENSIONS),
-    Door("ply-f4", _file(".ply", lambda p: files.ply(p, dtype="f4")), both(DIMENSIONS, fitting("f4")),
-         scalar="f32"),
+    Door(
+        "ply-f4",
+        _file(".ply", lambda p: files.ply(p, dtype="f4")),
+        both(DIMENSIONS, fitting("f4")),
+        scalar="f32",
+    ),
     Door("ply-big-endian", _file(".ply", lambda p: files.ply(p, "binary_big_endian")), DIMENSIONS),
     Door("ply-ascii", _file(".ply", lambda p: files.ply(p, "ascii")), DIMENSIONS),
     Door("pcd", _file(".pcd", files.pcd), DIMENSIONS),
@@ -242,49 +258,115 @@ DOORS = [
     Door("txt-cdd", _file(".ext", files.cdd), always),
     Door("csv", _file(".csv", lambda p: files.lines(p, ",")), both(not_empty, not_on_a_line)),
     Door("csv-named", _file(".csv", files.csv_of_names), both(not_empty, not_on_a_line)),
-    Door("csv-semicolons", _file(".csv", lambda p: files.lines(p, ";")), both(not_empty, not_on_a_line)),
-    Door("csv-columns",
-         lambda f, s: Entry(_file(".csv", files.csv_among_others)(f, s).words,
-                            ["--columns", ",".join("xyzw"[: s.dimension])]),
-         not_empty, options=frozenset(["--columns"])),
-    Door("npy-columns",
-         lambda f, s: Entry(_file(".npy", _among_columns)(f, s).words,
-                            ["--columns", f"1:{s.dimension + 1}"]),
-         always, options=frozenset(["--columns"])),
-    Door("raw", _file(".raw", lambda p: p.tobytes(), "--dim", "{d}", "--type", "f64"), always, refuses=empty_file,
-         options=frozenset(["--dim", "--type"])),
-    Door("raw-by-option",
-         _file(".bin", lambda p: p.tobytes(), "--input-format", "raw", "--dim", "{d}", "--type", "f64"),
-         always, refuses=empty_file,
-         options=frozenset(["--input-format", "--dim", "--type"])),
-    Door("format-by-option", _file(".dat", files.npy, "--input-format", "npy"), always,
-         options=frozenset(["--input-format"])),
+    Door(
+        "csv-semicolons",
+        _file(".csv", lambda p: files.lines(p, ";")),
+        both(not_empty, not_on_a_line),
+    ),
+    Door(
+        "csv-columns",
+        lambda f, s: Entry(
+            _file(".csv", files.csv_among_others)(f, s).words,
+            ["--columns", ",".join("xyzw"[: s.dimension])],
+        ),
+        not_empty,
+        options=frozenset(["--columns"]),
+    ),
+    Door(
+        "npy-columns",
+        lambda f, s: Entry(
+            _file(".npy", _among_columns)(f, s).words, ["--columns", f"1:{s.dimension + 1}"]
+        ),
+        always,
+        options=frozenset(["--columns"]),
+    ),
+    Door(
+        "raw",
+        _file(".raw", lambda p: p.tobytes(), "--dim", "{d}", "--type", "f64"),
+        always,
+        refuses=empty_file,
+        options=frozenset(["--dim", "--type"]),
+    ),
+    Door(
+        "raw-by-option",
+        _file(
+            ".bin", lambda p: p.tobytes(), "--input-format", "raw", "--dim", "{d}", "--type", "f64"
+        ),
+        always,
+        refuses=empty_file,
+        options=frozenset(["--input-format", "--dim", "--type"]),
+    ),
+    Door(
+        "format-by-option",
+        _file(".dat", files.npy, "--input-format", "npy"),
+        always,
+        options=frozenset(["--input-format"]),
+    ),
     Door("las", _las, on_grid, scalar="i32", exact="both"),
-    Door("las-columns", _las_columns, on_plane_grid, scalar="i32", options=frozenset(["--columns"]), exact="both"),
-    Door("las-tiles", _las_tiles, both(on_grid, not_empty), single=False, blocks=True, exact="both"),
-    Door("las-and-npy", _las_and_npy, both(on_grid, not_empty), single=False, blocks=True, exact="both"),
+    Door(
+        "las-columns",
+        _las_columns,
+        on_plane_grid,
+        scalar="i32",
+        options=frozenset(["--columns"]),
+        exact="both",
+    ),
+    Door(
+        "las-tiles", _las_tiles, both(on_grid, not_empty), single=False, blocks=True, exact="both"
+    ),
+    Door(
+        "las-and-npy",
+        _las_and_npy,
+        both(on_grid, not_empty),
+        single=False,
+        blocks=True,
+        exact="both",
+    ),
     Door("las-decimal", _las_decimal, decimal, exact="close", scalar="i32"),
     Door("gz", _file(".npy.gz", lambda p: gzip.compress(files.npy(p))), always, blocks=True),
     Door("zst", _file(".npy.zst", lambda p: _zstd(files.npy(p))), always, blocks=True),
-    Door("csv-gz", _file(".csv.gz", lambda p: gzip.compress(files.csv_of_names(p))),
-         both(not_empty, not_on_a_line), blocks=True),
+    Door(
+        "csv-gz",
+        _file(".csv.gz", lambda p: gzip.compress(files.csv_of_names(p))),
+        both(not_empty, not_on_a_line),
+        blocks=True,
+    ),
     Door("ply-zst", _file(".ply.zst", lambda p: _zstd(files.ply(p))), DIMENSIONS, blocks=True),
     Door("pipe-npy", _pipe(files.npy), always),
     Door("pipe-txt", _pipe(files.lines), not_empty),
     Door("pipe-ply", _pipe(files.ply), DIMENSIONS),
     Door("pipe-gz", _pipe(lambda p: gzip.compress(files.npy(p))), always),
-    Door("pipe-raw", _pipe(lambda p: p.tobytes(), "--input-format", "raw", "--dim", "{d}", "--type", "f64"),
-         always, refuses=empty_file,
-         options=frozenset(["--input-format", "--dim", "--type"])),
+    Door(
+        "pipe-raw",
+        _pipe(lambda p: p.tobytes(), "--input-format", "raw", "--dim", "{d}", "--type", "f64"),
+        always,
+        refuses=empty_file,
+        options=frozenset(["--input-format", "--dim", "--type"]),
+    ),
     Door("several", _several((".npy", ".npy", ".npy"), "words"), always, single=False, blocks=True),
-    Door("several-kinds", _several((".npy", ".ply", ".npy.gz"), "words"), DIMENSIONS, single=False, blocks=True),
-    Door("several-texts", _several((".txt", ".csv"), "words"),
-         lambda s: None if s.count > 1 and s.dimension > 1 else "each part is to have a row of several columns",
-         single=False, blocks=True),
+    Door(
+        "several-kinds",
+        _several((".npy", ".ply", ".npy.gz"), "words"),
+        DIMENSIONS,
+        single=False,
+        blocks=True,
+    ),
+    Door(
+        "several-texts",
+        _several((".txt", ".csv"), "words"),
+        lambda s: (
+            None
+            if s.count > 1 and s.dimension > 1
+            else "each part is to have a row of several columns"
+        ),
+        single=False,
+        blocks=True,
+    ),
     Door("folder", _several((".npy", ".npy"), "folder"), always, single=False, blocks=True),
     Door("pattern", _several((".npy", ".npy"), "pattern"), always, single=False, blocks=True),
     Door("list", _several((".npy", ".npy"), "list"), always, single=False, blocks=True),
 ]
+
 
 def _frames(s: PointSet) -> Any:
     return np.stack([s.points, s.points[::-1]])
@@ -312,8 +394,12 @@ def _frames_in_folder(spelled: str) -> Callable[..., Entry]:
 #: Doors of moving points beside one file a frame: frames are the set and the set turned round.
 SEQUENCES = (
     Door("array", _array, always),
-    Door("array-f4", lambda f, s: _array(f, PointSet(s.kind, s.points.astype(np.float32))), fitting("f4"),
-         scalar="f32"),
+    Door(
+        "array-f4",
+        lambda f, s: _array(f, PointSet(s.kind, s.points.astype(np.float32))),
+        fitting("f4"),
+        scalar="f32",
+    ),
     Door("pipe-array", _array_in_pipe, always),
     Door("folder", _frames_in_folder("all"), always),
     Door("pattern", _frames_in_folder("all/f*.npy"), always),
@@ -322,8 +408,17 @@ SEQUENCES = (
 #: Formats of `--input-format` and of the help, and the door that each comes by. A format that the
 #: program names and that is not here fails the test.
 FORMATS = {
-    "npy": "npy", "ply": "ply", "las": "las", "pcd": "pcd", "obj": "obj", "off": "off", "stl": "stl",
-    "xyz": "xyz", "txt": "txt", "csv": "csv", "raw": "raw",
+    "npy": "npy",
+    "ply": "ply",
+    "las": "las",
+    "pcd": "pcd",
+    "obj": "obj",
+    "off": "off",
+    "stl": "stl",
+    "xyz": "xyz",
+    "txt": "txt",
+    "csv": "csv",
+    "raw": "raw",
 }
 
 #: What the program reads and the matrix leaves to other tests.

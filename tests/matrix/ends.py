@@ -13,15 +13,26 @@ from typing import Optional
 
 from program import Program
 
-#: Points that each command takes some seconds for, and the command line: {p} is the file, {o} stands
-#: before the names of what is written.
+#: What each command takes some seconds for: {p} is a file of many points, {o} the beginning of the
+#: names of what is written.
 INTERRUPTED = {
     "hull": ("hull", "{p}", "-q", "--repeat", "200", "-o", "{o}.ply", "--vertices", "{o}.npy"),
     "cull": ("cull", "{p}", "-q", "--repeat", "1000", "-o", "{o}.npy"),
     "delaunay": ("delaunay", "{p}", "-q", "-o", "{o}.json"),
     "voronoi": ("voronoi", "{p}", "-q", "-o", "{o}.json"),
     "alpha": ("alpha", "{p}", "-q", "-o", "{o}.ply"),
-    "certify": ("certify", "{p}", "{p}", "{p}", "{p}", "{p}", "{p}", "{h}", "-q", "--json={o}.json"),
+    "certify": (
+        "certify",
+        "{p}",
+        "{p}",
+        "{p}",
+        "{p}",
+        "{p}",
+        "{p}",
+        "{h}",
+        "-q",
+        "--json={o}.json",
+    ),
     "generate": ("generate", "sphere", "-n", "60M", "-q", "-o", "{o}.npy"),
     "info": ("info", "-", "--json={o}.json"),
     "view": ("view", "{p}", "-q", "--delaunay", "-o", "{o}.html"),
@@ -66,7 +77,9 @@ def _left(folder: Path, stem: str) -> list[str]:
     return sorted(path.name for path in folder.glob(f"{stem}[.-]*"))
 
 
-def _interrupted(program: Program, folder: Path, name: str, words: tuple[str, ...], many: Path) -> None:
+def _interrupted(
+    program: Program, folder: Path, name: str, words: tuple[str, ...], many: Path
+) -> None:
     try:
         for attempt, wait in enumerate((0.6, 0.2, 0.05)):
             stem = f"stop-{name}-{attempt}"
@@ -88,15 +101,19 @@ def _interrupted(program: Program, folder: Path, name: str, words: tuple[str, ..
             fault = f"leaves {left}"
         elif len(err.splitlines()) != 1:
             fault = f"says {err[:200]!r}, not one line"
-        program.cells.judge(f"program ends/interrupt/{name}", fault,
-                            f"timeout -s INT {wait} {shlex.join(line)}")
+        program.cells.judge(
+            f"program ends/interrupt/{name}", fault, f"timeout -s INT {wait} {shlex.join(line)}"
+        )
     except Exception as error:  # in a thread of its own nobody would see it
-        program.cells.judge(f"program ends/interrupt/{name}", f"{type(error).__name__}: {error}", "")
+        program.cells.judge(
+            f"program ends/interrupt/{name}", f"{type(error).__name__}: {error}", ""
+        )
 
 
 def _stopped(line: list[str], wait: float, waits: bool) -> tuple[int, str]:
-    with subprocess.Popen(line, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE) as running:
+    with subprocess.Popen(
+        line, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as running:
         if waits:
             running.stdin.write(b"0 0 1\n1 0 0\n" * 100)
             running.stdin.flush()
@@ -113,7 +130,9 @@ def _stopped(line: list[str], wait: float, waits: bool) -> tuple[int, str]:
 def _budget(program: Program, folder: Path, name: str, words: tuple[str, ...], few: Path) -> None:
     names = {"p": few, "o": folder / f"budget-{name}-free"}
     free = program.run([w.format(**names) for w in words])
-    answer = {n.split("-free")[1]: (folder / n).read_bytes() for n in _left(folder, f"budget-{name}-free")}
+    answer = {
+        n.split("-free")[1]: (folder / n).read_bytes() for n in _left(folder, f"budget-{name}-free")
+    }
     for amount in _AMOUNTS:
         stem = f"budget-{name}-{amount}"
         names["o"] = folder / stem

@@ -51,7 +51,9 @@ def qhull(p: Any) -> bytes:
 
 def cdd(p: Any) -> bytes:
     head = f"V-representation\nbegin\n {len(p)} {p.shape[1] + 1} real\n"
-    return (head + "".join(f"1 {row}\n" for row in lines(p).decode().splitlines()) + "end\n").encode()
+    return (
+        head + "".join(f"1 {row}\n" for row in lines(p).decode().splitlines()) + "end\n"
+    ).encode()
 
 
 def ply(p: Any, kind: str = "binary_little_endian", dtype: str = "f8") -> bytes:
@@ -114,8 +116,17 @@ def las(numbers: Any, scale: Any, offset: Any) -> bytes:
     n = len(numbers)
     records = np.zeros(
         n,
-        np.dtype([("xyz", "<i4", 3), ("intensity", "<u2"), ("flags", "u1"), ("class", "u1"),
-                  ("angle", "i1"), ("user", "u1"), ("source", "<u2")]),
+        np.dtype(
+            [
+                ("xyz", "<i4", 3),
+                ("intensity", "<u2"),
+                ("flags", "u1"),
+                ("class", "u1"),
+                ("angle", "i1"),
+                ("user", "u1"),
+                ("source", "<u2"),
+            ]
+        ),
     )
     records["xyz"] = numbers
     records["flags"] = 9  # first of one return
@@ -123,7 +134,30 @@ def las(numbers: Any, scale: Any, offset: Any) -> bytes:
     world = numbers * np.asarray(scale) + np.asarray(offset) if n else np.zeros((1, 3))
     box = [v for high, low in zip(world.max(axis=0), world.min(axis=0)) for v in (high, low)]
     head = struct.pack(
-        "<4sHH16sBB32s32sHHHIIBHI5I12d", b"LASF", 0, 0, bytes(16), 1, 2, b"matrix", b"matrix",
-        1, 2024, 227, 227, 0, 0, 20, n, n, 0, 0, 0, 0, *scale, *offset, *box,
+        "<4sHH16sBB32s32sHHHIIBHI5I12d",
+        b"LASF",
+        0,
+        0,
+        bytes(16),
+        1,
+        2,
+        b"matrix",
+        b"matrix",
+        1,
+        2024,
+        227,
+        227,
+        0,
+        0,
+        20,
+        n,
+        n,
+        0,
+        0,
+        0,
+        0,
+        *scale,
+        *offset,
+        *box,
     )
     return head + records.tobytes()

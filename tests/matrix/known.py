@@ -1,4 +1,31 @@
-"""Cells that are known to fail: names (with * for anything) and why. The list is to become empty: an
-entry of which no cell fails any more fails the test."""
+"""Cells that are known to fail: names (with * for anything) and why. The list is to become empty:
+an entry of which no cell fails any more fails the test."""
 
-EXPECTED: list[tuple[str, str]] = []
+_BITS = "coordinates of scans are computed on a decimal grid where they are binary fractions, too"
+_WORLD = "scale and offset of a LAS file are not applied"
+_NULL = 'a measure beyond the doubles is null in track\'s report, "inf" in every other'
+
+EXPECTED: list[tuple[str, str]] = [
+    ("program/*/las*/* bit for bit", _BITS),
+    ("program/*/las*", _WORLD),
+    ("program/track*/*-2d/--json", _NULL),
+    ("program/track*/*-3d/--json", _NULL),
+    ("python/read/las*", _WORLD),
+    ("python out/ClippedCells of */pickle/*", "no state"),
+    ("python out/ClippedCells of */deepcopy/*", "no state"),
+    ("python out/ConstrainedTriangulation of */pickle/*", "no state"),
+    ("python out/ConstrainedTriangulation of */deepcopy/*", "no state"),
+    ("python out/NaturalNDInterpolator of */pickle/*", "no state"),
+    ("python out/NaturalNDInterpolator of */deepcopy/*", "no state"),
+    ("python out/*Interpolator of * itself/repr/*", "no text of its own"),
+    (
+        "python out/GroupHulls of hulls_by/==/*",
+        "hulls are made anew at each look, and compared as objects",
+    ),
+    ("python/SphericalVoronoi*/array/nan-3d", "another class than NotFinite"),
+    ("python/NearestNDInterpolator*/array/nan-*", "another class than NotFinite"),
+    ("python/NaturalNDInterpolator itself/array/*-4d", "made, and refused when it is called"),
+    ("python/griddata/dlpack/*", "SciPy's own arrays are asked first"),
+    ("python/griddata/pandas-nullable/*", "SciPy's own arrays are asked first"),
+    ("python/griddata/masked/*", "a mask is dropped"),
+]

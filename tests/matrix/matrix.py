@@ -1,4 +1,4 @@
-"""The matrix: every command and every public name of Python × every input × every set × every output.
+"""The matrix: every command and every public name of Python × inputs × sets × outputs.
 
     matrix.py PROGRAM ROOT FOLDER [--only CELL] [--large]
 
@@ -36,9 +36,12 @@ def main() -> int:
     parser.add_argument("root", type=Path)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--only")
-    parser.add_argument("--large", action="store_true",
-                        default=os.environ.get("CULLHULL_MATRIX") == "large")
-    parser.add_argument("--package", type=Path, help=argparse.SUPPRESS)  # a folder: the other process
+    parser.add_argument(
+        "--large", action="store_true", default=os.environ.get("CULLHULL_MATRIX") == "large"
+    )
+    parser.add_argument(
+        "--package", type=Path, help=argparse.SUPPRESS
+    )  # a folder: the other process
     given = parser.parse_args()
     if given.package:
         return _all_of_package(given)
@@ -57,7 +60,7 @@ def main() -> int:
         cells.judge("python", f"the process of the package ended with {package.returncode}", "")
     else:
         cells.add(pickle.loads((folder / "package.cells").read_bytes()))
-    status = cells.finish(given.only is None)
+    status = cells.finish(given.only is None, folder)
     if status == 0:
         shutil.rmtree(folder)
     return status

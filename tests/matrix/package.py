@@ -45,8 +45,15 @@ def named(a: Any, d: int) -> dict[str, Any]:
     low = np.where(np.isfinite(a), a, 0.0).min(axis=0, initial=0.0) * 1.25 - 1
     high = np.where(np.isfinite(a), a, 0.0).max(axis=0, initial=1.0) * 1.25 + 1
     return {
-        "low": low, "high": high, "a": a, "b": b, "d": d, "v": np.arange(len(a)) * 0.5, "vb": np.arange(len(b)) * 0.5,
-        "w": np.arange(len(a)) % 5 / 8.0, "hb": derived(b, "halfspaces"),
+        "low": low,
+        "high": high,
+        "a": a,
+        "b": b,
+        "d": d,
+        "v": np.arange(len(a)) * 0.5,
+        "vb": np.arange(len(b)) * 0.5,
+        "w": np.arange(len(a)) % 5 / 8.0,
+        "hb": derived(b, "halfspaces"),
     }
 
 
@@ -83,8 +90,11 @@ class Package:
                 self.cells.no_meaning(f"python/{name}", ELSEWHERE[name])
                 continue
             known = re.search(rf"cullhull\.{name}\b", texts)
-            self.cells.judge(f"python/names/{name}", None if known else
-                             "a public name without a row in functions.py, or a reason there", "")
+            self.cells.judge(
+                f"python/names/{name}",
+                None if known else "a public name without a row in functions.py, or a reason there",
+                "",
+            )
             kind = getattr(self.cullhull, name)
         for name in self.cullhull.__all__:
             kind = getattr(self.cullhull, name)
@@ -98,8 +108,15 @@ class Package:
                     self.cells.no_meaning(f"python/{cell}", METHODS_ELSEWHERE[cell])
                     continue
                 known = any(call.name == cell for call in CALLS)
-                self.cells.judge(f"python/names/{cell}", None if known else
-                                 "a public method without a row in functions.py, or a reason there", "")
+                self.cells.judge(
+                    f"python/names/{cell}",
+                    (
+                        None
+                        if known
+                        else "a public method without a row in functions.py, or a reason there"
+                    ),
+                    "",
+                )
 
     def _call_of_set(self, call: Call, s: PointSet) -> None:
         start = f"python/{call.name}"
@@ -114,7 +131,11 @@ class Package:
         want: Any = None
         for array in (ARRAYS[0], *ARRAYS[1:]):
             cell = f"{start}/{array.name}/{s.name}"
-            why = array.reason(given) or call.without.get(array.name) or self.missing.get(array.package)
+            why = (
+                array.reason(given)
+                or call.without.get(array.name)
+                or self.missing.get(array.package)
+            )
             if why is not None:
                 self.cells.no_meaning(cell, why)
                 continue
@@ -154,13 +175,17 @@ class Package:
         if not path.exists():
             np.save(path, s.points)
         extra = "" if call.derive is None else f"a = derived(a, {call.derive!r}); "
-        packages = {"numpy": "", "pandas": "import pandas as pd; ", "polars": "import polars as pl; ",
-                    "pyarrow": "import pyarrow as pa; "}[array.package]
+        packages = {
+            "numpy": "",
+            "pandas": "import pandas as pd; ",
+            "polars": "import polars as pl; ",
+            "pyarrow": "import pyarrow as pa; ",
+        }[array.package]
         here = Path(__file__).parent
         return (
-            f"PYTHONPATH={here} python -c \"import numpy as np, cullhull; from arrays import *; "
+            f'PYTHONPATH={here} python -c "import numpy as np, cullhull; from arrays import *; '
             f"from package import *; {packages}a = np.load('{path}'); {extra}"
-            f"globals().update(named(a, {s.dimension})); p = {array.text}; print({call.text})\""
+            f'globals().update(named(a, {s.dimension})); p = {array.text}; print({call.text})"'
         ).replace("\n", " ")
 
     # Ways out
@@ -171,7 +196,11 @@ class Package:
             if not kind.__module__.startswith("cullhull"):
                 continue
             start = f"python out/{kind.__name__} of {call.name}"
-            for name, check in (("pickle", _pickled), ("copy", copy.copy), ("deepcopy", copy.deepcopy)):
+            for name, check in (
+                ("pickle", _pickled),
+                ("copy", copy.copy),
+                ("deepcopy", copy.deepcopy),
+            ):
                 self.cells.judge(f"{start}/{name}/{s.name}", _same_after(check, value), line)
             self.cells.judge(f"{start}/==/{s.name}", _equality(value), line)
             self.cells.judge(f"{start}/repr/{s.name}", _written(value), line)
@@ -211,7 +240,11 @@ def expected(call: Call, s: PointSet, got: Any) -> Optional[str]:
     """Whether a set gives a result, or the error that it is to raise."""
     error = call.raises(s)
     if isinstance(got, Raised):
-        return None if error in got.kinds else f"raises {got.text}" + (f", not {error}" if error else "")
+        return (
+            None
+            if error in got.kinds
+            else f"raises {got.text}" + (f", not {error}" if error else "")
+        )
     return None if error is None else f"returns {str(got)[:100]}, where {error} is due"
 
 
@@ -220,7 +253,9 @@ def _fault(call: Call, array: Array, s: PointSet, got: Any, want: Any) -> Option
     if array.refused is not None:
         if isinstance(got, Raised) and array.refused in got.kinds:
             return None
-        return f"{got.text if isinstance(got, Raised) else 'is taken'}, where {array.refused} is due"
+        return (
+            f"{got.text if isinstance(got, Raised) else 'is taken'}, where {array.refused} is due"
+        )
     if isinstance(want, Raised):
         fault = expected(call, s, got)
         return f"{fault}; by the reference {want.text}" if fault else None
@@ -259,7 +294,11 @@ def _written(value: Any) -> Optional[str]:
         return f"raises {type(error).__name__}: {error}"
     if " at 0x" in text:
         return f"says where it lies, not what it is: {text[:120]}"
-    return None if len(text.splitlines()) == 1 or hasattr(value, "_fields") else f"several lines: {text[:120]}"
+    return (
+        None
+        if len(text.splitlines()) == 1 or hasattr(value, "_fields")
+        else f"several lines: {text[:120]}"
+    )
 
 
 def _html(value: Any) -> Optional[str]:

@@ -62,8 +62,11 @@ class Program:
         line = feed + shlex.join([self.path, *words])
         try:
             done = subprocess.run(
-                [self.path, *words], input=b"" if stdin is None else stdin, capture_output=True,
-                timeout=PATIENCE, check=False,
+                [self.path, *words],
+                input=b"" if stdin is None else stdin,
+                capture_output=True,
+                timeout=PATIENCE,
+                check=False,
             )
             self.runs += 1
         except subprocess.TimeoutExpired:
@@ -139,7 +142,9 @@ class Program:
         cell = f"program/{row.name}/{REFERENCE}/{s.name}/{output.name}"
         self.cells.no_meaning(cell, output.reason(s) or "")
         path = place / f"refused{output.ending}"
-        ran = self.run(self._line(row, s, entry, [w.format(path) for w in output.words]), entry.stdin)
+        ran = self.run(
+            self._line(row, s, entry, [w.format(path) for w in output.words]), entry.stdin
+        )
         fault = None
         if ran.status not in (1, 2) or path.exists():
             fault = f"has no meaning ({output.reason(s)}), but ended with {ran.status}"
@@ -158,7 +163,9 @@ class Program:
         except Exception as error:  # whatever a reader finds
             return f"cannot be read: {type(error).__name__}: {error}"
         if output.schema is not None:
-            fault = fault_of(self.schema, output.schema, corners if output.alike == "report" else data)
+            fault = fault_of(
+                self.schema, output.schema, corners if output.alike == "report" else data
+            )
             if fault:
                 return f"not by the schema: {fault}"
         if isinstance(corners, np.ndarray) and corners.size:
@@ -183,18 +190,29 @@ class Program:
             return
         pages = [o for o in asked if o.alike == "page" and door.scalar != "f64"]
         for output in pages:
-            self.cells.no_meaning(f"{start}/{output.name}", "a page holds numbers as they were read")
+            self.cells.no_meaning(
+                f"{start}/{output.name}", "a page holds numbers as they were read"
+            )
         if not pages:
             self._compare(start, row, s, entry, asked, place, reference, door)
 
-    def _refused_door(self, start: str, row: Row, s: PointSet, entry: Entry, asked: list[Output],
-                      place: Path, why: str) -> None:
+    def _refused_door(
+        self,
+        start: str,
+        row: Row,
+        s: PointSet,
+        entry: Entry,
+        asked: list[Output],
+        place: Path,
+        why: str,
+    ) -> None:
         for output in asked:
             self.cells.no_meaning(f"{start}/{output.name}", why)
         ran, _ = self._ask(row, s, entry, asked, place, {})
         refused = ran.status == 1 and len(ran.err.splitlines()) == 1
-        self.cells.judge(f"{start}/refused", None if refused else f"{why}: but ended with {ran.status}",
-                         ran.line)
+        self.cells.judge(
+            f"{start}/refused", None if refused else f"{why}: but ended with {ran.status}", ran.line
+        )
 
     def _tried(self, row: Row, door: str, s: PointSet) -> bool:
         """Whether a run of this length has the triple."""
@@ -221,11 +239,28 @@ class Program:
                 self.cells.no_meaning(start, row.ways[option])
                 continue
             way = Entry(entry.words, [*entry.options, option, value], entry.stdin)
-            self._compare(start, row, s, way, asked, place, reference,
-                          replace(door, blocks=option in ("--stream", "--cull")))
+            self._compare(
+                start,
+                row,
+                s,
+                way,
+                asked,
+                place,
+                reference,
+                replace(door, blocks=option in ("--stream", "--cull")),
+            )
 
-    def _compare(self, start: str, row: Row, s: PointSet, entry: Entry, asked: list[Output],
-                 place: Path, reference: Answer, door: Door) -> None:
+    def _compare(
+        self,
+        start: str,
+        row: Row,
+        s: PointSet,
+        entry: Entry,
+        asked: list[Output],
+        place: Path,
+        reference: Answer,
+        door: Door,
+    ) -> None:
         if not asked or not self.cells.wanted(start):
             return
         written: dict[str, bytes] = {}
@@ -239,19 +274,26 @@ class Program:
                     found = "the reference door has no answer"
                 else:
                     try:
-                        found = self._difference(s, output, written[output.name],
-                                                 reference.written[output.name], door)
+                        found = self._difference(
+                            s, output, written[output.name], reference.written[output.name], door
+                        )
                     except Exception as error:  # whatever a reader finds
                         found = f"cannot be read: {type(error).__name__}: {error}"
             line = f"{ran.line}\n    reference: {reference.line}" if found else ""
             self.cells.judge(f"{start}/{output.name}", found, line)
             if door.exact == "both" and fault is None and output.name in reference.written:
-                bits = difference(output, written[output.name], reference.written[output.name], True)
-                self.cells.judge(f"{start}/{output.name} bit for bit", found or bits,
-                                 f"{ran.line}\n    reference: {reference.line}")
+                bits = difference(
+                    output, written[output.name], reference.written[output.name], True
+                )
+                self.cells.judge(
+                    f"{start}/{output.name} bit for bit",
+                    found or bits,
+                    f"{ran.line}\n    reference: {reference.line}",
+                )
 
-    def _difference(self, s: PointSet, output: Output, got: bytes, want: bytes,
-                    door: Door) -> Optional[str]:
+    def _difference(
+        self, s: PointSet, output: Output, got: bytes, want: bytes, door: Door
+    ) -> Optional[str]:
         fault = difference(output, got, want, door.exact == "exact")
         if fault is None or output.alike != "survivors" or not door.blocks:
             return fault
@@ -293,8 +335,15 @@ class Program:
             words += door.enter(place / f"frame-{i}", frame).words
         return Entry(words, [])
 
-    def _ask(self, row: Row, s: PointSet, entry: Entry, asked: list[Output], place: Path,
-             written: dict[str, bytes]) -> tuple[Ran, Optional[str]]:
+    def _ask(
+        self,
+        row: Row,
+        s: PointSet,
+        entry: Entry,
+        asked: list[Output],
+        place: Path,
+        written: dict[str, bytes],
+    ) -> tuple[Ran, Optional[str]]:
         """Runs a row once for all outputs; what was written, or why none of them holds."""
         paths, words = {}, []
         for i, o in enumerate(asked):
@@ -344,7 +393,9 @@ class Program:
         with self.lock:
             if not (folder / "hull.json").exists():
                 (folder / "points.npy").write_bytes(files.npy(s.points))
-                self.run(["hull", str(folder / "points.npy"), "-q", "-o", str(folder / "hull.json")])
+                self.run(
+                    ["hull", str(folder / "points.npy"), "-q", "-o", str(folder / "hull.json")]
+                )
         return folder / "hull.json"
 
     def _own_hull(self, s: PointSet, entry: Entry) -> Path:
@@ -357,7 +408,11 @@ class Program:
             return []
         path = self.folder / s.name / f"{row.extra}.npy"
         if not path.exists():
-            values = np.arange(s.count) % 5 / 8.0 if row.extra == "weights" else np.array([[0, 1], [2, 3]])
+            values = (
+                np.arange(s.count) % 5 / 8.0
+                if row.extra == "weights"
+                else np.array([[0, 1], [2, 3]])
+            )
             path.write_bytes(files.npy(values))
         return [f"--{row.extra}", str(path)]
 

@@ -21,7 +21,11 @@ def digest(value: Any, name: str = "", depth: int = 0) -> Any:
         if value.dtype == object:
             return tuple(digest(v, name, depth + 1) for v in value)
         kept = value.astype(np.float64) if name in GIVEN else value
-        return (value.shape, "" if name in GIVEN else str(value.dtype), np.ascontiguousarray(kept).tobytes())
+        return (
+            value.shape,
+            "" if name in GIVEN else str(value.dtype),
+            np.ascontiguousarray(kept).tobytes(),
+        )
     if isinstance(value, float):
         return float(value).hex()
     if isinstance(value, _PLAIN):

@@ -6,12 +6,26 @@ import json
 from typing import Any, Optional
 
 _TYPES = {
-    "object": dict, "array": list, "string": str, "boolean": bool, "null": type(None),
-    "number": (int, float), "integer": int,
+    "object": dict,
+    "array": list,
+    "string": str,
+    "boolean": bool,
+    "null": type(None),
+    "number": (int, float),
+    "integer": int,
 }
 _WORDS = {
-    "description", "type", "required", "properties", "additionalProperties", "items", "enum", "const",
-    "minimum", "anyOf", "$ref",
+    "description",
+    "type",
+    "required",
+    "properties",
+    "additionalProperties",
+    "items",
+    "enum",
+    "const",
+    "minimum",
+    "anyOf",
+    "$ref",
 }
 
 

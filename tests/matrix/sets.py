@@ -1,7 +1,7 @@
 """The point sets of the matrix: every kind that a hull, a triangulation or a reader may stumble on.
 
-Coordinates are multiples of 1/8 wherever nothing else is the point of a set: such a number is the
-same in doubles, floats, decimals and on the grids of the LAS files, so that every door can carry it.
+Coordinates are multiples of 1/8 where a set does not need others: such a number is the same in
+doubles, floats, decimals and on the grids of the LAS files, so that every door can carry it.
 """
 
 from __future__ import annotations
@@ -156,7 +156,11 @@ def _points_of(kind: str, d: int) -> Any:
 
 
 def _made(kind: str, d: int) -> PointSet:
-    return _decimal(d) if kind == "decimal" else PointSet(kind, np.ascontiguousarray(_points_of(kind, d)))
+    return (
+        _decimal(d)
+        if kind == "decimal"
+        else PointSet(kind, np.ascontiguousarray(_points_of(kind, d)))
+    )
 
 
 #: Kinds that a line and four dimensions get in a short run.

@@ -52,11 +52,21 @@ def ply(data: bytes) -> Any:
     _need(words[0] == ["ply"] and words[1][:2] == ["format", "binary_little_endian"], "no PLY")
     counts = {w[1]: int(w[2]) for w in words if w[0] == "element"}
     axes = [w[1:] for w in words if w[0] == "property" and w[1] != "list"]
-    kinds = {"double": "<f8", "float": "<f4", "int": "<i4", "uchar": "u1", "short": "<i2",
-             "char": "i1", "ushort": "<u2", "uint": "<u4"}
+    kinds = {
+        "double": "<f8",
+        "float": "<f4",
+        "int": "<i4",
+        "uchar": "u1",
+        "short": "<i2",
+        "char": "i1",
+        "ushort": "<u2",
+        "uint": "<u4",
+    }
     record = np.dtype([(name, kinds[kind]) for kind, name in axes])
     rows = np.frombuffer(body, record, counts["vertex"])
-    corners = np.array([[float(row[n]) for n in record.names] for row in rows]).reshape(-1, len(axes))
+    corners = np.array([[float(row[n]) for n in record.names] for row in rows]).reshape(
+        -1, len(axes)
+    )
     at, faces = record.itemsize * len(rows), []
     lists = [w for w in words if w[:2] == ["property", "list"]]
     for _ in range(counts.get("face", 0)):
@@ -96,7 +106,9 @@ def off(data: bytes) -> Any:
 def stl(data: bytes) -> Any:
     (count,) = struct.unpack_from("<I", data, 80)
     _need(len(data) == 84 + 50 * count and count, f"{len(data)} bytes for {count} triangles")
-    rows = np.frombuffer(data, np.dtype([("n", "<f4", 3), ("v", "<f4", (3, 3)), ("a", "<u2")]), count, 84)
+    rows = np.frombuffer(
+        data, np.dtype([("n", "<f4", 3), ("v", "<f4", (3, 3)), ("a", "<u2")]), count, 84
+    )
     return rows["v"].reshape(-1, 3).astype(float)
 
 
@@ -110,7 +122,9 @@ def glb(data: bytes) -> Any:
     part = scene["meshes"][0]["primitives"][0]["attributes"]["POSITION"]
     accessor = scene["accessors"][part]
     start = scene["bufferViews"][accessor["bufferView"]].get("byteOffset", 0)
-    corners = np.frombuffer(binary, "<f4", 3 * accessor["count"], start).reshape(-1, 3).astype(float)
+    corners = (
+        np.frombuffer(binary, "<f4", 3 * accessor["count"], start).reshape(-1, 3).astype(float)
+    )
     return corners + np.array(scene["nodes"][0].get("translation", [0, 0, 0]))
 
 
@@ -172,8 +186,12 @@ def wkt(data: bytes) -> Any:
     for line in text.splitlines():
         _need(re.match(r"^(MULTI)?(POLYGON|LINESTRING|POINT)|^GEOMETRYCOLLECTION", line), line[:60])
         _need(line.count("(") == line.count(")"), "brackets")
-    return np.array([[float(x) for x in pair] for pair in
-                     re.findall(r"(-?[\d.][\d.e+-]*) (-?[\d.][\d.e+-]*)", text)]).reshape(-1, 2)
+    return np.array(
+        [
+            [float(x) for x in pair]
+            for pair in re.findall(r"(-?[\d.][\d.e+-]*) (-?[\d.][\d.e+-]*)", text)
+        ]
+    ).reshape(-1, 2)
 
 
 def npy(data: bytes) -> Any:
@@ -236,7 +254,9 @@ def archive(data: bytes) -> Any:
 def result_json(data: bytes) -> Any:
     parsed = strict_json(data)
     if "vertex_coordinates" in parsed:
-        return np.array(parsed["vertex_coordinates"], float).reshape(-1, parsed["points"]["dimension"])
+        return np.array(parsed["vertex_coordinates"], float).reshape(
+            -1, parsed["points"]["dimension"]
+        )
     return None
 
 
