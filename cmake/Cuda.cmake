@@ -37,6 +37,11 @@ if(NOT CULLHULL_WITH_CUDA STREQUAL "OFF")
       set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION "-std=c++20")
       set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION "-std=c++20")
     endif()
+    # FindCUDAToolkit of CMake 3.25 sets a property of this target without asking whether there is
+    # one; CUDA 13 no longer has the library.
+    if(CMAKE_VERSION VERSION_LESS 3.26 AND NOT TARGET CUDA::nvToolsExt)
+      add_library(CUDA::nvToolsExt INTERFACE IMPORTED)
+    endif()
     find_package(CUDAToolkit 12.0 REQUIRED)
     set(CULLHULL_HAVE_CUDA ON)
     if(CULLHULL_CCACHE AND NOT CMAKE_CUDA_COMPILER_LAUNCHER)

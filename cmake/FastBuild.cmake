@@ -16,6 +16,18 @@ function(cullhull_precompile target)
   endif()
 endfunction()
 
+# cullhull_precompiled_like(TARGET OTHER): what is precompiled for OTHER serves TARGET as well, whose
+# flags must be the same.
+function(cullhull_precompiled_like target other)
+  if(NOT CULLHULL_FAST_BUILD)
+    return()
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${other})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_LAUNCHER)
+    target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:-fpch-preprocess>")
+  endif()
+endfunction()
+
 # cullhull_together(TARGET FOLDER NAME...): the sources FOLDER/NAME.cpp are compiled as one, which
 # spares what each would instantiate for itself. Their unnamed namespaces become one as well, so
 # they are listed: sources that are not compile alone.

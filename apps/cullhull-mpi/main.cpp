@@ -116,7 +116,10 @@ class Job {
     result.read.dimension = result.state.dimension();
     result.read.scalar = result.state.scalar();
     result.read.format = share_.format;
-    result.read.placement = share_.placement;
+    result.read.placement = share_.placing.placement;
+    result.read.grid = share_.placing.grid;
+    result.read.any_placed = share_.placing.any;
+    result.raw = input.raw;
     result.report.maps = report.common > 0 ? 1 : 0;
     result.report.reductions = 1;
     result.seconds = watch.seconds();

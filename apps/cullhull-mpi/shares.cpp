@@ -1,7 +1,6 @@
 #include "shares.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
 #include <utility>
 
@@ -18,29 +17,8 @@ using cullhull::PointView;
 /// The data of a file that all ranks get from the rank that opened it.
 struct FileFacts {
   std::uint64_t count = 0, sliced = 0;
-  std::uint64_t placed = 0;  ///< a hash of the placement, 0 for none
+  std::uint64_t placed = 0;  ///< whether it has a placement
 };
-
-/// FNV-1a of the doubles' bits; not 0.
-std::uint64_t hash_of(const cullhull::Placement& placement) {
-  if (placement.empty()) return 0;
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const std::vector<double>* numbers : {&placement.scale, &placement.offset})
-    for (const double v : *numbers) hash = (hash ^ std::bit_cast<std::uint64_t>(v)) * 0x100000001b3;
-  return hash | 1;
-}
-
-/// That of all files, of which this rank has opened the first; empty where one has none.
-cullhull::Placement common_placement(const Input& first, const std::vector<FileFacts>& facts,
-                                     const std::vector<std::string>& files) {
-  for (const FileFacts& f : facts)
-    if (f.placed == 0) return {};
-  for (std::size_t i = 1; i < facts.size(); ++i)
-    if (facts[i].placed != facts[0].placed)
-      throw Error(ErrorCode::bad_file,
-                  files[i] + ": scale or offset are not those of the numbers in " + files[0]);
-  return first.placement;
-}
 
 /// The part that the options name, where the file comes in parts.
 Input open_one(const InputArguments& arguments, const std::string& file,
@@ -72,6 +50,9 @@ Share open_share(MPI_Comm comm, const InputArguments& arguments,
     read.part = rank;
     read.parts = ranks;
   }
+  together([&] {
+    if (!arguments.raw) read.grid = cullhull::common_grid(files, read);
+  });
   std::vector<Input> opened(files.size());
   std::vector<FileFacts> facts(files.size());
   Share share;
@@ -80,13 +61,15 @@ Share open_share(MPI_Comm comm, const InputArguments& arguments,
       if (owner(i) != rank) continue;
       opened[i] = open_one(arguments, files[i], read);
       facts[i] = {opened[i].file.total(), !whole_files && opened[i].file.in_parts(),
-                  hash_of(opened[i].placement)};
+                  opened[i].placing.any ? std::uint64_t{1} : 0};
     }
   });
   MPI_Allreduce(MPI_IN_PLACE, facts.data(), static_cast<int>(3 * facts.size()), MPI_UINT64_T,
                 MPI_MAX, comm);
   together([&] {
-    share.placement = common_placement(opened[0], facts, files);
+    share.placing = opened[0].placing;
+    share.placing.grid = read.grid.value_or(cullhull::Grid());
+    for (const FileFacts& f : facts) share.placing.any = share.placing.any || f.placed != 0;
     std::uint64_t first = 0;
     for (std::size_t i = 0; i < files.size(); first += facts[i++].count) {
       const std::uint64_t n = facts[i].count;

@@ -16,8 +16,8 @@ namespace app {
 struct Share {
   std::vector<Input> inputs;
   std::vector<cullhull::mpi::Block> blocks;
-  std::string format;             ///< of the first file, on the ranks that opened it
-  cullhull::Placement placement;  ///< of all files, on rank 0
+  std::string format;  ///< of the first file, on the ranks that opened it
+  Placing placing;     ///< of all files, on rank 0
 };
 
 /// Runs `work` on this rank; where it throws on any rank, all end.

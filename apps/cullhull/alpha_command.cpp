@@ -126,7 +126,9 @@ std::uint64_t count_regions(const Triangulation& t, const AlphaShape& shape) {
   return regions;
 }
 
-void find_shape(const AlphaArguments& a, const PointView& points, Outcome& out) {
+/// Lengths of `out` are on the grid that the points are on.
+void find_shape(const AlphaArguments& a, const PointView& points, const cullhull::Grid& grid,
+                Outcome& out) {
   const Stopwatch watch;
   out.triangulation =
       repeat(a.run, 1, [&](const cullhull::Options& options) {
@@ -134,8 +136,8 @@ void find_shape(const AlphaArguments& a, const PointView& points, Outcome& out) 
         return naming_file(a.input.path, [&] { return cullhull::delaunay(points, o); });
       }).result;
   const Triangulation& t = out.triangulation;
-  out.alpha = a.by_edges() ? NAN : given_alpha(a.alpha);
-  if (a.edge_length >= 0) out.edge_length = a.edge_length;
+  out.alpha = a.by_edges() ? NAN : grid.to_grid(given_alpha(a.alpha));
+  if (a.edge_length >= 0) out.edge_length = grid.to_grid(a.edge_length);
   out.shape =
       repeat(a.run, 1, [&](const cullhull::Options& options) {
         if (a.ratio >= 0) out.edge_length = cullhull::concave_length(points, t, a.ratio, options);
@@ -150,9 +152,10 @@ void find_shape(const AlphaArguments& a, const PointView& points, Outcome& out) 
   out.compute_seconds = watch.seconds();
 }
 
-std::string report(const PointView& points, const Outcome& out) {
+std::string report(const Input& input, const Outcome& out) {
   const Triangulation& t = out.triangulation;
   nlohmann::ordered_json json;
+  add_placing(json, input.placing, input.points);
   json["threads"] = t.statistics.threads;
   json["affine_dimension"] = t.affine_dimension;
   json["alpha"] = out.edge_length ? nlohmann::ordered_json() : nlohmann::ordered_json(out.alpha);
@@ -163,12 +166,12 @@ std::string report(const PointView& points, const Outcome& out) {
   json["read_seconds"] = out.read_seconds;
   json["compute_seconds"] = out.compute_seconds;
   json["peak_bytes"] = peak_bytes();
-  return report_text("alpha_report", points, json);
+  return report_text("alpha_report", input.points, json);
 }
 
 std::string summary(const AlphaArguments& a, const Input& input, const Outcome& out) {
   const Triangulation& t = out.triangulation;
-  std::string text = points_line(input);
+  std::string text = points_line(input) + units_lines(input.placing, input.points);
   if (t.affine_dimension >= 0 && t.affine_dimension != static_cast<int>(t.dimension))
     text += fmt::format("flat       the points span dimension {} only, and so does the shape\n",
                         t.affine_dimension);
@@ -189,18 +192,22 @@ int run(AlphaArguments a) {
   (void)given_alpha(a.alpha);  // refused before the work
   a.files = a.input.find_files();
   FilePlan plan;
-  plan.reads(a.files);
+  plan.reads_inputs(a.input.words, a.files);
   for (const std::string& path : a.outputs) plan.writes("-o", path, endings);
   plan.writes_json(a.json);
-  const Input input = open_inputs(a.input, a.files, a.run.threads, a.run.memory_bytes());
+  Input input = open_inputs(a.input, a.files, a.run.threads, a.run.memory_bytes());
   for (const std::string& path : a.outputs)
     cullhull::check_alpha_shape_format(path, input.points.dimension);
   Outcome out;
   out.read_seconds = input.file.read_seconds() + warm_pages(input.points);
-  find_shape(a, input.points, out);
+  const cullhull::Grid grid = input.placing.grid;
+  find_shape(a, input.points, grid, out);
+  input.to_world();
+  out.alpha = grid.to_world(out.alpha);
+  if (out.edge_length) out.edge_length = grid.to_world(*out.edge_length);
   for (const std::string& path : a.outputs)
     cullhull::write_alpha_shape(path, input.points, out.triangulation, out.shape, out.alpha);
-  if (!a.json.empty()) cullhull::write_text(a.json, report(input.points, out));
+  if (!a.json.empty()) cullhull::write_text(a.json, report(input, out));
   if (!a.run.quiet && !plan.uses_stdout()) write_stdout(summary(a, input, out));
   return 0;
 }

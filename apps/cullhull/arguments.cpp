@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include "cullhull/error.hpp"
 #include "cullhull/point_blocks.hpp"
@@ -24,9 +25,11 @@ const char* const input_help =
     "Input, by extension, else by content:\n"
     "  .npy   NumPy array of n rows and d columns, either order; read in place\n"
     "  .ply   vertices, binary (read in place) or ASCII      .obj .off .stl   vertices\n"
-    "  .las   LAS 1.0 to 1.4, every point format; read in place: the file's whole numbers, to "
-    "which\n"
-    "         its scale and offset are not applied\n"
+    "  .las   LAS 1.0 to 1.4, every point format: coordinates by its scale and offset, computed "
+    "on\n"
+    "         exactly where they are decimals; --raw: the file's whole numbers. The other fields "
+    "are\n"
+    "         columns: classification, intensity, return_number, gps_time, red, ...\n"
     "  .pcd   ascii, binary (read in place) and binary_compressed: the fields x y z\n"
     "  .h5 .nc   a dataset of HDF5 or NetCDF-4, FILE.h5:/GROUP/NAME; three of a column each:\n"
     "         FILE.nc:x,y,z\n"
@@ -90,6 +93,18 @@ std::uint64_t parse_whole(std::string_view text, std::string_view option) {
                   std::string(text) + "'");
 }
 
+std::string place_of(const std::string& path, const std::string& message) {
+  constexpr std::string_view begin = "point ";
+  std::uint64_t point = 0;
+  if (message.starts_with(begin)) {
+    const char* const end = message.data() + message.size();
+    if (std::from_chars(message.data() + begin.size(), end, point).ec == std::errc())
+      if (const auto line = cullhull::line_of_point(path, point))
+        return input_name(path) + ":" + std::to_string(*line);
+  }
+  return input_name(path);
+}
+
 std::string input_name(const std::string& path) { return path == "-" ? "standard input" : path; }
 
 void InputArguments::add_to(Parser& command) {
@@ -131,6 +146,12 @@ void InputArguments::add_format_to(Parser& command) {
                                   "Coordinates of each point: x,y,z by name, where the file names\n"
                                   "them, or from 0: a:b without b, or 0,2,5"))
       .type_name("COLUMNS");
+  add_raw_option(command, raw);
+}
+
+void add_raw_option(Parser& command, bool& raw) {
+  command.add_flag("--raw", raw,
+                   "The whole numbers of a .las as they are, without its scale and offset");
 }
 
 cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads,
@@ -141,10 +162,18 @@ cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned thr
   options.raw_dimension = arguments.dimension;
   options.raw_scalar = scalar_type(arguments.type);
   options.columns = arguments.columns;
+  options.weights = arguments.weights;
   options.memory_budget = memory;
+  options.numbers = arguments.raw ? cullhull::Numbers::file : cullhull::Numbers::grid;
+  options.grid = arguments.grid;
   options.remark = [](const std::string& line) {
-    static std::once_flag told;  // once, however many tiles have the same remark
-    std::call_once(told, [&] { write_stderr("cullhull: " + line + "; --columns takes others\n"); });
+    static std::mutex mutex;
+    static std::set<std::string> told;  // once, however many tiles have the same remark
+    const std::lock_guard lock(mutex);
+    const std::size_t name = line.find(": ");
+    if (!told.insert(name == std::string::npos ? line : line.substr(name)).second) return;
+    const bool columns = line.find("taken as coordinates") != std::string::npos;
+    write_stderr("cullhull: " + line + (columns ? "; --columns takes others\n" : "\n"));
   };
   return options;
 }
@@ -162,19 +191,32 @@ Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& o
                                                  arguments.path + " was read as " +
                                                  input.file.format());
   input.points = input.file.points();
-  input.placement = input.file.placement();
+  const cullhull::Placement& placement = input.file.placement();
+  input.placing = {placement, input.file.grid(), !placement.empty(), arguments.raw};
+  input.weights = input.file.weights();
   return input;
 }
 
-cullhull::Placement common_placement(const std::vector<Input>& parts,
-                                     const std::vector<std::string>& files) {
-  for (const Input& part : parts)
-    if (part.placement.empty()) return {};
-  for (std::size_t i = 1; i < parts.size(); ++i)
-    if (parts[i].placement != parts[0].placement)
-      throw Error(ErrorCode::bad_file,
-                  files[i] + ": scale or offset are not those of the numbers in " + files[0]);
-  return parts[0].placement;
+void Input::to_grid(const cullhull::ReadOptions& options) {
+  file.to_grid(options);
+  points = file.points();
+  placing.grid = file.grid();
+}
+
+void Input::to_world() {
+  if (placing.raw) return;
+  if (gathered.empty()) {
+    file.to_world();
+    points = file.points();
+    return;
+  }
+  const cullhull::Grid& grid = placing.grid;
+  for (std::size_t at = 0; !grid.empty() && at < gathered.size(); at += sizeof(double)) {
+    double number = 0;
+    std::memcpy(&number, gathered.data() + at, sizeof number);
+    number = grid.to_world(number);
+    std::memcpy(gathered.data() + at, &number, sizeof number);
+  }
 }
 
 Input open_inputs(const InputArguments& arguments, const std::vector<std::string>& files,
@@ -182,6 +224,8 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
   InputArguments one = arguments;
   one.path = files[0];
   if (files.size() == 1) return open_input(one, threads, memory);
+  if (!one.grid && !one.raw)
+    one.grid = cullhull::common_grid(files, read_options(arguments, threads, memory));
   std::vector<Input> parts;
   Input all;
   for (const std::string& file : files) {
@@ -195,8 +239,11 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
                   file + ": points of dimension " + std::to_string(part.dimension) + ", but of " +
                       std::to_string(parts[0].points.dimension) + " in " + files[0]);
     all.points.count += part.count;
+    const std::vector<double>& weights = parts.back().weights;
+    all.weights.insert(all.weights.end(), weights.begin(), weights.end());
   }
-  all.placement = common_placement(parts, files);
+  all.placing = parts[0].placing;
+  for (const Input& part : parts) all.placing.any = all.placing.any || part.placing.any;
   const std::uint32_t d = parts[0].points.dimension;
   const std::size_t size = cullhull::scalar_size(all.points.scalar);
   all.gathered.resize(all.points.count * d * size);

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "cullhull/io.hpp"
 #include "cullhull/options.hpp"
 #include "parser.hpp"
+#include "placing.hpp"
 
 namespace app {
 
@@ -21,6 +23,10 @@ struct InputArguments {
   std::uint32_t dimension = 0;
   std::string type;
   std::string columns;
+  std::string weights;  ///< a column beside the coordinates
+  bool raw = false;     ///< the files' own numbers
+  /// Instead of the grid that the files have in common: an empty one for coordinates in the world.
+  std::optional<cullhull::Grid> grid;
   /// The words as given, for commands that take several files. Their files are one set of points.
   std::vector<std::string> words;
 
@@ -42,8 +48,17 @@ struct Input {
   /// Owns the points where they come from several files.
   std::vector<std::byte> gathered;
   cullhull::PointView points;
-  cullhull::Placement placement;  ///< of all files; empty where one has none
+  Placing placing;
+  std::vector<double> weights;  ///< where InputArguments::weights names a column
+
+  /// Points of one file, its own numbers, take their places on its grid.
+  void to_grid(const cullhull::ReadOptions& options);
+  /// Points take their coordinates in the world. The placing still names the grid.
+  void to_world();
 };
+
+/// Adds `--raw`, common to all commands that read points.
+void add_raw_option(Parser& command, bool& raw);
 
 /// `memory`: limit for decompressed data; 0: that of ReadOptions.
 Input open_input(const InputArguments& arguments, unsigned threads = 0, std::uint64_t memory = 0);
@@ -85,14 +100,17 @@ std::uint64_t parse_whole(std::string_view text, std::string_view option);
 /// "standard input" for "-".
 std::string input_name(const std::string& path);
 
-/// Calls read(); an error about a point that is not finite then also names the file.
+/// The file and, where it is a text, the line of the point that such a message begins with.
+std::string place_of(const std::string& path, const std::string& message);
+
+/// Calls read(); an error about a point that is not finite then also names the file and its line.
 template <class Read>
 auto naming_file(const std::string& path, const Read& read) -> decltype(read()) {
   try {
     return read();
   } catch (const cullhull::Error& e) {
     if (e.code() != cullhull::ErrorCode::not_finite) throw;
-    throw cullhull::Error(e.code(), input_name(path) + ": " + e.what());
+    throw cullhull::Error(e.code(), place_of(path, e.what()) + ": " + e.what());
   }
 }
 

@@ -76,7 +76,8 @@ Outcome certify_in_memory(const CertifyArguments& arguments) {
   options.progress = progress.callback();
   cancellable([&] {
     naming_file(arguments.input.path, [&] {
-      outcome.certificate = cullhull::certify_file(input.points, arguments.hull, options);
+      outcome.certificate = cullhull::certify_file(input.points, arguments.hull, options,
+                                                   input.placing.grid, arguments.stream.first_id);
     });
   });
   outcome.seconds = watch.seconds();
@@ -86,15 +87,22 @@ Outcome certify_in_memory(const CertifyArguments& arguments) {
 Outcome certify_streamed(const CertifyArguments& arguments) {
   Outcome outcome;
   std::vector<double> rows;
-  const cullhull::Hull hull = cullhull::hull_from_json(arguments.hull, &rows);
+  const cullhull::Options options = arguments.run.options();
+  cullhull::Hull hull =
+      cullhull::hull_from_json(arguments.hull, &rows, options, arguments.stream.first_id);
+  InputArguments from = arguments.input;
+  // Before anything is read: the hull is to be on the grid as its points will be.
+  from.grid = arguments.input.raw ? cullhull::Grid()
+                                  : cullhull::common_grid(arguments.files, read_options(from, 1));
+  cullhull::to_grid(hull, *from.grid);
+  for (double& x : rows) x = from.grid->number_of(x);
   outcome.points.count = hull.point_count;
   outcome.points.dimension = hull.dimension;
   outcome.points.scalar = hull.scalar;
   const Stopwatch watch;
-  cullhull::Options options = arguments.run.options();
   cullhull::CertifyStream check(hull, std::move(rows), options);
   stream_blocks(
-      arguments.input, arguments.files, arguments.run,
+      from, arguments.files, arguments.run,
       [&](const cullhull::PointView& block, std::uint64_t first) { check.push(block, first); });
   outcome.certificate = check.finish();
   outcome.seconds = watch.seconds();
@@ -108,15 +116,18 @@ int run(CertifyArguments arguments) {
   arguments.hull = arguments.input.words.back();
   arguments.input.words.pop_back();
   arguments.files = arguments.input.find_files();
+  arguments.stream.check_ids();
   FilePlan plan;
-  plan.reads(arguments.files);
+  plan.reads_inputs(arguments.input.words, arguments.files);
   plan.reads(arguments.hull);
   plan.writes_json(arguments.json);
   for (const std::string& file : arguments.files)
     if (file == "-" && arguments.hull == "-")
       throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
                             "only one of INPUT and HULL can be standard input");
-  const Outcome outcome = arguments.stream.wanted(arguments.files, arguments.run, "")
+  StreamArguments reading = arguments.stream;
+  reading.first_id = 0;  // names points, and is no reason to read in blocks
+  const Outcome outcome = reading.wanted(arguments.files, arguments.run, "")
                               ? certify_streamed(arguments)
                               : certify_in_memory(arguments);
   const cullhull::Certificate& certificate = outcome.certificate;
@@ -145,6 +156,7 @@ Command add_certify(Parser& parent) {
   Parser& command = *parent.add_subcommand("certify", "Check a hull against its points, exactly");
   a->input.add_many_to(command, ";\nlast what 'cullhull hull INPUT -o HULL.json' wrote");
   a->stream.add_to(command, false);
+  a->stream.add_first_id_to(command);
   add_json_option(command, a->json, "The outcome, counts and times");
   a->run.add_to(command, false);
   command.footer(std::string(input_help) + "\n\n" + examples);

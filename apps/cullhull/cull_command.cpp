@@ -70,7 +70,8 @@ std::string report(const CullArguments& arguments, const cullhull::PointView& po
 std::string summary(const Input& input, const Outcome& outcome, double read_seconds) {
   const std::uint64_t count = input.points.count;
   const cullhull::Survivors& survivors = outcome.result;
-  return points_line(input) + survivors_line(survivors.size(count), count, survivors.method) +
+  return points_line(input) + units_lines(input.placing, input.points) +
+         survivors_line(survivors.size(count), count, survivors.method) +
          fmt::format("seconds    {:.6f}; reading {:.6f}\n", median(outcome.seconds), read_seconds);
 }
 
@@ -103,7 +104,7 @@ void check_one_las(const CullArguments& arguments, const std::string& output) {
 
 FilePlan plan_files(const CullArguments& arguments) {
   FilePlan plan;
-  plan.reads(arguments.files);
+  plan.reads_inputs(arguments.input.words, arguments.files);
   plan.writes("-o", arguments.output, {".npy", ".csv", ".txt", ".ply", ".xyz", ".las"});
   plan.writes("--points", arguments.points, point_endings);
   plan.writes_json(arguments.json);
@@ -152,17 +153,20 @@ void write_survivors(const CullArguments& arguments, const cullhull::PointView& 
 }
 
 int run_in_memory(const CullArguments& arguments, const FilePlan& plan) {
-  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
-                                  arguments.run.memory_bytes());
+  Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
+                            arguments.run.memory_bytes());
   for (const std::string& path : {arguments.output, arguments.points})
     check_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   Outcome outcome = repeat(arguments.run, arguments.repeat, [&](const cullhull::Options& options) {
     return naming_file(arguments.input.path, [&] { return cullhull::cull(input.points, options); });
   });
+  input.to_world();
   write_survivors(arguments, input.points, outcome.result);
   if (!arguments.json.empty())
-    cullhull::write_text(arguments.json, report(arguments, input.points, outcome, read_seconds));
+    cullhull::write_text(arguments.json,
+                         with_placing(report(arguments, input.points, outcome, read_seconds),
+                                      input.placing, input.points));
   if (!arguments.run.quiet && !plan.uses_stdout())
     write_stdout(summary(input, outcome, read_seconds) + wrote_lines(arguments));
   return 0;
@@ -172,10 +176,11 @@ int run_in_memory(const CullArguments& arguments, const FilePlan& plan) {
 int run_streamed(const CullArguments& arguments, const FilePlan& plan) {
   Streamed streamed =
       stream_state(arguments.input, arguments.files, arguments.stream, arguments.run);
-  const cullhull::HullState& state = streamed.state;
+  cullhull::HullState& state = streamed.state;
   for (const std::string& path : {arguments.output, arguments.points})
     check_dimension(path, state.dimension());
-  if (!arguments.stream.partial.empty()) cullhull::write_state(arguments.stream.partial, state);
+  cullhull::to_world(state, streamed.read.grid);
+  write_partial(arguments.stream, state, {});
   write_outputs(arguments, state.ids(),
                 [&](const std::string& path) { cullhull::write_points(path, state); });
   if (!arguments.json.empty()) {
@@ -186,10 +191,12 @@ int run_streamed(const CullArguments& arguments, const FilePlan& plan) {
     outcome.seconds = {streamed.seconds};
     cullhull::PointView all = state.points();
     all.count = state.point_count();
-    cullhull::write_text(arguments.json, report(arguments, all, outcome, 0));
+    cullhull::write_text(arguments.json, with_placing(report(arguments, all, outcome, 0),
+                                                      streamed.placing(), state.points()));
   }
   if (!arguments.run.quiet && !plan.uses_stdout())
     write_stdout(streamed_points_line(streamed, arguments.files.size()) +
+                 units_lines(streamed.placing(), state.points()) +
                  survivors_line(state.ids().size(), state.point_count(), "stream") +
                  fmt::format("seconds    {:.6f}\n", streamed.seconds) + wrote_lines(arguments));
   remove_checkpoint(arguments.stream);

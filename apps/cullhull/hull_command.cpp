@@ -11,6 +11,7 @@
 #include "commands.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/io.hpp"
+#include "grid_hull.hpp"
 #include "group_hulls.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
@@ -92,7 +93,7 @@ std::vector<std::string> format_words(const std::vector<std::string>& given) {
 
 FilePlan plan_files(const HullArguments& arguments) {
   FilePlan plan;
-  plan.reads(arguments.files);
+  plan.reads_inputs(arguments.input.words, arguments.files);
   for (const std::string& path : arguments.outputs)
     plan.writes("-o", path, arguments.by.empty() ? hull_endings : group_endings);
   plan.writes("--vertices", arguments.vertices, id_endings);
@@ -116,14 +117,24 @@ auto find_repeatedly(const HullArguments& arguments, const Find& find) {
   return found;
 }
 
-Outcome compute(const HullArguments& arguments, const cullhull::PointView& points) {
+/// Whether the points of one .las lie where the file has them, and have a grid.
+bool in_place(const Input& input) {
+  return !input.placing.raw && input.points.scalar == cullhull::ScalarType::i32 &&
+         !input.placing.grid.empty();
+}
+
+Outcome compute(const HullArguments& arguments, const Input& input) {
+  const cullhull::PointView& points = input.points;
   std::optional<EndDeafWork> qhull;
   if (arguments.engine == "qhull") qhull.emplace();
   Outcome outcome{find_repeatedly(arguments,
                                   [&](cullhull::Options options) {
                                     if (arguments.engine == "qhull")
                                       options.engine = cullhull::Engine::qhull;
-                                    return cullhull::convex_hull(points, options);
+                                    const Placing& placing = input.placing;
+                                    return in_place(input) ? hull_on_grid(points, placing.placement,
+                                                                          placing.grid, options)
+                                                           : cullhull::convex_hull(points, options);
                                   }),
                   {}};
   if (arguments.certify)
@@ -155,12 +166,10 @@ std::string run_lines(const Hull& hull, const std::optional<Certificate>& certif
   return text;
 }
 
-std::string summary(const Input& input, const Outcome& outcome, double read_seconds,
-                    std::uint64_t peak) {
+std::string summary(const Outcome& outcome, double read_seconds, std::uint64_t peak) {
   const Hull& hull = outcome.result;
   const cullhull::Statistics& s = hull.statistics;
-  return points_line(input) + survivors_line(s.survivors, hull.point_count, s.cull_method) +
-         hull_lines(hull) +
+  return survivors_line(s.survivors, hull.point_count, s.cull_method) + hull_lines(hull) +
          fmt::format("seconds    {:.6f} = cull {:.6f} + hull {:.6f}; reading {:.6f}\n",
                      s.compute_seconds, s.cull_seconds, s.hull_seconds, read_seconds) +
          (outcome.seconds.size() > 1
@@ -179,19 +188,21 @@ std::string wrote_lines(const HullArguments& arguments) {
 
 /// `points`: all points, or their state.
 template <class Points>
-void write_results(const HullArguments& arguments, const Points& points,
-                   const cullhull::Placement& placement, const Hull& hull,
+void write_results(const HullArguments& arguments, const Points& points, const Placing& placing,
+                   const cullhull::PointView& extreme, const Hull& hull,
                    const cullhull::JsonExtras& extras) {
   const auto faces = arguments.triangles ? cullhull::Faces::triangles : cullhull::Faces::polygons;
   for (const std::string& path : arguments.outputs)
-    cullhull::write_hull(path, points, hull, "", faces, placement);
+    cullhull::write_hull(path, points, hull, "", faces);
   if (!arguments.vertices.empty()) {
     std::vector<std::uint64_t> ids = hull.vertices;
     std::sort(ids.begin(), ids.end());  // in 2D they are counter-clockwise
     cullhull::write_ids(arguments.vertices, ids);
   }
   if (!arguments.json.empty())
-    cullhull::write_text(arguments.json, cullhull::hull_to_json(points, hull, extras, false));
+    cullhull::write_text(
+        arguments.json,
+        with_placing(cullhull::hull_to_json(points, hull, extras, false), placing, extreme));
   for (const std::string& word : format_words(arguments.formats))
     write_stdout(cullhull::hull_to_qhull_text(points, hull, word));
 }
@@ -300,15 +311,15 @@ Certificate certify_streamed(const HullArguments& arguments, const Streamed& str
   if (arguments.elsewhere != nullptr)
     return arguments.elsewhere->certify(hull, vertex_rows(streamed.state, hull));
   for (const std::string& file : arguments.files)
-    if (file == "-" || ending_of(file) == ".hullstate" || arguments.stream.first_id > 0)
-      throw Error(ErrorCode::invalid_argument,
-                  "--certify reads all points once more, from 0 on: "
-                  "not from " +
-                      input_name(file));
+    if (file == "-" || ending_of(file) == ".hullstate")
+      throw Error(ErrorCode::invalid_argument, "--certify reads all points once more, which " +
+                                                   input_name(file) + " does not have");
   std::vector<double> rows = vertex_rows(streamed.state, hull);
   cullhull::Options options = arguments.run.options();
   options.threads = 1;  // the reading threads do the work
-  cullhull::CertifyStream check(hull, std::move(rows), options);
+  Hull from_zero = hull;
+  from_zero.rename([&](std::uint64_t id) { return id - arguments.stream.first_id; });
+  cullhull::CertifyStream check(from_zero, std::move(rows), options);
   stream_blocks(
       arguments.input, arguments.files, arguments.run,
       [&](const cullhull::PointView& block, std::uint64_t first) { check.push(block, first); });
@@ -361,13 +372,14 @@ std::string state_lines(const HullArguments& arguments, const Streamed& streamed
 }
 
 int run_streamed(const HullArguments& arguments, const FilePlan& plan) {
-  const Streamed streamed =
+  Streamed streamed =
       arguments.elsewhere != nullptr
           ? arguments.elsewhere->state(arguments.input, arguments.files, arguments.run)
           : stream_state(arguments.input, arguments.files, arguments.stream, arguments.run);
-  const cullhull::HullState& state = streamed.state;
+  cullhull::HullState& state = streamed.state;
+  const cullhull::Grid& grid = streamed.read.grid;
   const bool speaks = !arguments.run.quiet && !plan.uses_stdout();
-  if (!arguments.stream.partial.empty()) cullhull::write_state(arguments.stream.partial, state);
+  write_partial(arguments.stream, state, grid);
   const bool only_vertices = !arguments.only.empty();
   const bool only_state = !arguments.stream.partial.empty() && arguments.outputs.empty() &&
                           arguments.vertices.empty() && arguments.json.empty() &&
@@ -383,14 +395,17 @@ int run_streamed(const HullArguments& arguments, const FilePlan& plan) {
     return 0;
   }
   for (const std::string& path : arguments.outputs) check_hull_dimension(path, state.dimension());
-  const Hull hull = hull_of_state(arguments, streamed);
+  Hull hull = hull_of_state(arguments, streamed);
   std::optional<Certificate> certificate;
   if (arguments.certify) certificate = certify_streamed(arguments, streamed, hull);
   const std::uint64_t peak = peak_bytes();
-  write_results(arguments, state, streamed.read.placement, hull,
+  cullhull::to_world(hull, grid);
+  cullhull::to_world(state, grid);
+  write_results(arguments, state, streamed.placing(), state.points(), hull,
                 extras_of(certificate, {hull.statistics.compute_seconds}, 0, peak));
   if (speaks)
-    write_stdout(state_lines(arguments, streamed) + hull_lines(hull) +
+    write_stdout(state_lines(arguments, streamed) +
+                 units_lines(streamed.placing(), state.points()) + hull_lines(hull) +
                  fmt::format("seconds    {:.6f} = stream {:.6f} + hull {:.6f}\n",
                              hull.statistics.compute_seconds, hull.statistics.cull_seconds,
                              hull.statistics.hull_seconds) +
@@ -399,19 +414,58 @@ int run_streamed(const HullArguments& arguments, const FilePlan& plan) {
   return exit_of(certificate);
 }
 
+/// A single .las stays where it is unless something needs all points at their places.
+Input open_numbers(const HullArguments& arguments) {
+  const RunArguments& run = arguments.run;
+  if (arguments.files.size() > 1 || arguments.input.raw)
+    return open_inputs(arguments.input, arguments.files, run.threads, run.memory_bytes());
+  InputArguments one = arguments.input;
+  one.path = arguments.files[0];
+  cullhull::ReadOptions read = read_options(one, run.threads, run.memory_bytes());
+  read.numbers = cullhull::Numbers::file;
+  Input input = open_input(one, read);
+  input.placing.grid = cullhull::common_grid({input.placing.placement});
+  if (!in_place(input) || arguments.certify || arguments.engine != "native" ||
+      !arguments.formats.empty())
+    input.to_grid(read);
+  return input;
+}
+
+/// Coordinates of the vertices in the world.
+std::vector<double> placed_vertices(const Input& input, const Hull& hull) {
+  std::vector<double> rows;
+  const cullhull::GridAxes axes(input.placing.placement, input.placing.grid);
+  for (const std::uint64_t v : hull.vertices)
+    for (std::uint32_t j = 0; j < hull.dimension; ++j)
+      rows.push_back(input.placing.grid.to_world(axes.at(j, input.points.at(v, j))));
+  return rows;
+}
+
 int run_in_memory(const HullArguments& arguments, const FilePlan& plan) {
   if (!arguments.only.empty()) return run_vertices_only(arguments, plan);
-  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
-                                  arguments.run.memory_bytes());
+  Input input = open_numbers(arguments);
   for (const std::string& path : arguments.outputs)
     check_hull_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
-  const Outcome outcome = compute(arguments, input.points);
+  Outcome outcome = compute(arguments, input);
   const std::uint64_t peak = peak_bytes();
-  write_results(arguments, input.points, input.placement, outcome.result,
+  cullhull::to_world(outcome.result, input.placing.grid);
+  const std::string points = points_line(input);
+  std::vector<double> vertices;
+  cullhull::PointView extreme = input.points;
+  if (in_place(input)) {
+    vertices = placed_vertices(input, outcome.result);
+    const std::uint32_t d = input.points.dimension;
+    extreme = cullhull::PointView::row_major(vertices.data(), vertices.size() / d, d);
+  }
+  const bool moves = !in_place(input) || !arguments.outputs.empty();
+  if (moves) input.to_world();
+  if (vertices.empty()) extreme = input.points;
+  write_results(arguments, input.points, input.placing, extreme, outcome.result,
                 extras_of(outcome.certificate, outcome.seconds, read_seconds, peak));
   if (!arguments.run.quiet && !plan.uses_stdout())
-    write_stdout(summary(input, outcome, read_seconds, peak) + wrote_lines(arguments));
+    write_stdout(points + units_lines(input.placing, extreme) +
+                 summary(outcome, read_seconds, peak) + wrote_lines(arguments));
   return exit_of(outcome.certificate);
 }
 

@@ -48,6 +48,7 @@ struct Described {
   std::string format;
   bool in_place = false;
   double read_seconds = 0;
+  Placing placing;
 };
 
 Scan scan(const cullhull::PointView& points, std::uint64_t first_id = 0) {
@@ -87,6 +88,7 @@ std::string report(const Described& input, const Scan& found) {
     json["axes"].push_back(
         {{"least", number(axis.least, any)}, {"greatest", number(axis.greatest, any)}});
   }
+  if (input.placing.any) json["placement"] = placing_json(input.placing, cullhull::PointView{});
   json["not_finite"] = found.not_finite;
   json["first_not_finite"] = found.not_finite > 0 ? Json(found.first_not_finite) : Json();
   json["read_seconds"] = input.read_seconds;
@@ -103,6 +105,10 @@ std::string summary(const Described& input, const Scan& found) {
       points.coordinate_stride);
   for (std::uint32_t j = 0; points.count > 0 && j < points.dimension; ++j)
     text += fmt::format("axis {:<5} {} to {}\n", j, found.axes[j].least, found.axes[j].greatest);
+  if (input.placing.any) {
+    const std::string units = units_lines(input.placing, cullhull::PointView{});
+    text += units.substr(0, units.find('\n') + 1);
+  }
   text += found.not_finite == 0
               ? std::string("finite     yes\n")
               : fmt::format("finite     no: {} point{} with a NaN or an infinity, first {}\n",
@@ -119,9 +125,11 @@ struct InfoArguments {
 
 Described describe(const InputArguments& arguments, const std::vector<std::string>& files,
                    Scan& found) {
-  const Input input = open_inputs(arguments, files, 0);
+  Input input = open_inputs(arguments, files, 0);
+  input.to_world();
   found = scan(input.points);
-  return {input.points, input.file.format(), input.file.mapped(), input.file.read_seconds()};
+  return {input.points, input.file.format(), input.file.mapped(), input.file.read_seconds(),
+          input.placing};
 }
 
 Described describe_streamed(const InputArguments& arguments, const std::vector<std::string>& files,
@@ -137,13 +145,18 @@ Described describe_streamed(const InputArguments& arguments, const std::vector<s
       });
   shape.count = read.end.points;
   shape.scalar = read.scalar;
-  return {shape, read.format, false, 0};
+  for (Range& axis : found.axes) {
+    axis.least = read.grid.to_world(axis.least);
+    axis.greatest = read.grid.to_world(axis.greatest);
+  }
+  return {
+      shape, read.format, false, 0, {read.placement, read.grid, read.any_placed, arguments.raw}};
 }
 
 int run(const InfoArguments& arguments) {
   const std::vector<std::string> files = arguments.input.files();
   FilePlan plan;
-  plan.reads(files);
+  plan.reads_inputs(arguments.input.words, files);
   plan.writes_json(arguments.json);
   Scan found;
   const bool streamed = arguments.stream.wanted(files, RunArguments{}, "");

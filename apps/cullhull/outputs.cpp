@@ -113,6 +113,13 @@ void FilePlan::reads(const std::vector<std::string>& paths) {
   for (const std::string& path : paths) reads(path);
 }
 
+void FilePlan::reads_inputs(const std::vector<std::string>& words,
+                            const std::vector<std::string>& files) {
+  reads(files);
+  for (const std::string& word : words)
+    if (word.size() > 1 && word[0] == '@') reads(word.substr(1));
+}
+
 void FilePlan::claim(const std::string& option, const std::string& path) {
   if (path == "-") prints(option);
   const auto identity = identify(path, true);
@@ -122,6 +129,7 @@ void FilePlan::claim(const std::string& option, const std::string& path) {
     refuse(option, path, "would overwrite the input " + input_name(it->path));
   if (const auto it = std::find_if(outputs_.begin(), outputs_.end(), same); it != outputs_.end())
     refuse(option, path, "is the file that " + it->option + " " + it->path + " writes");
+  cullhull::check_writable(path);
   outputs_.push_back({*identity, option, path});
 }
 

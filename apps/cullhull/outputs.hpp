@@ -38,12 +38,15 @@ using Endings = std::vector<std::string_view>;
 
 /// The files that a command reads and writes, checked before the work. Each output's extension must
 /// match its format, and it must differ from all inputs and other outputs, by whatever link or
-/// spelling of the name, so that nothing is overwritten. Refusals are Error{invalid_argument}.
+/// spelling of the name, so that nothing is overwritten. Refusals are Error{invalid_argument}, and
+/// Error{io} where a file cannot be written.
 class FilePlan {
  public:
   /// To be called before the outputs are named.
   void reads(const std::string& path);
   void reads(const std::vector<std::string>& paths);
+  /// The files that the words of INPUT stand for, and the lists among the words (@LIST).
+  void reads_inputs(const std::vector<std::string>& words, const std::vector<std::string>& files);
 
   /// `option` as on the command line, e.g. "-o". An empty name: no such output. The name must end
   /// in one of `endings`, unless it is "-", a pipe or a device.

@@ -1,8 +1,13 @@
 #include "parser.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cmath>
+#include <limits>
 #include <sstream>
+#include <type_traits>
 
 namespace app {
 // --------------------------------------------------------------------------------- Option
@@ -41,12 +46,14 @@ void allow_range(Option& option, std::uint32_t least, std::uint32_t greatest) {
 }
 
 void allow_real_range(Option& option, double least, double greatest) {
-  option.option_->check(CLI::Range(least, greatest).description(""));
-  // Comparisons let it through.
-  option.option_->check([](const std::string& text) {
+  // CLI::Range would write its limits with all their digits, up to 309.
+  option.option_->check([least, greatest](const std::string& text) {
     double value = 0;
-    return CLI::detail::lexical_cast(text, value) && std::isnan(value) ? text + " is no number"
-                                                                       : std::string();
+    if (!CLI::detail::lexical_cast(text, value) || std::isnan(value)) return text + " is no number";
+    if (value >= least && value <= greatest) return std::string();
+    return greatest < std::numeric_limits<double>::max()
+               ? fmt::format("Value {} not in range {:g} to {:g}", text, least, greatest)
+               : fmt::format("Value {} is not a finite number from {:g} on", text, least);
   });
 }
 
@@ -82,9 +89,33 @@ Option* Parser::keep(CLI::Option* option) {
   return options_.back().get();
 }
 
+namespace {
+
+/// CLI11 takes a sign for the other end of the range, and a leading 0 for octal.
+const CLI::Validator& decimal_digits() {
+  static const CLI::Validator digits(
+      [](std::string& text) {
+        std::uint64_t value = 0;
+        const char* const end = text.data() + text.size();
+        const auto read = std::from_chars(text.data(), end, value);
+        if (read.ec != std::errc() || read.ptr != end)
+          return "'" + text + "' is no whole number from 0 to " +
+                 std::to_string(std::numeric_limits<std::uint64_t>::max());
+        text = std::to_string(value);
+        return std::string();
+      },
+      "");
+  return digits;
+}
+
+}  // namespace
+
 template <class Value>
 Option* Parser::add_option(const std::string& names, Value& value, const std::string& description) {
-  return keep(app_->add_option(names, value, description));
+  CLI::Option* const option = app_->add_option(names, value, description);
+  if constexpr (std::is_unsigned_v<Value> || std::is_same_v<Value, std::vector<std::uint32_t>>)
+    option->transform(decimal_digits());
+  return keep(option);
 }
 
 template Option* Parser::add_option(const std::string&, std::string&, const std::string&);

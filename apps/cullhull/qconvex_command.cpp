@@ -128,8 +128,8 @@ int run(const QconvexArguments& arguments) {
   if (request.output != "-") plan.writes_any("TO", request.output);
   InputArguments from;
   from.path = request.input;
-  const Input input = open_input(from, arguments.run.threads);
-  const auto found = repeat(arguments.run, 1, [&](const cullhull::Options& options) {
+  Input input = open_input(from, arguments.run.threads);
+  auto found = repeat(arguments.run, 1, [&](const cullhull::Options& options) {
     return naming_file(request.input, [&] { return cullhull::convex_hull(input.points, options); });
   });
   if (request.certify) {
@@ -141,6 +141,8 @@ int run(const QconvexArguments& arguments) {
       return not_certified;
     }
   }
+  cullhull::to_world(found.result, input.placing.grid);
+  input.to_world();
   const Texts texts = texts_of(request, input.points, found.result);
   cullhull::write_text(request.output, texts.text);
   write_stderr(texts.summary);

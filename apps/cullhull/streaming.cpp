@@ -24,8 +24,8 @@ bool is_state(const std::string& file) { return ending_of(file) == ".hullstate";
 /// What a checkpoint must match to be continued: the same files, read with the same options.
 std::string identity_of(const InputArguments& input, const std::vector<std::string>& files,
                         const StreamArguments& stream) {
-  std::string text = fmt::format("{} {} {} {} {} {}\n", input.format, input.dimension, input.type,
-                                 input.columns, stream.first_id, stream.global_ids);
+  std::string text = fmt::format("{} {} {} {} {} {} {}\n", input.raw, input.format, input.dimension,
+                                 input.type, input.columns, stream.first_id, stream.global_ids);
   for (const std::string& file : files) {
     const system::FileIdentity found = system::identify(cullhull::file_of_input(file));
     if (!found.regular)
@@ -71,7 +71,7 @@ void StreamArguments::add_to(Parser& command, bool states) {
       .type_name("OUT.hullstate");
   command.add_flag("--global-ids", global_ids,
                    "States among the inputs keep their ids; else they are numbered on");
-  command.add_option("--first-id", first_id, "Id of the first point")->type_name("N");
+  add_first_id_to(command);
   needs_value(*command.add_option("--checkpoint", checkpoint,
                                   "Keep here how far it came, every minute and on Ctrl-C; go on\n"
                                   "from it if it is there"))
@@ -79,7 +79,18 @@ void StreamArguments::add_to(Parser& command, bool states) {
   allow_range(*command.add_option("--checkpoint-every", every, "Seconds"), 0, 86400);
 }
 
+void StreamArguments::add_first_id_to(Parser& command) {
+  command.add_option("--first-id", first_id, "Id of the first point")->type_name("N");
+}
+
+void StreamArguments::check_ids() const {
+  if (first_id <= greatest_id) return;
+  throw Error(ErrorCode::invalid_argument,
+              fmt::format("--first-id {}: ids go up to {}", first_id, greatest_id));
+}
+
 void StreamArguments::plan(FilePlan& plan) const {
+  check_ids();
   plan.writes("--partial", partial, {".hullstate", ".npz"});
   if (!checkpoint.empty()) plan.writes_any("--checkpoint", checkpoint);
 }
@@ -123,7 +134,12 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
   blocks.progress = progress.callback();
   cullhull::BlockVisitor visitor;
   visitor.points = [&](const cullhull::PointView& block, std::uint64_t first) {
-    hull.push(block, stream.first_id + first);
+    const std::uint64_t id = stream.first_id + first;
+    if (block.count > 0 && block.count - 1 > greatest_id - id)
+      throw Error(
+          ErrorCode::invalid_argument,
+          fmt::format("--first-id {}: ids of the points exceed {}", stream.first_id, greatest_id));
+    hull.push(block, id);
   };
   visitor.state = [&](const cullhull::HullState& state, std::uint64_t first) {
     if (stream.global_ids) return hull.push(state);
@@ -142,6 +158,7 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
     };
   }
   Streamed result;
+  result.raw = input.raw;
   cancellable([&] {
     result.read = cullhull::visit_blocks(files, visitor, blocks);
     result.state = hull.state();
@@ -149,6 +166,15 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
   result.report = hull.report();
   result.seconds = watch.seconds();
   return result;
+}
+
+void write_partial(const StreamArguments& stream, const cullhull::HullState& state,
+                   const cullhull::Grid& grid) {
+  if (stream.partial.empty()) return;
+  if (grid.empty()) return cullhull::write_state(stream.partial, state);
+  cullhull::HullState placed = state;
+  cullhull::to_world(placed, grid);
+  cullhull::write_state(stream.partial, placed);
 }
 
 cullhull::BlockSummary stream_blocks(

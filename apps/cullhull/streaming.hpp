@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,9 @@
 #include "outputs.hpp"
 
 namespace app {
+
+/// Ids are written as signed numbers of 64 bits.
+inline constexpr std::uint64_t greatest_id = std::numeric_limits<std::int64_t>::max();
 
 struct StreamArguments {
   std::string stream = "auto";
@@ -24,6 +28,9 @@ struct StreamArguments {
 
   /// `states`: with the options for writing and reading states.
   void add_to(Parser& command, bool states);
+  void add_first_id_to(Parser& command);
+  /// Refuses a --first-id beyond the greatest id: Error{invalid_argument}.
+  void check_ids() const;
   /// Whether any option differs from its default.
   bool any() const {
     return stream != "auto" || !checkpoint.empty() || !partial.empty() || global_ids ||
@@ -43,11 +50,18 @@ struct Streamed {
   cullhull::BlockSummary read;
   cullhull::StreamReport report;
   double seconds = 0;
+  bool raw = false;  ///< as InputArguments::raw
+
+  Placing placing() const { return {read.placement, read.grid, read.any_placed, raw}; }
 };
 
 /// The state of all points of the inputs; with checkpoints and progress as requested.
 Streamed stream_state(const InputArguments& input, const std::vector<std::string>& files,
                       const StreamArguments& stream, const RunArguments& run);
+
+/// The state as --partial has it, in the world; nothing without that option.
+void write_partial(const StreamArguments& stream, const cullhull::HullState& state,
+                   const cullhull::Grid& grid);
 
 /// Passes each block to `points`, with progress; from several threads at once.
 cullhull::BlockSummary stream_blocks(

@@ -20,6 +20,7 @@
 namespace app {
 namespace {
 
+using cullhull::Certificate;
 using cullhull::Error;
 using cullhull::ErrorCode;
 using cullhull::FrameReport;
@@ -51,6 +52,7 @@ constexpr const char* footer =
 struct TrackArguments {
   std::vector<std::string> inputs;
   std::string format;
+  bool raw = false;
   RunArguments run;
   std::string output;
   std::string json;
@@ -197,6 +199,33 @@ Json frame_record(std::uint64_t index, const FrameReport& r, const Hull& h, doub
   return record;
 }
 
+/// A frame in the world, whose points may be on a grid.
+class Placed {
+ public:
+  Placed(const cullhull::PointView& points, const Hull& hull, const cullhull::Grid& grid)
+      : points_(points), hull_(&hull) {
+    if (grid.empty()) return;
+    moved_ = hull;
+    cullhull::to_world(moved_, grid);
+    hull_ = &moved_;
+    rows_.reserve(points.count * points.dimension);
+    for (std::uint64_t i = 0; i < points.count; ++i)
+      for (std::uint32_t j = 0; j < points.dimension; ++j)
+        rows_.push_back(grid.to_world(points.at(i, j)));
+    points_ = cullhull::PointView::row_major(rows_.data(), points.count, points.dimension);
+  }
+  Placed(const Placed&) = delete;
+  Placed& operator=(const Placed&) = delete;
+  const cullhull::PointView& points() const { return points_; }
+  const Hull& hull() const { return *hull_; }
+
+ private:
+  cullhull::PointView points_;
+  const Hull* hull_;
+  Hull moved_;
+  std::vector<double> rows_;
+};
+
 /// Processes one frame; false if its points have no hull and --keep-going was given.
 bool track_frame(const TrackArguments& arguments, const FrameNames& names,
                  const cullhull::PointSequence& sequence, cullhull::HullTracker& tracker,
@@ -213,13 +242,16 @@ bool track_frame(const TrackArguments& arguments, const FrameNames& names,
       outcome.frames.push_back({{"index", sequence.index()}, {"error", e.what()}});
     return false;
   }
-  const Hull& hull = tracker.hull();
+  std::optional<Certificate> certificate;
+  if (arguments.certify) certificate = cullhull::certify(points, tracker.hull(), options);
+  const Placed frame(points, tracker.hull(), sequence.grid());
+  const Hull& hull = frame.hull();
   outcome.add(tracker.report(), hull, sequence.read_seconds());
   if (!arguments.json.empty())
     outcome.frames.push_back(
         frame_record(sequence.index(), tracker.report(), hull, sequence.read_seconds()));
-  if (arguments.certify) {
-    const cullhull::Certificate c = cullhull::certify(points, hull, options);
+  if (certificate) {
+    const Certificate& c = *certificate;
     outcome.certified = outcome.certified.value_or(true) && c.valid;
     if (!arguments.json.empty()) outcome.frames.back()["certified"] = c.valid;
     if (!c.valid && outcome.not_certified.empty())
@@ -227,7 +259,7 @@ bool track_frame(const TrackArguments& arguments, const FrameNames& names,
   }
   if (names.wanted())
     cullhull::write_hull(
-        names.of(sequence.index(), points.dimension), points, hull, "",
+        names.of(sequence.index(), points.dimension), frame.points(), hull, "",
         arguments.triangles ? cullhull::Faces::triangles : cullhull::Faces::polygons);
   return true;
 }
@@ -304,6 +336,7 @@ int run(const TrackArguments& arguments) {
   read.format = arguments.format;
   read.threads = arguments.run.threads;
   read.stop = stop_token();
+  read.numbers = arguments.raw ? cullhull::Numbers::file : cullhull::Numbers::grid;
   const FrameNames names(arguments.output);
   names.check_ending();
   cullhull::PointSequence sequence = cullhull::open_sequence(arguments.inputs, read);
@@ -346,7 +379,8 @@ Command add_track(Parser& parent) {
       ->required();
   allow_words(*command.add_option("--input-format", a->format,
                                   "Read each file as this, whatever its name and content"),
-              {"npy", "ply", "obj", "off", "stl", "xyz", "txt", "csv"});
+              {"npy", "ply", "las", "obj", "off", "stl", "xyz", "txt", "csv"});
+  add_raw_option(command, a->raw);
   needs_value(*command.add_option("-o,--output", a->output, "Write each frame's hull"))
       .type_name("PATTERN|FOLDER");
   command.add_flag("--triangles", a->triangles,

@@ -32,7 +32,8 @@ using cullhull::Voronoi;
 
 constexpr const char* delaunay_footer =
     "Output (-o, by extension; may be given more than once):\n"
-    "  .ply .obj .off .vtp   triangles of 2D points\n"
+    "  .ply .obj .off .stl   triangles of 2D points, at the heights of --height\n"
+    "  .glb .vtp             likewise\n"
     "  .vtk                  cells of points of up to 3 dimensions\n"
     "  .geojson .wkt         triangles of 2D points\n"
     "  .json                 everything: cells, neighbours, groups, hull, duplicates, hidden "
@@ -43,6 +44,7 @@ constexpr const char* delaunay_footer =
     "Examples:\n"
     "  cullhull delaunay disk.npy -o mesh.ply --certify      the mesh, its cells checked\n"
     "  cullhull delaunay sites.csv --columns x,y --weights w -o regular.json\n"
+    "  cullhull delaunay terrain.csv --columns x,y --height z -o tin.obj   a surface (TIN)\n"
     "  rbox 100 D2 | cullhull delaunay - --format i          in the place of qdelaunay\n"
     "  cullhull delaunay map.csv --edges rings.csv --inside -o map.vtp   inside of rings\n"
     "\n"
@@ -74,13 +76,13 @@ struct DualArguments {
   InputArguments input;
   RunArguments run;
   std::vector<std::string> outputs, formats;
-  std::string weights, json, measures, box, edges;
+  std::string weights, heights, json, measures, box, edges;
   bool furthest = false, certify = false, inside = false;
   std::vector<std::string> files;  ///< that the words of the input stand for
 };
 
-const Endings triangulation_endings{".ply", ".obj",     ".off", ".vtp",
-                                    ".vtk", ".geojson", ".wkt", ".json"};
+const Endings triangulation_endings{".ply", ".obj", ".off",     ".stl", ".glb",
+                                    ".vtp", ".vtk", ".geojson", ".wkt", ".json"};
 const Endings cell_endings{".ply", ".obj", ".off", ".vtp", ".geojson", ".wkt", ".json"};
 const Endings measure_endings{".npy", ".csv", ".txt"};
 
@@ -100,36 +102,44 @@ std::vector<std::string> words_of(const std::vector<std::string>& given,
   return words;
 }
 
-/// Of a file of one number a point, or of a column of the input.
-std::vector<double> read_weights(const DualArguments& a, std::uint64_t count) {
-  if (a.weights.empty()) return {};
-  InputArguments from;
+bool names_file(const std::string& given) {
   std::error_code ignored;
-  const bool is_file = std::filesystem::exists(a.weights, ignored);
+  return !given.empty() && std::filesystem::exists(given, ignored);
+}
+
+/// Of a file of one number a point, or of a column of the input; `given` is what `option` names.
+std::vector<double> read_numbers(const DualArguments& a, const char* option,
+                                 const std::string& given, std::uint64_t count) {
+  if (given.empty()) return {};
+  InputArguments from;
+  const bool is_file = names_file(given);
   if (is_file) {
-    from.path = a.weights;
+    from.path = given;
   } else {
     from = a.input;
-    from.columns = a.weights;
+    from.columns = given;
+    from.weights.clear();
   }
+  from.grid = cullhull::Grid();  // as they are
   const Input input = is_file ? open_input(from, a.run.threads, a.run.memory_bytes())
                               : open_inputs(from, a.files, a.run.threads, a.run.memory_bytes());
   if (input.points.dimension != 1)
     throw Error(ErrorCode::invalid_argument,
-                fmt::format("--weights {}: {} columns, where one number a point is wanted",
-                            a.weights, input.points.dimension));
+                fmt::format("{} {}: {} columns, where one number a point is wanted", option, given,
+                            input.points.dimension));
   if (input.points.count != count)
-    throw Error(ErrorCode::invalid_argument, fmt::format("--weights {}: {} numbers for {} points",
-                                                         a.weights, input.points.count, count));
-  std::vector<double> weights(count);
-  for (std::uint64_t i = 0; i < count; ++i) weights[i] = input.points.at(i, 0);
-  return weights;
+    throw Error(ErrorCode::invalid_argument, fmt::format("{} {}: {} numbers for {} points", option,
+                                                         given, input.points.count, count));
+  std::vector<double> numbers(count);
+  for (std::uint64_t i = 0; i < count; ++i) numbers[i] = input.points.at(i, 0);
+  return numbers;
 }
 
 /// Pairs of numbers of points, a pair a line.
 std::vector<std::uint32_t> read_edges(const DualArguments& a, std::uint64_t count) {
   InputArguments from;
   from.path = a.edges;
+  from.grid = cullhull::Grid();  // numbers of points, as they are
   const Input input = open_input(from, a.run.threads, a.run.memory_bytes());
   if (input.points.dimension != 2)
     throw Error(ErrorCode::invalid_argument,
@@ -152,7 +162,8 @@ struct Box {
   std::vector<double> low, high;
 };
 
-Box box_of(const DualArguments& a, const PointView& points) {
+/// On the points' grid.
+Box box_of(const DualArguments& a, const PointView& points, const cullhull::Grid& grid) {
   const std::uint32_t d = points.dimension;
   Box box;
   if (!a.box.empty()) {
@@ -166,6 +177,7 @@ Box box_of(const DualArguments& a, const PointView& points) {
                   fmt::format("--box {}: {} numbers are wanted, the least of each axis, then the "
                               "greatest",
                               a.box, 2 * d));
+    for (double& v : numbers) v = grid.to_grid(v);
     box.low.assign(numbers.begin(), numbers.begin() + d);
     box.high.assign(numbers.begin() + d, numbers.end());
     return box;
@@ -195,7 +207,7 @@ struct Outcome {
   std::optional<cullhull::ClippedCells> cells;
   std::optional<Certificate> certificate;
   std::optional<std::uint64_t> piece_count;  ///< of forced edges
-  std::vector<double> weights;
+  std::vector<double> weights, heights;
   double read_seconds = 0, dual_seconds = 0;
 };
 
@@ -239,13 +251,14 @@ bool wants_cells(const DualArguments& a) {
          });
 }
 
-void find_dual(const DualArguments& a, const PointView& points, Outcome& out) {
+void find_dual(const DualArguments& a, const PointView& points, const cullhull::Grid& grid,
+               Outcome& out) {
   const Stopwatch watch;
   out.voronoi = repeat(a.run, 1, [&](const cullhull::Options& options) {
                   return cullhull::voronoi(points, out.triangulation, out.weights, options);
                 }).result;
   if (wants_cells(a)) {
-    const Box box = box_of(a, points);
+    const Box box = box_of(a, points, grid);
     out.cells = repeat(a.run, 1, [&](const cullhull::Options& options) {
                   return cullhull::clip_voronoi(points, out.triangulation, box.low, box.high,
                                                 out.weights, true, options);
@@ -254,9 +267,11 @@ void find_dual(const DualArguments& a, const PointView& points, Outcome& out) {
   out.dual_seconds = watch.seconds();
 }
 
-std::string report(const DualArguments& a, const PointView& points, const Outcome& out) {
+std::string report(const DualArguments& a, const Input& input, const Outcome& out) {
+  const PointView& points = input.points;
   const Triangulation& t = out.triangulation;
   nlohmann::ordered_json json;
+  add_placing(json, input.placing, points);
   json["threads"] = t.statistics.threads;
   json["weights"] = !out.weights.empty();
   json["furthest_site"] = a.furthest;
@@ -290,7 +305,7 @@ std::string report(const DualArguments& a, const PointView& points, const Outcom
 
 std::string summary(const DualArguments& a, const Input& input, const Outcome& out) {
   const Triangulation& t = out.triangulation;
-  std::string text = points_line(input);
+  std::string text = points_line(input) + units_lines(input.placing, input.points);
   if (t.affine_dimension >= 0 && t.affine_dimension != static_cast<int>(t.dimension))
     text +=
         fmt::format("flat       the points span dimension {} only, and are triangulated there\n",
@@ -315,10 +330,11 @@ std::string summary(const DualArguments& a, const Input& input, const Outcome& o
   return text + wrote_line(a.measures) + wrote_line(a.json);
 }
 
-void write_results(const DualArguments& a, const PointView& points, const Outcome& out) {
+void write_results(const DualArguments& a, const Input& input, const Outcome& out) {
+  const PointView& points = input.points;
   for (const std::string& path : a.outputs) {
     if (!out.voronoi)
-      cullhull::write_triangulation(path, points, out.triangulation);
+      cullhull::write_triangulation(path, points, out.triangulation, "", out.heights);
     else if (ending_of(path) == ".json" || path == "-")
       cullhull::write_voronoi(path, *out.voronoi);
     else
@@ -331,7 +347,7 @@ void write_results(const DualArguments& a, const PointView& points, const Outcom
     for (std::uint64_t i = 0; i < n; ++i) ids[i] = i;
     cullhull::write_points(a.measures, rows, ids);
   }
-  if (!a.json.empty()) cullhull::write_text(a.json, report(a, points, out));
+  if (!a.json.empty()) cullhull::write_text(a.json, report(a, input, out));
   const auto& known = out.voronoi ? cullhull::voronoi_formats() : cullhull::delaunay_formats();
   for (const std::string& word : words_of(a.formats, known))
     write_stdout(out.voronoi
@@ -348,25 +364,42 @@ int run(DualArguments a, bool dual) {
     throw Error(ErrorCode::invalid_argument, "--inside: of which --edges?");
   a.files = a.input.find_files();
   FilePlan plan;
-  plan.reads(a.files);
+  plan.reads_inputs(a.input.words, a.files);
   if (!a.edges.empty()) plan.reads(a.edges);
-  std::error_code ignored;
-  if (!a.weights.empty() && std::filesystem::exists(a.weights, ignored)) plan.reads(a.weights);
+  for (const std::string& given : {a.weights, a.heights})
+    if (names_file(given)) plan.reads(given);
+  // One column is read with the points, which may come from a pipe.
+  const bool weights_beside = !a.weights.empty() && !names_file(a.weights);
+  const bool heights_beside = !weights_beside && !a.heights.empty() && !names_file(a.heights);
+  a.input.weights = weights_beside ? a.weights : heights_beside ? a.heights : "";
   for (const std::string& path : a.outputs)
     plan.writes("-o", path, dual ? cell_endings : triangulation_endings);
   plan.writes("--measures", a.measures, measure_endings);
   plan.writes_json(a.json);
   if (!a.formats.empty()) plan.prints("--format");
-  const Input input = open_inputs(a.input, a.files, a.run.threads, a.run.memory_bytes());
+  Input input = open_inputs(a.input, a.files, a.run.threads, a.run.memory_bytes());
   for (const std::string& path : a.outputs)
-    cullhull::check_triangulation_format(path, input.points.dimension, dual);
-  if (!a.box.empty()) (void)box_of(a, input.points);  // refused before the work
+    cullhull::check_triangulation_format(path, input.points.dimension, dual, !a.heights.empty());
+  if (!a.heights.empty() && input.points.dimension != 2)
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("--height is of 2D points, and these are {}D; --columns x,y leaves the "
+                            "height to --height",
+                            input.points.dimension));
+  if (!a.box.empty()) (void)box_of(a, input.points, {});  // refused before the work
   Outcome out;
   out.read_seconds = input.file.read_seconds() + warm_pages(input.points);
-  out.weights = read_weights(a, input.points.count);
+  const cullhull::Grid grid = input.placing.grid;
+  out.weights = weights_beside ? std::move(input.weights)
+                               : read_numbers(a, "--weights", a.weights, input.points.count);
+  for (double& w : out.weights) w = grid.measure_to_grid(w, 2);  // squares of lengths
+  out.heights = heights_beside ? std::move(input.weights)
+                               : read_numbers(a, "--height", a.heights, input.points.count);
   triangulate(a, input.points, out);
-  if (dual) find_dual(a, input.points, out);
-  write_results(a, input.points, out);
+  if (dual) find_dual(a, input.points, grid, out);
+  if (out.voronoi) cullhull::to_world(*out.voronoi, grid);
+  if (out.cells) cullhull::to_world(*out.cells, grid);
+  input.to_world();
+  write_results(a, input, out);
   if (!a.run.quiet && !plan.uses_stdout()) write_stdout(summary(a, input, out));
   if (!out.certificate || out.certificate->valid) return 0;
   complain("not certified: " + out.certificate->reason);
@@ -409,6 +442,11 @@ Command add_delaunay(Parser& parent) {
                                   "Edges of 2D points that must be there: a file of pairs of\n"
                                   "numbers of points, from 0. Points on them cut them"))
       .type_name("FILE");
+  needs_value(*command.add_option("--height", a->heights,
+                                  "Heights of 2D points, which meshes, .vtk and .json of the\n"
+                                  "triangulation keep: a column of INPUT, or a file of one\n"
+                                  "number a point"))
+      .type_name("COLUMN|FILE");
   command.add_flag("--inside", a->inside,
                    "Keep the cells that have an odd number of these edges around them");
   command.footer(std::string(input_help) + "\n\n" + delaunay_footer);

@@ -101,8 +101,8 @@ struct Computed {
   std::string report;
 };
 
-Computed compute(const cullhull::PointView& points, double read_seconds,
-                 const cullhull::Options& options) {
+Computed compute(Input& input, double read_seconds, const cullhull::Options& options) {
+  const cullhull::PointView& points = input.points;
   Computed result;
   const Stopwatch watch;
   result.hull = cullhull::convex_hull(points, options);
@@ -115,7 +115,10 @@ Computed compute(const cullhull::PointView& points, double read_seconds,
     result.survivors = cullhull::cull(points, options);
   else
     result.survivors.all = true;
-  result.report = cullhull::hull_to_json(points, result.hull, extras, false);
+  cullhull::to_world(result.hull, input.placing.grid);
+  input.to_world();
+  result.report = with_placing(cullhull::hull_to_json(points, result.hull, extras, false),
+                               input.placing, points);
   return result;
 }
 
@@ -140,12 +143,11 @@ struct Written {
   std::string page, report;
 };
 
-Written view_input(const ViewArguments& arguments, const Input& input,
-                   const cullhull::Options& options) {
+Written view_input(const ViewArguments& arguments, Input& input, const cullhull::Options& options) {
   Scene scene(title_of(arguments.input.path), 1, 1);
   const double read = input.file.read_seconds() + warm_pages(input.points);
   const Computed computed =
-      naming_file(arguments.input.path, [&] { return compute(input.points, read, options); });
+      naming_file(arguments.input.path, [&] { return compute(input, read, options); });
   add_frame(input.points, 0, computed.hull, computed.survivors, computed.report,
             arguments.triangulation(options), scene, input.file.colours());
   return {scene.page(), computed.report};
@@ -153,8 +155,7 @@ Written view_input(const ViewArguments& arguments, const Input& input,
 
 Written view_points(const ViewArguments& arguments, const cullhull::Options& options) {
   // Writing to a pipe has nothing to clean up: a signal ends it at once.
-  const Input input =
-      open_input(arguments.input, arguments.run.threads, arguments.run.memory_bytes());
+  Input input = open_input(arguments.input, arguments.run.threads, arguments.run.memory_bytes());
   Written written;
   cancellable([&] { written = view_input(arguments, input, options); });
   return written;
@@ -211,6 +212,7 @@ Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
                       const cullhull::Progress& progress) {
   cullhull::ReadOptions reading = read_options(arguments.input, arguments.run.threads);
   reading.stop = options.stop;
+  if (!arguments.input.raw) reading.numbers = cullhull::Numbers::world;  // for looking at
   cullhull::PointSequence sequence = cullhull::open_sequence({arguments.input.path}, reading);
   const std::uint64_t frames = sequence.frames();
   if (frames == 0)
@@ -227,7 +229,7 @@ Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
     const double read = sequence.read_seconds() + warm_pages(input.points);
     if (frames == 1) {  // a single frame: not a moving set
       const Computed computed =
-          naming_file(sequence.name(), [&] { return compute(input.points, read, options); });
+          naming_file(sequence.name(), [&] { return compute(input, read, options); });
       chosen.add(computed.report);
       add_frame(input.points, 0, computed.hull, computed.survivors, computed.report,
                 arguments.triangulation(options), scene);

@@ -25,7 +25,8 @@ struct NaturalNeighbours {
 class Interpolator {
  public:
   /// `values`: point_count x components numbers; of equal points that of the one that stands in
-  /// counts. Errors: as of TriangulationQuery; invalid_argument for no components.
+  /// counts. Errors: as of TriangulationQuery; invalid_argument for no components, and for a
+  /// triangulation that is weighted or of the furthest site.
   Interpolator(const PointView& points, const Triangulation& triangulation, const double* values,
                std::uint32_t components = 1, const Options& options = {});
   ~Interpolator();

@@ -13,11 +13,21 @@
 #include "cullhull/certify.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/machine.hpp"
+#include "cullhull/placement.hpp"
 #include "cullhull/point_view.hpp"
 #include "cullhull/stream.hpp"
 
 #pragma GCC visibility push(default)
 namespace cullhull {
+
+/// What a point of a file that has a Placement is; other files' numbers are coordinates.
+enum class Numbers {
+  /// Coordinates in the world, as doubles: on a decimal grid (common_grid) the nearest ones, else
+  /// number * scale + offset as laspy computes it.
+  world,
+  grid,  ///< whole multiples on a grid, exact, for computing; in the world where there is none
+  file,  ///< the file's own numbers, in place
+};
 
 struct ReadOptions {
   /// Force a format ("npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "raw");
@@ -32,12 +42,16 @@ struct ReadOptions {
   /// are those of a text's first line; mesh and scan formats have x, y, z. The other columns of a
   /// text may hold anything.
   std::string columns;
+  /// A column of one more number a point, named as in `columns`; it is no coordinate unless
+  /// `columns` names it, too (PointFile::weights). Of open_points alone, and not beside `key`.
+  std::string weights;
   /// A column that tells which group a point belongs to, named as in `columns`; it is no coordinate
   /// unless `columns` names it, too. BlockVisitor::keyed receives its values as they are written in
   /// the file.
   std::string key;
-  /// Called with one line to show the user where columns were left out without having been asked
-  /// to. From any thread.
+  /// Called with one line to show the user where the reader chose or left out something without
+  /// having been asked to: columns of a text, bytes or text behind the points, faces that are cut
+  /// short. From any thread.
   std::function<void(const std::string&)> remark;
   /// Compressed files (.gz, .zst, .npz) may unpack to at most this many bytes in memory; 0: half of
   /// what the process may use. Read in blocks (visit_blocks) they take no more memory than others.
@@ -46,22 +60,14 @@ struct ReadOptions {
   /// from any of them on: .npy, .las, raw, binary .ply and .pcd, unless compressed, and HDF5. Other
   /// files are read whole (PointFile::in_parts). Of open_points alone.
   std::uint64_t part = 0, parts = 1;
+  Numbers numbers = Numbers::world;
+  /// For Numbers::grid: the grid, by common_grid of all inputs; without it the file's own. An empty
+  /// one: coordinates in the world.
+  std::optional<Grid> grid;
   /// Threads that parse text; 0 means all the machine offers.
   unsigned threads = 0;
   /// Checked while text is parsed.
   std::stop_token stop;
-};
-
-/// Where the whole numbers of a scan lie: along each axis at number * scale + offset. Empty where a
-/// file has none such (all formats but .las).
-struct Placement {
-  std::vector<double> scale, offset;
-
-  bool empty() const noexcept { return scale.empty(); }
-  double at(std::size_t axis, double number) const noexcept {
-    return empty() ? number : number * scale[axis] + offset[axis];
-  }
-  friend bool operator==(const Placement&, const Placement&) = default;
 };
 
 /// Points of a file: mapped (binary) or parsed (text, meshes). Movable; `points()` views its
@@ -76,8 +82,17 @@ class PointFile {
   const PointView& points() const noexcept;
   /// Red, green and blue of every point (u8, dimension 3), where a PLY has them; else no points.
   const PointView& colours() const noexcept;
-  /// Of the points' numbers, which are those of the file; by axis of points().
+  /// Of the file's numbers, by axis of points().
   const Placement& placement() const noexcept;
+  /// The numbers of ReadOptions::weights, one a point of points(); else none.
+  const std::vector<double>& weights() const noexcept;
+  /// The grid that the numbers of points() count on; none unless Numbers::grid was asked for.
+  const Grid& grid() const noexcept;
+  /// A file's own numbers take their places on a grid, if they have one, else in the world; as
+  /// ReadOptions with Numbers::grid reads them. Once.
+  void to_grid(const ReadOptions& options);
+  /// Points on a grid, or a file's own numbers, take their coordinates in the world. Once.
+  void to_world();
   const std::string& format() const noexcept;  ///< "npy", "ply (binary little-endian)", ...
   bool mapped() const noexcept;                ///< true when read in place
   /// Whether points() is the part that ReadOptions::part names; else it is all of them.
@@ -98,6 +113,10 @@ class PointFile {
 /// Error{io} or Error{bad_file} with file and line or byte offset.
 PointFile open_points(const std::string& path, const ReadOptions& options = {});
 
+/// The line, from 1, of a point of an uncompressed text of points, for a message; none of other
+/// formats, and where the file cannot be read so. Takes the time of counting lines.
+std::optional<std::uint64_t> line_of_point(const std::string& path, std::uint64_t point) noexcept;
+
 /// Moving points, frame after frame: an array (frames, n, d) in an .npy file, of which only one
 /// frame is mapped at a time (so a sequence may exceed memory), or one file of points a frame.
 class PointSequence {
@@ -117,6 +136,7 @@ class PointSequence {
   std::uint64_t index() const noexcept;
   const std::string& name() const noexcept;
   const std::string& format() const noexcept;
+  const Grid& grid() const noexcept;     ///< as PointFile::grid(), the same for all frames
   double read_seconds() const noexcept;  ///< of the current frame
 
   struct Impl;
@@ -166,18 +186,14 @@ enum class Faces {
 /// .wkt .json .txt) or in `format`: one of those words, or of qhull_formats(). The bytes depend on
 /// points and hull alone, so .json holds the result and no times. The file appears whole or not at
 /// all (written beside, then renamed); "-" and what is no regular file (a pipe, a device) are
-/// written directly. Meshes, .geojson and .wkt have their vertices where `placement` says, rounded,
-/// and measures of these; other formats have the points' numbers. Throws Error{invalid_argument} if
-/// the format cannot hold the hull's dimension or the placement is of another, Error{io} with the
-/// system's reason.
+/// written directly. Throws Error{invalid_argument} if the format cannot hold the hull's dimension,
+/// Error{io} with the system's reason.
 void write_hull(const std::string& path, const PointView& points, const Hull& hull,
-                const std::string& format = "", Faces faces = Faces::polygons,
-                const Placement& placement = {});
+                const std::string& format = "", Faces faces = Faces::polygons);
 /// The same bytes from the points' state and its hull(). Formats that list every point are refused:
 /// Error{invalid_argument}.
 void write_hull(const std::string& path, const HullState& state, const Hull& hull,
-                const std::string& format = "", Faces faces = Faces::polygons,
-                const Placement& placement = {});
+                const std::string& format = "", Faces faces = Faces::polygons);
 
 /// For a handler of SIGINT or SIGTERM (async-signal-safe): removes the temporary files of writers
 /// that have not finished.
@@ -192,13 +208,21 @@ std::string hull_to_json(const HullState& state, const Hull& hull, const JsonExt
 /// Reads what write_hull(".json") or hull_to_json with lists wrote, of this schema version or an
 /// earlier one. Every size, offset and index is checked, so that the result can be handed to
 /// certify(); its statistics are not in the file. `vertex_coordinates`, if given, takes the rows of
-/// that key, in the order of `vertices`. Throws Error{bad_file} or Error{io}.
-Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates = nullptr);
+/// that key, in the order of `vertices`. Options used: stop, poll. `first_id`: the id of point 0 in
+/// the file; the result counts from 0. Throws Error{bad_file}, Error{io} or Error{cancelled}.
+Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates = nullptr,
+                    const Options& options = {}, std::uint64_t first_id = 0);
 
 /// certify() of the hull in such a file; its `vertex_coordinates`, which a Hull does not have, must
-/// be those of the points. Throws what hull_from_json and certify throw.
+/// be those of the points. Points on a grid are compared with what the file has in the world.
+/// `first_id`: the id of point 0 in the file. Throws what hull_from_json and certify throw.
 Certificate certify_file(const PointView& points, const std::string& path,
-                         const Options& options = {});
+                         const Options& options = {}, const Grid& grid = {},
+                         std::uint64_t first_id = 0);
+
+/// Throws Error{io} where a file of this name cannot be written; for a check before long work.
+/// Leaves a file that exists as it is.
+void check_writable(const std::string& path);
 
 /// Reads what `cullhull bench machine` wrote: an object with the members of MachineConstants. The
 /// rates of link and device may be missing or null. Throws Error{bad_file} or Error{io}.

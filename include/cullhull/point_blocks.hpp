@@ -67,8 +67,10 @@ struct BlockSummary {
   std::uint32_t dimension = 0;  ///< 0: no block
   /// Of the first input that had points; f64 if others had another one.
   ScalarType scalar = ScalarType::f64;
-  std::string format;   ///< of the first input
-  Placement placement;  ///< of all inputs; empty where one has none
+  std::string format;       ///< of the first input
+  Placement placement;      ///< of the first input's numbers
+  Grid grid;                ///< of all inputs, as PointFile::grid()
+  bool any_placed = false;  ///< whether one has a placement
 };
 
 struct BlockOptions {
@@ -101,7 +103,7 @@ bool worth_streaming(const std::vector<std::string>& files, const Options& optio
 /// memory O(readers * block). Formats of records (.npy, .ply in binary, raw, ...) and text come in
 /// blocks; the others (.obj, .stl, ...) are read whole, one file at a time.
 ///
-/// Errors: io, bad_file (points of another dimension or placement than the first input's, too),
+/// Errors: io, bad_file (points of another dimension than the first input's, too),
 /// out_of_budget for a file that has to be read whole and does not fit, cancelled
 /// (options.read.stop).
 BlockSummary visit_blocks(const std::vector<std::string>& files, const BlockVisitor& visitor,

@@ -48,14 +48,23 @@ class HullState {
   /// Their coordinates, packed rows of scalar(), in that order; invalidated when the state changes.
   PointView points() const noexcept;
 
-  /// Adds another set's points; the two sets may share nothing but equal points. Errors as
+  /// Adds another set's points. An id may occur in both only for the same point. Errors as
   /// extreme_points(), after which the state is unchanged. Error{invalid_argument} where dimensions
-  /// differ.
+  /// differ, or where different extreme points of the two have one id.
   void merge(const HullState& other, const Options& options = {});
 
   /// Adds `offset` to every id: a part that was numbered from 0 takes its place in the whole.
   /// Error{invalid_argument} where an id would reach 2^64.
   void shift_ids(std::uint64_t offset);
+
+  /// Points on a grid of so many decimals (cullhull/placement.hpp) take their coordinates in the
+  /// world, rounded, and remember the grid: merge() goes by the numbers on it, if both states have
+  /// the same. Error{invalid_argument} beyond 15 decimals.
+  void to_world(int decimals);
+  /// Back: their numbers on the grid. Nothing without one.
+  void to_grid();
+  /// Of the grid on which the state was found and merges exactly; -1: none.
+  int decimals() const noexcept { return decimals_; }
 
   /// What convex_hull() gives for all the points, ids being the global ones; bit for bit but for
   /// `statistics`, which are those of the last step. Errors as convex_hull; Error{invalid_argument}
@@ -74,6 +83,7 @@ class HullState {
   friend struct internal::StateParts;
   std::uint32_t dimension_ = 0;
   ScalarType scalar_ = ScalarType::f64;
+  int decimals_ = -1;
   std::uint64_t seen_ = 0;
   std::vector<std::uint64_t> ids_;
   std::vector<std::byte> rows_;
@@ -108,7 +118,8 @@ class HullStream {
   ~HullStream();
 
   /// Points with the ids first_id, first_id + 1, ...; each id is to be pushed once. The first block
-  /// determines the dimension. Blocks may be of any size, 0 included.
+  /// determines the dimension. Blocks may be of any size, 0 included. Where different points that
+  /// may be extreme have one id, this or a later call throws Error{invalid_argument}.
   ///
   /// Errors, after which the stream is as if the block had not come: not_finite, naming the global
   /// id; out_of_budget, where the points that may be extreme exceed the memory: what was pushed

@@ -80,6 +80,7 @@ struct Triangulation {
   ScalarType scalar = ScalarType::f64;
   int affine_dimension = -1;
   bool furthest_site = false;
+  bool weighted = false;  ///< made by regular_triangulation()
   /// k axes, ascending, onto which the flat of the points projects one to one; 0, 1, ... if k is
   /// `dimension`.
   std::vector<std::uint32_t> axes;

@@ -2,6 +2,7 @@
 // format.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,13 +15,17 @@
 #pragma GCC visibility push(default)
 namespace cullhull {
 
-/// Writes the cells in the format of the extension of `path` or `format`: .ply .obj .off .vtp
-/// (triangles of 2D and 3D points), .vtk (cells of any triangulation of up to 3 dimensions),
-/// .geojson .wkt (triangles of 2D points) or .json (everything but statistics). The bytes depend on
-/// points and triangulation alone; the file appears whole or not at all, as write_hull's does.
-/// Throws Error{invalid_argument} if the format cannot hold the triangulation, Error{io}.
+/// Writes the cells in the format of the extension of `path` or `format`: .ply .obj .off .stl .glb
+/// .vtp (triangles of 2D points), .vtk (cells of any triangulation of up to 3 dimensions),
+/// .geojson .wkt (triangles of 2D points) or .json (everything but statistics). `heights`, one for
+/// each of 2D points or none: the third coordinates in the meshes and .vtk, else 0, and the list
+/// `heights` of .json; a surface of terrain keeps them so. The bytes depend on points, heights and
+/// triangulation alone; the file appears whole or not at all, as write_hull's does. Throws
+/// Error{invalid_argument} if the format cannot hold the triangulation or the heights, or these are
+/// not one finite number a point; Error{io}.
 void write_triangulation(const std::string& path, const PointView& points,
-                         const Triangulation& triangulation, const std::string& format = "");
+                         const Triangulation& triangulation, const std::string& format = "",
+                         std::span<const double> heights = {});
 
 /// Likewise the polygons of clipped cells (in space their faces): .ply .obj .off .vtp, and in 2D
 /// .geojson and .wkt, a polygon for each point.
@@ -41,8 +46,9 @@ void write_alpha_shape(const std::string& path, const PointView& points,
 void check_alpha_shape_format(const std::string& path, std::uint32_t dimension);
 
 /// Throws what the writers would throw for a name, before the work: for a diagram's cells or, with
-/// `cells` false, for a triangulation.
-void check_triangulation_format(const std::string& path, std::uint32_t dimension, bool cells);
+/// `cells` false, for a triangulation, perhaps with heights.
+void check_triangulation_format(const std::string& path, std::uint32_t dimension, bool cells,
+                                bool heights = false);
 
 /// Text as Qhull's `qdelaunay` prints it, `what` being i (cells), Fn (neighbours, -1 for none), Fx
 /// (points of the hull) or p (all points). Throws Error{invalid_argument} for other words.

@@ -50,6 +50,10 @@ Interpolator::Interpolator(const PointView& points, const Triangulation& triangu
     throw Error(ErrorCode::invalid_argument, "values need at least one component");
   if (values == nullptr && points.count > 0)
     throw Error(ErrorCode::invalid_argument, "values is null");
+  if (triangulation.furthest_site || triangulation.weighted)
+    throw Error(ErrorCode::invalid_argument,
+                "interpolation needs a Delaunay triangulation, neither weighted nor of the "
+                "furthest site");
   TriangulationQuery query(points, triangulation, {}, options);
   state_ = std::make_unique<State>(
       State{std::move(query), components, triangulation.corners(), triangulation.cells,

@@ -16,7 +16,7 @@
 #include "geometry/orientation.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::certificate {
 namespace {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
@@ -367,11 +367,11 @@ ConstrainedTriangulation witness_of(const PointView& points, std::span<const std
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::certificate
 
 Certificate certify(const PointView& points, std::span<const std::uint32_t> edges,
                     const ConstrainedTriangulation& result, const ConstrainedOptions& options) {
-  using namespace internal;
+  using namespace internal::certificate;
   Certificate out;
   try {
     if (options.inside_only) {

@@ -8,10 +8,11 @@
 #include "geometry/cofactors.hpp"
 #include "geometry/double_double.hpp"
 #include "geometry/double_parts.hpp"
+#include "geometry/exact_plane.hpp"
 #include "geometry/minors.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::certificate {
 namespace {
 
 /// Where the library works in doubles (make_frame), the flat's measure is at most this many times
@@ -155,7 +156,8 @@ constexpr double least_edge = 0x1p-80;
 
 }  // namespace
 
-Facets::Facets(const Subject& s) : s_(s), d_(s.hull.dimension), k_(s.k), rows_(s.full.data()) {
+CheckedFacets::CheckedFacets(const Subject& s)
+    : s_(s), d_(s.hull.dimension), k_(s.k), rows_(s.full.data()) {
   for (const double v : s.full) largest_ = std::max(largest_, std::fabs(v));
   if (largest_ > 0 && !(largest_ > 0x1p-20 && largest_ < 0x1p20)) {
     exponent_ = std::ilogb(largest_) + 1;
@@ -182,6 +184,10 @@ Facets::Facets(const Subject& s) : s_(s), d_(s.hull.dimension), k_(s.k), rows_(s
   beta_ = 2 * d_ + 48;
   // Where random edges are far from orthogonal, the library uses doubles down to smaller shares.
   for (unsigned i = 1; k_ > 8 && i <= k_; ++i) careful_share_ *= std::sqrt(i / k);
+  // docs/exactness.md, "Numbers": the greatest permanents of simplices that doubles were used for.
+  double spread = std::pow(k, -(k - 1) / 2);
+  for (unsigned i = 2; i <= k_; ++i) spread *= i;
+  relative_ = k_ <= 8 ? 0x1p-31 * terms * spread : std::min(0.25, 0x1p-36 * k / careful_share_);
   if (by_component()) {
     alpha_ = k_ == 1 ? 0 : terms;
   } else {
@@ -194,7 +200,7 @@ Facets::Facets(const Subject& s) : s_(s), d_(s.hull.dimension), k_(s.k), rows_(s
   }
 }
 
-double Facets::normal_bound(const FacetTerms& t, std::uint32_t simplex, unsigned c) const {
+double CheckedFacets::normal_bound(const FacetTerms& t, std::uint32_t simplex, unsigned c) const {
   const double underflow = wild_ ? 0x1p-1070 : 0x1p-500;
   const double share = std::max(t.share, careful_share_);
   if (by_component()) {
@@ -216,20 +222,20 @@ double Facets::normal_bound(const FacetTerms& t, std::uint32_t simplex, unsigned
   return unit * (alpha_ / share + beta_);
 }
 
-double Facets::offset_underflow() const {
+double CheckedFacets::offset_underflow() const {
   const double least = std::numeric_limits<double>::denorm_min();
   return wild_ ? least : least * 4 * d_ * std::max(largest_, 1.0) + least;
 }
 
 /// Whether the edge is long enough that its products do not underflow and its scaling was exact.
-bool Facets::in_range(std::uint32_t from, std::uint32_t to) const {
+bool CheckedFacets::in_range(std::uint32_t from, std::uint32_t to) const {
   double most = 0;
   for (unsigned c = 0; c < d_; ++c) most = std::max(most, std::fabs(at(to)[c] - at(from)[c]));
   return most > least_edge;
 }
 
 template <unsigned K, class Real>
-bool Facets::by_cofactors(std::uint32_t simplex, FacetTerms& out) const {
+bool CheckedFacets::by_cofactors(std::uint32_t simplex, FacetTerms& out) const {
   const std::uint32_t* v = s_.simplex(simplex);
   double rows[K - 1][K], n[K], spread[K];
   double lengths = 1;
@@ -266,7 +272,7 @@ bool Facets::by_cofactors(std::uint32_t simplex, FacetTerms& out) const {
   return true;
 }
 
-bool Facets::quickly(std::uint32_t i, FacetTerms& out) const {
+bool CheckedFacets::quickly(std::uint32_t i, FacetTerms& out) const {
   if (k_ == 1 || wild_) return false;
   if (k_ != d_ || k_ > 8) return orthogonally(i, out);
   return with_dimension<2, 7, 8>(k_, [&](auto k) {
@@ -274,7 +280,7 @@ bool Facets::quickly(std::uint32_t i, FacetTerms& out) const {
   });
 }
 
-bool Facets::orthogonally(std::uint32_t i, FacetTerms& out) const {
+bool CheckedFacets::orthogonally(std::uint32_t i, FacetTerms& out) const {
   const std::uint32_t* v = s_.simplex(i);
   Orthogonal<DoubleDoubles> o(DoubleDoubles{}, d_);
   for (unsigned j = 1; j < k_; ++j)
@@ -292,7 +298,7 @@ bool Facets::orthogonally(std::uint32_t i, FacetTerms& out) const {
   return out.lengths > 0x1p-400;
 }
 
-mp_bitcnt_t Facets::wide_bits(std::uint32_t simplex) const {
+mp_bitcnt_t CheckedFacets::wide_bits(std::uint32_t simplex) const {
   int low = 0, high = 0;
   bool any = false;
   const auto see = [&](std::uint32_t v) {
@@ -318,7 +324,7 @@ mp_bitcnt_t Facets::wide_bits(std::uint32_t simplex) const {
 /// 2^-(bits - 16) of its permanent. The bound on a unit normal's component is at least a unit of
 /// that permanent over the edges' lengths, while what was lost is divided by the measure: a share
 /// of 2^-(bits - 80) leaves 2^-11 of the bound. Exponents of these numbers know no bounds.
-class Facets::WideCofactors {
+class CheckedFacets::WideCofactors {
  public:
   WideCofactors(unsigned k, mp_bitcnt_t bits)
       : k_(k),
@@ -427,7 +433,7 @@ class Facets::WideCofactors {
   std::vector<mpf_class> edges_, minors_, permanents_, spread_;
 };
 
-bool Facets::wide_cofactors(std::uint32_t i, const double* origin, WideTerms& out) const {
+bool CheckedFacets::wide_cofactors(std::uint32_t i, const double* origin, WideTerms& out) const {
   const auto row = [&](std::uint32_t v) { return s_.full.data() + std::size_t{v} * d_; };
   std::vector<const double*> corners, apexes;
   for (unsigned j = 0; j < k_; ++j) corners.push_back(row(s_.simplex(i)[j]));
@@ -445,13 +451,56 @@ bool Facets::wide_cofactors(std::uint32_t i, const double* origin, WideTerms& ou
   }
 }
 
-WideTerms Facets::wide_terms(std::uint32_t i) const {
+/// The cofactor normal in integers: axes of any proportions cost no bits, and nothing is lost.
+WideTerms CheckedFacets::exact_cofactors(std::uint32_t i, const double* origin) const {
+  constexpr mp_bitcnt_t bits = 256;
+  const auto row = [&](std::uint32_t v) { return s_.full.data() + std::size_t{v} * d_; };
+  const std::uint32_t* v = s_.simplex(i);
+  std::vector<const double*> corners;
+  for (unsigned j = 0; j < k_; ++j) corners.push_back(row(v[j]));
+  ExactPlane plane;
+  plane.set(k_, corners.data());
+  if (plane.degenerate()) fault("simplex ", i, " is degenerate");
+  const auto rounded = [](const ExactPlane::ScaledInteger& n) {
+    mpf_class value(0, bits);
+    mpf_set_z(value.get_mpf_t(), n.value);
+    return times_power_of_two(std::move(value), n.exponent);
+  };
+  Sign inner = Sign::zero;
+  for (std::size_t b = 0; b < s_.basis.size() && inner == Sign::zero; ++b)
+    inner = plane.side(row(s_.basis[b]));
+  if (inner == Sign::zero) fault("the plane of simplex ", i, " holds all vertices");
+  WideTerms w{{}, mpf_class(1, bits), mpf_class(0, bits), mpf_class(0, bits), {}};
+  for (unsigned c = 0; c < k_; ++c) {
+    w.normal.push_back(rounded(plane.cofactor(c)));
+    w.measure += w.normal[c] * w.normal[c];
+  }
+  w.measure = sqrt(w.measure);
+  for (mpf_class& n : w.normal)
+    n = inner == Sign::positive ? mpf_class(-n / w.measure) : mpf_class(n / w.measure);
+  if (origin != nullptr) {
+    const mpf_class determinant = rounded(plane.determinant(origin));
+    w.height = (inner == Sign::positive ? determinant : mpf_class(-determinant)) / w.measure;
+  }
+  for (unsigned j = 1; j < k_; ++j) {
+    mpf_class square(0, bits);
+    for (unsigned c = 0; c < k_; ++c) {
+      const mpf_class step = mpf_class(corners[j][c], bits) - mpf_class(corners[0][c], bits);
+      square += step * step;
+    }
+    w.lengths *= sqrt(square);
+  }
+  return w;
+}
+
+WideTerms CheckedFacets::wide_terms(std::uint32_t i) const {
   s_.exact_decisions.fetch_add(1, std::memory_order_relaxed);
   const auto row = [&](std::uint32_t v) { return s_.full.data() + std::size_t{v} * d_; };
   std::vector<const double*> scratch(k_ + 1);
   const bool level = s_.side(i, s_.row(0), scratch.data()) == Sign::zero;
   const double* const origin = level ? nullptr : row(0);
   if (WideTerms w; k_ == d_ && k_ >= 2 && k_ <= 8 && wide_cofactors(i, origin, w)) return w;
+  if (k_ == d_ && k_ > 8) return exact_cofactors(i, origin);
   const std::uint32_t* v = s_.simplex(i);
   const mp_bitcnt_t enough = wide_bits(i);
   // Flats of wild frames are tested by the bound for each component, of which the smallest matter:
@@ -474,7 +523,7 @@ WideTerms Facets::wide_terms(std::uint32_t i) const {
 }
 
 template <unsigned K>
-void Facets::fill_spread(const WideTerms& w, FacetTerms& out) const {
+void CheckedFacets::fill_spread(const WideTerms& w, FacetTerms& out) const {
   double rows[K - 1][K];
   for (unsigned i = 0; i + 1 < K; ++i)
     for (unsigned c = 0; c < K; ++c) rows[i][c] = w.unit_edges[std::size_t{i} * K + c];
@@ -483,26 +532,21 @@ void Facets::fill_spread(const WideTerms& w, FacetTerms& out) const {
   normal_and_spread<K>(rows, normal, out.spread.data());
 }
 
-void Facets::exactly(std::uint32_t i, FacetTerms& out) const {
-  const WideTerms w = wide_terms(i);
+void CheckedFacets::rounded_terms(const WideTerms& w, FacetTerms& out) const {
   out.normal.clear();
   for (const mpf_class& n : w.normal) out.normal.push_back(n.get_d());
   out.share = mpf_class(w.measure / w.lengths).get_d();
-  long shift = -static_cast<long>(exponent_) * static_cast<long>(k_ - 1);
-  mpf_class lengths = w.lengths;
-  if (shift >= 0)
-    mpf_mul_2exp(lengths.get_mpf_t(), lengths.get_mpf_t(), static_cast<mp_bitcnt_t>(shift));
-  else
-    mpf_div_2exp(lengths.get_mpf_t(), lengths.get_mpf_t(), static_cast<mp_bitcnt_t>(-shift));
-  out.lengths = lengths.get_d();
+  const long shift = -static_cast<long>(exponent_) * static_cast<long>(k_ - 1);
+  out.lengths = times_power_of_two(w.lengths, shift).get_d();
   out.spread.clear();
-  if (k_ != d_ || k_ < 2 || k_ > 8) return;
-  with_dimension<2, 7, 8>(k_, [&](auto k) { fill_spread<k>(w, out); });
-}
-
-void Facets::terms(std::uint32_t simplex, FacetTerms& out) const {
-  if (!quickly(simplex, out)) exactly(simplex, out);
+  if (k_ == d_ && k_ >= 2 && k_ <= 8)
+    with_dimension<2, 7, 8>(k_, [&](auto k) { fill_spread<k>(w, out); });
   out.spread_length = length(out.spread.data(), static_cast<unsigned>(out.spread.size()));
 }
 
-}  // namespace cullhull::internal
+void CheckedFacets::terms(std::uint32_t simplex, FacetTerms& out) const {
+  if (!quickly(simplex, out)) return rounded_terms(wide_terms(simplex), out);
+  out.spread_length = length(out.spread.data(), static_cast<unsigned>(out.spread.size()));
+}
+
+}  // namespace cullhull::internal::certificate

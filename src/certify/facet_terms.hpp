@@ -5,13 +5,22 @@
 #include <gmpxx.h>
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "certify/certificate.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::certificate {
 
-/// A simplex of the surface. Lengths are in the units of Facets::at.
+inline mpf_class times_power_of_two(mpf_class v, long e) {
+  if (e >= 0)
+    mpf_mul_2exp(v.get_mpf_t(), v.get_mpf_t(), static_cast<mp_bitcnt_t>(e));
+  else
+    mpf_div_2exp(v.get_mpf_t(), v.get_mpf_t(), static_cast<mp_bitcnt_t>(-e));
+  return v;
+}
+
+/// A simplex of the surface. Lengths are in the units of CheckedFacets::at.
 struct FacetTerms {
   std::vector<double> normal;  ///< outward, of length 1, in the flat
   std::vector<double> spread;  ///< p of the bound; empty where the bound has none
@@ -29,9 +38,9 @@ struct WideTerms {
 };
 
 /// The facets of a hull whose surface has been checked. Thread safe.
-class Facets {
+class CheckedFacets {
  public:
-  explicit Facets(const Subject& s);
+  explicit CheckedFacets(const Subject& s);
 
   /// Coordinates of a vertex in units of 2^exponent(), exact except where they underflow.
   const double* at(std::uint32_t v) const { return rows_ + std::size_t{v} * d_; }
@@ -46,12 +55,17 @@ class Facets {
   void terms(std::uint32_t simplex, FacetTerms& out) const;
   /// In units of 1.
   WideTerms wide_terms(std::uint32_t simplex) const;
+  /// The same as terms() from wide_terms().
+  void rounded_terms(const WideTerms& w, FacetTerms& out) const;
   mp_bitcnt_t wide_bits(std::uint32_t simplex) const;
 
   /// The greatest documented difference of component c of a plane from the exact unit normal.
   double normal_bound(const FacetTerms& t, std::uint32_t simplex, unsigned c) const;
   /// Whether the bound is for each component, by `spread`.
   bool by_component() const { return k_ == 1 || (k_ == d_ && k_ <= 8); }
+  /// The greatest documented error of volume and area relative to themselves, however thin the
+  /// simplices are. Below 1/2.
+  double relative_bound() const { return relative_; }
   double alpha() const { return alpha_; }  ///< per unit of `spread`, else of `lengths`
   double beta() const { return beta_; }    ///< per unit of the normal itself
 
@@ -65,8 +79,9 @@ class Facets {
   bool by_cofactors(std::uint32_t simplex, FacetTerms& out) const;
   bool quickly(std::uint32_t simplex, FacetTerms& out) const;
   bool orthogonally(std::uint32_t simplex, FacetTerms& out) const;
-  void exactly(std::uint32_t simplex, FacetTerms& out) const;
   class WideCofactors;
+  /// Full dimension. `origin`: null if that is on the plane.
+  WideTerms exact_cofactors(std::uint32_t simplex, const double* origin) const;
   /// False where more bits would be needed than Gram-Schmidt takes.
   bool wide_cofactors(std::uint32_t simplex, const double* origin, WideTerms& out) const;
   template <unsigned K>
@@ -81,7 +96,7 @@ class Facets {
   const double* rows_;
   std::vector<double> scaled_;
   std::vector<std::uint8_t> constant_;  ///< axes orthogonal to the flat
-  double alpha_ = 0, beta_ = 0, careful_share_ = 0x1p-13;
+  double alpha_ = 0, beta_ = 0, careful_share_ = 0x1p-13, relative_ = 0.25;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::certificate

@@ -4,7 +4,7 @@
 
 #include "certify/certificate.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::certificate {
 namespace {
 
 using Set = std::vector<std::uint32_t>;
@@ -305,4 +305,4 @@ void check_facets(Subject& s) {
   FacetCheck(s).run();
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::certificate

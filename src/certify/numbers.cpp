@@ -8,20 +8,12 @@
 #include "certify/facet_terms.hpp"
 #include "geometry/double_double.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::certificate {
 namespace {
 
-constexpr double unit = Facets::unit;
+constexpr double unit = CheckedFacets::unit;
 /// Factor of the bound that includes the check's own error.
 constexpr double with_own = 1.25;
-
-mpf_class times_power_of_two(mpf_class v, long e) {
-  if (e >= 0)
-    mpf_mul_2exp(v.get_mpf_t(), v.get_mpf_t(), static_cast<mp_bitcnt_t>(e));
-  else
-    mpf_div_2exp(v.get_mpf_t(), v.get_mpf_t(), static_cast<mp_bitcnt_t>(-e));
-  return v;
-}
 
 /// Magnitudes from here on round to infinity: the largest double and half a unit.
 mpf_class beyond_doubles() { return times_power_of_two(mpf_class(1 - 0x1p-54, 256), 1024); }
@@ -31,7 +23,7 @@ mpf_class beyond_doubles() { return times_power_of_two(mpf_class(1 - 0x1p-54, 25
 
 class PlaneCheck {
  public:
-  PlaneCheck(const Subject& s, const Facets& facets)
+  PlaneCheck(const Subject& s, const CheckedFacets& facets)
       : s_(s), h_(s.hull), f_(facets), d_(s.hull.dimension), k_(s.k) {}
 
   /// Checks the facet that is one simplex.
@@ -128,7 +120,7 @@ class PlaneCheck {
 
   const Subject& s_;
   const Hull& h_;
-  const Facets& f_;
+  const CheckedFacets& f_;
   const unsigned d_, k_;
 };
 
@@ -157,23 +149,28 @@ using WideSums = Sums<mpf_class, mpf_class>;
 
 class MeasureCheck {
  public:
-  MeasureCheck(const Subject& s, const Facets& facets)
+  MeasureCheck(const Subject& s, const CheckedFacets& facets)
       : s_(s), h_(s.hull), f_(facets), planes_(s, facets), d_(s.hull.dimension), k_(s.k) {}
 
   /// Checks measures, and in the same pass planes of facets that are simplices.
   void run() const {
-    if (!quick() || !single()) planes_.run();
+    if (!single()) planes_.run();
     if (quick()) {
       const QuickSums q = quick_sums();
-      // Far from underflow nothing was lost in the sums, whatever single simplices lost.
-      if (q.volume.high > 0x1p-500 && q.area.high > 0x1p-500 && q.volume.high < 0x1p900)
-        return compare(widened(q), f_.exponent());
+      if (settled(q)) return compare(widened(q), f_.exponent());
     }
     compare(wide_sums(), 0);
   }
 
  private:
   bool quick() const { return k_ > 1 && !f_.wild(); }
+  /// Whether the bounds that add up with the sums tell more than relative_bound() does. Far from
+  /// underflow nothing was lost in the sums, whatever single simplices lost.
+  bool settled(const QuickSums& q) const {
+    return q.volume.high > 0x1p-500 && q.area.high > 0x1p-500 && q.volume.high < 0x1p900 &&
+           q.volume_bound <= f_.relative_bound() * q.volume.high &&
+           q.area_bound <= f_.relative_bound() * q.area.high;
+  }
   bool single() const { return h_.facets.size() == s_.simplex_count(); }
 
   /// Bounds of the measure of a simplex's parallelotope, and of its product with the height,
@@ -268,13 +265,16 @@ class MeasureCheck {
     });
     WideSums all = none;
     for (const WideSums& p : parts) all.add(p);
+    all.volume_bound = std::min(all.volume_bound, mpf_class(all.volume * f_.relative_bound()));
+    all.area_bound = std::min(all.area_bound, mpf_class(all.area * f_.relative_bound()));
     return all;
   }
 
   void add_wide(std::uint32_t i, mp_bitcnt_t bits, WideSums& out) const {
     const WideTerms w = f_.wide_terms(i);
     FacetTerms t;
-    f_.terms(i, t);
+    f_.rounded_terms(w, t);
+    if (single() && !quick()) planes_.check_simplex(i, t);
     const std::uint32_t* v = s_.simplex(i);
     const auto at = [&](std::uint32_t vertex) { return s_.full.data() + std::size_t{vertex} * d_; };
     const double* o = at(0);
@@ -321,7 +321,8 @@ class MeasureCheck {
     const mpf_class allowed = bound * with_own + least();
     const mpf_class limit = beyond_doubles();
     if (given == std::numeric_limits<double>::infinity() && expected + allowed >= limit) return;
-    if (std::isfinite(given) && abs(mpf_class(given, 256) - expected) <= allowed) return;
+    if (given >= 0 && std::isfinite(given) && abs(mpf_class(given, 256) - expected) <= allowed)
+      return;
     const std::string right = expected >= limit ? "inf" : number(expected.get_d());
     fault("the ", what, " ", number(given), " should be ", right);
   }
@@ -342,6 +343,8 @@ class MeasureCheck {
     }
     extent = mpf_class(high, 256) - mpf_class(low, 256);
     const double given = h_.centroid[c];
+    if (given < low || given > high)
+      fault("coordinate ", c, " of the centroid, ", number(given), ", is outside of the hull");
     const mpf_class expected = mpf_class(origin, shift.get_prec()) + shift;
     const mpf_class allowed =
         (2 * relative + f_.beta() * unit) * with_own * extent + 2 * unit * abs(expected) + least();
@@ -352,7 +355,7 @@ class MeasureCheck {
 
   const Subject& s_;
   const Hull& h_;
-  const Facets& f_;
+  const CheckedFacets& f_;
   const PlaneCheck planes_;
   const unsigned d_, k_;
 };
@@ -360,8 +363,8 @@ class MeasureCheck {
 }  // namespace
 
 void check_numbers(const Subject& s) {
-  const Facets facets(s);
+  const CheckedFacets facets(s);
   MeasureCheck(s, facets).run();
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::certificate

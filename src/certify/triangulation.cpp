@@ -19,7 +19,7 @@
 #include "parallel/dispatch.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::certificate {
 namespace {
 
 class TriangulationSubject {
@@ -522,11 +522,11 @@ Certificate certify_triangulation(const PointView& points, std::span<const doubl
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::certificate
 
 Certificate certify(const PointView& points, const Triangulation& triangulation,
                     const TriangulationOptions& options) {
-  return internal::certify_triangulation(points, {}, triangulation, options);
+  return internal::certificate::certify_triangulation(points, {}, triangulation, options);
 }
 
 Certificate certify(const PointView& points, std::span<const double> weights,
@@ -535,7 +535,7 @@ Certificate certify(const PointView& points, std::span<const double> weights,
     throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(points.count) +
                                                  " points, but " + std::to_string(weights.size()) +
                                                  " weights");
-  return internal::certify_triangulation(points, weights, triangulation, options);
+  return internal::certificate::certify_triangulation(points, weights, triangulation, options);
 }
 
 }  // namespace cullhull

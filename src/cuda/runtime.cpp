@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "cuda/reason.hpp"
+#include "parallel/fork_guard.hpp"
 
 namespace cullhull::internal::cuda {
 namespace {
@@ -15,6 +16,8 @@ namespace {
 /// The error that broke the context; never cleared, as only a new process recovers.
 class Poison {
  public:
+  void lock() { mutex_.lock(); }
+  void unlock() { mutex_.unlock(); }
   void set(const std::string& why) {
     const std::lock_guard lock(mutex_);
     if (why_.empty()) why_ = why;
@@ -33,6 +36,17 @@ Poison& poison() {
   static Poison p;
   return p;
 }
+
+/// Guards the known devices, while they are asked for, too.
+std::mutex& devices_mutex() {
+  static std::mutex& mutex = *new std::mutex;
+  return mutex;
+}
+
+const ForkGuard poison_guard(
+    ForkGuard::Order::inner, [] { poison().lock(); }, [] { poison().unlock(); });
+const ForkGuard devices_guard(
+    ForkGuard::Order::outer, [] { devices_mutex().lock(); }, [] { devices_mutex().unlock(); });
 
 /// The sticky errors: those of which the documentation of the run-time library says that they leave
 /// "the process in an inconsistent state". Querying a stream again would be no test: default
@@ -148,10 +162,9 @@ const Device& device(int ordinal) {
     throw Failure("CUDA failed earlier in this process (" + why +
                   ") and cannot be used until it is restarted");
   // Devices are kept to the end of the process: their pools must outlive every array.
-  static std::mutex mutex;
   static std::map<int, std::unique_ptr<Device>>& known =
       *new std::map<int, std::unique_ptr<Device>>;
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(devices_mutex());
   std::unique_ptr<Device>& d = known[ordinal];
   if (d == nullptr) d = std::make_unique<Device>(query(ordinal));
   return *d;
@@ -201,6 +214,8 @@ namespace {
 /// Free blocks of pinned memory, of sizes that are powers of two.
 class PinnedPool {
  public:
+  void lock() { mutex_.lock(); }
+  void unlock() { mutex_.unlock(); }
   void* take(std::size_t bytes) {
     const std::lock_guard lock(mutex_);
     const auto block = free_.find(bytes);
@@ -245,6 +260,9 @@ PinnedPool& pinned_pool() {
   static PinnedPool& pool = *new PinnedPool;
   return pool;
 }
+
+const ForkGuard pinned_guard(
+    ForkGuard::Order::inner, [] { pinned_pool().lock(); }, [] { pinned_pool().unlock(); });
 
 std::size_t pinned_block(std::size_t bytes) {
   return std::bit_ceil(std::max<std::size_t>(bytes, 4096));

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "cullhull/error.hpp"
-#include "generate/turn.hpp"
+#include "generate/rotation.hpp"
 #include "parallel/int128.hpp"
 #include "parallel/parallel.hpp"
 #include "parallel/random_stream.hpp"
@@ -148,7 +148,7 @@ void bumpy_point(const Job& job, RandomStream& random, std::uint64_t, double* ro
   // which no scanned body shows.
   double relief = 1;
   for (std::uint32_t j = 0; j < std::min(job.dimension, 3U); ++j)
-    relief *= internal::turn_by(10 * row[j] + 0.1 * j).sine;
+    relief *= internal::rotation_by(10 * row[j] + 0.1 * j).sine;
   radius *= 1 + 0.008 * relief;
   for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] *= radius * (1 - 0.2 * (j % 3));
 }

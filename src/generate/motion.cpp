@@ -7,7 +7,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
-#include "generate/turn.hpp"
+#include "generate/rotation.hpp"
 #include "parallel/int128.hpp"
 #include "parallel/parallel.hpp"
 #include "parallel/random_stream.hpp"
@@ -17,12 +17,12 @@ namespace {
 
 using internal::mix64;
 using internal::RandomStream;
-using internal::Turn;
-using internal::turn_by;
+using internal::Rotation;
+using internal::rotation_by;
 
-void rotate(const Turn& turn, double& x, double& y) {
-  const double turned = turn.cosine * x - turn.sine * y;
-  y = turn.sine * x + turn.cosine * y;
+void rotate(const Rotation& rotation, double& x, double& y) {
+  const double turned = rotation.cosine * x - rotation.sine * y;
+  y = rotation.sine * x + rotation.cosine * y;
   x = turned;
 }
 
@@ -78,12 +78,12 @@ struct MovingPoints::Impl {
       const double u = x[0] - centre[0], v = x[1] - centre[1];
       along = std::sqrt(u * u + v * v);
     }
-    spin_plane(turn_by(0.75 * time * along / extent), 0, x);
+    spin_plane(rotation_by(0.75 * time * along / extent), 0, x);
   }
 
-  void spin_plane(const Turn& turn, std::uint32_t axis, double* x) const {
+  void spin_plane(const Rotation& rotation, std::uint32_t axis, double* x) const {
     double u = x[axis] - centre[axis], v = x[axis + 1] - centre[axis + 1];
-    rotate(turn, u, v);
+    rotate(rotation, u, v);
     x[axis] = centre[axis] + u;
     x[axis + 1] = centre[axis + 1] + v;
   }
@@ -91,12 +91,12 @@ struct MovingPoints::Impl {
   void spin(double time, std::uint64_t, double* x) const {
     double share = 1;
     for (std::uint32_t j = 0; j + 1 < dimension; ++j, share *= 0.61803398874989485)
-      spin_plane(turn_by(time * share), j, x);
+      spin_plane(rotation_by(time * share), j, x);
   }
 
   void wave(double time, std::uint64_t, double* x) const {
-    const double height = turn_by(2 * (x[0] - centre[0]) / extent - 2 * time).sine -
-                          turn_by(2 * (x[0] - centre[0]) / extent).sine;
+    const double height = rotation_by(2 * (x[0] - centre[0]) / extent - 2 * time).sine -
+                          rotation_by(2 * (x[0] - centre[0]) / extent).sine;
     x[dimension - 1] += 0.15 * extent * height;
   }
 
@@ -139,7 +139,7 @@ struct MovingPoints::Impl {
     const Piece& piece = pieces[piece_of[point]];
     if (dimension >= 2) {
       double u = x[0] - piece.seed[0], v = x[1] - piece.seed[1];
-      rotate(turn_by(piece.turns * time), u, v);
+      rotate(rotation_by(piece.turns * time), u, v);
       x[0] = piece.seed[0] + u;
       x[1] = piece.seed[1] + v;
     }

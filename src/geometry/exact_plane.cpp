@@ -92,7 +92,16 @@ void ExactPlane::substitute() {
 }
 
 Sign ExactPlane::side(const double* x) {
-  if (degenerate_) return Sign::zero;
+  return degenerate_ ? Sign::zero : static_cast<Sign>(mpz_sgn(determinant(x).value));
+}
+
+ExactPlane::ScaledInteger ExactPlane::cofactor(unsigned j) {
+  long all = 0;  // a cofactor has one factor of each other column
+  for (unsigned c = 0; c < d_; ++c) all += exponent_[c];
+  return {normal_[j], all - exponent_[j]};
+}
+
+ExactPlane::ScaledInteger ExactPlane::determinant(const double* x) {
   // Terms normal_[j] (x_j - p_j) have different units: the smallest is used for all.
   long lowest = std::numeric_limits<long>::max();
   const auto unit = [&](const DoubleParts& a, const DoubleParts& b) {
@@ -121,7 +130,9 @@ Sign ExactPlane::side(const double* x) {
     mpz_mul_2exp(y, y, static_cast<mp_bitcnt_t>(static_cast<long>(e) - exponent_[j] - lowest));
     mpz_addmul(sum, y, normal_[j]);
   }
-  return static_cast<Sign>(mpz_sgn(sum));
+  if (mpz_sgn(sum) == 0) return {sum, 0};
+  for (unsigned c = 0; c < d_; ++c) lowest += exponent_[c];
+  return {sum, lowest};
 }
 
 void ExactPlane::normal(double* out) {

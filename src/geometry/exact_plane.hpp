@@ -45,6 +45,15 @@ class ExactPlane {
   bool degenerate() const { return degenerate_; }
   /// Sign of orientation(p[0], ..., p[d-1], x). O(d) operations.
   Sign side(const double* x);
+  /// A number of the plane is `value` times 2^`exponent`, exactly; valid until the next call.
+  struct ScaledInteger {
+    mpz_srcptr value;
+    long exponent;
+  };
+  /// The determinant that side() tells the sign of: `cofactor`s times x - p[0].
+  ScaledInteger determinant(const double* x);
+  /// Component j of the normal. Requires independent points.
+  ScaledInteger cofactor(unsigned j);
   /// The normal in doubles, as plane_exact gives it. Requires independent points.
   void normal(double* out);
 

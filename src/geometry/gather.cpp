@@ -13,8 +13,11 @@ namespace {
 
 constexpr std::uint64_t chunk_size = 1 << 15;  // rows: about a megabyte
 
+/// Of -0 among the coordinates.
+enum class Zeros { positive, as_given };
+
 /// Rows of the points id(i), i in [begin, end).
-template <class T, class Id>
+template <Zeros zeros, class T, class Id>
 void gather_rows_of(const PointView& view, const Id& id, std::uint64_t begin, std::uint64_t end,
                     double* out) {
   const unsigned d = view.dimension;
@@ -24,16 +27,18 @@ void gather_rows_of(const PointView& view, const Id& id, std::uint64_t begin, st
     for (unsigned j = 0; j < d; ++j) {
       T v;
       std::memcpy(&v, p + static_cast<std::ptrdiff_t>(j) * view.coordinate_stride, sizeof v);
-      row[j] = static_cast<double>(v) + 0.0;  // + 0.0 turns -0 into +0
+      row[j] = static_cast<double>(v);
+      if constexpr (zeros == Zeros::positive) row[j] += 0.0;  // turns -0 into +0
     }
   }
 }
 
-template <class Id>
+template <Zeros zeros = Zeros::positive, class Id>
 void gather_rows_of(const PointView& view, const Id& id, std::uint64_t begin, std::uint64_t end,
                     double* out) {
-  with_scalar(view.scalar,
-              [&](auto scalar) { gather_rows_of<decltype(scalar)>(view, id, begin, end, out); });
+  with_scalar(view.scalar, [&](auto scalar) {
+    gather_rows_of<zeros, decltype(scalar)>(view, id, begin, end, out);
+  });
 }
 
 void gather_rows(const PointView& view, const std::uint64_t* ids, std::uint64_t begin,
@@ -91,6 +96,12 @@ void load_row(const PointView& view, std::uint64_t point, double* out) {
 
 void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t end, double* out) {
   gather_rows(view, nullptr, begin, end, out);
+}
+
+void load_rows_as_given(const PointView& view, std::uint64_t begin, std::uint64_t end,
+                        double* out) {
+  gather_rows_of<Zeros::as_given>(
+      view, [](std::uint64_t i) { return i; }, begin, end, out);
 }
 
 Array<double> gather_points(const PointView& view, const std::uint64_t* ids, std::uint64_t count,

@@ -27,6 +27,8 @@ void load_row(const PointView& view, std::uint64_t point, double* out);
 
 /// The same for the points [begin, end), row by row.
 void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t end, double* out);
+/// The same with the sign of each zero, which shows in the planes of edges.
+void load_rows_as_given(const PointView& view, std::uint64_t begin, std::uint64_t end, double* out);
 
 /// Throws as gather_points does; ids: nullptr means all points. Memory O(threads).
 void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, const Run& run);

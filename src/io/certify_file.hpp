@@ -6,6 +6,7 @@
 
 namespace cullhull::internal {
 
-Certificate certify_source(const PointView& points, const Source& source, const Options& options);
+Certificate certify_source(const PointView& points, const Source& source, const Options& options,
+                           const Grid& grid = {}, std::uint64_t first_id = 0);
 
 }  // namespace cullhull::internal

@@ -100,6 +100,17 @@ bool evenly_spaced(const std::vector<std::uint32_t>& columns) {
   return true;
 }
 
+/// Of the columns that have one of these names, regardless of case.
+std::vector<std::uint32_t> positions(const std::vector<std::string>& names,
+                                     const std::vector<std::string_view>& wanted) {
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t j = 0; j < names.size(); ++j)
+    if (std::any_of(wanted.begin(), wanted.end(),
+                    [&](std::string_view name) { return alike(names[j], name); }))
+      found.push_back(j);
+  return found;
+}
+
 void gather(PointData& data, const std::vector<std::uint32_t>& columns) {
   const PointView from = data.view;
   const std::size_t size = scalar_size(from.scalar);
@@ -168,17 +179,32 @@ std::vector<std::uint32_t> find_columns(const std::string& text, const std::stri
   return columns;
 }
 
-std::vector<std::uint32_t> find_xyz(const std::vector<std::string>& names) {
-  std::vector<std::uint32_t> columns;
-  for (const char* axis : {"x", "y", "z"}) {
-    const auto is_axis = [axis](const std::string& name) { return alike(name, axis); };
-    const auto times = std::count_if(names.begin(), names.end(), is_axis);
-    if (times > 1 || (times == 0 && *axis != 'z')) return {};
-    if (times == 1)
-      columns.push_back(static_cast<std::uint32_t>(
-          std::find_if(names.begin(), names.end(), is_axis) - names.begin()));
+KnownColumns find_known_columns(const std::vector<std::string>& names) {
+  static const std::vector<std::string_view> heights{"z", "height", "elevation", "altitude"};
+  struct Known {
+    std::string_view first, second;
+    std::vector<std::string_view> third;
+  };
+  static const Known known[] = {{"x", "y", {"z"}},
+                                {"lon", "lat", heights},
+                                {"longitude", "latitude", heights},
+                                {"easting", "northing", heights}};
+  for (const Known& k : known) {
+    const auto first = positions(names, {k.first}), second = positions(names, {k.second}),
+               third = positions(names, k.third);
+    if (first.size() != 1 || second.size() != 1 || third.size() > 1) continue;
+    const std::string one(k.first), two(k.second);
+    if (third.empty()) return {{first[0], second[0]}, one + " and " + two};
+    std::string name;
+    for (const char c : names[third[0]])
+      name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return {{first[0], second[0], third[0]}, one + ", " + two + " and " + name};
   }
-  return columns;
+  return {};
+}
+
+std::vector<std::uint32_t> find_numbering(const std::vector<std::string>& names) {
+  return positions(names, {"id", "index", "fid", ""});
 }
 
 std::uint32_t find_key(const ReadOptions& options, const std::string& file,
@@ -192,29 +218,26 @@ std::uint32_t find_key(const ReadOptions& options, const std::string& file,
   return key[0];
 }
 
-Placement placement_of_columns(const Placement& placement, const std::string& file,
-                               const std::vector<std::string>& names, const ReadOptions& options) {
-  if (placement.empty() || (options.columns.empty() && options.key.empty())) return placement;
-  const auto width = static_cast<std::uint32_t>(placement.scale.size());
-  std::vector<std::uint32_t> columns =
-      find_columns(options.columns.empty() ? ":" : options.columns, file, names, width);
-  (void)find_key(options, file, names, width, columns);
-  Placement chosen;
-  for (const std::uint32_t c : columns) {
-    chosen.scale.push_back(placement.scale[c]);
-    chosen.offset.push_back(placement.offset[c]);
-  }
-  return chosen;
-}
-
 void choose_columns(PointData& data, const std::string& file, const std::vector<std::string>& names,
                     const ReadOptions& options) {
   if (options.columns.empty() && options.key.empty()) return;
-  data.placement = placement_of_columns(data.placement, file, names, options);
   std::vector<std::uint32_t> columns = find_columns(options.columns.empty() ? ":" : options.columns,
                                                     file, names, data.view.dimension);
   const std::uint32_t key = find_key(options, file, names, data.view.dimension, columns);
   if (key != 0xFFFFFFFF) add_keys(data, key);
+  take_columns(data, columns);
+}
+
+void take_columns(PointData& data, const std::vector<std::uint32_t>& columns) {
+  if (!data.placement.empty()) {
+    Placement chosen;
+    for (const std::uint32_t c : columns) {
+      chosen.scale.push_back(data.placement.scale[c]);
+      chosen.offset.push_back(data.placement.offset[c]);
+    }
+    chosen.unit = data.placement.unit;
+    data.placement = std::move(chosen);
+  }
   if (!evenly_spaced(columns)) return gather(data, columns);
   PointView& view = data.view;
   view.data += static_cast<std::ptrdiff_t>(columns[0]) * view.coordinate_stride;

@@ -23,9 +23,19 @@ std::vector<std::string> names_in(const std::string& text);
 /// Equal regardless of case.
 bool alike(std::string_view a, std::string_view b);
 
-/// The columns named x, y and, if there is one, z, regardless of case; none where x or y is
-/// missing, or one of the names occurs twice.
-std::vector<std::uint32_t> find_xyz(const std::vector<std::string>& names);
+/// Columns that are coordinates by their names, regardless of case.
+struct KnownColumns {
+  std::vector<std::uint32_t> columns;  ///< empty: the names say nothing
+  std::string text;                    ///< of their names, for a remark: "x, y and z"
+};
+
+/// The columns named x, y and, if there is one, z; else lon and lat, longitude and latitude, or
+/// easting and northing, and a z, height, elevation or altitude. None where one of the names occurs
+/// twice.
+KnownColumns find_known_columns(const std::vector<std::string>& names);
+
+/// The columns whose names say that they number the points: id, index, fid, or none at all.
+std::vector<std::uint32_t> find_numbering(const std::vector<std::string>& names);
 
 /// The column of ReadOptions::key, which is removed from `columns` unless these were asked for; the
 /// largest number where there is no key. Throws as find_columns does.
@@ -33,13 +43,11 @@ std::uint32_t find_key(const ReadOptions& options, const std::string& file,
                        const std::vector<std::string>& names, std::uint32_t width,
                        std::vector<std::uint32_t>& columns);
 
-/// The placement of the columns that `options` ask for, of a file with these names.
-Placement placement_of_columns(const Placement& placement, const std::string& file,
-                               const std::vector<std::string>& names, const ReadOptions& options);
-
 /// Restricts the view to the columns that `options` ask for: by strides where possible, else by a
 /// copy. Keys, where asked for, are numbers as decimals.
 void choose_columns(PointData& data, const std::string& file, const std::vector<std::string>& names,
                     const ReadOptions& options);
+/// Restricts the view, and its placement, to these columns.
+void take_columns(PointData& data, const std::vector<std::uint32_t>& columns);
 
 }  // namespace cullhull::internal

@@ -1,6 +1,5 @@
 #include "io/geometry_text.hpp"
 
-#include <cmath>
 #include <vector>
 
 #include "cullhull/error.hpp"
@@ -49,22 +48,6 @@ PlaneMeasures measures_of(const Hull& hull) {
   if (hull.affine_dimension <= 0) return {};
   if (hull.affine_dimension == 1) return {2 * hull.volume, 0};
   return {hull.area, hull.volume};
-}
-
-/// Of the rounded positions, summed up from the first.
-PlaneMeasures measures_of(std::span<const double> boundary) {
-  const std::size_t count = boundary.size() / 2;
-  PlaneMeasures m;
-  double doubled = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double* const p = boundary.data() + 2 * i;
-    const double* const q = boundary.data() + (i + 1 < count ? 2 * i + 2 : 0);
-    m.perimeter += std::hypot(q[0] - p[0], q[1] - p[1]);
-    doubled +=
-        (p[0] - boundary[0]) * (q[1] - boundary[1]) - (p[1] - boundary[1]) * (q[0] - boundary[0]);
-  }
-  m.area = doubled / 2;
-  return m;
 }
 
 }  // namespace
@@ -117,15 +100,14 @@ void append_wkt(std::string& out, const PlaneRings& rings) {
   out += ")";
 }
 
-std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format,
-                          const Placement& placement) {
+std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format) {
   if (hull.dimension != 2)
     throw Error(ErrorCode::invalid_argument, "." + format + " holds hulls of 2D points, not " +
                                                  std::to_string(hull.dimension) +
                                                  "D; meshes hold 3D, .json any");
   std::vector<double> boundary;
   for (const std::uint64_t id : hull.vertices)
-    for (std::uint32_t j = 0; j < 2; ++j) boundary.push_back(placement.at(j, points.at(id, j)));
+    for (std::uint32_t j = 0; j < 2; ++j) boundary.push_back(points.at(id, j));
   std::string out;
   if (format == "wkt") {
     append_wkt(out, boundary);
@@ -133,7 +115,7 @@ std::string geometry_file(const Coordinates& points, const Hull& hull, const std
   }
   out = "{\"type\": \"Feature\", \"properties\": {\"points\": ";
   append_number(out, hull.point_count);
-  const PlaneMeasures m = placement.empty() ? measures_of(hull) : measures_of(boundary);
+  const PlaneMeasures m = measures_of(hull);
   for (const auto& [name, value] : {std::pair{"perimeter", m.perimeter}, {"area", m.area}}) {
     out += std::string(", \"") + name + "\": ";
     append_json_number(out, value);

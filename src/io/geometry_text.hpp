@@ -25,7 +25,6 @@ void append_wkt(std::string& out, const PlaneRings& rings);
 
 /// The whole file for one hull: a Feature with its measures, or one line. Error{invalid_argument}
 /// unless the points are 2D.
-std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format,
-                          const Placement& placement);
+std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format);
 
 }  // namespace cullhull::internal

@@ -7,6 +7,7 @@
 
 #include "io/mapped_file.hpp"
 #include "io/source.hpp"
+#include "parallel/control.hpp"
 
 namespace cullhull {
 namespace internal {
@@ -71,6 +72,7 @@ struct RawHull {
   Lists<double> planes;
   Lists<double> coordinates;
   bool want_coordinates = false;  ///< otherwise they are skipped
+  std::uint64_t first_id = 0;     ///< id of point 0 in the file
   Lists<std::uint64_t> simplices;
   Lists<std::uint32_t> simplex_neighbours;
   bool seen[field_total] = {};
@@ -79,20 +81,29 @@ struct RawHull {
 
 class HullReader final : public nlohmann::json_sax<json> {
  public:
-  HullReader(const Source& source, RawHull& raw) : source_(source), raw_(raw) {}
+  HullReader(const Source& source, RawHull& raw, const Control& control)
+      : source_(source), raw_(raw), control_(control) {}
 
   bool null() override { return unexpected(); }
   bool boolean(bool) override { return unexpected(); }
   bool number_integer(std::int64_t v) override {
+    poll();
     if (top_level() && field_ == Field::affine_dimension) {
       raw_.affine_dimension = v;
       return true;
     }
     return real(static_cast<double>(v), true);
   }
-  bool number_unsigned(std::uint64_t v) override { return whole(v); }
-  bool number_float(double v, const std::string&) override { return real(v, true); }
+  bool number_unsigned(std::uint64_t v) override {
+    poll();
+    return whole(v);
+  }
+  bool number_float(double v, const std::string&) override {
+    poll();
+    return real(v, true);
+  }
   bool string(std::string& v) override {
+    poll();
     if (top_level() && field_ == Field::kind) return check_kind(v);
     // A measure or an offset that overflows doubles.
     if (v == "inf") return real(std::numeric_limits<double>::infinity(), false);
@@ -150,6 +161,10 @@ class HullReader final : public nlohmann::json_sax<json> {
   }
 
  private:
+  /// Called for each value: 2^16 of them take milliseconds.
+  void poll() {
+    if ((++values_ & 0xFFFF) == 0) control_.check();
+  }
   bool top_level() const { return depth_ == 1; }
   bool in_points() const { return depth_ == 2 && field_ == Field::points; }
   bool is_flat() const {
@@ -297,6 +312,8 @@ class HullReader final : public nlohmann::json_sax<json> {
 
   const Source& source_;
   RawHull& raw_;
+  const Control& control_;
+  std::uint64_t values_ = 0;
   int depth_ = 0;
   Field field_ = Field::ignored;
   std::string inner_;
@@ -323,10 +340,10 @@ class HullChecker {
     equal("simplex_neighbours", raw_.simplex_neighbours.size(), simplices);
     if (k == 0 && (facets > 0 || simplices > 0)) fault("facets", "a hull of one point has none");
 
-    below("vertices", hull_.vertices, hull_.point_count);
-    below("facets", hull_.facets.items, hull_.point_count);
+    number_points("vertices", hull_.vertices);
+    number_points("facets", hull_.facets.items.edit());
     below("facet_neighbours", hull_.facet_neighbours.items, facets);
-    below("simplices", raw_.simplices.items, hull_.point_count);
+    number_points("simplices", raw_.simplices.items);
     below("simplex_neighbours", raw_.simplex_neighbours.items, simplices);
     below("simplex_facets", hull_.simplex_facets, facets);
 
@@ -405,6 +422,20 @@ class HullChecker {
     if (have != want)
       fault(field, "has " + std::to_string(have) + " entries instead of " + std::to_string(want));
   }
+  /// Ids, which begin at first_id in the file, become positions.
+  template <class Items>
+  void number_points(const char* field, Items& ids) const {
+    const std::uint64_t first = raw_.first_id, end = first + hull_.point_count;
+    for (std::uint64_t i = 0; i < ids.size(); ++i) {
+      if (ids[i] < first || ids[i] >= end)
+        fault(field, "item " + std::to_string(i) + " is " + std::to_string(ids[i]) +
+                         ", but the ids of " + std::to_string(hull_.point_count) +
+                         " points go from " + std::to_string(first) + " to below " +
+                         std::to_string(end) +
+                         "; for a hull made with --first-id give it here, too");
+      ids[i] -= first;
+    }
+  }
   template <class Items>
   void below(const char* field, const Items& items, std::uint64_t limit) const {
     for (std::uint64_t i = 0; i < items.size(); ++i)
@@ -439,10 +470,14 @@ class HullChecker {
 
 }  // namespace
 
-Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinates) {
+Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinates,
+                    const Options& options, std::uint64_t first_id) {
   RawHull raw;
+  raw.first_id = first_id;
   raw.want_coordinates = vertex_coordinates != nullptr;
-  HullReader reader(source, raw);
+  const Control control(options);
+  control.check();
+  HullReader reader(source, raw, control);
   json::sax_parse(source.data, source.data + source.size, &reader);
   Hull hull = HullChecker(source, raw).check();
   if (vertex_coordinates != nullptr)
@@ -452,9 +487,10 @@ Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinate
 
 }  // namespace internal
 
-Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates) {
+Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates,
+                    const Options& options, std::uint64_t first_id) {
   const internal::MappedFile file(path);
-  Hull hull = internal::read_hull_json(file.source(), vertex_coordinates);
+  Hull hull = internal::read_hull_json(file.source(), vertex_coordinates, options, first_id);
   file.check_size();
   return hull;
 }

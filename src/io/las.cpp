@@ -6,6 +6,8 @@
 #include <limits>
 #include <memory>
 
+#include "io/las_fields.hpp"
+#include "io/las_units.hpp"
 #include "io/mapped_file.hpp"
 #include "io/output_file.hpp"
 #include "io/packed/unwrap.hpp"
@@ -62,9 +64,9 @@ LasHeader parse_header(const Source& head) {
   const unsigned format = field<std::uint8_t>(head, 104);
   h.format = format & 0x3F;
   if (format != h.format)
-    fail(
-        head,
-        "holds compressed points (LAZ), which the Python package alone reads: cullhull.read(path)");
+    fail(head,
+         "holds compressed points (LAZ), which the Python package unpacks: python3 -m cullhull ... "
+         "in the place of cullhull ..., or cullhull.read(path) (pip install 'laspy[lazrs]')");
   if (h.format >= std::size(least_record))
     fail_at_byte(head, 104, "LAS point format " + std::to_string(h.format) + "; 0 to 10 are known");
   h.record = field<std::uint16_t>(head, 105);
@@ -80,6 +82,8 @@ LasHeader parse_header(const Source& head) {
   if (h.offset < header_size)
     fail_at_byte(head, 96, "points at byte " + std::to_string(h.offset) + ", within the header");
   h.placement = placement_of(head);
+  if (!h.placement.empty())
+    h.placement.unit = las_unit(head, header_size, field<std::uint32_t>(head, 100));
   return h;
 }
 
@@ -93,7 +97,8 @@ void check_room(const Source& head, const LasHeader& h, std::uint64_t size) {
                      std::to_string(h.offset < size ? size - h.offset : 0) + " bytes that follow");
 }
 
-PointData points_of_records(const char* records, std::uint64_t count, const LasHeader& h) {
+PointData points_of_records(const std::string& file, const char* records, std::uint64_t count,
+                            const LasHeader& h, const ReadOptions& options) {
   PointData data;
   data.format = "las 1." + std::to_string(h.minor) + ", point format " + std::to_string(h.format);
   data.in_place = true;
@@ -104,29 +109,33 @@ PointData points_of_records(const char* records, std::uint64_t count, const LasH
                count,
                static_cast<std::ptrdiff_t>(h.record),
                4};
-  return in_machine_order(std::move(data));
+  data = in_machine_order(std::move(data));
+  choose_las_columns(data, records, h.record, h.format, file, options);
+  return data;
 }
 
 }  // namespace
 
-PointData read_las(const Source& source, const ReadOptions&) {
+PointData read_las(const Source& source, const ReadOptions& options) {
   const LasHeader h = parse_header(source);
   check_room(source, h, source.size);
-  return points_of_records(source.data + h.offset, h.count, h);
+  return points_of_records(source.name, source.data + h.offset, h.count, h, options);
 }
 
-std::optional<RecordLayout> las_records(const Source& head, std::uint64_t size) {
+std::optional<RecordLayout> las_records(const Source& head, std::uint64_t size,
+                                        const ReadOptions& options) {
   const LasHeader h = parse_header(head);
   check_room(head, h, size);
   RecordLayout layout;
-  layout.format = points_of_records(nullptr, 0, h).format;
+  const PointData none = points_of_records(head.name, nullptr, 0, h, options);
+  layout.format = none.format;
   layout.offset = h.offset;
   layout.count = h.count;
   layout.record_bytes = h.record;
   layout.ends_file = false;
-  layout.placement = h.placement;
-  layout.decode = [h](const Source& records, std::uint64_t, std::uint64_t count) {
-    return points_of_records(records.data, count, h);
+  layout.placement = none.placement;
+  layout.decode = [h, options](const Source& records, std::uint64_t, std::uint64_t count) {
+    return points_of_records(records.name, records.data, count, h, options);
   };
   return layout;
 }

@@ -40,7 +40,7 @@ void triangulate(HullMesh& mesh) {
 }  // namespace
 
 HullMesh make_mesh(const Coordinates& points, const Hull& hull, const std::string& format,
-                   Faces faces, const Placement& placement) {
+                   Faces faces) {
   if (hull.dimension != 2 && hull.dimension != 3)
     throw Error(ErrorCode::invalid_argument,
                 "." + format + " holds hulls of 2D and 3D points, not " +
@@ -49,7 +49,7 @@ HullMesh make_mesh(const Coordinates& points, const Hull& hull, const std::strin
   mesh.coordinates.reserve(3 * hull.vertices.size());
   for (const std::uint64_t id : hull.vertices)
     for (std::uint32_t j = 0; j < 3; ++j)
-      mesh.coordinates.push_back(j < hull.dimension ? placement.at(j, points.at(id, j)) : 0.0);
+      mesh.coordinates.push_back(j < hull.dimension ? points.at(id, j) : 0.0);
 
   if (hull.affine_dimension == 2) {
     // One polygon: hull.vertices is its boundary in order.

@@ -24,7 +24,7 @@ struct HullMesh {
 
 /// Throws Error{invalid_argument} unless the points are 2D or 3D.
 HullMesh make_mesh(const Coordinates& points, const Hull& hull, const std::string& format,
-                   Faces faces, const Placement& placement);
+                   Faces faces);
 
 void write_ply(OutputFile& out, const HullMesh& mesh);
 void write_obj(OutputFile& out, const HullMesh& mesh);

@@ -1,6 +1,7 @@
 // Wavefront .obj: the "v" lines are the points; all other lines are skipped.
 #include <algorithm>
 #include <array>
+#include <atomic>
 
 #include "io/lines.hpp"
 #include "io/mesh.hpp"
@@ -52,6 +53,8 @@ PointData read_obj(const Source& source, const ReadOptions& options) {
   if (index.points == 0) fail(source, "no vertices ('v' lines)");
   PointData data = parsed_points(index.points, 3, "obj");
   double* const out = data.storage.as<double>();
+  std::atomic<std::uint64_t> unknown{0};
+  std::atomic<const char*> first_unknown{source.data + source.size};
   parse_lines(
       source, index, options, is_vertex_line,
       [&](std::uint64_t point, const char* p, const char* end) {
@@ -60,9 +63,22 @@ PointData read_obj(const Source& source, const ReadOptions& options) {
       },
       [&](const char* p, const char* end) {
         const std::string_view word = first_word(p, end);
-        if (!word.empty() && word[0] != '#' && !is_obj_keyword(word) && !continues_line(source, p))
-          throw LineFault{quoted_text(word) + " is no keyword of .obj"};
+        if (word.empty() || word[0] == '#' || is_obj_keyword(word) || continues_line(source, p))
+          return;
+        unknown.fetch_add(1);
+        const char* first = first_unknown.load();
+        while (p < first && !first_unknown.compare_exchange_weak(first, p)) {
+        }
       });
+  if (unknown > 0) {
+    LineScanner line(first_unknown, source.data + source.size);
+    line.next();
+    remark(source, options,
+           "lines that no keyword of .obj begins are passed over: " + std::to_string(unknown) +
+               ", the first is line " +
+               std::to_string(1 + std::count(source.data, line.begin(), '\n')) + ", " +
+               quoted_text(first_word(line.begin(), line.end())));
+  }
   return data;
 }
 

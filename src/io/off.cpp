@@ -28,11 +28,15 @@ std::vector<std::string_view> words_of(const char* p, const char* end) {
   }
 }
 
-/// [ST][C][N][4][n]OFF; 4OFF's fourth coordinate is homogeneous and not supported.
+/// [ST][C][N][4][n]OFF; 4OFF's fourth coordinate is homogeneous and not supported. A number may
+/// follow without a blank, as in the files of ModelNet: `rest` of the word.
 bool parse_magic(const Source& source, std::uint64_t line, std::string_view word, OffHeader& h,
-                 bool& dimension_follows) {
-  if (!word.ends_with("OFF")) return false;
-  word.remove_suffix(3);
+                 bool& dimension_follows, std::string_view& rest) {
+  const std::size_t begin = word.find("OFF");
+  if (begin == std::string_view::npos) return false;
+  rest = word.substr(begin + 3);
+  if (!rest.empty() && !is_digit(rest[0])) return false;
+  word = word.substr(0, begin);
   h.extra = !word.empty();
   dimension_follows = word.ends_with("n");
   if (dimension_follows) word.remove_suffix(1);
@@ -66,8 +70,10 @@ OffHeader parse_off_header(const Source& source) {
   OffHeader h;
   refill();
   bool dimension_follows = false;
-  if (parse_magic(source, scanner.number(), words.front(), h, dimension_follows)) {
-    words.erase(words.begin());
+  std::string_view rest;
+  if (parse_magic(source, scanner.number(), words.front(), h, dimension_follows, rest)) {
+    words.front() = rest;
+    if (rest.empty()) words.erase(words.begin());
     if (!words.empty() && words.front() == "BINARY")
       fail_at_line(source, scanner.number(), "binary OFF is not supported");
     if (dimension_follows) h.dimension = number("dimensions");
@@ -97,11 +103,10 @@ PointData read_off(const Source& source, const ReadOptions& options) {
   const LineIndex index = index_lines(source, h.body, h.lines, options, is_data_line);
   std::uint64_t coordinates = 0;
   const std::uint64_t expected = h.vertices + h.faces;
-  if (expected < h.vertices || index.points < expected)
+  if (index.points < h.vertices)
     fail_at_line(source, h.lines,
-                 "promises " + std::to_string(h.vertices) + " vertices and " +
-                     std::to_string(h.faces) + " faces, but " + std::to_string(index.points) +
-                     " lines follow");
+                 "promises " + std::to_string(h.vertices) + " vertices, but " +
+                     std::to_string(index.points) + " lines follow");
   const auto ignore = [](const char*, const char*) {};
   if (!multiply(h.vertices, d, coordinates) || coordinates > source.size / 2 + 1)
     fail_at_line(source, h.lines, "promises more coordinates than the file can hold");
@@ -110,7 +115,6 @@ PointData read_off(const Source& source, const ReadOptions& options) {
   parse_lines(
       source, index, options, is_data_line,
       [&](std::uint64_t line, const char* p, const char* end) {
-        if (line >= expected) throw LineFault{"text after the last face"};
         if (line >= h.vertices) return;
         p = skip_blanks(parse_coordinates(p, end, d, out + line * d, "vertex"), end);
         if (!h.extra && p < end && *p != '#')
@@ -118,6 +122,12 @@ PointData read_off(const Source& source, const ReadOptions& options) {
                           " coordinates of a vertex"};
       },
       ignore);
+  if (expected < h.vertices || index.points < expected)
+    remark(source, options,
+           "ends within its faces: " + std::to_string(index.points - h.vertices) + " of " +
+               std::to_string(h.faces) + " are there; the points are complete");
+  else if (index.points > expected)
+    remark(source, options, "text after the last face is passed over");
   return data;
 }
 

@@ -157,6 +157,8 @@ void remove_unfinished_files() noexcept {
 
 namespace cullhull {
 
+void check_writable(const std::string& path) { const internal::OutputFile unfinished(path); }
+
 void write_text(const std::string& path, std::string_view text) {
   internal::OutputFile file(path);
   file.write(text);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "io/columns.hpp"
 #include "io/exact_double.hpp"
 #include "io/lines.hpp"
 #include "io/packed/lzf.hpp"
@@ -167,7 +168,12 @@ class PcdHeaderParser {
   }
   void find_axes() {
     for (const std::string_view name : {"x", "y", "z"}) {
-      const auto named = [&](const Field& f) { return f.name == name; };
+      const auto as_written = [&](const Field& f) { return f.name == name; };
+      // PDAL writes X, Y, Z.
+      const bool lower = std::any_of(h_.fields.begin(), h_.fields.end(), as_written);
+      const auto named = [&](const Field& f) {
+        return lower ? f.name == name : alike(f.name, name);
+      };
       const auto it = std::find_if(h_.fields.begin(), h_.fields.end(), named);
       if (it == h_.fields.end()) {
         if (name == "z") continue;
@@ -280,14 +286,19 @@ PointData points_of_records(const Source& records, const PcdHeader& h, std::uint
   return points_at(records, h, axes, count, first, options);
 }
 
-/// Throws unless the records are just what follows the header.
-void check_room(const Source& source, const PcdHeader& h, std::uint64_t size) {
+/// Throws unless the records fit into what follows the header. Bytes behind them are passed over:
+/// early versions of PCL fill the last page.
+void check_room(const Source& source, const PcdHeader& h, std::uint64_t size,
+                const ReadOptions& options) {
   const auto body = static_cast<std::uint64_t>(h.body - source.data);
   std::uint64_t bytes = 0;
-  if (!multiply(h.points, h.record, bytes) || bytes != size - body)
+  if (!multiply(h.points, h.record, bytes) || bytes > size - body)
     fail_at_byte(source, body,
                  std::to_string(h.points) + " points of " + std::to_string(h.record) +
-                     " bytes are not the " + std::to_string(size - body) + " bytes that follow");
+                     " bytes exceed the " + std::to_string(size - body) + " bytes that follow");
+  if (bytes < size - body)
+    remark(source, options,
+           std::to_string(size - body - bytes) + " bytes after the last point are passed over");
 }
 
 /// The fields one after another, each of all points, packed by LZF.
@@ -363,7 +374,7 @@ PointData read_pcd(const Source& source, const ReadOptions& options) {
   const PcdHeader h = PcdHeaderParser(source).parse();
   if (h.body_kind == Body::ascii) return read_ascii(source, h, options);
   if (h.body_kind == Body::compressed) return read_compressed(source, h, options);
-  check_room(source, h, source.size);
+  check_room(source, h, source.size, options);
   return points_of_records({source.name, h.body, source.size}, h, h.points, 0, options);
 }
 
@@ -371,12 +382,13 @@ std::optional<RecordLayout> pcd_records(const Source& head, std::uint64_t size,
                                         const ReadOptions& options) {
   const auto header = std::make_shared<const PcdHeader>(PcdHeaderParser(head).parse());
   if (header->body_kind != Body::binary) return std::nullopt;
-  if (size != unknown_size) check_room(head, *header, size);
+  if (size != unknown_size) check_room(head, *header, size, options);
   RecordLayout layout;
   layout.format = name_of(Body::binary);
   layout.offset = static_cast<std::uint64_t>(header->body - head.data);
   layout.count = header->points;
   layout.record_bytes = header->record;
+  layout.ends_file = false;
   layout.decode = [=](const Source& records, std::uint64_t first, std::uint64_t count) {
     return points_of_records(records, *header, count, first, options);
   };

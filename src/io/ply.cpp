@@ -1,6 +1,7 @@
 // .ply: ASCII and binary of both endians; x, y and perhaps z of the element "vertex".
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -319,18 +320,22 @@ class PlyBinary {
     }
     return at;
   }
-  /// Checks the elements after the vertices against the file's size: those of fixed size exactly,
-  /// lists, which are not read, by their smallest size.
+  /// Compares the elements after the vertices with the file's size: those of fixed size exactly,
+  /// lists, which are not read, by their smallest size. The vertices are complete in any case.
   void check_rest(std::uint64_t at) const {
     for (std::size_t i = h_.vertex + 1; i < h_.elements.size(); ++i) {
       const Element& e = h_.elements[i];
-      check_room(e, at);
+      std::uint64_t bytes = 0;
+      if (!multiply(e.count, e.min_size, bytes) || bytes > source_.size - at)
+        return remark(
+            source_, options_,
+            "ends within its records of " + quoted_text(e.name) + "; the points are complete");
       if (e.has_list && e.count > 0) return;
-      at += e.count * e.min_size;
+      at += bytes;
     }
     if (at < source_.size)
-      fail_at_byte(source_, at,
-                   std::to_string(source_.size - at) + " bytes after the last element");
+      remark(source_, options_,
+             std::to_string(source_.size - at) + " bytes after the last element are passed over");
   }
 
   /// Evenly spaced bytes are viewed in place, whatever the coordinates are.
@@ -373,12 +378,16 @@ class PlyBinary {
 
 bool is_data_line(const char* p, const char* end) { return skip_blanks(p, end) < end; }
 
-/// Text numbers are read as doubles, whatever type the header declares for them.
-void parse_vertex(const PlyHeader& h, const char* p, const char* end, double* out,
+/// Text numbers are read as doubles, whatever type the header declares for them. False where the
+/// line ends before a list that no coordinate follows, as in files from which the line
+/// "element face" was lost.
+bool parse_vertex(const PlyHeader& h, const char* p, const char* end, double* out,
                   std::uint8_t* colour) {
   const Element& e = h.elements[h.vertex];
+  const std::size_t last = *std::max_element(h.xyz.begin(), h.xyz.begin() + h.dimension);
   for (std::size_t j = 0; j < e.properties.size(); ++j) {
     double value;
+    if (e.properties[j].list && j > last && skip_blanks(p, end) == end) return false;
     p = parse_coordinates(p, end, 1, &value, e.properties[j].label.c_str());
     if (e.properties[j].list) {
       if (!(value >= 0 && value <= static_cast<double>(end - p)))
@@ -398,6 +407,7 @@ void parse_vertex(const PlyHeader& h, const char* p, const char* end, double* ou
   }
   p = skip_blanks(p, end);
   if (p < end) throw LineFault{quoted_text(first_word(p, end)) + " after the last property"};
+  return true;
 }
 
 PointData read_ascii(const Source& source, const PlyHeader& h, const ReadOptions& options) {
@@ -408,14 +418,15 @@ PointData read_ascii(const Source& source, const PlyHeader& h, const ReadOptions
     constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
     expected += std::min(h.elements[i].count, most - expected);
   }
-  if (index.points < expected)
+  const std::uint64_t count = h.elements[h.vertex].count;
+  if (index.points < first || index.points - first < count)
     fail_at_line(source, h.lines + index.lines,
                  "ends early: the header promises " + std::to_string(expected) +
                      " lines of elements, " + std::to_string(index.points) + " follow");
   // Each vertex has a counted line, so their number is bounded by the file's size.
-  const std::uint64_t count = h.elements[h.vertex].count;
   PointData data = parsed_points(count, h.dimension, "ply (ASCII)");
   double* const out = data.storage.as<double>();
+  std::atomic<bool> lists_missing{false};
   std::uint8_t* colours = nullptr;
   if (h.coloured) {
     data.colour_storage = Buffer(3 * count);
@@ -425,12 +436,20 @@ PointData read_ascii(const Source& source, const PlyHeader& h, const ReadOptions
   parse_lines(
       source, index, options, is_data_line,
       [&](std::uint64_t line, const char* p, const char* end) {
-        if (line >= expected) throw LineFault{"text after the last element"};
-        if (line >= first && line - first < count)
-          parse_vertex(h, p, end, out + (line - first) * h.dimension,
-                       colours + (h.coloured ? 3 * (line - first) : 0));
+        if (line < first || line - first >= count) return;
+        if (!parse_vertex(h, p, end, out + (line - first) * h.dimension,
+                          colours + (h.coloured ? 3 * (line - first) : 0)))
+          lists_missing = true;
       },
       [](const char*, const char*) {});
+  if (lists_missing)
+    remark(source, options, "vertices without the list that the header gives them");
+  else if (index.points < expected)
+    remark(source, options,
+           "ends early, after " + std::to_string(index.points) + " of " + std::to_string(expected) +
+               " lines of elements; the points are complete");
+  else if (index.points > expected)
+    remark(source, options, "text after the last element is passed over");
   return data;
 }
 

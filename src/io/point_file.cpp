@@ -9,8 +9,10 @@
 #include "io/mapped_file.hpp"
 #include "io/packed/unpack.hpp"
 #include "io/packed/unwrap.hpp"
+#include "io/placing.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
+#include "io/text.hpp"
 #include "io/text_scan.hpp"
 #include "parallel/byte_order.hpp"
 
@@ -20,9 +22,20 @@ struct PointFile::Impl {
   internal::MappedFile file;
   internal::Buffer unpacked;  ///< decompressed contents
   internal::PointData data;
+  std::vector<double> weights;
   internal::Slice slice;
   bool in_parts = false;
+  bool placed = false;  ///< no longer the file's own numbers
   double seconds = 0;
+
+  /// What was mapped or unpacked is given back where the points are a copy then.
+  void place(const ReadOptions& options) {
+    internal::place(data, options);
+    placed = options.numbers != Numbers::file || data.placement.empty();
+    if (data.in_place) return;
+    file = internal::MappedFile();
+    unpacked = {};
+  }
 };
 
 PointFile::PointFile() : impl_(std::make_unique<Impl>()) {}
@@ -34,6 +47,22 @@ PointFile::~PointFile() = default;
 const PointView& PointFile::points() const noexcept { return impl_->data.view; }
 const PointView& PointFile::colours() const noexcept { return impl_->data.colours; }
 const Placement& PointFile::placement() const noexcept { return impl_->data.placement; }
+const std::vector<double>& PointFile::weights() const noexcept { return impl_->weights; }
+const Grid& PointFile::grid() const noexcept { return impl_->data.grid; }
+void PointFile::to_grid(const ReadOptions& options) {
+  ReadOptions placing = options;
+  placing.numbers = Numbers::grid;
+  impl_->place(placing);
+}
+void PointFile::to_world() {
+  internal::PointData& data = impl_->data;
+  if (impl_->placed && data.grid.empty()) return;
+  if (!impl_->placed) return impl_->place({});
+  auto* const numbers = data.storage.as<double>();
+  for (std::uint64_t i = 0; i < data.view.count * data.view.dimension; ++i)
+    numbers[i] = data.grid.to_world(numbers[i]);
+  data.grid = {};
+}
 const std::string& PointFile::format() const noexcept { return impl_->data.format; }
 bool PointFile::mapped() const noexcept { return impl_->data.in_place && impl_->file.mapped(); }
 bool PointFile::in_parts() const noexcept { return impl_->in_parts; }
@@ -73,7 +102,7 @@ std::string format_of_content(const Source& s) {
     const std::string_view word = first_word(lines.begin(), lines.end());
     if (word.empty() || is_comment(word.data(), lines.end())) continue;
     if (word == "solid") return "stl";
-    if (word.ends_with("OFF")) return "off";
+    if (word.substr(0, word.find_last_not_of("0123456789") + 1).ends_with("OFF")) return "off";
     if (is_obj_keyword(word)) return "obj";
     if (word.starts_with("{")) fail(s, "looks like JSON, which holds a hull and no points");
     return "text";
@@ -137,17 +166,36 @@ PointData read_points(const Source& file, const ReadOptions& options) {
   if (file.size == 0) fail(file, "empty file");
   const Source text = behind_byte_order_mark(file);
   const std::string format = choose_format(text, options);
+  if ((begins(file, "\xFF\xFE") || begins(file, "\xFE\xFF")) &&
+      (is_text(format) || format == "obj" || format == "off"))
+    fail(file, "text in UTF-16; what is read is UTF-8");
   if (is_text(format)) {
     PointData data = read_text(text, options, format == "csv");
     if (format != "text") data.format = format;
     return data;
   }
   PointData data = read_format(file, text, format, options);
-  choose_columns(data, file.name, column_names(format), options);
+  if (format != "las") choose_columns(data, file.name, column_names(format), options);
   return data;
 }
 
 namespace {
+
+/// The words of a column, which were read as keys, as numbers.
+std::vector<double> numbers_of(const PointKeys& words, const std::string& name,
+                               const std::string& column) {
+  std::vector<double> numbers(words.size());
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string_view word = words[i];
+    const char* p = word.data();
+    const char* const end = p + word.size();
+    if (scan_number(p, end, numbers[i]) != Scan::ok || skip_blanks(p, end) != end)
+      throw Error(ErrorCode::bad_file, name + ": column " + quoted_text(column) + " of point " +
+                                           std::to_string(i) +
+                                           " is no number: " + quoted_text(std::string(word)));
+  }
+  return numbers;
+}
 
 std::uint64_t raw_record(const Source& source, const ReadOptions& options) {
   if (options.raw_dimension == 0 || !options.raw_scalar)
@@ -233,17 +281,25 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
   const internal::InputName input = internal::split_input(path);
   impl->file = internal::MappedFile(input.file);
   internal::Source source = impl->file.source();
+  ReadOptions reading = options;
+  if (!options.weights.empty()) reading.key = options.weights;
+  const auto take_weights = [&] {
+    if (!options.weights.empty())
+      impl->weights = internal::numbers_of(impl->data.keys, source.name, options.weights);
+    impl->data.keys = {};
+  };
   if (internal::holds_hdf5(input.file, {source.data, std::min<std::size_t>(source.size, 16)})) {
     impl->file = internal::MappedFile();
-    impl->data = internal::read_hdf5(input.file, input.member, options, impl->slice);
+    impl->data = internal::read_hdf5(input.file, input.member, reading, impl->slice);
     impl->in_parts = true;
+    take_weights();
     impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return PointFile(std::move(impl));
   }
-  ReadOptions reading = options;
   internal::unwrap(input, source, reading, impl->unpacked);
   impl->data = internal::read_points(source, reading);
   impl->file.check_size();
+  take_weights();
   const bool unpacked = impl->unpacked.data() != nullptr;
   impl->slice = {0, impl->data.view.count, impl->data.view.count};
   if (impl->data.in_place && !unpacked) {
@@ -252,12 +308,26 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
     internal::restrict_to(impl->slice, impl->data.view);
     internal::restrict_to(impl->slice, impl->data.colours);
     internal::prefault(impl->file, impl->data.view, options.threads);
-  } else {
-    impl->file = internal::MappedFile();  // parsed or decompressed: the file is not needed
   }
-  if (!impl->data.in_place) impl->unpacked = {};
+  if (unpacked) impl->file = internal::MappedFile();
+  impl->place(options);
   impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return PointFile(std::move(impl));
+}
+
+std::optional<std::uint64_t> line_of_point(const std::string& path, std::uint64_t point) noexcept {
+  try {
+    if (path == "-") return std::nullopt;  // it has been read
+    const internal::MappedFile file(path);
+    const internal::Source source = internal::behind_byte_order_mark(file.source());
+    if (source.size == 0 || internal::unpacked_name(source.name) != source.name)
+      return std::nullopt;
+    const std::string format = internal::choose_format(source, {});
+    if (!internal::is_text(format)) return std::nullopt;
+    return internal::line_of_row(source, point, format == "csv");
+  } catch (...) {
+    return std::nullopt;
+  }
 }
 
 }  // namespace cullhull

@@ -22,7 +22,8 @@ struct RecordLayout {
   /// The number of arrays of `count` records, one after the other; a point has a record in each.
   std::uint32_t columns = 1;
   bool ends_file = true;  ///< nothing follows the records
-  Placement placement;    ///< of the points that decode() makes
+  Placement placement;    ///< of the numbers in the file, by axis of what decode() makes
+  Grid grid;              ///< as PointFile::grid()
   /// Makes points of `count` points' records (columns one after the other), the first of which has
   /// index `first` in the file; in place where possible.
   std::function<PointData(const Source& records, std::uint64_t first, std::uint64_t count)> decode;
@@ -34,7 +35,8 @@ std::optional<RecordLayout> npy_records(const Source& head, std::uint64_t size,
                                         const ReadOptions& options);
 std::optional<RecordLayout> ply_records(const Source& head, std::uint64_t size,
                                         const ReadOptions& options);
-std::optional<RecordLayout> las_records(const Source& head, std::uint64_t size);
+std::optional<RecordLayout> las_records(const Source& head, std::uint64_t size,
+                                        const ReadOptions& options);
 std::optional<RecordLayout> pcd_records(const Source& head, std::uint64_t size,
                                         const ReadOptions& options);
 std::optional<RecordLayout> raw_records(const Source& head, std::uint64_t size,

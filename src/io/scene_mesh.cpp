@@ -129,7 +129,7 @@ class VtpWriter {
 void write_glb(OutputFile& out, const HullMesh& mesh) {
   if (mesh.triangles.empty())
     throw Error(ErrorCode::invalid_argument,
-                ".glb holds triangles, and this hull has none; .vtp and .json hold any");
+                ".glb holds triangles, and there are none; .vtp and .json hold any");
   const Placed placed = place(mesh);
   std::string json = gltf_json(placed, mesh.triangles.size());
   json.resize((json.size() + 3) / 4 * 4, ' ');

@@ -27,6 +27,7 @@ struct PointSequence::Impl {
   internal::PointData data;
 
   PointFile file;
+  Grid grid;
 
   std::uint64_t frames() const { return files.empty() ? array.frames : files.size(); }
 
@@ -179,6 +180,8 @@ PointSequence open_sequence(const std::vector<std::string>& paths, const ReadOpt
   impl->name = internal::display_name(impl->files[0]);
   if (impl->files.size() == 1 && internal::open_array(impl->files[0], *impl)) impl->files.clear();
   if (!impl->files.empty()) impl->window = internal::FileWindow();
+  if (!impl->files.empty() && options.numbers == Numbers::grid && !options.grid)
+    impl->options.grid = impl->grid = common_grid(impl->files, options);
   return PointSequence(std::move(impl));
 }
 
@@ -195,6 +198,7 @@ std::uint64_t PointSequence::index() const noexcept {
 }
 const std::string& PointSequence::name() const noexcept { return impl_->name; }
 const std::string& PointSequence::format() const noexcept { return impl_->format; }
+const Grid& PointSequence::grid() const noexcept { return impl_->grid; }
 double PointSequence::read_seconds() const noexcept { return impl_->seconds; }
 
 bool PointSequence::next() {

@@ -50,6 +50,7 @@ struct PointData {
   Buffer colour_storage;  ///< what `colours` points into unless that is the source
   bool in_place = false;  ///< `view` points into the source
   Placement placement;    ///< of the view's axes
+  Grid grid;              ///< as PointFile::grid()
   PointKeys keys;         ///< of every point, where ReadOptions::key asks for them
 };
 
@@ -96,9 +97,13 @@ struct NpyFrames {
 
 /// By the format that options.format names, else by the extension, else by the content.
 PointData read_points(const Source& source, const ReadOptions& options);
-Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinates = nullptr);
+/// Options used: stop, poll. `first_id`: the id of point 0 in the file.
+Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinates = nullptr,
+                    const Options& options = {}, std::uint64_t first_id = 0);
 
 [[noreturn]] void fail(const Source& source, const std::string& message);
+/// Calls options.remark, if there is one, with the message behind the source's name.
+void remark(const Source& source, const ReadOptions& options, const std::string& message);
 [[noreturn]] void fail_at_line(const Source& source, std::uint64_t line,
                                const std::string& message);
 [[noreturn]] void fail_at_byte(const Source& source, std::uint64_t offset,

@@ -106,7 +106,7 @@ void write_stl(OutputFile& out, const HullMesh& mesh) {
                   ".stl holds 32-bit floats, and a coordinate exceeds them; .ply holds doubles");
   if (mesh.triangles.empty())
     throw Error(ErrorCode::invalid_argument,
-                ".stl holds triangles, and this hull has none; .json holds any");
+                ".stl holds triangles, and there are none; .json holds any");
   if (mesh.triangles.size() / 3 > std::numeric_limits<std::uint32_t>::max())
     throw Error(ErrorCode::invalid_argument, ".stl holds at most 2^32 - 1 triangles");
   std::string head = "convex hull, binary STL";

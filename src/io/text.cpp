@@ -189,6 +189,15 @@ PointData read_text(const Source& file, const ReadOptions& options, bool csv) {
   return parse_rows(source, index, preamble, options);
 }
 
+std::optional<std::uint64_t> line_of_row(const Source& file, std::uint64_t row, bool csv) {
+  const Preamble preamble = find_preamble(file, {}, csv);
+  LineScanner lines(preamble.body, preamble.end);
+  while (lines.next())
+    if (is_point_line(lines.begin(), lines.end()) && row-- == 0)
+      return preamble.lines + lines.number();
+  return std::nullopt;
+}
+
 PointData read_text_piece(const Source& piece, std::uint64_t lines_before, const Preamble& preamble,
                           const ReadOptions& options) {
   const LineIndex index = index_lines(piece, piece.data, lines_before, options, is_point_line);

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -55,6 +56,9 @@ struct Preamble {
 /// some are left out. Throws Error{bad_file}, Error{invalid_argument} for columns that do not
 /// exist.
 Preamble find_preamble(const Source& source, const ReadOptions& options, bool csv);
+
+/// The line, from 1, of a point. Throws as find_preamble does.
+std::optional<std::uint64_t> line_of_row(const Source& file, std::uint64_t row, bool csv);
 
 /// The points of whole lines of a text, which follow `lines_before` others. Points after cdd's
 /// header may end before the file does, so such files are not read in pieces.

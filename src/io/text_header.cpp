@@ -1,5 +1,7 @@
 // The lines before the points of a text: column names, Qhull's header, or that of cdd and lrs.
 #include <algorithm>
+#include <iterator>
+#include <numeric>
 
 #include "io/columns.hpp"
 #include "io/lines.hpp"
@@ -186,36 +188,64 @@ std::vector<std::string> names_in_comment(const Source& source, const char* end,
   return found;
 }
 
-void remark_columns(const Source& source, const ReadOptions& options, std::size_t taken,
-                    std::size_t width) {
-  // The column of a key that was asked for is not missed.
-  if (!options.remark || taken + (options.key.empty() ? 0 : 1) >= width) return;
-  options.remark(source.name + ": " + (taken == 2 ? "x and y" : "x, y and z") + " of " +
-                 std::to_string(width) + " columns are taken as coordinates");
+/// The columns that a header of other than coordinates gives by itself: those with known names,
+/// else all but those that number the points. Empty where all columns are coordinates, in order.
+std::vector<std::uint32_t> columns_by_name(const Source& source, const ReadOptions& options,
+                                           const std::vector<std::string>& names) {
+  KnownColumns known = find_known_columns(names);
+  std::vector<std::uint32_t> all(names.size());
+  std::iota(all.begin(), all.end(), 0U);
+  if (known.columns == all) return {};
+  if (!known.columns.empty()) {
+    // The column of a key that was asked for is not missed.
+    const std::size_t taken = known.columns.size() + (options.key.empty() ? 0 : 1);
+    if (known.columns.size() == names.size())
+      remark(source, options, known.text + " are taken as coordinates, in this order");
+    else if (taken < names.size())
+      remark(
+          source, options,
+          known.text + " of " + std::to_string(names.size()) + " columns are taken as coordinates");
+    return known.columns;
+  }
+  std::vector<std::uint32_t> numbering = find_numbering(names);
+  if (!options.key.empty())
+    std::erase_if(numbering, [&](std::uint32_t j) { return alike(names[j], options.key); });
+  if (numbering.empty()) return {};
+  std::vector<std::uint32_t> taken;
+  std::set_difference(all.begin(), all.end(), numbering.begin(), numbering.end(),
+                      std::back_inserter(taken));
+  const auto list = [&](const std::vector<std::uint32_t>& columns) {
+    std::string text;
+    constexpr std::size_t most = 6;
+    for (std::size_t i = 0; i < columns.size() && i < most; ++i)
+      text += (i > 0 ? ", " : "") + quoted_text(names[columns[i]]);
+    return text + (columns.size() > most ? ", ..." : "");
+  };
+  if (taken.empty())
+    fail(source, "the only columns, " + list(numbering) +
+                     ", number the points; --columns (in "
+                     "Python columns=) takes them all the same");
+  remark(source, options, list(taken) + " are taken as coordinates, not " + list(numbering));
+  return taken;
 }
 
-/// Determines the coordinate columns: those asked for; else x, y and z of a header that has others,
-/// too; else all.
+/// Determines the coordinate columns: those asked for; else those that the header's names tell;
+/// else all.
 void lay_out_columns(const Source& source, const ReadOptions& options, const DataLine& first,
                      std::vector<std::string> names, char separator, Preamble& preamble) {
   const bool quotes = std::find(first.begin, first.end, '"') != first.end;
   std::vector<std::uint32_t> columns;
   if (options.columns.empty()) {
-    columns = find_xyz(names);
-    if (columns.size() == names.size()) columns.clear();
+    columns = columns_by_name(source, options, names);
     if (columns.empty() && !quotes && options.key.empty()) return;
   }
   // Without a header the first row determines the number of columns.
   const std::size_t width =
       names.empty() ? columns_of_line(source, first, separator).size() : names.size();
   const auto count = static_cast<std::uint32_t>(width);
-  if (!options.columns.empty()) {
-    columns = find_columns(options.columns, source.name, names, count);
-  } else if (!columns.empty()) {
-    remark_columns(source, options, columns.size(), width);
-  } else {
-    columns = find_columns(":", source.name, names, count);
-  }
+  if (columns.empty())
+    columns =
+        find_columns(options.columns.empty() ? ":" : options.columns, source.name, names, count);
   const std::uint32_t key = find_key(options, source.name, names, count, columns);
   auto layout = std::make_shared<ColumnLayout>(separator, count, columns, std::move(names));
   layout->key = key;

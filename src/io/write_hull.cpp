@@ -34,17 +34,14 @@ namespace {
 /// `Points`: PointView or HullState.
 template <class Points>
 void write_hull_of(const std::string& path, const Points& of, const Hull& hull,
-                   const std::string& format, Faces faces, const Placement& placement) {
+                   const std::string& format, Faces faces) {
   using namespace internal;
   const Coordinates points(of);
-  if (!placement.empty() &&
-      (placement.scale.size() != points.dimension || placement.offset.size() != points.dimension))
-    throw Error(ErrorCode::invalid_argument, "the placement is not of these points' axes");
   if (points.count != hull.point_count || points.dimension != hull.dimension)
     throw Error(ErrorCode::invalid_argument, "the hull is not that of these points");
   const std::string f = output_format(path, format, "json");
   if (f == "ply" || f == "obj" || f == "off" || f == "stl" || f == "glb" || f == "vtp") {
-    const HullMesh mesh = make_mesh(points, hull, f, faces, placement);
+    const HullMesh mesh = make_mesh(points, hull, f, faces);
     OutputFile out(path);
     if (f == "ply") write_ply(out, mesh);
     if (f == "obj") write_obj(out, mesh);
@@ -58,7 +55,7 @@ void write_hull_of(const std::string& path, const Points& of, const Hull& hull,
     write_result_json(points, hull, [&](const std::string& piece) { out.write(piece); });
     out.commit();
   } else if (f == "geojson" || f == "wkt") {
-    write_text(path, geometry_file(points, hull, f, placement));
+    write_text(path, geometry_file(points, hull, f));
   } else if (f == "txt") {
     // As `p`, with words after the dimension, so that no reader takes a 1D header for a point.
     std::string text = hull_to_qhull_text(of, hull, "p");
@@ -75,13 +72,13 @@ void write_hull_of(const std::string& path, const Points& of, const Hull& hull,
 }  // namespace
 
 void write_hull(const std::string& path, const PointView& points, const Hull& hull,
-                const std::string& format, Faces faces, const Placement& placement) {
-  write_hull_of(path, points, hull, format, faces, placement);
+                const std::string& format, Faces faces) {
+  write_hull_of(path, points, hull, format, faces);
 }
 
 void write_hull(const std::string& path, const HullState& state, const Hull& hull,
-                const std::string& format, Faces faces, const Placement& placement) {
-  write_hull_of(path, state, hull, format, faces, placement);
+                const std::string& format, Faces faces) {
+  write_hull_of(path, state, hull, format, faces);
 }
 
 }  // namespace cullhull

@@ -1,6 +1,8 @@
 // Triangulations and Voronoi diagrams as files.
 #include <algorithm>
+#include <cmath>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "cullhull/error.hpp"
@@ -14,14 +16,42 @@ namespace cullhull {
 namespace internal {
 namespace {
 
-constexpr const char* triangulation_endings = ".ply .obj .off .vtp .vtk .geojson .wkt .json";
+constexpr const char* triangulation_endings =
+    ".ply .obj .off .stl .glb .vtp .vtk .geojson .wkt .json";
 constexpr const char* cell_endings = ".ply .obj .off .vtp .geojson .wkt .json";
 
 bool is_mesh(const std::string& f) { return f == "ply" || f == "obj" || f == "off" || f == "vtp"; }
+bool holds_triangles(const std::string& f) { return is_mesh(f) || f == "stl" || f == "glb"; }
 
 [[noreturn]] void refuse(const std::string& f, const std::string& holds, std::uint32_t dimension) {
+  throw Error(
+      ErrorCode::invalid_argument,
+      "." + f + " holds " + holds + ", and these are " + std::to_string(dimension) + "D" +
+          (dimension == 3 && holds.starts_with("triangles") ? "; .vtk holds tetrahedra" : ""));
+}
+
+void refuse_heights(const std::string& f) {
   throw Error(ErrorCode::invalid_argument,
-              "." + f + " holds " + holds + ", not " + std::to_string(dimension) + "D");
+              "." + f + " holds no heights; .ply .obj .off .stl .glb .vtp .vtk .json do");
+}
+
+/// The plane's points at their heights, row after row. Throws unless there is one for each.
+std::vector<double> lift(const PointView& points, std::span<const double> heights) {
+  if (points.dimension != 2)
+    throw Error(ErrorCode::invalid_argument, "heights are of 2D points, and these are " +
+                                                 std::to_string(points.dimension) + "D");
+  if (heights.size() != points.count)
+    throw Error(ErrorCode::invalid_argument, std::to_string(heights.size()) + " heights for " +
+                                                 std::to_string(points.count) + " points");
+  std::vector<double> rows;
+  rows.reserve(3 * heights.size());
+  for (std::uint64_t i = 0; i < points.count; ++i) {
+    if (!std::isfinite(heights[i]))
+      throw Error(ErrorCode::not_finite,
+                  "the height of point " + std::to_string(i) + " is NaN or infinite");
+    rows.insert(rows.end(), {points.at(i, 0), points.at(i, 1), heights[i]});
+  }
+  return rows;
 }
 
 /// Rows of indices, each row on a line; a flat list where `width` is 0. `none` becomes -1.
@@ -45,7 +75,8 @@ void vertex_lists(JsonWriter& w, const char* name, const Offsets& offsets, const
   });
 }
 
-void write_triangulation_json(const std::string& path, const Triangulation& t) {
+void write_triangulation_json(const std::string& path, const Triangulation& t,
+                              std::span<const double> heights) {
   OutputText out(path);
   const JsonPoints about{t.point_count, t.dimension, t.scalar};
   out.json({"triangulation", about}, [&](JsonWriter& w) {
@@ -62,6 +93,7 @@ void write_triangulation_json(const std::string& path, const Triangulation& t) {
       w.list(pair, 0, 2);
     });
     indices(w, "hidden", t.hidden, 0);
+    if (!heights.empty()) w.flat("heights", heights);
   });
   out.commit();
 }
@@ -123,13 +155,14 @@ HullMesh mesh_of(const ClippedCells& cells) {
 
 using namespace internal;
 
-void check_triangulation_format(const std::string& path, std::uint32_t dimension, bool cells) {
+void check_triangulation_format(const std::string& path, std::uint32_t dimension, bool cells,
+                                bool heights) {
   const std::string f = output_format(path, "", "json");
-  if (is_mesh(f)) {
+  if (is_mesh(f) || (!cells && holds_triangles(f))) {
     if (dimension != 2 && (dimension != 3 || !cells))
-      refuse(f, cells ? "cells of 2D and 3D points" : "triangles of 2D points; .vtk holds 3D",
-             dimension);
+      refuse(f, cells ? "cells of 2D and 3D points" : "triangles of 2D points", dimension);
   } else if (is_map(f)) {
+    if (heights) refuse_heights(f);
     if (dimension != 2) refuse(f, "polygons of 2D points", dimension);
   } else if (f == "vtk" && !cells) {
     if (dimension > 3) refuse(f, "cells of points of up to 3 dimensions", dimension);
@@ -139,21 +172,28 @@ void check_triangulation_format(const std::string& path, std::uint32_t dimension
 }
 
 void write_triangulation(const std::string& path, const PointView& points, const Triangulation& t,
-                         const std::string& format) {
+                         const std::string& format, std::span<const double> heights) {
   if (points.count != t.point_count || points.dimension != t.dimension)
     throw Error(ErrorCode::invalid_argument, "the triangulation is not that of these points");
   const std::string f = output_format(path, format, "json");
-  if (f == "json") return write_triangulation_json(path, t);
+  if (!heights.empty() && is_map(f)) refuse_heights(f);
+  std::vector<double> rows;
+  PointView places = points;  // with heights, where there are some
+  if (!heights.empty()) {
+    rows = lift(points, heights);
+    places = PointView::row_major(rows.data(), points.count, 3);
+  }
+  if (f == "json") return write_triangulation_json(path, t, heights);
   if (f == "vtk") {
     if (t.dimension > 3) refuse(f, "cells of points of up to 3 dimensions", t.dimension);
     std::vector<std::uint32_t> all(t.size());
     std::iota(all.begin(), all.end(), 0U);
-    return write_vtk(path, points, t, all);
+    return write_vtk(path, places, t, all);
   }
-  if (!is_mesh(f) && !is_map(f)) refuse_format(path, f, triangulation_endings);
+  if (!holds_triangles(f) && !is_map(f)) refuse_format(path, f, triangulation_endings);
   if (t.dimension != 2) refuse(f, "triangles of 2D points", t.dimension);
   const bool triangles = t.affine_dimension == 2;  // else there are none
-  if (is_mesh(f)) return write_mesh(path, f, triangles ? mesh_of(points, t) : HullMesh());
+  if (!is_map(f)) return write_mesh(path, f, triangles ? mesh_of(places, t) : HullMesh());
   write_map(path, f, triangles ? t.size() : 0, "cell", [&](std::uint64_t c) {
     PlaneRings corners(1);
     for (const std::uint32_t v : t.cell(c))

@@ -203,7 +203,9 @@ Triangulation regular_triangulation(const PointView& points, std::span<const dou
     throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(points.count) +
                                                  " points, but " + std::to_string(weights.size()) +
                                                  " weights");
-  return internal::triangulate(points, weights, options);
+  Triangulation result = internal::triangulate(points, weights, options);
+  result.weighted = true;
+  return result;
 }
 
 }  // namespace cullhull

@@ -11,11 +11,8 @@
 #include <utility>
 #include <vector>
 
-#if defined(__unix__)
-#include <pthread.h>
-#endif
-
 #include "parallel/crowding.hpp"
+#include "parallel/fork_guard.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -33,6 +30,9 @@ void pause_once() {
   std::this_thread::yield();
 #endif
 }
+
+/// Calls that the calling thread has begun.
+thread_local unsigned calls_here = 0;
 
 /// All helpers of the process, and the work that they can join, oldest first.
 class Helpers {
@@ -72,29 +72,32 @@ class Helpers {
     open_.erase(it);
   }
 
-  std::atomic<unsigned>& calls() { return calls_; }
+  void begin_call() {
+    ++calls_here;
+    calls_.fetch_add(1, std::memory_order_relaxed);
+  }
+  void end_call() {
+    --calls_here;
+    calls_.fetch_sub(1, std::memory_order_relaxed);
+  }
+
+  void lock() { mutex_.lock(); }
+  void unlock() { mutex_.unlock(); }
+  /// A forked child has none of the threads; its lists start empty.
+  void begin_anew() {
+    ::new (&work_here_) std::condition_variable;  // without the threads that wait in the parent
+    open_.clear();
+    count_ = asleep_ = at_work_ = 0;
+    places_ = 0;
+    calls_ = calls_here;
+    mutex_.unlock();
+  }
 
  private:
   struct Open {
     std::shared_ptr<SharedWork> work;
     unsigned wanted, joined = 0;
   };
-
-  Helpers() {
-#if defined(__unix__)
-    // A forked child has none of the threads; its lists start empty.
-    pthread_atfork([] { of_process().mutex_.lock(); }, [] { of_process().mutex_.unlock(); },
-                   [] { of_process().begin_anew(); });
-#endif
-  }
-
-  void begin_anew() {
-    ::new (&work_here_) std::condition_variable;  // without the threads that wait in the parent
-    open_.clear();
-    count_ = asleep_ = at_work_ = 0;
-    places_ = calls_ = 0;
-    mutex_.unlock();
-  }
 
   bool start_one() {
     try {
@@ -150,6 +153,10 @@ class Helpers {
   std::atomic<unsigned> calls_{0};
 };
 
+const ForkGuard helpers_guard(
+    ForkGuard::Order::inner, [] { Helpers::of_process().lock(); },
+    [] { Helpers::of_process().unlock(); }, [] { Helpers::of_process().begin_anew(); });
+
 }  // namespace
 
 unsigned machine_threads() {
@@ -164,8 +171,8 @@ OpenWork::~OpenWork() {
   if (open_ != nullptr) Helpers::of_process().close(open_);
 }
 
-CallScope::CallScope() { Helpers::of_process().calls().fetch_add(1, std::memory_order_relaxed); }
-CallScope::~CallScope() { Helpers::of_process().calls().fetch_sub(1, std::memory_order_relaxed); }
+CallScope::CallScope() { Helpers::of_process().begin_call(); }
+CallScope::~CallScope() { Helpers::of_process().end_call(); }
 
 void Patience::wait_a_little() {
   // A sleep takes some 60 us, however short a time is requested, which is longer than many a serial

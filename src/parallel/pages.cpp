@@ -9,6 +9,8 @@
 #include <map>
 #include <mutex>
 
+#include "parallel/fork_guard.hpp"
+
 #if defined(__linux__)
 #include <sys/mman.h>
 
@@ -25,6 +27,8 @@ constexpr std::align_val_t alignment{64};
 /// with the next: half of the time of a hull of 10,000 points on a circle.
 class FreeBlocks {
  public:
+  void lock() { mutex_.lock(); }
+  void unlock() { mutex_.unlock(); }
   void limit(std::size_t bytes) noexcept {
     const std::lock_guard lock(mutex_);
     limit_ = std::min(bytes, most);
@@ -97,6 +101,9 @@ FreeBlocks& free_blocks() {
   return *blocks;
 }
 
+const ForkGuard blocks_guard(
+    ForkGuard::Order::inner, [] { free_blocks().lock(); }, [] { free_blocks().unlock(); });
+
 }  // namespace
 
 #if defined(__linux__)
@@ -146,15 +153,27 @@ std::size_t usual_limit() {
   return memory == 0 ? most / 4 : std::min<std::size_t>(most, memory / 16);
 }
 
+/// Scopes that the calling thread has open.
+thread_local unsigned scopes_here = 0;
+
 /// Unused ranges of whole pages, adjacent ones joined.
 class FreePages {
  public:
+  void lock() { mutex_.lock(); }
+  void unlock() { mutex_.unlock(); }
+  /// A forked child has none of the other threads' scopes.
+  void unlock_in_child() {
+    scopes_ = scopes_here;
+    mutex_.unlock();
+  }
   void open() {
     const std::lock_guard lock(mutex_);
     ++scopes_;
+    ++scopes_here;
   }
   void close() {
     const std::lock_guard lock(mutex_);
+    --scopes_here;
     if (--scopes_ > 0) return;
     shrink(limit_);
     for (const auto& [start, bytes] : ranges_) offer(start, bytes);
@@ -244,6 +263,10 @@ FreePages& free_pages() {
   static auto* pages = new FreePages;  // outlives every static array
   return *pages;
 }
+
+const ForkGuard pages_guard(
+    ForkGuard::Order::inner, [] { free_pages().lock(); }, [] { free_pages().unlock(); },
+    [] { free_pages().unlock_in_child(); });
 
 }  // namespace
 

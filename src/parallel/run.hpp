@@ -20,6 +20,7 @@ struct Run {
         control(o),
         threads(resolve_threads(o.threads)),
         budget(resolve_budget(o.memory_budget)) {}
+  explicit Run(Options&&) = delete;  ///< a temporary ends before the run
 
   Run with_threads(unsigned n) const {
     Run run = *this;

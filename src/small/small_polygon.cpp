@@ -99,7 +99,7 @@ const double* SmallPolygon::load(const PointView& set) {
   if (set.scalar == ScalarType::f64 && set.packed_rows() && address % alignof(double) == 0)
     return reinterpret_cast<const double*>(set.data);
   if (loaded_.size() < 2 * set.count) loaded_.resize(2 * set.count);
-  load_rows(set, 0, set.count, loaded_.data());
+  load_rows_as_given(set, 0, set.count, loaded_.data());
   return loaded_.data();
 }
 

@@ -42,11 +42,22 @@ void HullState::merge(const HullState& other, const Options& options) {
     throw Error(ErrorCode::invalid_argument,
                 "a state of dimension " + std::to_string(other.dimension_) +
                     " cannot be merged into one of dimension " + std::to_string(dimension_));
+  if (decimals_ >= 0 && decimals_ == other.decimals_) {
+    HullState numbers = other;
+    const int decimals = decimals_;
+    numbers.to_grid();
+    to_grid();
+    merge(numbers, options);
+    to_world(decimals);
+    return;
+  }
+  const int decimals = seen_ == 0 ? other.decimals_ : other.seen_ == 0 ? decimals_ : -1;
   const ScalarType scalar = common_scalar(scalar_, seen_, other.scalar_, other.seen_);
   if (seen_ == 0) {
     const bool known = dimension_ != 0;
     *this = other;
     if (known) scalar_ = scalar;
+    decimals_ = decimals;
     return;
   }
   NumberedPoints mine = StateParts::points(*this), theirs = StateParts::points(other);
@@ -58,6 +69,47 @@ void HullState::merge(const HullState& other, const Options& options) {
   }
   const std::uint64_t seen = seen_ + other.seen_;
   *this = StateParts::state(mine, seen);
+  decimals_ = decimals;
+}
+
+namespace {
+
+constexpr int most_decimals = 15;
+
+double power_of_ten(int exponent) {
+  double power = 1;
+  for (int i = 0; i < exponent; ++i) power *= 10;  // exact up to 10^22
+  return power;
+}
+
+/// Rows of doubles, each coordinate replaced by of(it).
+template <class Of>
+std::vector<std::byte> rows_of(const PointView& points, const Of& of) {
+  std::vector<std::byte> rows(points.count * points.dimension * sizeof(double));
+  std::byte* out = rows.data();
+  for (std::uint64_t i = 0; i < points.count; ++i)
+    for (std::uint32_t j = 0; j < points.dimension; ++j, out += sizeof(double)) {
+      const double x = of(points.at(i, j));
+      std::memcpy(out, &x, sizeof x);
+    }
+  return rows;
+}
+
+}  // namespace
+
+void HullState::to_world(int decimals) {
+  if (decimals < 0 || decimals > most_decimals)
+    throw Error(ErrorCode::invalid_argument, "a grid has 0 to 15 decimals");
+  rows_ = rows_of(points(), [p = power_of_ten(decimals)](double x) { return x / p; });
+  scalar_ = ScalarType::f64;
+  decimals_ = decimals;
+}
+
+void HullState::to_grid() {
+  if (decimals_ < 0) return;
+  rows_ = rows_of(points(), [p = power_of_ten(decimals_)](double x) { return std::round(x * p); });
+  scalar_ = ScalarType::f64;
+  decimals_ = -1;
 }
 
 void HullState::shift_ids(std::uint64_t offset) {
@@ -87,12 +139,17 @@ constexpr std::uint32_t version = 1;
 struct Head {
   char magic[8];
   std::uint32_t version, dimension;
-  std::uint32_t scalar, unused;
+  std::uint32_t scalar, grid;  ///< grid: 1 + its decimals; 0: none
   std::uint64_t seen, count;
 
   Head turned() const {
-    Head head{{},     little_endian(version), little_endian(dimension), little_endian(scalar),
-              unused, little_endian(seen),    little_endian(count)};
+    Head head{{},
+              little_endian(version),
+              little_endian(dimension),
+              little_endian(scalar),
+              little_endian(grid),
+              little_endian(seen),
+              little_endian(count)};
     std::memcpy(head.magic, magic, sizeof magic);
     return head;
   }
@@ -120,7 +177,13 @@ std::size_t padded(std::size_t bytes) { return (bytes + 7) / 8 * 8; }
 std::vector<std::byte> HullState::to_bytes() const {
   const std::size_t ids = ids_.size() * sizeof(std::uint64_t), rows = rows_.size();
   std::vector<std::byte> bytes(sizeof(Head) + ids + padded(rows) + 8);
-  Head head{{}, version, dimension_, static_cast<std::uint32_t>(scalar_), 0, seen_, ids_.size()};
+  Head head{{},
+            version,
+            dimension_,
+            static_cast<std::uint32_t>(scalar_),
+            static_cast<std::uint32_t>(decimals_ + 1),
+            seen_,
+            ids_.size()};
   std::memcpy(head.magic, magic, sizeof magic);
   head = head.turned();
   std::byte* const at = bytes.data() + sizeof head;
@@ -145,8 +208,12 @@ HullState HullState::from_bytes(std::span<const std::byte> bytes) {
               std::to_string(version));
   if (head.scalar > static_cast<std::uint32_t>(ScalarType::u32))
     bad_state("unknown scalar type " + std::to_string(head.scalar));
+  if (head.grid > most_decimals + 1 ||
+      (head.grid > 0 && head.scalar != static_cast<std::uint32_t>(ScalarType::f64)))
+    bad_state("unknown grid " + std::to_string(head.grid));
   HullState state;
   state.dimension_ = head.dimension;
+  state.decimals_ = static_cast<int>(head.grid) - 1;
   state.scalar_ = static_cast<ScalarType>(head.scalar);
   state.seen_ = head.seen;
   const std::uint64_t row = std::uint64_t{head.dimension} * scalar_size(state.scalar_);

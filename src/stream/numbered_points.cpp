@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstring>
 #include <numeric>
+#include <string>
 
+#include "cullhull/error.hpp"
 #include "parallel/prefetch.hpp"
 
 namespace cullhull::internal {
@@ -134,7 +136,14 @@ void NumberedPoints::sort() {
   std::iota(order.begin(), order.end(), std::uint64_t{0});
   std::sort(order.begin(), order.end(),
             [&](std::uint64_t a, std::uint64_t b) { return ids[a] < ids[b]; });
-  const auto same = [&](std::uint64_t a, std::uint64_t b) { return ids[a] == ids[b]; };
+  const auto same = [&](std::uint64_t a, std::uint64_t b) {
+    if (ids[a] != ids[b]) return false;
+    if (std::memcmp(rows.data() + a * row_bytes(), rows.data() + b * row_bytes(), row_bytes()) == 0)
+      return true;
+    throw Error(ErrorCode::invalid_argument, "two different points have the id " +
+                                                 std::to_string(ids[a]) +
+                                                 ": parts that are merged need ids of their own");
+  };
   order.erase(std::unique(order.begin(), order.end(), same), order.end());
   keep(order);
 }

@@ -36,7 +36,8 @@ struct NumberedPoints {
   void take(NumberedPoints& other);
   /// Converts the coordinates to doubles.
   void widen();
-  /// Sorts by id; removes repeated ids.
+  /// Sorts by id and keeps one of points that are repeated. Throws Error{invalid_argument} where
+  /// two points with one id differ, and leaves them unchanged.
   void sort();
   /// Keeps those at these positions, in that order.
   void keep(const std::vector<std::uint64_t>& places);

@@ -114,6 +114,7 @@ class AllPaths {
     const auto by_column = PointView::column_major(columns.data(), set_.count(), d);
     compare(by_column, CullMethod::gauge, 2, "columns of " + path);
     compare(by_column, CullMethod::pseudo_hull, 3, "columns of " + path);
+    compare(by_column, CullMethod::automatic, 1, "columns of " + path);
     // Records of d scalars and three bytes, from an odd address.
     const std::size_t record = d * sizeof(T) + 3;
     std::vector<std::byte> bytes(set_.count() * record + 1);
@@ -132,6 +133,7 @@ class AllPaths {
     if (!converted(set_, rows)) return;
     const auto view = PointView::row_major(rows.data(), set_.count(), set_.dimension);
     compare(view, CullMethod::none, 1, "rows of " + path);
+    compare(view, CullMethod::automatic, 1, "rows of " + path);
     compare(view, CullMethod::gauge, 2, "rows of " + path);
     compare(view, CullMethod::pseudo_hull, 2, "rows of " + path);
     layouts(rows, path);

@@ -1,9 +1,11 @@
-// The program on LAS files: hulls of their whole numbers, written where scale and offset put them.
+// The program on LAS files: computed on the grid of their decimals, told and written in the world.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "agreement/run_app.hpp"
+#include "cullhull/point_blocks.hpp"
 #include "parallel/byte_order.hpp"
 
 namespace cullhull {
@@ -18,8 +20,8 @@ using testing::write_file;
 
 using Numbers = std::vector<std::int32_t>;
 
-/// LAS 1.2 of point format 0.
-std::string las(const Numbers& numbers, const Placement& placement) {
+/// LAS 1.2 of point format 0; point i is of class i % classes.
+std::string las(const Numbers& numbers, const Placement& placement, std::size_t classes = 1) {
   constexpr std::size_t header = 227, record = 20;
   std::string bytes(header + numbers.size() / 3 * record, '\0');
   const auto put = [&](std::size_t at, auto value) {
@@ -39,6 +41,8 @@ std::string las(const Numbers& numbers, const Placement& placement) {
   }
   for (std::size_t i = 0; i < numbers.size(); ++i)
     put(header + i / 3 * record + i % 3 * 4, numbers[i]);
+  for (std::size_t i = 0; i < numbers.size() / 3; ++i)
+    put(header + i * record + 15, static_cast<std::uint8_t>(i % classes | 0x40));
   return bytes;
 }
 
@@ -49,7 +53,33 @@ Numbers ball(std::uint64_t count) {
   return numbers;
 }
 
+/// Of 1000ths: the whole numbers that `metres` makes of these.
+std::vector<double> on_grid(const Numbers& numbers) {
+  const double step[] = {1, 1, 10}, origin[] = {5e8, 4e9, -12500};
+  std::vector<double> rows;
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    rows.push_back(numbers[i] * step[i % 3] + origin[i % 3]);
+  return rows;
+}
+
 const Placement metres{{0.001, 0.001, 0.01}, {500000, 4000000, -12.5}};
+
+/// Rows of whole numbers on the grid of 1000ths as .npy.
+void write_rows(const std::string& path, const std::vector<double>& rows, std::uint32_t d = 3) {
+  write_npy_points(path, rows.data(), rows.size() / d, d, ScalarType::f64);
+}
+
+Numbers rows_from(const Numbers& numbers, std::size_t first, std::size_t last) {
+  return {numbers.begin() + static_cast<std::ptrdiff_t>(3 * first),
+          numbers.begin() + static_cast<std::ptrdiff_t>(3 * last)};
+}
+
+nlohmann::json json_of(const std::string& path) { return nlohmann::json::parse(read_file(path)); }
+
+void expect_success(const std::vector<std::string>& words) {
+  const Ran ran = run_app(words);
+  ASSERT_EQ(ran.status, 0) << ran.err;
+}
 
 std::vector<double> vertices_of_obj(const std::string& text) {
   std::vector<double> rows;
@@ -69,101 +99,333 @@ TEST(CliLas, MeshesLieWhereScaleAndOffsetPutThem) {
   const Folder f;
   const Numbers numbers = ball(3000);
   write_file(f / "a.las", las(numbers, metres));
-  const std::vector<double> wide(numbers.begin(), numbers.end());
-  const Hull hull = convex_hull(PointView::row_major(wide.data(), 3000, 3));
+  const std::vector<double> grid = on_grid(numbers);
+  const Hull hull = convex_hull(PointView::row_major(grid.data(), 3000, 3));
   std::vector<double> expected;
   for (const std::uint64_t v : hull.vertices)
-    for (std::size_t j = 0; j < 3; ++j)
-      expected.push_back(wide[3 * v + j] * metres.scale[j] + metres.offset[j]);
+    for (std::size_t j = 0; j < 3; ++j) {
+      expected.push_back(grid[3 * v + j] / 1000);
+      // What laspy computes differs in the last place at most.
+      const double laspy = metres.at(j, numbers[3 * v + j]);
+      EXPECT_NEAR(expected.back(), laspy, std::abs(laspy) * 0x1p-52);
+    }
   for (const char* stream : {"off", "on"}) {
     const Ran ran = run_app({"hull", f / "a.las", "--stream", stream, "-o", f / "a.obj", "-o",
                              f / "a.json", "--certify"});
     ASSERT_EQ(ran.status, 0) << ran.err;
     EXPECT_EQ(vertices_of_obj(read_file(f / "a.obj")), expected) << stream;
-    // The result itself, which certify checks, has the file's numbers.
-    EXPECT_EQ(run_app({"certify", f / "a.las", f / "a.json"}).status, 0);
+    const auto json = json_of(f / "a.json");
+    EXPECT_DOUBLE_EQ(json["volume"].get<double>(), hull.volume / 1e9);
+    EXPECT_DOUBLE_EQ(json["area"].get<double>(), hull.area / 1e6);
+    EXPECT_EQ(json["centroid"][1].get<double>(), hull.centroid[1] / 1000);
+    for (const char* again : {"off", "on"})
+      expect_success({"certify", f / "a.las", f / "a.json", "--stream", again});
   }
+  std::string text = read_file(f / "a.json");
+  const std::string x = nlohmann::json(expected[0]).dump();
+  text.replace(text.find(x), x.size(), nlohmann::json(std::nextafter(expected[0], 0)).dump());
+  write_file(f / "b.json", text);
+  for (const char* stream : {"off", "on"})
+    expect_error({"certify", f / "a.las", f / "b.json", "--stream", stream}, 3, "not certified");
 }
 
 TEST(CliLas, PlansHaveMeasuresInTheirUnits) {
   const Folder f;
   write_file(f / "a.las",
              las({0, 0, 7, 3000, 0, 7, 3000, 4000, 9, 0, 4000, 9, 1000, 1000, 8}, metres));
-  ASSERT_EQ(run_app({"hull", f / "a.las", "--columns", "y,x", "-o", f / "a.geojson"}).status, 0);
-  const auto feature = nlohmann::json::parse(read_file(f / "a.geojson"));
-  EXPECT_DOUBLE_EQ(feature["properties"]["area"].get<double>(), 12);
-  EXPECT_DOUBLE_EQ(feature["properties"]["perimeter"].get<double>(), 14);
+  expect_success({"hull", f / "a.las", "--columns", "y,x", "-o", f / "a.geojson"});
+  const auto feature = json_of(f / "a.geojson");
+  EXPECT_EQ(feature["properties"]["area"].get<double>(), 12);
+  EXPECT_EQ(feature["properties"]["perimeter"].get<double>(), 14);
   EXPECT_EQ(feature["geometry"]["coordinates"][0].size(), 5U);
   for (const auto& corner : feature["geometry"]["coordinates"][0])
     EXPECT_TRUE(corner[0] >= 4000000 && corner[1] >= 500000 && corner[1] < 500004) << corner;
 }
 
-TEST(CliLas, TilesOfOneGridAreOneSetAndOthersAreRefused) {
+// 484683.1 as the nearest double, not 4846831 * 0.1 with its two roundings.
+TEST(CliLas, GeometriesHaveTheDecimalsOfTheGrid) {
   const Folder f;
-  const Numbers numbers = ball(2000);
-  const auto part = [&](std::size_t first, std::size_t last) {
-    return Numbers(numbers.begin() + static_cast<std::ptrdiff_t>(3 * first),
-                   numbers.begin() + static_cast<std::ptrdiff_t>(3 * last));
+  Numbers numbers;
+  for (int i = 0; i < 400; ++i)
+    for (const int x : {7 * i * i % 5003, 11 * i * i % 4999, 0}) numbers.push_back(x);
+  write_file(f / "a.las", las(numbers, {{0.1, 0.1, 1}, {484683.1, 6000000.7, 0}}));
+  const std::vector<std::string> plan{f / "a.las", "--columns", "x,y", "-o"};
+  const auto with = [&](std::vector<std::string> words, const std::string& out) {
+    words.insert(words.begin() + 1, plan.begin(), plan.end());
+    words.push_back(out);
+    return words;
   };
-  write_file(f / "all.las", las(numbers, metres));
-  write_file(f / "t1.las", las(part(0, 700), metres));
-  write_file(f / "t2.las", las(part(700, 2000), metres));
-  ASSERT_EQ(run_app({"hull", f / "all.las", "-o", f / "all.ply"}).status, 0);
-  for (const char* stream : {"off", "on"}) {
-    const Ran ran =
-        run_app({"hull", f / "t1.las", f / "t2.las", "--stream", stream, "-o", f / "tiles.ply"});
-    ASSERT_EQ(ran.status, 0) << ran.err;
-    EXPECT_EQ(read_file(f / "tiles.ply"), read_file(f / "all.ply")) << stream;
+  expect_success(with({"hull"}, f / "hull.geojson"));
+  expect_success(with({"hull"}, f / "hull.wkt"));
+  expect_success(with({"alpha"}, f / "alpha.geojson"));
+  expect_success(with({"delaunay"}, f / "delaunay.wkt"));
+  for (const char* name : {"hull.geojson", "hull.wkt", "alpha.geojson", "delaunay.wkt"}) {
+    const std::string text = read_file(f / name);
+    std::size_t found = 0;
+    for (std::size_t at = text.find("48"); at != std::string::npos; at = text.find("48", at + 1)) {
+      const std::size_t end = text.find_first_not_of("0123456789.", at);
+      if (text.compare(at, 3, "484") != 0 && text.compare(at, 3, "485") != 0) continue;
+      if (text.find('.', at) > end) continue;
+      EXPECT_LE(end - at, 8U) << name << ' ' << text.substr(at, end - at);
+      ++found;
+    }
+    EXPECT_GT(found, 3U) << name;
   }
-  Placement other = metres;
-  other.offset[0] += 1000;
-  write_file(f / "t2.las", las(part(700, 2000), other));
-  for (const char* stream : {"off", "on"})
-    expect_error({"hull", f / "t1.las", f / "t2.las", "--stream", stream}, 1,
-                 "t2.las: scale or offset are not those of the numbers in");
 }
 
-// So that they are the same points, whole: what scale and offset make of them is rounded.
-TEST(CliLas, PointsAsTextAreTheNumbersOfTheFile) {
+TEST(CliLas, TilesOfACommonGridAreOneFile) {
+  const Folder f;
+  const Numbers numbers = ball(2000);
+  write_file(f / "all.las", las(numbers, metres));
+  write_file(f / "t1.las", las(rows_from(numbers, 0, 700), metres));
+  // The same points of another origin, and a tile of coarser steps in between.
+  Placement other = metres;
+  other.offset = {500001, 3999999.5, -12};
+  Numbers moved = rows_from(numbers, 700, 2000);
+  for (std::size_t i = 0; i < moved.size(); ++i)
+    moved[i] -= i % 3 == 0 ? 1000 : i % 3 == 1 ? -500 : 50;
+  write_file(f / "t2.las", las(moved, other));
+  for (const char* stream : {"off", "on"})
+    for (const char* name : {"ply", "json", "obj"}) {
+      const auto out = [&](const char* stem) { return f / (std::string(stem) + "." + name); };
+      expect_success({"hull", f / "all.las", "-o", out("all")});
+      expect_success({"hull", f / "t1.las", f / "t2.las", "--stream", stream, "-o", out("tiles")});
+      EXPECT_EQ(read_file(out("tiles")), read_file(out("all"))) << stream << name;
+    }
+  for (const char* command : {"delaunay", "voronoi"}) {
+    expect_success({command, f / "all.las", "-o", f / "all.json"});
+    expect_success({command, f / "t1.las", f / "t2.las", "-o", f / "tiles.json"});
+    EXPECT_EQ(read_file(f / "tiles.json"), read_file(f / "all.json")) << command;
+  }
+  expect_success({"alpha", f / "all.las", "--columns", "x,y", "-o", f / "all.wkt"});
+  expect_success({"alpha", f / "t1.las", f / "t2.las", "--columns", "x,y", "-o", f / "tiles.wkt"});
+  EXPECT_EQ(read_file(f / "tiles.wkt"), read_file(f / "all.wkt"));
+}
+
+// Of tiles without a common grid, and of files without any: in the world, whatever comes first.
+TEST(CliLas, OtherMixturesAreInTheWorldInAnyOrder) {
+  const Folder f;
+  const Numbers numbers = ball(600);
+  const std::string a = f / "a.las", b = f / "b.las", p = f / "p.npy";
+  write_file(a, las(rows_from(numbers, 0, 200), metres));
+  const Placement odd{{0.001, 0.0013371234567890123, 0.01}, {500000, 4000000, -12.5}};
+  write_file(b, las(rows_from(numbers, 200, 400), odd));
+  std::vector<double> rows = on_grid(rows_from(numbers, 400, 600));
+  for (double& x : rows) x /= 1000;
+  write_rows(p, rows);
+  std::vector<double> all = on_grid(rows_from(numbers, 0, 200));
+  for (double& x : all) x /= 1000;
+  const Numbers second = rows_from(numbers, 200, 400);
+  for (std::size_t i = 0; i < second.size(); ++i) all.push_back(odd.at(i % 3, second[i]));
+  all.insert(all.end(), rows.begin(), rows.end());
+  write_rows(f / "all.npy", all);
+  expect_success({"hull", f / "all.npy", "--json=" + (f / "all.json")});
+  const auto expected = json_of(f / "all.json");
+  const std::vector<std::vector<std::string>> orders{{a, b, p}, {b, p, a}, {p, a, b}, {b, a, p}};
+  for (const auto& order : orders)
+    for (const char* stream : {"off", "on"}) {
+      expect_success({"hull", order[0], order[1], order[2], "--stream", stream,
+                      "--json=" + (f / "mixed.json")});
+      const auto json = json_of(f / "mixed.json");
+      EXPECT_EQ(json["placement"]["numbers"], "rounded");
+      EXPECT_EQ(json["vertex_count"], expected["vertex_count"]);
+      EXPECT_NEAR(json["volume"].get<double>(), expected["volume"].get<double>(),
+                  expected["volume"].get<double>() * 1e-9);
+    }
+  expect_success({"delaunay", a, b, p, "-o", f / "mixed.obj.json"});
+  expect_success({"delaunay", f / "all.npy", "-o", f / "all.obj.json"});
+  EXPECT_EQ(read_file(f / "mixed.obj.json"), read_file(f / "all.obj.json"));
+}
+
+// What is not affine: cells of the true points, not of the file's numbers.
+TEST(CliLas, TriangulationsAreThoseOfTheGrid) {
+  const Folder f;
+  const Numbers numbers = ball(500);
+  write_file(f / "a.las", las(numbers, metres));
+  write_rows(f / "grid.npy", on_grid(numbers));
+  expect_success({"delaunay", f / "a.las", "-o", f / "a.json", "-o", f / "a.vtk", "--certify"});
+  expect_success({"delaunay", f / "grid.npy", "-o", f / "grid.json"});
+  EXPECT_EQ(read_file(f / "a.json"), read_file(f / "grid.json"));
+  expect_success({"delaunay", f / "a.las", "--raw", "-o", f / "raw.json"});
+  EXPECT_NE(read_file(f / "raw.json"), read_file(f / "grid.json"));
+  expect_success({"voronoi", f / "a.las", "-o", f / "a.json", "--measures", f / "a.csv"});
+  expect_success({"voronoi", f / "grid.npy", "-o", f / "grid.json", "--measures", f / "grid.csv"});
+  const auto placed = json_of(f / "a.json"), grid = json_of(f / "grid.json");
+  EXPECT_EQ(placed["ridge_points"], grid["ridge_points"]);
+  for (std::size_t i = 0; i < grid["vertices"].size(); ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      ASSERT_EQ(placed["vertices"][i][j].get<double>(),
+                grid["vertices"][i][j].get<double>() / 1000);
+  std::istringstream a(read_file(f / "a.csv")), g(read_file(f / "grid.csv"));
+  std::string line;
+  std::getline(a, line);
+  std::getline(g, line);
+  std::size_t cells = 0;
+  for (double x = 0, y = 0; a >> x && g >> y; ++cells) EXPECT_DOUBLE_EQ(x, y / 1e9);
+  EXPECT_EQ(cells, 500U);
+}
+
+TEST(CliLas, BoxesLengthsAndWeightsAreInTheWorld) {
+  const Folder f;
+  const Numbers numbers = ball(500);
+  write_file(f / "a.las", las(numbers, metres));
+  const auto plan = [&](std::vector<std::string> words) {
+    words.insert(words.end(), {"--columns", "x,y"});
+    expect_success(words);
+  };
+  plan({"voronoi", f / "a.las", "--box", "499999,3999999,500001,4000001", "-o", f / "v.wkt",
+        "--json=" + (f / "v")});
+  EXPECT_DOUBLE_EQ(json_of(f / "v")["measure"].get<double>(), 4);
+  plan({"alpha", f / "a.las", "--alpha", "0.5", "--json=" + (f / "a")});
+  EXPECT_EQ(json_of(f / "a")["alpha"].get<double>(), 0.5);
+  plan({"alpha", f / "a.las", "--edge-length", "25.5", "--json=" + (f / "e")});
+  EXPECT_EQ(json_of(f / "e")["edge_length"].get<double>(), 25.5);
+  write_rows(f / "grid.npy", on_grid(numbers));
+  expect_success(
+      {"alpha", f / "grid.npy", "--columns", "0,1", "--alpha", "500", "--json=" + (f / "g")});
+  EXPECT_EQ(json_of(f / "a")["cell_count"], json_of(f / "g")["cell_count"]);
+  std::vector<double> weights, scaled;
+  for (int i = 0; i < 500; ++i) {
+    weights.push_back(i % 7 * 1000.0);
+    scaled.push_back(weights.back() * 1e6);
+  }
+  write_rows(f / "w.npy", weights, 1);
+  write_rows(f / "s.npy", scaled, 1);
+  expect_success({"delaunay", f / "a.las", "--weights", f / "w.npy", "-o", f / "w.json"});
+  expect_success({"delaunay", f / "grid.npy", "--weights", f / "s.npy", "-o", f / "s.json"});
+  EXPECT_EQ(read_file(f / "w.json"), read_file(f / "s.json"));
+}
+
+TEST(CliLas, FieldsOfTheRecordAreColumnsAndKeys) {
+  const Folder f;
+  const Numbers numbers = ball(900);
+  write_file(f / "a.las", las(numbers, metres, 3));
+  expect_success({"hull", f / "a.las", "--by", "classification", "--columns", "x,y", "-o",
+                  f / "groups.geojson"});
+  const auto groups = json_of(f / "groups.geojson")["features"];
+  ASSERT_EQ(groups.size(), 3U);
+  for (std::size_t c = 0; c < 3; ++c) {
+    Numbers of_class;
+    for (std::size_t i = c; i < 900; i += 3)
+      for (std::size_t j = 0; j < 3; ++j) of_class.push_back(numbers[3 * i + j]);
+    write_file(f / "c.las", las(of_class, metres));
+    expect_success({"hull", f / "c.las", "--columns", "x,y", "-o", f / "c.geojson"});
+    EXPECT_EQ(groups[c]["geometry"], json_of(f / "c.geojson")["geometry"]);
+    EXPECT_EQ(groups[c]["properties"]["classification"], c);
+    EXPECT_EQ(groups[c]["properties"]["area"], json_of(f / "c.geojson")["properties"]["area"]);
+  }
+  expect_success(
+      {"info", f / "a.las", "--columns", "x,classification,key_point", "--json=" + (f / "i")});
+  const auto axes = json_of(f / "i")["axes"];
+  EXPECT_EQ(axes[1]["greatest"].get<double>(), 2);
+  EXPECT_EQ(axes[2]["least"].get<double>(), 1);
+  expect_error({"info", f / "a.las", "--columns", "x,nir"}, 2, "no column 'nir'; there are 'x'");
+}
+
+TEST(CliLas, RawGivesTheNumbersOfTheFile) {
+  const Folder f;
+  const Numbers numbers = ball(500);
+  write_file(f / "a.las", las(numbers, metres));
+  const std::vector<double> wide(numbers.begin(), numbers.end());
+  write_npy_points(f / "a.npy", wide.data(), 500, 3, ScalarType::i32);
+  for (const char* stream : {"off", "on"}) {
+    expect_success({"hull", f / "a.las", "--raw", "--stream", stream, "-o", f / "raw.json"});
+    expect_success({"hull", f / "a.npy", "-o", f / "npy.json"});
+    EXPECT_EQ(read_file(f / "raw.json"), read_file(f / "npy.json"));
+    expect_success({"certify", f / "a.las", f / "raw.json", "--raw", "--stream", stream});
+  }
+  expect_error({"certify", f / "a.las", f / "raw.json"}, 3, "not certified");
+}
+
+TEST(CliLas, StatesAndPipesKeepTheGrid) {
+  const Folder f;
+  const Numbers numbers = ball(2000);
+  write_file(f / "all.las", las(numbers, metres));
+  write_file(f / "t1.las", las(rows_from(numbers, 0, 900), metres));
+  write_file(f / "t2.las", las(rows_from(numbers, 900, 2000), metres));
+  expect_success({"hull", f / "all.las", "-o", f / "all.json"});
+  expect_success({"hull", f / "t1.las", "--partial", f / "t1.hullstate"});
+  expect_success({"hull", f / "t2.las", "--partial", f / "t2.hullstate"});
+  for (const auto& inputs :
+       {std::pair{"t1.hullstate", "t2.hullstate"}, {"t1.las", "t2.hullstate"}}) {
+    expect_success({"hull", f / inputs.first, f / inputs.second, "-o", f / "parts.json"});
+    EXPECT_EQ(read_file(f / "parts.json"), read_file(f / "all.json")) << inputs.first;
+  }
+  // The coordinates that a state holds are those in the world.
+  const HullState state = read_state(f / "t1.hullstate");
+  EXPECT_EQ(state.decimals(), 3);
+  EXPECT_EQ(state.points().at(0, 1), on_grid(numbers)[3 * state.ids()[0] + 1] / 1000);
+  HullState merged = state, other = read_state(f / "t2.hullstate");
+  other.shift_ids(900);
+  merged.merge(other);
+  EXPECT_EQ(merged.decimals(), 3);
+  EXPECT_EQ(merged.ids(),
+            convex_hull(PointView::row_major(on_grid(numbers).data(), 2000, 3)).vertices);
+}
+
+TEST(CliLas, TracksAreInTheWorld) {
+  const Folder f;
+  const Numbers numbers = ball(300);
+  for (const char* name : {"f1.las", "f2.las"}) write_file(f / name, las(numbers, metres));
+  expect_success({"track", f / "f1.las", f / "f2.las", "-o", f / "t%d.obj", "--json=" + (f / "t"),
+                  "--certify"});
+  expect_success({"hull", f / "f1.las", "-o", f / "h.obj", "--json=" + (f / "h")});
+  EXPECT_EQ(read_file(f / "t1.obj"), read_file(f / "h.obj"));
+  EXPECT_EQ(json_of(f / "t")["frames"][1]["volume"], json_of(f / "h")["volume"]);
+}
+
+TEST(CliLas, ReportsNameTheUnits) {
+  const Folder f;
+  write_file(f / "a.las", las({0, 0, 0, 3000, 0, 0, 0, 4000, 0, 0, 0, 100}, metres));
+  for (const char* stream : {"off", "on"})
+    for (const char* command : {"hull", "cull", "info"}) {
+      const Ran ran = run_app({command, f / "a.las", "--stream", stream});
+      EXPECT_NE(ran.out.find("exact on the grid of 0.001; scale 0.001 0.001 0.01, offset 500000"),
+                std::string::npos)
+          << ran.out;
+      const std::string x = command == std::string("info") ? "axis 0     500000 to 500003"
+                                                           : "extent     500000 to 500003, 4000000";
+      EXPECT_NE(ran.out.find(x), std::string::npos) << ran.out;
+      expect_success({command, f / "a.las", "--stream", stream, "--json=" + (f / "j")});
+      const auto placement = json_of(f / "j")["placement"];
+      EXPECT_EQ(placement["numbers"], "grid");
+      EXPECT_EQ(placement["grid"].get<double>(), 0.001);
+      EXPECT_EQ(placement["offset"][2].get<double>(), -12.5);
+    }
+}
+
+TEST(CliLas, PointsAsTextAreInTheWorld) {
   const Folder f;
   const Numbers numbers = ball(3000);
   write_file(f / "a.las", las(numbers, metres));
+  const std::vector<double> grid = on_grid(numbers);
   for (const char* stream : {"off", "on"}) {
-    ASSERT_EQ(run_app({"cull", f / "a.las", "--stream", stream, "-o", f / "ids.txt", "--points",
-                       f / "kept.csv"})
-                  .status,
-              0);
-    std::istringstream ids(read_file(f / "ids.txt"));
-    std::string expected = "x,y,z\n";
+    expect_success(
+        {"cull", f / "a.las", "--stream", stream, "-o", f / "ids.txt", "--points", f / "kept.csv"});
+    std::istringstream ids(read_file(f / "ids.txt")), kept(read_file(f / "kept.csv"));
+    std::string line;
+    std::getline(kept, line);
+    EXPECT_EQ(line, "x,y,z");
     for (std::size_t id = 0; ids >> id;)
-      for (std::size_t j = 0; j < 3; ++j)
-        expected += std::to_string(numbers[3 * id + j]) + (j < 2 ? ',' : '\n');
-    EXPECT_EQ(read_file(f / "kept.csv"), expected);
-    // Beside a mesh of the same file, whose vertices lie elsewhere.
-    ASSERT_EQ(run_app({"hull", f / "kept.csv", "-o", f / "kept.obj"}).status, 0);
-    ASSERT_EQ(run_app({"hull", f / "a.las", "-o", f / "las.obj"}).status, 0);
-    std::vector<double> placed = vertices_of_obj(read_file(f / "kept.obj"));
-    for (std::size_t i = 0; i < placed.size(); ++i) placed[i] = metres.at(i % 3, placed[i]);
-    std::vector<double> lie = vertices_of_obj(read_file(f / "las.obj"));
-    std::sort(placed.begin(), placed.end());
-    std::sort(lie.begin(), lie.end());
-    EXPECT_EQ(placed, lie);
+      for (std::size_t j = 0; j < 3; ++j) {
+        double x = 0;
+        ASSERT_TRUE(kept >> x);
+        kept.get();
+        EXPECT_EQ(x, grid[3 * id + j] / 1000);
+      }
   }
 }
 
-// Headers that were not filled in, and numbers of another format among them: as they are.
+// Headers that were not filled in: numbers as they are.
 TEST(CliLas, WithoutAScaleNumbersAreAsTheyAre) {
   const Folder f;
   const Numbers numbers = ball(500);
   write_file(f / "a.las", las(numbers, {{0, 0, 0}, {0, 0, 0}}));
   const std::vector<double> wide(numbers.begin(), numbers.end());
   write_npy_points(f / "a.npy", wide.data(), 500, 3, ScalarType::i32);
-  ASSERT_EQ(run_app({"hull", f / "a.npy", "-o", f / "npy.obj"}).status, 0);
-  ASSERT_EQ(run_app({"hull", f / "a.las", "-o", f / "las.obj"}).status, 0);
+  expect_success({"hull", f / "a.npy", "-o", f / "npy.obj"});
+  expect_success({"hull", f / "a.las", "-o", f / "las.obj"});
   EXPECT_EQ(read_file(f / "las.obj"), read_file(f / "npy.obj"));
-  write_file(f / "b.las", las(numbers, metres));
-  ASSERT_EQ(run_app({"hull", f / "b.las", f / "a.npy", "-o", f / "both.obj"}).status, 0);
-  EXPECT_EQ(read_file(f / "both.obj"), read_file(f / "npy.obj"));
 }
 
 }  // namespace

@@ -68,6 +68,63 @@ TEST(CliTriangulation, WritesFiles) {
   EXPECT_EQ(map["features"][0]["geometry"]["coordinates"][0].size(), 4U);
 }
 
+// A surface of terrain: triangulated by place, its corners at their heights.
+TEST(CliTriangulation, TerrainKeepsItsHeights) {
+  const Folder f;
+  write_file(f / "t.csv", "id,x,y,z\na,0,0,10\nb,2,0,20.5\nc,0,2,-30\nd,2,2,4e2\ne,1,1,0.1\n");
+  std::vector<std::string> words{"delaunay", f / "t.csv", "--columns", "x,y",
+                                 "--height", "z",         "-q"};
+  const std::vector<std::vector<double>> rows{
+      {0, 0, 10}, {2, 0, 20.5}, {0, 2, -30}, {2, 2, 400}, {1, 1, 0.1}};
+  for (const char* ending : {"obj", "ply", "off", "stl", "vtk", "vtp", "glb", "json"}) {
+    words.push_back("-o");
+    words.push_back(f / ("tin." + std::string(ending)));
+  }
+  const Ran ran = run_app(words);
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  for (const char* ending : {"obj", "ply", "off"}) {
+    const PointFile file = open_points(f / ("tin." + std::string(ending)));
+    ASSERT_EQ(file.points().count, 5U) << ending;
+    for (std::uint64_t i = 0; i < 5; ++i)
+      for (std::uint32_t j = 0; j < 3; ++j) EXPECT_EQ(file.points().at(i, j), rows[i][j]) << ending;
+  }
+  const PointFile stl = open_points(f / "tin.stl");
+  ASSERT_EQ(stl.points().count, 12U);  // four triangles, 0 1 4 first
+  EXPECT_EQ(stl.points().at(1, 2), 20.5);
+  EXPECT_NE(read_file(f / "tin.obj").find("v 2 2 400\n"), std::string::npos);
+  EXPECT_NE(read_file(f / "tin.obj").find("f 1 2 5\n"), std::string::npos);
+  EXPECT_NE(read_file(f / "tin.vtk").find("\n0 2 -30\n"), std::string::npos);
+  const json t = json::parse(read_file(f / "tin.json"));
+  EXPECT_EQ(t["heights"], json::parse("[10, 20.5, -30, 400, 0.1]"));
+  // Of a file, and flat without.
+  write_file(f / "h.txt", "1\n2\n3\n4\n5\n");
+  const Ran other = run_app({"delaunay", f / "t.csv", "--columns", "x,y", "--height", f / "h.txt",
+                             "-q", "-o", f / "h.obj", "-o", f / "h.json"});
+  ASSERT_EQ(other.status, 0) << other.err;
+  EXPECT_NE(read_file(f / "h.obj").find("v 1 1 5\n"), std::string::npos);
+  ASSERT_EQ(run_app({"delaunay", f / "t.csv", "--columns", "x,y", "-q", "-o", f / "h.obj"}).status,
+            0);
+  EXPECT_NE(read_file(f / "h.obj").find("v 1 1 0\n"), std::string::npos);
+}
+
+TEST(CliTriangulation, HeightsThatCannotBeKept) {
+  const Folder f;
+  write_file(f / "t.csv", "x,y,z\n0,0,10\n2,0,20\n0,2,nan\n");
+  const auto error = [&](std::vector<std::string> more, int status, const char* say) {
+    std::vector<std::string> words{"delaunay", f / "t.csv", "-q"};
+    words.insert(words.end(), more.begin(), more.end());
+    expect_error(words, status, say);
+  };
+  error({"--columns", "x,y", "--height", "z", "-o", f / "t.obj"}, 1, "height of point 2 is NaN");
+  error({"--columns", "x,y", "--height", "z", "-o", f / "t.wkt"}, 2, ".wkt holds no heights");
+  error({"--columns", "x,y", "--height", "w", "-o", f / "t.obj"}, 2, "no column 'w'");
+  error({"--columns", "x,y", "--height", "x,z", "-o", f / "t.obj"}, 2,
+        "--height x,z: 2 columns, where one number a point is wanted");
+  error({"--height", "z", "-o", f / "t.json"}, 2, "--height is of 2D points, and these are 3D");
+  error({"-o", f / "t.obj"}, 2,
+        ".obj holds triangles of 2D points, and these are 3D; .vtk holds tetrahedra");
+}
+
 TEST(CliTriangulation, WritesCells) {
   const Folder f;
   write_file(f / "p.txt", square);
@@ -105,6 +162,15 @@ TEST(CliTriangulation, WeightsFromFilesAndColumns) {
   EXPECT_EQ(file.out, column.out) << file.err;
   EXPECT_EQ(run_app({"delaunay", f / "p.csv", "--columns", "x,y", "--format", "i"}).out,
             "2\n0 3 2\n1 2 3\n");
+  // The input is read once, so that it may be a pipe; the weights are no coordinate.
+  const Ran pipe = run_app(
+      {"delaunay", "-", "--input-format", "csv", "--weights", "w", "--format", "i"}, f / "p.csv");
+  EXPECT_EQ(pipe.out, column.out) << pipe.err;
+  write_file(f / "q.csv", "a,b,w\n0,0,0\n2,0,0\n0,2,0\n1,0,-1.5\n");
+  EXPECT_EQ(run_app({"delaunay", f / "q.csv", "--weights", "w", "--format", "i"}).out, column.out);
+  write_file(f / "word.csv", "x,y,w\n0,0,0\n2,0,heavy\n0,2,0\n");
+  expect_error({"delaunay", f / "word.csv", "--weights", "w"}, 1,
+               "column 'w' of point 1 is no number: 'heavy'");
   write_file(f / "few.txt", "0\n0\n");
   expect_error({"delaunay", f / "p.csv", "--columns", "x,y", "--weights", f / "few.txt"}, 2,
                "2 numbers for 4 points");

@@ -138,7 +138,7 @@ TEST(CliUsage, NotFiniteNamesTheFile) {
   const std::string p = f / "p.txt", good = f / "a.txt";
   write_file(p, "0 0\n1 0\n0 nan\n1 1\n");
   write_file(good, "0 0\n1 0\n0 1\n1 1\n");
-  const std::string want = p + ": point 2, coordinate 1 is NaN";
+  const std::string want = p + ":3: point 2, coordinate 1 is NaN";
   expect_error({"hull", p}, 1, want);
   expect_error({"hull", p, "--only", "vertices"}, 1, want);
   expect_error({"cull", p}, 1, want);
@@ -148,6 +148,31 @@ TEST(CliUsage, NotFiniteNamesTheFile) {
   expect_error({"track", good, p}, 1, p + ": frame 1: point 2, coordinate 1 is NaN");
   const Ran stream = run_app({"hull", "-"}, p);
   EXPECT_NE(stream.err.find("standard input: point 2"), std::string::npos) << stream.err;
+  const std::string csv = f / "p.csv";
+  write_file(csv, "# words\nname,x,y\n\na,0,0\n# more\nb,1,0\n\nc,inf,1\n");
+  expect_error({"hull", csv, "--columns", "x,y"}, 1,
+               csv + ":8: point 2, coordinate 0 is infinite; remove or repair");
+}
+
+TEST(CliUsage, FoldersInThePlaceOfFilesAreCalledSo) {
+  const Folder f;
+  const std::string p = f / "p.txt", folder = f / "folder";
+  write_file(p, "0 0\n1 0\n0 1\n");
+  std::filesystem::create_directory(folder);
+  expect_error({"hull", p, "--checkpoint", folder}, 1, folder + ": a folder, where a checkpoint");
+  expect_error({"hull", "@" + folder}, 1, folder + ": a folder, where a list of files is wanted");
+  expect_error({"delaunay", p, "--weights", folder}, 1, folder + ": cannot read: Is a directory");
+}
+
+TEST(CliUsage, RangesAreShort) {
+  const Folder f;
+  const std::string p = f / "p.txt";
+  write_file(p, "0 0\n1 0\n0 1\n");
+  expect_error({"alpha", p, "--edge-length", "-1"}, 2,
+               "--edge-length: Value -1 is not a finite number from 0 on");
+  expect_error({"alpha", p, "--edge-length", "inf"}, 2, "Value inf is not a finite number");
+  expect_error({"alpha", p, "--edge-length", "nan"}, 2, "nan is no number");
+  expect_error({"alpha", p, "--ratio", "1.5"}, 2, "--ratio: Value 1.5 not in range 0 to 1");
 }
 
 TEST(CliUsage, MeasuresHaveTheNamesOfTheirDimension) {

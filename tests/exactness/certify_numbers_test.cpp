@@ -3,11 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <ctime>
 #include <functional>
 #include <limits>
 #include <random>
 
-#include "agreement/point_sets.hpp"
+#include "agreement/hard_sets.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/hull.hpp"
 #include "io/certify_file.hpp"
@@ -234,6 +235,86 @@ TEST(CertifyNumbers, CentroidsAxisByAxis) {
       bad.centroid[c] += share * sides[c];
       EXPECT_EQ(reason(s, bad).find("coordinate " + std::to_string(c) + " of the centroid"), 0U);
     }
+}
+
+/// What no documented bound allows, however far it exceeds the measure.
+void expect_measures_held(const PointSet& s) {
+  const Hull good = convex_hull(view_of(s));
+  ASSERT_EQ(reason(s, good), "") << s.name;
+  ASSERT_GT(good.volume, 0) << s.name;
+  const auto refused = [&](double Hull::*measure, double wrong, const char* what) {
+    Hull bad = good;
+    bad.*measure = wrong;
+    EXPECT_EQ(reason(s, bad).find(what), 0U) << s.name << ": " << wrong << " for " << good.*measure;
+  };
+  for (const double share : {0.0, -1.0, 2.0, 0.5, -1e-3, 1e3, 1.3}) {
+    refused(&Hull::volume, share * good.volume, "the volume");
+    refused(&Hull::area, share * good.area, "the area");
+  }
+  refused(&Hull::volume, -5e-324, "the volume");
+  refused(&Hull::area, -5e-324, "the area");
+  for (unsigned c = 0; c < s.dimension; c += 1 + s.dimension / 6) {
+    double low = infinity, high = -infinity;
+    for (const std::uint64_t v : good.vertices) {
+      low = std::min(low, s.row(v)[c]);
+      high = std::max(high, s.row(v)[c]);
+    }
+    for (const double outside : {std::nextafter(low, -infinity), std::nextafter(high, infinity),
+                                 high + 2 * (high - low), 1e300, -infinity}) {
+      Hull bad = good;
+      bad.centroid[c] = outside;
+      EXPECT_EQ(reason(s, bad).find("coordinate " + std::to_string(c) + " of the centroid"), 0U)
+          << s.name << ": " << outside;
+    }
+  }
+}
+
+/// Lattices of a plane, turned: rounding leaves hulls about as thick as doubles are apart.
+TEST(CertifyNumbers, MeasuresOfHullsAsThinAsRounding) {
+  for (const unsigned d : {3U, 4U})
+    for (const double angle : {0.3, 0.7, 1.1}) {
+      PointSet s = named("turned 5 x 5 lattice", d);
+      for (int i = 0; i < 25; ++i) {
+        std::vector<double> p(d, 0);
+        p[0] = i % 5 - 2;
+        p[1] = i / 5 - 2;
+        s.add(p);
+      }
+      turn_axes(s, 0, d - 1, angle);
+      turn_axes(s, 1, d - 1, 0.5 + angle);
+      if (d == 4) turn_axes(s, 0, 2, angle);
+      expect_measures_held(s);
+    }
+}
+
+/// From nine dimensions on the bounds of elimination exceed many volumes; in flats they do earlier.
+TEST(CertifyNumbers, MeasuresOfManyDimensions) {
+  for (const unsigned d : {9U, 12U})
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      PointSet s =
+          random_set(seed == 1 ? "sphere" : "cube", d + static_cast<unsigned>(seed), d, seed);
+      if (seed == 3)
+        for (std::size_t i = 0; i < s.coordinates.size(); ++i)
+          s.coordinates[i] = std::ldexp(s.coordinates[i], static_cast<int>(i % d) * -5);
+      expect_measures_held(s);
+    }
+  for (const unsigned k : {2U, 5U, 7U, 9U}) {
+    PointSet s = flat(k + 3, k, 11, 6, k);
+    for (std::size_t i = 0; i < s.coordinates.size(); ++i) s.coordinates[i] *= 0x1p-20;
+    expect_measures_held(s);
+  }
+}
+
+/// Axes whose proportions make every facet a needle: the exact normals take no more than integers
+/// of a column each.
+TEST(CertifyNumbers, AxesOfAnyProportionsTakeNoLonger) {
+  PointSet s = random_set("ball", 13, 9, 5);
+  for (std::size_t i = 0; i < s.coordinates.size(); ++i)
+    s.coordinates[i] = std::ldexp(s.coordinates[i], static_cast<int>(i % 9) * 230 - 960);
+  const Hull hull = convex_hull(view_of(s));
+  const std::clock_t before = std::clock();
+  EXPECT_EQ(reason(s, hull), "");
+  EXPECT_LT(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC, 5);
 }
 
 TEST(CertifyNumbers, SimplexesOfManyDimensionsAndAnySize) {

@@ -76,11 +76,12 @@ class SlowNumbers {
     return std::max(best, judge_offset(h_.simplices[members[0] * k_], row));
   }
 
-  Verdict judge_volume(double v) { return number(v, sums().volume, sums().volume_bound); }
-  Verdict judge_area(double v) { return number(v, sums().area, sums().area_bound); }
+  Verdict judge_volume(double v) { return measure(v, sums().volume, sums().volume_bound); }
+  Verdict judge_area(double v) { return measure(v, sums().area, sums().area_bound); }
   Verdict judge_centroid(unsigned c, double v) {
     if (!std::isfinite(v)) return Verdict::wrong;
     const Sums& t = sums();
+    if (v < lowest(c) || mpq_class(v) > mpq_class(lowest(c)) + extent_[c]) return Verdict::wrong;
     const mpf_class exact = t.centroid[c];
     const mpf_class bound = (2 * t.volume_bound / t.volume + beta() * unit) * big(extent_[c]) +
                             2 * unit * abs(exact) + half_least();
@@ -109,6 +110,15 @@ class SlowNumbers {
              : exact + 1.5 * bound >= limit ? Verdict::doubtful
                                             : Verdict::wrong;
     return verdict(abs(mpf_class(v, bits) - exact), bound + half_least());
+  }
+
+  static Verdict measure(double v, const mpf_class& exact, const mpf_class& bound) {
+    return v < 0 ? Verdict::wrong : number(v, exact, bound);
+  }
+  double lowest(unsigned c) const {
+    double low = s_.row(h_.vertices[0])[c];
+    for (const std::uint64_t v : h_.vertices) low = std::min(low, s_.row(v)[c]);
+    return low;
   }
 
   Vector at(std::uint64_t id) const {
@@ -146,8 +156,24 @@ class SlowNumbers {
 
   bool by_component() const { return k_ == 1 || (k_ == d_ && k_ <= 8); }
   double beta() const { return (2.0 * d_ + 48) * (by_component() || k_ == d_ ? 1 : 256); }
+  double roundings() const {
+    const double r = k_ - 1.0;
+    return r + (r - 1) + r * (r - 1) / 2;
+  }
+  /// Of volume and area, relative to themselves.
+  double relative() const {
+    const double k = k_;
+    if (k_ > 8) return std::min(0.25, 0x1p-23 * k * std::sqrt(std::pow(k, k) / std::tgamma(k + 1)));
+    return 0x1p-29 * ((k_ == 1 ? 1 : roundings()) + 3) * std::tgamma(k + 1) /
+           std::pow(k, (k - 1) / 2);
+  }
+  /// What eliminations of more than eight columns are done in doubles for.
+  double careful() const {
+    const double k = k_;
+    return 0x1p-13 * (k_ > 8 ? std::sqrt(std::tgamma(k + 1) / std::pow(k, k)) : 1);
+  }
   double alpha() const {
-    const double r = k_ - 1.0, roundings = r + (r - 1) + r * (r - 1) / 2;
+    const double r = k_ - 1.0, roundings = this->roundings();
     if (k_ == 1) return 0;
     if (by_component()) return 4 * (roundings + 3);
     return (k_ <= 8 ? 4 * (roundings + 3) * std::sqrt(k_) * std::pow(r, r / 2)
@@ -196,7 +222,7 @@ class SlowNumbers {
     double whole = 0;
     for (const double x : f.spread) whole += x * x;
     whole = std::sqrt(whole);
-    const double share = std::max(f.share, 0x1p-13);
+    const double share = std::max(f.share, careful());
     for (unsigned c = 0; c < d_; ++c) {
       const mpf_class own = abs(p.normal[c]);
       mpf_class bound = unit * beta() * own;
@@ -239,6 +265,8 @@ class SlowNumbers {
     sums_.area_bound /= factorial;
     sums_.volume /= factorial * k_;
     sums_.volume_bound /= factorial * k_;
+    sums_.area_bound = std::min(sums_.area_bound, mpf_class(relative() * sums_.area));
+    sums_.volume_bound = std::min(sums_.volume_bound, mpf_class(relative() * sums_.volume));
     return sums_;
   }
   void add(std::uint64_t i, const Vector& origin, std::vector<mpf_class>& moment) {
@@ -247,7 +275,7 @@ class SlowNumbers {
     const Vector reach = minus(at(v[0]), origin);
     const Vector rest = free(reach, f.rests);
     const mpf_class height = sqrt(big(dot(rest, rest))), volume = height * f.measure;
-    const double thin = std::min(1.0, f.share / 0x1p-13) + 0x1p-48;
+    const double thin = std::min(1.0, f.share / careful()) + 0x1p-48;
     mpf_class spread(1, bits), lost(0, bits), kept(0, bits);
     if (by_component()) {
       double square = 0;

@@ -224,6 +224,46 @@ class Hdf5(Files):
             file.create_dataset("p", shape=(10**9, 3), dtype="f8", chunks=(10**6, 3))
         self.assertIn("do not fit", error_of("hull", f"{path}:p", "--memory", "1GiB", "--stream", "off"))
 
+    def sparse(self, file, name, **layout):
+        """A dataset (5000, 3) that libhdf5 never fills, so that reading leaves gaps."""
+        made = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+        made.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+        if "chunk" in layout:
+            made.set_chunk(layout["chunk"])
+        if layout.get("packed"):
+            made.set_deflate(4)
+        space = h5py.h5s.create_simple((5000, 3))
+        return h5py.Dataset(h5py.h5d.create(file.id, name.encode(), h5py.h5t.NATIVE_DOUBLE, space, made))
+
+    def test_storage_that_was_never_written(self):
+        path = self.folder / "a.h5"
+        with h5py.File(path, "w") as file:
+            self.sparse(file, "contiguous")
+            self.sparse(file, "chunked", chunk=(700, 2))
+            self.sparse(file, "part", chunk=(700, 2))[:2000] = self.points[:2000]
+            self.sparse(file, "packed", chunk=(700, 3), packed=True)[1400:2800] = self.points[1400:2800]
+        for stream in ("off", "on"):
+            for name, first in (("contiguous", 0), ("chunked", 0), ("part", 2100), ("packed", 0)):
+                with self.subTest(name=name, stream=stream):
+                    text = error_of("hull", f"{path}:{name}", "--stream", stream)
+                    self.assertIn(f"point {first} was never written", text)
+
+    def test_gaps_that_have_a_value(self):
+        path = self.folder / "a.h5"
+        whole = self.points.astype("f8")
+        with h5py.File(path, "w") as file:
+            for name, packed in (("plain", False), ("packed", True)):
+                self.sparse(file, name, chunk=(700, 2), packed=packed)[...] = whole
+            self.sparse(file, "contiguous")[...] = whole
+            filled = file.create_dataset("filled", (5000, 3), "f8", chunks=(700, 3), fillvalue=2.5)
+            filled[:1400] = whole[:1400]
+            file.create_dataset("zeros", (5000, 3), "f8")
+        for name in ("plain", "packed", "contiguous"):
+            self.same(whole, f"{path}:{name}")
+        whole[1400:] = 2.5
+        self.same(whole, f"{path}:filled")
+        self.same(np.zeros((5000, 3)), f"{path}:zeros")
+
     def test_what_is_not_there(self):
         path = self.folder / "a.h5"
         with h5py.File(path, "w") as file:
@@ -319,6 +359,7 @@ class Tiles(Files):
                 folder = self.folder / kind
                 folder.mkdir()
                 points = whole.astype("i4") if kind == "las" else whole
+                raw = ("--raw",) if kind == "las" else ()
                 text = kind[:3] in ("csv", "xyz", "a.p")
                 for i, tile in enumerate(np.array_split(points, 100)):
                     write_tile(folder / f"tile{i}.{kind}", tile)
@@ -326,13 +367,13 @@ class Tiles(Files):
                     self.skipTest("the program was built without libhdf5")
                 np.save(self.folder / "whole.npy", points.astype("f8") if text else points)
                 expected = self.hull_of(self.folder / "whole.npy", options=("--stream", "off"))
-                self.assertEqual(self.hull_of(folder), expected)
+                self.assertEqual(self.hull_of(folder, options=raw), expected)
                 state = self.folder / "half.hullstate"
                 halves = [f"{folder}/tile[0-4]?.{kind}", f"{folder}/tile[5-9]?.{kind}"]
                 first = [f"{folder}/tile?.{kind}", halves[0]]
-                done = run("hull", *first, "--partial", state, "-q")
+                done = run("hull", *first, "--partial", state, "-q", *raw)
                 self.assertEqual(done.returncode, 0, done.stderr.decode())
-                self.assertEqual(self.hull_of(state, halves[1]), expected)
+                self.assertEqual(self.hull_of(state, halves[1], options=raw), expected)
 
 
 class Ranks(Files):

@@ -6,8 +6,8 @@ folder=$(realpath -m "${1:?usage: run.sh FOLDER PROGRAM}")
 program=$(realpath "${2:?usage: run.sh FOLDER PROGRAM}")
 here=$(cd "$(dirname "$0")" && pwd)
 python=$folder/venv/bin/python
-packages=(numpy h5py laspy lazrs pypcd4 netCDF4)
-if ! "$python" -c 'import numpy, h5py, laspy, lazrs, pypcd4, netCDF4' 2>/dev/null; then
+packages=(numpy scipy shapely h5py laspy lazrs pypcd4 netCDF4)
+if ! "$python" -c 'import numpy, scipy, shapely, h5py, laspy, lazrs, pypcd4, netCDF4' 2>/dev/null; then
   python3 -m venv "$folder/venv" >/dev/null 2>&1 &&
     "$folder/venv/bin/pip" install --quiet --disable-pip-version-check --prefer-binary \
       "${packages[@]}" || {
@@ -15,4 +15,5 @@ if ! "$python" -c 'import numpy, h5py, laspy, lazrs, pypcd4, netCDF4' 2>/dev/nul
     exit 77
   }
 fi
+"$python" "$here/scans.py" "$program"
 exec "$python" "$here/foreign_files.py" "$program" "${@:3}"

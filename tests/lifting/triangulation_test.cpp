@@ -248,6 +248,25 @@ TEST(Triangulation, RefusesWhatIsNone) {
   message_of([&] { delaunay(points, o); }, ErrorCode::cancelled);
 }
 
+// What is called while a check works, and what stops it, is the caller's to its end.
+TEST(Triangulation, ChecksArePolledAndStopped) {
+  for (unsigned d = 1; d <= 5; ++d) {
+    const LiftedSet s = large_lifted_sets(d, d <= 3 ? 3000 : 60)[0];
+    const Triangulation t = triangulate(s);
+    TriangulationOptions o;
+    o.threads = 1;
+    unsigned calls = 0;
+    o.poll = [&calls] { ++calls; };
+    const Certificate checked = certify(view_of(s), t, o);
+    EXPECT_TRUE(checked.valid) << s.name << ": " << checked.reason;
+    EXPECT_GT(calls, 0U) << s.name;
+    std::stop_source stop;
+    o.stop = stop.get_token();
+    o.poll = [&stop] { stop.request_stop(); };
+    message_of([&] { certify(view_of(s), t, o); }, ErrorCode::cancelled);
+  }
+}
+
 TEST(Triangulation, RungsAreAsDocumented) {
   // Few signs of random points need more than doubles; a grid far away none, as its differences are
   // small whole numbers of units.

@@ -56,6 +56,14 @@ TEST(Columns, SeparatorsOtherThanCommas) {
   EXPECT_EQ(rows("\"a,b\",\"c \"\"d\"\"\"\n1,2\n", "\"c \"\"d\"\"\",\"a,b\""), (Rows{{2, 1}}));
 }
 
+void expect_rows_and_remark(const char* text, const Rows& want, const std::string& remark) {
+  std::vector<std::string> said;
+  ReadOptions options;
+  options.remark = [&](const std::string& line) { said.push_back(line); };
+  EXPECT_EQ(rows_of(parse(text, "csv", options).view), want) << text;
+  EXPECT_EQ(said, remark.empty() ? std::vector<std::string>{} : std::vector{remark}) << text;
+}
+
 TEST(Columns, WithoutBeingAskedForXYZOfAHeader) {
   for (const auto& [text, want, remark] : std::vector<std::tuple<const char*, Rows, std::string>>{
            {"x,y,z,intensity\n1,2,3,4\n",
@@ -64,16 +72,48 @@ TEST(Columns, WithoutBeingAskedForXYZOfAHeader) {
            {"id,Y,X\nB-1,1,2\n", {{2, 1}}, "F: x and y of 3 columns are taken as coordinates"},
            {"x,y,z\n1,2,3\n", {{1, 2, 3}}, ""},
            {"\"x\",\"y\"\n\"1\",\"2\"\n", {{1, 2}}, ""},
-           {"y,x\n1,2\n", {{1, 2}}, ""},
+           {"y,x\n1,2\n", {{2, 1}}, "F: x and y are taken as coordinates, in this order"},
            {"lon,lat,height\n1,2,3\n", {{1, 2, 3}}, ""},
            {"x0,x1,x2,x3\n1,2,3,4\n", {{1, 2, 3, 4}}, ""},
            {"x,x,y\n1,2,3\n", {{1, 2, 3}}, ""}}) {
-    std::vector<std::string> said;
-    ReadOptions options;
-    options.remark = [&](const std::string& line) { said.push_back(line); };
-    EXPECT_EQ(rows_of(parse(text, "csv", options).view), want) << text;
-    EXPECT_EQ(said, remark.empty() ? std::vector<std::string>{} : std::vector{remark}) << text;
+    expect_rows_and_remark(text, want, remark);
   }
+}
+
+TEST(Columns, OfMapsAreKnown) {
+  for (const auto& [text, want, remark] : std::vector<std::tuple<const char*, Rows, std::string>>{
+           {"fid,LAT,Lon\n1,2,3\n",
+            {{3, 2}},
+            "F: lon and lat of 3 columns are taken as coordinates"},
+           {"longitude;latitude\n1;2\n", {{1, 2}}, ""},
+           {"latitude,longitude\n1,2\n",
+            {{2, 1}},
+            "F: longitude and latitude are taken as coordinates, in this order"},
+           {"Easting,Northing,Elevation,class\n1,2,3,4\n",
+            {{1, 2, 3}},
+            "F: easting, northing and elevation of 4 columns are taken as coordinates"},
+           {"name,northing,easting\nUlm,2,3\n",
+            {{3, 2}},
+            "F: easting and northing of 3 columns are taken as coordinates"},
+           {"X,Y,lon,lat\n1,2,3,4\n", {{1, 2}}, "F: x and y of 4 columns are taken as coordinates"},
+           {"lon,lat,lat\n1,2,3\n", {{1, 2, 3}}, ""}})
+    expect_rows_and_remark(text, want, remark);
+}
+
+// pandas writes the index of a frame in a first column without a name.
+TEST(Columns, ThatNumberThePointsAreNoCoordinates) {
+  for (const auto& [text, want, remark] : std::vector<std::tuple<const char*, Rows, std::string>>{
+           {"id,a,b\n1,2,3\n", {{2, 3}}, "F: 'a', 'b' are taken as coordinates, not 'id'"},
+           {"a,b,INDEX\n1,2,3\n", {{1, 2}}, "F: 'a', 'b' are taken as coordinates, not 'INDEX'"},
+           {"\"\",a,b,FID\n1,2,3,4\n",
+            {{2, 3}},
+            "F: 'a', 'b' are taken as coordinates, not '', 'FID'"},
+           {",a,b\n0,2,3\n", {{2, 3}}, "F: 'a', 'b' are taken as coordinates, not ''"},
+           {"1,2\n3,4\n", {{1, 2}, {3, 4}}, ""}})
+    expect_rows_and_remark(text, want, remark);
+  EXPECT_EQ(rows("id,a,b\n1,2,3\n", "id,a"), (Rows{{1, 2}}));
+  EXPECT_NE(refusal("id\n1\n", "csv").find("number the points"), std::string::npos);
+  EXPECT_EQ(rows("id\n1\n", "id"), (Rows{{1}}));
 }
 
 TEST(Columns, RowsThatAreNone) {

@@ -2,9 +2,14 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <stop_token>
 #include <utility>
 
+#include "cullhull/generate.hpp"
+#include "cullhull/hull.hpp"
 #include "cullhull/version.hpp"
+#include "io/certify_file.hpp"
+#include "io/json.hpp"
 #include "io/json_writer.hpp"
 #include "tests/io_fixtures.hpp"
 
@@ -304,6 +309,36 @@ TEST(Json, BrokenSyntaxNamesTheByte) {
   EXPECT_EQ(refused("{\"area\": 1e999}").find("F: byte "), 0U);
   EXPECT_EQ(refused(std::string(100000, '[')).find("F: "), 0U);
   EXPECT_EQ(refused("{\"other\": " + std::string(100000, '[')).find("F: byte "), 0U);
+}
+
+/// A long text is given up while it is read: its end is no JSON, and is not reached.
+TEST(Json, ReadingIsCancelled) {
+  PointGenerator points("sphere", 30000, 3, 1);
+  std::vector<double> rows(30000 * 3);
+  points.rows(0, 30000, rows.data());
+  const PointView view = PointView::row_major(rows.data(), 30000, 3);
+  std::string text;
+  internal::write_result_json(view, convex_hull(view), [&](const std::string& t) { text += t; });
+  text.pop_back();
+  text += "no end";
+  std::stop_source source;
+  Options options;
+  options.stop = source.get_token();
+  unsigned polls = 0;
+  options.poll = [&] {
+    if (++polls == 3) source.request_stop();
+  };
+  const auto code = [&](const Options& o) {
+    try {
+      internal::certify_source(view, {"F", text.data(), text.size()}, o);
+    } catch (const Error& e) {
+      return e.code();
+    }
+    return ErrorCode::internal;
+  };
+  EXPECT_EQ(code({}), ErrorCode::bad_file);
+  EXPECT_EQ(code(options), ErrorCode::cancelled);
+  EXPECT_EQ(polls, 3U);
 }
 
 }  // namespace

@@ -16,7 +16,6 @@ TEST(Obj, VerticesInFileOrderExactly) {
 TEST(Obj, Refusals) {
   EXPECT_EQ(refusal("v 1 2 3\nv 1 2\n", "obj"), "F:2: vertex has 2 coordinates, not 3");
   EXPECT_EQ(refusal("v 1 2 x\n", "obj"), "F:1: 'x' is not a number");
-  EXPECT_EQ(refusal("v 1 2 3\nsolid\n", "obj"), "F:2: 'solid' is no keyword of .obj");
   EXPECT_EQ(refusal("v 1 2 3 4 5 6 7 8\n", "obj"), "F:1: vertex has more than 7 numbers");
   EXPECT_EQ(refusal("v 1 2 \\\n3\n", "obj"), "F:1: '\\' is not a number");
   EXPECT_EQ(refusal("f 1 2 3\n", "obj"), "F: no vertices ('v' lines)");
@@ -33,9 +32,45 @@ TEST(Off, PlainColouredAndHighDimensional) {
             (Rows{{0, 0}, {1, 0}, {0, 1}}));
 }
 
+/// The one line that reading these bytes says to the user.
+std::string remark_on(std::string_view bytes, const std::string& format, const Rows& want) {
+  std::vector<std::string> said;
+  ReadOptions options;
+  options.remark = [&](const std::string& line) { said.push_back(line); };
+  EXPECT_EQ(rows_of(parse(bytes, format, options).view), want) << bytes;
+  EXPECT_LE(said.size(), 1U) << bytes;
+  return said.empty() ? "" : said[0];
+}
+
+// trimesh and Open3D read all these.
+TEST(Off, MagicWithoutABlankAndWhatFollowsTheFaces) {
+  const Rows one{{1, 2, 3}};
+  for (const char* format : {"off", ""}) {
+    EXPECT_EQ(remark_on("\t OFF1 0 0 # a\n1 2 3\n", format, one), "");
+    EXPECT_EQ(remark_on("COFF1 0\n1 2 3 255 0 0\n", format, one), "");
+  }
+  EXPECT_EQ(remark_on("OFF\n1 0 0\n1 2 3\nmore\n", "off", one),
+            "F: text after the last face is passed over");
+  EXPECT_EQ(remark_on("OFF\n1 3 0\n1 2 3\n3 0 0 0\n3 0", "off", one),
+            "F: ends within its faces: 2 of 3 are there; the points are complete");
+  EXPECT_EQ(remark_on("OFF\n1 18446744073709551 0\n1 2 3\n", "off", one),
+            "F: ends within its faces: 0 of 18446744073709551 are there; the points are complete");
+}
+
+TEST(Obj, LinesThatNoKeywordBegins) {
+  EXPECT_EQ(remark_on("v 1 2 3\n$ a comment\nv1 4 5 6\nv 4 5 6\n", "obj", {{1, 2, 3}, {4, 5, 6}}),
+            "F: lines that no keyword of .obj begins are passed over: 2, the first is line 2, '$'");
+  std::string many = "v 1 2 3\n";
+  Rows rows{{1, 2, 3}};
+  for (int i = 0; i < 300000; ++i) many += "v 1 2 3\n", rows.push_back({1, 2, 3});
+  EXPECT_EQ(remark_on(many + "solid\nline\n", "obj", rows),
+            "F: lines that no keyword of .obj begins are passed over: 2, the first is line 300002, "
+            "'solid'");
+}
+
 TEST(Off, Refusals) {
-  EXPECT_EQ(refusal("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n", "off"),
-            "F:2: promises 3 vertices and 1 faces, but 3 lines follow");
+  EXPECT_EQ(refusal("OFF\n4 1 0\n0 0 0\n1 0 0\n0 1 0\n", "off"),
+            "F:2: promises 4 vertices, but 3 lines follow");
   EXPECT_EQ(refusal("OFF\n18446744073709551615 1 0\n0 0 0\n", "off"),
             "F:2: '18446744073709551615' is not the number of vertices");
   EXPECT_EQ(refusal("OFF\n9000000000000000000 9000000000000000000 0\n0 0 0\n", "off")
@@ -45,7 +80,8 @@ TEST(Off, Refusals) {
   EXPECT_EQ(refusal("OFF\n1 0 0\n0 0\n", "off"), "F:3: vertex has 2 coordinates, not 3");
   EXPECT_EQ(refusal("OFF\n1 0 0\n0 0 0 0\n", "off"),
             "F:3: '0' after the 3 coordinates of a vertex");
-  EXPECT_EQ(refusal("OFF\n1 0 0\n0 0 0\nmore\n", "off"), "F:4: text after the last face");
+  EXPECT_EQ(refusal("OFFline 1 0 0\n", "off"), "F:1: 'OFFline' does not begin an OFF file");
+  EXPECT_EQ(refusal("OFF8\n", "off"), "F:1: ends within the OFF header");
   EXPECT_EQ(refusal("OFF BINARY\n", "off"), "F:1: binary OFF is not supported");
   EXPECT_EQ(refusal("4OFF\n", "off"), "F:1: homogeneous coordinates (4OFF) are not supported");
   EXPECT_EQ(refusal("FOO\n", "off"), "F:1: 'FOO' does not begin an OFF file");

@@ -195,6 +195,27 @@ TEST(Text, CddFiles) {
 }
 
 // What editors put before the first character is no part of it, in any format that is text.
+TEST(Text, InUtf16IsCalledSo) {
+  for (const char* format : {"csv", "txt", "obj", "off"}) {
+    EXPECT_EQ(refusal(std::string_view("\xFF\xFE\x31\0,\0\x32\0\n\0", 10), format),
+              "F: text in UTF-16; what is read is UTF-8");
+    EXPECT_EQ(refusal(std::string_view("\xFE\xFF\0\x31\0,\0\x32\0\n", 10), format),
+              "F: text in UTF-16; what is read is UTF-8");
+  }
+}
+
+TEST(Text, LineOfAPoint) {
+  const TemporaryFolder folder;
+  const std::string csv = folder.write("a.csv", "\xEF\xBB\xBFx,y\n\n1,2\n# c\n3,nan\n");
+  EXPECT_EQ(line_of_point(csv, 0), 3U);
+  EXPECT_EQ(line_of_point(csv, 1), 5U);
+  EXPECT_EQ(line_of_point(csv, 2), std::nullopt);
+  EXPECT_EQ(line_of_point(folder.write("a.txt", "2 rbox\n2\n1 2\n3 nan\n"), 1), 4U);
+  EXPECT_EQ(line_of_point(folder.write("a.obj", "v 1 2 3\n"), 0), std::nullopt);
+  EXPECT_EQ(line_of_point(folder.file("none.csv"), 0), std::nullopt);
+  EXPECT_EQ(line_of_point("-", 0), std::nullopt);
+}
+
 TEST(Text, ByteOrderMarkIsPassedOver) {
   const std::string mark = "\xEF\xBB\xBF";
   EXPECT_EQ(rows_of(parse(mark + "1 2\n", "txt").view), (Rows{{1, 2}}));

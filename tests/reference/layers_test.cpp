@@ -103,9 +103,11 @@ std::vector<std::string> faults(const fs::path& root) {
 
 /// The sources that may name what only some systems or compilers have (docs/machines.md).
 const std::vector<std::string> portable_places = {
-    "src/parallel/helpers.cpp", "src/parallel/int128.hpp",   "src/parallel/machine_memory.cpp",
-    "src/parallel/pages.cpp",   "src/parallel/prefetch.hpp", "src/io/system.cpp",
-    "src/io/system.hpp",        "src/cuda/backend.cpp",      "apps/cullhull/signals.cpp",
+    "src/parallel/fork_guard.cpp", "src/parallel/helpers.cpp",
+    "src/parallel/int128.hpp",     "src/parallel/machine_memory.cpp",
+    "src/parallel/pages.cpp",      "src/parallel/prefetch.hpp",
+    "src/io/system.cpp",           "src/io/system.hpp",
+    "src/cuda/backend.cpp",        "apps/cullhull/signals.cpp",
     "apps/cullhull/system.cpp",
 };
 

@@ -15,6 +15,7 @@ from ._hull import Hull
 from ._incremental import Incremental, Lazy, lazy_names
 from ._many import GrowingHull
 from ._qhull_options import QhullOptions, parse
+from ._scipy import of_scipy
 
 
 class ConvexHull(Incremental):
@@ -302,13 +303,10 @@ def raise_flat(
 ) -> NoReturn:
     """In SciPy's words, as programs match them: it names the numbers at fault, and Qhull's state."""
     kind = qhull_error()
-    try:
-        import scipy.spatial
-    except ImportError:
-        pass
-    else:
+    theirs = of_scipy("scipy.spatial", their_class)
+    if theirs is not None:
         try:
-            getattr(scipy.spatial, their_class)(points.astype(np.float64))
+            theirs(points.astype(np.float64))
         except RuntimeError as error:
             raise kind(*error.args) from None
     count, dimension = points.shape

@@ -114,25 +114,54 @@ class GroupHulls(Mapping[Any, Hull]):
         return f"<GroupHulls of {len(self)} groups in {self.batch.dimension}D>"
 
 
+def _is_missing(key: Any) -> bool:
+    if key is None:
+        return True
+    try:
+        return bool(key != key)  # NaN, NaT
+    except TypeError:  # pandas.NA has no truth
+        return True
+
+
+def _as_they_are(keys: Any) -> npt.NDArray[Any]:
+    """An array of the keys; of objects where NumPy's common type would make unlike keys alike.
+
+    1 and "1" become words, 2**53 + 1 beside 0.5 is rounded, "a\\0" loses its end.
+    """
+    array = np.asarray(keys)
+    if isinstance(keys, np.ndarray) or array.ndim != 1 or array.dtype.kind == "O":
+        return array
+    listed = list(keys)
+    if all(a == b for a, b in zip(array.tolist(), listed)):
+        return array
+    objects = np.empty(len(listed), dtype=object)
+    objects[:] = listed
+    return objects
+
+
 def _codes(keys: Any) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
     """The keys there are, ascending, and for each point the place of its own among them."""
     if hasattr(keys, "combine_chunks"):  # an Arrow column, maybe in chunks
         keys = keys.combine_chunks()
-    if hasattr(keys, "null_count") and keys.null_count:
-        raise InvalidArgument(f"`keys` has {keys.null_count} missing values")
+    if hasattr(keys, "null_count"):  # a number in Arrow, a method in polars
+        nulls = keys.null_count() if callable(keys.null_count) else keys.null_count
+        if nulls:
+            raise InvalidArgument(f"`keys` has {nulls} missing values")
     if hasattr(keys, "to_numpy"):
         try:
             array = keys.to_numpy(zero_copy_only=False)  # Arrow
         except TypeError:
             array = keys.to_numpy()  # pandas, polars
     else:
-        array = np.asarray(keys)
+        array = _as_they_are(keys)
     array = np.asarray(array)
     if array.ndim != 1:
         raise InvalidArgument(f"`keys` should be one value a point, not of shape {array.shape}")
     if array.dtype.kind in "fc" and np.isnan(array).any():
         raise InvalidArgument(f"`keys` has {int(np.isnan(array).sum())} missing values (NaN)")
-    if array.dtype.kind == "O" and any(key is None or key != key for key in array):
+    if array.dtype.kind in "mM" and np.isnat(array).any():
+        raise InvalidArgument(f"`keys` has {int(np.isnat(array).sum())} missing values (NaT)")
+    if array.dtype.kind == "O" and any(map(_is_missing, array)):
         raise InvalidArgument("`keys` has missing values")
     try:
         names, inverse = np.unique(array, return_inverse=True)

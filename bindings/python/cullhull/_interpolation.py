@@ -11,6 +11,7 @@ from . import _core
 from ._arguments import as_point_set, settings
 from ._delaunay import Delaunay
 from ._errors import InvalidArgument
+from ._scipy import of_scipy
 from ._triangulation import Triangulation, delaunay
 
 #: Up to it nearest points are found by a triangulation; beyond it that has too many cells, and
@@ -90,6 +91,11 @@ class _OnCells(_Interpolator):
                 raise InvalidArgument(
                     "Rescaling is not supported when passing a Delaunay triangulation as "
                     "``points``."
+                )
+            if points.furthest_site or points.triangulation.weights is not None:
+                raise InvalidArgument(
+                    "interpolation needs a Delaunay triangulation, neither weighted nor of the "
+                    "furthest site"
                 )
             self.tri, self.points = points, points.points
         else:
@@ -242,7 +248,8 @@ class NaturalNDInterpolator(_OnCells):
         """
         xi = self._questions(args)
         rows = np.ascontiguousarray(xi.reshape(-1, xi.shape[-1]))
-        inside = self.tri.find_simplex(rows) >= 0
+        # Exactly inside, as the weights are: SciPy's tolerance would let in points without any.
+        inside = self.tri.triangulation.find_simplex(rows, threads=self._threads) >= 0
         chosen = settings(threads=self._threads)
         found: npt.NDArray[Any] = self._native.natural(rows[inside], np.nan, chosen)
         found = found.reshape(-1, self._components)
@@ -440,8 +447,12 @@ def griddata(
     if (dimension == 1 and method in ("linear", "nearest", "cubic")) or (
         dimension == 2 and method == "cubic"
     ):
-        from scipy.interpolate import griddata as theirs
-
+        theirs = of_scipy("scipy.interpolate", "griddata")
+        if theirs is None:
+            raise ImportError(
+                f"method={method!r} in {dimension} dimension{'s'[: dimension - 1]} is SciPy's own, "
+                "which is not installed"
+            )
         found: npt.NDArray[Any] = theirs(
             points, values, xi, method, fill_value=fill_value, rescale=rescale
         )

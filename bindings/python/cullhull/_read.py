@@ -13,7 +13,8 @@ import numpy.typing as npt
 
 from . import _core
 from ._arguments import as_count
-from ._errors import BadFile, InvalidArgument, ShapeWarning, warn
+from ._errors import BadFile, Error, InvalidArgument, ShapeWarning, warn
+from ._parquet import choose
 
 Columns = Union[Sequence[str], Sequence[int], None]
 #: Points read at a time by a package that gives no view of all.
@@ -25,6 +26,7 @@ def read(
     *,
     columns: Columns = None,
     chunks: int | None = None,
+    raw: bool = False,
 ) -> Any:
     """The points of a file.
 
@@ -32,8 +34,9 @@ def read(
     .npz) need no other package; what holds records of numbers is mapped, and the array is a view of
     the file that is not to be changed meanwhile. .laz and COPC need laspy (``pip install
     laspy[lazrs]``), .e57 pye57, .parquet pyarrow, FOLDER.zarr or FOLDER.zarr/NAME (an array) zarr,
-    FILE.h5:/GROUP/NAME (a dataset) h5py. .las and .laz give the file's whole numbers, to which its
-    scale and offset are not applied, so that a hull of them is exact.
+    FILE.h5:/GROUP/NAME (a dataset) h5py. .las and .laz give coordinates as doubles: where scale and
+    offset are decimals the ones nearest to number * scale + offset, else what laspy computes for
+    it. The two differ by laspy's roundings.
 
     Names with a protocol (``s3://bucket/a.parquet``) are opened by fsspec: .npy, .las, .laz, .parquet,
     .zarr and .h5.
@@ -48,6 +51,9 @@ def read(
     chunks : int, optional
         At most so many points at a time: an iterator of arrays instead of one. Text and what is
         compressed is read whole all the same.
+    raw : bool
+        The whole numbers of a .las or .laz as they are in the file, without its scale and offset:
+        .las in place.
 
     Returns
     -------
@@ -83,7 +89,10 @@ def read(
         reader = _native
     if remote and reader is _native:
         raise BadFile(f"{name}: by fsspec read reads {' '.join(_READERS)}")
-    pieces = reader(name, columns, size)
+    if reader in (_native, _las):
+        pieces = reader(name, columns, size, raw)
+    else:
+        pieces = reader(name, columns, size)
     if size is not None:
         return pieces
     parts = list(pieces)
@@ -110,9 +119,15 @@ def _opened(name: str) -> Any:
     return _package("fsspec", "files with a protocol", "fsspec").open(name, "rb").open()
 
 
-def _numbers(columns: Columns, width: int, name: str) -> list[int]:
+def _numbers(columns: Columns, width: int, name: str, names: str = "") -> list[int]:
+    """`names`: of the columns, a letter each, which are known in either case."""
     if columns is None:
         return list(range(width))
+    if names:
+        for c in columns:
+            if isinstance(c, str) and (len(c) != 1 or c.lower() not in names):
+                raise InvalidArgument(f"{name}: no column {c!r}; there are {', '.join(names)}")
+        columns = [names.index(c.lower()) if isinstance(c, str) else c for c in columns]
     numbers = [c for c in columns if isinstance(c, (int, np.integer)) and 0 <= c < width]
     if len(numbers) != len(columns) or not numbers:
         raise InvalidArgument(f"{name}: columns must be numbers from 0 to {width - 1}")
@@ -120,7 +135,7 @@ def _numbers(columns: Columns, width: int, name: str) -> list[int]:
 
 
 def _blocks(array: Any, size: int | None) -> Iterator[npt.NDArray[Any]]:
-    for start in range(0, array.shape[0], size or max(1, array.shape[0])):
+    for start in range(0, max(1, array.shape[0]), size or max(1, array.shape[0])):
         yield np.asarray(array[start : start + size] if size else array[:])
 
 
@@ -132,12 +147,19 @@ def _slices(array: Any, columns: Columns, size: int | None, name: str) -> Iterat
         yield block if columns is None else block[:, taken]
 
 
-def _native(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
+def _native(
+    name: str, columns: Columns, size: int | None, raw: bool = False
+) -> Iterator[npt.NDArray[Any]]:
     wanted = ",".join(f'"{c}"' if isinstance(c, str) else str(int(c)) for c in columns or ())
-    array, remarks = _core.read_points(name, wanted)
+    array, remarks, scale, offset = _core.read_points(name, wanted, raw or size is not None)
     for line in remarks:
         warn(line, ShapeWarning)
-    yield from _blocks(array, size)
+    if size is None or raw or not scale:
+        yield from _blocks(array, size)
+        return
+    place = _Placing(scale, offset)  # a block at a time: the file stays mapped
+    for block in _blocks(array, size):
+        yield np.column_stack([place(j, block[:, j]) for j in range(len(scale))])
 
 
 def _npy(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
@@ -159,14 +181,71 @@ def _hdf5(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray
             if isinstance(item, h5py.Dataset) and item.ndim == 2 and item.dtype.kind in "fiu":
                 arrays.append("/" + where)
 
+        def note_columns(where: str, item: Any) -> None:
+            if isinstance(item, h5py.Dataset) and item.ndim == 1 and item.dtype.kind in "fiu":
+                arrays.append("/" + where)
+
         file.visititems(note)
         if not dataset and len(arrays) == 1:
             dataset = arrays[0]
-        if not isinstance(file.get(dataset) if dataset else None, h5py.Dataset):
+        names = dataset.split(",")
+        found_all = [file.get(n) if n else None for n in names]
+        if not all(isinstance(found, h5py.Dataset) for found in found_all):
+            if len(names) > 1:
+                file.visititems(note_columns)
             raise InvalidArgument(
                 f"{path}: say which dataset, as FILE.h5:/NAME; there are {', '.join(arrays)}"
             )
-        yield from _slices(file[dataset], columns, size, name)
+        for found in found_all:
+            _refuse_gaps(h5py, found, path)
+        if len(names) == 1:
+            yield from _slices(found_all[0], columns, size, name)
+            return
+        yield from _columns_of(found_all, names, columns, size, path)
+
+
+def _refuse_gaps(h5py: Any, dataset: Any, path: str) -> None:
+    """Refuses a dataset that was never written, or not everywhere, and has no fill value."""
+    made = dataset.id.get_create_plist()
+    filled = (
+        made.get_fill_time() != h5py.h5d.FILL_TIME_NEVER
+        and made.fill_value_defined() != h5py.h5d.FILL_VALUE_UNDEFINED
+    )
+    status = dataset.id.get_space_status()
+    if filled or not dataset.size or made.get_external_count() or dataset.is_virtual:
+        return
+    gap = status == h5py.h5d.SPACE_STATUS_NOT_ALLOCATED
+    if status == h5py.h5d.SPACE_STATUS_PART_ALLOCATED and dataset.chunks:
+        chunks = 1
+        for extent, chunk in zip(dataset.shape, dataset.chunks):
+            chunks *= -(-extent // chunk)
+        gap = dataset.id.get_num_chunks() < chunks
+    if gap:
+        raise BadFile(
+            f"{path}: dataset {dataset.name!r}: points that were never written, and the dataset "
+            "has no fill value"
+        )
+
+
+def _columns_of(
+    datasets: list[Any], names: list[str], columns: Columns, size: int | None, path: str
+) -> Iterator[npt.NDArray[Any]]:
+    """Datasets of one axis and one length, side by side."""
+    count = len(datasets[0]) if datasets[0].shape else 0
+    for column, column_name in zip(datasets, names):
+        if column.ndim != 1 or column.dtype.kind not in "fiu":
+            raise BadFile(
+                f"{path}: dataset {column_name!r} of {column.shape} is no column of numbers"
+            )
+        if len(column) != count:
+            raise BadFile(
+                f"{path}: datasets {names[0]!r} and {column_name!r} have {count} and "
+                f"{len(column)} numbers"
+            )
+    taken = _numbers(columns, len(datasets), path)
+    step = size or max(1, count)
+    for start in range(0, count, step):
+        yield np.column_stack([datasets[j][start : start + step] for j in taken])
 
 
 def _zarr(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
@@ -177,21 +256,77 @@ def _zarr(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray
     return _slices(array, columns, size, name)
 
 
-def _las(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
+def _las(
+    name: str, columns: Columns, size: int | None, raw: bool = False
+) -> Iterator[npt.NDArray[Any]]:
     laspy = _package("laspy", ".las and .laz files", "'laspy[lazrs]'")
-    taken = _numbers(columns, 3, name)
     try:
         with laspy.open(_opened(name)) as file:
+            taken = _las_names(columns, list(file.header.point_format.dimension_names), name)
+            scale, offset = (
+                [float(of["xyz".index(c)]) if c in "xyz" else whole for c in taken]
+                for of, whole in ((file.header.scales, 1.0), (file.header.offsets, 0.0))
+            )
+            place = _Placing([] if raw else scale, offset, exact="gps_time" not in taken)
             for points in file.chunk_iterator(size or _MANY):
-                axes = (points.X, points.Y, points.Z)
-                yield np.column_stack([np.asarray(axes[j], dtype=np.int32) for j in taken])
-    except laspy.errors.LaspyException as error:
-        raise BadFile(f"{name}: {error}") from None
+                columns_of = [np.asarray(points[c.upper() if c in "xyz" else c]) for c in taken]
+                yield np.column_stack([place(j, column) for j, column in enumerate(columns_of)])
+    except (Error, MemoryError, ImportError, OSError):
+        raise
+    except BaseException as error:  # a panic of lazrs is no Exception
+        if isinstance(error, Exception) or type(error).__name__ == "PanicException":
+            raise BadFile(f"{name}: {' '.join(str(error).split())}") from None
+        raise
+
+
+def _las_names(columns: Columns, fields: list[str], name: str) -> list[str]:
+    """What columns ask for: x, y and z, by number too, and the fields of a record."""
+    axes = ["x", "y", "z"]
+    if columns is None or not all(isinstance(c, str) for c in columns):
+        return [axes[j] for j in _numbers(columns, 3, name)]
+    fields = [f for f in fields if f not in ("X", "Y", "Z")]
+    known = {f.lower(): f for f in axes + fields}
+    for c in columns:
+        if str(c).lower() not in known:
+            raise InvalidArgument(f"{name}: no column {c!r}; there are {', '.join(known.values())}")
+    return [known[str(c).lower()] for c in columns]
+
+
+class _Placing:
+    """From the whole numbers of a scan to coordinates, as the library computes them; none of them
+    where a scale is no positive number, as in headers that were not filled in. `exact`: whether all
+    numbers are whole."""
+
+    def __init__(self, scale: list[float], offset: list[float], *, exact: bool = True) -> None:
+        self._scale, self._offset = scale, offset
+        self._raw = not scale or not all(
+            0 < s < np.inf and np.isfinite(o) for s, o in zip(scale, offset)
+        )
+        self._decimals = None if self._raw or not exact else _core.grid_of(scale, offset)
+
+    def __call__(self, axis: int, numbers: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        if self._raw:
+            return numbers
+        scale, offset = self._scale[axis], self._offset[axis]
+        whole = np.asarray(numbers, dtype=np.float64)
+        result: npt.NDArray[Any]
+        if self._decimals is None:
+            result = whole * scale + offset
+        else:  # exact but for the division
+            step, origin = _scaled(scale, self._decimals), _scaled(offset, self._decimals)
+            result = (whole * step + origin) / 10.0**self._decimals
+        return result
+
+
+def _scaled(value: float, decimals: int) -> float:
+    from decimal import Decimal
+
+    return float(Decimal(repr(value)).scaleb(decimals))
 
 
 def _e57(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
     pye57 = _package("pye57", ".e57 files", "pye57")
-    taken = _numbers(columns, 3, name)
+    taken = _numbers(columns, 3, name, "xyz")
     try:
         with pye57.E57(name) as file:
             for scan in range(file.scan_count):
@@ -204,25 +339,37 @@ def _e57(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[
 
 def _parquet(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
     parquet = _package("pyarrow.parquet", ".parquet files", "pyarrow")
-    file = parquet.ParquetFile(_opened(name))
-    names = list(file.schema_arrow.names)
-    if columns is None:
-        xyz = [c for c in "xyz" if c in names]
-        wanted = xyz if len(xyz) >= 2 else names
-    elif all(isinstance(c, str) for c in columns):
-        wanted = [str(c) for c in columns]
-    else:
-        wanted = [names[j] for j in _numbers(columns, len(names), name)]
-    missing = [c for c in wanted if c not in names]
-    if missing:
-        raise InvalidArgument(f"{name}: no column {missing[0]!r}; there are {', '.join(names)}")
-    for batch in file.iter_batches(batch_size=size or _MANY, columns=wanted):
-        for column in wanted:
-            if batch.column(column).null_count:
-                raise BadFile(f"{name}: column {column!r} has missing values")
-        yield np.column_stack(
-            [batch.column(column).to_numpy(zero_copy_only=False) for column in wanted]
-        )
+    arrow = _package("pyarrow", ".parquet files", "pyarrow")
+    try:
+        file = parquet.ParquetFile(_opened(name))
+        wanted, rows = choose(name, file.schema_arrow, columns)
+        before: int | None = None
+        for batch in file.iter_batches(batch_size=size or _MANY, columns=wanted):
+            if rows is not None:
+                block = _named(name, rows, batch.column(wanted[0]), wanted[0])
+                if before not in (None, block.shape[1]):
+                    raise BadFile(
+                        f"{name}: column {wanted[0]!r}: points of {before} and of "
+                        f"{block.shape[1]} coordinates"
+                    )
+                before = block.shape[1]
+                yield block
+                continue
+            for column in wanted:
+                if batch.column(column).null_count:
+                    raise BadFile(f"{name}: column {column!r} has missing values")
+            yield np.column_stack(
+                [batch.column(column).to_numpy(zero_copy_only=False) for column in wanted]
+            )
+    except arrow.lib.ArrowException as error:
+        raise BadFile(f"{name}: {' '.join(str(error).split())}") from None
+
+
+def _named(name: str, rows: Any, array: Any, column: str) -> npt.NDArray[Any]:
+    try:
+        return rows(array, column)
+    except BadFile as error:
+        raise BadFile(f"{name}: {error}") from None
 
 
 _READERS = {

@@ -158,6 +158,9 @@ std::unique_ptr<Interpolator> interpolator(const Cells& cells, Array<double> val
                                            std::uint32_t components, const Settings* settings) {
   if (!values.is_list() || values.size() != cells.triangulation().point_count * components)
     throw nb::value_error("a value for each point");
+  if (!cells.weights_array().is_none())
+    throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                          "interpolation needs a triangulation without weights");
   std::unique_ptr<Interpolator> made;
   run(settings, length_of_cells(cells), [&](const Options& options) {
     made = std::make_unique<Interpolator>(cells.points().view(), cells.triangulation(),

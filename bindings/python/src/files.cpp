@@ -1,11 +1,15 @@
 // Points of a file, by the readers that the program has.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <mutex>
+#include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -66,13 +70,14 @@ nb::object points_of(nb::handle file) {
 
 /// The file, and the lines it has for its user.
 std::pair<PointFile, std::vector<std::string>> open_file(const std::string& path,
-                                                         const std::string& columns) {
+                                                         const std::string& columns, bool raw) {
   PointFile file;
   std::vector<std::string> remarks;
   std::mutex mutex;
   run(nullptr, Length::long_, [&](const cullhull::Options& options) {
     cullhull::ReadOptions read;
     read.columns = columns;
+    read.numbers = raw ? cullhull::Numbers::file : cullhull::Numbers::world;
     read.stop = options.stop;
     read.remark = [&](const std::string& line) {
       const std::lock_guard lock(mutex);
@@ -90,11 +95,22 @@ void bind_files(nb::module_& m) {
       .def_prop_ro("format", &PointFile::format);
   m.def(
       "read_points",
-      [](const std::string& path, const std::string& columns) {
-        auto [file, remarks] = open_file(path, columns);
-        return std::pair(points_of(nb::cast(std::move(file))), std::move(remarks));
+      [](const std::string& path, const std::string& columns, bool raw) {
+        auto [file, remarks] = open_file(path, columns, raw);
+        cullhull::Placement placement = file.placement();
+        return std::tuple(points_of(nb::cast(std::move(file))), std::move(remarks),
+                          std::move(placement.scale), std::move(placement.offset));
       },
-      nb::arg("path"), nb::arg("columns"));
+      nb::arg("path"), nb::arg("columns"), nb::arg("raw"),
+      "The points, remarks for the user, and the scale and offset of the file's numbers.");
+  m.def(
+      "grid_of",
+      [](std::vector<double> scale, std::vector<double> offset) -> std::optional<int> {
+        const cullhull::Grid grid = cullhull::common_grid({{std::move(scale), std::move(offset), ""}});
+        return grid.empty() ? std::nullopt : std::optional(grid.decimals());
+      },
+      nb::arg("scale"), nb::arg("offset"),
+      "Decimals of the grid on which such a scan lies; None where there is none.");
 }
 
 }  // namespace binding

@@ -295,3 +295,13 @@ def test_halfspaces_errors():
         cullhull.HalfspaceIntersection(np.vstack([square, [1.0, 0, 3]]))
     unbounded = cullhull.HalfspaceIntersection(square[:2], [0.0, 0.0])
     assert not unbounded.is_bounded
+
+
+@pytest.mark.parametrize("name", ["ConvexHull", "Delaunay", "Voronoi"])
+def test_flat_input_where_ours_stands_in_scipys_place(name, monkeypatch):
+    spatial = pytest.importorskip("scipy.spatial")
+    monkeypatch.setattr(spatial, name, getattr(cullhull, name))
+    flat = [[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [3.0, 3.0]]
+    strict = {"strict": True} if name == "ConvexHull" else {}
+    with pytest.raises(spatial.QhullError, match="QH6154"):
+        getattr(cullhull, name)(flat, **strict)

@@ -91,3 +91,55 @@ def test_shapely_has_the_same_corners():
         theirs = shapely.MultiPoint(points[keys == key]).convex_hull
         ours = {tuple(p) for p in points[keys == key][hull.vertices].tolist()}
         assert ours == {tuple(p) for p in shapely.get_coordinates(theirs).tolist()}
+
+
+UNLIKE = [
+    ["a", "a\0", "b"],
+    [2**53, 2**53 + 1, 0.5],
+    [2**63, 2**63 + 1, -1],
+]
+
+
+@pytest.mark.parametrize("keys", UNLIKE, ids=repr)
+def test_unlike_keys_are_groups_of_their_own(keys):
+    points = np.arange(18.0).reshape(9, 2)
+    hulls = cullhull.hulls_by(points, [key for key in keys for _ in range(3)])
+    assert len(hulls) == 3 and set(hulls) == set(keys)
+    for i, key in enumerate(keys):
+        assert hulls.members(key).tolist() == [3 * i, 3 * i + 1, 3 * i + 2]
+
+
+def test_keys_of_two_kinds_are_refused():
+    with pytest.raises(cullhull.InvalidArgument, match="of one kind"):
+        cullhull.hulls_by([[0, 0], [1, 1]], [1, "1"])
+
+
+@pytest.mark.parametrize("unit", ["D", "ns"])
+def test_no_time_is_no_group(unit):
+    days = np.array(["2026-01-01", "NaT", "2026-01-02"], dtype=f"datetime64[{unit}]")
+    with pytest.raises(cullhull.InvalidArgument, match="1 missing value"):
+        cullhull.hulls_by(np.zeros((3, 2)), days)
+    assert len(cullhull.hulls_by(np.zeros((2, 2)), days[[0, 2]])) == 2
+
+
+def test_pandas_missing_values_are_no_group():
+    pandas = pytest.importorskip("pandas")
+    for missing in (pandas.NA, pandas.NaT, None):
+        with pytest.raises(cullhull.InvalidArgument, match="missing"):
+            cullhull.hulls_by(np.zeros((2, 2)), pandas.Series(["a", missing], dtype=object))
+
+
+def test_polars_keys():
+    polars = pytest.importorskip("polars")
+    points = np.array([[0.0, 0], [1, 0], [0, 1], [5, 5]])
+    for keys, dtype in [
+        (["a", "a", "a", "b"], polars.String),
+        (["a", "a", "a", "b"], polars.Categorical),
+        ([1, 1, 1, 2], polars.Int64),
+        ([0.5, 0.5, 0.5, 2.5], polars.Float64),
+        ([True, True, True, False], polars.Boolean),
+    ]:
+        hulls = cullhull.hulls_by(points, polars.Series(keys, dtype=dtype))
+        assert set(hulls) == set(keys) and hulls[keys[0]].volume == 0.5
+    with pytest.raises(cullhull.InvalidArgument, match="1 missing value"):
+        cullhull.hulls_by(points, polars.Series(["a", None, "a", "b"]))

@@ -133,3 +133,32 @@ def test_what_makes_no_sense(name):
         with pytest.raises(ValueError):
             found(bad)
     assert found(np.zeros((0, 2))).shape == (0,)
+
+
+@pytest.mark.parametrize("kind", [cullhull.LinearNDInterpolator, cullhull.NaturalNDInterpolator])
+def test_only_delaunay_triangulations_interpolate(kind):
+    points = np.random.default_rng(1).random((50, 2))
+    values = points[:, 0]
+    furthest = cullhull.delaunay(points, furthest_site=True)
+    weighted = cullhull.delaunay(points, weights=values)
+    for wrong in (furthest, weighted, cullhull.Delaunay(points, furthest_site=True)):
+        with pytest.raises(cullhull.InvalidArgument, match="needs a Delaunay triangulation"):
+            kind(wrong, values)
+
+
+def test_natural_neighbours_just_outside_get_the_fill_value():
+    square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
+    height = cullhull.NaturalNDInterpolator(square, [1.0, 2.0, 3.0, 4.0], fill_value=-7)
+    just_outside = [[-1e-15, 0.5], [0.5, 1 + 2e-16 * 2], [1 + 3e-16, 0.25]]
+    assert height(just_outside).tolist() == [-7, -7, -7]
+    assert height([[0, 0.5]]).tolist() == [2.5]
+
+
+def test_griddata_in_its_place(monkeypatch):
+    scipy_interpolate = pytest.importorskip("scipy.interpolate")
+    line, square = [0.0, 1.0, 2.0], np.random.default_rng(2).random((20, 2))
+    expected = scipy_interpolate.griddata(line, line, [0.5], "linear")
+    smooth = scipy_interpolate.griddata(square, square[:, 0], [[0.5, 0.5]], "cubic")
+    monkeypatch.setattr(scipy_interpolate, "griddata", cullhull.griddata)
+    assert cullhull.griddata(line, line, [0.5], "linear") == expected
+    assert cullhull.griddata(square, square[:, 0], [[0.5, 0.5]], "cubic") == smooth

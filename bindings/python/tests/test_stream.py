@@ -3,9 +3,12 @@
 import concurrent.futures
 import copy
 import gzip
+import importlib.util
 import pickle
 import random
 import struct
+import subprocess
+import sys
 import threading
 import time
 
@@ -289,13 +292,35 @@ def test_las_of_every_point_format(tmp_path, point_format, ending):
     points = (cullhull.generate("ball", 500) * 1e6).astype(np.int32)
     version = "1.4" if point_format > 5 else "1.3" if point_format > 3 else "1.2"
     header = laspy.LasHeader(point_format=point_format, version=version)
-    header.scales, header.offsets = [0.01, 0.01, 0.01], [100, 200, 300]
+    header.scales, header.offsets = [0.01, 0.1, 0.001], [484000, -200.5, 300]
     las = laspy.LasData(header)
     las.X, las.Y, las.Z = points.T
     path = tmp_path / f"a.{ending}"
+    las.classification = np.arange(500) % 5
     las.write(str(path))
-    assert np.array_equal(cullhull.read(path), points)
-    assert np.array_equal(np.concatenate(list(cullhull.read(path, chunks=77))), points)
+    raw = cullhull.read(path, raw=True)
+    assert raw.dtype == np.int32 and np.array_equal(raw, points)
+    assert np.array_equal(np.concatenate(list(cullhull.read(path, chunks=77, raw=True))), points)
+    exact = (points.astype(np.int64) * [10, 100, 1] + [484000000, -200500, 300000]) / 1000
+    assert np.array_equal(cullhull.read(path), exact)
+    assert np.array_equal(np.concatenate(list(cullhull.read(path, chunks=77))), exact)
+    assert np.array_equal(cullhull.read(path, columns=["y", "X"]), exact[:, [1, 0]])
+    got = cullhull.read(path, columns=["x", "classification"])
+    assert np.array_equal(got, np.column_stack([exact[:, 0], np.arange(500) % 5]))
+    laspys = laspy.read(str(path)).xyz  # with the roundings of its product and its sum
+    assert np.allclose(exact, laspys, rtol=2**-51, atol=484000 * 2**-52)
+
+
+def test_scans_beside_no_grid_are_what_laspy_computes(tmp_path):
+    laspy = pytest.importorskip("laspy")
+    header = laspy.LasHeader(point_format=3, version="1.2")
+    header.scales, header.offsets = [0.01, 1 / 3, 0.001], [484000.123456789012, 0, np.pi]
+    las = laspy.LasData(header)
+    las.X, las.Y, las.Z = (cullhull.generate("ball", 500) * 1e6).astype(np.int32).T
+    for name in ("a.las", "a.laz") if importlib.util.find_spec("lazrs") else ("a.las",):
+        las.write(str(tmp_path / name))
+        assert np.array_equal(cullhull.read(tmp_path / name), las.xyz)
+        assert np.array_equal(np.concatenate(list(cullhull.read(tmp_path / name, chunks=9))), las.xyz)
 
 
 def test_read_zarr_by_name(tmp_path):
@@ -367,3 +392,29 @@ def _write_by_fsspec(fsspec, name, ending, points):
             las = laspy.LasData(laspy.LasHeader(point_format=0, version="1.2"))
             las.X, las.Y, las.Z = points.T
             las.write(file)
+
+
+def test_the_package_reads_laz_for_the_program(tmp_path):
+    laspy = pytest.importorskip("laspy")
+    pytest.importorskip("lazrs")
+    header = laspy.LasHeader(point_format=6, version="1.4")
+    header.scales, header.offsets = [0.01, 0.1, 0.001], [484000, -200.5, 300]
+    las = laspy.LasData(header)
+    las.X, las.Y, las.Z = (cullhull.generate("ball", 900) * 1e6).astype(np.int32).T
+    las.classification = np.arange(900) % 3
+    for name in ("a.las", "a.laz"):
+        las.write(str(tmp_path / name))
+
+    def run(*words):
+        command = [sys.executable, "-m", "cullhull", *map(str, words)]
+        return subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+
+    for words in (("hull", "a.las", "-o", "-"), ("hull", "a.las", "--by", "classification", "-o", "-")):
+        expected, got = run(*words), run(words[0], "a.laz", *words[2:])
+        assert (got.returncode, got.stdout, got.stderr) == (0, expected.stdout, "")
+    assert run("hull", "a.laz", "-o", "b.obj").returncode == 0
+    assert run("hull", "*.laz", "--json").returncode == 0
+    (tmp_path / "bad.laz").write_bytes(b"LASF nothing")
+    bad = run("hull", "bad.laz")
+    assert bad.returncode == 1 and bad.stderr.startswith("cullhull: bad.laz: ")
+    assert bad.stderr.count("\n") == 1

@@ -33,7 +33,7 @@ struct Stream {
 };
 
 /// A worker's part of a batch; workers that finish early take from others' parts.
-struct alignas(64) Share {
+struct alignas(64) WorkShare {
   std::atomic<std::size_t> next{0};
   std::size_t end = 0;
 };

@@ -149,7 +149,7 @@ class InsertionNd {
   bool shared_ = false;                         ///< whether the crew runs
   unsigned batches_shared_ = 0, absences_ = 0;  ///< since the last review; in a row
   std::deque<Lane> lanes_;
-  std::vector<Share> shares_;
+  std::vector<WorkShare> shares_;
   bool same_facets_;  ///< whatever the number of workers
   std::vector<Stream> streams_;
   std::vector<Id> batch_;  ///< streams with points left

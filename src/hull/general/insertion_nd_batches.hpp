@@ -24,7 +24,7 @@ void InsertionNd<D>::in_parallel(const Body& body) {
   }
   crew_.run(static_cast<std::uint32_t>(lanes), [&](std::uint32_t, unsigned lane) {
     for (std::size_t k = 0; k < lanes; ++k) {
-      Share& share = shares_[(lane + k) % lanes];
+      WorkShare& share = shares_[(lane + k) % lanes];
       for (;;) {
         const std::size_t i = share.next.fetch_add(1, std::memory_order_relaxed);
         if (i >= share.end) break;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <utility>
 
 #include "io/blocks/byte_stream.hpp"
 #include "io/columns.hpp"
@@ -10,8 +11,12 @@
 #include "io/mapped_file.hpp"
 #include "io/packed/archive.hpp"
 #include "io/packed/unpack.hpp"
+#include "io/placing.hpp"
 #include "io/records.hpp"
+#include "io/system.hpp"
 #include "io/text.hpp"
+#include "io/text_scan.hpp"
+#include "parallel/byte_order.hpp"
 #include "parallel/memory.hpp"
 
 namespace cullhull::internal {
@@ -36,12 +41,14 @@ class RecordBlocks : public BlockSource {
     name_ = from_.name;
     format_ = layout_.format;
     placement_ = layout_.placement;
+    grid_ = layout_.grid;
     per_block_ = std::max<std::uint64_t>(1, block_bytes / (layout_.record_bytes * layout_.columns));
+    empty_ = layout_.count == 0;
   }
   void go_on_from(const BlockPosition& from) override { next_ = from.file_points; }
 
   bool next(BlockTask& task, BlockMemory& memory) override {
-    if (next_ >= layout_.count) return false;
+    if (next_ >= layout_.count && !std::exchange(empty_, false)) return false;
     const std::uint64_t first = next_, count = std::min(per_block_, layout_.count - first);
     next_ += count;
     task.count = count;
@@ -68,6 +75,7 @@ class RecordBlocks : public BlockSource {
   OpenedBytes from_;
   RecordLayout layout_;
   std::uint64_t per_block_, next_ = 0;
+  bool empty_;  ///< no points, of which one empty block is to tell the dimension
 };
 
 /// Points of HDF5: any thread reads any of them, one at a time.
@@ -80,11 +88,12 @@ class Hdf5Blocks : public BlockSource {
     const std::uint64_t chunk = points_.chunk_points();
     per_block_ = std::max<std::uint64_t>(1, block_bytes / points_.record_bytes());
     if (per_block_ > chunk) per_block_ -= per_block_ % chunk;
+    empty_ = points_.count() == 0;
   }
   void go_on_from(const BlockPosition& from) override { next_ = from.file_points; }
 
   bool next(BlockTask& task, BlockMemory& memory) override {
-    if (next_ >= points_.count()) return false;
+    if (next_ >= points_.count() && !std::exchange(empty_, false)) return false;
     const std::uint64_t first = next_, count = std::min(per_block_, points_.count() - first);
     next_ += count;
     task.count = count;
@@ -103,6 +112,7 @@ class Hdf5Blocks : public BlockSource {
   Hdf5Points points_;
   ReadOptions options_;
   std::uint64_t per_block_, next_ = 0;
+  bool empty_;  ///< as in RecordBlocks
 };
 
 /// Records of a pipe: read in order.
@@ -113,13 +123,14 @@ class PipedRecords : public BlockSource {
     name_ = from_.name;
     format_ = layout_.format;
     placement_ = layout_.placement;
+    grid_ = layout_.grid;
     per_block_ = std::max<std::uint64_t>(1, block_bytes / layout_.record_bytes);
   }
   void go_on_from(const BlockPosition& from) override { pass_ = from.file_points; }
 
   bool next(BlockTask& task, BlockMemory& memory) override {
     if (next_ == 0 && !begun_) begin(memory);
-    if (next_ >= layout_.count) {
+    if (next_ >= layout_.count && !empty_) {
       finish(memory);
       return false;
     }
@@ -134,7 +145,7 @@ class PipedRecords : public BlockSource {
            "ends within point " + std::to_string(next_) +
                (layout_.count == unknown_size ? std::string()
                                               : " of " + std::to_string(layout_.count)));
-    if (count == 0) return false;
+    if (!std::exchange(empty_, false) && count == 0) return false;
     task.count = count;
     task.file_points = next_;
     task.taken = from_.stream->taken();
@@ -172,6 +183,7 @@ class PipedRecords : public BlockSource {
   RecordLayout layout_;
   std::uint64_t per_block_, next_ = 0, pass_ = 0;
   bool begun_ = false;
+  bool empty_ = true;  ///< no points so far
 };
 
 /// One point a line: divided at line ends in order, parsed by any thread.
@@ -281,6 +293,7 @@ class WholeInput : public BlockSource {
     name_ = from_.name;
     options_.format = std::move(format);
     options_.threads = 1;
+    if (options_.format == "hullstate") note_grid();
   }
   void go_on_from(const BlockPosition& from) override { done_ = from.file_points > 0; }
 
@@ -307,6 +320,18 @@ class WholeInput : public BlockSource {
   }
 
  private:
+  /// Of a state: dimension and grid are in its first bytes.
+  void note_grid() {
+    constexpr std::size_t dimension_at = 12, grid_at = 20, head = 24;
+    if (from_.head.size() < head) return;
+    const auto dimension = load_little_endian<std::uint32_t>(from_.head.data() + dimension_at);
+    const auto code = load_little_endian<std::uint32_t>(from_.head.data() + grid_at);
+    constexpr std::uint32_t most = 1U << 20;  // of what a damaged one may say
+    if (code == 0 || code > 16 || dimension > most) return;
+    const double unit = std::stod("1e-" + std::to_string(code - 1));
+    placement_ = {std::vector(dimension, unit), std::vector(dimension, 0.0), ""};
+    grid_ = grid_of(placement_, options_);
+  }
   LoadedBlock load(const Source& source) const {
     LoadedBlock block;
     if (options_.format == "hullstate") {
@@ -316,6 +341,7 @@ class WholeInput : public BlockSource {
       } catch (const Error& e) {
         throw Error(e.code(), name_ + ": " + e.what());
       }
+      if (!grid_.empty()) block.state->to_grid();
     } else {
       block.data = read_points(source, options_);
     }
@@ -327,11 +353,25 @@ class WholeInput : public BlockSource {
   bool done_ = false;
 };
 
+/// Reads on until the head of a text has a line of points behind its comments.
+void pass_comments(OpenedBytes& from) {
+  constexpr std::size_t most = std::size_t{1} << 30;
+  while (from.head.size() < most) {
+    const std::string_view head = from.head;
+    LineScanner lines(head.data(), head.data() + head.rfind('\n') + 1);
+    while (lines.next())
+      if (is_point_line(lines.begin(), lines.end())) return;
+    if (!read_more_of_head(from)) return;
+  }
+}
+
 /// The first lines of a text, which determine its layout.
-std::optional<Preamble> preamble_of(const OpenedBytes& from, const std::string& format,
+std::optional<Preamble> preamble_of(OpenedBytes& from, const std::string& format,
                                     const ReadOptions& options) {
+  const bool whole = from.head.size() < std::size_t{1} << 20;
+  if (!whole) pass_comments(from);
   std::string_view head = from.head;
-  if (head.size() >= std::size_t{1} << 20) head = head.substr(0, head.rfind('\n') + 1);
+  if (!whole) head = head.substr(0, head.rfind('\n') + 1);
   if (head.starts_with("\xEF\xBB\xBF")) head.remove_prefix(3);
   if (head.empty()) return std::nullopt;
   const Source source{from.name, head.data(), head.size()};
@@ -340,10 +380,21 @@ std::optional<Preamble> preamble_of(const OpenedBytes& from, const std::string& 
   return preamble;
 }
 
+/// Gives decoded points their place.
+void place_points_of(RecordLayout& layout, const ReadOptions& options) {
+  if (layout.placement.empty() || options.numbers == Numbers::file) return;
+  layout.grid = grid_of(layout.placement, options);
+  layout.decode = [decode = layout.decode, options](const Source& records, std::uint64_t first,
+                                                    std::uint64_t count) {
+    PointData data = decode(records, first, count);
+    place(data, options);
+    return data;
+  };
+}
+
 /// Restricts decoded points to the columns asked for.
 void choose_columns_of(RecordLayout& layout, const std::string& file,
                        const std::vector<std::string>& names, const ReadOptions& options) {
-  layout.placement = placement_of_columns(layout.placement, file, names, options);
   layout.decode = [decode = layout.decode, file, names, options](
                       const Source& records, std::uint64_t first, std::uint64_t count) {
     PointData data = decode(records, first, count);
@@ -378,10 +429,11 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
   if (format == "raw") layout = raw_records(head, from.size, uninterrupted);
   if (format == "ply") layout = ply_records(head, from.size, uninterrupted);
   if (format == "pcd") layout = pcd_records(head, from.size, uninterrupted);
-  if (format == "las") layout = las_records(head, from.size);
+  if (format == "las") layout = las_records(head, from.size, uninterrupted);
   if (layout) {
-    if (!read.columns.empty() || !read.key.empty())
+    if (format != "las" && (!read.columns.empty() || !read.key.empty()))
       choose_columns_of(*layout, head.name, column_names(format), read);
+    place_points_of(*layout, read);
     if (from.file.get() >= 0)
       return std::make_unique<RecordBlocks>(std::move(from), std::move(*layout),
                                             options.block_bytes);
@@ -399,3 +451,29 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
 }
 
 }  // namespace cullhull::internal
+
+namespace cullhull {
+
+Grid common_grid(const std::vector<std::string>& files, const ReadOptions& options) {
+  using namespace internal;
+  BlockOptions reading;
+  reading.read = options;
+  reading.read.grid.reset();
+  std::vector<Placement> placements;
+  int of_states = -1;
+  for (const std::string& file : files) {
+    system::FileStatus status{};
+    if (system::status_of(file_of_input(file).c_str(), status) != 0 || !system::is_regular(status))
+      return {};
+    const std::unique_ptr<BlockSource> source = open_source(file, reading);
+    if (source->placement().empty()) return {};
+    placements.push_back(source->placement());
+    const bool state = source->format() == "hullstate";
+    if (state && of_states >= 0 && of_states != source->grid().decimals()) return {};
+    if (state) of_states = source->grid().decimals();
+  }
+  const Grid grid = common_grid(placements);
+  return of_states >= 0 && of_states != grid.decimals() ? Grid() : grid;
+}
+
+}  // namespace cullhull

@@ -54,11 +54,15 @@ class BlockSource {
   virtual void finish() const {}
   const std::string& name() const { return name_; }
   const std::string& format() const { return format_; }
+  /// Of the file's numbers: of a state on a grid its unit on each axis.
   const Placement& placement() const { return placement_; }
+  /// On which the blocks count; none for coordinates in the world.
+  const Grid& grid() const { return grid_; }
 
  protected:
   std::string name_, format_;
   Placement placement_;
+  Grid grid_;
 };
 
 /// Opens an input and finds its format.

@@ -187,6 +187,15 @@ OpenedBytes open_bytes(const std::string& path, const ReadOptions& options) {
   return opened;
 }
 
+bool read_more_of_head(OpenedBytes& opened) {
+  const std::size_t had = opened.head.size();
+  std::unique_ptr<ByteStream> stream = std::move(opened.stream);
+  opened.head.resize(2 * had);
+  opened.head.resize(stream->read(opened.head.data(), opened.head.size()));
+  opened.stream = std::make_unique<WithHead>(Descriptor(), std::move(stream), opened.head);
+  return opened.head.size() > had;
+}
+
 void read_at(const OpenedBytes& from, char* out, std::size_t size, std::uint64_t offset) {
   offset += from.base;
   while (size > 0) {

@@ -46,13 +46,16 @@ struct OpenedBytes {
   std::uint64_t size = 0;              ///< of them; unknown_size else
   std::string format;                  ///< where what it lies in tells: "npy"
   std::unique_ptr<ByteStream> stream;  ///< all bytes from the first
-  std::string head;                    ///< the first MiB or, if fewer, all
+  std::string head;                    ///< the first MiB, or more, or all
 };
 
 /// "-" is standard input; FILE.npz:NAME an array in an archive. Compressed files are decompressed.
 /// Throws Error{io}, Error{bad_file} for an empty file; and Error{cancelled}, here and when it is
 /// read, if `options.stop` is requested while a pipe is idle.
 OpenedBytes open_bytes(const std::string& path, const ReadOptions& options);
+
+/// Doubles the length of the head, or takes all there is. False where nothing is left.
+bool read_more_of_head(OpenedBytes& opened);
 
 /// Reads exactly `size` bytes at an offset. Throws Error{io}, also where the file has shrunk.
 void read_at(const OpenedBytes& from, char* out, std::size_t size, std::uint64_t offset);

@@ -192,16 +192,30 @@ class Reading {
       // Where the counts of all blocks before are known, so is the first id.
       if (taken.task.count && taken.number == next_named_) assign(taken, *taken.task.count);
       return true;
+    } catch (const Error& e) {
+      if (e.code() == ErrorCode::cancelled)
+        end_cancelled();
+      else
+        note_error(next_number_);
     } catch (...) {
       note_error(next_number_);
-      return false;
     }
+    return false;
+  }
+
+  /// Opening or waiting for an input heard of the cancellation before watch() did. No block was
+  /// taken, so that the position is right.
+  void end_cancelled() {
+    const std::lock_guard lock(mutex_);
+    stop_ = cancelled_ = true;
+    changed_.notify_all();
+    leave();
   }
 
   bool open_next() {
     std::unique_ptr<BlockSource> source;
     if (next_file_ < files_.size()) source = open_source(files_[next_file_], options_);
-    if (source != nullptr) compare_placement(*source);
+    if (source != nullptr) note_placement(*source);
     const std::lock_guard lock(mutex_);
     if (current_ != active_.end()) {
       bytes_before_ += std::max(last_.taken, input_bytes({files_[current_->file]}));
@@ -228,17 +242,12 @@ class Reading {
     return true;
   }
 
-  /// Whole numbers of one grid are no points of another. Called by one thread at a time, in order.
-  void compare_placement(const BlockSource& source) {
-    const Placement& placement = source.placement();
-    if (!std::exchange(any_opened_, true)) {
-      summary_.placement = placement;
-      placed_in_ = source.name();
-    }
-    if (placement.empty()) summary_.placement = {};
-    if (summary_.placement.empty() || placement == summary_.placement) return;
-    throw Error(ErrorCode::bad_file,
-                source.name() + ": scale or offset are not those of the numbers in " + placed_in_);
+  /// Called by one thread at a time, in order.
+  void note_placement(const BlockSource& source) {
+    summary_.any_placed = summary_.any_placed || !source.placement().empty();
+    if (std::exchange(any_opened_, true)) return;
+    summary_.placement = source.placement();
+    summary_.grid = source.grid();
   }
 
   /// Requires `mutex_`.
@@ -369,7 +378,6 @@ class Reading {
   bool failed_ = false;
   std::uint64_t error_at_ = 0;
   bool any_points_ = false, any_opened_ = false;
-  std::string placed_in_;     ///< the first input
   DimensionOf lowest_, odd_;  ///< the lowest block so far; the lowest with another dimension
   BlockSummary summary_;
 };
@@ -379,7 +387,10 @@ class Reading {
 
 BlockSummary visit_blocks(const std::vector<std::string>& files, const BlockVisitor& visitor,
                           const BlockOptions& options) {
-  return internal::Reading(files, visitor, options).run();
+  BlockOptions reading = options;
+  if (files.size() > 1 && reading.read.numbers == Numbers::grid && !reading.read.grid)
+    reading.read.grid = common_grid(files, reading.read);
+  return internal::Reading(files, visitor, reading).run();
 }
 
 }  // namespace cullhull

@@ -27,13 +27,14 @@ struct GroupHull {
   std::size_t set = 0;
   const double* rows = nullptr;
   std::uint32_t dimension = 0;
+  const Grid& grid;
 
   std::span<const std::uint64_t> vertices() const { return batch.vertices[set]; }
   std::uint64_t points() const { return batch.point_counts[set]; }
   int affine_dimension() const { return batch.affine_dimensions[set]; }
   std::uint64_t facets() const { return batch.facet_starts[set + 1] - batch.facet_starts[set]; }
-  double volume() const { return batch.volumes[set]; }
-  double area() const { return batch.areas[set]; }
+  double volume() const { return grid.measure_to_world(batch.volumes[set], affine()); }
+  double area() const { return grid.measure_to_world(batch.areas[set], std::max(affine() - 1, 0)); }
   /// In the plane: the perimeter (twice a segment's length), and the area.
   double perimeter() const { return affine_dimension() == 2 ? area() : 2 * volume(); }
   double within() const { return affine_dimension() == 2 ? volume() : 0; }
@@ -42,6 +43,7 @@ struct GroupHull {
     std::vector<double> out;
     for (const std::uint64_t v : vertices())
       out.insert(out.end(), rows + v * dimension, rows + (v + 1) * dimension);
+    to_world(out, grid);
     return out;
   }
   void append_key(std::string& out) const {
@@ -50,6 +52,9 @@ struct GroupHull {
     else
       append_json_string(out, key);
   }
+
+ private:
+  int affine() const { return std::max(affine_dimension(), 0); }
 };
 
 /// Writes the records of a file to a text, and what comes before, between and after them.
@@ -195,8 +200,8 @@ class GroupRecords {
 };
 
 void write_slices(const CollectedPoints& collected, const SortedGroups& sorted,
-                  GroupRecords& records, std::string& text, const Options& options,
-                  OutputFile& out) {
+                  GroupRecords& records, std::string& text, const Grid& grid,
+                  const Options& options, OutputFile& out) {
   // Hulled and written at a time: some 100 MB of text at most. Not tuned.
   constexpr std::uint64_t slice_points = std::uint64_t{1} << 20;
   const std::uint32_t d = sorted.dimension;
@@ -212,7 +217,7 @@ void write_slices(const CollectedPoints& collected, const SortedGroups& sorted,
                                          offsets.data(), end - begin, options);
     for (std::size_t i = begin; i < end; ++i) {
       records.add({collected.words()[sorted.order[i]], collected.numeric(), batch, i - begin,
-                   rows + offsets[i - begin] * d, d});
+                   rows + offsets[i - begin] * d, d, grid});
       if (text.size() > std::size_t{1} << 20) {
         out.write(text);
         text.clear();
@@ -260,7 +265,7 @@ GroupReport write_group_hulls(const std::vector<std::string>& files, const std::
   GroupRecords records(format, name_of_key(reading.read.key),
                        {report.points, report.dimension, read.scalar}, text);
   OutputFile out(path);
-  write_slices(collected, sorted, records, text, options, out);
+  write_slices(collected, sorted, records, text, read.grid, options, out);
   out.commit();
   report.hull_seconds = std::chrono::duration<double>(Clock::now() - sorted_at).count();
   return report;

@@ -127,7 +127,7 @@ class OpenDataset {
       throw Error(ErrorCode::bad_file, name + ": dataset " + quoted_text(path) +
                                            " is no array (n, d) or (n) of numbers up to 64 bits");
     shape_ = *shape;
-    find_chunk();
+    find_layout();
     if (chunk_bytes_ > std::size_t{1} << 20) {
       h5().H5Pset_chunk_cache(access.get(), 521, chunk_bytes_, 1.0);
       dataset_ = Handle();  // the first to open it decides
@@ -147,6 +147,8 @@ class OpenDataset {
   /// Rows as they are in the file's order, packed, as `memory` has them.
   bool read(std::uint64_t first, std::uint64_t count, void* out) const {
     if (count == 0) return true;
+    // Libhdf5 leaves the bytes of storage that does not exist as they are.
+    if (may_leave_gaps_) std::memset(out, 0, count * shape_.width * number_bytes());
     const hsize_t start[2] = {first, 0}, extent[2] = {count, shape_.width};
     const Handle space(h5().H5Dget_space(dataset_.get()), h5().H5Sclose);
     const Handle memory(h5().H5Screate_simple(shape_.axes, extent, nullptr), h5().H5Sclose);
@@ -157,21 +159,49 @@ class OpenDataset {
                         H5P_DEFAULT, out) >= 0;
   }
 
+  /// The first of these rows that was never written and has no fill value in its place.
+  std::optional<std::uint64_t> first_gap(std::uint64_t first, std::uint64_t count) const {
+    if (!may_leave_gaps_ || count == 0 || shape_.width == 0) return std::nullopt;
+    H5D_space_status_t status = H5D_SPACE_STATUS_ALLOCATED;
+    if (h5().H5Dget_space_status(dataset_.get(), &status) < 0) return first;
+    if (status == H5D_SPACE_STATUS_ALLOCATED) return std::nullopt;
+    if (status == H5D_SPACE_STATUS_NOT_ALLOCATED || chunk_width_ == 0) return first;
+    // Of packed chunks the status is "part" even where none is missing: each is asked for.
+    for (std::uint64_t row = first - first % chunk_points_; row < first + count;
+         row += chunk_points_)
+      for (std::uint64_t column = 0; column < shape_.width; column += chunk_width_) {
+        const hsize_t corner[2] = {row, column};
+        hsize_t bytes = 0;
+        if (h5().H5Dget_chunk_storage_size(dataset_.get(), corner, &bytes) < 0 || bytes == 0)
+          return std::max(row, first);
+      }
+    return std::nullopt;
+  }
+
  private:
-  void find_chunk() {
+  void find_layout() {
     const Handle made(h5().H5Dget_create_plist(dataset_.get()), h5().H5Pclose);
-    if (!made || h5().H5Pget_layout(made.get()) != H5D_CHUNKED) return;
+    if (!made) return;
+    H5D_fill_time_t time = H5D_FILL_TIME_IFSET;
+    H5D_fill_value_t value = H5D_FILL_VALUE_DEFAULT;
+    h5().H5Pget_fill_time(made.get(), &time);
+    h5().H5Pfill_value_defined(made.get(), &value);
+    may_leave_gaps_ = (time == H5D_FILL_TIME_NEVER || value == H5D_FILL_VALUE_UNDEFINED) &&
+                      h5().H5Pget_external_count(made.get()) <= 0;
+    if (h5().H5Pget_layout(made.get()) != H5D_CHUNKED) return;
     hsize_t extent[2] = {1, 1};
     if (h5().H5Pget_chunk(made.get(), 2, extent) != shape_.axes) return;
     chunk_points_ = std::max<hsize_t>(1, extent[0]);
+    chunk_width_ = std::max<hsize_t>(1, extent[1]);
     chunk_bytes_ = static_cast<std::size_t>(chunk_points_ * extent[1] * 8);
   }
 
   Handle dataset_;
   std::string path_;
   Shape shape_;
-  std::uint64_t chunk_points_ = 1;
+  std::uint64_t chunk_points_ = 1, chunk_width_ = 0;
   std::size_t chunk_bytes_ = 0;
+  bool may_leave_gaps_ = false;  ///< what was never written has no fill value
 };
 
 /// 64-bit integers where they lie become the doubles that equal them. The first that none equals,
@@ -269,6 +299,10 @@ struct Hdf5Points::Impl {
     if (!column.read(first, count, out))
       fail({name, nullptr, 0},
            "points from " + std::to_string(first) + " on cannot be read" + reason());
+    if (const auto gap = column.first_gap(first, count))
+      fail({file_name, nullptr, 0}, "dataset " + quoted_text(column.path()) + ": point " +
+                                        std::to_string(*gap) +
+                                        " was never written, and the dataset has no fill value");
     const Numbers& numbers = column.shape().numbers;
     if (!numbers.integer64) return;
     const std::uint64_t bad = widen(out, count * width, numbers.is_signed);

@@ -5,13 +5,13 @@
 
 namespace cullhull::internal {
 
-struct Turn {
+struct Rotation {
   double cosine, sine;
 };
 
 /// Cosine and sine of `turns` full turns, with the same bits on every machine: reduced to an eighth
 /// of a turn, then Taylor's series; the first terms left out are below 2^-53.
-inline Turn turn_by(double turns) {
+inline Rotation rotation_by(double turns) {
   const double rest = turns - std::floor(turns + 0.5);
   const double quarter = std::floor(4 * rest + 0.5);
   const double a = (rest - quarter / 4) * 6.283185307179586477;

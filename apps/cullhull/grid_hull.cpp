@@ -1,0 +1,36 @@
+#include "grid_hull.hpp"
+
+#include <vector>
+
+#include "cullhull/cull.hpp"
+
+namespace app {
+
+cullhull::Hull hull_on_grid(const cullhull::PointView& numbers,
+                            const cullhull::Placement& placement, const cullhull::Grid& grid,
+                            const cullhull::Options& options) {
+  const cullhull::Survivors survivors = cullhull::cull(numbers, options);
+  const std::uint64_t count = survivors.size(numbers.count);
+  const auto id = [&](std::uint64_t i) { return survivors.all ? i : survivors.ids[i]; };
+  const std::uint32_t d = numbers.dimension;
+  std::vector<double> rows(count * d);
+  const cullhull::GridAxes axes(placement, grid);
+  for (std::uint64_t i = 0; i < count; ++i)
+    for (std::uint32_t j = 0; j < d; ++j) rows[i * d + j] = axes.at(j, numbers.at(id(i), j));
+  cullhull::Options behind = options;
+  behind.cull = cullhull::CullMethod::none;
+  cullhull::Hull hull =
+      cullhull::convex_hull(cullhull::PointView::row_major(rows.data(), count, d), behind);
+  if (!survivors.all) hull.rename(id);
+  hull.point_count = numbers.count;
+  cullhull::Statistics& s = hull.statistics;
+  s.survivors = count;
+  s.cull_method = survivors.method;
+  s.cull_reason = survivors.reason;
+  s.backend = survivors.backend;
+  s.cull_seconds = survivors.seconds;
+  s.compute_seconds += survivors.seconds;
+  return hull;
+}
+
+}  // namespace app

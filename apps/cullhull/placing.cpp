@@ -1,0 +1,83 @@
+#include "placing.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "io/json_writer.hpp"
+
+namespace app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Range {
+  double least = 0, greatest = 0;
+};
+
+std::vector<Range> box_of(const cullhull::PointView& points) {
+  std::vector<Range> box;
+  for (std::uint32_t j = 0; points.count > 0 && j < points.dimension; ++j) {
+    Range axis{points.at(0, j), points.at(0, j)};
+    for (std::uint64_t i = 1; i < points.count; ++i) {
+      axis.least = std::min(axis.least, points.at(i, j));
+      axis.greatest = std::max(axis.greatest, points.at(i, j));
+    }
+    box.push_back(axis);
+  }
+  return box;
+}
+
+}  // namespace
+
+std::string units_lines(const Placing& placing, const cullhull::PointView& points) {
+  if (!placing.any) return "";
+  std::string text = "units      ";
+  if (placing.raw)
+    text += "the file's whole numbers";
+  else
+    text += placing.placement.unit.empty() ? "the file's" : placing.placement.unit;
+  if (!placing.grid.empty())
+    text += fmt::format(", exact on the grid of {}", placing.grid.unit());
+  else if (!placing.raw)
+    text += ", coordinates rounded to doubles";
+  if (!placing.placement.empty())
+    text += fmt::format("; scale {}, offset {}", fmt::join(placing.placement.scale, " "),
+                        fmt::join(placing.placement.offset, " "));
+  text += "\nextent     ";
+  const std::vector<Range> box = box_of(points);
+  for (std::size_t j = 0; j < box.size(); ++j)
+    text += fmt::format("{}{} to {}", j > 0 ? ", " : "", box[j].least, box[j].greatest);
+  return text + (box.empty() ? "no points\n" : "\n");
+}
+
+Json placing_json(const Placing& placing, const cullhull::PointView& points) {
+  const cullhull::Placement& p = placing.placement;
+  Json json;
+  json["numbers"] = placing.raw ? "file" : placing.grid.empty() ? "rounded" : "grid";
+  json["grid"] = placing.grid.empty() ? Json() : Json(placing.grid.unit());
+  json["scale"] = p.empty() ? Json() : Json(p.scale);
+  json["offset"] = p.empty() ? Json() : Json(p.offset);
+  json["unit"] = p.unit.empty() || placing.raw ? Json() : Json(p.unit);
+  json["extent"] = Json::array();
+  for (const Range& axis : box_of(points))
+    json["extent"].push_back(Json::array({axis.least, axis.greatest}));
+  return json;
+}
+
+void add_placing(Json& report, const Placing& placing, const cullhull::PointView& points) {
+  if (placing.any) report["placement"] = placing_json(placing, points);
+}
+
+std::string with_placing(std::string report, const Placing& placing,
+                         const cullhull::PointView& points) {
+  if (!placing.any) return report;
+  Json json = Json::parse(report);
+  json["placement"] = placing_json(placing, points);
+  return cullhull::internal::json_text(json);
+}
+
+}  // namespace app

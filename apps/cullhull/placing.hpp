@@ -1,0 +1,33 @@
+// What the coordinates of a run are, for its summary and its report: of files with scale and offset
+// (LAS).
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "cullhull/io.hpp"
+
+namespace app {
+
+/// Where points lie whose files have a Placement.
+struct Placing {
+  cullhull::Placement placement;  ///< of the first file
+  cullhull::Grid grid;            ///< on which the run counted; none: doubles, rounded
+  bool any = false;               ///< whether a file has a placement: else nothing is told
+  bool raw = false;               ///< --raw: the files' own numbers
+};
+
+/// "units      exact on the grid of 0.001; scale ..., offset ...\nextent     ...\n"; empty unless
+/// `placing.any`. `points`: those whose box is the extent, in the world.
+std::string units_lines(const Placing& placing, const cullhull::PointView& points);
+
+/// The member "placement" of a report (docs/cullhull.schema.json).
+nlohmann::ordered_json placing_json(const Placing& placing, const cullhull::PointView& points);
+
+/// A report with that member, where there is something to tell.
+std::string with_placing(std::string report, const Placing& placing,
+                         const cullhull::PointView& points);
+void add_placing(nlohmann::ordered_json& report, const Placing& placing,
+                 const cullhull::PointView& points);
+
+}  // namespace app

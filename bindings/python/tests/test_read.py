@@ -1,0 +1,315 @@
+"""cullhull.read of what other people's programs write: which columns, rows and bytes are taken."""
+
+import json
+import struct
+import warnings
+
+import numpy as np
+import pytest
+
+import cullhull
+
+POINTS = np.random.default_rng(3).normal(size=(300, 3))
+
+
+def said_while_reading(path, **options):
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        points = cullhull.read(path, **options)
+    assert all(w.category is cullhull.ShapeWarning for w in told)
+    assert len(told) <= 1
+    return points, str(told[0].message) if told else ""
+
+
+# ------------------------------------------------------------------------------------ Parquet
+
+
+def written(tmp_path, columns, metadata=None):
+    pa = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    table = pa.table(columns)
+    if metadata:
+        table = table.replace_schema_metadata({"geo": json.dumps(metadata)})
+    parquet.write_table(table, tmp_path / "a.parquet", row_group_size=128)
+    return tmp_path / "a.parquet"
+
+
+def axes(points=POINTS, names="xyz"):
+    return {name: points[:, j] for j, name in enumerate(names)}
+
+
+def test_parquet_columns_by_name_in_any_case(tmp_path):
+    path = written(tmp_path, {"ID": np.arange(300), **axes(names="ZXY")})
+    points, said = said_while_reading(path)
+    assert np.array_equal(points, POINTS[:, [1, 2, 0]])
+    assert said == ""
+    assert np.array_equal(cullhull.read(path, columns=["z", "X"]), POINTS[:, [0, 1]])
+
+
+@pytest.mark.parametrize("names", [("lat", "Lon"), ("latitude", "longitude"), ("Northing", "EASTING")])
+def test_parquet_coordinates_of_maps(tmp_path, names):
+    path = written(tmp_path, {"class": np.ones(300), **axes(names=names)})
+    assert np.array_equal(cullhull.read(path), POINTS[:, [1, 0]])
+
+
+@pytest.mark.parametrize("kind", ["fixed", "list", "large"])
+def test_parquet_points_as_lists(tmp_path, kind):
+    pa = pytest.importorskip("pyarrow")
+    rows = POINTS.astype(np.float32)
+    flat = pa.array(rows.ravel())
+    if kind == "fixed":
+        lists = pa.FixedSizeListArray.from_arrays(flat, 3)
+    elif kind == "list":
+        lists = pa.ListArray.from_arrays(pa.array(np.arange(301, dtype="i4") * 3), flat)
+    else:
+        lists = pa.LargeListArray.from_arrays(pa.array(np.arange(301) * 3), flat)
+    path = written(tmp_path, {"name": ["a"] * 300, "xyz": lists, "id": np.arange(300)})
+    for columns in (None, ["xyz"], [1]):
+        points = cullhull.read(path, columns=columns)
+        assert points.dtype == np.float32
+        assert np.array_equal(points, rows)
+    blocks = list(cullhull.read(path, chunks=77))
+    assert [len(b) for b in blocks[:2]] == [77, 77] or len(blocks) > 1
+    assert np.array_equal(np.concatenate(blocks), rows)
+    with pytest.raises(ValueError, match="'xyz' .* alone"):
+        cullhull.read(path, columns=["xyz", "id"])
+
+
+def test_parquet_lists_of_unequal_length_or_with_holes(tmp_path):
+    path = written(tmp_path, {"xyz": [[1.0, 2.0], [1.0, 2.0, 3.0]]})
+    with pytest.raises(cullhull.BadFile, match="'xyz': lists of 2 and of 3 numbers"):
+        cullhull.read(path)
+    path = written(tmp_path, {"xyz": [[1.0, 2.0], None]})
+    with pytest.raises(cullhull.BadFile, match="'xyz' has missing values"):
+        cullhull.read(path)
+    path = written(tmp_path, {"xyz": [[1.0, 2.0], [None, 2.0]]})
+    with pytest.raises(cullhull.BadFile, match="'xyz' has missing values"):
+        cullhull.read(path)
+
+
+def test_parquet_two_lists_are_a_question(tmp_path):
+    path = written(tmp_path, {"a": [[1.0, 2.0]], "b": [[3.0, 4.0]]})
+    with pytest.raises(ValueError, match="columns= says which .* 'a', 'b'"):
+        cullhull.read(path)
+    assert cullhull.read(path, columns=["b"]).tolist() == [[3, 4]]
+
+
+def test_parquet_never_takes_all_columns_silently(tmp_path):
+    path = written(tmp_path, {"name": ["p"] * 300, "id": np.arange(300), **axes(names="abc")})
+    points, said = said_while_reading(path)
+    assert np.array_equal(points, POINTS)
+    assert said == f"{path}: 'a', 'b', 'c' are taken as coordinates, not 'name', 'id'"
+    points, said = said_while_reading(written(tmp_path, axes(names="abc")))
+    assert said == f"{path}: 'a', 'b', 'c' are taken as coordinates"
+
+
+def test_parquet_never_gives_objects(tmp_path):
+    import decimal
+
+    text = {"name": ["p", "q"], "when": [decimal.Decimal("1.5"), decimal.Decimal("2.5")]}
+    path = written(tmp_path, text)
+    with pytest.raises(ValueError, match="no column of numbers; there are 'name' .*, 'when'"):
+        cullhull.read(path)
+    for column in text:
+        with pytest.raises(ValueError, match=f"column '{column}' holds .* not numbers"):
+            cullhull.read(path, columns=[column])
+    with pytest.raises(ValueError, match="no column 'w'"):
+        cullhull.read(path, columns=["w"])
+    (tmp_path / "a.parquet").write_bytes(b"PAR1 is no Parquet")
+    with pytest.raises(cullhull.BadFile, match="a.parquet: "):
+        cullhull.read(tmp_path / "a.parquet")
+
+
+def wkb(points, order="<", kind=1, flags=0):
+    head = struct.pack(order + "BI", order == "<", kind | flags)
+    if flags & 0x20000000:
+        head += struct.pack(order + "I", 4326)
+    return [head + struct.pack(order + f"{len(p)}d", *p) for p in points]
+
+
+@pytest.mark.parametrize("order", "<>")
+@pytest.mark.parametrize(
+    "width, kind, flags",
+    [(2, 1, 0), (3, 1001, 0), (3, 1, 0x80000000), (2, 1, 0x20000000), (3, 1, 0xA0000000)],
+)
+def test_geoparquet_points(tmp_path, order, width, kind, flags):
+    geo = {"primary_column": "where", "columns": {"where": {"encoding": "WKB"}}}
+    rows = POINTS[:, :width]
+    path = written(
+        tmp_path, {"pop": np.arange(300), "where": wkb(rows, order, kind, flags)}, geo
+    )
+    for columns in (None, ["where"]):
+        assert np.array_equal(cullhull.read(path, columns=columns), rows)
+    assert np.array_equal(np.concatenate(list(cullhull.read(path, chunks=77))), rows)
+
+
+def test_geoparquet_of_measured_and_mixed_points(tmp_path):
+    geo = {"primary_column": "g", "columns": {"g": {"encoding": "WKB"}}}
+    measured = wkb(POINTS, "<", 2001)
+    assert np.array_equal(cullhull.read(written(tmp_path, {"g": measured}, geo)), POINTS[:, :2])
+    mixed = wkb(POINTS[:150, :2], "<") + wkb(POINTS[150:, :2], ">")
+    assert np.array_equal(cullhull.read(written(tmp_path, {"g": mixed}, geo)), POINTS[:, :2])
+
+
+def test_geoparquet_of_what_is_no_point(tmp_path):
+    geo = {"primary_column": "g", "columns": {"g": {"encoding": "WKB"}}}
+    line = struct.pack("<BII4d", 1, 2, 2, 0, 0, 1, 1)
+    point = wkb(POINTS[:1, :2])[0]
+    for rows, why in (
+        ([point, line], "'g', row 1: a geometry of type 2, not a point"),
+        ([point, b"\1\1\0"], "'g', row 1: no geometry in WKB"),
+        ([point, point[:-1]], "'g', row 1: no geometry in WKB"),
+        ([point, wkb(POINTS[:1], "<", 1001)[0]], "'g', row 1: 3 coordinates where the first has 2"),
+        ([point, wkb([[np.nan, np.nan]])[0]], "'g', row 1: an empty point"),
+        ([point, None], "'g' has missing values"),
+    ):
+        with pytest.raises(cullhull.BadFile, match=why):
+            cullhull.read(written(tmp_path, {"g": rows}, geo))
+
+
+def test_geoparquet_points_as_structs(tmp_path):
+    geo = {"primary_column": "g", "columns": {"g": {"encoding": "point"}}}
+    rows = [{"x": p[0], "y": p[1]} for p in POINTS]
+    path = written(tmp_path, {"n": np.arange(300), "g": rows}, geo)
+    assert np.array_equal(cullhull.read(path), POINTS[:, :2])
+
+
+# --------------------------------------------------------------------------------------- HDF5
+
+
+@pytest.mark.parametrize("ending", ["h5", "nc"])
+def test_hdf5_columns_of_their_own(tmp_path, ending):
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / f"a.{ending}"
+    with h5py.File(path, "w") as file:
+        for name, column in axes().items():
+            file[f"g/{name}"] = column
+        file["short"] = POINTS[:7, 0]
+        file["rows"] = POINTS
+    assert np.array_equal(cullhull.read(f"{path}:g/x,g/y,g/z"), POINTS)
+    blocks = list(cullhull.read(f"{path}:g/x,/g/z", chunks=99))
+    assert [len(b) for b in blocks] == [99, 99, 99, 3]
+    assert np.array_equal(np.concatenate(blocks), POINTS[:, [0, 2]])
+    assert cullhull.read(f"{path}:g/x,g/y,g/z", columns=[2]).tolist() == POINTS[:, 2:].tolist()
+    with pytest.raises(cullhull.BadFile, match="'g/x' and 'short' have 300 and 7 numbers"):
+        cullhull.read(f"{path}:g/x,short")
+    with pytest.raises(cullhull.BadFile, match="'rows' .* no column"):
+        cullhull.read(f"{path}:g/x,rows")
+    with pytest.raises(ValueError, match="there are .*/g/x"):
+        cullhull.read(f"{path}:g/x,none")
+
+
+@pytest.mark.parametrize("chunk", [None, (100, 2)])
+def test_hdf5_that_was_never_written(tmp_path, chunk):
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        made = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+        made.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+        if chunk:
+            made.set_chunk(chunk)
+        space = h5py.h5s.create_simple((300, 3))
+        h5py.h5d.create(file.id, b"p", h5py.h5t.NATIVE_DOUBLE, space, made)
+    with pytest.raises(cullhull.BadFile, match="never written"):
+        cullhull.read(path)
+    with h5py.File(path, "a") as file:
+        file["p"][:200 if chunk else 300] = POINTS[: 200 if chunk else 300]
+    if chunk:
+        with pytest.raises(cullhull.BadFile, match="never written"):
+            cullhull.read(path)
+        with h5py.File(path, "a") as file:
+            file["p"][200:] = POINTS[200:]
+    assert np.array_equal(cullhull.read(path), POINTS)
+
+
+# --------------------------------------------------------------------------------------- LAZ
+
+
+@pytest.fixture
+def laz(tmp_path):
+    laspy = pytest.importorskip("laspy")
+    pytest.importorskip("lazrs")
+    las = laspy.create(point_format=3, file_version="1.2")
+    las.header.scales = [1, 1, 1]
+    las.X, las.Y, las.Z = np.random.default_rng(1).integers(-(10**6), 10**6, (3, 200))
+    las.write(str(tmp_path / "a.laz"))
+    return tmp_path / "a.laz"
+
+
+def test_laz_columns_by_name(laz):
+    points = cullhull.read(laz)
+    assert np.array_equal(cullhull.read(laz, columns=["x", "y"]), points[:, :2])
+    assert np.array_equal(cullhull.read(laz, columns=["Z", "x"]), points[:, [2, 0]])
+    with pytest.raises(ValueError, match="no column 'w'; there are x, y, z"):
+        cullhull.read(laz, columns=["w"])
+
+
+def test_laz_that_is_damaged_is_a_bad_file(laz):
+    whole = laz.read_bytes()
+    item = 315  # of the record that lists how fields are packed: its type
+    for damaged in (
+        whole[:item] + b"\x3f" + whole[item + 1 :],
+        whole[: len(whole) // 2],
+        whole[:239] + b"L" + whole[240:],
+        whole[:239] + b"\x97" + whole[240:],
+        whole[:100],
+    ):
+        laz.write_bytes(damaged)
+        with pytest.raises(cullhull.BadFile, match="a.laz: "):
+            cullhull.read(laz)
+
+
+def test_laz_on_which_lazrs_panics_is_a_bad_file(laz, monkeypatch):
+    laspy = pytest.importorskip("laspy")
+
+    class PanicException(BaseException):  # as pyo3 makes one: no Exception
+        pass
+
+    def panics(*_):
+        raise PanicException("index out of bounds:\n the len is 4")
+
+    monkeypatch.setattr(laspy, "open", panics)
+    with pytest.raises(cullhull.BadFile, match="a.laz: index out of bounds: the len is 4"):
+        cullhull.read(laz)
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(laspy, "open", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        cullhull.read(laz)
+
+
+# ----------------------------------------------------------------------------- CSV and meshes
+
+
+def test_csv_columns_that_number_the_points(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(",a,b\n0,1,2\n1,3,4\n")
+    points, said = said_while_reading(path)
+    assert points.tolist() == [[1, 2], [3, 4]]
+    assert said == f"{path}: 'a', 'b' are taken as coordinates, not ''"
+    path.write_text("fid,lat,lon\n0,1,2\n1,3,4\n")
+    points, said = said_while_reading(path)
+    assert points.tolist() == [[2, 1], [4, 3]]
+    assert said == f"{path}: lon and lat of 3 columns are taken as coordinates"
+
+
+@pytest.mark.parametrize(
+    "name, text, said",
+    [
+        ("a.off", "OFF2 1 0\n0 1 2\n3 4 5\n", "ends within its faces: 0 of 1 are there"),
+        ("a.obj", "v 0 1 2\n$ what\nv 3 4 5\n", "no keyword of .obj"),
+        (
+            "a.ply",
+            "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+            "property float z\nproperty list uchar int l\nend_header\n0 1 2\n3 4 5\n",
+            "vertices without the list",
+        ),
+    ],
+)
+def test_meshes_with_a_remark(tmp_path, name, text, said):
+    (tmp_path / name).write_text(text)
+    points, line = said_while_reading(tmp_path / name)
+    assert points.tolist() == [[0, 1, 2], [3, 4, 5]]
+    assert said in line

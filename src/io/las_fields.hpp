@@ -1,0 +1,31 @@
+// The fields of a LAS record behind its coordinates, by the names that laspy gives them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cullhull/point_view.hpp"
+#include "io/source.hpp"
+
+namespace cullhull::internal {
+
+struct LasField {
+  enum class Kind { bits, i8, u8, i16, u16, f64 };
+  std::string name;
+  unsigned offset = 0;  ///< bytes from the beginning of the record
+  Kind kind = Kind::u8;
+  unsigned shift = 0, width = 8;  ///< of Kind::bits within a byte
+
+  double of(const char* record) const;
+};
+
+/// Those of a point format from 0 to 10, after x, y and z.
+const std::vector<LasField>& las_fields(unsigned format);
+
+/// choose_columns for `data.view.count` records of `record` bytes whose x, y and z `data` views:
+/// columns and keys may be fields, too. Coordinates of which one is no whole number (gps_time) are
+/// made doubles in the world at once, and have no placement.
+void choose_las_columns(PointData& data, const char* records, std::size_t record, unsigned format,
+                        const std::string& file, const ReadOptions& options);
+
+}  // namespace cullhull::internal

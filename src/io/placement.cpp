@@ -1,0 +1,215 @@
+#include "cullhull/placement.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include "io/placing.hpp"
+#include "io/source.hpp"
+#include "parallel/parallel.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+constexpr int most_decimals = 15;
+/// So that the nearest double of a coordinate tells the number: its error is below a quarter.
+constexpr std::uint64_t most_number = std::uint64_t{1} << 50;
+
+/// digits * 10^exponent.
+struct Decimal {
+  bool negative = false;
+  std::uint64_t digits = 0;
+  int exponent = 0;
+};
+
+/// The shortest decimal that reads back as `value`.
+Decimal shortest_decimal(double value) {
+  char text[40];
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::scientific);
+  Decimal d;
+  const char* at = text;
+  if (*at == '-') {
+    d.negative = true;
+    ++at;
+  }
+  int behind_point = 0;
+  for (bool behind = false; *at != 'e'; ++at)
+    if (*at == '.') {
+      behind = true;
+    } else {
+      d.digits = 10 * d.digits + static_cast<std::uint64_t>(*at - '0');
+      behind_point += behind ? 1 : 0;
+    }
+  ++at;
+  if (*at == '+') ++at;
+  std::from_chars(at, end.ptr, d.exponent);
+  d.exponent -= behind_point;
+  while (d.digits != 0 && d.digits % 10 == 0) {
+    d.digits /= 10;
+    ++d.exponent;
+  }
+  if (d.digits == 0) d.exponent = 0;
+  return d;
+}
+
+/// On a grid of so many decimals; none beyond what doubles hold exactly.
+std::optional<double> multiple(const Decimal& d, int decimals) {
+  std::uint64_t number = d.digits;
+  if (d.exponent + decimals < 0) return std::nullopt;
+  for (int i = 0; number != 0 && i < d.exponent + decimals; ++i)
+    if (!multiply(number, 10, number) || number > most_number) return std::nullopt;
+  if (number > most_number) return std::nullopt;
+  return d.negative ? -static_cast<double>(number) : static_cast<double>(number);
+}
+
+}  // namespace
+
+std::optional<Multiples> multiples_of(const Placement& placement, int decimals) {
+  Multiples m;
+  for (std::size_t j = 0; j < placement.scale.size(); ++j) {
+    const auto step = multiple(shortest_decimal(placement.scale[j]), decimals);
+    const auto origin = multiple(shortest_decimal(placement.offset[j]), decimals);
+    // Numbers of a file have 32 bits: the farthest is 2^31 steps away.
+    if (!step || !origin || *step * 0x1p31 + std::abs(*origin) > static_cast<double>(most_number))
+      return std::nullopt;
+    m.step.push_back(*step);
+    m.origin.push_back(*origin);
+  }
+  return m;
+}
+
+Grid grid_of(const Placement& placement, const ReadOptions& options) {
+  if (placement.empty() || options.numbers != Numbers::grid) return {};
+  return options.grid ? *options.grid : common_grid({placement});
+}
+
+void place(PointData& data, const ReadOptions& options) {
+  if (data.placement.empty() || options.numbers == Numbers::file) return;
+  const Placement& placement = data.placement;
+  data.grid = grid_of(placement, options);
+  const bool on_grid = !data.grid.empty();
+  const Grid grid = on_grid ? data.grid : common_grid({placement});
+  const auto multiples = grid.empty() ? std::nullopt : multiples_of(placement, grid.decimals());
+  const PointView from = data.view;
+  const std::uint32_t d = from.dimension;
+  std::uint64_t bytes = 0;
+  if (!multiply(from.count, d * sizeof(double), bytes)) throw std::bad_alloc();
+  Buffer room(std::max<std::uint64_t>(bytes, 1));
+  auto* const out = room.as<double>();
+  constexpr std::uint64_t chunk = std::uint64_t{1} << 16;  // points
+  for_each_chunk(from.count, chunk, resolve_threads(options.threads),
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+                   for (std::uint32_t j = 0; j < d; ++j)
+                     for (std::uint64_t i = begin; i < end; ++i) {
+                       const double x = from.at(i, j);
+                       double& to = out[i * d + j];
+                       if (!multiples)
+                         to = placement.at(j, x);
+                       else if (const double n = x * multiples->step[j] + multiples->origin[j];
+                                on_grid)
+                         to = n;
+                       else
+                         to = grid.to_world(n);
+                     }
+                 });
+  data.storage = std::move(room);
+  data.in_place = false;
+  data.view = PointView::row_major(data.storage.as<const double>(), from.count, d);
+}
+
+}  // namespace internal
+
+using internal::multiples_of;
+
+Grid::Grid(int decimals) : decimals_(decimals) {
+  for (int i = 0; i < decimals; ++i) power_ *= 10;  // exact up to 10^22
+}
+
+double Grid::measure_to_world(double measure, int dimension) const noexcept {
+  double power = 1;
+  for (int i = 0; i < dimension; ++i) power *= power_;
+  return measure / power;
+}
+
+double Grid::measure_to_grid(double measure, int dimension) const noexcept {
+  double power = 1;
+  for (int i = 0; i < dimension; ++i) power *= power_;
+  return measure * power;
+}
+
+double Grid::number_of(double coordinate) const noexcept {
+  if (empty()) return coordinate;
+  const double number = std::round(to_grid(coordinate));
+  return to_world(number) == coordinate ? number : std::numeric_limits<double>::quiet_NaN();
+}
+
+Grid common_grid(const std::vector<Placement>& placements) {
+  int decimals = 0;
+  for (const Placement& p : placements) {
+    if (p.empty()) return {};
+    for (const std::vector<double>* numbers : {&p.scale, &p.offset})
+      for (const double v : *numbers)
+        decimals = std::max(decimals, -internal::shortest_decimal(v).exponent);
+  }
+  if (placements.empty() || decimals > internal::most_decimals) return {};
+  for (const Placement& p : placements)
+    if (!multiples_of(p, decimals)) return {};
+  return Grid(decimals);
+}
+
+GridAxes::GridAxes(const Placement& placement, const Grid& grid) {
+  std::optional<internal::Multiples> multiples;
+  if (!grid.empty()) multiples = multiples_of(placement, grid.decimals());
+  if (!multiples) throw Error(ErrorCode::invalid_argument, "the numbers do not lie on the grid");
+  step_ = std::move(multiples->step);
+  origin_ = std::move(multiples->origin);
+}
+
+void to_world(Hull& hull, const Grid& grid) {
+  if (grid.empty()) return;
+  const std::size_t width = std::size_t{hull.dimension} + 1;
+  for (std::size_t i = width - 1; i < hull.facet_planes.size(); i += width)
+    hull.facet_planes[i] = grid.to_world(hull.facet_planes[i]);
+  for (double& x : hull.centroid) x = grid.to_world(x);
+  const int k = std::max(hull.affine_dimension, 0);
+  hull.volume = grid.measure_to_world(hull.volume, k);
+  hull.area = grid.measure_to_world(hull.area, std::max(k - 1, 0));
+}
+
+void to_grid(Hull& hull, const Grid& grid) {
+  if (grid.empty()) return;
+  const std::size_t width = std::size_t{hull.dimension} + 1;
+  for (std::size_t i = width - 1; i < hull.facet_planes.size(); i += width)
+    hull.facet_planes[i] = grid.to_grid(hull.facet_planes[i]);
+  for (double& x : hull.centroid) x = grid.to_grid(x);
+  const int k = std::max(hull.affine_dimension, 0);
+  hull.volume = grid.measure_to_grid(hull.volume, k);
+  hull.area = grid.measure_to_grid(hull.area, std::max(k - 1, 0));
+}
+
+void to_world(Voronoi& diagram, const Grid& grid) {
+  if (grid.empty()) return;
+  for (double& x : diagram.vertices) x = grid.to_world(x);
+}
+
+void to_world(ClippedCells& cells, const Grid& grid) {
+  if (grid.empty()) return;
+  for (double& x : cells.vertices) x = grid.to_world(x);
+  for (double& m : cells.measures) m = grid.measure_to_world(m, static_cast<int>(cells.dimension));
+}
+
+void to_world(HullState& state, const Grid& grid) {
+  if (!grid.empty()) state.to_world(grid.decimals());
+}
+
+void to_world(std::vector<double>& numbers, const Grid& grid) {
+  if (grid.empty()) return;
+  for (double& x : numbers) x = grid.to_world(x);
+}
+
+}  // namespace cullhull

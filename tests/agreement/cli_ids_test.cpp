@@ -1,0 +1,205 @@
+// Ids that the user gives or that parts carry, lists of inputs, checkpoints that were edited:
+// nothing is lost or overwritten without a word.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "agreement/run_app.hpp"
+#include "cullhull/error.hpp"
+#include "cullhull/io.hpp"
+#include "cullhull/stream.hpp"
+
+namespace cullhull {
+namespace {
+
+using testing::expect_error;
+using testing::Folder;
+using testing::Ran;
+using testing::read_file;
+using testing::run_app;
+using testing::write_file;
+using testing::write_points;
+
+TEST(CliIds, OneIdForTwoPointsIsRefused) {
+  const Folder f;
+  write_file(f / "a.txt", "0 0\n4 0\n0 4\n");
+  write_file(f / "b.txt", "9 9\n9 5\n5 9\n");
+  for (const char* name : {"a", "b"})
+    ASSERT_EQ(run_app({"hull", f / (std::string(name) + ".txt"), "-q", "--partial",
+                       f / (std::string(name) + ".hullstate")})
+                  .status,
+              0);
+  expect_error({"hull", f / "a.hullstate", f / "b.hullstate", "--global-ids"}, 2,
+               "two different points have the id 0");
+  // Without --global-ids they are numbered on; ids of their own are kept.
+  ASSERT_EQ(
+      run_app({"hull", f / "a.hullstate", f / "b.hullstate", "-q", "--vertices", f / "on.csv"})
+          .status,
+      0);
+  EXPECT_EQ(read_file(f / "on.csv"), "id\n0\n1\n2\n3\n4\n5\n");
+  // The same points twice are the same points.
+  ASSERT_EQ(run_app({"hull", f / "a.hullstate", f / "a.hullstate", "--global-ids", "-q",
+                     "--vertices", f / "twice.csv"})
+                .status,
+            0);
+  EXPECT_EQ(read_file(f / "twice.csv"), "id\n0\n1\n2\n");
+}
+
+TEST(CliIds, StatesThatDisagreeStayUnchanged) {
+  const double near[] = {0, 0, 1, 0, 0, 1}, far[] = {7, 7, 8, 7, 7, 8};
+  HullState state(PointView::row_major(near, 3, 2));
+  const HullState before = state;
+  try {
+    state.merge(HullState(PointView::row_major(far, 3, 2)));
+    FAIL() << "merged";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::invalid_argument);
+  }
+  EXPECT_EQ(state, before);
+}
+
+TEST(CliIds, NumbersOfOptionsAreDecimal) {
+  const Folder f;
+  write_file(f / "p.txt", "0 0\n1 0\n0 1\n");
+  for (const char* bad : {"-1", "18446744073709551616", "0x10", "1e3", "+1", "", "1 "})
+    EXPECT_EQ(run_app({"hull", f / "p.txt", "--first-id", bad}).status, 2) << bad;
+  ASSERT_EQ(
+      run_app({"hull", f / "p.txt", "-q", "--first-id", "010", "--vertices", f / "v.csv"}).status,
+      0);
+  EXPECT_EQ(read_file(f / "v.csv"), "id\n10\n11\n12\n");
+  EXPECT_EQ(run_app({"hull", f / "p.txt", "-q", "--threads", "01"}).status, 0);
+  EXPECT_EQ(run_app({"hull", f / "p.txt", "-q", "--threads", "-1"}).status, 2);
+}
+
+TEST(CliIds, GoUpToTheGreatestSignedNumber) {
+  const Folder f;
+  write_file(f / "p.txt", "0 0\n1 0\n0 1\n");
+  ASSERT_EQ(run_app({"hull", f / "p.txt", "-q", "--first-id", "9223372036854775805", "--vertices",
+                     f / "v.txt"})
+                .status,
+            0);
+  EXPECT_EQ(read_file(f / "v.txt"),
+            "9223372036854775805\n9223372036854775806\n9223372036854775807\n");
+  expect_error({"hull", f / "p.txt", "--first-id", "9223372036854775806"}, 2,
+               "ids of the points exceed 9223372036854775807");
+  expect_error({"hull", f / "p.txt", "--first-id", "9223372036854775808"}, 2,
+               "ids go up to 9223372036854775807");
+}
+
+TEST(CliIds, AHullNumberedFromAnyIdIsCertified) {
+  const Folder f;
+  write_points(f / "p.npy", "sphere", 300, 3);
+  ASSERT_EQ(
+      run_app({"hull", f / "p.npy", "-q", "--first-id", "1000", "--certify", "-o", f / "h.json"})
+          .status,
+      0);
+  EXPECT_EQ(nlohmann::json::parse(read_file(f / "h.json"))["vertices"][0], 1000);
+  for (const char* way : {"on", "off"})
+    EXPECT_EQ(
+        run_app({"certify", f / "p.npy", f / "h.json", "-q", "--first-id", "1000", "--stream", way})
+            .status,
+        0)
+        << way;
+  expect_error({"certify", f / "p.npy", f / "h.json"}, 1, "--first-id");
+  expect_error({"certify", f / "p.npy", f / "h.json", "--first-id", "1001"}, 1, "--first-id");
+}
+
+TEST(CliIds, AListOfInputsIsNotOverwritten) {
+  const Folder f;
+  write_file(f / "p.txt", "0 0\n1 0\n0 1\n");
+  const std::string list = f / "p.txt" + "\n";
+  write_file(f / "list.json", list);
+  for (const char* command : {"hull", "delaunay", "voronoi"})
+    expect_error({command, "@" + (f / "list.json"), "-o", f / "list.json"}, 2,
+                 "would overwrite the input");
+  expect_error({"info", "@" + (f / "list.json"), "--json=" + (f / "list.json")}, 2,
+               "would overwrite the input");
+  EXPECT_EQ(read_file(f / "list.json"), list);
+}
+
+TEST(CliIds, OutputsThatCannotBeWrittenAreFoundBeforeTheWork) {
+  const Folder f;
+  // The points are not even read: there are none.
+  write_file(f / "p.txt", "nothing of use\n");
+  const std::string gone = f / "no/such/folder/";
+  expect_error({"hull", f / "p.txt", "-o", gone + "h.json"}, 1, "cannot write");
+  expect_error({"hull", f / "p.txt", "--checkpoint", gone + "c"}, 1, "cannot write");
+  expect_error({"hull", f / "p.txt", "--partial", gone + "c.hullstate"}, 1, "cannot write");
+  expect_error({"delaunay", f / "p.txt", "-o", gone + "t.json"}, 1, "cannot write");
+  EXPECT_EQ(f.entries(), 1U);
+}
+
+TEST(CliIds, AnEditedCheckpointIsRefused) {
+  const Folder f;
+  write_points(f / "p.npy", "ball", 300000, 3);
+  const std::vector<std::string> words{"hull",      f / "p.npy",          "-q", "--checkpoint",
+                                       f / "c",     "--checkpoint-every", "0",  "-o",
+                                       f / "h.json"};
+  // The program removes its checkpoint at the end: a full disk keeps the last one.
+  std::string text;
+  for (int round = 0; round < 200 && text.empty(); ++round) {
+    const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+    const pid_t child = testing::start_app(words, null, null, null);
+    ::close(null);
+    for (int wait = 0; wait < 2000 && text.empty() && ::waitpid(child, nullptr, WNOHANG) == 0;
+         ++wait) {
+      text = read_file(f / "c");
+      ::usleep(100);
+    }
+    testing::send(child, SIGKILL);
+    testing::wait_for(child);
+  }
+  ASSERT_FALSE(text.empty());
+  const std::size_t place = text.find("\"file_points\":");
+  ASSERT_NE(place, std::string::npos);
+  std::string edited = text;
+  edited[place + 14] = edited[place + 14] == '9' ? '8' : '9';
+  write_file(f / "c", edited);
+  expect_error(words, 1, "its check sum is wrong");
+  write_file(f / "c", text.substr(0, text.size() - 1));
+  expect_error(words, 1, "its check sum is wrong");
+  write_file(f / "c", "cullhull checkpoint 1\n{}\n");
+  expect_error(words, 1, "another version");
+  write_file(f / "c", text);
+  EXPECT_EQ(run_app(words).status, 0);
+  const std::string resumed = read_file(f / "h.json");
+  ASSERT_EQ(run_app({"hull", f / "p.npy", "-q", "-o", f / "whole.json"}).status, 0);
+  EXPECT_EQ(resumed, read_file(f / "whole.json"));
+}
+
+TEST(CliIds, NoPointsAreTheSameInMemoryAndInBlocks) {
+  const Folder f;
+  write_npy_points(f / "none.npy", nullptr, 0, 3, ScalarType::f64);
+  write_file(f / "none.ply",
+             "ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty float x\n"
+             "property float y\nproperty float z\nend_header\n");
+  for (const char* name : {"none.npy", "none.ply"}) {
+    ASSERT_EQ(run_app({"hull", f / name, "-q", "--stream", "off", "-o", f / "memory.json"}).status,
+              0);
+    const Ran blocks = run_app({"hull", f / name, "-q", "--stream", "on", "-o", f / "blocks.json"});
+    EXPECT_EQ(blocks.status, 0) << blocks.err;
+    EXPECT_EQ(read_file(f / "blocks.json"), read_file(f / "memory.json")) << name;
+    const Ran pipe =
+        run_app({"hull", "-", "-q", "--stream", "on", "-o", f / "pipe.json"}, f / name);
+    EXPECT_EQ(pipe.status, 0) << pipe.err;
+    EXPECT_EQ(read_file(f / "pipe.json"), read_file(f / "memory.json")) << name;
+  }
+}
+
+TEST(CliIds, CommentsBeyondTheFirstMegabyte) {
+  const Folder f;
+  std::string text;
+  while (text.size() < 5 << 20) text += "# a comment before the points\n";
+  write_file(f / "p.txt", text + "0 0\n1 0\n0 1\n");
+  ASSERT_EQ(run_app({"hull", f / "p.txt", "-q", "--stream", "off", "-o", f / "a.json"}).status, 0);
+  const Ran blocks = run_app({"hull", f / "p.txt", "-q", "--stream", "on", "-o", f / "b.json"});
+  EXPECT_EQ(blocks.status, 0) << blocks.err;
+  EXPECT_EQ(read_file(f / "b.json"), read_file(f / "a.json"));
+  write_file(f / "none.txt", text);
+  expect_error({"hull", f / "none.txt", "--stream", "on"}, 1, "no points");
+}
+
+}  // namespace
+}  // namespace cullhull

@@ -1,0 +1,282 @@
+"""The program's half of the table: every command, what it writes, and what has no meaning.
+
+A `Row` is a command with options that change its answer. The runner makes a cell of each row, each
+door of `doors.DOORS`, each set of `sets.point_sets` and each output of the row.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Callable, Optional
+
+import texts
+from doors import always, of_dimensions
+from sets import PointSet
+
+Reason = Callable[[PointSet], Optional[str]]
+
+
+@dataclass(frozen=True)
+class Output:
+    """What a row is asked to write: words of the command line, where {} is the file."""
+
+    name: str
+    words: tuple[str, ...]
+    ending: Optional[str]  #: of the file; None: standard output
+    read: texts.Reader
+    reason: Reason = always
+    #: How two doors are compared: 'bytes', 'scalar' (all but the scalar type), 'values' (numbers of
+    #: any type), 'survivors' (in blocks or by another filter others may survive), 'report', 'page'.
+    alike: str = "bytes"
+    #: Whether its coordinates are those of points.
+    of_points: bool = True
+    schema: Optional[str] = None  #: the definition in docs/cullhull.schema.json
+
+
+@dataclass(frozen=True)
+class Row:
+    name: str
+    words: tuple[str, ...]  #: the command with what the row always says
+    outputs: tuple[Output, ...]
+    #: Sets without meaning.
+    reason: Reason = always
+    #: Doors without meaning: a name or an option that a door uses, and why.
+    without: dict[str, str] = field(default_factory=dict)
+    #: What a short run tries. 'every': all doors with all sets; 'all': few doors with all sets and
+    #: all doors with few sets; 'main': few with few, as another row of the command has the rest.
+    doors: str = "all"
+    #: How the points are named: 'input', 'sequence', 'qconvex', 'with hull' (made by the same
+    #: door), 'with reference' (made by the reference door).
+    shape: str = "input"
+    not_finite: int = 1  #: the status for points that are not finite
+    #: Options of `WAYS` that do not go with the row, and why.
+    ways: dict[str, str] = field(default_factory=dict)
+    scalars: Optional[str] = None  #: the scalar type without which doors have no meaning
+    extra: Optional[str] = None  #: a file that goes with the points: 'weights', 'edges'
+
+
+def mesh(s: PointSet) -> Optional[str]:
+    return None if s.dimension in (2, 3) else "meshes hold points of the plane and of space"
+
+
+def single_precision(s: PointSet) -> Optional[str]:
+    if s.kind in ("huge", "wide"):
+        return "32-bit floats do not reach so far"
+    return None
+
+
+def solid(s: PointSet) -> Optional[str]:
+    """Formats of triangles, which a segment or a point has none of."""
+    if mesh(s):
+        return mesh(s)
+    if s.finite and s.affine_dimension < 2:
+        return "the format holds triangles, and the hull has none"
+    return single_precision(s)
+
+
+def spanning(s: PointSet) -> Optional[str]:
+    if mesh(s):
+        return mesh(s)
+    if s.affine_dimension < s.dimension:
+        return "the text draws hulls that span their space"
+    return None
+
+
+def up_to_space(s: PointSet) -> Optional[str]:
+    return None if s.dimension <= 3 else "cells are drawn and clipped in up to three dimensions"
+
+
+def has_hull(s: PointSet) -> Optional[str]:
+    return None if s.finite else "there is no hull to check"
+
+
+PLANE = of_dimensions(2)
+
+
+def _o(ending: str, read: texts.Reader, reason: Reason = always, **more: object) -> Output:
+    return Output(ending, ("-o", "{}"), ending, read, reason, **more)  # type: ignore[arg-type]
+
+
+def _s(ending: str, read: texts.Reader, reason: Reason = always) -> Output:
+    return _o(ending, read, reason, alike="survivors")
+
+
+def _report(schema: str) -> Output:
+    return Output("--json", ("--json={}",), ".report", texts.strict_json, alike="report", schema=schema)
+
+
+def _format(word: str, reason: Reason = always) -> Output:
+    return Output(f"--format {word}", ("--format", word), None, texts.text, reason)
+
+
+HULL_MESHES = (
+    _o(".ply", texts.ply, mesh),
+    _o(".obj", texts.obj, mesh),
+    _o(".off", texts.off, mesh),
+    _o(".stl", texts.stl, solid, of_points=False),
+    _o(".glb", texts.glb, solid, of_points=False),
+    _o(".vtp", texts.vtp, mesh),
+)
+PLANE_SHAPES = (_o(".geojson", texts.geojson, PLANE), _o(".wkt", texts.wkt, PLANE))
+IDS = (
+    Output("--vertices .npy", ("--vertices", "{}"), ".npy", texts.ids),
+    Output("--vertices .csv", ("--vertices", "{}"), ".csv", texts.ids_csv),
+    Output("--vertices .txt", ("--vertices", "{}"), ".txt", texts.ids_txt),
+)
+STATE = Output("--partial .npz", ("--partial", "{}"), ".npz", texts.archive, alike="values")
+
+#: Texts as qconvex prints them; those that draw need a hull that spans its space.
+QCONVEX_WORDS = tuple("Fx i o n p f s m G Fa FA FC FD FF Fi FI FM Fn FN Fo Fs FS Ft Fv FV".split())
+DRAWN = ("m", "G", "FM")
+
+FILES_TAKEN = "a sequence is files of points or an array (frames, n, d): "
+SEQUENCE = {
+    "--columns": FILES_TAKEN + "track has no --columns",
+    "--dim": FILES_TAKEN + "raw records have no frames",
+    "--input-format": FILES_TAKEN + "raw records have no frames",
+    "gz": FILES_TAKEN + "compressed arrays are read whole, not frame by frame",
+    "several": "several files are several frames",
+    "pipe": "standard input is one array (frames, n, d): the cell 'array'",
+}
+ONE_FILE = {
+    "several": "TI names one file",
+    "--columns": "Qhull's words know no columns",
+    "--dim": "Qhull's words know no raw records",
+    "--input-format": "Qhull's words know no formats",
+}
+
+_BLOCKS = "reads in blocks: all points are never in memory"
+IN_BLOCKS = dict.fromkeys(("--cull", "--engine", "--repeat", "--stream", "--backend"), _BLOCKS)
+
+ROWS = (
+    Row("hull", ("hull", "-q"), (
+        *HULL_MESHES, *PLANE_SHAPES,
+        _o(".json", texts.result_json, alike="scalar", schema="result"),
+        _o(".txt", texts.counted_txt),
+        *IDS[:1], _report("hull"),
+    ), doors="every"),
+    Row("hull --format", ("hull", "-q"), tuple(
+        _format(w, spanning if w in DRAWN else always) for w in QCONVEX_WORDS
+    ), ways={"--stream": "--format o prints all points, which are never in memory together"}),
+    Row("hull --triangles", ("hull", "-q", "--triangles"), HULL_MESHES[:3], doors="main"),
+    Row("hull --certify", ("hull", "-q", "--certify"),
+        (_o(".json", texts.result_json, alike="scalar"), *IDS[1:2], _report("hull")), doors="main"),
+    Row("hull --partial", ("hull", "-q"), (STATE, *IDS[2:], _report("hull")), ways=IN_BLOCKS),
+    Row("hull --only vertices", ("hull", "-q", "--only", "vertices"), (*IDS[:1], _report("extreme")),
+        ways={"--engine": "the engines are not asked"}),
+    *(
+        Row(f"cull -o {ids.name} --points {points.name}", ("cull", "-q"), (
+            ids, replace(points, name=f"--points {points.name}", words=("--points", "{}")),
+            *([_report("cull")] if first else []),
+        ), ways={"--repeat": "the filter is the same", "--memory": "the filter is the same"},
+            doors="all" if first else "main")
+        for first, ids, points in (
+            (True, _s(".npy", texts.ids), _s(".csv", texts.points_csv)),
+            (True, _s(".ply", texts.ply, mesh), _s(".npy", texts.points_npy)),
+            (False, _s(".xyz", texts.points_txt), _s(".txt", texts.points_txt)),
+            (False, _s(".csv", texts.ids_csv), _s(".xyz", texts.points_txt)),
+            (False, _s(".txt", texts.ids_txt), _s(".ply", texts.ply, mesh)),
+        )
+    ),
+    Row("delaunay", ("delaunay", "-q"), (
+        *(_o(e, r, PLANE) for e, r in
+          ((".ply", texts.ply), (".obj", texts.obj), (".off", texts.off), (".vtp", texts.vtp))),
+        _o(".vtk", texts.vtk, up_to_space), *PLANE_SHAPES,
+        _o(".json", texts.result_json, alike="scalar"), _report("delaunay"),
+        *(_format(w) for w in ("i", "Fn", "Fx", "p")),
+    )),
+    Row("delaunay --certify", ("delaunay", "-q", "--certify"),
+        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")), doors="main"),
+    Row("delaunay --furthest", ("delaunay", "-q", "--furthest"),
+        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")), doors="main"),
+    Row("delaunay --weights", ("delaunay", "-q"),
+        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")), extra="weights"),
+    Row("delaunay --edges", ("delaunay", "-q"),
+        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")),
+        reason=lambda s: PLANE(s) or (None if s.count > 3 else "an edge needs two points to part others"),
+        doors="main", extra="edges"),
+    Row("voronoi", ("voronoi", "-q"), (
+        *(_o(e, r, mesh, of_points=False) for e, r in
+          ((".ply", texts.ply), (".obj", texts.obj), (".off", texts.off), (".vtp", texts.vtp))),
+        *(_o(o.name, o.read, PLANE, of_points=False) for o in PLANE_SHAPES),
+        _o(".json", texts.result_json, alike="scalar"), _report("voronoi"),
+        Output("--measures .npy", ("--measures", "{}"), ".npy", texts.measures, up_to_space),
+        *(_format(w) for w in ("p", "o", "Fv")),
+    )),
+    Row("voronoi --measures", ("voronoi", "-q"), (
+        Output("--measures .csv", ("--measures", "{}"), ".csv", texts.measures_csv, up_to_space),),
+        doors="main"),
+    Row("voronoi --box", ("voronoi", "-q", "--box", "{box}"), reason=up_to_space, outputs=(
+        Output("--measures .txt", ("--measures", "{}"), ".txt", texts.measures_csv),
+        _report("voronoi")), doors="main"),
+    Row("voronoi --weights", ("voronoi", "-q"),
+        (_o(".json", texts.result_json, alike="scalar"), _report("voronoi")),
+        doors="main", extra="weights"),
+    Row("alpha", ("alpha", "-q"), (
+        *HULL_MESHES, _o(".vtk", texts.vtk, up_to_space), *PLANE_SHAPES,
+        _o(".json", texts.result_json, alike="scalar"), _report("alpha"),
+    )),
+    Row("alpha --alpha all-points", ("alpha", "-q", "--alpha", "all-points"),
+        (_o(".json", texts.result_json, alike="scalar"), *PLANE_SHAPES), doors="main"),
+    Row("alpha --alpha NUMBER", ("alpha", "-q", "--alpha", "20"),
+        (_o(".json", texts.result_json, alike="scalar"), *PLANE_SHAPES), doors="main"),
+    Row("alpha --ratio", ("alpha", "-q", "--ratio", "0.3"),
+        (_o(".json", texts.result_json, alike="scalar"), *PLANE_SHAPES), reason=PLANE),
+    Row("certify", ("certify", "-q"), (_report("certify"),), shape="with hull", reason=has_hull),
+    Row("certify the reference", ("certify", "-q"), (_report("certify"),), shape="with reference",
+        reason=has_hull, scalars="f64"),
+    Row("info", ("info",), (_report("info"),), not_finite=0),
+    Row("view", ("view", "-q"), (_o(".html", texts.page, alike="page"), _report("view")),
+        without={"several": "a page shows one input", "list": "a page shows one input",
+                 "folder": "several files are several frames", "pattern": "several files are several frames"},
+        doors="main"),
+    Row("view --delaunay", ("view", "-q", "--delaunay"), (_o(".html", texts.page, alike="page"),),
+        without={"several": "a page shows one input", "list": "a page shows one input",
+                 "folder": "several files are several frames", "pattern": "several files are several frames"},
+        doors="main"),
+    Row("track", ("track", "-q"), (_report("track"),), shape="sequence", without=SEQUENCE,
+        ways={"--cull": "--json says how each frame was filtered"}),
+    *(
+        Row(f"track to {o.name}", ("track", "-q"), (o,), shape="sequence", without=SEQUENCE, doors="main")
+        for o in (*HULL_MESHES[:4], _o(".json", texts.result_json, alike="scalar", schema="result"),
+                  _o(".txt", texts.counted_txt))
+    ),
+    Row("qconvex", ("qconvex", "-q"), tuple(
+        Output(w, (w,), None, texts.text, spanning if w in DRAWN else always) for w in QCONVEX_WORDS
+    ), shape="qconvex", without=ONE_FILE),
+)
+
+#: Commands that take no points, and where their own cells are.
+WITHOUT_POINTS = {
+    "generate": "makes points: the cells of `making.py`",
+    "bench": "measures: bench_command_test and cli_json_test run each suite",
+}
+
+#: Options that no row names, and why. An option of `--help` that is neither here, nor a row's, nor a
+#: door's, nor a way's (below) fails the test.
+OPTIONS_ELSEWHERE = {
+    "--help": "checked against this table",
+    "--version": "one line",
+    "--quiet": "on every command line here",
+    "--global-ids": "ids of states: cli_stream tests",
+    "--first-id": "ids of states: cli_stream tests",
+    "--checkpoint": "resumes a stream: cli_stream tests",
+    "--checkpoint-every": "resumes a stream: cli_stream tests",
+    "--keep-going": "frames that are not finite: cli_track_test",
+    "--inside": "needs rings: the tests of constrained edges",
+    "--by": "groups, whose own row is `groups` in making.py",
+    "--edge-length": "the number that --ratio stands for",
+    "--count": "generate", "--seed": "generate", "--frames": "generate", "--motion": "generate",
+}
+
+#: Options that must not change a bit of any answer: each is tried with every row that has it.
+WAYS = (
+    ("--threads", "1"), ("--threads", "2"), ("--cull", "none"), ("--cull", "gauge"),
+    ("--cull", "pseudo-hull"), ("--backend", "cpu"), ("--memory", "1G"), ("--stream", "on"),
+    ("--stream", "off"), ("--repeat", "2"), ("--engine", "qhull"),
+)
+
+#: What a short run tries of rows that it does not try whole. (Every row has all sets by the
+#: reference door, and every door has all sets with the row `hull`.)
+FEW_SETS = ("generic", "integers", "nan", "empty")
+FEW_DOORS = ("npy-f4", "npy-i2", "csv-named", "las", "las-columns", "pipe-txt", "several", "gz")

@@ -1,0 +1,240 @@
+"""Python's half of the table: every public name, called with points of every kind by every door.
+
+A `Call` is an expression; in it `p` are the points as a door gives them, `a` the same as an array of
+doubles, `b` points in general position, as many as 24, `d` the dimension, `v` a number a point, `vb`
+one for each of `b`, `w` weights, `low` and `high` a box.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Callable, Optional
+
+from doors import always, of_dimensions
+from sets import PointSet
+
+Reason = Callable[[PointSet], Optional[str]]
+
+
+@dataclass(frozen=True)
+class Call:
+    name: str
+    text: str
+    reason: Reason = always
+    #: The error that a set raises, if it does: a class of Python's, SciPy's or the package's.
+    raises: Callable[[PointSet], Optional[str]] = lambda s: None if s.finite else "NotFinite"
+    derive: Optional[str] = None  #: the points are made of the set's: 'halfspaces', 'sphere'
+    arrays: str = "few"  #: 'all': a short run tries every door
+    #: Doors without meaning, and why.
+    without: dict[str, str] = field(default_factory=dict)
+
+
+#: SciPy's classes of interpolation take a tuple for one array an axis.
+AXES = {"tuples": "SciPy takes a tuple for one array an axis"}
+
+PLANE, SPACE = of_dimensions(2), of_dimensions(3)
+UP_TO_SPACE = of_dimensions(1, 2, 3)
+NOT_LINE = of_dimensions(2, 3, 4)
+
+
+def enough(least: int) -> Reason:
+    return lambda s: None if s.count >= least else f"fewer than {least} points"
+
+
+def in_range(s: PointSet) -> Optional[str]:
+    return "squares leave the doubles" if s.kind in ("huge", "tiny", "wide") else None
+
+
+def on_sphere(s: PointSet) -> Optional[str]:
+    return None if s.name in ("lattice-3d", "nan-3d") else "points are to lie on a sphere"
+
+
+def every(*reasons: Reason) -> Reason:
+    return lambda s: next((r for r in (check(s) for check in reasons) if r), None)
+
+
+def not_finite(s: PointSet) -> Optional[str]:
+    return None if s.finite else "NotFinite"
+
+
+def as_scipy(s: PointSet) -> Optional[str]:
+    """What SciPy's classes raise where there is no triangulation of the whole space."""
+    if not s.finite or s.count == 0 or s.dimension < 2:
+        return "ValueError"
+    return "QhullError" if s.affine_dimension < s.dimension else None
+
+
+def asked_as_scipy(s: PointSet) -> Optional[str]:
+    """Questions that are not finite: SciPy answers NaN or -1."""
+    return "ValueError" if s.dimension < 2 else None
+
+
+def nearest_as_scipy(s: PointSet) -> Optional[str]:
+    if s.dimension < 2 or s.count == 0:
+        return "ValueError"
+    return not_finite(s)
+
+
+def nearest_asked(s: PointSet) -> Optional[str]:
+    return "ValueError" if s.dimension < 2 or not s.finite else None
+
+
+def hull_as_scipy(s: PointSet) -> Optional[str]:
+    return "ValueError" if not s.finite or s.count == 0 or s.dimension < 2 else None
+
+
+def added(s: PointSet) -> Optional[str]:
+    """No points may be added to others."""
+    return "ValueError" if not s.finite or s.dimension < 2 else None
+
+
+def natural(s: PointSet) -> Optional[str]:
+    return "ValueError" if s.dimension > 3 else as_scipy(s)
+
+
+def natural_asked(s: PointSet) -> Optional[str]:
+    return "InvalidArgument" if s.dimension > 3 else asked_as_scipy(s)
+
+
+def rays(s: PointSet) -> Optional[str]:
+    return "InvalidArgument" if s.kind in ("huge", "wide") else not_finite(s)
+
+
+CALLS = (
+    Call("convex_hull", "cullhull.convex_hull(p)", arrays="all"),
+    Call("convex_hull certified", "cullhull.convex_hull(p, certify=True)"),
+    Call("cull", "cullhull.cull(p)", arrays="all"),
+    Call("certify", "cullhull.certify(p, cullhull.convex_hull(p))"),
+    Call("Hull.certify", "cullhull.convex_hull(p).certify(p)"),
+    Call("delaunay", "cullhull.delaunay(p)", arrays="all"),
+    Call("delaunay weighted", "cullhull.delaunay(p, w)"),
+    Call("delaunay furthest", "cullhull.delaunay(p, furthest_site=True)"),
+    Call("delaunay certified", "cullhull.delaunay(p, certify=True)"),
+    Call("Triangulation.certify", "cullhull.delaunay(p).certify()"),
+    Call("voronoi", "cullhull.voronoi(p)", arrays="all"),
+    Call("VoronoiDiagram.clip", "cullhull.voronoi(p).clip(low, high)", UP_TO_SPACE),
+    Call("alpha_shape", "cullhull.alpha_shape(p)"),
+    Call("alpha_shape of a number", "cullhull.alpha_shape(p, 20.0)"),
+    Call("AlphaShape.polygons", "cullhull.alpha_shape(p).polygons()", PLANE),
+    Call("alpha_radii", "cullhull.alpha_radii(p)"),
+    Call("concave_hull", "cullhull.concave_hull(p, 0.3)", PLANE),
+    Call("constrained_delaunay", "cullhull.constrained_delaunay(p, [[0, 1], [2, 3]])",
+         every(PLANE, enough(4))),
+    Call("convex_hulls of a list", "cullhull.convex_hulls([p, p])"),
+    Call("convex_hulls", "cullhull.convex_hulls(p, [0, len(a) // 2, len(a)])", arrays="all"),
+    Call("hulls_by", "cullhull.hulls_by(p, np.arange(len(a)) % 3)", arrays="all"),
+    Call("GroupHulls.members", "cullhull.hulls_by(p, np.arange(len(a)) % 3).members(1)", enough(2)),
+    Call("minimum_spanning_tree", "cullhull.minimum_spanning_tree(p)"),
+    Call("gabriel_graph", "cullhull.gabriel_graph(p)"),
+    Call("relative_neighbourhood_graph", "cullhull.relative_neighbourhood_graph(p)"),
+    Call("HullState", "cullhull.HullState(p, 5)", arrays="all"),
+    Call("HullState.hull", "cullhull.HullState(p).hull()"),
+    Call("HullState.merge", "cullhull.HullState(p).merge(cullhull.HullState(b, len(a)))"),
+    Call("HullState.shifted", "cullhull.HullState(p).shifted(7)"),
+    Call("HullState.to_arrays", "cullhull.HullState(p).to_arrays()"),
+    Call("HullStream.push", "(stream := cullhull.HullStream()).push(p) or stream.hull()", arrays="all"),
+    Call("HullStream.extend", "(stream := cullhull.HullStream()).extend([p]) or stream.state()"),
+    Call("HullTracker.update", "(t := cullhull.HullTracker()) and [t.update(b), t.update(p)]",
+         arrays="all"),
+    Call("HullTracker.reset", "(t := cullhull.HullTracker()) and [t.update(b), t.reset(), t.update(p)]"),
+    Call("GrowingHull.add", "[(g := cullhull.GrowingHull(d)).add(p), g.hull]", arrays="all"),
+    Call("ConvexHull", "cullhull.ConvexHull(p)", arrays="all", raises=hull_as_scipy),
+    Call("ConvexHull.add_points",
+         "(h := cullhull.ConvexHull(b, incremental=True)).add_points(p) or h", raises=added),
+    Call("ConvexHull.close",
+         "[(h := cullhull.ConvexHull(p, incremental=True)).close(), h.vertices]", raises=hull_as_scipy),
+    Call("TolerantConvexHull", "cullhull.TolerantConvexHull(p)", raises=as_scipy),
+    Call("TolerantConvexHull.add_points",
+         "(h := cullhull.TolerantConvexHull(b, incremental=True)).add_points(p) or h", raises=added),
+    Call("Delaunay", "cullhull.Delaunay(p)", arrays="all", raises=as_scipy),
+    Call("Delaunay.add_points", "(t := cullhull.Delaunay(b, incremental=True)).add_points(p) or t", raises=added),
+    Call("Delaunay.find_simplex", "cullhull.Delaunay(b).find_simplex(p)", raises=asked_as_scipy),
+    Call("Delaunay.lift_points", "cullhull.Delaunay(b).lift_points(p)", raises=asked_as_scipy),
+    Call("Delaunay.plane_distance", "cullhull.Delaunay(b).plane_distance(p)", raises=asked_as_scipy),
+    Call("tsearch", "cullhull.tsearch(cullhull.Delaunay(b), p)", raises=asked_as_scipy),
+    Call("Voronoi", "cullhull.Voronoi(p)", arrays="all", raises=as_scipy),
+    Call("Voronoi.add_points", "(v := cullhull.Voronoi(b, incremental=True)).add_points(p) or v", raises=added),
+    Call("HalfspaceIntersection", "cullhull.HalfspaceIntersection(p, np.zeros(d))", in_range,
+         derive="halfspaces", arrays="all", raises=hull_as_scipy),
+    Call("HalfspaceIntersection.add_halfspaces",
+         "(h := cullhull.HalfspaceIntersection(hb, np.zeros(d), incremental=True))"
+         ".add_halfspaces(p) or h", in_range, derive="halfspaces", raises=added),
+    Call("SphericalVoronoi", "cullhull.SphericalVoronoi(p)", on_sphere, derive="sphere", arrays="all"),
+    Call("SphericalVoronoi.calculate_areas", "cullhull.SphericalVoronoi(p).calculate_areas()", on_sphere,
+         derive="sphere"),
+    Call("SphericalVoronoi.sort_vertices_of_regions",
+         "(v := cullhull.SphericalVoronoi(p)).sort_vertices_of_regions() or v", on_sphere, derive="sphere"),
+    Call("LinearNDInterpolator", "cullhull.LinearNDInterpolator(p, v)(b)", arrays="all", without=AXES, raises=as_scipy),
+    Call("LinearNDInterpolator itself", "cullhull.LinearNDInterpolator(p, v)", without=AXES, raises=as_scipy),
+    Call("NaturalNDInterpolator itself", "cullhull.NaturalNDInterpolator(p, v)", without=AXES, raises=natural),
+    Call("NearestNDInterpolator itself", "cullhull.NearestNDInterpolator(p, v)", without=AXES, raises=nearest_as_scipy),
+    Call("LinearNDInterpolator asked", "cullhull.LinearNDInterpolator(b, vb)(p)", without=AXES, raises=asked_as_scipy),
+    Call("NaturalNDInterpolator", "cullhull.NaturalNDInterpolator(p, v)(b)", arrays="all", without=AXES, raises=natural),
+    Call("NaturalNDInterpolator asked", "cullhull.NaturalNDInterpolator(b, vb)(p)", without=AXES, raises=natural_asked),
+    Call("NaturalNDInterpolator.neighbours", "cullhull.NaturalNDInterpolator(p, v).neighbours(b.mean(axis=0))", without=AXES, raises=natural),
+    Call("NearestNDInterpolator", "cullhull.NearestNDInterpolator(p, v)(b)", arrays="all", without=AXES, raises=nearest_as_scipy),
+    Call("NearestNDInterpolator asked", "cullhull.NearestNDInterpolator(b, vb)(p)", without=AXES, raises=nearest_asked),
+    Call("griddata", "cullhull.griddata(p, v, b)", NOT_LINE, arrays="all", without=AXES, raises=as_scipy),
+    Call("griddata asked", "cullhull.griddata(b, vb, p)", NOT_LINE, without=AXES, raises=asked_as_scipy),
+    Call("Hull.contains", "cullhull.convex_hull(b).contains(p)", arrays="all"),
+    Call("Hull.sides", "cullhull.convex_hull(b).sides(p)"),
+    Call("Hull.distance", "cullhull.convex_hull(b).distance(p)"),
+    Call("Hull.nearest_facets", "cullhull.convex_hull(b).nearest_facets(p)"),
+    Call("Hull.support", "cullhull.convex_hull(b).support(p)"),
+    Call("Hull.rays", "cullhull.convex_hull(b).rays(p, np.ones_like(a))", raises=rays),
+    Call("Hull.visible_from", "[cullhull.convex_hull(b).visible_from(list(q)) for q in np.asarray(p)]"),
+    Call("Hull.simplify", "cullhull.convex_hull(p).simplify(2.0)"),
+    Call("Hull.shared_planes", "cullhull.convex_hull(p).shared_planes(0.5)"),
+    Call("Hull.rounding_distance", "cullhull.convex_hull(p).rounding_distance()"),
+    Call("Triangulation.find_simplex", "cullhull.delaunay(b).find_simplex(p)", arrays="all"),
+    Call("Triangulation.nearest", "cullhull.delaunay(b).nearest(p)"),
+    Call("Triangulation.barycentric", "cullhull.delaunay(b).barycentric(p)"),
+    Call("ClippedCells.corners", "(c := cullhull.voronoi(p).clip(low, high)) and [c.corners(i) for i in range(len(c))]",
+         UP_TO_SPACE),
+    Call("ClippedCells.faces", "(c := cullhull.voronoi(p).clip(low, high)) and [c.faces(i) for i in range(len(c))]",
+         SPACE),
+    Call("Lists.lengths", "cullhull.convex_hull(p).facets.lengths()"),
+    Call("Lists.tolist", "cullhull.convex_hull(p).facets.tolist()"),
+)
+
+#: Public names without a `Call`, and why.
+ELSEWHERE = {
+    **dict.fromkeys(
+        ("BackendUnavailable", "BadFile", "Cancelled", "Error", "FileError", "InternalError",
+         "InvalidArgument", "NotCertified", "NotFinite", "OutOfBudget", "QhullError"),
+        "an error: the cells hold which set raises which"),
+    **dict.fromkeys(("OptionWarning", "ShapeWarning"), "a warning: test_qhull_options, test_arrays"),
+    **dict.fromkeys(
+        ("AlphaShape", "Certificate", "ClippedCells", "ConcaveHull", "ConstrainedTriangulation",
+         "GroupHulls", "Hull", "HullBatch", "Lists", "NearestFacets", "Rays", "Simplified",
+         "Triangulation", "VoronoiDiagram"),
+        "a result: made by a function, compared member by member"),
+    **dict.fromkeys(("DeviceArray", "DeviceHullBatch", "convex_hulls_on_device", "cuda_status"),
+                    "needs a device: tests/gpu"),
+    "__version__": "a text",
+    "delaunay_plot_2d": "an output: the cells 'plot'",
+    "voronoi_plot_2d": "an output: the cells 'plot'",
+    "generate": "makes points: making.py",
+    "shapes": "makes points: making.py",
+    "read": "takes files: the cells 'read'",
+}
+
+#: Public methods of results without a `Call`, and why.
+METHODS_ELSEWHERE = {
+    "Hull.plot": "an output: the cells 'plot'",
+    "Hull.save": "an output: the cells 'save'",
+    "Hull.view": "starts the program, whose row is `view`",
+    "HullState.save": "an output: the cells 'save'",
+    "HullState.load": "an output: the cells 'save'",
+    "HullStream.hull": "asked by HullStream.push",
+    "HullStream.state": "asked by HullStream.extend",
+    "Delaunay.close": "inherited: ConvexHull.close", "Voronoi.close": "inherited: ConvexHull.close",
+    "HalfspaceIntersection.close": "inherited: ConvexHull.close",
+    "TolerantConvexHull.close": "inherited: ConvexHull.close",
+    "ConcaveHull.polygons": "inherited: AlphaShape.polygons",
+    **dict.fromkeys(("GroupHulls.get", "GroupHulls.items", "GroupHulls.keys", "GroupHulls.values"),
+                    "of every mapping"),
+    **dict.fromkeys(
+        (f"{c}.{m}" for c in ("HullBatch", "Lists", "NearestFacets", "Rays", "Simplified")
+         for m in ("count", "index")), "of every sequence"),
+}

@@ -1,0 +1,18 @@
+#!/usr/bin/env bash
+# The matrix of tests/matrix/matrix.py: run.sh FOLDER PROGRAM [--only CELL] [--large]. FOLDER holds the
+# virtual environment with the package, which bindings/python/tests/run.sh makes. Exit status 77: PyPI
+# is out of reach, or this machine cannot make a virtual environment.
+set -euo pipefail
+folder=$(realpath -m "${1:?usage: run.sh FOLDER PROGRAM}")
+program=$(realpath "${2:?usage: run.sh FOLDER PROGRAM}")
+here=$(cd "$(dirname "$0")" && pwd)
+python=$folder/venv/bin/python
+"$python" -c 'import cullhull, scipy, matplotlib' 2>/dev/null ||
+  "$here/../../scripts/python-venv.sh" "$folder" test
+for extra in pandas polars pyarrow; do
+  "$python" -c "import importlib.metadata as m; m.version('$extra')" 2>/dev/null ||
+    "$folder/venv/bin/pip" install --quiet --disable-pip-version-check --prefer-binary "$extra" ||
+    echo "matrix: PyPI has not given $extra; its cells are left out" >&2
+done
+cd "$folder" # where nothing but the installed package is called cullhull
+PYTHONDONTWRITEBYTECODE=1 exec "$python" "$here/matrix.py" "$program" "$here/../.." "$folder" "${@:3}"

@@ -1,0 +1,113 @@
+// Grids of decimals: which scans have one, and that coordinates lead back to their numbers.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "cullhull/generate.hpp"
+#include "cullhull/io.hpp"
+#include "cullhull/placement.hpp"
+
+namespace cullhull {
+namespace {
+
+Placement placement(double scale, double offset) { return {{scale, scale}, {offset, offset}}; }
+
+int decimals_of(const std::vector<Placement>& placements) {
+  return common_grid(placements).decimals();
+}
+
+TEST(IoPlacement, TheCommonGridHasTheFinestDecimals) {
+  EXPECT_EQ(decimals_of({placement(0.01, 0)}), 2);
+  EXPECT_EQ(decimals_of({placement(0.25, 484683.1)}), 2);
+  EXPECT_EQ(decimals_of({placement(10, 484683)}), 0);
+  EXPECT_EQ(decimals_of({placement(0.01, 7), placement(0.1, 0.125)}), 3);
+  EXPECT_EQ(decimals_of({{{0.01, 0.001}, {-12.5, 1e6}}}), 3);
+  EXPECT_EQ(decimals_of({placement(1e-7, 0)}), 7);
+}
+
+TEST(IoPlacement, WhatDoublesDoNotHoldHasNoGrid) {
+  EXPECT_TRUE(common_grid(std::vector<Placement>()).empty());
+  EXPECT_TRUE(common_grid({placement(0.01, 0), Placement()}).empty());
+  EXPECT_TRUE(common_grid({placement(1.0 / 3, 0)}).empty());
+  EXPECT_TRUE(common_grid({placement(0.01, 0.12345678901234567)}).empty());
+  // Numbers of 32 bits by steps of 10^6 need 51 bits; an offset alone may be too far.
+  EXPECT_FALSE(common_grid({{{0.1, 1e-6}, {0, 0}}}).empty());
+  EXPECT_TRUE(common_grid({{{1, 1e-6}, {0, 0}}}).empty());
+  EXPECT_TRUE(common_grid({placement(0.01, 1e14)}).empty());
+  EXPECT_TRUE(common_grid({placement(1e300, 0)}).empty());
+  EXPECT_TRUE(common_grid({placement(1e-300, 0)}).empty());
+  EXPECT_TRUE(common_grid({placement(0.01, 1e300)}).empty());
+  EXPECT_TRUE(common_grid({placement(5e-324, 0)}).empty());
+}
+
+TEST(IoPlacement, CoordinatesLeadBackToTheirNumbers) {
+  std::mt19937_64 random(3);
+  for (const int decimals : {0, 1, 2, 3, 7, 11, 15}) {
+    const Grid grid(decimals);
+    for (int i = 0; i < 100000; ++i) {
+      const auto number = static_cast<double>(static_cast<std::int64_t>(random()) >> (13 + i % 40));
+      const double x = grid.to_world(number);
+      ASSERT_EQ(grid.number_of(x), number) << decimals;
+      const double other = std::nextafter(x, INFINITY);
+      ASSERT_TRUE(std::isnan(grid.number_of(other)) ||
+                  grid.to_world(grid.number_of(other)) == other);
+    }
+  }
+  EXPECT_TRUE(std::isnan(Grid(2).number_of(0.123)));
+  EXPECT_EQ(Grid().number_of(0.123), 0.123);
+}
+
+TEST(IoPlacement, NumbersOnAGridAreExact) {
+  const Placement p{{0.25, 0.001}, {484683.1, -12.5}};
+  const Grid grid = common_grid({p});
+  const GridAxes axes(p, grid);
+  for (const double x : {0.0, 1.0, -7.0, 2147483647.0, -2147483648.0}) {
+    EXPECT_EQ(axes.at(0, x), 250 * x + 484683100);
+    EXPECT_EQ(axes.at(1, x), x - 12500);
+  }
+  EXPECT_THROW(GridAxes(p, Grid(1)), Error);
+  EXPECT_THROW(GridAxes(p, Grid()), Error);
+}
+
+TEST(IoPlacement, HullsGoToTheWorldAndBack) {
+  std::vector<double> rows;
+  for (const double v : generate("ball", 300, 3, 1)) rows.push_back(std::round(v * 1e6) + 4e9);
+  const PointView points = PointView::row_major(rows.data(), 300, 3);
+  const Hull on_grid = convex_hull(points);
+  Hull hull = on_grid;
+  const Grid grid(3);
+  to_world(hull, grid);
+  EXPECT_DOUBLE_EQ(hull.volume * 1e9, on_grid.volume);
+  EXPECT_DOUBLE_EQ(hull.area * 1e6, on_grid.area);
+  EXPECT_EQ(hull.facet_planes[0], on_grid.facet_planes[0]);
+  EXPECT_EQ(hull.facet_planes[3], on_grid.facet_planes[3] / 1000);
+  to_grid(hull, grid);
+  EXPECT_TRUE(certify(points, hull).valid);
+}
+
+TEST(IoPlacement, StatesRememberTheirGrid) {
+  std::vector<double> rows;
+  for (const double v : generate("ball", 600, 3, 1)) rows.push_back(std::round(v * 1000) + 4e9);
+  HullState all(PointView::row_major(rows.data(), 600, 3));
+  HullState first(PointView::row_major(rows.data(), 300, 3));
+  HullState second(PointView::row_major(rows.data() + 900, 300, 3), 300);
+  for (HullState* state : {&all, &first, &second}) state->to_world(3);
+  EXPECT_EQ(HullState::from_bytes(first.to_bytes()), first);
+  first.merge(second);
+  EXPECT_EQ(first, all);
+  EXPECT_EQ(first.decimals(), 3);
+  first.to_grid();
+  EXPECT_EQ(first, HullState(PointView::row_major(rows.data(), 600, 3)));
+  HullState world(PointView::row_major(rows.data(), 3, 3), 600);
+  first.to_world(3);
+  first.merge(world);
+  EXPECT_EQ(first.decimals(), -1);
+  EXPECT_THROW(first.to_world(16), Error);
+  std::vector<std::byte> bytes = all.to_bytes();
+  bytes[20] = std::byte{17};  // and a check sum that is wrong besides
+  EXPECT_THROW(HullState::from_bytes(bytes), Error);
+}
+
+}  // namespace
+}  // namespace cullhull
