@@ -101,8 +101,13 @@ def _s(ending: str, read: texts.Reader, reason: Reason = always) -> Output:
     return _o(ending, read, reason, alike="survivors")
 
 
-def _report(schema: str) -> Output:
+def _report(of: str) -> Output:
+    schema = f"{of}_report"
     return Output("--json", ("--json={}",), ".report", texts.strict_json, alike="report", schema=schema)
+
+
+def _json(kind: str) -> Output:
+    return _o(".json", texts.result_json, alike="scalar", schema=kind)
 
 
 def _format(word: str, reason: Reason = always) -> Output:
@@ -151,7 +156,7 @@ IN_BLOCKS = dict.fromkeys(("--cull", "--engine", "--repeat", "--stream", "--back
 ROWS = (
     Row("hull", ("hull", "-q"), (
         *HULL_MESHES, *PLANE_SHAPES,
-        _o(".json", texts.result_json, alike="scalar", schema="result"),
+        _json("hull"),
         _o(".txt", texts.counted_txt),
         *IDS[:1], _report("hull"),
     ), doors="every"),
@@ -160,7 +165,7 @@ ROWS = (
     ), ways={"--stream": "--format o prints all points, which are never in memory together"}),
     Row("hull --triangles", ("hull", "-q", "--triangles"), HULL_MESHES[:3], doors="main"),
     Row("hull --certify", ("hull", "-q", "--certify"),
-        (_o(".json", texts.result_json, alike="scalar"), *IDS[1:2], _report("hull")), doors="main"),
+        (_json("hull"), *IDS[1:2], _report("hull")), doors="main"),
     Row("hull --partial", ("hull", "-q"), (STATE, *IDS[2:], _report("hull")), ways=IN_BLOCKS),
     Row("hull --only vertices", ("hull", "-q", "--only", "vertices"), (*IDS[:1], _report("extreme")),
         ways={"--engine": "the engines are not asked"}),
@@ -182,24 +187,24 @@ ROWS = (
         *(_o(e, r, PLANE) for e, r in
           ((".ply", texts.ply), (".obj", texts.obj), (".off", texts.off), (".vtp", texts.vtp))),
         _o(".vtk", texts.vtk, up_to_space), *PLANE_SHAPES,
-        _o(".json", texts.result_json, alike="scalar"), _report("delaunay"),
+        _json("triangulation"), _report("triangulation"),
         *(_format(w) for w in ("i", "Fn", "Fx", "p")),
     )),
     Row("delaunay --certify", ("delaunay", "-q", "--certify"),
-        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")), doors="main"),
+        (_json("triangulation"), _report("triangulation")), doors="main"),
     Row("delaunay --furthest", ("delaunay", "-q", "--furthest"),
-        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")), doors="main"),
+        (_json("triangulation"), _report("triangulation")), doors="main"),
     Row("delaunay --weights", ("delaunay", "-q"),
-        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")), extra="weights"),
+        (_json("triangulation"), _report("triangulation")), extra="weights"),
     Row("delaunay --edges", ("delaunay", "-q"),
-        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")),
+        (_json("triangulation"), _report("triangulation")),
         reason=lambda s: PLANE(s) or (None if s.count > 3 else "an edge needs two points to part others"),
         doors="main", extra="edges"),
     Row("voronoi", ("voronoi", "-q"), (
         *(_o(e, r, mesh, of_points=False) for e, r in
           ((".ply", texts.ply), (".obj", texts.obj), (".off", texts.off), (".vtp", texts.vtp))),
         *(_o(o.name, o.read, PLANE, of_points=False) for o in PLANE_SHAPES),
-        _o(".json", texts.result_json, alike="scalar"), _report("voronoi"),
+        _json("voronoi"), _report("voronoi"),
         Output("--measures .npy", ("--measures", "{}"), ".npy", texts.measures, up_to_space),
         *(_format(w) for w in ("p", "o", "Fv")),
     )),
@@ -210,23 +215,23 @@ ROWS = (
         Output("--measures .txt", ("--measures", "{}"), ".txt", texts.measures_csv),
         _report("voronoi")), doors="main"),
     Row("voronoi --weights", ("voronoi", "-q"),
-        (_o(".json", texts.result_json, alike="scalar"), _report("voronoi")),
+        (_json("voronoi"), _report("voronoi")),
         doors="main", extra="weights"),
     Row("alpha", ("alpha", "-q"), (
         *HULL_MESHES, _o(".vtk", texts.vtk, up_to_space), *PLANE_SHAPES,
-        _o(".json", texts.result_json, alike="scalar"), _report("alpha"),
+        _json("alpha_shape"), _report("alpha"),
     )),
     Row("alpha --alpha all-points", ("alpha", "-q", "--alpha", "all-points"),
-        (_o(".json", texts.result_json, alike="scalar"), *PLANE_SHAPES), doors="main"),
+        (_json("alpha_shape"), *PLANE_SHAPES), doors="main"),
     Row("alpha --alpha NUMBER", ("alpha", "-q", "--alpha", "20"),
-        (_o(".json", texts.result_json, alike="scalar"), *PLANE_SHAPES), doors="main"),
+        (_json("alpha_shape"), *PLANE_SHAPES), doors="main"),
     Row("alpha --ratio", ("alpha", "-q", "--ratio", "0.3"),
-        (_o(".json", texts.result_json, alike="scalar"), *PLANE_SHAPES), reason=PLANE),
+        (_json("alpha_shape"), *PLANE_SHAPES), reason=PLANE),
     Row("certify", ("certify", "-q"), (_report("certify"),), shape="with hull", reason=has_hull),
     Row("certify the reference", ("certify", "-q"), (_report("certify"),), shape="with reference",
         reason=has_hull, scalars="f64"),
     Row("info", ("info",), (_report("info"),), not_finite=0),
-    Row("view", ("view", "-q"), (_o(".html", texts.page, alike="page"), _report("view")),
+    Row("view", ("view", "-q"), (_o(".html", texts.page, alike="page"), _report("hull")),
         without={"several": "a page shows one input", "list": "a page shows one input",
                  "folder": "several files are several frames", "pattern": "several files are several frames"},
         doors="main"),
@@ -238,7 +243,7 @@ ROWS = (
         ways={"--cull": "--json says how each frame was filtered"}),
     *(
         Row(f"track to {o.name}", ("track", "-q"), (o,), shape="sequence", without=SEQUENCE, doors="main")
-        for o in (*HULL_MESHES[:4], _o(".json", texts.result_json, alike="scalar", schema="result"),
+        for o in (*HULL_MESHES[:4], _json("hull"),
                   _o(".txt", texts.counted_txt))
     ),
     Row("qconvex", ("qconvex", "-q"), tuple(
