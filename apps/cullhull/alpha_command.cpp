@@ -166,7 +166,7 @@ std::string report(const Input& input, const Outcome& out) {
   json["read_seconds"] = out.read_seconds;
   json["compute_seconds"] = out.compute_seconds;
   json["peak_bytes"] = peak_bytes();
-  return report_text("alpha_report", points, json);
+  return report_text("alpha_report", input.points, json);
 }
 
 std::string summary(const AlphaArguments& a, const Input& input, const Outcome& out) {

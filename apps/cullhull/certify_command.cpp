@@ -76,9 +76,8 @@ Outcome certify_in_memory(const CertifyArguments& arguments) {
   options.progress = progress.callback();
   cancellable([&] {
     naming_file(arguments.input.path, [&] {
-      outcome.certificate =
-          cullhull::certify_file(input.points, arguments.hull, options, input.placing.grid,
-                                 arguments.stream.first_id);
+      outcome.certificate = cullhull::certify_file(input.points, arguments.hull, options,
+                                                   input.placing.grid, arguments.stream.first_id);
     });
   });
   outcome.seconds = watch.seconds();

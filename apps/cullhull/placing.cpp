@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "io/json_writer.hpp"
+
 namespace app {
 namespace {
 
@@ -73,8 +75,9 @@ void add_placing(Json& report, const Placing& placing, const cullhull::PointView
 std::string with_placing(std::string report, const Placing& placing,
                          const cullhull::PointView& points) {
   if (!placing.any) return report;
-  const std::size_t end = report.rfind("\n}");
-  return report.insert(end, ",\n\"placement\": " + placing_json(placing, points).dump());
+  Json json = Json::parse(report);
+  json["placement"] = placing_json(placing, points);
+  return cullhull::internal::json_text(json);
 }
 
 }  // namespace app

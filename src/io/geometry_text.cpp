@@ -1,6 +1,5 @@
 #include "io/geometry_text.hpp"
 
-#include <cmath>
 #include <vector>
 
 #include "cullhull/error.hpp"

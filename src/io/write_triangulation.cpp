@@ -1,5 +1,6 @@
 // Triangulations and Voronoi diagrams as files.
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <span>
 #include <utility>

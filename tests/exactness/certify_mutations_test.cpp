@@ -285,7 +285,7 @@ constexpr const char* fields[] = {
     "facet_count", "simplex_count",      "area",           "volume",           "centroid",
     "vertices",    "vertex_coordinates", "facets",         "facet_neighbours", "facet_planes",
     "simplices",   "simplex_neighbours", "simplex_facets", "together",         "area",
-    "volume",      "centroid"};
+    "volume",      "centroid",           "perimeter"};
 
 void spoil(json& file, const std::string& field, Random& r) {
   if (field == "together") return spoil_together(file, r);

@@ -101,10 +101,19 @@ def _s(ending: str, read: texts.Reader, reason: Reason = always) -> Output:
     return _o(ending, read, reason, alike="survivors")
 
 
-def _report(schema: str) -> Output:
+def _report(of: str) -> Output:
     return Output(
-        "--json", ("--json={}",), ".report", texts.strict_json, alike="report", schema=schema
+        "--json",
+        ("--json={}",),
+        ".report",
+        texts.strict_json,
+        alike="report",
+        schema=f"{of}_report",
     )
+
+
+def _json(kind: str) -> Output:
+    return _o(".json", texts.result_json, alike="scalar", schema=kind)
 
 
 def _format(word: str, reason: Reason = always) -> Output:
@@ -157,7 +166,7 @@ ROWS = (
         (
             *HULL_MESHES,
             *PLANE_SHAPES,
-            _o(".json", texts.result_json, alike="scalar", schema="result"),
+            _json("hull"),
             _o(".txt", texts.counted_txt),
             *IDS[:1],
             _report("hull"),
@@ -174,7 +183,7 @@ ROWS = (
     Row(
         "hull --certify",
         ("hull", "-q", "--certify"),
-        (_o(".json", texts.result_json, alike="scalar"), *IDS[1:2], _report("hull")),
+        (_json("hull"), *IDS[1:2], _report("hull")),
         doors="main",
     ),
     Row("hull --partial", ("hull", "-q"), (STATE, *IDS[2:], _report("hull")), ways=IN_BLOCKS),
@@ -220,33 +229,33 @@ ROWS = (
             ),
             _o(".vtk", texts.vtk, up_to_space),
             *PLANE_SHAPES,
-            _o(".json", texts.result_json, alike="scalar"),
-            _report("delaunay"),
+            _json("triangulation"),
+            _report("triangulation"),
             *(_format(w) for w in ("i", "Fn", "Fx", "p")),
         ),
     ),
     Row(
         "delaunay --certify",
         ("delaunay", "-q", "--certify"),
-        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")),
+        (_json("triangulation"), _report("triangulation")),
         doors="main",
     ),
     Row(
         "delaunay --furthest",
         ("delaunay", "-q", "--furthest"),
-        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")),
+        (_json("triangulation"), _report("triangulation")),
         doors="main",
     ),
     Row(
         "delaunay --weights",
         ("delaunay", "-q"),
-        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")),
+        (_json("triangulation"), _report("triangulation")),
         extra="weights",
     ),
     Row(
         "delaunay --edges",
         ("delaunay", "-q"),
-        (_o(".json", texts.result_json, alike="scalar"), _report("delaunay")),
+        (_json("triangulation"), _report("triangulation")),
         reason=lambda s: PLANE(s)
         or (None if s.count > 3 else "an edge needs two points to part others"),
         doors="main",
@@ -266,7 +275,7 @@ ROWS = (
                 )
             ),
             *(_o(o.name, o.read, PLANE, of_points=False) for o in PLANE_SHAPES),
-            _o(".json", texts.result_json, alike="scalar"),
+            _json("voronoi"),
             _report("voronoi"),
             Output("--measures .npy", ("--measures", "{}"), ".npy", texts.measures, up_to_space),
             *(_format(w) for w in ("p", "o", "Fv")),
@@ -292,13 +301,13 @@ ROWS = (
     Row(
         "voronoi --furthest",
         ("voronoi", "-q", "--furthest"),
-        (_o(".json", texts.result_json, alike="scalar"), _report("voronoi")),
+        (_json("voronoi"), _report("voronoi")),
         doors="main",
     ),
     Row(
         "voronoi --weights",
         ("voronoi", "-q"),
-        (_o(".json", texts.result_json, alike="scalar"), _report("voronoi")),
+        (_json("voronoi"), _report("voronoi")),
         doors="main",
         extra="weights",
     ),
@@ -309,26 +318,26 @@ ROWS = (
             *HULL_MESHES,
             _o(".vtk", texts.vtk, up_to_space),
             *PLANE_SHAPES,
-            _o(".json", texts.result_json, alike="scalar"),
+            _json("alpha_shape"),
             _report("alpha"),
         ),
     ),
     Row(
         "alpha --alpha all-points",
         ("alpha", "-q", "--alpha", "all-points"),
-        (_o(".json", texts.result_json, alike="scalar"), *PLANE_SHAPES),
+        (_json("alpha_shape"), *PLANE_SHAPES),
         doors="main",
     ),
     Row(
         "alpha --alpha NUMBER",
         ("alpha", "-q", "--alpha", "20"),
-        (_o(".json", texts.result_json, alike="scalar"), *PLANE_SHAPES),
+        (_json("alpha_shape"), *PLANE_SHAPES),
         doors="main",
     ),
     Row(
         "alpha --ratio",
         ("alpha", "-q", "--ratio", "0.3"),
-        (_o(".json", texts.result_json, alike="scalar"), *PLANE_SHAPES),
+        (_json("alpha_shape"), *PLANE_SHAPES),
         reason=PLANE,
     ),
     Row("certify", ("certify", "-q"), (_report("certify"),), shape="with hull", reason=has_hull),
@@ -400,7 +409,7 @@ ROWS = (
         )
         for o in (
             *HULL_MESHES[:4],
-            _o(".json", texts.result_json, alike="scalar", schema="result"),
+            _json("hull"),
             _o(".txt", texts.counted_txt),
         )
     ),

@@ -47,10 +47,13 @@ def _fault(schema: Any, rule: Any, value: Any, at: str) -> Optional[str]:
     if unknown:
         raise ValueError(f"schema.py does not know {sorted(unknown)}")
     if "$ref" in rule:
-        return _fault(schema, schema["$defs"][rule["$ref"].removeprefix("#/$defs/")], value, at)
+        fault = _fault(schema, schema["$defs"][rule["$ref"].removeprefix("#/$defs/")], value, at)
+        if fault:
+            return fault
     if "anyOf" in rule:
         faults = [_fault(schema, choice, value, at) for choice in rule["anyOf"]]
-        return None if None in faults else faults[0]
+        if None not in faults:
+            return faults[0]
     if "const" in rule and value != rule["const"]:
         return f"{at}: {value!r} is not {rule['const']!r}"
     if "enum" in rule and value not in rule["enum"]:

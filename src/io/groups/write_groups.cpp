@@ -201,8 +201,7 @@ class GroupRecords {
 
 void write_slices(const CollectedPoints& collected, const SortedGroups& sorted,
                   GroupRecords& records, std::string& text, const Grid& grid,
-                  const Options& options,
-                  OutputFile& out) {
+                  const Options& options, OutputFile& out) {
   // Hulled and written at a time: some 100 MB of text at most. Not tuned.
   constexpr std::uint64_t slice_points = std::uint64_t{1} << 20;
   const std::uint32_t d = sorted.dimension;
