@@ -460,7 +460,8 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
     if (out.triangulation.affine_dimension == 1) force_on_line(points, constraints, out);
     return out;
   }
-  const Run run(run_as<Options>(o));
+  const Options options = run_as<Options>(o);
+  const Run run(options);
   const CallScope call;
   const PageScope pages;
   require_budget(run.budget, points.count * 140, "the constrained triangulation");

@@ -507,7 +507,8 @@ Certificate certify_triangulation(const PointView& points, std::span<const doubl
                                   const Triangulation& t, const TriangulationOptions& o) {
   if (points.dimension == 0 || (points.count > 0 && points.data == nullptr))
     throw Error(ErrorCode::invalid_argument, "certify needs points of at least one dimension");
-  const Run run(run_as<Options>(o));
+  const Options options = run_as<Options>(o);
+  const Run run(options);
   Certificate out;
   TriangulationSubject subject(points, weights, t, run);
   try {
