@@ -164,8 +164,8 @@ class Forcing {
     if (!fixed(half)) source_[half / 2] = constraint_;
   }
 
-  /// Makes the segment an edge as far as the next point on it, which is returned. Where it crosses a
-  /// constraint it changes nothing and tells so if `may_refuse`, or throws.
+  /// Makes the segment an edge as far as the next point on it, which is returned. Where it crosses
+  /// a constraint it changes nothing and tells so if `may_refuse`, or throws.
   Advance advance(std::uint32_t a, std::uint32_t b, bool may_refuse = false) {
     std::uint32_t first = none;
     if (const std::uint32_t along = edge_along(a, b, first); along != none) {
