@@ -76,8 +76,8 @@ void write_pieces(std::vector<Piece>& pieces, ConstrainedTriangulation& out) {
 class Forcing {
  public:
   Forcing(const Triangulation& t, const LiftedPoints& s, const Constraints& constraints,
-          const Array<std::uint32_t>& place)
-      : s_(s), constraints_(constraints), mesh_(t, place, s.count) {
+          const Array<std::uint32_t>& place, const Run& run)
+      : s_(s), constraints_(constraints), mesh_(t, place, s.count), run_(run) {
     source_.assign(mesh_.size() / 2, none);
   }
 
@@ -85,15 +85,67 @@ class Forcing {
   bool fixed(std::uint32_t half) const { return source_[half / 2] != none; }
   std::uint32_t source(std::uint32_t half) const { return source_[half / 2]; }
 
-  /// From one point on it to the next.
+  /// From one point on it to the next, each time from the end that has fewer edges: so points that
+  /// many constraints share need not be gone round for each of them.
   void force(std::uint32_t from, std::uint32_t to, std::uint32_t constraint) {
     constraint_ = constraint;
-    while (from != to) from = advance(from, to);
+    bool forward = false;  // a refusal names the first edge that is crossed from `from` on
+    while (from != to) {
+      poll();
+      if (forward || !fewer_edges(to, from)) {
+        from = advance(from, to).end;
+      } else {
+        const Advance step = advance(to, from, true);
+        forward = step.refused;
+        if (!forward) to = step.end;
+      }
+    }
   }
 
  private:
   /// A crossed edge: a half-edge from the right of the segment to its left.
   using Crossed = std::list<std::uint32_t>;
+
+  struct Advance {
+    std::uint32_t end;
+    bool refused;
+  };
+
+  /// Once in some thousand triangles: whether the caller asked to stop.
+  void poll() {
+    if (++steps_ % 4096 == 0) run_.check();
+  }
+
+  /// The edges of a vertex: to the left, then at the hull to the right from the first.
+  class Turn {
+   public:
+    Turn(const HalfEdges& mesh, std::uint32_t v) : mesh_(mesh), start_(mesh.out(v)), at_(start_) {}
+    /// On to the next edge; false if there is none.
+    bool next() {
+      if (!right_ && mesh_.has_face(at_)) {
+        at_ = HalfEdges::twin(mesh_.previous(at_));
+        return at_ != start_;
+      }
+      if (!right_) at_ = start_;
+      right_ = true;
+      const std::uint32_t back = HalfEdges::twin(at_);
+      if (!mesh_.has_face(back)) return false;
+      at_ = mesh_.next(back);
+      return true;
+    }
+
+   private:
+    const HalfEdges& mesh_;
+    std::uint32_t start_, at_;
+    bool right_ = false;
+  };
+  /// Whether v has fewer edges than w: turns around both at once, until one is done.
+  bool fewer_edges(std::uint32_t v, std::uint32_t w) const {
+    for (Turn at_v(mesh_, v), at_w(mesh_, w);;) {
+      if (!at_w.next()) return false;
+      if (!at_v.next()) return true;
+    }
+  }
 
   Sign side(std::uint32_t a, std::uint32_t b, std::uint32_t v) const {
     const double* p[] = {s_.row(a), s_.row(b), s_.row(v)};
@@ -112,18 +164,20 @@ class Forcing {
     if (!fixed(half)) source_[half / 2] = constraint_;
   }
 
-  /// Makes the segment an edge as far as the next point on it, which is returned.
-  std::uint32_t advance(std::uint32_t a, std::uint32_t b) {
+  /// Makes the segment an edge as far as the next point on it, which is returned. Where it crosses
+  /// a constraint it changes nothing and tells so if `may_refuse`, or throws.
+  Advance advance(std::uint32_t a, std::uint32_t b, bool may_refuse = false) {
     std::uint32_t first = none;
     if (const std::uint32_t along = edge_along(a, b, first); along != none) {
       fix(along);
-      return mesh_.origin(along) == a ? mesh_.target(along) : mesh_.origin(along);
+      return {mesh_.origin(along) == a ? mesh_.target(along) : mesh_.origin(along), false};
     }
     Crossed crossed;
-    const std::uint32_t end = collect(a, b, first, crossed);
+    const std::uint32_t end = collect(a, b, first, crossed, may_refuse);
+    if (end == none) return {none, true};
     clear(a, end, crossed);
     restore();
-    return end;
+    return {end, false};
   }
 
   /// The edge at a that the segment begins with; or `first` becomes the edge opposite to a that the
@@ -158,9 +212,13 @@ class Forcing {
     return none;
   }
 
-  /// All edges that the segment crosses before it meets a point, which is returned.
-  std::uint32_t collect(std::uint32_t a, std::uint32_t b, std::uint32_t half, Crossed& crossed) {
+  /// All edges that the segment crosses before it meets a point, which is returned; none, if it
+  /// crosses a constraint and `may_refuse`.
+  std::uint32_t collect(std::uint32_t a, std::uint32_t b, std::uint32_t half, Crossed& crossed,
+                        bool may_refuse) {
     for (;;) {
+      poll();
+      if (fixed(half) && may_refuse) return none;
       if (fixed(half))
         refuse("edges " + constraints_.name(std::min(source(half), constraint_)) + " and " +
                constraints_.name(std::max(source(half), constraint_)) + " cross");
@@ -184,21 +242,27 @@ class Forcing {
   /// neighbours along the crossed triangles loses its crossed edges, one after another (see
   /// docs/exactness.md, "Constrained triangulations", for why that ends).
   void clear(std::uint32_t a, std::uint32_t b, Crossed& crossed) {
-    auto group = crossed.begin();  // the first edge of a vertex on the left
+    const auto last_of_vertex = [&](Crossed::iterator i) {
+      const std::uint32_t w = mesh_.target(*i);
+      for (auto next = std::next(i); next != crossed.end() && mesh_.target(*next) == w; ++next)
+        i = next;
+      return i;
+    };
+    auto at = last_of_vertex(crossed.begin());  // the last edge of a vertex on the left
     std::uint32_t last = none;
     while (!crossed.empty()) {
-      const std::uint32_t w = mesh_.target(*group);
-      auto end = std::next(group);
-      while (end != crossed.end() && mesh_.target(*end) == w) ++end;
+      poll();
+      const std::uint32_t w = mesh_.target(*at);
+      const auto end = std::next(at);
       if (end != crossed.end() && compare_heights(a, b, mesh_.target(*end), w) == Sign::positive) {
-        group = end;
+        at = last_of_vertex(end);
         continue;
       }
-      last = clear_vertex(a, b, w, group, crossed);
+      while (at != crossed.begin() && mesh_.target(*std::prev(at)) == w) --at;
+      last = clear_vertex(a, b, w, at, crossed);
       // The vertex before may have more edges now, and be higher than what follows.
-      if (group != crossed.begin()) --group;
-      while (group != crossed.begin() && mesh_.target(*std::prev(group)) == mesh_.target(*group))
-        --group;
+      if (at != crossed.begin()) --at;
+      if (at != crossed.end()) at = last_of_vertex(at);
     }
     fix(2 * last);
   }
@@ -253,6 +317,7 @@ class Forcing {
     while (!todo.empty()) {
       const std::uint32_t edge = todo.back();
       todo.pop_back();
+      poll();
       if (fixed(2 * edge) || !mesh_.inner(edge) || !wrong(2 * edge)) continue;
       mesh_.flip(edge);
       add_around(edge, todo);
@@ -282,6 +347,8 @@ class Forcing {
   std::uint32_t constraint_ = 0;
   std::vector<std::uint32_t> touched_;
   LiftCounts counts_;
+  const Run& run_;
+  std::uint64_t steps_ = 0;
 };
 
 // ---------------------------------------------------------------------------------- the result
@@ -431,7 +498,7 @@ void force_all(const PointView& points, const Constraints& constraints, const Ru
   const Prepared prepared = prepare_points(points, {}, false, {}, run);
   Array<std::uint32_t> place(points.count);
   for (std::uint32_t i = 0; i < prepared.points.count; ++i) place[prepared.points.ids[i]] = i;
-  Forcing forcing(out.triangulation, prepared.points, constraints, place);
+  Forcing forcing(out.triangulation, prepared.points, constraints, place, run);
   for (std::uint32_t i = 0; i < constraints.size(); ++i) {
     if (i % 256 == 0) run.check();
     if (i % 65536 == 65535) run.report("constraints", double(i) / constraints.size());

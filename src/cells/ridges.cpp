@@ -9,38 +9,45 @@
 namespace cullhull::internal {
 namespace {
 
-/// The vertices of each group, ascending.
+/// The vertices of each group of merged cells, ascending: each list is made once.
 class GroupVertices {
  public:
-  explicit GroupVertices(const Triangulation& t) : groups_(t.cell_groups.empty() ? 0 : groups(t)) {
+  GroupVertices(const Triangulation& t, const Run& run) {
     if (t.cell_groups.empty()) return;
-    begin_.assign(groups_ + 1, 0);
-    for (std::uint64_t c = 0; c < t.size(); ++c) ++begin_[t.group(c) + 1];
-    for (std::uint32_t g = 0; g < groups_; ++g) begin_[g + 1] += begin_[g];
-    cells_.resize(t.size());
+    const unsigned m = t.corners();
+    const std::size_t groups = *std::max_element(t.cell_groups.begin(), t.cell_groups.end()) + 1ULL;
+    begin_.assign(groups + 1, 0);
+    for (std::uint64_t c = 0; c < t.size(); ++c) begin_[t.group(c) + 1] += m;
+    for (std::size_t g = 0; g < groups; ++g) begin_[g + 1] += begin_[g];
+    vertices_.resize(begin_.back());
+    count_.resize(groups);
     Array<std::uint64_t> at(begin_);
-    for (std::uint32_t c = 0; c < t.size(); ++c) cells_[at[t.group(c)]++] = c;
+    for (std::uint64_t c = 0; c < t.size(); ++c)
+      for (const std::uint32_t v : t.cell(c)) vertices_[at[t.group(c)]++] = v;
+    run.each(groups, light_grain / 8, [&](std::uint64_t first, std::uint64_t last) {
+      for (std::uint64_t g = first; g < last; ++g) {
+        std::uint32_t *from = vertices_.data() + begin_[g], *to = vertices_.data() + begin_[g + 1];
+        const auto corners = static_cast<std::size_t>(to - from);
+        if (corners == m) {
+          count_[g] = 0;  // one cell
+          continue;
+        }
+        std::sort(from, to);
+        count_[g] = static_cast<std::uint32_t>(std::unique(from, to) - from);
+      }
+    });
   }
   /// Whether cells are merged there.
-  bool merged(std::uint32_t g) const { return groups_ > 0 && begin_[g + 1] - begin_[g] > 1; }
-  std::vector<std::uint32_t> of(const Triangulation& t, std::uint32_t g) const {
-    std::vector<std::uint32_t> v;
-    for (std::uint64_t i = begin_[g]; i < begin_[g + 1]; ++i) {
-      const auto cell = t.cell(cells_[i]);
-      v.insert(v.end(), cell.begin(), cell.end());
-    }
-    std::sort(v.begin(), v.end());
-    v.erase(std::unique(v.begin(), v.end()), v.end());
-    return v;
+  bool merged(std::uint32_t g) const { return !count_.empty() && count_[g] > 0; }
+  /// Whether v is one of the vertices of a group of merged cells.
+  bool has(std::uint32_t g, std::uint32_t v) const {
+    const std::uint32_t* from = vertices_.data() + begin_[g];
+    return std::binary_search(from, from + count_[g], v);
   }
 
  private:
-  static std::uint32_t groups(const Triangulation& t) {
-    return *std::max_element(t.cell_groups.begin(), t.cell_groups.end()) + 1;
-  }
-  std::uint32_t groups_;
   Array<std::uint64_t> begin_;
-  Array<std::uint32_t> cells_;
+  Array<std::uint32_t> vertices_, count_;
 };
 
 /// One edge with the cells around it.
@@ -71,32 +78,60 @@ class RidgeWriter {
   bool on_edge(const Edge& e, std::uint32_t v) const { return v == e.low || v == e.high; }
 
   /// The edge is none of the merged complex if the least face of that complex that has it has other
-  /// vertices too: those common to all merged cells around it that lie in the planes of all facets
-  /// of the hull at it.
+  /// vertices too: those common to all groups around it that lie in the planes of all facets of the
+  /// hull at it. Vertices are extreme points of the lift, so such a face has dimension 2 or more,
+  /// and the cells of each group cut it into simplices: some cell of the group at the edge has a
+  /// further vertex of it. So corners of the group with the fewest cells here are all to look at.
   bool within_merged(const Edge& e) {
     if (k_ < 2) return false;
     bool any = false;
     for (const auto& item : e.cells) any = any || groups_.merged(t_.group(item.cell));
     if (!any) return false;
-    std::vector<std::uint32_t> common = groups_.of(t_, t_.group(e.cells[0].cell)), both;
-    for (const auto& item : e.cells) {
-      if (common.size() == 2) return false;
-      const std::vector<std::uint32_t> next = groups_.of(t_, t_.group(item.cell));
-      both.clear();
-      std::set_intersection(common.begin(), common.end(), next.begin(), next.end(),
-                            std::back_inserter(both));
-      std::swap(common, both);
+    sort_by_group(e);
+    std::size_t least = 0, fewest = e.cells.size() + 1;
+    for (std::size_t i = 0, next = 0; i < around_.size(); i = next) {
+      while (next < around_.size() && around_[next].first == around_[i].first) ++next;
+      if (next - i < fewest) {
+        fewest = next - i;
+        least = i;
+      }
     }
-    for (const auto& item : e.cells) keep_on_hull(e, item.cell, common);
-    return common.size() > 2;
+    candidates_.clear();
+    for (std::size_t i = least; i < least + fewest; ++i)
+      for (const std::uint32_t v : t_.cell(around_[i].second))
+        if (!on_edge(e, v)) candidates_.push_back(v);
+    std::sort(candidates_.begin(), candidates_.end());
+    candidates_.erase(std::unique(candidates_.begin(), candidates_.end()), candidates_.end());
+    return std::any_of(candidates_.begin(), candidates_.end(),
+                       [&](std::uint32_t v) { return in_all_groups(v) && on_hull(e, v); });
+  }
+  void sort_by_group(const Edge& e) {
+    around_.clear();
+    for (const auto& item : e.cells) around_.emplace_back(t_.group(item.cell), item.cell);
+    std::sort(around_.begin(), around_.end());
+  }
+  /// Of the groups around the edge.
+  bool in_all_groups(std::uint32_t v) const {
+    for (std::size_t i = 0; i < around_.size(); ++i) {
+      const auto [group, c] = around_[i];
+      if (i > 0 && group == around_[i - 1].first) continue;
+      const auto cell = t_.cell(c);
+      if (!(groups_.merged(group) ? groups_.has(group, v)
+                                  : std::find(cell.begin(), cell.end(), v) != cell.end()))
+        return false;
+    }
+    return true;
   }
 
-  /// Erases points off the hull's planes through the facets of the cell that have the edge.
-  void keep_on_hull(const Edge& e, std::uint32_t c, std::vector<std::uint32_t>& points) {
-    for (unsigned j = 0; j <= k_; ++j) {
-      if (t_.neighbours_of(c)[j] != no_cell || on_edge(e, t_.cell(c)[j])) continue;
-      std::erase_if(points, [&](std::uint32_t v) { return !on_plane(c, j, v); });
-    }
+  /// Whether v is in the planes of the hull's facets that have the edge.
+  bool on_hull(const Edge& e, std::uint32_t v) {
+    for (const auto& item : e.cells)
+      for (unsigned j = 0; j <= k_; ++j) {
+        if (t_.neighbours_of(item.cell)[j] != no_cell || on_edge(e, t_.cell(item.cell)[j]))
+          continue;
+        if (!on_plane(item.cell, j, v)) return false;
+      }
+    return true;
   }
   /// Whether v is in the plane of the facet opposite to corner j of the cell.
   bool on_plane(std::uint32_t c, unsigned j, std::uint32_t v) {
@@ -170,6 +205,8 @@ class RidgeWriter {
   const GroupVertices& groups_;
   unsigned k_;
   std::vector<double> rows_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> around_;  ///< group and cell, at the edge
+  std::vector<std::uint32_t> candidates_;
 };
 
 }  // namespace
@@ -229,7 +266,7 @@ PointNeighbours::PointNeighbours(const Triangulation& t, const Run& run)
 
 void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run) {
   const EdgeCells edges(t, run);
-  const GroupVertices groups(t);
+  const GroupVertices groups(t, run);
   ListsInChunks vertices(t.point_count), points(t.point_count);
   run.each_chunk(t.point_count, vertices.grain,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {

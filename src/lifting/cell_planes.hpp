@@ -90,7 +90,7 @@ class CellPlanes {
       value += plane.normal[j] * v;
     }
     value += plane.normal[K] * lift;
-    const double bound = (plane.linear + plane.square * most) * most + 0x1p-1000;
+    const double bound = (plane.linear + plane.square * most) * most + s_.tiny;
     if (value > bound) return Sign::positive;
     if (value < -bound) return Sign::negative;
     return Sign::zero;

@@ -44,7 +44,7 @@ Sign wide_side(const LiftedPoints& s, const double* const* c, const double* p) {
   DoubleDouble det[1U << (K + 1)];
   expand_minors<K + 1, false>(m, K + 1, det, static_cast<DoubleDouble*>(nullptr));
   const DoubleDouble value = det[(1U << (K + 1)) - 1];
-  const double bound = lift_bound<K>(largest, s.width, wide_roundoff);
+  const double bound = lift_bound<K>(largest, s.width, wide_roundoff, s.tiny);
   if (value.high > bound) return Sign::positive;
   if (value.high < -bound) return Sign::negative;
   return Sign::zero;

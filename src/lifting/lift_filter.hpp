@@ -16,13 +16,13 @@ constexpr double factorial(unsigned n) { return n < 2 ? 1 : n * factorial(n - 1)
 /// largest[j] in magnitude (the lift's: the sum of the magnitudes of its terms) and operations err
 /// by `roundoff`. A product of k + 1 entries passes the roundings of the expansion and those of its
 /// lift: a difference's twice, a square, d - 1 sums, a weight; the magnitudes and their product add
-/// k + d + 4. Numbers at most 2 apart: what underflows adds up to less than 2^-1000.
+/// k + d + 4. What underflows adds up to less than `tiny`.
 template <unsigned K>
-double lift_bound(const double* largest, unsigned d, double roundoff) {
+double lift_bound(const double* largest, unsigned d, double roundoff, double tiny) {
   double product = largest[0];
   for (unsigned j = 1; j <= K; ++j) product *= largest[j];
   const double roundings = minor_roundings(K + 1) + 2 * d + K + 10;
-  return roundings * roundoff * factorial(K + 1) * product + 0x1p-1000;
+  return roundings * roundoff * factorial(K + 1) * product + tiny;
 }
 
 /// lift_side by doubles: false if they cannot tell. Only for s.filtered.
@@ -60,7 +60,7 @@ inline bool lift_side_filtered(const LiftedPoints& s, const double* const* c, co
   double det[1U << (K + 1)];
   expand_minors<K + 1, false>(m, K + 1, det, static_cast<double*>(nullptr));
   const double value = det[(1U << (K + 1)) - 1];
-  const double bound = lift_bound<K>(largest, s.width, unit_roundoff);
+  const double bound = lift_bound<K>(largest, s.width, unit_roundoff, s.tiny);
   if (value > bound) {
     sign = Sign::positive;
   } else if (value < -bound) {

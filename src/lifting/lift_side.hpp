@@ -53,7 +53,7 @@ inline Sign base_orientation(const LiftedPoints& s, const double* const* p) {
       const double bx = p[2][0] - p[0][0], by = p[2][1] - p[0][1];
       const double l = ax * by, r = ay * bx;
       // Differences, products and the last difference: 4 roundings a path, and those of the bound.
-      const double det = l - r, bound = 6 * unit_roundoff * (std::abs(l) + std::abs(r)) + 0x1p-1000;
+      const double det = l - r, bound = 6 * unit_roundoff * (std::abs(l) + std::abs(r)) + s.tiny;
       if (det > bound) return Sign::positive;
       if (det < -bound) return Sign::negative;
     }
@@ -71,7 +71,7 @@ inline Sign base_orientation(const LiftedPoints& s, const double* const* p) {
       // Each of the K! products: K differences, the roundings of the expansion; those of the bound.
       double bound = (minor_roundings(K) + 2 * K) * factorial(K) * unit_roundoff;
       for (unsigned j = 0; j < K; ++j) bound *= largest[j];
-      bound += 0x1p-1000;
+      bound += s.tiny;
       if (det[(1U << K) - 1] > bound) return Sign::positive;
       if (det[(1U << K) - 1] < -bound) return Sign::negative;
     }

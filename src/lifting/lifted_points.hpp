@@ -19,9 +19,12 @@ struct LiftedPoints {
   bool furthest = false;  ///< the lift is turned upside down
   /// Some points may be no vertices: weights, or the upper hull.
   bool may_hide = false;
-  /// All numbers are at most 1 in magnitude, so that no filter need fear overflow. Else signs are
-  /// exact at once.
+  /// Coordinates are at most 2^l in magnitude and weights 2^(2 l), l as below, so that no filter
+  /// need fear overflow. Else signs are exact at once.
   bool filtered = false;
+  /// More than all that underflows adds to a filter's determinant: 2^-1000 where l = 0, and
+  /// 2^(-1000 + (k + 2) l) where small coordinates forbid to scale large ones down.
+  double tiny = 0x1p-1000;
   /// Doubles compute an in-sphere determinant without rounding if the product of the largest
   /// magnitudes of its columns is at most this: 2^53 units of a lattice that has all points and
   /// weights; 0: there is none.

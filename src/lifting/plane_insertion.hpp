@@ -128,7 +128,7 @@ class PlaneInsertion {
                           (std::abs(vu) + std::abs(uv)) * w.lift;
       // A path: 2 differences, a product, a difference; 4 of the lift, a product, 2 sums; and 4 of
       // the size itself.
-      const double bound = 16 * unit_roundoff * size + 0x1p-1000;
+      const double bound = 16 * unit_roundoff * size + s_.tiny;
       if (std::abs(det) > bound) {
         ++filtered_;
         return det > 0;

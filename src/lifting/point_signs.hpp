@@ -80,7 +80,7 @@ class PointSigns {
     }
     double bound = (minor_roundings(K) + 6) * factorial(K) * unit_roundoff;
     for (unsigned a = 0; a < K; ++a) bound *= largest[a];
-    bound += 0x1p-1000;
+    bound += s_.tiny;
     for (unsigned j = 0; j <= K; ++j) {
       if (j == from) continue;
       double det = 0;

@@ -82,8 +82,9 @@ void measure(const LiftedPoints& s, Range& x, Range& w, const Run& run) {
   }
 }
 
-/// Multiplies coordinates by 2^e and weights by 2^(2 e) so that none exceeds 1, if no bit is lost;
-/// finds a lattice.
+/// Multiplies coordinates by 2^e and weights by 2^(2 e) so that none exceeds 1, and finds a
+/// lattice, if no bit is lost; else all stay as they are, of no lattice, and bounds allow for the
+/// size.
 void scale(LiftedPoints& s, const Run& run) {
   Range x, w;
   measure(s, x, w, run);
@@ -92,7 +93,13 @@ void scale(LiftedPoints& s, const Run& run) {
   if (w.most > 0) std::frexp(w.most, &weight_up);
   int e = x.most > 0 ? -up : 0;
   if (w.most > 0 && (x.most == 0 || 2 * e + weight_up > 0)) e = -((weight_up + 1) >> 1);
-  if (!x.safe(e) || !w.safe(2 * e)) return;
+  if (!x.safe(e) || !w.safe(2 * e)) {
+    // Left as they are. With at most 6 axes a determinant has degree 8: it stays below 2^600.
+    constexpr int most_unscaled = 64;
+    s.filtered = -e <= most_unscaled;
+    s.tiny = std::ldexp(0x1p-1000, static_cast<int>(s.base + 2) * std::min(-e, most_unscaled));
+    return;
+  }
   s.filtered = true;
   // In two steps, as 2^e itself may be no double.
   const auto half = [](int by) { return std::ldexp(1.0, by / 2); };

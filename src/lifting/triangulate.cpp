@@ -85,7 +85,7 @@ std::unique_ptr<CellStore<K>> insert_in_turn(const Prepared& p, InsertionTotals&
 /// In parts, 2^that many: a seam takes about the root of the number of points, which is worth it
 /// from some ten thousand a part.
 unsigned part_levels(const LiftedPoints& s, const Run& run) {
-  if (s.may_hide || !s.filtered || s.stride != s.base) return 0;
+  if (s.may_hide || !s.filtered || s.tiny > 0x1p-1000 || s.stride != s.base) return 0;
   constexpr std::uint32_t least = 1U << 14;
   unsigned levels = 0;
   while (levels < 6 && 2U << levels <= run.threads && s.count >> (levels + 1) >= least) ++levels;

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "cull/planner.hpp"
 #include "cullhull/error.hpp"
 #include "flow/device_filter.hpp"
 #include "flow/pipeline.hpp"
@@ -35,10 +36,17 @@ void HostFrame::scan(const GaugeMap& map, Survivors& result) { pass().cull(map, 
 
 void HostFrame::fetch(Filtered& result) { gather_survivors(points_, result, run_); }
 
-Filtered HostFrame::filter_afresh() { return run_filter(points_, run_); }
+Filtered HostFrame::filter_afresh() {
+  const unsigned threads = useful_cull_threads(run_.threads, points_.count, points_.dimension);
+  return run_filter(points_, run_.with_threads(threads));
+}
 
 Hull HostFrame::hull(Filtered&& filtered) {
-  return hull_of_survivors(points_, std::move(filtered), run_);
+  const unsigned threads =
+      useful_threads(run_.threads, filtered.survivors.size(points_.count), points_.dimension);
+  Hull hull = hull_of_survivors(points_, std::move(filtered), run_.with_threads(threads));
+  hull.statistics.threads = run_.threads;
+  return hull;
 }
 
 }  // namespace cullhull::internal

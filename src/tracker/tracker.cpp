@@ -9,6 +9,8 @@
 #include "cullhull/track.hpp"
 #include "flow/pipeline.hpp"
 #include "paper/pseudo_hull.hpp"
+#include "parallel/helpers.hpp"
+#include "parallel/pages.hpp"
 #include "parallel/sorted.hpp"
 #include "tracker/changes.hpp"
 #include "tracker/frame_points.hpp"
@@ -84,6 +86,8 @@ struct HullTracker::Impl {
     try {
       const Clock::time_point start = Clock::now();
       const Run run(options);
+      const CallScope call;
+      const PageScope pages;
       compute(*points_of(run), run, index, start);
     } catch (const Error& e) {
       if (e.code() == ErrorCode::cancelled) throw;

@@ -281,6 +281,45 @@ TEST(Constrained, RefusesEdgesThatCross) {
   }
 }
 
+TEST(Constrained, HubsOfManyEdges) {
+  // Edges from the middle and from a corner of the hull to all they see, in either direction.
+  for (const bool middle : {true, false})
+    for (const bool turned : {false, true}) {
+      LiftedSet s{"hub", 2, {0, middle ? 0.0 : -90.0}, {}};
+      Edges edges;
+      for (int i = 0; i < 60; ++i) {
+        const double angle = i * 7 % 60 * 0.1, far = 1 + (i % 3) * 20;
+        s.rows.insert(s.rows.end(), {far * std::cos(angle), far * std::sin(angle)});
+        const auto v = static_cast<std::uint32_t>(i + 1);
+        edges.insert(edges.end(), {turned ? v : 0U, turned ? 0U : v});
+      }
+      check(s, edges);
+    }
+}
+
+TEST(Constrained, RefusalsNameTheFirstCrossingFromTheFirstPoint) {
+  // A row of fences between 0 and 1; either end may be the busier one.
+  LiftedSet s{"fences", 2, {0, 0, 20, 0}, {}};
+  Edges fences;
+  for (int i = 0; i < 8; ++i) {
+    const double x = 2 + 2 * i;
+    s.rows.insert(s.rows.end(), {x, -3 - 0.1 * i, x + 0.5, 3 + 0.2 * i});
+    const auto v = static_cast<std::uint32_t>(2 + 2 * i);
+    fences.insert(fences.end(), {v, v + 1});
+  }
+  for (const double side : {-1.0, 21.0})  // more points near one end
+    for (const bool forward : {true, false}) {
+      LiftedSet more = s;
+      for (int i = 0; i < 9; ++i)
+        more.rows.insert(more.rows.end(), {side + 0.01 * i * i, i - 4.0 + 0.3});
+      Edges edges = fences;
+      edges.insert(edges.end(), {forward ? 0U : 1U, forward ? 1U : 0U});
+      expect_refusal(
+          more, edges,
+          forward ? "edges 0 (2, 3) and 8 (0, 1) cross" : "edges 7 (16, 17) and 8 (1, 0) cross");
+    }
+}
+
 TEST(Constrained, CertificateRefusesWhatIsWrong) {
   const LiftedSet s = random_points(2, 40, 6);
   const Edges edges = random_edges(s, 20, 6);

@@ -4,13 +4,35 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstdlib>
 #include <map>
+#include <new>
 #include <random>
 #include <set>
 
 #include "cells/slow_cells.hpp"
 #include "cullhull/error.hpp"
+
+namespace {
+
+std::atomic<std::uint64_t> asked_bytes{0};
+
+void* counted(std::size_t n) {
+  asked_bytes += n;
+  void* const p = std::malloc(n > 0 ? n : 1);
+  if (p == nullptr) throw std::bad_alloc();
+  return p;
+}
+void freed(void* p) { std::free(p); }
+
+}  // namespace
+
+// Bytes asked for are counted: work that makes lists again and again shows there.
+void* operator new(std::size_t n) { return counted(n); }
+void operator delete(void* p) noexcept { freed(p); }
+void operator delete(void* p, std::size_t) noexcept { freed(p); }
 
 namespace cullhull {
 namespace {
@@ -330,6 +352,39 @@ TEST(Voronoi, RefusesWhatIsNone) {
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::out_of_budget);
   }
+}
+
+/// All whole points on the circle around 0 with that square of the radius.
+LiftedSet whole_circle(long square) {
+  LiftedSet s{"circle", 2, {}, {}};
+  for (long x = 0; x * x <= square; ++x) {
+    const long y = std::lround(std::sqrt(static_cast<double>(square - x * x)));
+    if (x * x + y * y != square) continue;
+    for (const long u : {x, -x})
+      for (const long v : {y, -y}) s.rows.insert(s.rows.end(), {double(u), double(v)});
+  }
+  return s;
+}
+
+TEST(Voronoi, CellsOfOneCircleTakeLinearWork) {
+  std::vector<std::uint64_t> bytes;
+  std::vector<std::uint64_t> counts;
+  for (const long square : {5L * 13 * 17 * 29, 5L * 5 * 5 * 13 * 13 * 17 * 29 * 37}) {
+    const LiftedSet s = whole_circle(square);
+    const Triangulation t = triangulate(s);
+    ASSERT_EQ(t.cell_groups.back(), 0U);
+    Options o;
+    o.threads = 1;
+    const std::uint64_t before = asked_bytes;
+    const Voronoi v = voronoi(view_of(s), t, {}, o);
+    bytes.push_back(asked_bytes - before);
+    counts.push_back(s.count());
+    EXPECT_EQ(v.vertices.size(), 2U);
+    EXPECT_EQ(v.ridge_points.size(),
+              2 * s.count());  // rays alone: one for each side of the polygon
+  }
+  ASSERT_GE(counts[1], 6 * counts[0]);
+  EXPECT_LT(bytes[1], 12 * bytes[0]);  // 36 times as many where work is quadratic
 }
 
 }  // namespace

@@ -285,5 +285,37 @@ TEST(Triangulation, RungsAreAsDocumented) {
   EXPECT_EQ(g.cell_groups.back(), 9U * 9 * 9 - 1);
 }
 
+TEST(Triangulation, OneSubnormalCoordinateKeepsTheFilters) {
+  for (unsigned d = 2; d <= 5; ++d) {
+    LiftedSet zero = large_lifted_sets(d, d < 4 ? 2000 : 300)[0];
+    for (double& x : zero.rows) x *= 7;
+    zero.rows[d * 17 + 1] = 0;
+    const Triangulation expected = triangulate(zero);
+    for (const int by : {0, 55, 80}) {  // beyond 2^64 every sign is exact
+      LiftedSet s = zero;
+      for (double& x : s.rows) x = std::ldexp(x, by);
+      s.rows[d * 17 + 1] = std::numeric_limits<double>::denorm_min();
+      const Triangulation t = triangulate(s);
+      EXPECT_EQ(t.cells, expected.cells) << d << " " << by;
+      const auto& rungs = t.statistics.rung_counts;
+      if (by < 64)
+        EXPECT_LT(rungs[1] + rungs[2], rungs[0] / 100) << d << " " << by;
+      else
+        EXPECT_EQ(rungs[0] + rungs[1], 0U) << d;
+    }
+  }
+}
+
+TEST(Triangulation, OneSubnormalWeightKeepsTheFilters) {
+  LiftedSet s = large_lifted_sets(3, 2000)[0];
+  for (double& x : s.rows) x *= 7;
+  s.weights.assign(s.count(), 0.0);
+  const Triangulation expected = triangulate(s);
+  s.weights[5] = -std::numeric_limits<double>::denorm_min();
+  const Triangulation t = triangulate(s);
+  EXPECT_EQ(t.cells, expected.cells);
+  EXPECT_LT(t.statistics.rung_counts[2], t.statistics.rung_counts[0] / 100);
+}
+
 }  // namespace
 }  // namespace cullhull

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,12 @@ _DEFAULT_TOLERANCE = 100 * np.finfo(np.float64).eps
 #: How far, as a share of its way to the middle, a point outside is moved to look for its cell.
 _LARGEST_PULL = 2.0**-20
 _LEAST_RECIPROCAL_CONDITION = 1000 * np.finfo(np.float64).eps
+#: Simplices computed on at once: between two blocks Ctrl-C is heard.
+_BLOCK = 2**14
+
+
+def _blocks(count: int) -> Iterator[slice]:
+    return (slice(begin, begin + _BLOCK) for begin in range(0, count, _BLOCK))
 
 
 class Lifted(Incremental):
@@ -260,38 +267,41 @@ class Delaunay(Lifted):
         """(s, d + 2) float64: outward unit normal and offset of each lifted simplex."""
         scale, shift = self._paraboloid
         centres, powers = self._spheres
-        planes = np.empty((self.nsimplex, self.ndim + 2))
-        planes[:, :-2] = 2 * scale * centres
-        planes[:, -2] = -1
-        planes[:, -1] = shift - scale * powers
-        planes /= np.sqrt((planes[:, :-1] ** 2).sum(axis=1))[:, np.newaxis]
-        return -planes if self.furthest_site else planes
+        out = np.empty((self.nsimplex, self.ndim + 2))
+        for block in _blocks(self.nsimplex):
+            planes = out[block]
+            planes[:, :-2] = 2 * scale * centres[block]
+            planes[:, -2] = -1
+            planes[:, -1] = shift - scale * powers[block]
+            planes /= np.sqrt((planes[:, :-1] ** 2).sum(axis=1))[:, np.newaxis]
+            if self.furthest_site:
+                np.negative(planes, out=planes)
+        return out
 
     @Lazy
     def _spheres(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Centre c of each simplex' sphere of radius r, and the power |c|^2 - r^2 of the origin."""
-        corners = self.points[self.triangulation.cells]
-        first = corners[:, 0]
-        edges = corners[:, 1:] - first[:, np.newaxis]
-        away = _solutions(edges, 0.5 * (edges**2).sum(axis=2))
-        # |first + away|^2 - |away|^2, in which |away|^2, large for a flat simplex, cancels
-        with np.errstate(invalid="ignore"):
-            return first + away, (first * (first + 2 * away)).sum(axis=1)
+        points, cells = self.points, self.triangulation.cells
+        centres, powers = np.empty((len(cells), self.ndim)), np.empty(len(cells))
+        for block in _blocks(len(cells)):
+            corners = points[cells[block]]
+            first = corners[:, 0]
+            edges = corners[:, 1:] - first[:, np.newaxis]
+            away = _solutions(edges, 0.5 * (edges**2).sum(axis=2))
+            # |first + away|^2 - |away|^2, in which |away|^2, large for a flat simplex, cancels
+            with np.errstate(invalid="ignore"):
+                centres[block] = first + away
+                powers[block] = (first * (first + 2 * away)).sum(axis=1)
+        return centres, powers
 
     @Lazy
     def transform(self) -> npt.NDArray[np.float64]:
         """(s, d + 1, d) float64: ``transform[i, :d] @ (x - transform[i, d])`` are the first d
         barycentric coordinates of x in simplex i; NaN where it is nearly flat."""
-        corners = self.points[self.triangulation.cells]
-        last = corners[:, -1]
-        edges = np.swapaxes(corners[:, :-1] - last[:, np.newaxis], 1, 2)
+        points, cells = self.points, self.triangulation.cells
         out = np.empty((self.nsimplex, self.ndim + 1, self.ndim))
-        out[:, :-1] = _inverses(edges)
-        out[:, -1] = last
-        norms = np.abs(edges).sum(axis=1).max(axis=1), np.abs(out[:, :-1]).sum(axis=1).max(axis=1)
-        with np.errstate(all="ignore"):
-            flat = ~(1 / (norms[0] * norms[1]) >= _LEAST_RECIPROCAL_CONDITION)
-        out[flat] = np.nan
+        for block in _blocks(len(cells)):
+            _write_transforms(points[cells[block]], out[block])
         return out
 
     @Lazy
@@ -530,6 +540,18 @@ def _solutions(
     good = _regular(matrices)
     out[good] = np.linalg.solve(matrices[good], right[good][:, :, np.newaxis])[:, :, 0]
     return out
+
+
+def _write_transforms(corners: npt.NDArray[np.float64], out: npt.NDArray[np.float64]) -> None:
+    """`Delaunay.transform` of simplices whose corners are given."""
+    last = corners[:, -1]
+    edges = np.swapaxes(corners[:, :-1] - last[:, np.newaxis], 1, 2)
+    out[:, :-1] = _inverses(edges)
+    out[:, -1] = last
+    norms = np.abs(edges).sum(axis=1).max(axis=1), np.abs(out[:, :-1]).sum(axis=1).max(axis=1)
+    with np.errstate(all="ignore"):
+        flat = ~(1 / (norms[0] * norms[1]) >= _LEAST_RECIPROCAL_CONDITION)
+    out[flat] = np.nan
 
 
 def _inverses(matrices: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

@@ -451,6 +451,34 @@ def test_nearly_flat_simplices_leave_the_others_alone():
     assert np.isnan(ours.transform[~good]).any()
 
 
+@pytest.mark.parametrize(
+    "attribute, step", [("equations", "_solutions"), ("transform", "_inverses")]
+)
+def test_planes_and_transforms_hear_an_interrupt(monkeypatch, attribute, step):
+    """They are computed in blocks, between which Python handles signals; blocks change no bit."""
+    from cullhull import _delaunay
+
+    points = np.random.default_rng(5).normal(size=(12_000, 2))
+    monkeypatch.setattr(_delaunay, "_BLOCK", 10**6)
+    at_once = getattr(cullhull.Delaunay(points), attribute)
+    monkeypatch.undo()
+
+    computed, sizes = getattr(_delaunay, step), []
+
+    def interrupted(matrices, *rest):
+        sizes.append(len(matrices))
+        if len(sizes) == 2:
+            raise KeyboardInterrupt
+        return computed(matrices, *rest)
+
+    monkeypatch.setattr(_delaunay, step, interrupted)
+    ours = cullhull.Delaunay(points)
+    with pytest.raises(KeyboardInterrupt):
+        getattr(ours, attribute)
+    assert np.array_equal(getattr(ours, attribute), at_once)
+    assert len(sizes) >= 4 and max(sizes) <= 2**14
+
+
 def test_scipys_degenerate_points():
     """What SciPy's test of the same set asserts but for the number of nearly flat triangles, which
     is Qhull's: those of ours are as flat as their exact areas."""
