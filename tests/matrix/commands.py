@@ -468,5 +468,5 @@ WAYS = (
 
 #: What a short run tries of rows that it does not try whole. (Every row has all sets by the
 #: reference door, and every door has all sets with the row `hull`.)
-FEW_SETS = ("generic", "integers", "nan", "empty")
+FEW_SETS = tuple(f"{kind}-{d}d" for kind in ("generic", "integers", "nan", "empty") for d in (2, 3))
 FEW_DOORS = ("npy-f4", "npy-i2", "csv-named", "las", "las-columns", "pipe-txt", "several", "gz")

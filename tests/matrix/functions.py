@@ -25,6 +25,8 @@ class Call:
     raises: Callable[[PointSet], Optional[str]] = lambda s: None if s.finite else "NotFinite"
     derive: Optional[str] = None  #: the points are made of the set's: 'halfspaces', 'sphere'
     arrays: str = "few"  #: 'all': a short run tries every door
+    #: Kinds of sets that take seconds: a short run tries them by the reference door alone.
+    slow: tuple[str, ...] = ()
     #: Doors without meaning, and why.
     without: dict[str, str] = field(default_factory=dict)
 
@@ -234,6 +236,7 @@ CALLS = (
         "NaturalNDInterpolator itself",
         "cullhull.NaturalNDInterpolator(p, v)",
         without=AXES,
+        slow=("wide",),
         raises=natural,
     ),
     Call(
@@ -253,6 +256,7 @@ CALLS = (
         "cullhull.NaturalNDInterpolator(p, v)(b)",
         arrays="all",
         without=AXES,
+        slow=("wide",),
         raises=natural,
     ),
     Call(
@@ -265,6 +269,7 @@ CALLS = (
         "NaturalNDInterpolator.neighbours",
         "cullhull.NaturalNDInterpolator(p, v).neighbours(b.mean(axis=0))",
         without=AXES,
+        slow=("wide",),
         raises=natural,
     ),
     Call(

@@ -155,7 +155,9 @@ class Package:
     def _tried(self, call: Call, array: Array, s: PointSet) -> bool:
         if self.large or array is ARRAYS[0]:
             return True
-        few = array.name in FEW_ARRAYS, s.kind in FEW_SETS
+        if s.kind in call.slow:
+            return False
+        few = array.name in FEW_ARRAYS, s.name in FEW_SETS
         return any(few) if call.arrays == "all" else all(few)
 
     def _outcome(self, call: Call, array: Array, names: dict[str, Any]) -> tuple[Any, Any]:

@@ -218,7 +218,7 @@ class Program:
         """Whether a run of this length has the triple."""
         if self.large or row.doors == "every" or s.kind == "decimal":
             return True
-        few = door in FEW_DOORS, s.kind in FEW_SETS
+        few = door in FEW_DOORS, s.name in FEW_SETS
         return all(few) if row.doors == "main" else any(few)
 
     def _try_ways(self, row: Row, s: PointSet, folder: Path, reference: Answer) -> None:
