@@ -205,7 +205,7 @@ void Input::to_grid(const cullhull::ReadOptions& options) {
 }
 
 void Input::to_world() {
-  if (placing.raw) return;
+  if (placing.raw || placing.grid.empty()) return;
   if (gathered.empty()) {
     file.to_world();
     points = file.points();
