@@ -164,9 +164,15 @@ TEST(Json, HostileFilesAreRefused) {
     *at = v;
     return refused(key, value);
   };
-  EXPECT_EQ(changed("vertices", {3}, 9), "F: vertices: item 3 is 9, but must be below 9");
-  EXPECT_EQ(changed("facets", {1, 2}, 9), "F: facets: item 6 is 9, but must be below 9");
-  EXPECT_EQ(changed("simplices", {0, 0}, 900), "F: simplices: item 0 is 900, but must be below 9");
+  EXPECT_EQ(changed("vertices", {3}, 9),
+            "F: vertices: item 3 is 9, but the ids of 9 points go from 0 to below 9; "
+            "for a hull made with --first-id give it here, too");
+  EXPECT_EQ(changed("facets", {1, 2}, 9),
+            "F: facets: item 6 is 9, but the ids of 9 points go from 0 to below 9; "
+            "for a hull made with --first-id give it here, too");
+  EXPECT_EQ(changed("simplices", {0, 0}, 900),
+            "F: simplices: item 0 is 900, but the ids of 9 points go from 0 to below 9; "
+            "for a hull made with --first-id give it here, too");
   EXPECT_EQ(changed("facet_neighbours", {0, 0}, 6),
             "F: facet_neighbours: item 0 is 6, but must be below 6");
   EXPECT_EQ(changed("simplex_neighbours", {0, 0}, 12),
