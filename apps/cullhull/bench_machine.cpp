@@ -28,7 +28,8 @@ struct MachineArguments {
   bool save = false, quiet = false;
 };
 
-void save_constants(const cullhull::bench::MachineRates& rates) {
+/// The file that the planner's constants go to; its folder exists afterwards.
+std::string place_of_constants() {
   const std::string path = machine_file();
   if (path.empty())
     throw cullhull::Error(
@@ -38,13 +39,14 @@ void save_constants(const cullhull::bench::MachineRates& rates) {
   if (const auto folder = std::filesystem::path(path).parent_path(); !folder.empty())
     std::filesystem::create_directories(folder, error);
   if (error) throw cullhull::Error(cullhull::ErrorCode::io, path + ": " + error.message());
-  cullhull::write_text(path, cullhull::bench::planner_constants(rates));
+  return path;
 }
 
 int run(const MachineArguments& arguments) {
   FilePlan plan;
   plan.writes_json(arguments.json);
-  if (arguments.save) plan.writes_any("--save", machine_file());
+  const std::string place = arguments.save ? place_of_constants() : "";
+  if (arguments.save) plan.writes_any("--save", place);
   cullhull::bench::MachineSettings settings;
   if (!arguments.bytes.empty()) settings.bytes = parse_size(arguments.bytes, "--bytes");
   settings.passes = arguments.passes;
@@ -55,7 +57,7 @@ int run(const MachineArguments& arguments) {
       rates = cullhull::bench::measure_machine(settings, progress.callback(), stop_token());
     });
   }
-  if (arguments.save) save_constants(rates);
+  if (arguments.save) cullhull::write_text(place, cullhull::bench::planner_constants(rates));
   if (!arguments.json.empty())
     cullhull::write_text(arguments.json, cullhull::bench::machine_json(rates));
   if (!arguments.quiet && !plan.uses_stdout()) write_stdout(cullhull::bench::machine_table(rates));
