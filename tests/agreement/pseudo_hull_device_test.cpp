@@ -16,6 +16,8 @@
 namespace cullhull::internal {
 namespace {
 
+const Options defaults;
+
 using testing_support::normal_points;
 
 struct Grown {
@@ -49,7 +51,7 @@ void expect_as_on_the_host(const PointView& view, const std::string& name) {
       std::vector<PseudoHullRound> rounds;
       EXPECT_EQ(device.survivors,
                 pseudo_hull_survivors(view, {subsets, max_rounds},
-                                      internal::Run(Options{}).with_threads(1), &rounds))
+                                      internal::Run(defaults).with_threads(1), &rounds))
           << name << ", " << D << "D, " << subsets << " subsets";
       ASSERT_EQ(device.rounds.size(), rounds.size()) << name;
       for (std::size_t r = 0; r < rounds.size(); ++r) {

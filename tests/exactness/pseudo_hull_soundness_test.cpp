@@ -16,6 +16,8 @@
 namespace cullhull::internal {
 namespace {
 
+const Options defaults;
+
 class Points {
  public:
   Points(unsigned d, std::uint64_t seed) : d_(d), random_(seed) {}
@@ -99,7 +101,7 @@ std::size_t expect_sound(const PointView& view, const std::vector<double>& rows,
   std::size_t dropped = 0;
   for (const unsigned subsets : {1U, 2U}) {
     const auto kept = pseudo_hull_survivors(view, {subsets, 1000},
-                                            internal::Run(Options{}).with_threads(1 + subsets % 2));
+                                            internal::Run(defaults).with_threads(1 + subsets % 2));
     dropped += view.count - kept.size();
     if (hull.affine_dimension() < static_cast<int>(d)) {
       EXPECT_EQ(kept.size(), view.count) << name;
@@ -191,7 +193,7 @@ TEST(PseudoHullSoundness, CopiesOfExtremePointsSurvive) {
     const std::size_t n = p.count();
     for (const std::uint32_t v : extreme) rows.insert(rows.end(), hull.point(v), hull.point(v) + d);
     const auto kept = pseudo_hull_survivors(PointView::row_major(rows.data(), rows.size() / d, d),
-                                            {}, internal::Run(Options{}).with_threads(2));
+                                            {}, internal::Run(defaults).with_threads(2));
     for (std::size_t k = 0; k < extreme.size(); ++k) {
       EXPECT_TRUE(std::binary_search(kept.begin(), kept.end(), extreme[k])) << d << "D";
       EXPECT_TRUE(std::binary_search(kept.begin(), kept.end(), n + k)) << d << "D";
@@ -226,12 +228,12 @@ TEST(PseudoHullSoundness, SurvivorsDependOnThePointsAlone) {
     for (const unsigned subsets : {1U, 5U}) {
       std::vector<PseudoHullRound> rounds, other;
       const auto kept = pseudo_hull_survivors(view, {subsets, 1000},
-                                              internal::Run(Options{}).with_threads(1), &rounds);
+                                              internal::Run(defaults).with_threads(1), &rounds);
       EXPECT_LT(kept.size(), n) << d;
       for (const unsigned threads : {2U, 3U})
         EXPECT_EQ(
             pseudo_hull_survivors(PointView::column_major(columns.data(), n, d), {subsets, 1000},
-                                  internal::Run(Options{}).with_threads(threads), &other),
+                                  internal::Run(defaults).with_threads(threads), &other),
             kept)
             << d << "D, " << subsets << " subsets, " << threads << " threads";
       ASSERT_EQ(other.size(), rounds.size());

@@ -19,6 +19,8 @@
 namespace cullhull::internal {
 namespace {
 
+const Options defaults;
+
 using testing::OnDevice;
 using testing::Stream;
 using testing_support::normal_points;
@@ -28,9 +30,9 @@ void expect_as_on_the_host(const PointView& host, const OnDevice& device, unsign
   const Stream stream;
   std::vector<PseudoHullRound> rounds, expected;
   const auto got = pseudo_hull_survivors_cuda(device.view(host, stream), {subsets, max_rounds},
-                                              internal::Run(Options{}).control, &rounds);
+                                              internal::Run(defaults).control, &rounds);
   EXPECT_EQ(got, pseudo_hull_survivors(host, {subsets, max_rounds},
-                                       internal::Run(Options{}).with_threads(0), &expected))
+                                       internal::Run(defaults).with_threads(0), &expected))
       << name << ", " << host.dimension << "D, " << host.count << " points, " << subsets
       << " subsets, " << max_rounds << " rounds";
   ASSERT_EQ(rounds.size(), expected.size()) << name;
@@ -117,7 +119,7 @@ TEST(PseudoHullGpu, WhatItDropsIsStrictlyInsideExactly) {
       const OnDevice device(p);
       const Stream stream;
       const auto kept = pseudo_hull_survivors_cuda(device.view(view, stream), {},
-                                                   internal::Run(Options{}).control);
+                                                   internal::Run(defaults).control);
       EXPECT_LT(kept.size(), n);
       for (std::uint64_t i = 0, k = 0; i < n; ++i) {
         if (k < kept.size() && kept[k] == i)
@@ -135,7 +137,7 @@ TEST(PseudoHullGpu, RefusesWhatItCannotDo) {
   const Stream stream;
   const auto refused = [&](const PointView& view) {
     try {
-      pseudo_hull_survivors_cuda(device.view(view, stream), {}, internal::Run(Options{}).control);
+      pseudo_hull_survivors_cuda(device.view(view, stream), {}, internal::Run(defaults).control);
     } catch (const Error& e) {
       return e.code() == ErrorCode::invalid_argument;
     }
