@@ -120,7 +120,10 @@ TEST(CliTriangulation, HeightsThatCannotBeKept) {
   error({"--columns", "x,y", "--height", "w", "-o", f / "t.obj"}, 2, "no column 'w'");
   error({"--columns", "x,y", "--height", "x,z", "-o", f / "t.obj"}, 2,
         "--height x,z: 2 columns, where one number a point is wanted");
-  error({"--height", "z", "-o", f / "t.json"}, 2, "--height is of 2D points, and these are 3D");
+  error({"--columns", "x,y,z", "--height", "z", "-o", f / "t.json"}, 2,
+        "--height is of 2D points, and these are 3D");
+  // A column of heights is no coordinate unless --columns says so.
+  error({"--height", "z", "-o", f / "t.json"}, 1, "height of point 2 is NaN");
   error({"-o", f / "t.obj"}, 2,
         ".obj holds triangles of 2D points, and these are 3D; .vtk holds tetrahedra");
 }
