@@ -212,7 +212,11 @@ std::uint32_t find_key(const ReadOptions& options, const std::string& file,
                        std::vector<std::uint32_t>& columns) {
   if (options.key.empty()) return 0xFFFFFFFF;
   const std::vector<std::uint32_t> key = find_columns(options.key, file, names, width);
-  if (key.size() != 1) refuse(file, options.key, "a key is one column");
+  if (key.size() != 1)
+    refuse(file, options.key,
+           options.weights.empty()
+               ? "a key is one column"
+               : std::to_string(key.size()) + " columns, where one number a point is wanted");
   if (options.columns.empty()) std::erase(columns, key[0]);
   if (columns.empty()) refuse(file, options.key, "no coordinates are left beside the key");
   return key[0];

@@ -133,11 +133,15 @@ TEST(CliIds, OutputsThatCannotBeWrittenAreFoundBeforeTheWork) {
 
 TEST(CliIds, AnEditedCheckpointIsRefused) {
   const Folder f;
-  write_points(f / "p.npy", "ball", 300000, 3);
-  const std::vector<std::string> words{"hull",      f / "p.npy",          "-q", "--checkpoint",
+  // All points are extreme, so that the work takes long enough to be cut off.
+  for (int tile = 100; tile < 180; ++tile)
+    write_npy_points(f / ("tile-" + std::to_string(tile) + ".npy"),
+                     generate("sphere", 2000, 3, static_cast<std::uint64_t>(tile)).data(), 2000, 3,
+                     ScalarType::f64);
+  const std::vector<std::string> words{"hull",      f / "tile-*.npy",     "-q", "--checkpoint",
                                        f / "c",     "--checkpoint-every", "0",  "-o",
                                        f / "h.json"};
-  // The program removes its checkpoint at the end: a full disk keeps the last one.
+  // The program removes its checkpoint at the end.
   std::string text;
   for (int round = 0; round < 200 && text.empty(); ++round) {
     const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
@@ -165,7 +169,7 @@ TEST(CliIds, AnEditedCheckpointIsRefused) {
   write_file(f / "c", text);
   EXPECT_EQ(run_app(words).status, 0);
   const std::string resumed = read_file(f / "h.json");
-  ASSERT_EQ(run_app({"hull", f / "p.npy", "-q", "-o", f / "whole.json"}).status, 0);
+  ASSERT_EQ(run_app({"hull", f / "tile-*.npy", "-q", "-o", f / "whole.json"}).status, 0);
   EXPECT_EQ(resumed, read_file(f / "whole.json"));
 }
 

@@ -119,7 +119,7 @@ TEST(CliTriangulation, HeightsThatCannotBeKept) {
   error({"--columns", "x,y", "--height", "z", "-o", f / "t.wkt"}, 2, ".wkt holds no heights");
   error({"--columns", "x,y", "--height", "w", "-o", f / "t.obj"}, 2, "no column 'w'");
   error({"--columns", "x,y", "--height", "x,z", "-o", f / "t.obj"}, 2,
-        "--height x,z: 2 columns, where one number a point is wanted");
+        "columns 'x,z': 2 columns, where one number a point is wanted");
   error({"--columns", "x,y,z", "--height", "z", "-o", f / "t.json"}, 2,
         "--height is of 2D points, and these are 3D");
   // A column of heights is no coordinate unless --columns says so.

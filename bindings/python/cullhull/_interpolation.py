@@ -249,7 +249,8 @@ class NaturalNDInterpolator(_OnCells):
         xi = self._questions(args)
         rows = np.ascontiguousarray(xi.reshape(-1, xi.shape[-1]))
         # Exactly inside, as the weights are: SciPy's tolerance would let in points without any.
-        inside = self.tri.triangulation.find_simplex(rows, threads=self._threads) >= 0
+        cells = np.asarray(self.tri.triangulation.find_simplex(rows, threads=self._threads))
+        inside: npt.NDArray[np.bool_] = cells >= 0
         chosen = settings(threads=self._threads)
         found: npt.NDArray[Any] = self._native.natural(rows[inside], np.nan, chosen)
         found = found.reshape(-1, self._components)

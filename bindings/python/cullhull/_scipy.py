@@ -18,6 +18,10 @@ def of_scipy(public: str, name: str) -> Any:
     A program that sets ``scipy.spatial.Delaunay = cullhull.Delaunay`` replaces a name of the public
     module: the one that defines the class still has SciPy's.
     """
+    try:
+        importlib.import_module(public)
+    except ImportError:
+        return None
     for module in (*_HOMES[public], public):
         try:
             found = getattr(importlib.import_module(module), name, None)

@@ -156,7 +156,7 @@ def test_natural_neighbours_just_outside_get_the_fill_value():
 
 def test_griddata_in_its_place(monkeypatch):
     scipy_interpolate = pytest.importorskip("scipy.interpolate")
-    line, square = [0.0, 1.0, 2.0], np.random.default_rng(2).random((20, 2))
+    line, square = np.array([0.0, 1.0, 2.0]), np.random.default_rng(2).random((20, 2))
     expected = scipy_interpolate.griddata(line, line, [0.5], "linear")
     smooth = scipy_interpolate.griddata(square, square[:, 0], [[0.5, 0.5]], "cubic")
     monkeypatch.setattr(scipy_interpolate, "griddata", cullhull.griddata)
