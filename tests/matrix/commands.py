@@ -372,6 +372,7 @@ ROWS = (
             "folder": "several files are several frames",
             "pattern": "several files are several frames",
         },
+        reason=lambda s: mesh(s) if s.finite else None,
         doors="main",
     ),
     Row(

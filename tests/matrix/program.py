@@ -427,7 +427,7 @@ def _box(s: PointSet) -> str:
         low, high = np.zeros(s.dimension), np.ones(s.dimension)
     else:
         low, high = s.points.min(axis=0), s.points.max(axis=0)
-    margin = max(float((high / 2 - low / 2).max()), 2.0**-1000)
+    margin = float((high / 2 - low / 2).max()) or 1.0
     return ",".join(repr(float(x)) for x in (*(low - margin), *(high + margin)))
 
 
