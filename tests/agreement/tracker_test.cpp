@@ -396,7 +396,7 @@ TEST(HullTracker, ThePseudoHullStaysOnTheCpuAndSaysSo) {
   }
 }
 
-TEST(Tracker, AutoLeadsOnlyWhereFewPointsAreExtreme) {
+TEST(HullTracker, AutoLeadsOnlyWhereFewPointsAreExtreme) {
   // A map of many leaders takes longer than a static run's: one point in 90 is extreme here. Of
   // points in a ball's inside hardly any is.
   constexpr std::size_t n = 140000;
@@ -408,10 +408,9 @@ TEST(Tracker, AutoLeadsOnlyWhereFewPointsAreExtreme) {
       const double far = i % (many ? 90 : 2000) == 0 ? 1 : 0.5;
       rows.insert(rows.end(), {far * r * std::cos(turn), far * r * std::sin(turn), far * z});
     }
-    cullhull::HullTracker tracker;
-    for (int frame = 0; frame < 2; ++frame)
-      tracker.update(cullhull::PointView::row_major(rows.data(), n, 3));
-    EXPECT_EQ(tracker.report().method, many ? "static" : "gauge");
+    HullTracker tracker;
+    for (int frame = 0; frame < 2; ++frame) tracker.update(PointView::row_major(rows.data(), n, 3));
+    EXPECT_STREQ(tracker.report().method, many ? "static" : "gauge");
   }
 }
 
