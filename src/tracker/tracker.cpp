@@ -46,9 +46,12 @@ struct HullTracker::Impl {
     // A filter that takes little more than a pass does not gain from leaders.
     if (d == 3 && points.on_host() != nullptr && points.count <= most_by_outermost) return false;
     // The leaders' hull costs, as a share of the hull of all points without a filter, their share
-    // of the points: an eighth is allowed.
+    // of the points: an eighth is allowed. In space a static run lays its map in less time than
+    // many leaders take: measured in docs/moving-points.md.
+    const std::uint64_t least_per_leader = d == 3 && points.on_host() != nullptr ? 192 : 8;
     return options.cull == CullMethod::automatic && pause == 0 &&
-           points.count >= smallest_worth_culling(d) && leaders.size() <= points.count / 8;
+           points.count >= smallest_worth_culling(d) &&
+           leaders.size() <= points.count / least_per_leader;
   }
 
   Filtered filter(FramePoints& points, const Run& run, FrameReport& now) {

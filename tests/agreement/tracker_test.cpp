@@ -396,5 +396,23 @@ TEST(HullTracker, ThePseudoHullStaysOnTheCpuAndSaysSo) {
   }
 }
 
+TEST(HullTracker, AutoLeadsOnlyWhereFewPointsAreExtreme) {
+  // A map of many leaders takes longer than a static run's: one point in 90 is extreme here. Of
+  // points in a ball's inside hardly any is.
+  constexpr std::size_t n = 140000;
+  for (const bool many : {true, false}) {
+    std::vector<double> rows;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double turn = 2.399963229728653 * static_cast<double>(i),
+                   z = 2 * (static_cast<double>(i) + 0.5) / n - 1, r = std::sqrt(1 - z * z);
+      const double far = i % (many ? 90 : 2000) == 0 ? 1 : 0.5;
+      rows.insert(rows.end(), {far * r * std::cos(turn), far * r * std::sin(turn), far * z});
+    }
+    HullTracker tracker;
+    for (int frame = 0; frame < 2; ++frame) tracker.update(PointView::row_major(rows.data(), n, 3));
+    EXPECT_STREQ(tracker.report().method, many ? "static" : "gauge");
+  }
+}
+
 }  // namespace
 }  // namespace cullhull
