@@ -175,7 +175,7 @@ class Across:
         told = self.program.run(
             ["generate", "ball", "-n", "9", "-o", str(self.folder / "t.npy"), "--json"]
         )
-        fault = fault_of(self.program.schema, "generate", told.out) if told.out else told.err
+        fault = fault_of(self.program.schema, "generate_report", told.out) if told.out else told.err
         self.cells.judge("program/generate/--json", fault, told.line)
         said = self.program.help_of("generate")
         shapes = re.findall(r"^  ([\w-]+) ", said.split("Shapes:")[1].split("Motions")[0], re.M)

@@ -74,6 +74,15 @@ def solid(s: PointSet) -> Optional[str]:
     return single_precision(s)
 
 
+def drawn(s: PointSet) -> Optional[str]:
+    """Formats of triangles in single precision, of a triangulation of the plane."""
+    if PLANE(s):
+        return PLANE(s)
+    if s.finite and s.affine_dimension < 2:
+        return "the format holds triangles, and the triangulation has none"
+    return single_precision(s)
+
+
 def spanning(s: PointSet) -> Optional[str]:
     if mesh(s):
         return mesh(s)
@@ -227,6 +236,8 @@ ROWS = (
                     (".vtp", texts.vtp),
                 )
             ),
+            _o(".stl", texts.stl, drawn, of_points=False),
+            _o(".glb", texts.glb, drawn, of_points=False),
             _o(".vtk", texts.vtk, up_to_space),
             *PLANE_SHAPES,
             _json("triangulation"),
@@ -353,7 +364,7 @@ ROWS = (
     Row(
         "view",
         ("view", "-q"),
-        (_o(".html", texts.page, alike="page"), _report("view")),
+        (_o(".html", texts.page, alike="page"), _report("hull")),
         without={
             "several": "a page shows one input",
             "list": "a page shows one input",
@@ -446,6 +457,8 @@ OPTIONS_ELSEWHERE = {
     "--inside": "needs rings: the tests of constrained edges",
     "--by": "groups: cli_groups_test and test_groups",
     "--edge-length": "the number that --ratio stands for",
+    "--raw": "numbers of scans without their scale: cli_las_test",
+    "--height": "heights of a surface: cli_triangulation_test",
     "--count": "generate",
     "--seed": "generate",
     "--frames": "generate",

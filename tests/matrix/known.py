@@ -2,15 +2,9 @@
 an entry of which no cell fails any more fails the test."""
 
 _BITS = "coordinates of scans are computed on a decimal grid where they are binary fractions, too"
-_WORLD = "scale and offset of a LAS file are not applied"
-_NULL = 'a measure beyond the doubles is null in track\'s report, "inf" in every other'
 
 EXPECTED: list[tuple[str, str]] = [
     ("program/*/las*/* bit for bit", _BITS),
-    ("program/*/las*", _WORLD),
-    ("program/track*/*-2d/--json", _NULL),
-    ("program/track*/*-3d/--json", _NULL),
-    ("python/read/las*", _WORLD),
     ("python out/ClippedCells of */pickle/*", "no state"),
     ("python out/ClippedCells of */deepcopy/*", "no state"),
     ("python out/ConstrainedTriangulation of */pickle/*", "no state"),

@@ -249,8 +249,9 @@ class NaturalNDInterpolator(_OnCells):
         xi = self._questions(args)
         rows = np.ascontiguousarray(xi.reshape(-1, xi.shape[-1]))
         # Exactly inside, as the weights are: SciPy's tolerance would let in points without any.
-        cells = np.asarray(self.tri.triangulation.find_simplex(rows, threads=self._threads))
-        inside: npt.NDArray[np.bool_] = cells >= 0
+        inside: npt.NDArray[np.bool_] = np.isfinite(rows).all(axis=1)
+        cells = self.tri.triangulation.find_simplex(rows[inside], threads=self._threads)
+        inside[inside] = np.asarray(cells) >= 0
         chosen = settings(threads=self._threads)
         found: npt.NDArray[Any] = self._native.natural(rows[inside], np.nan, chosen)
         found = found.reshape(-1, self._components)

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from ._arguments import as_points
 from ._drop_in import ConvexHull
-from ._errors import InvalidArgument
+from ._errors import InvalidArgument, NotFinite
 
 
 class SphericalVoronoi:
@@ -80,7 +80,7 @@ class SphericalVoronoi:
         if len(self.points) == 0:
             raise InvalidArgument("No points given")
         if not np.isfinite(self.points).all():
-            raise InvalidArgument("points must be finite")
+            raise NotFinite("points must be finite")
         rank = np.linalg.matrix_rank(self.points - self.points[0], tol=nearness)
         if rank < self._dim:
             raise InvalidArgument(f"Rank of input points must be at least {self._dim}")

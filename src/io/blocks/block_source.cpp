@@ -212,7 +212,7 @@ class TextBlocks : public BlockSource {
   bool next(BlockTask& task, BlockMemory& memory) override {
     if (!begun_) begin(memory);
     const std::size_t size = cut(memory);
-    if (size == 0) return false;
+    if (!std::exchange(empty_, false) && size == 0) return false;
     const char* const begin = memory.room(0);
     const std::uint64_t before = lines_;
     lines_ += static_cast<std::uint64_t>(std::count(begin, begin + size, '\n'));
@@ -283,6 +283,7 @@ class TextBlocks : public BlockSource {
   std::atomic<std::uint64_t> points_{0};
   std::string rest_;
   bool begun_ = false, ended_ = false;
+  bool empty_ = true;  ///< as in PipedRecords
 };
 
 /// A format that has to be in memory as a whole: a single block.
