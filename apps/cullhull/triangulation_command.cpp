@@ -193,7 +193,7 @@ Box box_of(const DualArguments& a, const PointView& points, const cullhull::Grid
     box.high.push_back(high);
     widest = std::max(widest, high - low);
   }
-  const double margin = widest > 0 ? widest / 10 : 1;
+  const double margin = widest > 0 ? widest / 10 : grid.to_grid(1);
   for (std::uint32_t j = 0; j < d; ++j) {
     box.low[j] -= margin;
     box.high[j] += margin;

@@ -5,6 +5,7 @@ _BITS = "coordinates of scans are computed on a decimal grid where they are bina
 
 EXPECTED: list[tuple[str, str]] = [
     ("program/*/las*/* bit for bit", _BITS),
+    ("program/voronoi*/las*/*.json", "corners and rays come from the grid of a scan, not from doubles"),
     ("python out/ClippedCells of */pickle/*", "no state"),
     ("python out/ClippedCells of */deepcopy/*", "no state"),
     ("python out/ConstrainedTriangulation of */pickle/*", "no state"),
@@ -16,8 +17,6 @@ EXPECTED: list[tuple[str, str]] = [
         "python out/GroupHulls of hulls_by/==/*",
         "hulls are made anew at each look, and compared as objects",
     ),
-    ("python/SphericalVoronoi*/nan-3d", "another class than NotFinite"),
-    ("program/hull --partial/txt-qhull/empty-*", "a text of no points has no dimension in blocks"),
     ("python/NaturalNDInterpolator itself/array/*-4d", "made, and refused when it is called"),
     ("python/griddata/dlpack/*", "SciPy's own arrays are asked first"),
     ("python/griddata/pandas-nullable/*", "SciPy's own arrays are asked first"),
