@@ -104,14 +104,16 @@ struct ClippedCells {
 /// doubles relative to its own point: distances of a vertex from planes are within a few roundings
 /// of exact, and so are measures; which faces shorter than that appear is not exact. Results are
 /// the same bits for any threads. Time: about a microsecond a point in the plane, some ten in
-/// space. Errors: as above; invalid_argument also for d > 3 and for a box that is empty or not
-/// finite.
+/// space. Errors: as above; invalid_argument also for d > 3, for a box that is empty or not finite,
+/// and where the measures do not add up to the region's within 1e-6, because points and region are
+/// too far apart, or too far from the origin, for doubles.
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           std::span<const double> low, std::span<const double> high,
                           std::span<const double> weights = {}, bool shapes = true,
                           const Options& options = {});
 
-/// In the convex hull of the points `region`, which must span d dimensions.
+/// In the convex hull of the points `region`, which must span d dimensions. In the plane they must
+/// not lie inside their hull, as the corner of a dent does: Error{invalid_argument}.
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           const PointView& region, std::span<const double> weights = {},
                           bool shapes = true, const Options& options = {});

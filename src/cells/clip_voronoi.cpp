@@ -1,6 +1,7 @@
 // clip_voronoi(): each cell is the region cut by the halfspaces towards its neighbours.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "cells/dual.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
+#include "cullhull/query.hpp"
 #include "cullhull/voronoi.hpp"
 #include "parallel/helpers.hpp"
 #include "parallel/pages.hpp"
@@ -26,6 +28,11 @@ struct Region {
 
 [[noreturn]] void refuse(const std::string& message) {
   throw Error(ErrorCode::invalid_argument, message);
+}
+
+std::string shown(double v) {
+  char text[32];
+  return {text, static_cast<std::size_t>(std::snprintf(text, sizeof text, "%.6g", v))};
 }
 
 void check_dimension(const Triangulation& t) {
@@ -52,6 +59,17 @@ Region box_region(const Triangulation& t, std::span<const double> low,
   return r;
 }
 
+/// A list of corners in the plane is a polygon to whoever passes it: one with dents is no convex
+/// region.
+void refuse_dents(const PointView& points, const Hull& hull, const Options& options) {
+  std::vector<Side> sides(points.count);
+  HullQuery(points, hull).sides(points, sides.data(), options);
+  for (std::uint64_t i = 0; i < points.count; ++i)
+    if (sides[i] == Side::inside)
+      refuse("the region is not convex: its point " + std::to_string(i) +
+             " lies inside the hull of the others; pass that hull's vertices if it is meant");
+}
+
 /// A hull lists its vertices around in the plane, and those of its facets in space.
 Region hull_region(const Triangulation& t, const PointView& points, const Options& options) {
   const unsigned d = t.dimension;
@@ -61,6 +79,7 @@ Region hull_region(const Triangulation& t, const PointView& points, const Option
   const Hull hull = convex_hull(points, options);
   if (hull.affine_dimension != static_cast<int>(d))
     refuse("the region spans dimension " + std::to_string(hull.affine_dimension) + " only");
+  if (d == 2) refuse_dents(points, hull, options);
   Region r;
   std::vector<std::uint64_t> ids(hull.vertices.begin(), hull.vertices.end());
   const auto place = [&](std::uint64_t id) {
@@ -252,6 +271,22 @@ void join(std::vector<Part>& parts, ClippedCells& out) {
   }
 }
 
+/// The cells add up to the region. Where they do not, points and region are too far apart, or too
+/// far from the origin, for shapes in doubles: an error, and no wrong measures.
+template <class Shape>
+void check_sum(const Region& region, const Array<double>& measures) {
+  constexpr double share = 1e-6;  // far above what roundings cost, far below what a lost cell does
+  Shape whole;
+  start_shape(region, region.vertices.data(), whole);
+  double sum = 0;
+  for (const double m : measures) sum += m;
+  const double wanted = whole.measure();
+  if (std::isinf(sum) && std::isinf(wanted)) return;  // beyond the doubles, and said so
+  if (!(std::abs(sum - wanted) <= share * wanted))
+    refuse("the cells cannot be clipped in doubles: they add up to " + shown(sum) +
+           ", and the region is " + shown(wanted) + "; move or scale points and region");
+}
+
 template <unsigned D, class Shape>
 void clip_all(const DualPoints& points, const Triangulation& t, const Region& region, bool shapes,
               ClippedCells& out, const Run& run) {
@@ -273,6 +308,7 @@ void clip_all(const DualPoints& points, const Triangulation& t, const Region& re
                    }
                  });
   if (shapes) join(parts, out);
+  if (!t.cells.empty()) check_sum<Shape>(region, out.measures);
 }
 
 ClippedCells clip(const PointView& points, const Triangulation& t, const Region& region,

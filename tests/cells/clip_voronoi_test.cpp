@@ -201,10 +201,36 @@ TEST(ClipVoronoi, RefusesWhatIsNone) {
   const Numbers line{0, 0, 1, 1};
   EXPECT_EQ(message([&] { clip_voronoi(view_of(s), t, PointView::row_major(line.data(), 2, 2)); }),
             "the region spans dimension 1 only");
+  const Numbers dented{0, 0, 1, 0, 0.5, 0.25, 1, 1, 0, 1};
+  EXPECT_EQ(
+      message([&] { clip_voronoi(view_of(s), t, PointView::row_major(dented.data(), 5, 2)); }),
+      "the region is not convex: its point 2 lies inside the hull of the others; pass that hull's "
+      "vertices if it is meant");
   const LiftedSet far = random_points(4, 20, 1);
   EXPECT_EQ(
       message([&] { clip_voronoi(view_of(far), triangulate(far), Numbers(4, 0), Numbers(4, 1)); }),
       "cells are clipped in dimensions 1 to 3, not in 4");
+}
+
+/// Where doubles cannot hold the shapes there is an error, and no measure of 0 or NaN.
+TEST(ClipVoronoi, RefusesWhatDoublesCannotHold) {
+  using Numbers = std::vector<double>;
+  const auto refused = [](const Numbers& rows, const Numbers& low, const Numbers& high) {
+    const PointView points = PointView::row_major(rows.data(), rows.size() / 2, 2);
+    try {
+      const ClippedCells cells = clip_voronoi(points, delaunay(points), low, high);
+      double sum = 0;
+      for (const double m : cells.measures) sum += m;
+      return "adds up to " + std::to_string(sum);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::invalid_argument);
+      return std::string(e.what()).substr(0, 40);
+    }
+  };
+  const std::string expected = "the cells cannot be clipped in doubles: ";
+  EXPECT_EQ(refused({-1e16, 0, 1e16, 0, 0, 1e16}, {0, 0}, {1, 1}), expected);
+  EXPECT_EQ(refused({-1e308, 0, 1e308, 0, 0, 1e308}, {-1, -1}, {1, 1}), expected);
+  EXPECT_EQ(refused({-1, 0, 1, 0, 0, 1}, {-1, -1}, {1, 1}), "adds up to 4.000000");
 }
 
 }  // namespace

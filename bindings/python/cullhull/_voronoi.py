@@ -177,7 +177,8 @@ class VoronoiDiagram:
         Parameters
         ----------
         low, high : (d,) arrays
-            A box; or `low` alone, an (m, d) array: the convex hull of these points.
+            A box; or `low` alone, an (m, d) array: the corners of a convex region. A polygon with
+            dents is refused.
         shapes : bool
             Whether the cells' corners and faces are wanted, or only their measures.
         threads, progress : as in `convex_hull`
@@ -189,7 +190,8 @@ class VoronoiDiagram:
         Raises
         ------
         InvalidArgument, NotFinite (ValueErrors)
-            For a region that is empty or flat, and for d > 3.
+            For a region that is empty, flat or not convex, for d > 3, and where points and region
+            are so far apart that doubles cannot hold the cells.
         KeyboardInterrupt
 
         Examples
