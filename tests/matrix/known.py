@@ -8,11 +8,6 @@ EXPECTED: list[tuple[str, str]] = [
     ("program/voronoi*/las*/*.json", "corners and rays come from the grid of a scan, not from doubles"),
     ("python out/ClippedCells of */pickle/*", "no state"),
     ("python out/ClippedCells of */deepcopy/*", "no state"),
-    ("python out/ConstrainedTriangulation of */pickle/*", "no state"),
-    ("python out/ConstrainedTriangulation of */deepcopy/*", "no state"),
-    ("python out/NaturalNDInterpolator of */pickle/*", "no state"),
-    ("python out/NaturalNDInterpolator of */deepcopy/*", "no state"),
-    ("python out/*Interpolator of * itself/repr/*", "no text of its own"),
     (
         "python out/GroupHulls of hulls_by/==/*",
         "hulls are made anew at each look, and compared as objects",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterable
-from typing import Any, Literal, Union
+from typing import Any, Literal, Union, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,8 @@ Progress = Union[bool, None, Callable[[str, float], object]]
 Backend = Literal["auto", "cpu", "cuda"]
 #: ``cull=``: which filter.
 CullMethod = Literal["auto", "gauge", "pseudo-hull", "none"]
+
+_CHOICES = {"backend": get_args(Backend), "cull": get_args(CullMethod)}
 
 #: Scalar types that are read where they lie; every value of each is exactly a double.
 IN_PLACE = frozenset("?bBhHiIfd")
@@ -180,6 +182,8 @@ def settings(
     for name, value in (("backend", backend), ("cull", cull)):
         if not isinstance(value, str):
             raise TypeError(f"{name} must be a string, not {type(value).__name__}")
+        if value not in _CHOICES[name]:
+            raise InvalidArgument(f"unknown {name} {value!r}; known are {', '.join(_CHOICES[name])}")
     return _core.Settings(
         backend,
         cull,

@@ -123,6 +123,17 @@ class ConstrainedTriangulation:
         self._cells, self.pieces, self.piece_sources = cells, pieces, piece_sources
         self.depths, self.certificate = depths, certificate
 
+    def __copy__(self) -> ConstrainedTriangulation:
+        lists = self.pieces, self.piece_sources, self.depths
+        return ConstrainedTriangulation(self._cells, *lists, self.certificate)
+
+    def __deepcopy__(self, memo: Any) -> ConstrainedTriangulation:
+        return self.__copy__()  # nobody can change either
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        lists = self.pieces, self.piece_sources, self.depths
+        return _of_state, (_core.state_of_cells(self._cells), *lists, self.certificate)
+
     def __repr__(self) -> str:
         n = len(self.pieces)
         return (
@@ -165,3 +176,14 @@ class ConstrainedTriangulation:
     def hidden(self) -> npt.NDArray[np.int32]:
         """(h,) int32, ascending: points that ``inside_only`` has left no cell at."""
         return self._cells.hidden
+
+
+def _of_state(
+    state: dict[str, Any],
+    pieces: npt.NDArray[np.int32],
+    piece_sources: npt.NDArray[np.int32],
+    depths: npt.NDArray[np.int32],
+    certificate: Certificate | None,
+) -> ConstrainedTriangulation:
+    cells = _core.cells_of_state(state)
+    return ConstrainedTriangulation(cells, pieces, piece_sources, depths, certificate)

@@ -40,6 +40,12 @@ class _Interpolator:
             array = (array - self._offset) / self._scale
         self.points = array
 
+    def __repr__(self) -> str:
+        n, d = self.points.shape
+        shape = self.values.shape[1:]
+        each = f", values of shape {shape}" if shape else ""
+        return f"<{type(self).__name__} of {n} points in {d}D{each}>"
+
     def _set_values(self, values: Any) -> None:
         self.values = np.asarray(values)
         if self.values.ndim == 0 or len(self.values) != len(self.points):
@@ -222,6 +228,16 @@ class NaturalNDInterpolator(_OnCells):
         threads: int | None = None,
     ) -> None:
         super().__init__(points, values, fill_value, rescale, threads=threads)
+        self._prepare()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: v for name, v in self.__dict__.items() if name != "_native"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._prepare()
+
+    def _prepare(self) -> None:
         n = len(self.values)
         parts = self.values.reshape(n, -1)
         if np.iscomplexobj(parts):
@@ -231,7 +247,7 @@ class NaturalNDInterpolator(_OnCells):
             self.tri.triangulation._cells,
             np.ascontiguousarray(parts, dtype=np.float64).reshape(-1),
             self._components,
-            settings(threads=threads),
+            settings(threads=self._threads),
         )
 
     def __call__(self, *args: Any) -> npt.NDArray[Any]:
@@ -249,7 +265,7 @@ class NaturalNDInterpolator(_OnCells):
         xi = self._questions(args)
         rows = np.ascontiguousarray(xi.reshape(-1, xi.shape[-1]))
         # Exactly inside, as the weights are: SciPy's tolerance would let in points without any.
-        inside: npt.NDArray[np.bool_] = np.isfinite(rows).all(axis=1)
+        inside = np.asarray(np.isfinite(rows).all(axis=1))
         cells = self.tri.triangulation.find_simplex(rows[inside], threads=self._threads)
         inside[inside] = np.asarray(cells) >= 0
         chosen = settings(threads=self._threads)

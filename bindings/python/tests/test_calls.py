@@ -228,3 +228,10 @@ def test_in_worker_processes(method):
     expected = [_volume(seed) for seed in (1, 2, 3)]  # the library's threads run before the fork
     with multiprocessing.get_context(method).Pool(2) as pool:
         assert pool.map_async(_volume, (1, 2, 3)).get(timeout=120) == expected
+
+
+@pytest.mark.parametrize("choice", [{"cull": "gauge-map"}, {"backend": "gpu"}, {"cull": ""}])
+def test_unknown_choices_are_invalid_arguments(choice):
+    (name, value) = next(iter(choice.items()))
+    with pytest.raises(cullhull.InvalidArgument, match=f"unknown {name} '{value}'; known are auto"):
+        cullhull.convex_hull([[0, 0], [1, 0], [0, 1]], **choice)

@@ -259,3 +259,18 @@ def test_states_keep_nothing_alive():
     pickle.dumps(hull)
     after = sys.getrefcount(hull._solid)
     assert after == before
+
+
+@pytest.mark.parametrize("send", [copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))])
+def test_natural_interpolators_and_constrained_triangulations(send):
+    points = np.random.default_rng(1).random((30, 2))
+    natural = cullhull.NaturalNDInterpolator(points, points[:, 0] + 1j, fill_value=-1)
+    asked = [[0.5, 0.5], [0.3, 0.6], [9.0, 9.0]]
+    assert np.array_equal(send(natural)(asked), natural(asked))
+    assert repr(send(natural)) == "<NaturalNDInterpolator of 30 points in 2D>"
+    square, edge = [[0, 0], [1, 0], [1, 1], [0, 1]], [[3, 1]]
+    forced = cullhull.constrained_delaunay(square, edge, certify=True)
+    back = send(forced)
+    for name in ("points", "cells", "neighbours", "pieces", "piece_sources", "depths"):
+        assert np.array_equal(getattr(back, name), getattr(forced, name)), name
+    assert back.certificate and repr(back) == repr(forced)
