@@ -106,7 +106,8 @@ void bind_files(nb::module_& m) {
   m.def(
       "grid_of",
       [](std::vector<double> scale, std::vector<double> offset) -> std::optional<int> {
-        const cullhull::Grid grid = cullhull::common_grid({{std::move(scale), std::move(offset), ""}});
+        const cullhull::Grid grid =
+            cullhull::common_grid({{std::move(scale), std::move(offset), ""}});
         return grid.empty() ? std::nullopt : std::optional(grid.decimals());
       },
       nb::arg("scale"), nb::arg("offset"),
