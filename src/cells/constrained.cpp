@@ -531,7 +531,7 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
   const Run run(options);
   const CallScope call;
   const PageScope pages;
-  require_budget(run.budget, points.count * 140, "the constrained triangulation");
+  require_budget(run.budget, points.count * 140, "the cells of the constrained triangulation");
   force_all(points, constraints, run, out);
   if (o.inside_only) keep_inside(out);
   write_hull(out.triangulation);

@@ -175,7 +175,7 @@ Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
   require_budget(run.budget,
                  t.point_count * 8 * (t.dimension + 3) +
                      t.size() * (8 * t.dimension + 12 * (k + 1) + 6 * k * (k + 1)),
-                 "the Voronoi diagram");
+                 "the cells of the Voronoi diagram");
   Voronoi out;
   out.dimension = t.dimension;
   out.point_count = t.point_count;

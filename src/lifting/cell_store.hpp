@@ -122,7 +122,7 @@ class CellStore {
   /// That many cells, of which nothing is set.
   void resize(std::uint32_t count) {
     expected_ = 0;
-    require_budget(budget_, count * cell_bytes(), "the triangulation");
+    require_budget(budget_, count * cell_bytes(), "the cells of the triangulation");
     data_.reserve(std::size_t{count} * 2 * corners());
     marks_.reserve(count);
     capacity_ = count_ = count;
@@ -155,7 +155,7 @@ class CellStore {
     reserve(most);
   }
   void reserve(std::uint64_t cells) {
-    require_budget(budget_, cells * cell_bytes(), "the triangulation");
+    require_budget(budget_, cells * cell_bytes(), "the cells of the triangulation");
     data_.reserve(cells * 2 * corners());
     marks_.reserve(cells);
     capacity_ = cells;

@@ -41,7 +41,7 @@ void check_budget(const PointView& points, const Run& run) {
   const std::uint64_t n = points.count, d = points.dimension;
   std::uint64_t bytes = n * (16 * d + 24);
   if (d == 2) bytes += 2 * n * 60;
-  require_budget(run.budget, bytes, "the triangulation");
+  require_budget(run.budget, bytes, "the cells of the triangulation");
 }
 
 /// So many points are inserted by one thread before others join in: of fewer they would be in each

@@ -188,7 +188,7 @@ TEST(CliGroups, WhatIsRefused) {
   for (int i = 0; i < 100000; ++i) long_table += std::to_string(i) + ",1,2\n";
   write_file(f / "long.csv", long_table);
   expect_error({"hull", f / "long.csv", "--by", "k", "--memory", "1M", "-o", f / "h.csv"}, 4,
-               "sorting the points by group");
+               "the points that are sorted by group need");
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ def as_point_set(points: Any) -> npt.NDArray[Any]:
     array = as_points(points)
     n, d = array.shape
     if n < d and n > 1 and d > 8:  # a simplex at most: nobody asks for that on purpose
-        warn(f"Hull of {n} points in {d}D: did you mean points.T?", ShapeWarning)
+        warn(f"{n} points in {d}D: did you mean points.T?", ShapeWarning)
     return array
 
 

@@ -140,7 +140,7 @@ class ShapeWarning(UserWarning):
     ...     warnings.simplefilter("always")
     ...     _ = cullhull.convex_hull(cullhull.generate("ball", 200, 3).T)
     >>> print(told[0].message)
-    Hull of 3 points in 200D: did you mean points.T?
+    3 points in 200D: did you mean points.T?
     """
 
 

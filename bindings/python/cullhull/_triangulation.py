@@ -355,7 +355,10 @@ class Triangulation:
         if cells is None:
             found = self._cells.find(array, chosen)
         else:
-            found = np.ascontiguousarray(np.atleast_1d(cells), dtype=np.int32)
+            given = np.atleast_1d(cells)
+            if given.dtype.kind not in "iu":
+                raise InvalidArgument(f"cells should be integers, not {given.dtype}")
+            found = np.ascontiguousarray(given, dtype=np.int32)
             if found.shape != (len(array),):
                 raise InvalidArgument(f"{len(array)} points need as many cells")
         width = self.affine_dimension + 1

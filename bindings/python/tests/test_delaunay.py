@@ -491,3 +491,10 @@ def test_scipys_degenerate_points():
         a, b, c = ([Fraction(float(x)) for x in ours.points[v]] for v in ours.simplices[cell])
         area = determinant([[x - y for x, y in zip(b, a)], [x - y for x, y in zip(c, a)]])
         assert 0 < area < Fraction(1, 10**17)
+
+
+@pytest.mark.parametrize("cells", [1.9, [0.0], np.array([True])])
+def test_cells_are_integers(cells):
+    found = cullhull.delaunay([[0, 0], [1, 0], [0, 1], [1, 1]])
+    with pytest.raises(cullhull.InvalidArgument, match="cells should be integers"):
+        found.barycentric([0.25, 0.25], cells)

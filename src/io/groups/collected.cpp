@@ -55,7 +55,7 @@ void CollectedPoints::add(const PointView& block, std::uint64_t first_id, const 
   for (std::uint64_t i = 0; i < block.count; ++i) kept.groups[i] = words_.number(keys[i]);
   // While they are sorted the rows exist twice.
   bytes_ += block.count * (16 * d + 4);
-  require_budget(budget_, bytes_ + words_.bytes(), "sorting the points by group");
+  require_budget(budget_, bytes_ + words_.bytes(), "the points that are sorted by group");
   blocks_.push_back(std::move(kept));
 }
 
