@@ -9,7 +9,8 @@ build=(g++ cmake ninja-build ccache pkg-config libhwy-dev libgmp-dev libqhull-de
   libcli11-dev libfmt-dev nlohmann-json3-dev libfast-float-dev libjs-three
   zlib1g-dev libzstd-dev)
 mpi=(libopenmpi-dev openmpi-bin)
-test=("${mpi[@]}" libhdf5-dev libgtest-dev qhull-bin libcgal-dev libboost-dev libtbb-dev lrslib libbenchmark-dev)
+test=("${mpi[@]}" libhdf5-dev libgtest-dev qhull-bin libcgal-dev libboost-dev libtbb-dev lrslib libbenchmark-dev
+  zstd)
 # Ubuntu's chromium is a snap, which has no package; there the viewer's browser test is skipped.
 if grep -qx 'ID=debian' /etc/os-release 2>/dev/null; then
   test+=(chromium chromium-driver python3-selenium python3-pil)

@@ -547,7 +547,7 @@ class Moving(Page):
 
     def test_moving_points_are_tracked(self):
         source = generated(
-            "led.npy", "bumpy", "-n", "80k", "-d", "3", "--frames", "4", "--motion", "twist")
+            "led.npy", "gauss", "-n", "100k", "-d", "3", "--frames", "4", "--motion", "twist")
         reports = self.view(source)
         self.assertEqual([r["track"]["method"] for r in reports],
                          ["static", "gauge", "gauge", "gauge"])
