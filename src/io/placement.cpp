@@ -170,26 +170,34 @@ GridAxes::GridAxes(const Placement& placement, const Grid& grid) {
   origin_ = std::move(multiples->origin);
 }
 
-void to_world(Hull& hull, const Grid& grid) {
-  if (grid.empty()) return;
+namespace {
+
+/// Converts each number of a hull: offsets and the centroid are lengths.
+template <class Length, class Measure>
+void convert(Hull& hull, const Length& length, const Measure& measure) {
   const std::size_t width = std::size_t{hull.dimension} + 1;
   for (std::size_t i = width - 1; i < hull.facet_planes.size(); i += width)
-    hull.facet_planes[i] = grid.to_world(hull.facet_planes[i]);
-  for (double& x : hull.centroid) x = grid.to_world(x);
+    hull.facet_planes[i] = length(hull.facet_planes[i]);
+  for (double& x : hull.centroid) x = length(x);
   const int k = std::max(hull.affine_dimension, 0);
-  hull.volume = grid.measure_to_world(hull.volume, k);
-  hull.area = grid.measure_to_world(hull.area, std::max(k - 1, 0));
+  hull.volume = measure(hull.volume, k);
+  hull.area = measure(hull.area, std::max(k - 1, 0));
+}
+
+}  // namespace
+
+void to_world(Hull& hull, const Grid& grid) {
+  if (grid.empty()) return;
+  convert(
+      hull, [&](double x) { return grid.to_world(x); },
+      [&](double m, int d) { return grid.measure_to_world(m, d); });
 }
 
 void to_grid(Hull& hull, const Grid& grid) {
   if (grid.empty()) return;
-  const std::size_t width = std::size_t{hull.dimension} + 1;
-  for (std::size_t i = width - 1; i < hull.facet_planes.size(); i += width)
-    hull.facet_planes[i] = grid.to_grid(hull.facet_planes[i]);
-  for (double& x : hull.centroid) x = grid.to_grid(x);
-  const int k = std::max(hull.affine_dimension, 0);
-  hull.volume = grid.measure_to_grid(hull.volume, k);
-  hull.area = grid.measure_to_grid(hull.area, std::max(k - 1, 0));
+  convert(
+      hull, [&](double x) { return grid.to_grid(x); },
+      [&](double m, int d) { return grid.measure_to_grid(m, d); });
 }
 
 void to_world(Voronoi& diagram, const Grid& grid) {
