@@ -287,6 +287,12 @@ TEST(Interpolator, RefusesWhatIsNone) {
   const std::vector<double> values(20);
   EXPECT_THROW(Interpolator(view_of(s), triangulate(s), values.data(), 0), Error);
   EXPECT_THROW(Interpolator(view_of(s), triangulate(s), nullptr), Error);
+  TriangulationOptions furthest;
+  furthest.furthest_site = true;
+  EXPECT_THROW(Interpolator(view_of(s), delaunay(view_of(s), furthest), values.data()), Error);
+  EXPECT_THROW(Interpolator(view_of(s), regular_triangulation(view_of(s), values), values.data()),
+               Error);
+  EXPECT_NO_THROW(Interpolator(view_of(s), delaunay(view_of(s)), values.data()));
 }
 
 }  // namespace
