@@ -36,11 +36,16 @@ def as_points(points: Any, what: str = "points", *, axes: int = 2) -> npt.NDArra
     """
     array = points if type(points) is np.ndarray else _from_anything(points, what)
     if array.ndim != axes:
-        raise InvalidArgument(f"`{what}` should be a {axes}D array, not {array.ndim}D")
+        raise wrong_axes(what, axes, array.ndim)
     dtype = array.dtype
     if dtype.char in IN_PLACE and dtype.isnative:
         return array
     return _converted(array, what)
+
+
+def wrong_axes(what: str, axes: int, found: int) -> InvalidArgument:
+    """The error for an array of `found` axes, in words that programs match SciPy's by."""
+    return InvalidArgument(f"`{what}` should be a {axes}D array; its number of dimensions is {found}")
 
 
 def as_point_set(points: Any) -> npt.NDArray[Any]:
