@@ -502,6 +502,23 @@ class Delaunay(Lifted):
 Delaunay._lazy = lazy_names(Lifted) | lazy_names(Delaunay)
 
 
+def as_triangulation(points: Any) -> Triangulation | None:
+    """The native triangulation that a caller passes in the place of points, if it is one."""
+    if isinstance(points, Delaunay):
+        return points.triangulation
+    return points if isinstance(points, Triangulation) else None
+
+
+def triangulated(points: Any, *, threads: int | None, progress: Progress) -> Triangulation:
+    """The triangulation of points, or the one that is passed in their place."""
+    found = as_triangulation(points)
+    if found is None:
+        return delaunay(points, threads=threads, progress=progress)
+    if found.weights is not None:
+        raise InvalidArgument("this is of triangulations without weights")
+    return found
+
+
 def tsearch(tri: Delaunay, xi: Any) -> npt.NDArray[np.int32]:
     """In place of `scipy.spatial.tsearch`: ``tri.find_simplex(xi)``.
 

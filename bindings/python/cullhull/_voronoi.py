@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._arguments import Progress, as_points, settings
-from ._delaunay import Lifted
+from ._delaunay import Lifted, as_triangulation
 from ._errors import InvalidArgument
 from ._incremental import Lazy, lazy_names
 from ._lists import Lists
@@ -32,7 +32,7 @@ def voronoi(
 
     Parameters
     ----------
-    points : (n, d) array, or a `Triangulation` of `delaunay`
+    points : (n, d) array, or a triangulation: of `delaunay` or a `Delaunay`
         As of `delaunay`.
     weights, furthest_site : as of `delaunay`
     threads, memory_budget, progress : as in `convex_hull`
@@ -55,10 +55,10 @@ def voronoi(
     ([[1.0, 1.0]], [[0, 1], [0, 3], [1, 2], [2, 3]])
     """
     chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
-    if isinstance(points, Triangulation):
+    found = as_triangulation(points)
+    if found is not None:
         if weights is not None or furthest_site:
             raise InvalidArgument("the triangulation has its weights and its kind already")
-        found = points
     else:
         found = delaunay(
             points,
