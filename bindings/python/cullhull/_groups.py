@@ -19,7 +19,7 @@ class GroupHulls(Mapping[Any, Hull]):
 
     Arrays over all groups are in `batch`, in the order of `keys`; which points a group has is in
     `members`. Vertex indices of a group's hull count its own points: ``members(key)[hull.vertices]``
-    are the rows of all points.
+    are the rows of all points. Two of them are equal where keys, members and hulls are.
 
     Raises
     ------
@@ -84,6 +84,22 @@ class GroupHulls(Mapping[Any, Hull]):
     def group_keys(self) -> npt.NDArray[Any]:
         """(g,) array of the keys, ascending: group i of `batch` has ``group_keys[i]``."""
         return self._keys
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both have the same keys, with the same points, and these the same hulls."""
+        if not isinstance(other, GroupHulls):
+            return NotImplemented
+        return self is other or all(
+            np.array_equal(mine, theirs) for mine, theirs in zip(self._parts(), other._parts())
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def _parts(self) -> tuple[npt.NDArray[Any], ...]:
+        """What all else follows from: keys, whose points, and where the hulls' vertices are."""
+        vertices = self.batch.vertices
+        corners = vertices.offsets, vertices.items, self.batch.vertex_points
+        return (self._keys, self._order, self._starts, *corners)
 
     def members(self, key: Any) -> npt.NDArray[np.int64]:
         """Indices of the points that have this key, ascending.
