@@ -8,12 +8,4 @@ EXPECTED: list[tuple[str, str]] = [
     ("program/voronoi*/las*/*.json", "corners and rays come from the grid of a scan, not from doubles"),
     ("python out/ClippedCells of */pickle/*", "no state"),
     ("python out/ClippedCells of */deepcopy/*", "no state"),
-    (
-        "python out/GroupHulls of hulls_by/==/*",
-        "hulls are made anew at each look, and compared as objects",
-    ),
-    ("python/NaturalNDInterpolator itself/array/*-4d", "made, and refused when it is called"),
-    ("python/griddata/dlpack/*", "SciPy's own arrays are asked first"),
-    ("python/griddata/pandas-nullable/*", "SciPy's own arrays are asked first"),
-    ("python/griddata/masked/*", "a mask is dropped"),
 ]

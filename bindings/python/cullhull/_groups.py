@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._arguments import Progress, as_points
+from ._arguments import Progress, as_points, refuse_mask
 from ._errors import InvalidArgument
 from ._hull import Hull
 from ._many import HullBatch, convex_hulls
@@ -157,6 +157,7 @@ def _as_they_are(keys: Any) -> npt.NDArray[Any]:
 
 def _codes(keys: Any) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
     """The keys there are, ascending, and for each point the place of its own among them."""
+    refuse_mask(keys, "keys")
     if hasattr(keys, "combine_chunks"):  # an Arrow column, maybe in chunks
         keys = keys.combine_chunks()
     if hasattr(keys, "null_count"):  # a number in Arrow, a method in polars

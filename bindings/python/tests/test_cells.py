@@ -272,7 +272,7 @@ OF_TRIANGULATIONS = {
     "minimum_spanning_tree": cullhull.minimum_spanning_tree,
     "relative_neighbourhood_graph": cullhull.relative_neighbourhood_graph,
     "voronoi": lambda t: cullhull.voronoi(t).vertices,
-    "LinearNDInterpolator": lambda t: cullhull.LinearNDInterpolator(t, t.points[:, 0])([[0.5, 0.5]]),
+    "LinearNDInterpolator": lambda t: cullhull.LinearNDInterpolator(t, t.points[:, 0])(0.5, 0.5),
     "NaturalNDInterpolator": lambda t: cullhull.NaturalNDInterpolator(t, t.points[:, 0])(0.5, 0.5),
 }
 
