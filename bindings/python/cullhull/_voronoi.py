@@ -262,11 +262,18 @@ class ClippedCells:
         point : int
             Its index.
 
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            In 1D and 2D, and where ``shapes=False`` left corners and faces out.
+
         >>> import cullhull
         >>> cells = cullhull.voronoi([[0, 0, 0], [1, 0, 0]]).clip([-1] * 3, [2] * 3)
         >>> len(cells.faces(0)), len(cells.corners(0))
         (6, 8)
         """
+        if len(self._clipped.vertex_offsets) and not len(self._clipped.face_offsets):
+            raise InvalidArgument("only cells in 3D have faces; in the plane `corners` go round a cell")
         begin, end = self._range(self._clipped.face_offsets, point)
         starts = self._clipped.face_starts[begin : end + 1].tolist()
         return [self._clipped.face_vertices[a:b].tolist() for a, b in zip(starts, starts[1:])]

@@ -96,6 +96,19 @@ def test_points_on_one_sphere():
     assert sorted(map(len, found.regions)).count(4) == 9
 
 
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_faces_are_of_cells_in_space(dimension):
+    found = cullhull.voronoi(np.random.default_rng(1).random((5, dimension)))
+    cells = found.clip([0] * dimension, [1] * dimension)
+    with pytest.raises(cullhull.InvalidArgument, match="only cells in 3D have faces"):
+        cells.faces(0)
+    assert len(cells.corners(0)) >= 2
+    cells = found.clip([0] * dimension, [1] * dimension, shapes=False)
+    for ask in (cells.faces, cells.corners):
+        with pytest.raises(cullhull.InvalidArgument, match="was not asked for these"):
+            ask(0)
+
+
 def test_a_point_one_digit_outside():
     """Of the set of the four tests of SciPy's that are left out: its diagram has vertices that
     are very near to each other, and one that is very far; Qhull merges them."""
