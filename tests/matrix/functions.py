@@ -25,8 +25,6 @@ class Call:
     raises: Callable[[PointSet], Optional[str]] = lambda s: None if s.finite else "NotFinite"
     derive: Optional[str] = None  #: the points are made of the set's: 'halfspaces', 'sphere'
     arrays: str = "few"  #: 'all': a short run tries every door
-    #: Kinds of sets that take seconds: a short run tries them by the reference door alone.
-    slow: tuple[str, ...] = ()
     #: Doors without meaning, and why.
     without: dict[str, str] = field(default_factory=dict)
 
@@ -236,7 +234,6 @@ CALLS = (
         "NaturalNDInterpolator itself",
         "cullhull.NaturalNDInterpolator(p, v)",
         without=AXES,
-        slow=("wide",),
         raises=natural,
     ),
     Call(
@@ -256,7 +253,6 @@ CALLS = (
         "cullhull.NaturalNDInterpolator(p, v)(b)",
         arrays="all",
         without=AXES,
-        slow=("wide",),
         raises=natural,
     ),
     Call(
@@ -269,7 +265,6 @@ CALLS = (
         "NaturalNDInterpolator.neighbours",
         "cullhull.NaturalNDInterpolator(p, v).neighbours(b.mean(axis=0))",
         without=AXES,
-        slow=("wide",),
         raises=natural,
     ),
     Call(
