@@ -317,6 +317,12 @@ CALLS = (
         UP_TO_SPACE,
     ),
     Call(
+        "ClippedCells.polygons",
+        "(c := cullhull.voronoi(p).clip([low, [high[0], low[1]], high, (low + high) / 2, "
+        "[low[0], high[1]]])) and [c.polygons(i) for i in range(len(c))]",
+        PLANE,
+    ),
+    Call(
         "ClippedCells.faces",
         "(c := cullhull.voronoi(p).clip(low, high)) and [c.faces(i) for i in range(len(c))]",
         SPACE,

@@ -6,6 +6,4 @@ _BITS = "coordinates of scans are computed on a decimal grid where they are bina
 EXPECTED: list[tuple[str, str]] = [
     ("program/*/las*/* bit for bit", _BITS),
     ("program/voronoi*/las*/*.json", "corners and rays come from the grid of a scan, not from doubles"),
-    ("python out/ClippedCells of */pickle/*", "no state"),
-    ("python out/ClippedCells of */deepcopy/*", "no state"),
 ]
