@@ -36,6 +36,9 @@ def as_points(points: Any, what: str = "points", *, axes: int = 2) -> npt.NDArra
     """
     array = points if type(points) is np.ndarray else as_array(points, what)
     if array.ndim != axes:
+        if array.ndim == 0 and array.dtype == object:  # no array at all
+            kind = type(points).__name__
+            raise InvalidArgument(f"`{what}` should be a {axes}D array, not of type {kind}")
         raise wrong_axes(what, axes, array.ndim)
     dtype = array.dtype
     if dtype.char in IN_PLACE and dtype.isnative:

@@ -489,6 +489,14 @@ def test_buffers_are_released():
     assert hull.volume == 1
 
 
+@pytest.mark.parametrize("wrong", [None, object(), {"x": 1}, cullhull.delaunay([[0, 0], [1, 1]])])
+def test_what_is_no_array_is_named(wrong):
+    said = f"`points` should be a 2D array, not of type {type(wrong).__name__}$"
+    for take in (cullhull.convex_hull, cullhull.Delaunay, cullhull.NearestNDInterpolator):
+        with pytest.raises(cullhull.InvalidArgument, match=said):
+            take(wrong, [1]) if take is cullhull.NearestNDInterpolator else take(wrong)
+
+
 MASKED = np.ma.masked_array(np.arange(12.0).reshape(6, 2) ** 2)
 MASKED[0, 0] = np.ma.masked
 PLAIN = np.array(MASKED.data)

@@ -103,7 +103,7 @@ def test_faces_are_of_cells_in_space(dimension):
         cells = found.clip([0] * dimension, [1] * dimension, shapes=shapes)
         with pytest.raises(cullhull.InvalidArgument, match="faces are of cells in 3D"):
             cells.faces(0)
-    with pytest.raises(cullhull.InvalidArgument, match="was not asked for these"):
+    with pytest.raises(cullhull.InvalidArgument, match="shapes=False"):
         cells.corners(0)
 
 
