@@ -332,6 +332,9 @@ def test_plots():
         assert module.delaunay_plot_2d(cullhull.Delaunay(points)).axes
         assert module.voronoi_plot_2d(cullhull.Voronoi(points)).axes
     assert cullhull.delaunay_plot_2d(spatial.Delaunay(points)).axes
+    assert cullhull.delaunay_plot_2d(cullhull.delaunay(points)).axes
+    with pytest.raises(cullhull.InvalidArgument, match="in a plane or a line"):
+        cullhull.delaunay_plot_2d(cullhull.delaunay([[0, 0], [1, 1]]))
     figure = cullhull.voronoi_plot_2d(spatial.Voronoi(points), show_vertices=False, line_colors="r")
     solid, dashed = figure.axes[0].collections
     their_solid, their_dashed = spatial.voronoi_plot_2d(spatial.Voronoi(points)).axes[0].collections
