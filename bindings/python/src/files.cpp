@@ -108,10 +108,10 @@ void bind_files(nb::module_& m) {
       [](std::vector<double> scale, std::vector<double> offset) -> std::optional<int> {
         const cullhull::Grid grid =
             cullhull::common_grid({{std::move(scale), std::move(offset), ""}});
-        return grid.empty() ? std::nullopt : std::optional(grid.decimals());
+        return grid.decimals() < 0 ? std::nullopt : std::optional(grid.decimals());
       },
       nb::arg("scale"), nb::arg("offset"),
-      "Decimals of the grid on which such a scan lies; None where there is none.");
+      "Decimals of the grid on which such a scan lies; None where doubles do.");
 }
 
 }  // namespace binding
