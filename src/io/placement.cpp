@@ -8,7 +8,6 @@
 #include <optional>
 #include <string_view>
 
-#include "geometry/double_parts.hpp"
 #include "io/placing.hpp"
 #include "io/source.hpp"
 #include "parallel/parallel.hpp"
@@ -68,10 +67,11 @@ std::optional<double> multiple(const Decimal& d, int decimals) {
   return d.negative ? -static_cast<double>(number) : static_cast<double>(number);
 }
 
+bool is_multiple(double v, double unit) { return std::rint(v / unit) == v / unit; }
+
 /// The same of a binary grid, where numbers stay as they are.
 std::optional<double> binary_multiple(double v, double unit) {
-  if (v == 0 || (std::isfinite(v) && lowest_bit_exponent(v) >= std::ilogb(unit))) return v;
-  return std::nullopt;
+  return is_multiple(v, unit) ? std::optional(v) : std::nullopt;
 }
 
 /// Binary places that scales and offsets need together; nothing where they have very many.
@@ -80,8 +80,9 @@ std::optional<int> binary_places(const std::vector<Placement>& placements) {
   for (const Placement& p : placements)
     for (const std::vector<double>* numbers : {&p.scale, &p.offset})
       for (const double v : *numbers)
-        if (v != 0 && std::isfinite(v)) places = std::max(places, -lowest_bit_exponent(v));
-  return places <= most_places ? std::optional(places) : std::nullopt;
+        while (!is_multiple(v, std::ldexp(1.0, -places)))
+          if (++places > most_places) return std::nullopt;
+  return places;
 }
 
 bool all_lie_on(const std::vector<Placement>& placements, const Grid& grid) {
