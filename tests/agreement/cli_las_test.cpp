@@ -314,6 +314,12 @@ TEST(CliLas, FieldsOfTheRecordAreColumnsAndKeys) {
     EXPECT_EQ(groups[c]["properties"]["classification"], c);
     EXPECT_EQ(groups[c]["properties"]["area"], json_of(f / "c.geojson")["properties"]["area"]);
   }
+  // From a pipe the same.
+  const Ran piped = run_app(
+      {"hull", "-", "--by", "classification", "--columns", "x,y", "-o", f / "piped.geojson"},
+      f / "a.las");
+  EXPECT_EQ(piped.status, 0) << piped.err;
+  EXPECT_EQ(read_file(f / "piped.geojson"), read_file(f / "groups.geojson"));
   expect_success(
       {"info", f / "a.las", "--columns", "x,classification,key_point", "--json=" + (f / "i")});
   const auto axes = json_of(f / "i")["axes"];
