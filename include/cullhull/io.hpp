@@ -148,7 +148,9 @@ class PointSequence {
   std::uint64_t index() const noexcept;
   const std::string& name() const noexcept;
   const std::string& format() const noexcept;
-  const Grid& grid() const noexcept;     ///< as PointFile::grid(), the same for all frames
+  const Grid& grid() const noexcept;  ///< as PointFile::grid(), the same for all frames
+  /// As PointFile::placement(), of the current frame; before next() and of arrays it is empty.
+  const Placement& placement() const noexcept;
   double read_seconds() const noexcept;  ///< of the current frame
 
   struct Impl;

@@ -111,7 +111,8 @@ class Forcing {
     bool refused;
   };
 
-  /// Once in some thousand triangles: whether the caller asked to stop.
+  /// To be called for each triangle or edge that is looked at. Once in some thousand: whether the
+  /// caller asked to stop.
   void poll() {
     if (++steps_ % 4096 == 0) run_.check();
   }
@@ -140,8 +141,9 @@ class Forcing {
     bool right_ = false;
   };
   /// Whether v has fewer edges than w: turns around both at once, until one is done.
-  bool fewer_edges(std::uint32_t v, std::uint32_t w) const {
+  bool fewer_edges(std::uint32_t v, std::uint32_t w) {
     for (Turn at_v(mesh_, v), at_w(mesh_, w);;) {
+      poll();
       if (!at_w.next()) return false;
       if (!at_v.next()) return true;
     }
@@ -182,10 +184,11 @@ class Forcing {
 
   /// The edge at a that the segment begins with; or `first` becomes the edge opposite to a that the
   /// segment crosses, from right to left.
-  std::uint32_t edge_along(std::uint32_t a, std::uint32_t b, std::uint32_t& first) const {
+  std::uint32_t edge_along(std::uint32_t a, std::uint32_t b, std::uint32_t& first) {
     const std::uint32_t start = mesh_.out(a);
     std::uint32_t h = start;
     do {  // to the left
+      poll();
       if (const std::uint32_t along = try_wedge(a, b, h, first); along != none || first != none)
         return along;
       h = HalfEdges::twin(mesh_.previous(h));
@@ -193,6 +196,7 @@ class Forcing {
     if (h == start) return none;
     if (on_segment(a, b, mesh_.target(h))) return h;  // the last edge of the hull
     for (h = start; mesh_.has_face(HalfEdges::twin(h));) {
+      poll();
       h = mesh_.next(HalfEdges::twin(h));
       if (const std::uint32_t along = try_wedge(a, b, h, first); along != none || first != none)
         return along;

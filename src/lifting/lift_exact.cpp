@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include "geometry/double_double.hpp"
+#include "geometry/eliminated_sign.hpp"
 #include "geometry/lifted_rows.hpp"
 #include "lifting/lift_filter.hpp"
 #include "parallel/dispatch.hpp"
@@ -50,7 +53,56 @@ Sign wide_side(const LiftedPoints& s, const double* const* c, const double* p) {
   return Sign::zero;
 }
 
+/// The matrix of `lift_side_exact` as computed, and bounds of the errors of its lifts: a
+/// difference's error counts twice, a square, d - 1 sums, two of a weight; those of the bound.
+void lifted_matrix(const LiftedPoints& s, const double* const* c, const double* p, double* m,
+                   double* doubt) {
+  const unsigned k = s.base;
+  for (unsigned i = 0; i <= k; ++i, m += k + 1) {
+    const double* q = i < k ? c[i + 1] : p;
+    double lift = 0;
+    for (unsigned j = 0; j < s.width; ++j) {
+      const double v = q[j] - c[0][j];
+      if (j < k) m[j] = v;
+      lift += v * v;
+    }
+    double magnitude = lift;
+    if (s.weighted) {
+      const double w = q[s.width] - c[0][s.width];
+      lift -= w;
+      magnitude += std::abs(w);
+    }
+    m[k] = lift;
+    doubt[i] = (2 * s.width + 8) * unit_roundoff * magnitude;
+  }
+}
+
+/// Room for a matrix of n x n and n doubts after it.
+double* room_for_matrix(unsigned n) {
+  thread_local std::vector<double> numbers;
+  numbers.resize(std::size_t{n} * (n + 1));
+  return numbers.data();
+}
+
 }  // namespace
+
+bool base_orientation_eliminated(unsigned k, const double* const* p, Sign& sign) {
+  double *matrix = room_for_matrix(k), *doubt = matrix + std::size_t{k} * k;
+  for (unsigned i = 0; i < k; ++i)
+    for (unsigned j = 0; j < k; ++j) matrix[i * k + j] = p[i + 1][j] - p[0][j];
+  std::fill_n(doubt, k, 0.0);
+  return eliminated_sign(k, matrix, doubt, sign);
+}
+
+bool lift_side_eliminated(const LiftedPoints& s, const double* const* c, const double* p,
+                          Sign& sign) {
+  const unsigned n = s.base + 1;
+  double *matrix = room_for_matrix(n), *doubt = matrix + std::size_t{n} * n;
+  lifted_matrix(s, c, p, matrix, doubt);
+  if (!eliminated_sign(n, matrix, doubt, sign)) return false;
+  if (s.furthest) sign = -sign;
+  return true;
+}
 
 Sign lift_side_exact(const LiftedPoints& s, const double* const* c, const double* p) {
   const Sign sign = determinant_sign(LiftedRows(s.base, s.width, s.weighted, c, p));

@@ -28,11 +28,14 @@ inline Sign lift_side(const LiftedPoints& s, const double* const* c, const doubl
                       LiftCounts& counts) {
   Sign sign = Sign::zero;
   if (s.filtered) {
-    if constexpr (K != 0) {
-      if (lift_side_filtered<K>(s, c, p, sign)) {
-        ++counts.rungs[0];
-        return sign;
-      }
+    bool known = false;
+    if constexpr (K != 0)
+      known = lift_side_filtered<K>(s, c, p, sign);
+    else
+      known = lift_side_eliminated(s, c, p, sign);
+    if (known) {
+      ++counts.rungs[0];
+      return sign;
     }
     sign = lift_side_wide(s, c, p);
     if (sign != Sign::zero) {
@@ -75,6 +78,10 @@ inline Sign base_orientation(const LiftedPoints& s, const double* const* p) {
       if (det[(1U << K) - 1] > bound) return Sign::positive;
       if (det[(1U << K) - 1] < -bound) return Sign::negative;
     }
+  }
+  if constexpr (K == 0) {
+    Sign sign = Sign::zero;
+    if (base_orientation_eliminated(s.base, p, sign)) return sign;
   }
   return orientation(s.base, p);
 }

@@ -94,7 +94,8 @@ void scale(LiftedPoints& s, const Run& run) {
   int e = x.most > 0 ? -up : 0;
   if (w.most > 0 && (x.most == 0 || 2 * e + weight_up > 0)) e = -((weight_up + 1) >> 1);
   if (!x.safe(e) || !w.safe(2 * e)) {
-    // Left as they are. With at most 6 axes a determinant has degree 8: it stays below 2^600.
+    // Left as they are. With at most 6 axes a determinant has degree 8: it stays below 2^600. With
+    // more, elimination sees to its range itself.
     constexpr int most_unscaled = 64;
     s.filtered = -e <= most_unscaled;
     s.tiny = std::ldexp(0x1p-1000, static_cast<int>(s.base + 2) * std::min(-e, most_unscaled));

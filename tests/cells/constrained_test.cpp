@@ -297,6 +297,38 @@ TEST(Constrained, HubsOfManyEdges) {
     }
 }
 
+/// Forcing polls once in so many triangles and edges that it looks at.
+constexpr std::uint64_t steps_a_poll = 4096;
+
+/// How many steps it takes to force these edges, give or take one poll.
+std::uint64_t forcing_steps(const LiftedSet& s, const Edges& edges) {
+  const auto polls = [&](const Edges& some) {
+    std::uint64_t count = 0;
+    ConstrainedOptions o;
+    o.threads = 1;
+    o.poll = [&] { ++count; };
+    constrained_delaunay(view_of(s), some, o);
+    return count;
+  };
+  return (polls(edges) - polls({})) * steps_a_poll;
+}
+
+TEST(Constrained, EdgesRoundOneHubTakeLinearWork) {
+  constexpr std::uint32_t spokes = 16000;
+  for (const bool middle : {true, false})
+    for (const bool turned : {false, true}) {
+      LiftedSet s{"hub", 2, {0, middle ? 0.0 : -2.0}, {}};
+      Edges edges;
+      for (std::uint32_t i = 0; i < spokes; ++i) {
+        const double angle = i * (middle ? 6.28 : 3.14) / spokes;
+        s.rows.insert(s.rows.end(), {std::cos(angle), std::sin(angle)});
+        edges.insert(edges.end(), {turned ? i + 1 : 0U, turned ? 0U : i + 1});
+      }
+      // Up to 50 for each edge; going round the hub for each of them takes thousands.
+      EXPECT_LT(forcing_steps(s, edges), 100U * spokes) << middle << " " << turned;
+    }
+}
+
 TEST(Constrained, RefusalsNameTheFirstCrossingFromTheFirstPoint) {
   // A row of fences between 0 and 1; either end may be the busier one.
   LiftedSet s{"fences", 2, {0, 0, 20, 0}, {}};

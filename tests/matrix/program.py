@@ -281,20 +281,11 @@ class Program:
                         found = f"cannot be read: {type(error).__name__}: {error}"
             line = f"{ran.line}\n    reference: {reference.line}" if found else ""
             self.cells.judge(f"{start}/{output.name}", found, line)
-            if door.exact == "both" and fault is None and output.name in reference.written:
-                bits = difference(
-                    output, written[output.name], reference.written[output.name], True
-                )
-                self.cells.judge(
-                    f"{start}/{output.name} bit for bit",
-                    found or bits,
-                    f"{ran.line}\n    reference: {reference.line}",
-                )
 
     def _difference(
         self, s: PointSet, output: Output, got: bytes, want: bytes, door: Door
     ) -> Optional[str]:
-        fault = difference(output, got, want, door.exact == "exact")
+        fault = difference(output, got, want, door.exact == "exact", s.points)
         if fault is None or output.alike != "survivors" or not door.blocks:
             return fault
         return self._lost(s, output, got)

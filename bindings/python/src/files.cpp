@@ -15,6 +15,7 @@
 
 #include "call.hpp"
 #include "cullhull/io.hpp"
+#include "cullhull/point_blocks.hpp"
 #include "numpy_api.hpp"
 #include "solid.hpp"
 
@@ -103,15 +104,17 @@ void bind_files(nb::module_& m) {
       },
       nb::arg("path"), nb::arg("columns"), nb::arg("raw"),
       "The points, remarks for the user, and the scale and offset of the file's numbers.");
+  m.def("input_files", &cullhull::input_files, nb::arg("words"),
+        "The files that words of a command line stand for: folders, patterns, lists.");
   m.def(
       "grid_of",
       [](std::vector<double> scale, std::vector<double> offset) -> std::optional<int> {
         const cullhull::Grid grid =
             cullhull::common_grid({{std::move(scale), std::move(offset), ""}});
-        return grid.empty() ? std::nullopt : std::optional(grid.decimals());
+        return grid.decimals() < 0 ? std::nullopt : std::optional(grid.decimals());
       },
       nb::arg("scale"), nb::arg("offset"),
-      "Decimals of the grid on which such a scan lies; None where there is none.");
+      "Decimals of the grid on which such a scan lies; None where doubles do.");
 }
 
 }  // namespace binding
