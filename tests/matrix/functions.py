@@ -186,6 +186,23 @@ CALLS = (
         "(v := cullhull.Voronoi(b, incremental=True)).add_points(p) or v",
         raises=added,
     ),
+    Call("TolerantDelaunay", "cullhull.TolerantDelaunay(p)", arrays="all", raises=as_scipy),
+    Call(
+        "TolerantDelaunay.add_points",
+        "(t := cullhull.TolerantDelaunay(b, incremental=True)).add_points(p) or t",
+        raises=added,
+    ),
+    Call(
+        "TolerantDelaunay.find_simplex",
+        "cullhull.TolerantDelaunay(b).find_simplex(p)",
+        raises=asked_as_scipy,
+    ),
+    Call("TolerantVoronoi", "cullhull.TolerantVoronoi(p)", arrays="all", raises=as_scipy),
+    Call(
+        "TolerantVoronoi.add_points",
+        "(v := cullhull.TolerantVoronoi(b, incremental=True)).add_points(p) or v",
+        raises=added,
+    ),
     Call(
         "HalfspaceIntersection",
         "cullhull.HalfspaceIntersection(p, np.zeros(d))",
@@ -396,6 +413,10 @@ METHODS_ELSEWHERE = {
     "Voronoi.close": "inherited: ConvexHull.close",
     "HalfspaceIntersection.close": "inherited: ConvexHull.close",
     "TolerantConvexHull.close": "inherited: ConvexHull.close",
+    "TolerantDelaunay.close": "inherited: ConvexHull.close",
+    "TolerantDelaunay.lift_points": "inherited: Delaunay.lift_points",
+    "TolerantDelaunay.plane_distance": "inherited: Delaunay.plane_distance",
+    "TolerantVoronoi.close": "inherited: ConvexHull.close",
     "ConcaveHull.polygons": "inherited: AlphaShape.polygons",
     **dict.fromkeys(
         ("GroupHulls.get", "GroupHulls.items", "GroupHulls.keys", "GroupHulls.values"),

@@ -481,20 +481,28 @@ class Voronoi(Lifted):
         threads, _, progress = self._choices
         return voronoi(self.triangulation, threads=threads, progress=progress)
 
+    @property
+    def _shown(self) -> Any:
+        """What the attributes are made of: a diagram's vertices, ridges and regions."""
+        return self.diagram
+
     @Lazy
     def vertices(self) -> npt.NDArray[np.float64]:
         """(v, d) float64: coordinates of the vertices."""
-        return self.diagram.vertices.copy()
+        rows: npt.NDArray[np.float64] = self._shown.vertices.copy()
+        return rows
 
     @Lazy
     def ridge_points(self) -> npt.NDArray[np.int32]:
         """(r, 2) int32: pairs of points whose regions share a face."""
-        return self.diagram.ridge_points.copy()
+        pairs: npt.NDArray[np.int32] = self._shown.ridge_points.copy()
+        return pairs
 
     @Lazy
     def ridge_vertices(self) -> list[list[int]]:
         """For each of `ridge_points` the vertices of the face; -1 is at infinity."""
-        return self.diagram.ridges.tolist()
+        lists: list[list[int]] = self._shown.ridges.tolist()
+        return lists
 
     @Lazy
     def ridge_dict(self) -> dict[tuple[int, int], list[int]]:
@@ -505,7 +513,7 @@ class Voronoi(Lifted):
     @Lazy
     def regions(self) -> list[list[int]]:
         """The vertices of each region; -1 is at infinity."""
-        each = self.diagram.regions.tolist()
+        each = self._shown.regions.tolist()
         mine: list[list[int]] = [each[i] for i in self._sites.tolist()]
         return [[], *mine] if self._has_empty else mine
 
