@@ -22,13 +22,13 @@
 #include <vector>
 
 #include "cuda/gauge.hpp"
-#include "cuda/gauge_kernel.hpp"
-#include "cuda/pseudo_hull.hpp"
+#include "cuda/kernels/gauge_kernel.hpp"
+#include "cuda/kernels/pseudo_hull.hpp"
+#include "cuda/kernels/set_hulls_kernel.hpp"
 #include "cuda/runtime.hpp"
-#include "cuda/set_hulls_kernel.hpp"
-#include "cull/gauge_map.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/device_points.hpp"
+#include "filter/gauge/gauge_map.hpp"
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "io/json_writer.hpp"
+#include "io/json/json_writer.hpp"
 
 namespace app {
 namespace {

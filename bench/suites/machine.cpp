@@ -12,9 +12,9 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
-#include "io/json_writer.hpp"
-#include "parallel/big_array.hpp"
-#include "parallel/parallel.hpp"
+#include "io/json/json_writer.hpp"
+#include "parallel/memory/big_array.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::bench {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "cuda/device_rows.hpp"
 #include "cuda/gauge.hpp"
+#include "cuda/kernels/set_hulls_kernel.hpp"
 #include "cuda/runtime.hpp"
-#include "cuda/set_hulls_kernel.hpp"
 
 namespace cullhull::internal::cuda {
 namespace {

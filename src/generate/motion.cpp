@@ -9,8 +9,8 @@
 #include "cullhull/generate.hpp"
 #include "generate/rotation.hpp"
 #include "parallel/int128.hpp"
-#include "parallel/parallel.hpp"
 #include "parallel/random_stream.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "geometry/curve_keys.hpp"
 #include "parallel/dispatch.hpp"
-#include "parallel/parallel.hpp"
 #include "parallel/radix_sort.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "io/system.hpp"
-#include "parallel/machine_memory.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/memory/machine_memory.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull {
 namespace internal {

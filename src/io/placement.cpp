@@ -10,7 +10,7 @@
 
 #include "io/placing.hpp"
 #include "io/source.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull {
 namespace internal {

@@ -5,7 +5,7 @@
 #include <new>
 
 #include "parallel/byte_order.hpp"
-#include "parallel/pages.hpp"
+#include "parallel/memory/pages.hpp"
 
 namespace cullhull::internal {
 

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "cuda/backend.hpp"
+#include "exact/determinants/cofactors.hpp"
 #include "flow/device_filter.hpp"
-#include "geometry/cofactors.hpp"
 #include "geometry/gather.hpp"
 
 namespace cullhull::internal {

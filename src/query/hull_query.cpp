@@ -9,13 +9,13 @@
 #include <optional>
 #include <string>
 
-#include "cull/gauge_map.hpp"
-#include "cull/gauge_table.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/query.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "filter/gauge/gauge_map.hpp"
+#include "filter/gauge/gauge_table.hpp"
 #include "geometry/gather.hpp"
-#include "geometry/orientation.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 #include "query/device_questions.hpp"
 #include "query/facet_cells.hpp"
 #include "query/facet_search.hpp"

@@ -10,8 +10,8 @@
 #include <limits>
 #include <utility>
 
-#include "parallel/run.hpp"
 #include "parallel/sorted.hpp"
+#include "parallel/threads/run.hpp"
 #include "query/hull_arguments.hpp"
 #include "query/nearest_in_hull.hpp"
 #include "query/vertex_links.hpp"

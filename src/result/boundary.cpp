@@ -3,12 +3,12 @@
 #include <numeric>
 #include <string>
 
-#include "geometry/cofactors.hpp"
-#include "geometry/orientation.hpp"
-#include "geometry/oriented_plane.hpp"
-#include "parallel/parallel.hpp"
+#include "exact/determinants/cofactors.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "exact/planes/oriented_plane.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/sort_few.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 namespace {

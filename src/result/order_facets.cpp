@@ -5,11 +5,11 @@
 #include <bit>
 #include <numeric>
 
-#include "parallel/big_array.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/memory/big_array.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/radix_sort.hpp"
-#include "result/vertex_list.hpp"
+#include "parallel/threads/parallel.hpp"
+#include "result/write/vertex_list.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "cull/gauge_table.hpp"
+#include "filter/gauge/gauge_table.hpp"
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
 

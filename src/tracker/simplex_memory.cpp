@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "cullhull/error.hpp"
+#include "filter/pseudo_hull/pseudo_hull_math.hpp"
+#include "filter/pseudo_hull/pseudo_hull_start.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
-#include "paper/pseudo_hull_math.hpp"
-#include "paper/pseudo_hull_start.hpp"
 #include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {

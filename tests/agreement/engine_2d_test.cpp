@@ -8,7 +8,7 @@
 #include <set>
 #include <tuple>
 
-#include "geometry/orientation.hpp"
+#include "exact/orientation/orientation.hpp"
 #include "hull/engine.hpp"
 
 namespace cullhull::internal {

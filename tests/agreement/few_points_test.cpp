@@ -13,15 +13,15 @@
 #include "agreement/canonical_hash.hpp"
 #include "agreement/point_sets.hpp"
 #include "agreement/random_seeds.hpp"
-#include "cull/gauge_map.hpp"
-#include "cull/outermost.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/track.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "filter/gauge/gauge_map.hpp"
+#include "filter/outermost.hpp"
 #include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
-#include "geometry/orientation.hpp"
 
 namespace cullhull {
 namespace {

@@ -10,7 +10,7 @@
 #include "agreement/point_sets.hpp"
 #include "cullhull/batch.hpp"
 #include "cullhull/certify.hpp"
-#include "small/small_3d.hpp"
+#include "few/small_3d.hpp"
 
 namespace cullhull {
 namespace {

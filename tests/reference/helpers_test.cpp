@@ -1,5 +1,5 @@
 // Helpers that come late are not waited for; a forked process has its own.
-#include "parallel/helpers.hpp"
+#include "parallel/threads/helpers.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "parallel/crew.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/threads/crew.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 namespace {

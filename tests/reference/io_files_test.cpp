@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "io/mapped_file.hpp"
-#include "io/output_file.hpp"
+#include "io/write/output_file.hpp"
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {

@@ -9,8 +9,8 @@
 #include "cullhull/hull.hpp"
 #include "cullhull/version.hpp"
 #include "io/certify_file.hpp"
-#include "io/json.hpp"
-#include "io/json_writer.hpp"
+#include "io/json/json.hpp"
+#include "io/json/json_writer.hpp"
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {

@@ -6,7 +6,7 @@
 
 #include "hull/plane/planar_chains.hpp"
 #include "hull/plane/quadrilateral.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/threads/parallel.hpp"
 #include "parallel/xorshift.hpp"
 
 namespace cullhull::internal {

@@ -3,7 +3,7 @@
 #include <thread>
 
 #include "hull/space/engine_3d.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 
