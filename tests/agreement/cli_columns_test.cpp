@@ -5,12 +5,7 @@
 namespace cullhull {
 namespace {
 
-using testing::expect_error;
-using testing::Folder;
-using testing::Ran;
-using testing::read_file;
-using testing::run_app;
-using testing::write_file;
+using namespace testing;
 
 /// Rows of a CSV with words beside the coordinates, and the same points plainly.
 struct Tables {

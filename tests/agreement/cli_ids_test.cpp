@@ -14,13 +14,7 @@
 namespace cullhull {
 namespace {
 
-using testing::expect_error;
-using testing::Folder;
-using testing::Ran;
-using testing::read_file;
-using testing::run_app;
-using testing::write_file;
-using testing::write_points;
+using namespace testing;
 
 TEST(CliIds, OneIdForTwoPointsIsRefused) {
   const Folder f;

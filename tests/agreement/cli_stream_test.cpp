@@ -16,13 +16,7 @@
 namespace cullhull {
 namespace {
 
-using testing::Folder;
-using testing::one_line;
-using testing::Ran;
-using testing::read_file;
-using testing::run_app;
-using testing::run_limited;
-using testing::write_file;
+using namespace testing;
 
 void write_npy(const std::string& path, const std::vector<double>& rows, std::uint32_t d,
                ScalarType type = ScalarType::f64) {

@@ -11,13 +11,7 @@ namespace cullhull {
 namespace {
 
 using nlohmann::json;
-using testing::expect_error;
-using testing::Folder;
-using testing::Ran;
-using testing::read_file;
-using testing::run_app;
-using testing::write_file;
-using testing::write_points;
+using namespace testing;
 
 const char* const square = "0 0\n2 0\n0 2\n2 2\n1 1\n";
 
