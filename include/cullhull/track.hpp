@@ -60,8 +60,10 @@ class HullTracker {
   /// CUDA that is Error{backend_unavailable}.
   const Hull& update(const DevicePointView& points);
 
-  const Hull& hull() const noexcept;           ///< the last one computed
-  const FrameReport& report() const noexcept;  ///< of the last update that succeeded
+  const Hull& hull() const noexcept;  ///< the last one computed
+  /// Of the last update that succeeded. The first call after an update compares its hull with that
+  /// of the frame before, O(v log v + f) for v vertices and f facets; until then both are kept.
+  const FrameReport& report() const;
   /// What the filter left of that frame's points.
   const Survivors& survivors() const noexcept;
   /// Forgets the last frame; frames are numbered from 0 again.

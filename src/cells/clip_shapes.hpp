@@ -1,60 +1,83 @@
-// Convex polygons and polyhedra that are cut by halfspaces, in doubles. docs/exactness.md, "Voronoi
-// diagrams".
+// Convex polygons and polyhedra that are cut by planes: their corners and faces by number, without
+// coordinates.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
+
+#include "cells/clip_corners.hpp"
 
 namespace cullhull::internal {
 
-/// normal . x <= offset; what is cut off is told by `owner`.
+/// A shape starts as a convex piece of a region and is cut by planes of `corners`; what is on the
+/// outer side of one goes. Empty once it has no interior.
 template <unsigned D>
-struct CutPlane {
-  std::array<double, D> normal;
-  double offset;
-  std::uint32_t owner;
+class ClipShape;
+
+/// An interval.
+template <>
+class ClipShape<1> {
+ public:
+  void start(const RegionPiece<1>& piece, CellCorners<1>& corners);
+  void cut(CellCorners<1>& corners, std::uint32_t plane);
+  bool empty() const { return vertices.empty(); }
+  std::span<const std::uint32_t> face_planes() const { return planes; }
+
+  std::vector<std::uint32_t> vertices;  ///< corners by number
+  std::vector<std::uint32_t> planes;    ///< of ends
 };
 
 /// Counterclockwise; edge i goes from vertex i to the next.
-struct ClipPolygon {
-  std::vector<std::array<double, 2>> vertices;
-  std::vector<std::uint32_t> owners;  ///< of edges
-
+template <>
+class ClipShape<2> {
+ public:
+  void start(const RegionPiece<2>& piece, CellCorners<2>& corners);
+  /// A plane that has an edge becomes that edge's plane where the edge was between two pieces.
+  void cut(CellCorners<2>& corners, std::uint32_t plane);
   bool empty() const { return vertices.empty(); }
-  void cut(const CutPlane<2>& plane);
-  double measure() const;
+  std::span<const std::uint32_t> face_planes() const { return planes; }
+
+  std::vector<std::uint32_t> vertices;
+  std::vector<std::uint32_t> planes;  ///< of edges
 
  private:
-  std::vector<std::array<double, 2>> next_;
-  std::vector<std::uint32_t> next_owners_;
-  std::vector<double> above_;
+  void cut_off(CellCorners<2>& corners, std::uint32_t plane);
+
+  std::vector<std::uint32_t> next_, next_planes_;
+  std::vector<Sign> sides_;
 };
 
-/// Faces counterclockwise from outside. Each vertex is on one side of a plane, for all its faces
-/// alike, so that what is left is closed whatever is rounded.
-struct ClipPolyhedron {
-  std::vector<std::array<double, 3>> vertices;
-  std::vector<std::uint32_t> starts{0};  ///< faces + 1
-  std::vector<std::uint32_t> items;      ///< vertices of faces
-  std::vector<std::uint32_t> owners;     ///< of faces
-
+/// Faces counterclockwise from outside.
+template <>
+class ClipShape<3> {
+ public:
+  void start(const RegionPiece<3>& piece, CellCorners<3>& corners);
+  void cut(CellCorners<3>& corners, std::uint32_t plane);
   bool empty() const { return vertices.empty(); }
-  void add_face(const std::vector<std::uint32_t>& face, std::uint32_t owner);
-  void cut(const CutPlane<3>& plane);
-  double measure() const;
+  std::span<const std::uint32_t> face_planes() const { return planes; }
+
+  std::vector<std::uint32_t> vertices;  ///< corners by number
+  std::vector<std::uint32_t> starts;    ///< faces + 1
+  std::vector<std::uint32_t> items;     ///< places in `vertices`
+  std::vector<std::uint32_t> planes;    ///< of faces
 
  private:
+  /// An edge between a vertex that stays and one that goes. Each of its two faces meets it once.
   struct CutEdge {
-    std::uint32_t inside, outside, vertex, next;
+    std::uint32_t inside, outside, place, next;
+    std::array<std::uint32_t, 2> faces;  ///< their planes
   };
-  std::uint32_t cut_vertex(std::uint32_t inside, std::uint32_t outside);
+  std::uint32_t cut_vertex(std::uint32_t inside, std::uint32_t outside, std::uint32_t face_plane);
   void cut_faces();
-  void close(std::uint32_t owner);
+  void add_cut_vertices(CellCorners<3>& corners, std::uint32_t plane);
+  void close(std::uint32_t plane);
   void drop_unused();
+  void clear();
 
-  std::vector<double> above_;
-  std::vector<std::uint32_t> next_starts_, next_items_, next_owners_, number_;
+  std::vector<Sign> sides_;
+  std::vector<std::uint32_t> next_starts_, next_items_, next_planes_, number_;
   std::vector<CutEdge> edges_;
 };
 

@@ -91,6 +91,10 @@ class PointNeighbours {
   Array<std::uint32_t> items_;
 };
 
+/// The first cell of each group; empty where every cell is a group of its own.
+Array<std::uint32_t> first_cells(const Triangulation& t);
+/// Vertices into `out`; k >= 1.
+void write_vertices(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run);
 /// Ridges into `out`.
 void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cells/exact_numbers.hpp"
+#include "cells/fractions.hpp"
 #include "cells/stolen_volumes-inl.hpp"
 #include "geometry/gather.hpp"
 #include "lifting/lift_side.hpp"
@@ -43,6 +44,9 @@ template <unsigned K>
 std::vector<double> shares_of(const Cavity<K>& cavity) {
   std::vector<double> shares;
   if (round_shares(StolenVolumes<Tracked, K>(cavity).run(), shares)) return shares;
+  const std::vector<FractionSum> sums = StolenVolumes<Fraction, K, FractionSum>(cavity).run();
+  for (const long bits : {4096L, 32768L})  // beyond the 2^-1075 of the least share that is not zero
+    if (auto nearest = nearest_shares(sums, bits)) return *std::move(nearest);
   shares.clear();
   const std::vector<mpq_class> volumes = StolenVolumes<mpq_class, K>(cavity).run();
   mpq_class sum = 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "cells/tracked.hpp"
@@ -64,7 +65,8 @@ struct Cavity {
   }
 };
 
-template <class Real, unsigned K>
+/// `Volume`: what a sum of Reals is.
+template <class Real, unsigned K, class Volume = Real>
 class StolenVolumes {
  public:
   using Point = std::array<Real, K>;
@@ -72,9 +74,9 @@ class StolenVolumes {
   explicit StolenVolumes(const Cavity<K>& cavity) : cavity_(cavity) {}
 
   /// For each of the cavity's points, all by one positive factor.
-  std::vector<Real> run() {
+  std::vector<Volume> run() {
     for (const double* p : cavity_.points) points_.push_back(vector(p, cavity_.query));
-    volumes_.assign(points_.size(), Real(0));
+    volumes_.assign(points_.size(), Volume(0));
     std::vector<Point> centres;
     for (const auto& cell : cavity_.cells) {
       std::vector<std::uint32_t> others(cell.begin() + 1, cell.end());
@@ -171,8 +173,10 @@ class StolenVolumes {
     return doubled_centre(edges);
   }
 
-  void add(std::uint32_t v, const Real& volume) { volumes_[v] = volumes_[v] + volume; }
-  void subtract(std::uint32_t v, const Real& volume) { volumes_[v] = volumes_[v] - volume; }
+  void add(std::uint32_t v, const Real& volume) { volumes_[v] = std::move(volumes_[v]) + volume; }
+  void subtract(std::uint32_t v, const Real& volume) {
+    volumes_[v] = std::move(volumes_[v]) - volume;
+  }
   /// Twice the middle of two points, or of one and the query.
   Point doubled_middle(std::uint32_t a, std::uint32_t b) const {
     Point m;
@@ -243,7 +247,7 @@ class StolenVolumes {
 
   const Cavity<K>& cavity_;
   std::vector<std::vector<Real>> points_;  ///< relative to the query
-  std::vector<Real> volumes_;
+  std::vector<Volume> volumes_;
   std::vector<Rim> rim_;
 };
 

@@ -17,24 +17,6 @@ namespace cullhull {
 namespace internal {
 namespace {
 
-void write_vertices(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run) {
-  const unsigned k = t.corners() - 1, d = t.dimension;
-  if (k == 0) return;
-  const std::uint64_t cells = t.size();
-  Array<std::uint32_t> first;  // the first cell of each group
-  for (std::uint32_t c = 0; c < cells; ++c)
-    if (t.group(c) == first.size()) first.push_back(c);
-  out.vertices.resize(first.size() * d);
-  run.each(first.size(), light_grain / 64, [&](std::uint64_t begin, std::uint64_t end) {
-    std::vector<const double*> rows(k + 1);
-    for (std::uint64_t g = begin; g < end; ++g) {
-      const auto cell = t.cell(first[g]);
-      for (unsigned i = 0; i <= k; ++i) rows[i] = p.row(cell[i]);
-      circumcentre(d, k, p.weighted(), rows.data(), out.vertices.data() + g * d);
-    }
-  });
-}
-
 void write_rays(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run) {
   const unsigned k = t.corners() - 1, d = t.dimension;
   const std::uint64_t count = t.hull_facet_count();
@@ -160,6 +142,30 @@ DualPoints::DualPoints(const PointView& points, const Triangulation& t,
     rows[i * stride_ + d] = weights[i];
   }
   rows_ = std::move(rows);
+}
+
+Array<std::uint32_t> first_cells(const Triangulation& t) {
+  Array<std::uint32_t> first;
+  if (t.cell_groups.empty()) return first;
+  for (std::uint32_t c = 0; c < t.size(); ++c)
+    if (t.group(c) == first.size()) first.push_back(c);
+  return first;
+}
+
+void write_vertices(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run) {
+  const unsigned k = t.corners() - 1, d = t.dimension;
+  if (k == 0) return;
+  const Array<std::uint32_t> first = first_cells(t);
+  const std::uint64_t groups = first.empty() ? t.size() : first.size();
+  out.vertices.resize(groups * d);
+  run.each(groups, light_grain / 64, [&](std::uint64_t begin, std::uint64_t end) {
+    std::vector<const double*> rows(k + 1);
+    for (std::uint64_t g = begin; g < end; ++g) {
+      const auto cell = t.cell(first.empty() ? g : first[g]);
+      for (unsigned i = 0; i <= k; ++i) rows[i] = p.row(cell[i]);
+      circumcentre(d, k, p.weighted(), rows.data(), out.vertices.data() + g * d);
+    }
+  });
 }
 
 }  // namespace internal

@@ -76,26 +76,55 @@ void append_wkt(std::string& out, std::span<const double> boundary) {
   out += count > 2 ? "))" : ")";
 }
 
+namespace {
+
+/// Every ring closed, within a pair of brackets.
+void append_rings(std::string& out, const PlaneRings& rings, const char* brackets,
+                  void (*positions)(std::string&, std::span<const double>, bool)) {
+  out += brackets[0];
+  for (std::size_t i = 0; i < rings.size(); ++i) {
+    if (i > 0) out += ", ";
+    out += brackets[0];
+    positions(out, rings[i], true);
+    out += brackets[1];
+  }
+  out += brackets[1];
+}
+
+}  // namespace
+
 void append_geojson(std::string& out, const PlaneRings& rings) {
   if (rings.size() < 2)
     return append_geojson(out, rings.empty() ? std::span<const double>() : rings[0]);
-  out += "{\"type\": \"Polygon\", \"coordinates\": [";
-  for (std::size_t i = 0; i < rings.size(); ++i) {
-    out += i > 0 ? ", [" : "[";
-    append_json_positions(out, rings[i], true);
-    out += "]";
-  }
-  out += "]}";
+  out += "{\"type\": \"Polygon\", \"coordinates\": ";
+  append_rings(out, rings, "[]", append_json_positions);
+  out += "}";
 }
 
 void append_wkt(std::string& out, const PlaneRings& rings) {
   if (rings.size() < 2)
     return append_wkt(out, rings.empty() ? std::span<const double>() : rings[0]);
-  out += "POLYGON (";
-  for (std::size_t i = 0; i < rings.size(); ++i) {
-    out += i > 0 ? ", (" : "(";
-    append_wkt_positions(out, rings[i], true);
-    out += ")";
+  out += "POLYGON ";
+  append_rings(out, rings, "()", append_wkt_positions);
+}
+
+void append_geojson(std::string& out, const PlanePolygons& polygons) {
+  if (polygons.size() < 2)
+    return append_geojson(out, polygons.empty() ? PlaneRings() : polygons[0]);
+  out += "{\"type\": \"MultiPolygon\", \"coordinates\": [";
+  for (std::size_t i = 0; i < polygons.size(); ++i) {
+    if (i > 0) out += ", ";
+    append_rings(out, polygons[i], "[]", append_json_positions);
+  }
+  out += "]}";
+}
+
+void append_wkt(std::string& out, const PlanePolygons& polygons) {
+  if (polygons.size() < 2) return append_wkt(out, polygons.empty() ? PlaneRings() : polygons[0]);
+  out += "MULTIPOLYGON (";
+  for (std::size_t i = 0; i < polygons.size(); ++i) {
+    if (i > 0) out += ", ";
+    append_rings(out, polygons[i], "()", append_wkt_positions);
   }
   out += ")";
 }

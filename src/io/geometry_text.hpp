@@ -23,6 +23,11 @@ using PlaneRings = std::vector<std::vector<double>>;
 void append_geojson(std::string& out, const PlaneRings& rings);
 void append_wkt(std::string& out, const PlaneRings& rings);
 
+/// Several polygons; one or none as above.
+using PlanePolygons = std::vector<PlaneRings>;
+void append_geojson(std::string& out, const PlanePolygons& polygons);
+void append_wkt(std::string& out, const PlanePolygons& polygons);
+
 /// The whole file for one hull: a Feature with its measures, or one line. Error{invalid_argument}
 /// unless the points are 2D.
 std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format);

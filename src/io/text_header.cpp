@@ -200,11 +200,13 @@ std::vector<std::uint32_t> columns_by_name(const Source& source, const ReadOptio
     // The column of a key that was asked for is not missed.
     const std::size_t taken = known.columns.size() + (options.key.empty() ? 0 : 1);
     if (known.columns.size() == names.size())
-      remark(source, options, known.text + " are taken as coordinates, in this order");
+      remark(source, options, known.text + " are taken as coordinates, in this order",
+             Remark::Kind::columns);
     else if (taken < names.size())
       remark(
           source, options,
-          known.text + " of " + std::to_string(names.size()) + " columns are taken as coordinates");
+          known.text + " of " + std::to_string(names.size()) + " columns are taken as coordinates",
+          Remark::Kind::columns);
     return known.columns;
   }
   std::vector<std::uint32_t> numbering = find_numbering(names);
@@ -225,7 +227,8 @@ std::vector<std::uint32_t> columns_by_name(const Source& source, const ReadOptio
     fail(source, "the only columns, " + list(numbering) +
                      ", number the points; --columns (in "
                      "Python columns=) takes them all the same");
-  remark(source, options, list(taken) + " are taken as coordinates, not " + list(numbering));
+  remark(source, options, list(taken) + " are taken as coordinates, not " + list(numbering),
+         Remark::Kind::columns);
   return taken;
 }
 

@@ -133,10 +133,17 @@ HullMesh mesh_of(const ClippedCells& cells) {
   for (std::uint64_t i = 0; i < cells.point_count; ++i) {
     const auto first = static_cast<std::uint32_t>(cells.vertex_offsets[i]);
     if (d == 2) {
-      polygon.clear();
-      for (std::uint64_t v = first; v < cells.vertex_offsets[i + 1]; ++v)
-        polygon.push_back(static_cast<std::uint32_t>(v));
-      add(polygon);
+      for (std::uint64_t g = cells.polygon_offsets[i]; g < cells.polygon_offsets[i + 1]; ++g) {
+        const std::uint64_t ring = cells.polygon_rings[g];
+        if (cells.polygon_rings[g + 1] > ring + 1)
+          throw Error(ErrorCode::invalid_argument,
+                      "the cell of point " + std::to_string(i) +
+                          " has a hole, which meshes cannot hold; .geojson and .wkt can");
+        polygon.clear();
+        for (std::uint64_t v = cells.ring_starts[ring]; v < cells.ring_starts[ring + 1]; ++v)
+          polygon.push_back(static_cast<std::uint32_t>(v));
+        add(polygon);
+      }
       continue;
     }
     for (std::uint64_t face = cells.face_offsets[i]; face < cells.face_offsets[i + 1]; ++face) {
@@ -211,8 +218,14 @@ void write_cells(const std::string& path, const ClippedCells& cells, const std::
     throw Error(ErrorCode::invalid_argument, "the cells have no shapes to write");
   if (is_mesh(f)) return write_mesh(path, f, mesh_of(cells));
   write_map(path, f, cells.point_count, "point", [&](std::uint64_t i) {
-    return PlaneRings{{cells.vertices.data() + 2 * cells.vertex_offsets[i],
-                       cells.vertices.data() + 2 * cells.vertex_offsets[i + 1]}};
+    PlanePolygons polygons;
+    for (std::uint64_t g = cells.polygon_offsets[i]; g < cells.polygon_offsets[i + 1]; ++g) {
+      polygons.emplace_back();
+      for (std::uint64_t r = cells.polygon_rings[g]; r < cells.polygon_rings[g + 1]; ++r)
+        polygons.back().emplace_back(cells.vertices.data() + 2 * cells.ring_starts[r],
+                                     cells.vertices.data() + 2 * cells.ring_starts[r + 1]);
+    }
+    return polygons;
   });
 }
 

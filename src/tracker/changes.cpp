@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <compare>
-#include <iterator>
 #include <vector>
 
 #include "parallel/sorted.hpp"
@@ -14,40 +13,61 @@ namespace {
 class FacetCursor {
  public:
   explicit FacetCursor(const Hull& hull)
-      : hull_(hull), k_(static_cast<std::size_t>(std::max(hull.affine_dimension, 0))) {}
+      : hull_(hull),
+        row_(hull.simplices.data()),
+        k_(static_cast<std::size_t>(std::max(hull.affine_dimension, 0))),
+        facets_(hull.facet_count()),
+        simplicial_(facets_ == hull.simplex_count()) {}
 
-  bool done() const { return facet_ == hull_.facet_count(); }
+  bool done() const { return facet_ == facets_; }
   void advance() {
     ++facet_;
-    while (simplex_ < hull_.simplex_count() && hull_.simplex_facets[simplex_] < facet_) ++simplex_;
+    if (simplicial_) {
+      row_ += k_;
+      return;
+    }
     // Facets are numbered by their first simplices: the first simplex of facet `facet_` is the next
     // one whose facet is not lower.
+    while (simplex_ < hull_.simplex_count() && hull_.simplex_facets[simplex_] < facet_) ++simplex_;
+    row_ = hull_.simplices.data() + simplex_ * k_;
   }
   std::strong_ordering compare(const FacetCursor& b) const {
-    const auto row = [](const FacetCursor& c) {
-      return c.hull_.simplices.data() + c.simplex_ * c.k_;
-    };
-    return std::lexicographical_compare_three_way(row(*this), row(*this) + k_, row(b),
-                                                  row(b) + b.k_);
+    for (std::size_t j = 0; j < k_; ++j)
+      if (row_[j] != b.row_[j]) return row_[j] <=> b.row_[j];
+    return std::strong_ordering::equal;
   }
+  /// For equal first simplices.
   bool same_vertices(const FacetCursor& b) const {
-    return std::ranges::equal(hull_.facets[facet_], b.hull_.facets[b.facet_]);
+    return (simplicial_ && b.simplicial_) ||
+           std::ranges::equal(hull_.facets[facet_], b.hull_.facets[b.facet_]);
   }
 
  private:
   const Hull& hull_;
+  const std::uint64_t* row_;
   std::size_t k_;
-  std::uint64_t facet_ = 0, simplex_ = 0;
+  std::uint64_t facet_ = 0, simplex_ = 0, facets_;
+  bool simplicial_;
 };
+
+std::uint64_t count_common(const std::vector<std::uint64_t>& a,
+                           const std::vector<std::uint64_t>& b) {
+  std::uint64_t common = 0;
+  for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+    common += a[i] == b[j];
+    const bool first = a[i] <= b[j], second = b[j] <= a[i];
+    i += first;
+    j += second;
+  }
+  return common;
+}
 
 }  // namespace
 
 void count_changes(const Hull& before, const Hull& after, FrameReport& report) {
-  const std::vector<std::uint64_t> old = sorted(before.vertices), now = sorted(after.vertices);
-  std::vector<std::uint64_t> both;
-  std::ranges::set_intersection(old, now, std::back_inserter(both));
-  report.vertices_came = now.size() - both.size();
-  report.vertices_went = old.size() - both.size();
+  const std::uint64_t both = count_common(sorted(before.vertices), sorted(after.vertices));
+  report.vertices_came = after.vertices.size() - both;
+  report.vertices_went = before.vertices.size() - both;
 
   std::uint64_t stayed = 0;
   if (before.affine_dimension == after.affine_dimension) {

@@ -12,6 +12,7 @@
 #include "parallel/helpers.hpp"
 #include "parallel/pages.hpp"
 #include "parallel/sorted.hpp"
+#include "small/small_hull.hpp"
 #include "tracker/changes.hpp"
 #include "tracker/frame_points.hpp"
 #include "tracker/gauge_scan.hpp"
@@ -25,10 +26,12 @@ struct HullTracker::Impl {
   Options options;
   std::uint64_t frame = 0;
   bool known = false;  ///< `hull` is that of a frame before
-  Hull hull, next;
+  /// `before` is that of the frame before, while `report` lacks the changes since: a comparison
+  /// takes up to a tenth of a frame, and few ask for it.
+  Hull hull, before;
+  bool compared = true;
   FrameReport report;
   Survivors survivors;
-  std::vector<std::uint64_t> leaders;  ///< the hull's vertices, ascending
   /// Frames without leaders before they are tried again, and the length of the next such pause.
   std::uint64_t pause = 0, penalty = 1;
   SimplexMemory simplices;
@@ -40,7 +43,7 @@ struct HullTracker::Impl {
 
   bool wants_gauge(const FramePoints& points) const {
     const unsigned d = points.dimension;
-    if (d < GaugeMap::min_dimension || d > GaugeMap::max_dimension || leaders.size() <= d)
+    if (d < GaugeMap::min_dimension || d > GaugeMap::max_dimension || hull.vertices.size() <= d)
       return false;
     if (options.cull == CullMethod::gauge) return true;
     // A filter that takes little more than a pass does not gain from leaders.
@@ -51,7 +54,7 @@ struct HullTracker::Impl {
     const std::uint64_t least_per_leader = d == 3 && points.on_host() != nullptr ? 192 : 8;
     return options.cull == CullMethod::automatic && pause == 0 &&
            points.count >= smallest_worth_culling(d) &&
-           leaders.size() <= points.count / least_per_leader;
+           hull.vertices.size() <= points.count / least_per_leader;
   }
 
   Filtered filter(FramePoints& points, const Run& run, FrameReport& now) {
@@ -66,7 +69,7 @@ struct HullTracker::Impl {
     }
     Filtered filtered;
     if (follows(points) && wants_gauge(points) &&
-        filter_by_leaders(points, hull, leaders, run, filtered, now.scan_seconds)) {
+        filter_by_leaders(points, hull, sorted(hull.vertices), run, filtered, now.scan_seconds)) {
       now.method = "gauge";
       // Leaders that did not help cost a pass: pause for some frames, at most 16, so that trying
       // again costs a sixteenth.
@@ -82,16 +85,24 @@ struct HullTracker::Impl {
     return points.filter_afresh();
   }
 
-  /// Processes one frame; `points_of` makes its FramePoints.
-  template <class PointsOf>
-  const Hull& compute_next(const PointsOf& points_of) {
+  /// Processes one frame; `few` may compute its hull at once, else `points_of` makes its
+  /// FramePoints.
+  template <class Few, class PointsOf>
+  const Hull& compute_next(const Few& few, const PointsOf& points_of) {
     const std::uint64_t index = frame++;
     try {
       const Clock::time_point start = Clock::now();
+      if (compared) before = Hull();  // its memory is the next hull's
+      FrameReport now;
+      now.index = index;
+      if (Hull next; few(next)) {
+        take_few(std::move(next), now);
+        return hull;
+      }
       const Run run(options);
       const CallScope call;
       const PageScope pages;
-      compute(*points_of(run), run, index, start);
+      compute(*points_of(run), run, now, start);
     } catch (const Error& e) {
       if (e.code() == ErrorCode::cancelled) throw;
       throw Error(e.code(), "frame " + std::to_string(index) + ": " + e.what());
@@ -99,28 +110,48 @@ struct HullTracker::Impl {
     return hull;
   }
 
-  void compute(FramePoints& points, const Run& run, std::uint64_t index, Clock::time_point start) {
+  void compute(FramePoints& points, const Run& run, FrameReport& now, Clock::time_point start) {
     run.control.check();
-    FrameReport now;
-    now.index = index;
     Filtered filtered = filter(points, run, now);
     now.scan_survivors = filtered.pass_survivors;
     now.survivors = filtered.survivors.size(points.count);
     now.cull_seconds = seconds_since(start);
     Survivors left = filtered.survivors;
-    next = points.hull(std::move(filtered));
+    Hull next = points.hull(std::move(filtered));
     now.hull_seconds = next.statistics.hull_seconds;
     now.compute_seconds = seconds_since(start);
     next.statistics.cull_seconds = now.cull_seconds;
     next.statistics.compute_seconds = now.compute_seconds;
-    // From here on only std::bad_alloc can be thrown, and the last hull is intact.
-    count_changes(follows(points) ? hull : Hull(), next, now);
-    leaders = sorted(next.vertices);
-    std::swap(hull, next);
-    report = now;
-    survivors = std::move(left);
-    known = true;
+    take(std::move(next), std::move(left), now);
     run.control.report("done", 1);
+  }
+
+  /// As `compute`, for a hull that needed no filter and no threads.
+  void take_few(Hull&& next, FrameReport& now) {
+    now.scan_survivors = now.survivors = next.point_count;
+    now.hull_seconds = next.statistics.hull_seconds;
+    now.compute_seconds = next.statistics.compute_seconds;
+    Survivors all;
+    all.all = true;
+    all.reason = next.statistics.cull_reason;
+    take(std::move(next), std::move(all), now);
+  }
+
+  void take(Hull&& next, Survivors&& left, const FrameReport& now) noexcept {
+    const bool follows =
+        known && hull.point_count == next.point_count && hull.dimension == next.dimension;
+    before = follows ? std::move(hull) : Hull();
+    hull = std::move(next);
+    survivors = std::move(left);
+    report = now;
+    compared = false;
+    known = true;
+  }
+
+  const FrameReport& compare() {
+    if (!compared) count_changes(before, hull, report);
+    compared = true;
+    return report;
   }
 };
 
@@ -132,16 +163,22 @@ HullTracker& HullTracker::operator=(HullTracker&&) noexcept = default;
 HullTracker::~HullTracker() = default;
 
 const Hull& HullTracker::update(const PointView& points) {
+  const Options& options = impl_->options;
   return impl_->compute_next(
+      [&](Hull& hull) {
+        check_arguments(points, options);
+        return small_hull(points, options, hull);
+      },
       [&](const Run& run) { return std::make_unique<HostFrame>(points, run); });
 }
 
 const Hull& HullTracker::update(const DevicePointView& points) {
-  return impl_->compute_next([&](const Run& run) { return device_frame(points, run); });
+  return impl_->compute_next([](Hull&) { return false; },
+                             [&](const Run& run) { return device_frame(points, run); });
 }
 
 const Hull& HullTracker::hull() const noexcept { return impl_->hull; }
-const FrameReport& HullTracker::report() const noexcept { return impl_->report; }
+const FrameReport& HullTracker::report() const { return impl_->compare(); }
 const Survivors& HullTracker::survivors() const noexcept { return impl_->survivors; }
 
 void HullTracker::reset() noexcept {

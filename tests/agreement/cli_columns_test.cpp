@@ -79,6 +79,14 @@ TEST_F(CliColumns, TheRemarkIsOneLineHoweverManyFiles) {
   EXPECT_EQ(last_.err, "cullhull: " + f_ / "named.csv" + ": " + said);
 }
 
+TEST_F(CliColumns, TheHintGoesByTheKindOfARemarkNotByItsWords) {
+  const std::string name = f_ / "x: taken as coordinates.off";
+  write_file(name, "OFF\n4 1 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\nmore\n");
+  const Ran ran = run_app({"hull", name, "-q"});
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_EQ(ran.err, "cullhull: " + name + ": text after the last face is passed over\n");
+}
+
 TEST_F(CliColumns, EveryCommandThatReadsPoints) {
   const std::string named = f_ / "named.csv", plain = f_ / "plain.csv";
   const std::vector<std::string> chosen{"--columns", "y,z"};

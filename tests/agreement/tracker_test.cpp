@@ -18,11 +18,13 @@
 
 namespace {
 
-std::atomic<std::int64_t> live_bytes{0};
+std::atomic<std::int64_t> live_bytes{0}, allocated_bytes{0};
 
 void* counted(void* p) {
   if (p == nullptr) throw std::bad_alloc();
-  live_bytes += static_cast<std::int64_t>(malloc_usable_size(p));
+  const auto size = static_cast<std::int64_t>(malloc_usable_size(p));
+  live_bytes += size;
+  allocated_bytes += size;
   return p;
 }
 void uncounted(void* p) {
@@ -271,6 +273,55 @@ TEST(HullTracker, ReportsWhatCameAndWent) {
     EXPECT_EQ(last.vertices.size(), first.vertices.size() - 1 + tracker.report().vertices_came);
     EXPECT_GT(tracker.report().facets_went, 2U);
     EXPECT_LT(tracker.report().facets_went, first.facet_count() / 4);
+  }
+}
+
+TEST(HullTracker, ReportsOfFramesWhoseChangesNobodyAskedFor) {
+  const std::vector<Rows> frames = moving_frames("bumpy", "twist", 3000, 3, 4);
+  HullTracker asked, silent;
+  for (std::size_t f = 0; f < 3; ++f) {
+    const Hull& hull = asked.update(rows_of(frames[f], 3));
+    EXPECT_EQ(canonical_hash(silent.update(rows_of(frames[f], 3))), canonical_hash(hull));
+    EXPECT_GT(asked.report().facets_came, 0U);
+  }
+  Rows bad = frames[3];
+  bad[7] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(silent.update(rows_of(bad, 3)), Error);  // what came in frame 2 is still known
+  for (int again = 0; again < 2; ++again) {
+    EXPECT_EQ(silent.report().index, 2U);
+    EXPECT_EQ(silent.report().vertices_came, asked.report().vertices_came);
+    EXPECT_EQ(silent.report().vertices_went, asked.report().vertices_went);
+    EXPECT_EQ(silent.report().facets_came, asked.report().facets_came);
+    EXPECT_EQ(silent.report().facets_went, asked.report().facets_went);
+  }
+  asked.update(rows_of(frames[3], 3));
+  silent.update(rows_of(frames[3], 3));
+  EXPECT_EQ(silent.report().facets_came, asked.report().facets_came);
+  silent.reset();
+  const Hull& fresh = silent.update(rows_of(frames[0], 3));
+  EXPECT_EQ(silent.report().facets_came, fresh.facet_count());
+}
+
+TEST(HullTracker, AFrameWithoutLeadersIsOneStaticCall) {
+  Options options;
+  options.threads = 1;
+  for (const auto& [kind, n] : {std::pair{"sphere", 20000}, {"sphere", 1000}, {"gauss", 20000}}) {
+    SCOPED_TRACE(std::string(kind) + ", " + std::to_string(n));
+    const std::vector<Rows> frames =
+        moving_frames(kind, "spin", static_cast<std::uint64_t>(n), 3, 6);
+    HullTracker tracker(options);
+    Hull fixed;
+    std::int64_t tracked_bytes = 0, static_bytes = 0;
+    for (const Rows& rows : frames) {
+      const std::int64_t before = allocated_bytes;
+      fixed = convex_hull(rows_of(rows, 3), options);
+      const std::int64_t between = allocated_bytes;
+      tracker.update(rows_of(rows, 3));
+      static_bytes = between - before;
+      tracked_bytes = allocated_bytes - between;
+      EXPECT_EQ(tracker.hull().statistics.cull_reason, fixed.statistics.cull_reason);
+    }
+    EXPECT_LE(tracked_bytes, static_bytes + static_bytes / 50 + 2048);  // no copies of hulls
   }
 }
 

@@ -25,8 +25,6 @@ class Call:
     raises: Callable[[PointSet], Optional[str]] = lambda s: None if s.finite else "NotFinite"
     derive: Optional[str] = None  #: the points are made of the set's: 'halfspaces', 'sphere'
     arrays: str = "few"  #: 'all': a short run tries every door
-    #: Kinds of sets that take seconds: a short run tries them by the reference door alone.
-    slow: tuple[str, ...] = ()
     #: Doors without meaning, and why.
     without: dict[str, str] = field(default_factory=dict)
 
@@ -188,6 +186,23 @@ CALLS = (
         "(v := cullhull.Voronoi(b, incremental=True)).add_points(p) or v",
         raises=added,
     ),
+    Call("TolerantDelaunay", "cullhull.TolerantDelaunay(p)", arrays="all", raises=as_scipy),
+    Call(
+        "TolerantDelaunay.add_points",
+        "(t := cullhull.TolerantDelaunay(b, incremental=True)).add_points(p) or t",
+        raises=added,
+    ),
+    Call(
+        "TolerantDelaunay.find_simplex",
+        "cullhull.TolerantDelaunay(b).find_simplex(p)",
+        raises=asked_as_scipy,
+    ),
+    Call("TolerantVoronoi", "cullhull.TolerantVoronoi(p)", arrays="all", raises=as_scipy),
+    Call(
+        "TolerantVoronoi.add_points",
+        "(v := cullhull.TolerantVoronoi(b, incremental=True)).add_points(p) or v",
+        raises=added,
+    ),
     Call(
         "HalfspaceIntersection",
         "cullhull.HalfspaceIntersection(p, np.zeros(d))",
@@ -236,7 +251,6 @@ CALLS = (
         "NaturalNDInterpolator itself",
         "cullhull.NaturalNDInterpolator(p, v)",
         without=AXES,
-        slow=("wide",),
         raises=natural,
     ),
     Call(
@@ -256,7 +270,6 @@ CALLS = (
         "cullhull.NaturalNDInterpolator(p, v)(b)",
         arrays="all",
         without=AXES,
-        slow=("wide",),
         raises=natural,
     ),
     Call(
@@ -269,7 +282,6 @@ CALLS = (
         "NaturalNDInterpolator.neighbours",
         "cullhull.NaturalNDInterpolator(p, v).neighbours(b.mean(axis=0))",
         without=AXES,
-        slow=("wide",),
         raises=natural,
     ),
     Call(
@@ -320,6 +332,12 @@ CALLS = (
         "ClippedCells.corners",
         "(c := cullhull.voronoi(p).clip(low, high)) and [c.corners(i) for i in range(len(c))]",
         UP_TO_SPACE,
+    ),
+    Call(
+        "ClippedCells.polygons",
+        "(c := cullhull.voronoi(p).clip([low, [high[0], low[1]], high, (low + high) / 2, "
+        "[low[0], high[1]]])) and [c.polygons(i) for i in range(len(c))]",
+        PLANE,
     ),
     Call(
         "ClippedCells.faces",
@@ -395,6 +413,10 @@ METHODS_ELSEWHERE = {
     "Voronoi.close": "inherited: ConvexHull.close",
     "HalfspaceIntersection.close": "inherited: ConvexHull.close",
     "TolerantConvexHull.close": "inherited: ConvexHull.close",
+    "TolerantDelaunay.close": "inherited: ConvexHull.close",
+    "TolerantDelaunay.lift_points": "inherited: Delaunay.lift_points",
+    "TolerantDelaunay.plane_distance": "inherited: Delaunay.plane_distance",
+    "TolerantVoronoi.close": "inherited: ConvexHull.close",
     "ConcaveHull.polygons": "inherited: AlphaShape.polygons",
     **dict.fromkeys(
         ("GroupHulls.get", "GroupHulls.items", "GroupHulls.keys", "GroupHulls.values"),

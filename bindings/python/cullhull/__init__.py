@@ -9,8 +9,8 @@
 True
 
 `convex_hull` is the native function; `ConvexHull` and `HalfspaceIntersection` stand in for SciPy's
-classes of the same names, `TolerantConvexHull` for programs that assume tolerances. docs/python.md
-in the source tree has the rest.
+classes of the same names, `TolerantConvexHull`, `TolerantDelaunay` and `TolerantVoronoi` for
+programs that assume tolerances. docs/python.md in the source tree has the rest.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ from ._plots import delaunay_plot_2d, voronoi_plot_2d
 from ._read import read
 from ._spherical import SphericalVoronoi
 from ._stream import HullState, HullStream
-from ._tolerant import TolerantConvexHull
+from ._tolerant import TolerantConvexHull, TolerantDelaunay, TolerantVoronoi
 from ._tracker import HullTracker
 from ._triangulation import Triangulation, delaunay
 from ._voronoi import ClippedCells, Voronoi, VoronoiDiagram, voronoi
@@ -112,6 +112,8 @@ __all__ = [
     "Simplified",
     "SphericalVoronoi",
     "TolerantConvexHull",
+    "TolerantDelaunay",
+    "TolerantVoronoi",
     "Triangulation",
     "Voronoi",
     "VoronoiDiagram",

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._arguments import Progress, as_point_set, as_points
+from ._arguments import Progress, as_array, as_coordinates, as_point_set, as_points
 from ._drop_in import raise_flat
 from ._errors import InvalidArgument
 from ._incremental import Incremental, Lazy, lazy_names
@@ -220,12 +220,17 @@ class Delaunay(Lifted):
     @property
     def nsimplex(self) -> int:
         """Number of simplices."""
-        return self.triangulation.cell_count
+        return len(self._cells)
+
+    @property
+    def _cells(self) -> npt.NDArray[np.int32]:
+        """What all attributes are made of; nobody changes it."""
+        return self.triangulation.cells
 
     @Lazy
     def simplices(self) -> npt.NDArray[np.int32]:
         """(s, d + 1) int32: indices of the simplices' vertices."""
-        return self.triangulation.cells.copy()
+        return self._cells.copy()
 
     @Lazy
     def neighbors(self) -> npt.NDArray[np.int32]:
@@ -281,7 +286,7 @@ class Delaunay(Lifted):
     @Lazy
     def _spheres(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Centre c of each simplex' sphere of radius r, and the power |c|^2 - r^2 of the origin."""
-        points, cells = self.points, self.triangulation.cells
+        points, cells = self.points, self._cells
         centres, powers = np.empty((len(cells), self.ndim)), np.empty(len(cells))
         for block in _blocks(len(cells)):
             corners = points[cells[block]]
@@ -298,7 +303,7 @@ class Delaunay(Lifted):
     def transform(self) -> npt.NDArray[np.float64]:
         """(s, d + 1, d) float64: ``transform[i, :d] @ (x - transform[i, d])`` are the first d
         barycentric coordinates of x in simplex i; NaN where it is nearly flat."""
-        points, cells = self.points, self.triangulation.cells
+        points, cells = self.points, self._cells
         out = np.empty((self.nsimplex, self.ndim + 1, self.ndim))
         for block in _blocks(len(cells)):
             _write_transforms(points[cells[block]], out[block])
@@ -308,7 +313,7 @@ class Delaunay(Lifted):
     def vertex_to_simplex(self) -> npt.NDArray[np.int32]:
         """(n,) int32: the first simplex with each vertex; for a point equal to another, of that
         one; -1 for points that are no vertices."""
-        cells = self.triangulation.cells
+        cells = self._cells
         first = np.full(self.npoints, -1, dtype=np.int32)
         # backwards: of several values for one place NumPy keeps the last
         numbers = np.arange(len(cells), dtype=np.int32)[::-1]
@@ -334,7 +339,7 @@ class Delaunay(Lifted):
     def vertex_neighbor_vertices(self) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:
         """Offsets (n + 1,) and indices, int32: the neighbours of vertex i are
         ``indices[offsets[i]:offsets[i + 1]]``, ascending."""
-        cells = self.triangulation.cells.astype(np.int64)
+        cells = self._cells.astype(np.int64)
         width = cells.shape[1]
         pairs = [cells[:, i] * self.npoints + cells[:, j]
                  for i in range(width) for j in range(width) if i != j]  # fmt: skip
@@ -491,15 +496,32 @@ class Delaunay(Lifted):
         return distances
 
     def _as_questions(self, x: Any) -> npt.NDArray[np.float64]:
-        array = np.asanyarray(x)
+        array = as_array(x, "xi")
         if array.ndim == 0:  # SciPy's error for what is no point at all
             raise IndexError("wrong dimensionality in xi")
         if array.shape[-1] != self.ndim:
             raise InvalidArgument("wrong dimensionality in xi")
-        return np.asarray(array, dtype=np.float64)
+        return as_coordinates(array, "xi")
 
 
 Delaunay._lazy = lazy_names(Lifted) | lazy_names(Delaunay)
+
+
+def as_triangulation(points: Any) -> Triangulation | None:
+    """The native triangulation that a caller passes in the place of points, if it is one."""
+    if isinstance(points, Delaunay):
+        return points.triangulation
+    return points if isinstance(points, Triangulation) else None
+
+
+def triangulated(points: Any, *, threads: int | None, progress: Progress) -> Triangulation:
+    """The triangulation of points, or the one that is passed in their place."""
+    found = as_triangulation(points)
+    if found is None:
+        return delaunay(points, threads=threads, progress=progress)
+    if found.weights is not None:
+        raise InvalidArgument("this is of triangulations without weights")
+    return found
 
 
 def tsearch(tri: Delaunay, xi: Any) -> npt.NDArray[np.int32]:

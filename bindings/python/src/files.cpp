@@ -80,9 +80,9 @@ std::pair<PointFile, std::vector<std::string>> open_file(const std::string& path
     read.columns = columns;
     read.numbers = raw ? cullhull::Numbers::file : cullhull::Numbers::world;
     read.stop = options.stop;
-    read.remark = [&](const std::string& line) {
+    read.remark = [&](const cullhull::Remark& remark) {
       const std::lock_guard lock(mutex);
-      remarks.push_back(line);
+      remarks.push_back(remark.line());
     };
     file = cullhull::open_points(path, read);
   });

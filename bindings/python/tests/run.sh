@@ -7,9 +7,12 @@ here=$(cd "$(dirname "$0")" && pwd)
 "$here/../../../scripts/python-venv.sh" "$folder" test
 
 # Extras of whose parts PyPI may lack one or the other: without it, its tests say so and are skipped.
-# coxeter's own tests are those of one version.
+# Other projects' own tests are those of one version.
 coxeter=0.11.0
+openpnm=3.6.4
+metpy=1.7.1
 extras=(pandas pyarrow shapely polars xarray scikit-image rtree hypothesis miniball "coxeter==$coxeter"
+  "openpnm==$openpnm" "metpy==$metpy"
   "dask[array,dataframe,distributed]" duckdb ray h5py laspy lazrs zarr pye57 fsspec)
 if command -v mpirun >/dev/null; then extras+=(mpi4py); fi
 if command -v java >/dev/null; then extras+=(pyspark); fi
@@ -38,7 +41,9 @@ fetch() { # PROJECT VERSION: prints the folder of its tests
 trimesh=$("$folder/venv/bin/python" -c 'import trimesh; print(trimesh.__version__)')
 CULLHULL_TRIMESH_TESTS=$(fetch trimesh "$trimesh")
 CULLHULL_COXETER_TESTS=$(fetch coxeter "$coxeter")
-export CULLHULL_TRIMESH_TESTS CULLHULL_COXETER_TESTS
+CULLHULL_OPENPNM_TESTS=$(fetch openpnm "$openpnm")
+CULLHULL_METPY_TESTS=$(fetch metpy "$metpy")
+export CULLHULL_TRIMESH_TESTS CULLHULL_COXETER_TESTS CULLHULL_OPENPNM_TESTS CULLHULL_METPY_TESTS
 
 # scikit-image's too. pip would build it to learn its name; without the build's tools in reach it
 # stops once the archive is unpacked, which is all that is wanted.

@@ -164,6 +164,19 @@ def test_tolerant_copies_go_on_from_the_exact_hull(way):
 
 
 @pytest.mark.parametrize("way", WAYS)
+def test_tolerant_triangulations_and_diagrams(way):
+    points = np.round(cullhull.generate("ball", 300, 2), 1)
+    cells = cullhull.TolerantDelaunay(points, merge_distance=0.01)
+    sheet = cullhull.TolerantVoronoi(points, incremental=True, merge_distance=0.01)
+    again, other = way(cells), way(sheet)
+    assert np.array_equal(again.simplices, cells.simplices) and repr(again) == repr(cells)
+    assert other.regions == sheet.regions and other.dropped == sheet.dropped > 0
+    for one in (sheet, other):
+        one.add_points([[3, 3], [3.001, 3]])
+    assert other.regions == sheet.regions and other.distance == sheet.distance
+
+
+@pytest.mark.parametrize("way", WAYS)
 def test_halfspaces(way):
     normals = cullhull.generate("sphere", 40, 3)
     cut = cullhull.HalfspaceIntersection(np.column_stack([normals, -np.ones(40)]), np.zeros(3))
