@@ -34,6 +34,8 @@ struct HullTracker::Impl {
   Survivors survivors;
   /// Frames without leaders before they are tried again, and the length of the next such pause.
   std::uint64_t pause = 0, penalty = 1;
+  /// The same for frames on which the last hull's triangles are tried.
+  std::uint64_t surface_pause = 0, surface_penalty = 1;
   SimplexMemory simplices;
 
   /// Whether the last frame has the same points.
@@ -117,7 +119,16 @@ struct HullTracker::Impl {
     now.survivors = filtered.survivors.size(points.count);
     now.cull_seconds = seconds_since(start);
     Survivors left = filtered.survivors;
+    const bool tries = follows(points) && surface_pause == 0;
+    if (surface_pause > 0) --surface_pause;
+    if (tries) points.known.hull = &hull;
     Hull next = points.hull(std::move(filtered));
+    if (points.known.holds) {
+      surface_penalty = 1;
+    } else if (points.known.tried) {  // it cost up to a tenth of the frame
+      surface_pause = surface_penalty;
+      surface_penalty = std::min<std::uint64_t>(2 * surface_penalty, 16);
+    }
     now.hull_seconds = next.statistics.hull_seconds;
     now.compute_seconds = seconds_since(start);
     next.statistics.cull_seconds = now.cull_seconds;
@@ -186,6 +197,8 @@ void HullTracker::reset() noexcept {
   impl_->frame = 0;
   impl_->pause = 0;
   impl_->penalty = 1;
+  impl_->surface_pause = 0;
+  impl_->surface_penalty = 1;
   impl_->simplices.clear();
 }
 
