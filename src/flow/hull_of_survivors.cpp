@@ -77,7 +77,8 @@ bool hull_by_known(const ResultInput& from, const std::uint32_t* simplex, const 
       (from.ids != nullptr && !std::equal(vertices.begin(), vertices.end(), from.ids)))
     return false;
   known.tried = true;
-  std::optional<TriangleMesh> surface = moved_surface(*known.hull, *from.local, simplex, run);
+  std::optional<TriangleMesh> surface =
+      moved_surface(*known.hull, known.numbers, *from.local, simplex, run);
   if (!surface) return false;
   require_budget(run.budget, surface->live * result_bytes_per_facet(3, 3),
                  std::to_string(surface->live) + " facets");

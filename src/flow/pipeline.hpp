@@ -4,6 +4,7 @@
 
 #include "cullhull/hull.hpp"
 #include "flow/filter_stage.hpp"
+#include "hull/space/moved_surface.hpp"
 #include "parallel/clock.hpp"
 #include "parallel/run.hpp"
 
@@ -20,7 +21,8 @@ enum class Few { at_once, by_engine };
 
 /// A hull of the same points at other places, whose triangles are tried before an engine is.
 struct KnownHull {
-  const Hull* hull = nullptr;  ///< none
+  const Hull* hull = nullptr;              ///< none
+  const NearbyNumbers* numbers = nullptr;  ///< of it; or none
   bool tried = false, holds = false;
 };
 

@@ -47,10 +47,57 @@ bool winds_once(const TriangleMesh& surface, const double* centre, const Run& ru
   return !doubtful && met == 1;
 }
 
+/// The position among the hull's vertices of each of its ids, which ascend.
+class Positions {
+ public:
+  explicit Positions(const std::vector<std::uint64_t>& ids)
+      : ids_(ids), all_(ids.back() + 1 == ids.size()) {}
+  Id of(std::uint64_t id) const {
+    return static_cast<Id>(
+        all_ ? id : static_cast<std::uint64_t>(std::ranges::lower_bound(ids_, id) - ids_.begin()));
+  }
+
+ private:
+  const std::vector<std::uint64_t>& ids_;
+  const bool all_;  // vertex i is point i
+};
+
 }  // namespace
 
-std::optional<TriangleMesh> moved_surface(const Hull& last, const LocalPoints& points,
-                                          const std::uint32_t* simplex, const Run& run) {
+NearbyNumbers::NearbyNumbers(const Hull& hull) {
+  const std::uint64_t count = hull.simplex_count();
+  const Positions positions(hull.vertices);
+  constexpr Id none = 0xFFFFFFFF;
+  std::vector<Id> walk, slot(count, none), number(hull.vertices.size(), none);
+  walk.reserve(count);
+  const auto visit = [&](Id f) {
+    if (slot[f] != none) return;
+    slot[f] = static_cast<Id>(walk.size());
+    walk.push_back(f);
+  };
+  visit(0);
+  order.reserve(number.size());
+  vertices.reserve(3 * count);
+  for (std::size_t i = 0; i < walk.size(); ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      visit(hull.simplex_neighbours[3 * std::size_t{walk[i]} + j]);
+      const Id v = positions.of(hull.simplices[3 * std::size_t{walk[i]} + j]);
+      if (number[v] == none) {
+        number[v] = static_cast<Id>(order.size());
+        order.push_back(v);
+      }
+      vertices.push_back(number[v]);
+    }
+  }
+  neighbours.reserve(3 * count);
+  for (const Id f : walk)
+    for (std::size_t j = 0; j < 3; ++j)
+      neighbours.push_back(slot[hull.simplex_neighbours[3 * std::size_t{f} + j]]);
+}
+
+std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers* numbers,
+                                          const LocalPoints& points, const std::uint32_t* simplex,
+                                          const Run& run) {
   if (last.affine_dimension != 3 || points.dimension != 3 ||
       last.facet_count() != last.simplex_count() || last.vertices.size() != points.count ||
       points.exact != points.coordinates)
@@ -64,24 +111,25 @@ std::optional<TriangleMesh> moved_surface(const Hull& last, const LocalPoints& p
   surface.rows = BigArray<double>(std::size_t{points.count} * Shared3D::row_stride);
   run.each(points.count, grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t v = begin; v < end; ++v) {
-      surface.order[v] = static_cast<Id>(v);
+      const Id local = numbers != nullptr ? numbers->order[v] : static_cast<Id>(v);
+      surface.order[v] = local;
       double* row = surface.rows.get() + v * Shared3D::row_stride;
-      std::copy_n(points.row(static_cast<Id>(v)), 3, row);
+      std::copy_n(points.row(local), 3, row);
       row[3] = 0;
     }
   });
-  const auto& ids = last.vertices;
-  const bool all = ids.back() + 1 == ids.size();  // they ascend: vertex i is point i
+  const Positions positions(last.vertices);
   surface.facets.reserve(surface.live);
   run.each(surface.live, grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t f = begin; f < end; ++f) {
       Facet3D& facet = surface.facets[f];
       facet = {};
-      for (unsigned j = 0; j < 3; ++j) {
-        const std::uint64_t id = last.simplices[3 * f + j];
-        facet.vertices[j] = static_cast<Id>(
-            all ? id : static_cast<std::uint64_t>(std::ranges::lower_bound(ids, id) - ids.begin()));
-        facet.neighbours[j] = last.simplex_neighbours[3 * f + j];
+      for (std::size_t j = 0; j < 3; ++j) {
+        const std::size_t at = 3 * f + j;
+        facet.vertices[j] =
+            numbers != nullptr ? numbers->vertices[at] : positions.of(last.simplices[at]);
+        facet.neighbours[j] =
+            numbers != nullptr ? numbers->neighbours[at] : last.simplex_neighbours[at];
       }
     }
   });
