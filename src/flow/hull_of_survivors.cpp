@@ -1,5 +1,6 @@
 // The second half of the flow: thin lattices, frame, engine, result.
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -9,10 +10,12 @@
 #include "flow/engine_input.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/local_frame.hpp"
+#include "hull/space/moved_surface.hpp"
 #include "hull/space/triangle_mesh.hpp"
 #include "result/build_hull.hpp"
 #include "result/write/extreme_rows.hpp"
 #include "result/write/polygon_result.hpp"
+#include "result/write/write_triangles.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -64,8 +67,28 @@ void insist_on_proof(const PointView& points, const Hull& hull, const Options& o
                                           certificate.reason + "); use the native engine");
 }
 
+/// The hull by a known hull's triangles. False if it has other vertices, or if the triangles
+/// between the points' places do not make a hull.
+bool hull_by_known(const ResultInput& from, const std::uint32_t* simplex, const Run& run,
+                   KnownHull& known, Hull& hull) {
+  const std::vector<std::uint64_t>& vertices = known.hull->vertices;
+  const std::uint64_t count = from.local->count;
+  if (vertices.size() != count ||
+      (from.ids != nullptr && !std::equal(vertices.begin(), vertices.end(), from.ids)))
+    return false;
+  known.tried = true;
+  std::optional<TriangleMesh> surface =
+      moved_surface(*known.hull, known.numbers, *from.local, simplex, run);
+  if (!surface) return false;
+  require_budget(run.budget, surface->live * result_bytes_per_facet(3, 3),
+                 std::to_string(surface->live) + " facets");
+  known.holds = write_triangles(from, *surface, run, hull);
+  return known.holds;
+}
+
 /// Frame, engine, result: for what the fast paths above do not handle, and for other engines.
-void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run, Hull& hull) {
+void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run, KnownHull* known,
+                    Hull& hull) {
   EngineInput input = engine_input(points, std::move(filtered), run);
   const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
                          points.dimension, run);
@@ -89,6 +112,9 @@ void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run
                  k > 3 && facets < worth_threads ? run.with_threads(1) : run, hull);
     };
     if (hull.affine_dimension == 3 && run.options.engine == Engine::native) {
+      if (known != nullptr && known->hull != nullptr &&
+          hull_by_known(from, frame.simplex().data(), run, *known, hull))
+        return;
       TriangleMesh surface = triangle_mesh(frame.points(), frame.simplex().data(), run);
       finish(std::move(surface), surface.live);
     } else {
@@ -101,7 +127,8 @@ void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run
 
 }  // namespace
 
-Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run, Few few) {
+Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run, Few few,
+                       KnownHull* known) {
   const Clock::time_point start = Clock::now();
   Hull hull;
   hull.dimension = points.dimension;
@@ -115,7 +142,7 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
   hull.statistics.backend = filtered.survivors.backend;
   if (points.count > 0 && !hull_in_plane(points, filtered, run, hull) &&
       (few == Few::by_engine || !few_in_space(points, filtered.survivors, run, hull)))
-    hull_by_engine(points, std::move(filtered), run, hull);
+    hull_by_engine(points, std::move(filtered), run, known, hull);
   hull.statistics.hull_seconds = seconds_since(start);
   return hull;
 }

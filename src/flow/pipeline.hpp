@@ -4,6 +4,7 @@
 
 #include "cullhull/hull.hpp"
 #include "flow/filter_stage.hpp"
+#include "hull/space/moved_surface.hpp"
 #include "parallel/threads/clock.hpp"
 #include "parallel/threads/run.hpp"
 
@@ -18,9 +19,17 @@ Filtered filter_and_plan(const PointView& points, Run& run);
 /// Whether few points are hulled directly or by frame and engine; both give the same bits.
 enum class Few { at_once, by_engine };
 
+/// A hull of the same points at other places, whose triangles are tried before an engine is.
+struct KnownHull {
+  const Hull* hull = nullptr;              ///< none
+  const NearbyNumbers* numbers = nullptr;  ///< of it; or none
+  bool tried = false, holds = false;
+};
+
 /// The hull of what a filter kept of `points`: thins lattices; frame, engine, result. Fills the
-/// statistics except the times of the filter and of the whole.
+/// statistics except the times of the filter and of the whole. `known` is tried where it has the
+/// survivors as vertices; the result is the same, bit for bit.
 Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run,
-                       Few few = Few::at_once);
+                       Few few = Few::at_once, KnownHull* known = nullptr);
 
 }  // namespace cullhull::internal

@@ -44,7 +44,8 @@ Filtered HostFrame::filter_afresh() {
 Hull HostFrame::hull(Filtered&& filtered) {
   const unsigned threads =
       useful_threads(run_.threads, filtered.survivors.size(points_.count), points_.dimension);
-  Hull hull = hull_of_survivors(points_, std::move(filtered), run_.with_threads(threads));
+  Hull hull = hull_of_survivors(points_, std::move(filtered), run_.with_threads(threads),
+                                Few::at_once, &known);
   hull.statistics.threads = run_.threads;
   return hull;
 }

@@ -11,6 +11,7 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "flow/cull_pass.hpp"
 #include "flow/filter_stage.hpp"
+#include "flow/pipeline.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
@@ -24,6 +25,7 @@ class FramePoints {
 
   const std::uint64_t count;
   const unsigned dimension;
+  KnownHull known;  ///< for `hull`; points in a device's memory do not look at it
 
   /// The points in host memory; null: they are elsewhere.
   virtual const PointView* on_host() const = 0;

@@ -1,5 +1,6 @@
 // HullTracker: chooses the filter of a frame, and keeps the state for the next.
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -22,6 +23,14 @@ namespace cullhull {
 
 using namespace internal;
 
+namespace {
+
+/// Frames without a try after one in which the last hull's triangles did not hold: that costs up to
+/// an eighth of a frame, and doubles to 32 frames.
+constexpr std::uint64_t least_surface_penalty = 4;
+
+}  // namespace
+
 struct HullTracker::Impl {
   Options options;
   std::uint64_t frame = 0;
@@ -34,6 +43,9 @@ struct HullTracker::Impl {
   Survivors survivors;
   /// Frames without leaders before they are tried again, and the length of the next such pause.
   std::uint64_t pause = 0, penalty = 1;
+  /// The same for frames on which the last hull's triangles are tried.
+  std::uint64_t surface_pause = 0, surface_penalty = least_surface_penalty;
+  std::optional<NearbyNumbers> numbers;  ///< of `hull`, while its triangles hold
   SimplexMemory simplices;
 
   /// Whether the last frame has the same points.
@@ -117,11 +129,23 @@ struct HullTracker::Impl {
     now.survivors = filtered.survivors.size(points.count);
     now.cull_seconds = seconds_since(start);
     Survivors left = filtered.survivors;
+    const bool tries = follows(points) && surface_pause == 0;
+    if (surface_pause > 0) --surface_pause;
+    if (tries) points.known.hull = &hull;
+    if (numbers) points.known.numbers = &*numbers;
     Hull next = points.hull(std::move(filtered));
+    if (points.known.holds) {
+      surface_penalty = least_surface_penalty;
+      if (!numbers) numbers.emplace(next);  // the new hull has the same triangles
+    } else if (points.known.tried) {        // it cost up to a tenth of the frame
+      surface_pause = surface_penalty;
+      surface_penalty = std::min<std::uint64_t>(2 * surface_penalty, 32);
+    }
     now.hull_seconds = next.statistics.hull_seconds;
     now.compute_seconds = seconds_since(start);
     next.statistics.cull_seconds = now.cull_seconds;
     next.statistics.compute_seconds = now.compute_seconds;
+    if (!points.known.holds) numbers.reset();
     take(std::move(next), std::move(left), now);
     run.control.report("done", 1);
   }
@@ -134,6 +158,7 @@ struct HullTracker::Impl {
     Survivors all;
     all.all = true;
     all.reason = next.statistics.cull_reason;
+    numbers.reset();
     take(std::move(next), std::move(all), now);
   }
 
@@ -186,6 +211,9 @@ void HullTracker::reset() noexcept {
   impl_->frame = 0;
   impl_->pause = 0;
   impl_->penalty = 1;
+  impl_->numbers.reset();
+  impl_->surface_pause = 0;
+  impl_->surface_penalty = least_surface_penalty;
   impl_->simplices.clear();
 }
 

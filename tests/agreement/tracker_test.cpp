@@ -14,6 +14,7 @@
 #include "canonical_hash.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/io.hpp"
+#include "flow/pipeline.hpp"
 #include "tests/made_sets.hpp"
 
 namespace {
@@ -323,6 +324,87 @@ TEST(HullTracker, AFrameWithoutLeadersIsOneStaticCall) {
     }
     EXPECT_LE(tracked_bytes, static_bytes + static_bytes / 50 + 2048);  // no copies of hulls
   }
+}
+
+Rows turned(const Rows& rows, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return mapped(rows, 3, [&](std::uint64_t, double* x) {
+    const double first = c * x[0] - s * x[1], second = s * x[0] + c * x[1];
+    x[0] = first;
+    x[1] = c * second - s * x[2];
+    x[2] = s * second + c * x[2];
+  });
+}
+
+/// Expects the hull of `rows`, with the triangles of `last` tried; `holds`: whether they held.
+void expect_by_known(const Rows& rows, const Hull& last, bool& holds) {
+  const Options options;
+  const internal::Run run(options);
+  const internal::NearbyNumbers numbers(last);
+  for (const auto* near : {&numbers, static_cast<const internal::NearbyNumbers*>(nullptr)}) {
+    internal::Filtered all;
+    all.survivors.all = true;
+    internal::KnownHull known{.hull = &last, .numbers = near};
+    const Hull hull = internal::hull_of_survivors(rows_of(rows, 3), std::move(all), run,
+                                                  internal::Few::by_engine, &known);
+    EXPECT_TRUE(known.tried);
+    holds = known.holds;
+    EXPECT_EQ(canonical_hash(hull), static_hash(rows_of(rows, 3)));
+  }
+}
+
+/// Two cones over a ring of points, which goes round `times`.
+Rows double_cone(int ring, int times) {
+  Rows rows = {0, 0, 1, 0, 0, -1};
+  for (int i = 0; i < ring; ++i) {
+    const double t = 2 * std::acos(-1.0) * i * times / ring;
+    rows.insert(rows.end(), {std::cos(t), std::sin(t), 0.01 * std::sin(5 * t)});
+  }
+  return rows;
+}
+
+TEST(HullTracker, TheLastHullsTrianglesHoldWhereTheHullIsTurned) {
+  for (const std::uint64_t n : {20, 3000, 20000}) {
+    const Rows rows = generate("sphere", n, 3, 5);
+    const Hull last = convex_hull(rows_of(rows, 3));
+    bool holds = false;
+    expect_by_known(turned(rows, 0.3), last, holds);
+    EXPECT_TRUE(holds) << n;
+    const Rows mirrored = mapped(rows, 3, [](std::uint64_t, double* x) { x[0] = -x[0]; });
+    expect_by_known(mirrored, last, holds);
+    EXPECT_FALSE(holds) << n;
+    expect_by_known(generate("sphere", n, 3, 6), last, holds);
+    EXPECT_FALSE(holds) << n;
+  }
+}
+
+TEST(HullTracker, TrianglesThatWindTwiceAreNotAHull) {
+  // Every ridge is convex, and every triangle is seen from within from beneath.
+  for (const int ring : {15, 6001}) {
+    const Rows once = double_cone(ring, 1);
+    const Hull last = convex_hull(rows_of(once, 3));
+    ASSERT_EQ(last.vertices.size(), static_cast<std::size_t>(ring) + 2);
+    bool holds = true;
+    expect_by_known(turned(once, 0.1), last, holds);
+    EXPECT_TRUE(holds) << ring;
+    expect_by_known(double_cone(ring, 2), last, holds);
+    EXPECT_FALSE(holds) << ring;
+  }
+}
+
+TEST(HullTracker, FramesByTheLastHullsTriangles) {
+  const Rows sphere = generate("sphere", 6000, 3, 8), lattice = generate("grid:30", 6000, 3, 8);
+  std::vector<Rows> frames;
+  for (int f = 0; f < 6; ++f) frames.push_back(turned(sphere, 0.1 * f));
+  frames.push_back(generate("sphere", 6000, 3, 9));
+  for (int f = 0; f < 8; ++f) frames.push_back(turned(sphere, 0.1 * f));
+  frames.push_back(double_cone(5998, 1));
+  frames.push_back(double_cone(5998, 1));
+  frames.push_back(double_cone(5998, 3));
+  frames.push_back(lattice);
+  frames.push_back(lattice);
+  frames.push_back(turned(lattice, 0.1));
+  expect_sequence("triangles", 3, frames);
 }
 
 TEST(HullTracker, SteadyFramesKeepNoMoreMemory) {

@@ -1,0 +1,140 @@
+#include "hull/space/moved_surface.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+namespace cullhull::internal {
+namespace {
+
+using Id = std::uint32_t;
+constexpr std::uint64_t grain = 8192;
+
+/// 1 or -1: the certain sign of det [a; b; c], rows of differences that were rounded once or are
+/// exact; 0 where it is in doubt. The filter of Orientation3D::side.
+int certain_sign(const double* a, const double* b, const double* c) {
+  const double det = determinant_3(a, b, c);
+  const double bound = (minor_roundings(3) + 2) * unit_roundoff * permanent_3(a, b, c) + 0x1p-1000;
+  return std::abs(det) > bound ? (det > 0 ? 1 : -1) : 0;
+}
+
+/// Whether the surface winds once around `centre`, certainly. Where every triangle is seen from
+/// beneath, central projection maps the surface onto the sphere, triangle by triangle and across
+/// each edge; a ray that meets one triangle alone, in its interior, shows that it does so once.
+bool winds_once(const TriangleMesh& surface, const double* centre, const Run& run) {
+  // No direction of a lattice or of a symmetric body.
+  static constexpr double ray[3] = {0.6180339887498949, 0.3247179572447461, 0.7161203842163911};
+  std::atomic<std::uint64_t> met{0};
+  std::atomic<bool> doubtful{false};
+  run.each(surface.live, grain, [&](std::uint64_t begin, std::uint64_t end) {
+    std::uint64_t here = 0;
+    for (std::uint64_t f = begin; f < end && !doubtful.load(std::memory_order_relaxed); ++f) {
+      double corner[3][3];
+      for (unsigned j = 0; j < 3; ++j) {
+        const Id v = surface.facets[f].vertices[j];
+        const double* row = surface.rows.get() + std::size_t{v} * Shared3D::row_stride;
+        for (unsigned c = 0; c < 3; ++c) corner[j][c] = row[c] - centre[c];
+      }
+      if (certain_sign(corner[0], corner[1], corner[2]) <= 0) doubtful = true;
+      int least = 1;
+      for (unsigned j = 0; j < 3 && least >= 0; ++j)
+        least = std::min(least, certain_sign(ray, corner[j], corner[(j + 1) % 3]));
+      if (least == 0) doubtful = true;  // through an edge, perhaps
+      here += least > 0;
+    }
+    met += here;
+  });
+  return !doubtful && met == 1;
+}
+
+/// The position among the hull's vertices of each of its ids, which ascend.
+class Positions {
+ public:
+  explicit Positions(const std::vector<std::uint64_t>& ids)
+      : ids_(ids), all_(ids.back() + 1 == ids.size()) {}
+  Id of(std::uint64_t id) const {
+    return static_cast<Id>(
+        all_ ? id : static_cast<std::uint64_t>(std::ranges::lower_bound(ids_, id) - ids_.begin()));
+  }
+
+ private:
+  const std::vector<std::uint64_t>& ids_;
+  const bool all_;  // vertex i is point i
+};
+
+}  // namespace
+
+NearbyNumbers::NearbyNumbers(const Hull& hull) {
+  const std::uint64_t count = hull.simplex_count();
+  const Positions positions(hull.vertices);
+  constexpr Id none = 0xFFFFFFFF;
+  std::vector<Id> walk, slot(count, none), number(hull.vertices.size(), none);
+  walk.reserve(count);
+  const auto visit = [&](Id f) {
+    if (slot[f] != none) return;
+    slot[f] = static_cast<Id>(walk.size());
+    walk.push_back(f);
+  };
+  visit(0);
+  order.reserve(number.size());
+  vertices.reserve(3 * count);
+  for (std::size_t i = 0; i < walk.size(); ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      visit(hull.simplex_neighbours[3 * std::size_t{walk[i]} + j]);
+      const Id v = positions.of(hull.simplices[3 * std::size_t{walk[i]} + j]);
+      if (number[v] == none) {
+        number[v] = static_cast<Id>(order.size());
+        order.push_back(v);
+      }
+      vertices.push_back(number[v]);
+    }
+  }
+  neighbours.reserve(3 * count);
+  for (const Id f : walk)
+    for (std::size_t j = 0; j < 3; ++j)
+      neighbours.push_back(slot[hull.simplex_neighbours[3 * std::size_t{f} + j]]);
+}
+
+std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers* numbers,
+                                          const LocalPoints& points, const std::uint32_t* simplex,
+                                          const Run& run) {
+  if (last.affine_dimension != 3 || points.dimension != 3 ||
+      last.facet_count() != last.simplex_count() || last.vertices.size() != points.count ||
+      points.exact != points.coordinates)
+    return {};
+  TriangleMesh surface;
+  surface.live = last.simplex_count();
+  surface.count = points.count;
+  surface.used = {{0, static_cast<Id>(surface.live)}};
+  surface.predicates.emplace(points, simplex);
+  surface.order = BigArray<Id>(points.count);
+  surface.rows = BigArray<double>(std::size_t{points.count} * Shared3D::row_stride);
+  run.each(points.count, grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t v = begin; v < end; ++v) {
+      const Id local = numbers != nullptr ? numbers->order[v] : static_cast<Id>(v);
+      surface.order[v] = local;
+      double* row = surface.rows.get() + v * Shared3D::row_stride;
+      std::copy_n(points.row(local), 3, row);
+      row[3] = 0;
+    }
+  });
+  const Positions positions(last.vertices);
+  surface.facets.reserve(surface.live);
+  run.each(surface.live, grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t f = begin; f < end; ++f) {
+      Facet3D& facet = surface.facets[f];
+      facet = {};
+      for (std::size_t j = 0; j < 3; ++j) {
+        const std::size_t at = 3 * f + j;
+        facet.vertices[j] =
+            numbers != nullptr ? numbers->vertices[at] : positions.of(last.simplices[at]);
+        facet.neighbours[j] =
+            numbers != nullptr ? numbers->neighbours[at] : last.simplex_neighbours[at];
+      }
+    }
+  });
+  if (!winds_once(surface, surface.predicates->centre(), run)) return {};
+  return surface;
+}
+
+}  // namespace cullhull::internal
