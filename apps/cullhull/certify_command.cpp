@@ -116,11 +116,11 @@ Outcome certify_streamed(const CertifyArguments& arguments) {
   const cullhull::BlockSummary read =
       stream_blocks(from, arguments.files, arguments.run,
                     [&](const cullhull::PointView& block, std::uint64_t first) {
-                      check.push(block, first);
-                      if (!told) return;
-                      const std::lock_guard lock(mutex);
-                      extent.add(block);
-                    });
+    check.push(block, first);
+    if (!told) return;
+    const std::lock_guard lock(mutex);
+    extent.add(block);
+      });
   outcome.certificate = check.finish();
   outcome.placing = {read.placement, read.grid, read.any_placed, arguments.input.raw};
   outcome.extent = extent.corners(read.grid);

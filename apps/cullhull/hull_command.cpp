@@ -127,15 +127,14 @@ Outcome compute(const HullArguments& arguments, const Input& input) {
   const cullhull::PointView& points = input.points;
   std::optional<EndDeafWork> qhull;
   if (arguments.engine == "qhull") qhull.emplace();
-  Outcome outcome{find_repeatedly(arguments,
-                                  [&](cullhull::Options options) {
-                                    if (arguments.engine == "qhull")
-                                      options.engine = cullhull::Engine::qhull;
-                                    const Placing& placing = input.placing;
-                                    return in_place(input) ? hull_on_grid(points, placing.placement,
-                                                                          placing.grid, options)
-                                                           : cullhull::convex_hull(points, options);
-                                  }),
+  Outcome outcome{find_repeatedly(
+                      arguments,
+                      [&](cullhull::Options options) {
+    if (arguments.engine == "qhull") options.engine = cullhull::Engine::qhull;
+    const Placing& placing = input.placing;
+    return in_place(input) ? hull_on_grid(points, placing.placement, placing.grid, options)
+                           : cullhull::convex_hull(points, options);
+                      }),
                   {}};
   if (arguments.certify)
     outcome.certificate = repeat(arguments.run, 1, [&](const cullhull::Options& options) {

@@ -60,10 +60,10 @@ class DeviceFrame final : public FramePoints {
     const std::string before = result.reason;
     there_or_here([&] { scan_there(map, result); },
                   [&] {
-                    result.reason = before;
-                    here_->scan(map, result);
-                    if (!why_here_.empty()) result.reason = before;  // hull() reports it
-                  });
+      result.reason = before;
+      here_->scan(map, result);
+      if (!why_here_.empty()) result.reason = before;  // hull() reports it
+    });
   }
 
   void fetch(Filtered& result) override {

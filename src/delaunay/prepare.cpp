@@ -65,17 +65,17 @@ struct Range {
 /// Of coordinates and weights.
 void measure(const LiftedPoints& s, Range& x, Range& w, const Run& run) {
   std::vector<Range> xs(chunk_count(s.count, light_grain)), ws(xs.size());
-  run.each_chunk(
-      s.count, light_grain, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-        // A lattice of fewer than 2^-52 of a number of the chunk is none.
-        const double first = std::abs(s.row(static_cast<std::uint32_t>(begin))[0]);
-        const int limit = first > 0 ? std::ilogb(first) - 60 : std::numeric_limits<int>::min();
-        for (std::uint64_t i = begin; i < end; ++i) {
-          const double* r = s.row(static_cast<std::uint32_t>(i));
-          for (unsigned j = 0; j < s.width; ++j) xs[c].add(r[j], limit);
-          if (s.weighted) ws[c].add(r[s.width], std::numeric_limits<int>::min());
-        }
-      });
+  run.each_chunk(s.count, light_grain,
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    // A lattice of fewer than 2^-52 of a number of the chunk is none.
+    const double first = std::abs(s.row(static_cast<std::uint32_t>(begin))[0]);
+    const int limit = first > 0 ? std::ilogb(first) - 60 : std::numeric_limits<int>::min();
+    for (std::uint64_t i = begin; i < end; ++i) {
+      const double* r = s.row(static_cast<std::uint32_t>(i));
+      for (unsigned j = 0; j < s.width; ++j) xs[c].add(r[j], limit);
+      if (s.weighted) ws[c].add(r[s.width], std::numeric_limits<int>::min());
+    }
+  });
   for (std::size_t c = 0; c < xs.size(); ++c) {
     x.add(xs[c]);
     w.add(ws[c]);

@@ -152,26 +152,26 @@ Array<Ranked> finite_cells(const LiftedPoints& s, CellStore<K>& store, Array<std
   };
   run.each_chunk(store.count(), chunk,
                  [&](std::uint64_t at, std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint64_t c = begin; c < end; ++c)
-                     begins[at + 1] += finite(static_cast<std::uint32_t>(c)) ? 1 : 0;
-                 });
+    for (std::uint64_t c = begin; c < end; ++c)
+      begins[at + 1] += finite(static_cast<std::uint32_t>(c)) ? 1 : 0;
+  });
   for (std::size_t i = 1; i < begins.size(); ++i) begins[i] += begins[i - 1];
   Array<Ranked> rows(begins.back());
   run.each_chunk(store.count(), chunk,
                  [&](std::uint64_t at, std::uint64_t begin, std::uint64_t end) {
-                   std::uint32_t to = begins[at];
-                   for (std::uint64_t i = begin; i < end; ++i) {
-                     const auto c = static_cast<std::uint32_t>(i);
-                     if (!finite(c)) {
-                       rank[c] = no_cell;
-                       continue;
-                     }
-                     std::uint32_t* v = store.vertices(c);
-                     for (unsigned j = 0; j < corners; ++j) v[j] = s.ids[v[j]];
-                     order_corners<K>(v, store.neighbours(c), corners);
-                     rows[to++] = ranked(v, corners, c);
-                   }
-                 });
+    std::uint32_t to = begins[at];
+    for (std::uint64_t i = begin; i < end; ++i) {
+      const auto c = static_cast<std::uint32_t>(i);
+      if (!finite(c)) {
+        rank[c] = no_cell;
+        continue;
+      }
+      std::uint32_t* v = store.vertices(c);
+      for (unsigned j = 0; j < corners; ++j) v[j] = s.ids[v[j]];
+      order_corners<K>(v, store.neighbours(c), corners);
+      rows[to++] = ranked(v, corners, c);
+    }
+  });
   return rows;
 }
 

@@ -170,14 +170,14 @@ class Builder {
     }
     const unsigned c = farthest(
         [&](V x, V y, V z) HWY_ATTR {
-          const V d[3] = {hn::Sub(x, at[0]), hn::Sub(y, at[1]), hn::Sub(z, at[2])};
-          V square = hn::Zero(tag);
-          for (unsigned i = 0; i < 3; ++i) {
-            const unsigned j = (i + 1) % 3, k = (i + 2) % 3;
-            const V m = hn::Sub(hn::Mul(edge[j], d[k]), hn::Mul(edge[k], d[j]));
-            square = hn::Add(square, hn::Mul(m, m));
-          }
-          return square;
+      const V d[3] = {hn::Sub(x, at[0]), hn::Sub(y, at[1]), hn::Sub(z, at[2])};
+      V square = hn::Zero(tag);
+      for (unsigned i = 0; i < 3; ++i) {
+        const unsigned j = (i + 1) % 3, k = (i + 2) % 3;
+        const V m = hn::Sub(hn::Mul(edge[j], d[k]), hn::Mul(edge[k], d[j]));
+        square = hn::Add(square, hn::Mul(m, m));
+      }
+      return square;
         },
         &most);
     for (unsigned i = 0; i < 3; ++i) {
@@ -187,9 +187,9 @@ class Builder {
     const V normal[3] = {hn::Set(tag, n[0]), hn::Set(tag, n[1]), hn::Set(tag, n[2])};
     const unsigned d = farthest(
         [&](V x, V y, V z) HWY_ATTR {
-          return hn::Abs(hn::Add(
-              hn::Add(hn::Mul(normal[0], hn::Sub(x, at[0])), hn::Mul(normal[1], hn::Sub(y, at[1]))),
-              hn::Mul(normal[2], hn::Sub(z, at[2]))));
+      return hn::Abs(hn::Add(
+          hn::Add(hn::Mul(normal[0], hn::Sub(x, at[0])), hn::Mul(normal[1], hn::Sub(y, at[1]))),
+          hn::Mul(normal[2], hn::Sub(z, at[2]))));
         },
         &most);
     const Sign sign = side(a, b, c, d);

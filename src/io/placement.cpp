@@ -131,19 +131,18 @@ void place(PointData& data, const ReadOptions& options) {
   constexpr std::uint64_t chunk = std::uint64_t{1} << 16;  // points
   for_each_chunk(from.count, chunk, resolve_threads(options.threads),
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint32_t j = 0; j < d; ++j)
-                     for (std::uint64_t i = begin; i < end; ++i) {
-                       const double x = from.at(i, j);
-                       double& to = out[i * d + j];
-                       if (!multiples)
-                         to = placement.at(j, x);
-                       else if (const double n = x * multiples->step[j] + multiples->origin[j];
-                                on_grid)
-                         to = n;
-                       else
-                         to = grid.to_world(n);
-                     }
-                 });
+    for (std::uint32_t j = 0; j < d; ++j)
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const double x = from.at(i, j);
+        double& to = out[i * d + j];
+        if (!multiples)
+          to = placement.at(j, x);
+        else if (const double n = x * multiples->step[j] + multiples->origin[j]; on_grid)
+          to = n;
+        else
+          to = grid.to_world(n);
+      }
+  });
   data.storage = std::move(room);
   data.in_place = false;
   data.view = PointView::row_major(data.storage.as<const double>(), from.count, d);

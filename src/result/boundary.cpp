@@ -285,8 +285,8 @@ CoplanarPairs coplanar_pairs(const Boundary& surface, const LocalPoints& points,
   std::vector<ChunkResult> results(chunk_count(surface.facet_count(), simplex_chunk));
   run.each_chunk(surface.facet_count(), simplex_chunk,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                   scan.chunk(ridge_scan, begin, end, results[chunk]);
-                 });
+    scan.chunk(ridge_scan, begin, end, results[chunk]);
+  });
   CoplanarPairs pairs;
   std::uint64_t ridges = 0;
   for (const ChunkResult& r : results) {

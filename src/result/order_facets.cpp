@@ -48,8 +48,8 @@ class FacetOrderer {
   void each_chunk(std::uint64_t begin, std::uint64_t end, const Body& body) const {
     run_.each_chunk(end - begin, simplex_chunk,
                     [&](std::uint64_t c, std::uint64_t from, std::uint64_t to) {
-                      body(c, begin + from, begin + to);
-                    });
+      body(c, begin + from, begin + to);
+    });
   }
 
   bool less(const Key& a, const Key& b) const {

@@ -191,8 +191,8 @@ const Hull& HullTracker::update(const PointView& points) {
   const Options& options = impl_->options;
   return impl_->compute_next(
       [&](Hull& hull) {
-        check_arguments(points, options);
-        return small_hull(points, options, hull);
+    check_arguments(points, options);
+    return small_hull(points, options, hull);
       },
       [&](const Run& run) { return std::make_unique<HostFrame>(points, run); });
 }

@@ -203,8 +203,8 @@ TEST(GaugeShortcuts, CoreTouchesTheMapFromInside) {
 TEST(GaugeShortcuts, CoreOnlyWhereItHoldsMuch) {
   const auto map = map_of(
       [] {
-        const std::vector<double> made = generate("ball", 3000, 3);
-        return Array<double>(made.begin(), made.end());
+    const std::vector<double> made = generate("ball", 3000, 3);
+    return Array<double>(made.begin(), made.end());
       }(),
       3);
   ASSERT_TRUE(map);

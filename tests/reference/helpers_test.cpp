@@ -70,11 +70,12 @@ TEST(Helpers, ManyCallersAtOnce) {
 TEST(Helpers, AnExceptionEndsTheLoop) {
   for (unsigned k = 0; k < 200; ++k) {
     std::atomic<unsigned> begun{0};
-    EXPECT_THROW(for_each_chunk(1000, 1, 4,
-                                [&](std::uint64_t c, std::uint64_t, std::uint64_t) {
-                                  ++begun;
-                                  if (c >= 3) throw std::runtime_error("three");
-                                }),
+    EXPECT_THROW(for_each_chunk(
+                     1000, 1, 4,
+                     [&](std::uint64_t c, std::uint64_t, std::uint64_t) {
+      ++begun;
+      if (c >= 3) throw std::runtime_error("three");
+                     }),
                  std::runtime_error);
     EXPECT_LT(begun, 100U);
   }

@@ -156,8 +156,8 @@ TEST(Json, HostileFilesAreRefused) {
     const std::string text = bad.dump();
     return error_of(ErrorCode::bad_file, [&] { read(text); });
   };
-  const auto changed = [&](const char* key, std::initializer_list<std::size_t> path,
-                           const json& v) {
+  const auto changed =
+      [&](const char* key, std::initializer_list<std::size_t> path, const json& v) {
     json value = good[key];
     json* at = &value;
     for (const std::size_t i : path) at = &(*at)[i];

@@ -97,10 +97,10 @@ void bind_files(nb::module_& m) {
   m.def(
       "read_points",
       [](const std::string& path, const std::string& columns, bool raw) {
-        auto [file, remarks] = open_file(path, columns, raw);
-        cullhull::Placement placement = file.placement();
-        return std::tuple(points_of(nb::cast(std::move(file))), std::move(remarks),
-                          std::move(placement.scale), std::move(placement.offset));
+    auto [file, remarks] = open_file(path, columns, raw);
+    cullhull::Placement placement = file.placement();
+    return std::tuple(points_of(nb::cast(std::move(file))), std::move(remarks),
+                      std::move(placement.scale), std::move(placement.offset));
       },
       nb::arg("path"), nb::arg("columns"), nb::arg("raw"),
       "The points, remarks for the user, and the scale and offset of the file's numbers.");
@@ -108,10 +108,10 @@ void bind_files(nb::module_& m) {
         "The files that words of a command line stand for: folders, patterns, lists.");
   m.def(
       "grid_of",
-      [](std::vector<double> scale, std::vector<double> offset) -> std::optional<int> {
-        const cullhull::Grid grid =
-            cullhull::common_grid({{std::move(scale), std::move(offset), ""}});
-        return grid.decimals() < 0 ? std::nullopt : std::optional(grid.decimals());
+      [](std::vector<double> scale, std::vector<double> offset) -> std::
+                                                                    optional<int> {
+    const cullhull::Grid grid = cullhull::common_grid({{std::move(scale), std::move(offset), ""}});
+    return grid.decimals() < 0 ? std::nullopt : std::optional(grid.decimals());
       },
       nb::arg("scale"), nb::arg("offset"),
       "Decimals of the grid on which such a scan lies; None where doubles do.");

@@ -101,12 +101,12 @@ void bind_diagram(nb::module_& m) {
       .def_prop_ro(
           "vertices",
           [](Self self) { return rows_in(shown(self).vertices, shown(self).dimension, self); })
-      .def_prop_ro("ridge_points",
-                   [](Self self) {
-                     return rows_of(
-                         reinterpret_cast<const std::int32_t*>(shown(self).ridge_points.data()),
-                         shown(self).ridge_count(), 2, self);
-                   })
+      .def_prop_ro(
+          "ridge_points",
+          [](Self self) {
+    return rows_of(reinterpret_cast<const std::int32_t*>(shown(self).ridge_points.data()),
+                   shown(self).ridge_count(), 2, self);
+          })
       .def_prop_ro("ridge_offsets",
                    [](Self self) { return offsets_in(shown(self).ridge_offsets, self); })
       .def_prop_ro("ridge_vertices",
@@ -125,17 +125,19 @@ void bind_diagram(nb::module_& m) {
 void bind_clipped_cells(nb::module_& m) {
   using Clipped = ClippedSelf;
   nb::class_<ClippedCells>(m, "ClippedCells", "Cells in a region: cullhull.ClippedCells wraps it.")
-      .def_prop_ro("measures",
-                   [](Clipped self) {
-                     const auto& measures = shown_cells(self).measures;
-                     return list_of(measures.data(), measures.size(), self);
-                   })
+      .def_prop_ro(
+          "measures",
+          [](Clipped self) {
+    const auto& measures = shown_cells(self).measures;
+    return list_of(measures.data(), measures.size(), self);
+          })
       .def_prop_ro("vertex_offsets",
                    [](Clipped self) { return offsets_in(shown_cells(self).vertex_offsets, self); })
-      .def_prop_ro("vertices",
-                   [](Clipped self) {
-                     return rows_in(shown_cells(self).vertices, shown_cells(self).dimension, self);
-                   })
+      .def_prop_ro(
+          "vertices",
+          [](Clipped self) {
+    return rows_in(shown_cells(self).vertices, shown_cells(self).dimension, self);
+          })
       .def_prop_ro("polygon_offsets",
                    [](Clipped self) { return offsets_in(shown_cells(self).polygon_offsets, self); })
       .def_prop_ro("polygon_rings",

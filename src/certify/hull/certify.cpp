@@ -19,12 +19,12 @@ void check_chunks(const Subject& s, std::uint64_t count, std::uint64_t chunk_siz
   std::vector<std::string> faults(chunk_count(count, chunk_size));
   s.run.each_chunk(count, chunk_size,
                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                     try {
-                       body(begin, end);
-                     } catch (const Fault& f) {
-                       faults[chunk] = f.reason;
-                     }
-                   });
+    try {
+      body(begin, end);
+    } catch (const Fault& f) {
+      faults[chunk] = f.reason;
+    }
+  });
   for (std::string& f : faults)
     if (!f.empty()) throw Fault{std::move(f)};
 }

@@ -38,9 +38,8 @@ class FacetCheck {
     if (k_ > 1) check_connected();
     check_chunks(s_, h_.facets.size(), std::uint64_t{1} << 12,
                  [&](std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint64_t f = begin; f < end; ++f)
-                     check_lists(static_cast<std::uint32_t>(f));
-                 });
+      for (std::uint64_t f = begin; f < end; ++f) check_lists(static_cast<std::uint32_t>(f));
+    });
     if (k_ == 2) check_winding();
     // All corners of a facet that is a simplex are extreme, and it needs no triangulation.
     if (k_ > 1 && h_.facets.size() == s_.simplex_count()) return;
@@ -216,9 +215,9 @@ class FacetCheck {
     listed_.resize(h_.facets.items.size());
     check_chunks(s_, listed_.size(), std::uint64_t{1} << 14,
                  [&](std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint64_t i = begin; i < end; ++i)
-                     listed_[i] = static_cast<std::uint32_t>(s_.position(h_.facets.items[i]));
-                 });
+      for (std::uint64_t i = begin; i < end; ++i)
+        listed_[i] = static_cast<std::uint32_t>(s_.position(h_.facets.items[i]));
+    });
     for (const std::uint32_t v : listed_) ++start_[v + std::size_t{1}];
     std::partial_sum(start_.begin(), start_.end(), start_.begin());
     on_.resize(listed_.size());
@@ -250,19 +249,19 @@ class FacetCheck {
 
   /// A vertex is extreme iff no other is on all of its facets.
   void check_extreme() const {
-    check_chunks(
-        s_, s_.ids.size(), std::uint64_t{1} << 12, [&](std::uint64_t begin, std::uint64_t end) {
-          for (std::uint64_t i = begin; i < end; ++i) {
-            const auto v = static_cast<std::uint32_t>(i);
-            const Set facets = facets_of(v);
-            bool extreme = facets.size() >= k_;
-            // A corner of a simplex facet is extreme; for k <= 3 so is a vertex of k facets.
-            const bool corner =
-                std::any_of(facets.begin(), facets.end(), [&](auto f) { return size(f) == k_; });
-            if (k_ > 3 && extreme && !corner) extreme = lowest_common(facets, v) == s_.ids.size();
-            if (k_ > 1 && !extreme) fault("vertex ", id(v), " is not an extreme point");
-          }
-        });
+    check_chunks(s_, s_.ids.size(), std::uint64_t{1} << 12,
+                 [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const auto v = static_cast<std::uint32_t>(i);
+        const Set facets = facets_of(v);
+        bool extreme = facets.size() >= k_;
+        // A corner of a simplex facet is extreme; for k <= 3 so is a vertex of k facets.
+        const bool corner =
+            std::any_of(facets.begin(), facets.end(), [&](auto f) { return size(f) == k_; });
+        if (k_ > 3 && extreme && !corner) extreme = lowest_common(facets, v) == s_.ids.size();
+        if (k_ > 1 && !extreme) fault("vertex ", id(v), " is not an extreme point");
+      }
+    });
   }
 
   /// Pulling: the first vertex of every tail of a simplex is the lowest one of the smallest face
@@ -270,24 +269,23 @@ class FacetCheck {
   void check_pulled() const {
     check_chunks(s_, s_.simplex_count(), std::uint64_t{1} << 10,
                  [&](std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint64_t i = begin; i < end; ++i) {
-                     if (size(h_.simplex_facets[i]) == k_) continue;
-                     Set v(s_.simplex(static_cast<std::uint32_t>(i)),
-                           s_.simplex(static_cast<std::uint32_t>(i)) + k_);
-                     std::sort(v.begin(), v.end());
-                     Set facets = facets_of(v.back());
-                     for (unsigned j = k_ - 1; j-- > 0;) {
-                       const Set own = facets_of(v[j]);
-                       Set both;
-                       std::set_intersection(facets.begin(), facets.end(), own.begin(), own.end(),
-                                             std::back_inserter(both));
-                       facets = std::move(both);
-                       if (facets.empty() || lowest_common(facets, v[j]) < v[j])
-                         fault("simplex ", i,
-                               " is not part of the pulled triangulation of its facet");
-                     }
-                   }
-                 });
+      for (std::uint64_t i = begin; i < end; ++i) {
+        if (size(h_.simplex_facets[i]) == k_) continue;
+        Set v(s_.simplex(static_cast<std::uint32_t>(i)),
+              s_.simplex(static_cast<std::uint32_t>(i)) + k_);
+        std::sort(v.begin(), v.end());
+        Set facets = facets_of(v.back());
+        for (unsigned j = k_ - 1; j-- > 0;) {
+          const Set own = facets_of(v[j]);
+          Set both;
+          std::set_intersection(facets.begin(), facets.end(), own.begin(), own.end(),
+                                std::back_inserter(both));
+          facets = std::move(both);
+          if (facets.empty() || lowest_common(facets, v[j]) < v[j])
+            fault("simplex ", i, " is not part of the pulled triangulation of its facet");
+        }
+      }
+    });
   }
 
   const Subject& s_;

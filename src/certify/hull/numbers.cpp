@@ -35,10 +35,9 @@ class PlaneCheck {
   void run() const {
     check_chunks(s_, h_.facets.size(), std::uint64_t{1} << 12,
                  [&](std::uint64_t begin, std::uint64_t end) {
-                   FacetTerms terms;
-                   for (std::uint64_t f = begin; f < end; ++f)
-                     check(static_cast<std::uint32_t>(f), terms);
-                 });
+      FacetTerms terms;
+      for (std::uint64_t f = begin; f < end; ++f) check(static_cast<std::uint32_t>(f), terms);
+    });
   }
 
  private:

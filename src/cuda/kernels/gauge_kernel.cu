@@ -240,12 +240,11 @@ cudaError_t gauge_mask(const GaugeTable& table, const float* nodes, const Device
   with_types(table, points.scalar, [&]<unsigned D, class T, class C>() {
     with_layout<D, T>(points.data, points.point_stride, points.coordinate_stride,
                       [&]<class Layout>(const Layout& layout) {
-                        status =
-                            shared ? launch_mask<true, Layout, C>(
-                                         table, nodes, layout, points.count, mask, device, stream)
-                                   : launch_mask<false, Layout, C>(
-                                         table, nodes, layout, points.count, mask, device, stream);
-                      });
+      status = shared ? launch_mask<true, Layout, C>(table, nodes, layout, points.count, mask,
+                                                     device, stream)
+                      : launch_mask<false, Layout, C>(table, nodes, layout, points.count, mask,
+                                                      device, stream);
+    });
   });
   return status;
 }

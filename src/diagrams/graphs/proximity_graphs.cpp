@@ -147,10 +147,10 @@ std::vector<Edge> gabriel_edges(const DualPoints& p, const Triangulation& t, con
   std::vector<std::vector<Edge>> parts(chunk_count(t.point_count, grain));
   run.each_chunk(t.point_count, grain,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                   each_edge(edges, begin, end, [&](const Edge& e, auto around) {
-                     if (ball_is_empty(p, t, e, around)) parts[chunk].push_back(e);
-                   });
-                 });
+    each_edge(edges, begin, end, [&](const Edge& e, auto around) {
+      if (ball_is_empty(p, t, e, around)) parts[chunk].push_back(e);
+    });
+  });
   for (const std::vector<Edge>& part : parts) all.insert(all.end(), part.begin(), part.end());
   return all;
 }

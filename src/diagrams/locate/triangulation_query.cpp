@@ -53,7 +53,7 @@ void each_along_curve(const WalkMesh& mesh, const PointView& view, const Run& ru
       mesh.frame.keys(
           end - begin, [&](std::uint64_t i) { return r + i * d; },
           [&](std::uint64_t i, std::uint32_t key) {
-            items[begin + i] = {key, static_cast<std::uint32_t>(begin + i)};
+        items[begin + i] = {key, static_cast<std::uint32_t>(begin + i)};
           });
     });
     Placed *from = items.data(), *to = scratch.data();

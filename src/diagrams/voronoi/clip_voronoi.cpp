@@ -228,11 +228,11 @@ class PiecesOfCells {
     std::vector<std::vector<Pair>> parts(chunk_count(region.size(), grain));
     run.each_chunk(region.size(), grain,
                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                     CellClipper<2> clipper(cells, t, region);
-                     for (std::uint64_t piece = begin; piece < end; ++piece)
-                       spread(cells, region, static_cast<std::uint32_t>(piece), starts[piece],
-                              clipper, parts[chunk], run);
-                   });
+      CellClipper<2> clipper(cells, t, region);
+      for (std::uint64_t piece = begin; piece < end; ++piece)
+        spread(cells, region, static_cast<std::uint32_t>(piece), starts[piece], clipper,
+               parts[chunk], run);
+    });
     begin_.assign(sites_ + 1, 0);
     for (const auto& part : parts)
       for (const Pair& pair : part) ++begin_[pair.site + 1];
@@ -495,10 +495,10 @@ ClippedCells clip(const PointView& points, const Triangulation& t, const Region<
   std::vector<Part> parts(chunk_count(t.point_count, grain));
   run.each_chunk(t.point_count, grain,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                   CellWriter<D> writer(cells, t, region, pieces, shapes, parts[chunk]);
-                   for (std::uint64_t v = begin; v < end; ++v)
-                     out.measures[v] = writer.write(static_cast<std::uint32_t>(v));
-                 });
+    CellWriter<D> writer(cells, t, region, pieces, shapes, parts[chunk]);
+    for (std::uint64_t v = begin; v < end; ++v)
+      out.measures[v] = writer.write(static_cast<std::uint32_t>(v));
+  });
   if (shapes) join(parts, out);
   run.report("done", 1);
   return out;

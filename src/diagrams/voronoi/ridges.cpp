@@ -234,8 +234,8 @@ EdgeCells::EdgeCells(const Triangulation& t, const Run& run) : begin_(t.point_co
     for (std::uint64_t v = begin; v < end; ++v)
       std::sort(items_.data() + begin_[v], items_.data() + begin_[v + 1],
                 [](const Item& a, const Item& b) {
-                  return a.other != b.other ? a.other < b.other : a.cell < b.cell;
-                });
+        return a.other != b.other ? a.other < b.other : a.cell < b.cell;
+      });
   });
 }
 
@@ -270,23 +270,22 @@ void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, con
   ListsInChunks vertices(t.point_count), points(t.point_count);
   run.each_chunk(t.point_count, vertices.grain,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                   RidgeWriter writer(p, t, groups);
-                   std::vector<std::uint32_t> ridge;
-                   for (std::uint64_t v = begin; v < end; ++v) {
-                     const auto around = edges.of(v);
-                     for (std::size_t i = 0; i < around.size();) {
-                       std::size_t next = i + 1;
-                       while (next < around.size() && around[next].other == around[i].other) ++next;
-                       const Edge e{static_cast<std::uint32_t>(v), around[i].other,
-                                    around.subspan(i, next - i)};
-                       if (writer.write(e, ridge)) {
-                         vertices.add(chunk, ridge);
-                         points.add(chunk, {e.low, e.high});
-                       }
-                       i = next;
-                     }
-                   }
-                 });
+    RidgeWriter writer(p, t, groups);
+    std::vector<std::uint32_t> ridge;
+    for (std::uint64_t v = begin; v < end; ++v) {
+      const auto around = edges.of(v);
+      for (std::size_t i = 0; i < around.size();) {
+        std::size_t next = i + 1;
+        while (next < around.size() && around[next].other == around[i].other) ++next;
+        const Edge e{static_cast<std::uint32_t>(v), around[i].other, around.subspan(i, next - i)};
+        if (writer.write(e, ridge)) {
+          vertices.add(chunk, ridge);
+          points.add(chunk, {e.low, e.high});
+        }
+        i = next;
+      }
+    }
+  });
   vertices.join(out.ridge_offsets, out.ridge_vertices);
   Array<std::uint64_t> pairs;
   points.join(pairs, out.ridge_points);

@@ -94,22 +94,22 @@ void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
   ListsInChunks lists(t.point_count);
   run.each_chunk(t.point_count, lists.grain,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                   std::vector<std::uint32_t> list;
-                   for (std::uint64_t v = begin; v < end; ++v) {
-                     list.clear();
-                     const auto star = stars.of(v);
-                     if (t.corners() == 3 && !star.empty()) {
-                       turn_around(t, static_cast<std::uint32_t>(v), star[0], list);
-                     } else {
-                       if (t.corners() > 1)
-                         for (const std::uint32_t c : star) list.push_back(t.group(c));
-                       if (unbounded[v]) list.push_back(at_infinity);
-                       std::sort(list.begin(), list.end());
-                       list.erase(std::unique(list.begin(), list.end()), list.end());
-                     }
-                     lists.add(chunk, list);
-                   }
-                 });
+    std::vector<std::uint32_t> list;
+    for (std::uint64_t v = begin; v < end; ++v) {
+      list.clear();
+      const auto star = stars.of(v);
+      if (t.corners() == 3 && !star.empty()) {
+        turn_around(t, static_cast<std::uint32_t>(v), star[0], list);
+      } else {
+        if (t.corners() > 1)
+          for (const std::uint32_t c : star) list.push_back(t.group(c));
+        if (unbounded[v]) list.push_back(at_infinity);
+        std::sort(list.begin(), list.end());
+        list.erase(std::unique(list.begin(), list.end()), list.end());
+      }
+      lists.add(chunk, list);
+    }
+  });
   lists.join(out.region_offsets, out.region_vertices);
 }
 

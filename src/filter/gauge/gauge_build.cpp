@@ -49,8 +49,8 @@ class Builder final : public GaugeCones {
     // Each face by itself, so that no value depends on the thread.
     for_each_chunk(2 * D, 1, t.nodes.size() < least_parallel ? 1 : settings.threads,
                    [&](std::uint64_t side, std::uint64_t, std::uint64_t) {
-                     fill_face(t, static_cast<unsigned>(side));
-                   });
+      fill_face(t, static_cast<unsigned>(side));
+    });
     return true;
   }
 

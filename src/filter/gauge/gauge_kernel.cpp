@@ -109,8 +109,8 @@ std::size_t survivors_rows(const GaugeTable& t, const GaugeShortcuts* shortcuts,
         b, n,
         [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR { load_rows<D>(rows + std::size_t{k} * D, y); },
         [&](std::uint32_t k) HWY_ATTR {
-          for (std::size_t e = 0; e < D * hn::Lanes(F()); e += 64 / sizeof(T))
-            hwy::Prefetch(later + std::size_t{k} * D + e);
+      for (std::size_t e = 0; e < D * hn::Lanes(F()); e += 64 / sizeof(T))
+        hwy::Prefetch(later + std::size_t{k} * D + e);
         });
     b += n;
   }
@@ -167,7 +167,7 @@ std::size_t survivors_any(const GaugeTable& t, const GaugeShortcuts* shortcuts, 
       blocks.add(
           b + first, some,
           [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
-            for (unsigned j = 0; j < D; ++j) y[j] = hn::LoadU(F(), columns + j * row + first + k);
+        for (unsigned j = 0; j < D; ++j) y[j] = hn::LoadU(F(), columns + j * row + first + k);
           },
           [](std::uint32_t) HWY_ATTR {});
       first += some;

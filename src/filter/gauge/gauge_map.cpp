@@ -82,15 +82,15 @@ std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, const Ru
   std::atomic<std::uint64_t> gathered{0};
   const GaugeShortcuts shortcuts = make_shortcuts(*table_, points, points.count, run.threads);
   static_assert(gauge_chunk <= 65536);
-  run.each_chunk(
-      points.count, gauge_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-        std::array<std::uint32_t, gauge_chunk> ids;
-        const std::size_t n = gauge_survivors(*table_, points, begin, end, ids.data(), &shortcuts);
-        kept[c].assign(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(n));
-        if (rows == nullptr || gathered.fetch_add(n) + n > rows->most) return;
-        kept_rows[c].resize(n * d);
-        gather_rows_at(points, begin, ids.data(), n, kept_rows[c].data());
-      });
+  run.each_chunk(points.count, gauge_chunk,
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    std::array<std::uint32_t, gauge_chunk> ids;
+    const std::size_t n = gauge_survivors(*table_, points, begin, end, ids.data(), &shortcuts);
+    kept[c].assign(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(n));
+    if (rows == nullptr || gathered.fetch_add(n) + n > rows->most) return;
+    kept_rows[c].resize(n * d);
+    gather_rows_at(points, begin, ids.data(), n, kept_rows[c].data());
+  });
 
   std::vector<std::uint64_t> offsets(chunks + 1, 0);
   for (std::uint64_t c = 0; c < chunks; ++c) offsets[c + 1] = offsets[c] + kept[c].size();

@@ -57,14 +57,13 @@ class ConeWalk {
     std::vector<unsigned> signs(chunk_count(facet_count_, 1024));  // bit 0: positive, bit 1: not
     for_each_chunk(facet_count_, 1024, threads,
                    [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     for (std::uint64_t f = begin; f < end; ++f) {
-                       double* const inverse = &inverses[f * D * D];
-                       signs[c] |= invert(static_cast<std::uint32_t>(f), inverse) > 0 ? 1U : 2U;
-                       for (unsigned i = 0; i < D * D; ++i)
-                         cones[f].inverse[i] = static_cast<float>(inverse[i]);
-                       std::copy_n(&p_.neighbours[f * D], D, cones[f].next);
-                     }
-                   });
+      for (std::uint64_t f = begin; f < end; ++f) {
+        double* const inverse = &inverses[f * D * D];
+        signs[c] |= invert(static_cast<std::uint32_t>(f), inverse) > 0 ? 1U : 2U;
+        for (unsigned i = 0; i < D * D; ++i) cones[f].inverse[i] = static_cast<float>(inverse[i]);
+        std::copy_n(&p_.neighbours[f * D], D, cones[f].next);
+      }
+    });
     inverses_ = std::move(inverses);
     cones_ = std::move(cones);
     unsigned met = 0;

@@ -150,9 +150,8 @@ class ThreadExecutor : public HostMemory {
   void for_each(std::uint32_t count, Body&& body) const {
     for_each_chunk(count, chunk, threads_,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     for (std::uint64_t i = begin; i < end; ++i)
-                       body(static_cast<std::uint32_t>(i));
-                   });
+      for (std::uint64_t i = begin; i < end; ++i) body(static_cast<std::uint32_t>(i));
+    });
   }
 
   template <class T, class Map, class Combine>
@@ -162,11 +161,11 @@ class ThreadExecutor : public HostMemory {
     std::vector<T> partial(chunk_count(count, items), identity);
     for_each_chunk(count, items, threads_,
                    [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     T sum = identity;
-                     for (std::uint64_t i = begin; i < end; ++i)
-                       sum = combine(sum, map(static_cast<std::uint32_t>(i)));
-                     partial[c] = sum;
-                   });
+      T sum = identity;
+      for (std::uint64_t i = begin; i < end; ++i)
+        sum = combine(sum, map(static_cast<std::uint32_t>(i)));
+      partial[c] = sum;
+    });
     for (const T& p : partial) identity = combine(identity, p);
     return identity;
   }
@@ -176,11 +175,10 @@ class ThreadExecutor : public HostMemory {
     const std::vector<std::uint32_t> offsets = kept_before_chunks(count, keep);
     for_each_chunk(count, chunk, threads_,
                    [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     std::uint32_t k = offsets[c];
-                     for (std::uint64_t i = begin; i < end; ++i)
-                       if (keep(static_cast<std::uint32_t>(i)))
-                         emit(static_cast<std::uint32_t>(i), k++);
-                   });
+      std::uint32_t k = offsets[c];
+      for (std::uint64_t i = begin; i < end; ++i)
+        if (keep(static_cast<std::uint32_t>(i))) emit(static_cast<std::uint32_t>(i), k++);
+    });
     return offsets.back();
   }
 
@@ -189,12 +187,12 @@ class ThreadExecutor : public HostMemory {
     const std::vector<std::uint32_t> offsets = kept_before_chunks(count, keep);
     for_each_chunk(count, chunk, threads_,
                    [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     std::uint32_t k = offsets[c];
-                     for (std::uint64_t i = begin; i < end; ++i) {
-                       number[i] = k;
-                       k += static_cast<std::uint32_t>(keep(static_cast<std::uint32_t>(i)));
-                     }
-                   });
+      std::uint32_t k = offsets[c];
+      for (std::uint64_t i = begin; i < end; ++i) {
+        number[i] = k;
+        k += static_cast<std::uint32_t>(keep(static_cast<std::uint32_t>(i)));
+      }
+    });
     return number[count] = offsets.back();
   }
 
@@ -205,14 +203,14 @@ class ThreadExecutor : public HostMemory {
     std::atomic<std::uint32_t> none{0};
     for_each_chunk(count, chunk, threads_,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     std::uint32_t mine = 0;
-                     for (std::uint64_t i = begin; i < end; ++i) {
-                       const Offer offer = body(static_cast<std::uint32_t>(i));
-                       mine += static_cast<std::uint32_t>(offer.cell == no_item);
-                       raise(best[std::min(offer.cell, cells - 1)], offer.value);
-                     }
-                     none += mine;
-                   });
+      std::uint32_t mine = 0;
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const Offer offer = body(static_cast<std::uint32_t>(i));
+        mine += static_cast<std::uint32_t>(offer.cell == no_item);
+        raise(best[std::min(offer.cell, cells - 1)], offer.value);
+      }
+      none += mine;
+    });
     return none;
   }
 
@@ -232,11 +230,11 @@ class ThreadExecutor : public HostMemory {
     std::vector<std::uint32_t> offsets(chunk_count(count, chunk) + 1, 0);
     for_each_chunk(count, chunk, threads_,
                    [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                     std::uint32_t kept = 0;
-                     for (std::uint64_t i = begin; i < end; ++i)
-                       kept += keep(static_cast<std::uint32_t>(i)) ? 1 : 0;
-                     offsets[c + 1] = kept;
-                   });
+      std::uint32_t kept = 0;
+      for (std::uint64_t i = begin; i < end; ++i)
+        kept += keep(static_cast<std::uint32_t>(i)) ? 1 : 0;
+      offsets[c + 1] = kept;
+    });
     for (std::size_t c = 1; c < offsets.size(); ++c) offsets[c] += offsets[c - 1];
     return offsets;
   }

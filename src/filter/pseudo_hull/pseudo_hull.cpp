@@ -85,13 +85,13 @@ void filter_subset(const PointView& view, const PseudoSubset& subset, unsigned m
                                               " points are too many for one pseudo-hull; "
                                               "use more subsets");
   double* rows = worker.rows.reserve(size * D);
-  worker.executor.for_each(
-      static_cast<std::uint32_t>(chunk_count(size, block_size)), [&](std::uint32_t b) {
-        const std::uint64_t begin = b * block_size, count = std::min(block_size, size - begin);
-        const std::uint64_t first = subset.point(begin);
-        load_rows(view, first, first + count, rows + begin * D);
-        blot_out<D>(rows + begin * D, count);
-      });
+  worker.executor.for_each(static_cast<std::uint32_t>(chunk_count(size, block_size)),
+                           [&](std::uint32_t b) {
+    const std::uint64_t begin = b * block_size, count = std::min(block_size, size - begin);
+    const std::uint64_t first = subset.point(begin);
+    load_rows(view, first, first + count, rows + begin * D);
+    blot_out<D>(rows + begin * D, count);
+  });
   if (record != nullptr) worker.growth.record();
   worker.growth.run({rows}, static_cast<std::uint32_t>(size), max_rounds, control, rounds);
   if (record != nullptr) record->take(worker.growth, subset);

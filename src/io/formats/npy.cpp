@@ -180,10 +180,10 @@ void copy_swapped(const char* from, std::uint64_t bytes, std::uint64_t size, std
                   const ReadOptions& options) {
   for_each_chunk(bytes / size, std::uint64_t{1} << 18, resolve_threads(options.threads),
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   check_stop(options);
-                   for (std::uint64_t i = begin * size; i < end * size; i += size)
-                     std::reverse_copy(from + i, from + i + size, reinterpret_cast<char*>(to) + i);
-                 });
+    check_stop(options);
+    for (std::uint64_t i = begin * size; i < end * size; i += size)
+      std::reverse_copy(from + i, from + i + size, reinterpret_cast<char*>(to) + i);
+  });
 }
 
 /// Memory order is kept. Returns the first element (in memory order) that is not exactly a double,
@@ -194,18 +194,18 @@ std::uint64_t widen(const char* from, std::uint64_t count, bool swap, double* to
   std::atomic<std::uint64_t> first{count};
   for_each_chunk(count, std::uint64_t{1} << 18, resolve_threads(options.threads),
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   check_stop(options);
-                   for (std::uint64_t i = begin; i < end; ++i) {
-                     std::uint64_t bits;
-                     std::memcpy(&bits, from + 8 * i, 8);
-                     if (swap) bits = reverse_bytes(bits);
-                     if (exact_double(static_cast<T>(bits), to[i])) continue;
-                     std::uint64_t seen = first.load();
-                     while (i < seen && !first.compare_exchange_weak(seen, i)) {
-                     }
-                     return;
-                   }
-                 });
+    check_stop(options);
+    for (std::uint64_t i = begin; i < end; ++i) {
+      std::uint64_t bits;
+      std::memcpy(&bits, from + 8 * i, 8);
+      if (swap) bits = reverse_bytes(bits);
+      if (exact_double(static_cast<T>(bits), to[i])) continue;
+      std::uint64_t seen = first.load();
+      while (i < seen && !first.compare_exchange_weak(seen, i)) {
+      }
+      return;
+    }
+  });
   return first;
 }
 

@@ -58,18 +58,17 @@ PointData read_obj(const Source& source, const ReadOptions& options) {
   parse_lines(
       source, index, options, is_vertex_line,
       [&](std::uint64_t point, const char* p, const char* end) {
-        if (continues_line(source, p)) throw LineFault{"a vertex cannot continue a line"};
-        parse_vertex(p, end, out + 3 * point);
+    if (continues_line(source, p)) throw LineFault{"a vertex cannot continue a line"};
+    parse_vertex(p, end, out + 3 * point);
       },
       [&](const char* p, const char* end) {
-        const std::string_view word = first_word(p, end);
-        if (word.empty() || word[0] == '#' || is_obj_keyword(word) || continues_line(source, p))
-          return;
-        unknown.fetch_add(1);
-        const char* first = first_unknown.load();
-        while (p < first && !first_unknown.compare_exchange_weak(first, p)) {
-        }
-      });
+    const std::string_view word = first_word(p, end);
+    if (word.empty() || word[0] == '#' || is_obj_keyword(word) || continues_line(source, p)) return;
+    unknown.fetch_add(1);
+    const char* first = first_unknown.load();
+    while (p < first && !first_unknown.compare_exchange_weak(first, p)) {
+    }
+  });
   if (unknown > 0) {
     LineScanner line(first_unknown, source.data + source.size);
     line.next();

@@ -115,11 +115,11 @@ PointData read_off(const Source& source, const ReadOptions& options) {
   parse_lines(
       source, index, options, is_data_line,
       [&](std::uint64_t line, const char* p, const char* end) {
-        if (line >= h.vertices) return;
-        p = skip_blanks(parse_coordinates(p, end, d, out + line * d, "vertex"), end);
-        if (!h.extra && p < end && *p != '#')
-          throw LineFault{quoted_text(first_word(p, end)) + " after the " + std::to_string(d) +
-                          " coordinates of a vertex"};
+    if (line >= h.vertices) return;
+    p = skip_blanks(parse_coordinates(p, end, d, out + line * d, "vertex"), end);
+    if (!h.extra && p < end && *p != '#')
+      throw LineFault{quoted_text(first_word(p, end)) + " after the " + std::to_string(d) +
+                      " coordinates of a vertex"};
       },
       ignore);
   if (expected < h.vertices || index.points < expected)

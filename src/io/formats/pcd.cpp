@@ -238,17 +238,16 @@ PointData as_doubles(const Source& source, const PcdHeader& h, const std::array<
   std::atomic<std::uint64_t> bad{count * d};
   for_each_chunk(count, std::uint64_t{1} << 16, resolve_threads(options.threads),
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   check_stop(options);
-                   for (std::uint64_t i = begin * d; i < end * d; ++i) {
-                     const Axis& a = axes[i % d];
-                     if (load(source.data + a.begin + i / d * a.step, h.axis(i % d), out[i]))
-                       continue;
-                     std::uint64_t seen = bad.load();
-                     while (i < seen && !bad.compare_exchange_weak(seen, i)) {
-                     }
-                     return;
-                   }
-                 });
+    check_stop(options);
+    for (std::uint64_t i = begin * d; i < end * d; ++i) {
+      const Axis& a = axes[i % d];
+      if (load(source.data + a.begin + i / d * a.step, h.axis(i % d), out[i])) continue;
+      std::uint64_t seen = bad.load();
+      while (i < seen && !bad.compare_exchange_weak(seen, i)) {
+      }
+      return;
+    }
+  });
   if (bad < count * d)
     fail({source.name, nullptr, 0}, "field " + quoted_text(h.axis(bad % d).name) + " of point " +
                                         std::to_string(first + bad / d) +
@@ -362,7 +361,7 @@ PointData read_ascii(const Source& source, const PcdHeader& h, const ReadOptions
   parse_lines(
       source, index, options, is_data_line,
       [&](std::uint64_t point, const char* p, const char* end) {
-        parse_point(h, p, end, out + point * h.dimension);
+    parse_point(h, p, end, out + point * h.dimension);
       },
       [](const char*, const char*) {});
   return data;

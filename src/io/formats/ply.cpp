@@ -233,13 +233,13 @@ PointData vertices_of_records(const char* records, std::uint64_t count, const Pl
   const std::uint32_t d = h.dimension;
   for_each_chunk(count, std::uint64_t{1} << 16, resolve_threads(options.threads),
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   check_stop(options);
-                   for (std::uint64_t i = begin; i < end; ++i)
-                     for (std::uint32_t j = 0; j < d; ++j) {
-                       const Property& p = e.properties[h.xyz[j]];
-                       out[i * d + j] = load(records + i * e.min_size + p.offset, p.type, swap);
-                     }
-                 });
+    check_stop(options);
+    for (std::uint64_t i = begin; i < end; ++i)
+      for (std::uint32_t j = 0; j < d; ++j) {
+        const Property& p = e.properties[h.xyz[j]];
+        out[i * d + j] = load(records + i * e.min_size + p.offset, p.type, swap);
+      }
+  });
   return data;
 }
 
@@ -436,10 +436,10 @@ PointData read_ascii(const Source& source, const PlyHeader& h, const ReadOptions
   parse_lines(
       source, index, options, is_data_line,
       [&](std::uint64_t line, const char* p, const char* end) {
-        if (line < first || line - first >= count) return;
-        if (!parse_vertex(h, p, end, out + (line - first) * h.dimension,
-                          colours + (h.coloured ? 3 * (line - first) : 0)))
-          lists_missing = true;
+    if (line < first || line - first >= count) return;
+    if (!parse_vertex(h, p, end, out + (line - first) * h.dimension,
+                      colours + (h.coloured ? 3 * (line - first) : 0)))
+      lists_missing = true;
       },
       [](const char*, const char*) {});
   if (lists_missing)

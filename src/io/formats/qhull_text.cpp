@@ -361,8 +361,8 @@ std::string dump(const Coordinates& points, const Hull& hull) {
     append_point(out, points, id);
     out += "  neighbors:" + facets_of[id] + '\n';
   }
-  const auto append_list = [&](const char* head, const std::vector<std::uint64_t>& items,
-                               char kind) {
+  const auto append_list =
+      [&](const char* head, const std::vector<std::uint64_t>& items, char kind) {
     out += head;
     for (const std::uint64_t item : items) {
       out.append(" ").append(1, kind).append(std::to_string(item));

@@ -23,14 +23,13 @@ PointData read_binary(const Source& source, std::uint64_t triangles, const ReadO
   float* const out = data.storage.as<float>();
   for_each_chunk(triangles, std::uint64_t{1} << 16, resolve_threads(options.threads),
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   check_stop(options);
-                   // A record: normal, three corners, two bytes of attributes.
-                   for (std::uint64_t t = begin; t < end; ++t) {
-                     std::memcpy(out + 9 * t, source.data + header_bytes + record_bytes * t + 12,
-                                 36);
-                     little_endian_items(out + 9 * t, 36, sizeof(float));
-                   }
-                 });
+    check_stop(options);
+    // A record: normal, three corners, two bytes of attributes.
+    for (std::uint64_t t = begin; t < end; ++t) {
+      std::memcpy(out + 9 * t, source.data + header_bytes + record_bytes * t + 12, 36);
+      little_endian_items(out + 9 * t, 36, sizeof(float));
+    }
+  });
   data.view = PointView::row_major(static_cast<const float*>(out), 3 * triangles, 3);
   return data;
 }
@@ -61,9 +60,9 @@ PointData read_ascii(const Source& source, const ReadOptions& options) {
   parse_lines(
       source, index, options, is_corner,
       [&](std::uint64_t point, const char* p, const char* end) {
-        p = skip_blanks(p, end) + std::string_view("vertex").size();
-        p = skip_blanks(parse_coordinates(p, end, 3, out + 3 * point, "vertex"), end);
-        if (p < end) throw LineFault{quoted_text(first_word(p, end)) + " after a vertex"};
+    p = skip_blanks(p, end) + std::string_view("vertex").size();
+    p = skip_blanks(parse_coordinates(p, end, 3, out + 3 * point, "vertex"), end);
+    if (p < end) throw LineFault{quoted_text(first_word(p, end)) + " after a vertex"};
       },
       check_keyword);
   if (last_keyword(source) != "endsolid")

@@ -62,14 +62,14 @@ LineIndex index_lines(const Source& source, const char* body, std::uint64_t line
   index.point_at.assign(chunks, 0);
   for_each_chunk(index.bytes(), LineIndex::chunk_bytes, resolve_threads(options.threads),
                  [&](std::uint64_t chunk, std::uint64_t from, std::uint64_t to) {
-                   check_stop(options);
-                   std::uint64_t points = 0;
-                   LineScanner lines = index.scanner(from, to);
-                   while (lines.next())
-                     if (is_point(lines.begin(), lines.end())) ++points;
-                   index.line_at[chunk] = lines.number();
-                   index.point_at[chunk] = points;
-                 });
+    check_stop(options);
+    std::uint64_t points = 0;
+    LineScanner lines = index.scanner(from, to);
+    while (lines.next())
+      if (is_point(lines.begin(), lines.end())) ++points;
+    index.line_at[chunk] = lines.number();
+    index.point_at[chunk] = points;
+  });
   for (std::uint64_t c = 0; c < chunks; ++c) {
     index.lines += std::exchange(index.line_at[c], index.lines);
     index.points += std::exchange(index.point_at[c], index.points);
@@ -89,21 +89,21 @@ void parse_lines(const Source& source, const LineIndex& index, const ReadOptions
   std::vector<std::optional<Fault>> faults(index.line_at.size());
   for_each_chunk(index.bytes(), LineIndex::chunk_bytes, resolve_threads(options.threads),
                  [&](std::uint64_t chunk, std::uint64_t from, std::uint64_t to) {
-                   check_stop(options);
-                   std::uint64_t point = index.point_at[chunk];
-                   LineScanner lines = index.scanner(from, to);
-                   try {
-                     while (lines.next()) {
-                       if (is_point(lines.begin(), lines.end()))
-                         parse(point++, lines.begin(), lines.end());
-                       else
-                         other(lines.begin(), lines.end());
-                     }
-                   } catch (const LineFault& fault) {
-                     faults[chunk] = Fault{
-                         index.lines_before + index.line_at[chunk] + lines.number(), fault.message};
-                   }
-                 });
+    check_stop(options);
+    std::uint64_t point = index.point_at[chunk];
+    LineScanner lines = index.scanner(from, to);
+    try {
+      while (lines.next()) {
+        if (is_point(lines.begin(), lines.end()))
+          parse(point++, lines.begin(), lines.end());
+        else
+          other(lines.begin(), lines.end());
+      }
+    } catch (const LineFault& fault) {
+      faults[chunk] =
+          Fault{index.lines_before + index.line_at[chunk] + lines.number(), fault.message};
+    }
+  });
   for (const auto& fault : faults)
     if (fault) fail_at_line(source, fault->line, fault->message);
 }

@@ -139,10 +139,10 @@ namespace {
   parse_lines(
       source, index, options, is_point_line,
       [&](std::uint64_t, const char* p, const char* end) {
-        if (preamble.layout != nullptr)
-          return preamble.layout->parse(p, end, std::vector<double>(d).data());
-        if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, d);
-        if (split_fields(p, end).list.size() != d) throw LineFault{explain_row(p, end, d)};
+    if (preamble.layout != nullptr)
+      return preamble.layout->parse(p, end, std::vector<double>(d).data());
+    if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, d);
+    if (split_fields(p, end).list.size() != d) throw LineFault{explain_row(p, end, d)};
       },
       [](const char*, const char*) {});
   fail(source, "too short for its points");
@@ -158,10 +158,10 @@ PointData parse_rows(const Source& source, const LineIndex& index, const Preambl
   parse_lines(
       source, index, options, is_point_line,
       [&](std::uint64_t point, const char* p, const char* end) {
-        if (preamble.layout != nullptr)
-          return preamble.layout->parse(p, end, out + point * d, keyed ? &keys[point] : nullptr);
-        if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, d);
-        if (!parse_row(p, end, d, out + point * d)) throw LineFault{explain_row(p, end, d)};
+    if (preamble.layout != nullptr)
+      return preamble.layout->parse(p, end, out + point * d, keyed ? &keys[point] : nullptr);
+    if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, d);
+    if (!parse_row(p, end, d, out + point * d)) throw LineFault{explain_row(p, end, d)};
       },
       [](const char*, const char*) {});
   for (const std::string_view key : keys) data.keys.add(without_doubled_quotes(key));

@@ -19,11 +19,11 @@ void clear_pages_early(void* block, std::size_t bytes, unsigned threads, const C
   auto* const start = static_cast<volatile std::uint8_t*>(block);
   for_each_chunk(chunk_count(bytes, page), 8, threads,
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint64_t i = begin; i < end; ++i) {
-                     check();
-                     start[i * page] = 0;
-                   }
-                 });
+    for (std::uint64_t i = begin; i < end; ++i) {
+      check();
+      start[i * page] = 0;
+    }
+  });
 }
 
 }  // namespace cullhull::internal

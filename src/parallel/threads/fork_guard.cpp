@@ -22,16 +22,16 @@ class ForkGuards {
 #if defined(__unix__) || defined(__APPLE__)
     pthread_atfork(
         [] {
-          for (const ForkGuard* g = outer; g != nullptr; g = g->next_) g->lock_();
-          for (const ForkGuard* g = inner; g != nullptr; g = g->next_) g->lock_();
+      for (const ForkGuard* g = outer; g != nullptr; g = g->next_) g->lock_();
+      for (const ForkGuard* g = inner; g != nullptr; g = g->next_) g->lock_();
         },
         [] {
-          for (const ForkGuard* g = inner; g != nullptr; g = g->next_) g->unlock_();
-          for (const ForkGuard* g = outer; g != nullptr; g = g->next_) g->unlock_();
-        },
+      for (const ForkGuard* g = inner; g != nullptr; g = g->next_) g->unlock_();
+      for (const ForkGuard* g = outer; g != nullptr; g = g->next_) g->unlock_();
+    },
         [] {
-          for (const ForkGuard* g = inner; g != nullptr; g = g->next_) g->unlock_in_child_();
-          for (const ForkGuard* g = outer; g != nullptr; g = g->next_) g->unlock_in_child_();
+      for (const ForkGuard* g = inner; g != nullptr; g = g->next_) g->unlock_in_child_();
+      for (const ForkGuard* g = outer; g != nullptr; g = g->next_) g->unlock_in_child_();
         });
 #endif
   }

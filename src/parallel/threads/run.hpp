@@ -43,18 +43,18 @@ struct Run {
   void each(std::uint64_t count, std::uint64_t grain, const Body& body) const {
     for_each_chunk(count, grain, threads,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                     control.check();
-                     body(begin, end);
-                   });
+      control.check();
+      body(begin, end);
+    });
   }
   /// The same as body(chunk, begin, end): results that are combined in the order of chunks.
   template <class Body>
   void each_chunk(std::uint64_t count, std::uint64_t grain, const Body& body) const {
     for_each_chunk(count, grain, threads,
                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                     control.check();
-                     body(chunk, begin, end);
-                   });
+      control.check();
+      body(chunk, begin, end);
+    });
   }
   /// body(i) for every i below `count`, each worth a chunk.
   template <class Body>

@@ -55,8 +55,8 @@ Totals<DoubleDouble> total_of_runs(const Share<K>* runs, std::uint64_t count, co
   std::vector<Share<K, DoubleDouble>> parts(chunk_count(count, runs_a_chunk));
   run.each_chunk(count, runs_a_chunk,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint64_t i = begin; i < end; ++i) parts[chunk].add(runs[i]);
-                 });
+    for (std::uint64_t i = begin; i < end; ++i) parts[chunk].add(runs[i]);
+  });
   Share<K, DoubleDouble> all;
   for (const auto& p : parts) all.add(p);
   return Totals<DoubleDouble>(all);

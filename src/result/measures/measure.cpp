@@ -181,12 +181,12 @@ class Measurer {
                                             Totals<DoubleDouble>(d));
     run_.each_chunk(count_, measure_chunk,
                     [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                      // Short runs in doubles, then their sums in double-doubles.
-                      for (std::uint64_t b = begin; b < end; b += measure_run) {
-                        if (K == 0) run_.check();  // in 50D a run takes hundredths of a second
-                        add_run<Real>(b, std::min(b + measure_run, end), parts[chunk]);
-                      }
-                    });
+      // Short runs in doubles, then their sums in double-doubles.
+      for (std::uint64_t b = begin; b < end; b += measure_run) {
+        if (K == 0) run_.check();  // in 50D a run takes hundredths of a second
+        add_run<Real>(b, std::min(b + measure_run, end), parts[chunk]);
+      }
+    });
     Totals<DoubleDouble> all(d);
     for (const auto& p : parts) all.add(p);
     return all;
@@ -268,11 +268,11 @@ class Measurer {
     std::vector<Totals<Wide>> parts(chunk_count(count_, chunk_size), Totals<Wide>(d));
     run_.each_chunk(count_, chunk_size,
                     [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                      for (std::uint64_t i = begin; i < end; ++i) {
-                        run_.check();
-                        add_exactly(i, parts[chunk]);
-                      }
-                    });
+      for (std::uint64_t i = begin; i < end; ++i) {
+        run_.check();
+        add_exactly(i, parts[chunk]);
+      }
+    });
     Totals<Wide> all(d);
     for (const auto& p : parts) all.add(p);
     if (all.volume.zero()) throw Error(ErrorCode::internal, "the hull has no volume");

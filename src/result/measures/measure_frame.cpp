@@ -190,10 +190,10 @@ std::vector<Range> gather_scaled(Frame& f, const Run& run) {
   const unsigned d = f.dimension;
   f.scaled.resize(ids.size() * d);
   std::vector<Range> parts(chunk_count(ids.size(), gather_chunk) * d);
-  run.each_chunk(
-      ids.size(), gather_chunk, [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-        gather(*f.points, ids, begin, end, f.scaled.data() + begin * d, parts.data() + chunk * d);
-      });
+  run.each_chunk(ids.size(), gather_chunk,
+                 [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+    gather(*f.points, ids, begin, end, f.scaled.data() + begin * d, parts.data() + chunk * d);
+  });
   std::vector<Range> ranges(parts.begin(), parts.begin() + d);
   double largest = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {

@@ -42,7 +42,7 @@ std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size
   rank_flagged(
       used.get(), count, run, [](std::uint32_t) { return true; },
       [&](std::uint64_t p, std::uint32_t rank) {
-        if (used[p]) out[rank] = ids != nullptr ? ids[p] : p;
+    if (used[p]) out[rank] = ids != nullptr ? ids[p] : p;
       });
   return out;
 }

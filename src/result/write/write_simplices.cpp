@@ -80,10 +80,10 @@ class SimplexWriter {
     std::vector<std::uint32_t> next(chunks * buckets_, 0);
     run_.each_chunk(count_, simplex_chunk,
                     [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                      std::uint32_t* counts = next.data() + chunk * buckets_;
-                      for (std::uint64_t f = begin; f < end; ++f)
-                        ++counts[vertices_.position(surface_.simplex(f)[0]) >> shift_];
-                    });
+      std::uint32_t* counts = next.data() + chunk * buckets_;
+      for (std::uint64_t f = begin; f < end; ++f)
+        ++counts[vertices_.position(surface_.simplex(f)[0]) >> shift_];
+    });
     bucket_start_.assign(buckets_ + std::size_t{1}, 0);
     std::uint32_t sum = 0;
     for (std::uint32_t b = 0; b < buckets_; ++b) {
@@ -95,14 +95,13 @@ class SimplexWriter {
     clear_pages_early(keys_.get(), count_ * sizeof(FacetKey), run_.threads, [&] { run_.check(); });
     run_.each_chunk(count_, simplex_chunk,
                     [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                      std::uint32_t* place = next.data() + chunk * buckets_;
-                      std::uint32_t corners[K];
-                      for (std::uint64_t f = begin; f < end; ++f) {
-                        stored(f, corners);
-                        keys_[place[corners[0] >> shift_]++] =
-                            packing_.key(corners, static_cast<std::uint32_t>(f));
-                      }
-                    });
+      std::uint32_t* place = next.data() + chunk * buckets_;
+      std::uint32_t corners[K];
+      for (std::uint64_t f = begin; f < end; ++f) {
+        stored(f, corners);
+        keys_[place[corners[0] >> shift_]++] = packing_.key(corners, static_cast<std::uint32_t>(f));
+      }
+    });
   }
 
   /// Positions of the vertices, as stored.
@@ -144,8 +143,8 @@ class SimplexWriter {
         [&](const auto& visit) { std::for_each(keys_.get() + begin, keys_.get() + end, visit); },
         [&](const FacetKey& key) { return packing_.first(key); },
         [&](const FacetKey& key) {
-          prefetch_line_to_write(&rank_[packing_.number(key)]);
-          return key;
+      prefetch_line_to_write(&rank_[packing_.number(key)]);
+      return key;
         },
         [this](const FacetKey& x, const FacetKey& y) { return less(x, y); });
   }
@@ -221,8 +220,8 @@ class SimplexWriter {
     std::vector<ChunkCounts> counts(chunk_count(count_, simplex_chunk));
     run_.each_chunk(count_, simplex_chunk,
                     [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                      scan_chunk(begin, end, counts[chunk]);
-                    });
+      scan_chunk(begin, end, counts[chunk]);
+    });
     if (coplanar_.load()) return false;
     std::uint64_t ridges = 0;
     for (const ChunkCounts& c : counts) {

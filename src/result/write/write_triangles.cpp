@@ -330,15 +330,15 @@ class TriangleWriter {
     sorted.sort(
         bucket_start_[b + 1] - bucket_start_[b], std::size_t{1} << shift_,
         [&](const auto& visit) {
-          each_segment(b, [&](Id first, Id last) {
-            for (Id i = first; i < last; ++i) visit(i);
-          });
+      each_segment(b, [&](Id first, Id last) {
+        for (Id i = first; i < last; ++i) visit(i);
+      });
         },
         [&](Id i) { return records_[i].vertex[0] - base; },
         [&](Id i) {
-          prefetch_line_to_write(&rank_[records_[i].slot]);
-          return std::uint64_t{records_[i].vertex[1]} << 32 | i;
-        },
+      prefetch_line_to_write(&rank_[records_[i].slot]);
+      return std::uint64_t{records_[i].vertex[1]} << 32 | i;
+    },
         std::less<>());
   }
 
