@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "cuda/gauge.hpp"
-#include "cuda/gauge_kernel.hpp"
-#include "cuda/pseudo_hull.hpp"
+#include "cuda/kernels/gauge_kernel.hpp"
+#include "cuda/kernels/pseudo_hull.hpp"
 #include "cuda/runtime.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/device_points.hpp"

@@ -22,13 +22,13 @@
 #include <vector>
 
 #include "cuda/gauge.hpp"
-#include "cuda/gauge_kernel.hpp"
-#include "cuda/pseudo_hull.hpp"
+#include "cuda/kernels/gauge_kernel.hpp"
+#include "cuda/kernels/pseudo_hull.hpp"
+#include "cuda/kernels/set_hulls_kernel.hpp"
 #include "cuda/runtime.hpp"
-#include "cuda/set_hulls_kernel.hpp"
-#include "cull/gauge_map.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/device_points.hpp"
+#include "filter/gauge/gauge_map.hpp"
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
 
@@ -219,9 +219,9 @@ class Passes {
     const Options options;
     const auto run = internal::Run(options).with_threads(1).with_budget(std::uint64_t{4} << 30);
     const auto view = PointView::row_major(rows.data(), rows.size() / d, d);
-    internal::SampledPoints sample{view.count, d, [&](const std::vector<std::uint64_t>& ids) {
-                                     return internal::gather_points(view, ids.data(), ids.size(),
-                                                                    run);
+    internal::SampledPoints sample{view.count, d,
+                                   [&](const std::vector<std::uint64_t>& ids) {
+      return internal::gather_points(view, ids.data(), ids.size(), run);
                                    }};
     auto sampled = internal::map_of_sample(sample, internal::Insist::yes,
                                            cuda::most_gauge_nodes(cuda::device()), run);

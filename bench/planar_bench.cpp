@@ -64,42 +64,49 @@ Input split(std::uint64_t n) {
 
 using Maker = std::function<Input(std::uint64_t)>;
 const std::map<std::string, Maker, std::less<>>& workloads() {
-  static const std::map<std::string, Maker, std::less<>> table = {
-      {"circle", [](auto n) { return rows(generate("sphere", n, 2)); }},
-      {"circle-f32", as_floats},
-      {"circle-split", split},
-      {"disk", [](auto n) { return rows(generate("ball", n, 2)); }},
-      {"gauss", [](auto n) { return rows(generate("gauss", n, 2)); }},
-      {"grid", [](auto n) { return rows(generate("grid", n, 2)); }},
-      {"line",
-       [](auto n) { return made(n, [](auto, double t, double* p) { p[0] = t, p[1] = t / 4; }); }},
-      {"line-rounded",
-       [](auto n) { return made(n, [](auto, double t, double* p) { p[0] = t, p[1] = t * 0.3; }); }},
-      {"vertical",
-       [](auto n) { return made(n, [](auto, double t, double* p) { p[0] = 0.5, p[1] = t; }); }},
+  static const std::map<std::string, Maker, std::less<>> table =
+      {
+          {"circle", [](auto n) { return rows(generate("sphere", n, 2)); }},
+          {"circle-f32", as_floats},
+          {"circle-split", split},
+          {"disk", [](auto n) { return rows(generate("ball", n, 2)); }},
+          {"gauss", [](auto n) { return rows(generate("gauss", n, 2)); }},
+          {"grid", [](auto n) { return rows(generate("grid", n, 2)); }},
+          {"line",
+           [](auto n) {
+    return made(n, [](auto, double t, double* p) { p[0] = t, p[1] = t / 4; });
+           }},
+          {"line-rounded",
+           [](auto n) {
+    return made(n, [](auto, double t, double* p) { p[0] = t, p[1] = t * 0.3; });
+           }},
+                                                         {"vertical",
+                                                          [](auto n) {
+    return made(n, [](auto, double t, double* p) { p[0] = 0.5, p[1] = t; });
+                                                          }},
       {"parabola",
        [](auto n) { return made(n, [](auto, double t, double* p) { p[0] = t, p[1] = t * t; }); }},
       {"duplicates",
        [](auto n) {
-         return made(n, [](auto i, double, double* p) {
-           const double a = static_cast<double>(i % 1000);
-           p[0] = std::cos(a), p[1] = std::sin(a);
-         });
+    return made(n, [](auto i, double, double* p) {
+      const double a = static_cast<double>(i % 1000);
+      p[0] = std::cos(a), p[1] = std::sin(a);
+    });
        }},
       {"clusters",
        [](auto n) {
-         return made(n, [](auto i, double t, double* p) {
-           p[0] = (i % 2 ? 0.75 : -0.75) + 0x1p-30 * t, p[1] = i % 100000 == 3 ? t : 0x1p-40 * t;
-         });
+    return made(n, [](auto i, double t, double* p) {
+      p[0] = (i % 2 ? 0.75 : -0.75) + 0x1p-30 * t, p[1] = i % 100000 == 3 ? t : 0x1p-40 * t;
+    });
        }},
       {"scallops",
        [](auto n) {
-         return made(n, [](auto i, double t, double* p) {  // thirty arcs, four of them on the hull
-           const double a = 3.14159265358979 * t, c = static_cast<double>(i % 30) - 15;
-           p[0] = c + std::cos(a) / 2, p[1] = 0.01 * c * c + std::sin(a) / 2;
-         });
+    return made(n, [](auto i, double t, double* p) {  // thirty arcs, four of them on the hull
+      const double a = 3.14159265358979 * t, c = static_cast<double>(i % 30) - 15;
+      p[0] = c + std::cos(a) / 2, p[1] = 0.01 * c * c + std::sin(a) / 2;
+    });
        }},
-  };
+      };
   return table;
 }
 

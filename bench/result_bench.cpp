@@ -21,7 +21,7 @@
 #include "cullhull/options.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/threads/parallel.hpp"
 #include "result/build_hull.hpp"
 
 namespace {

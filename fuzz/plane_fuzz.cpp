@@ -4,8 +4,8 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
+#include "exact/orientation/orientation.hpp"
 #include "fuzz_points.hpp"
-#include "geometry/orientation.hpp"
 #include "tests/agreement/canonical_hash.hpp"
 
 namespace {

@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "cull/gauge_map.hpp"
 #include "cullhull/generate.hpp"
+#include "filter/gauge/gauge_map.hpp"
 
 namespace cullhull::testing_support {
 

@@ -167,14 +167,13 @@ cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned thr
   options.memory_budget = memory;
   options.numbers = arguments.raw ? cullhull::Numbers::file : cullhull::Numbers::grid;
   options.grid = arguments.grid;
-  options.remark = [](const std::string& line) {
+  options.remark = [](const cullhull::Remark& remark) {
     static std::mutex mutex;
     static std::set<std::string> told;  // once, however many tiles have the same remark
     const std::lock_guard lock(mutex);
-    const std::size_t name = line.find(": ");
-    if (!told.insert(name == std::string::npos ? line : line.substr(name)).second) return;
-    const bool columns = line.find("taken as coordinates") != std::string::npos;
-    write_stderr("cullhull: " + line + (columns ? "; --columns takes others\n" : "\n"));
+    if (!told.insert(remark.message).second) return;
+    const bool columns = remark.kind == cullhull::Remark::Kind::columns;
+    write_stderr("cullhull: " + remark.line() + (columns ? "; --columns takes others\n" : "\n"));
   };
   return options;
 }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "arguments.hpp"
@@ -62,6 +63,8 @@ struct Outcome {
   cullhull::Certificate certificate;
   cullhull::PointView points;  ///< only number, dimension and scalar type
   double read_seconds = 0, seconds = 0;
+  Placing placing;
+  std::vector<double> extent;  ///< as Extent::corners()
 };
 
 Outcome certify_in_memory(const CertifyArguments& arguments) {
@@ -70,6 +73,12 @@ Outcome certify_in_memory(const CertifyArguments& arguments) {
   Outcome outcome;
   outcome.points = input.points;
   outcome.read_seconds = input.file.read_seconds();
+  outcome.placing = input.placing;
+  if (outcome.placing.any) {
+    Extent extent;
+    extent.add(input.points);
+    outcome.extent = extent.corners(input.placing.grid);
+  }
   const Stopwatch watch;
   TerminalProgress progress(arguments.run.quiet);
   cullhull::Options options = arguments.run.options();
@@ -101,10 +110,20 @@ Outcome certify_streamed(const CertifyArguments& arguments) {
   outcome.points.scalar = hull.scalar;
   const Stopwatch watch;
   cullhull::CertifyStream check(hull, std::move(rows), options);
-  stream_blocks(
-      from, arguments.files, arguments.run,
-      [&](const cullhull::PointView& block, std::uint64_t first) { check.push(block, first); });
+  std::mutex mutex;
+  Extent extent;
+  const bool told = !arguments.json.empty();
+  const cullhull::BlockSummary read =
+      stream_blocks(from, arguments.files, arguments.run,
+                    [&](const cullhull::PointView& block, std::uint64_t first) {
+    check.push(block, first);
+    if (!told) return;
+    const std::lock_guard lock(mutex);
+    extent.add(block);
+      });
   outcome.certificate = check.finish();
+  outcome.placing = {read.placement, read.grid, read.any_placed, arguments.input.raw};
+  outcome.extent = extent.corners(read.grid);
   outcome.seconds = watch.seconds();
   return outcome;
 }
@@ -132,9 +151,10 @@ int run(CertifyArguments arguments) {
                               : certify_in_memory(arguments);
   const cullhull::Certificate& certificate = outcome.certificate;
   if (!arguments.json.empty())
-    cullhull::write_text(arguments.json,
-                         report(outcome.points, certificate, threads_used(arguments.run.threads),
-                                outcome.read_seconds, outcome.seconds));
+    cullhull::write_text(arguments.json, with_placing(report(outcome.points, certificate,
+                                                             threads_used(arguments.run.threads),
+                                                             outcome.read_seconds, outcome.seconds),
+                                                      outcome.placing, outcome.extent));
   if (!certificate.valid) {
     complain("not certified: " + certificate.reason);
     return not_certified;

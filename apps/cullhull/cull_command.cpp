@@ -17,9 +17,10 @@ namespace app {
 namespace {
 
 constexpr const char* examples =
-    "Every extreme point, and every duplicate of one, is among the survivors; a dropped point "
-    "lies\n"
-    "strictly inside the hull. So any hull code gives the same hull for the survivors.\n"
+    "In memory every extreme point, and every duplicate of one, survives; a dropped point lies\n"
+    "strictly inside the hull. In blocks (see --stream) the extreme points alone survive, of "
+    "equal\n"
+    "ones the first. Either way any hull code gives the same hull for the survivors.\n"
     "\n"
     "Output:\n"
     "  -o NAME.npy .csv .txt       ids of the survivors, ascending (.npy: int64; -o -: .npy)\n"

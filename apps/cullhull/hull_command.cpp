@@ -127,15 +127,14 @@ Outcome compute(const HullArguments& arguments, const Input& input) {
   const cullhull::PointView& points = input.points;
   std::optional<EndDeafWork> qhull;
   if (arguments.engine == "qhull") qhull.emplace();
-  Outcome outcome{find_repeatedly(arguments,
-                                  [&](cullhull::Options options) {
-                                    if (arguments.engine == "qhull")
-                                      options.engine = cullhull::Engine::qhull;
-                                    const Placing& placing = input.placing;
-                                    return in_place(input) ? hull_on_grid(points, placing.placement,
-                                                                          placing.grid, options)
-                                                           : cullhull::convex_hull(points, options);
-                                  }),
+  Outcome outcome{find_repeatedly(
+                      arguments,
+                      [&](cullhull::Options options) {
+    if (arguments.engine == "qhull") options.engine = cullhull::Engine::qhull;
+    const Placing& placing = input.placing;
+    return in_place(input) ? hull_on_grid(points, placing.placement, placing.grid, options)
+                           : cullhull::convex_hull(points, options);
+                      }),
                   {}};
   if (arguments.certify)
     outcome.certificate = repeat(arguments.run, 1, [&](const cullhull::Options& options) {
@@ -257,6 +256,15 @@ void check_vertices_only(const HullArguments& arguments) {
                 "--format, --certify or --engine qhull");
 }
 
+/// Coordinates of points in the world, of inputs that have a placement.
+std::vector<double> placed_rows(const Input& input, const std::vector<std::uint64_t>& ids) {
+  std::vector<double> rows;
+  for (std::size_t i = 0; input.placing.any && i < ids.size(); ++i)
+    for (std::uint32_t j = 0; j < input.points.dimension; ++j)
+      rows.push_back(input.placing.grid.to_world(input.points.at(ids[i], j)));
+  return rows;
+}
+
 int run_vertices_only(const HullArguments& arguments, const FilePlan& plan) {
   const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
                                   arguments.run.memory_bytes());
@@ -265,13 +273,18 @@ int run_vertices_only(const HullArguments& arguments, const FilePlan& plan) {
     return cullhull::extreme_points(input.points, options);
   });
   const cullhull::ExtremePoints& extreme = found.result;
+  const std::vector<double> rows = placed_rows(input, extreme.ids);
+  const cullhull::PointView placed =
+      cullhull::PointView::row_major(rows.data(), extreme.ids.size(), input.points.dimension);
   if (!arguments.vertices.empty()) cullhull::write_ids(arguments.vertices, extreme.ids);
   if (!arguments.json.empty())
     cullhull::write_text(arguments.json,
-                         extreme_json(input.points, found, read_seconds, peak_bytes()));
+                         with_placing(extreme_json(input.points, found, read_seconds, peak_bytes()),
+                                      input.placing, placed));
   if (arguments.run.quiet || plan.uses_stdout()) return 0;
   const cullhull::Statistics& s = extreme.statistics;
-  write_stdout(points_line(input) + survivors_line(s.survivors, input.points.count, s.cull_method) +
+  write_stdout(points_line(input) + units_lines(input.placing, placed) +
+               survivors_line(s.survivors, input.points.count, s.cull_method) +
                fmt::format("vertices   {}\nseconds    {:.6f}; reading {:.6f}\n",
                            grouped(extreme.ids.size()), s.compute_seconds, read_seconds) +
                wrote_lines(arguments));
@@ -363,7 +376,10 @@ std::string extreme_json_of(const HullArguments& arguments, const Streamed& stre
   s.survivors = all.count;
   s.cull_seconds = s.compute_seconds = streamed.seconds;
   all.count = streamed.state.point_count();
-  return extreme_json(all, found, 0, peak_bytes());
+  cullhull::HullState placed = streamed.state;
+  cullhull::to_world(placed, streamed.read.grid);
+  return with_placing(extreme_json(all, found, 0, peak_bytes()), streamed.placing(),
+                      placed.points());
 }
 
 std::string state_lines(const HullArguments& arguments, const Streamed& streamed) {

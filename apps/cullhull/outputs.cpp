@@ -9,7 +9,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/point_blocks.hpp"
-#include "io/json_writer.hpp"
+#include "io/json/json_writer.hpp"
 #include "system.hpp"
 #include "terminal.hpp"
 

@@ -95,14 +95,14 @@ namespace {
 const CLI::Validator& decimal_digits() {
   static const CLI::Validator digits(
       [](std::string& text) {
-        std::uint64_t value = 0;
-        const char* const end = text.data() + text.size();
-        const auto read = std::from_chars(text.data(), end, value);
-        if (read.ec != std::errc() || read.ptr != end)
-          return "'" + text + "' is no whole number from 0 to " +
-                 std::to_string(std::numeric_limits<std::uint64_t>::max());
-        text = std::to_string(value);
-        return std::string();
+    std::uint64_t value = 0;
+    const char* const end = text.data() + text.size();
+    const auto read = std::from_chars(text.data(), end, value);
+    if (read.ec != std::errc() || read.ptr != end)
+      return "'" + text + "' is no whole number from 0 to " +
+             std::to_string(std::numeric_limits<std::uint64_t>::max());
+    text = std::to_string(value);
+    return std::string();
       },
       "");
   return digits;

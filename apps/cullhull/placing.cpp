@@ -5,9 +5,10 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 #include <vector>
 
-#include "io/json_writer.hpp"
+#include "io/json/json_writer.hpp"
 
 namespace app {
 namespace {
@@ -66,6 +67,32 @@ Json placing_json(const Placing& placing, const cullhull::PointView& points) {
   for (const Range& axis : box_of(points))
     json["extent"].push_back(Json::array({axis.least, axis.greatest}));
   return json;
+}
+
+void Extent::add(const cullhull::PointView& points) {
+  const std::vector<Range> box = box_of(points);
+  for (std::size_t j = 0; j < box.size(); ++j) {
+    if (j == least_.size()) {
+      least_.push_back(box[j].least);
+      greatest_.push_back(box[j].greatest);
+    }
+    least_[j] = std::min(least_[j], box[j].least);
+    greatest_[j] = std::max(greatest_[j], box[j].greatest);
+  }
+}
+
+std::vector<double> Extent::corners(const cullhull::Grid& grid) const {
+  std::vector<double> rows = least_;
+  rows.insert(rows.end(), greatest_.begin(), greatest_.end());
+  cullhull::to_world(rows, grid);
+  return rows;
+}
+
+std::string with_placing(std::string report, const Placing& placing,
+                         const std::vector<double>& corners) {
+  const auto d = static_cast<std::uint32_t>(corners.size() / 2);
+  return with_placing(std::move(report), placing,
+                      cullhull::PointView::row_major(corners.data(), d > 0 ? 2 : 0, d));
 }
 
 void add_placing(Json& report, const Placing& placing, const cullhull::PointView& points) {

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "cullhull/io.hpp"
 
@@ -16,6 +17,21 @@ struct Placing {
   bool any = false;               ///< whether a file has a placement: else nothing is told
   bool raw = false;               ///< --raw: the files' own numbers
 };
+
+/// The box of points that come one after another.
+class Extent {
+ public:
+  void add(const cullhull::PointView& points);
+  /// Its lowest and its highest corner, of points on `grid`: two rows, or none without points.
+  std::vector<double> corners(const cullhull::Grid& grid) const;
+
+ private:
+  std::vector<double> least_, greatest_;
+};
+
+/// A report with the member "placement", whose extent these corners are.
+std::string with_placing(std::string report, const Placing& placing,
+                         const std::vector<double>& corners);
 
 /// "units      exact on the grid of 0.001; scale ..., offset ...\nextent     ...\n"; empty unless
 /// `placing.any`. `points`: those whose box is the extent, in the world.

@@ -70,7 +70,9 @@ void StreamArguments::add_to(Parser& command, bool states) {
                                   "which is an INPUT like others, or .npz for NumPy"))
       .type_name("OUT.hullstate");
   command.add_flag("--global-ids", global_ids,
-                   "States among the inputs keep their ids; else they are numbered on");
+                   "States among the inputs keep their ids; else they are numbered on.\n"
+                   "Parts are to have no id in common: of an overlap only two extreme\n"
+                   "points of one id are found");
   add_first_id_to(command);
   needs_value(*command.add_option("--checkpoint", checkpoint,
                                   "Keep here how far it came, every minute and on Ctrl-C; go on\n"

@@ -146,6 +146,19 @@ struct Outcome {
   std::string error;  ///< the first frame that failed
   std::optional<bool> certified;
   std::string not_certified;
+  Placing placing;  ///< of the first frame that has one
+  Extent extent;    ///< of the vertices, in the world
+
+  /// Where a frame lies whose `view` is in the world.
+  void place(bool raw, const cullhull::PointSequence& sequence, const cullhull::PointView& view,
+             const Hull& h) {
+    if (sequence.placement().empty()) return;
+    if (!placing.any) placing = {sequence.placement(), sequence.grid(), true, raw};
+    std::vector<double> rows;
+    for (const std::uint64_t v : h.vertices)
+      for (std::uint32_t j = 0; j < view.dimension; ++j) rows.push_back(view.at(v, j));
+    extent.add(cullhull::PointView::row_major(rows.data(), h.vertices.size(), view.dimension));
+  }
 
   void add(const FrameReport& r, const Hull& h, double read_seconds) {
     ++done;
@@ -247,6 +260,7 @@ bool track_frame(const TrackArguments& arguments, const FrameNames& names,
   const Placed frame(points, tracker.hull(), sequence.grid());
   const Hull& hull = frame.hull();
   outcome.add(tracker.report(), hull, sequence.read_seconds());
+  outcome.place(arguments.raw, sequence, frame.points(), hull);
   if (!arguments.json.empty())
     outcome.frames.push_back(
         frame_record(sequence.index(), tracker.report(), hull, sequence.read_seconds()));
@@ -307,7 +321,8 @@ std::string report_of(const TrackArguments& arguments, const cullhull::PointSequ
   points.count = o.count;
   points.dimension = o.dimension;
   points.scalar = o.scalar;
-  return report_text("track_report", points, report);
+  return with_placing(report_text("track_report", points, report), o.placing,
+                      o.extent.corners(cullhull::Grid()));
 }
 
 std::string summary(const cullhull::PointSequence& sequence, const Outcome& o) {

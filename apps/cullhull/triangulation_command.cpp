@@ -61,12 +61,14 @@ constexpr const char* voronoi_footer =
     "  --format WORDS        on standard output, as qvoronoi prints it: p vertices, o vertices "
     "and\n"
     "                        regions, Fv ridges\n"
-    "The box is the points' own, wider by a tenth of its longest side on each side, unless --box\n"
-    "gives another one.\n"
+    "Cells are clipped to --box, or to the polygons of --clip, or else to the points' own box, "
+    "wider\n"
+    "by a tenth of its longest side on each side.\n"
     "\n"
     "Examples:\n"
     "  cullhull voronoi disk.npy -o cells.geojson            the cells as polygons\n"
     "  cullhull voronoi wells.csv --box 0,0,100,100 --measures areas.csv\n"
+    "  cullhull voronoi cities.csv --clip country.geojson -o cells.geojson\n"
     "  rbox 100 D2 | cullhull voronoi - --format 'p Fv'      in the place of qvoronoi\n"
     "\n"
     "All points must fit in memory. Exit status: 0 success; 1 bad input; 2 bad usage; 3 not\n"
@@ -76,7 +78,7 @@ struct DualArguments {
   InputArguments input;
   RunArguments run;
   std::vector<std::string> outputs, formats;
-  std::string weights, heights, json, measures, box, edges;
+  std::string weights, heights, json, measures, box, clip, edges;
   bool furthest = false, certify = false, inside = false;
   std::vector<std::string> files;  ///< that the words of the input stand for
 };
@@ -201,6 +203,13 @@ Box box_of(const DualArguments& a, const PointView& points, const cullhull::Grid
   return box;
 }
 
+/// On the points' grid.
+cullhull::Polygons read_region(const DualArguments& a, const cullhull::Grid& grid) {
+  cullhull::Polygons region = cullhull::read_polygons(a.clip);
+  for (double& x : region.corners) x = grid.to_grid(x);
+  return region;
+}
+
 struct Outcome {
   Triangulation triangulation;
   std::optional<Voronoi> voronoi;
@@ -257,7 +266,19 @@ void find_dual(const DualArguments& a, const PointView& points, const cullhull::
   out.voronoi = repeat(a.run, 1, [&](const cullhull::Options& options) {
                   return cullhull::voronoi(points, out.triangulation, out.weights, options);
                 }).result;
-  if (wants_cells(a)) {
+  if (wants_cells(a) && !a.clip.empty()) {
+    const cullhull::Polygons region = read_region(a, grid);
+    const auto clip = [&](const cullhull::Options& options) {
+      return cullhull::clip_voronoi(points, out.triangulation, region.rings(), out.weights, true,
+                                    options);
+    };
+    try {
+      out.cells = repeat(a.run, 1, clip).result;
+    } catch (const Error& e) {
+      if (e.code() != ErrorCode::invalid_argument) throw;
+      throw Error(e.code(), a.clip + ": " + e.what());
+    }
+  } else if (wants_cells(a)) {
     const Box box = box_of(a, points, grid);
     out.cells = repeat(a.run, 1, [&](const cullhull::Options& options) {
                   return cullhull::clip_voronoi(points, out.triangulation, box.low, box.high,
@@ -362,10 +383,13 @@ int run(DualArguments a, bool dual) {
                 "--edges: there are none with weights or of the furthest site");
   if (a.inside && a.edges.empty())
     throw Error(ErrorCode::invalid_argument, "--inside: of which --edges?");
+  if (!a.clip.empty() && !a.box.empty())
+    throw Error(ErrorCode::invalid_argument, "--clip and --box: cells are clipped to one of them");
   a.files = a.input.find_files();
   FilePlan plan;
   plan.reads_inputs(a.input.words, a.files);
   if (!a.edges.empty()) plan.reads(a.edges);
+  if (!a.clip.empty()) plan.reads(a.clip);
   for (const std::string& given : {a.weights, a.heights})
     if (names_file(given)) plan.reads(given);
   // One column is read with the points, which may come from a pipe.
@@ -386,6 +410,11 @@ int run(DualArguments a, bool dual) {
                             "height to --height",
                             input.points.dimension));
   if (!a.box.empty()) (void)box_of(a, input.points, {});  // refused before the work
+  if (!a.clip.empty() && input.points.dimension != 2)
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("--clip: polygons are for cells of 2D points, and these are {}D; "
+                            "--columns x,y leaves the height out",
+                            input.points.dimension));
   Outcome out;
   out.read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const cullhull::Grid grid = input.placing.grid;
@@ -461,6 +490,11 @@ Command add_voronoi(Parser& parent) {
                                   "Clip cells to this box: all least coordinates,"
                                   "\nthen all greatest"))
       .type_name("X,Y,..");
+  needs_value(
+      *command.add_option("--clip", a->clip,
+                          "Clip cells of 2D points to the polygons of a GeoJSON file, which\n"
+                          "may have dents, holes and several parts"))
+      .type_name("FILE");
   needs_value(*command.add_option("--measures", a->measures, "Write the measures of clipped cells"))
       .type_name("FILE");
   command.footer(std::string(input_help) + "\n\n" + voronoi_footer);

@@ -9,7 +9,7 @@
 #include "commands.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/io.hpp"
-#include "io/json_writer.hpp"
+#include "io/json/json_writer.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "signals.hpp"

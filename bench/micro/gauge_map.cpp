@@ -1,11 +1,11 @@
 // The gauge map: a look-up (per point, on one thread, from arrays that fit the cache and from
 // larger ones), the time of reading alone, and building the map. Argument: the dimension.
-#include "cull/gauge_map.hpp"
+#include "filter/gauge/gauge_map.hpp"
 
 #include <map>
 #include <numeric>
 
-#include "parallel/parallel.hpp"
+#include "parallel/threads/parallel.hpp"
 #include "sets.hpp"
 
 namespace cullhull::micro {

@@ -1,7 +1,7 @@
 // One orientation by each rung of the ladder. Argument: the dimension.
 #include <cmath>
 
-#include "geometry/orientation.hpp"
+#include "exact/orientation/orientation.hpp"
 #include "sets.hpp"
 
 namespace cullhull::micro {

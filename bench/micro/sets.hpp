@@ -10,7 +10,7 @@
 #include "cullhull/options.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::micro {
 

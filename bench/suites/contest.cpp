@@ -10,7 +10,7 @@
 #include "cgal.hpp"
 #include "cullhull/error.hpp"
 #include "machine.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::bench {
 

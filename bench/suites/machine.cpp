@@ -12,9 +12,9 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
-#include "io/json_writer.hpp"
-#include "parallel/big_array.hpp"
-#include "parallel/parallel.hpp"
+#include "io/json/json_writer.hpp"
+#include "parallel/memory/big_array.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::bench {
 namespace {
@@ -63,24 +63,23 @@ class HostMemory {
     // The pages are first written by the threads that use them later, approximately.
     internal::for_each_chunk(words_, piece, cores,
                              [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                               std::fill(from_.get() + begin, from_.get() + end, begin);
-                               if (two) std::fill(to_.get() + begin, to_.get() + end, end);
-                             });
+      std::fill(from_.get() + begin, from_.get() + end, begin);
+      if (two) std::fill(to_.get() + begin, to_.get() + end, end);
+    });
   }
   double bytes() const { return static_cast<double>(words_ * sizeof(std::uint64_t)); }
   void read(unsigned threads) const {
     static std::atomic<std::uint64_t> sink;  // so that the sums are not optimised away
-    internal::for_each_chunk(
-        words_, piece, threads, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-          sink.store(sum_of(from_.get() + begin, end - begin), std::memory_order_relaxed);
-        });
+    internal::for_each_chunk(words_, piece, threads,
+                             [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      sink.store(sum_of(from_.get() + begin, end - begin), std::memory_order_relaxed);
+    });
   }
   void copy(unsigned threads) {
     internal::for_each_chunk(words_, piece, threads,
                              [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                               std::memcpy(to_.get() + begin, from_.get() + begin,
-                                           (end - begin) * sizeof(std::uint64_t));
-                             });
+      std::memcpy(to_.get() + begin, from_.get() + begin, (end - begin) * sizeof(std::uint64_t));
+    });
   }
 
  private:

@@ -10,8 +10,8 @@
 #include <string_view>
 
 #include "cullhull/io.hpp"
-#include "io/json_writer.hpp"
-#include "parallel/parallel.hpp"
+#include "io/json/json_writer.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::bench {
 namespace {

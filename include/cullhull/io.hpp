@@ -29,6 +29,20 @@ enum class Numbers {
   file,  ///< the file's own numbers, in place
 };
 
+/// What a reader tells its user: what it chose or left out without having been asked to.
+struct Remark {
+  enum class Kind {
+    columns,   ///< which columns of a text are the coordinates; ReadOptions::columns takes others
+    left_out,  ///< bytes or text behind the points, faces that are cut short, lines of no keyword
+  };
+  Kind kind;
+  std::string file;     ///< its name
+  std::string message;  ///< a part of one line, without the name
+
+  std::string line() const { return file + ": " + message; }
+  operator std::string() const { return line(); }
+};
+
 struct ReadOptions {
   /// Force a format ("npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "raw");
   /// empty: by extension, then by content.
@@ -49,10 +63,8 @@ struct ReadOptions {
   /// unless `columns` names it, too. BlockVisitor::keyed receives its values as they are written in
   /// the file.
   std::string key;
-  /// Called with one line to show the user where the reader chose or left out something without
-  /// having been asked to: columns of a text, bytes or text behind the points, faces that are cut
-  /// short. From any thread.
-  std::function<void(const std::string&)> remark;
+  /// Called for each remark, from any thread. A function of a std::string gets Remark::line().
+  std::function<void(const Remark&)> remark;
   /// Compressed files (.gz, .zst, .npz) may unpack to at most this many bytes in memory; 0: half of
   /// what the process may use. Read in blocks (visit_blocks) they take no more memory than others.
   std::uint64_t memory_budget = 0;
@@ -136,7 +148,9 @@ class PointSequence {
   std::uint64_t index() const noexcept;
   const std::string& name() const noexcept;
   const std::string& format() const noexcept;
-  const Grid& grid() const noexcept;     ///< as PointFile::grid(), the same for all frames
+  const Grid& grid() const noexcept;  ///< as PointFile::grid(), the same for all frames
+  /// As PointFile::placement(), of the current frame; before next() and of arrays it is empty.
+  const Placement& placement() const noexcept;
   double read_seconds() const noexcept;  ///< of the current frame
 
   struct Impl;

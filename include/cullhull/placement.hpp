@@ -1,4 +1,4 @@
-// Where the whole numbers of a scan lie: scale and offset along each axis, and the decimal grid on
+// Where the whole numbers of a scan lie: scale and offset along each axis, and the grid on
 // which points of several files can be computed exactly. Part of cullhull::io.
 #pragma once
 
@@ -28,22 +28,26 @@ struct Placement {
   friend bool operator==(const Placement&, const Placement&) = default;
 };
 
-/// Coordinates that are whole multiples of 10^-decimals, the same on every axis. On the grid they
-/// are these multiples: whole numbers of at most 50 bits, which doubles hold exactly and give back.
+/// Coordinates that are whole multiples of a unit, the same on every axis, and of at most 50 bits.
+/// A decimal grid: of 10^-decimals. On it coordinates are these multiples, which doubles hold
+/// exactly and give back. A binary grid: of 2^-places. Doubles hold its coordinates as they are.
 class Grid {
  public:
   Grid() = default;  ///< none: coordinates are what they are
   explicit Grid(int decimals);
+  static Grid binary(int places);
 
-  bool empty() const noexcept { return decimals_ < 0; }
+  bool empty() const noexcept { return unit_ == 0; }
+  /// -1: no decimal grid.
   int decimals() const noexcept { return decimals_; }
-  /// 10^decimals; 1 of no grid.
+  /// What coordinates are multiplied by on the grid: 10^decimals; 1 of a binary grid and of none.
   double power() const noexcept { return power_; }
-  double unit() const noexcept { return 1 / power_; }
+  /// 0 of no grid.
+  double unit() const noexcept { return unit_; }
   /// The double nearest to the coordinate that is `number` on the grid.
   double to_world(double number) const noexcept { return number / power_; }
   double to_grid(double coordinate) const noexcept { return coordinate * power_; }
-  /// The whole number whose to_world() is `coordinate`; NaN where there is none.
+  /// The number on the grid whose to_world() is `coordinate`; NaN where there is none.
   double number_of(double coordinate) const noexcept;
 
   /// Measures of so many dimensions: length 1, area 2, ...
@@ -54,12 +58,13 @@ class Grid {
 
  private:
   int decimals_ = -1;
-  double power_ = 1;
+  double power_ = 1, unit_ = 0;
 };
 
-/// The coarsest grid on which all coordinates of such files lie: scales and offsets are taken for
-/// the shortest decimals that read back as them (0.01 for one hundredth). None where one placement
-/// is empty, or a coordinate might need more than 50 bits.
+/// The coarsest grid on which all coordinates of such files lie. A binary one, where there is one
+/// and not all are whole numbers: coordinates are doubles, as they would be in any other file. Else
+/// scales and offsets are taken for the shortest decimals that read back as them (0.01 for one
+/// hundredth). None where one placement is empty, or a coordinate might need more than 50 bits.
 Grid common_grid(const std::vector<Placement>& placements);
 
 /// A file's numbers on a grid that its placement lies on: exact.

@@ -50,7 +50,9 @@ class HullState {
 
   /// Adds another set's points. An id may occur in both only for the same point. Errors as
   /// extreme_points(), after which the state is unchanged. Error{invalid_argument} where dimensions
-  /// differ, or where different extreme points of the two have one id.
+  /// differ, or where different extreme points of the two have one id. An id that two points have
+  /// of which one is not extreme in its set is not found, as states hold extreme points alone: then
+  /// the result is still that of all points, but the id is ambiguous.
   void merge(const HullState& other, const Options& options = {});
 
   /// Adds `offset` to every id: a part that was numbered from 0 takes its place in the whole.

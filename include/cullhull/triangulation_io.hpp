@@ -2,6 +2,7 @@
 // format.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -28,7 +29,8 @@ void write_triangulation(const std::string& path, const PointView& points,
                          std::span<const double> heights = {});
 
 /// Likewise the polygons of clipped cells (in space their faces): .ply .obj .off .vtp, and in 2D
-/// .geojson and .wkt, a polygon for each point.
+/// .geojson and .wkt, a polygon for each point, or several, with holes. Meshes have no holes:
+/// Error{invalid_argument} for cells that have.
 void write_cells(const std::string& path, const ClippedCells& cells,
                  const std::string& format = "");
 
@@ -49,6 +51,19 @@ void check_alpha_shape_format(const std::string& path, std::uint32_t dimension);
 /// `cells` false, for a triangulation, perhaps with heights.
 void check_triangulation_format(const std::string& path, std::uint32_t dimension, bool cells,
                                 bool heights = false);
+
+/// Polygons that own their corners.
+struct Polygons {
+  std::vector<double> corners;  ///< corners x 2
+  std::vector<std::uint64_t> ring_offsets{0};
+  /// For clip_voronoi; valid as long as this is.
+  PolygonRings rings() const;
+};
+
+/// All polygons of a GeoJSON file (`-`: standard input): Polygon, MultiPolygon, collections of
+/// them, and features; points and lines beside them are left out, and so are third coordinates.
+/// Throws Error{bad_file} for what is no GeoJSON or has no polygon, Error{io}.
+Polygons read_polygons(const std::string& path);
 
 /// Text as Qhull's `qdelaunay` prints it, `what` being i (cells), Fn (neighbours, -1 for none), Fx
 /// (points of the hull) or p (all points). Throws Error{invalid_argument} for other words.

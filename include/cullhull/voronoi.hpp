@@ -1,5 +1,5 @@
-// Voronoi and power diagrams: the dual of a triangulation, and its cells within a box or a convex
-// polytope.
+// Voronoi and power diagrams: the dual of a triangulation, and its cells within a box, a convex
+// polytope or polygons.
 #pragma once
 
 #include <cstdint>
@@ -76,19 +76,41 @@ struct Voronoi {
 Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
                 std::span<const double> weights = {}, const Options& options = {});
 
-/// The cells of a diagram within a bounded convex region, for d = 1, 2 and 3.
+/// A polygon of the plane, or several, with holes: rings of corners. Inside is what an odd number
+/// of rings surrounds, so that rings need no orientation and no order. Rings may touch, and
+/// polygons may share parts of their boundaries from corner to corner (inside is then what they
+/// cover together); edges may not cross. The last corner of a ring may repeat the first.
+struct PolygonRings {
+  PointView points;  ///< corners x 2
+  /// rings + 1, from 0 to the number of corners: ring i is corners [ring_offsets[i],
+  /// ring_offsets[i + 1]).
+  std::span<const std::uint64_t> ring_offsets;
+};
+
+/// The cells of a diagram within a bounded region, for d = 1, 2 and 3.
 struct ClippedCells {
   std::uint32_t dimension = 0;
   std::uint64_t point_count = 0;
-  /// Length, area or volume of each point's cell in the region; zero for duplicates, hidden points
-  /// and cells that do not meet it. They add up to the region's.
+  /// Length, area or volume of each point's cell in the region, within 2^-42 of the exact number,
+  /// relatively; zero for duplicates, hidden points and cells that do not meet it. The exact
+  /// numbers add up to the region's.
   Array<double> measures;
 
   // Shapes; empty if they were not asked for.
   /// The vertices of the cell of point i are rows [vertex_offsets[i], vertex_offsets[i + 1]) of d
-  /// numbers: d = 1: both ends; d = 2: counterclockwise.
+  /// numbers, each the double nearest to the exact coordinate: so cells that meet in a vertex have
+  /// the same numbers for it, vertices of the diagram have those of Voronoi::vertices, and none is
+  /// outside a box. d = 1: both ends; d = 2: ring by ring.
   Array<std::uint64_t> vertex_offsets;
   Array<double> vertices;
+  /// d = 2: cell i is the polygons [polygon_offsets[i], polygon_offsets[i + 1]): one where the
+  /// region is convex, else perhaps several. Polygon g has the rings [polygon_rings[g],
+  /// polygon_rings[g + 1]): its outline, counterclockwise, then its holes, clockwise. Ring r is the
+  /// rows [ring_starts[r], ring_starts[r + 1]) of `vertices`, from its lexicographically least one
+  /// on. Vertices that round to one are one; rings of which less than three are left are left out.
+  Array<std::uint64_t> polygon_offsets;
+  Array<std::uint64_t> polygon_rings;
+  Array<std::uint64_t> ring_starts;
   /// d = 3: the faces of cell i are [face_offsets[i], face_offsets[i + 1]), face f has the items
   /// [face_starts[f], face_starts[f + 1]) of face_vertices: places among the cell's own vertices,
   /// counterclockwise from outside.
@@ -100,22 +122,29 @@ struct ClippedCells {
   Array<std::uint32_t> neighbours;
 };
 
-/// In the box low[j] <= x[j] <= high[j]. Each cell is cut by its neighbours' halfspaces alone, in
-/// doubles relative to its own point: distances of a vertex from planes are within a few roundings
-/// of exact, and so are measures; which faces shorter than that appear is not exact. Results are
-/// the same bits for any threads. Time: about a microsecond a point in the plane, some ten in
-/// space. Errors: as above; invalid_argument also for d > 3, for a box that is empty or not finite,
-/// and where the measures do not add up to the region's within 1e-6, because points and region are
-/// too far apart, or too far from the origin, for doubles.
+/// In the box low[j] <= x[j] <= high[j]. Exact: every decision is one about the given doubles, and
+/// what is listed is rounded once, as ClippedCells says. Results are the same bits for any threads.
+/// Time: some microseconds a point in the plane, some ten in space; more where cells meet the
+/// region's boundary. Errors: as above; invalid_argument also for d > 3 and for a box that is empty
+/// or not finite. Thread safe.
+/// Source: docs/exactness.md, "Voronoi diagrams".
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           std::span<const double> low, std::span<const double> high,
                           std::span<const double> weights = {}, bool shapes = true,
                           const Options& options = {});
 
-/// In the convex hull of the points `region`, which must span d dimensions. In the plane they must
-/// not lie inside their hull, as the corner of a dent does: Error{invalid_argument}.
+/// For d = 1 and 3 in the convex hull of the points `region`, which must span d dimensions; for d =
+/// 2 in the polygon with these corners, in their order.
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           const PointView& region, std::span<const double> weights = {},
+                          bool shapes = true, const Options& options = {});
+
+/// In polygons; d = 2. Cells may have several parts, with dents and holes. Time: some microseconds
+/// for each pair of a cell and a triangle of the region's constrained Delaunay triangulation that
+/// meet. Errors: also not_finite, and invalid_argument for rings of less than three corners,
+/// offsets that do not ascend, edges that cross, and a region that is a line.
+ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
+                          const PolygonRings& region, std::span<const double> weights = {},
                           bool shapes = true, const Options& options = {});
 
 }  // namespace cullhull

@@ -139,10 +139,9 @@ class Joiner {
     grow(out, at.back());
     copies_.push_back(
         [this, &out, of, at = std::move(at), base = std::move(base)](std::uint64_t p) {
-          const auto& offsets = of(parts_[p]);
-          for (std::size_t i = 1; i < offsets.size(); ++i)
-            out[at[p] + i - 1] = base[p] + offsets[i];
-        });
+      const auto& offsets = of(parts_[p]);
+      for (std::size_t i = 1; i < offsets.size(); ++i) out[at[p] + i - 1] = base[p] + offsets[i];
+    });
   }
   template <class T>
   void join_lists(HullBatch& out, Lists<T> HullBatch::*member) {

@@ -9,7 +9,7 @@
 #include "batch/planar_sets.hpp"
 #include "cullhull/batch.hpp"
 #include "cullhull/error.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

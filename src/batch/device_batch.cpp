@@ -81,7 +81,7 @@ class DeviceBatch {
     maker.add(
         open.size(),
         [&](SetHuller& huller, std::uint64_t i, HullBatch& part) {
-          huller.append(rows.set(i), part);
+      huller.append(rows.set(i), part);
         },
         [&](std::uint64_t i) { return open[i]; });
     const HullBatch rest = std::move(maker).finish();
@@ -145,10 +145,10 @@ class DeviceBatch {
     maker.add(
         count,
         [&](SetHuller& huller, std::uint64_t i, HullBatch& part) {
-          if (found.vertex_at[i + 1] > found.vertex_at[i])
-            append(found, first, i, huller, part);
-          else
-            huller.append(rows.set(place[i]), part);
+      if (found.vertex_at[i + 1] > found.vertex_at[i])
+        append(found, first, i, huller, part);
+      else
+        huller.append(rows.set(place[i]), part);
         },
         [&](std::uint64_t i) { return first + i; });
   }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "cullhull/batch.hpp"
-#include "parallel/control.hpp"
-#include "small/small_polygon.hpp"
+#include "few/small_polygon.hpp"
+#include "parallel/threads/control.hpp"
 
 namespace cullhull::internal {
 

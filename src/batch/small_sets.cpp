@@ -4,10 +4,10 @@
 #include <array>
 #include <numeric>
 
-#include "small/few_in_space.hpp"
-#include "small/small_3d.hpp"
-#include "small/small_measures.hpp"
-#include "small/small_surface.hpp"
+#include "few/few_in_space.hpp"
+#include "few/small_3d.hpp"
+#include "few/small_measures.hpp"
+#include "few/small_surface.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "cullhull/certify.hpp"
-#include "geometry/orientation.hpp"
+#include "exact/orientation/orientation.hpp"
 #include "parallel/prefetch.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::certificate {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/minors.hpp"
-#include "geometry/orientation.hpp"
+#include "exact/determinants/minors.hpp"
+#include "exact/orientation/orientation.hpp"
 
 namespace cullhull::internal::certificate {
 

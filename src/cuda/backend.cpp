@@ -3,7 +3,7 @@
 #include <unistd.h>
 
 #include "cuda/gauge.hpp"
-#include "cuda/gauge_kernel.hpp"
+#include "cuda/kernels/gauge_kernel.hpp"
 #include "cuda/runtime.hpp"
 #include "cullhull/device_points.hpp"
 

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "cull/gauge_map.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/point_view.hpp"
-#include "parallel/run.hpp"
+#include "filter/gauge/gauge_map.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -6,13 +6,13 @@
 
 #include "cuda/device_rows.hpp"
 #include "cuda/gauge.hpp"
-#include "cuda/gauge_kernel.hpp"
-#include "cuda/pseudo_hull.hpp"
+#include "cuda/kernels/gauge_kernel.hpp"
+#include "cuda/kernels/pseudo_hull.hpp"
 #include "cuda/runtime.hpp"
-#include "cull/planner.hpp"
+#include "filter/planner.hpp"
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -3,10 +3,10 @@
 #include <string>
 
 #include "cuda/gauge.hpp"
-#include "cuda/gauge_kernel.hpp"
+#include "cuda/kernels/gauge_kernel.hpp"
 #include "cuda/runtime.hpp"
 #include "geometry/gather.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

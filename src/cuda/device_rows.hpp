@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "cull/planner.hpp"
 #include "cullhull/device_points.hpp"
-#include "parallel/run.hpp"
+#include "filter/planner.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

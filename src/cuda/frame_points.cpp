@@ -8,14 +8,14 @@
 
 #include "cuda/device_rows.hpp"
 #include "cuda/gauge.hpp"
-#include "cuda/gauge_kernel.hpp"
+#include "cuda/kernels/gauge_kernel.hpp"
 #include "cuda/runtime.hpp"
-#include "cull/planner.hpp"
 #include "cullhull/error.hpp"
+#include "filter/planner.hpp"
 #include "flow/device_filter.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
-#include "parallel/memory.hpp"
+#include "parallel/memory/memory.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -60,10 +60,10 @@ class DeviceFrame final : public FramePoints {
     const std::string before = result.reason;
     there_or_here([&] { scan_there(map, result); },
                   [&] {
-                    result.reason = before;
-                    here_->scan(map, result);
-                    if (!why_here_.empty()) result.reason = before;  // hull() reports it
-                  });
+      result.reason = before;
+      here_->scan(map, result);
+      if (!why_here_.empty()) result.reason = before;  // hull() reports it
+    });
   }
 
   void fetch(Filtered& result) override {

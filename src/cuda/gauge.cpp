@@ -5,9 +5,9 @@
 #include <cstring>
 #include <type_traits>
 
-#include "cuda/gauge_kernel.hpp"
+#include "cuda/kernels/gauge_kernel.hpp"
 #include "parallel/dispatch.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::cuda {
 namespace {

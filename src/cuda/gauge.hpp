@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "cuda/runtime.hpp"
-#include "cull/gauge_table.hpp"
 #include "cullhull/device_points.hpp"
-#include "parallel/run.hpp"
+#include "filter/gauge/gauge_table.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::cuda {
 

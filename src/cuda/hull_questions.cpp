@@ -5,7 +5,7 @@
 
 #include "cuda/device_rows.hpp"
 #include "cuda/gauge.hpp"
-#include "cuda/hull_questions_kernel.hpp"
+#include "cuda/kernels/hull_questions_kernel.hpp"
 #include "cuda/runtime.hpp"
 
 namespace cullhull::internal::cuda {

@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
-#include "cull/gauge_table.hpp"
 #include "cullhull/array.hpp"
 #include "cullhull/device_points.hpp"
-#include "parallel/run.hpp"
+#include "filter/gauge/gauge_table.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::cuda {
 

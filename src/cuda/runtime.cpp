@@ -8,7 +8,7 @@
 #include <mutex>
 
 #include "cuda/reason.hpp"
-#include "parallel/fork_guard.hpp"
+#include "parallel/threads/fork_guard.hpp"
 
 namespace cullhull::internal::cuda {
 namespace {

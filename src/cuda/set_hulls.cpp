@@ -5,8 +5,8 @@
 
 #include "cuda/device_rows.hpp"
 #include "cuda/gauge.hpp"
+#include "cuda/kernels/set_hulls_kernel.hpp"
 #include "cuda/runtime.hpp"
-#include "cuda/set_hulls_kernel.hpp"
 
 namespace cullhull::internal::cuda {
 namespace {
@@ -392,8 +392,8 @@ void SetsOnDevice::State::copy_rest(const HullBatch& rest, const Lengths& length
            lengths.simplex_at[i] * static_cast<std::int64_t>(d()));
     ++k;
   }
-  const auto copy = [&](const std::vector<std::int32_t>& items, const Runs& runs,
-                        std::int32_t* to) {
+  const auto copy =
+      [&](const std::vector<std::int32_t>& items, const Runs& runs, std::int32_t* to) {
     if (items.empty()) return;
     const DeviceArray<std::int32_t> there = uploaded(items, stream);
     runs.run(stream, [&](const ItemRuns& all) { return copy_runs(there.data(), all, to, stream); });

@@ -9,7 +9,7 @@
 
 #include "cullhull/device_batch.hpp"
 #include "cullhull/point_view.hpp"
-#include "parallel/control.hpp"
+#include "parallel/threads/control.hpp"
 
 namespace cullhull::internal::cuda {
 

@@ -6,13 +6,13 @@
 #include <string>
 #include <utility>
 
-#include "cull/gauge_map.hpp"
-#include "cull/planner.hpp"
 #include "cullhull/error.hpp"
 #include "distributed/survivors.hpp"
+#include "filter/gauge/gauge_map.hpp"
+#include "filter/planner.hpp"
 #include "flow/sample_map.hpp"
-#include "parallel/memory.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/memory/memory.hpp"
+#include "parallel/threads/parallel.hpp"
 #include "stream/reduce.hpp"
 
 namespace cullhull::internal {

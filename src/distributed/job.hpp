@@ -8,7 +8,7 @@
 #include "cullhull/mpi.hpp"
 #include "distributed/communicator.hpp"
 #include "distributed/parts.hpp"
-#include "parallel/clock.hpp"
+#include "parallel/threads/clock.hpp"
 
 namespace cullhull::internal {
 

@@ -6,7 +6,7 @@
 #include "flow/filter_stage.hpp"
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
-#include "parallel/helpers.hpp"
+#include "parallel/threads/helpers.hpp"
 #include "stream/reduce.hpp"
 
 namespace cullhull::internal {

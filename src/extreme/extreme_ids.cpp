@@ -10,7 +10,7 @@
 
 #include "extreme/hull_membership.hpp"
 #include "geometry/norm_order.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <utility>
 
-#include "extreme/rational.hpp"
-#include "geometry/minors.hpp"
-#include "geometry/orientation.hpp"
+#include "exact/determinants/minors.hpp"
+#include "exact/numbers/rational.hpp"
+#include "exact/orientation/orientation.hpp"
 
 namespace cullhull::internal {
 

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "exact/points/local_points.hpp"
 #include "extreme/point_columns.hpp"
 #include "extreme/simplex_inverse.hpp"
-#include "geometry/local_points.hpp"
-#include "parallel/control.hpp"
+#include "parallel/threads/control.hpp"
 
 namespace cullhull::internal {
 

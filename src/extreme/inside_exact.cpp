@@ -6,9 +6,9 @@
 #include <cmath>
 #include <vector>
 
+#include "exact/determinants/minors.hpp"
+#include "exact/numbers/rational.hpp"
 #include "extreme/hull_membership.hpp"
-#include "extreme/rational.hpp"
-#include "geometry/minors.hpp"
 
 namespace cullhull::internal {
 namespace {

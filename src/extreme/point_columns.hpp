@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/local_points.hpp"
-#include "parallel/control.hpp"
+#include "exact/points/local_points.hpp"
+#include "parallel/threads/control.hpp"
 
 namespace cullhull::internal {
 

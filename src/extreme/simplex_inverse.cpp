@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "geometry/minors.hpp"
+#include "exact/determinants/minors.hpp"
 
 namespace cullhull::internal {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "geometry/local_points.hpp"
+#include "exact/points/local_points.hpp"
 
 namespace cullhull::internal {
 

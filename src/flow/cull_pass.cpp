@@ -1,7 +1,7 @@
 #include "flow/cull_pass.hpp"
 
 #include "cuda/backend.hpp"
-#include "cull/planner.hpp"
+#include "filter/planner.hpp"
 
 namespace cullhull::internal {
 

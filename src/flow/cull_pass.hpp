@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <string>
 
-#include "cull/gauge_map.hpp"
 #include "cullhull/cull.hpp"
-#include "parallel/control.hpp"
+#include "filter/gauge/gauge_map.hpp"
+#include "parallel/threads/control.hpp"
 
 namespace cullhull::internal {
 

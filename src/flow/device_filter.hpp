@@ -6,7 +6,7 @@
 
 #include "cullhull/device_points.hpp"
 #include "flow/filter_stage.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

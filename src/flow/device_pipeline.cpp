@@ -7,7 +7,7 @@
 #include "cullhull/error.hpp"
 #include "flow/device_filter.hpp"
 #include "flow/pipeline.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull {
 namespace internal {

@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "cull/lattice_cull.hpp"
 #include "cullhull/error.hpp"
+#include "filter/lattice/lattice_cull.hpp"
 #include "geometry/gather.hpp"
 
 namespace cullhull::internal {

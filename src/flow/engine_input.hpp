@@ -8,7 +8,7 @@
 #include "flow/filter_stage.hpp"
 #include "hull/engine.hpp"
 #include "hull/plane/polygon.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -7,9 +7,9 @@
 #include "flow/engine_input.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/local_frame.hpp"
-#include "parallel/helpers.hpp"
-#include "parallel/pages.hpp"
-#include "result/extreme_rows.hpp"
+#include "parallel/memory/pages.hpp"
+#include "parallel/threads/helpers.hpp"
+#include "result/write/extreme_rows.hpp"
 
 namespace cullhull {
 namespace internal {

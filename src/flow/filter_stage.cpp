@@ -3,17 +3,17 @@
 #include <algorithm>
 #include <memory>
 
-#include "cull/gauge_map.hpp"
-#include "cull/outermost.hpp"
-#include "cull/planner.hpp"
+#include "few/few_in_space.hpp"
+#include "few/small_3d.hpp"
+#include "filter/gauge/gauge_map.hpp"
+#include "filter/outermost.hpp"
+#include "filter/planner.hpp"
+#include "filter/pseudo_hull/pseudo_hull.hpp"
 #include "flow/cull_pass.hpp"
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
-#include "paper/pseudo_hull.hpp"
-#include "parallel/memory.hpp"
-#include "parallel/thread_memory.hpp"
-#include "small/few_in_space.hpp"
-#include "small/small_3d.hpp"
+#include "parallel/memory/memory.hpp"
+#include "parallel/threads/thread_memory.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -6,16 +6,16 @@
 
 #include "cullhull/certify.hpp"
 #include "cullhull/error.hpp"
+#include "few/few_in_space.hpp"
 #include "flow/engine_input.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/space/moved_surface.hpp"
 #include "hull/space/triangle_mesh.hpp"
 #include "result/build_hull.hpp"
-#include "result/extreme_rows.hpp"
-#include "result/polygon_result.hpp"
-#include "result/write_triangles.hpp"
-#include "small/few_in_space.hpp"
+#include "result/write/extreme_rows.hpp"
+#include "result/write/polygon_result.hpp"
+#include "result/write/write_triangles.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -1,8 +1,8 @@
 // The memory that the library keeps from call to call: pages, pinned memory, scratch of threads.
 #include "cuda/backend.hpp"
 #include "cullhull/array.hpp"
-#include "parallel/pages.hpp"
-#include "parallel/thread_memory.hpp"
+#include "parallel/memory/pages.hpp"
+#include "parallel/threads/thread_memory.hpp"
 
 namespace cullhull {
 

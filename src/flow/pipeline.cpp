@@ -4,16 +4,16 @@
 #include <utility>
 
 #include "cuda/backend.hpp"
-#include "cull/planner.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
+#include "few/small_hull.hpp"
+#include "filter/planner.hpp"
 #include "geometry/gather.hpp"
 #include "hull/engine.hpp"
-#include "parallel/helpers.hpp"
-#include "parallel/pages.hpp"
-#include "parallel/run.hpp"
-#include "small/small_hull.hpp"
+#include "parallel/memory/pages.hpp"
+#include "parallel/threads/helpers.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull {
 namespace internal {

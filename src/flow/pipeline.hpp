@@ -5,8 +5,8 @@
 #include "cullhull/hull.hpp"
 #include "flow/filter_stage.hpp"
 #include "hull/space/moved_surface.hpp"
-#include "parallel/clock.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/clock.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

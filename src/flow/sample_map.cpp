@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "cull/planner.hpp"
 #include "cullhull/error.hpp"
+#include "filter/planner.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
 #include "parallel/xorshift.hpp"

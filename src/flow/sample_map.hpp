@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "cull/gauge_map.hpp"
 #include "cullhull/array.hpp"
-#include "parallel/run.hpp"
+#include "filter/gauge/gauge_map.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -10,8 +10,8 @@
 #include "cullhull/error.hpp"
 #include "generate/rotation.hpp"
 #include "parallel/int128.hpp"
-#include "parallel/parallel.hpp"
 #include "parallel/random_stream.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull {
 namespace {
@@ -317,11 +317,11 @@ void PointGenerator::rows(std::uint64_t first, std::uint64_t count, double* out,
                                                  std::to_string(job.count));
   internal::for_each_chunk(count, run_length, internal::resolve_threads(0),
                            [&](std::uint64_t run, std::uint64_t begin, std::uint64_t end) {
-                             check(stop);
-                             RandomStream random(job.seed, first / run_length + run);
-                             for (std::uint64_t i = begin; i < end; ++i)
-                               impl_->point(job, random, first + i, out + i * job.dimension);
-                           });
+    check(stop);
+    RandomStream random(job.seed, first / run_length + run);
+    for (std::uint64_t i = begin; i < end; ++i)
+      impl_->point(job, random, first + i, out + i * job.dimension);
+  });
 }
 
 std::vector<double> generate(std::string_view shape, std::uint64_t count, std::uint32_t dimension,

@@ -9,8 +9,8 @@
 #include "cullhull/generate.hpp"
 #include "generate/rotation.hpp"
 #include "parallel/int128.hpp"
-#include "parallel/parallel.hpp"
 #include "parallel/random_stream.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull {
 namespace {
@@ -230,14 +230,13 @@ void MovingPoints::frame(std::uint64_t index, double* out, const std::stop_token
       m.frames > 1 ? static_cast<double>(index) / static_cast<double>(m.frames - 1) : 0;
   internal::for_each_chunk(m.count, 4096, internal::resolve_threads(0),
                            [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                             if (stop.stop_requested())
-                               throw Error(ErrorCode::cancelled, "cancelled");
-                             for (std::uint64_t i = begin; i < end; ++i) {
-                               double* x = out + i * m.dimension;
-                               std::copy_n(m.at_rest(i), m.dimension, x);
-                               (m.*m.entry->move)(time, i, x);
-                             }
-                           });
+    if (stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
+    for (std::uint64_t i = begin; i < end; ++i) {
+      double* x = out + i * m.dimension;
+      std::copy_n(m.at_rest(i), m.dimension, x);
+      (m.*m.entry->move)(time, i, x);
+    }
+  });
 }
 
 }  // namespace cullhull

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "geometry/curve_keys.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

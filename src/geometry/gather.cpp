@@ -141,11 +141,11 @@ void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, 
   Lowest bad;
   run.each(ids != nullptr ? ids->size() : view.count, block,
            [&](std::uint64_t begin, std::uint64_t end) {
-             std::vector<double> rows((end - begin) * d);
-             gather_rows(view, ids != nullptr ? ids->data() : nullptr, begin, end, rows.data());
-             const std::uint64_t b = first_bad(rows.data(), 0, rows.size());
-             if (b != rows.size()) bad.offer(begin * d + b);
-           });
+    std::vector<double> rows((end - begin) * d);
+    gather_rows(view, ids != nullptr ? ids->data() : nullptr, begin, end, rows.data());
+    const std::uint64_t b = first_bad(rows.data(), 0, rows.size());
+    if (b != rows.size()) bad.offer(begin * d + b);
+  });
   if (!bad.any()) return;
   const std::uint64_t i = bad.value() / d;
   const auto j = static_cast<unsigned>(bad.value() % d);

@@ -6,7 +6,7 @@
 
 #include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

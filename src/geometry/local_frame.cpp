@@ -8,11 +8,11 @@
 #include <type_traits>
 #include <utility>
 
-#include "geometry/double_parts.hpp"
-#include "geometry/factorials.hpp"
-#include "geometry/orientation.hpp"
+#include "exact/determinants/factorials.hpp"
+#include "exact/numbers/double_parts.hpp"
+#include "exact/orientation/orientation.hpp"
 #include "parallel/dispatch.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/threads/parallel.hpp"
 #include "parallel/xorshift.hpp"
 
 namespace cullhull::internal {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "cullhull/array.hpp"
-#include "geometry/local_points.hpp"
-#include "parallel/run.hpp"
+#include "exact/points/local_points.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -7,8 +7,8 @@
 
 #include "geometry/curve_keys.hpp"
 #include "parallel/dispatch.hpp"
-#include "parallel/parallel.hpp"
 #include "parallel/radix_sort.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -140,8 +140,8 @@ void NormOrder::sort_outermost(std::uint32_t wanted) {
     // The key and the id order all points, so that the result does not depend on the algorithm.
     std::nth_element(items_.data() + sorted_, items_.data() + end, items_.data() + count_,
                      [](const Keyed& a, const Keyed& b) {
-                       return a.key != b.key ? a.key < b.key : a.id < b.id;
-                     });
+      return a.key != b.key ? a.key < b.key : a.id < b.id;
+    });
   }
   scratch_.reserve(end - sorted_);
   Keyed* items = items_.data() + sorted_;

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/local_points.hpp"
-#include "parallel/raw_array.hpp"
-#include "parallel/run.hpp"
+#include "exact/points/local_points.hpp"
+#include "parallel/memory/raw_array.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

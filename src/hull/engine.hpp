@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "cullhull/array.hpp"
-#include "geometry/local_points.hpp"
-#include "geometry/orientation.hpp"
-#include "parallel/run.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "exact/points/local_points.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

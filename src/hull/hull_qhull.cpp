@@ -17,7 +17,7 @@
 #include <string>
 #include <string_view>
 
-#include "geometry/orientation.hpp"
+#include "exact/orientation/orientation.hpp"
 
 namespace cullhull::internal {
 namespace {

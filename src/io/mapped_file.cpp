@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "io/system.hpp"
-#include "parallel/machine_memory.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/memory/machine_memory.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull {
 namespace internal {
@@ -155,9 +155,9 @@ void MappedFile::prefault(const std::byte* from, std::uint64_t bytes, unsigned t
   const std::uint64_t last = std::min<std::uint64_t>(before + bytes, source_.size);
   for_each_chunk(last - first, piece, resolve_threads(threads),
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   // A hint: old kernels refuse it, and pages are then faulted in on access.
-                   system::fetch_pages(source_.data + first + begin, end - begin);
-                 });
+    // A hint: old kernels refuse it, and pages are then faulted in on access.
+    system::fetch_pages(source_.data + first + begin, end - begin);
+  });
 }
 
 FileWindow::FileWindow(const std::string& path) {

@@ -10,13 +10,13 @@
 
 #include "io/placing.hpp"
 #include "io/source.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull {
 namespace internal {
 namespace {
 
-constexpr int most_decimals = 15;
+constexpr int most_decimals = 15, most_places = 100;
 /// So that the nearest double of a coordinate tells the number: its error is below a quarter.
 constexpr std::uint64_t most_number = std::uint64_t{1} << 50;
 
@@ -67,16 +67,43 @@ std::optional<double> multiple(const Decimal& d, int decimals) {
   return d.negative ? -static_cast<double>(number) : static_cast<double>(number);
 }
 
+bool is_multiple(double v, double unit) { return std::rint(v / unit) == v / unit; }
+
+/// The same of a binary grid, where numbers stay as they are.
+std::optional<double> binary_multiple(double v, double unit) {
+  return is_multiple(v, unit) ? std::optional(v) : std::nullopt;
+}
+
+/// Binary places that scales and offsets need together; nothing where they have very many.
+std::optional<int> binary_places(const std::vector<Placement>& placements) {
+  int places = 0;
+  for (const Placement& p : placements)
+    for (const std::vector<double>* numbers : {&p.scale, &p.offset})
+      for (const double v : *numbers)
+        while (!is_multiple(v, std::ldexp(1.0, -places)))
+          if (++places > most_places) return std::nullopt;
+  return places;
+}
+
+bool all_lie_on(const std::vector<Placement>& placements, const Grid& grid) {
+  return std::all_of(placements.begin(), placements.end(),
+                     [&](const Placement& p) { return multiples_of(p, grid).has_value(); });
+}
+
 }  // namespace
 
-std::optional<Multiples> multiples_of(const Placement& placement, int decimals) {
+std::optional<Multiples> multiples_of(const Placement& placement, const Grid& grid) {
   Multiples m;
+  const bool decimal = grid.decimals() >= 0;
+  const double most = static_cast<double>(most_number) * (decimal ? 1 : grid.unit());
+  const auto on_grid = [&](double v) {
+    return decimal ? multiple(shortest_decimal(v), grid.decimals())
+                   : binary_multiple(v, grid.unit());
+  };
   for (std::size_t j = 0; j < placement.scale.size(); ++j) {
-    const auto step = multiple(shortest_decimal(placement.scale[j]), decimals);
-    const auto origin = multiple(shortest_decimal(placement.offset[j]), decimals);
+    const auto step = on_grid(placement.scale[j]), origin = on_grid(placement.offset[j]);
     // Numbers of a file have 32 bits: the farthest is 2^31 steps away.
-    if (!step || !origin || *step * 0x1p31 + std::abs(*origin) > static_cast<double>(most_number))
-      return std::nullopt;
+    if (!step || !origin || *step * 0x1p31 + std::abs(*origin) > most) return std::nullopt;
     m.step.push_back(*step);
     m.origin.push_back(*origin);
   }
@@ -94,7 +121,7 @@ void place(PointData& data, const ReadOptions& options) {
   data.grid = grid_of(placement, options);
   const bool on_grid = !data.grid.empty();
   const Grid grid = on_grid ? data.grid : common_grid({placement});
-  const auto multiples = grid.empty() ? std::nullopt : multiples_of(placement, grid.decimals());
+  const auto multiples = grid.empty() ? std::nullopt : multiples_of(placement, grid);
   const PointView from = data.view;
   const std::uint32_t d = from.dimension;
   std::uint64_t bytes = 0;
@@ -104,19 +131,18 @@ void place(PointData& data, const ReadOptions& options) {
   constexpr std::uint64_t chunk = std::uint64_t{1} << 16;  // points
   for_each_chunk(from.count, chunk, resolve_threads(options.threads),
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint32_t j = 0; j < d; ++j)
-                     for (std::uint64_t i = begin; i < end; ++i) {
-                       const double x = from.at(i, j);
-                       double& to = out[i * d + j];
-                       if (!multiples)
-                         to = placement.at(j, x);
-                       else if (const double n = x * multiples->step[j] + multiples->origin[j];
-                                on_grid)
-                         to = n;
-                       else
-                         to = grid.to_world(n);
-                     }
-                 });
+    for (std::uint32_t j = 0; j < d; ++j)
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const double x = from.at(i, j);
+        double& to = out[i * d + j];
+        if (!multiples)
+          to = placement.at(j, x);
+        else if (const double n = x * multiples->step[j] + multiples->origin[j]; on_grid)
+          to = n;
+        else
+          to = grid.to_world(n);
+      }
+  });
   data.storage = std::move(room);
   data.in_place = false;
   data.view = PointView::row_major(data.storage.as<const double>(), from.count, d);
@@ -128,6 +154,13 @@ using internal::multiples_of;
 
 Grid::Grid(int decimals) : decimals_(decimals) {
   for (int i = 0; i < decimals; ++i) power_ *= 10;  // exact up to 10^22
+  unit_ = 1 / power_;
+}
+
+Grid Grid::binary(int places) {
+  Grid grid;
+  grid.unit_ = std::ldexp(1.0, -places);
+  return grid;
 }
 
 double Grid::measure_to_world(double measure, int dimension) const noexcept {
@@ -144,7 +177,8 @@ double Grid::measure_to_grid(double measure, int dimension) const noexcept {
 
 double Grid::number_of(double coordinate) const noexcept {
   if (empty()) return coordinate;
-  const double number = std::round(to_grid(coordinate));
+  const double number =
+      decimals_ < 0 ? std::round(coordinate / unit_) * unit_ : std::round(to_grid(coordinate));
   return to_world(number) == coordinate ? number : std::numeric_limits<double>::quiet_NaN();
 }
 
@@ -156,15 +190,18 @@ Grid common_grid(const std::vector<Placement>& placements) {
       for (const double v : *numbers)
         decimals = std::max(decimals, -internal::shortest_decimal(v).exponent);
   }
-  if (placements.empty() || decimals > internal::most_decimals) return {};
-  for (const Placement& p : placements)
-    if (!multiples_of(p, decimals)) return {};
-  return Grid(decimals);
+  if (placements.empty()) return {};
+  if (const auto places = internal::binary_places(placements); decimals > 0 && places)
+    if (const Grid grid = Grid::binary(*places); internal::all_lie_on(placements, grid))
+      return grid;
+  if (decimals > internal::most_decimals) return {};
+  const Grid grid(decimals);
+  return internal::all_lie_on(placements, grid) ? grid : Grid();
 }
 
 GridAxes::GridAxes(const Placement& placement, const Grid& grid) {
   std::optional<internal::Multiples> multiples;
-  if (!grid.empty()) multiples = multiples_of(placement, grid.decimals());
+  if (!grid.empty()) multiples = multiples_of(placement, grid);
   if (!multiples) throw Error(ErrorCode::invalid_argument, "the numbers do not lie on the grid");
   step_ = std::move(multiples->step);
   origin_ = std::move(multiples->origin);
@@ -212,7 +249,7 @@ void to_world(ClippedCells& cells, const Grid& grid) {
 }
 
 void to_world(HullState& state, const Grid& grid) {
-  if (!grid.empty()) state.to_world(grid.decimals());
+  if (grid.decimals() >= 0) state.to_world(grid.decimals());  // else it is there
 }
 
 void to_world(std::vector<double>& numbers, const Grid& grid) {

@@ -14,9 +14,9 @@ struct Multiples {
   std::vector<double> step, origin;
 };
 
-/// None where the axes do not lie on the grid of so many decimals, or their numbers of 32 bits
-/// might not be below 2^53 there.
-std::optional<Multiples> multiples_of(const Placement& placement, int decimals);
+/// None where the axes do not lie on the grid, or their numbers of 32 bits might need more than 50
+/// there.
+std::optional<Multiples> multiples_of(const Placement& placement, const Grid& grid);
 
 /// Replaces the points of a file that has a placement by what `options.numbers` asks for, as
 /// doubles, and sets `data.grid`.

@@ -12,8 +12,8 @@
 #include "io/placing.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
-#include "io/text.hpp"
-#include "io/text_scan.hpp"
+#include "io/text/text.hpp"
+#include "io/text/text_scan.hpp"
 #include "parallel/byte_order.hpp"
 
 namespace cullhull {

@@ -28,6 +28,7 @@ struct PointSequence::Impl {
 
   PointFile file;
   Grid grid;
+  Placement placement;
 
   std::uint64_t frames() const { return files.empty() ? array.frames : files.size(); }
 
@@ -37,6 +38,7 @@ struct PointSequence::Impl {
     view = file.points();
     name = internal::display_name(files[index]);
     format = file.format();
+    placement = file.placement();
   }
 
   void read_array(std::uint64_t index) {
@@ -199,6 +201,7 @@ std::uint64_t PointSequence::index() const noexcept {
 const std::string& PointSequence::name() const noexcept { return impl_->name; }
 const std::string& PointSequence::format() const noexcept { return impl_->format; }
 const Grid& PointSequence::grid() const noexcept { return impl_->grid; }
+const Placement& PointSequence::placement() const noexcept { return impl_->placement; }
 double PointSequence::read_seconds() const noexcept { return impl_->seconds; }
 
 bool PointSequence::next() {

@@ -5,7 +5,7 @@
 #include <new>
 
 #include "parallel/byte_order.hpp"
-#include "parallel/pages.hpp"
+#include "parallel/memory/pages.hpp"
 
 namespace cullhull::internal {
 
@@ -40,8 +40,9 @@ void fail(const Source& source, const std::string& message) {
   throw Error(ErrorCode::bad_file, source.name + ": " + message);
 }
 
-void remark(const Source& source, const ReadOptions& options, const std::string& message) {
-  if (options.remark) options.remark(source.name + ": " + message);
+void remark(const Source& source, const ReadOptions& options, const std::string& message,
+            Remark::Kind kind) {
+  if (options.remark) options.remark({kind, source.name, message});
 }
 
 void fail_at_line(const Source& source, std::uint64_t line, const std::string& message) {

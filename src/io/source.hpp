@@ -102,8 +102,9 @@ Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinate
                     const Options& options = {}, std::uint64_t first_id = 0);
 
 [[noreturn]] void fail(const Source& source, const std::string& message);
-/// Calls options.remark, if there is one, with the message behind the source's name.
-void remark(const Source& source, const ReadOptions& options, const std::string& message);
+/// Calls options.remark, if there is one.
+void remark(const Source& source, const ReadOptions& options, const std::string& message,
+            Remark::Kind kind = Remark::Kind::left_out);
 [[noreturn]] void fail_at_line(const Source& source, std::uint64_t line,
                                const std::string& message);
 [[noreturn]] void fail_at_byte(const Source& source, std::uint64_t offset,

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "parallel/big_array.hpp"
+#include "parallel/memory/big_array.hpp"
 
 namespace cullhull::internal {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "cuda/backend.hpp"
+#include "exact/determinants/cofactors.hpp"
 #include "flow/device_filter.hpp"
-#include "geometry/cofactors.hpp"
 #include "geometry/gather.hpp"
 
 namespace cullhull::internal {
@@ -161,15 +161,15 @@ void DeviceQuestions::sides(const GaugeTable* inner, Side* out, const Here<Side>
   answer(
       out,
       [&](std::uint64_t first, std::uint64_t count, std::vector<std::uint64_t>& open) {
-        found.resize(count);
-        device_->sides(inner, first, count, found.data(), nullptr);
-        for (std::uint64_t i = 0; i < count; ++i) {
-          if (found[i] == cuda::PointAnswer::not_finite) refuse(first + i);
-          if (found[i] == cuda::PointAnswer::open)
-            open.push_back(first + i);
-          else
-            out[first + i] = found[i] == cuda::PointAnswer::inside ? Side::inside : Side::outside;
-        }
+    found.resize(count);
+    device_->sides(inner, first, count, found.data(), nullptr);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      if (found[i] == cuda::PointAnswer::not_finite) refuse(first + i);
+      if (found[i] == cuda::PointAnswer::open)
+        open.push_back(first + i);
+      else
+        out[first + i] = found[i] == cuda::PointAnswer::inside ? Side::inside : Side::outside;
+    }
       },
       here);
 }
@@ -180,13 +180,13 @@ void DeviceQuestions::supports(const std::vector<std::uint64_t>& ids, std::uint6
   answer(
       out,
       [&](std::uint64_t first, std::uint64_t count, std::vector<std::uint64_t>& open) {
-        found.resize(count);
-        device_->supports(first, count, found.data());
-        for (std::uint64_t i = 0; i < count; ++i)
-          if (found[i] == cuda::open_vertex)
-            open.push_back(first + i);
-          else
-            out[first + i] = ids[found[i]];
+    found.resize(count);
+    device_->supports(first, count, found.data());
+    for (std::uint64_t i = 0; i < count; ++i)
+      if (found[i] == cuda::open_vertex)
+        open.push_back(first + i);
+      else
+        out[first + i] = ids[found[i]];
       },
       here);
 }
@@ -197,15 +197,15 @@ void DeviceQuestions::distances(double* out, const Here<double>& here) {
   answer(
       out,
       [&](std::uint64_t first, std::uint64_t count, std::vector<std::uint64_t>& open) {
-        found.resize(count);
-        device_->sides(nullptr, first, count, found.data(), out + first);
-        for (std::uint64_t i = 0; i < count; ++i) {
-          if (found[i] == cuda::PointAnswer::not_finite) refuse(first + i);
-          if (found[i] == cuda::PointAnswer::inside)
-            out[first + i] = std::min(out[first + i], -least);
-          else
-            open.push_back(first + i);
-        }
+    found.resize(count);
+    device_->sides(nullptr, first, count, found.data(), out + first);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      if (found[i] == cuda::PointAnswer::not_finite) refuse(first + i);
+      if (found[i] == cuda::PointAnswer::inside)
+        out[first + i] = std::min(out[first + i], -least);
+      else
+        open.push_back(first + i);
+    }
       },
       here);
 }

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "cuda/hull_questions.hpp"
-#include "cull/gauge_map.hpp"
 #include "cullhull/query.hpp"
-#include "parallel/run.hpp"
+#include "filter/gauge/gauge_map.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "parallel/control.hpp"
+#include "parallel/threads/control.hpp"
 
 namespace cullhull::internal {
 

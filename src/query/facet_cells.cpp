@@ -14,7 +14,7 @@
 #include <cmath>
 #include <limits>
 
-#include "parallel/parallel.hpp"
+#include "parallel/threads/parallel.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::HWY_NAMESPACE {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 #include "query/direction_cube.hpp"
 #include "query/facet_search.hpp"
 

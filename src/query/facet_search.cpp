@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "cullhull/error.hpp"
-#include "geometry/cofactors.hpp"
-#include "geometry/orientation.hpp"
+#include "exact/determinants/cofactors.hpp"
+#include "exact/orientation/orientation.hpp"
 #include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {

@@ -9,7 +9,7 @@
 
 #include "cullhull/hull.hpp"
 #include "cullhull/query.hpp"
-#include "parallel/control.hpp"
+#include "parallel/threads/control.hpp"
 #include "query/direction_cube.hpp"
 
 namespace cullhull::internal {

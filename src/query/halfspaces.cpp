@@ -7,7 +7,7 @@
 
 #include "cullhull/error.hpp"
 #include "geometry/gather.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/threads/parallel.hpp"
 #include "query/inscribed_ball.hpp"
 
 namespace cullhull {

@@ -9,13 +9,13 @@
 #include <optional>
 #include <string>
 
-#include "cull/gauge_map.hpp"
-#include "cull/gauge_table.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/query.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "filter/gauge/gauge_map.hpp"
+#include "filter/gauge/gauge_table.hpp"
 #include "geometry/gather.hpp"
-#include "geometry/orientation.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 #include "query/device_questions.hpp"
 #include "query/facet_cells.hpp"
 #include "query/facet_search.hpp"
@@ -375,12 +375,12 @@ void HullQuery::State::each(const PointView& view, const Options& options, Body&
     run.report("query", static_cast<double>(first) / static_cast<double>(view.count));
     run.each(std::min(block, view.count - first), chunk,
              [&](std::uint64_t begin, std::uint64_t end) {
-               std::vector<double> p(d);
-               for (std::uint64_t i = first + begin; i < first + end; ++i) {
-                 for (unsigned j = 0; j < d; ++j) p[j] = view.at(i, j) + 0.0;
-                 body(i, p.data());
-               }
-             });
+      std::vector<double> p(d);
+      for (std::uint64_t i = first + begin; i < first + end; ++i) {
+        for (unsigned j = 0; j < d; ++j) p[j] = view.at(i, j) + 0.0;
+        body(i, p.data());
+      }
+    });
   }
 }
 
@@ -557,8 +557,8 @@ void HullQuery::sides(const DevicePointView& points, Side* out, const Options& o
   DeviceQuestions(points, s.tables(), options)
       .sides(inner != nullptr ? &inner->table() : nullptr, out,
              [&](const PointView& view, Side* answers, const Options& here) {
-               sides(view, answers, here);
-             });
+    sides(view, answers, here);
+      });
 }
 
 void HullQuery::contains(const DevicePointView& points, std::uint8_t* out,
@@ -576,8 +576,8 @@ void HullQuery::supports(const DevicePointView& directions, std::uint64_t* out,
   DeviceQuestions(directions, s.tables(), options)
       .supports(s.points.ids, out,
                 [&](const PointView& view, std::uint64_t* answers, const Options& here) {
-                  supports(view, answers, here);
-                });
+    supports(view, answers, here);
+      });
 }
 
 void HullQuery::signed_distances(const DevicePointView& points, double* out,

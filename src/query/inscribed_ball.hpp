@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "parallel/control.hpp"
+#include "parallel/threads/control.hpp"
 
 namespace cullhull::internal {
 

@@ -36,9 +36,8 @@ std::uint32_t PlaneTree::grow(std::uint32_t begin, std::uint32_t end, const Cont
   const std::uint32_t middle = begin + (end - begin) / 2;
   std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
                    [&](std::uint32_t a, std::uint32_t b) {
-                     return planes_[std::size_t{a} * w + widest] <
-                            planes_[std::size_t{b} * w + widest];
-                   });
+    return planes_[std::size_t{a} * w + widest] < planes_[std::size_t{b} * w + widest];
+  });
   grow(begin, middle, control);
   const std::uint32_t right = grow(middle, end, control);
   nodes_[node].right = right;

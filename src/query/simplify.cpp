@@ -10,8 +10,8 @@
 #include <limits>
 #include <utility>
 
-#include "parallel/run.hpp"
 #include "parallel/sorted.hpp"
+#include "parallel/threads/run.hpp"
 #include "query/hull_arguments.hpp"
 #include "query/nearest_in_hull.hpp"
 #include "query/vertex_links.hpp"
@@ -83,11 +83,10 @@ class Simplifier {
     std::vector<std::vector<Offer>> found(chunk_count(candidates_.size(), chunk_size));
     run_.each_chunk(candidates_.size(), chunk_size,
                     [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                      Scale scale(d_);
-                      for (std::uint64_t i = begin; i < end; ++i)
-                        if (offer(links, candidates_[i], scale))
-                          found[chunk].push_back(std::move(scale.offer));
-                    });
+      Scale scale(d_);
+      for (std::uint64_t i = begin; i < end; ++i)
+        if (offer(links, candidates_[i], scale)) found[chunk].push_back(std::move(scale.offer));
+    });
     offers_.clear();
     candidates_.clear();
     for (std::vector<Offer>& part : found)

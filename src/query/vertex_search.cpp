@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "geometry/wide_float.hpp"
+#include "exact/numbers/wide_float.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -3,12 +3,12 @@
 #include <numeric>
 #include <string>
 
-#include "geometry/cofactors.hpp"
-#include "geometry/orientation.hpp"
-#include "geometry/oriented_plane.hpp"
-#include "parallel/parallel.hpp"
+#include "exact/determinants/cofactors.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "exact/planes/oriented_plane.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/sort_few.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -285,8 +285,8 @@ CoplanarPairs coplanar_pairs(const Boundary& surface, const LocalPoints& points,
   std::vector<ChunkResult> results(chunk_count(surface.facet_count(), simplex_chunk));
   run.each_chunk(surface.facet_count(), simplex_chunk,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-                   scan.chunk(ridge_scan, begin, end, results[chunk]);
-                 });
+    scan.chunk(ridge_scan, begin, end, results[chunk]);
+  });
   CoplanarPairs pairs;
   std::uint64_t ridges = 0;
   for (const ChunkResult& r : results) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hull/engine.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

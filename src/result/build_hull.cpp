@@ -2,14 +2,14 @@
 
 #include <utility>
 
-#include "parallel/pages.hpp"
-#include "parallel/parallel.hpp"
-#include "result/measure.hpp"
+#include "parallel/memory/pages.hpp"
+#include "parallel/threads/parallel.hpp"
+#include "result/measures/measure.hpp"
 #include "result/merge.hpp"
 #include "result/order_facets.hpp"
-#include "result/vertex_list.hpp"
-#include "result/write_simplices.hpp"
-#include "result/write_triangles.hpp"
+#include "result/write/vertex_list.hpp"
+#include "result/write/write_simplices.hpp"
+#include "result/write/write_triangles.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -7,7 +7,7 @@
 #include "cullhull/hull.hpp"
 #include "hull/engine.hpp"
 #include "hull/space/triangle_mesh.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

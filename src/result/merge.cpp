@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "geometry/orientation.hpp"
+#include "exact/orientation/orientation.hpp"
 #include "parallel/disjoint_sets.hpp"
 #include "result/merge_polygons.hpp"
 #include "result/pulling.hpp"

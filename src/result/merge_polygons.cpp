@@ -8,10 +8,10 @@
 #include <cstring>
 #include <numeric>
 
-#include "parallel/big_array.hpp"
 #include "parallel/disjoint_sets.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/memory/big_array.hpp"
 #include "parallel/radix_sort.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 namespace {

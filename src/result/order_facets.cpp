@@ -5,11 +5,11 @@
 #include <bit>
 #include <numeric>
 
-#include "parallel/big_array.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/memory/big_array.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/radix_sort.hpp"
-#include "result/vertex_list.hpp"
+#include "parallel/threads/parallel.hpp"
+#include "result/write/vertex_list.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -48,8 +48,8 @@ class FacetOrderer {
   void each_chunk(std::uint64_t begin, std::uint64_t end, const Body& body) const {
     run_.each_chunk(end - begin, simplex_chunk,
                     [&](std::uint64_t c, std::uint64_t from, std::uint64_t to) {
-                      body(c, begin + from, begin + to);
-                    });
+      body(c, begin + from, begin + to);
+    });
   }
 
   bool less(const Key& a, const Key& b) const {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 #include "result/build_hull.hpp"
 #include "result/merge.hpp"
 

@@ -5,14 +5,14 @@
 #include <string>
 #include <utility>
 
-#include "cull/planner.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/stream.hpp"
+#include "filter/planner.hpp"
 #include "geometry/gather.hpp"
-#include "parallel/helpers.hpp"
-#include "parallel/pages.hpp"
-#include "parallel/run.hpp"
+#include "parallel/memory/pages.hpp"
+#include "parallel/threads/helpers.hpp"
+#include "parallel/threads/run.hpp"
 #include "stream/numbered_points.hpp"
 #include "stream/reduce.hpp"
 #include "stream/state_parts.hpp"

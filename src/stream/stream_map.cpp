@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "cull/gauge_table.hpp"
+#include "filter/gauge/gauge_table.hpp"
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
 
@@ -73,10 +73,10 @@ void StreamMap::cull(const PointView& block, std::uint64_t first_id, const Run& 
   std::vector<NumberedPoints> of_chunk(chunks, {kept.dimension, kept.scalar, {}, {}});
   run.each_chunk(block.count, gauge_chunk,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                   std::array<std::uint32_t, gauge_chunk> positions;
-                   const std::size_t left = cull_chunk(block, begin, end, quick, positions.data());
-                   if (left > 0) of_chunk[c].append(block, begin, positions.data(), left, first_id);
-                 });
+    std::array<std::uint32_t, gauge_chunk> positions;
+    const std::size_t left = cull_chunk(block, begin, end, quick, positions.data());
+    if (left > 0) of_chunk[c].append(block, begin, positions.data(), left, first_id);
+  });
   for (const NumberedPoints& part : of_chunk) kept.append(part);
 }
 

@@ -6,9 +6,9 @@
 #include <mutex>
 #include <vector>
 
-#include "cull/gauge_map.hpp"
-#include "cull/gauge_shortcuts.hpp"
-#include "parallel/run.hpp"
+#include "filter/gauge/gauge_map.hpp"
+#include "filter/gauge/gauge_shortcuts.hpp"
+#include "parallel/threads/run.hpp"
 #include "stream/numbered_points.hpp"
 
 namespace cullhull::internal {

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "cull/planner.hpp"
 #include "cullhull/error.hpp"
+#include "filter/planner.hpp"
 #include "flow/device_filter.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"

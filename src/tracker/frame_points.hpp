@@ -6,13 +6,13 @@
 #include <optional>
 #include <vector>
 
-#include "cull/gauge_map.hpp"
 #include "cullhull/device_points.hpp"
 #include "cullhull/hull.hpp"
+#include "filter/gauge/gauge_map.hpp"
 #include "flow/cull_pass.hpp"
 #include "flow/filter_stage.hpp"
 #include "flow/pipeline.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "cull/gauge_map.hpp"
+#include "filter/gauge/gauge_map.hpp"
 #include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "cullhull/hull.hpp"
 #include "flow/filter_stage.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 #include "tracker/frame_points.hpp"
 
 namespace cullhull::internal {

@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "cullhull/error.hpp"
+#include "filter/pseudo_hull/pseudo_hull_math.hpp"
+#include "filter/pseudo_hull/pseudo_hull_start.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
-#include "paper/pseudo_hull_math.hpp"
-#include "paper/pseudo_hull_start.hpp"
 #include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {
@@ -97,14 +97,14 @@ std::vector<std::uint64_t> outside_simplices(const PointView& points,
   std::vector<std::vector<std::uint64_t>> kept(chunks);
   run.each_chunk(points.count, scan_chunk_size,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                   for (std::uint64_t i = begin; i < end; ++i) {
-                     double x[D];
-                     load_row(points, i, x);
-                     if (simplex_of[i] != no_item && simplices.inside(simplex_of[i], x)) continue;
-                     simplex_of[i] = no_item;
-                     kept[c].push_back(i);
-                   }
-                 });
+    for (std::uint64_t i = begin; i < end; ++i) {
+      double x[D];
+      load_row(points, i, x);
+      if (simplex_of[i] != no_item && simplices.inside(simplex_of[i], x)) continue;
+      simplex_of[i] = no_item;
+      kept[c].push_back(i);
+    }
+  });
   std::vector<std::uint64_t> ids;
   for (const auto& list : kept) ids.insert(ids.end(), list.begin(), list.end());
   return ids;

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "filter/pseudo_hull/pseudo_hull.hpp"
 #include "flow/filter_stage.hpp"
-#include "paper/pseudo_hull.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -4,16 +4,16 @@
 #include <string>
 #include <utility>
 
-#include "cull/gauge_map.hpp"
-#include "cull/planner.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/track.hpp"
+#include "few/small_hull.hpp"
+#include "filter/gauge/gauge_map.hpp"
+#include "filter/planner.hpp"
+#include "filter/pseudo_hull/pseudo_hull.hpp"
 #include "flow/pipeline.hpp"
-#include "paper/pseudo_hull.hpp"
-#include "parallel/helpers.hpp"
-#include "parallel/pages.hpp"
+#include "parallel/memory/pages.hpp"
 #include "parallel/sorted.hpp"
-#include "small/small_hull.hpp"
+#include "parallel/threads/helpers.hpp"
 #include "tracker/changes.hpp"
 #include "tracker/frame_points.hpp"
 #include "tracker/gauge_scan.hpp"
@@ -191,8 +191,8 @@ const Hull& HullTracker::update(const PointView& points) {
   const Options& options = impl_->options;
   return impl_->compute_next(
       [&](Hull& hull) {
-        check_arguments(points, options);
-        return small_hull(points, options, hull);
+    check_arguments(points, options);
+    return small_hull(points, options, hull);
       },
       [&](const Run& run) { return std::make_unique<HostFrame>(points, run); });
 }

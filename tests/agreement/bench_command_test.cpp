@@ -13,12 +13,7 @@
 namespace cullhull {
 namespace {
 
-using testing::Folder;
-using testing::one_line;
-using testing::Ran;
-using testing::read_file;
-using testing::run_app;
-using testing::write_file;
+using namespace testing;
 
 const std::vector<std::string> quick = {"bench", "machine", "--bytes", "4MiB", "--passes", "1"};
 

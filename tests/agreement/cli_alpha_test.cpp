@@ -9,13 +9,7 @@ namespace cullhull {
 namespace {
 
 using nlohmann::json;
-using testing::expect_error;
-using testing::Folder;
-using testing::Ran;
-using testing::read_file;
-using testing::run_app;
-using testing::write_file;
-using testing::write_points;
+using namespace testing;
 
 /// A ring of 3 x 3 unit squares without the one in the middle, and a triangle far away.
 std::string squares_and_triangle() {

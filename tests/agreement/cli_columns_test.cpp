@@ -5,12 +5,7 @@
 namespace cullhull {
 namespace {
 
-using testing::expect_error;
-using testing::Folder;
-using testing::Ran;
-using testing::read_file;
-using testing::run_app;
-using testing::write_file;
+using namespace testing;
 
 /// Rows of a CSV with words beside the coordinates, and the same points plainly.
 struct Tables {
@@ -77,6 +72,14 @@ TEST_F(CliColumns, TheRemarkIsOneLineHoweverManyFiles) {
   }
   EXPECT_EQ(hull({"named.csv"}, {"--certify", "--stream", "on"}), expected_);
   EXPECT_EQ(last_.err, "cullhull: " + f_ / "named.csv" + ": " + said);
+}
+
+TEST_F(CliColumns, TheHintGoesByTheKindOfARemarkNotByItsWords) {
+  const std::string name = f_ / "x: taken as coordinates.off";
+  write_file(name, "OFF\n4 1 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\nmore\n");
+  const Ran ran = run_app({"hull", name, "-q"});
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_EQ(ran.err, "cullhull: " + name + ": text after the last face is passed over\n");
 }
 
 TEST_F(CliColumns, EveryCommandThatReadsPoints) {

@@ -12,12 +12,7 @@
 namespace cullhull {
 namespace {
 
-using testing::expect_error;
-using testing::Folder;
-using testing::Ran;
-using testing::read_file;
-using testing::run_app;
-using testing::write_file;
+using namespace testing;
 using Groups = std::map<std::string, std::vector<double>>;
 
 struct Table {

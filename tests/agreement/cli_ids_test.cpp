@@ -14,13 +14,7 @@
 namespace cullhull {
 namespace {
 
-using testing::expect_error;
-using testing::Folder;
-using testing::Ran;
-using testing::read_file;
-using testing::run_app;
-using testing::write_file;
-using testing::write_points;
+using namespace testing;
 
 TEST(CliIds, OneIdForTwoPointsIsRefused) {
   const Folder f;
@@ -45,6 +39,30 @@ TEST(CliIds, OneIdForTwoPointsIsRefused) {
                 .status,
             0);
   EXPECT_EQ(read_file(f / "twice.csv"), "id\n0\n1\n2\n");
+}
+
+// States do not know which ids their points had: of an overlap only extreme points tell. What is
+// found is the hull of all points even so.
+TEST(CliIds, OverlapsOfInnerPointsLeaveTheHullWhole) {
+  const Folder f;
+  write_file(f / "a.txt", "0 0\n4 0\n0 4\n1 1\n1 2\n");  // 0 to 4; 3 and 4 are inside
+  write_file(f / "b.txt", "9 9\n9 5\n5 9\n");            // 3 to 5
+  write_file(f / "all.txt", read_file(f / "a.txt") + read_file(f / "b.txt"));
+  const auto run = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"hull", "-q"});
+    EXPECT_EQ(run_app(words).status, 0);
+  };
+  run({f / "a.txt", "--partial", f / "a.hullstate"});
+  run({f / "b.txt", "--first-id", "3", "--partial", f / "b.hullstate"});
+  run({f / "all.txt", "--json=" + (f / "all.json")});
+  for (const auto& [first, second] :
+       {std::pair("a.hullstate", "b.hullstate"), std::pair("b.hullstate", "a.hullstate")}) {
+    run({f / first, f / second, "--global-ids", "--json=" + (f / "both.json")});
+    const auto both = nlohmann::json::parse(read_file(f / "both.json"));
+    const auto all = nlohmann::json::parse(read_file(f / "all.json"));
+    EXPECT_EQ(both["area"], all["area"]);
+    EXPECT_EQ(both["points"]["count"], 8);
+  }
 }
 
 TEST(CliIds, StatesThatDisagreeStayUnchanged) {

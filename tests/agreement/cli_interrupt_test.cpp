@@ -8,13 +8,7 @@
 namespace cullhull {
 namespace {
 
-using testing::Folder;
-using testing::OnTerminal;
-using testing::read_file;
-using testing::run_app;
-using testing::start_app;
-using testing::wait_for;
-using testing::write_points;
+using namespace testing;
 
 TEST(CliInterrupt, InterruptedWorkLeavesNoFile) {
   const Folder f;

@@ -12,13 +12,7 @@ namespace cullhull {
 namespace {
 
 using nlohmann::json;
-using testing::Folder;
-using testing::JsonSchema;
-using testing::Ran;
-using testing::read_file;
-using testing::run_app;
-using testing::write_file;
-using testing::write_points;
+using namespace testing;
 
 const JsonSchema& schema() {
   static const JsonSchema instance(json::parse(read_file(CULLHULL_SCHEMA)));

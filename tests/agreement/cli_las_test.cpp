@@ -11,12 +11,7 @@
 namespace cullhull {
 namespace {
 
-using testing::expect_error;
-using testing::Folder;
-using testing::Ran;
-using testing::read_file;
-using testing::run_app;
-using testing::write_file;
+using namespace testing;
 
 using Numbers = std::vector<std::int32_t>;
 
@@ -314,6 +309,12 @@ TEST(CliLas, FieldsOfTheRecordAreColumnsAndKeys) {
     EXPECT_EQ(groups[c]["properties"]["classification"], c);
     EXPECT_EQ(groups[c]["properties"]["area"], json_of(f / "c.geojson")["properties"]["area"]);
   }
+  // From a pipe the same.
+  const Ran piped = run_app(
+      {"hull", "-", "--by", "classification", "--columns", "x,y", "-o", f / "piped.geojson"},
+      f / "a.las");
+  EXPECT_EQ(piped.status, 0) << piped.err;
+  EXPECT_EQ(read_file(f / "piped.geojson"), read_file(f / "groups.geojson"));
   expect_success(
       {"info", f / "a.las", "--columns", "x,classification,key_point", "--json=" + (f / "i")});
   const auto axes = json_of(f / "i")["axes"];
@@ -391,6 +392,55 @@ TEST(CliLas, ReportsNameTheUnits) {
       EXPECT_EQ(placement["numbers"], "grid");
       EXPECT_EQ(placement["grid"].get<double>(), 0.001);
       EXPECT_EQ(placement["offset"][2].get<double>(), -12.5);
+    }
+}
+
+TEST(CliLas, EveryReportHasThePlacement) {
+  const Folder f;
+  const Numbers numbers = {0, 0, 0, 3000, 0, 0, 0, 4000, 0, 0, 0, 100, 7, 7, 1};
+  for (const char* name : {"a.las", "b.las"}) write_file(f / name, las(numbers, metres));
+  write_npy_points(f / "w.npy", std::vector<double>(5).data(), 5, 1, ScalarType::f64);
+  expect_success({"hull", f / "a.las", "-o", f / "h.json"});
+  const std::vector<std::vector<std::string>> commands = {
+      {"hull", f / "a.las"},
+      {"hull", f / "a.las", "--stream", "on"},
+      {"hull", f / "a.las", "--only", "vertices"},
+      {"hull", f / "a.las", "--only", "vertices", "--stream", "on"},
+      {"hull", f / "a.las", "--partial", f / "s.hullstate", "--stream", "on"},
+      {"hull", f / "s.hullstate", "--only", "vertices"},
+      {"certify", f / "a.las", f / "h.json"},
+      {"certify", f / "a.las", f / "h.json", "--stream", "on"},
+      {"track", f / "a.las", f / "b.las"},
+      {"cull", f / "a.las"},
+      {"delaunay", f / "a.las"},
+      {"delaunay", f / "a.las", "--weights", f / "w.npy"},
+      {"voronoi", f / "a.las"},
+      {"alpha", f / "a.las"},
+      {"view", f / "a.las", "-o", f / "v.html"}};
+  for (std::vector<std::string> words : commands)
+    for (const bool raw : {false, true}) {
+      const bool state = words[1].ends_with(".hullstate");
+      const bool partial = words.size() > 2 && words[2] == "--partial";
+      if (raw && (state || partial || words[0] == "certify")) continue;  // kept in the world
+      if (raw) words.push_back("--raw");
+      words.push_back("--json=" + (f / "j"));
+      expect_success(words);
+      words.pop_back();
+      const nlohmann::json report = json_of(f / "j");
+      const std::string what = words[0] + " " + words[2 % words.size()] + (raw ? " raw" : "");
+      ASSERT_TRUE(report.contains("placement")) << what;
+      const nlohmann::json placement = report["placement"];
+      EXPECT_EQ(placement["numbers"], raw ? "file" : "grid") << what;
+      EXPECT_EQ(placement["grid"], raw ? nlohmann::json() : nlohmann::json(0.001)) << what;
+      if (!state) {
+        EXPECT_EQ(placement["scale"], nlohmann::json(metres.scale)) << what;
+        EXPECT_EQ(placement["offset"], nlohmann::json(metres.offset)) << what;
+      }
+      const nlohmann::json extent = {{500000, 500003}, {4000000, 4000004}, {-12.5, -11.5}};
+      EXPECT_EQ(placement["extent"],
+                raw ? nlohmann::json({{0, 3000}, {0, 4000}, {0, 100}}) : extent)
+          << what;
+      EXPECT_TRUE(placement.contains("unit")) << what;
     }
 }
 

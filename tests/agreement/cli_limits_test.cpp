@@ -15,13 +15,7 @@
 namespace cullhull {
 namespace {
 
-using testing::Folder;
-using testing::one_line;
-using testing::Ran;
-using testing::run_app;
-using testing::run_limited;
-using testing::start_app;
-using testing::wait_for;
+using namespace testing;
 
 void write_ball(const std::string& path, std::uint64_t n, std::uint32_t d = 3) {
   write_npy_points(path, generate("ball", n, d, 3).data(), n, d, ScalarType::f64);

@@ -12,13 +12,7 @@
 namespace cullhull {
 namespace {
 
-using testing::expect_error;
-using testing::Folder;
-using testing::Ran;
-using testing::read_file;
-using testing::run_app;
-using testing::write_file;
-using testing::write_points;
+using namespace testing;
 
 /// Exit 2 with one line that holds `part`, and no file that was not there before.
 void expect_refused(const Folder& f, const std::vector<std::string>& arguments,

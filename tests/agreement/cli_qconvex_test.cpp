@@ -11,12 +11,7 @@
 namespace cullhull {
 namespace {
 
-using testing::Folder;
-using testing::one_line;
-using testing::Ran;
-using testing::read_file;
-using testing::run_app;
-using testing::write_file;
+using namespace testing;
 
 #if defined(CULLHULL_RBOX) && defined(CULLHULL_QCONVEX)
 

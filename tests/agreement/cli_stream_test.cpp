@@ -16,13 +16,7 @@
 namespace cullhull {
 namespace {
 
-using testing::Folder;
-using testing::one_line;
-using testing::Ran;
-using testing::read_file;
-using testing::run_app;
-using testing::run_limited;
-using testing::write_file;
+using namespace testing;
 
 void write_npy(const std::string& path, const std::vector<double>& rows, std::uint32_t d,
                ScalarType type = ScalarType::f64) {
@@ -234,6 +228,22 @@ TEST(CliStream, InfoAndCullTakeMany) {
   EXPECT_EQ(read_file(f / "ids.csv"), read_file(f / "vertices.csv"));
   EXPECT_EQ(run_app({"cull", f / "a.npy", f / "b.npy", "-o", f / "points.ply"}).status, 0);
   EXPECT_NE(read_file(f / "points.ply").find("property double z"), std::string::npos);
+}
+
+TEST(CliStream, CullKeepsDuplicatesInMemoryAlone) {
+  const Folder f;
+  write_file(f / "a.csv", "0,0\n4,0\n0,4\n0,0\n4,0\n2,0\n");
+  const auto kept = [&](const char* stream) {
+    EXPECT_EQ(run_app({"cull", f / "a.csv", "--stream", stream, "-o", f / "ids.csv"}).status, 0);
+    return read_file(f / "ids.csv");
+  };
+  EXPECT_EQ(kept("off"), "id\n0\n1\n2\n3\n4\n5\n");
+  EXPECT_EQ(kept("on"), "id\n0\n1\n2\n");
+  const std::string help = run_app({"cull", "--help"}).out;
+  EXPECT_NE(help.find("In memory every extreme point, and every duplicate of one, survives"),
+            std::string::npos);
+  EXPECT_NE(help.find("In blocks (see --stream) the extreme points alone survive"),
+            std::string::npos);
 }
 
 TEST(CliStream, ErrorsNameTheFileAndThePoint) {

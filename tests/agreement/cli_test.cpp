@@ -16,16 +16,7 @@
 namespace cullhull {
 namespace {
 
-using testing::expect_error;
-using testing::Folder;
-using testing::one_line;
-using testing::Ran;
-using testing::read_file;
-using testing::run_app;
-using testing::start_app;
-using testing::wait_for;
-using testing::write_file;
-using testing::write_points;
+using namespace testing;
 
 TEST(Cli, HelpTeaches) {
   const Ran main = run_app({"--help"});

@@ -11,13 +11,7 @@ namespace cullhull {
 namespace {
 
 using nlohmann::json;
-using testing::expect_error;
-using testing::Folder;
-using testing::Ran;
-using testing::read_file;
-using testing::run_app;
-using testing::write_file;
-using testing::write_points;
+using namespace testing;
 
 const char* const square = "0 0\n2 0\n0 2\n2 2\n1 1\n";
 
@@ -150,6 +144,73 @@ TEST(CliTriangulation, WritesCells) {
                 .status,
             0);
   EXPECT_EQ(open_points(f / "b.npy").points().count, 300U);
+}
+
+/// A polygon with a dent and a hole, and a second one.
+TEST(CliTriangulation, ClipsCellsToPolygons) {
+  const Folder f;
+  write_file(f / "p.csv", "x,y\n1,1\n3,1\n1,3\n6,2\n");
+  write_file(f / "c.geojson",
+             R"({"type": "FeatureCollection", "features": [
+ {"type": "Feature", "properties": {}, "geometry": {"type": "MultiPolygon", "coordinates":
+  [[[[0,0],[4,0],[4,4],[2,1],[0,4],[0,0]], [[0.5,0.5],[0.5,1],[1,1],[1,0.5],[0.5,0.5]]]]}},
+ {"type": "Feature", "geometry": null},
+ {"type": "Feature", "geometry": {"type": "GeometryCollection", "geometries": [
+  {"type": "Point", "coordinates": [1, 1]},
+  {"type": "Polygon", "coordinates": [[[6,0,9],[7,0,9],[7,1,9]]]}]}}]})");
+  const std::vector<std::string> call{"voronoi",       f / "p.csv",     "-q",
+                                      "--clip",        f / "c.geojson", "-o",
+                                      f / "o.geojson", "--measures",    f / "m.txt"};
+  const Ran ran = run_app(call);
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(read_file(f / "m.txt"),
+            "3.4166666666666665\n4.888888888888889\n1.3333333333333333\n0.6111111111111112\n");
+  const json map = json::parse(read_file(f / "o.geojson"));
+  EXPECT_EQ(map["features"][0]["geometry"]["coordinates"].size(), 2U);  // a hole
+  EXPECT_EQ(map["features"][3]["geometry"]["type"], "MultiPolygon");
+  EXPECT_EQ(map["features"][3]["geometry"]["coordinates"].size(), 2U);
+  EXPECT_EQ(
+      run_app({"voronoi", f / "p.csv", "-q", "--clip", f / "c.geojson", "-o", f / "o.wkt"}).status,
+      0);
+  EXPECT_NE(read_file(f / "o.wkt").find("MULTIPOLYGON (((3.7777777777777777 3.6666666666666665, "),
+            std::string::npos);
+  // The region from a pipe.
+  const Ran pipe = run_app({"voronoi", f / "p.csv", "-q", "--clip", "-", "--measures", f / "n.txt"},
+                           f / "c.geojson");
+  EXPECT_EQ(pipe.status, 0) << pipe.err;
+  EXPECT_EQ(read_file(f / "n.txt"), read_file(f / "m.txt"));
+}
+
+TEST(CliTriangulation, RefusesRegionsThatAreNone) {
+  const Folder f;
+  write_file(f / "p.csv", "x,y\n1,1\n3,1\n1,3\n6,2\n");
+  const auto refused = [&](const std::string& region, int status, const std::string& message) {
+    write_file(f / "c.geojson", region);
+    expect_error({"voronoi", f / "p.csv", "--clip", f / "c.geojson", "-o", f / "o.wkt"}, status,
+                 message);
+  };
+  const std::string polygon = R"({"type": "Polygon", "coordinates": )";
+  refused("", 1, "empty");
+  refused("x,y\n1,2\n", 1, "no GeoJSON: byte 1 is no JSON");
+  refused("[1, 2]", 1, "no GeoJSON: an object is expected");
+  refused(R"({"type": "Topology"})", 1, "its type is \"Topology\"");
+  refused(R"({"type": "Point", "coordinates": [1, 2]})", 1, "there is no polygon in it");
+  refused(polygon + "[[[0,0],[1]]]}", 1, "ring 0 has a position without x and y");
+  refused(polygon + "[[[0,0],[1,\"a\"]]]}", 1, "ring 0 has a coordinate that is no finite number");
+  refused(polygon + "[[[0,0],[1,1]]]}", 2, "ring 0 of the polygon has 2 corners");
+  refused(polygon + "[[[0,0],[1,1],[0,1],[1,0]]]}", 2, "c.geojson: the boundary of the polygon");
+  refused(polygon + "[[[0,0],[1,1],[2,2]]]}", 2, "spans dimension 1 only");
+  write_file(f / "c.geojson",
+             polygon + "[[[0,0],[4,0],[4,4],[0,4]],[[0.5,0.5],[1,0.5],[1,1],[0.5,1]]]}");
+  expect_error({"voronoi", f / "p.csv", "--clip", f / "c.geojson", "-o", f / "o.obj"}, 2,
+               "has a hole, which meshes cannot hold");
+  expect_error({"voronoi", f / "p.csv", "--clip", f / "c.geojson", "-o", f / "c.geojson"}, 2,
+               "would overwrite the input");
+  expect_error({"voronoi", f / "p.csv", "--clip", f / "c.geojson", "--box", "0,0,1,1"}, 2,
+               "clipped to one of them");
+  write_points(f / "ball.npy", "ball", 30, 3);
+  expect_error({"voronoi", f / "ball.npy", "--clip", f / "c.geojson"}, 2,
+               "polygons are for cells of 2D points");
 }
 
 TEST(CliTriangulation, WeightsFromFilesAndColumns) {

@@ -11,14 +11,7 @@
 namespace cullhull {
 namespace {
 
-using testing::expect_error;
-using testing::Folder;
-using testing::one_line;
-using testing::OnTerminal;
-using testing::Ran;
-using testing::run_app;
-using testing::write_file;
-using testing::write_points;
+using namespace testing;
 
 TEST(CliUsage, DidYouMean) {
   const Folder f;

@@ -8,7 +8,7 @@
 #include <set>
 #include <tuple>
 
-#include "geometry/orientation.hpp"
+#include "exact/orientation/orientation.hpp"
 #include "hull/engine.hpp"
 
 namespace cullhull::internal {
@@ -303,11 +303,11 @@ std::vector<std::uint32_t> monotone_chain(const Points& p) {
   std::iota(order.begin(), order.end(), 0U);
   const auto key = [&](std::uint32_t i) { return std::make_tuple(p[2 * i], p[2 * i + 1], i); };
   std::sort(order.begin(), order.end(), [&](auto a, auto b) { return key(a) < key(b); });
-  order.erase(std::unique(order.begin(), order.end(),
-                          [&](auto a, auto b) {
-                            return p[2 * a] == p[2 * b] && p[2 * a + 1] == p[2 * b + 1];
-                          }),
-              order.end());
+  order.erase(
+      std::unique(
+          order.begin(), order.end(),
+          [&](auto a, auto b) { return p[2 * a] == p[2 * b] && p[2 * a + 1] == p[2 * b + 1]; }),
+      order.end());
   std::vector<std::uint32_t> hull;
   for (int pass = 0; pass < 2; ++pass) {
     const std::size_t base = hull.size();

@@ -8,8 +8,8 @@
 #include "agreement/all_paths.hpp"
 #include "agreement/point_sets.hpp"
 #include "cullhull/generate.hpp"
+#include "exact/orientation/orientation.hpp"
 #include "geometry/local_frame.hpp"
-#include "geometry/orientation.hpp"
 #include "hull/engine.hpp"
 
 namespace cullhull::testing_support {

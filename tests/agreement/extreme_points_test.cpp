@@ -10,12 +10,12 @@
 
 #include "all_paths.hpp"
 #include "cullhull/generate.hpp"
+#include "exact/orientation/orientation.hpp"
 #include "extreme/hull_membership.hpp"
 #include "extreme/point_columns.hpp"
 #include "extreme/simplex_inverse.hpp"
 #include "geometry/local_frame.hpp"
-#include "geometry/orientation.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 #include "point_sets.hpp"
 
 namespace cullhull {

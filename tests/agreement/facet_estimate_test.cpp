@@ -9,7 +9,7 @@
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
 #include "geometry/local_frame.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull {
 namespace {

@@ -13,15 +13,15 @@
 #include "agreement/canonical_hash.hpp"
 #include "agreement/point_sets.hpp"
 #include "agreement/random_seeds.hpp"
-#include "cull/gauge_map.hpp"
-#include "cull/outermost.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/track.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "filter/gauge/gauge_map.hpp"
+#include "filter/outermost.hpp"
 #include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
-#include "geometry/orientation.hpp"
 
 namespace cullhull {
 namespace {
@@ -56,79 +56,80 @@ void direction(Random& r, double* p) {
   for (int c = 0; c < 3; ++c) p[c] /= std::sqrt(square) + 1e-300;
 }
 
-const Shape shapes[] = {
-    {"sphere", [](Random& r, const PointSet&, double* p) { direction(r, p); }},
-    {"ball",
-     [](Random& r, const PointSet&, double* p) {
-       direction(r, p);
-       const double size = std::cbrt(r.unit());
-       for (int c = 0; c < 3; ++c) p[c] *= size;
-     }},
-    {"cube",
-     [](Random& r, const PointSet&, double* p) {
-       for (int c = 0; c < 3; ++c) p[c] = r.between(-1, 1);
-     }},
-    {"lattice",
-     [](Random& r, const PointSet&, double* p) {
-       for (int c = 0; c < 3; ++c) p[c] = r.integer(-6, 6);
-     }},
+const Shape shapes[] =
+    {
+        {"sphere", [](Random& r, const PointSet&, double* p) { direction(r, p); }},
+        {"ball",
+         [](Random& r, const PointSet&, double* p) {
+  direction(r, p);
+  const double size = std::cbrt(r.unit());
+  for (int c = 0; c < 3; ++c) p[c] *= size;
+         }},
+        {"cube",
+         [](Random& r, const PointSet&, double* p) {
+  for (int c = 0; c < 3; ++c) p[c] = r.between(-1, 1);
+         }},
+            {"lattice",
+             [](Random& r, const PointSet&, double* p) {
+  for (int c = 0; c < 3; ++c) p[c] = r.integer(-6, 6);
+             }},
     {"turned lattice",
      [](Random& r, const PointSet&, double* p) {
-       const double x = r.integer(-4, 4), y = r.integer(-4, 4);
-       p[0] = std::cos(0.7) * x - std::sin(0.7) * y;
-       p[1] = std::sin(0.7) * x + std::cos(0.7) * y;
-       p[2] = r.integer(-4, 4);
+  const double x = r.integer(-4, 4), y = r.integer(-4, 4);
+  p[0] = std::cos(0.7) * x - std::sin(0.7) * y;
+  p[1] = std::sin(0.7) * x + std::cos(0.7) * y;
+  p[2] = r.integer(-4, 4);
      }},
     {"copies",
      [](Random& r, const PointSet& s, double* p) {
-       const auto n = static_cast<int>(s.coordinates.size() / 3);
-       if (n == 0 || r.integer(0, 1) == 0) return direction(r, p);
-       const double* from = s.coordinates.data() + std::size_t{3} * r.integer(0, n - 1);
-       for (int c = 0; c < 3; ++c) p[c] = from[c] == 0 ? -from[c] : from[c];
+  const auto n = static_cast<int>(s.coordinates.size() / 3);
+  if (n == 0 || r.integer(0, 1) == 0) return direction(r, p);
+  const double* from = s.coordinates.data() + std::size_t{3} * r.integer(0, n - 1);
+  for (int c = 0; c < 3; ++c) p[c] = from[c] == 0 ? -from[c] : from[c];
      }},
     {"in a plane but for one",
      [](Random& r, const PointSet& s, double* p) {
-       direction(r, p);
-       p[2] = s.coordinates.empty() ? 1 : 0;
+  direction(r, p);
+  p[2] = s.coordinates.empty() ? 1 : 0;
      }},
     {"on a line but for three",
      [](Random& r, const PointSet& s, double* p) {
-       direction(r, p);
-       if (s.coordinates.size() < 9) return;
-       p[1] = 2 * p[0];
-       p[2] = -p[0];
+  direction(r, p);
+  if (s.coordinates.size() < 9) return;
+  p[1] = 2 * p[0];
+  p[2] = -p[0];
      }},
     {"three circles",
      [](Random& r, const PointSet&, double* p) {
-       const double a = r.between(0, 6.3);
-       p[0] = std::cos(a);
-       p[1] = std::sin(a);
-       p[2] = r.integer(-1, 1);
+  const double a = r.between(0, 6.3);
+  p[0] = std::cos(a);
+  p[1] = std::sin(a);
+  p[2] = r.integer(-1, 1);
      }},
     {"surface of a box",
      [](Random& r, const PointSet&, double* p) {
-       for (int c = 0; c < 3; ++c) p[c] = r.between(-1, 1);
-       p[r.integer(0, 2)] = r.integer(0, 1) * 2 - 1;
+  for (int c = 0; c < 3; ++c) p[c] = r.between(-1, 1);
+  p[r.integer(0, 2)] = r.integer(0, 1) * 2 - 1;
      }},
     {"paraboloid of a lattice",
      [](Random& r, const PointSet&, double* p) {
-       p[0] = r.integer(-16, 16) / 16.0;
-       p[1] = r.integer(-16, 16) / 16.0;
-       p[2] = p[0] * p[0] + p[1] * p[1];
+  p[0] = r.integer(-16, 16) / 16.0;
+  p[1] = r.integer(-16, 16) / 16.0;
+  p[2] = p[0] * p[0] + p[1] * p[1];
      }},
     {"of all sizes",
      [](Random& r, const PointSet&, double* p) {
-       direction(r, p);
-       const double size = std::exp(20 * r.normal());
-       for (int c = 0; c < 3; ++c) p[c] *= size;
+  direction(r, p);
+  const double size = std::exp(20 * r.normal());
+  for (int c = 0; c < 3; ++c) p[c] *= size;
      }},
     {"thin",
      [](Random& r, const PointSet&, double* p) {
-       p[0] = r.normal();
-       p[1] = 1e-3 * r.normal();
-       p[2] = 1e-7 * r.normal();
+  p[0] = r.normal();
+  p[1] = 1e-3 * r.normal();
+  p[2] = 1e-7 * r.normal();
      }},
-};
+    };
 
 PointSet any_set(std::uint64_t seed) {
   Random r(seed);

@@ -1,7 +1,7 @@
 // The CUDA GaugeMap's kernel, played by a loop over its blocks, warps and lanes on the host: the
 // same text as on a device but for the launch and the exchange of bits between lanes. It must keep
 // the points the CPU's kernel keeps.
-#include "cull/gauge_lanes.hpp"
+#include "filter/gauge/gauge_lanes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include <random>
 #include <string>
 
-#include "cull/gauge_map.hpp"
 #include "cullhull/options.hpp"
+#include "filter/gauge/gauge_map.hpp"
 #include "tests/made_sets.hpp"
 
 namespace cullhull::internal {

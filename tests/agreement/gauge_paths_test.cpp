@@ -8,9 +8,9 @@
 #include <random>
 #include <string>
 
-#include "cull/gauge_map.hpp"
-#include "cull/gauge_table.hpp"
 #include "cullhull/options.hpp"
+#include "filter/gauge/gauge_map.hpp"
+#include "filter/gauge/gauge_table.hpp"
 #include "tests/made_sets.hpp"
 
 namespace cullhull::internal {

@@ -1,5 +1,5 @@
 // What comes before the GaugeMap's own test, its core and its levels, changes no survivor.
-#include "cull/gauge_shortcuts.hpp"
+#include "filter/gauge/gauge_shortcuts.hpp"
 
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
@@ -9,10 +9,10 @@
 #include <random>
 #include <string>
 
-#include "cull/gauge_map.hpp"
-#include "cull/gauge_table.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/options.hpp"
+#include "filter/gauge/gauge_map.hpp"
+#include "filter/gauge/gauge_table.hpp"
 #include "flow/sample_map.hpp"
 #include "tests/made_sets.hpp"
 
@@ -203,8 +203,8 @@ TEST(GaugeShortcuts, CoreTouchesTheMapFromInside) {
 TEST(GaugeShortcuts, CoreOnlyWhereItHoldsMuch) {
   const auto map = map_of(
       [] {
-        const std::vector<double> made = generate("ball", 3000, 3);
-        return Array<double>(made.begin(), made.end());
+    const std::vector<double> made = generate("ball", 3000, 3);
+    return Array<double>(made.begin(), made.end());
       }(),
       3);
   ASSERT_TRUE(map);

@@ -14,7 +14,7 @@
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
 #include "result/build_hull.hpp"
-#include "result/polygon_result.hpp"
+#include "result/write/polygon_result.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "cullhull/options.hpp"
-#include "paper/pseudo_hull.hpp"
-#include "paper/pseudo_hull_growth.hpp"
+#include "filter/pseudo_hull/pseudo_hull.hpp"
+#include "filter/pseudo_hull/pseudo_hull_growth.hpp"
 #include "reference/emulated_executor.hpp"
 #include "tests/made_sets.hpp"
 

@@ -10,8 +10,8 @@
 
 #include "agreement/point_sets.hpp"
 #include "cullhull/error.hpp"
-#include "geometry/orientation.hpp"
-#include "geometry/wide_float.hpp"
+#include "exact/numbers/wide_float.hpp"
+#include "exact/orientation/orientation.hpp"
 
 namespace cullhull {
 namespace {

@@ -18,7 +18,7 @@
 #include "cullhull/generate.hpp"
 #include "cullhull/growing_hull.hpp"
 #include "cullhull/query.hpp"
-#include "geometry/orientation.hpp"
+#include "exact/orientation/orientation.hpp"
 
 namespace cullhull::testing_support {
 namespace {

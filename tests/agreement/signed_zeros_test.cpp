@@ -10,7 +10,7 @@
 #include "cullhull/growing_hull.hpp"
 #include "cullhull/stream.hpp"
 #include "cullhull/track.hpp"
-#include "io/json.hpp"
+#include "io/json/json.hpp"
 
 namespace cullhull::testing_support {
 namespace {

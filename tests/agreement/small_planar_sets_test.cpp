@@ -10,9 +10,9 @@
 #include "agreement/canonical_hash.hpp"
 #include "agreement/point_sets.hpp"
 #include "cullhull/certify.hpp"
-#include "geometry/orientation.hpp"
-#include "small/inner_disc.hpp"
-#include "small/small_polygon.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "few/inner_disc.hpp"
+#include "few/small_polygon.hpp"
 
 namespace cullhull {
 namespace {

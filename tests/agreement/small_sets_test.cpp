@@ -10,7 +10,7 @@
 #include "agreement/point_sets.hpp"
 #include "cullhull/batch.hpp"
 #include "cullhull/certify.hpp"
-#include "small/small_3d.hpp"
+#include "few/small_3d.hpp"
 
 namespace cullhull {
 namespace {
@@ -187,9 +187,9 @@ TEST(SmallSets, flats) {
   expect_the_general_way(
       "equal",
       [](unsigned n, auto) {
-        PointSet s = named("equal", 3);
-        for (unsigned i = 0; i < n; ++i) s.add({0.1, -0.2, 1e9});
-        return s;
+    PointSet s = named("equal", 3);
+    for (unsigned i = 0; i < n; ++i) s.add({0.1, -0.2, 1e9});
+    return s;
       },
       1);
 }
@@ -211,9 +211,9 @@ TEST(SmallSets, magnitudes) {
   expect_the_general_way(
       "far away",
       [=](unsigned n, auto seed) {
-        PointSet s = sphere(n, seed);
-        for (double& v : s.coordinates) v += 1e12;
-        return s;
+    PointSet s = sphere(n, seed);
+    for (double& v : s.coordinates) v += 1e12;
+    return s;
       },
       1);
   expect_the_general_way("all magnitudes",
@@ -229,9 +229,9 @@ TEST(SmallSets, points_next_to_planes) {
   expect_the_general_way(
       "next to planes, in f32 and doubled",
       [](unsigned n, auto seed) {
-        PointSet s = near_planes(n, seed);
-        for (double& v : s.coordinates) v = static_cast<double>(static_cast<float>(v)) * 2;
-        return s;
+    PointSet s = near_planes(n, seed);
+    for (double& v : s.coordinates) v = static_cast<double>(static_cast<float>(v)) * 2;
+    return s;
       },
       2);
 }

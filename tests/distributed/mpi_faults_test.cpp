@@ -123,8 +123,8 @@ TEST(MpiFaults, AnExceptionOfTheCallersPassesThroughThere) {
 TEST(MpiFaults, ArgumentsThatDoNotFitTogether) {
   const std::vector<double> rows = own_points();
   const PointView mine = view_of_rows(rows);
-  const auto refused = [&](const PointView& points, const mpi::JobOptions& options,
-                           const std::string& text) {
+  const auto refused =
+      [&](const PointView& points, const mpi::JobOptions& options, const std::string& text) {
     EXPECT_EQ(error_of([&] { mpi::convex_hull(MPI_COMM_WORLD, points, options); }),
               error_text(ErrorCode::invalid_argument, text));
   };

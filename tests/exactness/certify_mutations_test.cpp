@@ -10,7 +10,7 @@
 #include "agreement/random_seeds.hpp"
 #include "exactness/slow_numbers.hpp"
 #include "io/certify_file.hpp"
-#include "io/json.hpp"
+#include "io/json/json.hpp"
 
 namespace cullhull::testing_support {
 namespace {

@@ -12,7 +12,7 @@
 #include "cullhull/certify.hpp"
 #include "cullhull/hull.hpp"
 #include "io/certify_file.hpp"
-#include "io/json.hpp"
+#include "io/json/json.hpp"
 
 namespace cullhull::testing_support {
 namespace {

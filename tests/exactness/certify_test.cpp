@@ -180,7 +180,7 @@ TEST(Certify, MutationsOfACubeAreNamed) {
   expect_fault(
       c, h,
       [](Hull& b) {
-        for (unsigned i = 0; i < 4; ++i) b.facet_planes[4 + i] *= -1;
+    for (unsigned i = 0; i < 4; ++i) b.facet_planes[4 + i] *= -1;
       },
       "facet 1");
   expect_fault(
@@ -230,20 +230,20 @@ TEST(Certify, SplitAndJoinedFacetsAreFound) {
   expect_fault(
       c, h,
       [](Hull& b) {
-        b.simplex_facets.edit().back() = 6;
-        Array<std::uint64_t>& items = b.facets.items.edit();
-        items.insert(items.end(), b.simplices.end() - 3, b.simplices.end());
-        b.facets.offsets.push_back(b.facets.items.size());
-        b.facet_neighbours.items.insert(b.facet_neighbours.items.end(), {0, 1, 2});
-        b.facet_neighbours.offsets.push_back(b.facet_neighbours.items.size());
-        b.facet_planes.insert(b.facet_planes.end(), b.facet_planes.end() - 4, b.facet_planes.end());
+    b.simplex_facets.edit().back() = 6;
+    Array<std::uint64_t>& items = b.facets.items.edit();
+    items.insert(items.end(), b.simplices.end() - 3, b.simplices.end());
+    b.facets.offsets.push_back(b.facets.items.size());
+    b.facet_neighbours.items.insert(b.facet_neighbours.items.end(), {0, 1, 2});
+    b.facet_neighbours.offsets.push_back(b.facet_neighbours.items.size());
+    b.facet_planes.insert(b.facet_planes.end(), b.facet_planes.end() - 4, b.facet_planes.end());
       },
       "coplanar, but of different facets");
   // Joined: two squares claim to be one facet.
   expect_fault(
       c, h,
       [](Hull& b) {
-        for (auto& f : b.simplex_facets.edit()) f = f == 5 ? 4 : f;
+    for (auto& f : b.simplex_facets.edit()) f = f == 5 ? 4 : f;
       },
       "not coplanar");
 }

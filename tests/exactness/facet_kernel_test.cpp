@@ -1,5 +1,5 @@
 // Eight simplices at a time give the bits that one at a time gives.
-#include "result/facet_kernel.hpp"
+#include "result/facets/facet_kernel.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <random>
 
-#include "geometry/cofactors.hpp"
+#include "exact/determinants/cofactors.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "agreement/point_sets.hpp"
-#include "extreme/rational.hpp"
+#include "exact/numbers/rational.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -1,5 +1,5 @@
 // The cull is sound: a point is dropped only if it lies strictly inside the polytope, exactly.
-#include "cull/gauge_map.hpp"
+#include "filter/gauge/gauge_map.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <string>
 
 #include "cullhull/options.hpp"
-#include "geometry/orientation.hpp"
+#include "exact/orientation/orientation.hpp"
 #include "tests/reference/slow_hull.hpp"
 
 namespace cullhull::internal {

@@ -1,5 +1,5 @@
 // The certificate's first look at a point, against the sum of squares written out.
-#include "certify/inner_ball.hpp"
+#include "certify/hull/inner_ball.hpp"
 
 #include <gtest/gtest.h>
 

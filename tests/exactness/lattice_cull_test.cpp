@@ -1,4 +1,4 @@
-#include "cull/lattice_cull.hpp"
+#include "filter/lattice/lattice_cull.hpp"
 
 #include <gtest/gtest.h>
 

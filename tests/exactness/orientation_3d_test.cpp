@@ -1,6 +1,6 @@
 // The 3D ladder against exact arithmetic alone, on points chosen to be hard: nearly or exactly
 // coplanar, thin, on lattices of every width.
-#include "geometry/orientation_3d.hpp"
+#include "exact/orientation/orientation_3d.hpp"
 
 #include <gtest/gtest.h>
 

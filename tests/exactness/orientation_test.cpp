@@ -1,4 +1,4 @@
-#include "geometry/orientation.hpp"
+#include "exact/orientation/orientation.hpp"
 
 #include <gmp.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Planes by elimination and the rungs above them, against rational arithmetic and exact rungs.
-#include "geometry/oriented_plane.hpp"
+#include "exact/planes/oriented_plane.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "geometry/orientation.hpp"
+#include "exact/orientation/orientation.hpp"
 
 namespace cullhull::internal {
 namespace {

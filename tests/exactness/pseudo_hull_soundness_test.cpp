@@ -10,7 +10,7 @@
 #include <string>
 
 #include "cullhull/options.hpp"
-#include "paper/pseudo_hull.hpp"
+#include "filter/pseudo_hull/pseudo_hull.hpp"
 #include "reference/slow_hull.hpp"
 
 namespace cullhull::internal {

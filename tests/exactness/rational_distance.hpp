@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "extreme/rational.hpp"
+#include "exact/numbers/rational.hpp"
 
 namespace cullhull::testing_support {
 

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "cuda/gauge.hpp"
-#include "cuda/gauge_kernel.hpp"
-#include "cull/gauge_map.hpp"
+#include "cuda/kernels/gauge_kernel.hpp"
 #include "cullhull/cullhull.hpp"
+#include "filter/gauge/gauge_map.hpp"
 #include "tests/agreement/canonical_hash.hpp"
 #include "tests/gpu/device.hpp"
 #include "tests/made_sets.hpp"

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "cuda/executor.cuh"
+#include "cuda/kernels/executor.cuh"
 #include "gpu/device.hpp"
 
 namespace cullhull::internal {

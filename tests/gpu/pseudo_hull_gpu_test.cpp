@@ -7,12 +7,12 @@
 #include <random>
 #include <string>
 
-#include "cuda/pseudo_hull.hpp"
+#include "cuda/kernels/pseudo_hull.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/options.hpp"
+#include "filter/pseudo_hull/pseudo_hull.hpp"
 #include "gpu/device.hpp"
-#include "paper/pseudo_hull.hpp"
 #include "reference/slow_hull.hpp"
 #include "tests/made_sets.hpp"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "cull/gauge_lanes.hpp"
+#include "filter/gauge/gauge_lanes.hpp"
 #include "gpu/device.hpp"
 
 namespace cullhull::internal {

@@ -7,6 +7,7 @@ from typing import Any, Optional
 
 import numpy as np
 
+import rounding
 import texts
 from commands import Output
 
@@ -45,11 +46,14 @@ def comparable(output: Output, data: bytes) -> bytes:
     return data
 
 
-def difference(output: Output, got: bytes, want: bytes, exact: bool) -> Optional[str]:
+def difference(
+    output: Output, got: bytes, want: bytes, exact: bool, points: Any
+) -> Optional[str]:
+    """`exact`: the bits are due; else what rounded `points` can make of them."""
     a, b = comparable(output, got), comparable(output, want)
     if a == b:
         return None
-    if not exact and _close(output, got, want):
+    if not exact and _close(output, got, want, points):
         return None
     at = next((i for i, (x, y) in enumerate(zip(a, b)) if x != y), min(len(a), len(b)))
     if output.ending in _BINARY:
@@ -58,8 +62,12 @@ def difference(output: Output, got: bytes, want: bytes, exact: bool) -> Optional
     return f"differs at byte {at}: {a[cut]!r}, by the reference {b[cut]!r}"
 
 
-def _close(output: Output, got: bytes, want: bytes) -> bool:
+def _close(output: Output, got: bytes, want: bytes, points: Any) -> bool:
     """The same words and whole numbers, and decimals within a rounding of each coordinate."""
+    if output.ending == ".json":
+        a, b = texts.strict_json(got), texts.strict_json(want)
+        if b.get("kind") == "voronoi":
+            return rounding.same_diagram(a, b, points)
     if output.alike in ("values", "survivors") or output.ending in _BINARY:
         a, b = output.read(got), output.read(want)
         if a is None or b is None:

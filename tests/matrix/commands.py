@@ -52,7 +52,7 @@ class Row:
     #: Options of `WAYS` that do not go with the row, and why.
     ways: dict[str, str] = field(default_factory=dict)
     scalars: Optional[str] = None  #: the scalar type without which doors have no meaning
-    extra: Optional[str] = None  #: a file that goes with the points: 'weights', 'edges'
+    extra: Optional[str] = None  #: a file that goes with the points: 'weights', 'edges', 'clip'
 
 
 def mesh(s: PointSet) -> Optional[str]:
@@ -307,6 +307,18 @@ ROWS = (
             _report("voronoi"),
         ),
         doors="main",
+    ),
+    Row(
+        "voronoi --clip",
+        ("voronoi", "-q"),
+        (
+            _o(".geojson", PLANE_SHAPES[0].read, PLANE, of_points=False),
+            Output("--measures .npy", ("--measures", "{}"), ".npy", texts.measures, PLANE),
+            _report("voronoi"),
+        ),
+        reason=PLANE,
+        doors="main",
+        extra="clip",
     ),
     Row("voronoi --certify", ("voronoi", "-q", "--certify"), (_report("voronoi"),), doors="main"),
     Row(

@@ -34,8 +34,7 @@ class Door:
     reason: Callable[[PointSet], Optional[str]]  #: why a set cannot come by it; None: it can
     single: bool = True  #: one file of this name alone holds the points
     options: frozenset[str] = frozenset()  #: options that it uses
-    #: 'exact': the same bits are due. 'both': coordinates are doubles, and there is a cell for what
-    #: agrees within a rounding of each and another for the bits. 'close': no double holds them.
+    #: 'exact': the same bits are due. 'close': no double holds the coordinates.
     exact: str = "exact"
     blocks: bool = False  #: whether the program reads it in blocks where it can
     scalar: str = "f64"  #: the type that the program reads
@@ -302,17 +301,16 @@ DOORS = [
         always,
         options=frozenset(["--input-format"]),
     ),
-    Door("las", _las, on_grid, scalar="i32", exact="both"),
+    Door("las", _las, on_grid, scalar="i32"),
     Door(
         "las-columns",
         _las_columns,
         on_plane_grid,
         scalar="i32",
         options=frozenset(["--columns"]),
-        exact="both",
     ),
     Door(
-        "las-tiles", _las_tiles, both(on_grid, not_empty), single=False, blocks=True, exact="both"
+        "las-tiles", _las_tiles, both(on_grid, not_empty), single=False, blocks=True
     ),
     Door(
         "las-and-npy",
@@ -320,7 +318,6 @@ DOORS = [
         both(on_grid, not_empty),
         single=False,
         blocks=True,
-        exact="both",
     ),
     Door("las-decimal", _las_decimal, decimal, exact="close", scalar="i32"),
     Door("gz", _file(".npy.gz", lambda p: gzip.compress(files.npy(p))), always, blocks=True),

@@ -25,8 +25,6 @@ class Call:
     raises: Callable[[PointSet], Optional[str]] = lambda s: None if s.finite else "NotFinite"
     derive: Optional[str] = None  #: the points are made of the set's: 'halfspaces', 'sphere'
     arrays: str = "few"  #: 'all': a short run tries every door
-    #: Kinds of sets that take seconds: a short run tries them by the reference door alone.
-    slow: tuple[str, ...] = ()
     #: Doors without meaning, and why.
     without: dict[str, str] = field(default_factory=dict)
 
@@ -253,7 +251,6 @@ CALLS = (
         "NaturalNDInterpolator itself",
         "cullhull.NaturalNDInterpolator(p, v)",
         without=AXES,
-        slow=("wide",),
         raises=natural,
     ),
     Call(
@@ -273,7 +270,6 @@ CALLS = (
         "cullhull.NaturalNDInterpolator(p, v)(b)",
         arrays="all",
         without=AXES,
-        slow=("wide",),
         raises=natural,
     ),
     Call(
@@ -286,7 +282,6 @@ CALLS = (
         "NaturalNDInterpolator.neighbours",
         "cullhull.NaturalNDInterpolator(p, v).neighbours(b.mean(axis=0))",
         without=AXES,
-        slow=("wide",),
         raises=natural,
     ),
     Call(
@@ -337,6 +332,12 @@ CALLS = (
         "ClippedCells.corners",
         "(c := cullhull.voronoi(p).clip(low, high)) and [c.corners(i) for i in range(len(c))]",
         UP_TO_SPACE,
+    ),
+    Call(
+        "ClippedCells.polygons",
+        "(c := cullhull.voronoi(p).clip([low, [high[0], low[1]], high, (low + high) / 2, "
+        "[low[0], high[1]]])) and [c.polygons(i) for i in range(len(c))]",
+        PLANE,
     ),
     Call(
         "ClippedCells.faces",

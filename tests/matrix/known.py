@@ -1,19 +1,4 @@
 """Cells that are known to fail: names (with * for anything) and why. The list is to become empty:
 an entry of which no cell fails any more fails the test."""
 
-_BITS = "coordinates of scans are computed on a decimal grid where they are binary fractions, too"
-
-EXPECTED: list[tuple[str, str]] = [
-    ("program/*/las*/* bit for bit", _BITS),
-    ("program/voronoi*/las*/*.json", "corners and rays come from the grid of a scan, not from doubles"),
-    ("python out/ClippedCells of */pickle/*", "no state"),
-    ("python out/ClippedCells of */deepcopy/*", "no state"),
-    (
-        "python out/GroupHulls of hulls_by/==/*",
-        "hulls are made anew at each look, and compared as objects",
-    ),
-    ("python/NaturalNDInterpolator itself/array/*-4d", "made, and refused when it is called"),
-    ("python/griddata/dlpack/*", "SciPy's own arrays are asked first"),
-    ("python/griddata/pandas-nullable/*", "SciPy's own arrays are asked first"),
-    ("python/griddata/masked/*", "a mask is dropped"),
-]
+EXPECTED: list[tuple[str, str]] = []

@@ -155,8 +155,6 @@ class Package:
     def _tried(self, call: Call, array: Array, s: PointSet) -> bool:
         if self.large or array is ARRAYS[0]:
             return True
-        if s.kind in call.slow:
-            return False
         few = array.name in FEW_ARRAYS, s.name in FEW_SETS
         return any(few) if call.arrays == "all" else all(few)
 

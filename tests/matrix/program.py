@@ -281,20 +281,11 @@ class Program:
                         found = f"cannot be read: {type(error).__name__}: {error}"
             line = f"{ran.line}\n    reference: {reference.line}" if found else ""
             self.cells.judge(f"{start}/{output.name}", found, line)
-            if door.exact == "both" and fault is None and output.name in reference.written:
-                bits = difference(
-                    output, written[output.name], reference.written[output.name], True
-                )
-                self.cells.judge(
-                    f"{start}/{output.name} bit for bit",
-                    found or bits,
-                    f"{ran.line}\n    reference: {reference.line}",
-                )
 
     def _difference(
         self, s: PointSet, output: Output, got: bytes, want: bytes, door: Door
     ) -> Optional[str]:
-        fault = difference(output, got, want, door.exact == "exact")
+        fault = difference(output, got, want, door.exact == "exact", s.points)
         if fault is None or output.alike != "survivors" or not door.blocks:
             return fault
         return self._lost(s, output, got)
@@ -406,6 +397,10 @@ class Program:
     def _extra(self, row: Row, s: PointSet) -> list[str]:
         if row.extra is None:
             return []
+        if row.extra == "clip":
+            path = self.folder / s.name / "clip.geojson"
+            path.write_text(_dented(s))
+            return ["--clip", str(path)]
         path = self.folder / s.name / f"{row.extra}.npy"
         if not path.exists():
             values = (
@@ -419,6 +414,15 @@ class Program:
 
 def _turned(grid: Any) -> Any:
     return None if grid is None else (grid[0][::-1], grid[1], grid[2])
+
+
+def _dented(s: PointSet) -> str:
+    """GeoJSON: the box around all points, whose upper side is drawn in to its middle."""
+    low, high = np.array(_box(s).split(","), dtype=float).reshape(2, -1)
+    middle = ((low + high) / 2).tolist()
+    x, y = (low[0], high[0]), (low[1], high[1])
+    ring = [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], middle[:2], [x[0], y[1]], [x[0], y[0]]]
+    return json.dumps({"type": "Polygon", "coordinates": [ring]})
 
 
 def _box(s: PointSet) -> str:

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "cullhull/hull.hpp"
-#include "parallel/big_array.hpp"
-#include "parallel/pages.hpp"
-#include "parallel/raw_array.hpp"
-#include "parallel/thread_memory.hpp"
+#include "parallel/memory/big_array.hpp"
+#include "parallel/memory/pages.hpp"
+#include "parallel/memory/raw_array.hpp"
+#include "parallel/threads/thread_memory.hpp"
 
 namespace cullhull {
 namespace {

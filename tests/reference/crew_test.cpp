@@ -1,5 +1,5 @@
 // Short parallel phases: every item once, lanes apart, exceptions through.
-#include "parallel/crew.hpp"
+#include "parallel/threads/crew.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Helpers that have no processor: nobody is asked for a while, and all work is done without them.
-#include "parallel/crowding.hpp"
+#include "parallel/threads/crowding.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,9 +12,9 @@
 #include "cullhull/certify.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
-#include "parallel/crew.hpp"
-#include "parallel/helpers.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/threads/crew.hpp"
+#include "parallel/threads/helpers.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "cuda/device_kernels.hpp"
-#include "paper/primitives.hpp"
+#include "cuda/kernels/device_kernels.hpp"
+#include "filter/pseudo_hull/primitives.hpp"
 
 namespace cullhull::internal {
 

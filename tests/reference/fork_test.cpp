@@ -15,7 +15,7 @@
 #include "cullhull/array.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/io.hpp"
-#include "parallel/pages.hpp"
+#include "parallel/memory/pages.hpp"
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing_support {

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "cullhull/error.hpp"
-#include "parallel/helpers.hpp"
 #include "parallel/random_stream.hpp"
+#include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
 namespace {

@@ -1,5 +1,5 @@
 // Helpers that come late are not waited for; a forked process has its own.
-#include "parallel/helpers.hpp"
+#include "parallel/threads/helpers.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "parallel/crew.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/threads/crew.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -70,11 +70,12 @@ TEST(Helpers, ManyCallersAtOnce) {
 TEST(Helpers, AnExceptionEndsTheLoop) {
   for (unsigned k = 0; k < 200; ++k) {
     std::atomic<unsigned> begun{0};
-    EXPECT_THROW(for_each_chunk(1000, 1, 4,
-                                [&](std::uint64_t c, std::uint64_t, std::uint64_t) {
-                                  ++begun;
-                                  if (c >= 3) throw std::runtime_error("three");
-                                }),
+    EXPECT_THROW(for_each_chunk(
+                     1000, 1, 4,
+                     [&](std::uint64_t c, std::uint64_t, std::uint64_t) {
+      ++begun;
+      if (c >= 3) throw std::runtime_error("three");
+                     }),
                  std::runtime_error);
     EXPECT_LT(begun, 100U);
   }

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "io/mapped_file.hpp"
-#include "io/output_file.hpp"
+#include "io/write/output_file.hpp"
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {
@@ -270,11 +270,11 @@ TEST(Output, RefusalsOfTheSystem) {
   error_of(ErrorCode::io, [&] { write_npy_ids(folder.file(""), {1}); });
   EXPECT_EQ(error_of(ErrorCode::io, [] { write_npy_ids("/dev/full", {1}); }),
             "/dev/full: cannot write: No space left on device");
-  EXPECT_EQ(error_of(ErrorCode::io,
-                     [] {
-                       write_npy_ids("/dev/full", std::vector<std::uint64_t>(std::size_t{1} << 18));
-                     }),
-            "/dev/full: cannot write: No space left on device");
+  EXPECT_EQ(
+      error_of(
+          ErrorCode::io,
+          [] { write_npy_ids("/dev/full", std::vector<std::uint64_t>(std::size_t{1} << 18)); }),
+      "/dev/full: cannot write: No space left on device");
   EXPECT_TRUE(std::filesystem::exists("/dev/full"));
   EXPECT_EQ(folder.entries(), 0U);
 }

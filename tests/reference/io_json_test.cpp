@@ -9,8 +9,8 @@
 #include "cullhull/hull.hpp"
 #include "cullhull/version.hpp"
 #include "io/certify_file.hpp"
-#include "io/json.hpp"
-#include "io/json_writer.hpp"
+#include "io/json/json.hpp"
+#include "io/json/json_writer.hpp"
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {
@@ -156,8 +156,8 @@ TEST(Json, HostileFilesAreRefused) {
     const std::string text = bad.dump();
     return error_of(ErrorCode::bad_file, [&] { read(text); });
   };
-  const auto changed = [&](const char* key, std::initializer_list<std::size_t> path,
-                           const json& v) {
+  const auto changed =
+      [&](const char* key, std::initializer_list<std::size_t> path, const json& v) {
     json value = good[key];
     json* at = &value;
     for (const std::size_t i : path) at = &(*at)[i];

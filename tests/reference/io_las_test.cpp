@@ -41,6 +41,89 @@ struct Las {
   }
 };
 
+/// A variable-length record.
+std::string vlr(unsigned id, const std::string& contents,
+                const std::string& user = "LASF_Projection") {
+  std::string b(54, '\0');
+  b.replace(2, user.size(), user);
+  b.replace(18, 2, testing::bytes_of(static_cast<std::uint16_t>(id)));
+  b.replace(20, 2, testing::bytes_of(static_cast<std::uint16_t>(contents.size())));
+  return b + contents;
+}
+
+/// GeoTIFF's directory: keys whose values stand in it. `told`: how many it says it has.
+std::string geo_keys(const std::vector<std::pair<unsigned, unsigned>>& keys, int told = -1) {
+  const auto number = [](unsigned v) { return static_cast<std::uint16_t>(v); };
+  std::string b = testing::bytes_of(
+      number(1), number(1), number(0),
+      number(told < 0 ? static_cast<unsigned>(keys.size()) : static_cast<unsigned>(told)));
+  for (const auto& [key, value] : keys)
+    b += testing::bytes_of(number(key), number(0), number(1), number(value));
+  return vlr(34735, b);
+}
+
+/// What a file with these records names as the unit of x and y.
+std::string unit_of(const std::vector<std::string>& records) {
+  std::string all;
+  for (const std::string& r : records) all += r;
+  const testing::TemporaryFolder folder;
+  Las las;
+  las.offset = static_cast<unsigned>(227 + all.size());
+  std::string bytes = las.bytes();
+  bytes.replace(100, 4, testing::bytes_of(static_cast<std::uint32_t>(records.size())));
+  bytes.replace(227, all.size(), all);
+  for (std::size_t j = 0; j < 3; ++j) bytes.replace(131 + 8 * j, 8, testing::bytes_of(0.01));
+  const PointFile file = open_points(folder.write("a.las", bytes));
+  EXPECT_FALSE(file.placement().empty());
+  return file.placement().unit;
+}
+
+TEST(IoLas, UnitsByGeoTiffKeys) {
+  constexpr unsigned model = 1024, linear = 3076, angular = 2054, system = 3072, vertical = 4099;
+  EXPECT_EQ(unit_of({geo_keys({{model, 1}, {linear, 9001}})}), "metre");
+  EXPECT_EQ(unit_of({geo_keys({{model, 1}, {linear, 9002}})}), "foot");
+  EXPECT_EQ(unit_of({geo_keys({{model, 1}, {linear, 9003}})}), "US survey foot");
+  EXPECT_EQ(unit_of({geo_keys({{linear, 9003}, {vertical, 9001}})}), "US survey foot");
+  EXPECT_EQ(unit_of({geo_keys({{model, 2}})}), "degree");
+  EXPECT_EQ(unit_of({geo_keys({{model, 2}, {angular, 9102}})}), "degree");
+  // Missing: none, another, one that only the system's number tells, other records alone.
+  EXPECT_EQ(unit_of({}), "");
+  EXPECT_EQ(unit_of({geo_keys({})}), "");
+  EXPECT_EQ(unit_of({geo_keys({{model, 1}, {system, 32612}})}), "");
+  EXPECT_EQ(unit_of({geo_keys({{model, 1}, {linear, 9036}})}), "");
+  EXPECT_EQ(unit_of({geo_keys({{model, 2}, {angular, 9101}})}), "");
+  EXPECT_EQ(unit_of({geo_keys({{vertical, 9001}})}), "");
+  EXPECT_EQ(unit_of({vlr(34735, std::string(8, 'x'), "someone_else")}), "");
+  EXPECT_EQ(unit_of({vlr(7, "abc", "other"), geo_keys({{linear, 9001}})}), "metre");
+  // Contradictory: a system in degrees has no lengths; two units are none.
+  EXPECT_EQ(unit_of({geo_keys({{model, 2}, {linear, 9001}})}), "degree");
+  EXPECT_EQ(unit_of({geo_keys({{linear, 9001}, {model, 2}})}), "degree");
+  EXPECT_EQ(unit_of({geo_keys({{linear, 9001}, {linear, 9002}})}), "");
+  EXPECT_EQ(unit_of({geo_keys({{linear, 9002}, {linear, 9002}})}), "foot");
+  // Behind the keys that the directory has nothing is one; it may be cut off.
+  EXPECT_EQ(unit_of({geo_keys({{model, 1}, {linear, 9001}}, 1)}), "");
+  EXPECT_EQ(unit_of({geo_keys({{model, 1}, {linear, 9001}}, 9)}), "metre");
+  EXPECT_EQ(unit_of({vlr(34735, "abc")}), "");
+}
+
+TEST(IoLas, UnitsByWellKnownText) {
+  constexpr unsigned wkt = 2112;
+  const std::string degrees = R"(GEOGCS["g",DATUM["d",SPHEROID["s",1,2]],UNIT["degree",0.0175]])";
+  EXPECT_EQ(unit_of({vlr(wkt, degrees)}), "degree");
+  EXPECT_EQ(unit_of({vlr(wkt, "PROJCS[\"p\"," + degrees + ",UNIT[\"US survey foot\",0.3]]")}),
+            "US survey foot");
+  EXPECT_EQ(unit_of({vlr(wkt, "PROJCS[\"p\"," + degrees + "]")}), "");
+  EXPECT_EQ(unit_of({vlr(wkt, R"(PROJCRS["p",BASEGEOGCRS["b",PRIMEM["m",0,ANGLEUNIT["degree",1]]],)"
+                              R"(CONVERSION["c",PARAMETER["k",0,LENGTHUNIT["foot",1]]],)"
+                              R"(CS[Cartesian,2],AXIS["x",east,LENGTHUNIT["metre",1]]])")}),
+            "metre");
+  // Beside keys the text has the word.
+  EXPECT_EQ(unit_of({geo_keys({{3076, 9001}}), vlr(wkt, degrees)}), "degree");
+  EXPECT_EQ(unit_of({geo_keys({{3076, 9001}}), vlr(wkt, "LOCAL_CS[]")}), "metre");
+  EXPECT_EQ(unit_of({vlr(wkt, "PROJCS[\"p\",UNIT[\"" + std::string(300, 'x') + "\",1]]")}), "");
+  EXPECT_EQ(unit_of({vlr(wkt, "PROJCS[\"p\",UNIT[\"metre")}), "");
+}
+
 void expect_points(const Las& las, const PointView& view) {
   ASSERT_EQ(view.count, las.points.size());
   EXPECT_EQ(view.dimension, 3U);

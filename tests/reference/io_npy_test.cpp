@@ -9,8 +9,8 @@ const std::string rows32 = "{'descr': '<f8', 'fortran_order': False, 'shape': (3
 
 TEST(Npy, ReadsEveryScalarTypeInPlace) {
   const std::string tail = "', 'fortran_order': False, 'shape': (2, 1), }\n";
-  const auto check = [&](const std::string& descr, const std::string& data, ScalarType type,
-                         Rows want) {
+  const auto check =
+      [&](const std::string& descr, const std::string& data, ScalarType type, Rows want) {
     const std::string bytes = npy("{'descr': '" + descr + tail, data);
     const auto points = parse(bytes, "npy");
     EXPECT_EQ(points.in_place, lies_ready || descr[0] == '|') << descr;

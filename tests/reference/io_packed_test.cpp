@@ -14,7 +14,7 @@
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/point_blocks.hpp"
-#include "io/npy.hpp"
+#include "io/formats/npy.hpp"
 #include "tests/io_fixtures.hpp"
 #if __has_include(<zlib.h>) && __has_include(<zstd.h>)
 #include <zlib.h>

@@ -248,8 +248,8 @@ TEST(IoPcd, HeadersThatLie) {
 
 TEST(IoPcd, PackingsThatLie) {
   const testing::TemporaryFolder folder;
-  const auto expect_error = [&](std::uint32_t packed, std::uint32_t size, const std::string& bytes,
-                                const char* say) {
+  const auto expect_error =
+      [&](std::uint32_t packed, std::uint32_t size, const std::string& bytes, const char* say) {
     const std::string error =
         error_of(folder, header("x y", "4 4", "F F", "1 1", 1, "binary_compressed") +
                              bytes_of(packed, size) + bytes);

@@ -27,6 +27,40 @@ TEST(IoPlacement, TheCommonGridHasTheFinestDecimals) {
   EXPECT_EQ(decimals_of({placement(1e-7, 0)}), 7);
 }
 
+TEST(IoPlacement, GridsOfBinaryFractionsAreDoublesAsTheyAre) {
+  const std::vector<std::pair<Placement, double>> some = {
+      {placement(0.25, 0), 0.25},
+      {placement(0.5, 0.125), 0.125},
+      {{{0.125, 0.0625}, {16, -32.03125}}, 0.03125},
+      {placement(0x1p-20, 0x1p20), 0x1p-20}};
+  for (const auto& [p, unit] : some) {
+    const Grid grid = common_grid({p});
+    EXPECT_EQ(grid, Grid::binary(-std::ilogb(unit)));
+    EXPECT_FALSE(grid.empty());
+    EXPECT_EQ(grid.decimals(), -1);
+    EXPECT_EQ(grid.power(), 1);
+    EXPECT_EQ(grid.unit(), unit);
+    const GridAxes axes(p, grid);
+    for (const double x : {0.0, 1.0, -7.0, 2147483647.0, -2147483648.0})
+      for (const std::size_t j : {0U, 1U}) {
+        EXPECT_EQ(axes.at(j, x), p.at(j, x));
+        EXPECT_EQ(grid.to_world(axes.at(j, x)), p.at(j, x));
+        EXPECT_EQ(grid.number_of(p.at(j, x)), p.at(j, x));
+      }
+    EXPECT_TRUE(std::isnan(grid.number_of(unit / 2)));
+    EXPECT_EQ(grid.measure_to_world(7, 3), 7);
+  }
+  // Beside a decimal that is none, and where a double would need more bits than there are.
+  EXPECT_EQ(common_grid({placement(0.25, 0), placement(0.01, 0)}), Grid(2));
+  EXPECT_EQ(common_grid({placement(0.25, 0.1)}), Grid(2));
+  EXPECT_TRUE(common_grid({placement(0x1p-20, 1e15)}).empty());
+  EXPECT_TRUE(common_grid({placement(1.0 / 3, 0.5)}).empty());
+  HullState state(PointView::row_major(std::vector<double>{0.25, 0.5}.data(), 1, 2));
+  const HullState same = state;
+  to_world(state, Grid::binary(2));
+  EXPECT_EQ(state, same);
+}
+
 TEST(IoPlacement, WhatDoublesDoNotHoldHasNoGrid) {
   EXPECT_TRUE(common_grid(std::vector<Placement>()).empty());
   EXPECT_TRUE(common_grid({placement(0.01, 0), Placement()}).empty());

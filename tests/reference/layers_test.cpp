@@ -16,19 +16,20 @@ namespace fs = std::filesystem;
 /// Folders of src/ from below: each may include those of lower layers and itself.
 const std::vector<std::vector<std::string>> layers = {
     {"parallel"},
+    {"exact"},
     {"geometry"},
-    {"extreme", "cull", "paper"},
+    {"extreme", "filter"},
     {"hull"},
     {"result"},
-    {"small", "cuda"},
+    {"few", "cuda"},
     {"flow"},
-    {"query", "tracker", "batch", "stream", "lifting"},
-    {"cells"},
+    {"query", "tracker", "batch", "stream", "delaunay"},
+    {"constrained", "diagrams"},
     {"distributed"},
 };
 /// Folders beside the layers, and all that they may include but themselves.
 const std::map<std::string, std::vector<std::string>> beside = {
-    {"certify", {"geometry", "parallel"}},
+    {"certify", {"exact", "geometry", "parallel"}},
     {"generate", {"parallel"}},
     {"io", {"parallel"}},
 };
@@ -45,7 +46,8 @@ bool may_include(const std::string& from, const std::string& to, bool is_header)
   if (const auto only = beside.find(from); only != beside.end())
     return std::count(only->second.begin(), only->second.end(), to) > 0;
   // Headers of cuda/ lie below the flow; its sources implement what flow and tracker declare.
-  if (from == "cuda" && !is_header) return to == "flow" || to == "tracker" || layer_of(to) < 5;
+  if (from == "cuda" && !is_header)
+    return to == "flow" || to == "tracker" || layer_of(to) < layer_of(from);
   return layer_of(to) >= 0 && layer_of(to) < layer_of(from);
 }
 
@@ -103,11 +105,16 @@ std::vector<std::string> faults(const fs::path& root) {
 
 /// The sources that may name what only some systems or compilers have (docs/machines.md).
 const std::vector<std::string> portable_places = {
-    "src/parallel/fork_guard.cpp", "src/parallel/helpers.cpp",
-    "src/parallel/int128.hpp",     "src/parallel/machine_memory.cpp",
-    "src/parallel/pages.cpp",      "src/parallel/prefetch.hpp",
-    "src/io/system.cpp",           "src/io/system.hpp",
-    "src/cuda/backend.cpp",        "apps/cullhull/signals.cpp",
+    "src/parallel/threads/fork_guard.cpp",
+    "src/parallel/threads/helpers.cpp",
+    "src/parallel/int128.hpp",
+    "src/parallel/memory/machine_memory.cpp",
+    "src/parallel/memory/pages.cpp",
+    "src/parallel/prefetch.hpp",
+    "src/io/system.cpp",
+    "src/io/system.hpp",
+    "src/cuda/backend.cpp",
+    "apps/cullhull/signals.cpp",
     "apps/cullhull/system.cpp",
 };
 
@@ -136,12 +143,12 @@ TEST(Layers, SystemsAndCompilersAreNamedInTheirPlaces) {
   for (const std::string& place : portable_places) EXPECT_TRUE(fs::exists(root / place)) << place;
   const fs::path planted = fs::path(testing::TempDir()) / "cullhull_unportable";
   fs::create_directories(planted / "src/io");
-  std::ofstream(planted / "src/io/npy.cpp")
+  std::ofstream(planted / "src/io/formats/npy.cpp")
       << "#include <sys/mman.h>\nauto b = __builtin_clz(1);\n";
   std::ofstream(planted / "src/io/system.cpp") << "#include <sys/mman.h>\n";
   EXPECT_EQ(unportable(planted),
-            (std::vector<std::string>{"src/io/npy.cpp:1: #include <sys/mman.h>",
-                                      "src/io/npy.cpp:2: auto b = __builtin_clz(1);"}));
+            (std::vector<std::string>{"src/io/formats/npy.cpp:1: #include <sys/mman.h>",
+                                      "src/io/formats/npy.cpp:2: auto b = __builtin_clz(1);"}));
   fs::remove_all(planted);
 }
 
@@ -165,7 +172,7 @@ TEST(Layers, PlantedFaultsAreFound) {
   plant("src/geometry/a.hpp", "parallel/a.hpp");
   plant("src/result/b.hpp", "geometry/a.hpp");
   plant("src/flow/a.hpp", "result/b.hpp");
-  plant("src/paper/a.hpp", "geometry/a.hpp");
+  plant("src/filter/a.hpp", "geometry/a.hpp");
   plant("src/cuda/a.cpp", "flow/a.hpp");
   plant("src/certify/a.cpp", "geometry/a.hpp");
   plant("include/cullhull/a.hpp", "cullhull/b.hpp");
@@ -174,7 +181,7 @@ TEST(Layers, PlantedFaultsAreFound) {
   // … and these are not: up, sideways, the certificate, a public header, and where there is no
   // layer.
   plant("src/geometry/up.hpp", "result/b.hpp");
-  plant("src/cull/sideways.cpp", "paper/a.hpp");
+  plant("src/extreme/sideways.cpp", "filter/a.hpp");
   plant("src/cuda/up.hpp", "flow/a.hpp");
   plant("src/certify/trusting.cpp", "result/b.hpp");
   plant("src/io/knowing.cpp", "geometry/a.hpp");
@@ -185,8 +192,8 @@ TEST(Layers, PlantedFaultsAreFound) {
   EXPECT_EQ(faults(root), (std::vector<std::string>{
                               "src/certify/trusting.cpp includes result/b.hpp",
                               "src/cuda/up.hpp includes flow/a.hpp",
-                              "src/cull/sideways.cpp includes paper/a.hpp",
                               "src/elsewhere/a.cpp is in no folder that has a layer",
+                              "src/extreme/sideways.cpp includes filter/a.hpp",
                               "src/geometry/up.hpp includes result/b.hpp",
                               "src/io/knowing.cpp includes geometry/a.hpp",
                               "src/loose.cpp is in no folder that has a layer",

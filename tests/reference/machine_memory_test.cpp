@@ -1,5 +1,5 @@
 // How much memory there is: limits of control groups, as a container has them.
-#include "parallel/machine_memory.hpp"
+#include "parallel/memory/machine_memory.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "cull/planner.hpp"
+#include "filter/planner.hpp"
 
 #include <gtest/gtest.h>
 

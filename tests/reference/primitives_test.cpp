@@ -1,5 +1,5 @@
 // The data-parallel primitives: each executor against plain loops.
-#include "paper/primitives.hpp"
+#include "filter/pseudo_hull/primitives.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The PseudoHull by hand: every step of the paper's Algorithm 1, and the facet stream's addresses.
-#include "paper/pseudo_hull.hpp"
+#include "filter/pseudo_hull/pseudo_hull.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <set>
 
 #include "cullhull/options.hpp"
-#include "geometry/orientation.hpp"
-#include "paper/pseudo_hull_growth.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "filter/pseudo_hull/pseudo_hull_growth.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -6,8 +6,8 @@
 #include <random>
 
 #include "cullhull/certify.hpp"
-#include "geometry/local_points.hpp"
-#include "geometry/orientation.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "exact/points/local_points.hpp"
 #include "result/build_hull.hpp"
 #include "tests/reference/slow_hull.hpp"
 

@@ -1,6 +1,6 @@
 // From 4D on the result made in canonical order is the one that the fallback gives, bit for bit,
 // whatever of a simplex fits into its key, and a surface that is not a hull's is refused.
-#include "result/write_simplices.hpp"
+#include "result/write/write_simplices.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,8 +17,8 @@
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
 #include "parallel/sort_few.hpp"
-#include "result/facet_keys.hpp"
-#include "result/measure.hpp"
+#include "result/facets/facet_keys.hpp"
+#include "result/measures/measure.hpp"
 #include "result/merge.hpp"
 #include "result/order_facets.hpp"
 #include "tests/agreement/canonical_hash.hpp"

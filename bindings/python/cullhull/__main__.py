@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import glob
 import os
 import subprocess
 import sys
@@ -15,13 +14,24 @@ def program() -> str:
     return str(Path(__file__).parent / "bin" / "cullhull")
 
 
-def _scans(word: str) -> list[str]:
-    """The .laz files that a word of the command line names."""
-    if not word.lower().endswith(".laz") or word.startswith("-"):
+def _is_packed(name: str) -> bool:
+    return name.lower().endswith(".laz")
+
+
+def _inputs(word: str) -> list[str]:
+    """The files that a word of the command line stands for, if .laz are among them, else none: a
+    file, folder, pattern or, after @, a list of such."""
+    if os.path.isfile(word):
+        return [word] if _is_packed(word) else []
+    if word.startswith("-") or not (os.path.isdir(word) or set("@*?[") & set(word)):
         return []
-    if os.path.exists(word):
-        return [word]
-    return sorted(glob.glob(word))
+    from ._core import input_files
+
+    try:
+        files = list(input_files([word]))
+    except Exception:  # the program says what is wrong
+        return []
+    return files if any(map(_is_packed, files)) else []
 
 
 def _unpack(path: str, folder: str) -> str:
@@ -48,14 +58,16 @@ def main() -> None:
     path = program()
     words = sys.argv[1:]
     sys.stdout.flush()
-    if not any(_scans(word) for word in words):
+    if not any(map(_inputs, words)):
         os.execv(path, [path, *words])
     # As .las in a folder of its own, which is removed when the program has ended.
     with tempfile.TemporaryDirectory(prefix="cullhull-") as folder:
         given: list[str] = []
         try:
             for word in words:
-                given += [_unpack(scan, folder) for scan in _scans(word)] or [word]
+                given += [
+                    _unpack(file, folder) if _is_packed(file) else file for file in _inputs(word)
+                ] or [word]
         except (ImportError, ValueError) as error:
             sys.exit(f"cullhull: {error}")
         status = subprocess.call([path, *given])

@@ -9,8 +9,9 @@ import numpy.typing as npt
 
 from . import _core
 from ._arguments import Progress, settings
+from ._delaunay import triangulated
 from ._errors import InvalidArgument
-from ._triangulation import Triangulation, triangulated
+from ._triangulation import Triangulation
 
 
 def alpha_shape(
@@ -24,7 +25,7 @@ def alpha_shape(
 
     Parameters
     ----------
-    points : (n, d) array, or a `Triangulation` of `delaunay`
+    points : (n, d) array, or a triangulation: of `delaunay` or a `Delaunay`
     alpha : float or str
         The largest radius of a cell's circumscribed sphere, compared exactly; infinite for the
         convex hull. Or which one is looked for: ``"all-points"`` the least with a cell at every
@@ -157,7 +158,7 @@ def concave_hull(
 
     Parameters
     ----------
-    points : (n, d) array, or a `Triangulation` of `delaunay`
+    points : (n, d) array, or a triangulation: of `delaunay` or a `Delaunay`
     ratio : float, optional
         The limit as a share of the way from the shortest edge of the triangulation, 0, to the
         longest, 1, which gives the convex hull.
@@ -249,7 +250,7 @@ def alpha_radii(
 
     Parameters
     ----------
-    points : (n, d) array, or a `Triangulation` of `delaunay`
+    points : (n, d) array, or a triangulation: of `delaunay` or a `Delaunay`
     threads, progress : as in `convex_hull`
 
     Returns

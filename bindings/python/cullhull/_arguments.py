@@ -34,13 +34,37 @@ def as_points(points: Any, what: str = "points", *, axes: int = 2) -> npt.NDArra
     whatever their strides. 64-bit integers and other byte orders are converted to doubles, if that
     is exact; float16 to float32.
     """
-    array = points if type(points) is np.ndarray else _from_anything(points, what)
+    array = points if type(points) is np.ndarray else as_array(points, what)
     if array.ndim != axes:
-        raise InvalidArgument(f"`{what}` should be a {axes}D array, not {array.ndim}D")
+        if array.ndim == 0 and array.dtype == object:  # no array at all
+            kind = type(points).__name__
+            raise InvalidArgument(f"`{what}` should be a {axes}D array, not of type {kind}")
+        raise wrong_axes(what, axes, array.ndim)
     dtype = array.dtype
     if dtype.char in IN_PLACE and dtype.isnative:
         return array
     return _converted(array, what)
+
+
+def refuse_mask(array: Any, what: str) -> None:
+    """Raises for a masked array, whose mask NumPy's functions would drop."""
+    if isinstance(array, np.ma.MaskedArray):
+        raise InvalidArgument(
+            f"`{what}` cannot be a masked array: leave masked rows out and pass array.data"
+        )
+
+
+def as_coordinates(points: Any, what: str = "points") -> npt.NDArray[np.float64]:
+    """Coordinates of any shape as doubles; converted only where that is exact, as `as_points`."""
+    array = as_array(points, what)
+    if not (array.dtype.char in IN_PLACE and array.dtype.isnative):
+        array = _converted(array, what)
+    return np.asarray(array, dtype=np.float64)
+
+
+def wrong_axes(what: str, axes: int, found: int) -> InvalidArgument:
+    """The error for an array of `found` axes, in words that programs match SciPy's by."""
+    return InvalidArgument(f"`{what}` should be a {axes}D array; its number of dimensions is {found}")
 
 
 def as_point_set(points: Any) -> npt.NDArray[Any]:
@@ -52,9 +76,9 @@ def as_point_set(points: Any) -> npt.NDArray[Any]:
     return array
 
 
-def _from_anything(points: Any, what: str) -> npt.NDArray[Any]:
-    if isinstance(points, np.ma.MaskedArray):
-        raise InvalidArgument(f"`{what}` cannot be a masked array; pass array.compressed() or so")
+def as_array(points: Any, what: str) -> npt.NDArray[Any]:
+    """An array of what users hold numbers in, of any shape and type; a masked one raises."""
+    refuse_mask(points, what)
     if isinstance(points, np.ndarray):
         return points.view(np.ndarray)
     if hasattr(points, "__cuda_array_interface__"):
@@ -150,7 +174,7 @@ def as_questions(
     points: Any, dimension: int, what: str, whose: str = "hull"
 ) -> tuple[npt.NDArray[Any], bool]:
     """Rows to ask about, and whether it was a single one: shape (d,) instead of (m, d)."""
-    array = points if type(points) is np.ndarray else _from_anything(points, what)
+    array = points if type(points) is np.ndarray else as_array(points, what)
     single = array.ndim == 1
     if single:
         array = array[np.newaxis, :]

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arguments import Progress, as_point_set, settings
+from ._arguments import Progress, as_point_set, refuse_mask, settings
 from ._errors import InvalidArgument, NotCertified
 from ._hull import Certificate
 
@@ -64,6 +64,7 @@ def constrained_delaunay(
     """
     chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
     array = as_point_set(points)
+    refuse_mask(edges, "edges")
     pairs = np.asarray(edges)
     if pairs.size == 0:
         pairs = np.zeros((0, 2), dtype=np.int32)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._arguments import Progress, as_point_set, as_points
+from ._arguments import Progress, as_array, as_coordinates, as_point_set, as_points
 from ._drop_in import raise_flat
 from ._errors import InvalidArgument
 from ._incremental import Incremental, Lazy, lazy_names
@@ -496,15 +496,32 @@ class Delaunay(Lifted):
         return distances
 
     def _as_questions(self, x: Any) -> npt.NDArray[np.float64]:
-        array = np.asanyarray(x)
+        array = as_array(x, "xi")
         if array.ndim == 0:  # SciPy's error for what is no point at all
             raise IndexError("wrong dimensionality in xi")
         if array.shape[-1] != self.ndim:
             raise InvalidArgument("wrong dimensionality in xi")
-        return np.asarray(array, dtype=np.float64)
+        return as_coordinates(array, "xi")
 
 
 Delaunay._lazy = lazy_names(Lifted) | lazy_names(Delaunay)
+
+
+def as_triangulation(points: Any) -> Triangulation | None:
+    """The native triangulation that a caller passes in the place of points, if it is one."""
+    if isinstance(points, Delaunay):
+        return points.triangulation
+    return points if isinstance(points, Triangulation) else None
+
+
+def triangulated(points: Any, *, threads: int | None, progress: Progress) -> Triangulation:
+    """The triangulation of points, or the one that is passed in their place."""
+    found = as_triangulation(points)
+    if found is None:
+        return delaunay(points, threads=threads, progress=progress)
+    if found.weights is not None:
+        raise InvalidArgument("this is of triangulations without weights")
+    return found
 
 
 def tsearch(tri: Delaunay, xi: Any) -> npt.NDArray[np.int32]:

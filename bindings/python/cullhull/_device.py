@@ -6,6 +6,7 @@ import operator
 from typing import Any
 
 from . import _core
+from ._arguments import wrong_axes
 from ._errors import BackendUnavailable, InvalidArgument
 
 _DLPACK_CUDA = (2, 13)  # device and managed memory
@@ -29,7 +30,7 @@ def as_device_points(points: Any, *, sets: bool = False) -> _core.DevicePoints |
             raise BackendUnavailable(f"points in a device's memory: {status['reason']}")
         view = _from_dlpack(points)
         if not sets and view.sets >= 0:
-            raise InvalidArgument("`points` should be a 2D array, not 3D")
+            raise wrong_axes("points", 2, 3)
         return view
     return None
 
@@ -194,7 +195,7 @@ def _from_interface(interface: Any, owner: Any) -> _core.DevicePoints:
         raise InvalidArgument("`points` cannot be a masked array")
     shape = _integers(interface["shape"], "shape")
     if len(shape) != 2:
-        raise InvalidArgument(f"`points` should be a 2D array, not {len(shape)}D")
+        raise wrong_axes("points", 2, len(shape))
     kind = interface["typestr"]
     if kind not in ("<f4", "<f8"):
         raise TypeError(f"points on a device must be float32 or float64, not {kind!r}")

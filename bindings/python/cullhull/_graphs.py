@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._arguments import Progress, settings
-from ._triangulation import triangulated
+from ._delaunay import triangulated
 
 
 def minimum_spanning_tree(
@@ -23,7 +23,7 @@ def minimum_spanning_tree(
 
     Parameters
     ----------
-    points : (n, d) array, or a `Triangulation` of `delaunay`
+    points : (n, d) array, or a triangulation: of `delaunay` or a `Delaunay`
     threads, progress : as in `convex_hull`
 
     Returns
@@ -57,7 +57,7 @@ def gabriel_graph(
 
     Parameters
     ----------
-    points : (n, d) array, or a `Triangulation` of `delaunay`
+    points : (n, d) array, or a triangulation: of `delaunay` or a `Delaunay`
     threads, progress : as in `convex_hull`
 
     Returns
@@ -88,7 +88,7 @@ def relative_neighbourhood_graph(
 
     Parameters
     ----------
-    points : (n, d) array, or a `Triangulation` of `delaunay`
+    points : (n, d) array, or a triangulation: of `delaunay` or a `Delaunay`
     threads, progress : as in `convex_hull`
 
     Returns

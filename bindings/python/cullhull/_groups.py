@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._arguments import Progress, as_points
+from ._arguments import Progress, as_points, refuse_mask
 from ._errors import InvalidArgument
 from ._hull import Hull
 from ._many import HullBatch, convex_hulls
@@ -19,7 +19,7 @@ class GroupHulls(Mapping[Any, Hull]):
 
     Arrays over all groups are in `batch`, in the order of `keys`; which points a group has is in
     `members`. Vertex indices of a group's hull count its own points: ``members(key)[hull.vertices]``
-    are the rows of all points.
+    are the rows of all points. Two of them are equal where keys, members and hulls are.
 
     Raises
     ------
@@ -85,6 +85,22 @@ class GroupHulls(Mapping[Any, Hull]):
         """(g,) array of the keys, ascending: group i of `batch` has ``group_keys[i]``."""
         return self._keys
 
+    def __eq__(self, other: object) -> bool:
+        """Whether both have the same keys, with the same points, and these the same hulls."""
+        if not isinstance(other, GroupHulls):
+            return NotImplemented
+        return self is other or all(
+            np.array_equal(mine, theirs) for mine, theirs in zip(self._parts(), other._parts())
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def _parts(self) -> tuple[npt.NDArray[Any], ...]:
+        """What all else follows from: keys, whose points, and where the hulls' vertices are."""
+        vertices = self.batch.vertices
+        corners = vertices.offsets, vertices.items, self.batch.vertex_points
+        return (self._keys, self._order, self._starts, *corners)
+
     def members(self, key: Any) -> npt.NDArray[np.int64]:
         """Indices of the points that have this key, ascending.
 
@@ -141,6 +157,7 @@ def _as_they_are(keys: Any) -> npt.NDArray[Any]:
 
 def _codes(keys: Any) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
     """The keys there are, ascending, and for each point the place of its own among them."""
+    refuse_mask(keys, "keys")
     if hasattr(keys, "combine_chunks"):  # an Arrow column, maybe in chunks
         keys = keys.combine_chunks()
     if hasattr(keys, "null_count"):  # a number in Arrow, a method in polars

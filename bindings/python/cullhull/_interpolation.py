@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arguments import as_point_set, settings
-from ._delaunay import Delaunay
+from ._arguments import as_array, as_coordinates, as_point_set, settings
+from ._delaunay import Delaunay, as_triangulation
 from ._errors import InvalidArgument
+from ._incremental import Lazy
 from ._scipy import of_scipy
 from ._triangulation import Triangulation, delaunay
 
@@ -24,61 +26,67 @@ class _Interpolator:
 
     points: npt.NDArray[np.float64]
     values: npt.NDArray[Any]
-    #: What questions are shifted by and then divided by; None without ``rescale``.
-    _offset: npt.NDArray[np.float64] | None = None
-    _scale: npt.NDArray[np.float64] | None = None
+    values_shape: tuple[int, ...]
+    is_complex: bool
+    fill_value: float | complex
+    #: What coordinates are divided by, after `offset` is taken from them; None without ``rescale``.
+    scale: npt.NDArray[np.float64] | None
+    offset: npt.NDArray[np.float64]
 
     def _set_points(self, points: Any, rescale: bool) -> None:
         rows = as_point_set(_rows(points))
         if rows.shape[1] < 2:
             raise InvalidArgument("input data must be at least 2-D")
         array = np.ascontiguousarray(rows, dtype=np.float64)
+        self.scale = None
         if rescale and len(array):
-            self._offset = array.mean(axis=0)
+            self.offset = array.mean(axis=0)
             scale = np.ptp(array, axis=0)
-            self._scale = np.where(scale > 0, scale, 1.0)
-            array = (array - self._offset) / self._scale
+            self.scale = np.where(scale > 0, scale, 1.0)
+            array = (array - self.offset) / self.scale
         self.points = array
 
     def __repr__(self) -> str:
         n, d = self.points.shape
-        shape = self.values.shape[1:]
-        each = f", values of shape {shape}" if shape else ""
+        each = f", values of shape {self.values_shape}" if self.values_shape else ""
         return f"<{type(self).__name__} of {n} points in {d}D{each}>"
 
-    def _set_values(self, values: Any) -> None:
-        self.values = np.asarray(values)
+    def _set_values(self, values: Any, fill_value: Any) -> None:
+        self.values = as_array(values, "values")
         if self.values.ndim == 0 or len(self.values) != len(self.points):
             raise InvalidArgument("different number of values and points")
+        self.values_shape = self.values.shape[1:]
+        self.is_complex = np.iscomplexobj(self.values)
+        self.fill_value = complex(fill_value) if self.is_complex else float(fill_value)
 
     def _questions(self, args: tuple[Any, ...]) -> npt.NDArray[np.float64]:
         d = self.points.shape[1]
-        xi = np.asarray(_rows(args), dtype=np.float64)
+        xi = as_coordinates(_rows(args, "xi"), "xi")
         if xi.ndim == 1 and (len(args) == 1 and not isinstance(args[0], tuple)) and xi.size % d == 0:
             xi = xi.reshape(-1, d)  # as SciPy: coordinates one after another
         if xi.ndim == 0 or xi.shape[-1] != d:
             raise InvalidArgument("number of dimensions in xi does not match x")
-        if self._scale is not None and self._offset is not None:
-            xi = (xi - self._offset) / self._scale
-        return xi
+        return xi if self.scale is None else (xi - self.offset) / self.scale
 
     def _spread(
         self,
         xi: npt.NDArray[np.float64],
         inside: npt.NDArray[np.bool_],
         found: npt.NDArray[Any],
-        fill: Any,
     ) -> npt.NDArray[Any]:
         """Answers in the shape of the questions; `found` those inside."""
-        out = np.full((inside.size, *self.values.shape[1:]), fill, dtype=found.dtype)
+        each = found.shape[1:]
+        out = np.full((inside.size, *each), self.fill_value, dtype=found.dtype)
         out[inside] = found
-        return out.reshape(xi.shape[:-1] + self.values.shape[1:])
+        return out.reshape(xi.shape[:-1] + each)
 
 
 class _OnCells(_Interpolator):
     """Those that need a triangulation."""
 
     tri: Delaunay
+    #: Where there is a limit: the most dimensions that the points may have.
+    _most_dimensions: int | None = None
 
     def __init__(
         self,
@@ -90,27 +98,37 @@ class _OnCells(_Interpolator):
         threads: int | None = None,
     ) -> None:
         self._threads = threads
-        if isinstance(points, Triangulation):
-            points = Delaunay._of(points)
-        if isinstance(points, Delaunay):
+        given = as_triangulation(points)
+        if given is None:
+            self._set_points(points, rescale)
+            self._require_few_dimensions()
+            self.tri = Delaunay(self.points, threads=threads)
+        else:
             if rescale:
                 raise InvalidArgument(
                     "Rescaling is not supported when passing a Delaunay triangulation as "
                     "``points``."
                 )
-            if points.furthest_site or points.triangulation.weights is not None:
+            if given.furthest_site or given.weights is not None:
                 raise InvalidArgument(
                     "interpolation needs a Delaunay triangulation, neither weighted nor of the "
                     "furthest site"
                 )
-            self.tri, self.points = points, points.points
-        else:
-            self._set_points(points, rescale)
-            self.tri = Delaunay(self.points, threads=threads)
-        self._set_values(values)
-        kind = np.complex128 if np.iscomplexobj(self.values) else np.float64
-        self.values = np.ascontiguousarray(self.values, dtype=kind)
-        self.fill_value = kind(fill_value)
+            self.scale = None
+            self.tri = points if isinstance(points, Delaunay) else Delaunay._of(given)
+            self.points = self.tri.points
+            self._require_few_dimensions()
+        self._set_values(values, fill_value)
+        kind = np.complex128 if self.is_complex else np.float64
+        rows = self.values.reshape(len(self.points), math.prod(self.values_shape))
+        self.values = np.ascontiguousarray(rows, dtype=kind)
+
+    def _require_few_dimensions(self) -> None:
+        dimension, most = self.points.shape[1], self._most_dimensions
+        if most is not None and dimension > most:
+            raise InvalidArgument(
+                f"natural neighbours are of points in up to {most} dimensions, not in {dimension}"
+            )
 
 
 class LinearNDInterpolator(_OnCells):
@@ -129,9 +147,14 @@ class LinearNDInterpolator(_OnCells):
 
     Attributes
     ----------
-    points, values : the arrays
-    tri : Delaunay
+    points : (n, d) float64; with `rescale` those that are triangulated
+    values : (n, m) float64 or complex128: a row for the numbers of each value, in C's order
+    values_shape : tuple of int: the shape of a value, m numbers
+    is_complex : bool
     fill_value : float or complex
+    tri : Delaunay
+    scale : (d,) float64, or None without `rescale`
+    offset : (d,) float64; with `rescale` alone: questions x are looked up at (x - offset) / scale
 
     Raises
     ------
@@ -168,11 +191,11 @@ class LinearNDInterpolator(_OnCells):
         native = self.tri.triangulation
         shares = native.barycentric(rows, cells, threads=self._threads)
         corners = native.cells[cells]
-        found = np.zeros((len(cells), *self.values.shape[1:]), dtype=self.values.dtype)
-        shape = (-1, *(1,) * (self.values.ndim - 1))
+        values = self.values.reshape(len(self.points), -1)
+        found = np.zeros((len(cells), values.shape[1]), dtype=values.dtype)
         for j in range(corners.shape[1]):
-            found += shares[:, j].reshape(shape) * self.values[corners[:, j]]
-        return self._spread(xi, inside, found, self.fill_value)
+            found += shares[:, j, np.newaxis] * values[corners[:, j]]
+        return self._spread(xi, inside, found.reshape(len(found), *self.values_shape))
 
 
 class NaturalNDInterpolator(_OnCells):
@@ -185,7 +208,7 @@ class NaturalNDInterpolator(_OnCells):
     Parameters
     ----------
     points : (n, d) array, tuple of d arrays, `Delaunay` or `Triangulation`
-        d is 2 or 3; of more dimensions where they span no more than 3.
+        d is 2 or 3.
     values : (n, ...) array of float or complex
     fill_value : float
         The value outside the points' hull.
@@ -196,15 +219,20 @@ class NaturalNDInterpolator(_OnCells):
 
     Attributes
     ----------
-    points, values : the arrays
-    tri : Delaunay
+    points : (n, d) float64; with `rescale` those that are triangulated
+    values : (n, m) float64 or complex128: a row for the numbers of each value, in C's order
+    values_shape : tuple of int: the shape of a value, m numbers
+    is_complex : bool
     fill_value : float or complex
+    tri : Delaunay
+    scale : (d,) float64, or None without `rescale`
+    offset : (d,) float64; with `rescale` alone: questions x are looked up at (x - offset) / scale
 
     Raises
     ------
     InvalidArgument, NotFinite (ValueErrors), QhullError
-        As `Delaunay`; also for another number of values than of points, and when called for points
-        that span more than 3 dimensions.
+        As `Delaunay`; also for another number of values than of points, and for more than 3
+        dimensions.
 
     Examples
     --------
@@ -217,6 +245,8 @@ class NaturalNDInterpolator(_OnCells):
     >>> ids.tolist(), weights.tolist()
     ([0, 1, 4], [0.25, 0.25, 0.5])
     """
+
+    _most_dimensions = 3
 
     def __init__(
         self,
@@ -238,9 +268,8 @@ class NaturalNDInterpolator(_OnCells):
         self._prepare()
 
     def _prepare(self) -> None:
-        n = len(self.values)
-        parts = self.values.reshape(n, -1)
-        if np.iscomplexobj(parts):
+        parts = self.values
+        if self.is_complex:
             parts = np.concatenate([parts.real, parts.imag], axis=1)
         self._components = parts.shape[1]
         self._native = _core.interpolator(
@@ -271,11 +300,10 @@ class NaturalNDInterpolator(_OnCells):
         chosen = settings(threads=self._threads)
         found: npt.NDArray[Any] = self._native.natural(rows[inside], np.nan, chosen)
         found = found.reshape(-1, self._components)
-        if np.iscomplexobj(self.values):
+        if self.is_complex:
             half = self._components // 2
             found = found[:, :half] + 1j * found[:, half:]
-        found = found.reshape(-1, *self.values.shape[1:])
-        return self._spread(xi, inside, found, self.fill_value)
+        return self._spread(xi, inside, found.reshape(len(found), *self.values_shape))
 
     def neighbours(self, point: Any) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.float64]]:
         """The points that a value comes from, and their weights.
@@ -326,7 +354,15 @@ class NearestNDInterpolator(_Interpolator):
 
     Attributes
     ----------
-    points, values : the arrays
+    points : (n, d) float64; with `rescale` those that are searched
+    values : the array
+    values_shape : tuple of int: the shape of a value
+    is_complex : bool
+    tree : scipy.spatial.cKDTree of `points`, made when it is first asked for
+    tri : None
+    fill_value : NaN, float or complex
+    scale : (d,) float64, or None without `rescale`
+    offset : (d,) float64; with `rescale` alone: questions x are looked up at (x - offset) / scale
 
     Raises
     ------
@@ -353,9 +389,10 @@ class NearestNDInterpolator(_Interpolator):
         self._threads = threads
         self._tree_options = dict(tree_options or {})
         self._set_points(x, rescale)
-        self._set_values(y)
+        self._set_values(y, np.nan)
         if len(self.points) == 0:
             raise InvalidArgument("No points given")
+        self.tri = None
         self._native: Triangulation | None = None
         if self.points.shape[1] <= _MOST_DIMENSIONS:
             self._native = delaunay(self.points, threads=threads)
@@ -397,22 +434,27 @@ class NearestNDInterpolator(_Interpolator):
                 away = np.sqrt(((self.points[ids] - rows) ** 2).sum(axis=1))
                 inside = away < distance_upper_bound
         else:
-            away, ids = self._tree().query(
+            away, ids = self.tree.query(
                 rows, eps=eps, p=p, distance_upper_bound=distance_upper_bound, workers=workers
             )
             inside = np.isfinite(away)
         found = self.values[ids[inside]]
         if not np.iscomplexobj(found):
             found = found.astype(np.float64)
-        return self._spread(xi, inside, found, np.nan)
+        return self._spread(xi, inside, found)
 
-    def _tree(self) -> Any:
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "tree"}
+
+    @Lazy
+    def tree(self) -> Any:
+        """scipy.spatial.cKDTree of `points`, with `tree_options`; an ImportError without SciPy."""
         try:
             from scipy.spatial import cKDTree
         except ImportError:
             raise ImportError(
-                f"in more than {_MOST_DIMENSIONS} dimensions and for p != 2 SciPy's tree is asked, "
-                "and SciPy is not installed"
+                f"in more than {_MOST_DIMENSIONS} dimensions, for p != 2 and as `tree` SciPy's tree "
+                "is used, and SciPy is not installed"
             ) from None
         return cKDTree(self.points, **self._tree_options)
 
@@ -460,7 +502,7 @@ def griddata(
     >>> cullhull.griddata(corners, heights, [[0.25, 0.5], [1, 1]]).tolist()
     [1.25, nan]
     """
-    rows = np.asarray(_rows(points))
+    rows = as_coordinates(_rows(points))
     dimension = 1 if rows.ndim < 2 else rows.shape[-1]
     if (dimension == 1 and method in ("linear", "nearest", "cubic")) or (
         dimension == 2 and method == "cubic"
@@ -472,7 +514,12 @@ def griddata(
                 "which is not installed"
             )
         found: npt.NDArray[Any] = theirs(
-            points, values, xi, method, fill_value=fill_value, rescale=rescale
+            rows,
+            as_array(values, "values"),
+            as_coordinates(_rows(xi, "xi"), "xi"),
+            method,
+            fill_value=fill_value,
+            rescale=rescale,
         )
         return found
     if method == "nearest":
@@ -486,11 +533,11 @@ def griddata(
     )
 
 
-def _rows(points: Any) -> Any:
+def _rows(points: Any, what: str = "points") -> Any:
     """A tuple of coordinates, broadcast together, as one array; others as they are."""
     if isinstance(points, tuple) and len(points) == 1:
-        return _rows(points[0])
+        return _rows(points[0], what)
     if isinstance(points, tuple):
-        columns = np.broadcast_arrays(*points)
-        return np.stack([np.asarray(column, dtype=np.float64) for column in columns], axis=-1)
+        columns = np.broadcast_arrays(*(as_coordinates(column, what) for column in points))
+        return np.stack(columns, axis=-1)
     return points

@@ -9,7 +9,15 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arguments import Progress, as_count, as_point_set, as_points, as_position, settings
+from ._arguments import (
+    Progress,
+    as_count,
+    as_point_set,
+    as_points,
+    as_position,
+    refuse_mask,
+    settings,
+)
 from ._device import DeviceArray, as_device_offsets, as_device_points, set_shape
 from ._errors import InvalidArgument
 from ._hull import Hull
@@ -193,6 +201,7 @@ def convex_hulls(
 
 
 def _as_offsets(offsets: Any) -> npt.NDArray[np.int64]:
+    refuse_mask(offsets, "offsets")
     starts = np.asarray(offsets)
     if starts.ndim != 1 or starts.dtype.kind not in "iu" or starts.size == 0:
         raise InvalidArgument("`offsets` should be a list of at least one integer")

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, Union
 import numpy as np
 import numpy.typing as npt
 
+from ._columns import side_by_side
 from ._errors import BadFile, InvalidArgument, ShapeWarning, warn
 
 Columns = Union[Sequence[str], Sequence[int], None]
@@ -31,7 +32,8 @@ class Choice(NamedTuple):
     """The columns to read, and what makes (n, d) rows of a batch of them."""
 
     columns: list[str]
-    rows: Callable[[Any, str], Rows] | None  #: of one column; None: each column is a coordinate
+    #: Of one column, its name and the number of its first row; None: each column is a coordinate.
+    rows: Callable[[Any, str, int], Rows] | None
 
 
 def choose(name: str, schema: Any, columns: Columns) -> Choice:
@@ -128,7 +130,7 @@ def _is_number(kind: Any) -> bool:
     return bool(t.is_integer(kind) or t.is_floating(kind))
 
 
-def _rows_of(kind: Any) -> Callable[[Any, str], Rows] | None:
+def _rows_of(kind: Any) -> Callable[[Any, str, int], Rows] | None:
     t: Any = importlib.import_module("pyarrow.types")
 
     if t.is_fixed_size_list(kind) or t.is_list(kind) or t.is_large_list(kind):
@@ -146,7 +148,7 @@ def _refuse_holes(array: Any, column: str) -> None:
         raise BadFile(f"column {column!r} has missing values")
 
 
-def _rows_of_lists(array: Any, column: str) -> Rows:
+def _rows_of_lists(array: Any, column: str, first: int = 0) -> Rows:
     _refuse_holes(array, column)
     if len(array) == 0:
         return np.empty((0, 0))
@@ -159,16 +161,18 @@ def _rows_of_lists(array: Any, column: str) -> Rows:
     return np.asarray(flat.to_numpy(zero_copy_only=False)).reshape(len(array), lengths.pop())
 
 
-def _rows_of_structs(array: Any, column: str) -> Rows:
+def _rows_of_structs(array: Any, column: str, first: int = 0) -> Rows:
     _refuse_holes(array, column)
     names = [array.type.field(i).name for i in range(array.type.num_fields)]
-    axes = [array.field(axis) for axis in "xyz" if axis in names]
+    names = [axis for axis in "xyz" if axis in names]
+    axes = [array.field(axis) for axis in names]
     for axis in axes:
         _refuse_holes(axis, column)
-    return np.column_stack([axis.to_numpy(zero_copy_only=False) for axis in axes])
+    parts = [axis.to_numpy(zero_copy_only=False) for axis in axes]
+    return side_by_side(parts, names, f"column {column!r}", first)
 
 
-def _rows_of_wkb(array: Any, column: str) -> Rows:
+def _rows_of_wkb(array: Any, column: str, first: int = 0) -> Rows:
     _refuse_holes(array, column)
     geometries = array.to_pylist()
     if not geometries:
@@ -178,20 +182,22 @@ def _rows_of_wkb(array: Any, column: str) -> Rows:
     if len(whole) == size * len(geometries) and all(len(g) == size for g in geometries):
         bytes_ = np.frombuffer(whole, np.uint8).reshape(-1, size)
         if size >= 9 and (bytes_[:, :5] == bytes_[0, :5]).all():
-            order, width, start = _wkb_head(geometries[0], column, 0)
+            order, width, start = _wkb_head(geometries[0], column, first)
             if size >= start + 8 * width:
                 packed = np.ascontiguousarray(bytes_[:, start : start + 8 * width])
                 rows = packed.view(order + "f8").astype(np.float64)
                 empty = np.flatnonzero(np.isnan(rows).all(axis=1))
                 if empty.size:
-                    raise BadFile(f"column {column!r}, row {empty[0]}: an empty point")
+                    raise BadFile(f"column {column!r}, row {first + empty[0]}: an empty point")
                 return rows
-    return np.array(_wkb_one_by_one(geometries, column))
+    return np.array(_wkb_one_by_one(geometries, column, first))
 
 
-def _wkb_one_by_one(geometries: list[bytes], column: str) -> list[tuple[float, ...]]:
+def _wkb_one_by_one(
+    geometries: list[bytes], column: str, first: int
+) -> list[tuple[float, ...]]:
     rows: list[tuple[float, ...]] = []
-    for i, geometry in enumerate(geometries):
+    for i, geometry in enumerate(geometries, first):
         order, width, start = _wkb_head(geometry, column, i)
         if rows and width != len(rows[0]):
             raise BadFile(

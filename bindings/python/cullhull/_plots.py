@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ._delaunay import Delaunay
 from ._errors import InvalidArgument
+from ._triangulation import Triangulation
 
 
 def _axes(points: npt.NDArray[np.float64], ax: Any, what: str) -> Any:
@@ -32,7 +34,7 @@ def delaunay_plot_2d(tri: Any, ax: Any = None) -> Any:
 
     Parameters
     ----------
-    tri : Delaunay, of this package or SciPy
+    tri : Delaunay, of this package or SciPy, or the `Triangulation` of `delaunay`
     ax : matplotlib.axes.Axes, optional
         A new figure's if not given.
 
@@ -43,7 +45,7 @@ def delaunay_plot_2d(tri: Any, ax: Any = None) -> Any:
     Raises
     ------
     InvalidArgument (a ValueError)
-        In other dimensions.
+        In other dimensions, and for points on a line.
     ImportError
         Without Matplotlib.
 
@@ -53,6 +55,8 @@ def delaunay_plot_2d(tri: Any, ax: Any = None) -> Any:
     >>> cullhull.delaunay_plot_2d(cullhull.Delaunay([[0, 0], [1, 0], [0, 1]]))  # doctest: +SKIP
     <Figure size 640x480 with 1 Axes>
     """
+    if isinstance(tri, Triangulation):
+        tri = Delaunay._of(tri)
     points = tri.points
     ax = _axes(points, ax, "Delaunay triangulation")
     ax.plot(points[:, 0], points[:, 1], "o")

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._arguments import as_count
+from ._columns import side_by_side
 from ._errors import BadFile, Error, InvalidArgument, ShapeWarning, warn
 from ._parquet import choose
 
@@ -66,6 +67,7 @@ def read(
     Raises
     ------
     BadFile, InvalidArgument (ValueErrors), OSError
+        BadFile also for a 64-bit integer beside columns of doubles that no double equals.
     ImportError
         Where the format's package is not installed; it says which.
 
@@ -249,7 +251,8 @@ def _columns_of(
     taken = _numbers(columns, len(datasets), path)
     step = size or max(1, count)
     for start in range(0, count, step):
-        yield np.column_stack([datasets[j][start : start + step] for j in taken])
+        parts = [datasets[j][start : start + step] for j in taken]
+        yield side_by_side(parts, [names[j] for j in taken], path, start)
 
 
 def _zarr(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
@@ -348,9 +351,11 @@ def _parquet(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDAr
         file = parquet.ParquetFile(_opened(name))
         wanted, rows = choose(name, file.schema_arrow, columns)
         before: int | None = None
+        done = 0
         for batch in file.iter_batches(batch_size=size or _MANY, columns=wanted):
             if rows is not None:
-                block = _named(name, rows, batch.column(wanted[0]), wanted[0])
+                block = _named(name, rows, batch.column(wanted[0]), wanted[0], done)
+                done += len(batch)
                 if before not in (None, block.shape[1]):
                     raise BadFile(
                         f"{name}: column {wanted[0]!r}: points of {before} and of "
@@ -362,18 +367,22 @@ def _parquet(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDAr
             for column in wanted:
                 if batch.column(column).null_count:
                     raise BadFile(f"{name}: column {column!r} has missing values")
-            yield np.column_stack(
-                [batch.column(column).to_numpy(zero_copy_only=False) for column in wanted]
-            )
+            parts = [batch.column(column).to_numpy(zero_copy_only=False) for column in wanted]
+            yield side_by_side(parts, wanted, name, done)
+            done += len(batch)
     except arrow.lib.ArrowException as error:
         raise BadFile(f"{name}: {' '.join(str(error).split())}") from None
 
 
 def _named(
-    name: str, rows: Callable[[Any, str], npt.NDArray[Any]], array: Any, column: str
+    name: str,
+    rows: Callable[[Any, str, int], npt.NDArray[Any]],
+    array: Any,
+    column: str,
+    first: int,
 ) -> npt.NDArray[Any]:
     try:
-        return rows(array, column)
+        return rows(array, column, first)
     except BadFile as error:
         raise BadFile(f"{name}: {error}") from None
 

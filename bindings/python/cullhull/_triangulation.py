@@ -80,15 +80,6 @@ def delaunay(
     return result
 
 
-def triangulated(points: Any, *, threads: int | None, progress: Progress) -> Triangulation:
-    """``points`` if it is a triangulation already, else theirs."""
-    if isinstance(points, Triangulation):
-        if points.weights is not None:
-            raise InvalidArgument("this is of triangulations without weights")
-        return points
-    return delaunay(points, threads=threads, progress=progress)
-
-
 class Triangulation:
     """An exact Delaunay or regular triangulation, made by `delaunay`.
 

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._arguments import Progress, as_points, settings
-from ._delaunay import Lifted
+from ._delaunay import Lifted, as_triangulation
 from ._errors import InvalidArgument
 from ._incremental import Lazy, lazy_names
 from ._lists import Lists
@@ -32,7 +32,7 @@ def voronoi(
 
     Parameters
     ----------
-    points : (n, d) array, or a `Triangulation` of `delaunay`
+    points : (n, d) array, or a triangulation: of `delaunay` or a `Delaunay`
         As of `delaunay`.
     weights, furthest_site : as of `delaunay`
     threads, memory_budget, progress : as in `convex_hull`
@@ -55,10 +55,10 @@ def voronoi(
     ([[1.0, 1.0]], [[0, 1], [0, 3], [1, 2], [2, 3]])
     """
     chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
-    if isinstance(points, Triangulation):
+    found = as_triangulation(points)
+    if found is not None:
         if weights is not None or furthest_site:
             raise InvalidArgument("the triangulation has its weights and its kind already")
-        found = points
     else:
         found = delaunay(
             points,
@@ -172,13 +172,19 @@ class VoronoiDiagram:
         threads: int | None = None,
         progress: Progress = None,
     ) -> ClippedCells:
-        """The cells within a box or a convex region, in 1D, 2D and 3D.
+        """The cells within a box, polygons or a convex region, in 1D, 2D and 3D.
+
+        Exact: cells that meet in a corner have the same bits for it, corners of the diagram are
+        those of `vertices`, and no corner is outside a box.
 
         Parameters
         ----------
         low, high : (d,) arrays
-            A box; or `low` alone, an (m, d) array: the corners of a convex region. A polygon with
-            dents is refused.
+            A box. Or `low` alone is the region: in 2D an (m, 2) array, the corners of a polygon in
+            order, which may have dents; a list of such arrays, rings of which an odd number
+            surrounds what is inside, so that polygons may have holes and several parts; or anything
+            with a ``__geo_interface__``, as shapely's polygons have. In 1D and 3D an (m, d) array,
+            of whose points the convex hull is taken.
         shapes : bool
             Whether the cells' corners and faces are wanted, or only their measures.
         threads, progress : as in `convex_hull`
@@ -190,8 +196,7 @@ class VoronoiDiagram:
         Raises
         ------
         InvalidArgument, NotFinite (ValueErrors)
-            For a region that is empty, flat or not convex, for d > 3, and where points and region
-            are so far apart that doubles cannot hold the cells.
+            For a region that is empty or flat, whose boundary crosses itself, and for d > 3.
         KeyboardInterrupt
 
         Examples
@@ -200,25 +205,75 @@ class VoronoiDiagram:
         >>> found = cullhull.voronoi([[0, 0], [2, 0], [0, 2], [2, 2], [1, 1]])
         >>> found.clip([0, 0], [2, 2]).measures.tolist()
         [0.5, 0.5, 0.5, 0.5, 2.0]
+        >>> found.clip([[0, 0], [2, 0], [2, 2], [1, 1]]).measures.tolist()
+        [0.25, 0.5, 0.0, 0.25, 1.0]
         """
+        region: Any = (low,) if high is None else (low, high)
+        return ClippedCells._of(self, self._clip(region, bool(shapes), threads, progress), region)
+
+    def _clip(
+        self, region: tuple[Any, ...], shapes: bool, threads: int | None, progress: Progress
+    ) -> _core.ClippedCells:
         cells, chosen = self.triangulation._cells, settings(threads=threads, progress=progress)
-        if high is None:
-            region = as_points(low, "region")
-            return ClippedCells(_core.clip_to_hull(cells, region, bool(shapes), chosen))
-        corners = [np.asarray(as_points(c, "corner", axes=1), dtype=np.float64) for c in (low, high)]
-        return ClippedCells(
-            _core.clip_to_box(cells, corners[0].tolist(), corners[1].tolist(), bool(shapes), chosen)
-        )
+        if len(region) == 2:
+            low, high = (
+                np.asarray(as_points(c, "corner", axes=1), dtype=np.float64).tolist()
+                for c in region
+            )
+            return _core.clip_to_box(cells, low, high, shapes, chosen)
+        rings = _rings(region[0])
+        if rings is None:
+            return _core.clip_to_hull(cells, as_points(region[0], "region"), shapes, chosen)
+        if not rings:
+            raise InvalidArgument("the region has no polygon")
+        corners = np.concatenate(rings)
+        offsets = np.cumsum([0, *map(len, rings)]).tolist()
+        return _core.clip_to_polygons(cells, corners, offsets, shapes, chosen)
+
+
+def _rings(region: Any) -> list[npt.NDArray[np.float64]] | None:
+    """The rings of polygons; None for a single array of corners."""
+    shape = getattr(region, "__geo_interface__", region)
+    if isinstance(shape, dict):
+        return _rings_of_geometry(shape)
+    if isinstance(shape, (list, tuple)) and len(shape) > 0 and np.ndim(shape[0]) == 2:
+        return [np.asarray(as_points(ring, "ring"), dtype=np.float64) for ring in shape]
+    return None
+
+
+def _rings_of_geometry(shape: Any) -> list[npt.NDArray[np.float64]]:
+    if shape is None:
+        return []
+    kind = shape.get("type")
+    if kind in ("FeatureCollection", "GeometryCollection"):
+        parts = shape["features" if kind == "FeatureCollection" else "geometries"]
+        return [ring for part in parts for ring in _rings_of_geometry(part)]
+    if kind == "Feature":
+        return _rings_of_geometry(shape["geometry"])
+    if kind not in ("Polygon", "MultiPolygon"):
+        raise InvalidArgument(f"a region of polygons is needed, not a {kind}")
+    polygons = [shape["coordinates"]] if kind == "Polygon" else shape["coordinates"]
+    return [
+        np.asarray(ring, dtype=np.float64)[:, :2] for polygon in polygons for ring in polygon
+    ]
 
 
 class ClippedCells:
     """Answer of `VoronoiDiagram.clip`: one cell a point.
+
+    It never changes; a pickle holds the diagram's triangulation and the region, of which it is made
+    again, with the same bits.
 
     Attributes
     ----------
     measures : (n,) float64
         Length, area or volume of each cell within the region; zero for duplicates, hidden points
         and cells outside. They add up to the region's.
+
+    Raises
+    ------
+    TypeError
+        When called: cells are made by `VoronoiDiagram.clip`.
 
     Examples
     --------
@@ -228,10 +283,38 @@ class ClippedCells:
     ([[0.0, 0.0], [1.0, 0.0], [1.0, 0.75], [0.0, 1.25]], [-1, 1, 2, -1])
     """
 
-    __slots__ = ("_clipped",)
+    __slots__ = ("__weakref__", "_clipped", "_diagram", "_region")
 
-    def __init__(self, clipped: _core.ClippedCells) -> None:
-        self._clipped = clipped
+    _clipped: _core.ClippedCells
+    _diagram: VoronoiDiagram
+    _region: tuple[Any, ...]
+
+    def __init__(self) -> None:
+        raise TypeError("clipped cells are made by cullhull.VoronoiDiagram.clip")
+
+    @classmethod
+    def _of(
+        cls, diagram: VoronoiDiagram, clipped: _core.ClippedCells, region: tuple[Any, ...]
+    ) -> ClippedCells:
+        result = object.__new__(cls)
+        result._diagram, result._clipped = diagram, clipped
+        # As numbers of its own: what was passed may change.
+        rings = _rings(region[0]) if len(region) == 1 else None
+        if rings is None:
+            result._region = tuple(np.array(part) for part in region)
+        else:
+            result._region = ([ring.copy() for ring in rings],)
+        return result
+
+    def __copy__(self) -> ClippedCells:
+        return self  # nobody can change it
+
+    def __deepcopy__(self, memo: Any) -> ClippedCells:
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        shapes = len(self._clipped.vertex_offsets) > 0
+        return _clip_again, (self._diagram, self._region, shapes)
 
     @property
     def measures(self) -> npt.NDArray[np.float64]:
@@ -239,7 +322,7 @@ class ClippedCells:
         return self._clipped.measures
 
     def corners(self, point: int) -> npt.NDArray[np.float64]:
-        """(m, d) float64: the corners of a point's cell; in 2D counter-clockwise.
+        """(m, d) float64: the corners of a point's cell; in 2D ring by ring, as in `polygons`.
 
         Parameters
         ----------
@@ -254,6 +337,33 @@ class ClippedCells:
         rows: npt.NDArray[np.float64] = self._clipped.vertices[begin:end]
         return rows
 
+    def polygons(self, point: int) -> list[list[npt.NDArray[np.float64]]]:
+        """In 2D the polygons that a point's cell consists of: one where the region is convex, else
+        perhaps several, and none where it does not meet the cell. Each is a list of rings, (m, 2)
+        float64: its outline, counter-clockwise, then its holes, clockwise; not closed.
+
+        Parameters
+        ----------
+        point : int
+            Its index.
+
+        >>> import cullhull
+        >>> cells = cullhull.voronoi([[1, 1], [3, 1]]).clip(
+        ...     [[[0, 0], [4, 0], [4, 2], [0, 2]], [[0.5, 0.5], [1, 1], [0.5, 1]]]
+        ... )
+        >>> [ring.tolist() for ring in cells.polygons(0)[0]]
+        [[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]], [[0.5, 0.5], [0.5, 1.0], [1.0, 1.0]]]
+        """
+        if self._diagram.triangulation.dimension != 2:
+            raise InvalidArgument("polygons are of cells in 2D; in 3D there are faces")
+        first, last = self._range(self._clipped.polygon_offsets, point)
+        rings, starts = self._clipped.polygon_rings, self._clipped.ring_starts
+        rows = self._clipped.vertices
+        return [
+            [rows[starts[r] : starts[r + 1]] for r in range(rings[g], rings[g + 1])]
+            for g in range(first, last)
+        ]
+
     def faces(self, point: int) -> list[list[int]]:
         """In 3D the faces of a point's cell: rows of its `corners`, counter-clockwise from outside.
 
@@ -262,11 +372,18 @@ class ClippedCells:
         point : int
             Its index.
 
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            In 1D and 2D, and where ``shapes=False`` left corners and faces out.
+
         >>> import cullhull
         >>> cells = cullhull.voronoi([[0, 0, 0], [1, 0, 0]]).clip([-1] * 3, [2] * 3)
         >>> len(cells.faces(0)), len(cells.corners(0))
         (6, 8)
         """
+        if self._diagram.triangulation.dimension != 3:
+            raise InvalidArgument("faces are of cells in 3D; in 2D there are polygons")
         begin, end = self._range(self._clipped.face_offsets, point)
         starts = self._clipped.face_starts[begin : end + 1].tolist()
         return [self._clipped.face_vertices[a:b].tolist() for a, b in zip(starts, starts[1:])]
@@ -282,7 +399,7 @@ class ClippedCells:
 
     def _range(self, offsets: npt.NDArray[np.int64], point: int) -> tuple[int, int]:
         if len(offsets) == 0:
-            raise InvalidArgument("clip() was not asked for these")
+            raise InvalidArgument("clip() was called with shapes=False")
         if not 0 <= point < len(offsets) - 1:
             raise IndexError(f"point {point} of {len(offsets) - 1}")
         return int(offsets[point]), int(offsets[point + 1])
@@ -292,6 +409,10 @@ class ClippedCells:
 
     def __repr__(self) -> str:
         return f"<ClippedCells: {len(self)} cells>"
+
+
+def _clip_again(diagram: VoronoiDiagram, region: tuple[Any, ...], shapes: bool) -> ClippedCells:
+    return diagram.clip(*region, shapes=shapes)
 
 
 class Voronoi(Lifted):

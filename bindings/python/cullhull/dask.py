@@ -29,7 +29,7 @@ try:
 except ImportError:
     raise ImportError("cullhull.dask needs Dask: pip install dask") from None
 
-from ._arguments import as_count, as_points
+from ._arguments import as_count, as_points, wrong_axes
 from ._errors import InvalidArgument
 from ._parts import hull_of, kept_in, merged, state_of_part
 
@@ -260,7 +260,7 @@ def _parts_of(
     if hasattr(points, "chunks"):
         _refuse_columns(columns)
         if points.ndim != 2:
-            raise InvalidArgument(f"`points` should be a 2D array, not {points.ndim}D")
+            raise wrong_axes("points", 2, points.ndim)
         if len(points.chunks[1]) > 1:
             points = points.rechunk({1: -1})
         parts = list(points.to_delayed().ravel())

@@ -242,12 +242,12 @@ void bind_call(nb::module_& m) {
           "__init__",
           [](Settings* self, const std::string& backend, const std::string& cull, unsigned threads,
              std::uint64_t memory_budget, nb::object progress) {
-            new (self) Settings{};
-            self->options.backend = backend_of(backend);
-            self->options.cull = method_of(cull);
-            self->options.threads = threads;
-            self->options.memory_budget = memory_budget;
-            self->progress = std::move(progress);
+    new (self) Settings{};
+    self->options.backend = backend_of(backend);
+    self->options.cull = method_of(cull);
+    self->options.threads = threads;
+    self->options.memory_budget = memory_budget;
+    self->progress = std::move(progress);
           },
           nb::arg("backend") = "auto", nb::arg("cull") = "auto", nb::arg("threads") = 0,
           nb::arg("memory_budget") = 0, nb::arg("progress").none() = nb::none());

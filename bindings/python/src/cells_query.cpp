@@ -45,8 +45,8 @@ Array<std::int32_t> find(const Cells& cells, nb::handle array, const Settings* s
   Output<std::uint32_t> out(points.view().count);
   ask_all(cells, points.view(), settings,
           [&](const TriangulationQuery& query, const PointView& view, const Options& options) {
-            query.find(view, out.data(), options);
-          });
+    query.find(view, out.data(), options);
+  });
   return std::move(out).to_array<std::int32_t>();
 }
 
@@ -56,8 +56,8 @@ Array<std::int32_t> nearest(const Cells& cells, nb::handle array, const Settings
   Output<std::uint32_t> out(points.view().count);
   ask_all(cells, points.view(), settings,
           [&](const TriangulationQuery& query, const PointView& view, const Options& options) {
-            query.nearest(view, out.data(), options);
-          });
+    query.nearest(view, out.data(), options);
+  });
   return std::move(out).to_array<std::int32_t>();
 }
 
@@ -75,9 +75,9 @@ Array<double> barycentric(const Cells& cells, nb::handle array, Array<std::int32
   Output<double> out(count * corners);
   ask_all(cells, points.view(), settings,
           [&](const TriangulationQuery& query, const PointView& view, const Options& options) {
-            query.barycentric(view, reinterpret_cast<const std::uint32_t*>(found.data()),
-                              out.data(), options);
-          });
+    query.barycentric(view, reinterpret_cast<const std::uint32_t*>(found.data()), out.data(),
+                      options);
+  });
   return std::move(out).to_array();
 }
 

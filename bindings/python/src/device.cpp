@@ -125,15 +125,15 @@ void bind_device(nb::module_& m) {
   m.def(
       "wait_for_cuda_stream",
       [](std::uintptr_t stream) {
-        const nb::gil_scoped_release release;
-        cullhull::wait_for_cuda_stream(reinterpret_cast<void*>(stream));
+    const nb::gil_scoped_release release;
+    cullhull::wait_for_cuda_stream(reinterpret_cast<void*>(stream));
       },
       nb::arg("stream"));
   m.def(
       "wait_for_cuda_device_of",
       [](std::uintptr_t memory) {
-        const nb::gil_scoped_release release;
-        cullhull::wait_for_cuda_device_of(reinterpret_cast<const void*>(memory));
+    const nb::gil_scoped_release release;
+    cullhull::wait_for_cuda_device_of(reinterpret_cast<const void*>(memory));
       },
       nb::arg("memory"));
 }

@@ -111,10 +111,11 @@ void bind_device_batch(nb::module_& m) {
       .def_prop_ro(
           "vertex_offsets",
           [](const DeviceHullBatch& b) { return items_of(b, b.vertex_offsets, {b.sets + 1}); })
-      .def_prop_ro("simplices",
-                   [](const DeviceHullBatch& b) {
-                     return items_of(b, b.simplices, {b.simplex_count, b.dimension});
-                   })
+      .def_prop_ro(
+          "simplices",
+          [](const DeviceHullBatch& b) {
+    return items_of(b, b.simplices, {b.simplex_count, b.dimension});
+          })
       .def_prop_ro(
           "simplex_offsets",
           [](const DeviceHullBatch& b) { return items_of(b, b.simplex_offsets, {b.sets + 1}); })

@@ -15,6 +15,7 @@
 
 #include "call.hpp"
 #include "cullhull/io.hpp"
+#include "cullhull/point_blocks.hpp"
 #include "numpy_api.hpp"
 #include "solid.hpp"
 
@@ -79,9 +80,9 @@ std::pair<PointFile, std::vector<std::string>> open_file(const std::string& path
     read.columns = columns;
     read.numbers = raw ? cullhull::Numbers::file : cullhull::Numbers::world;
     read.stop = options.stop;
-    read.remark = [&](const std::string& line) {
+    read.remark = [&](const cullhull::Remark& remark) {
       const std::lock_guard lock(mutex);
-      remarks.push_back(line);
+      remarks.push_back(remark.line());
     };
     file = cullhull::open_points(path, read);
   });
@@ -96,22 +97,24 @@ void bind_files(nb::module_& m) {
   m.def(
       "read_points",
       [](const std::string& path, const std::string& columns, bool raw) {
-        auto [file, remarks] = open_file(path, columns, raw);
-        cullhull::Placement placement = file.placement();
-        return std::tuple(points_of(nb::cast(std::move(file))), std::move(remarks),
-                          std::move(placement.scale), std::move(placement.offset));
+    auto [file, remarks] = open_file(path, columns, raw);
+    cullhull::Placement placement = file.placement();
+    return std::tuple(points_of(nb::cast(std::move(file))), std::move(remarks),
+                      std::move(placement.scale), std::move(placement.offset));
       },
       nb::arg("path"), nb::arg("columns"), nb::arg("raw"),
       "The points, remarks for the user, and the scale and offset of the file's numbers.");
+  m.def("input_files", &cullhull::input_files, nb::arg("words"),
+        "The files that words of a command line stand for: folders, patterns, lists.");
   m.def(
       "grid_of",
-      [](std::vector<double> scale, std::vector<double> offset) -> std::optional<int> {
-        const cullhull::Grid grid =
-            cullhull::common_grid({{std::move(scale), std::move(offset), ""}});
-        return grid.empty() ? std::nullopt : std::optional(grid.decimals());
+      [](std::vector<double> scale, std::vector<double> offset) -> std::
+                                                                    optional<int> {
+    const cullhull::Grid grid = cullhull::common_grid({{std::move(scale), std::move(offset), ""}});
+    return grid.decimals() < 0 ? std::nullopt : std::optional(grid.decimals());
       },
       nb::arg("scale"), nb::arg("offset"),
-      "Decimals of the grid on which such a scan lies; None where there is none.");
+      "Decimals of the grid on which such a scan lies; None where doubles do.");
 }
 
 }  // namespace binding

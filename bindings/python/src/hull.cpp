@@ -135,57 +135,63 @@ Examples
 )";
 
 void bind_arrays(nb::class_<Solid>& c) {
-  c.def_prop_ro("vertices",
-                [](Self self) {
-                  const Hull& h = hull_in(self);
-                  return list_of(signed_ids(h.vertices), h.vertices.size(), self);
-                })
-      .def_prop_ro("vertex_points",
-                   [](Self self) {
-                     const Hull& h = hull_in(self);
-                     return rows_of(nb::inst_ptr<Solid>(self)->vertex_rows().data(),
-                                    h.vertices.size(), h.dimension, self);
-                   })
+  c.def_prop_ro(
+       "vertices",
+       [](Self self) {
+    const Hull& h = hull_in(self);
+    return list_of(signed_ids(h.vertices), h.vertices.size(), self);
+       })
+      .def_prop_ro(
+          "vertex_points",
+          [](Self self) {
+    const Hull& h = hull_in(self);
+    return rows_of(nb::inst_ptr<Solid>(self)->vertex_rows().data(), h.vertices.size(), h.dimension,
+                   self);
+          })
       .def_prop_ro("facet_offsets",
                    [](Self self) { return signed_list(hull_in(self).facets.offsets, self); })
-      .def_prop_ro("facet_vertices",
-                   [](Self self) {
-                     const Hull& h = hull_in(self);
-                     return list_of(signed_ids(h.facets.items), h.facets.items.size(), self);
-                   })
+      .def_prop_ro(
+          "facet_vertices",
+          [](Self self) {
+    const Hull& h = hull_in(self);
+    return list_of(signed_ids(h.facets.items), h.facets.items.size(), self);
+          })
       .def_prop_ro(
           "facet_neighbour_offsets",
           [](Self self) { return signed_list(hull_in(self).facet_neighbours.offsets, self); })
-      .def_prop_ro("facet_neighbours",
-                   [](Self self) {
-                     const Hull& h = hull_in(self);
-                     const auto& items = h.facet_neighbours.items;
-                     return list_of(signed_numbers(items, h.facet_count()), items.size(), self);
-                   })
-      .def_prop_ro("facet_planes",
-                   [](Self self) {
-                     const Hull& h = hull_in(self);
-                     return rows_of(h.facet_planes.data(), h.facet_count(),
-                                    std::size_t{h.dimension} + 1, self);
-                   })
-      .def_prop_ro("simplices",
-                   [](Self self) {
-                     const Hull& h = hull_in(self);
-                     return rows_of(signed_ids(h.simplices), h.simplex_count(), simplex_width(h),
-                                    self);
-                   })
-      .def_prop_ro("simplex_neighbours",
-                   [](Self self) {
-                     const Hull& h = hull_in(self);
-                     return rows_of(signed_numbers(h.simplex_neighbours, h.simplex_count()),
-                                    h.simplex_count(), simplex_width(h), self);
-                   })
-      .def_prop_ro("simplex_facets",
-                   [](Self self) {
-                     const Hull& h = hull_in(self);
-                     check_numbers(h.facet_count());
-                     return signed_list(h.simplex_facets, self);
-                   })
+      .def_prop_ro(
+          "facet_neighbours",
+          [](Self self) {
+    const Hull& h = hull_in(self);
+    const auto& items = h.facet_neighbours.items;
+    return list_of(signed_numbers(items, h.facet_count()), items.size(), self);
+          })
+      .def_prop_ro(
+          "facet_planes",
+          [](Self self) {
+    const Hull& h = hull_in(self);
+    return rows_of(h.facet_planes.data(), h.facet_count(), std::size_t{h.dimension} + 1, self);
+          })
+      .def_prop_ro(
+          "simplices",
+          [](Self self) {
+    const Hull& h = hull_in(self);
+    return rows_of(signed_ids(h.simplices), h.simplex_count(), simplex_width(h), self);
+          })
+      .def_prop_ro(
+          "simplex_neighbours",
+          [](Self self) {
+    const Hull& h = hull_in(self);
+    return rows_of(signed_numbers(h.simplex_neighbours, h.simplex_count()), h.simplex_count(),
+                   simplex_width(h), self);
+          })
+      .def_prop_ro(
+          "simplex_facets",
+          [](Self self) {
+    const Hull& h = hull_in(self);
+    check_numbers(h.facet_count());
+    return signed_list(h.simplex_facets, self);
+          })
       .def_prop_ro("centroid", [](Self self) {
         const Hull& h = hull_in(self);
         return list_of(h.centroid.data(), h.centroid.size(), self);
@@ -215,7 +221,7 @@ void bind_hull(nb::module_& m) {
           "__init__",
           [](Certificate* self, bool valid, std::string reason, std::uint64_t ridges,
              std::uint64_t points, std::uint64_t exact) {
-            new (self) Certificate{valid, std::move(reason), ridges, points, exact};
+    new (self) Certificate{valid, std::move(reason), ridges, points, exact};
           },
           nb::arg("valid"), nb::arg("reason"), nb::arg("ridges_checked"), nb::arg("points_checked"),
           nb::arg("exact_decisions"))
@@ -227,10 +233,10 @@ void bind_hull(nb::module_& m) {
       .def(
           "__reduce__",
           [](nb::handle self) {
-            return nb::make_tuple(
-                self.type(),
-                nb::make_tuple(self.attr("valid"), self.attr("reason"), self.attr("ridges_checked"),
-                               self.attr("points_checked"), self.attr("exact_decisions")));
+    return nb::make_tuple(
+        self.type(),
+        nb::make_tuple(self.attr("valid"), self.attr("reason"), self.attr("ridges_checked"),
+                       self.attr("points_checked"), self.attr("exact_decisions")));
           },
           nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"))
       .def("__bool__", [](const Certificate& found) { return found.valid; })

@@ -51,45 +51,49 @@ void bind_batch(nb::module_& m) {
       .def("__len__", [](const Batch& b) { return b.hulls.size(); })
       .def("solid", &Batch::at, nb::arg("set"))
       .def_prop_ro("dimension", [](const Batch& b) { return b.hulls.dimension; })
-      .def_prop_ro("point_counts",
-                   [](Self self) {
-                     const auto& list = batch_in(self).hulls.point_counts;
-                     return list_of(signed_ids(list), list.size(), self);
-                   })
+      .def_prop_ro(
+          "point_counts",
+          [](Self self) {
+    const auto& list = batch_in(self).hulls.point_counts;
+    return list_of(signed_ids(list), list.size(), self);
+          })
       .def_prop_ro("affine_dimensions",
                    [](Self self) { return values(self, batch_in(self).hulls.affine_dimensions); })
       .def_prop_ro("volumes", [](Self self) { return values(self, batch_in(self).hulls.volumes); })
       .def_prop_ro("areas", [](Self self) { return values(self, batch_in(self).hulls.areas); })
-      .def_prop_ro("centroids",
-                   [](Self self) {
-                     const HullBatch& h = batch_in(self).hulls;
-                     return rows_of(h.centroids.data(), h.size(), h.dimension, self);
-                   })
+      .def_prop_ro(
+          "centroids",
+          [](Self self) {
+    const HullBatch& h = batch_in(self).hulls;
+    return rows_of(h.centroids.data(), h.size(), h.dimension, self);
+          })
       .def_prop_ro(
           "vertex_offsets",
           [](Self self) { return signed_list(batch_in(self).hulls.vertices.offsets, self); })
-      .def_prop_ro("vertices",
-                   [](Self self) {
-                     const auto& list = batch_in(self).hulls.vertices.items;
-                     return list_of(signed_ids(list), list.size(), self);
-                   })
-      .def_prop_ro("vertex_points",
-                   [](Self self) {
-                     const Batch& b = batch_in(self);
-                     return rows_of(b.vertex_rows.data(), b.hulls.vertices.items.size(),
-                                    b.hulls.dimension, self);
-                   })
-      .def_prop_ro("facet_starts",
-                   [](Self self) {
-                     const auto& list = batch_in(self).hulls.facet_starts;
-                     return list_of(signed_ids(list), list.size(), self);
-                   })
-      .def_prop_ro("facet_planes",
-                   [](Self self) {
-                     const HullBatch& h = batch_in(self).hulls;
-                     return rows_of(h.facet_planes.data(), h.facets.size(),
-                                    std::size_t{h.dimension} + 1, self);
-                   })
+      .def_prop_ro(
+          "vertices",
+          [](Self self) {
+    const auto& list = batch_in(self).hulls.vertices.items;
+    return list_of(signed_ids(list), list.size(), self);
+          })
+      .def_prop_ro(
+          "vertex_points",
+          [](Self self) {
+    const Batch& b = batch_in(self);
+    return rows_of(b.vertex_rows.data(), b.hulls.vertices.items.size(), b.hulls.dimension, self);
+          })
+      .def_prop_ro(
+          "facet_starts",
+          [](Self self) {
+    const auto& list = batch_in(self).hulls.facet_starts;
+    return list_of(signed_ids(list), list.size(), self);
+          })
+      .def_prop_ro(
+          "facet_planes",
+          [](Self self) {
+    const HullBatch& h = batch_in(self).hulls;
+    return rows_of(h.facet_planes.data(), h.facets.size(), std::size_t{h.dimension} + 1, self);
+          })
       .def_prop_ro(
           "simplex_offsets",
           [](Self self) { return signed_list(batch_in(self).hulls.simplices.offsets, self); })

@@ -47,8 +47,8 @@ Array<bool> contains(const Solid& solid, nb::handle array, const Settings* setti
   Output<std::uint8_t> out(points.view().count);
   ask_all(solid, points.view(), settings,
           [&](const HullQuery& query, const PointView& view, const Options& options) {
-            query.contains(view, out.data(), options);
-          });
+    query.contains(view, out.data(), options);
+  });
   return std::move(out).to_array<bool>();
 }
 
@@ -57,8 +57,8 @@ Array<std::int8_t> sides(const Solid& solid, nb::handle array, const Settings* s
   Output<std::int8_t> out(points.view().count);
   ask_all(solid, points.view(), settings,
           [&](const HullQuery& query, const PointView& view, const Options& options) {
-            query.sides(view, reinterpret_cast<Side*>(out.data()), options);
-          });
+    query.sides(view, reinterpret_cast<Side*>(out.data()), options);
+  });
   return std::move(out).to_array();
 }
 
@@ -67,8 +67,8 @@ Array<double> distances(const Solid& solid, nb::handle array, const Settings* se
   Output<double> out(points.view().count);
   ask_all(solid, points.view(), settings,
           [&](const HullQuery& query, const PointView& view, const Options& options) {
-            query.signed_distances(view, out.data(), options);
-          });
+    query.signed_distances(view, out.data(), options);
+  });
   return std::move(out).to_array();
 }
 
@@ -80,13 +80,13 @@ std::tuple<Array<std::int64_t>, Array<double>> nearest_facets(const Solid& solid
   Output<double> distance(n);
   ask_all(solid, points.view(), settings,
           [&](const HullQuery& query, const PointView& view, const Options& options) {
-            std::vector<NearestFacet> nearest(n);
-            query.nearest_facets(view, nearest.data(), options);
-            for (std::size_t i = 0; i < n; ++i) {
-              facets.data()[i] = nearest[i].facet;
-              distance.data()[i] = nearest[i].distance;
-            }
-          });
+    std::vector<NearestFacet> nearest(n);
+    query.nearest_facets(view, nearest.data(), options);
+    for (std::size_t i = 0; i < n; ++i) {
+      facets.data()[i] = nearest[i].facet;
+      distance.data()[i] = nearest[i].distance;
+    }
+  });
   return std::make_tuple(std::move(facets).to_array(), std::move(distance).to_array());
 }
 
@@ -96,11 +96,11 @@ Array<std::int64_t> supports(const Solid& solid, nb::handle array, const Setting
   Output<std::int64_t> out(n);
   ask_all(solid, directions.view(), settings,
           [&](const HullQuery& query, const PointView& view, const Options& options) {
-            std::vector<std::uint64_t> places(n);
-            query.supports(view, places.data(), options);
-            for (std::size_t i = 0; i < n; ++i)
-              out.data()[i] = static_cast<std::int64_t>(solid.ids()[places[i]]);
-          });
+    std::vector<std::uint64_t> places(n);
+    query.supports(view, places.data(), options);
+    for (std::size_t i = 0; i < n; ++i)
+      out.data()[i] = static_cast<std::int64_t>(solid.ids()[places[i]]);
+  });
   return std::move(out).to_array();
 }
 
@@ -109,10 +109,10 @@ Array<std::int64_t> visible_facets(const Solid& solid, nb::handle array, const S
   std::vector<std::uint32_t> visible;
   ask_all(solid, points.view(), settings,
           [&](const HullQuery& query, const PointView& view, const Options&) {
-            std::vector<double> point(view.dimension);
-            for (std::uint32_t j = 0; j < view.dimension; ++j) point[j] = view.at(0, j);
-            visible = query.visible_facets(point.data());
-          });
+    std::vector<double> point(view.dimension);
+    for (std::uint32_t j = 0; j < view.dimension; ++j) point[j] = view.at(0, j);
+    visible = query.visible_facets(point.data());
+  });
   Output<std::int64_t> out(visible.size());
   std::copy(visible.begin(), visible.end(), out.data());
   return std::move(out).to_array();
@@ -137,16 +137,16 @@ Rays rays(const Solid& solid, nb::handle origin_array, nb::handle direction_arra
   };
   ask_all(solid, origins.view(), settings,
           [&](const HullQuery& query, const PointView& view, const Options& options) {
-            std::vector<RayHit> hits(n);
-            query.rays(view, directions.view(), hits.data(), options);
-            for (std::size_t i = 0; i < n; ++i) {
-              hit.data()[i] = hits[i].hit;
-              enter.data()[i] = hits[i].enter;
-              exit.data()[i] = hits[i].exit;
-              enter_facet.data()[i] = number(hits[i].enter_facet);
-              exit_facet.data()[i] = number(hits[i].exit_facet);
-            }
-          });
+    std::vector<RayHit> hits(n);
+    query.rays(view, directions.view(), hits.data(), options);
+    for (std::size_t i = 0; i < n; ++i) {
+      hit.data()[i] = hits[i].hit;
+      enter.data()[i] = hits[i].enter;
+      exit.data()[i] = hits[i].exit;
+      enter_facet.data()[i] = number(hits[i].enter_facet);
+      exit_facet.data()[i] = number(hits[i].exit_facet);
+    }
+  });
   return Rays(std::move(hit).to_array<bool>(), std::move(enter).to_array(),
               std::move(exit).to_array(), std::move(enter_facet).to_array(),
               std::move(exit_facet).to_array());
@@ -167,8 +167,8 @@ Array<bool> contains_there(const Solid& solid, const DevicePoints& points,
   Output<std::uint8_t> out(points.view.count);
   ask_there(solid, points, settings,
             [&](const HullQuery& query, const DevicePointView& view, const Options& options) {
-              query.contains(view, out.data(), options);
-            });
+    query.contains(view, out.data(), options);
+  });
   return std::move(out).to_array<bool>();
 }
 
@@ -177,8 +177,8 @@ Array<std::int8_t> sides_there(const Solid& solid, const DevicePoints& points,
   Output<std::int8_t> out(points.view.count);
   ask_there(solid, points, settings,
             [&](const HullQuery& query, const DevicePointView& view, const Options& options) {
-              query.sides(view, reinterpret_cast<Side*>(out.data()), options);
-            });
+    query.sides(view, reinterpret_cast<Side*>(out.data()), options);
+  });
   return std::move(out).to_array();
 }
 
@@ -187,8 +187,8 @@ Array<double> distances_there(const Solid& solid, const DevicePoints& points,
   Output<double> out(points.view.count);
   ask_there(solid, points, settings,
             [&](const HullQuery& query, const DevicePointView& view, const Options& options) {
-              query.signed_distances(view, out.data(), options);
-            });
+    query.signed_distances(view, out.data(), options);
+  });
   return std::move(out).to_array();
 }
 
@@ -198,11 +198,11 @@ Array<std::int64_t> supports_there(const Solid& solid, const DevicePoints& direc
   Output<std::int64_t> out(n);
   ask_there(solid, directions, settings,
             [&](const HullQuery& query, const DevicePointView& view, const Options& options) {
-              std::vector<std::uint64_t> places(n);
-              query.supports(view, places.data(), options);
-              for (std::size_t i = 0; i < n; ++i)
-                out.data()[i] = static_cast<std::int64_t>(solid.ids()[places[i]]);
-            });
+    std::vector<std::uint64_t> places(n);
+    query.supports(view, places.data(), options);
+    for (std::size_t i = 0; i < n; ++i)
+      out.data()[i] = static_cast<std::int64_t>(solid.ids()[places[i]]);
+  });
   return std::move(out).to_array();
 }
 

@@ -42,11 +42,11 @@ std::tuple<std::unique_ptr<Solid>, std::uint64_t, double> simplify(const Solid& 
   Simplification found;
   run(settings, solid.hull().simplex_count() <= 4000 ? Length::moderate : Length::long_,
       [&](const Options& options) {
-        const Vertices vertices(solid);
-        found = cullhull::simplify(vertices.view, vertices.hull, distance, options);
-        kept = std::make_unique<Solid>(std::move(found.hull), vertices.view);
-        kept->renumber(solid);
-      });
+    const Vertices vertices(solid);
+    found = cullhull::simplify(vertices.view, vertices.hull, distance, options);
+    kept = std::make_unique<Solid>(std::move(found.hull), vertices.view);
+    kept->renumber(solid);
+  });
   return {std::move(kept), found.dropped, found.distance};
 }
 

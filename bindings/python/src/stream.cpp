@@ -112,35 +112,39 @@ void bind_stream(nb::module_& m) {
       .def_prop_ro("point_count", &HullState::point_count)
       .def_prop_ro("count", [](const HullState& s) { return s.ids().size(); })
       .def("ids", [](const HullState& s) { return bytes_of(s.ids().data(), 8 * s.ids().size()); })
-      .def("rows",
-           [](const HullState& s) {
-             const cullhull::PointView p = s.points();
-             return bytes_of(p.data, p.count * p.dimension * cullhull::scalar_size(p.scalar));
-           })
-      .def("to_bytes",
-           [](const HullState& s) {
-             const std::vector<std::byte> bytes = s.to_bytes();
-             return bytes_of(bytes.data(), bytes.size());
-           })
-      .def_static("from_bytes",
-                  [](const nb::bytes& bytes) {
-                    return HullState::from_bytes(
-                        {static_cast<const std::byte*>(bytes.data()), bytes.size()});
-                  })
-      .def("shifted",
-           [](const HullState& s, std::uint64_t offset) {
-             HullState state = s;
-             state.shift_ids(offset);
-             return state;
-           })
+      .def(
+          "rows",
+          [](const HullState& s) {
+    const cullhull::PointView p = s.points();
+    return bytes_of(p.data, p.count * p.dimension * cullhull::scalar_size(p.scalar));
+          })
+      .def(
+          "to_bytes",
+          [](const HullState& s) {
+    const std::vector<std::byte> bytes = s.to_bytes();
+    return bytes_of(bytes.data(), bytes.size());
+          })
+      .def_static(
+          "from_bytes",
+          [](const nb::bytes& bytes) {
+    return HullState::from_bytes({static_cast<const std::byte*>(bytes.data()), bytes.size()});
+          })
+      .def(
+          "shifted",
+          [](const HullState& s, std::uint64_t offset) {
+    HullState state = s;
+    state.shift_ids(offset);
+    return state;
+          })
       .def("merged", merged, nb::arg("other"), nb::arg("settings").none())
       .def("solid", solid_of, nb::arg("settings").none())
       .def("same", [](const HullState& a, const HullState& b) { return a == b; })
-      .def("save",
-           [](const HullState& s, const std::string& path) {
-             const nb::gil_scoped_release release;
-             cullhull::write_state(path, s);
-           })
+      .def(
+          "save",
+          [](const HullState& s, const std::string& path) {
+    const nb::gil_scoped_release release;
+    cullhull::write_state(path, s);
+          })
       .def_static("load", [](const std::string& path) {
         const nb::gil_scoped_release release;
         return cullhull::read_state(path);

@@ -143,17 +143,18 @@ void bind_triangulation(nb::module_& m) {
       .def_prop_ro(
           "cells",
           [](Self self) { return number_rows(shown(self).cells, shown(self).corners(), self); })
-      .def_prop_ro("neighbours",
-                   [](Self self) {
-                     return number_rows(shown(self).neighbours, shown(self).corners(), self);
-                   })
+      .def_prop_ro(
+          "neighbours",
+          [](Self self) {
+    return number_rows(shown(self).neighbours, shown(self).corners(), self);
+          })
       .def_prop_ro("cell_groups", cell_groups)
-      .def_prop_ro("hull_facets",
-                   [](Self self) {
-                     const unsigned corners = shown(self).corners();
-                     return number_rows(shown(self).hull_facets, corners == 0 ? 0 : corners - 1,
-                                        self);
-                   })
+      .def_prop_ro(
+          "hull_facets",
+          [](Self self) {
+    const unsigned corners = shown(self).corners();
+    return number_rows(shown(self).hull_facets, corners == 0 ? 0 : corners - 1, self);
+          })
       .def_prop_ro("hull_cells",
                    [](Self self) { return number_list(shown(self).hull_cells, self); })
       .def_prop_ro("duplicates", duplicates)

@@ -82,17 +82,31 @@ std::unique_ptr<ClippedCells> clip_to_hull(const Cells& cells, nb::handle array,
   return result;
 }
 
+/// `offsets`: rings + 1 into the corners.
+std::unique_ptr<ClippedCells> clip_to_polygons(const Cells& cells, nb::handle array,
+                                               const std::vector<std::uint64_t>& offsets,
+                                               bool shapes, const Settings* settings) {
+  const Points corners(array);
+  std::unique_ptr<ClippedCells> result;
+  run(settings, length_of_diagram(cells), [&](const Options& options) {
+    result = std::make_unique<ClippedCells>(cullhull::clip_voronoi(
+        cells.points().view(), cells.triangulation(),
+        cullhull::PolygonRings{corners.view(), offsets}, cells.weights(), shapes, options));
+  });
+  return result;
+}
+
 void bind_diagram(nb::module_& m) {
   nb::class_<Voronoi>(m, "Diagram", "A diagram: cullhull.VoronoiDiagram wraps it.")
       .def_prop_ro(
           "vertices",
           [](Self self) { return rows_in(shown(self).vertices, shown(self).dimension, self); })
-      .def_prop_ro("ridge_points",
-                   [](Self self) {
-                     return rows_of(
-                         reinterpret_cast<const std::int32_t*>(shown(self).ridge_points.data()),
-                         shown(self).ridge_count(), 2, self);
-                   })
+      .def_prop_ro(
+          "ridge_points",
+          [](Self self) {
+    return rows_of(reinterpret_cast<const std::int32_t*>(shown(self).ridge_points.data()),
+                   shown(self).ridge_count(), 2, self);
+          })
       .def_prop_ro("ridge_offsets",
                    [](Self self) { return offsets_in(shown(self).ridge_offsets, self); })
       .def_prop_ro("ridge_vertices",
@@ -111,17 +125,25 @@ void bind_diagram(nb::module_& m) {
 void bind_clipped_cells(nb::module_& m) {
   using Clipped = ClippedSelf;
   nb::class_<ClippedCells>(m, "ClippedCells", "Cells in a region: cullhull.ClippedCells wraps it.")
-      .def_prop_ro("measures",
-                   [](Clipped self) {
-                     const auto& measures = shown_cells(self).measures;
-                     return list_of(measures.data(), measures.size(), self);
-                   })
+      .def_prop_ro(
+          "measures",
+          [](Clipped self) {
+    const auto& measures = shown_cells(self).measures;
+    return list_of(measures.data(), measures.size(), self);
+          })
       .def_prop_ro("vertex_offsets",
                    [](Clipped self) { return offsets_in(shown_cells(self).vertex_offsets, self); })
-      .def_prop_ro("vertices",
-                   [](Clipped self) {
-                     return rows_in(shown_cells(self).vertices, shown_cells(self).dimension, self);
-                   })
+      .def_prop_ro(
+          "vertices",
+          [](Clipped self) {
+    return rows_in(shown_cells(self).vertices, shown_cells(self).dimension, self);
+          })
+      .def_prop_ro("polygon_offsets",
+                   [](Clipped self) { return offsets_in(shown_cells(self).polygon_offsets, self); })
+      .def_prop_ro("polygon_rings",
+                   [](Clipped self) { return offsets_in(shown_cells(self).polygon_rings, self); })
+      .def_prop_ro("ring_starts",
+                   [](Clipped self) { return offsets_in(shown_cells(self).ring_starts, self); })
       .def_prop_ro("face_offsets",
                    [](Clipped self) { return offsets_in(shown_cells(self).face_offsets, self); })
       .def_prop_ro("face_starts",
@@ -140,6 +162,8 @@ void bind_voronoi(nb::module_& m) {
   m.def("voronoi", voronoi, nb::arg("cells"), nb::arg("settings").none());
   m.def("clip_to_box", clip_to_box, nb::arg("cells"), nb::arg("low"), nb::arg("high"),
         nb::arg("shapes"), nb::arg("settings").none());
+  m.def("clip_to_polygons", clip_to_polygons, nb::arg("cells"), nb::arg("corners"),
+        nb::arg("offsets"), nb::arg("shapes"), nb::arg("settings").none());
   m.def("clip_to_hull", clip_to_hull, nb::arg("cells"), nb::arg("region"), nb::arg("shapes"),
         nb::arg("settings").none());
 }

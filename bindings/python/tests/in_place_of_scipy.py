@@ -163,10 +163,9 @@ def pytest_runtest_setup(item):
     if item.name in ROW_ORDER and hasattr(item.module, "SphericalVoronoi"):
         item.module.SphericalVoronoi = SphericalVoronoi
     parameters = getattr(getattr(item, "callspec", None), "params", {})
-    if "interpolator" in parameters:
-        parameters["interpolator"] = getattr(
-            cullhull, parameters["interpolator"].__name__, parameters["interpolator"]
-        )
+    for name, value in parameters.items():  # classes that tests are run with
+        if isinstance(value, type) and value.__module__.startswith("scipy."):
+            parameters[name] = getattr(cullhull, value.__name__, value)
     qhull.ConvexHull = ConvexHull if sorted_rows else cullhull.ConvexHull
     qhull.HalfspaceIntersection = (
         HalfspaceIntersection if sorted_rows else cullhull.HalfspaceIntersection

@@ -487,3 +487,61 @@ def test_buffers_are_released():
     gc.collect()
     memory.clear()
     assert hull.volume == 1
+
+
+@pytest.mark.parametrize("wrong", [None, object(), {"x": 1}, cullhull.delaunay([[0, 0], [1, 1]])])
+def test_what_is_no_array_is_named(wrong):
+    said = f"`points` should be a 2D array, not of type {type(wrong).__name__}$"
+    for take in (cullhull.convex_hull, cullhull.Delaunay, cullhull.NearestNDInterpolator):
+        with pytest.raises(cullhull.InvalidArgument, match=said):
+            take(wrong, [1]) if take is cullhull.NearestNDInterpolator else take(wrong)
+
+
+MASKED = np.ma.masked_array(np.arange(12.0).reshape(6, 2) ** 2)
+MASKED[0, 0] = np.ma.masked
+PLAIN = np.array(MASKED.data)
+TAKING_ARRAYS = {
+    "points of griddata": lambda m: cullhull.griddata(m, PLAIN[:, 0], PLAIN),
+    "a column of griddata": lambda m: cullhull.griddata(tuple(m.T), PLAIN[:, 0], PLAIN),
+    "values of griddata": lambda m: cullhull.griddata(PLAIN, m[:, 0], PLAIN),
+    "xi of griddata": lambda m: cullhull.griddata(PLAIN, PLAIN[:, 0], m),
+    "points of griddata in 1D": lambda m: cullhull.griddata(m[:, 0], PLAIN[:, 0], PLAIN[:, 0]),
+    "xi of griddata in 1D": lambda m: cullhull.griddata(PLAIN[:, 0], PLAIN[:, 0], m[:, 0]),
+    "values of NearestNDInterpolator": lambda m: cullhull.NearestNDInterpolator(PLAIN, m),
+    "xi of NearestNDInterpolator": lambda m: cullhull.NearestNDInterpolator(PLAIN, PLAIN)(m),
+    "xi of find_simplex": lambda m: cullhull.Delaunay(PLAIN).find_simplex(m),
+    "xi of tsearch": lambda m: cullhull.tsearch(cullhull.Delaunay(PLAIN), m),
+    "keys of hulls_by": lambda m: cullhull.hulls_by(PLAIN, m[:, 0]),
+    "edges": lambda m: cullhull.constrained_delaunay(PLAIN, m[:2].astype(int)),
+    "offsets": lambda m: cullhull.convex_hulls(PLAIN, m[:1, 0].astype(int)),
+}
+
+
+@pytest.mark.parametrize("what", TAKING_ARRAYS)
+def test_no_mask_is_dropped(what):
+    with pytest.raises(cullhull.InvalidArgument, match="cannot be a masked array"):
+        TAKING_ARRAYS[what](MASKED)
+
+
+def test_griddata_takes_what_everything_takes():
+    points = np.random.default_rng(4).random((20, 2))
+    values, asked = points[:, 0].copy(), points.mean(axis=0)[np.newaxis]
+    expected = cullhull.griddata(points, values, asked)
+
+    class OnlyDlpack:
+        def __init__(self, array):
+            self.array = array
+
+        def __dlpack__(self, **kind):
+            return self.array.__dlpack__(**kind)
+
+        def __dlpack_device__(self):
+            return self.array.__dlpack_device__()
+
+    for method in ("linear", "nearest", "natural", "cubic"):
+        plain = cullhull.griddata(points, values, asked, method)
+        assert cullhull.griddata(*map(OnlyDlpack, (points, values, asked)), method) == plain
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame(points, columns=["x", "y"]).astype("Float64")
+    assert cullhull.griddata(frame, frame["x"], frame[:1]).shape == (1,)
+    assert cullhull.griddata(frame, values, asked) == expected

@@ -260,3 +260,51 @@ def test_natural_neighbours_of_any_values():
         cullhull.NaturalNDInterpolator(random_points(30, 4), np.zeros(30))([[0.5] * 4])
     with pytest.raises(cullhull.InvalidArgument):
         both.neighbours(ask)
+
+
+# SciPy's class in the place of a triangulation
+
+OF_TRIANGULATIONS = {
+    "alpha_radii": cullhull.alpha_radii,
+    "alpha_shape": lambda t: cullhull.alpha_shape(t, 0.2).cells,
+    "concave_hull": lambda t: cullhull.concave_hull(t, 0.3).ring,
+    "gabriel_graph": cullhull.gabriel_graph,
+    "minimum_spanning_tree": cullhull.minimum_spanning_tree,
+    "relative_neighbourhood_graph": cullhull.relative_neighbourhood_graph,
+    "voronoi": lambda t: cullhull.voronoi(t).vertices,
+    "LinearNDInterpolator": lambda t: cullhull.LinearNDInterpolator(t, t.points[:, 0])(0.5, 0.5),
+    "NaturalNDInterpolator": lambda t: cullhull.NaturalNDInterpolator(t, t.points[:, 0])(0.5, 0.5),
+}
+
+
+@pytest.mark.parametrize("name", OF_TRIANGULATIONS)
+def test_the_class_in_scipys_place_is_taken_as_a_triangulation(name):
+    points = random_points(100, 2)
+    ours, use = cullhull.Delaunay(points), OF_TRIANGULATIONS[name]
+    assert np.array_equal(use(ours), use(cullhull.delaunay(points)))
+    ours = cullhull.Delaunay(points[:50], incremental=True)
+    ours.add_points(points[50:])
+    assert np.array_equal(use(ours), use(cullhull.delaunay(points)))
+
+
+def test_every_function_of_triangulations_is_tried_with_that_class():
+    known = {
+        name
+        for name in cullhull.__all__
+        if callable(thing := getattr(cullhull, name))
+        and "`Delaunay`" in (thing.__doc__ or "").partition("values :")[0].partition("Returns")[0]
+        and "points : (n, d) array" in thing.__doc__
+    }
+    assert known == set(OF_TRIANGULATIONS)
+
+
+def test_triangulations_of_the_furthest_site_are_refused_by_either_name():
+    points = random_points(30, 2)
+    for made in (cullhull.delaunay, cullhull.Delaunay):
+        found = made(points, furthest_site=True)
+        for use in (cullhull.alpha_shape, cullhull.gabriel_graph):
+            with pytest.raises(cullhull.InvalidArgument):
+                use(found)
+        with pytest.raises(cullhull.InvalidArgument, match="its kind already"):
+            cullhull.voronoi(found, furthest_site=True)
+        assert len(cullhull.voronoi(found).vertices)

@@ -143,3 +143,28 @@ def test_polars_keys():
         assert set(hulls) == set(keys) and hulls[keys[0]].volume == 0.5
     with pytest.raises(cullhull.InvalidArgument, match="1 missing value"):
         cullhull.hulls_by(points, polars.Series(["a", None, "a", "b"]))
+
+
+def test_groups_are_equal_where_keys_members_and_hulls_are():
+    points, keys = table(groups=20)
+    hulls = cullhull.hulls_by(points, keys)
+    days = np.datetime64("2020-01-01") + keys
+    assert hulls == hulls and not hulls != hulls
+    assert hulls == cullhull.hulls_by(points, keys) == pickle.loads(pickle.dumps(hulls))
+    moved, other_keys = points.copy(), keys.copy()
+    moved[hulls.members(keys[0])[hulls[keys[0]].vertices[0]]] += 9.5
+    other_keys[0] += 1
+    for other in (
+        cullhull.hulls_by(moved, keys),
+        cullhull.hulls_by(points, other_keys),
+        cullhull.hulls_by(points, [str(key) for key in keys]),
+        cullhull.hulls_by(points, days),
+        cullhull.hulls_by(points[:-1], keys[:-1]),
+        cullhull.hulls_by(points[:0], keys[:0]),
+        dict(hulls),
+        3,
+    ):
+        assert hulls != other and not hulls == other
+    assert cullhull.hulls_by(points[:0], keys[:0]) == cullhull.hulls_by(points[:0], keys[:0])
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(hulls)

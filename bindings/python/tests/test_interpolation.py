@@ -162,3 +162,44 @@ def test_griddata_in_its_place(monkeypatch):
     monkeypatch.setattr(scipy_interpolate, "griddata", cullhull.griddata)
     assert cullhull.griddata(line, line, [0.5], "linear") == expected
     assert cullhull.griddata(square, square[:, 0], [[0.5, 0.5]], "cubic") == smooth
+
+
+@pytest.mark.parametrize("made", [lambda p: p, cullhull.Delaunay, cullhull.delaunay])
+def test_natural_neighbours_in_four_dimensions_are_refused_when_made(made):
+    points = np.random.default_rng(1).random((30, 4))
+    with pytest.raises(cullhull.InvalidArgument, match="up to 3 dimensions, not in 4"):
+        cullhull.NaturalNDInterpolator(made(points), points[:, 0])
+
+
+def test_trees_are_made_when_they_are_asked_for():
+    points = np.random.default_rng(1).random((30, 3))
+    found = cullhull.NearestNDInterpolator(points, points, tree_options={"leafsize": 5})
+    assert "tree" not in vars(found) and found(points[:1]).tolist() == points[:1].tolist()
+    assert "tree" not in vars(found)
+    assert found.tree is found.tree and found.tree.leafsize == 5
+    assert "tree" not in vars(pickle.loads(pickle.dumps(found)))
+
+
+def test_values_can_be_replaced_as_in_scipys():
+    """A row of numbers for each point, whatever the shape of a value."""
+    points = np.random.default_rng(1).random((30, 2))
+    for kind in (cullhull.LinearNDInterpolator, interpolate.LinearNDInterpolator):
+        found = kind(points, points[:, 0])
+        found.values = points[:, 1:].copy()
+        assert np.allclose(found(0.5, 0.25), 0.25)
+        found.values[:] = 7
+        assert np.allclose(found([[0.5, 0.25]]), [7.0])
+
+
+@pytest.mark.parametrize("name", (*NAMES, "NaturalNDInterpolator"))
+@pytest.mark.parametrize("shape", [(0,), (2, 0), (3, 1, 2)])
+def test_values_of_any_shape(name, shape):
+    points = np.random.default_rng(1).random((30, 2))
+    make = getattr(cullhull, name)
+    if name == "NaturalNDInterpolator" and 0 in shape:
+        with pytest.raises(cullhull.InvalidArgument, match="at least one component"):
+            make(points, np.ones((30, *shape)))
+        return
+    found = make(points, np.ones((30, *shape)))
+    assert found([[0.5, 0.25]] * 4).shape == (4, *shape) and found.values_shape == shape
+    assert found(np.zeros((0, 2))).shape == (0, *shape)

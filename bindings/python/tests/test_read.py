@@ -127,6 +127,65 @@ def wkb(points, order="<", kind=1, flags=0):
     return [head + struct.pack(order + f"{len(p)}d", *p) for p in points]
 
 
+LARGE = 2**53 + 1  #: lies between two doubles
+
+
+@pytest.mark.parametrize("kind", ["int64", "uint64"])
+def test_parquet_whole_numbers_beside_doubles_are_not_rounded(tmp_path, kind):
+    whole = np.arange(300).astype(kind)
+    whole[290] = 2**60
+    columns = {"x": POINTS[:, 0], "y": whole}
+    points = cullhull.read(written(tmp_path, columns))
+    assert points.dtype == np.float64 and points[290, 1] == 2.0**60
+    whole[291] = LARGE
+    path = written(tmp_path, columns)
+    for options in ({}, {"columns": ["y", "x"]}):
+        with pytest.raises(cullhull.BadFile, match=f"'y', row 291: {LARGE} is a 64-bit integer"):
+            cullhull.read(path, **options)
+    with pytest.raises(cullhull.BadFile, match="column 'y', row 291"):
+        list(cullhull.read(path, chunks=100))
+    alone = cullhull.read(path, columns=["y"])
+    assert alone.dtype == kind and int(alone[291, 0]) == LARGE
+    assert cullhull.read(path, columns=["x"]).shape == (300, 1)
+
+
+def test_parquet_whole_numbers_of_two_types(tmp_path):
+    signed, unsigned = np.full(3, -1), np.array([0, 1, 2**64 - 1], dtype=np.uint64)
+    small = np.array([1, 2, 3], dtype=np.int32)
+    with pytest.raises(cullhull.BadFile, match=f"'y', row 2: {2**64 - 1} is"):
+        cullhull.read(written(tmp_path, {"x": signed, "y": unsigned}))
+    signed[1] = -LARGE
+    points = cullhull.read(written(tmp_path, {"x": signed, "y": small}))
+    assert points.dtype == np.int64 and int(points[1, 0]) == -LARGE
+    extremes = np.array([2**63 - 1, -(2**63), 2**62])
+    with pytest.raises(cullhull.BadFile, match=f"'x', row 0: {2**63 - 1} is"):
+        cullhull.read(written(tmp_path, {"x": extremes, "y": unsigned}))
+    extremes[0] = 0
+    points = cullhull.read(written(tmp_path, {"x": extremes, "y": small.astype("f4")}))
+    assert points[:, 0].tolist() == [0, -(2.0**63), 2.0**62]
+    with pytest.raises(cullhull.BadFile, match=f"'x', row 1: -{LARGE} is"):
+        cullhull.read(written(tmp_path, {"x": signed, "y": small.astype("f4")}))
+
+
+def test_parquet_rows_at_fault_are_numbered_from_the_first_of_the_file(tmp_path):
+    structs = [{"x": i, "y": 0.5} for i in range(200)] + [{"x": LARGE, "y": 0.5}]
+    path = written(tmp_path, {"at": structs})
+    with pytest.raises(cullhull.BadFile, match="column 'at': column 'x', row 200: "):
+        list(cullhull.read(path, columns=["at"], chunks=150))
+    geometries = wkb(POINTS[:200]) + wkb(POINTS[:1], kind=2)
+    path = written(tmp_path, {"geometry": geometries})
+    with pytest.raises(cullhull.BadFile, match="'geometry', row 200: a geometry of type 2"):
+        list(cullhull.read(path, columns=["geometry"], chunks=150))
+
+
+def test_hdf5_whole_numbers_beside_doubles_are_not_rounded(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["x"], file["y"] = [0.5, 1.5], [1, LARGE]
+    with pytest.raises(cullhull.BadFile, match=f"'y', row 1: {LARGE} is"):
+        cullhull.read(f"{tmp_path}/a.h5:x,y")
+
+
 @pytest.mark.parametrize("order", "<>")
 @pytest.mark.parametrize(
     "width, kind, flags",

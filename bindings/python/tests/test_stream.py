@@ -415,6 +415,25 @@ def test_the_package_reads_laz_for_the_program(tmp_path):
         assert (got.returncode, got.stdout, got.stderr) == (0, expected.stdout, "")
     assert run("hull", "a.laz", "-o", "b.obj").returncode == 0
     assert run("hull", "*.laz", "--json").returncode == 0
+    # Folders, patterns and lists of which some are packed: in the order in which the program has them.
+    (tmp_path / "tiles").mkdir()
+    (tmp_path / "same").mkdir()
+    for i, ending in enumerate(("laz", "las", "laz")):
+        las.X = las.X + 100 * i
+        las.write(str(tmp_path / f"tiles/{i + 9}.{ending}"))
+        las.write(str(tmp_path / f"same/{i + 9}.las"))
+    (tmp_path / "tiles.lst").write_text("# some\ntiles/9.laz\ntiles/1*.la?\n")
+    expected = run("hull", "same", "-o", "-")
+    assert expected.returncode == 0
+    for word in ("tiles", "tiles/*", "tiles/*.la[sz]", "@tiles.lst"):
+        got = run("hull", word, "-o", "-")
+        assert (got.returncode, got.stdout, got.stderr) == (0, expected.stdout, ""), word
+    frames = run("track", "tiles", "-o", "f%d.json")
+    assert frames.returncode == 0
+    assert run("hull", "same/10.las", "-o", "g.json").returncode == 0
+    assert (tmp_path / "f1.json").read_text() == (tmp_path / "g.json").read_text()
+    missing = run("hull", "@nothing.lst")
+    assert missing.returncode == 1 and "nothing.lst" in missing.stderr
     (tmp_path / "bad.laz").write_bytes(b"LASF nothing")
     bad = run("hull", "bad.laz")
     assert bad.returncode == 1 and bad.stderr.startswith("cullhull: bad.laz: ")

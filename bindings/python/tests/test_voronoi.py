@@ -96,6 +96,17 @@ def test_points_on_one_sphere():
     assert sorted(map(len, found.regions)).count(4) == 9
 
 
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_faces_are_of_cells_in_space(dimension):
+    found = cullhull.voronoi(np.random.default_rng(1).random((5, dimension)))
+    for shapes in (True, False):
+        cells = found.clip([0] * dimension, [1] * dimension, shapes=shapes)
+        with pytest.raises(cullhull.InvalidArgument, match="faces are of cells in 3D"):
+            cells.faces(0)
+    with pytest.raises(cullhull.InvalidArgument, match="shapes=False"):
+        cells.corners(0)
+
+
 def test_a_point_one_digit_outside():
     """Of the set of the four tests of SciPy's that are left out: its diagram has vertices that
     are very near to each other, and one that is very far; Qhull merges them."""
@@ -230,6 +241,90 @@ def test_clipped_cells(dimension):
             found.clip(low, high)
 
 
+def shapes_of(shapely, cells):
+    return [
+        shapely.MultiPolygon([(rings[0], rings[1:]) for rings in cells.polygons(i)])
+        for i in range(len(cells))
+    ]
+
+
+def star(rng, corners):
+    """A polygon with dents around (0.5, 0.5)."""
+    angle = np.linspace(0, 2 * np.pi, corners, endpoint=False)
+    radius = rng.uniform(0.2, 0.7, corners)
+    return 0.5 + np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+
+
+@pytest.mark.parametrize("seed", range(100))
+def test_clipped_cells_are_a_coverage(seed):
+    """Neighbours share their corners, and nothing is left out: as shapely sees it."""
+    shapely = pytest.importorskip("shapely", "2.1")
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(1, 300))
+    points = rng.random((count, 2)) if seed % 2 else rng.integers(0, 16, (count, 2)) / 16
+    region = (
+        shapely.box(0, 0, 1, 1),
+        shapely.Polygon(star(rng, 12)),
+        shapely.Polygon(star(rng, 9), [shapely.box(0.49, 0.49, 0.51, 0.52).exterior.coords]),
+        shapely.MultiPolygon([shapely.box(0, 0, 0.5, 0.25), shapely.Polygon(star(rng, 7) + [1, 1])]),
+    )[seed % 4]
+    assert region.is_valid
+    cells = cullhull.voronoi(points).clip(region)
+    shapes = shapes_of(shapely, cells)
+    assert shapely.is_valid(shapes).all()
+    assert shapely.coverage_is_valid(shapes)
+    union = shapely.coverage_union_all(shapes)
+    assert union.symmetric_difference(region).area < 1e-13
+    assert np.allclose(shapely.area(shapes), cells.measures, rtol=1e-9, atol=1e-15)
+    if seed % 2 == 0 or count == 1:
+        return  # of rounded lattices shapely's own diagrams are no coverage
+    diagram = shapely.voronoi_polygons(shapely.MultiPoint(points), extend_to=region)
+    theirs = np.sort(shapely.area(shapely.intersection(diagram.geoms, region)))
+    assert np.allclose(theirs, np.sort(cells.measures), rtol=0, atol=1e-12)
+
+
+def test_clip_takes_polygons_in_any_form():
+    shapely = pytest.importorskip("shapely", "2.1")
+    found = cullhull.voronoi([[1, 1], [3, 1]])
+    outline, hole = [[0, 0], [4, 0], [4, 2], [0, 2]], [[0.5, 0.5], [1, 1], [0.5, 1]]
+    polygon = shapely.Polygon(outline, [hole])
+    assert found.clip(outline).measures.tolist() == [4, 4]
+    forms = [
+        [outline, hole],
+        [np.array(outline), np.array(hole)],
+        polygon,
+        polygon.__geo_interface__,
+        {"type": "Feature", "geometry": polygon.__geo_interface__},
+        {"type": "FeatureCollection", "features": [{"type": "Feature", "geometry": polygon}]},
+    ]
+    forms[-1]["features"][0]["geometry"] = polygon.__geo_interface__
+    for form in forms:
+        cells = found.clip(form)
+        assert cells.measures.tolist() == [3.875, 4]
+        assert [len(ring) for ring in cells.polygons(0)[0]] == [4, 3]
+        for again in (pickle.loads(pickle.dumps(cells)), copy.deepcopy(cells), copy.copy(cells)):
+            assert again.measures.tolist() == cells.measures.tolist()
+            assert np.array_equal(again.corners(0), cells.corners(0))
+    dented = [[0, 0], [4, 0], [4, 2], [2, 0.5], [0, 2]]
+    assert found.clip(dented).measures.tolist() == [2.5, 2.5]
+    for bad in (
+        [[0, 0], [1, 1], [0, 1], [1, 0]],
+        [[[0, 0], [1, 1]]],
+        [[0, 0], [1, np.nan], [0, 1]],
+        shapely.Point(0, 0),
+        {"type": "FeatureCollection", "features": []},
+        [[0, 0, 0], [1, 0, 0], [0, 1, 0]],
+    ):
+        with pytest.raises(ValueError):
+            found.clip(bad)
+    with pytest.raises(TypeError):
+        cullhull.ClippedCells()
+    with pytest.raises(ValueError, match="polygons are of cells in 2D"):
+        cullhull.voronoi(CUBE).clip([0, 0, 0], [1, 1, 1]).polygons(0)
+    with pytest.raises(ValueError, match="faces are of cells in 3D"):
+        found.clip([0, 0], [1, 1]).faces(0)
+
+
 def test_plots():
     pytest.importorskip("matplotlib").use("Agg")
     points = np.random.default_rng(0).random((20, 2))
@@ -237,6 +332,9 @@ def test_plots():
         assert module.delaunay_plot_2d(cullhull.Delaunay(points)).axes
         assert module.voronoi_plot_2d(cullhull.Voronoi(points)).axes
     assert cullhull.delaunay_plot_2d(spatial.Delaunay(points)).axes
+    assert cullhull.delaunay_plot_2d(cullhull.delaunay(points)).axes
+    with pytest.raises(cullhull.InvalidArgument, match="in a plane or a line"):
+        cullhull.delaunay_plot_2d(cullhull.delaunay([[0, 0], [1, 1]]))
     figure = cullhull.voronoi_plot_2d(spatial.Voronoi(points), show_vertices=False, line_colors="r")
     solid, dashed = figure.axes[0].collections
     their_solid, their_dashed = spatial.voronoi_plot_2d(spatial.Voronoi(points)).axes[0].collections

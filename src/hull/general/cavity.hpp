@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/orientation.hpp"
-#include "parallel/raw_array.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "parallel/memory/raw_array.hpp"
 
 namespace cullhull::internal {
 

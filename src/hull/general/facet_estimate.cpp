@@ -17,7 +17,7 @@
 #include "extreme/hull_membership.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/threads/parallel.hpp"
 #include "parallel/xorshift.hpp"
 
 namespace cullhull::internal {

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "geometry/local_points.hpp"
-#include "parallel/run.hpp"
+#include "exact/points/local_points.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -21,7 +21,7 @@
 #include <limits>
 #include <utility>
 
-#include "geometry/minors.hpp"
+#include "exact/determinants/minors.hpp"
 #include "hull/general/laplace.hpp"
 
 HWY_BEFORE_NAMESPACE();

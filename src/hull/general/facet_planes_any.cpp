@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "geometry/eliminated_plane.hpp"
-#include "geometry/minors.hpp"
+#include "exact/determinants/minors.hpp"
+#include "exact/planes/eliminated_plane.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
-#include "parallel/raw_array.hpp"
 
 namespace cullhull::internal {
 

@@ -25,18 +25,18 @@
 #include <vector>
 
 #include "cullhull/error.hpp"
-#include "geometry/minors.hpp"
+#include "exact/determinants/minors.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "exact/planes/oriented_plane.hpp"
 #include "geometry/norm_order.hpp"
-#include "geometry/orientation.hpp"
-#include "geometry/oriented_plane.hpp"
 #include "hull/engine.hpp"
 #include "hull/general/cavity.hpp"
 #include "hull/general/facet_planes.hpp"
 #include "hull/general/facet_sieve.hpp"
 #include "hull/general/facet_store.hpp"
-#include "parallel/crew.hpp"
-#include "parallel/crowding.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/crew.hpp"
+#include "parallel/threads/crowding.hpp"
+#include "parallel/threads/run.hpp"
 #include "parallel/xorshift.hpp"
 
 namespace cullhull::internal {

@@ -202,28 +202,28 @@ Boundary InsertionNd<D>::collect() {
   std::vector<Id> before(chunk_count(facet_slots_, chunk) + 1, 0);
   run_.each_chunk(facet_slots_, chunk,
                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                    Id count = 0;
-                    for (std::uint64_t f = begin; f < end; ++f)
-                      number[f] = store_.alive(static_cast<Id>(f)) ? count++ : none;
-                    before[c + 1] = count;
-                  });
+    Id count = 0;
+    for (std::uint64_t f = begin; f < end; ++f)
+      number[f] = store_.alive(static_cast<Id>(f)) ? count++ : none;
+    before[c + 1] = count;
+  });
   for (std::size_t c = 1; c < before.size(); ++c) before[c] += before[c - 1];
   result_.dimension = d;
   result_.vertices.resize(std::size_t{before.back()} * d);
   result_.neighbours.resize(std::size_t{before.back()} * d);
   run_.each_chunk(facet_slots_, chunk,
                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                    for (std::uint64_t f = begin; f < end; ++f) {
-                      if (number[f] == none) continue;
-                      const std::size_t base = std::size_t{before[c] + number[f]} * d;
-                      const Id* v = store_.vertices(static_cast<Id>(f));
-                      const Id* n = store_.neighbours(static_cast<Id>(f));
-                      for (unsigned j = 0; j < d; ++j) {
-                        result_.vertices[base + j] = order_[v[j]];
-                        result_.neighbours[base + j] = before[n[j] >> chunk_bits] + number[n[j]];
-                      }
-                    }
-                  });
+    for (std::uint64_t f = begin; f < end; ++f) {
+      if (number[f] == none) continue;
+      const std::size_t base = std::size_t{before[c] + number[f]} * d;
+      const Id* v = store_.vertices(static_cast<Id>(f));
+      const Id* n = store_.neighbours(static_cast<Id>(f));
+      for (unsigned j = 0; j < d; ++j) {
+        result_.vertices[base + j] = order_[v[j]];
+        result_.neighbours[base + j] = before[n[j] >> chunk_bits] + number[n[j]];
+      }
+    }
+  });
   for (const Lane& lane : lanes_) {
     result_.rung_counts += lane.rung_counts;
     result_.duplicates.insert(result_.duplicates.end(), lane.duplicates.begin(),

@@ -15,9 +15,9 @@ void InsertionNd<D>::append_round(NormOrder& order) {
   starts_.push_back(static_cast<Id>(order_.size()));
   run_.each(order_.size() - begin, std::uint64_t{1} << 15,
             [&](std::uint64_t from, std::uint64_t to) {
-              for (std::uint64_t k = begin + from; k < begin + to; ++k)
-                std::copy_n(points_.row(order_[k]), d, ordered_.data() + k * d);
-            });
+    for (std::uint64_t k = begin + from; k < begin + to; ++k)
+      std::copy_n(points_.row(order_[k]), d, ordered_.data() + k * d);
+  });
 }
 
 /// Inserts round by round, until testing the remaining points against all facets costs more than it

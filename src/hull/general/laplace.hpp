@@ -4,7 +4,7 @@
 #include <array>
 #include <bit>
 
-#include "geometry/minors.hpp"
+#include "exact/determinants/minors.hpp"
 
 namespace cullhull::internal {
 

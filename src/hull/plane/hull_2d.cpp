@@ -11,10 +11,10 @@
 #include "hull/engine.hpp"
 #include "hull/plane/planar_strip.hpp"
 #include "hull/plane/polygon.hpp"
-#include "parallel/big_array.hpp"
-#include "parallel/clear_pages.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/memory/big_array.hpp"
+#include "parallel/memory/clear_pages.hpp"
 #include "parallel/prefetch.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstdint>
 
 #include "cullhull/point_view.hpp"
+#include "exact/orientation/orientation.hpp"
 #include "geometry/gather.hpp"
-#include "geometry/orientation.hpp"
 
 namespace cullhull::internal {
 

@@ -7,7 +7,7 @@
 
 #include "cullhull/array.hpp"
 #include "hull/plane/planar.hpp"
-#include "parallel/control.hpp"
+#include "parallel/threads/control.hpp"
 
 namespace cullhull::internal {
 

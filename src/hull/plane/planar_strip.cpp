@@ -6,7 +6,7 @@
 
 #include "hull/plane/planar_chains.hpp"
 #include "hull/plane/quadrilateral.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/threads/parallel.hpp"
 #include "parallel/xorshift.hpp"
 
 namespace cullhull::internal {
@@ -57,26 +57,26 @@ std::vector<std::uint32_t> outside(const PlanarSource& source, const Strip& stri
   std::vector<std::vector<std::uint32_t>> kept(chunk_count(source.count(), light_grain));
   run.each_chunk(source.count(), light_grain,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-                   double room[2 * block];
-                   std::uint32_t list[block];
-                   for (std::uint64_t b = begin; b < end; b += block) {
-                     const std::uint64_t n = std::min<std::uint64_t>(block, end - b);
-                     const double* p = source.rows(b, b + n, room);
-                     std::size_t k = 0;
-                     for (std::uint64_t i = 0; i < n; ++i) {
-                       list[k] = static_cast<std::uint32_t>(b + i);
-                       k += !strip.contains(p[2 * i], p[2 * i + 1]);
-                     }
-                     std::size_t left = 0;
-                     for (std::size_t j = 0; j < k; ++j) {
-                       const std::uint32_t row = list[j];
-                       const double* q = p + 2 * (row - b);
-                       if (!middle.contains(q[0], q[1]) && !copies_corner(q[0], q[1], row, corners))
-                         list[left++] = row;
-                     }
-                     kept[c].insert(kept[c].end(), list, list + left);
-                   }
-                 });
+    double room[2 * block];
+    std::uint32_t list[block];
+    for (std::uint64_t b = begin; b < end; b += block) {
+      const std::uint64_t n = std::min<std::uint64_t>(block, end - b);
+      const double* p = source.rows(b, b + n, room);
+      std::size_t k = 0;
+      for (std::uint64_t i = 0; i < n; ++i) {
+        list[k] = static_cast<std::uint32_t>(b + i);
+        k += !strip.contains(p[2 * i], p[2 * i + 1]);
+      }
+      std::size_t left = 0;
+      for (std::size_t j = 0; j < k; ++j) {
+        const std::uint32_t row = list[j];
+        const double* q = p + 2 * (row - b);
+        if (!middle.contains(q[0], q[1]) && !copies_corner(q[0], q[1], row, corners))
+          list[left++] = row;
+      }
+      kept[c].insert(kept[c].end(), list, list + left);
+    }
+  });
   std::vector<std::uint32_t> rows;
   for (const auto& list : kept) rows.insert(rows.end(), list.begin(), list.end());
   return rows;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "hull/plane/planar.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

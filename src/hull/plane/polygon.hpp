@@ -8,7 +8,7 @@
 #include "cullhull/array.hpp"
 #include "hull/plane/planar_chains.hpp"
 #include "hull/plane/planar_strip.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

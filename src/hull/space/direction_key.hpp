@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "geometry/local_points.hpp"
+#include "exact/points/local_points.hpp"
 
 namespace cullhull::internal {
 

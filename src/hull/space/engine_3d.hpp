@@ -10,8 +10,8 @@
 #include "hull/space/insertion_3d.hpp"
 #include "hull/space/order_3d.hpp"
 #include "hull/space/triangle_mesh.hpp"
-#include "parallel/big_array.hpp"
-#include "parallel/raw_array.hpp"
+#include "parallel/memory/big_array.hpp"
+#include "parallel/memory/raw_array.hpp"
 
 namespace cullhull::internal {
 

@@ -3,8 +3,8 @@
 
 #include "cullhull/error.hpp"
 #include "hull/space/engine_3d.hpp"
-#include "parallel/parallel.hpp"
 #include "parallel/prefetch.hpp"
+#include "parallel/threads/parallel.hpp"
 #include "parallel/xorshift.hpp"
 
 namespace cullhull::internal {

@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/local_points.hpp"
-#include "geometry/orientation_3d.hpp"
-#include "parallel/control.hpp"
+#include "exact/orientation/orientation_3d.hpp"
+#include "exact/points/local_points.hpp"
+#include "parallel/threads/control.hpp"
 #include "parallel/xorshift.hpp"
 
 namespace cullhull::internal {

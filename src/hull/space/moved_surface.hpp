@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "cullhull/hull.hpp"
-#include "geometry/local_points.hpp"
+#include "exact/points/local_points.hpp"
 #include "hull/space/triangle_mesh.hpp"
-#include "parallel/run.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -3,8 +3,8 @@
 #include <bit>
 
 #include "hull/space/engine_3d.hpp"
-#include "parallel/parallel.hpp"
 #include "parallel/radix_sort.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 

@@ -5,9 +5,9 @@
 #include <bit>
 #include <numeric>
 
-#include "parallel/parallel.hpp"
 #include "parallel/radix_sort.hpp"
 #include "parallel/random_stream.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/local_points.hpp"
+#include "exact/points/local_points.hpp"
 #include "hull/space/direction_key.hpp"
-#include "parallel/big_array.hpp"
-#include "parallel/run.hpp"
+#include "parallel/memory/big_array.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -3,7 +3,7 @@
 #include <thread>
 
 #include "hull/space/engine_3d.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 
@@ -14,11 +14,11 @@ void Engine3D::screen_and_insert(Id begin, Id end) {
   const Id start = live_facet();
   run_.each_chunk(end - begin, chunk,
                   [&](std::uint64_t c, std::uint64_t first, std::uint64_t last) {
-                    readers[c].owner_count = none;  // all facets
-                    readers[c].hint = start;
-                    screen_points(shared_, readers[c], nullptr, static_cast<Id>(begin + first),
-                                  static_cast<Id>(begin + last));
-                  });
+    readers[c].owner_count = none;  // all facets
+    readers[c].hint = start;
+    screen_points(shared_, readers[c], nullptr, static_cast<Id>(begin + first),
+                  static_cast<Id>(begin + last));
+  });
   Piece3D& all = pieces_[0];
   std::vector<Id> seen;
   for (Piece3D& r : readers) {
@@ -88,11 +88,11 @@ void Engine3D::divide(std::vector<Work>& work, const Cut3D& cut) const {
   std::vector<std::vector<Id>> found(chunk_count(end - begin, chunk) * work.size());
   run_.each_chunk(end - begin, chunk,
                   [&](std::uint64_t c, std::uint64_t first, std::uint64_t last) {
-                    for (std::uint64_t i = begin + first; i < begin + last; ++i) {
-                      const auto p = static_cast<Id>(i);
-                      found[c * work.size() + cut.piece_of(shared_.row(p))].push_back(p);
-                    }
-                  });
+    for (std::uint64_t i = begin + first; i < begin + last; ++i) {
+      const auto p = static_cast<Id>(i);
+      found[c * work.size() + cut.piece_of(shared_.row(p))].push_back(p);
+    }
+  });
   for (std::size_t t = 0; t < work.size(); ++t) {
     work[t].begin = work[t].end = 0;
     for (std::size_t k = t; k < found.size(); k += work.size())

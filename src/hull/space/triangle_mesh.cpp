@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "parallel/parallel.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 namespace {

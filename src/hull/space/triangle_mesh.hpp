@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/orientation_3d.hpp"
+#include "exact/orientation/orientation_3d.hpp"
 #include "hull/engine.hpp"
 #include "hull/space/insertion_3d.hpp"
-#include "parallel/big_array.hpp"
-#include "parallel/raw_array.hpp"
-#include "parallel/run.hpp"
+#include "parallel/memory/big_array.hpp"
+#include "parallel/memory/raw_array.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

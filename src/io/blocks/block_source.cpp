@@ -14,10 +14,10 @@
 #include "io/placing.hpp"
 #include "io/records.hpp"
 #include "io/system.hpp"
-#include "io/text.hpp"
-#include "io/text_scan.hpp"
+#include "io/text/text.hpp"
+#include "io/text/text_scan.hpp"
 #include "parallel/byte_order.hpp"
-#include "parallel/memory.hpp"
+#include "parallel/memory/memory.hpp"
 
 namespace cullhull::internal {
 

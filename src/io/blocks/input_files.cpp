@@ -8,7 +8,7 @@
 #include "io/packed/unpack.hpp"
 #include "io/source.hpp"
 #include "io/system.hpp"
-#include "parallel/memory.hpp"
+#include "parallel/memory/memory.hpp"
 
 namespace cullhull {
 namespace {

@@ -10,7 +10,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/point_blocks.hpp"
 #include "io/blocks/block_source.hpp"
-#include "parallel/parallel.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull {
 namespace internal {

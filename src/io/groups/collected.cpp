@@ -5,8 +5,8 @@
 #include <functional>
 #include <numeric>
 
-#include "io/text_scan.hpp"
-#include "parallel/memory.hpp"
+#include "io/text/text_scan.hpp"
+#include "parallel/memory/memory.hpp"
 
 namespace cullhull::internal {
 

@@ -8,12 +8,12 @@
 
 #include "cullhull/batch.hpp"
 #include "cullhull/group_hulls.hpp"
-#include "io/geometry_text.hpp"
+#include "io/formats/geometry_text.hpp"
 #include "io/groups/collected.hpp"
-#include "io/json_writer.hpp"
-#include "io/mesh.hpp"
-#include "io/output_file.hpp"
-#include "parallel/memory.hpp"
+#include "io/json/json_writer.hpp"
+#include "io/write/mesh.hpp"
+#include "io/write/output_file.hpp"
+#include "parallel/memory/memory.hpp"
 
 namespace cullhull {
 namespace internal {

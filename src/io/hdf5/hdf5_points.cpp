@@ -11,7 +11,7 @@
 #include "io/columns.hpp"
 #include "io/exact_double.hpp"
 #include "io/hdf5/library.hpp"
-#include "parallel/memory.hpp"
+#include "parallel/memory/memory.hpp"
 
 namespace cullhull::internal {
 

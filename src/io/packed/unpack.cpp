@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "parallel/memory.hpp"
+#include "parallel/memory/memory.hpp"
 
 #if CULLHULL_HAVE_ZLIB
 #include <zlib.h>

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "cuda/gauge.hpp"
-#include "cull/gauge_map.hpp"
 #include "device_sets.hpp"
 #include "emulation.hpp"
+#include "filter/gauge/gauge_map.hpp"
 #include "tests/made_sets.hpp"
 
 namespace cullhull::testing {

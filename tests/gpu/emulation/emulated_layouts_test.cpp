@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "cuda/gauge.hpp"
-#include "cuda/gauge_kernel.hpp"
-#include "cull/gauge_map.hpp"
+#include "cuda/kernels/gauge_kernel.hpp"
 #include "device_sets.hpp"
 #include "emulation.hpp"
+#include "filter/gauge/gauge_map.hpp"
 #include "tests/made_sets.hpp"
 
 namespace cullhull::testing {

@@ -1,0 +1,338 @@
+#include "cullhull/certify.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "certify/certificate.hpp"
+#include "certify/hull/cones.hpp"
+
+namespace cullhull {
+namespace internal::certificate {
+
+void check_chunks(const Subject& s, std::uint64_t count, std::uint64_t chunk_size,
+                  const std::function<void(std::uint64_t begin, std::uint64_t end)>& body) {
+  std::vector<std::string> faults(chunk_count(count, chunk_size));
+  s.run.each_chunk(count, chunk_size,
+                   [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+    try {
+      body(begin, end);
+    } catch (const Fault& f) {
+      faults[chunk] = f.reason;
+    }
+  });
+  for (std::string& f : faults)
+    if (!f.empty()) throw Fault{std::move(f)};
+}
+
+std::uint64_t Subject::position(std::uint64_t id) const {
+  const std::uint64_t bucket = id >> id_shift;
+  if (bucket + 1 >= id_bucket.size()) return ids.size();
+  const auto begin = ids.begin() + id_bucket[bucket], end = ids.begin() + id_bucket[bucket + 1];
+  const auto it = std::lower_bound(begin, end, id);
+  return it != end && *it == id ? static_cast<std::uint64_t>(it - ids.begin()) : ids.size();
+}
+
+void Subject::index_ids() {
+  // About as many buckets as ids, which ascend.
+  id_shift = 0;
+  while (ids.back() >> id_shift >= 2 * ids.size()) ++id_shift;
+  id_bucket.assign((ids.back() >> id_shift) + 2, 0);
+  for (const std::uint64_t id : ids) ++id_bucket[(id >> id_shift) + 1];
+  for (std::size_t b = 1; b < id_bucket.size(); ++b) id_bucket[b] += id_bucket[b - 1];
+}
+
+Sign Subject::side(std::uint32_t f, const double* x, const double** scratch) const {
+  for (unsigned j = 0; j < k; ++j) scratch[j] = row(simplex(f)[j]);
+  scratch[k] = x;
+  // A facet orthogonal to an axis: equality shows that x is in its plane, a frequent case on grids.
+  for (unsigned c = 0; c < k; ++c) {
+    bool level = true;
+    for (unsigned j = 0; j < k && level; ++j) level = scratch[j][c] == x[c];
+    if (level) return Sign::zero;
+  }
+  if (k > 8) run.check();  // a sign can take milliseconds
+  Rung rung = Rung::filter;
+  const Sign sign = orientation(k, scratch, &rung);
+  if (rung == Rung::exact) exact_decisions.fetch_add(1, std::memory_order_relaxed);
+  return sign;
+}
+
+Sign Subject::seen(const double** r) const {
+  if (k > 8) run.check();
+  if (!centre.empty()) {
+    r[k] = centre.data();
+    Rung rung = Rung::filter;
+    const Sign sign = orientation(k, r, &rung);
+    if (rung == Rung::exact) exact_decisions.fetch_add(1, std::memory_order_relaxed);
+    return sign;
+  }
+  // No double is strictly inside: the centroid of the basis, as an exact rational.
+  exact_decisions.fetch_add(1, std::memory_order_relaxed);
+  std::vector<const double*> corners;
+  for (const std::uint32_t v : basis) corners.push_back(row(v));
+  // det [p1 - p0; ...; o - p0] = (-1)^k det [p0 - o; ...; p(k-1) - o]
+  const Sign sign = orientation_from_centroid_exact(k, r, corners.data());
+  return k % 2 == 0 ? sign : -sign;
+}
+
+bool Subject::in_cone(std::uint32_t f, const double* x, const double** scratch) const {
+  for (unsigned j = 0; j < k; ++j) {
+    for (unsigned i = 0; i < k; ++i) scratch[i] = i == j ? x : row(simplex(f)[i]);
+    if (seen(scratch) == Sign::positive) return false;
+  }
+  return true;
+}
+
+std::uint32_t Subject::locate(const double* x, std::uint32_t start, const double** scratch) const {
+  // A visibility walk on a regular subdivision of the sphere ends; inside a triangulated facet it
+  // could cycle, so the starting slot is rotated and the steps are counted. The limit is far above
+  // walks' lengths and only ends walks on surfaces that are not closed.
+  std::uint32_t f = start;
+  const std::uint64_t limit = 1000 + std::uint64_t{4} * simplex_count();
+  for (std::uint64_t step = 0; step < limit; ++step) {
+    bool moved = false;
+    for (unsigned i = 0; i < k && !moved; ++i) {
+      const auto j = static_cast<unsigned>((i + step * 7) % k);
+      for (unsigned c = 0; c < k; ++c) scratch[c] = c == j ? x : row(simplex(f)[c]);
+      if (seen(scratch) != Sign::positive) continue;
+      f = neighbour(f, j);
+      moved = true;
+    }
+    if (!moved) return f;
+    if (step % 4096 == 4095) run.check();
+  }
+  for (f = 0; f < simplex_count(); ++f)
+    if (in_cone(f, x, scratch)) return f;
+  fault("no facet meets the ray towards a point: the surface is not closed");
+}
+
+namespace {
+
+void check_empty(const Hull& h, std::uint64_t n) {
+  if (n == 0 && (!h.vertices.empty() || !h.centroid.empty()))
+    fault("there are no points, but vertices or a centroid");
+  if (!h.simplices.empty() || !h.simplex_facets.empty() || !h.simplex_neighbours.empty() ||
+      h.facets.offsets.size() > 1 || !h.facets.items.empty() ||
+      h.facet_neighbours.offsets.size() > 1 || !h.facet_neighbours.items.empty() ||
+      !h.facet_planes.empty())
+    fault("a hull of affine dimension ", h.affine_dimension, " has no facets");
+  if (h.volume != 0 || h.area != 0) fault("a hull without facets has no volume and no area");
+}
+
+/// k = 0: all points equal the first.
+void check_single(Subject& s) {
+  const Hull& h = s.hull;
+  check_empty(h, s.points.count);
+  if (h.vertices.size() != 1 || h.vertices[0] != 0) fault("the only vertex should be point 0");
+  s.full.resize(s.points.dimension);
+  for (unsigned j = 0; j < s.points.dimension; ++j)
+    s.full[j] = s.claimed != nullptr ? (*s.claimed)[j] : s.points.at(0, j);
+  if (h.centroid != s.full) fault("the centroid is not the only point");
+}
+
+/// k = 0: checks that each point is the single vertex.
+void check_equal(const Subject& s, const PointView& block, std::uint64_t first_id) {
+  check_chunks(s, block.count, std::uint64_t{1} << 16, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i)
+      for (unsigned j = 0; j < block.dimension; ++j) {
+        const double v = block.at(i, j);
+        if (!std::isfinite(v)) fault("point ", first_id + i, " is not finite");
+        if (v != s.full[j]) fault("point ", first_id + i, " differs from point 0");
+      }
+    if (begin + first_id == 0) ++s.vertices_met;
+  });
+}
+
+/// Checks everything that does not need all points.
+void check_hull(Subject& s, std::optional<Cones>& cones, Certificate& out) {
+  const Hull& h = s.hull;
+  const std::uint64_t n = s.points.count;
+  if (h.dimension != s.points.dimension) fault("the hull's dimension is not that of the points");
+  if (h.point_count != n) fault("the hull is that of ", h.point_count, " points, not of ", n);
+  if (h.scalar != s.points.scalar) fault("the hull's scalar type is not that of the points");
+  if (h.affine_dimension < -1 || h.affine_dimension > static_cast<std::int64_t>(h.dimension))
+    fault("affine dimension ", h.affine_dimension, " is impossible");
+  if ((n == 0) != (h.affine_dimension == -1))
+    fault("affine dimension ", h.affine_dimension, " is impossible for ", n, " points");
+  if (s.claimed != nullptr && s.claimed->size() != h.vertices.size() * h.dimension)
+    fault("the vertices are ", h.vertices.size(), ", but their coordinates ", s.claimed->size());
+  if (n == 0) return check_empty(h, 0);
+  if (h.affine_dimension == 0) return check_single(s);
+  s.k = static_cast<unsigned>(h.affine_dimension);
+  s.run.report("certify", 0);
+  check_shape(s);
+  check_flat(s);
+  s.run.report("certify", 0.05);
+  cones.emplace(s);
+  check_interior(s, *cones);
+  s.run.report("certify", 0.2);
+  out.ridges_checked = check_ridges(s, *cones);
+  check_covering(s, *cones);
+  s.run.report("certify", 0.4);
+  check_facets(s);
+  s.run.report("certify", 0.5);
+}
+
+void check_all(Subject& s, Certificate& out) {
+  const std::uint64_t n = s.points.count;
+  if (s.points.dimension == 0 || (n > 0 && s.points.data == nullptr))
+    throw Error(ErrorCode::invalid_argument, "certify needs points of at least one dimension");
+  std::optional<Cones> cones;
+  check_hull(s, cones, out);
+  if (s.k > 0)
+    PointCheck(s, *cones).check(s.points, 0);
+  else
+    check_equal(s, s.points, 0);
+  out.points_checked = n;
+  if (s.k == 0) return;
+  s.run.report("certify", 0.8);
+  check_numbers(s);
+  s.run.report("certify", 1);
+}
+
+}  // namespace
+}  // namespace internal::certificate
+
+Certificate certify(const PointView& points, const Hull& hull, const Options& options) {
+  using namespace internal::certificate;
+  const internal::Run run(options);
+  Certificate out;
+  Subject subject(points, hull, run);
+  try {
+    check_all(subject, out);
+    out.valid = true;
+  } catch (const Fault& f) {
+    out.reason = f.reason;
+  }
+  out.exact_decisions = subject.exact_decisions;
+  return out;
+}
+
+// ------------------------------------------------------------------------------- in pieces
+
+struct CertifyStream::Impl {
+  Options options;
+  internal::Run run{options};
+  const Hull& hull;
+  std::vector<double> claimed;
+  PointView none;
+  internal::certificate::Subject subject{none, hull, run};
+  std::optional<internal::certificate::Cones> cones;
+  std::unique_ptr<internal::certificate::PointCheck> points;
+  Certificate out;
+  mutable std::mutex mutex;  ///< guards the members below
+  std::uint64_t at = 0;      ///< the lowest first id of a block with a fault
+  std::uint64_t checked = 0;
+
+  Impl(const Hull& h, std::vector<double>&& rows, const Options& o)
+      : options(o), hull(h), claimed(std::move(rows)) {
+    sort_claimed();
+  }
+
+  /// From the hull's order, which is cyclic for a polygon, to ascending ids.
+  void sort_claimed() {
+    const std::size_t n = hull.vertices.size(), d = hull.dimension;
+    if (claimed.size() != n * d || std::is_sorted(hull.vertices.begin(), hull.vertices.end()))
+      return;
+    std::vector<std::size_t> order(n);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return hull.vertices[a] < hull.vertices[b]; });
+    std::vector<double> sorted;
+    for (const std::size_t i : order)
+      sorted.insert(sorted.end(), claimed.begin() + static_cast<std::ptrdiff_t>(i * d),
+                    claimed.begin() + static_cast<std::ptrdiff_t>((i + 1) * d));
+    claimed = std::move(sorted);
+  }
+
+  /// Keeps the fault of the lowest block, so that the order of pushes does not matter.
+  void note(const internal::certificate::Fault& f, std::uint64_t first_id) {
+    const std::lock_guard lock(mutex);
+    if (!out.reason.empty() && at <= first_id) return;
+    out.reason = f.reason;
+    at = first_id;
+  }
+};
+
+CertifyStream::CertifyStream(const Hull& hull, std::vector<double> vertex_coordinates,
+                             const Options& options)
+    : impl_(std::make_unique<Impl>(hull, std::move(vertex_coordinates), options)) {
+  Impl& m = *impl_;
+  m.none = {nullptr, hull.scalar, hull.dimension, hull.point_count, 0, 0};
+  m.subject.claimed = &m.claimed;
+  try {
+    internal::certificate::check_hull(m.subject, m.cones, m.out);
+    if (m.subject.k > 0)
+      m.points = std::make_unique<internal::certificate::PointCheck>(m.subject, *m.cones);
+  } catch (const internal::certificate::Fault& f) {
+    m.note(f, 0);
+  }
+}
+CertifyStream::CertifyStream(CertifyStream&&) noexcept = default;
+CertifyStream& CertifyStream::operator=(CertifyStream&&) noexcept = default;
+CertifyStream::~CertifyStream() = default;
+
+void CertifyStream::push(const PointView& block, std::uint64_t first_id) {
+  Impl& m = *impl_;
+  if (block.dimension == 0 || (block.count > 0 && block.data == nullptr))
+    throw Error(ErrorCode::invalid_argument, "certify needs points of at least one dimension");
+  {
+    const std::lock_guard lock(m.mutex);
+    m.checked += block.count;
+    if (!m.out.reason.empty() && m.at <= first_id) return;
+  }
+  try {
+    if (block.dimension != m.hull.dimension)
+      internal::certificate::fault("the hull's dimension is not that of the points");
+    if (m.hull.affine_dimension < 0) {
+      if (block.count > 0) internal::certificate::fault("the hull is that of no points");
+    } else if (m.points != nullptr) {
+      m.points->check(block, first_id);
+    } else {
+      internal::certificate::check_equal(m.subject, block, first_id);
+    }
+  } catch (const internal::certificate::Fault& f) {
+    m.note(f, first_id);
+  }
+}
+
+CertifiedPart CertifyStream::part() const {
+  const Impl& m = *impl_;
+  const std::lock_guard lock(m.mutex);
+  return {m.checked, m.subject.vertices_met, m.subject.exact_decisions, m.out.reason, m.at};
+}
+
+void CertifyStream::add(const CertifiedPart& part) {
+  Impl& m = *impl_;
+  if (!part.reason.empty()) m.note({part.reason}, part.at);
+  const std::lock_guard lock(m.mutex);
+  m.checked += part.points;
+  m.subject.vertices_met += part.vertices;
+  m.subject.exact_decisions += part.exact_decisions;
+}
+
+Certificate CertifyStream::finish() {
+  Impl& m = *impl_;
+  try {
+    if (m.out.reason.empty() && m.checked != m.hull.point_count)
+      internal::certificate::fault("the hull is that of ", m.hull.point_count, " points, not of ",
+                                   m.checked);
+    if (m.out.reason.empty() && m.subject.vertices_met != m.hull.vertices.size())
+      internal::certificate::fault("of ", m.hull.vertices.size(), " vertices, ",
+                                   m.subject.vertices_met.load(), " are among the points");
+    if (m.out.reason.empty() && m.subject.k > 0) internal::certificate::check_numbers(m.subject);
+  } catch (const internal::certificate::Fault& f) {
+    m.note(f, ~std::uint64_t{0});
+  }
+  m.out.valid = m.out.reason.empty();
+  m.out.points_checked = m.checked;
+  m.out.exact_decisions = m.subject.exact_decisions;
+  return m.out;
+}
+
+}  // namespace cullhull

@@ -1,0 +1,306 @@
+// Merged facets: lists, neighbours, extreme vertices, canonical triangulation.
+#include <algorithm>
+#include <numeric>
+
+#include "certify/certificate.hpp"
+
+namespace cullhull::internal::certificate {
+namespace {
+
+using Set = std::vector<std::uint32_t>;
+
+/// Facets are numbered by their first simplex.
+Members group_simplices(const Subject& s) {
+  const Hull& h = s.hull;
+  Members m;
+  const auto facets = static_cast<std::uint32_t>(h.facets.size());
+  m.start.assign(facets + std::size_t{1}, 0);
+  std::uint32_t seen = 0;
+  for (std::uint32_t i = 0; i < s.simplex_count(); ++i) {
+    const std::uint32_t f = h.simplex_facets[i];
+    if (f > seen) fault("facet ", f, " appears before facet ", seen);
+    seen += f == seen;
+    ++m.start[f + 1];
+  }
+  if (seen != facets) fault("facet ", seen, " has no simplex");
+  std::partial_sum(m.start.begin(), m.start.end(), m.start.begin());
+  m.simplices.resize(s.simplex_count());
+  std::vector<std::uint32_t> at(m.start.begin(), m.start.end() - 1);
+  for (std::uint32_t i = 0; i < s.simplex_count(); ++i) m.simplices[at[h.simplex_facets[i]]++] = i;
+  return m;
+}
+
+class FacetCheck {
+ public:
+  FacetCheck(const Subject& s) : s_(s), h_(s.hull), k_(s.k), members_(s.members) {}
+
+  void run() {
+    if (k_ > 1) check_connected();
+    check_chunks(s_, h_.facets.size(), std::uint64_t{1} << 12,
+                 [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t f = begin; f < end; ++f) check_lists(static_cast<std::uint32_t>(f));
+    });
+    if (k_ == 2) check_winding();
+    // All corners of a facet that is a simplex are extreme, and it needs no triangulation.
+    if (k_ > 1 && h_.facets.size() == s_.simplex_count()) return;
+    index_incidence();
+    check_extreme();
+    if (k_ > 3) check_pulled();
+  }
+
+ private:
+  std::pair<const std::uint64_t*, const std::uint64_t*> list(std::uint32_t f) const {
+    return {h_.facets.items.data() + h_.facets.offsets[f],
+            h_.facets.items.data() + h_.facets.offsets[f + 1]};
+  }
+  std::uint64_t id(std::uint32_t v) const { return s_.ids[v]; }
+
+  void check_connected() {
+    std::vector<std::uint8_t> reached(s_.simplex_count(), 0);
+    std::vector<std::uint32_t> stack;
+    for (std::uint32_t f = 0; f < h_.facets.size(); ++f) {
+      if (members_.start[f + 1] - members_.start[f] == 1) continue;
+      stack.push_back(members_.simplices[members_.start[f]]);
+      reached[stack.back()] = 1;
+      std::uint32_t count = 0;
+      while (!stack.empty()) {
+        const std::uint32_t i = stack.back();
+        stack.pop_back();
+        ++count;
+        for (unsigned j = 0; j < k_; ++j) {
+          const std::uint32_t g = s_.neighbour(i, j);
+          if (h_.simplex_facets[g] != f || reached[g]) continue;
+          reached[g] = 1;
+          stack.push_back(g);
+        }
+      }
+      if (count != members_.start[f + 1] - members_.start[f])
+        fault("the simplices of facet ", f, " are not connected");
+    }
+  }
+
+  void check_lists(std::uint32_t f) const {
+    const std::uint32_t* begin = members_.simplices.data() + members_.start[f];
+    const std::uint32_t* end = members_.simplices.data() + members_.start[f + 1];
+    if (k_ > 2 && end - begin == 1) return check_simplex(f, *begin);
+    Set corners;
+    for (const auto* i = begin; i != end; ++i)
+      corners.insert(corners.end(), s_.simplex(*i), s_.simplex(*i) + k_);
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    const auto [first, last] = list(f);
+    if (static_cast<std::size_t>(last - first) != corners.size())
+      fault("facet ", f, " lists ", last - first, " vertices, its simplices have ", corners.size());
+    for (const auto* i = begin; i != end; ++i)
+      if (k_ > 1 &&
+          std::find(s_.simplex(*i), s_.simplex(*i) + k_, corners[0]) == s_.simplex(*i) + k_)
+        fault("simplex ", *i, " is not pulled from vertex ", id(corners[0]), " of facet ", f);
+    if (k_ == 2)
+      check_edge(f, *begin, static_cast<std::uint32_t>(end - begin));
+    else if (k_ == 3)
+      check_polygon(f, begin, end, corners[0]);
+    else
+      check_sets(f, begin, end, corners);
+  }
+
+  /// A facet that is simplex i: the usual case, without the sets that other facets need.
+  void check_simplex(std::uint32_t f, std::uint32_t i) const {
+    const auto [first, last] = list(f);
+    const std::uint64_t* v = h_.simplices.data() + std::size_t{i} * k_;
+    // Its ids ascend, but for k > 3 the simplex's last two may be exchanged.
+    const bool swap = k_ > 3 && v[k_ - 2] > v[k_ - 1];
+    bool same = last - first == static_cast<std::ptrdiff_t>(k_);
+    for (unsigned j = 0; j < k_ && same; ++j)
+      same = first[j] == v[swap && j + 2 >= k_ ? 2 * k_ - 3 - j : j];
+    if (!same) fault("facet ", f, " is not its simplex");
+    const std::uint64_t at = h_.facet_neighbours.offsets[f];
+    const std::uint32_t* across = h_.facet_neighbours.items.data() + at;
+    bool right = h_.facet_neighbours.offsets[f + 1] - at <= k_;
+    if (k_ == 3) {
+      right = right && h_.facet_neighbours.offsets[f + 1] - at == 3;
+      for (unsigned j = 0; j < 3 && right; ++j)
+        right = across[j] == h_.simplex_facets[s_.neighbour(i, (j + 2) % 3)];
+    } else if (right) {
+      // A strictly ascending list of the right length that contains every neighbour.
+      const std::uint32_t* end = across + (h_.facet_neighbours.offsets[f + 1] - at);
+      for (const std::uint32_t* n = across; n != end && right; ++n) {
+        bool met = false;
+        for (unsigned j = 0; j < k_; ++j) met |= h_.simplex_facets[s_.neighbour(i, j)] == *n;
+        right = met && (n == across || n[-1] < *n);
+      }
+      for (unsigned j = 0; j < k_ && right; ++j)
+        right = std::find(across, end, h_.simplex_facets[s_.neighbour(i, j)]) != end;
+    }
+    if (!right) fault("the neighbours of facet ", f, " are wrong");
+  }
+
+  void check_edge(std::uint32_t f, std::uint32_t i, std::uint32_t simplices) const {
+    const std::uint64_t* v = list(f).first;
+    const std::uint64_t* w = h_.simplices.data() + std::size_t{i} * 2;
+    if (simplices != 1 || v[0] != w[1] || v[1] != w[0]) fault("facet ", f, " is not its simplex");
+    const std::uint64_t at = h_.facet_neighbours.offsets[f];
+    if (h_.facet_neighbours.offsets[f + 1] - at != 2 ||
+        h_.facet_neighbours.items[at] != h_.simplex_facets[s_.neighbour(i, 1)] ||
+        h_.facet_neighbours.items[at + 1] != h_.simplex_facets[s_.neighbour(i, 0)])
+      fault("the neighbours of facet ", f, " are wrong");
+  }
+
+  void check_polygon(std::uint32_t f, const std::uint32_t* begin, const std::uint32_t* end,
+                     std::uint32_t lowest) const {
+    const auto [first, last] = list(f);
+    const auto n = static_cast<std::size_t>(last - first);
+    const std::uint64_t at = h_.facet_neighbours.offsets[f];
+    if (h_.facet_neighbours.offsets[f + 1] - at != n)
+      fault("facet ", f, " has a wrong neighbour list");
+    if (*first != id(lowest)) fault("facet ", f, " does not begin with its lowest id");
+    struct Edge {
+      std::uint64_t from, to;
+      std::uint32_t across;
+    };
+    std::vector<Edge> edges;
+    for (const auto* i = begin; i != end; ++i)
+      for (unsigned j = 0; j < 3; ++j) {
+        const std::uint32_t across = h_.simplex_facets[s_.neighbour(*i, j)];
+        if (across == f) continue;
+        const std::uint32_t* v = s_.simplex(*i);
+        edges.push_back({id(v[(j + 1) % 3]), id(v[(j + 2) % 3]), across});
+      }
+    if (edges.size() != n)
+      fault("the border of facet ", f, " has ", edges.size(), " edges, not ", n);
+    std::sort(edges.begin(), edges.end(),
+              [](const Edge& a, const Edge& b) { return a.from < b.from; });
+    for (std::size_t j = 0; j < n; ++j) {
+      const auto it = std::lower_bound(edges.begin(), edges.end(), first[j],
+                                       [](const Edge& e, std::uint64_t v) { return e.from < v; });
+      if (it == edges.end() || it->from != first[j] || it->to != first[(j + 1) % n])
+        fault("facet ", f, " is not in cyclic order at vertex ", first[j]);
+      if (it->across != h_.facet_neighbours.items[at + j])
+        fault("the neighbours of facet ", f, " are wrong");
+    }
+  }
+
+  void check_sets(std::uint32_t f, const std::uint32_t* begin, const std::uint32_t* end,
+                  const Set& corners) const {
+    const std::uint64_t* v = list(f).first;
+    for (std::size_t j = 0; j < corners.size(); ++j)
+      if (v[j] != id(corners[j])) fault("facet ", f, " does not list its vertices in order");
+    Set across;
+    for (const auto* i = begin; i != end; ++i)
+      for (unsigned j = 0; j < k_; ++j) {
+        const std::uint32_t g = h_.simplex_facets[s_.neighbour(*i, j)];
+        if (g != f) across.push_back(g);
+      }
+    std::sort(across.begin(), across.end());
+    across.erase(std::unique(across.begin(), across.end()), across.end());
+    const auto* n = h_.facet_neighbours.items.data();
+    if (!std::equal(across.begin(), across.end(), n + h_.facet_neighbours.offsets[f],
+                    n + h_.facet_neighbours.offsets[f + 1]))
+      fault("the neighbours of facet ", f, " are wrong");
+  }
+
+  /// k = 2: the list of vertices is in the order of the facets.
+  void check_winding() const {
+    if (h_.facets.size() != h_.vertices.size()) fault("a polygon has as many facets as vertices");
+    std::uint32_t f = 0;
+    while (f < h_.facets.size() && list(f).first[0] != h_.vertices[0]) ++f;
+    for (const std::uint64_t v : h_.vertices) {
+      if (f >= h_.facets.size() || list(f).first[0] != v)
+        fault("vertices are not in counter-clockwise order at vertex ", v);
+      f = h_.facet_neighbours.items[h_.facet_neighbours.offsets[f]];
+    }
+  }
+
+  void index_incidence() {
+    start_.assign(s_.ids.size() + 1, 0);
+    listed_.resize(h_.facets.items.size());
+    check_chunks(s_, listed_.size(), std::uint64_t{1} << 14,
+                 [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i)
+        listed_[i] = static_cast<std::uint32_t>(s_.position(h_.facets.items[i]));
+    });
+    for (const std::uint32_t v : listed_) ++start_[v + std::size_t{1}];
+    std::partial_sum(start_.begin(), start_.end(), start_.begin());
+    on_.resize(listed_.size());
+    std::vector<std::uint64_t> at(start_.begin(), start_.end() - 1);
+    for (std::uint32_t f = 0; f < h_.facets.size(); ++f)
+      for (std::uint64_t i = h_.facets.offsets[f]; i < h_.facets.offsets[f + 1]; ++i)
+        on_[at[listed_[i]]++] = f;
+  }
+  std::size_t size(std::uint32_t f) const {
+    return h_.facets.offsets[f + 1] - h_.facets.offsets[f];
+  }
+  Set facets_of(std::uint32_t v) const {
+    return {on_.begin() + static_cast<std::ptrdiff_t>(start_[v]),
+            on_.begin() + static_cast<std::ptrdiff_t>(start_[v + std::size_t{1}])};
+  }
+  bool on_all(std::uint32_t w, const Set& facets) const {
+    return std::includes(on_.begin() + static_cast<std::ptrdiff_t>(start_[w]),
+                         on_.begin() + static_cast<std::ptrdiff_t>(start_[w + std::size_t{1}]),
+                         facets.begin(), facets.end());
+  }
+  /// The lowest vertex other than `self` on all of `facets` (not empty), or ids.size().
+  std::uint32_t lowest_common(const Set& facets, std::uint32_t self) const {
+    const std::uint32_t f = *std::min_element(facets.begin(), facets.end(),
+                                              [&](auto a, auto b) { return size(a) < size(b); });
+    for (std::uint64_t i = h_.facets.offsets[f]; i < h_.facets.offsets[f + 1]; ++i)
+      if (listed_[i] != self && on_all(listed_[i], facets)) return listed_[i];
+    return static_cast<std::uint32_t>(s_.ids.size());
+  }
+
+  /// A vertex is extreme iff no other is on all of its facets.
+  void check_extreme() const {
+    check_chunks(s_, s_.ids.size(), std::uint64_t{1} << 12,
+                 [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const auto v = static_cast<std::uint32_t>(i);
+        const Set facets = facets_of(v);
+        bool extreme = facets.size() >= k_;
+        // A corner of a simplex facet is extreme; for k <= 3 so is a vertex of k facets.
+        const bool corner =
+            std::any_of(facets.begin(), facets.end(), [&](auto f) { return size(f) == k_; });
+        if (k_ > 3 && extreme && !corner) extreme = lowest_common(facets, v) == s_.ids.size();
+        if (k_ > 1 && !extreme) fault("vertex ", id(v), " is not an extreme point");
+      }
+    });
+  }
+
+  /// Pulling: the first vertex of every tail of a simplex is the lowest one of the smallest face
+  /// that contains the tail.
+  void check_pulled() const {
+    check_chunks(s_, s_.simplex_count(), std::uint64_t{1} << 10,
+                 [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        if (size(h_.simplex_facets[i]) == k_) continue;
+        Set v(s_.simplex(static_cast<std::uint32_t>(i)),
+              s_.simplex(static_cast<std::uint32_t>(i)) + k_);
+        std::sort(v.begin(), v.end());
+        Set facets = facets_of(v.back());
+        for (unsigned j = k_ - 1; j-- > 0;) {
+          const Set own = facets_of(v[j]);
+          Set both;
+          std::set_intersection(facets.begin(), facets.end(), own.begin(), own.end(),
+                                std::back_inserter(both));
+          facets = std::move(both);
+          if (facets.empty() || lowest_common(facets, v[j]) < v[j])
+            fault("simplex ", i, " is not part of the pulled triangulation of its facet");
+        }
+      }
+    });
+  }
+
+  const Subject& s_;
+  const Hull& h_;
+  const unsigned k_;
+  const Members& members_;
+  std::vector<std::uint64_t> start_;        // of a vertex in on_
+  std::vector<std::uint32_t> on_, listed_;  // facets of vertices; vertices of facets
+};
+
+}  // namespace
+
+void check_facets(Subject& s) {
+  s.members = group_simplices(s);
+  FacetCheck(s).run();
+}
+
+}  // namespace cullhull::internal::certificate

@@ -1,0 +1,546 @@
+// constrained_delaunay(): the Delaunay triangulation, into which edges are forced one by one.
+#include "cullhull/constrained.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <iterator>
+#include <list>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "constrained/half_edges.hpp"
+#include "cullhull/error.hpp"
+#include "delaunay/cell_boundary.hpp"
+#include "delaunay/prepare.hpp"
+#include "exact/insphere/lift_side.hpp"
+#include "exact/orientation/difference_products.hpp"
+#include "parallel/memory/pages.hpp"
+#include "parallel/threads/helpers.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+constexpr std::uint32_t none = HalfEdges::none;
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw Error(ErrorCode::invalid_argument, message);
+}
+
+/// The constraints as pairs of the ids that stand in for equal points.
+class Constraints {
+ public:
+  Constraints(const Triangulation& t, std::span<const std::uint32_t> edges) : given_(edges) {
+    if (edges.size() % 2 != 0) refuse("constraints are pairs of points");
+    standing_in_.resize(t.point_count);
+    std::iota(standing_in_.begin(), standing_in_.end(), 0U);
+    for (const DuplicatePoint& p : t.duplicates) standing_in_[p.id] = p.representative;
+    for (std::size_t i = 0; i < edges.size(); ++i)
+      if (edges[i] >= t.point_count)
+        refuse("edge " + std::to_string(i / 2) + " has the point " + std::to_string(edges[i]) +
+               " of " + std::to_string(t.point_count));
+  }
+  std::uint32_t size() const { return static_cast<std::uint32_t>(given_.size() / 2); }
+  std::uint32_t from(std::uint32_t i) const { return standing_in_[given_[2 * std::size_t{i}]]; }
+  std::uint32_t to(std::uint32_t i) const { return standing_in_[given_[2 * std::size_t{i} + 1]]; }
+  std::string name(std::uint32_t i) const {
+    return std::to_string(i) + " (" + std::to_string(given_[2 * std::size_t{i}]) + ", " +
+           std::to_string(given_[2 * std::size_t{i} + 1]) + ")";
+  }
+
+ private:
+  std::span<const std::uint32_t> given_;
+  std::vector<std::uint32_t> standing_in_;
+};
+
+/// A piece of a constraint, by ids.
+struct Piece {
+  std::uint32_t low, high, source;
+  bool operator<(const Piece& o) const {
+    return low != o.low ? low < o.low : high != o.high ? high < o.high : source < o.source;
+  }
+};
+
+void write_pieces(std::vector<Piece>& pieces, ConstrainedTriangulation& out) {
+  std::sort(pieces.begin(), pieces.end());
+  for (const Piece& p : pieces) {
+    out.pieces.push_back(p.low);
+    out.pieces.push_back(p.high);
+    out.piece_sources.push_back(p.source);
+  }
+}
+
+/// Forces edges. Vertices are places in the order of insertion, as predicates want them.
+class Forcing {
+ public:
+  Forcing(const Triangulation& t, const LiftedPoints& s, const Constraints& constraints,
+          const Array<std::uint32_t>& place, const Run& run)
+      : s_(s), constraints_(constraints), mesh_(t, place, s.count), run_(run) {
+    source_.assign(mesh_.size() / 2, none);
+  }
+
+  const HalfEdges& mesh() const { return mesh_; }
+  bool fixed(std::uint32_t half) const { return source_[half / 2] != none; }
+  std::uint32_t source(std::uint32_t half) const { return source_[half / 2]; }
+
+  /// From one point on it to the next, each time from the end that has fewer edges: so points that
+  /// many constraints share need not be gone round for each of them.
+  void force(std::uint32_t from, std::uint32_t to, std::uint32_t constraint) {
+    constraint_ = constraint;
+    bool forward = false;  // a refusal names the first edge that is crossed from `from` on
+    while (from != to) {
+      poll();
+      if (forward || !fewer_edges(to, from)) {
+        from = advance(from, to).end;
+      } else {
+        const Advance step = advance(to, from, true);
+        forward = step.refused;
+        if (!forward) to = step.end;
+      }
+    }
+  }
+
+ private:
+  /// A crossed edge: a half-edge from the right of the segment to its left.
+  using Crossed = std::list<std::uint32_t>;
+
+  struct Advance {
+    std::uint32_t end;
+    bool refused;
+  };
+
+  /// To be called for each triangle or edge that is looked at. Once in some thousand: whether the
+  /// caller asked to stop.
+  void poll() {
+    if (++steps_ % 4096 == 0) run_.check();
+  }
+
+  /// The edges of a vertex: to the left, then at the hull to the right from the first.
+  class Turn {
+   public:
+    Turn(const HalfEdges& mesh, std::uint32_t v) : mesh_(mesh), start_(mesh.out(v)), at_(start_) {}
+    /// On to the next edge; false if there is none.
+    bool next() {
+      if (!right_ && mesh_.has_face(at_)) {
+        at_ = HalfEdges::twin(mesh_.previous(at_));
+        return at_ != start_;
+      }
+      if (!right_) at_ = start_;
+      right_ = true;
+      const std::uint32_t back = HalfEdges::twin(at_);
+      if (!mesh_.has_face(back)) return false;
+      at_ = mesh_.next(back);
+      return true;
+    }
+
+   private:
+    const HalfEdges& mesh_;
+    std::uint32_t start_, at_;
+    bool right_ = false;
+  };
+  /// Whether v has fewer edges than w: turns around both at once, until one is done.
+  bool fewer_edges(std::uint32_t v, std::uint32_t w) {
+    for (Turn at_v(mesh_, v), at_w(mesh_, w);;) {
+      poll();
+      if (!at_w.next()) return false;
+      if (!at_v.next()) return true;
+    }
+  }
+
+  Sign side(std::uint32_t a, std::uint32_t b, std::uint32_t v) const {
+    const double* p[] = {s_.row(a), s_.row(b), s_.row(v)};
+    return base_orientation<2>(s_, p);
+  }
+
+  /// Of two points on a line through a: whether they are in the same direction from it.
+  bool same_direction(std::uint32_t a, std::uint32_t b, std::uint32_t v) const {
+    const auto before = [&](const double* p, const double* q) {
+      return p[0] != q[0] ? p[0] < q[0] : p[1] < q[1];
+    };
+    return before(s_.row(a), s_.row(b)) == before(s_.row(a), s_.row(v));
+  }
+
+  void fix(std::uint32_t half) {
+    if (!fixed(half)) source_[half / 2] = constraint_;
+  }
+
+  /// Makes the segment an edge as far as the next point on it, which is returned. Where it crosses
+  /// a constraint it changes nothing and tells so if `may_refuse`, or throws.
+  Advance advance(std::uint32_t a, std::uint32_t b, bool may_refuse = false) {
+    std::uint32_t first = none;
+    if (const std::uint32_t along = edge_along(a, b, first); along != none) {
+      fix(along);
+      return {mesh_.origin(along) == a ? mesh_.target(along) : mesh_.origin(along), false};
+    }
+    Crossed crossed;
+    const std::uint32_t end = collect(a, b, first, crossed, may_refuse);
+    if (end == none) return {none, true};
+    clear(a, end, crossed);
+    restore();
+    return {end, false};
+  }
+
+  /// The edge at a that the segment begins with; or `first` becomes the edge opposite to a that the
+  /// segment crosses, from right to left.
+  std::uint32_t edge_along(std::uint32_t a, std::uint32_t b, std::uint32_t& first) {
+    const std::uint32_t start = mesh_.out(a);
+    std::uint32_t h = start;
+    do {  // to the left
+      poll();
+      if (const std::uint32_t along = try_wedge(a, b, h, first); along != none || first != none)
+        return along;
+      h = HalfEdges::twin(mesh_.previous(h));
+    } while (h != start && mesh_.has_face(h));
+    if (h == start) return none;
+    if (on_segment(a, b, mesh_.target(h))) return h;  // the last edge of the hull
+    for (h = start; mesh_.has_face(HalfEdges::twin(h));) {
+      poll();
+      h = mesh_.next(HalfEdges::twin(h));
+      if (const std::uint32_t along = try_wedge(a, b, h, first); along != none || first != none)
+        return along;
+    }
+    return none;
+  }
+  bool on_segment(std::uint32_t a, std::uint32_t b, std::uint32_t v) const {
+    return v == b || (side(a, b, v) == Sign::zero && same_direction(a, b, v));
+  }
+  /// Of the triangle on the left of h, which begins at a.
+  std::uint32_t try_wedge(std::uint32_t a, std::uint32_t b, std::uint32_t h,
+                          std::uint32_t& first) const {
+    const std::uint32_t x = mesh_.target(h);
+    if (on_segment(a, b, x)) return h;
+    const std::uint32_t y = mesh_.apex(h);
+    if (side(a, b, x) == Sign::negative && side(a, b, y) == Sign::positive) first = mesh_.next(h);
+    return none;
+  }
+
+  /// All edges that the segment crosses before it meets a point, which is returned; none, if it
+  /// crosses a constraint and `may_refuse`.
+  std::uint32_t collect(std::uint32_t a, std::uint32_t b, std::uint32_t half, Crossed& crossed,
+                        bool may_refuse) {
+    for (;;) {
+      poll();
+      if (fixed(half) && may_refuse) return none;
+      if (fixed(half))
+        refuse("edges " + constraints_.name(std::min(source(half), constraint_)) + " and " +
+               constraints_.name(std::max(source(half), constraint_)) + " cross");
+      crossed.push_back(half);
+      const std::uint32_t back = HalfEdges::twin(half);
+      const std::uint32_t z = mesh_.apex(back);
+      const Sign sign = z == b ? Sign::zero : side(a, b, z);
+      if (sign == Sign::zero) return z;
+      half = sign == Sign::negative ? mesh_.previous(back) : mesh_.next(back);
+    }
+  }
+
+  /// Whether v is farther from the line through a and b than w is; both on its left.
+  Sign compare_heights(std::uint32_t a, std::uint32_t b, std::uint32_t v, std::uint32_t w) const {
+    const double *p = s_.row(a), *q = s_.row(b), *x = s_.row(v), *y = s_.row(w);
+    const DifferenceProduct terms[] = {{1, q, p, x + 1, y + 1}, {-1, q + 1, p + 1, x, y}};
+    return sign_of_products(1, terms);
+  }
+
+  /// Flips until nothing crosses the segment: a vertex on its left that is higher than its
+  /// neighbours along the crossed triangles loses its crossed edges, one after another (see
+  /// docs/exactness.md, "Constrained triangulations", for why that ends).
+  void clear(std::uint32_t a, std::uint32_t b, Crossed& crossed) {
+    const auto last_of_vertex = [&](Crossed::iterator i) {
+      const std::uint32_t w = mesh_.target(*i);
+      for (auto next = std::next(i); next != crossed.end() && mesh_.target(*next) == w; ++next)
+        i = next;
+      return i;
+    };
+    auto at = last_of_vertex(crossed.begin());  // the last edge of a vertex on the left
+    std::uint32_t last = none;
+    while (!crossed.empty()) {
+      poll();
+      const std::uint32_t w = mesh_.target(*at);
+      const auto end = std::next(at);
+      if (end != crossed.end() && compare_heights(a, b, mesh_.target(*end), w) == Sign::positive) {
+        at = last_of_vertex(end);
+        continue;
+      }
+      while (at != crossed.begin() && mesh_.target(*std::prev(at)) == w) --at;
+      last = clear_vertex(a, b, w, at, crossed);
+      // The vertex before may have more edges now, and be higher than what follows.
+      if (at != crossed.begin()) --at;
+      if (at != crossed.end()) at = last_of_vertex(at);
+    }
+    fix(2 * last);
+  }
+
+  /// Flips all crossed edges of w, from `at` on, which becomes what follows them; the last one
+  /// flipped. Of edges from w to points on the right, one of these is a convex corner: it is found
+  /// as in a scan for a convex chain, a step back after each flip.
+  std::uint32_t clear_vertex(std::uint32_t a, std::uint32_t b, std::uint32_t w,
+                             Crossed::iterator& at, Crossed& crossed) {
+    const auto own = [&](Crossed::iterator i) {
+      return i != crossed.end() && mesh_.target(*i) == w;
+    };
+    std::uint32_t last = none;
+    for (auto i = at; own(at);) {
+      const std::uint32_t half = *i;
+      const std::uint32_t before = mesh_.apex(half), after = mesh_.apex(HalfEdges::twin(half));
+      if (side(before, mesh_.origin(half), after) != Sign::positive) {
+        ++i;
+        continue;
+      }
+      last = half / 2;
+      mesh_.flip(last);
+      touched_.push_back(last);
+      const bool first = i == at;
+      const auto back = first ? crossed.end() : std::prev(i);
+      const std::uint32_t now = crossing_half(a, b, last);
+      auto next = std::next(i);
+      if (now == none)
+        next = crossed.erase(i);
+      else
+        *i = now;  // it has become one of the vertex before or after
+      if (first) at = next;
+      i = first ? at : back;
+    }
+    return last;
+  }
+
+  /// The half-edge from the right of the segment to its left; none if the edge does not cross it.
+  std::uint32_t crossing_half(std::uint32_t a, std::uint32_t b, std::uint32_t edge) const {
+    const std::uint32_t u = mesh_.origin(2 * edge), v = mesh_.target(2 * edge);
+    if (u == a || u == b || v == a || v == b) return none;
+    const Sign of_u = side(a, b, u), of_v = side(a, b, v);
+    if (of_u == of_v) return none;
+    return of_u == Sign::negative ? 2 * edge : 2 * edge + 1;
+  }
+
+  /// Flips edges around those touched until all are locally Delaunay (Lawson 1977).
+  void restore() {
+    std::vector<std::uint32_t> todo;
+    for (const std::uint32_t edge : touched_) add_around(edge, todo);
+    touched_.clear();
+    while (!todo.empty()) {
+      const std::uint32_t edge = todo.back();
+      todo.pop_back();
+      poll();
+      if (fixed(2 * edge) || !mesh_.inner(edge) || !wrong(2 * edge)) continue;
+      mesh_.flip(edge);
+      add_around(edge, todo);
+    }
+  }
+  void add_around(std::uint32_t edge, std::vector<std::uint32_t>& todo) const {
+    todo.push_back(edge);
+    for (const std::uint32_t h : {2 * edge, 2 * edge + 1})
+      for (const std::uint32_t other : {mesh_.next(h), mesh_.previous(h)})
+        todo.push_back(other / 2);
+  }
+  /// Whether the apex beyond is inside the circle of h's triangle; on it, whether the lowest id of
+  /// the four is not on the edge.
+  bool wrong(std::uint32_t h) {
+    const std::uint32_t u = mesh_.origin(h), v = mesh_.target(h), p = mesh_.apex(h),
+                        q = mesh_.apex(HalfEdges::twin(h));
+    const double* corners[] = {s_.row(u), s_.row(v), s_.row(p)};
+    const Sign sign = lift_side<2>(s_, corners, s_.row(q), counts_);
+    if (sign != Sign::zero) return sign == Sign::negative;
+    return std::min(s_.ids[p], s_.ids[q]) < std::min(s_.ids[u], s_.ids[v]);
+  }
+
+  const LiftedPoints& s_;
+  const Constraints& constraints_;
+  HalfEdges mesh_;
+  std::vector<std::uint32_t> source_;  ///< the constraint of each edge
+  std::uint32_t constraint_ = 0;
+  std::vector<std::uint32_t> touched_;
+  LiftCounts counts_;
+  const Run& run_;
+  std::uint64_t steps_ = 0;
+};
+
+// ---------------------------------------------------------------------------------- the result
+
+/// Writes half-edges as cells in canonical order.
+class CellWriter {
+ public:
+  CellWriter(const Forcing& forcing, const Array<std::uint32_t>& ids)
+      : forcing_(forcing), mesh_(forcing.mesh()), ids_(ids) {}
+
+  /// Cells, neighbours and the pieces of constraints.
+  void write(ConstrainedTriangulation& out, std::vector<Piece>& pieces) {
+    find_cells();
+    Triangulation& t = out.triangulation;
+    const std::size_t count = cells_.size();
+    Array<std::uint32_t> cell_of(mesh_.size());
+    std::fill(cell_of.begin(), cell_of.end(), no_cell);
+    for (std::uint32_t c = 0; c < count; ++c) {
+      std::uint32_t h = cells_[c];
+      for (unsigned j = 0; j < 3; ++j, h = mesh_.next(h)) cell_of[h] = c;
+    }
+    t.cells.clear();
+    t.neighbours.clear();
+    for (const std::uint32_t first : cells_) {
+      for (std::uint32_t h = first, j = 0; j < 3; ++j, h = mesh_.next(h))
+        t.cells.push_back(ids_[mesh_.origin(h)]);
+      for (std::uint32_t h = mesh_.next(first), j = 0; j < 3; ++j, h = mesh_.next(h))
+        t.neighbours.push_back(cell_of[HalfEdges::twin(h)]);
+    }
+    for (std::uint32_t h = 0; h < mesh_.size(); h += 2) {
+      if (!forcing_.fixed(h)) continue;
+      const auto [low, high] = std::minmax(ids_[mesh_.origin(h)], ids_[mesh_.target(h)]);
+      pieces.push_back({low, high, forcing_.source(h)});
+    }
+    write_depths(cell_of, out.depths);
+  }
+
+ private:
+  /// A half-edge of each triangle, that from its lowest id; by ids.
+  void find_cells() {
+    for (std::uint32_t h = 0; h < mesh_.size(); ++h) {
+      if (!mesh_.has_face(h)) continue;
+      const std::uint32_t own = id(h);
+      if (own < id(mesh_.next(h)) && own < id(mesh_.previous(h))) cells_.push_back(h);
+    }
+    std::sort(cells_.begin(), cells_.end(), [&](std::uint32_t a, std::uint32_t b) {
+      for (unsigned j = 0; j < 3; ++j, a = mesh_.next(a), b = mesh_.next(b))
+        if (id(a) != id(b)) return id(a) < id(b);
+      return false;
+    });
+  }
+  std::uint32_t id(std::uint32_t half) const { return ids_[mesh_.origin(half)]; }
+
+  /// From the outside inward, cells of equal depth before deeper ones.
+  void write_depths(const Array<std::uint32_t>& cell_of, Array<std::uint32_t>& depths) const {
+    depths.assign(cells_.size(), none);
+    std::deque<std::pair<std::uint32_t, std::uint32_t>> todo;
+    const auto reach = [&](std::uint32_t half, std::uint32_t depth) {
+      if (mesh_.has_face(half) && depths[cell_of[half]] == none) {
+        if (forcing_.fixed(half))
+          todo.emplace_back(half, depth + 1);
+        else
+          todo.emplace_front(half, depth);
+      }
+    };
+    for (std::uint32_t h = 0; h < mesh_.size(); ++h)
+      if (!mesh_.has_face(h)) reach(HalfEdges::twin(h), 0);
+    while (!todo.empty()) {
+      auto [h, depth] = todo.front();
+      todo.pop_front();
+      if (depths[cell_of[h]] != none) continue;
+      depths[cell_of[h]] = depth;
+      for (unsigned j = 0; j < 3; ++j, h = mesh_.next(h)) reach(HalfEdges::twin(h), depth);
+    }
+  }
+
+  const Forcing& forcing_;
+  const HalfEdges& mesh_;
+  const Array<std::uint32_t>& ids_;
+  std::vector<std::uint32_t> cells_;
+};
+
+/// All points on a line: pieces are steps from one to the next.
+void force_on_line(const PointView& points, const Constraints& constraints,
+                   ConstrainedTriangulation& out) {
+  std::vector<std::uint32_t> order(out.triangulation.cells.begin(), out.triangulation.cells.end());
+  std::sort(order.begin(), order.end());
+  order.erase(std::unique(order.begin(), order.end()), order.end());
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const double x = points.at(a, 0), y = points.at(b, 0);
+    return x != y ? x < y : points.at(a, 1) < points.at(b, 1);
+  });
+  std::vector<std::uint32_t> place(points.count), free(order.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) place[order[i]] = i;
+  std::iota(free.begin(), free.end(), 0U);  // the first step from here on that is no piece yet
+  const auto first_free = [&](std::uint32_t i) {
+    while (free[i] != i) i = free[i] = free[free[i]];
+    return i;
+  };
+  std::vector<Piece> pieces;
+  for (std::uint32_t i = 0; i < constraints.size(); ++i) {
+    const auto [begin, end] = std::minmax(place[constraints.from(i)], place[constraints.to(i)]);
+    for (std::uint32_t at = first_free(begin); at < end; at = first_free(at)) {
+      const auto [low, high] = std::minmax(order[at], order[at + 1]);
+      pieces.push_back({low, high, i});
+      free[at] = at + 1;
+    }
+  }
+  write_pieces(pieces, out);
+}
+
+/// Keeps the cells of odd depth, renumbered.
+void keep_inside(ConstrainedTriangulation& out) {
+  Triangulation& t = out.triangulation;
+  std::vector<std::uint32_t> number(t.size(), no_cell);
+  std::uint32_t count = 0;
+  for (std::uint32_t c = 0; c < t.size(); ++c)
+    if (out.depths[c] % 2 == 1) number[c] = count++;
+  Array<std::uint32_t> cells, neighbours, depths;
+  for (std::uint32_t c = 0; c < number.size(); ++c) {
+    if (number[c] == no_cell) continue;
+    cells.insert(cells.end(), t.cell(c).begin(), t.cell(c).end());
+    for (const std::uint32_t o : t.neighbours_of(c))
+      neighbours.push_back(o == no_cell ? no_cell : number[o]);
+    depths.push_back(out.depths[c]);
+  }
+  t.cells = std::move(cells);
+  t.neighbours = std::move(neighbours);
+  out.depths = std::move(depths);
+  std::vector<bool> told(t.point_count);
+  for (const std::uint32_t v : t.cells) told[v] = true;
+  for (const DuplicatePoint& p : t.duplicates) told[p.id] = true;
+  for (std::uint32_t v = 0; v < t.point_count; ++v)
+    if (!told[v]) t.hidden.push_back(v);
+}
+
+void write_hull(Triangulation& t) {
+  t.hull_facets.clear();
+  t.hull_cells.clear();
+  Array<std::uint8_t> all(t.size());
+  std::fill(all.begin(), all.end(), std::uint8_t{1});
+  write_boundary(t, all, t.hull_facets, t.hull_cells);
+}
+
+void force_all(const PointView& points, const Constraints& constraints, const Run& run,
+               ConstrainedTriangulation& out) {
+  const Prepared prepared = prepare_points(points, {}, false, {}, run);
+  Array<std::uint32_t> place(points.count);
+  for (std::uint32_t i = 0; i < prepared.points.count; ++i) place[prepared.points.ids[i]] = i;
+  Forcing forcing(out.triangulation, prepared.points, constraints, place, run);
+  for (std::uint32_t i = 0; i < constraints.size(); ++i) {
+    if (i % 256 == 0) run.check();
+    if (i % 65536 == 65535) run.report("constraints", double(i) / constraints.size());
+    forcing.force(place[constraints.from(i)], place[constraints.to(i)], i);
+  }
+  out.triangulation.cell_groups.clear();
+  std::vector<Piece> pieces;
+  CellWriter(forcing, prepared.points.ids).write(out, pieces);
+  write_pieces(pieces, out);
+}
+
+}  // namespace
+}  // namespace internal
+
+ConstrainedTriangulation constrained_delaunay(const PointView& points,
+                                              std::span<const std::uint32_t> edges,
+                                              const ConstrainedOptions& o) {
+  using namespace internal;
+  if (points.dimension != 2)
+    refuse("constrained triangulations are of points in the plane, not in dimension " +
+           std::to_string(points.dimension));
+  ConstrainedTriangulation out;
+  out.triangulation = delaunay(points, run_as<TriangulationOptions>(o));
+  const Constraints constraints(out.triangulation, edges);
+  if (out.triangulation.affine_dimension < 2) {
+    if (out.triangulation.affine_dimension == 1) force_on_line(points, constraints, out);
+    return out;
+  }
+  const Options options = run_as<Options>(o);
+  const Run run(options);
+  const CallScope call;
+  const PageScope pages;
+  require_budget(run.budget, points.count * 140, "the cells of the constrained triangulation");
+  force_all(points, constraints, run, out);
+  if (o.inside_only) keep_inside(out);
+  write_hull(out.triangulation);
+  run.report("done", 1);
+  return out;
+}
+
+}  // namespace cullhull

@@ -1,0 +1,126 @@
+// The bodies of the kernels for the data-parallel primitives, as plain functions of a thread's
+// place: all but the launch. On the host a loop over blocks and threads runs them (as tests do), on
+// a device a launch (executor.cuh). Where a body has phases, all threads of a block are
+// synchronised between them.
+#pragma once
+
+#include <cstdint>
+
+#include "filter/pseudo_hull/primitives.hpp"
+#include "parallel/host_device.hpp"
+
+namespace cullhull::internal {
+
+/// The place of a thread in a grid of blocks.
+struct GridThread {
+  std::uint32_t block, thread, block_size, blocks;
+
+  CULLHULL_HD std::uint64_t first() const { return std::uint64_t{block} * block_size + thread; }
+  CULLHULL_HD std::uint64_t stride() const { return std::uint64_t{blocks} * block_size; }
+};
+
+/// Atomic updates of words that several threads access. Reading before an atomic operation avoids
+/// most of these: the maximum of n items in random order changes ln n times. The read must bypass
+/// the thread's own cache, which might never see the value change.
+struct DeviceAtomics {
+  CULLHULL_HD static void raise(std::uint64_t& target, std::uint64_t value) {
+#if defined(__CUDA_ARCH__)
+    static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
+    if (value > *const_cast<const volatile std::uint64_t*>(&target))
+      atomicMax(reinterpret_cast<unsigned long long*>(&target), value);
+#else
+    if (value > target) target = value;
+#endif
+  }
+  CULLHULL_HD static void lower(std::uint32_t& target, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+    if (value < *const_cast<const volatile std::uint32_t*>(&target)) atomicMin(&target, value);
+#else
+    if (value < target) target = value;
+#endif
+  }
+};
+
+template <class Body>
+struct ForEachKernel {
+  Body body;
+  std::uint32_t count;
+
+  CULLHULL_HD void run(const GridThread& at) const {
+    for (std::uint64_t i = at.first(); i < count; i += at.stride())
+      body(static_cast<std::uint32_t>(i));
+  }
+};
+
+/// Every thread combines its items, every block the results of its threads, in a table (in shared
+/// memory) of one T a thread; the block's result is partial[b]. The block size is a power of two.
+template <class T, class Map, class Combine>
+struct ReduceKernel {
+  Map map;
+  Combine combine;
+  T identity;
+  std::uint32_t count;
+  T* partial;
+
+  // Phase 1: each thread's items.
+  CULLHULL_HD void collect(const GridThread& at, T* table) const {
+    T sum = identity;
+    for (std::uint64_t i = at.first(); i < count; i += at.stride())
+      sum = combine(sum, map(static_cast<std::uint32_t>(i)));
+    table[at.thread] = sum;
+  }
+  // Phases 2 ...: pairs, for width = block_size / 2, / 4 ... 1.
+  CULLHULL_HD void fold(const GridThread& at, std::uint32_t width, T* table) const {
+    if (at.thread < width) table[at.thread] = combine(table[at.thread], table[at.thread + width]);
+  }
+  // The last phase needs no synchronisation: thread 0 wrote that item itself.
+  CULLHULL_HD void finish(const GridThread& at, const T* table) const {
+    if (at.thread == 0) partial[at.block] = table[0];
+  }
+};
+
+/// With few cells all threads of the device would contend for them, so there are several copies of
+/// the cells, and a block writes to one of them. They must be zero before.
+template <class Body>
+struct ScatterMaxKernel {
+  Body body;
+  std::uint32_t count, cells, copies;
+  std::uint64_t* best;  ///< copies * cells
+
+  /// Returns the number of this thread's offers to no_item.
+  CULLHULL_HD std::uint32_t run(const GridThread& at) const {
+    std::uint64_t* mine = best + std::size_t{at.block % copies} * cells;
+    std::uint32_t none = 0;
+    for (std::uint64_t i = at.first(); i < count; i += at.stride()) {
+      const Offer offer = body(static_cast<std::uint32_t>(i));
+      none += static_cast<std::uint32_t>(offer.cell == no_item);
+      if (offer.value != 0) DeviceAtomics::raise(mine[offer.cell], offer.value);
+    }
+    return none;
+  }
+};
+
+/// Up to 64 copies, which makes contention rare, in a megabyte at most: guesses, not swept.
+CULLHULL_HD constexpr std::uint32_t scatter_copies(std::uint32_t cells) {
+  constexpr std::uint32_t words = 1U << 17, most = 64;
+  const std::uint32_t fit = words / (cells == 0 ? 1 : cells);
+  return fit < 1 ? 1 : fit > most ? most : fit;
+}
+
+/// Combines the copies of each cell.
+struct FoldCopies {
+  const std::uint64_t* copied;
+  std::uint32_t cells, copies;
+  std::uint64_t* best;
+
+  CULLHULL_HD void operator()(std::uint32_t c) const {
+    std::uint64_t most = 0;
+    for (std::uint32_t k = 0; k < copies; ++k) {
+      const std::uint64_t v = copied[std::size_t{k} * cells + c];
+      most = v > most ? v : most;
+    }
+    best[c] = most;
+  }
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,238 @@
+// The data-parallel primitives on a CUDA device, in one stream. The results are those of the serial
+// reference: sums of integers, maxima and minima do not depend on the order; scans and stable
+// selections are CUB's.
+#pragma once
+
+#include <thrust/iterator/counting_iterator.h>
+#include <thrust/iterator/transform_iterator.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cub/device/device_scan.cuh>
+#include <utility>
+#include <vector>
+
+#include "cuda/kernels/device_kernels.hpp"
+#include "cuda/runtime.hpp"
+#include "filter/pseudo_hull/primitives.hpp"
+
+namespace cullhull::internal {
+
+namespace cuda_kernels {
+
+// Launch bounds ask for one block a multiprocessor for kernels that need many registers: with more,
+// ptxas would spill registers to fit.
+constexpr unsigned block_size = 256;
+/// Reductions of structs: 128 threads with a table of at most 20 KB.
+constexpr unsigned reduce_block_size = 128;
+
+__device__ inline GridThread here() { return {blockIdx.x, threadIdx.x, blockDim.x, gridDim.x}; }
+
+template <class Body>
+__global__ void __launch_bounds__(block_size, 1)
+    for_each(const __grid_constant__ ForEachKernel<Body> kernel) {
+  kernel.run(here());
+}
+
+template <class T, class Map, class Combine>
+__global__ void __launch_bounds__(reduce_block_size, 1)
+    reduce(const __grid_constant__ ReduceKernel<T, Map, Combine> kernel) {
+  __shared__ alignas(alignof(T)) unsigned char bytes[sizeof(T) * reduce_block_size];
+  T* table = reinterpret_cast<T*>(bytes);
+  const GridThread at = here();
+  kernel.collect(at, table);
+  for (unsigned width = reduce_block_size / 2; width > 0; width /= 2) {
+    __syncthreads();
+    kernel.fold(at, width, table);
+  }
+  kernel.finish(at, table);
+}
+
+template <class Body>
+__global__ void __launch_bounds__(block_size)
+    scatter_max(const __grid_constant__ ScatterMaxKernel<Body> kernel, std::uint32_t* none_of_all) {
+  std::uint32_t none = kernel.run(here());
+  for (unsigned other = 16; other > 0; other /= 2)
+    none += __shfl_down_sync(0xFFFFFFFF, none, other);
+  if (threadIdx.x % 32 == 0 && none != 0) atomicAdd(none_of_all, none);
+}
+
+/// keep(i) as 0 or 1; 0 for the item after the last, which a scan over count + 1 items includes.
+template <class Keep>
+struct KeepAsNumber {
+  Keep keep;
+  std::uint32_t count;
+  __host__ __device__ std::uint32_t operator()(std::uint32_t i) const {
+    return i < count && keep(i) ? 1 : 0;
+  }
+};
+
+/// number[i]: the number of items kept before item i.
+template <class Keep, class Emit>
+struct EmitKept {
+  Keep keep;
+  Emit emit;
+  const std::uint32_t* number;
+  CULLHULL_HD void operator()(std::uint32_t i) const {
+    if (keep(i)) emit(i, number[i]);
+  }
+};
+
+}  // namespace cuda_kernels
+
+/// Device memory whose contents are lost when it grows.
+template <class T>
+class CudaArray {
+ public:
+  T* reserve(std::size_t count, cudaStream_t stream) {
+    if (count > items_.size()) {
+      // Facets grow round by round: a quarter more than asked for, or every round would allocate.
+      const std::size_t more = items_.size() == 0 ? count : count + count / 4;
+      items_ = {};  // freed first, so that the two are never held at once
+      items_ = cuda::DeviceArray<T>(more, stream);
+    }
+    return items_.data();
+  }
+  T* data() const { return items_.data(); }
+
+ private:
+  cuda::DeviceArray<T> items_;
+};
+
+class CudaExecutor {
+ public:
+  template <class T>
+  using Array = CudaArray<T>;
+  /// Neighbouring threads read neighbouring items.
+  static constexpr std::uint32_t grain = 1;
+  static constexpr bool many_threads = true;
+
+  explicit CudaExecutor(cudaStream_t stream)
+      : stream_(stream), processors_(cuda::device().multiprocessors) {}
+
+  cudaStream_t stream() const { return stream_; }
+
+  template <class T>
+  T* reserve(Array<T>& array, std::size_t count) {
+    return array.reserve(count, stream_);
+  }
+  /// Waits for the copy; throws the error of any earlier operation of the stream, too.
+  template <class T>
+  void fetch(const T* from, std::size_t count, T* to) {
+    cuda::download(to, from, count, stream_);
+  }
+  template <class T>
+  void upload(const T* from, std::size_t count, T* to) {
+    cuda::upload(to, from, count, stream_);
+  }
+  template <class T>
+  void zero(T* items, std::size_t count) {
+    if (count == 0) return;
+    cuda::check(cudaMemsetAsync(items, 0, count * sizeof(T), stream_), "clearing device memory");
+  }
+
+  template <class Body>
+  void for_each(std::uint32_t count, const Body& body) {
+    if (count == 0) return;
+    cuda_kernels::
+        for_each<<<grid(count, cuda_kernels::block_size), cuda_kernels::block_size, 0, stream_>>>(
+            ForEachKernel<Body>{body, count});
+    launched();
+  }
+
+  template <class T, class Map, class Combine>
+  T reduce(std::uint32_t count, T identity, const Map& map, const Combine& combine) {
+    if (count == 0) return identity;
+    static_assert(std::is_trivially_copyable_v<T>);
+    constexpr unsigned size = cuda_kernels::reduce_block_size;
+    const unsigned blocks = grid(count, size);
+    auto* partial =
+        reinterpret_cast<T*>(reserve(partial_, (std::size_t{blocks} * sizeof(T) + 7) / 8));
+    zero(partial, blocks);  // their padding is copied, too
+    cuda_kernels::reduce<<<blocks, size, 0, stream_>>>(
+        ReduceKernel<T, Map, Combine>{map, combine, identity, count, partial});
+    launched();
+    std::vector<T> parts(blocks, identity);
+    fetch(partial, blocks, parts.data());
+    for (const T& p : parts) identity = combine(identity, p);
+    return identity;
+  }
+
+  template <class Body>
+  std::uint32_t scatter_max(std::uint32_t count, std::uint32_t cells, const Body& body,
+                            std::uint64_t* best) {
+    if (count == 0) {
+      zero(best, cells);
+      return 0;
+    }
+    std::uint32_t* none = reserve(words_, 1);
+    zero(none, 1);
+    const std::uint32_t copies = scatter_copies(cells);
+    const std::size_t words = std::size_t{copies} * cells;
+    std::uint64_t* copied = copies == 1 ? best : reserve(copies_, words);
+    zero(copied, words);
+    cuda_kernels::scatter_max<<<grid(count, cuda_kernels::block_size), cuda_kernels::block_size, 0,
+                                stream_>>>(
+        ScatterMaxKernel<Body>{body, count, cells, copies, copied}, none);
+    launched();
+    if (copies != 1) for_each(cells, FoldCopies{copied, cells, copies, best});
+    return word(none);
+  }
+
+  template <class Keep>
+  std::uint32_t enumerate(std::uint32_t count, const Keep& keep, std::uint32_t* number) {
+    const auto kept =
+        thrust::make_transform_iterator(thrust::make_counting_iterator(std::uint32_t{0}),
+                                        cuda_kernels::KeepAsNumber<Keep>{keep, count});
+    with_scratch([&](void* scratch, std::size_t& bytes) {
+      return cub::DeviceScan::ExclusiveSum(scratch, bytes, kept, number, count + 1, stream_);
+    });
+    return word(number + count);
+  }
+
+  template <class Keep, class Emit>
+  std::uint32_t select(std::uint32_t count, const Keep& keep, const Emit& emit) {
+    if (count == 0) return 0;
+    // First the positions, then `emit`, in two kernels: inlined into CUB's selection, which takes
+    // many items a thread, a long emit would not fit into registers.
+    std::uint32_t* number = reserve(numbers_, std::size_t{count} + 1);
+    const std::uint32_t kept = enumerate(count, keep, number);
+    for_each(count, cuda_kernels::EmitKept<Keep, Emit>{keep, emit, number});
+    return kept;
+  }
+
+  CULLHULL_HD static void lower(std::uint32_t& target, std::uint32_t value) {
+    DeviceAtomics::lower(target, value);
+  }
+
+ private:
+  /// Enough blocks to fill the device a few times over, no more: work that each block does once
+  /// (clearing and writing its table, folding) is then rarely done.
+  unsigned grid(std::uint32_t count, unsigned size) const {
+    const std::uint64_t wanted = chunk_count(count, size);
+    return static_cast<unsigned>(std::min<std::uint64_t>(wanted, std::uint64_t{processors_} * 8));
+  }
+  static void launched() { cuda::check(cudaGetLastError(), "starting a kernel"); }
+
+  std::uint32_t word(const std::uint32_t* from) {
+    std::uint32_t value = 0;
+    fetch(from, 1, &value);
+    return value;
+  }
+
+  /// Calls CUB twice: the first call returns the size of the scratch memory.
+  template <class Call>
+  void with_scratch(const Call& call) {
+    std::size_t bytes = 0;
+    cuda::check(call(nullptr, bytes), "preparing a scan");
+    std::uint64_t* scratch = reserve(scratch_, bytes / 8 + 1);
+    cuda::check(call(scratch, bytes), "starting a scan");
+  }
+
+  cudaStream_t stream_;
+  unsigned processors_;
+  CudaArray<std::uint32_t> words_, numbers_;
+  CudaArray<std::uint64_t> copies_, partial_, scratch_;
+};
+
+}  // namespace cullhull::internal

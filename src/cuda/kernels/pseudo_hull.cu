@@ -1,0 +1,152 @@
+#include <algorithm>
+
+#include "cuda/kernels/executor.cuh"
+#include "cuda/kernels/pseudo_hull.hpp"
+#include "cullhull/error.hpp"
+#include "filter/pseudo_hull/pseudo_hull_growth.hpp"
+#include "parallel/dispatch.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+struct NotCulled {
+  const unsigned char* culled;
+  CULLHULL_HD bool operator()(std::uint32_t i) const { return culled[i] == 0; }
+};
+struct EmitId {
+  PseudoSubset subset;
+  std::uint64_t* ids;
+  CULLHULL_HD void operator()(std::uint32_t i, std::uint32_t k) const { ids[k] = subset.point(i); }
+};
+
+/// Checks the alignment: an unaligned load would destroy the device's context.
+template <class T>
+void require_aligned(const DevicePointView& points) {
+  const auto bits = reinterpret_cast<std::uintptr_t>(points.data) |
+                    static_cast<std::uintptr_t>(points.point_stride) |
+                    static_cast<std::uintptr_t>(points.coordinate_stride);
+  if (bits % alignof(T) != 0)
+    throw Error(ErrorCode::invalid_argument,
+                "points on a device must be aligned to their scalar type");
+}
+
+/// Pseudo-hulls of subsets of points in the device's memory, and the ids that each keeps.
+template <unsigned D, class T>
+class SubsetFilter {
+ public:
+  explicit SubsetFilter(const DevicePointView& points)
+      : points_(points),
+        view_{static_cast<const std::byte*>(points.data),
+              points.scalar,
+              D,
+              points.count,
+              points.point_stride,
+              points.coordinate_stride},
+        growth_(CudaExecutor(static_cast<cudaStream_t>(points.stream))) {
+    require_aligned<T>(points);
+  }
+
+  /// Returns the number of the subset's points that survive.
+  std::uint32_t run(const PseudoSubset& subset, unsigned max_rounds, const Control& control,
+                    std::vector<PseudoHullRound>& rounds) {
+    control.check();
+    growth_.run(rows_in_place<D, T>(view_, subset), size_of(subset), max_rounds, control, rounds);
+    return growth_.left();
+  }
+  /// Writes their ids to device memory.
+  void list(const PseudoSubset& subset, std::uint64_t* ids) {
+    const std::uint32_t listed = growth_.executor().select(
+        size_of(subset), NotCulled{growth_.culled()}, EmitId{subset, ids});
+    if (listed != growth_.left())
+      throw Error(ErrorCode::internal, "the device lost count of the survivors");
+  }
+  CudaExecutor& executor() { return growth_.executor(); }
+
+ private:
+  static std::uint32_t size_of(const PseudoSubset& subset) {
+    return static_cast<std::uint32_t>(subset.size());
+  }
+
+  const DevicePointView& points_;
+  PointView view_;
+  PseudoHullGrowth<D, CudaExecutor, RowsInPlace<D, T>> growth_;
+};
+
+/// Calls use.template operator()<D, T>() with the points' dimension and scalar.
+template <class Use>
+auto with_point_types(const DevicePointView& points, const Use& use) {
+  if (points.dimension < 2 || points.dimension > 6)
+    throw Error(ErrorCode::invalid_argument,
+                "the pseudo-hull filter on a device is for 2 to 6 dimensions");
+  if (points.scalar != ScalarType::f32 && points.scalar != ScalarType::f64)
+    throw Error(ErrorCode::invalid_argument,
+                "the pseudo-hull filter on a device is for f32 and f64 points");
+  return with_dimension<2, 5, 6>(points.dimension, [&](auto d) {
+    return points.scalar == ScalarType::f32 ? use.template operator()<d, float>()
+                                            : use.template operator()<d, double>();
+  });
+}
+
+std::vector<std::uint64_t> survivors_of(const DevicePointView& points, unsigned subsets,
+                                        unsigned max_rounds, const Control& control,
+                                        std::vector<PseudoHullRound>& rounds) {
+  rounds.clear();
+  return with_point_types(points, [&]<unsigned D, class T>() {
+    SubsetFilter<D, T> filter(points);
+    CudaArray<std::uint64_t> ids;
+    std::vector<std::vector<std::uint64_t>> kept(subsets);
+    for (unsigned s = 0; s < subsets; ++s) {
+      const PseudoSubset subset{points.count, s, subsets};
+      const std::uint32_t left = filter.run(subset, max_rounds, control, rounds);
+      kept[s].resize(left);
+      filter.list(subset, filter.executor().reserve(ids, left));
+      if (left != 0) filter.executor().fetch(ids.data(), left, kept[s].data());
+    }
+    return merge_subsets(std::move(kept));
+  });
+}
+
+}  // namespace
+
+std::vector<std::uint64_t> pseudo_hull_survivors_cuda(const DevicePointView& points,
+                                                      const PseudoHullSettings& settings,
+                                                      const Control& control,
+                                                      std::vector<PseudoHullRound>* rounds) {
+  // The rounds of a smaller subset would not occupy a device (a guess).
+  constexpr std::uint64_t least_points = std::uint64_t{1} << 17;
+  std::vector<PseudoHullRound> unread;
+  std::vector<PseudoHullRound>& report = rounds != nullptr ? *rounds : unread;
+  const std::uint64_t needed =
+      std::max<std::uint64_t>(1, chunk_count(points.count, pseudo_hull_most_points));
+  if (needed > (settings.subsets != 0 ? settings.subsets : 1U << 20))
+    throw Error(ErrorCode::out_of_budget,
+                "too many points for so few pseudo-hulls; use more subsets");
+  if (settings.subsets != 0)
+    return survivors_of(points, settings.subsets, settings.max_rounds, control, report);
+  for (auto subsets = static_cast<unsigned>(needed);; subsets *= 4) {
+    try {
+      return survivors_of(points, subsets, settings.max_rounds, control, report);
+    } catch (const cuda::OutOfMemory&) {
+      if (points.count / subsets < 4 * least_points) throw;
+    }
+  }
+}
+
+cuda::DeviceIds pseudo_hull_survivors_there(const DevicePointView& points, unsigned max_rounds,
+                                            const Control& control,
+                                            std::vector<PseudoHullRound>* rounds) {
+  std::vector<PseudoHullRound> unread;
+  if (points.count > pseudo_hull_most_points)
+    throw Error(ErrorCode::out_of_budget, "too many points for a single pseudo-hull");
+  return with_point_types(points, [&]<unsigned D, class T>() {
+    SubsetFilter<D, T> filter(points);
+    const PseudoSubset all{points.count, 0, 1};
+    cuda::DeviceIds left;
+    left.count = filter.run(all, max_rounds, control, rounds != nullptr ? *rounds : unread);
+    left.ids = cuda::DeviceArray<std::uint64_t>(left.count, filter.executor().stream());
+    filter.list(all, left.ids.data());
+    return left;
+  });
+}
+
+}  // namespace cullhull::internal

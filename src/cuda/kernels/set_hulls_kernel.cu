@@ -1,0 +1,177 @@
+// Kernels for many small sets, a warp a set.
+
+#include "cuda/kernels/set_hulls_kernel.hpp"
+#include "cuda/kernels/warp_hull.cuh"
+#include "cuda/runtime.hpp"
+
+namespace cullhull::internal::cuda {
+namespace {
+
+/// With some 82 registers a thread, blocks of four warps leave fewest of a processor's unused.
+constexpr unsigned most_warps = 4;
+/// Blocks may have so much shared memory without asking for more.
+constexpr std::size_t block_memory = 48 << 10;
+
+/// Warps of a block, each of which has its own part of the block's memory.
+template <unsigned D>
+unsigned warps_of(unsigned most) {
+  const auto fit = static_cast<unsigned>(block_memory / WarpMemory<D>::bytes(most));
+  return fit < most_warps ? fit : most_warps;
+}
+
+__device__ inline unsigned lane_of() { return threadIdx.x % lanes; }
+__device__ inline std::uint64_t warp_of() {
+  return std::uint64_t{blockIdx.x} * (blockDim.x / lanes) + threadIdx.x / lanes;
+}
+
+/// `room`: most points of a set, a multiple of 32. All lanes of a warp leave together. One block a
+/// processor is asked for so that ptxas spills nothing (before, 16 bytes on some architectures).
+template <unsigned D, class T>
+__global__ void __launch_bounds__(most_warps* lanes, 1)
+    set_hulls(const __grid_constant__ DevicePointView points, const __grid_constant__ WarpSets sets,
+              unsigned least, unsigned most, unsigned room) {
+  extern __shared__ double shared[];
+  const std::uint64_t set = warp_of();
+  if (set >= sets.sets) return;
+  const std::uint64_t first = sets.starts[set], count = sets.starts[set + 1] - first;
+  if (count < least || count > most) return;
+  const WarpMemory<D> memory(
+      reinterpret_cast<char*>(shared) + threadIdx.x / lanes * WarpMemory<D>::bytes(room), room);
+  WarpHull<D> hull(memory, static_cast<unsigned>(count), lane_of());
+  const unsigned found = hull.template run<T>(points, first, sets.vertices + first,
+                                              sets.simplices + simplex_room(D) * first);
+  if (lane_of() == 0) sets.counts[set] = static_cast<std::uint16_t>(found);
+}
+
+template <unsigned D, class T, class Id>
+__global__ void pack_lists(const __grid_constant__ DevicePointView points,
+                           const __grid_constant__ WarpSets sets,
+                           const __grid_constant__ PackedLists at, Id* __restrict__ vertices,
+                           Id* __restrict__ simplices, T* __restrict__ rows) {
+  const std::uint64_t set = warp_of();
+  if (set >= sets.sets) return;
+  const unsigned counts = sets.counts[set];
+  if (counts == 0) return;
+  const std::uint64_t first = sets.starts[set], vertex_at = at.vertex_at[set],
+                      simplex_at = at.simplex_at[set] * D;
+  const std::uint8_t* const corners = sets.simplices + simplex_room(D) * first;
+  for (unsigned i = lane_of(); i < (counts >> 8) * D; i += lanes)
+    simplices[simplex_at + i] = corners[i];
+  // With rows the vertices are listed ascending; in the plane they begin the edges in this order.
+  const bool ascending = D == 2 && rows != nullptr;
+  const std::uint8_t* const ids = ascending ? corners : sets.vertices + first;
+  const unsigned step = ascending ? 2 : 1;
+  for (unsigned i = lane_of(); i < (counts & 0xFF); i += lanes)
+    vertices[vertex_at + i] = ids[step * i];
+  if (rows == nullptr) return;
+  for (unsigned e = lane_of(); e < (counts & 0xFF) * D; e += lanes)
+    rows[vertex_at * D + e] = coordinate<T>(points, first + ids[step * (e / D)], e % D);
+}
+
+template <class T>
+__global__ void point_runs(const __grid_constant__ DevicePointView points,
+                           const __grid_constant__ ItemRuns runs, T* __restrict__ rows) {
+  const std::uint64_t run = warp_of();
+  if (run >= runs.count) return;
+  const std::uint64_t from = runs.from[run], values = runs.length[run] * points.dimension;
+  T* const to = rows + runs.to[run] * points.dimension;
+  for (std::uint64_t e = lane_of(); e < values; e += lanes)
+    to[e] = coordinate<T>(points, from + e / points.dimension,
+                          static_cast<unsigned>(e % points.dimension));
+}
+
+__global__ void item_runs(const std::int32_t* __restrict__ items,
+                          const __grid_constant__ ItemRuns runs, std::int32_t* __restrict__ out) {
+  const std::uint64_t run = warp_of();
+  if (run >= runs.count) return;
+  for (std::uint64_t i = lane_of(); i < runs.length[run]; i += lanes)
+    out[runs.to[run] + i] = items[runs.from[run] + i];
+}
+
+constexpr unsigned copying_warps = 4;  // a guess
+
+unsigned blocks_of(std::uint64_t warps, unsigned in_block) {
+  return static_cast<unsigned>((warps + in_block - 1) / in_block);
+}
+
+template <unsigned D, class T>
+void launch_hulls(const DevicePointView& points, const WarpSets& sets, unsigned least,
+                  unsigned most, cudaStream_t stream) {
+  const unsigned room = (most + lanes - 1) / lanes * lanes, warps = warps_of<D>(room);
+  const std::size_t shared = warps * WarpMemory<D>::bytes(room);
+  set_hulls<D, T><<<blocks_of(sets.sets, warps), warps * lanes, shared, stream>>>(
+      points, sets, least, most, room);
+}
+
+template <class T, class Id>
+void launch_packing(const DevicePointView& points, const WarpSets& sets, const PackedLists& at,
+                    Id* vertices, Id* simplices, T* rows, cudaStream_t stream) {
+  const unsigned blocks = blocks_of(sets.sets, copying_warps), threads = copying_warps * lanes;
+  if (points.dimension == 2)
+    pack_lists<2, T, Id>
+        <<<blocks, threads, 0, stream>>>(points, sets, at, vertices, simplices, rows);
+  else
+    pack_lists<3, T, Id>
+        <<<blocks, threads, 0, stream>>>(points, sets, at, vertices, simplices, rows);
+}
+
+template <class Id>
+cudaError_t pack(const DevicePointView& points, const WarpSets& sets, const PackedLists& at,
+                 Id* vertices, Id* simplices, void* rows, cudaStream_t stream) {
+  if (sets.sets == 0) return cudaSuccess;
+  if (points.scalar == ScalarType::f64)
+    launch_packing(points, sets, at, vertices, simplices, static_cast<double*>(rows), stream);
+  else
+    launch_packing(points, sets, at, vertices, simplices, static_cast<float*>(rows), stream);
+  return cudaGetLastError();
+}
+
+}  // namespace
+
+cudaError_t find_set_hulls(const DevicePointView& points, const WarpSets& sets, unsigned least,
+                           unsigned most, cudaStream_t stream) {
+  if (sets.sets == 0) return cudaSuccess;
+  const bool wide = points.scalar == ScalarType::f64;
+  if (points.dimension == 2 && wide)
+    launch_hulls<2, double>(points, sets, least, most, stream);
+  else if (points.dimension == 2)
+    launch_hulls<2, float>(points, sets, least, most, stream);
+  else if (wide)
+    launch_hulls<3, double>(points, sets, least, most, stream);
+  else
+    launch_hulls<3, float>(points, sets, least, most, stream);
+  return cudaGetLastError();
+}
+
+cudaError_t pack_set_hulls(const DevicePointView& points, const WarpSets& sets,
+                           const PackedLists& at, std::uint8_t* vertices, std::uint8_t* simplices,
+                           void* rows, cudaStream_t stream) {
+  return pack(points, sets, at, vertices, simplices, rows, stream);
+}
+
+cudaError_t pack_set_hulls(const DevicePointView& points, const WarpSets& sets,
+                           const PackedLists& at, std::int32_t* vertices, std::int32_t* simplices,
+                           cudaStream_t stream) {
+  return pack(points, sets, at, vertices, simplices, nullptr, stream);
+}
+
+cudaError_t copy_point_runs(const DevicePointView& points, const ItemRuns& runs, void* rows,
+                            cudaStream_t stream) {
+  if (runs.count == 0) return cudaSuccess;
+  const unsigned blocks = blocks_of(runs.count, copying_warps), threads = copying_warps * lanes;
+  if (points.scalar == ScalarType::f64)
+    point_runs<<<blocks, threads, 0, stream>>>(points, runs, static_cast<double*>(rows));
+  else
+    point_runs<<<blocks, threads, 0, stream>>>(points, runs, static_cast<float*>(rows));
+  return cudaGetLastError();
+}
+
+cudaError_t copy_runs(const std::int32_t* items, const ItemRuns& runs, std::int32_t* out,
+                      cudaStream_t stream) {
+  if (runs.count == 0) return cudaSuccess;
+  item_runs<<<blocks_of(runs.count, copying_warps), copying_warps * lanes, 0, stream>>>(items, runs,
+                                                                                        out);
+  return cudaGetLastError();
+}
+
+}  // namespace cullhull::internal::cuda

@@ -1,0 +1,522 @@
+// Incremental construction by cavities (Bowyer 1981; Watson 1981) with one vertex at infinity, in
+// any dimension. The cells a point is in conflict with are replaced by those that join the point to
+// the cavity's boundary; new cells find one another by walking around ridges within the cavity.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cstdint>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "delaunay/cell_planes.hpp"
+#include "delaunay/cell_store.hpp"
+#include "delaunay/point_signs.hpp"
+#include "exact/insphere/lift_side.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "exact/points/lifted_points.hpp"
+#include "parallel/threads/run.hpp"
+#include "parallel/xorshift.hpp"
+
+namespace cullhull::internal {
+
+/// What one thread builds, or several at once.
+template <unsigned K>
+struct GrowingCells {
+  GrowingCells(unsigned k, std::uint64_t budget) : store(k, budget) {}
+
+  /// Adds at most so many dead cells, which are one thread's from then on; false: there are none.
+  bool take(std::uint32_t cells, std::vector<std::uint32_t>& to) {
+    const std::uint64_t first = next.fetch_add(cells, std::memory_order_relaxed);
+    const std::uint64_t end = std::min<std::uint64_t>(first + cells, store.capacity());
+    for (std::uint64_t c = end; c > first; --c) to.push_back(static_cast<std::uint32_t>(c - 1));
+    return first < end;
+  }
+
+  CellStore<K> store;
+  PlaneArray<K> planes;
+  std::atomic<std::uint64_t> next{0};  ///< the first cell that no thread has taken
+};
+
+enum class Inserted : std::uint8_t {
+  done,
+  hidden,  ///< by the points that are there
+  busy,    ///< another thread has cells in the way; nothing was done
+  full,    ///< no cells are left; nothing was done
+};
+
+/// K: the dimension of the points' flat where it is known early, else 0. `shared`: several threads
+/// have one of these each, of the same cells (insert_together). A thread holds the mark of each
+/// cell that it looks at: what it finds in a cell stays so until it lets go. Only corners of a held
+/// cell's neighbour are read without, as they never change and the neighbour cannot die.
+template <unsigned K, bool shared = false>
+class CellInsertion {
+ public:
+  CellInsertion(const LiftedPoints& points, const Run& run) requires(!shared)
+      : s_(points), run_(run), cells_(points.base, run.budget), signs_(points), planes_(points) {
+    make_tables();
+  }
+  /// One of several, each with a number of its own.
+  CellInsertion(const LiftedPoints& points, const Run& run, GrowingCells<K>& cells,
+                std::uint32_t number) requires(shared)
+      : s_(points), run_(run), cells_(cells), signs_(points), planes_(points) {
+    make_tables();
+    in_ = 2 * number + 2;
+  }
+
+  GrowingCells<K>& cells() { return cells_; }
+  CellStore<K>& store() { return cells_.store; }
+  const LiftCounts& counts() {
+    counts_ = signs_.counts();
+    counts_.rungs[0] += by_plane_;
+    return counts_;
+  }
+
+  /// k + 1 affinely independent points; about how many there will be.
+  void start(const std::uint32_t* simplex, std::uint32_t expected) {
+    std::vector<std::uint32_t> v(simplex, simplex + corners());
+    if (signs_.orientation(v.data()) == Sign::negative) std::swap(v[k() - 1], v[k()]);
+    cells_.store.start(v.data(), expected);
+    if constexpr (with_planes) {
+      planes_.set_room(cells_.planes, cells_.store.capacity());
+      for (std::uint32_t c = 0; planes_.used() && c < cells_.store.count(); ++c)
+        planes_.set_none(c);
+    }
+    last_ = 0;
+  }
+
+  Inserted insert(std::uint32_t p) {
+    signs_.aim(p);
+    const std::uint32_t first = locate();
+    if (first == unset) return Inserted::busy;
+    if (s_.may_hide && !conflict(first)) {
+      let_go();
+      return Inserted::hidden;
+    }
+    if (!find_cavity(first)) {
+      let_go();
+      return Inserted::busy;
+    }
+    if (!have_room()) {
+      let_go();
+      return Inserted::full;
+    }
+    make_cells(p);
+    bool joined = false;
+    if constexpr (K == 3) joined = join_along_edges();
+    if (!joined) join_cells();
+    for (const std::uint32_t c : cavity_) free_cell(c);
+    let_go();
+    work_ += facets_.size();
+    if (work_ > 4096) {  // well below a millisecond in any dimension
+      work_ = 0;
+      run_.check();
+    }
+    return Inserted::done;
+  }
+
+  /// Until unshare() others of these cells insert: there is room for twice as many cells as live,
+  /// and more.
+  void share(std::uint64_t spare) {
+    const std::uint64_t live = cells_.store.living();
+    cells_.store.share(cells_.store.count() + 2 * live + spare);
+    if constexpr (with_planes) planes_.set_room(cells_.planes, cells_.store.capacity());
+    cells_.next = cells_.store.count();
+  }
+  void unshare() { cells_.store.unshare(cells_.next); }
+  /// To be called where others have inserted: the cell that walks began in may be gone.
+  void restart() {
+    last_ = 0;
+    while (cells_.store.dead(last_)) ++last_;
+    if constexpr (with_planes) planes_.set_room(cells_.planes, cells_.store.capacity());
+  }
+  /// The cells that this thread has left; it takes others when it goes on.
+  void give_cells_back() requires(shared) {
+    cells_.store.give_back(spare_, created_);
+    spare_.clear();
+    created_ = 0;
+  }
+
+ private:
+  struct Facet {
+    std::uint32_t cell, slot, made;
+  };
+  enum class Seen : std::uint8_t { inside, outside, first, busy };
+
+  void make_tables() {
+    if constexpr (K == 3) {
+      labels_.resize(s_.count, 0);
+      edges_.assign(std::size_t{most_labels} * most_labels, unset);
+    }
+  }
+
+  std::atomic_ref<std::uint32_t> mark(std::uint32_t c) {
+    return std::atomic_ref<std::uint32_t>(cells_.store.mark(c));
+  }
+  std::uint32_t out() const { return in_ + 1; }
+
+  /// Takes a cell that no thread has.
+  bool hold(std::uint32_t c) {
+    std::uint32_t free = 0;
+    return mark(c).compare_exchange_strong(free, out(), std::memory_order_acquire,
+                                           std::memory_order_relaxed);
+  }
+  /// Of all that this thread holds, but what has died.
+  void let_go() {
+    if constexpr (shared) {
+      for (const std::uint32_t c : held_)
+        if (mark(c).load(std::memory_order_relaxed) != CellStore<K>::dead_mark)
+          mark(c).store(0, std::memory_order_release);
+      held_.clear();
+    }
+  }
+
+  Seen look(std::uint32_t c) {
+    if constexpr (!shared) {
+      const std::uint32_t known = cells_.store.mark(c);
+      return known == in_ ? Seen::inside : known == out() ? Seen::outside : Seen::first;
+    } else {
+      const std::uint32_t known = mark(c).load(std::memory_order_relaxed);
+      if (known == in_) return Seen::inside;
+      if (known == out()) return Seen::outside;
+      if (known != 0 || !hold(c)) return Seen::busy;
+      held_.push_back(c);
+      return Seen::first;
+    }
+  }
+  void set_mark(std::uint32_t c, std::uint32_t value) {
+    if constexpr (shared)
+      mark(c).store(value, std::memory_order_relaxed);
+    else
+      cells_.store.mark(c) = value;
+  }
+  bool inside(std::uint32_t c) {
+    if constexpr (shared)
+      return mark(c).load(std::memory_order_relaxed) == in_;
+    else
+      return cells_.store.mark(c) == in_;
+  }
+
+  /// Whether there are cells for all facets.
+  bool have_room() {
+    if constexpr (shared) {
+      constexpr std::uint32_t many = 256;  // at a time; a cavity takes some ten to some hundred
+      while (spare_.size() < facets_.size())
+        if (!cells_.take(many, spare_)) return false;
+    }
+    return true;
+  }
+  std::uint32_t new_cell() {
+    if constexpr (shared) {
+      const std::uint32_t c = spare_.back();
+      spare_.pop_back();
+      ++created_;
+      mark(c).store(out(), std::memory_order_relaxed);
+      held_.push_back(c);
+      return c;
+    } else {
+      return cells_.store.new_cell();
+    }
+  }
+  void free_cell(std::uint32_t c) {
+    if constexpr (shared) {
+      mark(c).store(CellStore<K>::dead_mark, std::memory_order_relaxed);
+      spare_.push_back(c);
+    } else {
+      cells_.store.free_cell(c);
+    }
+  }
+
+  unsigned k() const { return cells_.store.corners() - 1; }
+  unsigned corners() const { return cells_.store.corners(); }
+
+  /// Towards p through facets that p is beyond: in a regular triangulation, which this is under the
+  /// perturbation, no cell is met twice.
+  /// unset: another thread has a cell on the way.
+  std::uint32_t locate() {
+    std::uint32_t c = start_of_walk();
+    if (c == unset) return unset;
+    if (const unsigned g = cells_.store.ghost_slot(c); g < corners())
+      c = step(c, cells_.store.cell_of(cells_.store.neighbours(c)[g]));
+    unsigned from = corners();
+    while (c != unset) {
+      const unsigned j = signs_.beyond(cells_.store.vertices(c), from);
+      if (j == corners()) break;
+      const std::uint32_t code = cells_.store.neighbours(c)[j];
+      c = step(c, cells_.store.cell_of(code));
+      if (c == unset) break;
+      from = cells_.store.slot_of(code);
+      if (cells_.store.vertices(c)[from] == infinite) break;
+      if ((++steps_ & 4095) == 0) run_.check();
+    }
+    if constexpr (shared)
+      if (c != unset) held_.push_back(c);
+    return c;
+  }
+  std::uint32_t start_of_walk() {
+    if constexpr (shared) {
+      constexpr int tries = 64;  // where most cells are dead, or the other threads' for the moment
+      std::uint32_t c = last_;
+      for (int i = 0; i < tries; ++i) {
+        if (hold(c)) return c;
+        c = static_cast<std::uint32_t>(random_.next() % cells_.store.count());
+      }
+      return unset;
+    }
+    return last_;
+  }
+  std::uint32_t step(std::uint32_t from, std::uint32_t to) {
+    if constexpr (shared) {
+      const bool held = hold(to);
+      mark(from).store(0, std::memory_order_release);
+      return held ? to : unset;
+    }
+    return to;
+  }
+
+  bool conflict(std::uint32_t c) {
+    if constexpr (with_planes) {
+      if (planes_.used() && planes_.known(c)) {
+        const Sign side = planes_.side(c, signs_.point());
+        if (side != Sign::zero) {
+          ++by_plane_;
+          return side == Sign::negative;
+        }
+      }
+    }
+    const unsigned g = cells_.store.ghost_slot(c);
+    if (g < corners()) {
+      const Sign beyond = signs_.replaced(cells_.store.vertices(c), g);
+      if (beyond != Sign::zero) return beyond == Sign::positive;
+      c = cells_.store.cell_of(cells_.store.neighbours(c)[g]);
+    }
+    return signs_.conflict(cells_.store.vertices(c));
+  }
+
+  /// False: another thread has some of it.
+  bool find_cavity(std::uint32_t first) {
+    if constexpr (!shared) in_ = cells_.store.next_stamp();
+    cavity_.clear();
+    facets_.clear();
+    cavity_.push_back(first);
+    set_mark(first, in_);
+    for (std::size_t i = 0; i < cavity_.size(); ++i) {
+      const std::uint32_t c = cavity_[i];
+      const std::uint32_t* n = cells_.store.neighbours(c);
+      if (i + 1 < cavity_.size()) prefetch_around(cavity_[i + 1]);
+      for (unsigned j = 0; j < corners(); ++j) {
+        const std::uint32_t o = cells_.store.cell_of(n[j]);
+        const Seen seen = look(o);
+        if (seen == Seen::inside) continue;
+        if (seen == Seen::busy) return false;
+        if (seen == Seen::first) {
+          if (conflict(o)) {
+            set_mark(o, in_);
+            cavity_.push_back(o);
+            continue;
+          }
+          set_mark(o, out());
+        }
+        facets_.push_back({c, j, unset});
+      }
+    }
+    return true;
+  }
+
+  /// What is looked at of a cell's neighbours.
+  void prefetch_around(std::uint32_t c) {
+    const std::uint32_t* n = cells_.store.neighbours(c);
+    for (unsigned j = 0; j < corners(); ++j) {
+      const std::uint32_t o = cells_.store.cell_of(n[j]);
+      cells_.store.prefetch_mark(o);
+      if constexpr (with_planes) {
+        if (planes_.used()) planes_.prefetch(o);
+      } else {
+        prefetch_line(cells_.store.vertices(o));
+      }
+    }
+  }
+
+  /// A facet's cell with the corner off the facet replaced by p is the new one there: it has the
+  /// same orientation. Then the cell in the cavity knows the new one as its neighbour.
+  void make_cells(std::uint32_t p) {
+    last_ = unset;
+    for (Facet& f : facets_) {
+      const std::uint32_t made = new_cell();
+      f.made = made;
+      const std::uint32_t *old = cells_.store.vertices(f.cell),
+                          outside = cells_.store.neighbours(f.cell)[f.slot];
+      std::uint32_t *v = cells_.store.vertices(made), *n = cells_.store.neighbours(made);
+      bool finite = true;
+      for (unsigned i = 0; i < corners(); ++i) {
+        v[i] = i == f.slot ? p : old[i];
+        n[i] = unset;
+        finite = finite && v[i] != infinite;
+      }
+      cells_.store.link(made, f.slot, outside);
+      cells_.store.neighbours(f.cell)[f.slot] = cells_.store.code(made, f.slot);
+      if (finite) last_ = made;
+      if constexpr (with_planes) {
+        if (!planes_.used()) continue;
+        if constexpr (!shared) planes_.set_room(cells_.planes, cells_.store.capacity());
+        if (finite)
+          planes_.add(made, v, f.slot, p);
+        else
+          planes_.set_none(made);
+      }
+    }
+    if constexpr (with_planes) planes_.flush(p);
+    if (last_ == unset) last_ = facets_.front().made;
+  }
+
+  /// Labels of the vertices of a cavity's boundary begin anew.
+  void clear_labels() {
+    if (label_base_ > ~std::uint32_t{0} - 4 * most_labels) {
+      std::fill(labels_.begin(), labels_.end(), 0U);
+      label_base_ = 0;
+    }
+    label_base_ += most_labels;
+    label_count_ = 0;
+    at_infinity_ = unset;
+  }
+  std::uint32_t label(std::uint32_t v) {
+    if (v == infinite) return at_infinity_ != unset ? at_infinity_ : at_infinity_ = label_count_++;
+    const std::uint32_t known = labels_[v] - label_base_;
+    if (known < most_labels) return known;
+    labels_[v] = label_base_ + label_count_;
+    return label_count_++;
+  }
+
+  /// In space new cells meet in edges of the cavity's boundary, twice in each: a small table has
+  /// those met once. False, with nothing done, where the boundary has too many vertices for it.
+  bool join_along_edges() {
+    if (facets_.size() > 2 * most_labels - 4) return false;  // Euler's formula
+    clear_labels();
+    for (const Facet& f : facets_) {
+      const std::uint32_t* v = cells_.store.vertices(f.made);
+      std::uint32_t corner[4];
+      for (unsigned i = 0; i < 4; ++i) corner[i] = i == f.slot ? 0 : label(v[i]);
+      for (unsigned i = 0; i < 4; ++i) {
+        if (i == f.slot) continue;
+        // The edge has the two slots that are neither i nor the point's.
+        std::uint32_t a = unset, b = 0;
+        for (unsigned j = 0; j < 4; ++j) {
+          if (j == i || j == f.slot) continue;
+          if (a == unset)
+            a = corner[j];
+          else
+            b = corner[j];
+        }
+        std::uint32_t& met = edges_[a < b ? a * most_labels + b : b * most_labels + a];
+        if (met == unset) {
+          met = cells_.store.code(f.made, i);
+        } else {
+          cells_.store.link(f.made, i, met);
+          met = unset;
+        }
+      }
+    }
+    return true;
+  }
+
+  /// From 4D on: new cells meet in ridges of the cavity's boundary, twice in each. A table of sums
+  /// over those of one hash has how many there are and their codes: of two, the sum less one's code
+  /// is the other's. Where ridges share a hash their cells are joined by walking.
+  void join_by_sums() {
+    constexpr unsigned sum_bits = 42;
+    const std::size_t ridges = facets_.size() * (corners() - 1);
+    const auto bits = static_cast<unsigned>(std::bit_width(2 * ridges));
+    sums_.assign(std::size_t{1} << bits, 0);
+    places_.resize(ridges);
+    std::uint32_t* place = places_.data();
+    for (const Facet& f : facets_) {
+      const std::uint32_t* v = cells_.store.vertices(f.made);
+      std::uint64_t hash[K + 1], all = 0;
+      for (unsigned i = 0; i <= K; ++i) {
+        hash[i] = i == f.slot ? 0 : hash_of(v[i]);
+        all += hash[i];
+      }
+      for (unsigned i = 0; i <= K; ++i) {
+        if (i == f.slot) continue;
+        *place = static_cast<std::uint32_t>((all - hash[i]) >> (64 - bits));
+        sums_[*place++] += (std::uint64_t{1} << sum_bits) + cells_.store.code(f.made, i);
+      }
+    }
+    place = places_.data();
+    for (const Facet& f : facets_) {
+      std::uint32_t* n = cells_.store.neighbours(f.made);
+      for (unsigned i = 0; i <= K; ++i) {
+        if (i == f.slot) continue;
+        const std::uint64_t sum = sums_[*place++];
+        if (sum >> sum_bits == 2)
+          n[i] = static_cast<std::uint32_t>((sum & ((std::uint64_t{1} << sum_bits) - 1)) -
+                                            cells_.store.code(f.made, i));
+        else if (n[i] == unset)
+          join(f, i);
+      }
+    }
+  }
+  static std::uint64_t hash_of(std::uint32_t v) {
+    const std::uint64_t x = (std::uint64_t{v} + 1) * XorShift::golden;
+    return (x ^ x >> 29) * XorShift::golden;
+  }
+
+  void join_cells() {
+    if constexpr (with_planes) {
+      if (facets_.size() * K < std::size_t{1} << 20) return join_by_sums();  // counts and sums fit
+    }
+    for (const Facet& f : facets_) {
+      const std::uint32_t* n = cells_.store.neighbours(f.made);
+      for (unsigned i = 0; i < corners(); ++i)
+        if (n[i] == unset) join(f, i);
+    }
+  }
+
+  /// Around the ridge without corner i of the facet, from cell to cell of the cavity to the other
+  /// facet of the boundary that it has.
+  void join(const Facet& f, unsigned i) {
+    std::uint32_t c = f.cell;
+    unsigned cross = i, pivot = f.slot;  // slots of c: the facet ahead, the corner behind it
+    for (;;) {
+      const std::uint32_t code = cells_.store.neighbours(c)[cross],
+                          next = cells_.store.cell_of(code);
+      if (!inside(next)) {
+        cells_.store.link(f.made, i, cells_.store.code(next, pivot));
+        return;
+      }
+      const std::uint32_t corner = cells_.store.vertices(c)[pivot];
+      pivot = cells_.store.slot_of(code);
+      cross = cells_.store.find_known(cells_.store.vertices(next), corner);
+      c = next;
+    }
+  }
+
+  static constexpr std::uint32_t most_labels = 64;
+  static constexpr bool with_planes = K >= 4 && K <= 6;
+
+  const LiftedPoints& s_;
+  const Run& run_;
+  std::conditional_t<shared, GrowingCells<K>&, GrowingCells<K>> cells_;
+  PointSigns<K> signs_;
+  std::conditional_t<with_planes, CellPlanes<K>, NoPlanes> planes_;
+  LiftCounts counts_;
+  std::uint64_t by_plane_ = 0, steps_ = 0, work_ = 0;
+  std::uint32_t last_ = 0, in_ = 0;
+  std::vector<std::uint32_t> cavity_;
+  std::vector<Facet> facets_;
+  // A label of each vertex of a boundary, from label_base_ on; edges met once, by labels.
+  std::vector<std::uint32_t> labels_, edges_;
+  std::vector<std::uint64_t> sums_;
+  std::vector<std::uint32_t> places_;
+  std::uint32_t label_base_ = 0, label_count_ = 0, at_infinity_ = unset;
+  // Of one thread among several: cells it holds, dead ones to be used, how many it made.
+  std::vector<std::uint32_t> held_, spare_;
+  std::uint64_t created_ = 0;
+  XorShift random_{XorShift::golden};
+};
+
+}  // namespace cullhull::internal

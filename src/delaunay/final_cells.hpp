@@ -1,0 +1,88 @@
+// Which triangles of a part of the points are those of all of them, whatever lies in the other
+// part's box.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "exact/determinants/minors.hpp"
+#include "exact/insphere/lift_filter.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "exact/points/lifted_points.hpp"
+
+namespace cullhull::internal {
+
+/// Of points of the plane.
+struct PartBox {
+  std::array<double, 2> low, high;
+
+  /// Every corner is strictly on the inner side of the facet that has infinity at slot g of a
+  /// ghost.
+  bool within(const LiftedPoints& s, const std::uint32_t* ghost, unsigned g) const {
+    const double* at[3];
+    std::array<double, 2> corner;
+    for (unsigned i = 0; i <= 2; ++i) at[i] = i == g ? corner.data() : s.row(ghost[i]);
+    for (unsigned bits = 0; bits < 1U << 2; ++bits) {
+      for (unsigned a = 0; a < 2; ++a) corner[a] = (bits >> a & 1) != 0 ? high[a] : low[a];
+      if (orientation(2, at) != Sign::negative) return false;
+    }
+    return true;
+  }
+};
+
+/// Whether the closed ball around a finite cell surely misses the box: an approximate centre z,
+/// what it is off by, and how far the box is. docs/exactness.md, "Parts", derives the bound.
+inline bool surely_misses(const LiftedPoints& s, const std::uint32_t* v, const PartBox& box) {
+  const double* o = s.row(v[0]);
+  double m[2][2], half[2];
+  double lengths = 1, shortest = 8;  // of the rows: squares
+  for (unsigned i = 0; i < 2; ++i) {
+    const double* q = s.row(v[i + 1]);
+    double square = 0;
+    for (unsigned a = 0; a < 2; ++a) {
+      m[i][a] = q[a] - o[a];
+      square += m[i][a] * m[i][a];
+    }
+    half[i] = square / 2;
+    lengths *= square;
+    shortest = std::min(shortest, square);
+  }
+  double z[2];  // the centre seen from o, by Cramer's rule
+  const double det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+  z[0] = (half[0] * m[1][1] - half[1] * m[0][1]) / det;
+  z[1] = (half[1] * m[0][0] - half[0] * m[1][0]) / det;
+  // Any factor of the lengths' product bounds the determinant's error and cofactors (Hadamard).
+  const double product = std::sqrt(lengths);
+  const double sure = std::abs(det) - 64 * unit_roundoff * product - 0x1p-500;
+  double reach = 0, size = 0;
+  for (unsigned a = 0; a < 2; ++a) {
+    reach += z[a] * z[a];
+    size += std::abs(z[a]);
+  }
+  if (!(sure > 0) || !(reach < 16)) return false;  // a ball wider than all points, or no number
+  // By how much z fails the equations m_i . z = |m_i|^2 / 2, as computed and by rounding; Cramer's
+  // rule makes of that the distance to the centre.
+  double off = 0;
+  for (unsigned i = 0; i < 2; ++i) {
+    double dot = 0, magnitude = half[i];
+    for (unsigned a = 0; a < 2; ++a) {
+      dot += m[i][a] * z[a];
+      magnitude += std::abs(m[i][a] * z[a]);
+    }
+    off = std::max(off, std::abs(dot - half[i]) + 16 * unit_roundoff * magnitude);
+  }
+  const double error =
+      8 * off * product / (std::sqrt(shortest) * sure) + 4 * unit_roundoff * (size + 1) + 0x1p-500;
+  const double radius = std::sqrt(reach) * (1 + 16 * unit_roundoff) + 2 * error;
+  double distance = 0;
+  for (unsigned a = 0; a < 2; ++a) {
+    const double at = o[a] + z[a];
+    const double gap = std::max(box.low[a] - at, at - box.high[a]);
+    if (gap > 0) distance += gap * gap;
+  }
+  return std::sqrt(distance) * (1 - 16 * unit_roundoff) - 16 * unit_roundoff > radius;
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,138 @@
+// Several threads insert points into one triangulation, each holding the cells it looks at. Which
+// of them comes first does not matter: ties are broken by a perturbation, so there is one result.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "delaunay/cell_insertion.hpp"
+#include "exact/points/lifted_points.hpp"
+#include "parallel/threads/run.hpp"
+
+namespace cullhull::internal {
+
+/// Of one insertion and the lanes, one a thread, that insert into the same cells.
+template <unsigned K>
+class InsertTogether {
+ public:
+  /// `spare`: for so many cells there is room besides those that a round is expected to take.
+  InsertTogether(const LiftedPoints& points, const Run& run, CellInsertion<K>& alone,
+                 std::uint64_t spare = std::uint64_t{1} << 14)
+      : s_(points), run_(run), alone_(alone), spare_(spare) {
+    for (unsigned t = 0; t < run.threads; ++t)
+      lanes_.push_back(std::make_unique<Lane>(points, run, alone.cells(), t));
+  }
+
+  /// Places, in the order of insertion; `done`: how many points there are before them. Round by
+  /// round, each of as many points as there are already, as for that many there must be room; what
+  /// lanes leave to be done comes in the next, and the last of it alone.
+  void insert(std::vector<std::uint32_t> places, std::uint32_t done) {
+    std::vector<std::uint32_t> left;
+    std::size_t next = 0;
+    while (next < places.size() || left.size() > few) {
+      const std::size_t end = std::min<std::size_t>(places.size(), next + std::max(done, few));
+      const std::size_t begin = next - std::min(next, left.size());
+      std::copy(left.begin(), left.end(), places.begin() + static_cast<std::ptrdiff_t>(begin));
+      const std::size_t before = left.size();
+      left = round(places.data() + begin, end - begin);
+      if (next == end && left.size() == before) break;  // to no avail
+      done += static_cast<std::uint32_t>(end - begin - left.size());
+      next = end;
+      run_.report("triangulate", double(done) / s_.count);
+    }
+    alone_.restart();
+    for (const std::uint32_t p : left) alone_.insert(p);
+  }
+
+  LiftCounts counts() {
+    LiftCounts sum;
+    for (const auto& lane : lanes_) sum.add(lane->counts());
+    return sum;
+  }
+
+ private:
+  using Lane = CellInsertion<K, true>;
+  static constexpr std::uint32_t few = 64;  // points that one thread does alone; a guess
+  /// Neighbours along the curve, one lane's: some 100 microseconds, for which lanes may have to
+  /// wait for the last of them.
+  static constexpr std::uint32_t chunk = K == 2 || K == 3 ? 32 : K == 4 ? 4 : 1;
+
+  /// Places that are one lane's from the front, any other's from the back.
+  class Stretch {
+   public:
+    void set(std::size_t begin, std::size_t end) { ends_ = std::uint64_t{begin} << 32 | end; }
+    bool take_first(std::uint32_t most, std::uint32_t& begin, std::uint32_t& end) {
+      return take(begin, end, [&](std::uint32_t& first, std::uint32_t last) {
+        begin = first;
+        end = first = std::min(last, first + most);
+      });
+    }
+    bool take_last(std::uint32_t most, std::uint32_t& begin, std::uint32_t& end) {
+      return take(begin, end, [&](std::uint32_t first, std::uint32_t& last) {
+        end = last;
+        begin = last = std::max(first + most, last) - most;
+      });
+    }
+
+   private:
+    template <class Cut>
+    bool take(std::uint32_t& begin, std::uint32_t& end, const Cut& cut) {
+      std::uint64_t ends = ends_.load(std::memory_order_relaxed);
+      for (;;) {
+        auto first = static_cast<std::uint32_t>(ends >> 32),
+             last = static_cast<std::uint32_t>(ends);
+        if (first == last) return false;
+        cut(first, last);
+        if (ends_.compare_exchange_weak(ends, std::uint64_t{first} << 32 | last,
+                                        std::memory_order_relaxed))
+          return begin < end;
+      }
+    }
+    std::atomic<std::uint64_t> ends_{0};
+  };
+
+  /// What was not inserted.
+  std::vector<std::uint32_t> round(const std::uint32_t* places, std::size_t count) {
+    alone_.share(spare_);
+    const std::size_t lanes = lanes_.size();
+    std::vector<Stretch> stretches(lanes);
+    for (std::size_t t = 0; t < lanes; ++t)
+      stretches[t].set(count * t / lanes, count * (t + 1) / lanes);
+    std::atomic<bool> full{false};
+    std::vector<std::vector<std::uint32_t>> left(lanes);
+    for (const auto& lane : lanes_) lane->restart();
+    run_.each_item(lanes, [&](std::uint64_t t) {
+      const auto take = [&](std::uint32_t place) {
+        Inserted how = Inserted::full;
+        if (!full.load(std::memory_order_relaxed)) how = lanes_[t]->insert(place);
+        if (how == Inserted::busy || how == Inserted::full) left[t].push_back(place);
+        if (how == Inserted::full) full = true;
+      };
+      std::uint32_t begin = 0, end = 0;
+      while (stretches[t].take_first(chunk, begin, end))
+        for (std::uint32_t i = begin; i < end; ++i) take(places[i]);
+      // Others' from their ends, where they come last.
+      for (std::size_t other = 1; other < lanes; ++other)
+        while (stretches[(t + other) % lanes].take_last(chunk, begin, end))
+          for (std::uint32_t i = end; i > begin; --i) take(places[i - 1]);
+    });
+    alone_.unshare();
+    std::vector<std::uint32_t> all;
+    for (std::size_t t = 0; t < lanes; ++t) {
+      lanes_[t]->give_cells_back();
+      all.insert(all.end(), left[t].begin(), left[t].end());
+    }
+    return all;
+  }
+
+  const LiftedPoints& s_;
+  const Run& run_;
+  CellInsertion<K>& alone_;
+  std::uint64_t spare_;
+  std::vector<std::unique_ptr<Lane>> lanes_;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,340 @@
+#include "delaunay/parts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <utility>
+#include <vector>
+
+#include "cullhull/array.hpp"
+#include "cullhull/error.hpp"
+#include "delaunay/final_cells.hpp"
+#include "delaunay/plane_insertion.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// Places of points, ascending.
+using Places = std::vector<std::uint32_t>;
+
+/// Three points of the places that are not on a line, among the first few; false if there are none.
+bool find_triangle(const LiftedPoints& s, const Places& places, std::uint32_t* simplex) {
+  constexpr std::size_t few = 512;
+  const std::size_t n = std::min(places.size(), few);
+  if (n <= 2) return false;
+  std::vector<const double*> at;
+  for (std::size_t i = 0; i < n && at.size() <= 2; ++i) {
+    at.push_back(s.row(places[i]));
+    simplex[at.size() - 1] = places[i];
+    const auto rank = static_cast<unsigned>(at.size() - 1);
+    if (rank > 0 && affine_rank_exact(2, at.data(), rank + 1) < rank) at.pop_back();
+  }
+  return at.size() == 3;
+}
+
+class Parts {
+ public:
+  Parts(const LiftedPoints& s, const Run& run) : s_(s), run_(run) {}
+
+  std::unique_ptr<CellStore<2>> triangulate(unsigned levels, InsertionTotals& totals) {
+    std::vector<Part> parts(1);
+    parts[0].places.resize(s_.count);
+    for (std::uint32_t i = 0; i < s_.count; ++i) parts[0].places[i] = i;
+    for (unsigned l = 0; l < levels; ++l) split(parts);
+    fit_ = true;
+    run_.each_item(parts.size(), [&](std::uint64_t i) { fill(parts[i]); });
+    needed_.assign(s_.count, 0);
+    while (parts.size() > 1 && fit_) {
+      run_.report("join", 0);
+      std::vector<Part> joined(parts.size() / 2);
+      run_.each_item(joined.size(), [&](std::uint64_t i) {
+        const bool last = joined.size() == 1;
+        const Run inner = last ? run_ : run_.with_threads(1);
+        join(parts[2 * i], parts[2 * i + 1], joined[i], inner);
+      });
+      parts = std::move(joined);
+    }
+    for (const Part& p : parts) totals.add(p.totals.counts, p.totals.created);
+    if (!fit_) return nullptr;
+    return std::move(parts[0].cells);
+  }
+
+ private:
+  struct Part {
+    Places places;
+    PartBox box;
+    std::unique_ptr<CellStore<2>> cells;
+    InsertionTotals totals;
+  };
+  /// A facet of a final cell whose neighbour is not final.
+  struct Border {
+    std::array<std::uint32_t, 2> corners;  ///< ascending
+    bool odd;                              ///< its orientation, seen from the final cell
+    std::uint32_t code;                    ///< of the final cell, in the joined numbering
+    std::uint32_t across;                  ///< of the cell that takes the neighbour's place
+  };
+
+  void measure(Part& p) const {
+    const double* first = s_.row(p.places[0]);
+    std::copy_n(first, 2, p.box.low.begin());
+    std::copy_n(first, 2, p.box.high.begin());
+    for (const std::uint32_t i : p.places)
+      for (unsigned a = 0; a < 2; ++a) {
+        p.box.low[a] = std::min(p.box.low[a], s_.row(i)[a]);
+        p.box.high[a] = std::max(p.box.high[a], s_.row(i)[a]);
+      }
+  }
+
+  /// Each part across its widest axis, at the median of some of its points.
+  void split(std::vector<Part>& parts) {
+    std::vector<Part> halves(2 * parts.size());
+    run_.each_item(parts.size(), [&](std::uint64_t i) {
+      Part &whole = parts[i], &low = halves[2 * i], &high = halves[2 * i + 1];
+      if (whole.places.empty()) return;
+      measure(whole);
+      unsigned axis = 0;
+      for (unsigned a = 1; a < 2; ++a)
+        if (whole.box.high[a] - whole.box.low[a] > whole.box.high[axis] - whole.box.low[axis])
+          axis = a;
+      std::vector<double> sample;
+      const std::size_t step = std::max<std::size_t>(1, whole.places.size() / 1021);
+      for (std::size_t j = 0; j < whole.places.size(); j += step)
+        sample.push_back(s_.row(whole.places[j])[axis]);
+      std::nth_element(sample.begin(), sample.begin() + sample.size() / 2, sample.end());
+      const double pivot = sample[sample.size() / 2];
+      low.places.reserve(whole.places.size() / 2 + whole.places.size() / 8);
+      high.places.reserve(whole.places.size() / 2 + whole.places.size() / 8);
+      for (const std::uint32_t p : whole.places)
+        (s_.row(p)[axis] < pivot ? low : high).places.push_back(p);
+    });
+    parts = std::move(halves);
+  }
+
+  void fill(Part& p) {
+    std::uint32_t simplex[3];
+    if (p.places.size() <= 2 || !find_triangle(s_, p.places, simplex)) {
+      fit_ = false;
+      return;
+    }
+    measure(p);
+    PlaneInsertion engine(s_, run_);
+    engine.start(simplex, static_cast<std::uint32_t>(p.places.size()));
+    for (const std::uint32_t i : p.places) {
+      if (std::find(simplex, simplex + 3, i) != simplex + 3) continue;
+      if (!fit_.load(std::memory_order_relaxed)) return;
+      engine.insert(i);
+    }
+    p.totals.add(engine.counts(), engine.store().created());
+    p.cells = std::make_unique<CellStore<2>>(std::move(engine.store()));
+  }
+
+  static constexpr std::uint32_t final_mark = 1, open_mark = 0;
+
+  /// Marks of a part's cells, and which points the open ones need.
+  void mark_final(Part& p, const PartBox& other) {
+    CellStore<2>& cells = *p.cells;
+    for (std::uint32_t c = 0; c < cells.count(); ++c) {
+      if ((c & 0xffff) == 0) run_.check();
+      if (cells.dead(c)) continue;
+      const std::uint32_t* v = cells.vertices(c);
+      const unsigned g = cells.ghost_slot(c);
+      const bool stays = g <= 2 ? other.within(s_, v, g) : surely_misses(s_, v, other);
+      cells.mark(c) = stays ? final_mark : open_mark;
+      if (stays) continue;
+      for (unsigned i = 0; i <= 2; ++i)
+        if (v[i] != infinite) needed_[v[i]] = 1;
+    }
+  }
+
+  void join(Part& a, Part& b, Part& out, const Run& run) {
+    if (!fit_) return;
+    for (Part* p : {&a, &b}) out.totals.add(p->totals.counts, p->totals.created);
+    out.places.resize(a.places.size() + b.places.size());
+    std::merge(a.places.begin(), a.places.end(), b.places.begin(), b.places.end(),
+               out.places.begin());
+    run.each_item(2, [&](std::uint64_t i) {
+      if (i == 0)
+        mark_final(a, b.box);
+      else
+        mark_final(b, a.box);
+    });
+    Part seam;
+    for (const std::uint32_t i : out.places)
+      if (std::exchange(needed_[i], 0) != 0) seam.places.push_back(i);
+    if (seam.places.size() > out.places.size() * 2 / 5) fit_ = false;
+    if (!fit_) return;
+    fill(seam);
+    if (!fit_) return;
+    out.totals.add(seam.totals.counts, seam.totals.created);
+    if (std::uint64_t{a.cells->count()} + b.cells->count() + seam.cells->count() >
+        seam.cells->limit())
+      fit_ = false;
+    if (!fit_) return;
+    measure(out);
+    out.cells = std::make_unique<CellStore<2>>(2, run.budget);
+    assemble(*a.cells, *b.cells, *seam.cells, *out.cells, run);
+  }
+
+  /// Ascending corners of a facet; whether the permutation and the slot make it odd.
+  static bool facet_corners(const std::uint32_t* v, unsigned slot,
+                            std::array<std::uint32_t, 2>& corners) {
+    bool odd = slot % 2 == 1;
+    corners = {v[slot == 0 ? 1 : 0], v[slot == 2 ? 1 : 2]};
+    if (corners[1] < corners[0]) {
+      std::swap(corners[0], corners[1]);
+      odd = !odd;
+    }
+    return odd;
+  }
+  static std::size_t hash(const std::array<std::uint32_t, 2>& corners) {
+    std::uint64_t h = 0;
+    for (const std::uint32_t c : corners) h = (h ^ c) * 0x9E3779B97F4A7C15ULL;
+    return static_cast<std::size_t>(h ^ h >> 32);
+  }
+
+  /// Numbers of the final cells of a part from `next` on, into their marks shifted by two.
+  static std::uint32_t number_final(CellStore<2>& cells, std::uint32_t next) {
+    for (std::uint32_t c = 0; c < cells.count(); ++c)
+      if (!cells.dead(c) && cells.mark(c) == final_mark) cells.mark(c) = first_number + next++;
+    return next;
+  }
+  static constexpr std::uint32_t first_number = 2;
+
+  void find_borders(CellStore<2>& cells, std::vector<Border>& borders) const {
+    for (std::uint32_t c = 0; c < cells.count(); ++c) {
+      if (cells.dead(c) || cells.mark(c) == open_mark) continue;
+      for (unsigned j = 0; j <= 2; ++j) {
+        if (cells.mark(cells.cell_of(cells.neighbours(c)[j])) != open_mark) continue;
+        Border b{};
+        b.odd = facet_corners(cells.vertices(c), j, b.corners);
+        b.code = cells.code(cells.mark(c) - first_number, j);
+        b.across = unset;
+        borders.push_back(b);
+      }
+    }
+  }
+
+  class BorderTable {
+   public:
+    explicit BorderTable(std::vector<Border>& borders) : borders_(borders) {
+      std::size_t size = 16;
+      while (size < 2 * borders.size()) size *= 2;
+      slots_.assign(size, unset);
+      for (std::size_t i = 0; i < borders.size(); ++i) {
+        std::size_t at = hash(borders[i].corners) & (size - 1);
+        while (slots_[at] != unset) at = (at + 1) & (size - 1);
+        slots_[at] = static_cast<std::uint32_t>(i);
+      }
+    }
+    /// The border on whose other side the facet's cell is.
+    std::uint32_t find(const std::array<std::uint32_t, 2>& corners, bool odd) const {
+      for (std::size_t at = hash(corners) & (slots_.size() - 1); slots_[at] != unset;
+           at = (at + 1) & (slots_.size() - 1)) {
+        const Border& b = borders_[slots_[at]];
+        if (b.corners == corners && b.odd != odd) return slots_[at];
+      }
+      return unset;
+    }
+
+   private:
+    std::vector<Border>& borders_;
+    std::vector<std::uint32_t> slots_;
+  };
+
+  /// Those cells of the seam that are in reach of the borders, numbered from `next` on; what is
+  /// across each border.
+  static std::uint32_t flood(CellStore<2>& seam, std::vector<Border>& borders,
+                             std::vector<std::uint32_t>& beyond, std::uint32_t next) {
+    const BorderTable table(borders);
+    std::vector<std::uint32_t> found;
+    // Where a facet of a seam's cell is a border, `beyond` has it.
+    beyond.assign(std::size_t{seam.count()} * 3, unset);
+    for (std::uint32_t c = 0; c < seam.count(); ++c) {
+      if (seam.dead(c)) continue;
+      seam.mark(c) = open_mark;
+      bool at_border = false;
+      for (unsigned j = 0; j <= 2; ++j) {
+        std::array<std::uint32_t, 2> corners;
+        const bool odd = facet_corners(seam.vertices(c), j, corners);
+        const std::uint32_t b = table.find(corners, odd);
+        beyond[std::size_t{c} * 3 + j] = b;
+        at_border = at_border || b != unset;
+      }
+      if (at_border) found.push_back(c);
+    }
+    for (const std::uint32_t c : found) seam.mark(c) = final_mark;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const std::uint32_t c = found[i];
+      for (unsigned j = 0; j <= 2; ++j) {
+        const std::uint32_t o = seam.cell_of(seam.neighbours(c)[j]);
+        if (beyond[std::size_t{c} * 3 + j] != unset || seam.mark(o) != open_mark) continue;
+        seam.mark(o) = final_mark;
+        found.push_back(o);
+      }
+    }
+    next = number_final(seam, next);
+    for (std::uint32_t c = 0; c < seam.count(); ++c) {
+      if (seam.dead(c) || seam.mark(c) == open_mark) continue;
+      for (unsigned j = 0; j <= 2; ++j)
+        if (const std::uint32_t b = beyond[std::size_t{c} * 3 + j]; b != unset)
+          borders[b].across = seam.code(seam.mark(c) - first_number, j);
+    }
+    return next;
+  }
+
+  /// Final cells with the numbers in their marks; links across borders are made afterwards.
+  static void copy_cells(CellStore<2>& from, CellStore<2>& to, const Run& run) {
+    run.each(from.count(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const auto c = static_cast<std::uint32_t>(i);
+        if (from.dead(c) || from.mark(c) == open_mark) continue;
+        const std::uint32_t at = from.mark(c) - first_number;
+        to.mark(at) = 0;
+        std::copy_n(from.vertices(c), 3, to.vertices(at));
+        for (unsigned j = 0; j <= 2; ++j) {
+          const std::uint32_t code = from.neighbours(c)[j], mark = from.mark(from.cell_of(code));
+          to.neighbours(at)[j] =
+              mark == open_mark ? unset : from.code(mark - first_number, from.slot_of(code));
+        }
+      }
+    });
+  }
+
+  void assemble(CellStore<2>& a, CellStore<2>& b, CellStore<2>& seam, CellStore<2>& out,
+                const Run& run) const {
+    std::uint32_t count = number_final(a, 0);
+    count = number_final(b, count);
+    std::vector<Border> borders;
+    find_borders(a, borders);
+    find_borders(b, borders);
+    if (count == 0) {  // nothing is final: the seam is all
+      for (std::uint32_t c = 0; c < seam.count(); ++c)
+        if (!seam.dead(c)) seam.mark(c) = final_mark;
+      count = number_final(seam, 0);
+    } else {
+      std::vector<std::uint32_t> beyond;
+      count = flood(seam, borders, beyond, count);
+    }
+    out.resize(count);
+    for (CellStore<2>* from : {&a, &b, &seam}) copy_cells(*from, out, run);
+    for (const Border& border : borders) {
+      if (border.across == unset)
+        throw Error(ErrorCode::internal, "parts of a triangulation do not fit together");
+      out.link(out.cell_of(border.code), out.slot_of(border.code), border.across);
+    }
+  }
+
+  const LiftedPoints& s_;
+  const Run& run_;
+  std::atomic<bool> fit_{true};
+  std::vector<std::uint8_t> needed_;
+};
+
+}  // namespace
+
+std::unique_ptr<CellStore<2>> triangulate_in_parts(const LiftedPoints& points, unsigned levels,
+                                                   InsertionTotals& totals, const Run& run) {
+  return Parts(points, run).triangulate(levels, totals);
+}
+
+}  // namespace cullhull::internal

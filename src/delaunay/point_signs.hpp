@@ -1,0 +1,130 @@
+// Signs of one point after another against cells: the predicates of the insertion.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+#include <vector>
+
+#include "exact/insphere/lift_side.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "exact/points/lifted_points.hpp"
+
+namespace cullhull::internal {
+
+/// K: the dimension where it is known early, else 0.
+template <unsigned K>
+class PointSigns {
+ public:
+  explicit PointSigns(const LiftedPoints& s) : s_(s) {
+    if constexpr (K == 0) {
+      at_.resize(s.base + 1);
+      probe_.resize(s.base + 1);
+    }
+  }
+  const LiftCounts& counts() const { return counts_; }
+
+  /// The point that signs are of from here on.
+  void aim(std::uint32_t point) {
+    point_ = point;
+    p_ = s_.row(point);
+  }
+
+  const double* point() const { return p_; }
+
+  /// Of k + 1 points.
+  Sign orientation(const std::uint32_t* v) {
+    for (unsigned i = 0; i < corners(); ++i) at_[i] = s_.row(v[i]);
+    return base_orientation<K>(s_, at_.data());
+  }
+
+  /// Of a cell with its corner j replaced by the point; no other is infinite.
+  Sign replaced(const std::uint32_t* v, unsigned j) {
+    for (unsigned i = 0; i < corners(); ++i) probe_[i] = i == j ? p_ : s_.row(v[i]);
+    return base_orientation<K>(s_, probe_.data());
+  }
+
+  /// A slot of a finite cell whose facet the point is beyond, other than `from`; corners(): none.
+  unsigned beyond(const std::uint32_t* v, unsigned from) {
+    if constexpr (K == 2 || K == 3) {
+      if (s_.filtered) return beyond_filtered(v, from);
+    }
+    for (unsigned j = 0; j < corners(); ++j)
+      if (j != from && replaced(v, j) == Sign::negative) return j;
+    return corners();
+  }
+
+  /// Whether the point is below the lifted cell, ties broken.
+  bool conflict(const std::uint32_t* v) {
+    for (unsigned i = 0; i < corners(); ++i) at_[i] = s_.row(v[i]);
+    const Sign side = lift_side<K>(s_, at_.data(), p_, counts_);
+    if (side != Sign::zero) return side == Sign::negative;
+    return tied_conflict(v);
+  }
+
+ private:
+  using Rows =
+      std::conditional_t<K != 0, std::array<const double*, K + 1>, std::vector<const double*>>;
+  unsigned corners() const { return (K ? K : s_.base) + 1; }
+
+  /// Corner j replaced by p: (-1)^j times the determinant of the others' differences from p.
+  unsigned beyond_filtered(const std::uint32_t* v, unsigned from) {
+    double m[K + 1][K];
+    double largest[K] = {};
+    for (unsigned i = 0; i <= K; ++i) {
+      const double* q = s_.row(v[i]);
+      for (unsigned a = 0; a < K; ++a) {
+        m[i][a] = q[a] - p_[a];
+        largest[a] = std::max(largest[a], std::abs(m[i][a]));
+      }
+    }
+    double bound = (minor_roundings(K) + 6) * factorial(K) * unit_roundoff;
+    for (unsigned a = 0; a < K; ++a) bound *= largest[a];
+    bound += s_.tiny;
+    for (unsigned j = 0; j <= K; ++j) {
+      if (j == from) continue;
+      double det = 0;
+      const double *a = m[j == 0 ? 1 : 0], *b = m[j <= 1 ? 2 : 1];
+      if constexpr (K == 2) {
+        det = a[0] * b[1] - a[1] * b[0];
+      } else {
+        const double* c = m[j <= 2 ? 3 : 2];
+        det = a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
+              a[2] * (b[0] * c[1] - b[1] * c[0]);
+      }
+      if (j % 2 == 1) det = -det;
+      if (det > bound) continue;
+      if (det < -bound || replaced(v, j) == Sign::negative) return j;
+    }
+    return K + 1;
+  }
+
+  /// docs/exactness.md, "Ties": the lift of id i is lowered by e_i, e_0 >> e_1 >> ...
+  bool tied_conflict(const std::uint32_t* v) {
+    ++counts_.ties;
+    const std::uint32_t own = s_.ids[point_];
+    std::uint64_t next = 0;  // ids below this have been asked
+    for (;;) {
+      unsigned slot = corners();
+      std::uint32_t lowest = own;
+      for (unsigned i = 0; i < corners(); ++i) {
+        const std::uint32_t id = s_.ids[v[i]];
+        if (id < next || id >= lowest) continue;
+        lowest = id;
+        slot = i;
+      }
+      if (slot == corners()) return true;
+      const Sign sign = replaced(v, slot);
+      if (sign != Sign::zero) return sign == Sign::negative;
+      next = std::uint64_t{lowest} + 1;
+    }
+  }
+
+  const LiftedPoints& s_;
+  const double* p_ = nullptr;
+  std::uint32_t point_ = 0;
+  Rows at_, probe_;
+  LiftCounts counts_;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,156 @@
+#include "delaunay/redundant.hpp"
+
+#include <gmpxx.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "delaunay/write_triangulation.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+using Row = std::vector<mpq_class>;
+
+/// Rows in echelon form.
+class Span {
+ public:
+  explicit Span(unsigned columns) : columns_(columns) {}
+  std::size_t rank() const { return rows_.size(); }
+  const std::vector<Row>& rows() const { return rows_; }
+  const std::vector<unsigned>& pivots() const { return pivots_; }
+
+  void add(Row row) {
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+      const mpq_class factor = row[pivots_[r]];
+      if (factor == 0) continue;
+      for (unsigned j = 0; j < columns_; ++j) row[j] -= factor * rows_[r][j];
+    }
+    unsigned pivot = 0;
+    while (pivot < columns_ && row[pivot] == 0) ++pivot;
+    if (pivot == columns_) return;
+    const mpq_class scale = row[pivot];
+    for (mpq_class& v : row) v /= scale;
+    // Reduced: no other row has anything in a pivot's column.
+    for (Row& other : rows_) {
+      const mpq_class factor = other[pivot];
+      if (factor == 0) continue;
+      for (unsigned j = 0; j < columns_; ++j) other[j] -= factor * row[j];
+    }
+    rows_.push_back(std::move(row));
+    pivots_.push_back(pivot);
+  }
+
+  /// The row at right angles to all, of a span of one rank less than columns.
+  Row normal() const {
+    unsigned open = 0;
+    while (std::count(pivots_.begin(), pivots_.end(), open) > 0) ++open;
+    Row n(columns_);
+    n[open] = 1;
+    for (std::size_t r = 0; r < rows_.size(); ++r) n[pivots_[r]] = -rows_[r][open];
+    return n;
+  }
+
+ private:
+  unsigned columns_;
+  std::vector<Row> rows_;
+  std::vector<unsigned> pivots_;
+};
+
+class Redundancy {
+ public:
+  Redundancy(const LiftedPoints& s, const Triangulation& t)
+      : s_(s), t_(t), places_(places_of_ids(s, t.point_count)) {}
+
+  /// The planes of the lower hull through a lifted vertex and the vertical ones over facets of the
+  /// hull leave it no direction to move in, if and only if it is an extreme point.
+  bool redundant(std::uint32_t v, const std::vector<std::uint32_t>& cells,
+                 const std::vector<std::uint32_t>& facets) const {
+    const unsigned k = t_.corners() - 1;
+    Span normals(k + 1);
+    std::vector<std::uint32_t> groups;
+    for (const std::uint32_t c : cells) {
+      if (std::count(groups.begin(), groups.end(), t_.group(c)) > 0) continue;
+      groups.push_back(t_.group(c));
+      Span plane(k + 1);
+      for (const std::uint32_t u : t_.cell(c))
+        if (u != v) plane.add(difference(u, v));
+      normals.add(plane.normal());
+      if (normals.rank() == k + 1) return false;
+    }
+    for (const std::uint32_t f : facets) {
+      Span wall(k + 1);
+      for (const std::uint32_t u : t_.hull_facet(f))
+        if (u != v) wall.add(difference(u, v));
+      Row up(k + 1);
+      up[k] = 1;
+      wall.add(std::move(up));
+      normals.add(wall.normal());
+      if (normals.rank() == k + 1) return false;
+    }
+    return true;
+  }
+
+ private:
+  /// Of the lifted points.
+  Row difference(std::uint32_t u, std::uint32_t v) const {
+    const double *p = s_.row(places_[u]), *o = s_.row(places_[v]);
+    Row row(s_.base + 1);
+    mpq_class lift;
+    for (unsigned j = 0; j < s_.width; ++j) {
+      const mpq_class x = mpq_class(p[j]), y = mpq_class(o[j]);
+      if (j < s_.base) row[j] = x - y;
+      lift += x * x - y * y;
+    }
+    if (s_.weighted) lift -= mpq_class(p[s_.width]) - mpq_class(o[s_.width]);
+    row[s_.base] = s_.furthest ? mpq_class(-lift) : lift;
+    return row;
+  }
+
+  const LiftedPoints& s_;
+  const Triangulation& t_;
+  std::vector<std::uint32_t> places_;
+};
+
+/// By id: the rows of `width` ids that it is in, of those ids that are wanted.
+std::vector<std::vector<std::uint32_t>> rows_around(const Array<std::uint32_t>& ids, unsigned width,
+                                                    const std::vector<std::uint32_t>& wanted) {
+  std::vector<std::vector<std::uint32_t>> around(wanted.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const auto it = std::lower_bound(wanted.begin(), wanted.end(), ids[i]);
+    if (it == wanted.end() || *it != ids[i]) continue;
+    around[static_cast<std::size_t>(it - wanted.begin())].push_back(
+        static_cast<std::uint32_t>(i / width));
+  }
+  return around;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> redundant_vertices(const LiftedPoints& s, const Triangulation& t,
+                                              const Run& run) {
+  // Only where cells are merged, or the hull's facets are: an extreme point of either is one.
+  std::vector<std::uint32_t> candidates;
+  if (t.cell_groups.empty()) return candidates;
+  std::vector<std::uint32_t> size(t.size());
+  for (const std::uint32_t g : t.cell_groups) ++size[g];
+  for (std::uint64_t c = 0; c < t.size(); ++c)
+    if (size[t.cell_groups[c]] > 1)
+      candidates.insert(candidates.end(), t.cell(c).begin(), t.cell(c).end());
+  std::sort(candidates.begin(), candidates.end());
+  candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+  const Redundancy test(s, t);
+  const auto cells = rows_around(t.cells, t.corners(), candidates);
+  const auto facets = rows_around(t.hull_facets, t.corners() - 1, candidates);
+  std::vector<std::uint8_t> found(candidates.size());
+  run.each(candidates.size(), 64, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i)
+      found[i] = test.redundant(candidates[i], cells[i], facets[i]) ? 1 : 0;
+  });
+  std::vector<std::uint32_t> ids;
+  for (std::size_t i = 0; i < candidates.size(); ++i)
+    if (found[i] != 0) ids.push_back(candidates[i]);
+  return ids;
+}
+
+}  // namespace cullhull::internal

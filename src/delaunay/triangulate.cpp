@@ -1,0 +1,211 @@
+// delaunay() and regular_triangulation(): prepare, insert, write.
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "cullhull/error.hpp"
+#include "cullhull/triangulation.hpp"
+#include "delaunay/cell_insertion.hpp"
+#include "delaunay/insert_together.hpp"
+#include "delaunay/parts.hpp"
+#include "delaunay/plane_insertion.hpp"
+#include "delaunay/prepare.hpp"
+#include "delaunay/redundant.hpp"
+#include "delaunay/write_triangulation.hpp"
+#include "parallel/dispatch.hpp"
+#include "parallel/memory/pages.hpp"
+#include "parallel/threads/clock.hpp"
+#include "parallel/threads/helpers.hpp"
+#include "parallel/threads/run.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+void check_arguments(const PointView& points) {
+  if (points.dimension == 0)
+    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
+  if (points.data == nullptr && points.count > 0)
+    throw Error(ErrorCode::invalid_argument, "points.data is null");
+  if (points.count >= no_cell)
+    throw Error(
+        ErrorCode::out_of_budget,
+        "a triangulation takes fewer than 4294967295 points, not " + std::to_string(points.count));
+}
+
+/// What is known to be needed before the work: rows twice, the order, and in the plane the cells,
+/// which are two a point, with what writes them.
+void check_budget(const PointView& points, const Run& run) {
+  const std::uint64_t n = points.count, d = points.dimension;
+  std::uint64_t bytes = n * (16 * d + 24);
+  if (d == 2) bytes += 2 * n * 60;
+  require_budget(run.budget, bytes, "the cells of the triangulation");
+}
+
+/// So many points are inserted by one thread before others join in: of fewer they would be in each
+/// other's way. 1,000 to 30,000 points in space and as many as take as long in 4D and 5D gain the
+/// same from a third to three times of these.
+template <unsigned K, class Insertion>
+std::size_t alone_first(const LiftedPoints& s, const Run& run) {
+  constexpr std::size_t all = ~std::size_t{0};
+  if (std::is_same_v<Insertion, PlaneInsertion> || K == 1 || run.threads == 1) return all;
+  const std::size_t alone = K == 2 ? 4096 : K == 3 ? 1024 : K == 4 ? 256 : K == 5 ? 128 : 512;
+  return s.count >= 2 * alone ? alone : all;
+}
+
+template <unsigned K, class Insertion>
+std::unique_ptr<CellStore<K>> insert_in_turn(const Prepared& p, InsertionTotals& totals,
+                                             const Run& run) {
+  Insertion engine(p.points, run);
+  engine.start(p.simplex.data(), p.points.count);
+  std::vector<std::uint32_t> places;
+  places.reserve(p.points.count);
+  for (std::uint32_t i = 0; i < p.points.count; ++i)
+    if (std::find(p.simplex.begin(), p.simplex.end(), i) == p.simplex.end()) places.push_back(i);
+  std::size_t next = 0;
+  const std::size_t alone = alone_first<K, Insertion>(p.points, run);
+  for (; next < std::min(alone, places.size()); ++next) {
+    engine.insert(places[next]);
+    if (next % 65536 == 65535) run.report("triangulate", double(next) / p.points.count);
+  }
+  if constexpr (!std::is_same_v<Insertion, PlaneInsertion>) {
+    if (next < places.size()) {
+      InsertTogether<K> together(p.points, run, engine);
+      places.erase(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(next));
+      together.insert(std::move(places), static_cast<std::uint32_t>(next));
+      totals.counts.add(together.counts());
+    }
+  }
+  totals.add(engine.counts(), engine.store().created());
+  return std::make_unique<CellStore<K>>(std::move(engine.store()));
+}
+
+/// In parts, 2^that many: a seam takes about the root of the number of points, which is worth it
+/// from some ten thousand a part.
+unsigned part_levels(const LiftedPoints& s, const Run& run) {
+  if (s.may_hide || !s.filtered || s.tiny > 0x1p-1000 || s.stride != s.base) return 0;
+  constexpr std::uint32_t least = 1U << 14;
+  unsigned levels = 0;
+  while (levels < 6 && 2U << levels <= run.threads && s.count >> (levels + 1) >= least) ++levels;
+  return levels;
+}
+
+template <unsigned K>
+void insert_and_write(const Prepared& p, Triangulation& out, const Run& run) {
+  TriangulationStatistics& statistics = out.statistics;
+  auto start = Clock::now();
+  run.report("triangulate", 0);
+  InsertionTotals totals;
+  std::unique_ptr<CellStore<K>> cells;
+  if constexpr (K == 2) {
+    if (const unsigned levels = part_levels(p.points, run); levels > 0)
+      cells = triangulate_in_parts(p.points, levels, totals, run);
+  }
+  if constexpr (K == 2) {
+    if (cells == nullptr && plain_plane(p.points))
+      cells = insert_in_turn<K, PlaneInsertion>(p, totals, run);
+  }
+  if (cells == nullptr) cells = insert_in_turn<K, CellInsertion<K>>(p, totals, run);
+  for (unsigned r = 0; r < 3; ++r) statistics.rung_counts[r] += totals.counts.rungs[r];
+  statistics.ties += totals.counts.ties;
+  statistics.cells_created += totals.created;
+  statistics.insert_seconds = seconds_since(start);
+  start = Clock::now();
+  run.report("write", 0);
+  write_cells(p.points, *cells, out, run);
+  statistics.write_seconds = seconds_since(start);
+}
+
+/// All ids that are neither vertices nor duplicates.
+void write_hidden(Triangulation& out) {
+  std::vector<bool> told(out.point_count);
+  for (const std::uint32_t v : out.cells) told[v] = true;
+  for (const DuplicatePoint& p : out.duplicates) told[p.id] = true;
+  for (std::uint32_t i = 0; i < out.point_count; ++i)
+    if (!told[i]) out.hidden.push_back(i);
+}
+
+/// k = 0: one point.
+void write_single(const Prepared& p, Triangulation& out) {
+  out.cells.assign(1, p.points.ids[0]);
+  out.neighbours.assign(1, no_cell);
+}
+
+Triangulation triangulate_without(const PointView& points, std::span<const double> weights,
+                                  bool furthest, const std::vector<std::uint32_t>& left_out,
+                                  const Run& run, std::vector<std::uint32_t>& redundant) {
+  Triangulation out;
+  out.dimension = points.dimension;
+  out.point_count = points.count;
+  out.scalar = points.scalar;
+  out.furthest_site = furthest;
+  if (points.count == 0) return out;
+  auto start = Clock::now();
+  TriangulationStatistics& statistics = out.statistics;
+  run.report("order", 0);
+  Prepared p = prepare_points(points, weights, furthest, left_out, run);
+  out.axes = p.axes;
+  out.duplicates = std::move(p.duplicates);
+  out.affine_dimension = static_cast<int>(p.points.base);
+  statistics.order_seconds = seconds_since(start);
+  if (p.points.base == 0) {
+    write_single(p, out);
+    return out;
+  }
+  with_dimension<1, 6, 0>(p.points.base, [&](auto k) { insert_and_write<k()>(p, out, run); });
+  start = Clock::now();
+  if (statistics.ties > 0) write_groups(p.points, out, run);
+  if (!weights.empty()) redundant = redundant_vertices(p.points, out, run);
+  if (p.points.may_hide) write_hidden(out);
+  statistics.write_seconds += seconds_since(start);
+  return out;
+}
+
+Triangulation triangulate(const PointView& points, std::span<const double> weights,
+                          const TriangulationOptions& o) {
+  check_arguments(points);
+  const Options options = run_as<Options>(o);
+  const Run run(options);
+  const CallScope call;
+  const PageScope pages;
+  const auto start = Clock::now();
+  run.check();
+  check_budget(points, run);
+  std::vector<std::uint32_t> redundant, left_out;
+  Triangulation out =
+      triangulate_without(points, weights, o.furthest_site, left_out, run, redundant);
+  // The perturbation made vertices of points exactly on a face, which may hide others there: none
+  // of them is an extreme point, and once all are left out, what is left is extreme.
+  if (!redundant.empty()) {
+    left_out.resize(redundant.size() + out.hidden.size());
+    std::merge(redundant.begin(), redundant.end(), out.hidden.begin(), out.hidden.end(),
+               left_out.begin());
+    out = triangulate_without(points, weights, o.furthest_site, left_out, run, redundant);
+  }
+  out.statistics.threads = run.threads;
+  out.statistics.compute_seconds = seconds_since(start);
+  run.report("done", 1);
+  return out;
+}
+
+}  // namespace
+}  // namespace internal
+
+Triangulation delaunay(const PointView& points, const TriangulationOptions& options) {
+  return internal::triangulate(points, {}, options);
+}
+
+Triangulation regular_triangulation(const PointView& points, std::span<const double> weights,
+                                    const TriangulationOptions& options) {
+  if (weights.size() != points.count)
+    throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(points.count) +
+                                                 " points, but " + std::to_string(weights.size()) +
+                                                 " weights");
+  Triangulation result = internal::triangulate(points, weights, options);
+  result.weighted = true;
+  return result;
+}
+
+}  // namespace cullhull

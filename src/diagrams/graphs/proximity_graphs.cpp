@@ -1,0 +1,303 @@
+#include "cullhull/proximity_graphs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+#include "cullhull/error.hpp"
+#include "diagrams/dual.hpp"
+#include "exact/numbers/double_double.hpp"
+#include "exact/orientation/difference_products.hpp"
+#include "parallel/disjoint_sets.hpp"
+#include "parallel/memory/pages.hpp"
+#include "parallel/threads/helpers.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+void require_delaunay(const Triangulation& t) {
+  if (t.furthest_site || !t.hidden.empty())
+    throw Error(ErrorCode::invalid_argument,
+                "graphs of near points are of Delaunay triangulations without weights, not of the "
+                "furthest site");
+}
+
+struct Edge {
+  std::uint32_t low, high;
+};
+
+void write_edges(const std::vector<Edge>& edges, Array<std::uint32_t>& out) {
+  out.reserve(2 * edges.size());
+  for (const Edge& e : edges) {
+    out.push_back(e.low);
+    out.push_back(e.high);
+  }
+}
+
+/// body(edge, the cells around it) for all edges whose lower point is in [begin, end).
+template <class Body>
+void each_edge(const EdgeCells& edges, std::uint64_t begin, std::uint64_t end, const Body& body) {
+  for (std::uint64_t v = begin; v < end; ++v) {
+    const auto around = edges.of(v);
+    for (std::size_t i = 0; i < around.size();) {
+      std::size_t next = i + 1;
+      while (next < around.size() && around[next].other == around[i].other) ++next;
+      body(Edge{static_cast<std::uint32_t>(v), around[i].other}, around.subspan(i, next - i));
+      i = next;
+    }
+  }
+}
+
+// ------------------------------------------------------------------------- the spanning tree
+
+struct MeasuredEdge {
+  DoubleDouble size;  ///< the squared length, rounded
+  Edge edge;
+  bool exact;  ///< not rounded
+};
+
+/// Edges by length, then by ids. First by what double-doubles tell; where neighbours in that order
+/// are too near for it, exactly.
+class EdgeOrder {
+ public:
+  EdgeOrder(const DualPoints& p, unsigned d) : p_(p), d_(d) {}
+
+  /// Whole where each square is the only one, or squares and sums are doubles.
+  MeasuredEdge measure(const Edge& e) const {
+    MeasuredEdge m{{}, e, true};
+    for (unsigned j = 0; j < d_; ++j) {
+      const DoubleDouble x = DoubleDouble::sum(p_.row(e.low)[j], -p_.row(e.high)[j]);
+      if (x.high == 0) continue;
+      const DoubleDouble square = x * x;
+      m.exact = m.exact && x.low == 0 && square.high >= 0x1p-900 && square.high <= 0x1p900;
+      if (m.size.high == 0) {
+        m.size = square;
+        continue;
+      }
+      m.exact = m.exact && m.size.low == 0 && square.low == 0;
+      m.size = m.size + square;
+    }
+    if (!(m.size.high <= 0x1p1000)) m = {DoubleDouble(INFINITY), e, false};  // overflow
+    return m;
+  }
+
+  void sort(std::vector<MeasuredEdge>& edges) const {
+    std::sort(edges.begin(), edges.end(), [](const MeasuredEdge& a, const MeasuredEdge& b) {
+      if (a.size.high != b.size.high) return a.size.high < b.size.high;
+      return a.size.low != b.size.low ? a.size.low < b.size.low : by_ids(a, b);
+    });
+    for (std::size_t begin = 0; begin < edges.size();) {
+      std::size_t end = begin + 1;
+      bool exact = edges[begin].exact;
+      for (; end < edges.size() && near(edges[end - 1], edges[end]); ++end)
+        exact = exact && edges[end].exact;
+      if (!exact && end - begin > 1)
+        std::sort(edges.begin() + static_cast<std::ptrdiff_t>(begin),
+                  edges.begin() + static_cast<std::ptrdiff_t>(end),
+                  [&](const MeasuredEdge& a, const MeasuredEdge& b) { return less(a, b); });
+      begin = end;
+    }
+  }
+
+ private:
+  static bool by_ids(const MeasuredEdge& a, const MeasuredEdge& b) {
+    return a.edge.low != b.edge.low ? a.edge.low < b.edge.low : a.edge.high < b.edge.high;
+  }
+  /// Twice what both may be off by, 2^-101 an operation; true for what overflowed.
+  bool near(const MeasuredEdge& a, const MeasuredEdge& b) const {
+    if (a.exact && b.exact) return false;
+    const double doubt = (4.0 * d_ + 16) * 0x1p-101 * b.size.high + 0x1p-890;
+    return !((b.size.high - a.size.high) + (b.size.low - a.size.low) > doubt);
+  }
+  bool less(const MeasuredEdge& a, const MeasuredEdge& b) const {
+    const Sign sign = compare_lengths(d_, p_.row(a.edge.low), p_.row(a.edge.high),
+                                      p_.row(b.edge.low), p_.row(b.edge.high));
+    return sign != Sign::zero ? sign == Sign::negative : by_ids(a, b);
+  }
+
+  const DualPoints& p_;
+  unsigned d_;
+};
+
+// ------------------------------------------------------------------ Gabriel and lunes of points
+
+/// Whether the ball over the edge has none of the points that share a cell with it.
+bool ball_is_empty(const DualPoints& p, const Triangulation& t, const Edge& e,
+                   std::span<const EdgeCells::Item> around) {
+  const double *a = p.row(e.low), *b = p.row(e.high);
+  for (const auto& item : around)
+    for (const std::uint32_t v : t.cell(item.cell)) {
+      if (v == e.low || v == e.high) continue;
+      const double* r = p.row(v);
+      const DifferenceProduct term{1, a, r, b, r};
+      if (sign_of_products(t.dimension, {&term, 1}) != Sign::positive) return false;
+    }
+  return true;
+}
+
+std::vector<Edge> gabriel_edges(const DualPoints& p, const Triangulation& t, const Run& run) {
+  std::vector<Edge> all;
+  if (t.corners() < 2) return all;
+  const EdgeCells edges(t, run);
+  constexpr std::uint64_t grain = light_grain / 16;
+  std::vector<std::vector<Edge>> parts(chunk_count(t.point_count, grain));
+  run.each_chunk(t.point_count, grain,
+                 [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+    each_edge(edges, begin, end, [&](const Edge& e, auto around) {
+      if (ball_is_empty(p, t, e, around)) parts[chunk].push_back(e);
+    });
+  });
+  for (const std::vector<Edge>& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+/// Looks for a point nearer to both ends of an edge than these are to each other.
+class LuneSearch {
+ public:
+  LuneSearch(const DualPoints& p, const PointNeighbours& graph, unsigned d)
+      : p_(p), graph_(graph), d_(d) {}
+
+  /// From both ends in turn: points that are nearer to an end than the other end hang together with
+  /// it in the triangulation. Done where one end has no more of them.
+  bool empty(const Edge& e) {
+    edge_ = e;
+    for (Side& side : sides_) side.clear();
+    // Where there is one it is most often a neighbour of both.
+    if (!expand(sides_[0], e.low, e.low, e.high) || !expand(sides_[1], e.high, e.high, e.low))
+      return false;
+    for (;;)
+      for (unsigned i = 0; i < 2; ++i) {
+        if (sides_[i].todo.empty()) return true;
+        const std::uint32_t v = sides_[i].todo.back();
+        sides_[i].todo.pop_back();
+        if (!expand(sides_[i], v, i == 0 ? e.low : e.high, i == 0 ? e.high : e.low)) return false;
+      }
+  }
+
+ private:
+  /// Points met: few, so that a list is looked through, or else a table.
+  struct Side {
+    static constexpr std::size_t few = 32;
+    std::vector<std::uint32_t> todo, met;
+    std::unordered_set<std::uint32_t> many;
+
+    void clear() {
+      todo.clear();
+      met.clear();
+      if (!many.empty()) many.clear();
+    }
+    bool meet(std::uint32_t v) {
+      if (met.size() < few) {
+        if (std::find(met.begin(), met.end(), v) != met.end()) return false;
+        met.push_back(v);
+        return true;
+      }
+      return std::find(met.begin(), met.end(), v) == met.end() && many.insert(v).second;
+    }
+  };
+  /// Whether v is nearer to `end` than the edge is long.
+  bool nearer(std::uint32_t v, std::uint32_t end) const {
+    return compare_lengths(d_, p_.row(v), p_.row(end), p_.row(edge_.low), p_.row(edge_.high)) ==
+           Sign::negative;
+  }
+  /// False if a neighbour of v is in the lune.
+  bool expand(Side& side, std::uint32_t v, std::uint32_t own, std::uint32_t other) {
+    for (const std::uint32_t next : graph_.of(v)) {
+      if (next == other || next == own || !nearer(next, own)) continue;
+      if (nearer(next, other)) return false;
+      if (side.meet(next)) side.todo.push_back(next);
+    }
+    return true;
+  }
+
+  const DualPoints& p_;
+  const PointNeighbours& graph_;
+  unsigned d_;
+  Edge edge_{};
+  Side sides_[2];
+};
+
+std::vector<Edge> spanning_edges(const DualPoints& p, const Triangulation& t, const Run& run) {
+  const EdgeOrder order(p, t.dimension);
+  std::vector<MeasuredEdge> edges;
+  if (t.corners() > 1) {
+    const EdgeCells around(t, run);
+    each_edge(around, 0, t.point_count,
+              [&](const Edge& e, auto) { edges.push_back(order.measure(e)); });
+  }
+  run.report("sort", 0.3);
+  order.sort(edges);
+  run.check();
+  DisjointSets joined(t.point_count);
+  joined.clear(0, t.point_count);
+  std::vector<Edge> tree;
+  for (const DuplicatePoint& twin : t.duplicates) tree.push_back({twin.representative, twin.id});
+  for (const MeasuredEdge& m : edges) {
+    if (joined.root(m.edge.low) == joined.root(m.edge.high)) continue;
+    joined.join(m.edge.low, m.edge.high);
+    tree.push_back(m.edge);
+  }
+  std::sort(tree.begin(), tree.end(), [](const Edge& a, const Edge& b) {
+    return a.low != b.low ? a.low < b.low : a.high < b.high;
+  });
+  return tree;
+}
+
+std::vector<Edge> lune_edges(const DualPoints& p, const Triangulation& t, const Run& run) {
+  const std::vector<Edge> candidates = gabriel_edges(p, t, run);
+  std::vector<Edge> edges;
+  if (candidates.empty()) return edges;
+  run.report("lunes", 0.5);
+  const PointNeighbours graph(t, run);
+  Array<std::uint8_t> kept(candidates.size());
+  run.each(candidates.size(), 256, [&](std::uint64_t begin, std::uint64_t end) {
+    LuneSearch search(p, graph, t.dimension);
+    for (std::uint64_t i = begin; i < end; ++i) kept[i] = search.empty(candidates[i]) ? 1 : 0;
+  });
+  for (std::size_t i = 0; i < candidates.size(); ++i)
+    if (kept[i] != 0) edges.push_back(candidates[i]);
+  return edges;
+}
+
+/// What a graph's public function does: checks, then `edges_of(points, triangulation, run)`.
+template <class EdgesOf>
+Array<std::uint32_t> graph_of(const PointView& points, const Triangulation& t,
+                              const Options& options, const EdgesOf& edges_of) {
+  require_delaunay(t);
+  const Run run(options);
+  const CallScope call;
+  const PageScope pages;
+  const DualPoints p(points, t, {}, run);
+  Array<std::uint32_t> out;
+  write_edges(edges_of(p, t, run), out);
+  run.report("done", 1);
+  return out;
+}
+
+}  // namespace
+}  // namespace internal
+
+using namespace internal;
+
+Array<std::uint32_t> minimum_spanning_tree(const PointView& points,
+                                           const Triangulation& triangulation,
+                                           const Options& options) {
+  return graph_of(points, triangulation, options, spanning_edges);
+}
+
+Array<std::uint32_t> gabriel_graph(const PointView& points, const Triangulation& triangulation,
+                                   const Options& options) {
+  return graph_of(points, triangulation, options, gabriel_edges);
+}
+
+Array<std::uint32_t> relative_neighbourhood_graph(const PointView& points,
+                                                  const Triangulation& triangulation,
+                                                  const Options& options) {
+  return graph_of(points, triangulation, options, lune_edges);
+}
+
+}  // namespace cullhull

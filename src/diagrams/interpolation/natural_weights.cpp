@@ -1,0 +1,255 @@
+#include "diagrams/interpolation/natural_weights.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagrams/interpolation/stolen_volumes-inl.hpp"
+#include "exact/insphere/lift_side.hpp"
+#include "exact/numbers/exact_numbers.hpp"
+#include "exact/numbers/fractions.hpp"
+#include "geometry/gather.hpp"
+#include "parallel/dispatch.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// Places of ids, in the order in which they are met.
+class Places {
+ public:
+  explicit Places(std::vector<std::uint32_t>& ids) : ids_(ids) {}
+  std::uint32_t of(std::uint32_t id) {
+    const auto at =
+        static_cast<std::uint32_t>(std::find(ids_.begin(), ids_.end(), id) - ids_.begin());
+    if (at == ids_.size()) ids_.push_back(id);
+    return at;
+  }
+
+ private:
+  std::vector<std::uint32_t>& ids_;
+};
+
+/// Volumes over their sum: each within 2^-52 of exact, then rounded. False if the bound is wider.
+bool round_shares(const std::vector<Tracked>& volumes, std::vector<double>& out) {
+  Tracked sum(0);
+  for (const Tracked& v : volumes) sum = sum + v;
+  for (const Tracked& v : volumes) {
+    const Tracked share = v / sum;
+    if (!(share.error <= 0x1p-52)) return false;
+    out.push_back(std::max(share.value.value(), 0.0));
+  }
+  return true;
+}
+
+template <unsigned K>
+std::vector<double> shares_of(const Cavity<K>& cavity) {
+  std::vector<double> shares;
+  if (round_shares(StolenVolumes<Tracked, K>(cavity).run(), shares)) return shares;
+  const std::vector<FractionSum> sums = StolenVolumes<Fraction, K, FractionSum>(cavity).run();
+  for (const long bits : {4096L, 32768L})  // beyond the 2^-1075 of the least share that is not zero
+    if (auto nearest = nearest_shares(sums, bits)) return *std::move(nearest);
+  shares.clear();
+  const std::vector<mpq_class> volumes = StolenVolumes<mpq_class, K>(cavity).run();
+  mpq_class sum = 0;
+  for (const mpq_class& v : volumes) sum += v;
+  for (const mpq_class& v : volumes) shares.push_back(nearest_double(v / sum));
+  return shares;
+}
+
+/// Ids ascending.
+void write_shares(const std::vector<std::uint32_t>& ids, const std::vector<double>& shares,
+                  NaturalNeighbours& out) {
+  std::vector<std::uint32_t> order(ids.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return ids[a] < ids[b]; });
+  for (const std::uint32_t i : order) {
+    out.ids.push_back(ids[i]);
+    out.weights.push_back(shares[i]);
+  }
+}
+
+}  // namespace
+
+NaturalTriangulation::NaturalTriangulation(const PointView& points, const Triangulation& t,
+                                           const Run& run)
+    : d_(t.dimension),
+      k_(t.corners() == 0 ? 0 : t.corners() - 1),
+      columns_(t.axes),
+      cells_(t.cells),
+      neighbours_(t.neighbours) {
+  for (std::uint32_t j = 0; j < d_; ++j)
+    if (std::find(t.axes.begin(), t.axes.end(), j) == t.axes.end()) columns_.push_back(j);
+  const Array<double> given = gather_points(points, nullptr, points.count, run);
+  double largest = 0;
+  for (const double v : given) largest = std::max(largest, std::abs(v));
+  if (largest > 0) (void)std::frexp(largest, &exponent_);
+  bool exact = true;
+  for (const double v : given)
+    exact = exact && std::ldexp(std::ldexp(v, -exponent_), exponent_) == v;
+  if (!exact) exponent_ = 0;
+  rows_.resize(given.size());
+  for (std::uint64_t i = 0; i < points.count; ++i)
+    for (unsigned j = 0; j < d_; ++j)
+      rows_[i * d_ + j] = std::ldexp(given[i * d_ + columns_[j]], -exponent_);
+  frame_.base = k_;
+  frame_.width = frame_.stride = d_;
+  frame_.filtered = exact;
+}
+
+void NaturalTriangulation::copy_plain(std::uint32_t v, double* out) const {
+  for (unsigned j = 0; j < d_; ++j) out[j] = std::ldexp(row(v)[j], exponent_);
+}
+
+bool NaturalTriangulation::scaled(const double* point, double* out) const {
+  bool exact = true;
+  for (unsigned j = 0; j < d_; ++j) {
+    out[j] = std::ldexp(point[columns_[j]], -exponent_);
+    exact = exact && std::ldexp(out[j], exponent_) == point[columns_[j]];
+  }
+  for (unsigned j = 0; j < d_ && !exact; ++j) out[j] = point[columns_[j]];
+  return exact;
+}
+
+const double* NaturalWeights::row(std::uint32_t v) {
+  if (!plain_) return t_.row(v);
+  plain_rows_.emplace_back(t_.dimension());
+  t_.copy_plain(v, plain_rows_.back().data());
+  return plain_rows_.back().data();
+}
+
+std::vector<const double*> NaturalWeights::rows_of(std::uint32_t cell) {
+  std::vector<const double*> rows;
+  for (unsigned i = 0; i <= t_.base(); ++i) rows.push_back(row(t_.cell(cell)[i]));
+  return rows;
+}
+
+/// Strictly.
+bool NaturalWeights::in_sphere(std::uint32_t cell) {
+  const std::vector<const double*> rows = rows_of(cell);
+  LiftCounts counts;
+  const Sign sign = plain_
+                        ? lift_side_exact(t_.frame(), rows.data(), query_.data())
+                        : with_dimension<2, 3, 0>(t_.base(), [&](auto k) {
+                            return lift_side<k()>(t_.frame(), rows.data(), query_.data(), counts);
+                          });
+  return sign == Sign::negative;
+}
+
+/// They hang together.
+void NaturalWeights::find_cavity(std::uint32_t cell) {
+  cells_.assign(1, cell);
+  for (std::size_t at = 0; at < cells_.size(); ++at)
+    for (unsigned j = 0; j <= t_.base(); ++j) {
+      const std::uint32_t next = t_.neighbours(cells_[at])[j];
+      if (next != no_cell && std::find(cells_.begin(), cells_.end(), next) == cells_.end() &&
+          in_sphere(next))
+        cells_.push_back(next);
+    }
+}
+
+/// Those of the cavity's cells in whose planes the query is.
+std::vector<NaturalWeights::HullFacet> NaturalWeights::hull_facets_at_query() {
+  std::vector<HullFacet> facets;
+  for (const std::uint32_t c : cells_)
+    for (unsigned j = 0; j <= t_.base(); ++j) {
+      if (t_.neighbours(c)[j] != no_cell) continue;
+      std::vector<const double*> rows = rows_of(c);
+      rows[j] = query_.data();
+      if (orientation(t_.base(), rows.data()) == Sign::zero) facets.push_back({c, j});
+    }
+  return facets;
+}
+
+template <unsigned K>
+void NaturalWeights::share_cavity(NaturalNeighbours& out) {
+  Cavity<K> cavity;
+  std::vector<std::uint32_t> ids;
+  Places places(ids);
+  for (const std::uint32_t c : cells_) {
+    cavity.cells.emplace_back();
+    for (unsigned i = 0; i <= K; ++i) cavity.cells.back()[i] = places.of(t_.cell(c)[i]);
+  }
+  for (const std::uint32_t id : ids) cavity.points.push_back(row(id));
+  cavity.query = query_.data();
+  cavity.d = t_.dimension();
+  cavity.find_sides();
+  write_shares(ids, shares_of(cavity), out);
+}
+
+/// Inside a face of the hull in space, the shares are those of the face's own triangulation: what
+/// the limit is from inside. False if the facets are not in one plane: then the query is on an
+/// edge of the hull.
+bool NaturalWeights::share_face(const std::vector<HullFacet>& facets, NaturalNeighbours& out) {
+  Cavity<2> cavity;
+  std::vector<std::uint32_t> ids;
+  Places places(ids);
+  for (const HullFacet& f : facets) {
+    cavity.cells.emplace_back();
+    for (unsigned i = 0, n = 0; i <= 3; ++i)
+      if (i != f.slot) cavity.cells.back()[n++] = places.of(t_.cell(f.cell)[i]);
+  }
+  std::vector<const double*> rows;
+  for (const std::uint32_t id : ids) rows.push_back(row(id));
+  for (const double* p : rows) {
+    const double* corners[] = {rows[0], rows[1], rows[2], p};
+    if (orientation(3, corners) != Sign::zero) return false;
+  }
+  const unsigned d = t_.dimension();
+  for (const auto& axes : {std::pair(0U, 1U), std::pair(0U, 2U), std::pair(1U, 2U)}) {
+    const unsigned x = axes.first, y = axes.second;
+    std::vector<std::vector<double>> turned;
+    const auto turn = [&](const double* p) {
+      std::vector<double> r{p[x], p[y]};
+      for (unsigned j = 0; j < d; ++j)
+        if (j != x && j != y) r.push_back(p[j]);
+      turned.push_back(std::move(r));
+    };
+    for (const double* p : rows) turn(p);
+    turn(query_.data());
+    cavity.points.clear();
+    for (std::size_t i = 0; i < rows.size(); ++i) cavity.points.push_back(turned[i].data());
+    cavity.query = turned.back().data();
+    cavity.d = d;
+    Sign sign = Sign::zero;
+    for (auto& cell : cavity.cells) {
+      const double* corners[] = {cavity.points[cell[0]], cavity.points[cell[1]],
+                                 cavity.points[cell[2]]};
+      sign = orientation(2, corners);
+      if (sign == Sign::zero) break;
+      if (sign == Sign::negative) std::swap(cell[1], cell[2]);
+    }
+    if (sign == Sign::zero) continue;
+    cavity.find_sides();
+    write_shares(ids, shares_of(cavity), out);
+    return true;
+  }
+  return false;
+}
+
+void NaturalWeights::find(const double* point, std::uint32_t cell, const double* barycentric,
+                          NaturalNeighbours& out) {
+  out.ids.clear();
+  out.weights.clear();
+  plain_rows_.clear();
+  plain_ = !t_.scaled(point, query_.data());
+  const unsigned k = t_.base();
+  const auto corners =
+      std::count_if(barycentric, barycentric + k + 1, [](double v) { return v != 0; });
+  if (corners > 1 && k > 1) {
+    find_cavity(cell);
+    const std::vector<HullFacet> facets = hull_facets_at_query();
+    if (facets.empty()) return k == 2 ? share_cavity<2>(out) : share_cavity<3>(out);
+    if (k == 3 && share_face(facets, out)) return;
+  }
+  // At a vertex, on a line, on an edge of the hull.
+  std::vector<std::uint32_t> ids;
+  std::vector<double> shares;
+  for (unsigned i = 0; i <= k; ++i) {
+    if (barycentric[i] == 0) continue;
+    ids.push_back(t_.cell(cell)[i]);
+    shares.push_back(barycentric[i]);
+  }
+  write_shares(ids, shares, out);
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,84 @@
+#include "diagrams/locate/nearest_vertex.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "exact/determinants/minors.hpp"
+#include "exact/numbers/wide_float.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// Sign of (|q - a|^2 - w_a) - (|q - b|^2 - w_b): the sum of (a - b) ((a - q) + (b - q)), less the
+/// weights' difference. Each product passes 5 roundings at the size of its factors' magnitudes,
+/// then d + 1 sums, and the bound as many.
+Sign power_sign(unsigned d, bool weighted, const double* q, const double* a, const double* b) {
+  double sum = 0, size = 0;
+  for (unsigned j = 0; j < d; ++j) {
+    const double across = a[j] - b[j], from_a = a[j] - q[j], from_b = b[j] - q[j];
+    sum += across * (from_a + from_b);
+    size += std::abs(across) * (std::abs(from_a) + std::abs(from_b));
+  }
+  if (weighted) {
+    sum -= a[d] - b[d];
+    size += std::abs(a[d] - b[d]);
+  }
+  const double bound = (2.0 * d + 16) * unit_roundoff * size + 0x1p-1000;
+  if (sum > bound) return Sign::positive;
+  if (sum < -bound) return Sign::negative;
+  Wide exact;
+  for (unsigned j = 0; j < d; ++j) {
+    const Wide x(q[j]), from_a = Wide(a[j]) - x, from_b = Wide(b[j]) - x;
+    exact = exact + (from_a * from_a - from_b * from_b);
+  }
+  if (weighted) exact = exact - (Wide(a[d]) - Wide(b[d]));
+  return exact.zero() ? Sign::zero : exact > Wide() ? Sign::positive : Sign::negative;
+}
+
+}  // namespace
+
+Sign NearestVertex::compare(const double* q, std::uint32_t a, std::uint32_t b) const {
+  const Sign sign =
+      power_sign(mesh_.dimension, mesh_.stride > mesh_.dimension, q, mesh_.row(a), mesh_.row(b));
+  return mesh_.furthest ? -sign : sign;
+}
+
+std::uint32_t NearestVertex::find(const double* q, std::uint32_t key) {
+  std::uint32_t row = mesh_.row_at(key);
+  if (row_ != no_cell && compare(q, row_, row) == Sign::negative) row = row_;
+  bool tied = false;
+  for (bool moved = true; moved;) {
+    moved = false;
+    tied = false;
+    for (const std::uint32_t next : graph_.of(row)) {
+      const Sign sign = compare(q, next, row);
+      tied = tied || sign == Sign::zero;
+      if (sign != Sign::negative) continue;
+      row = next;
+      moved = true;
+      break;
+    }
+  }
+  row_ = row;
+  return tied ? lowest_of_equal(q, row) : mesh_.ids[row];
+}
+
+std::uint32_t NearestVertex::lowest_of_equal(const double* q, std::uint32_t row) {
+  std::uint32_t best = mesh_.ids[row];
+  met_.clear();
+  met_.insert(row);
+  todo_.assign(1, row);
+  while (!todo_.empty()) {
+    const std::uint32_t v = todo_.back();
+    todo_.pop_back();
+    best = std::min(best, mesh_.ids[v]);
+    for (const std::uint32_t next : graph_.of(v))
+      if (!met_.contains(next) && compare(q, next, row) == Sign::zero) {
+        met_.insert(next);
+        todo_.push_back(next);
+      }
+  }
+  return best;
+}
+
+}  // namespace cullhull::internal

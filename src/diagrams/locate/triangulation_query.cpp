@@ -1,0 +1,245 @@
+// TriangulationQuery: the questions, one by one and in batches.
+#include "cullhull/triangulation_query.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "cullhull/error.hpp"
+#include "diagrams/locate/barycentric.hpp"
+#include "diagrams/locate/nearest_vertex.hpp"
+#include "diagrams/locate/walk.hpp"
+#include "geometry/gather.hpp"
+#include "parallel/dispatch.hpp"
+#include "parallel/memory/pages.hpp"
+#include "parallel/radix_sort.hpp"
+#include "parallel/threads/helpers.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+/// Questions a chunk, and those that are sorted at once: memory stays the same for any number.
+constexpr std::uint64_t grain = std::uint64_t{1} << 10, block = std::uint64_t{1} << 22;
+
+struct Placed {
+  std::uint32_t key, id;
+};
+
+/// The points of a batch along the curve: body() makes a thread's work, which is called with the
+/// number of a point, its row in the mesh's columns, and its key.
+template <class Body>
+void each_along_curve(const WalkMesh& mesh, const PointView& view, const Run& run,
+                      const Body& body) {
+  const unsigned d = mesh.dimension;
+  for (std::uint64_t first = 0; first < view.count; first += block) {
+    const auto n = static_cast<std::uint32_t>(std::min(block, view.count - first));
+    Array<double> rows(std::size_t{n} * d);
+    Array<Placed> items(n), scratch(n);
+    run.each(n, light_grain / 8, [&](std::uint64_t begin, std::uint64_t end) {
+      double* r = rows.data() + begin * d;
+      load_rows(view, first + begin, first + end, r);
+      std::vector<double> row(d);
+      if (mesh.corners < d + 1)
+        for (std::uint64_t i = begin; i < end; ++i) {
+          double* const at = rows.data() + i * d;
+          std::copy_n(at, d, row.begin());
+          for (unsigned j = 0; j < d; ++j) at[j] = row[mesh.columns[j]];
+        }
+      mesh.frame.keys(
+          end - begin, [&](std::uint64_t i) { return r + i * d; },
+          [&](std::uint64_t i, std::uint32_t key) {
+        items[begin + i] = {key, static_cast<std::uint32_t>(begin + i)};
+          });
+    });
+    Placed *from = items.data(), *to = scratch.data();
+    radix_sort(from, to, n, mesh.frame.key_bits(), run, [](const Placed& p) { return p.key; });
+    run.each(n, grain, [&](std::uint64_t begin, std::uint64_t end) {
+      auto work = body();
+      for (std::uint64_t i = begin; i < end; ++i)
+        work(first + from[i].id, rows.data() + std::size_t{from[i].id} * d, from[i].key);
+    });
+    run.report("query", static_cast<double>(first + n) / static_cast<double>(view.count));
+  }
+}
+
+}  // namespace
+}  // namespace internal
+
+using namespace internal;
+
+struct TriangulationQuery::State {
+  State(const PointView& points, const Triangulation& t, std::span<const double> weights,
+        const Run& run)
+      : mesh(points, t, weights, run) {}
+
+  /// One point: checked, its columns in order.
+  std::vector<double> row_of(const double* point) const {
+    std::vector<double> row(mesh.dimension);
+    for (unsigned j = 0; j < mesh.dimension; ++j) {
+      row[j] = point[mesh.columns[j]];
+      if (!std::isfinite(row[j]))
+        throw Error(ErrorCode::not_finite, "coordinate " + std::to_string(mesh.columns[j]) +
+                                               " is " + (std::isnan(row[j]) ? "NaN" : "infinite"));
+    }
+    return row;
+  }
+  void check(const PointView& view, const Run& run) const {
+    if (view.dimension != mesh.dimension)
+      throw Error(ErrorCode::invalid_argument,
+                  "points of dimension " + std::to_string(view.dimension) +
+                      " asked of a triangulation in dimension " + std::to_string(mesh.dimension));
+    check_finite(view, nullptr, run);
+  }
+  std::uint32_t key(const double* row) const { return mesh.corners > 1 ? mesh.frame.key(row) : 0; }
+
+  /// Whether the row is in the flat of the points: for each axis that the flat leaves out, a cell's
+  /// corners and the row have no volume there.
+  bool in_flat(const double* row) const {
+    const unsigned k = mesh.corners - 1, d = mesh.dimension;
+    if (k == d) return true;
+    if (k == 0) return std::equal(row, row + d, mesh.row(mesh.corners_of(0)[0]));
+    std::vector<double> projected((k + 2) * (k + 1));
+    std::vector<const double*> rows(k + 2);
+    for (unsigned other = k; other < d; ++other) {
+      for (unsigned i = 0; i < k + 2; ++i) {
+        const double* from = i <= k ? mesh.row(mesh.corners_of(0)[i]) : row;
+        double* to = projected.data() + std::size_t{i} * (k + 1);
+        std::copy_n(from, k, to);
+        to[k] = from[other];
+        rows[i] = to;
+      }
+      if (orientation(k + 1, rows.data()) != Sign::zero) return false;
+    }
+    return true;
+  }
+
+  template <unsigned K>
+  std::uint32_t find_row(Walk<K>& walk, const double* row, std::uint32_t key) const {
+    if (!in_flat(row)) return no_cell;
+    if (mesh.corners == 1) return 0;
+    const std::uint32_t place = walk.find(row, key);
+    return place == no_cell ? no_cell : mesh.numbers[place];
+  }
+
+  void barycentric_row(const double* row, std::uint32_t cell, double* out) const {
+    if (cell == no_cell) {
+      std::fill_n(out, mesh.corners, std::numeric_limits<double>::quiet_NaN());
+      return;
+    }
+    if (cell >= mesh.numbers.size())
+      throw Error(ErrorCode::invalid_argument, "there is no cell " + std::to_string(cell));
+    if (mesh.corners == 1) {
+      out[0] = 1;
+      return;
+    }
+    std::vector<const double*> corners(mesh.corners);
+    const std::uint32_t* v = mesh.corners_of(mesh.places[cell]);
+    for (unsigned i = 0; i < mesh.corners; ++i) corners[i] = mesh.row(v[i]);
+    internal::barycentric(mesh.corners - 1, corners.data(), row, out);
+  }
+
+  const VertexGraph& graph(const Run& run) const {
+    std::call_once(graph_once, [&] { made_graph.emplace(mesh, run); });
+    return *made_graph;
+  }
+
+  WalkMesh mesh;
+  mutable std::once_flag graph_once;
+  mutable std::optional<VertexGraph> made_graph;
+};
+
+TriangulationQuery::TriangulationQuery(const PointView& points, const Triangulation& triangulation,
+                                       std::span<const double> weights, const Options& options) {
+  const Run run(options);
+  const CallScope call;
+  const PageScope pages;
+  state_ = std::make_unique<State>(points, triangulation, weights, run);
+}
+TriangulationQuery::~TriangulationQuery() = default;
+TriangulationQuery::TriangulationQuery(TriangulationQuery&&) noexcept = default;
+TriangulationQuery& TriangulationQuery::operator=(TriangulationQuery&&) noexcept = default;
+
+unsigned TriangulationQuery::corners() const noexcept { return state_->mesh.corners; }
+
+std::uint32_t TriangulationQuery::find(const double* point) const {
+  const State& s = *state_;
+  const std::vector<double> row = s.row_of(point);
+  if (s.mesh.corners == 0) return no_cell;
+  Walk<0> walk(s.mesh);
+  return s.find_row(walk, row.data(), s.key(row.data()));
+}
+
+void TriangulationQuery::barycentric(const double* point, std::uint32_t cell, double* out) const {
+  state_->barycentric_row(state_->row_of(point).data(), cell, out);
+}
+
+std::uint32_t TriangulationQuery::nearest(const double* point) const {
+  const State& s = *state_;
+  const std::vector<double> row = s.row_of(point);
+  if (s.mesh.corners == 0) return no_cell;
+  return NearestVertex(s.mesh, s.graph(short_run())).find(row.data(), s.key(row.data()));
+}
+
+void TriangulationQuery::find(const PointView& points, std::uint32_t* out,
+                              const Options& options) const {
+  const State& s = *state_;
+  const Run run(options);
+  const CallScope call;
+  const PageScope pages;
+  s.check(points, run);
+  if (s.mesh.corners == 0) {
+    std::fill_n(out, points.count, no_cell);
+    return;
+  }
+  with_dimension<2, 3, 0>(s.mesh.corners - 1, [&](auto k) {
+    each_along_curve(s.mesh, points, run, [&] {
+      return [&, walk = Walk<k()>(s.mesh)](std::uint64_t i, const double* row,
+                                           std::uint32_t key) mutable {
+        out[i] = s.find_row(walk, row, key);
+      };
+    });
+  });
+}
+
+void TriangulationQuery::barycentric(const PointView& points, const std::uint32_t* cells,
+                                     double* out, const Options& options) const {
+  const State& s = *state_;
+  const Run run(options);
+  const CallScope call;
+  s.check(points, run);
+  run.each(points.count, grain, [&](std::uint64_t begin, std::uint64_t end) {
+    std::vector<double> point(s.mesh.dimension), row(s.mesh.dimension);
+    for (std::uint64_t i = begin; i < end; ++i) {
+      load_row(points, i, point.data());
+      for (unsigned j = 0; j < s.mesh.dimension; ++j) row[j] = point[s.mesh.columns[j]];
+      s.barycentric_row(row.data(), cells[i], out + i * s.mesh.corners);
+    }
+  });
+}
+
+void TriangulationQuery::nearest(const PointView& points, std::uint32_t* out,
+                                 const Options& options) const {
+  const State& s = *state_;
+  const Run run(options);
+  const CallScope call;
+  const PageScope pages;
+  s.check(points, run);
+  if (s.mesh.corners == 0) {
+    std::fill_n(out, points.count, no_cell);
+    return;
+  }
+  const VertexGraph& graph = s.graph(run);
+  each_along_curve(s.mesh, points, run, [&] {
+    return [&, walk = NearestVertex(s.mesh, graph)](std::uint64_t i, const double* row,
+                                                    std::uint32_t key) mutable {
+      out[i] = walk.find(row, key);
+    };
+  });
+}
+
+}  // namespace cullhull

@@ -1,0 +1,136 @@
+// Walks over the cells of a triangulation to the one that has a point.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <unordered_set>
+#include <vector>
+
+#include "diagrams/locate/walk_mesh.hpp"
+#include "exact/determinants/minors.hpp"
+#include "exact/orientation/orientation.hpp"
+
+namespace cullhull::internal {
+
+/// The sign of the orientation of K + 1 points. No overflow is wrong here: what is not finite
+/// decides nothing. K = 0: k is known at run time alone.
+template <unsigned K>
+inline Sign cell_orientation(unsigned k, const double* const* p) {
+  if constexpr (K == 2) {
+    const double l = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]);
+    const double r = (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
+    // Differences, products and the last difference: 4 roundings a path, and those of the bound.
+    const double det = l - r, bound = 6 * unit_roundoff * (std::abs(l) + std::abs(r)) + 0x1p-1000;
+    if (det > bound) return Sign::positive;
+    if (det < -bound) return Sign::negative;
+  } else if constexpr (K == 3) {
+    double m[3][3], largest = 0, columns[3] = {};
+    for (unsigned i = 0; i < 3; ++i)
+      for (unsigned j = 0; j < 3; ++j) {
+        m[i][j] = p[i + 1][j] - p[0][j];
+        columns[j] = std::max(columns[j], std::abs(m[i][j]));
+      }
+    largest = std::max({columns[0], columns[1], columns[2]});
+    double det[8];
+    expand_minors<3, false>(m, 3, det, static_cast<double*>(nullptr));
+    constexpr double factor = (minor_roundings(3) + 6) * 6 * unit_roundoff;
+    // Below 2^100 what underflows is worth less than 2^-340.
+    const double bound = factor * columns[0] * columns[1] * columns[2] + 0x1p-340;
+    if (largest <= 0x1p100) {
+      if (det[7] > bound) return Sign::positive;
+      if (det[7] < -bound) return Sign::negative;
+    }
+  }
+  return orientation(k, p);
+}
+
+/// A thread's walks, each from where the last one ended or from a vertex near on the curve.
+template <unsigned K>
+class Walk {
+ public:
+  explicit Walk(const WalkMesh& mesh) : mesh_(mesh), probe_(mesh.corners) {}
+
+  /// The place of the cell of lowest number that has q (numbers in the mesh's columns), or no_cell.
+  /// For k >= 1. `key`: of q.
+  std::uint32_t find(const double* q, std::uint32_t key) {
+    const std::uint32_t row = mesh_.row_at(key, key >= key_ ? row_ : 0);
+    const bool from_last =
+        cell_ != no_cell && distance(key, key_) <= distance(key, mesh_.keys[row]);
+    row_ = row;
+    key_ = key;
+    if (!from_last) cell_ = mesh_.lowest_cell[row];
+    if (!walk(q)) return no_cell;
+    return lowest();
+  }
+
+ private:
+  static constexpr std::uint32_t nowhere = 0xfffffffe;
+  static std::uint32_t distance(std::uint32_t a, std::uint32_t b) { return a < b ? b - a : a - b; }
+  unsigned k() const { return K ? K : mesh_.corners - 1; }
+
+  /// Sets cell_ to a cell that has q, or to the last one before the hull was left.
+  bool walk(const double* q) {
+    for (std::uint32_t from = nowhere;;) {
+      const std::uint32_t* v = mesh_.corners_of(cell_);
+      const std::uint32_t* across = mesh_.neighbours_of(cell_);
+      zeros_.clear();
+      for (unsigned i = 0; i <= k(); ++i) probe_[i] = mesh_.row(v[i]);
+      unsigned j = 0;
+      for (; j <= k(); ++j) {
+        if (across[j] == from) continue;
+        const double* const corner = probe_[j];
+        probe_[j] = q;
+        const Sign sign = cell_orientation<K>(k(), probe_.data());
+        probe_[j] = corner;
+        if (sign == Sign::negative) break;
+        if (sign == Sign::zero) zeros_.push_back(j);
+      }
+      if (j > k()) return true;
+      if (across[j] == no_cell) return false;
+      from = cell_;
+      cell_ = across[j];
+    }
+  }
+
+  /// Of the cells around the face of cell_ whose corners are not in zeros_.
+  std::uint32_t lowest() {
+    if (zeros_.empty()) return cell_;
+    const std::uint32_t* v = mesh_.corners_of(cell_);
+    if (zeros_.size() == 1) return lower(cell_, mesh_.neighbours_of(cell_)[zeros_[0]]);
+    face_.assign(v, v + k() + 1);
+    for (const unsigned j : zeros_) face_[j] = nowhere;
+    std::erase(face_, nowhere);
+    if (face_.size() == 1) return mesh_.lowest_cell[face_[0]];
+    return lowest_around();
+  }
+  std::uint32_t lower(std::uint32_t a, std::uint32_t b) const {
+    return b == no_cell || mesh_.numbers[a] < mesh_.numbers[b] ? a : b;
+  }
+  std::uint32_t lowest_around() {
+    std::uint32_t best = cell_;
+    met_.clear();
+    met_.insert(cell_);
+    todo_.assign(1, cell_);
+    while (!todo_.empty()) {
+      const std::uint32_t c = todo_.back();
+      todo_.pop_back();
+      best = lower(best, c);
+      for (unsigned j = 0; j <= k(); ++j) {
+        const std::uint32_t next = mesh_.neighbours_of(c)[j], v = mesh_.corners_of(c)[j];
+        if (next == no_cell || std::find(face_.begin(), face_.end(), v) != face_.end()) continue;
+        if (met_.insert(next).second) todo_.push_back(next);
+      }
+    }
+    return best;
+  }
+
+  const WalkMesh& mesh_;
+  std::vector<const double*> probe_;
+  std::uint32_t cell_ = no_cell, row_ = 0, key_ = 0;
+  std::vector<unsigned> zeros_;
+  std::vector<std::uint32_t> face_, todo_;
+  std::unordered_set<std::uint32_t> met_;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,184 @@
+#include "diagrams/locate/walk_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "cullhull/error.hpp"
+#include "diagrams/dual.hpp"
+#include "geometry/gather.hpp"
+#include "parallel/radix_sort.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+struct Placed {
+  std::uint32_t key, id;
+};
+
+/// The numbers [0, keys.size()) by key, stable.
+Array<Placed> sorted_by_key(const Array<std::uint32_t>& keys, unsigned bits, const Run& run) {
+  const auto n = static_cast<std::uint32_t>(keys.size());
+  Array<Placed> items(n), scratch(n);
+  for (std::uint32_t i = 0; i < n; ++i) items[i] = {keys[i], i};
+  Placed *from = items.data(), *to = scratch.data();
+  radix_sort(from, to, n, bits, run, [](const Placed& p) { return p.key; });
+  if (from != items.data()) std::swap(items, scratch);
+  return items;
+}
+
+/// Distinct ids of all cells, ascending.
+Array<std::uint32_t> vertices_of(const Triangulation& t) {
+  std::vector<bool> seen(t.point_count);
+  for (const std::uint32_t v : t.cells) {
+    if (v >= t.point_count)
+      throw Error(ErrorCode::invalid_argument, "a cell has the point " + std::to_string(v) +
+                                                   " of " + std::to_string(t.point_count));
+    seen[v] = true;
+  }
+  Array<std::uint32_t> ids;
+  for (std::uint64_t i = 0; i < seen.size(); ++i)
+    if (seen[i]) ids.push_back(static_cast<std::uint32_t>(i));
+  return ids;
+}
+
+}  // namespace
+
+WalkMesh::WalkMesh(const PointView& points, const Triangulation& t, std::span<const double> weights,
+                   const Run& run)
+    : dimension(t.dimension),
+      affine_dimension(t.affine_dimension),
+      corners(t.corners()),
+      stride(t.dimension + (weights.empty() ? 0 : 1)),
+      furthest(t.furthest_site) {
+  require_points_of(t, points, weights);
+  columns.assign(t.axes.begin(), t.axes.end());
+  for (unsigned j = 0; j < dimension; ++j)
+    if (std::find(t.axes.begin(), t.axes.end(), j) == t.axes.end()) columns.push_back(j);
+  if (corners > 0) take_vertices(points, t, weights, run);
+}
+
+void WalkMesh::take_vertices(const PointView& points, const Triangulation& t,
+                             std::span<const double> weights, const Run& run) {
+  const Array<std::uint32_t> vertices = vertices_of(t);
+  const auto n = static_cast<std::uint32_t>(vertices.size());
+  const std::vector<std::uint64_t> wide(vertices.begin(), vertices.end());
+  const Array<double> gathered = gather_points(points, wide.data(), n, run);
+  rows.resize(std::size_t{n} * stride);
+  Array<double> by_id(rows.size());
+  run.each(n, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) {
+      double* r = by_id.data() + i * stride;
+      for (unsigned j = 0; j < dimension; ++j) r[j] = gathered[i * dimension + columns[j]];
+      if (stride > dimension) r[dimension] = weights[vertices[i]];
+    }
+  });
+  frame = CurveFrame(corners - 1);
+  frame.measure(
+      n, [&](std::uint64_t i) { return by_id.data() + i * stride; }, run);
+  Array<std::uint32_t> unsorted(n);
+  run.each(n, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    frame.keys(
+        end - begin, [&](std::uint64_t i) { return by_id.data() + (begin + i) * stride; },
+        [&](std::uint64_t i, std::uint32_t key) { unsorted[begin + i] = key; });
+  });
+  const Array<Placed> order = sorted_by_key(unsorted, frame.key_bits(), run);
+  ids.resize(n);
+  keys.resize(n);
+  Array<std::uint32_t> row_of(t.point_count);
+  run.each(n, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) {
+      const std::uint32_t from = order[i].id;
+      ids[i] = vertices[from];
+      keys[i] = order[i].key;
+      row_of[ids[i]] = static_cast<std::uint32_t>(i);
+      std::copy_n(by_id.data() + std::size_t{from} * stride, stride, rows.data() + i * stride);
+    }
+  });
+  take_cells(t, row_of, run);
+}
+
+void WalkMesh::take_cells(const Triangulation& t, const Array<std::uint32_t>& row_of,
+                          const Run& run) {
+  const auto count = static_cast<std::uint32_t>(t.size());
+  Array<std::uint32_t> first(count);
+  run.each(count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t c = begin; c < end; ++c) {
+      first[c] = ~0U;
+      for (const std::uint32_t v : t.cell(c)) first[c] = std::min(first[c], row_of[v]);
+    }
+  });
+  unsigned bits = 0;
+  while (vertex_count() >> bits != 0) ++bits;
+  const Array<Placed> order = sorted_by_key(first, bits, run);
+  numbers.resize(count);
+  places.resize(count);
+  run.each(count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) {
+      numbers[i] = order[i].id;
+      places[numbers[i]] = static_cast<std::uint32_t>(i);
+    }
+  });
+  cells.resize(std::size_t{count} * 2 * corners);
+  run.each(count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) {
+      std::uint32_t* cell = cells.data() + i * 2 * corners;
+      for (const std::uint32_t v : t.cell(numbers[i])) *cell++ = row_of[v];
+      for (const std::uint32_t o : t.neighbours_of(numbers[i]))
+        *cell++ = o == no_cell ? no_cell : places[o];
+    }
+  });
+  lowest_cell.assign(vertex_count(), no_cell);
+  for (std::uint32_t c = 0; c < count; ++c)
+    for (const std::uint32_t v : t.cell(c))
+      if (lowest_cell[row_of[v]] == no_cell) lowest_cell[row_of[v]] = places[c];
+}
+
+std::uint32_t WalkMesh::row_at(std::uint32_t key, std::uint32_t from) const {
+  const std::uint32_t n = vertex_count();
+  std::uint32_t width = 1, high = from;
+  while (high < n && keys[high] < key) {  // gallops: the next key of a batch is near
+    from = high + 1;
+    high = n - high > width ? high + width : n;
+    width *= 2;
+  }
+  const auto at = std::lower_bound(keys.begin() + from, keys.begin() + high, key) - keys.begin();
+  const auto i = static_cast<std::uint32_t>(at);
+  if (i == n) return n - 1;
+  return i > 0 && key - keys[i - 1] < keys[i] - key ? i - 1 : i;
+}
+
+VertexGraph::VertexGraph(const WalkMesh& mesh, const Run& run) : begin(mesh.vertex_count() + 1) {
+  const unsigned m = mesh.corners;
+  const auto count = static_cast<std::uint32_t>(mesh.numbers.size());
+  std::fill(begin.begin(), begin.end(), 0U);
+  Array<std::uint64_t> at(begin.size());
+  for (std::uint32_t c = 0; c < count; ++c)
+    for (unsigned i = 0; i < m; ++i) begin[mesh.corners_of(c)[i] + 1] += m - 1;
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) begin[v + 1] += begin[v];
+  std::copy(begin.begin(), begin.end(), at.begin());
+  Array<std::uint32_t> all(begin.back());
+  for (std::uint32_t c = 0; c < count; ++c) {
+    if (c % light_grain == 0) run.check();
+    const std::uint32_t* v = mesh.corners_of(c);
+    for (unsigned i = 0; i < m; ++i)
+      for (unsigned j = 0; j < m; ++j)
+        if (i != j) all[at[v[i]]++] = v[j];
+  }
+  std::uint64_t kept = 0;
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    std::uint32_t* const from = all.data() + begin[v];
+    std::uint32_t* const end = all.data() + begin[v + 1];
+    std::sort(from, end);
+    std::uint32_t* const last = std::unique(from, end);
+    begin[v] = kept;
+    std::copy(from, last, all.data() + kept);
+    kept += static_cast<std::uint64_t>(last - from);
+  }
+  begin[mesh.vertex_count()] = kept;
+  items.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(kept));
+}
+
+}  // namespace cullhull::internal

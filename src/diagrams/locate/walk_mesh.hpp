@@ -1,0 +1,63 @@
+// A triangulation as walks see it: vertices along a curve, cells beside their vertices.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "cullhull/array.hpp"
+#include "cullhull/triangulation.hpp"
+#include "geometry/curve_frame.hpp"
+#include "parallel/threads/run.hpp"
+
+namespace cullhull::internal {
+
+struct WalkMesh {
+  WalkMesh(const PointView& points, const Triangulation& t, std::span<const double> weights,
+           const Run& run);
+
+  unsigned dimension = 0;     ///< d
+  int affine_dimension = -1;  ///< k
+  unsigned corners = 0;       ///< k + 1
+  unsigned stride = 0;        ///< numbers of a row: d, with weights d + 1
+  bool furthest = false;
+  std::vector<unsigned> columns;  ///< the k axes, then the others
+
+  /// Vertices along the curve: coordinates in the order of `columns`, then the weight.
+  Array<double> rows;
+  Array<std::uint32_t> ids;   ///< of the caller, by row
+  Array<std::uint32_t> keys;  ///< ascending
+  CurveFrame frame;
+
+  /// A cell: k + 1 rows, then k + 1 neighbours, all by place here.
+  Array<std::uint32_t> cells;
+  Array<std::uint32_t> numbers;      ///< the caller's, by place
+  Array<std::uint32_t> places;       ///< the other way
+  Array<std::uint32_t> lowest_cell;  ///< by row: the place of the cell of lowest number
+
+  std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(ids.size()); }
+  const double* row(std::uint32_t v) const { return rows.data() + std::size_t{v} * stride; }
+  const std::uint32_t* corners_of(std::uint32_t c) const {
+    return cells.data() + std::size_t{c} * 2 * corners;
+  }
+  const std::uint32_t* neighbours_of(std::uint32_t c) const { return corners_of(c) + corners; }
+  /// The row nearest to the key on the curve; `from`: where to begin to look.
+  std::uint32_t row_at(std::uint32_t key, std::uint32_t from = 0) const;
+
+ private:
+  void take_vertices(const PointView& points, const Triangulation& t,
+                     std::span<const double> weights, const Run& run);
+  void take_cells(const Triangulation& t, const Array<std::uint32_t>& row_of, const Run& run);
+};
+
+/// Rows that share a cell, for each row ascending.
+struct VertexGraph {
+  VertexGraph(const WalkMesh& mesh, const Run& run);
+  std::span<const std::uint32_t> of(std::uint32_t v) const {
+    return {items.data() + begin[v], begin[v + 1] - begin[v]};
+  }
+  Array<std::uint64_t> begin;
+  Array<std::uint32_t> items;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,126 @@
+#include "cullhull/alpha_shape.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "cullhull/error.hpp"
+#include "delaunay/cell_boundary.hpp"
+#include "diagrams/dual.hpp"
+#include "exact/insphere/circumcentre.hpp"
+#include "parallel/disjoint_sets.hpp"
+#include "parallel/threads/helpers.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+void require_delaunay(const Triangulation& t) {
+  if (t.furthest_site)
+    throw Error(ErrorCode::invalid_argument,
+                "alpha shapes are of Delaunay triangulations, not of the furthest site");
+}
+
+/// body(cell, rows of its corners).
+template <class Body>
+void each_cell(const DualPoints& p, const Triangulation& t, const Run& run, const Body& body) {
+  run.each(t.size(), light_grain / 64, [&](std::uint64_t begin, std::uint64_t end) {
+    std::vector<const double*> rows(t.corners());
+    for (std::uint64_t c = begin; c < end; ++c) {
+      for (unsigned i = 0; i < t.corners(); ++i) rows[i] = p.row(t.cell(c)[i]);
+      body(c, rows.data());
+    }
+  });
+}
+
+/// Of the vertex that gets its first cell last.
+double greatest_first_radius(const Triangulation& t, const Array<double>& radii) {
+  Array<double> first(t.point_count);
+  std::fill(first.begin(), first.end(), INFINITY);
+  for (std::uint64_t c = 0; c < t.size(); ++c)
+    for (const std::uint32_t v : t.cell(c)) first[v] = std::min(first[v], radii[c]);
+  double greatest = 0;
+  for (const std::uint32_t v : t.cells) greatest = std::max(greatest, first[v]);
+  return greatest;
+}
+
+/// Cells join by ascending radius; the first radius from `least` on at which all are one.
+double first_single_region(const Triangulation& t, const Array<double>& radii, double least) {
+  const auto count = static_cast<std::uint32_t>(t.size());
+  std::vector<std::uint32_t> order(count);
+  std::iota(order.begin(), order.end(), 0U);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return radii[a] != radii[b] ? radii[a] < radii[b] : a < b;
+  });
+  DisjointSets regions(count);
+  regions.clear(0, count);
+  std::vector<bool> there(count);
+  std::uint32_t region_count = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t c = order[i];
+    there[c] = true;
+    ++region_count;
+    for (const std::uint32_t o : t.neighbours_of(c)) {
+      if (o == no_cell || !there[o] || regions.root(o) == regions.root(c)) continue;
+      regions.join(o, c);
+      --region_count;
+    }
+    const bool more = i + 1 < count && radii[order[i + 1]] == radii[c];
+    if (!more && region_count == 1 && radii[c] >= least) return radii[c];
+  }
+  return least;
+}
+
+}  // namespace
+}  // namespace internal
+
+AlphaShape alpha_shape(const PointView& points, const Triangulation& triangulation, double alpha,
+                       const Options& options) {
+  using namespace internal;
+  const Triangulation& t = triangulation;
+  if (!(alpha >= 0))
+    throw Error(ErrorCode::invalid_argument, "alpha must be a number that is not negative");
+  require_delaunay(t);
+  const Run run(options);
+  const CallScope call;
+  const DualPoints p(points, t, {}, run);
+  AlphaShape out;
+  if (t.corners() == 0) return out;
+  const unsigned k = t.corners() - 1;
+  Array<std::uint8_t> kept(t.size());
+  each_cell(p, t, run, [&](std::uint64_t c, const double* const* rows) {
+    kept[c] = k == 0 || std::isinf(alpha) || radius_at_most(t.dimension, k, rows, alpha);
+  });
+  for (std::uint32_t c = 0; c < t.size(); ++c)
+    if (kept[c] != 0) out.cells.push_back(c);
+  write_boundary(t, kept, out.facets, out.facet_cells);
+  return out;
+}
+
+Array<double> alpha_radii(const PointView& points, const Triangulation& triangulation,
+                          const Options& options) {
+  using namespace internal;
+  const Triangulation& t = triangulation;
+  require_delaunay(t);
+  const Run run(options);
+  const CallScope call;
+  const DualPoints p(points, t, {}, run);
+  Array<double> radii(t.size());
+  const unsigned k = t.corners() == 0 ? 0 : t.corners() - 1;
+  each_cell(p, t, run, [&](std::uint64_t c, const double* const* rows) {
+    radii[c] = k == 0 ? 0 : radius_above(t.dimension, k, rows);
+  });
+  return radii;
+}
+
+double critical_alpha(const PointView& points, const Triangulation& triangulation, AlphaGoal goal,
+                      const Options& options) {
+  using namespace internal;
+  const Array<double> radii = alpha_radii(points, triangulation, options);
+  const double all = greatest_first_radius(triangulation, radii);
+  return goal == AlphaGoal::all_points ? all : first_single_region(triangulation, radii, all);
+}
+
+}  // namespace cullhull

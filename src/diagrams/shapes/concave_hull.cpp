@@ -1,0 +1,181 @@
+// Concave hulls by the length of edges (Duckham, Kulik, Worboys, Galton 2008: chi-shapes).
+#include <algorithm>
+#include <cmath>
+#include <queue>
+#include <utility>
+#include <vector>
+
+#include "cullhull/alpha_shape.hpp"
+#include "cullhull/error.hpp"
+#include "delaunay/cell_boundary.hpp"
+#include "diagrams/dual.hpp"
+#include "exact/orientation/difference_products.hpp"
+#include "parallel/threads/helpers.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+void require_plane(const Triangulation& t) {
+  if (t.furthest_site || !t.hidden.empty())
+    throw Error(ErrorCode::invalid_argument,
+                "concave hulls are of Delaunay triangulations without weights, not of the furthest "
+                "site");
+  if (t.corners() > 3)
+    throw Error(ErrorCode::invalid_argument,
+                "concave hulls by the length of edges are of points in a plane");
+}
+
+/// An edge by its lower id first.
+struct Edge {
+  std::uint32_t low, high;
+};
+
+Edge edge_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+/// Comparisons of lengths, exact; of equal ones the lower ids are before the higher.
+class Lengths {
+ public:
+  Lengths(const DualPoints& p, unsigned d) : p_(p), d_(d), none_(d), limit_(d) {}
+
+  bool longer(const Edge& a, const Edge& b) const {
+    const Sign sign =
+        compare_lengths(d_, p_.row(a.low), p_.row(a.high), p_.row(b.low), p_.row(b.high));
+    if (sign != Sign::zero) return sign == Sign::positive;
+    return a.low != b.low ? a.low < b.low : a.high < b.high;
+  }
+  void set_limit(double limit) { limit_[0] = limit; }
+  bool over_limit(const Edge& e) const {
+    return compare_lengths(d_, p_.row(e.low), p_.row(e.high), limit_.data(), none_.data()) ==
+           Sign::positive;
+  }
+  /// To a rounding or two; scaled, so that no square overflows or vanishes.
+  double rounded(const Edge& e) const {
+    double widest = 0;
+    for (unsigned j = 0; j < d_; ++j)
+      widest = std::max(widest, std::abs(p_.row(e.high)[j] / 2 - p_.row(e.low)[j] / 2));
+    if (widest == 0) return 0;
+    double sum = 0;
+    for (unsigned j = 0; j < d_; ++j) {
+      const double x = (p_.row(e.high)[j] / 2 - p_.row(e.low)[j] / 2) / widest;
+      sum += x * x;
+    }
+    return 2 * widest * std::sqrt(sum);
+  }
+
+ private:
+  const DualPoints& p_;
+  unsigned d_;
+  std::vector<double> none_, limit_;
+};
+
+/// Digs into the triangles from the boundary, the longest edge first.
+class Digging {
+ public:
+  Digging(const Triangulation& t, const Lengths& lengths)
+      : t_(t), lengths_(lengths), kept_(t.size()), outside_(t.point_count), queue_(Later{lengths}) {
+    std::fill(kept_.begin(), kept_.end(), std::uint8_t{1});
+    std::fill(outside_.begin(), outside_.end(), std::uint8_t{0});
+    for (const std::uint32_t v : t.hull_facets) outside_[v] = 1;
+    for (std::uint32_t c = 0; c < t.size(); ++c)
+      for (unsigned j = 0; j < 3; ++j)
+        if (t.neighbours_of(c)[j] == no_cell) add(c, j);
+  }
+
+  Array<std::uint8_t> run(const Run& run) {
+    for (std::uint64_t step = 0; !queue_.empty(); ++step) {
+      if (step % 4096 == 0) run.check();
+      const Side side = queue_.top();
+      queue_.pop();
+      const std::uint32_t apex = t_.cell(side.cell)[side.corner];
+      // Else the boundary would touch itself, or lose a point. It never leaves a point again.
+      if (kept_[side.cell] == 0 || outside_[apex] != 0) continue;
+      outside_[apex] = 1;
+      kept_[side.cell] = 0;
+      for (unsigned j = 0; j < 3; ++j) {
+        const std::uint32_t o = t_.neighbours_of(side.cell)[j];
+        if (o == no_cell || kept_[o] == 0) continue;
+        const auto back = t_.neighbours_of(o);
+        add(o,
+            static_cast<unsigned>(std::find(back.begin(), back.end(), side.cell) - back.begin()));
+      }
+    }
+    return std::move(kept_);
+  }
+
+ private:
+  /// A triangle's edge on the boundary.
+  struct Side {
+    Edge edge;
+    std::uint32_t cell;
+    unsigned corner;
+  };
+  struct Later {
+    const Lengths& lengths;
+    bool operator()(const Side& a, const Side& b) const { return lengths.longer(b.edge, a.edge); }
+  };
+
+  void add(std::uint32_t cell, unsigned corner) {
+    const auto ids = t_.cell(cell);
+    const Edge edge = edge_of(ids[(corner + 1) % 3], ids[(corner + 2) % 3]);
+    if (lengths_.over_limit(edge)) queue_.push({edge, cell, corner});
+  }
+
+  const Triangulation& t_;
+  const Lengths& lengths_;
+  Array<std::uint8_t> kept_, outside_;
+  std::priority_queue<Side, std::vector<Side>, Later> queue_;
+};
+
+}  // namespace
+}  // namespace internal
+
+using namespace internal;
+
+AlphaShape concave_hull(const PointView& points, const Triangulation& triangulation, double length,
+                        const Options& options) {
+  const Triangulation& t = triangulation;
+  if (!(length >= 0))
+    throw Error(ErrorCode::invalid_argument,
+                "the length of edges must be a number that is not negative");
+  require_plane(t);
+  const Run run(options);
+  const CallScope call;
+  const DualPoints p(points, t, {}, run);
+  Array<std::uint8_t> kept(t.size());
+  std::fill(kept.begin(), kept.end(), std::uint8_t{1});
+  if (t.corners() == 3 && !std::isinf(length)) {
+    Lengths lengths(p, t.dimension);
+    lengths.set_limit(length);
+    kept = Digging(t, lengths).run(run);
+  }
+  AlphaShape out;
+  for (std::uint32_t c = 0; c < t.size(); ++c)
+    if (kept[c] != 0) out.cells.push_back(c);
+  write_boundary(t, kept, out.facets, out.facet_cells);
+  return out;
+}
+
+double concave_length(const PointView& points, const Triangulation& triangulation, double ratio,
+                      const Options& options) {
+  const Triangulation& t = triangulation;
+  if (!(ratio >= 0 && ratio <= 1))
+    throw Error(ErrorCode::invalid_argument, "the ratio of lengths must be between 0 and 1");
+  require_plane(t);
+  const Run run(options);
+  const CallScope call;
+  const DualPoints p(points, t, {}, run);
+  if (ratio == 1) return INFINITY;
+  if (t.corners() < 3) return 0;
+  const Lengths lengths(p, t.dimension);
+  double least = INFINITY, greatest = 0;
+  for (std::uint32_t c = 0; c < t.size(); ++c)
+    for (unsigned j = 0; j < 3; ++j) {
+      const double length = lengths.rounded(edge_of(t.cell(c)[j], t.cell(c)[(j + 1) % 3]));
+      least = std::min(least, length);
+      greatest = std::max(greatest, length);
+    }
+  return std::isinf(greatest) ? greatest : least + ratio * (greatest - least);
+}
+
+}  // namespace cullhull

@@ -1,0 +1,82 @@
+// The numbers of one clipped cell: halfspaces, and the corners that D of them meet in. All signs
+// are exact. docs/exactness.md, "Clipped cells".
+#pragma once
+
+#include <gmpxx.h>
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "diagrams/voronoi/clip_region.hpp"
+#include "exact/numbers/tracked.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "exact/planes/halfspace.hpp"
+
+namespace cullhull::internal {
+
+template <unsigned D>
+using ExactPoint = std::array<mpq_class, D>;
+template <unsigned D>
+using TrackedPoint = std::array<Tracked, D>;
+
+/// Planes and corners are numbered in the order in which they are added.
+template <unsigned D>
+class CellCorners {
+ public:
+  /// A new cell, of the site with the row p: D coordinates, and its weight if `weighted`.
+  void start(const double* p, bool weighted, bool furthest);
+
+  /// The points that are at least as near to p as to the site with row q; with `furthest`, at least
+  /// as far. The site's number is the label.
+  std::uint32_t add_bisector(const double* q, std::uint32_t label);
+  std::uint32_t add_boundary(const RegionPlane<D>& plane, std::uint32_t label);
+  std::uint32_t add_given(const double* x);
+  std::uint32_t add_meeting(const std::array<std::uint32_t, D>& planes);
+
+  std::uint32_t label(std::uint32_t plane) const { return planes_[plane].label; }
+  bool is_bisector(std::uint32_t plane) const { return planes_[plane].site != nullptr; }
+  bool is_given(std::uint32_t corner) const { return corners_[corner].given != nullptr; }
+  std::uint32_t corner_count() const { return static_cast<std::uint32_t>(corners_.size()); }
+
+  /// Which side of the plane the corner is on; positive: outside.
+  Sign side(std::uint32_t plane, std::uint32_t corner);
+  /// Relative to p.
+  const TrackedPoint<D>& at(std::uint32_t corner) const { return corners_[corner].at; }
+  const ExactPoint<D>& exact(std::uint32_t corner);
+  /// Each coordinate the nearest double.
+  void round(std::uint32_t corner, double* out);
+  bool equal(std::uint32_t a, std::uint32_t b);
+  const Halfspace<D, Tracked>& halfspace(std::uint32_t plane) const { return planes_[plane].near; }
+  const Halfspace<D, mpq_class>& exact_halfspace(std::uint32_t plane);
+
+ private:
+  struct Plane {
+    const double* site;  ///< of a bisector
+    const RegionPlane<D>* boundary;
+    std::uint32_t label;
+    Halfspace<D, Tracked> near;
+    std::optional<Halfspace<D, mpq_class>> exact;
+  };
+  struct Corner {
+    const double* given;
+    std::array<std::uint32_t, D> planes;
+    TrackedPoint<D> at;
+    std::optional<ExactPoint<D>> exact;
+  };
+  template <class Real>
+  Halfspace<D, Real> halfspace_of(const Plane& plane) const;
+
+  const double* p_ = nullptr;
+  bool weighted_ = false, furthest_ = false;
+  std::vector<Plane> planes_;
+  std::vector<Corner> corners_;
+};
+
+extern template class CellCorners<1>;
+extern template class CellCorners<2>;
+extern template class CellCorners<3>;
+
+}  // namespace cullhull::internal

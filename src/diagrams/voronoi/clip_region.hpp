@@ -1,0 +1,59 @@
+// The regions that diagrams are clipped to: convex pieces that do not overlap.
+#pragma once
+
+#include <gmpxx.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "cullhull/point_view.hpp"
+#include "cullhull/voronoi.hpp"
+#include "exact/numbers/tracked.hpp"
+#include "parallel/threads/run.hpp"
+
+namespace cullhull::internal {
+
+/// A plane through D given points, or at right angles to an axis.
+template <unsigned D>
+struct RegionPlane {
+  std::array<std::array<double, D>, D> through;
+  int axis = -1;                  ///< all points have this coordinate in common; -1: none
+  double toward = 1;              ///< -1: the region is where that coordinate is larger
+  std::array<Tracked, D> normal;  ///< outward
+};
+
+/// The outward normal. In the plane the region is on the left of the way from the first point to
+/// the second; in space the points are counterclockwise from outside.
+template <unsigned D, class Real>
+std::array<Real, D> normal_of(const RegionPlane<D>& plane);
+
+/// A convex polytope. On a line both ends; in the plane corners counterclockwise, plane i from
+/// corner i to the next; in space faces counterclockwise from outside.
+template <unsigned D>
+struct RegionPiece {
+  std::vector<std::array<double, D>> corners;
+  std::vector<RegionPlane<D>> planes;
+  std::vector<std::vector<std::uint32_t>> faces;  ///< D = 3, one a plane
+  std::vector<std::uint32_t> across;              ///< the piece beyond each plane, or no_point
+
+  /// Whether a point whose coordinates are the nearest doubles `rounded` is certainly inside.
+  bool surely_inside(const double* rounded) const;
+};
+
+template <unsigned D>
+using Region = std::vector<RegionPiece<D>>;
+
+template <unsigned D>
+Region<D> box_region(std::span<const double> low, std::span<const double> high);
+
+/// The convex hull of points; D = 1 or 3.
+template <unsigned D>
+Region<D> hull_region(const PointView& points, const Run& run);
+
+/// A polygon with dents and holes, or several: one piece if it is convex and has few corners, else
+/// the triangles of its constrained triangulation.
+Region<2> polygon_region(const PolygonRings& rings, const Run& run);
+
+}  // namespace cullhull::internal

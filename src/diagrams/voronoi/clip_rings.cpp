@@ -1,0 +1,186 @@
+#include "diagrams/voronoi/clip_rings.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "cullhull/voronoi.hpp"
+#include "parallel/disjoint_sets.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+using Point = std::array<double, 2>;
+
+struct Edge {
+  std::uint32_t from, to, plane;  ///< corners by number
+  Point start;                    ///< `from`, rounded
+};
+
+template <class Real, class At>
+Real twice_area(const std::vector<Edge>& edges, const std::vector<std::uint32_t>& ring,
+                const At& at) {
+  Real sum(0.0);
+  for (const std::uint32_t e : ring) {
+    const auto &a = at(edges[e].from), &b = at(edges[e].to);
+    sum = sum + (a[0] * b[1] - a[1] * b[0]);
+  }
+  return sum;
+}
+
+/// The boundary of pieces that are connected through edges.
+class Outline {
+ public:
+  Outline(CellCorners<2>& corners, std::vector<Edge> edges)
+      : corners_(corners), edges_(std::move(edges)) {
+    std::sort(edges_.begin(), edges_.end(),
+              [](const Edge& a, const Edge& b) { return a.start < b.start; });
+  }
+
+  /// False if nothing is left of it.
+  bool write(CellPolygon& out) {
+    std::vector<bool> walked(edges_.size());
+    std::vector<CellRing> holes;
+    out.assign(1, {});
+    for (std::uint32_t e = 0; e < edges_.size(); ++e) {
+      if (walked[e]) continue;
+      std::vector<std::uint32_t> ring;
+      for (std::uint32_t at = e; !walked[at]; at = next(at)) {
+        walked[at] = true;
+        ring.push_back(at);
+      }
+      CellRing points = points_of(ring);
+      if (!tidy(points)) continue;
+      if (is_outer(ring))
+        out[0] = std::move(points);
+      else
+        holes.push_back(std::move(points));
+    }
+    std::sort(holes.begin(), holes.end(),
+              [](const CellRing& a, const CellRing& b) { return a.points[0] < b.points[0]; });
+    for (CellRing& hole : holes) out.push_back(std::move(hole));
+    return !out[0].points.empty();
+  }
+
+ private:
+  /// The edge that follows on the ring: of several that begin where this one ends, the first
+  /// counterclockwise from the way back, so that what touches itself in a point is several rings.
+  std::uint32_t next(std::uint32_t e) {
+    Point end;
+    corners_.round(edges_[e].to, end.data());
+    const auto [first, last] =
+        std::equal_range(edges_.begin(), edges_.end(), Edge{0, 0, 0, end},
+                         [](const Edge& a, const Edge& b) { return a.start < b.start; });
+    auto best = first;
+    if (last - first > 1) {
+      best = last;
+      for (auto i = first; i != last; ++i)
+        if (corners_.equal(i->from, edges_[e].to) &&
+            (best == last || turns_before(edges_[e].plane, i->plane, best->plane)))
+          best = i;
+    }
+    return static_cast<std::uint32_t>(best - edges_.begin());
+  }
+
+  /// Whether a's edge is met before b's when turning counterclockwise from the way back along the
+  /// edge of `in`. Edges are their planes' normals, turned by a right angle.
+  bool turns_before(std::uint32_t in, std::uint32_t a, std::uint32_t b) {
+    const auto cross = [](const auto& u, const auto& v) {
+      return sgn(mpq_class(u[0] * v[1] - u[1] * v[0]));
+    };
+    auto back = corners_.exact_halfspace(in).normal;
+    for (mpq_class& x : back) x = -x;
+    const auto &u = corners_.exact_halfspace(a).normal, &v = corners_.exact_halfspace(b).normal;
+    const auto half = [&](const auto& w) {
+      const int turn = cross(back, w);
+      if (turn != 0) return turn > 0 ? 0 : 2;
+      return sgn(mpq_class(back[0] * w[0] + back[1] * w[1])) < 0 ? 1 : 3;
+    };
+    return half(u) != half(v) ? half(u) < half(v) : cross(u, v) > 0;
+  }
+
+  /// A corner between two edges of one plane comes from the region's triangles, and the cell has
+  /// none there, unless it is a corner of the region: then the cell beyond may turn there.
+  CellRing points_of(const std::vector<std::uint32_t>& ring) const {
+    CellRing out;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Edge &before = edges_[ring[i > 0 ? i - 1 : ring.size() - 1]], &e = edges_[ring[i]];
+      if (before.plane == e.plane && !corners_.is_given(e.from)) continue;
+      out.points.push_back(e.start);
+      out.across.push_back(corners_.is_bisector(e.plane) ? corners_.label(e.plane) : no_point);
+    }
+    return out;
+  }
+
+  bool is_outer(const std::vector<std::uint32_t>& ring) {
+    const Sign sign = certain_sign(twice_area<Tracked>(
+        edges_, ring, [&](auto c) -> auto& { return corners_.at(c); }));
+    if (sign != Sign::zero) return sign == Sign::positive;
+    return sgn(twice_area<mpq_class>(
+               edges_, ring, [&](auto c) -> auto& { return corners_.exact(c); })) > 0;
+  }
+
+  CellCorners<2>& corners_;
+  std::vector<Edge> edges_;
+};
+
+/// Calls body(i, j) for pieces that an edge of the region's triangles joins.
+template <class Body>
+void each_seam(const CellCorners<2>& corners, const std::vector<CellPiece>& pieces,
+               const Body& body) {
+  for (std::uint32_t i = 0; i < pieces.size(); ++i)
+    for (const std::uint32_t plane : pieces[i].planes) {
+      if (corners.is_bisector(plane) || corners.label(plane) == no_point) continue;
+      const auto other = std::lower_bound(
+          pieces.begin(), pieces.end(), corners.label(plane),
+          [](const CellPiece& p, std::uint32_t number) { return p.piece < number; });
+      body(i, static_cast<std::uint32_t>(other - pieces.begin()));
+    }
+}
+
+}  // namespace
+
+bool tidy(CellRing& ring) {
+  const std::size_t n = ring.points.size();
+  CellRing kept;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (ring.points[i] == ring.points[i + 1 < n ? i + 1 : 0]) continue;
+    kept.points.push_back(ring.points[i]);
+    kept.across.push_back(ring.across[i]);
+  }
+  if (kept.points.size() < 3) return false;
+  const auto least = std::min_element(kept.points.begin(), kept.points.end()) - kept.points.begin();
+  std::rotate(kept.points.begin(), kept.points.begin() + least, kept.points.end());
+  std::rotate(kept.across.begin(), kept.across.begin() + least, kept.across.end());
+  ring = std::move(kept);
+  return true;
+}
+
+std::vector<CellPolygon> join_pieces(CellCorners<2>& corners,
+                                     const std::vector<CellPiece>& pieces) {
+  DisjointSets sets(pieces.size());
+  sets.clear(0, pieces.size());
+  each_seam(corners, pieces, [&](std::uint32_t i, std::uint32_t j) { sets.join(i, j); });
+  std::vector<std::vector<Edge>> boundaries(pieces.size());
+  for (std::uint32_t i = 0; i < pieces.size(); ++i) {
+    const auto& [piece, vertices, planes] = pieces[i];
+    for (std::size_t e = 0; e < planes.size(); ++e) {
+      const std::uint32_t plane = planes[e];
+      if (!corners.is_bisector(plane) && corners.label(plane) != no_point) continue;
+      Edge edge{vertices[e], vertices[e + 1 < vertices.size() ? e + 1 : 0], plane, {}};
+      corners.round(edge.from, edge.start.data());
+      boundaries[sets.root(i)].push_back(edge);
+    }
+  }
+  std::vector<CellPolygon> polygons;
+  CellPolygon polygon;
+  for (std::vector<Edge>& boundary : boundaries)
+    if (!boundary.empty() && Outline(corners, std::move(boundary)).write(polygon))
+      polygons.push_back(polygon);
+  std::sort(polygons.begin(), polygons.end(), [](const CellPolygon& a, const CellPolygon& b) {
+    return a[0].points[0] < b[0].points[0];
+  });
+  return polygons;
+}
+
+}  // namespace cullhull::internal

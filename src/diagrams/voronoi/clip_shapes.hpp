@@ -1,0 +1,84 @@
+// Convex polygons and polyhedra that are cut by planes: their corners and faces by number, without
+// coordinates.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "diagrams/voronoi/clip_corners.hpp"
+
+namespace cullhull::internal {
+
+/// A shape starts as a convex piece of a region and is cut by planes of `corners`; what is on the
+/// outer side of one goes. Empty once it has no interior.
+template <unsigned D>
+class ClipShape;
+
+/// An interval.
+template <>
+class ClipShape<1> {
+ public:
+  void start(const RegionPiece<1>& piece, CellCorners<1>& corners);
+  void cut(CellCorners<1>& corners, std::uint32_t plane);
+  bool empty() const { return vertices.empty(); }
+  std::span<const std::uint32_t> face_planes() const { return planes; }
+
+  std::vector<std::uint32_t> vertices;  ///< corners by number
+  std::vector<std::uint32_t> planes;    ///< of ends
+};
+
+/// Counterclockwise; edge i goes from vertex i to the next.
+template <>
+class ClipShape<2> {
+ public:
+  void start(const RegionPiece<2>& piece, CellCorners<2>& corners);
+  /// A plane that has an edge becomes that edge's plane where the edge was between two pieces.
+  void cut(CellCorners<2>& corners, std::uint32_t plane);
+  bool empty() const { return vertices.empty(); }
+  std::span<const std::uint32_t> face_planes() const { return planes; }
+
+  std::vector<std::uint32_t> vertices;
+  std::vector<std::uint32_t> planes;  ///< of edges
+
+ private:
+  void cut_off(CellCorners<2>& corners, std::uint32_t plane);
+
+  std::vector<std::uint32_t> next_, next_planes_;
+  std::vector<Sign> sides_;
+};
+
+/// Faces counterclockwise from outside.
+template <>
+class ClipShape<3> {
+ public:
+  void start(const RegionPiece<3>& piece, CellCorners<3>& corners);
+  void cut(CellCorners<3>& corners, std::uint32_t plane);
+  bool empty() const { return vertices.empty(); }
+  std::span<const std::uint32_t> face_planes() const { return planes; }
+
+  std::vector<std::uint32_t> vertices;  ///< corners by number
+  std::vector<std::uint32_t> starts;    ///< faces + 1
+  std::vector<std::uint32_t> items;     ///< places in `vertices`
+  std::vector<std::uint32_t> planes;    ///< of faces
+
+ private:
+  /// An edge between a vertex that stays and one that goes. Each of its two faces meets it once.
+  struct CutEdge {
+    std::uint32_t inside, outside, place, next;
+    std::array<std::uint32_t, 2> faces;  ///< their planes
+  };
+  std::uint32_t cut_vertex(std::uint32_t inside, std::uint32_t outside, std::uint32_t face_plane);
+  void cut_faces();
+  void add_cut_vertices(CellCorners<3>& corners, std::uint32_t plane);
+  void close(std::uint32_t plane);
+  void drop_unused();
+  void clear();
+
+  std::vector<Sign> sides_;
+  std::vector<std::uint32_t> next_starts_, next_items_, next_planes_, number_;
+  std::vector<CutEdge> edges_;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,558 @@
+// clip_voronoi(): each cell within each convex piece of the region, and what these add up to.
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <string>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+#include "cullhull/error.hpp"
+#include "cullhull/voronoi.hpp"
+#include "diagrams/dual.hpp"
+#include "diagrams/voronoi/clip_corners.hpp"
+#include "diagrams/voronoi/clip_region.hpp"
+#include "diagrams/voronoi/clip_rings.hpp"
+#include "diagrams/voronoi/clip_shapes.hpp"
+#include "diagrams/voronoi/whole_cells.hpp"
+#include "exact/numbers/exact_numbers.hpp"
+#include "parallel/memory/pages.hpp"
+#include "parallel/threads/helpers.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw Error(ErrorCode::invalid_argument, message);
+}
+
+void check_dimension(const Triangulation& t) {
+  if (t.dimension == 0 || t.dimension > 3)
+    refuse("cells are clipped in dimensions 1 to 3, not in " + std::to_string(t.dimension));
+}
+
+void check_box(const Triangulation& t, std::span<const double> low, std::span<const double> high) {
+  const unsigned d = t.dimension;
+  if (low.size() != d || high.size() != d)
+    refuse("a box in dimension " + std::to_string(d) + " needs as many numbers for each corner");
+  for (unsigned j = 0; j < d; ++j)
+    if (!(low[j] < high[j]) || !std::isfinite(low[j]) || !std::isfinite(high[j]))
+      refuse("the box is empty or not finite along axis " + std::to_string(j));
+}
+
+// ---------------------------------------------------------------------------- measures
+
+/// Length, area or volume, times the factorial of the dimension. `Faces` lists places in `at`:
+/// vertices counterclockwise in the plane, faces in space.
+template <class Real>
+Real multiple_of_measure(const std::vector<std::array<Real, 1>>& at,
+                         const std::vector<std::uint32_t>&, const std::vector<std::uint32_t>&) {
+  return at[1][0] - at[0][0];
+}
+template <class Real>
+Real multiple_of_measure(const std::vector<std::array<Real, 2>>& at,
+                         const std::vector<std::uint32_t>&, const std::vector<std::uint32_t>&) {
+  Real sum(0.0);
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const auto &a = at[i], &b = at[i + 1 < at.size() ? i + 1 : 0];
+    sum = sum + (a[0] * b[1] - a[1] * b[0]);
+  }
+  return sum;
+}
+/// Of each face twice its area vector times its first vertex.
+template <class Real>
+Real multiple_of_measure(const std::vector<std::array<Real, 3>>& at,
+                         const std::vector<std::uint32_t>& starts,
+                         const std::vector<std::uint32_t>& items) {
+  Real sum(0.0);
+  for (std::size_t f = 0; f + 1 < starts.size(); ++f) {
+    const auto& o = at[items[starts[f]]];
+    std::array<Real, 3> area{Real(0.0), Real(0.0), Real(0.0)}, a, b;
+    for (std::uint32_t i = starts[f] + 1; i < starts[f + 1]; ++i) {
+      for (unsigned j = 0; j < 3; ++j) b[j] = at[items[i]][j] - o[j];
+      for (unsigned j = 0; j < 3 && i > starts[f] + 1; ++j) {
+        const unsigned k = (j + 1) % 3, l = (j + 2) % 3;
+        area[j] = area[j] + (a[k] * b[l] - a[l] * b[k]);
+      }
+      a = b;
+    }
+    for (unsigned j = 0; j < 3; ++j) sum = sum + area[j] * o[j];
+  }
+  return sum;
+}
+
+/// Of a measure, relatively; ClippedCells promises it.
+constexpr double measure_error = 0x1p-42;
+
+constexpr double factorial_of(unsigned d) { return d == 3 ? 6 : d; }
+
+/// The nearest double of a sum of measures: in double-doubles where the bound proves it, else in
+/// rationals, which `exactly` computes.
+template <unsigned D, class Exactly>
+double rounded_measure(const Tracked& multiple, const Exactly& exactly) {
+  double out;
+  if (rounds_alike(multiple / Tracked(factorial_of(D)), out)) return out;
+  return nearest_double(mpq_class(exactly() / mpq_class(factorial_of(D))));
+}
+
+// ---------------------------------------------------------------------------- one cell
+
+/// One cell within pieces of the region.
+template <unsigned D>
+class CellClipper {
+ public:
+  CellClipper(const DiagramCells& cells, const Triangulation& t, const Region<D>& region)
+      : cells_(cells), t_(t), region_(region) {}
+
+  void start(std::uint32_t site) {
+    site_ = site;
+    bounded_ = whole_.start(cells_, site);
+    corners_started_ = false;
+  }
+
+  /// Whether the cell is bounded and certainly inside the piece.
+  bool whole_within(std::uint32_t piece) const {
+    if (!bounded_) return false;
+    return std::all_of(whole_.vertices.begin(), whole_.vertices.end(), [&](std::uint32_t v) {
+      return region_[piece].surely_inside(cells_.vertex(v));
+    });
+  }
+
+  /// The cell within a piece.
+  const ClipShape<D>& clip(std::uint32_t piece) {
+    start_corners();
+    shape_.start(region_[piece], corners_);
+    for (const std::uint32_t plane : nearest_first_) {
+      shape_.cut(corners_, plane);
+      if (shape_.empty()) break;
+    }
+    return shape_;
+  }
+
+  /// The side of the bisector towards a neighbour that x is on.
+  Sign side_of(const double* x, std::uint32_t neighbour) {
+    const DualPoints& points = cells_.points();
+    question_.start(points.row(site_), points.weighted(), t_.furthest_site);
+    const std::uint32_t corner = question_.add_given(x);
+    return question_.side(question_.add_bisector(points.row(neighbour), neighbour), corner);
+  }
+
+  /// In doubles where their bound allows it, as it does for cells that are not slivers.
+  double whole_measure() {
+    const Bounded measure = whole_multiple(places_) / Bounded(factorial_of(D));
+    if (measure.error <= measure_error * measure.value) return measure.value;
+    std::vector<TrackedPoint<D>> near;
+    return rounded_measure<D>(whole_multiple(near), [&] {
+      std::vector<ExactPoint<D>> exact;
+      return whole_multiple(exact);
+    });
+  }
+
+  /// What the shape adds to the sum of the cell's measures.
+  Tracked multiple(const ClipShape<D>& shape) const {
+    std::vector<TrackedPoint<D>> at;
+    for (const std::uint32_t v : shape.vertices) at.push_back(corners_.at(v));
+    return multiple_of(shape, at);
+  }
+  mpq_class exact_multiple(const ClipShape<D>& shape) {
+    std::vector<ExactPoint<D>> at;
+    for (const std::uint32_t v : shape.vertices) at.push_back(corners_.exact(v));
+    return multiple_of(shape, at);
+  }
+
+  CellCorners<D>& corners() { return corners_; }
+  const WholeCell<D>& whole() const { return whole_; }
+
+ private:
+  /// Near planes first leave little for the others to do.
+  void start_corners() {
+    if (corners_started_) return;
+    corners_started_ = true;
+    const DualPoints& points = cells_.points();
+    corners_.start(points.row(site_), points.weighted(), t_.furthest_site);
+    order_.clear();
+    for (const auto& item : cells_.of(site_)) {
+      const std::uint32_t plane = corners_.add_bisector(points.row(item.other), item.other);
+      const auto& h = corners_.halfspace(plane);
+      double largest = 0;
+      for (const Tracked& n : h.normal) largest = std::max(largest, std::abs(n.value.high));
+      const double distance = h.offset.value.high / largest;
+      order_.emplace_back(std::isnan(distance) ? INFINITY : distance, plane);
+    }
+    std::sort(order_.begin(), order_.end());
+    nearest_first_.clear();
+    for (const auto& [distance, plane] : order_) nearest_first_.push_back(plane);
+  }
+
+  template <class Real>
+  Real whole_multiple(std::vector<std::array<Real, D>>& at) const {
+    whole_.place(cells_, site_, at);
+    return multiple_of_measure(at, whole_.starts, whole_.items);
+  }
+
+  template <class Point>
+  static auto multiple_of(const ClipShape<D>& shape, const std::vector<Point>& at) {
+    if constexpr (D == 3)
+      return multiple_of_measure(at, shape.starts, shape.items);
+    else
+      return multiple_of_measure(at, {}, {});
+  }
+
+  const DiagramCells& cells_;
+  const Triangulation& t_;
+  const Region<D>& region_;
+  std::uint32_t site_ = 0;
+  bool bounded_ = false, corners_started_ = false;
+  WholeCell<D> whole_;
+  std::vector<std::array<Bounded, D>> places_;
+  CellCorners<D> corners_, question_;
+  std::vector<std::pair<double, std::uint32_t>> order_;
+  std::vector<std::uint32_t> nearest_first_;
+  ClipShape<D> shape_;
+};
+
+// ---------------------------------------------------------------------------- which pieces
+
+/// The pieces of the region that each cell has a part of positive measure in, ascending.
+class PiecesOfCells {
+ public:
+  /// One piece: every cell may meet it.
+  explicit PiecesOfCells(std::uint64_t sites) : sites_(sites) {}
+
+  PiecesOfCells(const DiagramCells& cells, const Triangulation& t, const Region<2>& region,
+                const Run& run)
+      : sites_(t.point_count) {
+    const std::vector<std::uint32_t> starts = sites_at_corners(cells, t, region, run);
+    constexpr std::uint64_t grain = 64;
+    std::vector<std::vector<Pair>> parts(chunk_count(region.size(), grain));
+    run.each_chunk(region.size(), grain,
+                   [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+      CellClipper<2> clipper(cells, t, region);
+      for (std::uint64_t piece = begin; piece < end; ++piece)
+        spread(cells, region, static_cast<std::uint32_t>(piece), starts[piece], clipper,
+               parts[chunk], run);
+    });
+    begin_.assign(sites_ + 1, 0);
+    for (const auto& part : parts)
+      for (const Pair& pair : part) ++begin_[pair.site + 1];
+    for (std::uint64_t i = 0; i < sites_; ++i) begin_[i + 1] += begin_[i];
+    pieces_.resize(begin_.back());
+    std::vector<std::uint64_t> at(begin_);
+    for (const auto& part : parts)
+      for (const Pair& pair : part) pieces_[at[pair.site]++] = pair.piece;
+  }
+
+  std::span<const std::uint32_t> of(std::uint32_t site) const {
+    static constexpr std::uint32_t only = 0;
+    if (begin_.empty()) return {&only, 1};
+    return {pieces_.data() + begin_[site], begin_[site + 1] - begin_[site]};
+  }
+
+ private:
+  struct Pair {
+    std::uint32_t site, piece;
+  };
+
+  /// A site whose cell has the first corner of each piece: from site to site across bisectors, from
+  /// the piece before; distances fall with every step.
+  static std::vector<std::uint32_t> sites_at_corners(const DiagramCells& cells,
+                                                     const Triangulation& t,
+                                                     const Region<2>& region, const Run& run) {
+    CellClipper<2> clipper(cells, t, region);
+    std::vector<std::uint32_t> starts;
+    std::uint32_t site = cells.some_site();
+    for (const RegionPiece<2>& piece : region) {
+      run.check();
+      for (bool moved = true; moved;) {
+        clipper.start(site);
+        moved = false;
+        for (const auto& item : cells.of(site)) {
+          if (clipper.side_of(piece.corners[0].data(), item.other) != Sign::positive) continue;
+          site = item.other;
+          moved = true;
+          break;
+        }
+      }
+      starts.push_back(site);
+    }
+    return starts;
+  }
+
+  /// From the cells at the piece's first corner across the edges of cells within the piece.
+  static void spread(const DiagramCells& cells, const Region<2>& region, std::uint32_t piece,
+                     std::uint32_t start, CellClipper<2>& clipper, std::vector<Pair>& out,
+                     const Run& run) {
+    std::unordered_set<std::uint32_t> seen{start};
+    std::deque<std::pair<std::uint32_t, bool>> waiting{{start, true}};
+    const auto add = [&](std::uint32_t site, bool at_corner) {
+      if (seen.insert(site).second) waiting.emplace_back(site, at_corner);
+    };
+    for (; !waiting.empty(); waiting.pop_front()) {
+      const auto [site, at_corner] = waiting.front();
+      if (out.size() % 1024 == 0) run.check();
+      clipper.start(site);
+      if (at_corner)
+        for (const auto& item : cells.of(site))
+          if (clipper.side_of(region[piece].corners[0].data(), item.other) == Sign::zero)
+            add(item.other, true);
+      if (clipper.whole_within(piece)) {
+        out.push_back({site, piece});
+        for (const auto& item : cells.of(site)) add(item.other, false);
+        continue;
+      }
+      const ClipShape<2>& shape = clipper.clip(piece);
+      if (shape.empty()) continue;
+      out.push_back({site, piece});
+      for (const std::uint32_t plane : shape.planes)
+        if (clipper.corners().is_bisector(plane)) add(clipper.corners().label(plane), false);
+    }
+  }
+
+  std::uint64_t sites_;
+  std::vector<std::uint64_t> begin_;
+  std::vector<std::uint32_t> pieces_;
+};
+
+// ---------------------------------------------------------------------------- all cells
+
+/// What a chunk of points makes.
+struct Part {
+  std::vector<double> vertices;
+  std::vector<std::uint64_t> vertex_counts, face_counts, polygon_counts;
+  std::vector<std::uint32_t> face_sizes, face_vertices, neighbours, ring_counts, ring_sizes;
+};
+
+/// Numbers of planes and sites become what the result has.
+template <unsigned D>
+class CellWriter {
+ public:
+  CellWriter(const DiagramCells& cells, const Triangulation& t, const Region<D>& region,
+             const PiecesOfCells& pieces, bool shapes, Part& part)
+      : cells_(cells), clipper_(cells, t, region), pieces_(pieces), shapes_(shapes), part_(part) {}
+
+  /// Adds the site's cell; its measure.
+  double write(std::uint32_t site) {
+    polygons_.clear();
+    const std::size_t before = part_.vertices.size(), faces = part_.face_sizes.size();
+    double measure = 0;
+    if (cells_.is_site(site)) {
+      clipper_.start(site);
+      const auto pieces = pieces_.of(site);
+      measure = pieces.size() == 1 && clipper_.whole_within(pieces[0]) ? write_whole()
+                                                                       : write_clipped(pieces);
+    }
+    if (!shapes_) return measure;
+    if (D == 2) add_polygons();
+    part_.vertex_counts.push_back((part_.vertices.size() - before) / D);
+    if (D == 3) part_.face_counts.push_back(part_.face_sizes.size() - faces);
+    return measure;
+  }
+
+ private:
+  double write_whole() {
+    if (shapes_) add_whole();
+    return clipper_.whole_measure();
+  }
+  void add_whole() {
+    const WholeCell<D>& whole = clipper_.whole();
+    if constexpr (D == 2) {
+      CellRing ring{{}, whole.across};
+      for (const std::uint32_t v : whole.vertices)
+        ring.points.push_back({no_minus(cells_.vertex(v)[0]), no_minus(cells_.vertex(v)[1])});
+      if (tidy(ring)) polygons_.push_back({std::move(ring)});
+    } else {
+      for (const std::uint32_t v : whole.vertices)
+        for (unsigned j = 0; j < D; ++j) part_.vertices.push_back(no_minus(cells_.vertex(v)[j]));
+      add_faces(whole.starts, whole.items, whole.across);
+    }
+  }
+
+  double write_clipped(std::span<const std::uint32_t> pieces) {
+    Tracked sum;
+    std::vector<CellPiece> parts;
+    for (const std::uint32_t piece : pieces) {
+      const ClipShape<D>& shape = clipper_.clip(piece);
+      if (shape.empty()) continue;
+      sum = sum + clipper_.multiple(shape);
+      if constexpr (D == 2)
+        parts.push_back({piece, shape.vertices, shape.planes});
+      else if (shapes_)
+        add_shape(shape);
+    }
+    if constexpr (D == 2)
+      if (shapes_) polygons_ = join_pieces(clipper_.corners(), parts);
+    return rounded_measure<D>(sum, [&] {
+      mpq_class exact = 0;
+      for (const std::uint32_t piece : pieces) {
+        const ClipShape<D>& shape = clipper_.clip(piece);
+        if (!shape.empty()) exact += clipper_.exact_multiple(shape);
+      }
+      return exact;
+    });
+  }
+
+  void add_shape(const ClipShape<D>& shape) {
+    CellCorners<D>& corners = clipper_.corners();
+    for (const std::uint32_t v : shape.vertices) {
+      double x[D];
+      corners.round(v, x);
+      part_.vertices.insert(part_.vertices.end(), x, x + D);
+    }
+    across_.clear();
+    for (const std::uint32_t plane : shape.planes)
+      across_.push_back(corners.is_bisector(plane) ? corners.label(plane) : no_point);
+    if constexpr (D == 3)
+      add_faces(shape.starts, shape.items, across_);
+    else
+      add_faces({}, {}, across_);
+  }
+  void add_faces(const std::vector<std::uint32_t>& starts, const std::vector<std::uint32_t>& items,
+                 const std::vector<std::uint32_t>& across) {
+    part_.neighbours.insert(part_.neighbours.end(), across.begin(), across.end());
+    part_.face_vertices.insert(part_.face_vertices.end(), items.begin(), items.end());
+    for (std::size_t f = 0; f + 1 < starts.size(); ++f)
+      part_.face_sizes.push_back(starts[f + 1] - starts[f]);
+  }
+
+  void add_polygons() {
+    for (const CellPolygon& polygon : polygons_) {
+      for (const CellRing& ring : polygon) {
+        for (const auto& x : ring.points)
+          part_.vertices.insert(part_.vertices.end(), x.begin(), x.end());
+        part_.neighbours.insert(part_.neighbours.end(), ring.across.begin(), ring.across.end());
+        part_.ring_sizes.push_back(static_cast<std::uint32_t>(ring.points.size()));
+      }
+      part_.ring_counts.push_back(static_cast<std::uint32_t>(polygon.size()));
+    }
+    part_.polygon_counts.push_back(polygons_.size());
+  }
+
+  static double no_minus(double x) { return x == 0 ? 0 : x; }
+
+  const DiagramCells& cells_;
+  CellClipper<D> clipper_;
+  const PiecesOfCells& pieces_;
+  bool shapes_;
+  Part& part_;
+  std::vector<CellPolygon> polygons_;
+  std::vector<std::uint32_t> across_;
+};
+
+template <class T, class U>
+void append(Array<T>& to, const std::vector<U>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+template <class U>
+void append_sums(Array<std::uint64_t>& to, const std::vector<U>& counts) {
+  for (const U n : counts) to.push_back(to.back() + n);
+}
+
+void join(std::vector<Part>& parts, ClippedCells& out) {
+  out.vertex_offsets.assign(1, 0);
+  for (Array<std::uint64_t>* list : {&out.polygon_offsets, &out.polygon_rings, &out.ring_starts})
+    if (out.dimension == 2) list->assign(1, 0);
+  for (Array<std::uint64_t>* list : {&out.face_offsets, &out.face_starts})
+    if (out.dimension == 3) list->assign(1, 0);
+  for (Part& part : parts) {
+    append(out.vertices, part.vertices);
+    append(out.face_vertices, part.face_vertices);
+    append(out.neighbours, part.neighbours);
+    append_sums(out.vertex_offsets, part.vertex_counts);
+    append_sums(out.face_offsets, part.face_counts);
+    append_sums(out.face_starts, part.face_sizes);
+    append_sums(out.polygon_offsets, part.polygon_counts);
+    append_sums(out.polygon_rings, part.ring_counts);
+    append_sums(out.ring_starts, part.ring_sizes);
+    part = {};
+  }
+}
+
+template <unsigned D>
+PiecesOfCells pieces_of(const DiagramCells& cells, const Triangulation& t, const Region<D>& region,
+                        const Run& run) {
+  if constexpr (D == 2)
+    if (region.size() > 1 && t.corners() > 0) return {cells, t, region, run};
+  return PiecesOfCells(t.point_count);
+}
+
+template <unsigned D>
+ClippedCells clip(const PointView& points, const Triangulation& t, const Region<D>& region,
+                  std::span<const double> weights, bool shapes, const Run& run) {
+  require_budget(run.budget,
+                 t.point_count * 8 * (D + 4) + t.cells.size() * 8 * D +
+                     t.cells.size() * (D == 3 ? 50 : 40) +
+                     (shapes ? t.point_count * (D == 3 ? 2000 : 200) : 0),
+                 "the cells of the diagram");
+  ClippedCells out;
+  out.dimension = t.dimension;
+  out.point_count = t.point_count;
+  out.measures.resize(t.point_count);
+  const DualPoints rows(points, t, weights, run);
+  const DiagramCells cells(rows, t, run);
+  const PiecesOfCells pieces = pieces_of<D>(cells, t, region, run);
+  constexpr std::uint64_t grain = 512;  // cells; some hundred us of clipping, not tuned
+  std::vector<Part> parts(chunk_count(t.point_count, grain));
+  run.each_chunk(t.point_count, grain,
+                 [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+    CellWriter<D> writer(cells, t, region, pieces, shapes, parts[chunk]);
+    for (std::uint64_t v = begin; v < end; ++v)
+      out.measures[v] = writer.write(static_cast<std::uint32_t>(v));
+  });
+  if (shapes) join(parts, out);
+  run.report("done", 1);
+  return out;
+}
+
+}  // namespace
+}  // namespace internal
+
+ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
+                          std::span<const double> low, std::span<const double> high,
+                          std::span<const double> weights, bool shapes, const Options& options) {
+  using namespace internal;
+  const Run run(options);
+  const CallScope call;
+  const PageScope pages;
+  const Triangulation& t = triangulation;
+  check_dimension(t);
+  check_box(t, low, high);
+  return t.dimension == 1   ? clip<1>(points, t, box_region<1>(low, high), weights, shapes, run)
+         : t.dimension == 2 ? clip<2>(points, t, box_region<2>(low, high), weights, shapes, run)
+                            : clip<3>(points, t, box_region<3>(low, high), weights, shapes, run);
+}
+
+ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
+                          const PointView& region, std::span<const double> weights, bool shapes,
+                          const Options& options) {
+  using namespace internal;
+  const Triangulation& t = triangulation;
+  check_dimension(t);
+  if (region.dimension != t.dimension)
+    refuse("a region in dimension " + std::to_string(region.dimension) +
+           " for a diagram in dimension " + std::to_string(t.dimension));
+  if (t.dimension == 2) {
+    const std::uint64_t one[2] = {0, region.count};
+    return clip_voronoi(points, t, PolygonRings{region, one}, weights, shapes, options);
+  }
+  const Run run(options);
+  const CallScope call;
+  const PageScope pages;
+  return t.dimension == 1 ? clip<1>(points, t, hull_region<1>(region, run), weights, shapes, run)
+                          : clip<3>(points, t, hull_region<3>(region, run), weights, shapes, run);
+}
+
+ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
+                          const PolygonRings& region, std::span<const double> weights, bool shapes,
+                          const Options& options) {
+  using namespace internal;
+  const Run run(options);
+  const CallScope call;
+  const PageScope pages;
+  const Triangulation& t = triangulation;
+  if (t.dimension != 2)
+    refuse("a polygon for a diagram in dimension " + std::to_string(t.dimension));
+  return clip<2>(points, t, polygon_region(region, run), weights, shapes, run);
+}
+
+}  // namespace cullhull

@@ -1,0 +1,294 @@
+// The ridges of a diagram: edges of the triangulation, less those within merged cells.
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "diagrams/dual.hpp"
+#include "exact/orientation/orientation.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// The vertices of each group of merged cells, ascending: each list is made once.
+class GroupVertices {
+ public:
+  GroupVertices(const Triangulation& t, const Run& run) {
+    if (t.cell_groups.empty()) return;
+    const unsigned m = t.corners();
+    const std::size_t groups = *std::max_element(t.cell_groups.begin(), t.cell_groups.end()) + 1ULL;
+    begin_.assign(groups + 1, 0);
+    for (std::uint64_t c = 0; c < t.size(); ++c) begin_[t.group(c) + 1] += m;
+    for (std::size_t g = 0; g < groups; ++g) begin_[g + 1] += begin_[g];
+    vertices_.resize(begin_.back());
+    count_.resize(groups);
+    Array<std::uint64_t> at(begin_);
+    for (std::uint64_t c = 0; c < t.size(); ++c)
+      for (const std::uint32_t v : t.cell(c)) vertices_[at[t.group(c)]++] = v;
+    run.each(groups, light_grain / 8, [&](std::uint64_t first, std::uint64_t last) {
+      for (std::uint64_t g = first; g < last; ++g) {
+        std::uint32_t *from = vertices_.data() + begin_[g], *to = vertices_.data() + begin_[g + 1];
+        const auto corners = static_cast<std::size_t>(to - from);
+        if (corners == m) {
+          count_[g] = 0;  // one cell
+          continue;
+        }
+        std::sort(from, to);
+        count_[g] = static_cast<std::uint32_t>(std::unique(from, to) - from);
+      }
+    });
+  }
+  /// Whether cells are merged there.
+  bool merged(std::uint32_t g) const { return !count_.empty() && count_[g] > 0; }
+  /// Whether v is one of the vertices of a group of merged cells.
+  bool has(std::uint32_t g, std::uint32_t v) const {
+    const std::uint32_t* from = vertices_.data() + begin_[g];
+    return std::binary_search(from, from + count_[g], v);
+  }
+
+ private:
+  Array<std::uint64_t> begin_;
+  Array<std::uint32_t> vertices_, count_;
+};
+
+/// One edge with the cells around it.
+struct Edge {
+  std::uint32_t low, high;
+  std::span<const EdgeCells::Item> cells;
+};
+
+class RidgeWriter {
+ public:
+  RidgeWriter(const DualPoints& p, const Triangulation& t, const GroupVertices& groups)
+      : p_(p), t_(t), groups_(groups), k_(t.corners() - 1) {}
+
+  /// The vertices of the edge's ridge; false if it has none of dimension k - 1.
+  bool write(const Edge& e, std::vector<std::uint32_t>& out) {
+    out.clear();
+    if (within_merged(e)) return false;
+    if (k_ == 2)
+      in_plane(e, out);
+    else if (k_ == 3)
+      in_space(e, out);
+    else
+      in_any(e, out);
+    return true;
+  }
+
+ private:
+  bool on_edge(const Edge& e, std::uint32_t v) const { return v == e.low || v == e.high; }
+
+  /// The edge is none of the merged complex if the least face of that complex that has it has other
+  /// vertices too: those common to all groups around it that lie in the planes of all facets of the
+  /// hull at it. Vertices are extreme points of the lift, so such a face has dimension 2 or more,
+  /// and the cells of each group cut it into simplices: some cell of the group at the edge has a
+  /// further vertex of it. So corners of the group with the fewest cells here are all to look at.
+  bool within_merged(const Edge& e) {
+    if (k_ < 2) return false;
+    bool any = false;
+    for (const auto& item : e.cells) any = any || groups_.merged(t_.group(item.cell));
+    if (!any) return false;
+    sort_by_group(e);
+    std::size_t least = 0, fewest = e.cells.size() + 1;
+    for (std::size_t i = 0, next = 0; i < around_.size(); i = next) {
+      while (next < around_.size() && around_[next].first == around_[i].first) ++next;
+      if (next - i < fewest) {
+        fewest = next - i;
+        least = i;
+      }
+    }
+    candidates_.clear();
+    for (std::size_t i = least; i < least + fewest; ++i)
+      for (const std::uint32_t v : t_.cell(around_[i].second))
+        if (!on_edge(e, v)) candidates_.push_back(v);
+    std::sort(candidates_.begin(), candidates_.end());
+    candidates_.erase(std::unique(candidates_.begin(), candidates_.end()), candidates_.end());
+    return std::any_of(candidates_.begin(), candidates_.end(),
+                       [&](std::uint32_t v) { return in_all_groups(v) && on_hull(e, v); });
+  }
+  void sort_by_group(const Edge& e) {
+    around_.clear();
+    for (const auto& item : e.cells) around_.emplace_back(t_.group(item.cell), item.cell);
+    std::sort(around_.begin(), around_.end());
+  }
+  /// Of the groups around the edge.
+  bool in_all_groups(std::uint32_t v) const {
+    for (std::size_t i = 0; i < around_.size(); ++i) {
+      const auto [group, c] = around_[i];
+      if (i > 0 && group == around_[i - 1].first) continue;
+      const auto cell = t_.cell(c);
+      if (!(groups_.merged(group) ? groups_.has(group, v)
+                                  : std::find(cell.begin(), cell.end(), v) != cell.end()))
+        return false;
+    }
+    return true;
+  }
+
+  /// Whether v is in the planes of the hull's facets that have the edge.
+  bool on_hull(const Edge& e, std::uint32_t v) {
+    for (const auto& item : e.cells)
+      for (unsigned j = 0; j <= k_; ++j) {
+        if (t_.neighbours_of(item.cell)[j] != no_cell || on_edge(e, t_.cell(item.cell)[j]))
+          continue;
+        if (!on_plane(item.cell, j, v)) return false;
+      }
+    return true;
+  }
+  /// Whether v is in the plane of the facet opposite to corner j of the cell.
+  bool on_plane(std::uint32_t c, unsigned j, std::uint32_t v) {
+    rows_.resize((k_ + 1) * k_);
+    std::vector<const double*> at(k_ + 1);
+    for (unsigned i = 0; i <= k_; ++i) {
+      const double* from = p_.row(i == j ? v : t_.cell(c)[i]);
+      double* to = rows_.data() + std::size_t{i} * k_;
+      for (unsigned a = 0; a < k_; ++a) to[a] = from[t_.axes[a]];
+      at[i] = to;
+    }
+    return orientation(k_, at.data()) == Sign::zero;
+  }
+
+  /// Left, then right. In a triangle low is followed by high where its third corner is on the left.
+  void in_plane(const Edge& e, std::vector<std::uint32_t>& out) const {
+    out.assign(2, at_infinity);
+    for (const auto& item : e.cells) {
+      const auto v = t_.cell(item.cell);
+      const bool left = (v[0] == e.low && v[1] == e.high) || (v[1] == e.low && v[2] == e.high) ||
+                        (v[2] == e.low && v[0] == e.high);
+      out[left ? 0 : 1] = t_.group(item.cell);
+    }
+  }
+
+  /// Places in the cell of the corners off the edge, so that from the first to the second is a
+  /// positive turn around the way from low to high.
+  std::pair<unsigned, unsigned> others(const Edge& e, std::uint32_t c) const {
+    const auto v = t_.cell(c);
+    unsigned order[4], n = 2;
+    for (unsigned i = 0; i < 4; ++i) order[v[i] == e.low ? 0 : v[i] == e.high ? 1 : n++] = i;
+    unsigned inversions = 0;
+    for (unsigned i = 0; i < 4; ++i)
+      for (unsigned j = i + 1; j < 4; ++j) inversions += order[i] > order[j] ? 1 : 0;
+    if (inversions % 2 == 1) std::swap(order[2], order[3]);
+    return {order[2], order[3]};
+  }
+
+  void in_space(const Edge& e, std::vector<std::uint32_t>& out) const {
+    std::uint32_t first = e.cells[0].cell;
+    for (const auto& item : e.cells) {  // infinity first
+      if (t_.neighbours_of(item.cell)[others(e, item.cell).second] != no_cell) continue;
+      out.push_back(at_infinity);
+      first = item.cell;
+    }
+    for (std::uint32_t c = first;;) {
+      if (out.empty() || out.back() != t_.group(c)) out.push_back(t_.group(c));
+      c = t_.neighbours_of(c)[others(e, c).first];
+      if (c == no_cell || c == first) break;
+    }
+    if (out.front() == at_infinity) return;
+    if (out.size() > 1 && out.back() == out.front()) out.pop_back();
+    std::rotate(out.begin(), std::min_element(out.begin(), out.end()), out.end());
+  }
+
+  void in_any(const Edge& e, std::vector<std::uint32_t>& out) const {
+    bool unbounded = false;
+    for (const auto& item : e.cells) {
+      out.push_back(t_.group(item.cell));
+      for (unsigned j = 0; j <= k_ && k_ > 1; ++j)
+        unbounded = unbounded || (t_.neighbours_of(item.cell)[j] == no_cell &&
+                                  !on_edge(e, t_.cell(item.cell)[j]));
+    }
+    if (unbounded) out.push_back(at_infinity);
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+  }
+
+  const DualPoints& p_;
+  const Triangulation& t_;
+  const GroupVertices& groups_;
+  unsigned k_;
+  std::vector<double> rows_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> around_;  ///< group and cell, at the edge
+  std::vector<std::uint32_t> candidates_;
+};
+
+}  // namespace
+
+EdgeCells::EdgeCells(const Triangulation& t, const Run& run) : begin_(t.point_count + 1) {
+  const unsigned m = t.corners();
+  std::fill(begin_.begin(), begin_.end(), 0U);
+  const auto each = [&](std::uint64_t c, const auto& body) {
+    const auto v = t.cell(c);
+    for (unsigned i = 0; i < m; ++i)
+      for (unsigned j = i + 1; j < m; ++j) body(std::min(v[i], v[j]), std::max(v[i], v[j]));
+  };
+  for (std::uint64_t c = 0; c < t.size(); ++c)
+    each(c, [&](std::uint32_t low, std::uint32_t) { ++begin_[low + 1]; });
+  for (std::uint64_t i = 0; i < t.point_count; ++i) begin_[i + 1] += begin_[i];
+  items_.resize(begin_.back());
+  Array<std::uint64_t> at(begin_);
+  for (std::uint64_t c = 0; c < t.size(); ++c) {
+    if (c % light_grain == 0) run.check();
+    each(c, [&](std::uint32_t low, std::uint32_t high) {
+      items_[at[low]++] = {high, static_cast<std::uint32_t>(c)};
+    });
+  }
+  run.each(t.point_count, light_grain / 8, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t v = begin; v < end; ++v)
+      std::sort(items_.data() + begin_[v], items_.data() + begin_[v + 1],
+                [](const Item& a, const Item& b) {
+        return a.other != b.other ? a.other < b.other : a.cell < b.cell;
+      });
+  });
+}
+
+PointNeighbours::PointNeighbours(const Triangulation& t, const Run& run)
+    : begin_(t.point_count + 1) {
+  const EdgeCells edges(t, run);
+  std::fill(begin_.begin(), begin_.end(), 0U);
+  const auto each = [&](const auto& body) {
+    for (std::uint64_t v = 0; v < t.point_count; ++v) {
+      std::uint32_t last = no_point;
+      for (const auto& item : edges.of(v)) {
+        if (item.other != last) body(static_cast<std::uint32_t>(v), item.other);
+        last = item.other;
+      }
+    }
+  };
+  each([&](std::uint32_t a, std::uint32_t b) {
+    ++begin_[a + 1];
+    ++begin_[b + 1];
+  });
+  for (std::uint64_t v = 0; v < t.point_count; ++v) begin_[v + 1] += begin_[v];
+  items_.resize(begin_.back());
+  Array<std::uint64_t> at(begin_);
+  // Lower neighbours come first, in order, as rows ascend; then the higher ones.
+  each([&](std::uint32_t a, std::uint32_t b) { items_[at[b]++] = a; });
+  each([&](std::uint32_t a, std::uint32_t b) { items_[at[a]++] = b; });
+}
+
+void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run) {
+  const EdgeCells edges(t, run);
+  const GroupVertices groups(t, run);
+  ListsInChunks vertices(t.point_count), points(t.point_count);
+  run.each_chunk(t.point_count, vertices.grain,
+                 [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+    RidgeWriter writer(p, t, groups);
+    std::vector<std::uint32_t> ridge;
+    for (std::uint64_t v = begin; v < end; ++v) {
+      const auto around = edges.of(v);
+      for (std::size_t i = 0; i < around.size();) {
+        std::size_t next = i + 1;
+        while (next < around.size() && around[next].other == around[i].other) ++next;
+        const Edge e{static_cast<std::uint32_t>(v), around[i].other, around.subspan(i, next - i)};
+        if (writer.write(e, ridge)) {
+          vertices.add(chunk, ridge);
+          points.add(chunk, {e.low, e.high});
+        }
+        i = next;
+      }
+    }
+  });
+  vertices.join(out.ridge_offsets, out.ridge_vertices);
+  Array<std::uint64_t> pairs;
+  points.join(pairs, out.ridge_points);
+}
+
+}  // namespace cullhull::internal

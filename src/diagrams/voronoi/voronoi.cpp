@@ -1,0 +1,208 @@
+// voronoi(): vertices, rays, regions; ridges are ridges.cpp's.
+#include "cullhull/voronoi.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cullhull/error.hpp"
+#include "diagrams/dual.hpp"
+#include "exact/insphere/circumcentre.hpp"
+#include "geometry/gather.hpp"
+#include "parallel/memory/pages.hpp"
+#include "parallel/threads/helpers.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+void write_rays(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run) {
+  const unsigned k = t.corners() - 1, d = t.dimension;
+  const std::uint64_t count = t.hull_facet_count();
+  out.ray_vertices.resize(count);
+  out.ray_directions.resize(count * d);
+  run.each(count, light_grain / 64, [&](std::uint64_t begin, std::uint64_t end) {
+    std::vector<const double*> rows(k);
+    for (std::uint64_t f = begin; f < end; ++f) {
+      const auto facet = t.hull_facet(f);
+      const auto cell = t.cell(t.hull_cells[f]);
+      for (unsigned i = 0; i < k; ++i) rows[i] = p.row(facet[i]);
+      const auto opposite = std::find_if(cell.begin(), cell.end(), [&](std::uint32_t v) {
+        return std::find(facet.begin(), facet.end(), v) == facet.end();
+      });
+      double* direction = out.ray_directions.data() + f * d;
+      outward_direction(d, k, rows.data(), p.row(*opposite), direction);
+      if (t.furthest_site)
+        for (unsigned j = 0; j < d; ++j) direction[j] = direction[j] == 0 ? 0 : -direction[j];
+      out.ray_vertices[f] = t.group(t.hull_cells[f]);
+    }
+  });
+}
+
+/// Cells at each point, in the order of cells.
+struct Stars {
+  explicit Stars(const Triangulation& t) : begin(t.point_count + 1) {
+    std::fill(begin.begin(), begin.end(), 0U);
+    for (const std::uint32_t v : t.cells) ++begin[v + 1];
+    for (std::uint64_t i = 0; i < t.point_count; ++i) begin[i + 1] += begin[i];
+    Array<std::uint64_t> at(begin);
+    cells.resize(t.cells.size());
+    const unsigned m = t.corners();
+    for (std::size_t i = 0; i < t.cells.size(); ++i)
+      cells[at[t.cells[i]]++] = static_cast<std::uint32_t>(i / m);
+  }
+  std::span<const std::uint32_t> of(std::uint64_t v) const {
+    return {cells.data() + begin[v], begin[v + 1] - begin[v]};
+  }
+  Array<std::uint64_t> begin;
+  Array<std::uint32_t> cells;
+};
+
+/// Groups around a point in the plane, from infinity if that is there.
+void turn_around(const Triangulation& t, std::uint32_t v, std::uint32_t start,
+                 std::vector<std::uint32_t>& out) {
+  const auto across = [&](std::uint32_t c, unsigned turn) {
+    const auto cell = t.cell(c);
+    const auto at = static_cast<unsigned>(std::find(cell.begin(), cell.end(), v) - cell.begin());
+    return t.neighbours_of(c)[(at + turn) % 3];
+  };
+  std::uint32_t first = start;
+  for (std::uint32_t c = across(start, 2); c != start; c = across(c, 2)) {
+    if (c == no_cell) {
+      out.push_back(at_infinity);
+      break;
+    }
+    first = c;
+  }
+  if (out.empty()) first = start;
+  for (std::uint32_t c = first;;) {
+    if (out.empty() || out.back() != t.group(c)) out.push_back(t.group(c));
+    c = across(c, 1);
+    if (c == no_cell || c == first) break;
+  }
+  if (out.front() == at_infinity) return;
+  if (out.size() > 1 && out.back() == out.front()) out.pop_back();
+  std::rotate(out.begin(), std::min_element(out.begin(), out.end()), out.end());
+}
+
+void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
+  const Stars stars(t);
+  std::vector<bool> unbounded(t.point_count);
+  for (const std::uint32_t v : t.hull_facets) unbounded[v] = true;
+  if (t.corners() == 1) unbounded[t.cells[0]] = true;
+  ListsInChunks lists(t.point_count);
+  run.each_chunk(t.point_count, lists.grain,
+                 [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+    std::vector<std::uint32_t> list;
+    for (std::uint64_t v = begin; v < end; ++v) {
+      list.clear();
+      const auto star = stars.of(v);
+      if (t.corners() == 3 && !star.empty()) {
+        turn_around(t, static_cast<std::uint32_t>(v), star[0], list);
+      } else {
+        if (t.corners() > 1)
+          for (const std::uint32_t c : star) list.push_back(t.group(c));
+        if (unbounded[v]) list.push_back(at_infinity);
+        std::sort(list.begin(), list.end());
+        list.erase(std::unique(list.begin(), list.end()), list.end());
+      }
+      lists.add(chunk, list);
+    }
+  });
+  lists.join(out.region_offsets, out.region_vertices);
+}
+
+}  // namespace
+
+void require_points_of(const Triangulation& t, const PointView& points,
+                       std::span<const double> weights) {
+  const auto require = [](bool condition, const std::string& message) {
+    if (!condition) throw Error(ErrorCode::invalid_argument, message);
+  };
+  require(points.dimension == t.dimension && points.count == t.point_count,
+          "the triangulation is of " + std::to_string(t.point_count) + " points in dimension " +
+              std::to_string(t.dimension) + ", not of " + std::to_string(points.count) +
+              " in dimension " + std::to_string(points.dimension));
+  require(weights.empty() || weights.size() == points.count,
+          "there are " + std::to_string(points.count) + " points, but " +
+              std::to_string(weights.size()) + " weights");
+}
+
+DualPoints::DualPoints(const PointView& points, const Triangulation& t,
+                       std::span<const double> weights, const Run& run)
+    : stride_(t.dimension + (weights.empty() ? 0 : 1)), weighted_(!weights.empty()) {
+  require_points_of(t, points, weights);
+  rows_ = gather_points(points, nullptr, points.count, run);
+  if (!weighted_) return;
+  const unsigned d = t.dimension;
+  Array<double> rows(points.count * stride_);
+  for (std::uint64_t i = 0; i < points.count; ++i) {
+    std::copy_n(rows_.data() + i * d, d, rows.data() + i * stride_);
+    rows[i * stride_ + d] = weights[i];
+  }
+  rows_ = std::move(rows);
+}
+
+Array<std::uint32_t> first_cells(const Triangulation& t) {
+  Array<std::uint32_t> first;
+  if (t.cell_groups.empty()) return first;
+  for (std::uint32_t c = 0; c < t.size(); ++c)
+    if (t.group(c) == first.size()) first.push_back(c);
+  return first;
+}
+
+void write_vertices(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run) {
+  const unsigned k = t.corners() - 1, d = t.dimension;
+  if (k == 0) return;
+  const Array<std::uint32_t> first = first_cells(t);
+  const std::uint64_t groups = first.empty() ? t.size() : first.size();
+  out.vertices.resize(groups * d);
+  run.each(groups, light_grain / 64, [&](std::uint64_t begin, std::uint64_t end) {
+    std::vector<const double*> rows(k + 1);
+    for (std::uint64_t g = begin; g < end; ++g) {
+      const auto cell = t.cell(first.empty() ? g : first[g]);
+      for (unsigned i = 0; i <= k; ++i) rows[i] = p.row(cell[i]);
+      circumcentre(d, k, p.weighted(), rows.data(), out.vertices.data() + g * d);
+    }
+  });
+}
+
+}  // namespace internal
+
+Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
+                std::span<const double> weights, const Options& options) {
+  using namespace internal;
+  const Run run(options);
+  const CallScope call;
+  const PageScope pages;
+  const Triangulation& t = triangulation;
+  const std::uint64_t k = t.corners() == 0 ? 0 : t.corners() - 1;
+  require_budget(run.budget,
+                 t.point_count * 8 * (t.dimension + 3) +
+                     t.size() * (8 * t.dimension + 12 * (k + 1) + 6 * k * (k + 1)),
+                 "the cells of the Voronoi diagram");
+  Voronoi out;
+  out.dimension = t.dimension;
+  out.point_count = t.point_count;
+  out.scalar = t.scalar;
+  out.affine_dimension = t.affine_dimension;
+  out.furthest_site = t.furthest_site;
+  const DualPoints p(points, t, weights, run);
+  if (t.corners() == 0) {
+    out.ridge_offsets.assign(1, 0);
+    out.region_offsets.assign(1, 0);
+    return out;
+  }
+  run.report("vertices", 0);
+  write_vertices(p, t, out, run);
+  if (k > 0) write_rays(p, t, out, run);
+  run.report("ridges", 0.4);
+  write_ridges(p, t, out, run);
+  run.report("regions", 0.8);
+  write_regions(t, out, run);
+  run.report("done", 1);
+  return out;
+}
+
+}  // namespace cullhull

@@ -1,0 +1,158 @@
+#include "diagrams/voronoi/whole_cells.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "exact/planes/halfspace.hpp"
+
+namespace cullhull::internal {
+
+DiagramCells::DiagramCells(const DualPoints& points, const Triangulation& t, const Run& run)
+    : points_(points), t_(t), first_(first_cells(t)), begin_(t.point_count + 1) {
+  diagram_.dimension = t.dimension;
+  diagram_.ridge_offsets.assign(1, 0);
+  is_site_.assign(t.point_count, false);
+  for (const std::uint32_t v : t.cells) is_site_[v] = true;
+  std::fill(begin_.begin(), begin_.end(), 0U);
+  if (t.corners() < 2) return;
+  write_vertices(points, t, diagram_, run);
+  write_ridges(points, t, diagram_, run);
+  for (const std::uint32_t v : diagram_.ridge_points) ++begin_[v + 1];
+  for (std::uint64_t v = 0; v < t.point_count; ++v) begin_[v + 1] += begin_[v];
+  items_.resize(begin_.back());
+  Array<std::uint64_t> at(begin_);
+  const auto add = [&](unsigned end) {  // pairs are sorted, so what is across ascends
+    for (std::uint32_t r = 0; r < diagram_.ridge_count(); ++r) {
+      const std::uint32_t* pair = diagram_.ridge_points.data() + 2 * std::uint64_t{r};
+      items_[at[pair[end]]++] = {pair[1 - end], r};
+    }
+  };
+  add(1);
+  add(0);
+}
+
+namespace {
+
+/// Where ridges turn around a site as they do in its cell; the furthest site's turn the other way.
+bool in_full(const Triangulation& t, unsigned d) {
+  return t.corners() == d + 1 && !t.furthest_site;
+}
+
+bool reaches_infinity(std::span<const std::uint32_t> ridge) {
+  return std::find(ridge.begin(), ridge.end(), at_infinity) != ridge.end();
+}
+
+}  // namespace
+
+/// The lower end is the one towards the site of the smaller coordinate.
+template <>
+bool WholeCell<1>::start(const DiagramCells& cells, std::uint32_t site) {
+  const auto around = cells.of(site);
+  if (!in_full(cells.triangulation(), 1) || around.size() != 2) return false;
+  const bool in_order =
+      cells.points().row(around[0].other)[0] < cells.points().row(around[1].other)[0];
+  vertices.clear();
+  across.clear();
+  for (const unsigned i : {in_order ? 0U : 1U, in_order ? 1U : 0U}) {
+    vertices.push_back(cells.ridge(around[i].ridge)[0]);
+    across.push_back(around[i].other);
+  }
+  return true;
+}
+
+/// A ridge lists its left vertex first on the way from the lower site to the other: seen from the
+/// lower site the way around leads from the right one to the left one.
+template <>
+bool WholeCell<2>::start(const DiagramCells& cells, std::uint32_t site) {
+  const auto around = cells.of(site);
+  if (!in_full(cells.triangulation(), 2) || around.size() < 3) return false;
+  const auto ends = [&](const DiagramCells::Item& item) {
+    const auto ridge = cells.ridge(item.ridge);
+    return site < item.other ? std::pair(ridge[1], ridge[0]) : std::pair(ridge[0], ridge[1]);
+  };
+  for (const auto& item : around)
+    if (reaches_infinity(cells.ridge(item.ridge))) return false;
+  vertices.clear();
+  across.clear();
+  for (std::uint32_t at = ends(around[0]).first; vertices.size() < around.size();) {
+    const auto item = std::find_if(around.begin(), around.end(),
+                                   [&](const auto& i) { return ends(i).first == at; });
+    if (item == around.end()) return false;
+    vertices.push_back(at);
+    across.push_back(item->other);
+    at = ends(*item).second;
+  }
+  return true;
+}
+
+/// A ridge's vertices are around the way from the lower site by the right hand: counterclockwise
+/// from outside for the lower site.
+template <>
+bool WholeCell<3>::start(const DiagramCells& cells, std::uint32_t site) {
+  const auto around = cells.of(site);
+  if (!in_full(cells.triangulation(), 3) || around.size() < 4) return false;
+  vertices.clear();
+  across.clear();
+  items.clear();
+  starts.assign(1, 0);
+  for (const auto& item : around) {
+    const auto ridge = cells.ridge(item.ridge);
+    if (reaches_infinity(ridge)) return false;
+    items.insert(items.end(), ridge.begin(), ridge.end());
+    if (site > item.other)
+      std::reverse(items.begin() + static_cast<std::ptrdiff_t>(starts.back()), items.end());
+    starts.push_back(static_cast<std::uint32_t>(items.size()));
+    across.push_back(item.other);
+  }
+  vertices = items;
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  for (std::uint32_t& v : items)
+    v = static_cast<std::uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), v) -
+                                   vertices.begin());
+  return true;
+}
+
+/// A dual cell that has the site gives its bisectors towards the others; another one the centre
+/// less its first site, and that site less this one.
+template <unsigned D>
+template <class Real>
+void WholeCell<D>::place(const DiagramCells& cells, std::uint32_t site,
+                         std::vector<std::array<Real, D>>& at) const {
+  const DualPoints& points = cells.points();
+  at.resize(vertices.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const auto cell = cells.dual_cell(vertices[i]);
+    const bool has_site = std::find(cell.begin(), cell.end(), site) != cell.end();
+    const std::uint32_t from = has_site ? site : cell[0];
+    Halfspace<D, Real> planes[D];
+    std::array<const Halfspace<D, Real>*, D> meet;
+    unsigned n = 0;
+    for (const std::uint32_t other : cell)
+      if (other != from) {
+        planes[n] = bisector<D, Real>(points.row(from), points.row(other), points.weighted());
+        meet[n] = &planes[n];
+        ++n;
+      }
+    at[i] = meeting<Real>(meet);
+    for (unsigned j = 0; j < D && from != site; ++j)
+      at[i][j] = at[i][j] + exact_difference<Real>(points.row(from)[j], points.row(site)[j]);
+  }
+}
+
+template class WholeCell<1>;
+template class WholeCell<2>;
+template class WholeCell<3>;
+#define CULLHULL_PLACES(d)                                                       \
+  template void WholeCell<d>::place(const DiagramCells&, std::uint32_t,          \
+                                    std::vector<std::array<Bounded, d>>&) const; \
+  template void WholeCell<d>::place(const DiagramCells&, std::uint32_t,          \
+                                    std::vector<std::array<Tracked, d>>&) const; \
+  template void WholeCell<d>::place(const DiagramCells&, std::uint32_t,          \
+                                    std::vector<std::array<mpq_class, d>>&) const;
+CULLHULL_PLACES(1)
+CULLHULL_PLACES(2)
+CULLHULL_PLACES(3)
+#undef CULLHULL_PLACES
+
+}  // namespace cullhull::internal

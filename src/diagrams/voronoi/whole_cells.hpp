@@ -1,0 +1,71 @@
+// The cells of a diagram as it has them: bounded by ridges, with vertices of the diagram.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "diagrams/dual.hpp"
+#include "diagrams/voronoi/clip_corners.hpp"
+
+namespace cullhull::internal {
+
+/// The vertices and ridges of a diagram, by site.
+class DiagramCells {
+ public:
+  DiagramCells(const DualPoints& points, const Triangulation& t, const Run& run);
+
+  struct Item {
+    std::uint32_t other, ridge;
+  };
+  /// The ridges of a site's cell and the sites across them, ascending.
+  std::span<const Item> of(std::uint32_t site) const {
+    return {items_.data() + begin_[site], begin_[site + 1] - begin_[site]};
+  }
+  std::span<const std::uint32_t> ridge(std::uint32_t r) const { return diagram_.ridge(r); }
+  const double* vertex(std::uint32_t v) const {
+    return diagram_.vertices.data() + std::uint64_t{v} * t_.dimension;
+  }
+  bool is_site(std::uint32_t i) const { return is_site_[i]; }
+  /// Any site; the triangulation has cells.
+  std::uint32_t some_site() const { return t_.cells[0]; }
+
+  const DualPoints& points() const { return points_; }
+  const Triangulation& triangulation() const { return t_; }
+  /// A cell of the triangulation whose circumcentre is vertex v.
+  std::span<const std::uint32_t> dual_cell(std::uint32_t v) const {
+    return t_.cell(first_.empty() ? v : first_[v]);
+  }
+
+ private:
+  const DualPoints& points_;
+  const Triangulation& t_;
+  Voronoi diagram_;
+  Array<std::uint32_t> first_;
+  Array<std::uint64_t> begin_;
+  Array<Item> items_;
+  std::vector<bool> is_site_;
+};
+
+/// A bounded cell.
+template <unsigned D>
+class WholeCell {
+ public:
+  /// False if the site's cell is unbounded, the sites lie in a flat, or the diagram is that of the
+  /// furthest site.
+  bool start(const DiagramCells& cells, std::uint32_t site);
+
+  /// As in ClipShape: on a line both ends, in the plane counterclockwise, in space places in
+  /// `vertices` for each face.
+  std::vector<std::uint32_t> vertices;  ///< of the diagram
+  std::vector<std::uint32_t> across;    ///< the site across each face, edge or end
+  std::vector<std::uint32_t> starts, items;
+
+  /// Vertices relative to the site; Bounded, Tracked or rationals.
+  template <class Real>
+  void place(const DiagramCells& cells, std::uint32_t site,
+             std::vector<std::array<Real, D>>& at) const;
+};
+
+}  // namespace cullhull::internal

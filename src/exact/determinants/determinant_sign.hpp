@@ -1,0 +1,97 @@
+// Signs of determinants of integers: 128 bits where they provably suffice, else GMP.
+#pragma once
+
+#include <gmp.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+
+#include "exact/determinants/factorials.hpp"
+#include "exact/determinants/minors.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "exact/planes/exact_plane.hpp"
+#include "exact/points/integer_points.hpp"
+#include "parallel/dispatch.hpp"
+#include "parallel/int128.hpp"
+
+namespace cullhull::internal {
+
+// Rows below are square matrices: columns(); narrow(), whether entries fit 64 bits, then small(i,
+// j); big(i, j, out, scratch) always.
+
+/// Determinant in 128 bits, if it provably fits: the sum over columns of the bits of the largest
+/// entry, plus the bits of d!.
+template <unsigned D, class Rows>
+bool determinant_128(const Rows& a, Sign& sign) {
+  std::int64_t m[D][D];
+  int bits = 0;
+  for (unsigned j = 0; j < D; ++j) {
+    std::uint64_t any = 0;
+    for (unsigned i = 0; i < D; ++i) {
+      m[i][j] = a.small(i, j);
+      any |= static_cast<std::uint64_t>(std::abs(m[i][j]));
+    }
+    bits += bit_length(any);
+  }
+  if (bits + factorial_bits[D] > 126) return false;
+  Int128 det[1U << D];
+  expand_minors<D, false>(m, D, det, static_cast<Int128*>(nullptr));
+  const Int128 value = det[(1U << D) - 1];
+  sign = value > 0 ? Sign::positive : value < 0 ? Sign::negative : Sign::zero;
+  return true;
+}
+
+template <class Rows>
+bool determinant_128(const Rows& a, Sign& sign) {
+  return a.narrow() && with_dimension<2, 8, 0>(a.columns(), [&](auto k) {
+           if constexpr (k > 0) return determinant_128<k>(a, sign);
+           return false;
+         });
+}
+
+/// Numbers that a thread keeps for reuse.
+inline BigNumbers& kept_numbers(std::size_t count) {
+  thread_local BigNumbers kept;
+  kept.resize(count);
+  return kept;
+}
+
+/// Sign of the determinant by fraction-free elimination (Bareiss 1968), where every division is
+/// exact.
+template <class Rows>
+Sign determinant_sign_big(const Rows& rows) {
+  const unsigned n = rows.columns();
+  BigNumbers& m = kept_numbers(std::size_t{n} * n + 1);
+  mpz_ptr t = m[std::size_t{n} * n];
+  const auto at = [&](unsigned i, unsigned j) { return m[std::size_t{i} * n + j]; };
+  for (unsigned i = 0; i < n; ++i)
+    for (unsigned j = 0; j < n; ++j) rows.big(i, j, at(i, j), t);
+  int flips = 1;
+  for (unsigned k = 0; k + 1 < n; ++k) {
+    unsigned pivot = k;
+    while (pivot < n && mpz_sgn(at(pivot, k)) == 0) ++pivot;
+    if (pivot == n) return Sign::zero;
+    if (pivot != k) {
+      for (unsigned j = 0; j < n; ++j) mpz_swap(at(pivot, j), at(k, j));
+      flips = -flips;
+    }
+    for (unsigned i = k + 1; i < n; ++i)
+      for (unsigned j = k + 1; j < n; ++j) {
+        mpz_mul(t, at(i, k), at(k, j));
+        mpz_mul(at(i, j), at(i, j), at(k, k));
+        mpz_sub(at(i, j), at(i, j), t);
+        if (k > 0) mpz_divexact(at(i, j), at(i, j), at(k - 1, k - 1));
+      }
+  }
+  return static_cast<Sign>(flips * mpz_sgn(at(n - 1, n - 1)));
+}
+
+template <class Rows>
+Sign determinant_sign(const Rows& a) {
+  Sign sign = Sign::zero;
+  if (determinant_128(a, sign)) return sign;
+  return determinant_sign_big(a);
+}
+
+}  // namespace cullhull::internal

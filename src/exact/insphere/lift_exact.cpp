@@ -1,0 +1,123 @@
+#include "exact/insphere/lift_exact.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "exact/insphere/eliminated_sign.hpp"
+#include "exact/insphere/lift_filter.hpp"
+#include "exact/insphere/lifted_rows.hpp"
+#include "exact/numbers/double_double.hpp"
+#include "parallel/dispatch.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// Relative error of one operation of DoubleDouble: 7 u^2 for products, 3 u^2 for sums (Joldes,
+/// Muller, Popescu 2017), and room for second-order terms.
+constexpr double wide_roundoff = 0x1p-102;
+
+template <unsigned K>
+Sign wide_side(const LiftedPoints& s, const double* const* c, const double* p) {
+  DoubleDouble m[K + 1][K + 1];
+  double largest[K + 1] = {};
+  for (unsigned i = 0; i <= K; ++i) {
+    const double* q = i < K ? c[i + 1] : p;
+    DoubleDouble lift;
+    double magnitude = 0;
+    for (unsigned j = 0; j < s.width; ++j) {
+      const DoubleDouble v = DoubleDouble::sum(q[j], -c[0][j]);
+      if (j < K) {
+        m[i][j] = v;
+        largest[j] = std::max(largest[j], std::abs(v.high));
+      }
+      const DoubleDouble square = v * v;
+      lift = lift + square;
+      magnitude += square.high;
+    }
+    if (s.weighted) {
+      const DoubleDouble w = DoubleDouble::sum(q[s.width], -c[0][s.width]);
+      lift = lift - w;
+      magnitude += std::abs(w.high);
+    }
+    m[i][K] = lift;
+    largest[K] = std::max(largest[K], magnitude);
+  }
+  DoubleDouble det[1U << (K + 1)];
+  expand_minors<K + 1, false>(m, K + 1, det, static_cast<DoubleDouble*>(nullptr));
+  const DoubleDouble value = det[(1U << (K + 1)) - 1];
+  const double bound = lift_bound<K>(largest, s.width, wide_roundoff, s.tiny);
+  if (value.high > bound) return Sign::positive;
+  if (value.high < -bound) return Sign::negative;
+  return Sign::zero;
+}
+
+/// The matrix of `lift_side_exact` as computed, and bounds of the errors of its lifts: a
+/// difference's error counts twice, a square, d - 1 sums, two of a weight; those of the bound.
+void lifted_matrix(const LiftedPoints& s, const double* const* c, const double* p, double* m,
+                   double* doubt) {
+  const unsigned k = s.base;
+  for (unsigned i = 0; i <= k; ++i, m += k + 1) {
+    const double* q = i < k ? c[i + 1] : p;
+    double lift = 0;
+    for (unsigned j = 0; j < s.width; ++j) {
+      const double v = q[j] - c[0][j];
+      if (j < k) m[j] = v;
+      lift += v * v;
+    }
+    double magnitude = lift;
+    if (s.weighted) {
+      const double w = q[s.width] - c[0][s.width];
+      lift -= w;
+      magnitude += std::abs(w);
+    }
+    m[k] = lift;
+    doubt[i] = (2 * s.width + 8) * unit_roundoff * magnitude;
+  }
+}
+
+/// Room for a matrix of n x n and n doubts after it.
+double* room_for_matrix(unsigned n) {
+  thread_local std::vector<double> numbers;
+  numbers.resize(std::size_t{n} * (n + 1));
+  return numbers.data();
+}
+
+}  // namespace
+
+bool base_orientation_eliminated(unsigned k, const double* const* p, Sign& sign) {
+  double *matrix = room_for_matrix(k), *doubt = matrix + std::size_t{k} * k;
+  for (unsigned i = 0; i < k; ++i)
+    for (unsigned j = 0; j < k; ++j) matrix[i * k + j] = p[i + 1][j] - p[0][j];
+  std::fill_n(doubt, k, 0.0);
+  return eliminated_sign(k, matrix, doubt, sign);
+}
+
+bool lift_side_eliminated(const LiftedPoints& s, const double* const* c, const double* p,
+                          Sign& sign) {
+  const unsigned n = s.base + 1;
+  double *matrix = room_for_matrix(n), *doubt = matrix + std::size_t{n} * n;
+  lifted_matrix(s, c, p, matrix, doubt);
+  if (!eliminated_sign(n, matrix, doubt, sign)) return false;
+  if (s.furthest) sign = -sign;
+  return true;
+}
+
+Sign lift_side_exact(const LiftedPoints& s, const double* const* c, const double* p) {
+  const Sign sign = determinant_sign(LiftedRows(s.base, s.width, s.weighted, c, p));
+  return s.furthest ? -sign : sign;
+}
+
+Sign lift_side_wide(const LiftedPoints& s, const double* const* c, const double* p) {
+  return with_dimension<2, 6, 0>(s.base, [&](auto k) {
+    if constexpr (k() == 0) {
+      return Sign::zero;
+    } else {
+      const Sign sign = wide_side<k()>(s, c, p);
+      return s.furthest ? -sign : sign;
+    }
+  });
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,214 @@
+#include "exact/orientation/orientation.hpp"
+
+#include <gmp.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "exact/determinants/determinant_sign.hpp"
+#include "exact/determinants/minors.hpp"
+#include "exact/planes/exact_plane.hpp"
+#include "exact/planes/oriented_plane.hpp"
+#include "exact/points/integer_points.hpp"
+#include "parallel/dispatch.hpp"
+#include "parallel/int128.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+// ---------------------------------------------------------------------------------------------
+// Rung 2: double arithmetic with a bound from the permanent (docs/exactness.md, "Orientation
+// filter").
+
+template <unsigned D>
+bool filtered(const double* const* p, Sign& sign) {
+  double m[D][D];
+  double largest = 0;
+  for (unsigned i = 0; i < D; ++i)
+    for (unsigned j = 0; j < D; ++j) {
+      m[i][j] = p[i + 1][j] - p[0][j];
+      largest = std::max(largest, std::abs(m[i][j]));
+    }
+  // Within these magnitudes no product overflows (8! 2^800) and every underflow, however amplified
+  // by the factors that follow it, adds up to less than 2^-340.
+  if (!(largest >= 0x1p-100 && largest <= 0x1p100)) return false;
+  double det[1U << D], perm[1U << D];
+  expand_minors<D, true>(m, D, det, perm);
+  constexpr double factor = (minor_roundings(D) + 2) * unit_roundoff;
+  const double value = det[(1U << D) - 1];
+  const double bound = factor * perm[(1U << D) - 1] + 0x1p-340;
+  if (value > bound) {
+    sign = Sign::positive;
+    return true;
+  }
+  if (value < -bound) {
+    sign = Sign::negative;
+    return true;
+  }
+  // All on a plane across an axis, as on a box: a column of zeros (differences of doubles are zero
+  // only where the doubles are equal).
+  for (unsigned j = 0; j < D; ++j) {
+    bool zero = true;
+    for (unsigned i = 0; i < D; ++i) zero &= m[i][j] == 0;
+    if (!zero) continue;
+    sign = Sign::zero;
+    return true;
+  }
+  return false;
+}
+
+bool filtered(unsigned d, const double* const* p, Sign& sign) {
+  if (d == 1) {
+    sign = sign_of(p[1][0] < p[0][0] ? -1 : p[1][0] > p[0][0] ? 1 : 0);  // exact
+    return true;
+  }
+  return with_dimension<2, 6, 0>(d, [&](auto k) {
+    if constexpr (k > 0) return filtered<k>(p, sign);
+    return false;
+  });
+}
+
+// ---------------------------------------------------------------------------------------------
+// Rung 3: integers. Column j of the points is multiplied by 2^-e_j, the largest power of two that
+// makes all of it integral; signs of determinants do not change under positive column scaling.
+
+/// Rows (d + 1) p[i] - sum of the d + 1 points of a simplex.
+class CentroidDifferences {
+ public:
+  CentroidDifferences(unsigned d, const double* const* p, const double* const* simplex)
+      : points_(d, p, d, simplex, d + 1) {
+    // The sum of d + 1 coordinates and (d + 1) times one coordinate each stay below 2^61, so their
+    // difference does not overflow.
+    narrow_ = points_.bits() + bit_length(d + 1) <= 61;
+    if (!narrow_) return;
+    sums_.assign(d, 0);
+    for (unsigned j = 0; j < d; ++j)
+      for (unsigned i = 0; i <= d; ++i) sums_[j] += points_.small(d + i, j);
+  }
+  unsigned columns() const { return points_.dimension(); }
+  bool narrow() const { return narrow_; }
+  std::int64_t small(unsigned i, unsigned j) const {
+    return static_cast<std::int64_t>(columns() + 1) * points_.small(i, j) - sums_[j];
+  }
+  void big(unsigned i, unsigned j, mpz_ptr out, mpz_ptr scratch) const {
+    const unsigned d = columns();
+    points_.big(i, j, out);
+    mpz_mul_ui(out, out, d + 1);
+    for (unsigned k = 0; k <= d; ++k) {
+      points_.big(d + k, j, scratch);
+      mpz_sub(out, out, scratch);
+    }
+  }
+
+ private:
+  IntegerPoints points_;
+  bool narrow_ = false;
+  std::vector<std::int64_t> sums_;
+};
+
+/// The cross product of two rows that fit 64 bits, rounded.
+bool narrow_plane(const Differences& a, double* normal) {
+  long exponents[3];
+  for (unsigned j = 0; j < 3; ++j) {
+    const unsigned u = j == 0 ? 1 : 0, v = j == 2 ? 1 : 2;
+    // Entries below 2^63, so each product is below 2^126 and the difference below 2^127.
+    const Int128 value =
+        Int128{a.small(0, u)} * a.small(1, v) - Int128{a.small(0, v)} * a.small(1, u);
+    int e = 0;
+    normal[j] = std::frexp(static_cast<double>(j == 1 ? -value : value), &e);
+    exponents[j] = static_cast<long>(e) - a.exponent(j);
+  }
+  return scale_normal(3, normal, exponents);
+}
+
+}  // namespace
+
+Sign orientation_exact(unsigned d, const double* const* p) {
+  return determinant_sign(Differences(d, p, d));
+}
+
+Sign orientation_from_centroid_exact(unsigned d, const double* const* p,
+                                     const double* const* simplex) {
+  return determinant_sign(CentroidDifferences(d, p, simplex));
+}
+
+namespace {
+
+/// Rung 2 by elimination, then rung 3 by cofactors.
+Sign eliminated(unsigned d, const double* const* p, Rung* rung) {
+  thread_local OrientedPlane plane;
+  plane.set(d, p);
+  return plane.side(p[d], rung);
+}
+
+}  // namespace
+
+Sign orientation(unsigned d, const double* const* p, Rung* rung) {
+  if (d >= elimination_pays) return eliminated(d, p, rung);
+  Sign sign = Sign::zero;
+  if (rung != nullptr) *rung = Rung::filter;
+  if (filtered(d, p, sign)) return sign;
+  if (rung != nullptr) *rung = Rung::exact;
+  if (d < 4) return orientation_exact(d, p);
+  // 128-bit integers are fastest where they suffice, double-doubles where integers would be long.
+  if (determinant_128(Differences(d, p, d), sign)) return sign;
+  return eliminated(d, p, rung);
+}
+
+unsigned affine_rank_exact(unsigned d, const double* const* p, unsigned count, unsigned* columns) {
+  if (count < 2) return 0;
+  const unsigned rows = count - 1;
+  const Differences a(d, p, rows);
+  BigNumbers& m = kept_numbers(std::size_t{rows} * d + 2);
+  mpz_ptr t = m[std::size_t{rows} * d];
+  mpz_ptr previous = m[std::size_t{rows} * d + 1];
+  const auto at = [&](unsigned i, unsigned j) { return m[std::size_t{i} * d + j]; };
+  for (unsigned i = 0; i < rows; ++i)
+    for (unsigned j = 0; j < d; ++j) a.big(i, j, at(i, j), t);
+  // Columns from left to right: the pivots are those of the row echelon form, which depend on the
+  // flat alone and not on the points that span it.
+  unsigned rank = 0;
+  mpz_set_ui(previous, 1);
+  for (unsigned c = 0; c < d && rank < rows; ++c) {
+    unsigned pivot = rank;
+    while (pivot < rows && mpz_sgn(at(pivot, c)) == 0) ++pivot;
+    if (pivot == rows) continue;
+    for (unsigned j = 0; j < d; ++j) mpz_swap(at(pivot, j), at(rank, j));
+    for (unsigned i = rank + 1; i < rows; ++i) {
+      for (unsigned j = c + 1; j < d; ++j) {
+        mpz_mul(t, at(i, c), at(rank, j));
+        mpz_mul(at(i, j), at(i, j), at(rank, c));
+        mpz_sub(at(i, j), at(i, j), t);
+        mpz_divexact(at(i, j), at(i, j), previous);
+      }
+      mpz_set_ui(at(i, c), 0);
+    }
+    mpz_set(previous, at(rank, c));
+    if (columns != nullptr) columns[rank] = c;
+    ++rank;
+  }
+  return rank;
+}
+
+bool plane_exact(unsigned d, const double* const* p, double* normal) {
+  if (d == 1) {
+    normal[0] = 0.5;
+    return true;
+  }
+  if (d == 3) {
+    const Differences edges(d, p, 2);
+    if (edges.narrow()) return narrow_plane(edges, normal);
+  }
+  thread_local ExactPlane plane;
+  plane.set(d, p);
+  if (plane.degenerate()) return false;
+  plane.normal(normal);
+  return true;
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,72 @@
+// Halfspaces in numbers of any kind, and the points that D of their planes meet in.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "exact/numbers/tracked.hpp"
+
+namespace cullhull::internal {
+
+/// normal . x <= offset.
+template <unsigned D, class Real>
+struct Halfspace {
+  std::array<Real, D> normal;
+  Real offset;
+};
+
+/// The points x, relative to p, with |x|^2 - w_p <= |x - e|^2 - w_q, where e = q - p: e . x <=
+/// (|e|^2
+/// + w_p - w_q) / 2. Weights follow the coordinates in the rows.
+template <unsigned D, class Real>
+Halfspace<D, Real> bisector(const double* p, const double* q, bool weighted) {
+  Halfspace<D, Real> h;
+  Real sum = weighted ? exact_difference<Real>(p[D], q[D]) : Real(0.0);
+  for (unsigned j = 0; j < D; ++j) {
+    h.normal[j] = exact_difference<Real>(q[j], p[j]);
+    sum = sum + h.normal[j] * h.normal[j];
+  }
+  h.offset = sum * Real(0.5);
+  return h;
+}
+
+template <class Real>
+std::array<Real, 3> cross(const std::array<Real, 3>& a, const std::array<Real, 3>& b) {
+  std::array<Real, 3> r;
+  for (unsigned j = 0; j < 3; ++j) {
+    const unsigned k = (j + 1) % 3, l = (j + 2) % 3;
+    r[j] = a[k] * b[l] - a[l] * b[k];
+  }
+  return r;
+}
+
+/// Cramer's rule. The planes meet in one point.
+template <class Real>
+std::array<Real, 1> meeting(const std::array<const Halfspace<1, Real>*, 1>& h) {
+  return {Real(h[0]->offset / h[0]->normal[0])};
+}
+template <class Real>
+std::array<Real, 2> meeting(const std::array<const Halfspace<2, Real>*, 2>& h) {
+  const auto &a = *h[0], &b = *h[1];
+  const Real det = a.normal[0] * b.normal[1] - a.normal[1] * b.normal[0];
+  return {Real((a.offset * b.normal[1] - b.offset * a.normal[1]) / det),
+          Real((a.normal[0] * b.offset - b.normal[0] * a.offset) / det)};
+}
+template <class Real>
+std::array<Real, 3> meeting(const std::array<const Halfspace<3, Real>*, 3>& h) {
+  std::array<Real, 3> sum, minors;
+  for (unsigned i = 0; i < 3; ++i) {
+    minors = cross(h[(i + 1) % 3]->normal, h[(i + 2) % 3]->normal);
+    for (unsigned j = 0; j < 3; ++j) {
+      const Real term = h[i]->offset * minors[j];
+      sum[j] = i == 0 ? term : Real(sum[j] + term);
+    }
+  }
+  // `minors` are those of the last plane.
+  Real det = h[2]->normal[0] * minors[0];
+  for (unsigned j = 1; j < 3; ++j) det = det + h[2]->normal[j] * minors[j];
+  for (Real& x : sum) x = x / det;
+  return sum;
+}
+
+}  // namespace cullhull::internal

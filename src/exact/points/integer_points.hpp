@@ -1,0 +1,94 @@
+// Coordinates of points as exact integers, for determinants without rounding.
+#pragma once
+
+#include <gmp.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
+
+#include "exact/numbers/double_parts.hpp"
+
+namespace cullhull::internal {
+
+inline int bit_length(std::uint64_t v) { return 64 - std::countl_zero(v); }
+
+/// An mpz_t that is freed by its destructor.
+struct Big {
+  Big() { mpz_init(value); }
+  ~Big() { mpz_clear(value); }
+  Big(const Big&) = delete;
+  Big& operator=(const Big&) = delete;
+  mpz_t value;
+};
+
+/// Coordinates of points as exact integers, column j in units of 2^exponent(j).
+class IntegerPoints {
+ public:
+  /// Points may be given in two arrays: `count` at p, then `more_count` at more.
+  IntegerPoints(unsigned d, const double* const* p, unsigned count,
+                const double* const* more = nullptr, unsigned more_count = 0)
+      : d_(d), scaled_(std::size_t{count + more_count} * d), exponent_(d) {
+    for (unsigned j = 0; j < d; ++j) {
+      int low = 0, high = 0;
+      bool any = false;
+      for (unsigned i = 0; i < count + more_count; ++i) {
+        const DoubleParts s = double_parts(i < count ? p[i][j] : more[i - count][j]);
+        scaled_[std::size_t{i} * d + j] = s;
+        if (s.mantissa == 0) continue;
+        const int top = s.exponent + bit_length(static_cast<std::uint64_t>(std::abs(s.mantissa)));
+        low = any ? std::min(low, s.exponent) : s.exponent;
+        high = any ? std::max(high, top) : top;
+        any = true;
+      }
+      exponent_[j] = low;
+      bits_ = std::max(bits_, high - low);
+    }
+  }
+  unsigned dimension() const { return d_; }
+  /// Every coordinate is below 2^bits() in magnitude.
+  int bits() const { return bits_; }
+  int exponent(unsigned j) const { return exponent_[j]; }
+
+  /// Requires bits() <= 62.
+  std::int64_t small(unsigned i, unsigned j) const {
+    const DoubleParts& s = scaled_[std::size_t{i} * d_ + j];
+    return s.mantissa == 0 ? 0 : s.mantissa * (std::int64_t{1} << (s.exponent - exponent_[j]));
+  }
+  void big(unsigned i, unsigned j, mpz_ptr out) const {
+    const DoubleParts& s = scaled_[std::size_t{i} * d_ + j];
+    mpz_set_si(out, s.mantissa);
+    if (s.mantissa != 0)
+      mpz_mul_2exp(out, out, static_cast<mp_bitcnt_t>(s.exponent - exponent_[j]));
+  }
+
+ private:
+  unsigned d_;
+  int bits_ = 0;
+  std::vector<DoubleParts> scaled_;
+  std::vector<int> exponent_;
+};
+
+/// Rows p[i] - p[0]: the matrix of an orientation.
+class Differences {
+ public:
+  Differences(unsigned d, const double* const* p, unsigned rows) : points_(d, p, rows + 1) {}
+  unsigned columns() const { return points_.dimension(); }
+  bool narrow() const { return points_.bits() <= 62; }  // then a difference fits 64 bits
+  int exponent(unsigned j) const { return points_.exponent(j); }
+  std::int64_t small(unsigned i, unsigned j) const {
+    return points_.small(i + 1, j) - points_.small(0, j);
+  }
+  void big(unsigned i, unsigned j, mpz_ptr out, mpz_ptr scratch) const {
+    points_.big(i + 1, j, out);
+    points_.big(0, j, scratch);
+    mpz_sub(out, out, scratch);
+  }
+
+ private:
+  IntegerPoints points_;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,54 @@
+#include "few/inner_disc.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cullhull::internal {
+
+InnerDisc::InnerDisc(const double* rows, const std::vector<std::uint32_t>& corners,
+                     const Box& box) {
+  // No structured binding: lambdas below capture these.
+  double(&centre)[2] = test_.centre, (&scale)[2] = test_.scale;
+  for (unsigned j = 0; j < 2; ++j) {
+    const double range = box.high[j] - box.low[j];
+    if (!(range > 0x1p-900 && range < 0x1p900)) return;
+    scale[j] = 2 / range;
+  }
+  const auto at = [&](std::size_t i, unsigned j) { return rows[2 * std::size_t{corners[i]} + j]; };
+  // The centroid of the area, approximately; the bounds below hold for any point in its place.
+  double area = 0, moment[2] = {};
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+    double a[2], b[2];
+    for (unsigned j = 0; j < 2; ++j) {
+      a[j] = (at(i, j) - at(0, j)) * scale[j];
+      b[j] = (at(i + 1, j) - at(0, j)) * scale[j];
+    }
+    const double share = a[0] * b[1] - a[1] * b[0];
+    area += share;
+    for (unsigned j = 0; j < 2; ++j) moment[j] += share * (a[j] + b[j]);
+  }
+  if (!(area > 0x1p-40)) return;
+  for (unsigned j = 0; j < 2; ++j) centre[j] = at(0, j) + moment[j] / (3 * area) / scale[j];
+  // A difference and a product, each off by the factor 1 + 2^-53 at most: u and v are computed with
+  // a relative error below 2^-51, as |u|, |v| < 8 where they matter, and what underflows is far
+  // below all bounds. So with l = ua vb, r = va ub computed, the determinant ua vb - va ub is
+  // within 2^-49 (|l| + |r|) + 2^-900 of l - r, the length of the edge within 2^-46 of its computed
+  // value, and the origin's distance from the edge's line at least `distance`.
+  double least = 8;
+  const auto image = [&](std::size_t i, unsigned j) { return (at(i, j) - centre[j]) * scale[j]; };
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const std::size_t next = i + 1 < corners.size() ? i + 1 : 0;
+    const double ua = image(i, 0), va = image(i, 1), ub = image(next, 0), vb = image(next, 1);
+    const double l = ua * vb, r = va * ub;
+    const double twice = (l - r) - (0x1p-49 * (std::fabs(l) + std::fabs(r)) + 0x1p-900);
+    const double du = ub - ua, dv = vb - va;
+    const double distance = twice / (std::sqrt(du * du + dv * dv) + 0x1p-46);
+    if (!(distance > 0x1p-20)) return;  // too near to pay, or on the wrong side
+    least = std::min(least, distance);
+  }
+  // What contains() computes is within the factor 1 + 2^-48 of the square of the distance from the
+  // origin, and so is the square of `least` rounded.
+  test_.limit = least * least * (1 - 0x1p-46);
+}
+
+}  // namespace cullhull::internal

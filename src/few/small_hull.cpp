@@ -1,0 +1,73 @@
+#include "few/small_hull.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "few/few_in_space.hpp"
+#include "few/small_polygon.hpp"
+#include "parallel/threads/clock.hpp"
+#include "parallel/threads/run.hpp"
+#include "parallel/threads/thread_memory.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+/// Kept from call to call. Cannot be cancelled, as it takes microseconds.
+struct KeptPolygon {
+  SmallPolygon polygon{short_run().control};
+};
+
+bool small_hull_2d(const PointView& points, Hull& hull) {
+  SmallPolygon& polygon = thread_memory<KeptPolygon>().polygon;
+  if (!polygon.find(points)) return false;
+  const std::size_t h = polygon.size();
+  PolygonLists lists(h);
+  PlanarMeasures measures;
+  if (!polygon.measure(points, lists.planes.data(), measures)) return false;
+  polygon.write_lists(lists.simplices.data(), lists.neighbours.data(), lists.facets.data(),
+                      lists.across.data());
+  hull.affine_dimension = 2;
+  hull.vertices.resize(h);
+  polygon.write_vertices(hull.vertices.data());
+  lists.give(measures, hull);
+  polygon.rung_counts().add_to(hull.statistics.rung_counts);
+  return true;
+}
+
+/// Whether there are so few points that no filter pays.
+bool few_enough(const PointView& points) {
+  return points.dimension == 2   ? points.count <= SmallPolygon::most_points
+         : points.dimension == 3 ? points.count <= most_unfiltered_in_space
+                                 : false;
+}
+
+}  // namespace
+
+bool takes_small_sets(const Options& options) {
+  // More bytes than any small set takes, so that these paths need not count bytes.
+  constexpr std::uint64_t enough = std::uint64_t{1} << 22;
+  return options.engine == Engine::native && options.backend != Backend::cuda &&
+         options.cull == CullMethod::automatic &&
+         (options.memory_budget == 0 || options.memory_budget >= enough);
+}
+
+bool small_hull(const PointView& points, const Options& options, Hull& hull) {
+  if (!few_enough(points) || !takes_small_sets(options)) return false;
+  const Clock::time_point start = Clock::now();
+  const Control control(options);
+  control.check();
+  if (!(points.dimension == 2 ? small_hull_2d(points, hull)
+                              : hull_of_few(points, nullptr, points.count, hull)))
+    return false;
+  hull.dimension = points.dimension;
+  hull.point_count = points.count;
+  hull.scalar = points.scalar;
+  hull.statistics.threads = resolve_threads(options.threads);
+  hull.statistics.survivors = points.count;
+  hull.statistics.cull_reason = "few points";
+  hull.statistics.hull_seconds = hull.statistics.compute_seconds = seconds_since(start);
+  control.report("done", 1);
+  return true;
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,168 @@
+#include "few/small_polygon.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace cullhull::internal {
+namespace {
+
+/// With fewer points a sample costs more than it saves (a guess).
+constexpr std::uint32_t smallest_worth_thinning = 256;
+
+bool finite(const double* values, std::uint32_t count) {
+  double sum[4] = {};  // x * 0 is NaN exactly for NaN and infinities
+  std::uint32_t i = 0;
+  for (; i + 4 <= count; i += 4)
+    for (unsigned j = 0; j < 4; ++j) sum[j] += values[i + j] * 0.0;
+  for (; i < count; ++i) sum[0] += values[i] * 0.0;
+  return sum[0] + sum[1] + sum[2] + sum[3] == 0;
+}
+
+}  // namespace
+
+bool SmallPolygon::find(const PointView& set) {
+  if (set.dimension != 2 || set.count < 3 || set.count > most_points) return false;
+  const auto n = static_cast<std::uint32_t>(set.count);
+  rows_ = load(set);
+  kept_count_ = n;
+  all_ = n < smallest_worth_thinning || !thin(n);
+  if (all_ && n > most_kept) return false;
+  const double* const rows = all_ ? rows_ : kept_rows_.data();
+  if (!finite(rows, 2 * kept_count_)) return false;
+  const std::vector<std::uint32_t>& corners = series_.corners(rows, kept_count_);
+  if (corners.size() < 3) return false;
+  rank(corners);
+  return true;
+}
+
+/// Thins by samples of every 8th, 64th, ... row: the hull of the smallest thins the next larger
+/// one, and so on, so that all but the last take little of the time. False, and all rows are kept,
+/// where that does not pay.
+bool SmallPolygon::thin(std::uint32_t count) {
+  // Each sample takes an eighth of the time of the next; the hull of the first has some twenty
+  // corners.
+  constexpr std::uint32_t ratio = 8, first_sample = 200;
+  std::uint32_t step = ratio;
+  while (count / step > first_sample) step *= ratio;
+  keep_rows(count, step, InnerDisc());
+  for (;;) {
+    if (!finite(kept_rows_.data(), 2 * kept_count_)) break;
+    const std::vector<std::uint32_t>& corners = series_.corners(kept_rows_.data(), kept_count_);
+    // Efron 1965: the share of the points outside a sample's hull is about the share of the sample
+    // that is extreme.
+    if (corners.size() < 3 || corners.size() > count / step / 3) break;
+    const InnerDisc disc(kept_rows_.data(), corners, series_.box());
+    step /= ratio;
+    keep_rows(count, step, disc);
+    if (kept_count_ > most_kept) break;
+    if (step == 1) return true;
+  }
+  kept_count_ = count;
+  return false;
+}
+
+/// Keeps every `step`th row that the disc does not contain; stops after the block of rows in which
+/// more than `most_kept` are reached.
+void SmallPolygon::keep_rows(std::uint32_t count, std::uint32_t step, const InnerDisc& disc) {
+  constexpr std::uint32_t block = 2048;
+  if (kept_.empty()) {
+    kept_.resize(most_kept + block);
+    kept_rows_.resize(2 * kept_.size());
+  }
+  const double* const rows = rows_;
+  std::uint32_t* const kept = kept_.data();
+  std::uint32_t k = 0;
+  for (std::uint32_t begin = 0; begin < count && k <= most_kept; begin += block * step) {
+    const std::uint32_t end = std::min(count, begin + block * step), before = k;
+    if (step == 1) {
+      k += disc.outside(rows + 2 * std::size_t{begin}, end - begin, kept + k);
+      // The disc counts from the block's first row.
+      for (std::uint32_t i = before; i < k; ++i) kept[i] += begin;
+      continue;
+    }
+    for (std::uint32_t row = begin; row < end; row += step) {
+      kept[k] = row;  // overwritten by the next unless counted: no branch
+      k += !disc.contains(rows[2 * std::size_t{row}], rows[2 * std::size_t{row} + 1]);
+    }
+  }
+  double* const to = kept_rows_.data();
+  for (std::uint32_t i = 0; i < k; ++i) {
+    to[2 * std::size_t{i}] = rows[2 * std::size_t{kept[i]}];
+    to[2 * std::size_t{i} + 1] = rows[2 * std::size_t{kept[i]} + 1];
+  }
+  kept_count_ = k;
+}
+
+/// Packed coordinates as given, negative zeros included.
+const double* SmallPolygon::load(const PointView& set) {
+  const auto address = reinterpret_cast<std::uintptr_t>(set.data);
+  if (set.scalar == ScalarType::f64 && set.packed_rows() && address % alignof(double) == 0)
+    return reinterpret_cast<const double*>(set.data);
+  if (loaded_.size() < 2 * set.count) loaded_.resize(2 * set.count);
+  load_rows_as_given(set, 0, set.count, loaded_.data());
+  return loaded_.data();
+}
+
+void SmallPolygon::rank(const std::vector<std::uint32_t>& corners) {
+  const std::uint32_t rows = kept_count_;
+  const std::size_t h = corners.size();
+  rank_.assign(rows, 0);
+  for (const std::uint32_t row : corners) rank_[row] = 1;
+  by_rank_.resize(h);
+  std::uint32_t count = 0;
+  for (std::uint32_t row = 0; row < rows; ++row) count += std::exchange(rank_[row], count);
+  // Counter-clockwise from the lowest row.
+  const auto lowest =
+      static_cast<std::size_t>(std::min_element(corners.begin(), corners.end()) - corners.begin());
+  cycle_.resize(h);
+  for (std::size_t i = 0; i < h; ++i) {
+    const std::uint32_t row = corners[lowest + i < h ? lowest + i : lowest + i - h];
+    cycle_[i] = rank_[row];
+    by_rank_[rank_[row]].row = all_ ? row : kept_[row];
+  }
+  for (std::size_t i = 0; i < h; ++i) {
+    by_rank_[cycle_[i]].before = cycle_[i == 0 ? h - 1 : i - 1];
+    by_rank_[cycle_[i]].after = cycle_[i + 1 == h ? 0 : i + 1];
+  }
+}
+
+bool SmallPolygon::measure(const PointView& set, double* planes, PlanarMeasures& measures) {
+  const EdgeKernel kernel(series_.box());
+  if (!kernel.ordinary()) return false;
+  for (Corner& c : by_rank_)
+    c.point = kernel.scaled({rows_[2 * std::size_t{c.row}], rows_[2 * std::size_t{c.row} + 1]});
+  static_assert(most_kept <= measure_chunk);  // one chunk of sums
+  Share<2, DoubleDouble> sums;
+  const std::size_t h = by_rank_.size();
+  Share<2> run;
+  for (std::size_t i = 0; i < h; ++i) {
+    Share<2> share;
+    const Corner& c = by_rank_[i];
+    if (!kernel.edge(c.point, by_rank_[c.before].point, by_rank_[0].point, planes + 3 * i, share))
+      return false;
+    run.add(share);
+    if ((i + 1) % measure_run != 0 && i + 1 != h) continue;
+    sums.add(run);
+    run = {};
+  }
+  Share<2, DoubleDouble> all;
+  all.add(sums);
+  return finish_polygon(kernel, all, set, by_rank_[0].row, measures);
+}
+
+void SmallPolygon::write_vertices(std::uint64_t* vertices) const {
+  for (std::size_t i = 0; i < cycle_.size(); ++i) vertices[i] = by_rank_[cycle_[i]].row;
+}
+
+void SmallPolygon::write_lists(std::uint64_t* simplices, std::uint32_t* simplex_neighbours,
+                               std::uint64_t* facets, std::uint32_t* facet_neighbours) const {
+  for (std::size_t i = 0; i < by_rank_.size(); ++i) {
+    const Corner& c = by_rank_[i];
+    simplices[2 * i] = facets[2 * i + 1] = c.row;
+    simplices[2 * i + 1] = facets[2 * i] = by_rank_[c.before].row;
+    simplex_neighbours[2 * i] = facet_neighbours[2 * i + 1] = c.before;
+    simplex_neighbours[2 * i + 1] = facet_neighbours[2 * i] = c.after;
+  }
+}
+
+}  // namespace cullhull::internal

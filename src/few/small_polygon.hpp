@@ -1,0 +1,66 @@
+// Small sets of points of the plane, from coordinates to all that a result holds, on one thread, in
+// memory that is kept from set to set.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cullhull/point_view.hpp"
+#include "few/inner_disc.hpp"
+#include "hull/plane/polygon.hpp"
+#include "parallel/threads/control.hpp"
+#include "result/write/polygon_result.hpp"
+
+namespace cullhull::internal {
+
+class SmallPolygon {
+ public:
+  static constexpr std::uint64_t most_points = std::uint64_t{1} << 16;
+  /// The most points left after thinning; the sums then fit one chunk.
+  static constexpr std::uint64_t most_kept = 4096;
+
+  /// Keeps some 500 KB at most, and 1 MB for points that are not packed doubles.
+  explicit SmallPolygon(const Control& control) : series_(control) {}
+
+  /// Finds the corners of a set. False where the general flow must do it: other dimensions, too few
+  /// or too many points, points on a line, extreme aspect ratios, points that are not finite.
+  bool find(const PointView& set);
+
+  /// Number of corners, and so of edges.
+  std::size_t size() const { return by_rank_.size(); }
+  const RungCounts& rung_counts() const { return series_.rung_counts(); }
+
+  /// size() planes, and the measures; the same bits as write_polygon's. False where doubles do not
+  /// suffice: then the result of find must not be used.
+  bool measure(const PointView& set, double* planes, PlanarMeasures& measures);
+
+  /// size() ids.
+  void write_vertices(std::uint64_t* vertices) const;
+  /// 2 size() items in each.
+  void write_lists(std::uint64_t* simplices, std::uint32_t* simplex_neighbours,
+                   std::uint64_t* facets, std::uint32_t* facet_neighbours) const;
+
+ private:
+  const double* load(const PointView& set);
+  bool thin(std::uint32_t count);
+  void keep_rows(std::uint32_t count, std::uint32_t step, const InnerDisc& disc);
+  void rank(const std::vector<std::uint32_t>& corners);
+
+  PolygonSeries series_;
+  std::vector<double> loaded_;
+  const double* rows_ = nullptr;  // of the set
+  // Rows that may be corners, ascending, and their coordinates; `all_`: all rows of the set.
+  bool all_ = true;
+  std::uint32_t kept_count_ = 0;
+  std::vector<std::uint32_t> kept_;
+  std::vector<double> kept_rows_;
+  std::vector<std::uint32_t> rank_;  // by row: the rank of a corner
+  struct Corner {
+    std::uint32_t row, before, after;  // the ranks before and after, counter-clockwise
+    PlanarPoint point;                 // scaled for EdgeKernel
+  };
+  std::vector<Corner> by_rank_;
+  std::vector<std::uint32_t> cycle_;  // ranks, counter-clockwise from the lowest
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,467 @@
+// The GaugeMap's tests of vectors of points, cheapest first: the core, the levels, the map.
+// Included once per instruction set (hence Highway's unusual include guard).
+
+#include "filter/gauge/gauge_shortcuts.hpp"
+#include "filter/gauge/gauge_table.hpp"
+#include "parallel/byte_order.hpp"
+
+#if defined(CULLHULL_GAUGE_BLOCKS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef CULLHULL_GAUGE_BLOCKS_INL
+#undef CULLHULL_GAUGE_BLOCKS_INL
+#else
+#define CULLHULL_GAUGE_BLOCKS_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+HWY_BEFORE_NAMESPACE();
+namespace cullhull::internal::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using F = hn::ScalableTag<float>;
+using I = hn::RebindToSigned<F>;
+using U = hn::RebindToUnsigned<F>;
+using VF = hn::Vec<F>;
+using VI = hn::Vec<I>;
+using VU = hn::Vec<U>;
+using MF = hn::Mask<F>;
+
+/// Points tested together by the core, the levels and the map. With 32 points, whose test takes
+/// some 25 ns, the processor overlaps reading the next block with testing this one; where a test
+/// takes longer that does not happen, and blocks of 256 with prefetching were fastest
+/// (docs/performance.md, "The pass over all points").
+constexpr std::uint32_t core_block = 32, block_size = 64, many = 256;
+static_assert(gauge_chunk % many == 0 && many % block_size == 0 && block_size % core_block == 0);
+
+// 2^23: adding it to an integer below 2^23 leaves that integer in the low bits of the float.
+constexpr float integer_shift = 8388608.0F;
+constexpr std::uint32_t integer_shift_bits = 0x4B000000U;
+// A point whose norm is smaller is treated as the centre; keeps the reciprocal finite.
+constexpr float tiny = 0x1p-100F;
+
+/// Sorts two lanes by descending key, payloads along.
+HWY_INLINE void order(VF& a, VF& b, VI& pa, VI& pb) {
+  const I i;
+  const MF swap = hn::Lt(a, b);
+  const VF hi = hn::IfThenElse(swap, b, a);
+  b = hn::IfThenElse(swap, a, b);
+  a = hi;
+  const auto iswap = hn::RebindMask(i, swap);
+  const VI phi = hn::IfThenElse(iswap, pb, pa);
+  pb = hn::IfThenElse(iswap, pa, pb);
+  pa = phi;
+}
+
+template <unsigned K>
+HWY_INLINE void sort_descending(VF (&key)[K], VI (&payload)[K]) {
+  const auto cmp = [&](unsigned i, unsigned j)
+                       HWY_ATTR { order(key[i], key[j], payload[i], payload[j]); };
+  if constexpr (K == 2) {
+    cmp(0, 1);
+  } else if constexpr (K == 3) {
+    cmp(0, 1), cmp(1, 2), cmp(0, 1);
+  } else if constexpr (K == 4) {
+    cmp(0, 1), cmp(2, 3), cmp(0, 2), cmp(1, 3), cmp(1, 2);
+  } else if constexpr (K == 5) {
+    cmp(0, 1), cmp(3, 4), cmp(2, 4), cmp(2, 3), cmp(1, 4);
+    cmp(0, 3), cmp(0, 2), cmp(1, 3), cmp(1, 2);
+  }
+}
+
+/// Where the ray from the centre through y meets the cube.
+template <unsigned D>
+struct Direction {
+  VF norm;          // |y|_inf
+  VF inverse;       // of it, finite
+  VF face;          // number of the cube's face, an integer
+  VF other[D - 1];  // coordinates on that face's grid axes, times norm
+  // A defaulted constructor would not be compiled for this target.
+  HWY_INLINE Direction() {}
+};
+
+template <unsigned D>
+HWY_INLINE Direction<D> direction_of(const VF (&y)[D]) {
+  const F f;
+  const I i;
+  const U u;
+  Direction<D> out;
+
+  // Dominant axis. As integers the absolute values are ordered as the floats are, and an infinity
+  // or a NaN exceeds every number, so neither is lost in the maximum.
+  VI prefix[D];
+  prefix[0] = hn::BitCast(i, hn::Abs(y[0]));
+  for (unsigned k = 1; k < D; ++k)
+    prefix[k] = hn::Max(prefix[k - 1], hn::BitCast(i, hn::Abs(y[k])));
+  const VI top = prefix[D - 1];
+  out.norm = hn::BitCast(f, top);
+
+  // With the first dominant axis j: grid axis k is axis k below j, k + 1 from j on.
+  VF dominant = y[D - 1];
+  VI axis = hn::Set(i, static_cast<std::int32_t>(D - 1));
+  for (unsigned k = D - 1; k-- > 0;) {
+    const auto reached = hn::Eq(prefix[k], top);
+    const MF at_or_after = hn::RebindMask(f, reached);
+    out.other[k] = hn::IfThenElse(at_or_after, y[k + 1], y[k]);
+    dominant = hn::IfThenElse(at_or_after, y[k], dominant);
+    axis = hn::Add(axis, hn::VecFromMask(i, reached));  // -1 where reached
+  }
+  const VI negative = hn::BitCast(i, hn::ShiftRight<31>(hn::BitCast(u, dominant)));
+  out.face = hn::ConvertTo(f, hn::Add(hn::Add(axis, axis), negative));
+  out.inverse = hn::Div(hn::Set(f, 1.0F), hn::Max(out.norm, hn::Set(f, tiny)));
+  return out;
+}
+
+/// An upper bound of g(y) from the map; NaN or infinity where a coordinate is.
+template <unsigned D>
+HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, const VF (&y)[D]) {
+  const F f;
+  const I i;
+  const U u;
+  const Direction<D> direction = direction_of<D>(y);
+
+  // Cell and fractions. half_cells is shrunk so that 0 <= place < cells for every finite point.
+  const VF half_cells = hn::Set(f, t.half_cells);
+  const VF middle = hn::Set(f, t.middle);
+  VF fraction[D - 1];
+  VI step[D - 1];
+  VF corner = hn::MulAdd(direction.face, hn::Set(f, t.face_stride), hn::Set(f, integer_shift));
+  for (unsigned k = 0; k < D - 1; ++k) {
+    const VF place =
+        hn::Add(hn::Mul(hn::Mul(direction.other[k], direction.inverse), half_cells), middle);
+    const VF cell = hn::Floor(place);
+    fraction[k] = hn::Sub(place, cell);
+    corner = hn::MulAdd(cell, hn::Set(f, t.stride[k]), corner);  // integers: exact
+    step[k] = hn::Set(i, static_cast<std::int32_t>(t.stride[k]));
+  }
+  // For a point with a NaN the corner is arbitrary: the unsigned minimum keeps it in the table.
+  const VU corner_node = hn::Min(hn::Sub(hn::BitCast(u, corner), hn::Set(u, integer_shift_bits)),
+                                 hn::Set(u, t.last_corner));
+
+  // Kuhn's simplex: from the lowest corner one step per axis, in the order of falling fractions.
+  sort_descending(fraction, step);
+  VI node = hn::BitCast(i, corner_node);
+  VF sum = hn::Mul(hn::Sub(hn::Set(f, 1.0F), fraction[0]), hn::GatherIndex(f, nodes, node));
+  for (unsigned k = 0; k < D - 1; ++k) {
+    node = hn::Add(node, step[k]);
+    const VF weight =
+        k + 1 < D - 1 ? hn::Sub(fraction[k], fraction[k + 1 < D - 1 ? k + 1 : k]) : fraction[k];
+    sum = hn::Add(sum, hn::Mul(weight, hn::GatherIndex(f, nodes, node)));
+  }
+  return hn::Mul(direction.norm, sum);
+}
+
+/// Whether points are in the core: false where a coordinate is NaN.
+template <unsigned D, GaugeCore::Kind kind>
+class CoreTest {
+ public:
+  HWY_INLINE explicit CoreTest(const GaugeCore& c) {
+    for (unsigned j = 0; j < D; ++j) weight_[j] = hn::Set(F(), c.weight[j]);
+    for (unsigned n = 0; n < GaugeCore::norms; ++n) radius_[n] = hn::Set(F(), c.radius[n]);
+  }
+  HWY_INLINE MF operator()(const VF (&y)[D]) const {
+    if constexpr (kind == GaugeCore::Kind::round) {
+      VF sum = hn::Mul(hn::Mul(y[0], y[0]), weight_[0]);
+      for (unsigned j = 1; j < D; ++j) sum = hn::MulAdd(hn::Mul(y[j], y[j]), weight_[j], sum);
+      return hn::Lt(sum, radius_[0]);
+    } else {
+      VF z = hn::Mul(hn::Abs(y[0]), weight_[0]);
+      VF most = z, least = z, sum = z;
+      for (unsigned j = 1; j < D; ++j) {
+        z = hn::Mul(hn::Abs(y[j]), weight_[j]);
+        most = hn::Max(most, z);
+        least = hn::Min(least, z);
+        sum = hn::Add(sum, z);
+      }
+      // A NaN may be lost in the extremes but not in the sum.
+      return hn::And(hn::Lt(most, radius_[0]),
+                     hn::And(hn::Lt(hn::Sub(sum, least), radius_[1]), hn::Lt(sum, radius_[2])));
+    }
+  }
+
+ private:
+  VF weight_[D];
+  VF radius_[GaugeCore::norms];
+};
+
+/// The cell of the levels that holds y.
+HWY_INLINE VU level_cell(const GaugeLevels& l, const Direction<3>& direction) {
+  const F f;
+  const U u;
+  const VF half_cells = hn::Set(f, l.half_cells), middle = hn::Set(f, l.middle);
+  const auto cell = [&](unsigned k) HWY_ATTR {
+    return hn::Floor(
+        hn::Add(hn::Mul(hn::Mul(direction.other[k], direction.inverse), half_cells), middle));
+  };
+  // Integers below 2^23: exact.
+  const VF number = hn::MulAdd(direction.face, hn::Set(f, l.face_stride),
+                               hn::MulAdd(cell(1), hn::Set(f, static_cast<float>(l.cells)),
+                                          hn::Add(cell(0), hn::Set(f, integer_shift))));
+  return hn::Min(hn::Sub(hn::BitCast(u, number), hn::Set(u, integer_shift_bits)),
+                 hn::Set(u, l.last));
+}
+
+/// Bit k % 8 of byte k / 8: point k survives, k < most.
+template <std::uint32_t most>
+class SurvivorBits {
+ public:
+  HWY_INLINE void store(std::uint32_t k, MF survives) {
+    const F f;
+    if constexpr (hn::MaxLanes(F()) >= 8) {
+      hn::StoreMaskBits(f, survives, bits_ + k / 8);
+    } else {
+      std::uint8_t few[8] = {};
+      hn::StoreMaskBits(f, survives, few);
+      if (k % 8 == 0) bits_[k / 8] = 0;
+      bits_[k / 8] = static_cast<std::uint8_t>(bits_[k / 8] | few[0] << k % 8);
+    }
+  }
+  HWY_INLINE std::size_t list(std::uint32_t first, std::uint32_t count,
+                              std::uint32_t* HWY_RESTRICT ids) const {
+    std::size_t kept = 0;
+    for (std::uint32_t k = 0; k < count; k += 64) {
+      auto word = load_little_endian<std::uint64_t>(bits_ + k / 8);
+      if (count - k < 64) word &= (std::uint64_t{1} << (count - k)) - 1;
+      for (; word != 0; word &= word - 1)
+        ids[kept++] = first + k + static_cast<std::uint32_t>(std::countr_zero(word));
+    }
+    return kept;
+  }
+
+ private:
+  static_assert(most % 64 == 0);
+  alignas(8) std::uint8_t bits_[most / 8] = {};
+};
+
+/// Lists the survivors of `count` points; `load(i, y)` fetches the vector of points from i on. Bits
+/// are listed after the block, not after each vector: a branch on a comparison just made costs,
+/// when mispredicted, the latency of the whole chain, and compressed stores are slow before
+/// AVX-512.
+template <unsigned D, std::uint32_t most, class Load>
+HWY_INLINE std::size_t test_block(const GaugeTable& t, std::uint32_t first, std::uint32_t count,
+                                  std::uint32_t* HWY_RESTRICT ids, const Load& load) {
+  const F f;
+  const float* HWY_RESTRICT nodes = t.nodes.data();
+  const VF threshold = hn::Set(f, t.threshold);
+  const auto lanes = static_cast<std::uint32_t>(hn::Lanes(f));
+  SurvivorBits<most> bits;
+  for (std::uint32_t k = 0; k < count; k += lanes) {
+    VF y[D];
+    load(k, y);
+    const auto inside = hn::Lt(gauge_bound<D>(t, nodes, y), threshold);  // false for NaN
+    bits.store(k, hn::Not(inside));
+  }
+  return bits.list(first, count, ids);
+}
+
+/// Points collected for the next test: their columns, and their positions in the chunk.
+template <unsigned D>
+class OpenPoints {
+ public:
+  static constexpr std::uint32_t enough = many;  ///< run the next test from so many on
+  static constexpr std::uint32_t most = 2 * enough;
+
+  std::uint32_t count() const { return count_; }
+  std::uint32_t place(std::uint32_t k) const { return places_[k]; }
+  HWY_INLINE VU places(std::uint32_t k) const { return hn::LoadU(U(), places_ + k); }
+  HWY_INLINE void load(std::uint32_t k, VF (&y)[D]) const {
+    for (unsigned j = 0; j < D; ++j) y[j] = hn::LoadU(F(), columns_[j] + k);
+  }
+  void clear() { count_ = 0; }
+
+  /// Of at most `enough` points, adds those that dropped(k, y) is false for, k being the index of
+  /// the first lane of y.
+  template <class Load, class Places, class Dropped>
+  HWY_INLINE void add(std::uint32_t count, const Load& load, const Places& places,
+                      const Dropped& dropped) {
+    const auto lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
+    std::uint32_t at = count_;
+    for (std::uint32_t k = 0; k < count; k += lanes) {
+      VF y[D];
+      load(k, y);
+      MF stays = hn::Not(dropped(k, y));
+      if (count - k < lanes) stays = hn::And(stays, hn::FirstN(F(), count - k));
+      // Not CompressStore, which takes a hundred cycles on Zen 4.
+      for (unsigned j = 0; j < D; ++j) hn::StoreU(hn::Compress(y[j], stays), F(), columns_[j] + at);
+      hn::StoreU(hn::Compress(places(k), hn::RebindMask(U(), stays)), U(), places_ + at);
+      at += static_cast<std::uint32_t>(hn::CountTrue(F(), stays));
+    }
+    count_ = at;
+  }
+
+ private:
+  static constexpr std::size_t row = most + hn::MaxLanes(F());
+  std::uint32_t count_ = 0;
+  HWY_ALIGN float columns_[D][row] = {};
+  HWY_ALIGN std::uint32_t places_[row];
+};
+
+/// Whether a shortcut (the core or the levels) is used: it is skipped for a while where it drops
+/// too little. Skipping 16 batches limits what a useless one costs to a sixteenth of its test.
+class Shortcut {
+ public:
+  explicit Shortcut(bool there) : there_(there) {}
+  bool rests() const { return !there_ || rest_ > 0; }
+  /// Whether the next `points` points take it.
+  bool taken(std::uint32_t points) {
+    if (!rests()) return true;
+    rest_ -= std::min(rest_, points);
+    return false;
+  }
+  /// It tested `asked` points and left `left` of them: with more than most_of_four quarters left it
+  /// costs more than it saves.
+  void saw(std::uint32_t asked, std::uint32_t left, std::uint32_t most_of_four) {
+    asked_ += asked;
+    left_ += left;
+    if (asked_ < OpenPoints<2>::enough) return;
+    if (left_ > asked_ / 4 * most_of_four) rest_ = 16 * OpenPoints<2>::enough;
+    asked_ = left_ = 0;
+  }
+
+ private:
+  bool there_;
+  std::uint32_t asked_ = 0, left_ = 0, rest_ = 0;
+};
+
+/// The points of one call: shortcuts first where those drop enough, then the map for the points
+/// they leave, so that survivors are the same.
+template <unsigned D>
+class Blocks {
+ public:
+  Blocks(const GaugeTable& t, const GaugeShortcuts* shortcuts, std::uint32_t* ids)
+      : table_(t),
+        shortcuts_(shortcuts),
+        core_(shortcuts != nullptr && shortcuts->core),
+        levels_(D == 3 && shortcuts != nullptr && shortcuts->levels),
+        ids_(ids) {}
+
+  /// The most points that may be added next.
+  std::uint32_t room() const {
+    return !core_.rests() ? core_block : !levels_.rests() ? block_size : many;
+  }
+
+  /// fetch(k) is called for each vector of points, except where the core tests them: the other
+  /// tests take long enough for prefetching to pay.
+  template <class Load, class Fetch>
+  HWY_INLINE void add(std::uint32_t first, std::uint32_t count, const Load& load,
+                      const Fetch& fetch) {
+    const VU lane = hn::Iota(U(), 0);
+    const auto places = [&](std::uint32_t k)
+                            HWY_ATTR { return hn::Add(hn::Set(U(), first + k), lane); };
+    // Both at once, as room() assumed: pass_on() below may end a pause, too.
+    const bool by_core = core_.taken(count), by_levels = !by_core && levels_.taken(count);
+    if (by_core) {
+      const std::uint32_t before = for_levels_.count();
+      if (shortcuts_->core->kind == GaugeCore::Kind::round)
+        ask_core<GaugeCore::Kind::round>(count, load, places);
+      else
+        ask_core<GaugeCore::Kind::cut>(count, load, places);
+      core_.saw(count, for_levels_.count() - before, 3);
+      if (for_levels_.count() >= for_levels_.enough) pass_on();
+      return;
+    }
+    if (for_levels_.count() > 0) pass_on();
+    const auto load_and_fetch = [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
+      fetch(k);
+      load(k, y);
+    };
+    if constexpr (D == 3)
+      if (by_levels) return ask_levels(count, load_and_fetch, places);
+    if (for_map_.count() > 0) ask_map(for_map_);
+    kept_ += test_block<D, many>(table_, first, count, ids_ + kept_, load_and_fetch);
+  }
+
+  /// Finishes the points added so far; returns how many are kept.
+  std::size_t finish() {
+    pass_on();
+    ask_map(for_map_);
+    return kept_;
+  }
+
+ private:
+  using Open = OpenPoints<D>;
+
+  template <GaugeCore::Kind kind, class Load, class Places>
+  HWY_INLINE void ask_core(std::uint32_t count, const Load& load, const Places& places) {
+    const CoreTest<D, kind> test(*shortcuts_->core);
+    for_levels_.add(count, load, places,
+                    [&](std::uint32_t, const VF(&y)[D]) HWY_ATTR { return test(y); });
+  }
+
+  /// Passes on the points that the core left.
+  HWY_NOINLINE void pass_on() {
+    if constexpr (D == 3) {
+      if (levels_.taken(for_levels_.count())) {
+        for (std::uint32_t k = 0; k < for_levels_.count(); k += block_size)
+          ask_levels(
+              std::min(block_size, for_levels_.count() - k),
+              [&](std::uint32_t i, VF(&y)[D]) HWY_ATTR { for_levels_.load(k + i, y); },
+              [&](std::uint32_t i) HWY_ATTR { return for_levels_.places(k + i); });
+        for_levels_.clear();
+        return;
+      }
+    }
+    ask_map(for_map_);
+    ask_map(for_levels_);
+  }
+
+  /// Tests at most block_size points; lanes beyond may hold anything.
+  template <class Load, class Places>
+  HWY_INLINE void ask_levels(std::uint32_t count, const Load& load, const Places& places) {
+    const F f;
+    const U u;
+    const auto lanes = static_cast<std::uint32_t>(hn::Lanes(f));
+    HWY_ALIGN std::uint32_t cells[block_size];
+    HWY_ALIGN float norms[block_size];
+    std::uint8_t found[block_size + hn::MaxLanes(F())];
+    const GaugeLevels& levels = *shortcuts_->levels;
+    for (std::uint32_t k = 0; k < count; k += lanes) {
+      VF y[3];
+      load(k, y);
+      const Direction<3> direction = direction_of<3>(y);
+      hn::Store(level_cell(levels, direction), u, cells + k);
+      hn::Store(direction.norm, f, norms + k);
+    }
+    // One by one: a gather of bytes took longer than the rest of the test (docs/performance.md).
+    const std::uint8_t* HWY_RESTRICT of_cell = levels.of_cell.data();
+    for (std::uint32_t k = 0; k < count; ++k) found[k] = of_cell[cells[k]];
+    const VF unit = hn::Set(f, levels.unit);
+    const hn::Rebind<std::uint8_t, F> bytes;
+    const std::uint32_t before = for_map_.count();
+    for_map_.add(count, load, places, [&](std::uint32_t k, const VF(&)[D]) HWY_ATTR {
+      const VU level = hn::PromoteTo(u, hn::LoadU(bytes, found + k));
+      // False where a coordinate is NaN.
+      return hn::Lt(hn::Load(f, norms + k),
+                    hn::Mul(hn::ConvertTo(f, hn::BitCast(I(), level)), unit));
+    });
+    levels_.saw(count, for_map_.count() - before, 2);
+    if (for_map_.count() >= for_map_.enough) ask_map(for_map_);
+  }
+
+  HWY_NOINLINE void ask_map(Open& open) {
+    std::uint32_t kept[Open::most];
+    const std::size_t n =
+        test_block<D, Open::most>(table_, 0, open.count(), kept,
+                                  [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR { open.load(k, y); });
+    for (std::size_t k = 0; k < n; ++k) ids_[kept_++] = open.place(kept[k]);
+    open.clear();
+  }
+
+  const GaugeTable& table_;
+  const GaugeShortcuts* shortcuts_;
+  Shortcut core_, levels_;
+  Open for_levels_, for_map_;
+  std::uint32_t* ids_;
+  std::size_t kept_ = 0;
+};
+
+}  // namespace
+}  // namespace cullhull::internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

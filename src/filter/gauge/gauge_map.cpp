@@ -1,0 +1,116 @@
+#include "filter/gauge/gauge_map.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <utility>
+
+#include "cullhull/error.hpp"
+#include "filter/gauge/gauge_build.hpp"
+#include "filter/gauge/gauge_planes.hpp"
+#include "filter/gauge/gauge_shortcuts.hpp"
+#include "filter/gauge/gauge_table.hpp"
+#include "geometry/gather.hpp"
+#include "parallel/threads/parallel.hpp"
+
+namespace cullhull::internal {
+
+struct GaugeMap::Table : GaugeTable {
+  std::unique_ptr<GaugeCones> cones;
+};
+
+GaugeMap::GaugeMap(std::unique_ptr<Table> table) : table_(std::move(table)) {}
+GaugeMap::~GaugeMap() = default;
+
+const GaugeTable& GaugeMap::table() const noexcept { return *table_; }
+
+std::unique_ptr<GaugeMap> GaugeMap::build(InnerPolytope polytope, const GaugeSettings& settings) {
+  auto table = std::make_unique<Table>();
+  if (!build_gauge_table(std::move(polytope), settings, *table,
+                         settings.cones ? &table->cones : nullptr))
+    return nullptr;
+  return std::unique_ptr<GaugeMap>(new GaugeMap(std::move(table)));
+}
+
+std::unique_ptr<GaugeMap> GaugeMap::of_few_facets(const InnerPolytope& polytope,
+                                                  unsigned resolution) {
+  auto table = std::make_unique<Table>();
+  if (!build_gauge_by_planes(polytope, resolution, *table)) return nullptr;
+  return std::unique_ptr<GaugeMap>(new GaugeMap(std::move(table)));
+}
+
+bool GaugeMap::inside_cones(const double* row) const { return table_->cones->inside(row); }
+
+std::vector<std::uint64_t> GaugeMap::outside_cones(const Array<double>& rows,
+                                                   const std::vector<char>& certain,
+                                                   const Run& run) const {
+  if (table_->cones == nullptr)
+    throw Error(ErrorCode::internal, "the gauge map was built without cones");
+  constexpr std::uint64_t block = 2048;  // tens of us of work; not tuned
+  const unsigned d = table_->dimension;
+  const std::uint64_t count = rows.size() / d;
+  std::vector<std::uint64_t> kept(count);  // each block writes to its own part
+  std::vector<std::uint64_t> sizes(chunk_count(count, block));
+  run.each_chunk(count, block, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    std::uint64_t k = begin;
+    for (std::uint64_t i = begin; i < end; ++i) {
+      kept[k] = i;
+      k += certain[i] == 0 && table_->cones->inside(&rows[i * d]) ? 0 : 1;
+    }
+    sizes[c] = k - begin;
+  });
+  std::uint64_t total = 0;
+  for (std::uint64_t c = 0; c < sizes.size(); ++c) {
+    std::copy_n(kept.begin() + static_cast<std::ptrdiff_t>(c * block), sizes[c],
+                kept.begin() + static_cast<std::ptrdiff_t>(total));
+    total += sizes[c];
+  }
+  kept.resize(total);
+  return kept;
+}
+
+std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, const Run& run,
+                                               SurvivorRows* rows) const {
+  if (points.dimension != table_->dimension)
+    throw Error(ErrorCode::internal, "the gauge map has another dimension than the points");
+
+  // Every chunk keeps its own list; their concatenation does not depend on threads.
+  const std::uint64_t chunks = chunk_count(points.count, gauge_chunk);
+  const unsigned d = points.dimension;
+  std::vector<std::vector<std::uint16_t>> kept(chunks);
+  std::vector<Array<double>> kept_rows(rows != nullptr ? chunks : 0);
+  std::atomic<std::uint64_t> gathered{0};
+  const GaugeShortcuts shortcuts = make_shortcuts(*table_, points, points.count, run.threads);
+  static_assert(gauge_chunk <= 65536);
+  run.each_chunk(points.count, gauge_chunk,
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    std::array<std::uint32_t, gauge_chunk> ids;
+    const std::size_t n = gauge_survivors(*table_, points, begin, end, ids.data(), &shortcuts);
+    kept[c].assign(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(n));
+    if (rows == nullptr || gathered.fetch_add(n) + n > rows->most) return;
+    kept_rows[c].resize(n * d);
+    gather_rows_at(points, begin, ids.data(), n, kept_rows[c].data());
+  });
+
+  std::vector<std::uint64_t> offsets(chunks + 1, 0);
+  for (std::uint64_t c = 0; c < chunks; ++c) offsets[c + 1] = offsets[c] + kept[c].size();
+  std::vector<std::uint64_t> result(offsets[chunks]);
+  bool all = rows != nullptr;
+  for (std::uint64_t c = 0; c < kept_rows.size(); ++c)
+    all = all && kept_rows[c].size() == kept[c].size() * d;
+  if (all) rows->rows.resize(offsets[chunks] * d);
+  run.each(chunks, 64, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t c = begin; c < end; ++c) {
+      const std::uint64_t first = c * gauge_chunk;
+      std::transform(kept[c].begin(), kept[c].end(),
+                     result.begin() + static_cast<std::ptrdiff_t>(offsets[c]),
+                     [first](std::uint16_t i) { return first + i; });
+      if (all)
+        std::copy(kept_rows[c].begin(), kept_rows[c].end(),
+                  rows->rows.begin() + static_cast<std::ptrdiff_t>(offsets[c] * d));
+    }
+  });
+  return result;
+}
+
+}  // namespace cullhull::internal

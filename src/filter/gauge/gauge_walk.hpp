@@ -1,0 +1,347 @@
+// The cones of a polytope's facets from a point inside, and the walk from cone to cone that bounds
+// the gauge of any direction (docs/exactness.md, G1 and G2).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "filter/gauge/gauge_map.hpp"
+#include "filter/gauge/gauge_table.hpp"
+#include "parallel/threads/parallel.hpp"
+
+namespace cullhull::internal {
+
+/// What weights mu >= 0 on vertices q (relative to the centre) prove about a direction v.
+struct GaugeBound {
+  double weight;    ///< at least the sum of the mu
+  double residual;  ///< at least |v - sum mu q|_1
+};
+
+/// The frame is y = (x - centre) * scale, scale powers of two, |y| <= 1 on the polytope.
+///
+/// Correctness does not depend on the facets. Whatever weights mu >= 0 on input points q are found
+/// for a direction v, the residual r = v - sum mu q is bounded, and
+///   g(v) <= sum mu + L |r|_1,   L >= max g(+-e_j),
+/// holds for the gauge of the hull of those points. The facets only serve to find good weights.
+template <unsigned D>
+class ConeWalk {
+ public:
+  /// The polytope must outlive the object.
+  explicit ConeWalk(const InnerPolytope& p)
+      : p_(p),
+        vertex_count_(p.vertices.size() / D),
+        facet_count_(static_cast<std::uint32_t>(p.facets.size() / D)),
+        step_limit_(256 + static_cast<unsigned>(16 * std::pow(facet_count_, 1.0 / (D - 1)))) {}
+
+  /// False if the centre is not strictly inside in floating point, or coordinates are too extreme.
+  bool prepare() {
+    return vertex_count_ >= D + 1 && facet_count_ >= D + 1 && choose_frame() && bound_axes();
+  }
+
+  std::uint32_t facet_count() const { return facet_count_; }
+  double centre(unsigned j) const { return centre_[j]; }
+  double scale(unsigned j) const { return scale_[j]; }
+  /// L: no point of the unit 1-norm ball has a larger gauge.
+  double lipschitz() const { return lipschitz_; }
+
+  /// Inverts the matrix of every facet; pays when each facet is visited many times. False if not
+  /// all cones have one orientation, as those of a convex polytope have: then walks may not end at
+  /// the right cone.
+  bool invert_facets(unsigned threads) {
+    std::vector<double> inverses(std::size_t{facet_count_} * D * D);
+    std::vector<Cone> cones(facet_count_);
+    std::vector<unsigned> signs(chunk_count(facet_count_, 1024));  // bit 0: positive, bit 1: not
+    for_each_chunk(facet_count_, 1024, threads,
+                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t f = begin; f < end; ++f) {
+        double* const inverse = &inverses[f * D * D];
+        signs[c] |= invert(static_cast<std::uint32_t>(f), inverse) > 0 ? 1U : 2U;
+        for (unsigned i = 0; i < D * D; ++i) cones[f].inverse[i] = static_cast<float>(inverse[i]);
+        std::copy_n(&p_.neighbours[f * D], D, cones[f].next);
+      }
+    });
+    inverses_ = std::move(inverses);
+    cones_ = std::move(cones);
+    unsigned met = 0;
+    for (const unsigned s : signs) met |= s;
+    return met != 3;
+  }
+
+  /// Makes the weights non-negative and bounds what is then missing from v (exactness.md, G2).
+  GaugeBound bound(std::uint32_t f, const double* v, const double (&mu)[D]) const {
+    double weight = 0;
+    double rest[D];
+    double size[D];
+    for (unsigned j = 0; j < D; ++j) rest[j] = v[j], size[j] = std::abs(v[j]);
+    const std::uint32_t* ids = facet(f);
+    for (unsigned i = 0; i < D; ++i) {
+      const double m = mu[i] > 0 ? mu[i] : 0;
+      const double* q = point(ids[i]);
+      weight += m;
+      for (unsigned j = 0; j < D; ++j) {
+        rest[j] -= m * q[j];
+        size[j] += m * std::abs(q[j]);
+      }
+    }
+    double residual = 0;
+    for (unsigned j = 0; j < D; ++j)
+      residual += std::abs(rest[j]) + (2 * D + 8) * 0x1p-53 * size[j];
+    return {weight * (1 + 0x1p-49), residual + (1 + weight) * 0x1p-1000};
+  }
+
+  /// Walks across ridges with a negative weight to the cone that holds v. By convexity sum mu grows
+  /// from step to step, except at coplanar facets and by rounding: hence the step limit, and a
+  /// random choice of the ridge after half of it. Returns the best facet visited.
+  std::uint32_t walk(std::uint32_t from, const double* v, double (&best)[D],
+                     std::uint64_t& random) const {
+    if (!cones_.empty() && walk_roughly(from, v)) {
+      weights(from, v, best);
+      return from;
+    }
+    std::uint32_t best_facet = from;
+    double best_lack = std::numeric_limits<double>::infinity();
+    std::uint32_t f = from;
+    for (unsigned step = 0; step < step_limit_; ++step) {
+      double mu[D];
+      weights(f, v, mu);
+      unsigned lowest = 0;
+      double size = 0;
+      for (unsigned i = 0; i < D; ++i) {
+        if (mu[i] < mu[lowest]) lowest = i;
+        size = std::max(size, std::abs(mu[i]));
+      }
+      const double lack = -mu[lowest];
+      if (lack < best_lack || step == 0) {
+        best_lack = lack;
+        best_facet = f;
+        std::copy(mu, mu + D, best);
+      }
+      if (!(lack > 0x1p-40 * size)) break;  // within rounding: the residual bounds it
+      if (2 * step > step_limit_) {
+        for (unsigned tries = 0; tries < 4 * D; ++tries) {
+          const auto i =
+              static_cast<unsigned>((random = random * 6364136223846793005U + 1) >> 33) % D;
+          if (mu[i] < 0) {
+            lowest = i;
+            break;
+          }
+        }
+      }
+      f = p_.neighbours[std::size_t{f} * D + lowest];
+    }
+    return best_facet;
+  }
+
+  static constexpr std::uint64_t random_seed = 88172645463325252U;
+
+ private:
+  /// The data a step of the walk reads: one or two cache lines. Single precision suffices to find
+  /// the way.
+  struct alignas(64) Cone {
+    float inverse[D * D];
+    std::uint32_t next[D];
+  };
+
+  /// Moves `f` to the cone that holds v, or to a neighbour of it within rounding; false after 128
+  /// steps, far more than a walk from a near start takes; then the caller walks in doubles.
+  bool walk_roughly(std::uint32_t& f, const double* v) const {
+    float w[D];
+    for (unsigned j = 0; j < D; ++j) w[j] = static_cast<float>(v[j]);
+    for (unsigned step = 0; step < 128; ++step) {
+      const Cone& cone = cones_[f];
+      float lowest = 0, size = 0;
+      unsigned at = 0;
+      for (unsigned i = 0; i < D; ++i) {
+        float mu = 0;
+        for (unsigned j = 0; j < D; ++j) mu += cone.inverse[i * D + j] * w[j];
+        at = mu < lowest ? i : at;
+        lowest = std::min(mu, lowest);
+        size = std::max(size, std::abs(mu));
+      }
+      if (!(-lowest > 0x1p-18F * size)) return true;
+      f = cone.next[at];
+    }
+    return false;
+  }
+
+  const std::uint32_t* facet(std::uint32_t f) const { return &p_.facets[std::size_t{f} * D]; }
+  const double* point(std::uint32_t v) const { return &q_[std::size_t{v} * D]; }
+
+  /// Chooses the scale by the vertices' bounding box around `centre_`; fills q_.
+  bool apply_centre() {
+    for (unsigned j = 0; j < D; ++j) {
+      double reach = 0;
+      for (std::size_t v = 0; v < vertex_count_; ++v)
+        reach = std::max(reach, std::abs(p_.vertices[v * D + j] - centre_[j]));
+      if (!(reach > 0) || !std::isfinite(reach)) return false;
+      int exponent = 0;
+      std::frexp(reach, &exponent);  // reach < 2^exponent
+      scale_[j] = std::ldexp(1.0, std::clamp(-exponent, -1020, 1020));
+      const double offset = centre_[j] * scale_[j];
+      // An inexact product would shift the centre; only subnormal numbers can do that.
+      if (!std::isfinite(offset) || offset / scale_[j] != centre_[j]) return false;
+    }
+    q_.resize(vertex_count_ * D);
+    for (std::size_t v = 0; v < vertex_count_; ++v)
+      for (unsigned j = 0; j < D; ++j)
+        q_[v * D + j] = (p_.vertices[v * D + j] - centre_[j]) * scale_[j];
+    return true;
+  }
+
+  /// Centre: the centroid of the polytope (estimated from at most 8192 of its cones), which is deep
+  /// inside even where vertices crowd; then rounded to f32 if that moves it by less than 2^-7 of
+  /// the extent.
+  bool choose_frame() {
+    for (unsigned j = 0; j < D; ++j) {
+      double mean = 0;
+      for (std::size_t v = 0; v < vertex_count_; ++v)
+        mean += p_.vertices[v * D + j] / static_cast<double>(vertex_count_);
+      centre_[j] = mean;
+    }
+    if (!apply_centre()) return false;
+    double shift[D] = {};
+    double volume = 0;
+    const std::uint32_t stride = 1 + facet_count_ / 8192;
+    for (std::uint32_t f = 0; f < facet_count_; f += stride) {
+      const double w = std::abs(determinant(f));
+      volume += w;
+      for (unsigned j = 0; j < D; ++j) {
+        double sum = 0;
+        for (unsigned i = 0; i < D; ++i) sum += point(facet(f)[i])[j];
+        shift[j] += w * sum / (D + 1);
+      }
+    }
+    for (unsigned j = 0; j < D; ++j) {
+      if (volume > 0) centre_[j] += shift[j] / volume / scale_[j];
+      const double single = static_cast<float>(centre_[j]);
+      if (std::abs(single - centre_[j]) * scale_[j] <= 0x1p-7) centre_[j] = single;
+    }
+    return apply_centre();
+  }
+
+  double determinant(std::uint32_t f) const {
+    double a[D][D];
+    for (unsigned i = 0; i < D; ++i)
+      for (unsigned j = 0; j < D; ++j) a[j][i] = point(facet(f)[i])[j];
+    double b[D] = {};
+    return eliminate(a, b);
+  }
+
+  /// Gaussian elimination with partial pivoting: solves a x = b into b, returns det a.
+  static double eliminate(double (&a)[D][D], double (&b)[D]) {
+    double det = 1;
+    for (unsigned k = 0; k < D; ++k) {
+      unsigned pivot = k;
+      for (unsigned r = k + 1; r < D; ++r)
+        if (std::abs(a[r][k]) > std::abs(a[pivot][k])) pivot = r;
+      if (pivot != k) {
+        std::swap(a[pivot], a[k]);
+        std::swap(b[pivot], b[k]);
+        det = -det;
+      }
+      det *= a[k][k];
+      // A flat cone: a huge solution makes the walk leave it.
+      const double inverse = 1 / (a[k][k] != 0 ? a[k][k] : 0x1p-80);
+      a[k][k] = inverse;
+      for (unsigned r = k + 1; r < D; ++r) {
+        const double factor = a[r][k] * inverse;
+        for (unsigned c = k + 1; c < D; ++c) a[r][c] -= factor * a[k][c];
+        b[r] -= factor * b[k];
+      }
+    }
+    for (unsigned k = D; k-- > 0;) {
+      for (unsigned c = k + 1; c < D; ++c) b[k] -= a[k][c] * b[c];
+      b[k] *= a[k][k];
+    }
+    return det;
+  }
+
+  /// Solves for the weights of v on the vertices of facet f, positive or not.
+  void weights(std::uint32_t f, const double* v, double (&mu)[D]) const {
+    if (!inverses_.empty()) {
+      const double* row = &inverses_[std::size_t{f} * D * D];
+      for (unsigned i = 0; i < D; ++i, row += D) {
+        mu[i] = 0;
+        for (unsigned j = 0; j < D; ++j) mu[i] += row[j] * v[j];
+      }
+      return;
+    }
+    solve(f, v, mu);
+  }
+
+  /// The inverse of the matrix whose columns are the facet's vertices; returns its determinant.
+  double invert(std::uint32_t f, double* inverse) const {
+    if constexpr (D == 3) {
+      const double *a = point(facet(f)[0]), *b = point(facet(f)[1]), *c = point(facet(f)[2]);
+      const auto cross = [](const double* u, const double* v, double* out) {
+        for (unsigned j = 0; j < 3; ++j)
+          out[j] = u[(j + 1) % 3] * v[(j + 2) % 3] - u[(j + 2) % 3] * v[(j + 1) % 3];
+      };
+      cross(b, c, inverse);
+      cross(c, a, inverse + 3);
+      cross(a, b, inverse + 6);
+      const double det = a[0] * inverse[0] + a[1] * inverse[1] + a[2] * inverse[2];
+      if (std::abs(det) > 0x1p-80) {
+        for (unsigned i = 0; i < 9; ++i) inverse[i] /= det;
+        return det;
+      }
+    }
+    double det = 0;
+    for (unsigned j = 0; j < D; ++j) {
+      double unit[D] = {};
+      unit[j] = 1;
+      double column[D];
+      det = solve(f, unit, column);
+      for (unsigned i = 0; i < D; ++i) inverse[i * D + j] = column[i];
+    }
+    return det;
+  }
+
+  double solve(std::uint32_t f, const double* v, double (&mu)[D]) const {
+    double a[D][D];
+    const std::uint32_t* ids = facet(f);
+    for (unsigned i = 0; i < D; ++i) {
+      const double* q = point(ids[i]);
+      for (unsigned j = 0; j < D; ++j) a[j][i] = q[j];
+      mu[i] = v[i];
+    }
+    return eliminate(a, mu);
+  }
+
+  /// L: no point of the unit 1-norm ball has a larger gauge (exactness.md, G1).
+  bool bound_axes() {
+    double weight = 0;
+    double residual = 0;
+    std::uint32_t f = 0;
+    std::uint64_t random = random_seed;
+    for (unsigned j = 0; j < 2 * D; ++j) {
+      double v[D] = {};
+      v[j / 2] = j % 2 ? -1 : 1;
+      double mu[D] = {};
+      f = walk(f, v, mu, random);
+      const GaugeBound b = bound(f, v, mu);
+      if (!(b.residual < 0.5) || !(b.weight < 0x1p20)) return false;
+      weight = std::max(weight, b.weight);
+      residual = std::max(residual, b.residual);
+    }
+    lipschitz_ = weight / (1 - residual) * (1 + 0x1p-49);
+    return true;
+  }
+
+  const InnerPolytope& p_;
+  std::size_t vertex_count_;
+  std::uint32_t facet_count_;
+  unsigned step_limit_;
+  double centre_[D] = {};
+  double scale_[D] = {};
+  std::vector<double> q_;         ///< vertices in the frame
+  std::vector<double> inverses_;  ///< empty, or of each facet's matrix of vertices
+  std::vector<Cone> cones_;       ///< likewise
+  double lipschitz_ = 0;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,158 @@
+#include "filter/planner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace cullhull::internal {
+namespace {
+
+/// Costs in nanoseconds on one thread, measured on balls (2.4 GHz Zen 3) and rounded: only their
+/// ratios matter. Wrong constants cost time, never correctness.
+struct Costs {
+  double sample_point;  ///< hulling a sample, facets included, for each of its points
+  double engine_point;  ///< the engine's time for a point that is not extreme
+  double survivor;      ///< the later stages' time for a survivor of the first map
+  double pass;          ///< testing a point against the map
+  double build;         ///< building the map
+  double excess;        ///< share the map keeps / share its polytope would keep
+  double largest_probe;
+  double largest_sample;
+};
+
+constexpr Costs costs_by_dimension[] = {
+    {50, 15, 10, 3, 1e5, 1.05, 1000, 50000},          // 2D
+    {200, 100, 40, 5, 7e5, 1.05, 1000, 50000},        // 3D
+    {1500, 500, 500, 7, 6e6, 1.15, 500, 40000},       // 4D
+    {6000, 1500, 1000, 12, 14e6, 1.35, 1000, 30000},  // 5D
+    {3e4, 4000, 2000, 15, 23e6, 1.35, 500, 10000},    // 6D
+};
+
+const Costs& costs_of(unsigned d) { return costs_by_dimension[std::clamp(d, 2U, 6U) - 2]; }
+
+/// Efron (1965): the expected share of the points that an m-sample's hull leaves outside is the
+/// expected share of an (m + 1)-sample's points that are extreme.
+double kept_share(std::uint64_t sample, std::uint64_t extreme) {
+  return static_cast<double>(std::max<std::uint64_t>(extreme, 1)) /
+         static_cast<double>(std::max<std::uint64_t>(sample, 1));
+}
+
+/// Starting the driver and making its context; seconds.
+constexpr double device_start = 0.25;
+/// Making pinned memory, bytes a second: the system locks and clears its pages, 4 KB each at about
+/// a microsecond. Assumed, not measured: the first call for points of the host pays it.
+constexpr double pin_rate = 4e9;
+/// Two pieces in flight of this many bytes each (cuda/gauge.cpp), or of the points if they are few.
+constexpr double pinned_piece = 32 << 20;
+/// Launches, and waiting for the few words of the answer: seconds a call. A guess.
+constexpr double device_call = 100e-6;
+
+std::string seconds_text(double seconds) {
+  char text[32];
+  if (seconds < 1e-3)
+    std::snprintf(text, sizeof text, "%.3g us", seconds * 1e6);
+  else if (seconds < 1)
+    std::snprintf(text, sizeof text, "%.3g ms", seconds * 1e3);
+  else
+    std::snprintf(text, sizeof text, "%.3g s", seconds);
+  return text;
+}
+
+}  // namespace
+
+// Below this many points even dropping all of them would save less than the map costs.
+std::uint64_t smallest_worth_culling(unsigned d) {
+  const Costs& c = costs_of(d);
+  return static_cast<std::uint64_t>(c.build / (c.engine_point - c.pass));
+}
+
+// The second map drops about half of the survivors and is larger: four times the first one's cost.
+std::uint64_t smallest_worth_refining(unsigned d) {
+  const Costs& c = costs_of(d);
+  return static_cast<std::uint64_t>(4 * c.build / (c.engine_point - c.pass));
+}
+
+// Two threads beside one on two cores, one of them busy with something else, medians: a disk of
+// 100,000 points took 541 us beside 415 (both idle 386 and 392), nearly all of it the filter.
+unsigned useful_cull_threads(unsigned threads, std::uint64_t count, unsigned d) {
+  return d == 2 && count < std::uint64_t{1} << 19 ? 1 : threads;
+}
+
+// Likewise, all points extreme: 10,000 points took 438 us beside 271, 50,000 3.9 ms beside 1.5,
+// 100,000 the same (idle two thirds of it).
+unsigned useful_threads(unsigned threads, std::uint64_t count, unsigned d) {
+  return d == 2 && count < std::uint64_t{1} << 16 ? 1 : threads;
+}
+
+// Where all points are extreme, hulling the probe costs its share of the whole, at most 1 / 128.
+// Samples of fewer than 8 d points show nothing.
+std::uint64_t probe_sample_size(std::uint64_t count, unsigned d) {
+  const double size = std::min(static_cast<double>(count) / 128, costs_of(d).largest_probe);
+  return std::min(count, std::max(static_cast<std::uint64_t>(size), std::uint64_t{8} * d));
+}
+
+// A larger sample keeps fewer points where the density is smooth, but not where the points lie on a
+// surface, and the probe cannot tell: so no decay is assumed. On a surface extreme = sample.
+bool cull_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint64_t extreme) {
+  const Costs& c = costs_of(d);
+  const auto n = static_cast<double>(count);
+  const double kept = std::min(1.0, c.excess * kept_share(sample, extreme));
+  const auto size = static_cast<double>(map_sample_size(count, d, sample, extreme));
+  return n * (1 - kept) * c.engine_point > n * c.pass + size * c.sample_point + c.build;
+}
+
+bool map_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint64_t extreme) {
+  const Costs& c = costs_of(d);
+  const auto n = static_cast<double>(count);
+  const double kept = std::min(1.0, c.excess * kept_share(sample, extreme));
+  return n * (1 - kept) * c.engine_point > n * c.pass + c.build;
+}
+
+std::string sample_finding(std::uint64_t sample, std::uint64_t extreme) {
+  return std::to_string(extreme) + " of " + std::to_string(sample) + " sampled points are extreme";
+}
+
+// A pass on the host costs the larger of reading and testing. For a device, points are copied into
+// pinned memory while the piece before is transferred: again the larger of the two; the kernel's
+// time is hidden behind both. A device that holds the points reads them at half of its copying rate
+// at least (docs/gpu.md), as a copy moves two bytes for one.
+Placement choose_place(const PlaceQuestion& q, const MachineConstants& m) {
+  const auto n = static_cast<double>(q.count);
+  const double bytes = n * static_cast<double>(q.point_bytes);
+  const unsigned threads = m.cores > 0 ? std::min(q.threads, m.cores) : q.threads;
+  const double host_pass = std::max(bytes / m.host_read_bytes_per_second,
+                                    n * costs_of(q.dimension).pass * 1e-9 / std::max(1U, threads));
+  const double link = bytes / m.link_bytes_per_second;
+  const double start = q.device_started || q.on_device ? 0 : device_start;
+  const double host = q.on_device ? link + host_pass : host_pass;
+  const double pinned = 2 * std::min(bytes, pinned_piece);
+  const double pin = std::max(0.0, pinned - static_cast<double>(q.pinned_bytes)) / pin_rate;
+  const double device = start + device_call +
+                        (q.on_device ? bytes / (m.device_copy_bytes_per_second / 2)
+                                     : pin + std::max(link, bytes / m.host_copy_bytes_per_second));
+  Placement p;
+  p.device = device < host;
+  p.host_reason = std::string("points on the ") + (q.on_device ? "device" : "host") +
+                  ": a pass takes about " + seconds_text(host) + " on the CPU";
+  p.reason = p.host_reason + ", " + seconds_text(device) + " on a CUDA device";
+  return p;
+}
+
+// A smooth density leaves outside an m-sample's hull a share s(m) ~ m^-a, a = 2 / (d + 1) (Renyi
+// and Sulanke 1963, Barany 1989). The least of  sample_point m + survivor count s(m)  is at
+// m^(1 + a) = a (survivor / sample_point) count s m0^a, where the probe of m0 points gave s.
+// At most an eighth of the points: where the law does not hold the loss stays small.
+std::uint64_t map_sample_size(std::uint64_t count, unsigned d, std::uint64_t sample,
+                              std::uint64_t extreme) {
+  const Costs& c = costs_of(d);
+  const double a = 2.0 / (d + 1);
+  const double best =
+      std::pow(a * (c.survivor / c.sample_point) * static_cast<double>(count) *
+                   kept_share(sample, extreme) * std::pow(static_cast<double>(sample), a),
+               1 / (1 + a));
+  const double most = std::min(c.largest_sample, static_cast<double>(count) / 8);
+  const auto size = static_cast<std::uint64_t>(std::min(best, most));
+  return std::min(count, std::max(size, sample));
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,252 @@
+// The data-parallel primitives for algorithms that run on more than one executor. Every executor
+// gives the same answers, bit for bit: ties are broken by index or value, never by the order of
+// work, and compaction is stable.
+//
+// Executors run small functors over plain pointers, marked CULLHULL_HD, so that the same text is a
+// loop body on the host and a kernel body on a device. Memory that functors access comes from the
+// executor (`Array`, `reserve`) and is copied by it (`fetch`, `upload`).
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "parallel/host_device.hpp"
+#include "parallel/memory/big_array.hpp"
+#include "parallel/threads/parallel.hpp"
+
+namespace cullhull::internal {
+
+inline constexpr std::uint32_t no_item = 0xFFFFFFFF;
+
+/// The value that an item offers to a cell; 0 with the cell no_item for no offer.
+struct Offer {
+  std::uint32_t cell;
+  std::uint64_t value;
+};
+
+/// Memory of an executor on the host. Contents are lost when it grows.
+template <class T>
+class HostArray {
+ public:
+  T* reserve(std::size_t count) {
+    if (count > capacity_) {
+      items_ = {};  // freed first, so that the two are never held at once
+      capacity_ = 0;
+      items_ = BigArray<T>(count);
+      capacity_ = count;
+    }
+    return items_.get();
+  }
+  T* data() { return items_.get(); }
+  const T* data() const { return items_.get(); }
+
+ private:
+  BigArray<T> items_;
+  std::size_t capacity_ = 0;
+};
+
+/// Common to all executors on the host.
+struct HostMemory {
+  template <class T>
+  using Array = HostArray<T>;
+  /// Items that one step of a reduction takes together. A guess: some microseconds of work.
+  static constexpr std::uint32_t grain = 512;
+  /// Whether work should be cut finely even where some is then done twice.
+  static constexpr bool many_threads = false;
+
+  /// Room for `count` items, not initialised.
+  template <class T>
+  static T* reserve(Array<T>& array, std::size_t count) {
+    return array.reserve(count);
+  }
+  template <class T>
+  static void fetch(const T* from, std::size_t count, T* to) {
+    std::copy_n(from, count, to);
+  }
+  template <class T>
+  static void upload(const T* from, std::size_t count, T* to) {
+    std::copy_n(from, count, to);
+  }
+  template <class T>
+  static void zero(T* items, std::size_t count) {
+    std::fill_n(items, count, T{});
+  }
+};
+
+/// The reference implementation: loops in order.
+class SerialExecutor : public HostMemory {
+ public:
+  /// body(i) for every i of [0, count).
+  template <class Body>
+  void for_each(std::uint32_t count, Body&& body) const {
+    for (std::uint32_t i = 0; i < count; ++i) body(i);
+  }
+
+  /// `identity`, map(0) ... map(count - 1), combined. `combine` must be associative and commutative
+  /// without rounding, `identity` its neutral element.
+  template <class T, class Map, class Combine>
+  T reduce(std::uint32_t count, T identity, Map&& map, Combine&& combine) const {
+    for (std::uint32_t i = 0; i < count; ++i) identity = combine(identity, map(i));
+    return identity;
+  }
+
+  /// Stable compaction: emit(i, k) for the k-th i (from 0) with keep(i); returns how many there
+  /// are. `keep` may be called twice for an item and must then give the same answer. An executor
+  /// may also emit an item that is not kept, to the place of the next one kept or the one after the
+  /// last: this avoids an unpredictable branch.
+  template <class Keep, class Emit>
+  std::uint32_t select(std::uint32_t count, Keep&& keep, Emit&& emit) const {
+    std::uint32_t k = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      emit(i, k);
+      k += static_cast<std::uint32_t>(keep(i));
+    }
+    return k;
+  }
+
+  /// number[i] becomes the number of items kept among [0, i), i = 0 ... count; returns the last.
+  template <class Keep>
+  std::uint32_t enumerate(std::uint32_t count, Keep&& keep, std::uint32_t* number) const {
+    std::uint32_t sum = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      number[i] = sum;
+      sum += static_cast<std::uint32_t>(keep(i));
+    }
+    number[count] = sum;
+    return sum;
+  }
+
+  /// body(i) for every item returns an Offer; best[c] becomes the largest value offered to cell c
+  /// of [0, cells), 0 if there is none. Returns the number of items without an offer (no_item).
+  /// cells >= 1.
+  template <class Body>
+  std::uint32_t scatter_max(std::uint32_t count, std::uint32_t cells, Body&& body,
+                            std::uint64_t* best) const {
+    std::fill_n(best, cells, 0);
+    std::uint32_t none = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Offer offer = body(i);
+      none += static_cast<std::uint32_t>(offer.cell == no_item);
+      std::uint64_t& b = best[std::min(offer.cell, cells - 1)];
+      if (offer.value > b) b = offer.value;
+    }
+    return none;
+  }
+
+  /// For use in bodies: an atomic target = min(target, value).
+  CULLHULL_HD static void lower(std::uint32_t& target, std::uint32_t value) {
+    if (value < target) target = value;
+  }
+};
+
+/// The same on several threads.
+class ThreadExecutor : public HostMemory {
+ public:
+  explicit ThreadExecutor(unsigned threads) : threads_(threads) {}
+
+  template <class Body>
+  void for_each(std::uint32_t count, Body&& body) const {
+    for_each_chunk(count, chunk, threads_,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) body(static_cast<std::uint32_t>(i));
+    });
+  }
+
+  template <class T, class Map, class Combine>
+  T reduce(std::uint32_t count, T identity, Map&& map, Combine&& combine) const {
+    // An item may be a block of points, hence short chunks.
+    constexpr std::uint64_t items = 64;
+    std::vector<T> partial(chunk_count(count, items), identity);
+    for_each_chunk(count, items, threads_,
+                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      T sum = identity;
+      for (std::uint64_t i = begin; i < end; ++i)
+        sum = combine(sum, map(static_cast<std::uint32_t>(i)));
+      partial[c] = sum;
+    });
+    for (const T& p : partial) identity = combine(identity, p);
+    return identity;
+  }
+
+  template <class Keep, class Emit>
+  std::uint32_t select(std::uint32_t count, Keep&& keep, Emit&& emit) const {
+    const std::vector<std::uint32_t> offsets = kept_before_chunks(count, keep);
+    for_each_chunk(count, chunk, threads_,
+                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      std::uint32_t k = offsets[c];
+      for (std::uint64_t i = begin; i < end; ++i)
+        if (keep(static_cast<std::uint32_t>(i))) emit(static_cast<std::uint32_t>(i), k++);
+    });
+    return offsets.back();
+  }
+
+  template <class Keep>
+  std::uint32_t enumerate(std::uint32_t count, Keep&& keep, std::uint32_t* number) const {
+    const std::vector<std::uint32_t> offsets = kept_before_chunks(count, keep);
+    for_each_chunk(count, chunk, threads_,
+                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      std::uint32_t k = offsets[c];
+      for (std::uint64_t i = begin; i < end; ++i) {
+        number[i] = k;
+        k += static_cast<std::uint32_t>(keep(static_cast<std::uint32_t>(i)));
+      }
+    });
+    return number[count] = offsets.back();
+  }
+
+  template <class Body>
+  std::uint32_t scatter_max(std::uint32_t count, std::uint32_t cells, Body&& body,
+                            std::uint64_t* best) const {
+    for_each(cells, [&](std::uint32_t c) { best[c] = 0; });
+    std::atomic<std::uint32_t> none{0};
+    for_each_chunk(count, chunk, threads_,
+                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      std::uint32_t mine = 0;
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const Offer offer = body(static_cast<std::uint32_t>(i));
+        mine += static_cast<std::uint32_t>(offer.cell == no_item);
+        raise(best[std::min(offer.cell, cells - 1)], offer.value);
+      }
+      none += mine;
+    });
+    return none;
+  }
+
+  static void lower(std::uint32_t& target, std::uint32_t v) {
+    std::atomic_ref<std::uint32_t> t(target);
+    std::uint32_t now = t.load(std::memory_order_relaxed);
+    while (v < now && !t.compare_exchange_weak(now, v, std::memory_order_relaxed)) {
+    }
+  }
+
+ private:
+  static constexpr std::uint64_t chunk = 4096;  // tens of us of work; not tuned
+
+  /// For each chunk the number of items kept before it; returns their total.
+  template <class Keep>
+  std::vector<std::uint32_t> kept_before_chunks(std::uint32_t count, Keep&& keep) const {
+    std::vector<std::uint32_t> offsets(chunk_count(count, chunk) + 1, 0);
+    for_each_chunk(count, chunk, threads_,
+                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      std::uint32_t kept = 0;
+      for (std::uint64_t i = begin; i < end; ++i)
+        kept += keep(static_cast<std::uint32_t>(i)) ? 1 : 0;
+      offsets[c + 1] = kept;
+    });
+    for (std::size_t c = 1; c < offsets.size(); ++c) offsets[c] += offsets[c - 1];
+    return offsets;
+  }
+
+  static void raise(std::uint64_t& target, std::uint64_t v) {
+    std::atomic_ref<std::uint64_t> t(target);
+    std::uint64_t now = t.load(std::memory_order_relaxed);
+    while (v > now && !t.compare_exchange_weak(now, v, std::memory_order_relaxed)) {
+    }
+  }
+
+  unsigned threads_;
+};
+
+}  // namespace cullhull::internal

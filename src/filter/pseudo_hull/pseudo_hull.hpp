@@ -1,0 +1,51 @@
+// PseudoHull: the filter of Tang, Zhao, Tong, Manocha, "GPU accelerated Convex Hull Computation",
+// Computers & Graphics 36(5), 2012 (docs/algorithm.md, docs/exactness.md).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cullhull/point_view.hpp"
+#include "parallel/threads/run.hpp"
+
+namespace cullhull::internal {
+
+/// What one round did, summed over the subsets.
+struct PseudoHullRound {
+  std::uint64_t facets = 0;    ///< facets with an exterior set, each replaced by d others
+  std::uint64_t exterior = 0;  ///< points in those sets before the round
+  std::uint64_t culled = 0;    ///< of them proved strictly inside; round 0: by the first simplex
+  std::uint64_t kept = 0;      ///< of them survivors from here on: apexes, and points in doubt
+};
+
+struct PseudoHullSettings {
+  /// Each subset grows its own pseudo-hull. 0: 64 subsets, fewer where they would be too small to
+  /// pay, more where they would exceed the cache. 1: all threads work on one.
+  unsigned subsets = 0;
+  /// Points still outside after so many rounds survive. A ball takes 13 to 16 rounds; many more
+  /// only sets where each apex leaves all other points outside.
+  unsigned max_rounds = 100;
+};
+
+/// For each culled point a simplex of points that it lies strictly inside of.
+struct SimplexRecord {
+  std::vector<std::uint32_t> simplex_of;  ///< by point; no_item (primitives.hpp) if it survived
+  std::vector<std::uint64_t> corners;     ///< simplices x (d + 1) points
+};
+
+/// The largest subset: cells of the facet stream have 32-bit numbers.
+inline constexpr std::uint64_t pseudo_hull_most_points = std::uint64_t{1} << 28;
+
+inline constexpr unsigned pseudo_hull_min_dimension = 2, pseudo_hull_max_dimension = 8;
+
+/// Ids (ascending, indices into `points`) of all points that are not provably strictly inside the
+/// hull; a point with a NaN or an infinity is always among them. `rounds`, if given, receives one
+/// entry for the first simplex and one for each round, `record` what culled each point. None of
+/// them depends on `threads`.
+/// Time O(n d^2) a round for the points left, memory O(threads n / subsets + survivors).
+std::vector<std::uint64_t> pseudo_hull_survivors(const PointView& points,
+                                                 const PseudoHullSettings& settings, const Run& run,
+                                                 std::vector<PseudoHullRound>* rounds = nullptr,
+                                                 SimplexRecord* record = nullptr);
+
+}  // namespace cullhull::internal

@@ -1,0 +1,198 @@
+// One pseudo-hull, grown round by round over the data-parallel primitives (the paper's Algorithm
+// 1). The same text for every executor and for any kind of rows.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "filter/pseudo_hull/primitives.hpp"
+#include "filter/pseudo_hull/pseudo_hull.hpp"
+#include "filter/pseudo_hull/pseudo_hull_math.hpp"
+#include "filter/pseudo_hull/pseudo_hull_start.hpp"
+#include "filter/pseudo_hull/pseudo_hull_steps.hpp"
+#include "parallel/threads/control.hpp"
+
+namespace cullhull::internal {
+
+/// Reusable: memory is kept from one subset to the next.
+template <unsigned D, class Executor, class Rows>
+class PseudoHullGrowth {
+ public:
+  explicit PseudoHullGrowth(Executor executor) : executor_(std::move(executor)) {}
+
+  /// Grows until no exterior set is left; afterwards culled()[i] is 1 where row i is strictly
+  /// inside, else 0. Adds to `rounds`, which is extended where needed.
+  void run(const Rows& rows, std::uint32_t count, unsigned max_rounds, const Control& control,
+           std::vector<PseudoHullRound>& rounds) {
+    if (!start(rows, count, rounds)) {
+      executor_.zero(executor_.reserve(culled_, count), count);
+      return;
+    }
+    for (unsigned r = 1; r <= max_rounds && exterior_ != 0; ++r) {
+      control.check();
+      round(at(rounds, r));
+    }
+  }
+  /// How many rows are not culled.
+  std::uint32_t left() const { return left_; }
+  /// In the executor's memory.
+  const unsigned char* culled() const { return culled_.data(); }
+  Executor& executor() { return executor_; }
+
+  /// From now on each run records which simplex culled a row: simplex_of()[row], no_item if none
+  /// did; simplex s has the rows corners()[s (D + 1) ... (s + 1) (D + 1)). Only for executors on
+  /// the host.
+  void record() { recording_ = true; }
+  const std::vector<std::uint32_t>& simplex_of() const { return simplex_of_; }
+  const std::vector<std::uint32_t>& corners() const { return corners_; }
+
+  // For tests.
+  std::vector<PseudoFacet<D>> facets() { return fetched(facet_.data(), facets_); }
+  std::vector<std::uint32_t> apexes() { return fetched(apex_.data(), facets_); }
+  std::vector<ExteriorPoint> exterior() { return fetched(points_.data(), exterior_); }
+
+  /// Algorithm 1's first part: the simplex and the exterior sets of its facets. False if there is
+  /// no simplex; then nothing is culled.
+  bool start(const Rows& rows, std::uint32_t count, std::vector<PseudoHullRound>& rounds) {
+    rows_ = rows;
+    count_ = left_ = count;
+    exterior_ = facets_ = 0;
+    corners_.clear();
+    if (recording_) simplex_of_.assign(count, no_item);
+    constexpr std::uint32_t grain = Executor::grain;
+    const AxisExtremes<D> e =
+        executor_.reduce(static_cast<std::uint32_t>(chunk_count(count, grain)), AxisExtremes<D>{},
+                         ExtremesOfStep<D, Rows>{rows_, count, grain}, TakeExtremes<D>{});
+    double scale[D];
+    if (!axis_scales(e, scale)) return false;
+    rows_.rescale(executor_, count, scale);
+    StartSimplex<D> simplex;
+    if (!choose_simplex(executor_, reader_, rows_, count, e, simplex)) return false;
+    StartFacets<D> first;
+    if (!first_facets(simplex, first)) return false;
+    if (recording_) corners_.assign(simplex.row, simplex.row + D + 1);
+    assign_first(first, at(rounds, 0));
+    return true;
+  }
+
+  /// Replaces every facet (each has an exterior set) by the D facets through its apex.
+  void round(PseudoHullRound& report) {
+    const std::uint32_t cells = facets_ * D;
+    executor_.reserve(fan_, facets_);
+    executor_.reserve(cell_, cells);
+    const ReplaceFacet<D, Rows> replace{rows_,        facets_,     facet_.data(),
+                                        apex_.data(), fan_.data(), cell_.data()};
+    if constexpr (Executor::many_threads)
+      executor_.for_each(cells, ReplaceFacetInParts<D, Rows>{replace});
+    else
+      executor_.for_each(facets_, replace);
+    const std::uint32_t culled = executor_.scatter_max(
+        exterior_, cells, Reassign<D, Rows>{rows_, facets_, points_.data(), fan_.data(), arrays()},
+        executor_.reserve(best_, cells));
+    report.facets += facets_;
+    if (recording_) record_round();
+    regroup(cells, points_.data(), culled, report);
+  }
+
+ private:
+  static PseudoHullRound& at(std::vector<PseudoHullRound>& rounds, std::size_t r) {
+    if (rounds.size() <= r) rounds.resize(r + 1);
+    return rounds[r];
+  }
+  template <class T>
+  std::vector<T> fetched(const T* from, std::size_t count) {
+    std::vector<T> items(count);
+    if (count != 0) executor_.fetch(from, count, items.data());
+    return items;
+  }
+  PlaceArrays arrays() { return {place_.data(), distance_.data(), culled_.data()}; }
+
+  /// Puts the D + 1 facets of the simplex into the facet stream and computes their planes.
+  bool first_facets(const StartSimplex<D>& simplex, StartFacets<D>& first) {
+    PseudoFacet<D> facet[D + 1];
+    for (unsigned f = 0; f <= D; ++f) {
+      const double* corner[D];
+      for (unsigned k = 0, v = 0; v <= D; ++v) {
+        if (v == f) continue;
+        facet[f].vertex[k] = simplex.row[v];
+        corner[k++] = simplex.corner[v];
+      }
+      std::copy_n(corner[0], D, first.base[f]);
+      if (!make_plane<D>(corner, simplex.corner[f], first.plane[f])) return false;
+    }
+    executor_.upload(facet, D + 1, executor_.reserve(cell_, D + 1));
+    return true;
+  }
+
+  void assign_first(const StartFacets<D>& first, PseudoHullRound& report) {
+    executor_.reserve(place_, count_);
+    executor_.reserve(distance_, count_);
+    executor_.reserve(culled_, count_);
+    exterior_ = count_;  // all rows, until regroup() removes the culled
+    const std::uint32_t culled =
+        executor_.scatter_max(count_, D + 1, AssignFirst<D, Rows>{rows_, first, arrays()},
+                              executor_.reserve(best_, D + 1));
+    if (recording_)
+      for (std::uint32_t i = 0; i < count_; ++i)
+        if (culled_.data()[i] != 0) simplex_of_[i] = 0;
+    regroup(D + 1, nullptr, culled, report);
+  }
+
+  /// Removes the null cells of the facet stream and the points that are culled or survive, and
+  /// finds each facet's apex.
+  void regroup(std::uint32_t cells, const ExteriorPoint* from, std::uint32_t culled,
+               PseudoHullRound& report) {
+    const std::uint32_t before = exterior_;
+    executor_.reserve(number_, std::size_t{cells} + 1);
+    facets_ = executor_.enumerate(cells, CellHasPoints{best_.data()}, number_.data());
+    executor_.reserve(facet_, facets_);
+    executor_.reserve(apex_, facets_);
+    executor_.for_each(cells, MoveFacet<D>{best_.data(), number_.data(), cell_.data(),
+                                           facet_.data(), apex_.data()});
+    // One more, as an executor may emit an item that is not kept.
+    executor_.reserve(next_points_, std::size_t{before} - culled + 1);
+    exterior_ = executor_.select(
+        before, HasFacet{place_.data()},
+        MovePoint<Executor>{cells, best_.data(), number_.data(), place_.data(), distance_.data(),
+                            from, next_points_.data(), apex_.data()});
+    std::swap(points_, next_points_);
+    report.exterior += before;
+    report.culled += culled;
+    left_ -= culled;
+    report.kept += before - culled - exterior_;
+  }
+
+  /// Each facet with its apex is a simplex; those of a round are stored consecutively.
+  void record_round() {
+    const auto first = static_cast<std::uint32_t>(corners_.size() / (D + 1));
+    for (std::uint32_t j = 0; j < facets_; ++j) {
+      const std::uint32_t* vertex = facet_.data()[j].vertex;
+      corners_.insert(corners_.end(), vertex, vertex + D);
+      corners_.push_back(apex_.data()[j]);
+    }
+    for (std::uint32_t i = 0; i < exterior_; ++i)
+      if (place_.data()[i] == place_inside)
+        simplex_of_[points_.data()[i].row] = first + points_.data()[i].facet;
+  }
+
+  template <class T>
+  using Array = typename Executor::template Array<T>;
+
+  Executor executor_;
+  Rows rows_{};
+  std::uint32_t count_ = 0, left_ = 0, exterior_ = 0, facets_ = 0;
+  Array<ExteriorPoint> points_, next_points_;
+  Array<std::uint32_t> place_, apex_, number_;
+  Array<double> distance_;
+  Array<unsigned char> culled_;
+  Array<std::uint64_t> best_;
+  Array<PseudoFacet<D>> facet_, cell_;
+  Array<PseudoFan<D>> fan_;
+  RowReader<D, Rows, Executor> reader_;
+  bool recording_ = false;
+  std::vector<std::uint32_t> simplex_of_, corners_;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,142 @@
+// The arithmetic of the PseudoHull that every executor shares: facets, their error bounds, the
+// addresses of the facet stream. Plain functions over fixed arrays that compile for a device, too.
+// docs/exactness.md, "PseudoHull", derives the bounds.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "exact/determinants/minors.hpp"
+#include "parallel/host_device.hpp"
+
+namespace cullhull::internal {
+
+/// A facet of the pseudo-hull: rows of the subset.
+template <unsigned D>
+struct PseudoFacet {
+  std::uint32_t vertex[D];
+};
+
+/// The plane of a facet. For any point x of the subset, in its frame,
+///   distance(normal, base, x) > error   proves that x is strictly outside of the facet,
+///   distance(normal, base, x) < -error  proves that it is strictly on the inner side,
+/// where base is the first vertex given to make_plane. A plane that is not certain has normal 0 and
+/// an infinite error and proves nothing.
+template <unsigned D>
+struct PseudoPlane {
+  double normal[D];  ///< of length 1, up to rounding
+  double error;
+};
+
+/// The planes of the D facets that replace one, with the apex as their common base: the data that a
+/// point of its exterior set is reassigned by, contiguous in memory (3D: 128 bytes).
+template <unsigned D>
+struct alignas(16) PseudoFan {
+  double apex[D];
+  PseudoPlane<D> plane[D];
+};
+
+/// The i-th of the D facets that replace facet j of K: the first takes its place, the others lie
+/// after the K facets. With k = K - 1, the address of the last facet, and D = 3 these are the
+/// paper's j, k + 2 j + 1, k + 2 j + 2.
+template <unsigned D>
+CULLHULL_HD constexpr std::uint32_t child_address(std::uint32_t facets, std::uint32_t j,
+                                                  unsigned i) {
+  return i == 0 ? j : facets + j * (D - 1) + (i - 1);
+}
+
+/// normal . (x - base), each operation rounded once.
+template <unsigned D>
+CULLHULL_HD double pseudo_distance(const double* normal, const double* base, const double* x) {
+  double sum = normal[0] * (x[0] - base[0]);
+  for (unsigned k = 1; k < D; ++k) sum += normal[k] * (x[k] - base[k]);
+  return sum;
+}
+
+/// Roundings along any path of expand_minors over `rows` rows of differences.
+CULLHULL_HD constexpr double minor_path(unsigned rows) {
+  return static_cast<double>(rows + (rows - 1) + rows * (rows - 1) / 2);
+}
+
+template <unsigned D>
+CULLHULL_HD void set_uncertain(PseudoPlane<D>& plane) {
+  for (unsigned k = 0; k < D; ++k) plane.normal[k] = 0;
+  plane.error = std::numeric_limits<double>::infinity();
+}
+
+/// The plane through the D points corner[0 .. D), outward where `inner` is on the inner side.
+/// False, and the plane uncertain, where rounding could have reversed it.
+template <unsigned D>
+CULLHULL_HD bool make_plane(const double* const* corner, const double* inner,
+                            PseudoPlane<D>& plane) {
+  double rows[D][D], minor[1U << D], permanent[1U << D];
+  for (unsigned i = 1; i < D; ++i)
+    for (unsigned k = 0; k < D; ++k) rows[i - 1][k] = corner[i][k] - corner[0][k];
+  expand_minors<D, true>(rows, D - 1, minor, permanent);
+
+  constexpr unsigned full = (1U << D) - 1;
+  constexpr double relative = (minor_path(D - 1) + 2) * unit_roundoff;
+  double square = 0, doubt = 0;
+  for (unsigned k = 0; k < D; ++k) {
+    const double cofactor = minor[full ^ (1U << k)];
+    plane.normal[k] = k % 2 != 0 ? -cofactor : cofactor;
+    square += cofactor * cofactor;
+    doubt += relative * permanent[full ^ (1U << k)] + 0x1p-1000;
+  }
+  if (!(square > 0x1p-900)) {
+    set_uncertain(plane);
+    return false;
+  }
+  const double scale = 1 / std::sqrt(square);
+  double sum = 0;
+  for (unsigned k = 0; k < D; ++k) {
+    plane.normal[k] *= scale;
+    sum += std::fabs(plane.normal[k]);
+  }
+  plane.error = 1.0625 * (scale * doubt + (D + 3) * unit_roundoff * sum) + 0x1p-400;
+
+  const double side = pseudo_distance<D>(plane.normal, corner[0], inner);
+  if (side > plane.error) {
+    for (unsigned k = 0; k < D; ++k) plane.normal[k] = -plane.normal[k];
+    return true;
+  }
+  if (side < -plane.error) return true;
+  set_uncertain(plane);
+  return false;
+}
+
+/// The position of a point relative to some facets.
+struct Place {
+  /// Of the facets it is outside of, the nearest (the first on ties), or one of the two values
+  /// below.
+  std::uint32_t facet;
+  double distance;
+};
+inline constexpr std::uint32_t place_inside = 0xFFFFFFFF;     ///< strictly inside all: culled
+inline constexpr std::uint32_t place_uncertain = 0xFFFFFFFE;  ///< neither is proved: it survives
+
+/// Finds a point's Place; facets are offered one after another.
+struct PlaceSearch {
+  std::uint64_t facet = place_uncertain;
+  std::uint64_t distance = std::bit_cast<std::uint64_t>(std::numeric_limits<double>::infinity());
+  std::uint64_t inside = 1;
+
+  // Masks instead of branches: a point's position cannot be predicted, and other forms were
+  // compiled to branches (a quarter of the whole filter's time). A NaN is neither outside nor
+  // inside.
+  CULLHULL_HD void offer(std::uint32_t candidate, double at, double error) {
+    const bool nearer = (at > error) & (at < std::bit_cast<double>(distance));
+    const std::uint64_t mask = ~(static_cast<std::uint64_t>(nearer) - 1);
+    facet ^= (facet ^ candidate) & mask;
+    distance ^= (distance ^ std::bit_cast<std::uint64_t>(at)) & mask;
+    inside &= static_cast<std::uint64_t>(at < -error);
+  }
+  // A point inside is outside of none: its facet is place_uncertain, one less than place_inside.
+  CULLHULL_HD Place result() const {
+    return {static_cast<std::uint32_t>(facet + inside), std::bit_cast<double>(distance)};
+  }
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,246 @@
+// LAS 1.0 to 1.4, all point formats: x y z as they are in the file, whole numbers of 32 bits; and
+// some of a file's records as another.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+
+#include "io/formats/las_fields.hpp"
+#include "io/formats/las_units.hpp"
+#include "io/mapped_file.hpp"
+#include "io/packed/unwrap.hpp"
+#include "io/records.hpp"
+#include "io/source.hpp"
+#include "io/write/output_file.hpp"
+#include "parallel/byte_order.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+template <class T>
+T field(const Source& head, std::size_t at) {
+  return load_little_endian<T>(head.data + at);
+}
+
+struct LasHeader {
+  unsigned minor = 0, format = 0;
+  std::uint64_t offset = 0, record = 0, count = 0;
+  Placement placement;
+};
+
+/// Bytes that each point format has at least (ASPRS LAS 1.4 R15).
+constexpr std::uint64_t least_record[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
+
+/// None where a scale is no positive number, as in headers that were not filled in.
+Placement placement_of(const Source& head) {
+  Placement placement;
+  for (std::size_t j = 0; j < 3; ++j) {
+    placement.scale.push_back(field<double>(head, 131 + 8 * j));
+    placement.offset.push_back(field<double>(head, 155 + 8 * j));
+    if (!(placement.scale[j] > 0) || !std::isfinite(placement.scale[j]) ||
+        !std::isfinite(placement.offset[j]))
+      return {};
+  }
+  return placement;
+}
+
+LasHeader parse_header(const Source& head) {
+  constexpr std::size_t oldest = 227, with_wide_count = 375;
+  if (head.size < 4 || std::memcmp(head.data, "LASF", 4) != 0)
+    fail_at_byte(head, 0, "does not begin as a .las file does");
+  if (head.size < oldest) fail_at_byte(head, head.size, "ends within the LAS header");
+  LasHeader h;
+  const unsigned major = field<std::uint8_t>(head, 24);
+  h.minor = field<std::uint8_t>(head, 25);
+  if (major != 1 || h.minor > 4)
+    fail_at_byte(head, 24,
+                 "LAS version " + std::to_string(major) + "." + std::to_string(h.minor) +
+                     "; 1.0 to 1.4 are known");
+  const unsigned header_size = field<std::uint16_t>(head, 94);
+  if (header_size < oldest || (h.minor == 4 && header_size < with_wide_count))
+    fail_at_byte(head, 94, "LAS header of " + std::to_string(header_size) + " bytes");
+  h.offset = field<std::uint32_t>(head, 96);
+  const unsigned format = field<std::uint8_t>(head, 104);
+  h.format = format & 0x3F;
+  if (format != h.format)
+    fail(head,
+         "holds compressed points (LAZ), which the Python package unpacks: python3 -m cullhull ... "
+         "in the place of cullhull ..., or cullhull.read(path) (pip install 'laspy[lazrs]')");
+  if (h.format >= std::size(least_record))
+    fail_at_byte(head, 104, "LAS point format " + std::to_string(h.format) + "; 0 to 10 are known");
+  h.record = field<std::uint16_t>(head, 105);
+  if (h.record < least_record[h.format])
+    fail_at_byte(head, 105,
+                 "records of " + std::to_string(h.record) + " bytes, but point format " +
+                     std::to_string(h.format) + " takes " + std::to_string(least_record[h.format]));
+  h.count = field<std::uint32_t>(head, 107);
+  if (h.minor == 4) {
+    if (head.size < with_wide_count) fail_at_byte(head, head.size, "ends within the LAS header");
+    h.count = field<std::uint64_t>(head, 247);
+  }
+  if (h.offset < header_size)
+    fail_at_byte(head, 96, "points at byte " + std::to_string(h.offset) + ", within the header");
+  h.placement = placement_of(head);
+  if (!h.placement.empty())
+    h.placement.unit = las_unit(head, header_size, field<std::uint32_t>(head, 100));
+  return h;
+}
+
+void check_room(const Source& head, const LasHeader& h, std::uint64_t size) {
+  if (size == unknown_size) return;
+  std::uint64_t bytes = 0;
+  if (h.offset > size || !multiply(h.count, h.record, bytes) || bytes > size - h.offset)
+    fail_at_byte(head, h.offset < size ? h.offset : size,
+                 std::to_string(h.count) + " points of " + std::to_string(h.record) +
+                     " bytes need more than the " +
+                     std::to_string(h.offset < size ? size - h.offset : 0) + " bytes that follow");
+}
+
+PointData points_of_records(const std::string& file, const char* records, std::uint64_t count,
+                            const LasHeader& h, const ReadOptions& options) {
+  PointData data;
+  data.format = "las 1." + std::to_string(h.minor) + ", point format " + std::to_string(h.format);
+  data.in_place = true;
+  data.placement = h.placement;
+  data.view = {reinterpret_cast<const std::byte*>(records),
+               ScalarType::i32,
+               3,
+               count,
+               static_cast<std::ptrdiff_t>(h.record),
+               4};
+  data = in_machine_order(std::move(data));
+  choose_las_columns(data, records, h.record, h.format, file, options);
+  return data;
+}
+
+}  // namespace
+
+PointData read_las(const Source& source, const ReadOptions& options) {
+  const LasHeader h = parse_header(source);
+  check_room(source, h, source.size);
+  return points_of_records(source.name, source.data + h.offset, h.count, h, options);
+}
+
+std::optional<RecordLayout> las_records(const Source& head, std::uint64_t size,
+                                        const ReadOptions& options) {
+  const LasHeader h = parse_header(head);
+  check_room(head, h, size);
+  RecordLayout layout;
+  const PointData none = points_of_records(head.name, nullptr, 0, h, options);
+  layout.format = none.format;
+  layout.offset = h.offset;
+  layout.count = h.count;
+  layout.record_bytes = h.record;
+  layout.ends_file = false;
+  layout.placement = none.placement;
+  layout.decode = [h, options](const Source& records, std::uint64_t, std::uint64_t count) {
+    return points_of_records(records.name, records.data, count, h, options);
+  };
+  return layout;
+}
+
+namespace {
+
+template <class T>
+void put(std::string& head, std::size_t at, T value) {
+  value = little_endian(value);
+  head.replace(at, sizeof value, reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+/// What a header says of the points: how many, how many of each return, where they are.
+class Census {
+ public:
+  Census(const LasHeader& h, const Source& las) : h_(h), records_(las.data + h.offset) {}
+
+  const char* record(std::uint64_t id) const { return records_ + id * h_.record; }
+  void count(const char* record) {
+    ++count_;
+    const unsigned bits = static_cast<unsigned char>(record[14]);
+    const unsigned nth = h_.format < 6 ? bits & 7 : bits & 15;
+    if (nth > 0) ++returns_[nth - 1];
+    for (std::size_t j = 0; j < 3; ++j) {
+      const auto x = load_little_endian<std::int32_t>(record + 4 * j);
+      least_[j] = count_ == 1 ? x : std::min(least_[j], x);
+      greatest_[j] = count_ == 1 ? x : std::max(greatest_[j], x);
+    }
+  }
+  /// The numbers of 32 bits are zero where they cannot tell, as LAS 1.4 wants it.
+  void write(std::string& head) const {
+    const bool legacy = h_.minor < 4 || h_.format < 6;
+    const bool narrow = legacy && count_ <= std::numeric_limits<std::uint32_t>::max();
+    put(head, 107, static_cast<std::uint32_t>(narrow ? count_ : 0));
+    for (std::size_t i = 0; i < 5; ++i)
+      put(head, 111 + 4 * i, static_cast<std::uint32_t>(narrow ? returns_[i] : 0));
+    if (h_.minor == 4) {
+      put(head, 247, count_);
+      for (std::size_t i = 0; i < 15; ++i) put(head, 255 + 8 * i, returns_[i]);
+    }
+    for (std::size_t j = 0; j < 3 && count_ > 0; ++j) {
+      const auto scale = load_little_endian<double>(head.data() + 131 + 8 * j);
+      const auto offset = load_little_endian<double>(head.data() + 155 + 8 * j);
+      const double ends[] = {greatest_[j] * scale + offset, least_[j] * scale + offset};
+      put(head, 179 + 16 * j, std::max(ends[0], ends[1]));
+      put(head, 187 + 16 * j, std::min(ends[0], ends[1]));
+    }
+  }
+
+ private:
+  const LasHeader& h_;
+  const char* records_;
+  std::uint64_t count_ = 0, returns_[15] = {};
+  std::int32_t least_[3] = {}, greatest_[3] = {};
+};
+
+/// Records behind the points (waveforms, extended ones) come nearer by what was left out.
+void move_up(std::string& head, const LasHeader& h, std::uint64_t kept) {
+  const std::uint64_t end = h.offset + h.count * h.record, moved = (h.count - kept) * h.record;
+  for (const std::size_t at : {std::size_t{227}, std::size_t{235}}) {
+    if (h.minor < (at == 227 ? 3U : 4U) || at + 8 > field<std::uint16_t>({"", head.data(), 0}, 94))
+      continue;
+    const auto where = load_little_endian<std::uint64_t>(head.data() + at);
+    if (where >= end) put(head, at, where - moved);
+  }
+}
+
+void write_records(OutputFile& out, const Source& las, const std::vector<std::uint64_t>& ids) {
+  const LasHeader h = parse_header(las);
+  check_room(las, h, las.size);
+  std::string head(las.data, h.offset);
+  Census census(h, las);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (ids[i] >= h.count || (i > 0 && ids[i] <= ids[i - 1]))
+      throw Error(ErrorCode::invalid_argument,
+                  las.name + ": ids must ascend below " + std::to_string(h.count));
+    census.count(census.record(ids[i]));
+  }
+  census.write(head);
+  move_up(head, h, ids.size());
+  out.write(head);
+  for (const std::uint64_t id : ids) out.write({census.record(id), h.record});
+  const std::uint64_t end = h.offset + h.count * h.record;
+  out.write({las.data + end, las.size - end});
+}
+
+}  // namespace
+}  // namespace cullhull::internal
+
+namespace cullhull {
+
+void write_las_records(const std::string& path, const std::string& las,
+                       const std::vector<std::uint64_t>& ids) {
+  using namespace internal;
+  if (const std::string f = output_format(path, "", "las"); f != "las")
+    refuse_format(path, f, ".las");
+  const InputName input = split_input(las);
+  const MappedFile file(input.file);
+  Source source = file.source();
+  ReadOptions options;
+  Buffer unpacked;
+  unwrap(input, source, options, unpacked);
+  OutputFile out(path);
+  write_records(out, source, ids);
+  out.commit();
+}
+
+}  // namespace cullhull

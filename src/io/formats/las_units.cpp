@@ -1,0 +1,103 @@
+#include "io/formats/las_units.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <string_view>
+
+#include "parallel/byte_order.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+constexpr std::size_t record_head = 54;  // bytes before the contents of a variable-length record
+
+/// Units of x and y by their numbers; empty for others.
+std::string length_unit(unsigned number) {
+  switch (number) {
+    case 9001:
+      return "metre";
+    case 9002:
+      return "foot";
+    case 9003:
+      return "US survey foot";
+    default:
+      return "";
+  }
+}
+
+/// The unit that GeoTIFF keys name by number: ProjLinearUnits, but of a geographic model
+/// GeogAngularUnits, degrees where there is none. Empty where keys name two.
+std::string unit_of_keys(std::string_view keys) {
+  constexpr unsigned model = 1024, geographic = 2, angular = 2054, linear = 3076, degree = 9102;
+  const auto number = [&](std::size_t at) {
+    return unsigned{load_little_endian<std::uint16_t>(keys.data() + 2 * at)};
+  };
+  if (keys.size() < 8) return "";
+  std::optional<unsigned> of_angles, of_lengths;
+  bool degrees = false, contradictory = false;
+  const std::size_t end = 4 + 4 * std::size_t{number(3)};
+  for (std::size_t at = 4; at < end && 2 * at + 8 <= keys.size(); at += 4) {
+    if (number(at + 1) != 0) continue;  // id, where its value is, how many, value
+    const unsigned id = number(at), value = number(at + 3);
+    if (id == model) degrees = value == geographic;
+    if (id != angular && id != linear) continue;
+    std::optional<unsigned>& unit = id == linear ? of_lengths : of_angles;
+    contradictory = contradictory || (unit && *unit != value);
+    unit = value;
+  }
+  if (contradictory) return "";
+  if (degrees) return of_angles.value_or(degree) == degree ? "degree" : "";
+  return of_lengths ? length_unit(*of_lengths) : "";
+}
+
+/// The unit of the projected system that a WKT names, else of the geographic one: the last among
+/// its direct members and those of its axes.
+std::string unit_of_wkt(std::string_view wkt) {
+  std::size_t at = std::string_view::npos;
+  for (const std::string_view kind : {"PROJCS[", "PROJCRS[", "GEOGCS[", "GEOGCRS["})
+    if (at == std::string_view::npos) at = wkt.find(kind);
+  if (at == std::string_view::npos) return "";
+  std::string unit;
+  bool quoted = false, of_axis = false;
+  int depth = 0;
+  for (; at < wkt.size(); ++at) {
+    if (wkt[at] == '"') quoted = !quoted;
+    if (quoted) continue;
+    if (wkt[at] == '[') {
+      ++depth;
+      const std::string_view word = at >= 4 ? wkt.substr(at - 4, 4) : "";
+      if (depth == 2) of_axis = word == "AXIS";
+      const bool member = (depth == 2 || (depth == 3 && of_axis)) && word == "UNIT";
+      const std::size_t end = wkt.find('"', at + 2);
+      if (member && wkt.substr(at + 1, 1) == "\"" && end != std::string_view::npos)
+        unit = wkt.substr(at + 2, end - at - 2);
+    }
+    if (wkt[at] == ']' && --depth == 0) break;
+  }
+  const auto printable = [](char c) { return std::isprint(static_cast<unsigned char>(c)) != 0; };
+  constexpr std::size_t longest = 40;
+  return unit.size() <= longest && std::all_of(unit.begin(), unit.end(), printable) ? unit : "";
+}
+
+}  // namespace
+
+std::string las_unit(const Source& head, std::size_t begin, std::size_t count) {
+  std::string of_keys, of_wkt;
+  for (std::size_t at = begin; count-- > 0 && at + record_head <= head.size;) {
+    const std::size_t size = load_little_endian<std::uint16_t>(head.data + at + 20);
+    const auto id = load_little_endian<std::uint16_t>(head.data + at + 18);
+    const bool projection = std::strncmp(head.data + at + 2, "LASF_Projection", 16) == 0;
+    if (size > head.size - at - record_head) break;
+    const std::string_view contents(head.data + at + record_head, size);
+    constexpr unsigned geo_keys = 34735, wkt = 2112;
+    if (projection && id == geo_keys) of_keys = unit_of_keys(contents);
+    if (projection && id == wkt) of_wkt = unit_of_wkt(contents);
+    at += record_head + size;
+  }
+  return of_wkt.empty() ? of_keys : of_wkt;
+}
+
+}  // namespace cullhull::internal

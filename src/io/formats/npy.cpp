@@ -1,0 +1,465 @@
+// NumPy's .npy, versions 1 to 3 (numpy/lib/format.py documents it).
+#include "io/formats/npy.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+
+#include "io/exact_double.hpp"
+#include "io/records.hpp"
+#include "io/source.hpp"
+#include "io/text/lines.hpp"
+#include "io/write/output_file.hpp"
+#include "parallel/byte_order.hpp"
+#include "parallel/dispatch.hpp"
+#include "parallel/threads/parallel.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+struct Header {
+  std::string descr;
+  bool fortran = false;
+  std::vector<std::uint64_t> shape;
+  std::uint64_t data_offset = 0;
+};
+
+/// The header is a Python dictionary: {'descr': '<f8', 'fortran_order': False, 'shape': (3, 2), }
+class HeaderParser {
+ public:
+  HeaderParser(const Source& source, std::uint64_t from, std::uint64_t to)
+      : source_(source), p_(from), end_(to) {}
+
+  Header parse() {
+    Header h;
+    bool seen[3] = {false, false, false};
+    expect('{');
+    while (!accept('}')) {
+      const std::string key = string();
+      expect(':');
+      const int which = key == "descr" ? 0 : key == "fortran_order" ? 1 : key == "shape" ? 2 : -1;
+      if (which < 0) fault("unknown key " + quoted_text(key));
+      if (std::exchange(seen[which], true)) fault("key " + quoted_text(key) + " twice");
+      if (which == 0) h.descr = descr();
+      if (which == 1) h.fortran = boolean();
+      if (which == 2) h.shape = tuple();
+      if (!accept(',')) {
+        expect('}');
+        break;
+      }
+    }
+    if (!seen[0] || !seen[1] || !seen[2]) fault("needs descr, fortran_order and shape");
+    return h;
+  }
+
+ private:
+  [[noreturn]] void fault(const std::string& message) const {
+    fail_at_byte(source_, p_, "npy header: " + message);
+  }
+  char peek() {
+    while (p_ < end_ && (is_blank(source_.data[p_]) || source_.data[p_] == '\n')) ++p_;
+    return p_ < end_ ? source_.data[p_] : '\0';
+  }
+  bool accept(char c) {
+    if (peek() != c) return false;
+    ++p_;
+    return true;
+  }
+  void expect(char c) {
+    if (!accept(c)) fault(std::string("expected '") + c + "'");
+  }
+  std::string string() {
+    const char quote = peek();
+    if (quote != '\'' && quote != '"') fault("expected a string");
+    const char* const begin = source_.data + ++p_;
+    const void* close = std::memchr(begin, quote, end_ - p_);
+    if (close == nullptr) fault("string without an end");
+    const std::string s(begin, static_cast<const char*>(close));
+    p_ += s.size() + 1;
+    return s;
+  }
+  std::string descr() {
+    if (peek() == '[' || peek() == '(')
+      fault("structured dtype; points need one plain number type");
+    return string();
+  }
+  bool boolean() {
+    for (const std::string_view word : {"True", "False"}) {
+      peek();
+      if (end_ - p_ >= word.size() &&
+          std::memcmp(source_.data + p_, word.data(), word.size()) == 0) {
+        p_ += word.size();
+        return word == "True";
+      }
+    }
+    fault("expected True or False");
+  }
+  std::vector<std::uint64_t> tuple() {
+    std::vector<std::uint64_t> values;
+    expect('(');
+    while (!accept(')')) {
+      if (values.size() == 64) fault("more than 64 axes");
+      peek();
+      std::uint64_t from = p_, value = 0;
+      while (p_ < end_ && is_digit(source_.data[p_])) ++p_;
+      if (!parse_unsigned({source_.data + from, p_ - from}, value))
+        fault("shape needs whole numbers that are not negative");
+      accept('L');  // Python 2
+      values.push_back(value);
+      if (!accept(',')) {
+        expect(')');
+        break;
+      }
+    }
+    return values;
+  }
+
+  const Source& source_;
+  std::uint64_t p_, end_;
+};
+
+Header parse_header(const Source& s) {
+  if (s.size < 10 || std::memcmp(s.data, "\x93NUMPY", 6) != 0)
+    fail_at_byte(s, 0, "does not begin as an .npy file does");
+  const auto byte = [&](std::size_t i) {
+    return static_cast<std::uint64_t>(static_cast<unsigned char>(s.data[i]));
+  };
+  if (byte(6) < 1 || byte(6) > 3)
+    fail_at_byte(s, 6, "npy version " + std::to_string(byte(6)) + "; 1 to 3 are known");
+  std::uint64_t from = 10, length = byte(8) | byte(9) << 8;
+  if (byte(6) >= 2) {
+    if (s.size < 12) fail_at_byte(s, s.size, "ends within the npy header");
+    length |= byte(10) << 16 | byte(11) << 24;
+    from = 12;
+  }
+  if (s.size - from < length)
+    fail_at_byte(s, 8,
+                 "npy header of " + std::to_string(length) + " bytes in a file of " +
+                     std::to_string(s.size));
+  Header h = HeaderParser(s, from, from + length).parse();
+  h.data_offset = from + length;
+  return h;
+}
+
+struct Dtype {
+  char kind = 0;  ///< 'f', 'i' or 'u'
+  std::uint64_t size = 0;
+  bool big_endian = false;
+  bool swapped = false;  ///< not in this machine's byte order
+};
+
+Dtype parse_dtype(const Source& s, const std::string& descr) {
+  Dtype t;
+  std::string_view word = descr;
+  if (!word.empty() && std::strchr("<>|=", word[0]) != nullptr) {
+    t.big_endian = word[0] == '>';
+    t.swapped = word[0] == (little_endian_machine ? '>' : '<');
+    word.remove_prefix(1);
+  }
+  if (!word.empty()) t.kind = word[0];
+  const bool ok = word.size() == 2 && parse_unsigned(word.substr(1), t.size) &&
+                  ((t.kind == 'f' && (t.size == 4 || t.size == 8)) ||
+                   ((t.kind == 'i' || t.kind == 'u') &&
+                    (t.size == 1 || t.size == 2 || t.size == 4 || t.size == 8)));
+  if (!ok)
+    fail(s, "dtype " + quoted_text(descr) +
+                " cannot be read as points; convert to float64, float32 or an integer type");
+  return t;
+}
+
+ScalarType scalar_of(const Dtype& t) {
+  if (t.kind == 'f') return t.size == 4 ? ScalarType::f32 : ScalarType::f64;
+  const bool u = t.kind == 'u';
+  if (t.size == 1) return u ? ScalarType::u8 : ScalarType::i8;
+  if (t.size == 2) return u ? ScalarType::u16 : ScalarType::i16;
+  return u ? ScalarType::u32 : ScalarType::i32;
+}
+
+void copy_swapped(const char* from, std::uint64_t bytes, std::uint64_t size, std::byte* to,
+                  const ReadOptions& options) {
+  for_each_chunk(bytes / size, std::uint64_t{1} << 18, resolve_threads(options.threads),
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+    check_stop(options);
+    for (std::uint64_t i = begin * size; i < end * size; i += size)
+      std::reverse_copy(from + i, from + i + size, reinterpret_cast<char*>(to) + i);
+  });
+}
+
+/// Memory order is kept. Returns the first element (in memory order) that is not exactly a double,
+/// or `count`.
+template <class T>
+std::uint64_t widen(const char* from, std::uint64_t count, bool swap, double* to,
+                    const ReadOptions& options) {
+  std::atomic<std::uint64_t> first{count};
+  for_each_chunk(count, std::uint64_t{1} << 18, resolve_threads(options.threads),
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+    check_stop(options);
+    for (std::uint64_t i = begin; i < end; ++i) {
+      std::uint64_t bits;
+      std::memcpy(&bits, from + 8 * i, 8);
+      if (swap) bits = reverse_bytes(bits);
+      if (exact_double(static_cast<T>(bits), to[i])) continue;
+      std::uint64_t seen = first.load();
+      while (i < seen && !first.compare_exchange_weak(seen, i)) {
+      }
+      return;
+    }
+  });
+  return first;
+}
+
+}  // namespace
+
+namespace {
+
+/// n x d numbers at `data` as points; in place where possible. `first`: the index of the first one
+/// in its array, for messages.
+PointData points_of_array(const Source& source, const char* data, std::uint64_t n, std::uint64_t d,
+                          const Dtype& type, bool fortran, const ReadOptions& options,
+                          std::uint64_t first = 0) {
+  const std::uint64_t items = n * d, bytes = items * type.size;
+  PointData result;
+  result.format = "npy";
+  const std::byte* base = reinterpret_cast<const std::byte*>(data);
+  const std::uint64_t size = type.size;
+  if (type.kind != 'f' && type.size == 8) {
+    result.format += " (64-bit integers)";
+    result.storage = Buffer(bytes);
+    double* const to = result.storage.as<double>();
+    const std::uint64_t bad = type.kind == 'i'
+                                  ? widen<std::int64_t>(data, items, type.swapped, to, options)
+                                  : widen<std::uint64_t>(data, items, type.swapped, to, options);
+    if (bad < items)
+      fail(source, "value at index (" + std::to_string(first + (fortran ? bad % n : bad / d)) +
+                       ", " + std::to_string(fortran ? bad / n : bad % d) +
+                       ") is a 64-bit integer that no double equals");
+    base = result.storage.data();
+    result.view.scalar = ScalarType::f64;
+  } else {
+    result.view.scalar = scalar_of(type);
+    if (type.big_endian && size > 1) result.format += " (big-endian)";
+    if (type.swapped && size > 1) {
+      result.storage = Buffer(bytes);
+      copy_swapped(data, bytes, size, result.storage.data(), options);
+      base = result.storage.data();
+    } else {
+      result.in_place = true;
+    }
+  }
+  result.view.data = base;
+  result.view.dimension = static_cast<std::uint32_t>(d);
+  result.view.count = n;
+  result.view.point_stride = static_cast<std::ptrdiff_t>(fortran ? size : size * d);
+  result.view.coordinate_stride = static_cast<std::ptrdiff_t>(fortran ? size * n : size);
+  return result;
+}
+
+/// Error{bad_file} unless the array fills the file from the header to the end.
+void check_extent(const Source& source, const Header& h, const Dtype& type,
+                  std::uint64_t file_size) {
+  std::uint64_t bytes = type.size;
+  std::string shape;
+  bool fits = true, empty = false;
+  for (const std::uint64_t n : h.shape) {
+    shape.append(shape.empty() ? "" : ", ").append(std::to_string(n));
+    empty = empty || n == 0;
+    fits = fits && multiply(bytes, std::max<std::uint64_t>(n, 1), bytes);
+  }
+  if (empty) bytes = 0;
+  const std::uint64_t have = file_size - h.data_offset;
+  if (!fits || bytes > have)
+    fail_at_byte(source, h.data_offset,
+                 "shape (" + shape + ") of " + quoted_text(h.descr) + " needs more than the " +
+                     std::to_string(have) + " bytes that follow");
+  if (bytes < have && file_size != unknown_size)
+    fail_at_byte(source, h.data_offset + bytes,
+                 std::to_string(have - bytes) + " bytes after the array");
+}
+
+}  // namespace
+
+namespace {
+
+struct PointArray {
+  Header header;
+  Dtype type;
+  std::uint64_t count, dimension;
+};
+
+PointArray parse_points(const Source& head, std::uint64_t file_size) {
+  PointArray a{parse_header(head), {}, 0, 1};
+  a.type = parse_dtype(head, a.header.descr);
+  const std::vector<std::uint64_t>& shape = a.header.shape;
+  if (shape.size() == 3)
+    fail(head, "array of 3 axes (frames, n, d): moving points, for the command track");
+  if (shape.empty() || shape.size() > 2)
+    fail(head, "array of " + std::to_string(shape.size()) + " axes; points need (n, d) or (n,)");
+  a.count = shape[0];
+  if (shape.size() == 2) a.dimension = shape[1];
+  if (a.dimension == 0 || a.dimension > UINT32_MAX)
+    fail(head, "points of dimension " + std::to_string(a.dimension));
+  check_extent(head, a.header, a.type, file_size);
+  return a;
+}
+
+}  // namespace
+
+PointData read_npy(const Source& source, const ReadOptions& options) {
+  const PointArray a = parse_points(source, source.size);
+  return points_of_array(source, source.data + a.header.data_offset, a.count, a.dimension, a.type,
+                         a.header.fortran, options);
+}
+
+std::optional<RecordLayout> npy_records(const Source& head, std::uint64_t size,
+                                        const ReadOptions& options) {
+  const PointArray a = parse_points(head, size);
+  RecordLayout layout;
+  layout.format = "npy";
+  layout.offset = a.header.data_offset;
+  layout.count = a.count;
+  const bool columns = a.header.fortran && a.dimension > 1;
+  layout.columns = columns ? static_cast<std::uint32_t>(a.dimension) : 1;
+  layout.record_bytes = a.type.size * (columns ? 1 : a.dimension);
+  layout.decode = [=, type = a.type, d = a.dimension](const Source& records, std::uint64_t first,
+                                                      std::uint64_t count) {
+    return points_of_array(records, records.data, count, d, type, columns, options, first);
+  };
+  return layout;
+}
+
+bool NpyFrames::read_header(const Source& head, std::uint64_t file_size) {
+  const Header h = parse_header(head);
+  if (h.shape.size() != 3) return false;
+  const Dtype type = parse_dtype(head, h.descr);
+  if (h.fortran)
+    fail(head,
+         "array of 3 axes in Fortran order, which scatters each frame over the whole file; "
+         "save it in C order (numpy.ascontiguousarray)");
+  if (h.shape[2] == 0 || h.shape[2] > UINT32_MAX)
+    fail(head, "points of dimension " + std::to_string(h.shape[2]));
+  check_extent(head, h, type, file_size);
+  frames = h.shape[0];
+  count = h.shape[1];
+  dimension = static_cast<std::uint32_t>(h.shape[2]);
+  data_offset = h.data_offset;
+  frame_bytes = count * dimension * type.size;
+  descr = h.descr;
+  return true;
+}
+
+PointData NpyFrames::frame(const Source& bytes, const ReadOptions& options) const {
+  return points_of_array(bytes, bytes.data, count, dimension, parse_dtype(bytes, descr), false,
+                         options);
+}
+
+std::string npy_descr(ScalarType type) {
+  std::string descr(1, scalar_size(type) == 1 ? '|' : '<');
+  return descr.append(1, scalar_name(type)[0]).append(std::to_string(scalar_size(type)));
+}
+
+std::string npy_header(const char* descr, std::initializer_list<std::uint64_t> shape) {
+  std::string dict = "{'descr': '";
+  dict.append(descr).append("', 'fortran_order': False, 'shape': (");
+  for (const std::uint64_t n : shape) {
+    dict.append(std::to_string(n)).append(1, ',');
+    if (shape.size() > 1) dict.append(1, ' ');
+  }
+  dict.append("), }");
+  // The data begin at a multiple of 64; the header ends with a newline.
+  const std::size_t total = (10 + dict.size() + 1 + 63) / 64 * 64;
+  dict.resize(total - 11, ' ');
+  dict += '\n';
+  std::string out("\x93NUMPY\x01\x00", 8);
+  out += static_cast<char>(dict.size() & 0xFF);
+  out += static_cast<char>(dict.size() >> 8);
+  return out + dict;
+}
+
+namespace {
+
+template <class T>
+void write_converted(OutputFile& out, const double* v, std::uint64_t count) {
+  constexpr std::uint64_t block = 4096;  // numbers, on the stack
+  T converted[block];
+  for (std::uint64_t i = 0; i < count; ++i) {
+    bool ok = true;
+    if constexpr (std::is_same_v<T, float>)
+      ok = !std::isfinite(v[i]) || std::fabs(v[i]) < 0x1.ffffffp127;  // rounds to a float
+    else if constexpr (std::is_integral_v<T>)
+      ok = v[i] >= static_cast<double>(std::numeric_limits<T>::min()) &&
+           v[i] <= static_cast<double>(std::numeric_limits<T>::max()) && std::trunc(v[i]) == v[i];
+    if (!ok)
+      throw Error(ErrorCode::invalid_argument,
+                  "coordinate " + std::to_string(i) + " does not fit the scalar type asked for");
+    converted[i % block] = static_cast<T>(v[i]);
+    if (i % block == block - 1 || i + 1 == count)
+      write_little_endian(out, converted, i % block + 1);
+  }
+}
+
+void write_values(OutputFile& out, const double* v, std::uint64_t count, ScalarType type) {
+  with_scalar(type, [&](auto scalar) { write_converted<decltype(scalar)>(out, v, count); });
+}
+
+}  // namespace
+}  // namespace internal
+
+void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& ids) {
+  internal::OutputFile out(path);
+  out.write(internal::npy_header("<i8", {ids.size()}));
+  internal::write_little_endian(out, ids.data(), ids.size());
+  out.commit();
+}
+
+struct NpyPointsWriter::Impl {
+  internal::OutputFile out;
+  std::uint64_t points;  ///< that are missing
+  std::uint32_t dimension;
+  ScalarType type;
+};
+
+NpyPointsWriter::NpyPointsWriter(const std::string& path, std::uint64_t count,
+                                 std::uint32_t dimension, ScalarType type)
+    : impl_(new Impl{internal::OutputFile(path), count, dimension, type}) {
+  impl_->out.write(internal::npy_header(internal::npy_descr(type).c_str(), {count, dimension}));
+  if (count == 0) impl_->out.commit();
+}
+NpyPointsWriter::~NpyPointsWriter() = default;
+
+void NpyPointsWriter::write(const double* coordinates, std::uint64_t count) {
+  if (count > impl_->points)
+    throw Error(ErrorCode::invalid_argument, "more points written than were announced");
+  if (count == 0) return;
+  internal::write_values(impl_->out, coordinates, count * impl_->dimension, impl_->type);
+  if ((impl_->points -= count) == 0) impl_->out.commit();
+}
+
+void write_npy_points(const std::string& path, const double* coordinates, std::uint64_t count,
+                      std::uint32_t dimension, ScalarType type) {
+  NpyPointsWriter(path, count, dimension, type).write(coordinates, count);
+}
+
+struct NpySequenceWriter::Impl {
+  internal::OutputFile out;
+  std::uint64_t frames, values;
+  ScalarType type;
+};
+
+NpySequenceWriter::NpySequenceWriter(const std::string& path, std::uint64_t frames,
+                                     std::uint64_t count, std::uint32_t dimension, ScalarType type)
+    : impl_(new Impl{internal::OutputFile(path), frames, count * dimension, type}) {
+  impl_->out.write(
+      internal::npy_header(internal::npy_descr(type).c_str(), {frames, count, dimension}));
+  if (frames == 0) impl_->out.commit();
+}
+NpySequenceWriter::~NpySequenceWriter() = default;
+
+void NpySequenceWriter::write(const double* coordinates) {
+  if (impl_->frames == 0)
+    throw Error(ErrorCode::invalid_argument, "more frames written than were announced");
+  internal::write_values(impl_->out, coordinates, impl_->values, impl_->type);
+  if (--impl_->frames == 0) impl_->out.commit();
+}
+
+}  // namespace cullhull

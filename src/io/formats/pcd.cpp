@@ -1,0 +1,397 @@
+// .pcd (Point Cloud Library): ASCII, binary and compressed; the fields x, y and perhaps z.
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <memory>
+#include <vector>
+
+#include "io/columns.hpp"
+#include "io/exact_double.hpp"
+#include "io/packed/lzf.hpp"
+#include "io/records.hpp"
+#include "io/text/lines.hpp"
+#include "parallel/byte_order.hpp"
+#include "parallel/memory/memory.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+struct Field {
+  std::string name;
+  std::string label;  ///< for messages
+  char type = 'F';    ///< 'F', 'I' or 'U'
+  std::uint64_t size = 4, count = 1;
+  std::uint64_t offset = 0;  ///< in the record
+};
+
+enum class Body { ascii, binary, compressed };
+
+struct PcdHeader {
+  Body body_kind = Body::ascii;
+  std::vector<Field> fields;
+  std::uint64_t points = 0, record = 0;
+  std::uint32_t dimension = 0;
+  std::array<std::size_t, 3> xyz{};  ///< indices of the fields
+  const char* body = nullptr;
+  std::uint64_t lines = 0;
+
+  const Field& axis(std::uint64_t j) const { return fields[xyz[j]]; }
+};
+
+class PcdHeaderParser {
+ public:
+  explicit PcdHeaderParser(const Source& source)
+      : source_(source), lines_(source.data, source.data + source.size) {}
+
+  PcdHeader parse() {
+    while (h_.body == nullptr) {
+      if (!lines_.next()) fault("ends within the PCD header");
+      split();
+      if (words_.empty() || words_[0].starts_with("#")) continue;
+      read_line();
+    }
+    if (h_.fields.empty()) fault("no line 'FIELDS' in the header");
+    count_points();
+    lay_out();
+    find_axes();
+    return std::move(h_);
+  }
+
+ private:
+  [[noreturn]] void fault(const std::string& message) const {
+    fail_at_line(source_, lines_.number(), message);
+  }
+  void split() {
+    words_.clear();
+    const char* p = lines_.begin();
+    for (;;) {
+      const std::string_view word = first_word(p, lines_.end());
+      if (word.empty()) return;
+      words_.push_back(word);
+      p = word.data() + word.size();
+    }
+  }
+
+  void read_line() {
+    const std::string_view key = words_[0];
+    if (std::find(seen_.begin(), seen_.end(), key) != seen_.end())
+      fault("second line " + quoted_text(key));
+    seen_.emplace_back(key);
+    if (key == "VERSION") return check_version();
+    if (key == "VIEWPOINT") return;
+    if (key == "FIELDS" || key == "COLUMNS") return read_names();
+    if (key == "SIZE")
+      return for_each_field([](Field& f, std::string_view word) {
+        return parse_unsigned(word, f.size) &&
+               (f.size == 1 || f.size == 2 || f.size == 4 || f.size == 8);
+      });
+    if (key == "TYPE")
+      return for_each_field([](Field& f, std::string_view word) {
+        f.type = word[0];
+        return word == "F" || word == "I" || word == "U";
+      });
+    if (key == "COUNT")
+      return for_each_field([](Field& f, std::string_view word) {
+        return parse_unsigned(word, f.count) && f.count > 0;
+      });
+    if (key == "WIDTH") return read_number(width_);
+    if (key == "HEIGHT") return read_number(height_);
+    if (key == "POINTS") return read_number(points_);
+    if (key == "DATA") return begin_data();
+    fault(quoted_text(key) + " is no keyword of a PCD header");
+  }
+  void check_version() const {
+    static constexpr std::string_view known[] = {".5", ".6", ".7", "0.5", "0.6", "0.7"};
+    if (words_.size() != 2 ||
+        std::find(std::begin(known), std::end(known), words_[1]) == std::end(known))
+      fault("PCD versions 0.5 to 0.7 are known");
+  }
+  void read_names() {
+    if (!h_.fields.empty()) fault("second line of fields");
+    for (std::size_t i = 1; i < words_.size(); ++i) {
+      Field field;
+      field.name = words_[i];
+      field.label = "field " + quoted_text(words_[i]);
+      h_.fields.push_back(std::move(field));
+    }
+    if (h_.fields.empty()) fault("no fields");
+  }
+  template <class Take>
+  void for_each_field(const Take& take) {
+    const std::string key(words_[0]);
+    if (words_.size() - 1 != h_.fields.size())
+      fault(key + " has " + std::to_string(words_.size() - 1) + " values for the " +
+            std::to_string(h_.fields.size()) + " fields before it");
+    for (std::size_t i = 1; i < words_.size(); ++i)
+      if (!take(h_.fields[i - 1], words_[i])) fault(quoted_text(words_[i]) + " is no " + key);
+  }
+  void read_number(std::optional<std::uint64_t>& value) const {
+    std::uint64_t number = 0;
+    if (words_.size() != 2 || !parse_unsigned(words_[1], number))
+      fault(std::string(words_[0]) + " needs one whole number");
+    value = number;
+  }
+  void begin_data() {
+    const std::string_view kind = words_.size() == 2 ? words_[1] : std::string_view();
+    if (kind == "ascii")
+      h_.body_kind = Body::ascii;
+    else if (kind == "binary")
+      h_.body_kind = Body::binary;
+    else if (kind == "binary_compressed")
+      h_.body_kind = Body::compressed;
+    else
+      fault("DATA is ascii, binary or binary_compressed");
+    h_.body = lines_.rest();
+    h_.lines = lines_.number();
+  }
+
+  void count_points() {
+    std::uint64_t product = width_.value_or(0);
+    if (width_ && !multiply(*width_, height_.value_or(1), product))
+      fault("WIDTH times HEIGHT is beyond 64 bits");
+    if (!width_ && !points_) fault("neither POINTS nor WIDTH in the header");
+    if (width_ && points_ && product != *points_)
+      fault("POINTS is " + std::to_string(*points_) + ", but WIDTH times HEIGHT " +
+            std::to_string(product));
+    h_.points = points_.value_or(product);
+  }
+  void lay_out() {
+    for (Field& f : h_.fields) {
+      if (f.type == 'F' && f.size < 4)
+        fault(f.label + " is a float of " + std::to_string(f.size) + " bytes");
+      std::uint64_t bytes = 0;
+      f.offset = h_.record;
+      if (!multiply(f.size, f.count, bytes) || h_.record + bytes < bytes)
+        fault(f.label + " has too large a COUNT");
+      h_.record += bytes;
+    }
+  }
+  void find_axes() {
+    for (const std::string_view name : {"x", "y", "z"}) {
+      const auto as_written = [&](const Field& f) { return f.name == name; };
+      // PDAL writes X, Y, Z.
+      const bool lower = std::any_of(h_.fields.begin(), h_.fields.end(), as_written);
+      const auto named = [&](const Field& f) {
+        return lower ? f.name == name : alike(f.name, name);
+      };
+      const auto it = std::find_if(h_.fields.begin(), h_.fields.end(), named);
+      if (it == h_.fields.end()) {
+        if (name == "z") continue;
+        fault("no field " + quoted_text(name));
+      }
+      if (it->count != 1 || std::find_if(it + 1, h_.fields.end(), named) != h_.fields.end())
+        fault("field " + quoted_text(name) + " must be one number");
+      h_.xyz[h_.dimension++] = static_cast<std::size_t>(it - h_.fields.begin());
+    }
+  }
+
+  const Source& source_;
+  LineScanner lines_;
+  std::vector<std::string_view> words_;
+  std::vector<std::string> seen_;
+  std::optional<std::uint64_t> width_, height_, points_;
+  PcdHeader h_;
+};
+
+const char* name_of(Body body) {
+  return body == Body::ascii    ? "pcd (ascii)"
+         : body == Body::binary ? "pcd (binary)"
+                                : "pcd (compressed)";
+}
+
+/// The scalar type in which a field's numbers may be viewed; none for 64-bit integers.
+std::optional<ScalarType> scalar_of(const Field& f) {
+  if (f.type == 'F') return f.size == 4 ? ScalarType::f32 : ScalarType::f64;
+  const bool u = f.type == 'U';
+  if (f.size == 1) return u ? ScalarType::u8 : ScalarType::i8;
+  if (f.size == 2) return u ? ScalarType::u16 : ScalarType::i16;
+  if (f.size == 4) return u ? ScalarType::u32 : ScalarType::i32;
+  return std::nullopt;
+}
+
+/// False for a 64-bit integer that no double equals.
+bool load(const char* p, const Field& f, double& out) {
+  const std::optional<ScalarType> scalar = scalar_of(f);
+  if (!scalar) {
+    const auto bits = load_little_endian<std::uint64_t>(p);
+    return f.type == 'I' ? exact_double(static_cast<std::int64_t>(bits), out)
+                         : exact_double(bits, out);
+  }
+  char bytes[8];
+  std::reverse_copy(p, p + f.size, bytes);
+  const char* const ready = little_endian_machine ? p : bytes;
+  out = PointView{reinterpret_cast<const std::byte*>(ready), *scalar, 1, 1, 0, 0}.at(0, 0);
+  return true;
+}
+
+/// Where the numbers of an axis lie: the first one's place and the step from point to point.
+struct Axis {
+  std::uint64_t begin = 0, step = 0;
+};
+
+/// `first`: the index of the first point in its file, for messages.
+PointData as_doubles(const Source& source, const PcdHeader& h, const std::array<Axis, 3>& axes,
+                     std::uint64_t count, std::uint64_t first, const ReadOptions& options) {
+  PointData data = parsed_points(count, h.dimension, name_of(h.body_kind));
+  double* const out = data.storage.as<double>();
+  const std::uint32_t d = h.dimension;
+  std::atomic<std::uint64_t> bad{count * d};
+  for_each_chunk(count, std::uint64_t{1} << 16, resolve_threads(options.threads),
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+    check_stop(options);
+    for (std::uint64_t i = begin * d; i < end * d; ++i) {
+      const Axis& a = axes[i % d];
+      if (load(source.data + a.begin + i / d * a.step, h.axis(i % d), out[i])) continue;
+      std::uint64_t seen = bad.load();
+      while (i < seen && !bad.compare_exchange_weak(seen, i)) {
+      }
+      return;
+    }
+  });
+  if (bad < count * d)
+    fail({source.name, nullptr, 0}, "field " + quoted_text(h.axis(bad % d).name) + " of point " +
+                                        std::to_string(first + bad / d) +
+                                        " is a 64-bit integer that no double equals");
+  return data;
+}
+
+/// `count` points whose numbers lie in `source` as `axes` tell; in place where they are of one type
+/// and evenly apart.
+PointData points_at(const Source& source, const PcdHeader& h, const std::array<Axis, 3>& axes,
+                    std::uint64_t count, std::uint64_t first, const ReadOptions& options) {
+  const auto apart = [&](std::uint32_t j) {
+    return static_cast<std::ptrdiff_t>(axes[j].begin - axes[j - 1].begin);
+  };
+  bool alike = scalar_of(h.axis(0)).has_value() && (h.dimension == 2 || apart(1) == apart(2));
+  for (std::uint32_t j = 1; j < h.dimension; ++j)
+    alike = alike && scalar_of(h.axis(j)) == scalar_of(h.axis(0));
+  if (!alike) return as_doubles(source, h, axes, count, first, options);
+  PointData data;
+  data.format = name_of(h.body_kind);
+  data.in_place = true;
+  data.view = {reinterpret_cast<const std::byte*>(source.data + axes[0].begin),
+               *scalar_of(h.axis(0)),
+               h.dimension,
+               count,
+               static_cast<std::ptrdiff_t>(axes[0].step),
+               apart(1)};
+  return in_machine_order(std::move(data));
+}
+
+PointData points_of_records(const Source& records, const PcdHeader& h, std::uint64_t count,
+                            std::uint64_t first, const ReadOptions& options) {
+  std::array<Axis, 3> axes;
+  for (std::uint32_t j = 0; j < h.dimension; ++j) axes[j] = {h.axis(j).offset, h.record};
+  return points_at(records, h, axes, count, first, options);
+}
+
+/// Throws unless the records fit into what follows the header. Bytes behind them are passed over:
+/// early versions of PCL fill the last page.
+void check_room(const Source& source, const PcdHeader& h, std::uint64_t size,
+                const ReadOptions& options) {
+  const auto body = static_cast<std::uint64_t>(h.body - source.data);
+  std::uint64_t bytes = 0;
+  if (!multiply(h.points, h.record, bytes) || bytes > size - body)
+    fail_at_byte(source, body,
+                 std::to_string(h.points) + " points of " + std::to_string(h.record) +
+                     " bytes exceed the " + std::to_string(size - body) + " bytes that follow");
+  if (bytes < size - body)
+    remark(source, options,
+           std::to_string(size - body - bytes) + " bytes after the last point are passed over");
+}
+
+/// The fields one after another, each of all points, packed by LZF.
+PointData read_compressed(const Source& source, const PcdHeader& h, const ReadOptions& options) {
+  const auto body = static_cast<std::uint64_t>(h.body - source.data);
+  if (source.size - body < 8) fail_at_byte(source, source.size, "ends before its points");
+  const std::uint64_t packed = load_little_endian<std::uint32_t>(h.body);
+  const std::uint64_t size = load_little_endian<std::uint32_t>(h.body + 4);
+  std::uint64_t bytes = 0;
+  if (!multiply(h.points, h.record, bytes) || bytes != size)
+    fail_at_byte(source, body + 4,
+                 std::to_string(h.points) + " points of " + std::to_string(h.record) +
+                     " bytes are not the " + std::to_string(size) + " bytes it unpacks to");
+  // What follows is passed over: some writers fill the last page.
+  if (packed > source.size - body - 8 || size > lzf_most_growth * packed)
+    fail_at_byte(source, body,
+                 std::to_string(packed) + " packed bytes of " + std::to_string(size) +
+                     " do not fit the " + std::to_string(source.size - body - 8) + " that follow");
+  if (size > resolve_budget(options.memory_budget))
+    throw Error(
+        ErrorCode::out_of_budget,
+        source.name + ": unpacks to " + std::to_string(size >> 20) + " MiB, which does not fit");
+  Buffer unpacked(size);
+  if (!unpack_lzf(h.body + 8, packed, unpacked.as<char>(), size))
+    fail_at_byte(source, body + 8, "the packed points are corrupt");
+  std::array<Axis, 3> axes;
+  for (std::uint32_t j = 0; j < h.dimension; ++j)
+    axes[j] = {h.axis(j).offset * h.points, h.axis(j).size};
+  PointData data =
+      points_at({source.name, unpacked.as<char>(), size}, h, axes, h.points, 0, options);
+  if (data.in_place) data.storage = std::move(unpacked);
+  data.in_place = false;
+  return data;
+}
+
+bool is_data_line(const char* p, const char* end) {
+  p = skip_blanks(p, end);
+  return p < end && *p != '#';
+}
+
+void parse_point(const PcdHeader& h, const char* p, const char* end, double* out) {
+  for (std::size_t i = 0; i < h.fields.size(); ++i)
+    for (std::uint64_t n = 0; n < h.fields[i].count; ++n) {
+      double value = 0;
+      p = parse_coordinates(p, end, 1, &value, h.fields[i].label.c_str());
+      for (std::uint32_t j = 0; j < h.dimension; ++j)
+        if (h.xyz[j] == i) out[j] = value;
+    }
+  p = skip_blanks(p, end);
+  if (p < end) throw LineFault{quoted_text(first_word(p, end)) + " after the last field"};
+}
+
+PointData read_ascii(const Source& source, const PcdHeader& h, const ReadOptions& options) {
+  const LineIndex index = index_lines(source, h.body, h.lines, options, is_data_line);
+  if (index.points != h.points)
+    fail_at_line(source, h.lines,
+                 "promises " + std::to_string(h.points) + " points, but " +
+                     std::to_string(index.points) + " lines follow");
+  PointData data = parsed_points(h.points, h.dimension, name_of(Body::ascii));
+  double* const out = data.storage.as<double>();
+  parse_lines(
+      source, index, options, is_data_line,
+      [&](std::uint64_t point, const char* p, const char* end) {
+    parse_point(h, p, end, out + point * h.dimension);
+      },
+      [](const char*, const char*) {});
+  return data;
+}
+
+}  // namespace
+
+PointData read_pcd(const Source& source, const ReadOptions& options) {
+  const PcdHeader h = PcdHeaderParser(source).parse();
+  if (h.body_kind == Body::ascii) return read_ascii(source, h, options);
+  if (h.body_kind == Body::compressed) return read_compressed(source, h, options);
+  check_room(source, h, source.size, options);
+  return points_of_records({source.name, h.body, source.size}, h, h.points, 0, options);
+}
+
+std::optional<RecordLayout> pcd_records(const Source& head, std::uint64_t size,
+                                        const ReadOptions& options) {
+  const auto header = std::make_shared<const PcdHeader>(PcdHeaderParser(head).parse());
+  if (header->body_kind != Body::binary) return std::nullopt;
+  if (size != unknown_size) check_room(head, *header, size, options);
+  RecordLayout layout;
+  layout.format = name_of(Body::binary);
+  layout.offset = static_cast<std::uint64_t>(header->body - head.data);
+  layout.count = header->points;
+  layout.record_bytes = header->record;
+  layout.ends_file = false;
+  layout.decode = [=](const Source& records, std::uint64_t first, std::uint64_t count) {
+    return points_of_records(records, *header, count, first, options);
+  };
+  return layout;
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,112 @@
+// Polygons of GeoJSON (RFC 7946).
+#include "io/formats/polygons.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "cullhull/error.hpp"
+#include "cullhull/triangulation_io.hpp"
+#include "io/mapped_file.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+using nlohmann::json;
+
+class PolygonReader {
+ public:
+  explicit PolygonReader(const std::string& name) : name_(name) {}
+
+  Polygons read(const json& document) {
+    add(document);
+    if (out_.ring_offsets.size() == 1) fault("there is no polygon in it");
+    return std::move(out_);
+  }
+
+ private:
+  [[noreturn]] void fault(const std::string& message) const {
+    throw Error(ErrorCode::bad_file, name_ + ": " + message);
+  }
+  const json& member(const json& object, const char* key) const {
+    const auto found = object.find(key);
+    if (found == object.end()) fault("a geometry without " + std::string(key));
+    return *found;
+  }
+
+  /// Points and lines beside polygons bound nothing.
+  void add(const json& object) {
+    if (object.is_null()) return;  // a feature without a place
+    if (!object.is_object()) fault("no GeoJSON: an object is expected");
+    const json& type = member(object, "type");
+    if (type == "FeatureCollection") {
+      for (const json& feature : list(member(object, "features"))) add(feature);
+    } else if (type == "GeometryCollection") {
+      for (const json& geometry : list(member(object, "geometries"))) add(geometry);
+    } else if (type == "Feature") {
+      add(member(object, "geometry"));
+    } else if (type == "Polygon") {
+      add_polygon(member(object, "coordinates"));
+    } else if (type == "MultiPolygon") {
+      for (const json& polygon : list(member(object, "coordinates"))) add_polygon(polygon);
+    } else if (type != "Point" && type != "MultiPoint" && type != "LineString" &&
+               type != "MultiLineString") {
+      fault("no GeoJSON: its type is " + type.dump(-1, ' ', true).substr(0, 40));
+    }
+  }
+  const json& list(const json& value) const {
+    if (!value.is_array()) fault("no GeoJSON: a list is expected");
+    return value;
+  }
+  void add_polygon(const json& rings) {
+    for (const json& ring : list(rings)) {
+      for (const json& position : list(ring)) {
+        if (!position.is_array() || position.size() < 2)
+          fault("ring " + std::to_string(out_.ring_offsets.size() - 1) +
+                " has a position without x and y");
+        for (unsigned j = 0; j < 2; ++j) {
+          if (!position[j].is_number() || !std::isfinite(position[j].get<double>()))
+            fault("ring " + std::to_string(out_.ring_offsets.size() - 1) +
+                  " has a coordinate that is no finite number");
+          out_.corners.push_back(position[j].get<double>());
+        }
+      }
+      out_.ring_offsets.push_back(out_.corners.size() / 2);
+    }
+  }
+
+  const std::string& name_;
+  Polygons out_;
+};
+
+}  // namespace
+
+Polygons read_polygons(const Source& source) {
+  json document;
+  try {
+    document = json::parse(source.data, source.data + source.size);
+  } catch (const json::parse_error& e) {
+    throw Error(ErrorCode::bad_file,
+                source.name + ": no GeoJSON: byte " + std::to_string(e.byte) + " is no JSON");
+  } catch (const json::out_of_range&) {
+    throw Error(ErrorCode::bad_file, source.name + ": no GeoJSON: a number out of range");
+  }
+  return PolygonReader(source.name).read(document);
+}
+
+}  // namespace internal
+
+PolygonRings Polygons::rings() const {
+  return {PointView::row_major(corners.data(), corners.size() / 2, 2), ring_offsets};
+}
+
+Polygons read_polygons(const std::string& path) {
+  const internal::MappedFile file(path);
+  Polygons polygons = internal::read_polygons(file.source());
+  file.check_size();
+  return polygons;
+}
+
+}  // namespace cullhull

@@ -1,0 +1,12 @@
+// Polygons of GeoJSON (RFC 7946).
+#pragma once
+
+#include "cullhull/triangulation_io.hpp"
+#include "io/source.hpp"
+
+namespace cullhull::internal {
+
+/// As the public read_polygons.
+Polygons read_polygons(const Source& source);
+
+}  // namespace cullhull::internal

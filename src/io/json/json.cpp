@@ -1,0 +1,111 @@
+// A hull as JSON.
+#include "io/json/json.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+JsonHead head_of(std::string_view kind, const Hull& hull) {
+  return {kind, JsonPoints{hull.point_count, hull.dimension, hull.scalar}};
+}
+
+void write_measures(JsonWriter& w, const Hull& hull) {
+  w.member("affine_dimension", hull.affine_dimension);
+  w.member("vertex_count", std::uint64_t{hull.vertices.size()});
+  w.member("facet_count", hull.facet_count());
+  w.member("simplex_count", hull.simplex_count());
+  put_measures(hull.affine_dimension, hull.area, hull.volume,
+               [&](const char* name, double measure) { w.member(name, measure); });
+  w.flat("centroid", hull.centroid);
+}
+
+void write_lists(JsonWriter& w, const Coordinates& points, const Hull& hull) {
+  const auto k = static_cast<std::uint64_t>(std::max(hull.affine_dimension, 0));
+  w.flat("vertices", hull.vertices);
+  std::vector<double> row(hull.dimension);
+  w.rows("vertex_coordinates", hull.vertices.size(), [&](std::uint64_t i) {
+    for (std::uint32_t j = 0; j < hull.dimension; ++j) row[j] = points.at(hull.vertices[i], j);
+    w.list(row, 0, row.size());
+  });
+  w.nested("facets", hull.facets);
+  w.nested("facet_neighbours", hull.facet_neighbours);
+  w.nested("facet_planes", hull.facet_planes, std::uint64_t{hull.dimension} + 1);
+  w.nested("simplices", hull.simplices, k);
+  w.nested("simplex_neighbours", hull.simplex_neighbours, k);
+  w.flat("simplex_facets", hull.simplex_facets);
+}
+
+void write_run(JsonWriter& w, const Hull& hull, const JsonExtras& extras) {
+  const Statistics& s = hull.statistics;
+  const std::vector<double> all = extras.compute_seconds_all.empty()
+                                      ? std::vector<double>{s.compute_seconds}
+                                      : extras.compute_seconds_all;
+  w.member("read_seconds", extras.read_seconds);
+  w.member("compute_seconds", s.compute_seconds);
+  w.flat("compute_seconds_all", all);
+  w.member("peak_bytes", extras.peak_bytes);
+  w.key("certified");
+  if (extras.certified)
+    w.value(*extras.certified);
+  else
+    w.null();  // not checked
+}
+
+}  // namespace
+
+void write_result_json(const Coordinates& points, const Hull& hull, const TextSink& sink) {
+  std::string text;
+  JsonWriter w(text, sink);
+  w.begin_document(head_of("hull", hull));
+  write_measures(w, hull);
+  write_lists(w, points, hull);
+  w.end_document();
+}
+
+}  // namespace internal
+
+namespace {
+
+std::string report_json(const internal::Coordinates& points, const Hull& hull,
+                        const JsonExtras& extras, bool with_lists) {
+  std::string text;
+  internal::JsonWriter w(text);
+  const Statistics& s = hull.statistics;
+  w.begin_document(internal::head_of("hull_report", hull));
+  w.member("threads", s.threads);
+  w.member("backend", s.backend);
+  w.key("cull");
+  w.begin_object();
+  w.member("method", s.cull_method);
+  w.member("survivors", s.survivors);
+  w.member("seconds", s.cull_seconds);
+  w.member("reason", s.cull_reason);
+  w.end_object();
+  w.key("hull");
+  w.begin_object();
+  w.member("engine", s.engine);
+  w.member("seconds", s.hull_seconds);
+  w.end_object();
+  internal::write_measures(w, hull);
+  internal::write_run(w, hull, extras);
+  if (with_lists) internal::write_lists(w, points, hull);
+  w.end_document();
+  return text;
+}
+
+}  // namespace
+
+std::string hull_to_json(const PointView& points, const Hull& hull, const JsonExtras& extras,
+                         bool with_lists) {
+  return report_json(points, hull, extras, with_lists);
+}
+
+std::string hull_to_json(const HullState& state, const Hull& hull, const JsonExtras& extras,
+                         bool with_lists) {
+  return report_json(state, hull, extras, with_lists);
+}
+
+}  // namespace cullhull

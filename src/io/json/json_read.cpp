@@ -1,0 +1,498 @@
+// Reads a hull. Streaming (SAX), so that memory is that of the lists and not of a document tree;
+// then every size, offset and index is checked, because certify() relies on them.
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "io/mapped_file.hpp"
+#include "io/source.hpp"
+#include "parallel/threads/control.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+using nlohmann::json;
+
+enum class Field {
+  ignored,
+  kind,
+  schema,
+  points,
+  affine_dimension,
+  vertex_count,
+  facet_count,
+  simplex_count,
+  length,
+  perimeter,
+  area,
+  volume,
+  centroid,
+  vertices,
+  vertex_coordinates,
+  facets,
+  facet_neighbours,
+  facet_planes,
+  simplices,
+  simplex_neighbours,
+  simplex_facets,
+};
+constexpr const char* field_names[] = {"",
+                                       "kind",
+                                       "schema",
+                                       "points",
+                                       "affine_dimension",
+                                       "vertex_count",
+                                       "facet_count",
+                                       "simplex_count",
+                                       "length",
+                                       "perimeter",
+                                       "area",
+                                       "volume",
+                                       "centroid",
+                                       "vertices",
+                                       "vertex_coordinates",
+                                       "facets",
+                                       "facet_neighbours",
+                                       "facet_planes",
+                                       "simplices",
+                                       "simplex_neighbours",
+                                       "simplex_facets"};
+constexpr std::size_t field_total = std::size(field_names);
+
+/// The file's contents before they are checked.
+struct RawHull {
+  Hull hull;
+  std::uint64_t vertex_count = 0, facet_count = 0, simplex_count = 0;
+  std::uint64_t dimension = 0;
+  std::int64_t affine_dimension = 0;
+  double length = 0, perimeter = 0, area = 0, volume = 0;
+  bool has_count = false, has_dimension = false, has_scalar = false;
+  Lists<double> planes;
+  Lists<double> coordinates;
+  bool want_coordinates = false;  ///< otherwise they are skipped
+  std::uint64_t first_id = 0;     ///< id of point 0 in the file
+  Lists<std::uint64_t> simplices;
+  Lists<std::uint32_t> simplex_neighbours;
+  bool seen[field_total] = {};
+  bool has(Field field) const { return seen[static_cast<int>(field)]; }
+};
+
+class HullReader final : public nlohmann::json_sax<json> {
+ public:
+  HullReader(const Source& source, RawHull& raw, const Control& control)
+      : source_(source), raw_(raw), control_(control) {}
+
+  bool null() override { return unexpected(); }
+  bool boolean(bool) override { return unexpected(); }
+  bool number_integer(std::int64_t v) override {
+    poll();
+    if (top_level() && field_ == Field::affine_dimension) {
+      raw_.affine_dimension = v;
+      return true;
+    }
+    return real(static_cast<double>(v), true);
+  }
+  bool number_unsigned(std::uint64_t v) override {
+    poll();
+    return whole(v);
+  }
+  bool number_float(double v, const std::string&) override {
+    poll();
+    return real(v, true);
+  }
+  bool string(std::string& v) override {
+    poll();
+    if (top_level() && field_ == Field::kind) return check_kind(v);
+    // A measure or an offset that overflows doubles.
+    if (v == "inf") return real(std::numeric_limits<double>::infinity(), false);
+    if (v == "-inf") return real(-std::numeric_limits<double>::infinity(), false);
+    if (v == "nan") return real(std::numeric_limits<double>::quiet_NaN(), false);
+    if (!in_points() || inner_ != "scalar") return unexpected();
+    for (int t = 0; t <= static_cast<int>(ScalarType::u32); ++t)
+      if (v == scalar_name(static_cast<ScalarType>(t))) {
+        if (raw_.has_scalar) fault("scalar given twice");
+        raw_.hull.scalar = static_cast<ScalarType>(t);
+        raw_.has_scalar = true;
+        return true;
+      }
+    fault("unknown scalar " + quoted_text(v));
+  }
+  bool binary(json::binary_t&) override { return unexpected(); }
+
+  bool start_object(std::size_t) override {
+    ++depth_;
+    if (depth_ == 1) return true;
+    if (depth_ == 2 && field_ == Field::points) return true;
+    return unexpected();
+  }
+  bool end_object() override {
+    --depth_;
+    return true;
+  }
+  bool key(std::string& name) override {
+    if (depth_ == 1) {
+      field_ = Field::ignored;
+      for (std::size_t i = 1; i < field_total; ++i)
+        if (name == field_names[i]) field_ = static_cast<Field>(i);
+      if (field_ == Field::vertex_coordinates && !raw_.want_coordinates) field_ = Field::ignored;
+      if (field_ != Field::ignored && std::exchange(raw_.seen[static_cast<int>(field_)], true))
+        fault("given twice");
+    } else if (in_points()) {
+      inner_ = name;
+    }
+    return true;
+  }
+  bool start_array(std::size_t) override {
+    ++depth_;
+    if (depth_ == 1) fault("the text is a list, not a hull");
+    const bool ok = (depth_ == 2 && (is_flat() || is_nested())) || (depth_ == 3 && is_nested());
+    return ok || unexpected();
+  }
+  bool end_array() override {
+    if (depth_ == 3 && is_nested()) end_row();
+    --depth_;
+    return true;
+  }
+  bool parse_error(std::size_t position, const std::string&,
+                   const nlohmann::detail::exception&) override {
+    fail_at_byte(source_, position, "is not valid JSON");
+  }
+
+ private:
+  /// Called for each value: 2^16 of them take milliseconds.
+  void poll() {
+    if ((++values_ & 0xFFFF) == 0) control_.check();
+  }
+  bool top_level() const { return depth_ == 1; }
+  bool in_points() const { return depth_ == 2 && field_ == Field::points; }
+  bool is_flat() const {
+    return field_ == Field::centroid || field_ == Field::vertices ||
+           field_ == Field::simplex_facets;
+  }
+  bool is_nested() const {
+    return field_ == Field::facets || field_ == Field::facet_neighbours ||
+           field_ == Field::facet_planes || field_ == Field::simplices ||
+           field_ == Field::simplex_neighbours || field_ == Field::vertex_coordinates;
+  }
+  [[noreturn]] void fault(const std::string& message) const {
+    fail(source_,
+         std::string(field_ == Field::ignored ? "JSON" : field_names[static_cast<int>(field_)]) +
+             ": " + message);
+  }
+  /// Allowed in members that are ignored.
+  bool unexpected() const {
+    if (depth_ > 0 && field_ == Field::ignored) return true;
+    if (in_points() && inner_ != "count" && inner_ != "dimension" && inner_ != "scalar")
+      return true;
+    fault("a value of the wrong kind");
+  }
+  void end_row() {
+    switch (field_) {
+      case Field::facets:
+        raw_.hull.facets.offsets.push_back(raw_.hull.facets.items.size());
+        break;
+      case Field::facet_neighbours:
+        raw_.hull.facet_neighbours.offsets.push_back(raw_.hull.facet_neighbours.items.size());
+        break;
+      case Field::facet_planes:
+        raw_.planes.offsets.push_back(raw_.planes.items.size());
+        break;
+      case Field::vertex_coordinates:
+        raw_.coordinates.offsets.push_back(raw_.coordinates.items.size());
+        break;
+      case Field::simplices:
+        raw_.simplices.offsets.push_back(raw_.simplices.items.size());
+        break;
+      default:
+        raw_.simplex_neighbours.offsets.push_back(raw_.simplex_neighbours.items.size());
+    }
+  }
+  bool check_kind(const std::string& kind) const {
+    if (kind == "hull" || kind == "hull_report") return true;
+    fail(source_, "JSON of the kind " + quoted_text(kind) + ", which is no hull");
+  }
+  bool check_schema(std::uint64_t v) const {
+    if (v <= json_schema_version) return true;
+    fail(source_, "JSON of schema " + std::to_string(v) + ", newer than this program's " +
+                      std::to_string(json_schema_version));
+  }
+  std::uint32_t narrow(std::uint64_t v) const {
+    if (v > std::numeric_limits<std::uint32_t>::max()) fault(std::to_string(v) + " is no index");
+    return static_cast<std::uint32_t>(v);
+  }
+  bool whole(std::uint64_t v) {
+    const int level = is_nested() ? 3 : is_flat() || field_ == Field::points ? 2 : 1;
+    if (depth_ != level) return unexpected();
+    switch (field_) {
+      case Field::schema:
+        return check_schema(v);
+      case Field::points:
+        return point_value(v);
+      case Field::affine_dimension:
+        if (v > std::numeric_limits<std::uint32_t>::max()) fault("out of range");
+        raw_.affine_dimension = static_cast<std::int64_t>(v);
+        return true;
+      case Field::vertex_count:
+        raw_.vertex_count = v;
+        return true;
+      case Field::facet_count:
+        raw_.facet_count = v;
+        return true;
+      case Field::simplex_count:
+        raw_.simplex_count = v;
+        return true;
+      case Field::vertices:
+        raw_.hull.vertices.push_back(v);
+        return true;
+      case Field::facets:
+        raw_.hull.facets.items.edit().push_back(v);
+        return true;
+      case Field::simplices:
+        raw_.simplices.items.push_back(v);
+        return true;
+      case Field::facet_neighbours:
+        raw_.hull.facet_neighbours.items.push_back(narrow(v));
+        return true;
+      case Field::simplex_neighbours:
+        raw_.simplex_neighbours.items.push_back(narrow(v));
+        return true;
+      case Field::simplex_facets:
+        raw_.hull.simplex_facets.push_back(narrow(v));
+        return true;
+      default:
+        return real(static_cast<double>(v), true);
+    }
+  }
+  bool point_value(std::uint64_t v) {
+    if ((inner_ == "count" && raw_.has_count) || (inner_ == "dimension" && raw_.has_dimension))
+      fault(inner_ + " given twice");
+    if (inner_ == "count") {
+      raw_.hull.point_count = v;
+      raw_.has_count = true;
+    } else if (inner_ == "dimension") {
+      raw_.dimension = v;
+      raw_.has_dimension = true;
+    } else {
+      return unexpected();
+    }
+    return true;
+  }
+  double* measure_of_field() {
+    if (!top_level()) return nullptr;
+    switch (field_) {
+      case Field::length:
+        return &raw_.length;
+      case Field::perimeter:
+        return &raw_.perimeter;
+      case Field::area:
+        return &raw_.area;
+      case Field::volume:
+        return &raw_.volume;
+      default:
+        return nullptr;
+    }
+  }
+  /// A double. `number`: written as one, so that it must be finite; else it stands for a word.
+  bool real(double v, bool number) {
+    if (number && !std::isfinite(v)) fault("a number out of range");
+    if (double* const measure = measure_of_field())
+      *measure = v;
+    else if (depth_ == 2 && field_ == Field::centroid)
+      raw_.hull.centroid.push_back(v);
+    else if (depth_ == 3 && field_ == Field::facet_planes)
+      raw_.planes.items.push_back(v);
+    else if (depth_ == 3 && field_ == Field::vertex_coordinates && std::isfinite(v))
+      raw_.coordinates.items.push_back(v);
+    else
+      return unexpected();
+    return true;
+  }
+
+  const Source& source_;
+  RawHull& raw_;
+  const Control& control_;
+  std::uint64_t values_ = 0;
+  int depth_ = 0;
+  Field field_ = Field::ignored;
+  std::string inner_;
+};
+
+class HullChecker {
+ public:
+  HullChecker(const Source& source, RawHull& raw) : source_(source), raw_(raw), hull_(raw.hull) {}
+
+  Hull check() {
+    check_header();
+    const auto k = static_cast<std::uint64_t>(std::max<std::int64_t>(raw_.affine_dimension, 0));
+    const std::uint64_t facets = hull_.facets.size(), simplices = hull_.simplex_facets.size();
+    equal("vertices", hull_.vertices.size(), raw_.vertex_count);
+    if (raw_.want_coordinates) {
+      equal("vertex_coordinates", raw_.coordinates.size(), raw_.vertex_count);
+      widths("vertex_coordinates", raw_.coordinates, raw_.dimension);
+    }
+    equal("facets", facets, raw_.facet_count);
+    equal("facet_neighbours", hull_.facet_neighbours.size(), facets);
+    equal("facet_planes", raw_.planes.size(), facets);
+    equal("simplex_facets", simplices, raw_.simplex_count);
+    equal("simplices", raw_.simplices.size(), simplices);
+    equal("simplex_neighbours", raw_.simplex_neighbours.size(), simplices);
+    if (k == 0 && (facets > 0 || simplices > 0)) fault("facets", "a hull of one point has none");
+
+    number_points("vertices", hull_.vertices);
+    number_points("facets", hull_.facets.items.edit());
+    below("facet_neighbours", hull_.facet_neighbours.items, facets);
+    number_points("simplices", raw_.simplices.items);
+    below("simplex_neighbours", raw_.simplex_neighbours.items, simplices);
+    below("simplex_facets", hull_.simplex_facets, facets);
+
+    widths("facet_planes", raw_.planes, raw_.dimension + 1);
+    widths("simplices", raw_.simplices, k);
+    widths("simplex_neighbours", raw_.simplex_neighbours, k);
+    check_facets(k);
+    if (!hull_.centroid.empty() && hull_.centroid.size() != raw_.dimension)
+      fault("centroid", "needs one number for each dimension");
+
+    hull_.facet_planes = std::move(raw_.planes.items);
+    hull_.simplices = std::move(raw_.simplices.items);
+    hull_.simplex_neighbours = std::move(raw_.simplex_neighbours.items);
+    return std::move(hull_);
+  }
+
+ private:
+  [[noreturn]] void fault(const std::string& field, const std::string& message) const {
+    fail(source_, field + ": " + message);
+  }
+  bool is_required(Field field) const {
+    if (field == Field::vertex_coordinates) return raw_.want_coordinates;
+    return field != Field::kind && field != Field::schema && !is_measure(field);
+  }
+  static bool is_measure(Field field) {
+    return field == Field::length || field == Field::perimeter || field == Field::area ||
+           field == Field::volume;
+  }
+  /// By the names that measures have in the hull's dimension; in schema 1 they were `area` and
+  /// `volume` in every dimension, `area` being that of the boundary.
+  void take_measures() {
+    const std::int64_t k = raw_.affine_dimension;
+    const bool old = k < 3 && raw_.has(Field::volume);
+    const auto wanted = [&](Field field) {
+      if (old || k > 2) return field == Field::area || field == Field::volume;
+      if (k == 2) return field == Field::perimeter || field == Field::area;
+      return k == 1 && field == Field::length;
+    };
+    for (const Field field : {Field::length, Field::perimeter, Field::area, Field::volume}) {
+      const char* const name = field_names[static_cast<int>(field)];
+      if (wanted(field) && !raw_.has(field))
+        fault(name, "missing, so this is no hull with its lists");
+      if (!wanted(field) && raw_.has(field))
+        fault(name, "no measure of a hull of dimension " + std::to_string(k));
+    }
+    const bool boundary_is_perimeter = k == 2 && !old;
+    hull_.volume = boundary_is_perimeter ? raw_.area : raw_.volume;
+    hull_.area = boundary_is_perimeter ? raw_.perimeter : raw_.area;
+    if (k != 1 || old) return;
+    hull_.volume = raw_.length;
+    hull_.area = 2;  // the end points
+  }
+  void check_header() {
+    for (std::size_t i = 1; i < field_total; ++i) {
+      if (!is_required(static_cast<Field>(i))) continue;
+      if (!raw_.seen[i]) fault(field_names[i], "missing, so this is no hull with its lists");
+    }
+    if (!raw_.has_count || !raw_.has_dimension || !raw_.has_scalar)
+      fault("points", "needs count, dimension and scalar");
+    if (raw_.dimension == 0 || raw_.dimension >= std::numeric_limits<std::uint32_t>::max())
+      fault("points", "dimension " + std::to_string(raw_.dimension));
+    if (raw_.affine_dimension < -1 ||
+        raw_.affine_dimension > std::min<std::int64_t>(static_cast<std::int64_t>(raw_.dimension),
+                                                       std::numeric_limits<int>::max()))
+      fault("affine_dimension", std::to_string(raw_.affine_dimension) + " in dimension " +
+                                    std::to_string(raw_.dimension));
+    hull_.dimension = static_cast<std::uint32_t>(raw_.dimension);
+    hull_.affine_dimension = static_cast<int>(raw_.affine_dimension);
+    take_measures();
+    const std::uint64_t least = static_cast<std::uint64_t>(raw_.affine_dimension + 1);
+    if (hull_.vertices.size() < least || (least <= 1 && hull_.vertices.size() != least))
+      fault("vertices", std::to_string(hull_.vertices.size()) + " cannot span affine dimension " +
+                            std::to_string(raw_.affine_dimension));
+  }
+  void equal(const char* field, std::uint64_t have, std::uint64_t want) const {
+    if (have != want)
+      fault(field, "has " + std::to_string(have) + " entries instead of " + std::to_string(want));
+  }
+  /// Ids, which begin at first_id in the file, become positions.
+  template <class Items>
+  void number_points(const char* field, Items& ids) const {
+    const std::uint64_t first = raw_.first_id, end = first + hull_.point_count;
+    for (std::uint64_t i = 0; i < ids.size(); ++i) {
+      if (ids[i] < first || ids[i] >= end)
+        fault(field, "item " + std::to_string(i) + " is " + std::to_string(ids[i]) +
+                         ", but the ids of " + std::to_string(hull_.point_count) +
+                         " points go from " + std::to_string(first) + " to below " +
+                         std::to_string(end) +
+                         "; for a hull made with --first-id give it here, too");
+      ids[i] -= first;
+    }
+  }
+  template <class Items>
+  void below(const char* field, const Items& items, std::uint64_t limit) const {
+    for (std::uint64_t i = 0; i < items.size(); ++i)
+      if (items[i] >= limit)
+        fault(field, "item " + std::to_string(i) + " is " + std::to_string(items[i]) +
+                         ", but must be below " + std::to_string(limit));
+  }
+  template <class T>
+  void widths(const char* field, const Lists<T>& lists, std::uint64_t width) const {
+    for (std::uint64_t i = 0; i < lists.size(); ++i)
+      if (lists.offsets[i + 1] - lists.offsets[i] != width)
+        fault(field, "entry " + std::to_string(i) + " needs " + std::to_string(width) + " items");
+  }
+  /// At least k vertices each, exactly 2 for k = 2; for k = 2, 3 a neighbour for each vertex.
+  void check_facets(std::uint64_t k) const {
+    for (std::uint64_t i = 0; i < hull_.facets.size(); ++i) {
+      const std::uint64_t n = hull_.facets.offsets[i + 1] - hull_.facets.offsets[i];
+      const std::uint64_t m =
+          hull_.facet_neighbours.offsets[i + 1] - hull_.facet_neighbours.offsets[i];
+      if (n < k || (k <= 2 && n != k))
+        fault("facets", "entry " + std::to_string(i) + " has " + std::to_string(n) + " vertices");
+      if ((k == 2 || k == 3) && m != n)
+        fault("facet_neighbours",
+              "entry " + std::to_string(i) + " needs " + std::to_string(n) + " items");
+    }
+  }
+
+  const Source& source_;
+  RawHull& raw_;
+  Hull& hull_;
+};
+
+}  // namespace
+
+Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinates,
+                    const Options& options, std::uint64_t first_id) {
+  RawHull raw;
+  raw.first_id = first_id;
+  raw.want_coordinates = vertex_coordinates != nullptr;
+  const Control control(options);
+  control.check();
+  HullReader reader(source, raw, control);
+  json::sax_parse(source.data, source.data + source.size, &reader);
+  Hull hull = HullChecker(source, raw).check();
+  if (vertex_coordinates != nullptr)
+    vertex_coordinates->assign(raw.coordinates.items.begin(), raw.coordinates.items.end());
+  return hull;
+}
+
+}  // namespace internal
+
+Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates,
+                    const Options& options, std::uint64_t first_id) {
+  const internal::MappedFile file(path);
+  Hull hull = internal::read_hull_json(file.source(), vertex_coordinates, options, first_id);
+  file.check_size();
+  return hull;
+}
+
+}  // namespace cullhull

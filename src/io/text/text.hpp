@@ -1,0 +1,68 @@
+// Shared by the two halves of the text reader: the fields of a line, and the lines before the
+// points.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/source.hpp"
+#include "io/text/text_columns.hpp"
+#include "io/text/text_scan.hpp"
+
+namespace cullhull::internal {
+
+/// The fields of a line, for the first lines and for messages.
+struct Field {
+  std::string_view text;
+  Scan scan = Scan::not_a_number;
+};
+
+struct Fields {
+  std::vector<Field> list;
+  bool separators = false;  ///< at least one comma or semicolon
+  bool mixed = false;       ///< both kinds
+
+  bool all_numbers() const;
+  bool no_number() const;
+};
+
+Fields split_fields(const char* begin, const char* end);
+
+/// Why a line is not a row of `dimension` numbers.
+std::string explain_row(const char* begin, const char* end, std::uint32_t dimension);
+
+/// Whether the line is neither empty nor a comment.
+bool is_point_line(const char* begin, const char* end);
+
+/// The lines before the points: none, a line of words, Qhull's header or cdd's.
+struct Preamble {
+  enum Kind { none, qhull, cdd };
+  Kind kind = none;
+  const char* body = nullptr;  ///< the first line of points ...
+  const char* end = nullptr;   ///< ... and where they end
+  std::uint64_t lines = 0;     ///< before the body
+  std::uint32_t dimension = 0;
+  std::uint64_t count = 0;       ///< the number of points that a header promises
+  std::uint64_t count_line = 0;  ///< and its line
+  /// Which columns are coordinates; null: all of them, and there are no others.
+  std::shared_ptr<const ColumnLayout> layout;
+};
+
+/// `csv`: the first line may be words. `options` name the columns wanted; options.remark is told if
+/// some are left out. Throws Error{bad_file}, Error{invalid_argument} for columns that do not
+/// exist.
+Preamble find_preamble(const Source& source, const ReadOptions& options, bool csv);
+
+/// The line, from 1, of a point. Throws as find_preamble does.
+std::optional<std::uint64_t> line_of_row(const Source& file, std::uint64_t row, bool csv);
+
+/// The points of whole lines of a text, which follow `lines_before` others. Points after cdd's
+/// header may end before the file does, so such files are not read in pieces.
+PointData read_text_piece(const Source& piece, std::uint64_t lines_before, const Preamble& preamble,
+                          const ReadOptions& options);
+
+}  // namespace cullhull::internal

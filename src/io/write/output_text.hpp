@@ -1,0 +1,60 @@
+// Text that goes to a file in pieces; cells as VTK has them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "cullhull/triangulation.hpp"
+#include "io/json/json_writer.hpp"
+#include "io/write/mesh.hpp"
+#include "io/write/output_file.hpp"
+
+namespace cullhull::internal {
+
+/// Text that goes to a file in pieces.
+class OutputText {
+ public:
+  explicit OutputText(const std::string& path) : out_(path) {}
+  OutputText& add(std::string_view s) {
+    text_ += s;
+    if (text_.size() > 1 << 16) flush();
+    return *this;
+  }
+  template <class Number>
+  OutputText& number(Number v) {
+    append_number(text_, v);
+    return add("");
+  }
+  void commit() {
+    flush();
+    out_.commit();
+  }
+  std::string& text() { return text_; }
+  /// Writes one JSON document: write(writer) its members.
+  template <class Write>
+  void json(const JsonHead& head, const Write& write) {
+    JsonWriter w(text_, [this](const std::string& piece) { out_.write(piece); });
+    w.begin_document(head);
+    write(w);
+    w.end_document();
+  }
+
+ private:
+  void flush() {
+    out_.write(text_);
+    text_.clear();
+  }
+  OutputFile out_;
+  std::string text_;
+};
+
+/// VTK's legacy text of these cells of a triangulation of up to 3 dimensions.
+void write_vtk(const std::string& path, const PointView& points, const Triangulation& t,
+               std::span<const std::uint32_t> cells);
+
+/// A mesh in one of the formats ply, obj, off, stl, glb, vtp.
+void write_mesh(const std::string& path, const std::string& f, const HullMesh& mesh);
+
+}  // namespace cullhull::internal

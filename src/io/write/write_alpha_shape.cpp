@@ -1,0 +1,129 @@
+// Alpha shapes as files.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "cullhull/error.hpp"
+#include "cullhull/triangulation_io.hpp"
+#include "io/formats/plane_map.hpp"
+#include "io/source.hpp"
+#include "io/write/mesh.hpp"
+#include "io/write/output_text.hpp"
+
+namespace cullhull {
+namespace internal {
+namespace {
+
+constexpr const char* endings = ".ply .obj .off .stl .glb .vtp .vtk .geojson .wkt .json";
+
+bool is_mesh(const std::string& f) {
+  return f == "ply" || f == "obj" || f == "off" || f == "stl" || f == "glb" || f == "vtp";
+}
+
+/// Only the points of these triangles.
+HullMesh mesh_of(const PointView& points, const Array<std::uint32_t>& triangles) {
+  std::vector<std::uint32_t> ids(triangles.begin(), triangles.end());
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  HullMesh mesh;
+  for (const std::uint32_t id : ids)
+    for (std::uint32_t j = 0; j < 3; ++j)
+      mesh.coordinates.push_back(j < points.dimension ? points.at(id, j) : 0.0);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const auto place = static_cast<std::uint32_t>(
+        std::lower_bound(ids.begin(), ids.end(), triangles[i]) - ids.begin());
+    mesh.polygons.items.push_back(place);
+    mesh.triangles.push_back(place);
+    if (i % 3 == 2) mesh.polygons.offsets.push_back(i + 1);
+    edges.push_back(std::minmax(triangles[i], triangles[i % 3 == 2 ? i - 2 : i + 1]));
+  }
+  std::sort(edges.begin(), edges.end());
+  mesh.edges = static_cast<std::uint64_t>(std::unique(edges.begin(), edges.end()) - edges.begin());
+  return mesh;
+}
+
+/// In space the boundary; in the plane the triangles themselves.
+HullMesh mesh_of(const PointView& points, const Triangulation& t, const AlphaShape& shape) {
+  if (t.affine_dimension == 3) return mesh_of(points, shape.facets);
+  Array<std::uint32_t> triangles;
+  if (t.affine_dimension == 2)
+    for (const std::uint32_t c : shape.cells)
+      triangles.insert(triangles.end(), t.cell(c).begin(), t.cell(c).end());
+  return mesh_of(points, triangles);
+}
+
+void write_polygons(const std::string& path, const std::string& f, const PointView& points,
+                    const Triangulation& t, const AlphaShape& shape) {
+  const CellPolygons all = cell_polygons(points, t, shape.cells);
+  write_map(path, f, all.polygon_count(), "region", [&](std::uint64_t i) {
+    PlaneRings rings;
+    for (std::uint64_t r = all.polygon_offsets[i]; r < all.polygon_offsets[i + 1]; ++r) {
+      rings.emplace_back();
+      for (std::uint64_t v = all.ring_offsets[r]; v < all.ring_offsets[r + 1]; ++v)
+        for (std::uint32_t j = 0; j < 2; ++j) rings.back().push_back(points.at(all.ids[v], j));
+    }
+    return rings;
+  });
+}
+
+void write_json(const std::string& path, const Triangulation& t, const AlphaShape& shape,
+                double alpha) {
+  OutputText out(path);
+  out.json({"alpha_shape", JsonPoints{t.point_count, t.dimension, t.scalar}}, [&](JsonWriter& w) {
+    w.member("affine_dimension", t.affine_dimension);
+    w.key("alpha");
+    if (std::isnan(alpha))
+      w.null();
+    else
+      w.value(alpha);
+    w.rows("cells", shape.cells.size(), [&](std::uint64_t i) {
+      const auto corners = t.cell(shape.cells[i]);
+      w.list(corners, 0, corners.size());
+    });
+    const std::size_t width = t.corners() > 1 ? t.corners() - 1 : 0;
+    w.nested("facets", shape.facets, width);
+  });
+  out.commit();
+}
+
+[[noreturn]] void refuse(const std::string& f, const char* holds, std::uint32_t dimension) {
+  throw Error(ErrorCode::invalid_argument,
+              "." + f + " holds " + holds + ", not " + std::to_string(dimension) + "D");
+}
+
+void check(const std::string& path, const std::string& f, std::uint32_t dimension) {
+  if (is_mesh(f)) {
+    if (dimension != 2 && dimension != 3) refuse(f, "shapes of 2D and 3D points", dimension);
+  } else if (is_map(f)) {
+    if (dimension != 2) refuse(f, "polygons of 2D points", dimension);
+  } else if (f == "vtk") {
+    if (dimension > 3) refuse(f, "cells of points of up to 3 dimensions", dimension);
+  } else if (f != "json") {
+    refuse_format(path, f, endings);
+  }
+}
+
+}  // namespace
+}  // namespace internal
+
+using namespace internal;
+
+void check_alpha_shape_format(const std::string& path, std::uint32_t dimension) {
+  check(path, output_format(path, "", "json"), dimension);
+}
+
+void write_alpha_shape(const std::string& path, const PointView& points, const Triangulation& t,
+                       const AlphaShape& shape, double alpha, const std::string& format) {
+  if (points.count != t.point_count || points.dimension != t.dimension)
+    throw Error(ErrorCode::invalid_argument, "the triangulation is not that of these points");
+  const std::string f = output_format(path, format, "json");
+  check(path, f, t.dimension);
+  if (f == "json") return write_json(path, t, shape, alpha);
+  if (f == "vtk") return write_vtk(path, points, t, shape.cells);
+  if (is_map(f)) return write_polygons(path, f, points, t, shape);
+  write_mesh(path, f, mesh_of(points, t, shape));
+}
+
+}  // namespace cullhull

@@ -1,0 +1,84 @@
+// Chooses the writer of a file.
+#include <algorithm>
+
+#include "cullhull/error.hpp"
+#include "io/formats/geometry_text.hpp"
+#include "io/json/json.hpp"
+#include "io/source.hpp"
+#include "io/system.hpp"
+#include "io/write/mesh.hpp"
+#include "io/write/output_file.hpp"
+
+namespace cullhull {
+
+namespace internal {
+
+std::string output_format(const std::string& path, const std::string& format,
+                          const std::string& unnamed) {
+  if (!format.empty()) return format;
+  system::FileStatus status{};
+  const bool has_name =
+      path != "-" && (system::status_of(path.c_str(), status) != 0 || system::is_regular(status));
+  return has_name ? extension_of(path) : unnamed;
+}
+
+void refuse_format(const std::string& path, const std::string& format, const char* known) {
+  throw Error(ErrorCode::invalid_argument, display_name(path) + ": cannot tell the format from " +
+                                               quoted_text("." + format) + "; known are " + known);
+}
+
+}  // namespace internal
+
+namespace {
+
+/// `Points`: PointView or HullState.
+template <class Points>
+void write_hull_of(const std::string& path, const Points& of, const Hull& hull,
+                   const std::string& format, Faces faces) {
+  using namespace internal;
+  const Coordinates points(of);
+  if (points.count != hull.point_count || points.dimension != hull.dimension)
+    throw Error(ErrorCode::invalid_argument, "the hull is not that of these points");
+  const std::string f = output_format(path, format, "json");
+  if (f == "ply" || f == "obj" || f == "off" || f == "stl" || f == "glb" || f == "vtp") {
+    const HullMesh mesh = make_mesh(points, hull, f, faces);
+    OutputFile out(path);
+    if (f == "ply") write_ply(out, mesh);
+    if (f == "obj") write_obj(out, mesh);
+    if (f == "off") write_off(out, mesh);
+    if (f == "stl") write_stl(out, mesh);
+    if (f == "glb") write_glb(out, mesh);
+    if (f == "vtp") write_vtp(out, mesh);
+    out.commit();
+  } else if (f == "json") {
+    OutputFile out(path);
+    write_result_json(points, hull, [&](const std::string& piece) { out.write(piece); });
+    out.commit();
+  } else if (f == "geojson" || f == "wkt") {
+    write_text(path, geometry_file(points, hull, f));
+  } else if (f == "txt") {
+    // As `p`, with words after the dimension, so that no reader takes a 1D header for a point.
+    std::string text = hull_to_qhull_text(of, hull, "p");
+    text.insert(text.find('\n'), " vertices of a convex hull");
+    write_text(path, text);
+  } else {
+    const auto& qhull = qhull_formats();
+    if (std::find(qhull.begin(), qhull.end(), f) == qhull.end())
+      refuse_format(path, f, ".ply .obj .off .stl .glb .vtp .geojson .wkt .json .txt");
+    write_text(path, hull_to_qhull_text(of, hull, f));
+  }
+}
+
+}  // namespace
+
+void write_hull(const std::string& path, const PointView& points, const Hull& hull,
+                const std::string& format, Faces faces) {
+  write_hull_of(path, points, hull, format, faces);
+}
+
+void write_hull(const std::string& path, const HullState& state, const Hull& hull,
+                const std::string& format, Faces faces) {
+  write_hull_of(path, state, hull, format, faces);
+}
+
+}  // namespace cullhull

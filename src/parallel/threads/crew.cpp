@@ -1,0 +1,107 @@
+#include "parallel/threads/crew.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <utility>
+
+#include "parallel/threads/crowding.hpp"
+#include "parallel/threads/helpers.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+constexpr unsigned item_bits = 20;  // of a ticket: phase, number of items, next item
+constexpr std::uint64_t item_mask = (std::uint64_t{1} << item_bits) - 1;
+
+using Body = std::function<void(std::uint32_t, unsigned)>;
+using Clock = std::chrono::steady_clock;
+
+}  // namespace
+
+/// The part of a session that helpers share. It may outlive the session: nobody waits for a helper
+/// that has no item.
+class Crew::Phases : public SharedWork {
+ public:
+  void join(unsigned lane) noexcept override {
+    Patience patience;
+    while (!over_.load(std::memory_order_acquire))
+      if (work(lane))
+        patience = {};
+      else
+        patience.wait_a_little();
+  }
+
+  void run(std::uint32_t count, const Body& body) {
+    if (crowded()) {  // helpers may exist, but have no processor
+      for (std::uint32_t i = 0; i < count; ++i) body(i, 0);
+      return;
+    }
+    const Clock::time_point begin = Clock::now();
+    body_ = &body;
+    done_.store(0, std::memory_order_relaxed);
+    const std::uint64_t phase = (ticket_.load(std::memory_order_relaxed) >> (2 * item_bits)) + 1;
+    ticket_.store(phase << (2 * item_bits) | std::uint64_t{count} << item_bits,
+                  std::memory_order_release);
+    while (work(0)) {
+    }
+    const Clock::time_point end = Clock::now();
+    Patience patience;
+    while (done_.load(std::memory_order_acquire) < count) patience.wait_a_little();
+    watch_.add(end - begin, Clock::now() - end);
+    if (!failed_.load(std::memory_order_acquire)) return;
+    failed_ = false;
+    std::rethrow_exception(std::exchange(error_, nullptr));
+  }
+
+  void end() { over_ = true; }
+
+ private:
+  /// Does one item of the present phase; false where none is left.
+  bool work(unsigned lane) {
+    std::uint64_t t = ticket_.load(std::memory_order_acquire);
+    do {
+      if ((t & item_mask) >= (t >> item_bits & item_mask)) return false;
+    } while (!ticket_.compare_exchange_weak(t, t + 1, std::memory_order_acq_rel,
+                                            std::memory_order_acquire));
+    try {
+      (*body_)(static_cast<std::uint32_t>(t & item_mask), lane);
+    } catch (...) {
+      if (!failed_.exchange(true)) error_ = std::current_exception();
+    }
+    done_.fetch_add(1, std::memory_order_release);
+    return true;
+  }
+
+  /// Phase, number of items, next item: one word, so that no item of a phase that is over can be
+  /// taken.
+  alignas(64) std::atomic<std::uint64_t> ticket_{0};
+  alignas(64) std::atomic<std::uint32_t> done_{0};
+  std::atomic<bool> over_{false};
+  const Body* body_ = nullptr;
+  std::exception_ptr error_;
+  std::atomic<bool> failed_{false};
+  WaitWatch watch_;  // the caller's
+};
+
+Crew::Crew(unsigned threads) : lanes_(std::max(1U, threads)) {}
+Crew::~Crew() = default;
+
+void Crew::session(const std::function<void()>& main) {
+  phases_ = std::make_shared<Phases>();
+  // Helpers leave when main has returned or thrown.
+  struct Session {
+    OpenWork open;
+    Phases& phases;
+    ~Session() { phases.end(); }
+  };
+  const Session session{OpenWork(lanes_ - 1, phases_, true), *phases_};
+  main();
+}
+
+void Crew::run(std::uint32_t count, const Body& body) {
+  if (count > 0) phases_->run(count, body);
+}
+
+}  // namespace cullhull::internal

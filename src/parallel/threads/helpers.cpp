@@ -1,0 +1,191 @@
+#include "parallel/threads/helpers.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <new>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "parallel/threads/crowding.hpp"
+#include "parallel/threads/fork_guard.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// How long a helper without work spins: the next phase of the same call is near, and waking a
+/// sleeping thread costs its caller some microseconds and the thread some tens of them.
+constexpr std::chrono::microseconds attentive{50};
+
+void pause_once() {
+#if defined(__x86_64__) || defined(__i386__)
+  __builtin_ia32_pause();
+#else
+  std::this_thread::yield();
+#endif
+}
+
+/// Calls that the calling thread has begun.
+thread_local unsigned calls_here = 0;
+
+/// All helpers of the process, and the work that they can join, oldest first.
+class Helpers {
+ public:
+  static Helpers& of_process() {
+    static auto* const helpers = new Helpers;  // outlives whatever runs at the end of the process
+    return *helpers;
+  }
+
+  /// Makes `work` joinable; false where no helper is available. `lasting` work is accepted on a
+  /// busy machine, too: that may pass.
+  bool open(unsigned wanted, const std::shared_ptr<SharedWork>& work, bool lasting) {
+    const unsigned calls = std::max(1U, calls_.load(std::memory_order_relaxed));
+    const unsigned cores = machine_threads();
+    wanted = std::min(wanted, cores > calls ? cores - calls : 0);
+    if (wanted == 0 || (!lasting && crowded())) return false;
+    unsigned wake = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      open_.push_back({work, wanted});
+      add_places(wanted);
+      const unsigned awake = count_ - asleep_ - at_work_;
+      wake = std::min(asleep_, wanted > awake ? wanted - awake : 0);
+      for (unsigned come = awake + wake; come < wanted && count_ + 1 < cores; ++come)
+        if (!start_one()) break;
+    }
+    for (; wake > 0; --wake) work_here_.notify_one();
+    return true;
+  }
+
+  void close(const SharedWork* work) {
+    const std::lock_guard lock(mutex_);
+    const auto it = std::find_if(open_.begin(), open_.end(),
+                                 [&](const Open& o) { return o.work.get() == work; });
+    if (it == open_.end()) return;
+    add_places(0U - (it->wanted - it->joined));
+    open_.erase(it);
+  }
+
+  void begin_call() {
+    ++calls_here;
+    calls_.fetch_add(1, std::memory_order_relaxed);
+  }
+  void end_call() {
+    --calls_here;
+    calls_.fetch_sub(1, std::memory_order_relaxed);
+  }
+
+  void lock() { mutex_.lock(); }
+  void unlock() { mutex_.unlock(); }
+  /// A forked child has none of the threads; its lists start empty.
+  void begin_anew() {
+    ::new (&work_here_) std::condition_variable;  // without the threads that wait in the parent
+    open_.clear();
+    count_ = asleep_ = at_work_ = 0;
+    places_ = 0;
+    calls_ = calls_here;
+    mutex_.unlock();
+  }
+
+ private:
+  struct Open {
+    std::shared_ptr<SharedWork> work;
+    unsigned wanted, joined = 0;
+  };
+
+  bool start_one() {
+    try {
+      std::thread([this] { live(); }).detach();
+    } catch (const std::system_error&) {
+      return false;  // no more threads: fewer helpers
+    }
+    ++count_;
+    return true;
+  }
+
+  void add_places(unsigned more) {
+    places_.store(places_.load(std::memory_order_relaxed) + more, std::memory_order_relaxed);
+  }
+
+  void live() {
+    for (;;) {
+      stay_awake();
+      std::unique_lock lock(mutex_);
+      while (open_.empty()) {
+        ++asleep_;
+        work_here_.wait(lock);
+        --asleep_;
+      }
+      Open& first = open_.front();
+      const std::shared_ptr<SharedWork> work = first.work;
+      const unsigned k = ++first.joined;
+      add_places(0U - 1);
+      if (first.joined == first.wanted) open_.erase(open_.begin());
+      ++at_work_;
+      lock.unlock();
+      work->join(k);
+      lock.lock();
+      --at_work_;
+    }
+  }
+
+  void stay_awake() const {
+    const Clock::time_point end = Clock::now() + attentive;
+    do {
+      for (unsigned i = 0; i < 64; ++i) {
+        if (places_.load(std::memory_order_relaxed) > 0) return;
+        pause_once();
+      }
+    } while (Clock::now() < end);
+  }
+
+  std::mutex mutex_;
+  std::condition_variable work_here_;
+  std::vector<Open> open_;
+  unsigned count_ = 0, asleep_ = 0, at_work_ = 0;  // helpers
+  std::atomic<unsigned> places_{0};                // in all open work, to see without the lock
+  std::atomic<unsigned> calls_{0};
+};
+
+const ForkGuard helpers_guard(
+    ForkGuard::Order::inner, [] { Helpers::of_process().lock(); },
+    [] { Helpers::of_process().unlock(); }, [] { Helpers::of_process().begin_anew(); });
+
+}  // namespace
+
+unsigned machine_threads() {
+  static const unsigned count = std::max(1U, std::thread::hardware_concurrency());
+  return count;
+}
+
+OpenWork::OpenWork(unsigned helpers, const std::shared_ptr<SharedWork>& work, bool lasting) {
+  if (helpers > 0 && Helpers::of_process().open(helpers, work, lasting)) open_ = work.get();
+}
+OpenWork::~OpenWork() {
+  if (open_ != nullptr) Helpers::of_process().close(open_);
+}
+
+CallScope::CallScope() { Helpers::of_process().begin_call(); }
+CallScope::~CallScope() { Helpers::of_process().end_call(); }
+
+void Patience::wait_a_little() {
+  // A sleep takes some 60 us, however short a time is requested, which is longer than many a serial
+  // part between two phases: first spin, then yield often. The counts are some 50 us of spinning
+  // and a few ms of yields, set by feel on two cores, not swept.
+  constexpr unsigned spins = 2000, offers = 4000;
+  if (turns_ < spins)
+    pause_once();
+  else if (turns_ < spins + offers)
+    std::this_thread::yield();
+  else
+    std::this_thread::sleep_for(std::chrono::microseconds(10));
+  ++turns_;
+}
+
+}  // namespace cullhull::internal

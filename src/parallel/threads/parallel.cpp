@@ -1,0 +1,119 @@
+#include "parallel/threads/parallel.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <memory>
+#include <vector>
+
+#include "parallel/threads/crowding.hpp"
+#include "parallel/threads/helpers.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+using Body = std::function<void(std::uint64_t chunk, std::uint64_t begin, std::uint64_t end)>;
+using Clock = std::chrono::steady_clock;
+
+/// A loop that several threads run. Each begins with a contiguous part of the chunks, so that it
+/// stays within its own pages, and goes on with what is left of the others' parts. The object may
+/// outlive the call: `body` is used only for chunks that the caller waits for.
+class Loop : public SharedWork {
+ public:
+  Loop(std::uint64_t items, std::uint64_t chunk_size, unsigned parts, const Body& body)
+      : items_(items),
+        size_(chunk_size),
+        count_(chunk_count(items, chunk_size)),
+        body_(&body),
+        parts_(parts) {
+    for (unsigned p = 0; p < parts; ++p) {
+      parts_[p].next.store(count_ * p / parts, std::memory_order_relaxed);
+      parts_[p].end = count_ * (p + 1) / parts;
+    }
+  }
+
+  void join(unsigned k) noexcept override { work(k); }
+
+  /// Runs chunks until every one has been begun; returns how many it ran.
+  std::uint64_t work(unsigned k) noexcept {
+    std::uint64_t done = 0;
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+      Part& part = parts_[(k + p) % parts_.size()];
+      for (std::uint64_t c = part.next++; c < part.end; c = part.next++) {
+        std::uint64_t over = 1;
+        try {
+          (*body_)(c, c * size_, std::min(items_, (c + 1) * size_));
+        } catch (...) {
+          if (!failed_.exchange(true)) error_ = std::current_exception();
+          over += give_up();
+        }
+        over_.fetch_add(over, std::memory_order_release);
+        ++done;
+      }
+    }
+    return done;
+  }
+
+  /// Waits for all chunks begun by helpers; the caller's own took `each`.
+  void wait(Clock::duration each) const {
+    if (over_.load(std::memory_order_acquire) < count_) {
+      const Clock::time_point begin = Clock::now();
+      Patience patience;
+      while (over_.load(std::memory_order_acquire) < count_) patience.wait_a_little();
+      note_wait(each, Clock::now() - begin);
+    }
+    if (error_) std::rethrow_exception(error_);
+  }
+
+ private:
+  struct alignas(64) Part {
+    std::atomic<std::uint64_t> next{0};
+    std::uint64_t end = 0;
+  };
+
+  /// Lets nobody begin another chunk; returns how many were left.
+  std::uint64_t give_up() noexcept {
+    std::uint64_t left = 0;
+    for (Part& part : parts_) {
+      const std::uint64_t next = part.next.exchange(part.end);
+      left += next < part.end ? part.end - next : 0;
+    }
+    return left;
+  }
+
+  const std::uint64_t items_, size_, count_;
+  const Body* const body_;
+  std::vector<Part> parts_;
+  alignas(64) std::atomic<std::uint64_t> over_{0};
+  std::atomic<bool> failed_{false};
+  std::exception_ptr error_;
+};
+
+}  // namespace
+
+unsigned resolve_threads(unsigned requested) {
+  return requested > 0 ? std::min(requested, 1024U) : machine_threads();
+}
+
+void for_each_chunk(std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
+                    const Body& body) {
+  const std::uint64_t chunks = chunk_count(count, chunk_size);
+  if (threads <= 1 || chunks <= 1) {
+    for (std::uint64_t c = 0; c < chunks; ++c)
+      body(c, c * chunk_size, std::min(count, (c + 1) * chunk_size));
+    return;
+  }
+  const Clock::time_point begin = Clock::now();
+  const auto parts = static_cast<unsigned>(std::min<std::uint64_t>(threads, chunks));
+  const auto loop = std::make_shared<Loop>(count, chunk_size, parts, body);
+  std::uint64_t done = 0;
+  {
+    const OpenWork open(parts - 1, loop);
+    done = loop->work(0);
+  }
+  const Clock::duration each = (Clock::now() - begin) / std::max<std::uint64_t>(done, 1);
+  loop->wait(each);
+}
+
+}  // namespace cullhull::internal

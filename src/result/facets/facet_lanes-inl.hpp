@@ -1,0 +1,90 @@
+// The arithmetic of facets, a vector of them at a time: the text of facet_math-inl.hpp over vectors
+// instead of doubles. Included once per instruction set (hence Highway's unusual include guard).
+
+#if defined(CULLHULL_FACET_LANES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef CULLHULL_FACET_LANES_INL
+#undef CULLHULL_FACET_LANES_INL
+#else
+#define CULLHULL_FACET_LANES_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+HWY_BEFORE_NAMESPACE();
+namespace cullhull::internal::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using D = hn::CappedTag<double, 8>;
+using V = hn::Vec<D>;
+using M = hn::Mask<D>;
+
+/// A vector with the operators of a number.
+struct Lanes {
+  V v;
+  Lanes() = default;
+  HWY_INLINE Lanes(V all) : v(all) {}                       // NOLINT: implicit, a vector is one
+  HWY_INLINE Lanes(double each) : v(hn::Set(D(), each)) {}  // NOLINT: text is written for numbers
+  HWY_INLINE Lanes operator-() const { return hn::Neg(v); }
+};
+HWY_INLINE Lanes operator+(Lanes a, Lanes b) { return hn::Add(a.v, b.v); }
+HWY_INLINE Lanes operator-(Lanes a, Lanes b) { return hn::Sub(a.v, b.v); }
+HWY_INLINE Lanes operator*(Lanes a, Lanes b) { return hn::Mul(a.v, b.v); }
+HWY_INLINE Lanes operator/(Lanes a, Lanes b) { return hn::Div(a.v, b.v); }
+HWY_INLINE M operator<(Lanes a, Lanes b) { return hn::Lt(a.v, b.v); }
+HWY_INLINE M operator>(Lanes a, Lanes b) { return hn::Gt(a.v, b.v); }
+HWY_INLINE Lanes root(Lanes a) { return hn::Sqrt(a.v); }
+HWY_INLINE Lanes absolute(Lanes a) { return hn::Abs(a.v); }
+HWY_INLINE Lanes greater_of(Lanes a, Lanes b) { return hn::Max(a.v, b.v); }
+
+HWY_INLINE unsigned lane_count() { return static_cast<unsigned>(hn::Lanes(D())); }
+HWY_INLINE Lanes load(const double* from) { return hn::Load(D(), from); }
+HWY_INLINE void store(Lanes a, double* to) { hn::Store(a.v, D(), to); }
+/// Bit mask of the lanes.
+HWY_INLINE unsigned bits_of(M mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(D(), mask, bytes);
+  return bytes[0];
+}
+
+#define CULLHULL_MATH HWY_INLINE
+#include "exact/determinants/cofactors-inl.hpp"
+#include "result/facets/facet_math-inl.hpp"
+#undef CULLHULL_MATH
+
+/// Loads rows of four doubles, the fourth unused.
+HWY_INLINE void load_rows(const double* rows, Lanes (&v)[3]) {
+  V unused;
+  hn::LoadInterleaved4(D(), rows, v[0].v, v[1].v, v[2].v, unused);
+}
+HWY_INLINE void store_rows(const Lanes (&v)[3], Lanes fourth, double* rows) {
+  hn::StoreInterleaved4(v[0].v, v[1].v, v[2].v, fourth.v, D(), rows);
+}
+
+/// The shares of a vector of triangles from number i on, and their planes to planes[4 i ...), the
+/// offsets multiplied by `unit`: as facet_share computes them where the normal is well-conditioned.
+template <class Shares>
+HWY_INLINE void write_shares(const Lanes (&normal)[3], Lanes length, const Lanes (&corner)[3],
+                             const Lanes (&origin)[3], const Lanes (&sum)[3], double unit,
+                             unsigned i, Shares& shares, double* planes) {
+  const FacetMoments<3, Lanes> moments = moments_of<3>(normal, corner, origin, sum);
+  store(moments.volume, shares.volume + i);
+  for (unsigned c = 0; c < 3; ++c) store(moments.moment[c], shares.moment[c] + i);
+  store(length, shares.area + i);
+  store(length, shares.area_error + i);
+  store(length * moments.reach, shares.error + i);
+  Lanes plane[4];
+  plane_of<3>(normal, length, corner, plane);
+  hn::StoreInterleaved4(plane[0].v, plane[1].v, plane[2].v, (plane[3] * unit).v, D(),
+                        planes + std::size_t{4} * i);
+}
+
+}  // namespace
+}  // namespace cullhull::internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,190 @@
+// Normal and plane of one simplex, with as many bits as it needs.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+#include <vector>
+
+#include "cullhull/error.hpp"
+#include "exact/determinants/cofactors.hpp"
+#include "exact/numbers/double_double.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "result/facets/exact_rests.hpp"
+#include "result/measures/measure_frame.hpp"
+
+namespace cullhull::internal {
+
+/// A normal shorter than this share of the product of its edges' lengths is computed again with
+/// more bits, so that its direction is accurate to about 2^-38 rad at worst, and usually far more.
+inline constexpr double conditioned = 0x1p-12;
+
+/// The same for k beyond `cofactors`, where random edges are already this far from orthogonal: the
+/// determinant of k random unit vectors is about sqrt(k! / k^k).
+inline double conditioned_in(unsigned k) {
+  double share = conditioned * conditioned;
+  for (unsigned i = 1; i <= k; ++i) share *= static_cast<double>(i) / k;
+  return std::sqrt(share);
+}
+
+template <class Real>
+Real difference(double a, double b) {
+  if constexpr (std::is_same_v<Real, double>) return a - b;
+  if constexpr (std::is_same_v<Real, DoubleDouble>) return DoubleDouble::sum(a, -b);
+}
+inline double value(double v) { return v; }
+inline double value(const DoubleDouble& v) { return v.value(); }
+
+/// Normal of a simplex by elimination with complete pivoting, for k beyond `cofactors`.
+template <class Real>
+void eliminate_normal(std::vector<Real>& m, unsigned k, Real* normal);
+extern template void eliminate_normal(std::vector<double>&, unsigned, double*);
+extern template void eliminate_normal(std::vector<DoubleDouble>&, unsigned, DoubleDouble*);
+
+inline double length(const double* v, unsigned n) {
+  double square = 0;
+  for (unsigned c = 0; c < n; ++c) square += v[c] * v[c];
+  return std::sqrt(square);
+}
+
+/// Cofactor normal (outward) of the simplex with vertices v[0..k), in the frame's axes. Returns the
+/// product of the lengths of its edges from v[0], an upper bound of the normal's length.
+template <unsigned K, class Real>
+double simplex_normal(const Frame& frame, const std::uint32_t* v, Real* normal,
+                      std::vector<Real>& scratch) {
+  const unsigned k = K ? K : frame.k;
+  const double* origin = frame.at(v[0]);
+  double lengths = 1;
+  const auto fill = [&](unsigned i, Real* row) {
+    const double* p = frame.at(v[i]);
+    double square = 0;
+    for (unsigned c = 0; c < k; ++c) {
+      const unsigned a = frame.axes[c];
+      row[c] = difference<Real>(p[a], origin[a]);
+      square += value(row[c]) * value(row[c]);
+    }
+    lengths *= std::sqrt(square);
+  };
+  if constexpr (K != 0) {
+    Real edges[K > 1 ? K - 1 : 1][K];
+    for (unsigned i = 1; i < K; ++i) fill(i, edges[i - 1]);
+    Real out[K];
+    cofactors<K, Real>(edges, out);
+    for (unsigned c = 0; c < K; ++c) normal[c] = out[c];
+  } else {
+    scratch.resize(std::size_t{k - 1} * k);
+    for (unsigned i = 1; i < k; ++i) fill(i, scratch.data() + std::size_t{i - 1} * k);
+    eliminate_normal(scratch, k, normal);
+  }
+  return lengths;
+}
+
+/// Planes of simplices given by the positions of their vertices, outward oriented.
+template <unsigned K>
+class FacetPlane {
+ public:
+  explicit FacetPlane(const Frame& frame)
+      : frame_(frame),
+        k_(K ? K : frame.k),
+        conditioned_(K != 0 ? conditioned : conditioned_in(k_)) {}
+
+  /// Normal in doubles; where that is ill-conditioned, in double-doubles. Returns its length;
+  /// `reliable`: whether that sufficed. `error`: a bound of the normal's rounding error, up to a
+  /// modest constant, in units of 2^-53.
+  double normal(const std::uint32_t* v, double* n, std::vector<double>& scratch, bool* reliable,
+                double* error) const {
+    const double lengths = simplex_normal<K, double>(frame_, v, n, scratch);
+    const double l = length(n, k_);
+    *reliable = true;
+    *error = l;
+    if (l > conditioned_ * lengths) return l;
+    return careful_normal(v, lengths, n, reliable, error);
+  }
+
+  /// Writes the plane of simplex v from its normal n, which is overwritten.
+  void write(const std::uint32_t* v, double* n, bool reliable, double* out) const {
+    const unsigned d = frame_.dimension;
+    if (frame_.wild && frame_.flat()) return write_flat(v, out);
+    if (!reliable) exact_normal(v, n);
+    double largest = 0;
+    for (unsigned c = 0; c < k_; ++c) largest = std::max(largest, std::fabs(n[c]));
+    if (!(largest > 0x1p-400 && largest < 0x1p400)) {
+      const int e = largest > 0 ? std::ilogb(largest) : 0;
+      for (unsigned c = 0; c < k_; ++c) n[c] = std::ldexp(n[c], -e);
+    }
+    if (frame_.flat()) {
+      std::fill(out, out + d, 0.0);
+      for (unsigned r = 0; r < k_; ++r) {
+        const double* row = frame_.basis.data() + std::size_t{r} * d;
+        double t = 0;
+        for (unsigned c = 0; c < k_; ++c) t += row[frame_.axes[c]] * n[c];
+        for (unsigned c = 0; c < d; ++c) out[c] += t * row[c];
+      }
+    } else {
+      std::copy(n, n + k_, out);
+    }
+    const double l = length(out, d);
+    const double* p = frame_.at(v[0]);
+    double offset = 0;
+    for (unsigned c = 0; c < d; ++c) {
+      out[c] /= l;
+      offset -= out[c] * p[c];
+    }
+    out[d] = frame_.wild ? wide_offset(v, out) : scale_by(offset, frame_.exponent);
+  }
+
+ private:
+  double careful_normal(const std::uint32_t* v, double lengths, double* n, bool* reliable,
+                        double* error) const {
+    DoubleDouble few[K ? K : 1];
+    std::vector<DoubleDouble> many(K ? 0 : k_), scratch;
+    DoubleDouble* wide = K ? few : many.data();
+    simplex_normal<K, DoubleDouble>(frame_, v, wide, scratch);
+    for (unsigned c = 0; c < k_; ++c) n[c] = wide[c].value();
+    const double l = length(n, k_);
+    *error = l + 0x1p-49 * lengths;
+    *reliable =
+        l > 0x1p-40 * conditioned_ * lengths && l > 0x1p-450;  // far from underflow of its square
+    return l;
+  }
+
+  double wide_offset(const std::uint32_t* v, const double* normal) const {
+    Wide offset;
+    for (unsigned c = 0; c < frame_.dimension; ++c)
+      offset = offset - Wide(normal[c]) * Wide(frame_.raw_at(v[0])[c]);
+    return offset.to_double();
+  }
+
+  /// In a flat: the direction orthogonal to the facet, away from a vertex off it.
+  void write_flat(const std::uint32_t* v, double* out) const {
+    std::vector<const double*> corners;
+    for (unsigned j = 0; j < k_; ++j) corners.push_back(frame_.raw_at(v[j]));
+    corners.push_back(nullptr);
+    for (const std::uint32_t apex : frame_.spanning) {
+      corners[k_] = frame_.raw_at(apex);
+      const std::vector<Wide> inward =
+          ExactRests(frame_.dimension, corners.data(), k_).direction(k_ - 1);
+      if (inward.empty()) continue;
+      for (unsigned c = 0; c < frame_.dimension; ++c) out[c] = (-inward[c]).to_double();
+      out[frame_.dimension] = wide_offset(v, out);
+      return;
+    }
+    throw Error(ErrorCode::internal, "a facet of the hull contains all of it");
+  }
+
+  void exact_normal(const std::uint32_t* v, double* n) const {
+    std::vector<double> packed;
+    for (unsigned j = 0; j < k_; ++j)
+      for (unsigned c = 0; c < k_; ++c) packed.push_back(frame_.raw_at(v[j])[frame_.axes[c]]);
+    std::vector<const double*> rows;
+    for (unsigned j = 0; j < k_; ++j) rows.push_back(packed.data() + std::size_t{j} * k_);
+    if (!plane_exact(k_, rows.data(), n))
+      throw Error(ErrorCode::internal, "a simplex of the hull is degenerate");
+  }
+
+  const Frame& frame_;
+  const unsigned k_;
+  const double conditioned_;
+};
+
+}  // namespace cullhull::internal

@@ -1,0 +1,65 @@
+// The share of the measures and the plane of a facet that is a simplex, in full dimension, from the
+// normal that facet_block gave. The bits are part of the canonical result.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "parallel/threads/run.hpp"
+#include "result/facets/facet_math.hpp"
+#include "result/facets/facet_plane.hpp"
+#include "result/measures/totals.hpp"
+
+namespace cullhull::internal {
+
+/// `vertex`: positions in stored order; `thin`: the normal is too short and must be computed with
+/// more bits; `sum`: of the corners' differences from vertex 0. Writes the plane to out[0 .. K].
+template <unsigned K>
+Share<K> facet_share(const Frame& frame, const FacetPlane<K>& plane, const std::uint32_t* vertex,
+                     bool thin, const double* normal, const double* sum, double* out) {
+  double n[K];
+  std::copy_n(normal, K, n);
+  const double largest = largest_of<K>(n);
+  bool reliable = true;
+  Share<K> share;
+  share.area = share.area_error = root(square_of<K>(n));
+  if (thin) {
+    std::vector<double> scratch;
+    share.area = plane.normal(vertex, n, scratch, &reliable, &share.area_error);
+  }
+  double corner[K], origin[K], sums[K];
+  std::copy_n(frame.at(vertex[0]), K, corner);
+  std::copy_n(frame.at(0), K, origin);
+  std::copy_n(sum, K, sums);
+  const FacetMoments<K, double> moments = moments_of<K>(n, corner, origin, sums);
+  share.volume = moments.volume;
+  share.error = share.area_error * moments.reach;
+  std::copy_n(moments.moment, K, share.moment);
+  if (thin || !(largest > 0x1p-400 && largest < 0x1p400)) {
+    plane.write(vertex, n, reliable, out);
+    return share;
+  }
+  double written[K + 1];
+  plane_of<K>(n, share.area, corner, written);
+  written[K] = scale_by(written[K], frame.exponent);
+  std::copy_n(written, K + 1, out);
+  return share;
+}
+
+/// Sums the shares of all runs, in canonical order.
+template <unsigned K>
+Totals<DoubleDouble> total_of_runs(const Share<K>* runs, std::uint64_t count, const Run& run) {
+  constexpr std::uint64_t runs_a_chunk = measure_chunk / measure_run;
+  std::vector<Share<K, DoubleDouble>> parts(chunk_count(count, runs_a_chunk));
+  run.each_chunk(count, runs_a_chunk,
+                 [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) parts[chunk].add(runs[i]);
+  });
+  Share<K, DoubleDouble> all;
+  for (const auto& p : parts) all.add(p);
+  return Totals<DoubleDouble>(all);
+}
+
+}  // namespace cullhull::internal

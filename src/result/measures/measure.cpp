@@ -1,0 +1,537 @@
+#include "result/measures/measure.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+
+#include "parallel/memory/big_array.hpp"
+#include "parallel/prefetch.hpp"
+#include "parallel/threads/parallel.hpp"
+#include "result/facets/exact_rests.hpp"
+#include "result/facets/facet_kernel.hpp"
+#include "result/facets/facet_plane.hpp"
+#include "result/measures/totals.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+bool is_zero(double v) { return v == 0; }
+bool is_zero(const DoubleDouble& v) { return v.high == 0; }
+double magnitude(double v) { return std::fabs(v); }
+double magnitude(const DoubleDouble& v) { return std::fabs(v.high); }
+
+}  // namespace
+
+template <class Real>
+void eliminate_normal(std::vector<Real>& m, unsigned k, Real* normal) {
+  std::vector<unsigned> column(k);
+  for (unsigned c = 0; c < k; ++c) column[c] = c;
+  bool odd = false;
+  const auto at = [&](unsigned i, unsigned j) -> Real& {
+    return m[std::size_t{i} * k + column[j]];
+  };
+  Real det = 1;
+  for (unsigned r = 0; r + 1 < k; ++r) {
+    unsigned bi = r, bj = r;
+    for (unsigned i = r; i + 1 < k; ++i)
+      for (unsigned j = r; j < k; ++j)
+        if (magnitude(at(i, j)) > magnitude(at(bi, bj))) bi = i, bj = j;
+    if (is_zero(at(bi, bj))) {
+      for (unsigned c = 0; c < k; ++c) normal[c] = 0;
+      return;
+    }
+    if (bi != r) {
+      for (unsigned j = 0; j < k; ++j)
+        std::swap(m[bi * std::size_t{k} + j], m[r * std::size_t{k} + j]);
+      odd = !odd;
+    }
+    if (bj != r) {
+      std::swap(column[bj], column[r]);
+      odd = !odd;
+    }
+    det = det * at(r, r);
+    for (unsigned i = r + 1; i + 1 < k; ++i) {
+      const Real factor = at(i, r) / at(r, r);
+      for (unsigned j = r; j < k; ++j) at(i, j) = at(i, j) - factor * at(r, j);
+    }
+  }
+  // normal . x = det [rows; x]: the free column is last in pivot order, its cofactor is det.
+  normal[column[k - 1]] = det;
+  if (odd) normal[column[k - 1]] = -det;
+  for (unsigned r = k - 1; r-- > 0;) {
+    Real sum = 0;
+    for (unsigned j = r + 1; j < k; ++j) sum = sum + at(r, j) * normal[column[j]];
+    normal[column[r]] = -(sum / at(r, r));
+  }
+}
+
+template void eliminate_normal(std::vector<double>&, unsigned, double*);
+template void eliminate_normal(std::vector<DoubleDouble>&, unsigned, DoubleDouble*);
+
+namespace {
+
+template <unsigned K>
+class Measurer {
+ public:
+  Measurer(const Frame& frame, const std::vector<std::uint32_t>& index, const Run& run, Hull& hull)
+      : frame_(frame),
+        index_(index),
+        run_(run),
+        hull_(hull),
+        k_(K ? K : frame.k),
+        count_(index.size() / k_),
+        plane_(frame) {}
+
+  void run() {
+    // The usual case: every facet is one simplex, whose plane and share of the sums need the same
+    // normal. Reading the corners dominates.
+    fused_ = !frame_.wild && hull_.facet_count() == count_;
+    resize_big(hull_.facet_planes, hull_.facet_count() * (std::size_t{frame_.dimension} + 1));
+    sum();
+    if (!fused_) planes();
+  }
+
+  /// Called where the planes are done and sums in doubles were not accurate enough.
+  void run_thin() { sum_carefully(); }
+
+ private:
+  void sum() {
+    if (frame_.wild) return sum_exactly();
+    const Totals<DoubleDouble> t = totals<double>();
+    if (!settled(t, 0x1p-53)) return sum_carefully();
+    finish_measures(frame_, t, hull_);
+  }
+
+  void sum_carefully() {
+    const Totals<DoubleDouble> t = totals<DoubleDouble>();
+    if (!settled(t, 0x1p-102)) return sum_exactly();
+    finish_measures(frame_, t, hull_);
+  }
+
+  void planes() {
+    const unsigned d = frame_.dimension;
+    const std::vector<std::uint32_t> best = widest_simplices();
+    run_.each(hull_.facet_count(), measure_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        if (K == 0) run_.check();
+        plane(best.empty() ? i : best[i], hull_.facet_planes.data() + i * (std::size_t{d} + 1));
+      }
+    });
+  }
+
+  /// In simplices: their arithmetic takes about as long as a cache miss.
+  static constexpr std::uint64_t ahead = 12;
+  /// Corners are scattered in memory as the ids are: prefetch them.
+  void prefetch(std::uint64_t i) const {
+    if (i >= count_) return;
+    for (unsigned j = 0; j < k_; ++j) prefetch_line(frame_.at(simplex(i)[j]));
+  }
+
+  const std::uint32_t* simplex(std::uint64_t i) const { return index_.data() + i * k_; }
+
+  /// Normals of simplices, requested in ascending order: from 4D on computed in blocks, which gives
+  /// the same bits faster.
+  class Normals {
+   public:
+    explicit Normals(const Measurer& measurer) : measurer_(measurer) {}
+    /// As FacetPlane::normal.
+    double of(std::uint64_t i, double* n, std::vector<double>& scratch, bool* reliable,
+              double* error) {
+      if constexpr (K >= 4) {
+        constexpr unsigned lanes = FacetBlock<K>::lanes;
+        if (i < first_ || i >= first_ + lanes) load(i);
+        const auto lane = static_cast<unsigned>(i - first_);
+        const double size = block_.length[lane];
+        if (size > conditioned * block_.edges[lane]) {
+          for (unsigned c = 0; c < K; ++c) n[c] = block_.normal[c][lane];
+          *reliable = true;
+          *error = size;
+          return size;
+        }
+      }
+      return measurer_.plane_.normal(measurer_.simplex(i), n, scratch, reliable, error);
+    }
+
+   private:
+    struct Nothing {};
+    void load(std::uint64_t i) {
+      if constexpr (K >= 4) {
+        const Frame& frame = measurer_.frame_;
+        first_ = i;
+        for (unsigned lane = 0; lane < FacetBlock<K>::lanes; ++lane) {
+          const std::uint32_t* v = measurer_.simplex(std::min(i + lane, measurer_.count_ - 1));
+          for (unsigned j = 0; j < K; ++j)
+            for (unsigned c = 0; c < K; ++c)
+              block_.corner[j][c][lane] = frame.at(v[j])[frame.axes[c]];
+        }
+        for (auto& row : block_.origin) std::fill(std::begin(row), std::end(row), 0.0);
+        facet_block(block_);
+      }
+    }
+    const Measurer& measurer_;
+    std::uint64_t first_ = ~std::uint64_t{0} - FacetBlock<4>::lanes;
+    std::conditional_t<(K >= 4), FacetBlock<K>, Nothing> block_;
+  };
+
+  template <class Real>
+  Totals<DoubleDouble> totals() const {
+    const unsigned d = frame_.dimension;
+    std::vector<Totals<DoubleDouble>> parts(chunk_count(count_, measure_chunk),
+                                            Totals<DoubleDouble>(d));
+    run_.each_chunk(count_, measure_chunk,
+                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+      // Short runs in doubles, then their sums in double-doubles.
+      for (std::uint64_t b = begin; b < end; b += measure_run) {
+        if (K == 0) run_.check();  // in 50D a run takes hundredths of a second
+        add_run<Real>(b, std::min(b + measure_run, end), parts[chunk]);
+      }
+    });
+    Totals<DoubleDouble> all(d);
+    for (const auto& p : parts) all.add(p);
+    return all;
+  }
+
+  template <class Real>
+  void add_run(std::uint64_t begin, std::uint64_t end, Totals<DoubleDouble>& out) const {
+    const unsigned d = frame_.dimension;
+    const double* o = frame_.at(0);
+    constexpr unsigned fixed = K ? K : 1;
+    Real few[fixed];
+    std::vector<Real> many(K ? 0 : k_), scratch;
+    Real* n = K ? few : many.data();
+    Real volume = 0, area = 0;
+    Real moment_few[fixed];
+    std::vector<Real> moment_many(d == K ? 0 : d, Real(0));
+    Real* moment = d == K ? moment_few : moment_many.data();
+    for (unsigned c = 0; c < d; ++c) moment[c] = 0;
+    Normals normals(*this);
+    for (std::uint64_t i = begin; i < end; ++i) {
+      const std::uint32_t* v = simplex(i);
+      prefetch(i + ahead);
+      bool reliable = true;
+      double size = 0, error = 0;
+      if constexpr (std::is_same_v<Real, double>)
+        size = normals.of(i, n, scratch, &reliable, &error);
+      else
+        error = simplex_normal<K, Real>(frame_, v, n, scratch);
+      const double* p = frame_.at(v[0]);
+      Real height = 0;
+      double reach = 0;
+      for (unsigned c = 0; c < k_; ++c) {
+        const Real step = difference<Real>(p[frame_.axes[c]], o[frame_.axes[c]]);
+        height = height + n[c] * step;
+        reach = std::max(reach, std::fabs(value(step)));
+      }
+      volume = volume + height;
+      out.error += error * reach;
+      out.area_error += error;
+      area = area + lifted_length(n, size);
+      for (unsigned c = 0; c < d; ++c) {
+        Real sum = 0;
+        for (unsigned j = 0; j < k_; ++j) {
+          const double* q = frame_.at(v[j]);
+          sum = sum + difference<Real>(q[c], o[c]);
+        }
+        moment[c] = moment[c] + height * sum;
+      }
+      if constexpr (std::is_same_v<Real, double>)
+        if (fused_)
+          plane_.write(v, n, reliable, hull_.facet_planes.data() + i * (d + std::uint64_t{1}));
+    }
+    out.volume = out.volume + DoubleDouble(volume);
+    out.area = out.area + DoubleDouble(area);
+    for (unsigned c = 0; c < d; ++c) out.moment[c] = out.moment[c] + DoubleDouble(moment[c]);
+  }
+
+  /// Length of a normal as a functional on the flat; `size`: of the plain normal in doubles.
+  template <class Real>
+  double lifted_length(const Real* n, double size) const {
+    double square = 0;
+    if (!frame_.flat() && std::is_same_v<Real, double>) return size;
+    if (!frame_.flat())
+      for (unsigned c = 0; c < k_; ++c) square += value(n[c]) * value(n[c]);
+    for (unsigned r = 0; frame_.flat() && r < k_; ++r) {
+      double t = 0;
+      for (unsigned c = 0; c < k_; ++c)
+        t += frame_.basis[std::size_t{r} * frame_.dimension + frame_.axes[c]] * value(n[c]);
+      square += t * t;
+    }
+    return std::sqrt(square);
+  }
+
+  /// The last rung: every simplex's measures in exact integers, for hulls so thin that
+  /// double-doubles lose their measures. All volumes, seen from vertex 0, count as positive.
+  void sum_exactly() {
+    const unsigned d = frame_.dimension;
+    constexpr std::uint64_t chunk_size = 512;
+    std::vector<Totals<Wide>> parts(chunk_count(count_, chunk_size), Totals<Wide>(d));
+    run_.each_chunk(count_, chunk_size,
+                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        run_.check();
+        add_exactly(i, parts[chunk]);
+      }
+    });
+    Totals<Wide> all(d);
+    for (const auto& p : parts) all.add(p);
+    if (all.volume.zero()) throw Error(ErrorCode::internal, "the hull has no volume");
+    finish_measures(frame_, all.volume, all.area, all.moment, 0, hull_);
+  }
+
+  void add_exactly(std::uint64_t i, Totals<Wide>& out) const {
+    std::vector<const double*> corners;
+    for (unsigned j = 0; j < k_; ++j) corners.push_back(frame_.raw_at(simplex(i)[j]));
+    corners.push_back(frame_.raw_at(0));
+    Wide volume;
+    if (frame_.flat()) {
+      const ExactRests rests(frame_.dimension, corners.data(), k_);
+      out.area = out.area + rests.measure(k_ - 1);
+      volume = rests.measure(k_);
+    } else {
+      const ExactNormal normal(k_, corners.data());
+      out.area = out.area + normal.area();
+      volume = normal.volume();
+    }
+    if (volume.zero()) return;
+    out.volume = out.volume + volume;
+    for (unsigned c = 0; c < frame_.dimension; ++c) {
+      Wide sum;
+      for (unsigned j = 0; j < k_; ++j) sum = sum + (Wide(corners[j][c]) - Wide(corners[k_][c]));
+      out.moment[c] = out.moment[c] + volume * sum;
+    }
+  }
+
+  /// For each facet the simplex with the longest normal, the first of equals; empty where every
+  /// facet is one simplex.
+  std::vector<std::uint32_t> widest_simplices() const {
+    std::vector<std::uint32_t> best;
+    const std::size_t facets = hull_.facet_count();
+    if (facets == count_) return best;
+    resize_big(best, facets);
+    // Lengths are positive, so their bits are ordered as they are.
+    BigArray<std::uint64_t> longest(facets), lengths(count_);
+    const auto each_chunk = [this](std::uint64_t count, const auto& body) {
+      run_.each(count, measure_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+        Normals normals(*this);
+        for (std::uint64_t i = begin; i < end; ++i) {
+          if (K == 0) run_.check();
+          body(i, normals);
+        }
+      });
+    };
+    each_chunk(facets, [&](std::uint64_t f, Normals&) {
+      longest[f] = 0;
+      best[f] = 0xFFFFFFFF;
+    });
+    const auto alone = [this](std::uint32_t f) {
+      return hull_.facets.offsets[f + 1] - hull_.facets.offsets[f] == k_;
+    };
+    constexpr auto relaxed = std::memory_order_relaxed;
+    each_chunk(count_, [&](std::uint64_t i, Normals& normals) {
+      prefetch(i + ahead);
+      const std::uint32_t f = hull_.simplex_facets[i];
+      lengths[i] = 0;
+      if (alone(f)) return;
+      double few[K ? K : 1];
+      std::vector<double> many(K ? 0 : k_), scratch;
+      bool reliable = false;
+      double error = 0;
+      const double length = normals.of(i, K ? few : many.data(), scratch, &reliable, &error);
+      if (length > 0) lengths[i] = std::bit_cast<std::uint64_t>(length);
+      const std::atomic_ref<std::uint64_t> most(longest[f]);
+      std::uint64_t now = most.load(relaxed);
+      while (lengths[i] > now && !most.compare_exchange_weak(now, lengths[i], relaxed)) {
+      }
+    });
+    each_chunk(count_, [&](std::uint64_t i, Normals&) {
+      const std::uint32_t f = hull_.simplex_facets[i];
+      if (lengths[i] != longest[f]) return;
+      const std::atomic_ref<std::uint32_t> first(best[f]);
+      std::uint32_t now = first.load(relaxed);
+      while (i < now && !first.compare_exchange_weak(now, static_cast<std::uint32_t>(i), relaxed)) {
+      }
+    });
+    return best;
+  }
+
+  void plane(std::uint64_t i, double* out) const {
+    double few[K ? K : 1];
+    std::vector<double> many(K ? 0 : k_), scratch;
+    double* n = K ? few : many.data();
+    bool reliable = false;
+    double error = 0;
+    if (!frame_.wild) plane_.normal(simplex(i), n, scratch, &reliable, &error);
+    plane_.write(simplex(i), n, reliable, out);
+  }
+
+  const Frame& frame_;
+  const std::vector<std::uint32_t>& index_;
+  const Run& run_;
+  Hull& hull_;
+  const unsigned k_;
+  const std::uint64_t count_;
+  const FacetPlane<K> plane_;
+  bool fused_ = false;
+};
+
+template <unsigned K>
+void measure_all(const Frame& frame, const std::vector<std::uint32_t>& index, const Run& run,
+                 Hull& hull, bool thin) {
+  Measurer<K> m(frame, index, run, hull);
+  thin ? m.run_thin() : m.run();
+}
+
+/// k = 1: the two simplices are the end points, which have no orientation.
+void measure_segment(const Frame& frame, const std::vector<std::uint32_t>& index, Hull& hull) {
+  const unsigned d = frame.dimension;
+  std::vector<Wide> step;
+  Wide square;
+  for (unsigned c = 0; c < d; ++c) {
+    step.push_back(Wide(frame.raw_at(index[1])[c]) - Wide(frame.raw_at(index[0])[c]));
+    square = square + step[c] * step[c];
+  }
+  const Wide norm = square.root();
+  hull.volume = norm.to_double();
+  hull.area = 2;
+  for (unsigned end = 0; end < 2; ++end) {
+    Wide offset;
+    for (unsigned c = 0; c < d; ++c) {
+      const Wide n = (end == 1 ? step[c] : -step[c]) / norm;
+      offset = offset - n * Wide(frame.raw_at(index[end])[c]);
+      hull.facet_planes.push_back(n.to_double());
+    }
+    hull.facet_planes.push_back(offset.to_double());
+  }
+  for (unsigned c = 0; c < d; ++c)
+    hull.centroid.push_back((Wide(frame.raw_at(index[0])[c]) + step[c] / Wide(2)).to_double());
+}
+
+Wide widened(const DoubleDouble& v) { return Wide(v.high) + Wide(v.low); }
+
+}  // namespace
+
+void finish_measures(const Frame& frame, const Wide& volume, const Wide& area,
+                     const std::vector<Wide>& moment, long exponent, Hull& hull) {
+  const unsigned k = frame.k;
+  Wide factorial = 1;
+  for (unsigned i = 2; i < k; ++i) factorial = factorial * Wide(i);
+  hull.area = (area / factorial).to_double(exponent * (k - 1L));
+  hull.volume = (volume / (factorial * Wide(k))).to_double(exponent * static_cast<long>(k));
+  hull.centroid.clear();
+  for (unsigned c = 0; c < frame.dimension; ++c) {
+    const Wide shift = moment[c] / (volume * Wide(k + 1.0));
+    const Wide origin = Wide(frame.raw_at(0)[c]);
+    hull.centroid.push_back((origin + shift.times_power_of_two(exponent)).to_double());
+  }
+}
+
+namespace {
+
+/// v, known to within `error`, times 2^shift rounded to a double, if the rounding is certain and
+/// the result far from overflow and underflow: then any more precise arithmetic gives the same.
+bool round_surely(const DoubleDouble& v, double error, long shift, double& out) {
+  const double low = v.high + (v.low - error), high = v.high + (v.low + error);
+  if (low != high || !(std::fabs(low) > 0x1p-400 && std::fabs(low) < 0x1p400) || shift < -400 ||
+      shift > 400)
+    return false;
+  out = scale_by(low, static_cast<int>(shift));
+  return true;
+}
+
+/// Quotients and sums of double-doubles are off by a few units of 2^-104; this leaves room.
+constexpr double double_double_error = 0x1p-96;
+
+/// Whether q m = v exactly. q is v / m rounded, so v.high - fl(q.high m) and the rest of both
+/// products' roundings are exact; two double-doubles are equal where both parts are.
+bool is_quotient(const DoubleDouble& q, double m, const DoubleDouble& v) {
+  const DoubleDouble high = DoubleDouble::product(q.high, m), low = DoubleDouble::product(q.low, m);
+  const DoubleDouble rest = DoubleDouble::sum((v.high - high.high) - high.low, v.low);
+  return rest.high == low.high && rest.low == low.low;
+}
+
+}  // namespace
+
+bool finish_quickly(unsigned k, int exponent, const double* origin, const DoubleDouble& volume,
+                    const DoubleDouble& area, const DoubleDouble* moment, double* volume_out,
+                    double* area_out, double* centroid_out) {
+  if (k > 8 || exponent < -40 || exponent > 40) return false;
+  double factorial = 1;
+  for (unsigned i = 2; i < k; ++i) factorial *= i;
+  // (k - 1)! is 1 or 2 for k <= 3, and that division is exact. This matters: a sum of two runs is
+  // often half-way between two doubles.
+  const bool exact = k <= 3;
+  const DoubleDouble share = exact ? DoubleDouble(area.high / factorial, area.low / factorial)
+                                   : area / DoubleDouble(factorial);
+  const double share_error = exact ? 0 : double_double_error * std::fabs(share.high);
+  // A sum of few runs is divisible by 3 one time in three, and may then be half-way, too.
+  const DoubleDouble content = volume / DoubleDouble(factorial * k);
+  const double content_error = is_quotient(content, factorial * k, volume)
+                                   ? 0
+                                   : double_double_error * std::fabs(content.high);
+  if (!round_surely(share, share_error, exponent * (k - 1L), *area_out) ||
+      !round_surely(content, content_error, exponent * static_cast<long>(k), *volume_out))
+    return false;
+  const DoubleDouble weight = volume * DoubleDouble(k + 1.0);
+  for (unsigned c = 0; c < k; ++c) {
+    const DoubleDouble shift = moment[c] / weight;
+    // The vertex is in units of 2^exponent here, which changes no bit of a normal double's
+    // significand.
+    const DoubleDouble from(origin[c]);
+    if (from.high != 0 && std::fabs(from.high) < 0x1p-900) return false;
+    const double error = double_double_error * (std::fabs(shift.high) + std::fabs(from.high));
+    if (!round_surely(from + shift, error, exponent, centroid_out[c])) return false;
+  }
+  return true;
+}
+
+void finish_measures(const Frame& frame, const Totals<DoubleDouble>& sums, Hull& hull) {
+  if (!frame.flat()) {
+    hull.centroid.resize(frame.dimension);
+    if (finish_quickly(frame.k, frame.exponent, frame.at(0), sums.volume, sums.area,
+                       sums.moment.data(), &hull.volume, &hull.area, hull.centroid.data()))
+      return;
+  }
+  const Wide volume = widened(sums.volume) * frame.stretch;
+  std::vector<Wide> moment;
+  for (const DoubleDouble& v : sums.moment) moment.push_back(widened(v) * frame.stretch);
+  finish_measures(frame, volume, widened(sums.area) * frame.stretch, moment, frame.exponent, hull);
+}
+
+namespace {
+
+void measure_in_frame(const Frame& frame, const std::vector<std::uint32_t>& vertex_index,
+                      const Run& run, Hull& hull, bool thin) {
+  using Measure =
+      void (*)(const Frame&, const std::vector<std::uint32_t>&, const Run&, Hull&, bool);
+  static constexpr Measure of_dimension[] = {measure_all<0>, measure_all<0>, measure_all<2>,
+                                             measure_all<3>, measure_all<4>, measure_all<5>,
+                                             measure_all<6>, measure_all<7>, measure_all<8>};
+  of_dimension[frame.k <= 8 ? frame.k : 0](frame, vertex_index, run, hull, thin);
+}
+
+}  // namespace
+
+void measure(const PointView& points, const std::vector<std::uint64_t>& vertices,
+             const std::vector<std::uint32_t>& vertex_index, const unsigned* axes, const Run& run,
+             Hull& hull) {
+  const auto k = static_cast<unsigned>(hull.affine_dimension);
+  hull.facet_planes.clear();
+  hull.centroid.clear();
+  const Frame frame = make_frame(points, vertices, axes, k, run);
+  if (k == 1)
+    measure_segment(frame, vertex_index, hull);
+  else
+    measure_in_frame(frame, vertex_index, run, hull, false);
+}
+
+void measure_thin(const PointView& points, const std::vector<std::uint64_t>& vertices,
+                  const std::vector<std::uint32_t>& vertex_index, const unsigned* axes,
+                  const Run& run, Hull& hull) {
+  hull.centroid.clear();
+  const auto k = static_cast<unsigned>(hull.affine_dimension);
+  const Frame frame = make_frame(points, vertices, axes, k, run);
+  measure_in_frame(frame, vertex_index, run, hull, true);
+}
+
+}  // namespace cullhull::internal

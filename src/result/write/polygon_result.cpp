@@ -1,0 +1,285 @@
+#include "result/write/polygon_result.hpp"
+
+#include <atomic>
+#include <bit>
+#include <cstring>
+
+#include "parallel/memory/big_array.hpp"
+#include "parallel/memory/clear_pages.hpp"
+#include "parallel/prefetch.hpp"
+#include "parallel/threads/parallel.hpp"
+#include "result/facets/facet_plane.hpp"
+
+namespace cullhull::internal {
+
+// The exponent that make_frame would choose.
+EdgeKernel::EdgeKernel(const Box& box) {
+  double largest = 0;
+  for (unsigned j = 0; j < 2; ++j)
+    largest = std::max({largest, std::fabs(box.low[j]), std::fabs(box.high[j])});
+  if (largest > 0) exponent_ = std::ilogb(largest) + 1;
+  // Outside of this range scale_by is not a multiplication.
+  if (exponent_ < -900 || exponent_ > 900) return;
+  unscale_ = scale_by(1, exponent_);
+  ordinary_ = true;
+  for (unsigned j = 0; j < 2; ++j) {
+    const double extent = scale_by(box.high[j], -exponent_) - scale_by(box.low[j], -exponent_);
+    ordinary_ = ordinary_ && extent > 0x1p-200;
+  }
+}
+
+void PolygonLists::give(const PlanarMeasures& measures, Hull& hull) {
+  hull.volume = measures.volume;
+  hull.area = measures.area;
+  hull.centroid.assign(measures.centroid, measures.centroid + 2);
+  using Ids = SharedArray<std::uint64_t>;
+  const std::size_t edges = planes.size() / 3;
+  hull.simplices = Ids(std::move(simplices));
+  hull.simplex_neighbours = std::move(neighbours);
+  hull.simplex_facets = EvenArray<std::uint32_t>::of_step(edges, 1);
+  hull.facets = Lists<std::uint64_t, Ids>::of_length(2, Ids(std::move(facets)));
+  hull.facet_neighbours = Lists<std::uint32_t>::of_length(2, std::move(across));
+  hull.facet_planes = std::move(planes);
+}
+
+bool finish_polygon(const EdgeKernel& kernel, const Share<2, DoubleDouble>& sums,
+                    const PointView& points, std::uint64_t first, PlanarMeasures& measures) {
+  if (!settled(sums, 0x1p-53)) return false;
+  const PlanarPoint p = kernel.scaled({points.at(first, 0), points.at(first, 1)});
+  const double origin[2] = {p.x, p.y};
+  if (finish_quickly(2, kernel.exponent(), origin, sums.volume, sums.area, sums.moment,
+                     &measures.volume, &measures.area, measures.centroid))
+    return true;
+  const std::vector<std::uint64_t> vertices{first};
+  Frame frame;
+  frame.dimension = frame.k = 2;
+  frame.axes = {0, 1};
+  frame.exponent = kernel.exponent();
+  frame.points = &points;
+  frame.vertices = &vertices;
+  frame.scaled = {p.x, p.y};
+  Hull hull;
+  finish_measures(frame, Totals<DoubleDouble>(sums), hull);
+  measures = {hull.volume, hull.area, {hull.centroid[0], hull.centroid[1]}};
+  return true;
+}
+
+namespace {
+
+static_assert(light_grain % 64 == 0);
+
+/// std::popcount compiles to a function call for baseline processors.
+std::uint32_t count_bits(std::uint64_t v) {
+  v -= v >> 1 & 0x5555555555555555ULL;
+  v = (v & 0x3333333333333333ULL) + (v >> 2 & 0x3333333333333333ULL);
+  v = (v + (v >> 4)) & 0x0F0F0F0F0F0F0F0FULL;
+  return static_cast<std::uint32_t>(v * 0x0101010101010101ULL >> 56);
+}
+
+/// Which rows are corners, and the number of corners before each: small enough for the cache.
+class Ranks {
+ public:
+  Ranks(const Array<std::uint32_t>& corners, std::uint64_t rows, const Run& run)
+      : words_(rows / 64 + 1), before_(words_) {
+    BigArray<std::uint8_t> used(words_ * 64);
+    std::memset(used.get(), 0, words_ * 64);
+    run.each(corners.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) used[corners[i]] = 1;
+    });
+    bits_ = BigArray<std::uint64_t>(words_);
+    run.each(words_, light_grain / 64, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t w = begin; w < end; ++w) {
+        std::uint64_t word = 0;
+        for (std::uint64_t b = 0; b < 64; b += 8) {
+          // Eight flags at a time: a multiplication gathers their lowest bits in the highest byte.
+          std::uint64_t flags = 0;
+          for (std::uint64_t k = 0; k < 8; ++k)
+            flags |= std::uint64_t{used[64 * w + b + k]} << (8 * k);
+          word |= (flags * 0x0102040810204080ULL >> 56) << b;
+        }
+        bits_[w] = word;
+      }
+    });
+    std::uint32_t sum = 0;
+    for (std::uint64_t w = 0; w < words_; ++w) {
+      before_[w] = sum;
+      sum += count_bits(bits_[w]);
+    }
+  }
+
+  std::uint32_t operator()(std::uint32_t row) const {
+    const std::uint64_t lower = (std::uint64_t{1} << row % 64) - 1;
+    return before_[row / 64] + count_bits(bits_[row / 64] & lower);
+  }
+  std::uint64_t words() const { return words_; }
+  std::uint64_t word(std::uint64_t w) const { return bits_[w]; }
+  std::uint32_t before_word(std::uint64_t w) const { return before_[w]; }
+
+ private:
+  std::uint64_t words_;
+  BigArray<std::uint64_t> bits_;
+  BigArray<std::uint32_t> before_;
+};
+
+/// Coordinates as given, negative zeros included.
+template <class T>
+struct Reader {
+  const PointView& points;
+  PlanarPoint operator()(std::uint64_t id) const {
+    const std::byte* p = points.address(id, 0);
+    T x, y;
+    std::memcpy(&x, p, sizeof x);
+    std::memcpy(&y, p + points.coordinate_stride, sizeof y);
+    return {static_cast<double>(x), static_cast<double>(y)};
+  }
+};
+template <>
+struct Reader<void> {
+  const PointView& points;
+  PlanarPoint operator()(std::uint64_t id) const { return {points.at(id, 0), points.at(id, 1)}; }
+};
+
+/// The data of a corner in one record, on huge pages, as the sweep over edges accesses corners in
+/// random order.
+struct Corner {
+  PlanarPoint point;         // in the kernel's units
+  std::uint64_t id, unused;  // four words: no record straddles cache lines
+};
+
+class Writer {
+ public:
+  Writer(const PointView& points, const std::uint64_t* ids, const Polygon& polygon,
+         const EdgeKernel& kernel, const Run& run)
+      : points_(points),
+        ids_(ids),
+        cycle_(polygon.corners),
+        count_(polygon.corners.size()),
+        kernel_(kernel),
+        run_(run),
+        ranks_(polygon.corners, polygon.rows, run) {}
+
+  bool run(Hull& hull) {
+    run_.check();
+    run_.report("facets", 0);
+    switch (points_.scalar) {
+      case ScalarType::f64:
+        list_corners(Reader<double>{points_});
+        break;
+      case ScalarType::f32:
+        list_corners(Reader<float>{points_});
+        break;
+      default:
+        list_corners(Reader<void>{points_});
+    }
+    lists_.neighbours.resize(2 * count_);
+    clear_pages_early(lists_.neighbours.data(), 2 * count_ * sizeof(std::uint32_t), run_.threads,
+                      [&] { run_.check(); });
+    link();
+    lists_.simplices.resize(2 * count_);
+    lists_.facets.resize(2 * count_);
+    lists_.across.resize(2 * count_);
+    lists_.planes.resize(3 * count_);
+    std::vector<Share<2, DoubleDouble>> parts(chunk_count(count_, measure_chunk));
+    std::atomic<bool> ordinary{true};
+    // The list of vertices is a job of its own, as one thread must clear its memory, and is started
+    // first.
+    run_.each_item(parts.size() + 1, [&](std::uint64_t job) {
+      if (job == 0) return write_vertices(hull);
+      const std::uint64_t begin = (job - 1) * measure_chunk;
+      if (!write(begin, std::min(count_, begin + measure_chunk), parts[job - 1])) ordinary = false;
+    });
+    if (!ordinary) return false;
+    Share<2, DoubleDouble> all;
+    for (const auto& p : parts) all.add(p);
+    PlanarMeasures measures;
+    if (!finish_polygon(kernel_, all, points_, corners_[0].id, measures)) return false;
+    lists_.give(measures, hull);
+    return true;
+  }
+
+ private:
+  std::uint64_t id(std::uint32_t row) const { return ids_ != nullptr ? ids_[row] : row; }
+
+  template <class Read>
+  void list_corners(const Read& read) {
+    corners_ = BigArray<Corner>(count_);
+    run_.each(ranks_.words(), light_grain / 64, [&](std::uint64_t begin, std::uint64_t end) {
+      Corner* out = corners_.get() + ranks_.before_word(begin);
+      for (std::uint64_t w = begin; w < end; ++w)
+        for (std::uint64_t word = ranks_.word(w); word != 0; word &= word - 1) {
+          const std::uint64_t i = id(static_cast<std::uint32_t>(64 * w + std::countr_zero(word)));
+          *out++ = {kernel_.scaled(read(i)), i, 0};
+        }
+    });
+  }
+
+  /// Sets the ranks before and after each corner.
+  void link() {
+    run_.each(count_, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      std::uint32_t before = ranks_(cycle_[begin == 0 ? count_ - 1 : begin - 1]);
+      std::uint32_t at = ranks_(cycle_[begin]);
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const std::uint32_t after = ranks_(cycle_[i + 1 < count_ ? i + 1 : 0]);
+        std::uint32_t* const to = lists_.neighbours.data() + std::uint64_t{2} * at;
+        to[0] = before;
+        to[1] = after;
+        before = std::exchange(at, after);
+      }
+    });
+  }
+
+  /// Writes simplices [begin, end), whole runs of them.
+  bool write(std::uint64_t begin, std::uint64_t end, Share<2, DoubleDouble>& sums) {
+    constexpr std::uint64_t ahead = 16;
+    bool ordinary = true;
+    const PlanarPoint origin = corners_[0].point;
+    Share<2> run;
+    for (std::uint64_t i = begin; i < end; ++i) {
+      if (i + ahead < end) prefetch_line(&corners_[lists_.neighbours[2 * (i + ahead)]]);
+      const Corner &here = corners_[i], &there = corners_[lists_.neighbours[2 * i]];
+      lists_.simplices[2 * i] = lists_.facets[2 * i + 1] = here.id;
+      lists_.simplices[2 * i + 1] = lists_.facets[2 * i] = there.id;
+      lists_.across[2 * i] = lists_.neighbours[2 * i + 1];
+      lists_.across[2 * i + 1] = lists_.neighbours[2 * i];
+      Share<2> share;
+      if (!kernel_.edge(here.point, there.point, origin, lists_.planes.data() + 3 * i, share))
+        ordinary = false;
+      run.add(share);
+      if ((i + 1) % measure_run != 0 && i + 1 != end) continue;
+      sums.add(run);
+      run = {};
+    }
+    return ordinary;
+  }
+
+  void write_vertices(Hull& hull) {
+    const auto first =
+        static_cast<std::uint64_t>(std::min_element(cycle_.begin(), cycle_.end()) - cycle_.begin());
+    resize_big(hull.vertices, count_);
+    for (std::uint64_t i = 0; i < count_; ++i) {
+      const std::uint64_t at = first + i;
+      hull.vertices[i] = id(cycle_[at < count_ ? at : at - count_]);
+    }
+  }
+
+  const PointView& points_;
+  const std::uint64_t* const ids_;
+  const Array<std::uint32_t>& cycle_;
+  const std::uint64_t count_;
+  const EdgeKernel& kernel_;
+  const Run& run_;
+  const Ranks ranks_;
+  BigArray<Corner> corners_;  // by rank
+  PolygonLists lists_;
+};
+
+}  // namespace
+
+bool write_polygon(const PointView& points, const std::uint64_t* ids, const Polygon& polygon,
+                   const Run& run, Hull& hull) {
+  const EdgeKernel kernel(polygon.box);
+  if (!kernel.ordinary()) return false;
+  return Writer(points, ids, polygon, kernel, run).run(hull);
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,90 @@
+// The complete result of a polygon. In the plane the cycle of corners determines everything:
+// simplex i, in canonical order, is the edge from the i-th corner by id to the one before it.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "cullhull/hull.hpp"
+#include "hull/plane/polygon.hpp"
+#include "parallel/threads/run.hpp"
+#include "result/facets/facet_math.hpp"
+#include "result/measures/measure_frame.hpp"
+#include "result/measures/totals.hpp"
+
+namespace cullhull::internal {
+
+struct PlanarPoint {
+  double x, y;
+};
+
+struct PlanarMeasures {
+  double volume = 0, area = 0, centroid[2] = {};
+};
+
+/// The lists of a polygon of h edges: 2 h items each, and h planes.
+struct PolygonLists {
+  explicit PolygonLists(std::size_t h = 0)
+      : simplices(2 * h), facets(2 * h), neighbours(2 * h), across(2 * h), planes(3 * h) {}
+  /// Moves all lists into `hull`.
+  void give(const PlanarMeasures& measures, Hull& hull);
+
+  Array<std::uint64_t> simplices, facets;
+  Array<std::uint32_t> neighbours, across;  // of simplices, and in the facets' order
+  Array<double> planes;
+};
+
+/// Planes and sums of a polygon's edges, bit for bit as the general code (measure.cpp) computes
+/// them, where coordinates need no special scaling.
+class EdgeKernel {
+ public:
+  /// `box`: the bounding box of the corners, which is that of all points.
+  explicit EdgeKernel(const Box& box);
+
+  /// False where coordinates span too many powers of two for scaled doubles.
+  bool ordinary() const { return ordinary_; }
+  int exponent() const { return exponent_; }
+
+  PlanarPoint scaled(PlanarPoint p) const {
+    return exponent_ == 0 ? p : PlanarPoint{scale_by(p.x, -exponent_), scale_by(p.y, -exponent_)};
+  }
+  /// The edge from p to the corner before it, q; o is the corner with the lowest id; all scaled.
+  /// Writes the plane to out[0 .. 3). False if the edge is too short for doubles.
+  bool edge(PlanarPoint p, PlanarPoint q, PlanarPoint o, double* out, Share<2>& share) const {
+    const double corner[2][2] = {{p.x, p.y}, {q.x, q.y}}, origin[2] = {o.x, o.y};
+    double edge[1][2], n[2], sum[2], plane[3];
+    edges_of<2>(corner, edge);
+    cofactors<2>(edge, n);
+    sum_of_corners<2>(corner, origin, sum);
+    const double length = root(square_of<2>(n));
+    const FacetMoments<2, double> moments = moments_of<2>(n, corner[0], origin, sum);
+    plane_of<2>(n, length, corner[0], plane);
+    share = {moments.volume,
+             length,
+             {moments.moment[0], moments.moment[1]},
+             length * moments.reach,
+             length};
+    out[0] = plane[0];
+    out[1] = plane[1];
+    out[2] = plane[2] * unscale_;
+    return largest_of<2>(n) > 0x1p-400;
+  }
+
+ private:
+  int exponent_ = 0;
+  double unscale_ = 1;
+  bool ordinary_ = false;
+};
+
+/// Computes the measures from the sums; `first`: the unscaled corner with the lowest id. False
+/// where rounding could show in them (a thin polygon): the general code is then needed.
+bool finish_polygon(const EdgeKernel& kernel, const Share<2, DoubleDouble>& sums,
+                    const PointView& points, std::uint64_t first, PlanarMeasures& measures);
+
+/// Fills all of `hull` but its statistics, from three corners or more. `ids`: the point of each
+/// row, ascending; nullptr: the row. False, and nothing done, where build_hull is needed.
+bool write_polygon(const PointView& points, const std::uint64_t* ids, const Polygon& polygon,
+                   const Run& run, Hull& hull);
+
+}  // namespace cullhull::internal

@@ -1,0 +1,467 @@
+// From 4D on hulls have so many facets that time and memory are dominated by passes over them.
+// Simplices are sorted first, by keys that hold all of a simplex's vertices; all else is computed
+// in canonical order, and written directly into the result. In that order two facets that share a
+// ridge are mostly near one another: they share their lowest vertex unless the ridge lacks it, and
+// a vertex has some hundred facets.
+//
+// Four sweeps: keys are distributed to buckets by the lowest vertex (deal), buckets are sorted and
+// simplices written (sort_buckets), neighbours are renumbered (renumber), ridges are checked and
+// planes and measures computed (scan).
+#include "result/write/write_simplices.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "exact/determinants/cofactors.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "parallel/memory/big_array.hpp"
+#include "parallel/memory/clear_pages.hpp"
+#include "parallel/prefetch.hpp"
+#include "parallel/sort_few.hpp"
+#include "parallel/threads/parallel.hpp"
+#include "result/facets/facet_kernel.hpp"
+#include "result/facets/facet_keys.hpp"
+#include "result/facets/facet_share.hpp"
+#include "result/measures/simplicial_measures.hpp"
+#include "result/write/bucket_sort.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+template <unsigned K>
+class SimplexWriter {
+ public:
+  SimplexWriter(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
+                const Frame& frame, const Run& run, unsigned key_bits)
+      : input_(input),
+        surface_(surface),
+        vertices_(vertices),
+        frame_(frame),
+        plane_(frame),
+        run_(run),
+        count_(surface.facet_count()),
+        shift_(bucket_shift(count_, vertices.ids.size(), 1024)),
+        buckets_(static_cast<std::uint32_t>((vertices.ids.size() - 1) >> shift_) + 1),
+        packing_(vertices.ids.size(), count_, shift_, key_bits) {}
+
+  bool run(Hull& hull) {
+    if (coplanar_sample()) return false;
+    run_.report("facets", 0);
+    deal();
+    sort_buckets();
+    keys_ = {};
+    run_.report("neighbours", 0);
+    renumber();
+    run_.report("ridges", 0);
+    if (!scan(hull.statistics.rung_counts)) return false;
+    using Ids = SharedArray<std::uint64_t>;
+    hull.simplices = Ids(std::move(simplices_));
+    hull.simplex_neighbours = std::move(neighbours_);
+    hull.facets = Lists<std::uint64_t, Ids>::of_length(K, Ids(std::move(facets_)));
+    hull.facet_neighbours = Lists<std::uint32_t>::of_length(K, std::move(facet_neighbours_));
+    hull.facet_planes = std::move(planes_);
+    hull.simplex_facets = EvenArray<std::uint32_t>::of_step(count_, 1);
+    run_.report("measures", 0);
+    finish_simplicial<K>(input_, vertices_.ids, frame_, runs_.get(), run_, hull);
+    return true;
+  }
+
+ private:
+  static constexpr unsigned lanes = FacetBlock<K>::lanes;
+
+  // ---------------------------------------------------------------- keys, sorted
+
+  /// The order within buckets depends on sizes alone, not on threads.
+  void deal() {
+    const std::uint64_t chunks = chunk_count(count_, simplex_chunk);
+    std::vector<std::uint32_t> next(chunks * buckets_, 0);
+    run_.each_chunk(count_, simplex_chunk,
+                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+      std::uint32_t* counts = next.data() + chunk * buckets_;
+      for (std::uint64_t f = begin; f < end; ++f)
+        ++counts[vertices_.position(surface_.simplex(f)[0]) >> shift_];
+    });
+    bucket_start_.assign(buckets_ + std::size_t{1}, 0);
+    std::uint32_t sum = 0;
+    for (std::uint32_t b = 0; b < buckets_; ++b) {
+      bucket_start_[b] = sum;
+      for (std::uint64_t c = 0; c < chunks; ++c) sum += std::exchange(next[c * buckets_ + b], sum);
+    }
+    bucket_start_[buckets_] = sum;
+    keys_ = BigArray<FacetKey>(count_);
+    clear_pages_early(keys_.get(), count_ * sizeof(FacetKey), run_.threads, [&] { run_.check(); });
+    run_.each_chunk(count_, simplex_chunk,
+                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+      std::uint32_t* place = next.data() + chunk * buckets_;
+      std::uint32_t corners[K];
+      for (std::uint64_t f = begin; f < end; ++f) {
+        stored(f, corners);
+        keys_[place[corners[0] >> shift_]++] = packing_.key(corners, static_cast<std::uint32_t>(f));
+      }
+    });
+  }
+
+  /// Positions of the vertices, as stored.
+  void stored(std::uint64_t f, std::uint32_t* corners) const {
+    const std::uint32_t* ids = surface_.simplex(f);
+    for (unsigned j = 0; j < K; ++j) corners[j] = vertices_.position(ids[j]);
+    const std::uint32_t a = corners[K - 2], b = corners[K - 1];
+    corners[K - 2] = surface_.odd[f] ? b : a;
+    corners[K - 1] = surface_.odd[f] ? a : b;
+  }
+
+  void sort_buckets() {
+    order_ = BigArray<std::uint32_t>(count_);
+    rank_ = BigArray<std::uint32_t>(count_);
+    corners_ = BigArray<std::uint32_t>(count_ * K);
+    simplices_.resize(count_ * K);
+    facets_.resize(count_ * K);
+    run_.each(buckets_, 4, [&](std::uint64_t begin, std::uint64_t end) {
+      BucketSort<FacetKey> sorted;
+      for (std::uint64_t b = begin; b < end; ++b) {
+        sort(static_cast<std::uint32_t>(b), sorted);
+        write_bucket(static_cast<std::uint32_t>(b), sorted);
+      }
+    });
+  }
+
+  bool less(const FacetKey& a, const FacetKey& b) const {
+    if (packing_.complete() || !packing_.alike(a, b)) return a < b;
+    std::uint32_t v[K], w[K];
+    stored(packing_.number(a), v);
+    stored(packing_.number(b), w);
+    return std::lexicographical_compare(v, v + K, w, w + K);
+  }
+
+  void sort(std::uint32_t b, BucketSort<FacetKey>& sorted) const {
+    const std::uint32_t begin = bucket_start_[b], end = bucket_start_[b + 1];
+    sorted.sort(
+        end - begin, std::size_t{1} << shift_,
+        [&](const auto& visit) { std::for_each(keys_.get() + begin, keys_.get() + end, visit); },
+        [&](const FacetKey& key) { return packing_.first(key); },
+        [&](const FacetKey& key) {
+      prefetch_line_to_write(&rank_[packing_.number(key)]);
+      return key;
+        },
+        [this](const FacetKey& x, const FacetKey& y) { return less(x, y); });
+  }
+
+  void write_bucket(std::uint32_t b, const BucketSort<FacetKey>& sorted) {
+    const std::uint32_t base = b << shift_;
+    bool twice = false;
+    for (std::uint64_t i = bucket_start_[b]; i < bucket_start_[b + 1]; ++i) {
+      const FacetKey& key = sorted[i - bucket_start_[b]];
+      const std::uint32_t f = packing_.number(key);
+      order_[i] = f;
+      rank_[f] = static_cast<std::uint32_t>(i);
+      std::uint32_t v[K];
+      if (packing_.complete())
+        packing_.unpack(key, base, v);
+      else
+        stored(f, v);
+      std::copy_n(v, K, &corners_[i * K]);
+      std::uint64_t* simplex = simplices_.data() + i * K;
+      std::uint64_t* facet = facets_.data() + i * K;
+      for (unsigned j = 0; j < K; ++j)
+        facet[j] = simplex[j] = vertices_.plain ? v[j] : vertices_.ids[v[j]];
+      facet[K - 2] = std::min(simplex[K - 2], simplex[K - 1]);
+      facet[K - 1] = std::max(simplex[K - 2], simplex[K - 1]);
+      for (unsigned j = 1; j < K; ++j) twice |= facet[j - 1] == facet[j];
+    }
+    if (twice) fail_not_exact("a simplex uses a point twice");
+  }
+
+  /// Whether the last two of stored vertices were swapped.
+  static bool is_odd(const std::uint32_t* stored) { return stored[K - 2] > stored[K - 1]; }
+
+  void renumber() {
+    // Prefetch distances: the ids of a simplex, then what they refer to (guesses, not swept).
+    constexpr std::uint64_t far = 40, near = 12;
+    neighbours_.resize(count_ * K);
+    facet_neighbours_.resize(count_ * K);
+    const auto of = [&](std::uint64_t i) {
+      return surface_.neighbours.data() + std::size_t{order_[i]} * K;
+    };
+    run_.each(count_, simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+      bool open = false;
+      for (std::uint64_t i = begin; i < end; ++i) {
+        if (i + far < end) prefetch_line(of(i + far));
+        if (i + near < end)
+          for (unsigned j = 0; j < K; ++j) prefetch_line(rank_.get() + of(i + near)[j]);
+        const std::uint32_t* across = of(i);
+        std::uint32_t* next = neighbours_.data() + i * K;
+        std::uint32_t* ordered = facet_neighbours_.data() + i * K;
+        for (unsigned j = 0; j < K; ++j) {
+          const std::uint32_t g = across[j];
+          open |= g >= count_ || g == order_[i];
+          next[j] = ordered[j] = rank_[g < count_ ? g : 0];
+        }
+        sort_few<K>(ordered);
+        if (is_odd(&corners_[i * K])) std::swap(next[K - 2], next[K - 1]);
+      }
+      if (open) fail_not_exact("a ridge has no second facet");
+    });
+  }
+
+  // ---------------------------------------------------------------- ridges, planes, measures
+
+  struct ChunkCounts {
+    std::uint64_t ridges = 0;
+    RungCounts rungs;
+  };
+
+  /// False if some simplices are coplanar.
+  bool scan(std::uint64_t* rung_counts) {
+    planes_.resize(count_ * (K + 1));
+    runs_ = BigArray<Share<K>>(chunk_count(count_, measure_run));
+    std::vector<ChunkCounts> counts(chunk_count(count_, simplex_chunk));
+    run_.each_chunk(count_, simplex_chunk,
+                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+      scan_chunk(begin, end, counts[chunk]);
+    });
+    if (coplanar_.load()) return false;
+    std::uint64_t ridges = 0;
+    for (const ChunkCounts& c : counts) {
+      ridges += c.ridges;
+      c.rungs.add_to(rung_counts);
+    }
+    // Each ridge was matched from its lower simplex to one slot of the higher: half of all slots.
+    if (2 * ridges != count_ * K) fail_not_exact("a ridge is not shared by two facets");
+    return true;
+  }
+
+  /// A ridge to a simplex of higher number: `across` is first that simplex, then its vertex off the
+  /// ridge.
+  struct Ridge {
+    std::uint32_t simplex, across, slot;
+  };
+  static_assert(simplex_chunk % measure_run == 0 && measure_run % lanes == 0);
+
+  /// Run after run; the data of a run is prefetched while the run before is computed.
+  void scan_chunk(std::uint64_t begin, std::uint64_t end, ChunkCounts& out) {
+    FacetBlock<K> block;
+    for (unsigned c = 0; c < K; ++c) std::fill_n(block.origin[c], lanes, frame_.at(0)[c]);
+    Ridge lists[2][measure_run * K + 1];
+    unsigned count = list_ridges(begin, std::min(end, begin + measure_run), lists[0]);
+    for (std::uint64_t from = begin; from < end; from += measure_run) {
+      if (coplanar_.load(std::memory_order_relaxed)) return;
+      const std::uint64_t to = std::min<std::uint64_t>(end, from + measure_run);
+      Ridge* ridges = lists[(from - begin) / measure_run % 2];
+      const unsigned ahead = list_ridges(to, std::min(end, to + measure_run),
+                                         lists[1 - (from - begin) / measure_run % 2]);
+      out.ridges += count;
+      for (Ridge* r = ridges; r < ridges + count; ++r) match(*r);
+      Share<K> run;
+      const Ridge* ridge = ridges;
+      for (std::uint64_t first = from; first < to; first += lanes) {
+        const auto n = static_cast<unsigned>(std::min<std::uint64_t>(lanes, to - first));
+        for (unsigned lane = 0; lane < lanes; ++lane)
+          load(&corners_[(first + std::min(lane, n - 1)) * K], block, lane);
+        facet_block(block);
+        for (; ridge < ridges + count && ridge->simplex < first + n; ++ridge)
+          check_convex(*ridge, block, static_cast<unsigned>(ridge->simplex - first), out);
+        for (unsigned lane = 0; lane < n; ++lane) run.add(write_plane(first + lane, block, lane));
+      }
+      runs_[from / measure_run] = run;
+      count = ahead;
+    }
+  }
+
+  /// Which of two neighbouring simplices is the higher is unpredictable: no branch.
+  unsigned list_ridges(std::uint64_t from, std::uint64_t to, Ridge* ridges) const {
+    unsigned count = 0;
+    for (std::uint64_t f = from; f < to; ++f)
+      for (unsigned i = 0; i < K; ++i) {
+        const std::uint32_t g = neighbours_[f * K + i];
+        ridges[count] = {static_cast<std::uint32_t>(f), g, i};
+        count += g > f;
+      }
+    for (const Ridge* r = ridges; r < ridges + count; ++r) {
+      prefetch_line(&corners_[std::size_t{r->across} * K]);
+      prefetch_line(&corners_[std::size_t{r->across} * K + K - 1]);
+      prefetch_line(neighbours_.data() + std::size_t{r->across} * K);
+      prefetch_line(neighbours_.data() + std::size_t{r->across} * K + K - 1);
+    }
+    return count;
+  }
+
+  /// Stored vertices in ascending order.
+  static void straighten(const std::uint32_t* stored, std::uint32_t* v) {
+    std::copy_n(stored, K, v);
+    v[K - 2] = std::min(stored[K - 2], stored[K - 1]);
+    v[K - 1] = std::max(stored[K - 2], stored[K - 1]);
+  }
+
+  /// Replaces `across` by the vertex; checks that the two simplices share the ridge, refer to one
+  /// another, and have the same orientation.
+  void match(Ridge& ridge) const {
+    const std::uint32_t f = ridge.simplex, g = ridge.across;
+    const std::uint32_t* stored = &corners_[std::size_t{f} * K];
+    const std::uint32_t* other = &corners_[std::size_t{g} * K];
+    std::uint32_t a[K], b[K];
+    straighten(stored, a);
+    straighten(other, b);
+    // If both contain the ridge, the difference of sums gives the vertex that only g has.
+    std::uint32_t x = stored[ridge.slot];
+    for (unsigned c = 0; c < K; ++c) x += b[c] - a[c];
+    unsigned i = 0, j = 0;  // indices of the two vertices that are off the ridge
+    for (unsigned c = 0; c < K; ++c) {
+      i += a[c] < stored[ridge.slot];
+      j += b[c] < x;
+    }
+    bool same = j < K && b[j < K ? j : 0] == x;
+    for (unsigned c = 0; c + 1 < K; ++c) same &= a[c + (c >= i)] == b[c + (c >= j)];
+    const bool odd = is_odd(other);
+    const unsigned slot = odd && j + 2 >= K ? 2 * K - 3 - j : j;
+    if (!same || neighbours_[std::size_t{g} * K + slot] != f)
+      fail_not_exact("neighbouring facets do not share their ridge");
+    if (((i + j + is_odd(stored) + odd) & 1U) == 0)
+      fail_not_exact("neighbouring facets are oriented differently");
+    ridge.across = x;
+    prefetch_line(frame_.at(x));
+  }
+
+  void load(const std::uint32_t* corners, FacetBlock<K>& block, unsigned lane) const {
+    for (unsigned j = 0; j < K; ++j) {
+      const double* p = frame_.at(corners[j]);
+      for (unsigned c = 0; c < K; ++c) block.corner[j][c][lane] = p[c];
+    }
+  }
+
+  void check_convex(const Ridge& ridge, const FacetBlock<K>& block, unsigned lane,
+                    ChunkCounts& out) {
+    bool known = false;
+    Sign sign = side(block, lane, ridge.across, known);
+    if (known)
+      out.rungs.count(Rung::plane);
+    else
+      sign = exact_side(ridge, out);
+    if (sign == Sign::positive) fail_not_exact("a ridge is not convex");
+    if (sign == Sign::zero) coplanar_.store(true, std::memory_order_relaxed);
+  }
+
+  /// The side of a vertex relative to the simplex of a lane, which is outward oriented: negative
+  /// where the ridge between them is convex. `known`: whether it is certain.
+  Sign side(const FacetBlock<K>& block, unsigned lane, std::uint32_t vertex, bool& known) const {
+    const double* p = frame_.at(vertex);
+    double sum = 0, largest = 0;
+    for (unsigned c = 0; c < K; ++c) {
+      const double d = p[c] - block.corner[0][c][lane];
+      sum = sum + block.normal[c][lane] * d;
+      largest = std::max(largest, std::fabs(d));
+    }
+    const double bound = determinant_error(K) * block.reach[lane] * largest + determinant_tiny;
+    known = std::fabs(sum) > bound || input_.local->small_lattice;
+    return sign_of(sum);
+  }
+
+  Sign exact_side(const Ridge& ridge, ChunkCounts& out) const {
+    // Local ids are the vertices of the surface's simplices.
+    const std::uint32_t g = neighbours_[std::size_t{ridge.simplex} * K + ridge.slot];
+    const std::uint32_t* ids = surface_.simplex(order_[g]);
+    std::uint32_t x = ids[0];
+    for (unsigned j = 1; j < K; ++j)
+      if (vertices_.position(ids[j]) == ridge.across) x = ids[j];
+    const double* rows[K + 1];
+    for (unsigned j = 0; j < K; ++j)
+      rows[j] = input_.local->exact_row(surface_.stored(order_[ridge.simplex], j));
+    rows[K] = input_.local->exact_row(x);
+    Rung rung = Rung::exact;
+    const Sign sign = orientation(K, rows, &rung);
+    out.rungs.count(rung);
+    return sign;
+  }
+
+  Share<K> write_plane(std::uint64_t i, const FacetBlock<K>& block, unsigned lane) {
+    double normal[K], sum[K];
+    for (unsigned c = 0; c < K; ++c) {
+      normal[c] = block.normal[c][lane];
+      sum[c] = block.sum[c][lane];
+    }
+    const bool thin = !(block.length[lane] > conditioned * block.edges[lane]);
+    return facet_share(frame_, plane_, &corners_[i * K], thin, normal, sum,
+                       planes_.data() + i * (K + 1));
+  }
+
+  // ---------------------------------------------------------------- before it all
+
+  /// Whether some simplices of a sample have coplanar neighbours: then sorting would be wasted. If
+  /// none has, there may still be coplanar ones elsewhere. Up to 64 blocks of 8: half a thousand of
+  /// more.
+  bool coplanar_sample() const {
+    const std::uint64_t blocks = std::min<std::uint64_t>(64, count_ / 128);
+    FacetBlock<K> block;
+    for (unsigned c = 0; c < K; ++c) std::fill_n(block.origin[c], lanes, frame_.at(0)[c]);
+    for (std::uint64_t k = 0; k < blocks; ++k) {
+      const auto at = [&](unsigned lane) {
+        return static_cast<std::uint32_t>(count_ * (k * lanes + lane) / (blocks * lanes));
+      };
+      for (unsigned lane = 0; lane < lanes; ++lane) {
+        std::uint32_t corners[K];
+        stored(at(lane), corners);
+        load(corners, block, lane);
+      }
+      facet_block(block);
+      for (unsigned lane = 0; lane < lanes; ++lane)
+        for (unsigned i = 0; i < K; ++i) {
+          const std::uint32_t g = surface_.neighbours[std::size_t{at(lane)} * K + i];
+          if (g >= count_ || g == at(lane)) fail_not_exact("a ridge has no second facet");
+          const std::uint32_t x = surface_.simplex(g)[opposite_slot<K>(surface_, at(lane), i, g)];
+          bool known = false;
+          const Sign sign = side(block, lane, vertices_.position(x), known);
+          if (known ? sign == Sign::zero : exactly_flat(at(lane), x)) return true;
+        }
+    }
+    return false;
+  }
+
+  bool exactly_flat(std::uint32_t f, std::uint32_t x) const {
+    const double* rows[K + 1];
+    for (unsigned j = 0; j < K; ++j) rows[j] = input_.local->exact_row(surface_.simplex(f)[j]);
+    rows[K] = input_.local->exact_row(x);
+    return orientation(K, rows) == Sign::zero;
+  }
+
+  const ResultInput& input_;
+  const Boundary& surface_;
+  const VertexList& vertices_;
+  const Frame& frame_;
+  const FacetPlane<K> plane_;
+  const Run& run_;
+  const std::uint64_t count_;
+  const unsigned shift_;
+  const std::uint32_t buckets_;
+  const FacetKeys<K> packing_;
+  std::vector<std::uint32_t> bucket_start_;  // keys of each bucket
+  BigArray<FacetKey> keys_;
+  BigArray<std::uint32_t> order_;    // the surface's simplices in canonical order
+  BigArray<std::uint32_t> rank_;     // and where each of them is in it
+  BigArray<std::uint32_t> corners_;  // positions of the vertices as stored, in canonical order
+  std::atomic<bool> coplanar_{false};
+  BigArray<Share<K>> runs_;
+  // The result's.
+  Array<std::uint64_t> simplices_, facets_;
+  Array<std::uint32_t> neighbours_, facet_neighbours_;
+  Array<double> planes_;
+};
+
+template <unsigned K>
+bool build(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
+           const Frame& frame, const Run& run, unsigned key_bits, Hull& hull) {
+  return SimplexWriter<K>(input, surface, vertices, frame, run, key_bits).run(hull);
+}
+
+}  // namespace
+
+bool write_simplices(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
+                     const Frame& frame, const Run& run, Hull& hull, unsigned key_bits) {
+  using Build = bool (*)(const ResultInput&, const Boundary&, const VertexList&, const Frame&,
+                         const Run&, unsigned, Hull&);
+  static constexpr Build builds[] = {build<4>, build<5>, build<6>, build<7>, build<8>};
+  return builds[surface.dimension - 4](input, surface, vertices, frame, run, key_bits, hull);
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,484 @@
+// Three sweeps. The first runs over the facets in the engine's order, where neighbours are near in
+// memory: it checks all ridges and writes, separately for each range of facets, records of all data
+// that the result needs of a facet, sorted into buckets by the lowest vertex. The second takes a
+// bucket from all ranges, sorts it in the cache and writes the facets out, in order. The third
+// renumbers the neighbours. The sums follow the canonical order, whatever the ranges and buckets
+// are.
+#include "result/write/write_triangles.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <numeric>
+
+#include "exact/orientation/orientation_3d.hpp"
+#include "parallel/memory/big_array.hpp"
+#include "parallel/prefetch.hpp"
+#include "parallel/threads/parallel.hpp"
+#include "result/facets/facet_plane.hpp"
+#include "result/facets/facet_share.hpp"
+#include "result/measures/simplicial_measures.hpp"
+#include "result/write/bucket_sort.hpp"
+#include "result/write/ranking.hpp"
+#include "result/write/triangle_sweep.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+using Id = std::uint32_t;
+
+// -------------------------------------------------------------------------------- the vertices
+
+/// The hull's vertices, and the position of each of the engine's vertex numbers among them.
+class Vertices3D {
+ public:
+  Vertices3D(const TriangleMesh& surface, const LocalPoints& points, const Id* order,
+             const std::uint64_t* ids, const Run& run)
+      : place_(order) {
+    // A closed surface of F triangles has F / 2 + 2 vertices: here they are all points.
+    all_points_ = surface.live == 2 * std::uint64_t{points.count} - 4;
+    resize_big(ids_, surface.live / 2 + 2);
+    if (!all_points_) {
+      number(surface, points.count, order, ids, run);
+      return;
+    }
+    run.each(points.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t p = begin; p < end; ++p) ids_[p] = ids != nullptr ? ids[p] : p;
+    });
+  }
+
+  std::vector<std::uint64_t>& ids() { return ids_; }
+  const Id* place() const { return place_; }
+  /// The local id of the vertex at each position; null where every local point is a vertex.
+  const Id* locals() const { return all_points_ ? nullptr : locals_.get(); }
+  /// False if the surface has another number of vertices than a closed one.
+  bool good() const { return good_; }
+
+ private:
+  void number(const TriangleMesh& surface, Id points, const Id* order, const std::uint64_t* ids,
+              const Run& run) {
+    BigArray<std::uint8_t> used(surface.count), extreme(points);
+    std::memset(used.get(), 0, surface.count);
+    std::memset(extreme.get(), 0, points);
+    const auto runs = surface.runs(1 << 15);
+    run.each_item(runs.size(), [&](std::uint64_t c) {
+      for (Id f = runs[c].first; f < runs[c].second; ++f) {
+        const Facet3D& facet = surface.facets[f];
+        if (!facet.live()) continue;
+        for (const Id v : facet.vertices)  // threads may set the same flag, to the same value
+          std::atomic_ref<std::uint8_t>(used[v]).store(1, std::memory_order_relaxed);
+      }
+    });
+    run.each(surface.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t v = begin; v < end; ++v)
+        if (used[v] != 0)
+          std::atomic_ref<std::uint8_t>(extreme[order[v]]).store(1, std::memory_order_relaxed);
+    });
+    BigArray<Id> position(points);
+    const auto prepare = [&](Id vertices) {
+      good_ = vertices == ids_.size();
+      if (good_) locals_ = BigArray<Id>(vertices);
+      return good_;
+    };
+    rank_flagged(extreme.get(), points, run, prepare, [&](std::uint64_t p, Id rank) {
+      position[p] = rank;
+      if (extreme[p] == 0) return;
+      locals_[rank] = static_cast<Id>(p);
+      ids_[rank] = ids != nullptr ? ids[p] : p;
+    });
+    if (!good_) return;
+    own_place_ = BigArray<Id>(surface.count);
+    run.each(surface.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t v = begin; v < end; ++v) own_place_[v] = position[order[v]];
+    });
+    place_ = own_place_.get();
+  }
+
+  std::vector<std::uint64_t> ids_;
+  BigArray<Id> locals_, own_place_;
+  const Id* place_;
+  bool all_points_ = false, good_ = true;
+};
+
+/// Maps each point to the lowest id among its equals.
+BigArray<Id> with_lowest_ids(const TriangleMesh& surface, Id points, const Run& run) {
+  BigArray<Id> order(surface.count), lowest(points);
+  run.each(points, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    std::iota(lowest.get() + begin, lowest.get() + end, static_cast<Id>(begin));
+  });
+  for (const auto& [duplicate, vertex] : surface.duplicates)
+    lowest[vertex] = std::min(lowest[vertex], duplicate);
+  run.each(surface.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t v = begin; v < end; ++v) order[v] = lowest[surface.order[v]];
+  });
+  return order;
+}
+
+// ---------------------------------------------------------------------------------- the sweeps
+
+class TriangleWriter {
+ public:
+  TriangleWriter(const ResultInput& input, TriangleMesh& surface, Vertices3D& vertices,
+                 const Id* order, const Frame& frame, const Run& run, Hull& hull)
+      : input_(input),
+        surface_(surface),
+        vertices_(vertices),
+        order_(order),
+        frame_(frame),
+        plane_(frame),
+        run_(run),
+        hull_(hull),
+        count_(surface.live),
+        plain_(input.ids == nullptr && vertices.locals() == nullptr) {}
+
+  bool run() {
+    run_.report("ridges", 0);
+    place_rows();
+    divide();
+    if (!sweep()) return false;
+    const auto slots = surface_.used.back().second;
+    surface_ = {};
+    own_rows_ = {};
+    run_.report("facets", 0);
+    resize(slots);
+    write_facets();
+    records_ = {};
+    run_.report("neighbours", 0);
+    write_neighbours();
+    run_.report("measures", 0);
+    finish_simplicial<3>(input_, vertices_.ids(), frame_, runs_.get(), run_, hull_);
+    return true;
+  }
+
+ private:
+  // ---------------------------------------------------------------- first sweep
+
+  /// The engine's rows are used where they are the frame's times powers of two, as where no axis
+  /// was translated; otherwise the frame's rows are copied into the engine's order.
+  void place_rows() {
+    source_.facets = surface_.facets.data();
+    source_.place = vertices_.place();
+    source_.exact_doubles = input_.local->small_lattice;
+    std::copy_n(frame_.at(0), 3, source_.origin);
+    if (find_factors()) {
+      source_.rows = surface_.rows.get();
+      return;
+    }
+    std::fill_n(source_.factor, 3, 1.0);
+    own_rows_ = BigArray<double>(std::size_t{surface_.count} * Shared3D::row_stride);
+    const auto vertices = static_cast<Id>(vertices_.ids().size());
+    run_.each(surface_.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t v = begin; v < end; ++v) {
+        const Id place = std::min(vertices - 1, source_.place[v]);
+        double* row = own_rows_.get() + v * Shared3D::row_stride;
+        std::memcpy(row, frame_.at(place), 3 * sizeof(double));
+        row[3] = 0;
+      }
+    });
+    source_.rows = own_rows_.get();
+  }
+
+  /// Derives the powers of two from one vertex and checks them on all, bit by bit.
+  bool find_factors() {
+    const auto local_row = [&](std::uint64_t v) {
+      const Id* locals = vertices_.locals();
+      return input_.local->row(locals != nullptr ? locals[v] : static_cast<Id>(v));
+    };
+    const std::uint64_t count = vertices_.ids().size();
+    for (unsigned c = 0; c < 3; ++c) {
+      std::uint64_t v = 0;
+      while (v < count && local_row(v)[c] == 0) ++v;
+      source_.factor[c] = v < count ? frame_.at(static_cast<Id>(v))[c] / local_row(v)[c] : 1;
+    }
+    std::atomic<bool> same{true};
+    run_.each(count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      if (!same.load(std::memory_order_relaxed)) return;
+      std::uint64_t different = 0;
+      for (std::uint64_t v = begin; v < end; ++v) {
+        const double* given = frame_.at(static_cast<Id>(v));
+        const double* ours = local_row(v);
+        for (unsigned c = 0; c < 3; ++c)
+          different |= std::bit_cast<std::uint64_t>(given[c]) ^
+                       std::bit_cast<std::uint64_t>(ours[c] * source_.factor[c]);
+      }
+      if (different != 0) same = false;
+    });
+    return same;
+  }
+
+  /// Divides lowest vertices into buckets and facets into ranges of 4096, so that each fits L2
+  /// (2048 and 8192 were no faster).
+  void divide() {
+    const auto vertex_count = static_cast<Id>(vertices_.ids().size());
+    shift_ = bucket_shift(count_, vertex_count, stretch);
+    buckets_ = ((vertex_count - 1U) >> shift_) + 1;
+    stretches_ = surface_.runs(stretch);
+    region_.assign(stretches_.size() + 1, 0);
+    for (std::size_t s = 0; s < stretches_.size(); ++s)
+      region_[s + 1] = region_[s] + (stretches_[s].second - stretches_[s].first);
+  }
+
+  /// False if some facets are coplanar, or the surface is not that of a hull.
+  bool sweep() {
+    records_ = BigArray<TriangleRecord>(region_.back());
+    starts_ = BigArray<Id>(stretches_.size() * (std::size_t{buckets_} + 1));
+    std::vector<Counts> counts(stretches_.size());
+    run_.each_item(stretches_.size(), [&](std::uint64_t s) {
+      if (!stop_.load(std::memory_order_relaxed)) sweep_stretch(s, counts[s]);
+    });
+    if (stop_) return false;
+    std::uint64_t live = 0;
+    for (const Counts& c : counts) live += c.live;
+    if (live != count_) return false;
+    for (const Counts& c : counts) c.rungs.add_to(hull_.statistics.rung_counts);
+    bucket_start_.assign(buckets_ + std::size_t{1}, 0);
+    for (std::size_t s = 0; s < stretches_.size(); ++s) {
+      const Id* start = starts_.get() + s * (std::size_t{buckets_} + 1);
+      for (Id b = 0; b < buckets_; ++b) bucket_start_[b + 1] += start[b + 1] - start[b];
+    }
+    for (Id b = 0; b < buckets_; ++b) bucket_start_[b + 1] += bucket_start_[b];
+    return true;
+  }
+
+  struct Counts {
+    std::uint64_t live = 0;
+    RungCounts rungs;
+  };
+
+  void sweep_stretch(std::uint64_t s, Counts& out) {
+    const auto [begin, end] = stretches_[s];
+    TriangleRecord* region = records_.get() + region_[s];
+    Id* start = starts_.get() + s * (std::size_t{buckets_} + 1);
+    std::vector<Id> next(buckets_, 0);
+    out.live = count_triangles(source_, begin, end, shift_, next.data(), region);
+    Id sum = 0;
+    for (Id b = 0; b < buckets_; ++b) {
+      start[b] = sum;
+      sum += std::exchange(next[b], sum);
+    }
+    start[buckets_] = sum;
+    std::vector<OpenRidge> open;
+    if (!sweep_triangles(source_, begin, end, shift_, next.data(), region, open)) stop_ = true;
+    for (const OpenRidge& r : open) {
+      if (stop_.load(std::memory_order_relaxed)) return;
+      if (exact_side(r, out) != Sign::negative) stop_ = true;
+    }
+    out.rungs.of[0] += out.live * 3 / 2 - open.size();  // half the ridges of each facet
+  }
+
+  Sign exact_side(const OpenRidge& r, Counts& out) const {
+    const auto point = [&](Id v) {
+      return Orientation3D::Point{surface_.rows.get() + std::size_t{v} * Shared3D::row_stride,
+                                  order_[v]};
+    };
+    const Id* v = surface_.facets[r.facet].vertices;
+    return surface_.predicates->side(point(v[0]), point(v[1]), point(v[2]), point(r.across),
+                                     out.rungs);
+  }
+
+  // ---------------------------------------------------------------- second sweep
+
+  void resize(Id slots) {
+    simplices_.resize(count_ * 3);
+    hull_.simplex_neighbours.resize(count_ * 3);
+    hull_.facet_planes.resize(count_ * 4);
+    rank_ = BigArray<Id>(slots);
+    runs_ = BigArray<Share<3>>(chunk_count(count_, measure_run));
+    cut_.resize(buckets_);
+  }
+
+  /// Scratch of one thread.
+  struct Scratch {
+    BucketSort<std::uint64_t> sorted;  // keys: second vertex, record
+    TriangleShares shares;
+    alignas(64) double planes[4 * shares_at_once];
+  };
+  /// Shares of the facets of a bucket that belong to runs crossing its beginning or end.
+  struct Cut {
+    std::vector<Share<3>> head, tail;
+  };
+
+  void write_facets() {
+    // Neighbouring buckets read the same cache lines of the table of starts: 16 entries of 4 bytes.
+    const std::uint64_t together = buckets_ >= 256 ? 16 : 1;
+    run_.each(buckets_, together, [&](std::uint64_t begin, std::uint64_t end) {
+      Scratch scratch;
+      for (std::uint64_t b = begin; b < end; ++b) {
+        run_.check();
+        sort(static_cast<Id>(b), scratch.sorted);
+        write_bucket(static_cast<Id>(b), scratch);
+      }
+    });
+    join_cut_runs();
+  }
+
+  /// body(first, last) for the records of bucket b in each range.
+  template <class Body>
+  void each_segment(Id b, const Body& body) const {
+    const std::size_t row = std::size_t{buckets_} + 1;
+    const Id* start = starts_.get() + b;
+    for (std::size_t s = 0; s < stretches_.size(); ++s, start += row)
+      body(region_[s] + start[0], region_[s] + start[1]);
+  }
+
+  /// Facets with the same lowest vertex differ in their second.
+  void sort(Id b, BucketSort<std::uint64_t>& sorted) const {
+    const Id base = b << shift_;
+    sorted.sort(
+        bucket_start_[b + 1] - bucket_start_[b], std::size_t{1} << shift_,
+        [&](const auto& visit) {
+      each_segment(b, [&](Id first, Id last) {
+        for (Id i = first; i < last; ++i) visit(i);
+      });
+        },
+        [&](Id i) { return records_[i].vertex[0] - base; },
+        [&](Id i) {
+      prefetch_line_to_write(&rank_[records_[i].slot]);
+      return std::uint64_t{records_[i].vertex[1]} << 32 | i;
+    },
+        std::less<>());
+  }
+
+  void write_bucket(Id b, Scratch& scratch) {
+    const std::uint64_t begin = bucket_start_[b], end = bucket_start_[b + 1];
+    for (std::uint64_t at = begin; at < end;) {
+      const std::uint64_t run = at / measure_run;
+      const std::uint64_t to = std::min(end, (run + 1) * measure_run);
+      const TriangleRecord* records[measure_run];
+      const auto size = static_cast<unsigned>(to - at);
+      for (unsigned k = 0; k < size; ++k) {
+        records[k] = &records_[static_cast<Id>(scratch.sorted[at - begin + k])];
+        write_simplex(at + k, *records[k]);
+      }
+      write_planes(at, records, size, scratch);
+      const bool whole = at % measure_run == 0 && (size == measure_run || to == count_);
+      if (whole)
+        runs_[run] = scratch.shares.sum(0, size);
+      else
+        keep_shares(at % measure_run != 0 ? cut_[b].head : cut_[b].tail, scratch.shares, size);
+      at = to;
+    }
+  }
+
+  void write_simplex(std::uint64_t i, const TriangleRecord& r) {
+    rank_[r.slot] = static_cast<Id>(i);
+    std::uint64_t* simplex = simplices_.data() + i * 3;
+    Id* across = hull_.simplex_neighbours.data() + i * 3;
+    for (unsigned j = 0; j < 3; ++j) {
+      simplex[j] = plain_ ? r.vertex[j] : vertices_.ids()[r.vertex[j]];
+      across[j] = r.neighbour[j];  // renumbered in the third sweep
+    }
+  }
+
+  /// Computes planes and shares of facets [at, at + size).
+  void write_planes(std::uint64_t at, const TriangleRecord* const* records, unsigned size,
+                    Scratch& scratch) {
+    double* planes = hull_.facet_planes.data() + at * 4;
+    const bool direct = size == shares_at_once;
+    const bool scaled = frame_.exponent > -1022 && frame_.exponent < 1023;
+    std::uint32_t left =
+        triangle_shares(records, size, frame_.at(0), frame_.at(0), scale_by(1, frame_.exponent),
+                        scratch.shares, direct ? planes : scratch.planes);
+    if (!direct) std::copy_n(scratch.planes, std::size_t{4} * size, planes);
+    if (!scaled) left = static_cast<std::uint32_t>((std::uint64_t{1} << size) - 1);
+    for (; left != 0; left &= left - 1) {
+      const auto k = static_cast<unsigned>(std::countr_zero(left));
+      const TriangleRecord& r = *records[k];
+      const Share<3> share =
+          facet_share(frame_, plane_, r.vertex, r.thin != 0, r.normal, r.sum, planes + 4 * k);
+      scratch.shares.set(k, share);
+    }
+  }
+
+  static void keep_shares(std::vector<Share<3>>& out, const TriangleShares& s, unsigned size) {
+    for (unsigned k = 0; k < size; ++k) out.push_back(s.at(k));
+  }
+
+  /// Sums the runs that cross borders of buckets, in order.
+  void join_cut_runs() {
+    Share<3> run;
+    const auto add = [&](std::uint64_t i, const Share<3>& share) {
+      if (i % measure_run == 0) run = {};
+      run.add(share);
+      if ((i + 1) % measure_run == 0 || i + 1 == count_) runs_[i / measure_run] = run;
+    };
+    for (Id b = 0; b < buckets_; ++b) {
+      std::uint64_t i = bucket_start_[b];
+      for (const Share<3>& share : cut_[b].head) add(i++, share);
+      i = bucket_start_[b + 1] - cut_[b].tail.size();
+      for (const Share<3>& share : cut_[b].tail) add(i++, share);
+    }
+  }
+
+  // ---------------------------------------------------------------- third sweep and sums
+
+  void write_neighbours() {
+    Array<Id> neighbours(count_ * 3);
+    run_.each(count_, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        Id* next = hull_.simplex_neighbours.data() + i * 3;
+        Id* across = neighbours.data() + i * 3;
+        for (unsigned j = 0; j < 3; ++j) {
+          if (i + ahead < end) prefetch_line(&rank_[next[j + ahead * 3]]);
+          next[j] = rank_[next[j]];
+        }
+        // The edge from vertex j is opposite to vertex j + 2.
+        for (unsigned j = 0; j < 3; ++j) across[j] = next[(j + 2) % 3];
+      }
+    });
+    using Ids = SharedArray<std::uint64_t>;
+    hull_.simplices = Ids(std::move(simplices_));
+    hull_.facets = Lists<std::uint64_t, Ids>::of_length(3, hull_.simplices);
+    hull_.facet_neighbours = Lists<Id>::of_length(3, std::move(neighbours));
+    hull_.simplex_facets = EvenArray<Id>::of_step(count_, 1);
+  }
+
+  static constexpr Id stretch = 4096;         // facets of a range, see divide()
+  static constexpr std::uint64_t ahead = 16;  // facets to prefetch; a guess, not swept
+
+  const ResultInput& input_;
+  TriangleMesh& surface_;
+  Vertices3D& vertices_;
+  const Id* const order_;
+  const Frame& frame_;
+  const FacetPlane<3> plane_;
+  const Run& run_;
+  Hull& hull_;
+  const std::uint64_t count_;
+  const bool plain_;  // a vertex's position is its id
+  TriangleSource source_;
+  BigArray<double> own_rows_;
+  unsigned shift_ = 0;
+  Id buckets_ = 0;
+  std::vector<TriangleMesh::Run> stretches_;
+  std::vector<Id> region_;  // where the records of each range begin
+  BigArray<Id> starts_;     // ranges x (buckets + 1): where each bucket begins in it
+  std::vector<Id> bucket_start_;
+  BigArray<TriangleRecord> records_;
+  std::atomic<bool> stop_{false};
+  Array<std::uint64_t> simplices_;
+  BigArray<Id> rank_;  // of the engine's slots in canonical order
+  BigArray<Share<3>> runs_;
+  std::vector<Cut> cut_;
+};
+
+}  // namespace
+
+bool write_triangles(const ResultInput& input, TriangleMesh& surface, const Run& run, Hull& hull) {
+  if (input.view->dimension != 3 || surface.live < 4) return false;
+  BigArray<Id> lowest;
+  if (!surface.duplicates.empty()) lowest = with_lowest_ids(surface, input.local->count, run);
+  const Id* order = surface.duplicates.empty() ? surface.order.get() : lowest.get();
+  Vertices3D vertices(surface, *input.local, order, input.ids, run);
+  if (!vertices.good()) return false;
+  const Frame frame = make_frame(*input.view, vertices.ids(), input.axes, 3, run);
+  if (frame.wild) return false;
+  if (!TriangleWriter(input, surface, vertices, order, frame, run, hull).run()) return false;
+  hull.vertices = std::move(vertices.ids());
+  return true;
+}
+
+}  // namespace cullhull::internal

@@ -1,0 +1,192 @@
+// In-sphere and power tests by elimination: right wherever they tell, and nearly always telling.
+#include "exact/insphere/eliminated_sign.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <random>
+
+#include "cullhull/triangulation.hpp"
+#include "delaunay/brute_triangulation.hpp"
+#include "delaunay/lifted_sets.hpp"
+#include "exact/insphere/lift_exact.hpp"
+
+namespace cullhull {
+namespace {
+
+using namespace testing_support;
+using internal::LiftedPoints;
+using internal::Sign;
+
+Triangulation triangulate(const LiftedSet& s) {
+  const PointView view = PointView::row_major(s.rows.data(), s.count(), s.dimension);
+  return s.weights.empty() ? delaunay(view) : regular_triangulation(view, s.weights);
+}
+
+LiftedPoints lifted(const LiftedSet& s, unsigned base) {
+  LiftedPoints p;
+  p.base = base;
+  p.width = s.dimension;
+  p.weighted = !s.weights.empty();
+  p.stride = s.dimension + (p.weighted ? 1 : 0);
+  p.count = static_cast<std::uint32_t>(s.count());
+  p.filtered = true;
+  p.rows.resize(std::size_t{p.count} * p.stride);
+  for (std::uint64_t i = 0; i < s.count(); ++i) {
+    std::copy_n(s.rows.data() + i * s.dimension, s.dimension, p.rows.data() + i * p.stride);
+    if (p.weighted) p.rows[i * p.stride + s.dimension] = s.weights[i];
+  }
+  return p;
+}
+
+/// By its definition, in rational numbers.
+Sign slow_side(const LiftedPoints& s, const double* const* c, const double* p) {
+  std::vector<Rationals> m;
+  for (unsigned i = 0; i <= s.base; ++i) {
+    const double* q = i < s.base ? c[i + 1] : p;
+    Rationals row;
+    mpq_class lift = 0;
+    for (unsigned j = 0; j < s.width; ++j) {
+      const mpq_class v = mpq_class(q[j]) - mpq_class(c[0][j]);
+      if (j < s.base) row.push_back(v);
+      lift += v * v;
+    }
+    if (s.weighted) lift -= mpq_class(q[s.width]) - mpq_class(c[0][s.width]);
+    row.push_back(lift);
+    m.push_back(row);
+  }
+  mpq_class determinant;
+  echelon(m, &determinant);
+  return internal::sign_of(sgn(determinant));
+}
+
+struct Told {
+  int known = 0, asked = 0;
+};
+
+/// Cells of random points of the set, and a point of it; `distinct`: no point twice.
+Told check_signs(const LiftedSet& set, unsigned base, int trials, bool distinct = false) {
+  const LiftedPoints s = lifted(set, base);
+  std::mt19937_64 random(base);
+  Told told;
+  std::vector<const double*> c(base + 1);
+  std::vector<std::uint32_t> order(s.count);
+  std::iota(order.begin(), order.end(), 0U);
+  for (int t = 0; t < trials; ++t) {
+    for (unsigned i = 0; i <= base + 1; ++i)
+      std::swap(order[i], order[i + random() % (s.count - i)]);
+    const auto drawn = [&](unsigned i) {
+      return s.row(distinct ? order[i] : static_cast<std::uint32_t>(random() % s.count));
+    };
+    for (unsigned i = 0; i <= base; ++i) c[i] = drawn(i);
+    const double* p = drawn(base + 1);
+    Sign sign = Sign::zero;
+    ++told.asked;
+    if (internal::lift_side_eliminated(s, c.data(), p, sign)) {
+      ++told.known;
+      EXPECT_EQ(sign, slow_side(s, c.data(), p)) << set.name << " trial " << t;
+      EXPECT_EQ(sign, internal::lift_side_exact(s, c.data(), p)) << set.name << " trial " << t;
+    }
+    c.push_back(p);
+    if (internal::base_orientation_eliminated(base, c.data(), sign)) {
+      EXPECT_EQ(sign, internal::orientation_exact(base, c.data())) << set.name << " trial " << t;
+    }
+    c.pop_back();
+  }
+  return told;
+}
+
+/// Columns multiplied by powers of two from 2^-`by` on, which no determinant's sign depends on but
+/// for the lift.
+LiftedSet stretched(LiftedSet s, int by) {
+  for (std::size_t i = 0; i < s.rows.size(); ++i)
+    s.rows[i] = std::ldexp(s.rows[i], -static_cast<int>(i % s.dimension) * by);
+  s.name += " stretched by 2^" + std::to_string(by);
+  return s;
+}
+
+/// As many points off a common sphere by as little as doubles can tell.
+LiftedSet nearly_cospherical(unsigned d, unsigned n, std::uint64_t seed) {
+  LiftedSet s = random_points(d, n, seed);
+  for (std::uint64_t i = 0; i < n; ++i) {
+    double square = 0;
+    for (unsigned j = 0; j < d; ++j) square += std::pow(s.rows[i * d + j] -= 0.5, 2);
+    for (unsigned j = 0; j < d; ++j) s.rows[i * d + j] /= std::sqrt(square);
+  }
+  s.name = "nearly cospherical";
+  return s;
+}
+
+TEST(EliminatedSign, IsRightWhereItTells) {
+  for (const unsigned d : {7U, 8U, 9U, 12U}) {
+    std::vector<LiftedSet> sets = large_lifted_sets(d, 40);
+    sets.push_back(nearly_cospherical(d, 60, 1));
+    sets.push_back(stretched(random_points(d, 60, 2), 8));
+    sets.push_back(stretched(random_points(d, 60, 3), 70));   // to 1e-150 and beyond
+    sets.push_back(stretched(random_points(d, 60, 4), 140));  // squares underflow
+    LiftedSet doubled = random_points(d, 20, 4);
+    doubled.rows.insert(doubled.rows.end(), doubled.rows.begin(), doubled.rows.end());
+    sets.push_back(doubled);
+    LiftedSet far = random_points(d, 40, 5);
+    for (double& x : far.rows) x += 0x1p40;
+    sets.push_back(far);
+    for (const LiftedSet& s : sets) check_signs(s, d, 120);
+    if (d > 7) check_signs(random_points(d, 60, 6), d - 1, 120);  // a flat's squares have more axes
+  }
+}
+
+TEST(EliminatedSign, TellsOfRandomPoints) {
+  for (const unsigned d : {7U, 8U, 9U, 12U, 20U}) {
+    const LiftedSet s = random_points(d, 60, 1);
+    for (const LiftedSet& set : {s, with_weights(s, 0.02, 2, false)}) {
+      const Told told = check_signs(set, d, 100, true);
+      EXPECT_EQ(told.known, told.asked) << set.name;
+    }
+  }
+}
+
+TEST(EliminatedSign, RefusesWhatIsOutsideItsProof) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  for (const double bad : {nan, inf, 1e300, 1e-300}) {
+    std::vector<double> m(64, 0.0), doubt(8, 0.0);
+    for (unsigned i = 0; i < 8; ++i) m[9 * i] = 1;
+    m[0] = bad;
+    Sign sign = Sign::zero;
+    EXPECT_FALSE(internal::eliminated_sign(8, m.data(), doubt.data(), sign)) << bad;
+  }
+  std::vector<double> m(64, 1.0), doubt(8, 0.0);
+  Sign sign = Sign::zero;
+  EXPECT_FALSE(internal::eliminated_sign(8, m.data(), doubt.data(), sign));  // of rank 1
+  EXPECT_FALSE(internal::eliminated_sign(0, m.data(), doubt.data(), sign));
+}
+
+/// The counter of what was decided by integers: of random points it stays at nearly nothing.
+TEST(Triangulation, RandomPointsOfManyDimensionsNeedNoIntegers) {
+  for (const auto& [d, n] : {std::pair(7U, 40U), {8U, 26U}, {9U, 20U}, {12U, 18U}}) {
+    for (const LiftedSet& s :
+         {random_points(d, n, 3), with_weights(random_points(d, n, 4), 0.02, 5, false)}) {
+      const Triangulation t = triangulate(s);
+      const auto& rungs = t.statistics.rung_counts;
+      EXPECT_GT(rungs[0], 200U) << s.name;
+      EXPECT_LT((rungs[1] + rungs[2]) * 1000, rungs[0]) << s.name;
+    }
+  }
+}
+
+/// A power of two changes nothing, as far as it goes.
+TEST(Triangulation, SizesOfManyDimensionsAgree) {
+  const LiftedSet s = random_points(7, 25, 6);
+  const Triangulation expected = triangulate(s);
+  for (const int by : {-498, 498, -900, 900}) {
+    LiftedSet moved = s;
+    for (double& x : moved.rows) x = std::ldexp(x, by);
+    EXPECT_EQ(triangulate(moved).cells, expected.cells) << by;
+  }
+}
+
+}  // namespace
+}  // namespace cullhull

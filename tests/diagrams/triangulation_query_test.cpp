@@ -1,0 +1,232 @@
+// Questions to triangulations against their definition in rational numbers: at vertices, on shared
+// faces, inside, outside, off the flat.
+#include "cullhull/triangulation_query.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "cullhull/error.hpp"
+#include "diagrams/slow_cells.hpp"
+
+namespace cullhull {
+namespace {
+
+using namespace testing_support;
+
+/// Vertices, middles of pairs, random mixtures, points around and far away.
+std::vector<double> questions(const LiftedSet& s, std::uint64_t seed, unsigned count) {
+  std::mt19937_64 random(seed);
+  const unsigned d = s.dimension;
+  std::vector<double> rows;
+  const auto row = [&] { return s.rows.data() + random() % s.count() * d; };
+  for (unsigned i = 0; i < count && s.count() > 0; ++i) {
+    const double *a = row(), *b = row();
+    for (unsigned j = 0; j < d; ++j) switch (i % 5) {
+        case 0:
+          rows.push_back(a[j]);
+          break;
+        case 1:
+          rows.push_back(a[j] / 2 + b[j] / 2);
+          break;
+        case 2:
+          rows.push_back(row()[j]);
+          break;
+        case 3:
+          rows.push_back(a[j] + static_cast<double>(random() % 9) / 4 - 1);
+          break;
+        default:
+          rows.push_back(a[j] + (b[j] / 64 - a[j] / 64) * static_cast<double>(random() % 65));
+      }
+  }
+  rows.insert(rows.end(), d, 0.0);
+  rows.insert(rows.end(), d, 1e308);
+  rows.insert(rows.end(), d, -5e-324);
+  return rows;
+}
+
+void check(const LiftedSet& s, unsigned count, bool furthest = false) {
+  TriangulationOptions o;
+  o.furthest_site = furthest;
+  const Triangulation t = triangulate(s, o);
+  const TriangulationQuery query(view_of(s), t, s.weights);
+  ASSERT_EQ(query.corners(), t.corners());
+  const std::vector<double> rows = questions(s, 5, count);
+  const std::size_t n = rows.size() / s.dimension;
+  const PointView asked = PointView::row_major(rows.data(), n, s.dimension);
+  std::vector<std::uint32_t> cells(n), nearest(n);
+  std::vector<double> shares(n * t.corners());
+  query.find(asked, cells.data());
+  query.nearest(asked, nearest.data());
+  query.barycentric(asked, cells.data(), shares.data());
+  std::vector<double> single(t.corners());
+  for (std::size_t i = 0; i < n; ++i) {
+    const double* p = rows.data() + i * s.dimension;
+    const Rationals q = rational_row(p, s.dimension);
+    ASSERT_EQ(cells[i], slow_find(s, t, q)) << s.name << ", question " << i;
+    ASSERT_EQ(nearest[i], slow_nearest(s, t, q)) << s.name << ", question " << i;
+    EXPECT_EQ(query.find(p), cells[i]);
+    EXPECT_EQ(query.nearest(p), nearest[i]);
+    query.barycentric(p, cells[i], single.data());
+    for (unsigned j = 0; j < t.corners(); ++j) {
+      const double share = shares[i * t.corners() + j];
+      if (cells[i] == no_cell) {
+        ASSERT_TRUE(std::isnan(share) && std::isnan(single[j]));
+        continue;
+      }
+      ASSERT_EQ(share, single[j]);
+      const mpq_class x = (*slow_barycentric(s, t.cell(cells[i]), q))[j];
+      ASSERT_TRUE(near(share, x, 0x1p-50, 1)) << s.name << ", question " << i;
+      ASSERT_EQ(share == 0, x <= mpq_class(5e-324) / 2) << s.name << ", question " << i;
+      ASSERT_GE(share, 0);
+    }
+  }
+}
+
+TEST(TriangulationQuery, SmallSetsAreAsDefined) {
+  for (unsigned d = 1; d <= 4; ++d)
+    for (const LiftedSet& s : small_lifted_sets(d, 3)) check(s, d <= 3 ? 40 : 15);
+}
+
+TEST(TriangulationQuery, RandomSmallSetsAreAsDefined) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed)
+    for (unsigned d = 1; d <= 4; ++d) check(random_lifted_set(d, seed), 15);
+}
+
+TEST(TriangulationQuery, FurthestSite) {
+  for (unsigned d = 1; d <= 3; ++d)
+    for (const LiftedSet& s : small_lifted_sets(d, 19)) check(s, 15, true);
+}
+
+TEST(TriangulationQuery, FewPoints) {
+  for (unsigned d = 1; d <= 4; ++d) {
+    LiftedSet s;
+    s.dimension = d;
+    s.name = "few";
+    std::mt19937_64 random(d);
+    for (unsigned n = 0; n <= d + 2; ++n) {
+      check(s, 20);
+      for (unsigned j = 0; j < d; ++j) s.rows.push_back(static_cast<double>(random() % 10));
+    }
+    for (double& v : s.rows) v = 0.5;
+    check(s, 20);
+  }
+}
+
+/// Coordinates beyond a cell are told as well.
+TEST(TriangulationQuery, BarycentricBeyondTheCell) {
+  const std::vector<double> rows{0, 0, 4, 0, 0, 4};
+  const PointView points = PointView::row_major(rows.data(), 3, 2);
+  const Triangulation t = delaunay(points);
+  const TriangulationQuery query(points, t);
+  const double outside[2] = {-4, 6};
+  double shares[3];
+  query.barycentric(outside, 0, shares);
+  EXPECT_EQ(shares[0], 0.5);
+  EXPECT_EQ(shares[1], -1);
+  EXPECT_EQ(shares[2], 1.5);
+  EXPECT_EQ(query.find(outside), no_cell);
+}
+
+/// Many questions: the same for any threads, in the cell they name, and the lowest of those that
+/// meet where a vertex is asked for.
+TEST(TriangulationQuery, LargerSets) {
+  for (unsigned d = 1; d <= 4; ++d)
+    for (const LiftedSet& s : large_lifted_sets(d, d <= 3 ? 3000 : 300)) {
+      const Triangulation t = triangulate(s);
+      const TriangulationQuery query(view_of(s), t, s.weights);
+      const std::vector<double> rows = questions(s, 8, 20000);
+      const std::size_t n = rows.size() / d;
+      const PointView asked = PointView::row_major(rows.data(), n, d);
+      std::vector<std::uint32_t> cells(n), nearest(n), again(n);
+      Options o;
+      o.threads = 1;
+      query.find(asked, cells.data(), o);
+      query.nearest(asked, nearest.data(), o);
+      for (const unsigned threads : {2U, 3U, 8U}) {
+        o.threads = threads;
+        query.find(asked, again.data(), o);
+        ASSERT_EQ(again, cells) << s.name;
+        query.nearest(asked, again.data(), o);
+        ASSERT_EQ(again, nearest) << s.name;
+      }
+      for (std::size_t i = 0; i < n; i += 97) {
+        const Rationals q = rational_row(rows.data() + i * d, d);
+        ASSERT_EQ(query.find(rows.data() + i * d), cells[i]);
+        if (cells[i] == no_cell) continue;
+        const auto x = slow_barycentric(s, t.cell(cells[i]), q);
+        ASSERT_TRUE(x) << s.name;
+        for (const mpq_class& v : *x) ASSERT_TRUE(v >= 0) << s.name;
+      }
+      std::vector<std::uint32_t> lowest(s.count(), no_cell), found(s.count());
+      for (std::uint32_t c = 0; c < t.size(); ++c)
+        for (const std::uint32_t v : t.cell(c)) lowest[v] = std::min(lowest[v], c);
+      for (const DuplicatePoint& p : t.duplicates) lowest[p.id] = lowest[p.representative];
+      query.find(view_of(s), found.data());
+      for (std::uint32_t i = 0; i < s.count(); ++i)
+        ASSERT_TRUE(lowest[i] == no_cell || found[i] == lowest[i]) << s.name;
+    }
+}
+
+TEST(TriangulationQuery, ScalarTypesOfEqualValueAgree) {
+  LiftedSet s = drawn_grid(2, 400, 90, 1, 0, 3);
+  const Triangulation t = triangulate(s);
+  const TriangulationQuery query(view_of(s), t);
+  const LiftedSet asked = drawn_grid(2, 500, 110, 1, 0, 4);
+  const std::vector<float> floats(asked.rows.begin(), asked.rows.end());
+  const std::vector<std::uint8_t> bytes(asked.rows.begin(), asked.rows.end());
+  std::vector<std::uint32_t> a(500), b(500), c(500);
+  query.find(view_of(asked), a.data());
+  query.find(PointView::row_major(floats.data(), 500, 2), b.data());
+  query.find(PointView::row_major(bytes.data(), 500, 2), c.data());
+  EXPECT_EQ(a, b);
+  EXPECT_EQ(a, c);
+}
+
+template <class Body>
+std::string message_of(const Body& body, ErrorCode code) {
+  try {
+    body();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), code) << e.what();
+    return e.what();
+  }
+  return "nothing was thrown";
+}
+
+TEST(TriangulationQuery, RefusesWhatIsNone) {
+  const LiftedSet s = random_points(2, 20, 1);
+  const Triangulation t = triangulate(s);
+  const TriangulationQuery query(view_of(s), t);
+  std::vector<double> rows{0, 0, 0.5, std::nan(""), std::numeric_limits<double>::infinity(), 0};
+  std::vector<std::uint32_t> out(3);
+  const PointView asked = PointView::row_major(rows.data(), 3, 2);
+  EXPECT_NE(
+      message_of([&] { query.find(asked, out.data()); }, ErrorCode::not_finite).find("point 1"),
+      std::string::npos);
+  EXPECT_EQ(message_of([&] { query.find(rows.data() + 2); }, ErrorCode::not_finite),
+            "coordinate 1 is NaN");
+  EXPECT_EQ(message_of([&] { query.nearest(rows.data() + 4); }, ErrorCode::not_finite),
+            "coordinate 0 is infinite");
+  double shares[3];
+  EXPECT_EQ(message_of([&] { query.barycentric(rows.data(), 4000, shares); },
+                       ErrorCode::invalid_argument),
+            "there is no cell 4000");
+  EXPECT_EQ(message_of([&] { query.find(PointView::row_major(rows.data(), 2, 3), out.data()); },
+                       ErrorCode::invalid_argument),
+            "points of dimension 3 asked of a triangulation in dimension 2");
+  EXPECT_EQ(message_of([&] { TriangulationQuery(asked, t); }, ErrorCode::invalid_argument),
+            "the triangulation is of 20 points in dimension 2, not of 3 in dimension 2");
+  std::stop_source stop;
+  stop.request_stop();
+  Options o;
+  o.stop = stop.get_token();
+  rows = {0, 0};
+  message_of([&] { query.find(PointView::row_major(rows.data(), 1, 2), out.data(), o); },
+             ErrorCode::cancelled);
+}
+
+}  // namespace
+}  // namespace cullhull
