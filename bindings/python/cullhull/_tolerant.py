@@ -180,8 +180,8 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
     """`Delaunay` without flat simplices at the boundary, for programs that assume tolerances.
 
     Not exact, and never what another function uses. Points in one plane but for their rounding make
-    an exact triangulation with simplices of no volume to speak of along the boundary. Here a simplex
-    is dropped if one of its facets is at the boundary and its other corner is within
+    an exact triangulation with simplices of no volume to speak of along the boundary. Here a
+    simplex is dropped if one of its facets is at the boundary and its other corner is within
     `merge_distance` of that facet's plane; its other facets are at the boundary then, and so on
     until there is none. All other simplices are those of `Delaunay`: flat ones within stay, since
     without them there would be a hole.
@@ -230,7 +230,7 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
         return self._peeled.distance
 
     @Lazy
-    def _cells(self) -> npt.NDArray[np.int32]:  # type: ignore[override]
+    def _cells(self) -> npt.NDArray[np.int32]:
         rows: npt.NDArray[np.int32] = self.triangulation.cells[self._peeled.kept]
         return rows
 
@@ -328,7 +328,7 @@ class TolerantVoronoi(_TolerantLifted, Voronoi):
     such as those mirrored at a wall, make an exact diagram with several vertices a rounding apart,
     and with ridges of no size to speak of between them. Here,
 
-    - simplices of the triangulation that `TolerantDelaunay` drops have their vertex at infinity: -1;
+    - simplices that `TolerantDelaunay` drops have their vertex at infinity: -1;
     - vertices of two neighbouring simplices are one if the corner that each has alone is within
       `merge_distance` of the other's circumsphere; also through a chain of them. The one of the
       lowest number stays. Where only one simplex has its corner there, a flat one, it takes the
@@ -371,7 +371,7 @@ class TolerantVoronoi(_TolerantLifted, Voronoi):
     """
 
     @Lazy
-    def _shown(self) -> MergedDiagram:  # type: ignore[override]
+    def _shown(self) -> MergedDiagram:
         return merged_diagram(self.diagram, self._scaled, self._peeled, self._tolerance)
 
     @property
