@@ -142,7 +142,7 @@ TEST(Layers, SystemsAndCompilersAreNamedInTheirPlaces) {
   EXPECT_EQ(unportable(root), std::vector<std::string>());
   for (const std::string& place : portable_places) EXPECT_TRUE(fs::exists(root / place)) << place;
   const fs::path planted = fs::path(testing::TempDir()) / "cullhull_unportable";
-  fs::create_directories(planted / "src/io");
+  fs::create_directories(planted / "src/io/formats");
   std::ofstream(planted / "src/io/formats/npy.cpp")
       << "#include <sys/mman.h>\nauto b = __builtin_clz(1);\n";
   std::ofstream(planted / "src/io/system.cpp") << "#include <sys/mman.h>\n";
