@@ -292,6 +292,10 @@ TEST(ClipVoronoi, RefusesWhatIsNone) {
             "ring 0 of the polygon has 2 corners; three are needed");
   EXPECT_EQ(of_rings({0, 0, 1, 0, 0, 1}, {0, 2}),
             "the rings' offsets do not ascend from 0 to the number of corners");
+  EXPECT_EQ(of_rings({7, 0, 4, 0, 46, 0, 7, 0, 7, 1}, {0, 5}),
+            "the polygon has no inside: its edges are there an even number of times");
+  EXPECT_EQ(of_rings({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, {0, 3, 6}),
+            "the polygon has no inside: its edges are there an even number of times");
   EXPECT_EQ(of_rings({0, 0, 1, 1, 0, 1, 1, 0}, {0, 4}).substr(0, 41),
             "the boundary of the polygon crosses itsel");
   const LiftedSet far = random_points(4, 20, 1);

@@ -302,6 +302,8 @@ Region<2> polygon_region(const PolygonRings& rings, const Run& run) {
       refuse("the boundary of the polygon crosses itself: " + std::string(e.what()));
     }
   }();
+  if (found.triangulation.size() == 0)
+    refuse("the polygon has no inside: its edges are there an even number of times");
   return triangles_of(outline, found.triangulation);
 }
 
