@@ -19,7 +19,7 @@ inline constexpr std::uint32_t at_infinity = 0xffffffff;
 inline constexpr std::uint32_t no_point = 0xffffffff;
 
 /// d: `dimension`; k: `affine_dimension`. The diagram of points in a flat (k < d) is the one within
-/// the flat, drawn out at right angles; its vertices lie in the flat.
+/// the flat, extended orthogonally to it; its vertices are in the flat.
 struct Voronoi {
   std::uint32_t dimension = 0;
   std::uint64_t point_count = 0;

@@ -165,7 +165,7 @@ class CellInsertion {
     return mark(c).compare_exchange_strong(free, out(), std::memory_order_acquire,
                                            std::memory_order_relaxed);
   }
-  /// Of all that this thread holds, but what has died.
+  /// Releases every cell that this thread holds, except those it deleted.
   void let_go() {
     if constexpr (shared) {
       for (const std::uint32_t c : held_)

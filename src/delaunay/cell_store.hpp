@@ -119,7 +119,7 @@ class CellStore {
 
   static constexpr std::uint32_t dead_mark = 0xffffffff;
 
-  /// That many cells, of which nothing is set.
+  /// Allocates `count` cells, uninitialised.
   void resize(std::uint32_t count) {
     expected_ = 0;
     require_budget(budget_, count * cell_bytes(), "the cells of the triangulation");

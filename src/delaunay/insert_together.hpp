@@ -38,7 +38,7 @@ class InsertTogether {
       std::copy(left.begin(), left.end(), places.begin() + static_cast<std::ptrdiff_t>(begin));
       const std::size_t before = left.size();
       left = round(places.data() + begin, end - begin);
-      if (next == end && left.size() == before) break;  // to no avail
+      if (next == end && left.size() == before) break;  // no progress: finish serially
       done += static_cast<std::uint32_t>(end - begin - left.size());
       next = end;
       run_.report("triangulate", double(done) / s_.count);

@@ -1,6 +1,7 @@
-// The plane's own insertion: no weights, so each point becomes a vertex and none ever goes. Then a
-// cavity is a tree of triangles: it is walked once around, edge by edge, without marks, and the new
-// triangles, which come in cyclic order, take the place of the old ones and two more.
+// Insertion into a Delaunay triangulation of the plane. Without weights every point becomes a
+// vertex, and no vertex is ever removed, so that a cavity is a tree of triangles: it is walked
+// around once, edge by edge, without marks. The new triangles, which come in cyclic order, take the
+// places of the deleted ones, and there are two more of them.
 #pragma once
 
 #include <cmath>

@@ -161,7 +161,7 @@ class LuneSearch {
   LuneSearch(const DualPoints& p, const PointNeighbours& graph, unsigned d)
       : p_(p), graph_(graph), d_(d) {}
 
-  /// From both ends in turn: points that are nearer to an end than the other end hang together with
+  /// From both ends in turn: points that are nearer to an end than the other end are connected with
   /// it in the triangulation. Done where one end has no more of them.
   bool empty(const Edge& e) {
     edge_ = e;

@@ -135,7 +135,8 @@ bool NaturalWeights::in_sphere(std::uint32_t cell) {
   return sign == Sign::negative;
 }
 
-/// They hang together.
+/// Collects the cells whose circumspheres contain the query. They are connected through facets, so
+/// that a flood fill from one of them finds all.
 void NaturalWeights::find_cavity(std::uint32_t cell) {
   cells_.assign(1, cell);
   for (std::size_t at = 0; at < cells_.size(); ++at)

@@ -63,7 +63,7 @@ class GaugeMap {
   }
 
   /// For an exact hull in space with so few facets, outward oriented, that testing every node
-  /// against all of them is faster than walks; null as
+  /// against all of them is faster than walks. Returns null where build() would.
   static std::unique_ptr<GaugeMap> of_few_facets(const InnerPolytope& polytope,
                                                  unsigned resolution);
 
