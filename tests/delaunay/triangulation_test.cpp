@@ -13,6 +13,7 @@
 #include "cullhull/error.hpp"
 #include "delaunay/brute_triangulation.hpp"
 #include "delaunay/lifted_sets.hpp"
+#include "thrown.hpp"
 
 namespace cullhull {
 namespace {
@@ -204,17 +205,6 @@ TEST(Triangulation, WeightsHidePoints) {
     EXPECT_EQ(t.hidden.size(), w < -0.5 ? 1U : 0U) << w;
     EXPECT_EQ(t.size(), w < -0.5 ? 1U : 2U) << w;
   }
-}
-
-template <class Body>
-std::string message_of(const Body& body, ErrorCode code) {
-  try {
-    body();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), code) << e.what();
-    return e.what();
-  }
-  return "nothing was thrown";
 }
 
 TEST(Triangulation, RefusesWhatIsNone) {

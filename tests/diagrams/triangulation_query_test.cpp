@@ -10,6 +10,7 @@
 
 #include "cullhull/error.hpp"
 #include "diagrams/slow_cells.hpp"
+#include "thrown.hpp"
 
 namespace cullhull {
 namespace {
@@ -183,17 +184,6 @@ TEST(TriangulationQuery, ScalarTypesOfEqualValueAgree) {
   query.find(PointView::row_major(bytes.data(), 500, 2), c.data());
   EXPECT_EQ(a, b);
   EXPECT_EQ(a, c);
-}
-
-template <class Body>
-std::string message_of(const Body& body, ErrorCode code) {
-  try {
-    body();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), code) << e.what();
-    return e.what();
-  }
-  return "nothing was thrown";
 }
 
 TEST(TriangulationQuery, RefusesWhatIsNone) {

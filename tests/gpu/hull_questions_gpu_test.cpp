@@ -10,9 +10,12 @@
 #include "cullhull/cullhull.hpp"
 #include "tests/gpu/device.hpp"
 #include "tests/gpu/same_batch.hpp"
+#include "tests/thrown.hpp"
 
 namespace cullhull::testing {
 namespace {
+
+using testing_support::error_of;
 
 class GpuQuestions : public ::testing::Test {
  protected:
@@ -108,16 +111,6 @@ TEST_F(GpuQuestions, HullsThatTheCpuIsAskedAbout) {
   expect_the_same(query_of(ball_of<double>(1, 30, 5, 1), 1), ball_of<double>(1, 100, 6, 2), 1);
   expect_the_same(query_of(ball_of<double>(7, 30, 5, 1), 7), ball_of<double>(7, 20, 6, 2), 7);
   expect_the_same(query_of(points, 3), std::vector<float>(), 3);
-}
-
-template <class Call>
-std::string error_of(const Call& call) {
-  try {
-    call();
-  } catch (const Error& e) {
-    return std::to_string(static_cast<int>(e.code())) + " " + e.what();
-  }
-  return "";
 }
 
 TEST_F(GpuQuestions, ErrorsAreTheCpus) {

@@ -12,9 +12,12 @@
 #include "cullhull/cullhull.hpp"
 #include "tests/gpu/device.hpp"
 #include "tests/gpu/same_batch.hpp"
+#include "tests/thrown.hpp"
 
 namespace cullhull::testing {
 namespace {
+
+using testing_support::error_of;
 
 class GpuSets : public ::testing::Test {
  protected:
@@ -130,16 +133,6 @@ TEST_F(GpuSets, AnyStridesAndOffsetsOnTheDevice) {
   expect_same(convex_hulls(view, sets.offsets.data(), sets.count()), expected);
   expect_same_lists(convex_hulls_on_device(view, offsets_there.data<std::uint64_t>(), sets.count()),
                     expected);
-}
-
-template <class Call>
-std::string error_of(const Call& call) {
-  try {
-    call();
-  } catch (const Error& e) {
-    return std::to_string(static_cast<int>(e.code())) + " " + e.what();
-  }
-  return "";
 }
 
 TEST_F(GpuSets, ErrorsAreTheCpus) {

@@ -42,6 +42,18 @@ struct Interpolator::State {
       body(part, out + first * components);
     }
   }
+
+  /// The cell of each point, or no_cell, and its barycentric coordinates there.
+  struct Located {
+    Array<std::uint32_t> cells;
+    Array<double> shares;
+  };
+  Located locate(const PointView& part, const Options& options) const {
+    Located found{Array<std::uint32_t>(part.count), Array<double>(part.count * corners)};
+    query.find(part, found.cells.data(), options);
+    query.barycentric(part, found.cells.data(), found.shares.data(), options);
+    return found;
+  }
 };
 
 Interpolator::Interpolator(const PointView& points, const Triangulation& triangulation,
@@ -72,10 +84,9 @@ void Interpolator::linear(const PointView& points, double* out, double outside,
   const State& s = *state_;
   const Run run(options);
   s.each_block(points, out, [&](const PointView& part, double* to) {
-    Array<std::uint32_t> cells(part.count);
-    Array<double> shares(part.count * s.corners);
-    s.query.find(part, cells.data(), options);
-    s.query.barycentric(part, cells.data(), shares.data(), options);
+    const auto located = s.locate(part, options);
+    const auto& cells = located.cells;
+    const auto& shares = located.shares;
     run.each(part.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) {
         double* row = to + i * s.components;
@@ -98,10 +109,9 @@ void Interpolator::natural(const PointView& points, double* out, double outside,
   s.require_natural();
   const Run run(options);
   s.each_block(points, out, [&](const PointView& part, double* to) {
-    Array<std::uint32_t> cells(part.count);
-    Array<double> shares(part.count * s.corners);
-    s.query.find(part, cells.data(), options);
-    s.query.barycentric(part, cells.data(), shares.data(), options);
+    const auto located = s.locate(part, options);
+    const auto& cells = located.cells;
+    const auto& shares = located.shares;
     run.each(part.count, 256, [&](std::uint64_t begin, std::uint64_t end) {
       NaturalWeights natural(s.triangulation);
       NaturalNeighbours found;

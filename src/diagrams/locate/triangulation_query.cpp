@@ -95,6 +95,19 @@ struct TriangulationQuery::State {
                       " asked of a triangulation in dimension " + std::to_string(mesh.dimension));
     check_finite(view, nullptr, run);
   }
+  /// Cells or vertices for all points, by body(run): no_cell where the triangulation has none.
+  template <class Body>
+  void answer(const PointView& points, std::uint32_t* out, const Options& options,
+              const Body& body) const {
+    const Run run(options);
+    const CallScope call;
+    const PageScope pages;
+    check(points, run);
+    if (mesh.corners == 0)
+      std::fill_n(out, points.count, no_cell);
+    else
+      body(run);
+  }
   std::uint32_t key(const double* row) const { return mesh.corners > 1 ? mesh.frame.key(row) : 0; }
 
   /// Whether the row is in the flat of the points: for each axis that the flat leaves out, a cell's
@@ -188,20 +201,14 @@ std::uint32_t TriangulationQuery::nearest(const double* point) const {
 void TriangulationQuery::find(const PointView& points, std::uint32_t* out,
                               const Options& options) const {
   const State& s = *state_;
-  const Run run(options);
-  const CallScope call;
-  const PageScope pages;
-  s.check(points, run);
-  if (s.mesh.corners == 0) {
-    std::fill_n(out, points.count, no_cell);
-    return;
-  }
-  with_dimension<2, 3, 0>(s.mesh.corners - 1, [&](auto k) {
-    each_along_curve(s.mesh, points, run, [&] {
-      return [&, walk = Walk<k()>(s.mesh)](std::uint64_t i, const double* row,
-                                           std::uint32_t key) mutable {
-        out[i] = s.find_row(walk, row, key);
-      };
+  s.answer(points, out, options, [&](const Run& run) {
+    with_dimension<2, 3, 0>(s.mesh.corners - 1, [&](auto k) {
+      each_along_curve(s.mesh, points, run, [&] {
+        return [&, walk = Walk<k()>(s.mesh)](std::uint64_t i, const double* row,
+                                             std::uint32_t key) mutable {
+          out[i] = s.find_row(walk, row, key);
+        };
+      });
     });
   });
 }
@@ -225,20 +232,14 @@ void TriangulationQuery::barycentric(const PointView& points, const std::uint32_
 void TriangulationQuery::nearest(const PointView& points, std::uint32_t* out,
                                  const Options& options) const {
   const State& s = *state_;
-  const Run run(options);
-  const CallScope call;
-  const PageScope pages;
-  s.check(points, run);
-  if (s.mesh.corners == 0) {
-    std::fill_n(out, points.count, no_cell);
-    return;
-  }
-  const VertexGraph& graph = s.graph(run);
-  each_along_curve(s.mesh, points, run, [&] {
-    return [&, walk = NearestVertex(s.mesh, graph)](std::uint64_t i, const double* row,
-                                                    std::uint32_t key) mutable {
-      out[i] = walk.find(row, key);
-    };
+  s.answer(points, out, options, [&](const Run& run) {
+    const VertexGraph& graph = s.graph(run);
+    each_along_curve(s.mesh, points, run, [&] {
+      return [&, walk = NearestVertex(s.mesh, graph)](std::uint64_t i, const double* row,
+                                                      std::uint32_t key) mutable {
+        out[i] = walk.find(row, key);
+      };
+    });
   });
 }
 

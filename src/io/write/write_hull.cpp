@@ -41,15 +41,7 @@ void write_hull_of(const std::string& path, const Points& of, const Hull& hull,
     throw Error(ErrorCode::invalid_argument, "the hull is not that of these points");
   const std::string f = output_format(path, format, "json");
   if (f == "ply" || f == "obj" || f == "off" || f == "stl" || f == "glb" || f == "vtp") {
-    const HullMesh mesh = make_mesh(points, hull, f, faces);
-    OutputFile out(path);
-    if (f == "ply") write_ply(out, mesh);
-    if (f == "obj") write_obj(out, mesh);
-    if (f == "off") write_off(out, mesh);
-    if (f == "stl") write_stl(out, mesh);
-    if (f == "glb") write_glb(out, mesh);
-    if (f == "vtp") write_vtp(out, mesh);
-    out.commit();
+    write_mesh(path, f, make_mesh(points, hull, f, faces));
   } else if (f == "json") {
     OutputFile out(path);
     write_result_json(points, hull, [&](const std::string& piece) { out.write(piece); });

@@ -12,29 +12,19 @@
 
 #include "device_sets.hpp"
 #include "emulation.hpp"
+#include "random_work.hpp"
 
 namespace cullhull::testing {
 namespace {
 
 using testing_support::canonical_hash;
 
-class RandomCall {
+class RandomCall : public RandomWork<RandomCall> {
  public:
-  explicit RandomCall(std::uint64_t seed) : random_(seed), seed_(seed) {}
-
-  void run() {
-    emulation::settings() = {};
-    emulation::restart(seed_);
-    if (one_in(2))
-      run_as<float>();
-    else
-      run_as<double>();
-    emulation::settings() = {};
-  }
+  using RandomWork::RandomWork;
 
  private:
-  std::uint64_t below(std::uint64_t n) { return random_() % n; }
-  bool one_in(std::uint64_t n) { return below(n) == 0; }
+  friend RandomWork;
 
   template <class T>
   std::vector<T> points(unsigned d) {
@@ -123,20 +113,11 @@ class RandomCall {
     }
   }
 
-  std::mt19937_64 random_;
-  std::uint64_t seed_;
   bool fails_ = false;
 };
 
 TEST(EmulatedCalls, EndWithTheHullOrAnErrorThatExplains) {
-  const char* wanted = std::getenv("CULLHULL_RANDOM_RUNS");
-  const long runs = wanted != nullptr ? std::atol(wanted) : 200;
-  const char* first = std::getenv("CULLHULL_RANDOM_SEED");
-  const long seed = first != nullptr ? std::atol(first) : 1;
-  for (long i = 0; i < runs; ++i) {
-    RandomCall(static_cast<std::uint64_t>(seed + i)).run();
-    if (HasFatalFailure()) return;
-  }
+  testing_support::for_random_seeds(200, [](std::uint64_t seed) { RandomCall(seed).run(); });
   EXPECT_EQ(emulation::counters().live_bytes, 0U) << "memory of a device was not freed";
 }
 

@@ -11,28 +11,18 @@
 #include <vector>
 
 #include "emulation.hpp"
+#include "random_work.hpp"
 #include "tests/gpu/same_batch.hpp"
 
 namespace cullhull::testing {
 namespace {
 
-class RandomBatch {
+class RandomBatch : public RandomWork<RandomBatch> {
  public:
-  explicit RandomBatch(std::uint64_t seed) : random_(seed), seed_(seed) {}
-
-  void run() {
-    emulation::settings() = {};
-    emulation::restart(seed_);
-    if (one_in(2))
-      run_as<float>();
-    else
-      run_as<double>();
-    emulation::settings() = {};
-  }
+  using RandomWork::RandomWork;
 
  private:
-  std::uint64_t below(std::uint64_t n) { return random_() % n; }
-  bool one_in(std::uint64_t n) { return below(n) == 0; }
+  friend RandomWork;
 
   template <class T>
   Sets<T> sets() {
@@ -139,18 +129,11 @@ class RandomBatch {
     }
   }
 
-  std::mt19937_64 random_;
-  std::uint64_t seed_;
   bool fails_ = false;
 };
 
 TEST(EmulatedSets, EndWithTheBatchOrAnErrorThatExplains) {
-  const char* wanted = std::getenv("CULLHULL_RANDOM_RUNS");
-  const long runs = wanted != nullptr ? std::atol(wanted) : 200;
-  const char* first = std::getenv("CULLHULL_RANDOM_SEED");
-  const long seed = first != nullptr ? std::atol(first) : 1;
-  for (long i = 0; i < runs && !::testing::Test::HasFailure(); ++i)
-    RandomBatch(static_cast<std::uint64_t>(seed + i)).run();
+  testing_support::for_random_seeds(200, [](std::uint64_t seed) { RandomBatch(seed).run(); });
   EXPECT_EQ(emulation::counters().live_bytes, 0U) << "memory of a device was not freed";
 }
 
