@@ -212,7 +212,7 @@ class CellInsertion {
   /// Ensures one unused cell for each facet of the cavity's boundary; false if there are too few.
   bool have_room() {
     if constexpr (shared) {
-      constexpr std::uint32_t many = 256;  // cells reserved at a time; a cavity needs tens to hundreds
+      constexpr std::uint32_t many = 256;  // cells at a time; a cavity needs tens to hundreds
       while (spare_.size() < facets_.size())
         if (!cells_.take(many, spare_)) return false;
     }
@@ -354,8 +354,8 @@ class CellInsertion {
   }
 
   /// Creates a new cell for each facet of the boundary: the facet's cell in the cavity with the
-  /// vertex opposite to the facet replaced by p, which keeps the orientation. The cell in the cavity
-  /// then refers to the new cell across this facet, where join() finds it.
+  /// vertex opposite to the facet replaced by p, which keeps the orientation. The cell in the
+  /// cavity then refers to the new cell across this facet, where join() finds it.
   void make_cells(std::uint32_t p) {
     last_ = unset;
     for (Facet& f : facets_) {
@@ -438,10 +438,10 @@ class CellInsertion {
     return true;
   }
 
-  /// 4D to 6D: links the new cells. Exactly two of them share each ridge of the cavity's boundary. A
-  /// table indexed by the ridge's hash holds, in one number, the count and the sum of the codes of
-  /// both cells. If the count is 2, the sum minus one code is the other code. Ridges that share a
-  /// hash are joined by walking (join).
+  /// 4D to 6D: links the new cells. Exactly two of them share each ridge of the cavity's boundary.
+  /// A table indexed by the ridge's hash holds the count and the sum of these cells' codes in one
+  /// number. If the count is 2, the sum minus one code is the other code. Cells at ridges that
+  /// share a hash are linked by walking (join).
   void join_by_sums() {
     constexpr unsigned sum_bits = 42;
     const std::size_t ridges = facets_.size() * (corners() - 1);

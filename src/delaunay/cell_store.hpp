@@ -57,14 +57,15 @@ class CellStore {
   /// The slot of the infinite vertex of a ghost cell; corners() if the cell is finite.
   unsigned ghost_slot(std::uint32_t c) { return find(vertices(c), infinite); }
 
-  /// Makes facet `slot` of cell c and the facet that the code `other` names each other's neighbours.
+  /// Links facet `slot` of cell c and the facet that the code `other` names, both ways.
   void link(std::uint32_t c, unsigned slot, std::uint32_t other) {
     neighbours(c)[slot] = other;
     neighbours(cell_of(other))[slot_of(other)] = code(c, slot);
   }
 
   /// Creates one positively oriented cell with vertices `v` and its ghosts, the cells that join
-  /// its facets to the infinite vertex. `points`: the expected number, to size the first allocation.
+  /// its facets to the infinite vertex. `points`: their expected number, which sizes the first
+  /// allocation.
   void start(const std::uint32_t* v, std::uint32_t points) {
     expected_ = points;
     for (unsigned c = 0; c <= corners(); ++c) {
