@@ -15,7 +15,7 @@
 #pragma GCC visibility push(default)
 namespace cullhull {
 
-/// What lies across a facet of the hull.
+/// The neighbour across a facet of the hull: there is no cell.
 inline constexpr std::uint32_t no_cell = 0xffffffff;
 
 struct TriangulationOptions {
@@ -49,9 +49,9 @@ To run_as(const From& given) {
 struct TriangulationStatistics {
   /// Signs by what decided them (docs/exactness.md, "Lifting"): doubles, double-doubles, integers.
   std::uint64_t rung_counts[3] = {0, 0, 0};
-  /// In-sphere tests that were exactly zero; the ids decided.
+  /// In-sphere tests that were exactly zero and were decided by the ids.
   std::uint64_t ties = 0;
-  /// Cells made on the way, those of the result among them.
+  /// Cells created during the construction, including those of the result.
   std::uint64_t cells_created = 0;
   unsigned threads = 1;
   double order_seconds = 0;   ///< reading, the order of insertion, equal points, the flat
@@ -60,7 +60,7 @@ struct TriangulationStatistics {
   double compute_seconds = 0;
 };
 
-/// A point that another one with the same coordinates stands in for.
+/// A duplicate point and its representative, a point with the same coordinates.
 struct DuplicatePoint {
   std::uint32_t id = 0, representative = 0;
   friend bool operator==(const DuplicatePoint&, const DuplicatePoint&) = default;
@@ -99,7 +99,7 @@ struct Triangulation {
   /// are swapped where that is needed to orient it outward as in Hull::simplices; sorted
   /// lexicographically. None for k < 1.
   Array<std::uint32_t> hull_facets;
-  /// The cell each of them belongs to.
+  /// The cell that each hull facet belongs to.
   Array<std::uint32_t> hull_cells;
 
   /// Ascending by id. Of equal points the lowest id stands in; with weights that of the largest
@@ -111,7 +111,7 @@ struct Triangulation {
 
   TriangulationStatistics statistics;
 
-  /// Vertices of a cell: k + 1.
+  /// The number of vertices of a cell: k + 1.
   unsigned corners() const noexcept { return static_cast<unsigned>(affine_dimension + 1); }
   /// The number of cells.
   std::uint64_t size() const noexcept { return corners() == 0 ? 0 : cells.size() / corners(); }
@@ -159,7 +159,7 @@ Triangulation regular_triangulation(const PointView& points, std::span<const dou
 /// null data, no dimension, or weights that are not as many as points.
 Certificate certify(const PointView& points, const Triangulation& triangulation,
                     const TriangulationOptions& options = {});
-/// The same of a regular triangulation.
+/// The same for a regular triangulation.
 Certificate certify(const PointView& points, std::span<const double> weights,
                     const Triangulation& triangulation, const TriangulationOptions& options = {});
 

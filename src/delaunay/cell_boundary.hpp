@@ -8,8 +8,9 @@
 
 namespace cullhull::internal {
 
-/// Facets between a cell that is kept and none, as Triangulation::hull_facets, and the cells that
-/// have them. `kept`: a flag for each cell. None for k < 1.
+/// Appends the facets between a kept cell and a cell that is not kept, or no cell, in the format of
+/// Triangulation::hull_facets, and for each the kept cell. `kept`: a flag for each cell. Writes
+/// nothing for k < 1.
 void write_boundary(const Triangulation& t, const Array<std::uint8_t>& kept,
                     Array<std::uint32_t>& facets, Array<std::uint32_t>& facet_cells);
 

@@ -1,6 +1,7 @@
-// Incremental construction by cavities (Bowyer 1981; Watson 1981) with one vertex at infinity, in
-// any dimension. The cells a point is in conflict with are replaced by those that join the point to
-// the cavity's boundary; new cells find one another by walking around ridges within the cavity.
+// Incremental Delaunay and regular triangulation in any dimension (Bowyer 1981; Watson 1981), with
+// one vertex at infinity. The cells in conflict with a new point form its cavity. They are replaced
+// by new cells that join the point to the facets of the cavity's boundary. Two new cells are linked
+// by walking around their common ridge through the cavity, or by tables of edges or ridges.
 #pragma once
 
 #include <algorithm>
@@ -24,12 +25,13 @@
 
 namespace cullhull::internal {
 
-/// What one thread builds, or several at once.
+/// The triangulation under construction, by one thread or several.
 template <unsigned K>
 struct GrowingCells {
   GrowingCells(unsigned k, std::uint64_t budget) : store(k, budget) {}
 
-  /// Adds at most so many dead cells, which are one thread's from then on; false: there are none.
+  /// Reserves up to `cells` unused cells for the calling thread and appends them to `to`. Returns
+  /// false if no unused cell remains.
   bool take(std::uint32_t cells, std::vector<std::uint32_t>& to) {
     const std::uint64_t first = next.fetch_add(cells, std::memory_order_relaxed);
     const std::uint64_t end = std::min<std::uint64_t>(first + cells, store.capacity());
@@ -44,15 +46,17 @@ struct GrowingCells {
 
 enum class Inserted : std::uint8_t {
   done,
-  hidden,  ///< by the points that are there
-  busy,    ///< another thread has cells in the way; nothing was done
-  full,    ///< no cells are left; nothing was done
+  hidden,  ///< the point conflicts with no cell: its lifted point is not below the lower hull
+  busy,    ///< another thread holds a cell that is needed; the triangulation is unchanged
+  full,    ///< no unused cells remain; the triangulation is unchanged
 };
 
-/// K: the dimension of the points' flat where it is known early, else 0. `shared`: several threads
-/// have one of these each, of the same cells (insert_together). A thread holds the mark of each
-/// cell that it looks at: what it finds in a cell stays so until it lets go. Only corners of a held
-/// cell's neighbour are read without, as they never change and the neighbour cannot die.
+/// Inserts points one after another. K: the dimension of the points' flat if it is a compile-time
+/// constant, otherwise 0. `shared`: several threads insert into the same cells (insert_together),
+/// each with an object of this class. A thread takes a cell by writing its own mark into it. No
+/// other thread changes a held cell until it is released. A thread also reads the vertices of a
+/// held cell's neighbours without holding them: vertices of a live cell never change, and a
+/// neighbour of a held cell cannot be deleted.
 template <unsigned K, bool shared = false>
 class CellInsertion {
  public:
@@ -60,7 +64,7 @@ class CellInsertion {
       : s_(points), run_(run), cells_(points.base, run.budget), signs_(points), planes_(points) {
     make_tables();
   }
-  /// One of several, each with a number of its own.
+  /// For one of several threads; each thread passes a different `number`.
   CellInsertion(const LiftedPoints& points, const Run& run, GrowingCells<K>& cells,
                 std::uint32_t number) requires(shared)
       : s_(points), run_(run), cells_(cells), signs_(points), planes_(points) {
@@ -76,7 +80,8 @@ class CellInsertion {
     return counts_;
   }
 
-  /// k + 1 affinely independent points; about how many there will be.
+  /// Begins with the cell of k + 1 affinely independent points. `expected`: the approximate number
+  /// of points, to size the first allocation.
   void start(const std::uint32_t* simplex, std::uint32_t expected) {
     std::vector<std::uint32_t> v(simplex, simplex + corners());
     if (signs_.orientation(v.data()) == Sign::negative) std::swap(v[k() - 1], v[k()]);
@@ -89,6 +94,7 @@ class CellInsertion {
     last_ = 0;
   }
 
+  /// Inserts point p: visibility walk, cavity, new cells. May throw cancelled.
   Inserted insert(std::uint32_t p) {
     signs_.aim(p);
     const std::uint32_t first = locate();
@@ -119,8 +125,8 @@ class CellInsertion {
     return Inserted::done;
   }
 
-  /// Until unshare() others of these cells insert: there is room for twice as many cells as live,
-  /// and more.
+  /// Lets other threads insert into these cells until unshare(). Reserves unused cells: twice the
+  /// number of live cells, plus `spare`, as far as the budget allows.
   void share(std::uint64_t spare) {
     const std::uint64_t live = cells_.store.living();
     cells_.store.share(cells_.store.count() + 2 * live + spare);
@@ -128,13 +134,13 @@ class CellInsertion {
     cells_.next = cells_.store.count();
   }
   void unshare() { cells_.store.unshare(cells_.next); }
-  /// To be called where others have inserted: the cell that walks began in may be gone.
+  /// To be called after other threads have inserted: the start cell of the walks may be dead.
   void restart() {
     last_ = 0;
     while (cells_.store.dead(last_)) ++last_;
     if constexpr (with_planes) planes_.set_room(cells_.planes, cells_.store.capacity());
   }
-  /// The cells that this thread has left; it takes others when it goes on.
+  /// Returns this thread's unused cells to the store.
   void give_cells_back() requires(shared) {
     cells_.store.give_back(spare_, created_);
     spare_.clear();
@@ -159,13 +165,13 @@ class CellInsertion {
   }
   std::uint32_t out() const { return in_ + 1; }
 
-  /// Takes a cell that no thread has.
+  /// Takes cell c if no thread holds it; false if one does or the cell is dead.
   bool hold(std::uint32_t c) {
     std::uint32_t free = 0;
     return mark(c).compare_exchange_strong(free, out(), std::memory_order_acquire,
                                            std::memory_order_relaxed);
   }
-  /// Releases every cell that this thread holds, except those it deleted.
+  /// Releases every cell this thread holds, except those it deleted.
   void let_go() {
     if constexpr (shared) {
       for (const std::uint32_t c : held_)
@@ -175,6 +181,8 @@ class CellInsertion {
     }
   }
 
+  /// Classifies a cell during the search for the cavity: known to be inside, known to be outside,
+  /// seen for the first time (and now held), or held by another thread.
   Seen look(std::uint32_t c) {
     if constexpr (!shared) {
       const std::uint32_t known = cells_.store.mark(c);
@@ -201,10 +209,10 @@ class CellInsertion {
       return cells_.store.mark(c) == in_;
   }
 
-  /// Whether there are cells for all facets.
+  /// Ensures one unused cell for each facet of the cavity's boundary; false if there are too few.
   bool have_room() {
     if constexpr (shared) {
-      constexpr std::uint32_t many = 256;  // at a time; a cavity takes some ten to some hundred
+      constexpr std::uint32_t many = 256;  // cells at a time; a cavity needs tens to hundreds
       while (spare_.size() < facets_.size())
         if (!cells_.take(many, spare_)) return false;
     }
@@ -234,9 +242,9 @@ class CellInsertion {
   unsigned k() const { return cells_.store.corners() - 1; }
   unsigned corners() const { return cells_.store.corners(); }
 
-  /// Towards p through facets that p is beyond: in a regular triangulation, which this is under the
-  /// perturbation, no cell is met twice.
-  /// unset: another thread has a cell on the way.
+  /// Visibility walk: crosses facets that p is beyond until it reaches the cell that contains p, or
+  /// a ghost. It terminates because the perturbed triangulation is regular, so that no cell is
+  /// visited twice. Returns unset if another thread holds a cell on the way.
   std::uint32_t locate() {
     std::uint32_t c = start_of_walk();
     if (c == unset) return unset;
@@ -259,7 +267,7 @@ class CellInsertion {
   }
   std::uint32_t start_of_walk() {
     if constexpr (shared) {
-      constexpr int tries = 64;  // where most cells are dead, or the other threads' for the moment
+      constexpr int tries = 64;  // random cells to try where most are dead or held by other threads
       std::uint32_t c = last_;
       for (int i = 0; i < tries; ++i) {
         if (hold(c)) return c;
@@ -269,6 +277,7 @@ class CellInsertion {
     }
     return last_;
   }
+  /// Moves the walk to the next cell and releases the last one; unset if another thread holds it.
   std::uint32_t step(std::uint32_t from, std::uint32_t to) {
     if constexpr (shared) {
       const bool held = hold(to);
@@ -278,6 +287,8 @@ class CellInsertion {
     return to;
   }
 
+  /// Whether the point is in conflict with cell c: inside its circumsphere (below its lifted cell),
+  /// ties broken. The stored plane of the cell decides first, where there is one.
   bool conflict(std::uint32_t c) {
     if constexpr (with_planes) {
       if (planes_.used() && planes_.known(c)) {
@@ -297,7 +308,8 @@ class CellInsertion {
     return signs_.conflict(cells_.store.vertices(c));
   }
 
-  /// False: another thread has some of it.
+  /// Collects the cells in conflict with the point, from `first` across facets, and the facets of
+  /// the boundary. Returns false if another thread holds one of these cells or of their neighbours.
   bool find_cavity(std::uint32_t first) {
     if constexpr (!shared) in_ = cells_.store.next_stamp();
     cavity_.clear();
@@ -327,7 +339,7 @@ class CellInsertion {
     return true;
   }
 
-  /// What is looked at of a cell's neighbours.
+  /// Prefetches what find_cavity() reads of a cell's neighbours.
   void prefetch_around(std::uint32_t c) {
     const std::uint32_t* n = cells_.store.neighbours(c);
     for (unsigned j = 0; j < corners(); ++j) {
@@ -341,8 +353,9 @@ class CellInsertion {
     }
   }
 
-  /// A facet's cell with the corner off the facet replaced by p is the new one there: it has the
-  /// same orientation. Then the cell in the cavity knows the new one as its neighbour.
+  /// Creates a new cell for each facet of the boundary: the facet's cell in the cavity with the
+  /// vertex opposite to the facet replaced by p, which keeps the orientation. The cell in the
+  /// cavity then refers to the new cell across this facet, where join() finds it.
   void make_cells(std::uint32_t p) {
     last_ = unset;
     for (Facet& f : facets_) {
@@ -373,7 +386,7 @@ class CellInsertion {
     if (last_ == unset) last_ = facets_.front().made;
   }
 
-  /// Labels of the vertices of a cavity's boundary begin anew.
+  /// Forgets all labels: vertices of the next boundary are labelled from 0.
   void clear_labels() {
     if (label_base_ > ~std::uint32_t{0} - 4 * most_labels) {
       std::fill(labels_.begin(), labels_.end(), 0U);
@@ -383,6 +396,7 @@ class CellInsertion {
     label_count_ = 0;
     at_infinity_ = unset;
   }
+  /// A small number for a vertex of the boundary, the same for each of its occurrences.
   std::uint32_t label(std::uint32_t v) {
     if (v == infinite) return at_infinity_ != unset ? at_infinity_ : at_infinity_ = label_count_++;
     const std::uint32_t known = labels_[v] - label_base_;
@@ -391,8 +405,9 @@ class CellInsertion {
     return label_count_++;
   }
 
-  /// In space new cells meet in edges of the cavity's boundary, twice in each: a small table has
-  /// those met once. False, with nothing done, where the boundary has too many vertices for it.
+  /// 3D: links the new cells. Exactly two of them share each edge of the cavity's boundary; a table
+  /// over pairs of labels holds the edges seen once. Returns false, and changes nothing, if the
+  /// boundary has too many vertices for the table.
   bool join_along_edges() {
     if (facets_.size() > 2 * most_labels - 4) return false;  // Euler's formula
     clear_labels();
@@ -402,7 +417,7 @@ class CellInsertion {
       for (unsigned i = 0; i < 4; ++i) corner[i] = i == f.slot ? 0 : label(v[i]);
       for (unsigned i = 0; i < 4; ++i) {
         if (i == f.slot) continue;
-        // The edge has the two slots that are neither i nor the point's.
+        // The edge joins the corners in the two slots other than i and the point's.
         std::uint32_t a = unset, b = 0;
         for (unsigned j = 0; j < 4; ++j) {
           if (j == i || j == f.slot) continue;
@@ -423,9 +438,10 @@ class CellInsertion {
     return true;
   }
 
-  /// From 4D on: new cells meet in ridges of the cavity's boundary, twice in each. A table of sums
-  /// over those of one hash has how many there are and their codes: of two, the sum less one's code
-  /// is the other's. Where ridges share a hash their cells are joined by walking.
+  /// 4D to 6D: links the new cells. Exactly two of them share each ridge of the cavity's boundary.
+  /// A table indexed by the ridge's hash holds the count and the sum of these cells' codes in one
+  /// number. If the count is 2, the sum minus one code is the other code. Cells at ridges that
+  /// share a hash are linked by walking (join).
   void join_by_sums() {
     constexpr unsigned sum_bits = 42;
     const std::size_t ridges = facets_.size() * (corners() - 1);
@@ -476,8 +492,8 @@ class CellInsertion {
     }
   }
 
-  /// Around the ridge without corner i of the facet, from cell to cell of the cavity to the other
-  /// facet of the boundary that it has.
+  /// Links the new cell of f across its facet i: walks around the ridge of f without corner i, from
+  /// cell to cell of the cavity, to the other facet of the boundary at this ridge.
   void join(const Facet& f, unsigned i) {
     std::uint32_t c = f.cell;
     unsigned cross = i, pivot = f.slot;  // slots of c: the facet ahead, the corner behind it
@@ -508,12 +524,12 @@ class CellInsertion {
   std::uint32_t last_ = 0, in_ = 0;
   std::vector<std::uint32_t> cavity_;
   std::vector<Facet> facets_;
-  // A label of each vertex of a boundary, from label_base_ on; edges met once, by labels.
+  // labels_: by vertex, label_base_ plus the label. edges_: by two labels, an edge seen once.
   std::vector<std::uint32_t> labels_, edges_;
   std::vector<std::uint64_t> sums_;
   std::vector<std::uint32_t> places_;
   std::uint32_t label_base_ = 0, label_count_ = 0, at_infinity_ = unset;
-  // Of one thread among several: cells it holds, dead ones to be used, how many it made.
+  // If shared: the cells this thread holds, its unused cells, how many it created.
   std::vector<std::uint32_t> held_, spare_;
   std::uint64_t created_ = 0;
   XorShift random_{XorShift::golden};

@@ -20,7 +20,7 @@ struct LiftedPlane {
   double linear, square;  ///< as lift_planes has them
   std::uint32_t origin;
 };
-/// By the number of the cell.
+/// Indexed by cell.
 template <unsigned K>
 using PlaneArray = RawArray<LiftedPlane<K>>;
 
@@ -32,13 +32,13 @@ class CellPlanes {
       : s_(s), used_(s.filtered && s.stride == s.base && !s.may_hide) {}
 
   bool used() const { return used_; }
-  /// To be called when there may be more cells, or planes may have moved.
+  /// To be called whenever the store may have grown or the planes may have been reallocated.
   void set_room(PlaneArray<K>& planes, std::size_t cells) {
     if (!used_) return;
     planes.reserve(cells);
     planes_ = planes.data();
   }
-  /// A ghost, or a cell whose plane is not known.
+  /// Marks cell c, a ghost for instance, as having no plane.
   void set_none(std::uint32_t c) { planes_[c].origin = infinite; }
 
   /// Of cells that have the point p: collected until there are enough. `v`: corners of cell c, of
@@ -78,7 +78,7 @@ class CellPlanes {
     prefetch_line(planes_ + c);
     prefetch_line(&planes_[c].origin);
   }
-  /// lift_side of a cell whose plane is known; zero: it cannot tell.
+  /// As lift_side(), for a cell whose plane is known; zero: undecided in floating point.
   Sign side(std::uint32_t c, const double* p) const {
     const LiftedPlane<K>& plane = planes_[c];
     const double* o = s_.row(plane.origin);

@@ -1,4 +1,4 @@
-// Cells of a triangulation while it grows: corners, neighbours, marks.
+// The cells of a growing triangulation: for each its vertices, its neighbours and a mark.
 #pragma once
 
 #include <algorithm>
@@ -14,11 +14,12 @@
 
 namespace cullhull::internal {
 
-/// The vertex at infinity, and no cell yet.
+/// `infinite`: the vertex at infinity. `unset`: a cell or neighbour that is not known yet.
 inline constexpr std::uint32_t infinite = 0xffffffff, unset = 0xffffffff;
 
-/// K: the dimension where it is known early, else 0. A neighbour is told as its number and the slot
-/// that it has the cell in, in one word.
+/// Vertices, neighbours and marks of numbered cells. K: the dimension if it is a compile-time
+/// constant, otherwise 0. A neighbour reference packs the neighbour's index and the slot in which
+/// the neighbour refers back to this cell into one 32-bit code; see code().
 template <unsigned K>
 class CellStore {
  public:
@@ -26,9 +27,9 @@ class CellStore {
       : k_(k), shift_(static_cast<unsigned>(std::bit_width(k))), budget_(budget) {}
 
   unsigned corners() const { return (K ? K : k_) + 1; }
-  /// Cells [0, count()), dead ones among them.
+  /// Cells are numbered [0, count()); deleted (dead) cells keep their numbers.
   std::uint32_t count() const { return count_; }
-  /// Cells that can be told apart, as a neighbour's slot takes a few bits of its word.
+  /// The largest number of cells: a code has 32 bits, and the slot takes a few of them.
   std::uint64_t limit() const { return (std::uint64_t{1} << (32 - shift())) - 1; }
   std::uint64_t capacity() const { return capacity_; }
   std::uint64_t created() const { return created_; }
@@ -41,26 +42,30 @@ class CellStore {
   std::uint32_t code(std::uint32_t cell, unsigned slot) const { return cell << shift() | slot; }
   std::uint32_t cell_of(std::uint32_t code) const { return code >> shift(); }
   unsigned slot_of(std::uint32_t code) const { return code & ((1U << shift()) - 1); }
+  /// The slot of `item` in a list of corners() entries; corners() if it is absent.
   unsigned find(const std::uint32_t* list, std::uint32_t item) const {
     unsigned j = 0;
     while (j < corners() && list[j] != item) ++j;
     return j;
   }
-  /// Where it is known to be one: which it is is unpredictable, so there is no branch.
+  /// As find(), for an item that is present. Branch-free, because the slot is unpredictable.
   unsigned find_known(const std::uint32_t* list, std::uint32_t item) const {
     unsigned found = 0;
     for (unsigned j = 1; j < corners(); ++j) found |= list[j] == item ? j : 0;
     return found;
   }
-  /// corners() where the cell is finite.
+  /// The slot of the infinite vertex of a ghost cell; corners() if the cell is finite.
   unsigned ghost_slot(std::uint32_t c) { return find(vertices(c), infinite); }
 
+  /// Links facet `slot` of cell c and the facet that the code `other` names, both ways.
   void link(std::uint32_t c, unsigned slot, std::uint32_t other) {
     neighbours(c)[slot] = other;
     neighbours(cell_of(other))[slot_of(other)] = code(c, slot);
   }
 
-  /// One positive cell and its ghosts; room for what `points` will need.
+  /// Creates one positively oriented cell with vertices `v` and its ghosts, the cells that join
+  /// its facets to the infinite vertex. `points`: their expected number, which sizes the first
+  /// allocation.
   void start(const std::uint32_t* v, std::uint32_t points) {
     expected_ = points;
     for (unsigned c = 0; c <= corners(); ++c) {
@@ -68,8 +73,8 @@ class CellStore {
       std::copy_n(v, corners(), vertices(c));
       if (c > 0) vertices(c)[c - 1] = infinite;
     }
-    // A point beyond facet j in the place of v_j turns the cell round: so does an exchange of two
-    // corners of the ghost. `at`: where its corner j then is.
+    // Replacing v_j by a point beyond facet j reverses the orientation of the cell. Swapping the
+    // first two corners of each ghost restores it. `at`: the slot of corner j after that swap.
     const auto at = [](unsigned j) { return j < 2 ? 1 - j : j; };
     for (unsigned c = 1; c <= corners(); ++c) std::swap(vertices(c)[0], vertices(c)[1]);
     for (unsigned j = 0; j < corners(); ++j) {
@@ -78,6 +83,7 @@ class CellStore {
     }
   }
 
+  /// Returns a live cell, uninitialised but for its mark 0; reuses dead cells first.
   std::uint32_t new_cell() {
     ++created_;
     if (!free_.empty()) {
@@ -90,15 +96,15 @@ class CellStore {
     marks_[count_] = 0;
     return count_++;
   }
-  /// Cells that were changed into new ones.
+  /// Counts cells that a caller overwrote in place as created.
   void count_reused(std::uint64_t cells) { created_ += cells; }
   void free_cell(std::uint32_t c) {
     marks_[c] = dead_mark;
     free_.push_back(c);
   }
 
-  /// For several threads that take cells from count() on: of `capacity`, or as many as the budget
-  /// allows, those that do not live are marked dead, the others 0.
+  /// Prepares for several threads, which take unused cells from count() on. Allocates `capacity`
+  /// cells, or as many as the budget and limit() allow. Marks live cells 0 and unused cells dead.
   void share(std::uint64_t capacity) {
     const std::uint64_t most = std::min({capacity, limit(), budget_ / cell_bytes()});
     if (most > capacity_) reserve(most);
@@ -106,15 +112,16 @@ class CellStore {
       if (!dead(c)) marks_[c] = 0;
     std::fill(marks_.data() + count_, marks_.data() + capacity_, dead_mark);
   }
-  /// After that: which cells have been taken.
+  /// Ends share(): cells [0, count) have been taken.
   void unshare(std::uint64_t count) {
     count_ = static_cast<std::uint32_t>(std::min(count, capacity_));
   }
-  /// Dead cells that a thread had, and how many it made.
+  /// Returns a thread's dead cells to the store and counts the cells that the thread created.
   void give_back(const std::vector<std::uint32_t>& cells, std::uint64_t created) {
     free_.insert(free_.end(), cells.begin(), cells.end());
     created_ += created;
   }
+  /// The number of live cells.
   std::uint32_t living() const { return count_ - static_cast<std::uint32_t>(free_.size()); }
 
   static constexpr std::uint32_t dead_mark = 0xffffffff;
@@ -128,7 +135,7 @@ class CellStore {
     capacity_ = count_ = count;
   }
 
-  /// A mark no cell has; nor has any the next greater one.
+  /// Returns a stamp such that no cell is marked with it or with stamp + 1.
   std::uint32_t next_stamp() {
     if (stamp_ > dead_mark - 8) {
       for (std::uint32_t c = 0; c < count_; ++c)
@@ -141,7 +148,7 @@ class CellStore {
  private:
   unsigned shift() const { return K ? static_cast<unsigned>(std::bit_width(K)) : shift_; }
 
-  /// Corners, neighbours and a mark.
+  /// Bytes of one cell: vertices, neighbours and a mark.
   std::uint64_t cell_bytes() const { return (2 * corners() + 1) * sizeof(std::uint32_t); }
 
   void grow() {
@@ -164,7 +171,7 @@ class CellStore {
   unsigned k_, shift_;
   std::uint64_t budget_, capacity_ = 0, created_ = 0;
   std::uint32_t count_ = 0, expected_ = 0, stamp_ = 0;
-  RawArray<std::uint32_t> data_;  ///< a cell: its corners, then its neighbours
+  RawArray<std::uint32_t> data_;  ///< of each cell first its vertices, then its neighbour codes
   RawArray<std::uint32_t> marks_;
   std::vector<std::uint32_t> free_;
 };

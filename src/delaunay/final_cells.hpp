@@ -1,5 +1,5 @@
-// Which triangles of a part of the points are those of all of them, whatever lies in the other
-// part's box.
+// Decides which triangles of one part of the points are final: whatever points the other part's box
+// contains, these triangles belong to the triangulation of both parts.
 #pragma once
 
 #include <algorithm>
@@ -14,12 +14,12 @@
 
 namespace cullhull::internal {
 
-/// Of points of the plane.
+/// The bounding box of a part's points in the plane.
 struct PartBox {
   std::array<double, 2> low, high;
 
-  /// Every corner is strictly on the inner side of the facet that has infinity at slot g of a
-  /// ghost.
+  /// Whether every corner of the box is strictly on the inner side of the hull edge of a ghost,
+  /// whose infinite vertex is in slot g.
   bool within(const LiftedPoints& s, const std::uint32_t* ghost, unsigned g) const {
     const double* at[3];
     std::array<double, 2> corner;
@@ -32,12 +32,13 @@ struct PartBox {
   }
 };
 
-/// Whether the closed ball around a finite cell surely misses the box: an approximate centre z,
-/// what it is off by, and how far the box is. docs/exactness.md, "Parts", derives the bound.
+/// Whether the closed circumcircle of a finite cell certainly misses the box; false if in doubt.
+/// Compares the distance of the box from an approximate centre z with the radius plus a bound of
+/// z's error. docs/exactness.md, "Parts", derives the bound.
 inline bool surely_misses(const LiftedPoints& s, const std::uint32_t* v, const PartBox& box) {
   const double* o = s.row(v[0]);
   double m[2][2], half[2];
-  double lengths = 1, shortest = 8;  // of the rows: squares
+  double lengths = 1, shortest = 8;  // of the rows, squared
   for (unsigned i = 0; i < 2; ++i) {
     const double* q = s.row(v[i + 1]);
     double square = 0;
@@ -49,7 +50,7 @@ inline bool surely_misses(const LiftedPoints& s, const std::uint32_t* v, const P
     lengths *= square;
     shortest = std::min(shortest, square);
   }
-  double z[2];  // the centre seen from o, by Cramer's rule
+  double z[2];  // the centre relative to o, by Cramer's rule
   const double det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
   z[0] = (half[0] * m[1][1] - half[1] * m[0][1]) / det;
   z[1] = (half[1] * m[0][0] - half[0] * m[1][0]) / det;
@@ -61,7 +62,7 @@ inline bool surely_misses(const LiftedPoints& s, const std::uint32_t* v, const P
     reach += z[a] * z[a];
     size += std::abs(z[a]);
   }
-  if (!(sure > 0) || !(reach < 16)) return false;  // a ball wider than all points, or no number
+  if (!(sure > 0) || !(reach < 16)) return false;  // radius beyond all points, or NaN
   // By how much z fails the equations m_i . z = |m_i|^2 / 2, as computed and by rounding; Cramer's
   // rule makes of that the distance to the centre.
   double off = 0;

@@ -1,5 +1,6 @@
-// Several threads insert points into one triangulation, each holding the cells it looks at. Which
-// of them comes first does not matter: ties are broken by a perturbation, so there is one result.
+// Several threads insert points into one triangulation; each holds the cells it examines. The
+// result does not depend on the order of insertion: a symbolic perturbation breaks ties, so that
+// there is only one triangulation.
 #pragma once
 
 #include <algorithm>
@@ -14,11 +15,12 @@
 
 namespace cullhull::internal {
 
-/// Of one insertion and the lanes, one a thread, that insert into the same cells.
+/// Extends a triangulation that one thread has begun (`alone`). Each thread has a lane, a
+/// CellInsertion of its own on the same cells.
 template <unsigned K>
 class InsertTogether {
  public:
-  /// `spare`: for so many cells there is room besides those that a round is expected to take.
+  /// `spare`: unused cells to reserve in each round, beyond those it is expected to need.
   InsertTogether(const LiftedPoints& points, const Run& run, CellInsertion<K>& alone,
                  std::uint64_t spare = std::uint64_t{1} << 14)
       : s_(points), run_(run), alone_(alone), spare_(spare) {
@@ -26,9 +28,11 @@ class InsertTogether {
       lanes_.push_back(std::make_unique<Lane>(points, run, alone.cells(), t));
   }
 
-  /// Places, in the order of insertion; `done`: how many points there are before them. Round by
-  /// round, each of as many points as there are already, as for that many there must be room; what
-  /// lanes leave to be done comes in the next, and the last of it alone.
+  /// Inserts points, given by their places in the order of insertion. `done`: the number of points
+  /// inserted before. A round takes at most as many new points as have been inserted, because its
+  /// cells are allocated before it begins. Points that a lane could not insert, because another
+  /// lane held a cell or no cells remained, are retried in the next round. One thread inserts the
+  /// last of them.
   void insert(std::vector<std::uint32_t> places, std::uint32_t done) {
     std::vector<std::uint32_t> left;
     std::size_t next = 0;
@@ -55,12 +59,12 @@ class InsertTogether {
 
  private:
   using Lane = CellInsertion<K, true>;
-  static constexpr std::uint32_t few = 64;  // points that one thread does alone; a guess
-  /// Neighbours along the curve, one lane's: some 100 microseconds, for which lanes may have to
-  /// wait for the last of them.
+  static constexpr std::uint32_t few = 64;  // so few points are left to one thread; a guess
+  /// Consecutive points that a lane takes at once: about 100 microseconds of work, which bounds how
+  /// long the other lanes wait for the last one at the end of a round.
   static constexpr std::uint32_t chunk = K == 2 || K == 3 ? 32 : K == 4 ? 4 : 1;
 
-  /// Places that are one lane's from the front, any other's from the back.
+  /// A lane's range of points. The lane takes from the front; other lanes steal from the back.
   class Stretch {
    public:
     void set(std::size_t begin, std::size_t end) { ends_ = std::uint64_t{begin} << 32 | end; }
@@ -94,7 +98,7 @@ class InsertTogether {
     std::atomic<std::uint64_t> ends_{0};
   };
 
-  /// What was not inserted.
+  /// Inserts places[0, count) with all lanes; returns those that were not inserted.
   std::vector<std::uint32_t> round(const std::uint32_t* places, std::size_t count) {
     alone_.share(spare_);
     const std::size_t lanes = lanes_.size();
@@ -114,7 +118,7 @@ class InsertTogether {
       std::uint32_t begin = 0, end = 0;
       while (stretches[t].take_first(chunk, begin, end))
         for (std::uint32_t i = begin; i < end; ++i) take(places[i]);
-      // Others' from their ends, where they come last.
+      // Steal from the back of the other lanes' ranges, which their owners reach last.
       for (std::size_t other = 1; other < lanes; ++other)
         while (stretches[(t + other) % lanes].take_last(chunk, begin, end))
           for (std::uint32_t i = end; i > begin; --i) take(places[i - 1]);

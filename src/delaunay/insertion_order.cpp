@@ -21,8 +21,9 @@ class Sorter {
   Sorter(const double* rows, unsigned d, const Run& run)
       : rows_(rows), d_(d), run_(run), frame_(d) {}
 
-  /// items[0, n) along the curve of their own box, by id where no coordinate differs. Items of one
-  /// key are many where few points are far away: they get a curve of their own.
+  /// Sorts items[0, n) along a Hilbert curve over their bounding box; equal points by id. A few
+  /// remote points make the box so large that many items share a key: such items are sorted along a
+  /// curve over their own box.
   void sort(Placed* items, Placed* scratch, std::uint32_t n) {
     if (n < 2) return;
     if (!place(items, n)) return sort_by_coordinates(items, n);
@@ -47,7 +48,7 @@ class Sorter {
   }
 
  private:
-  static constexpr std::uint32_t few = 48;  // points sorted by insertion; a guess
+  static constexpr std::uint32_t few = 48;  // up to so many sorted by coordinates; a guess
 
   const double* row(std::uint32_t i) const { return rows_ + std::size_t{i} * d_; }
   bool less(std::uint32_t a, std::uint32_t b) const {
@@ -60,7 +61,7 @@ class Sorter {
     std::sort(items, items + n, [&](const Placed& a, const Placed& b) { return less(a.id, b.id); });
   }
 
-  /// Keys; false if the box is too small for them, or a point.
+  /// Computes the items' curve keys; false if the box is a point or too small for keys.
   bool place(Placed* items, std::uint32_t n) {
     const auto row_of = [&](std::uint64_t i) { return row(items[i].id); };
     if (!frame_.measure(n, row_of, run_)) return false;
@@ -81,10 +82,11 @@ class Sorter {
   CurveFrame frame_;
 };
 
-/// Which of n shuffled points come in the last round, which in the one before, ...: each round is
-/// `growth` times as large as all before it.
+/// Rounds of random points: each of the rounds is expected to hold 2^growth_bits times as many
+/// points as the one before. Up to first_round points need only one round.
 constexpr std::uint32_t growth_bits = 3, first_round = 1U << 10;
 
+/// The round of point i, counted back from the last one (0); pseudorandom, the same in every run.
 unsigned round_from_last(std::uint32_t i, unsigned rounds) {
   XorShift random((std::uint64_t{i} + 1) * XorShift::golden);
   random.next();
@@ -93,6 +95,7 @@ unsigned round_from_last(std::uint32_t i, unsigned rounds) {
   return std::min(zeros / growth_bits, rounds - 1);
 }
 
+/// Distributes ids to rounds; within a round they keep their order.
 void sort_into_rounds(Array<std::uint32_t>& ids) {
   unsigned rounds = 1;
   for (std::uint64_t n = ids.size(); n > first_round; n >>= growth_bits) ++rounds;

@@ -1,5 +1,5 @@
 // The order in which points are inserted: rounds of growing size, each along a Hilbert curve
-// (Amenta, Choi, Rote 2003). Equal points meet on the way.
+// (Amenta, Choi, Rote 2003). Sorting along the curve also finds equal points.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,13 @@
 namespace cullhull::internal {
 
 struct InsertionOrder {
-  Array<std::uint32_t> ids;  ///< each of the points that stand in for themselves once
+  Array<std::uint32_t> ids;  ///< all points but the duplicates, in the order of insertion
   std::vector<DuplicatePoint> duplicates;
 };
 
-/// Of n x d finite numbers. `weights`: null, or one a point: of equal points the largest weight
-/// stands in, then the lowest id. Nothing but time depends on the order.
+/// The order for n points of d finite coordinates each. `weights`: null, or one for each point. The
+/// representative of equal points is that of the largest weight, among these that of the lowest id.
+/// The order affects the running time, never the triangulation.
 InsertionOrder insertion_order(const double* rows, std::uint32_t n, unsigned d,
                                const double* weights, const Run& run);
 

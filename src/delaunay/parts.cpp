@@ -14,7 +14,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// Places of points, ascending.
+/// Places of points in the order of insertion, ascending.
 using Places = std::vector<std::uint32_t>;
 
 /// Three points of the places that are not on a line, among the first few; false if there are none.
@@ -85,7 +85,7 @@ class Parts {
       }
   }
 
-  /// Each part across its widest axis, at the median of some of its points.
+  /// Splits each part across its widest axis at the median of a sample of its points.
   void split(std::vector<Part>& parts) {
     std::vector<Part> halves(2 * parts.size());
     run_.each_item(parts.size(), [&](std::uint64_t i) {
@@ -130,7 +130,7 @@ class Parts {
 
   static constexpr std::uint32_t final_mark = 1, open_mark = 0;
 
-  /// Marks of a part's cells, and which points the open ones need.
+  /// Marks a part's cells final or open, and the vertices of open cells as needed by the seam.
   void mark_final(Part& p, const PartBox& other) {
     CellStore<2>& cells = *p.cells;
     for (std::uint32_t c = 0; c < cells.count(); ++c) {

@@ -1,6 +1,7 @@
-// Threads without locks in the plane: halves of the points are triangulated alone. A cell that the
-// other half's box cannot disturb is final; the vertices of all others are triangulated once more,
-// together, and what these cells leave open is cut out of that. docs/exactness.md, "Parts".
+// Parallel Delaunay triangulation in the plane without locks: parts of the points are triangulated
+// independently and joined in pairs. A cell whose circumcircle misses the other part's box is
+// final. The vertices of all other cells are triangulated again, together: the seam. The region
+// that the final cells leave open is filled with cells of the seam. docs/exactness.md, "Parts".
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,7 @@
 
 namespace cullhull::internal {
 
-/// What insertions came to, of several engines.
+/// Statistics summed over several insertion engines.
 struct InsertionTotals {
   LiftCounts counts;
   std::uint64_t created = 0;
@@ -23,8 +24,9 @@ struct InsertionTotals {
   }
 };
 
-/// All cells of points of the plane, or null if they are no fit for parts: nearly all of them would
-/// be inserted twice, or a part is flat. In 2^levels parts.
+/// Triangulates points of the plane in 2^levels parts. Returns null if the points are unsuitable:
+/// more than two fifths of them would be inserted twice in a join, the first points of a part are
+/// on a line, or there are too many cells.
 std::unique_ptr<CellStore<2>> triangulate_in_parts(const LiftedPoints& points, unsigned levels,
                                                    InsertionTotals& totals, const Run& run);
 

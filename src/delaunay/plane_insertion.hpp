@@ -1,7 +1,7 @@
-// Insertion into a Delaunay triangulation of the plane. Without weights every point becomes a
-// vertex, and no vertex is ever removed, so that a cavity is a tree of triangles: it is walked
-// around once, edge by edge, without marks. The new triangles, which come in cyclic order, take the
-// places of the deleted ones, and there are two more of them.
+// Insertion in the plane without weights: every point becomes a vertex and no vertex is ever
+// removed. The cavity of a point is then a tree of triangles. A walk around it visits each edge
+// once and needs no marks. The new triangles, in cyclic order, overwrite those of the cavity; two
+// more are allocated.
 #pragma once
 
 #include <cmath>
@@ -29,6 +29,7 @@ class PlaneInsertion {
     return counts_;
   }
 
+  /// Begins with three points that are not on a line. `expected`: the approximate number of points.
   void start(const std::uint32_t* simplex, std::uint32_t expected) {
     std::uint32_t v[3] = {simplex[0], simplex[1], simplex[2]};
     if (signs_.orientation(v) == Sign::negative) std::swap(v[1], v[2]);
@@ -36,6 +37,7 @@ class PlaneInsertion {
     last_ = 0;
   }
 
+  /// Inserts point p; always succeeds (true). May throw cancelled.
   bool insert(std::uint32_t p) {
     signs_.aim(p);
     px_ = s_.row(p)[0];
@@ -47,7 +49,8 @@ class PlaneInsertion {
     cavity_.push_back(first);
     const std::uint32_t* v = store_.vertices(first);
     const Corner a = corner(v[0]), b = corner(v[1]), c = corner(v[2]);
-    // Counter-clockwise from edge 2 on, which is a b: the last to be done is pushed first.
+    // The edges are visited counter-clockwise, beginning with a b, opposite to corner 2. open_ is a
+    // stack, so they are pushed in reverse.
     const std::uint32_t* n = store_.neighbours(first);
     open_.push_back({n[1], c, a});
     open_.push_back({n[0], b, c});
@@ -59,16 +62,17 @@ class PlaneInsertion {
   }
 
  private:
-  /// A vertex seen from the point.
+  /// A vertex with coordinates and lift relative to the point.
   struct Corner {
     double x, y, lift;
     std::uint32_t vertex;
   };
-  /// The edge from `from` to `to` of a triangle in the cavity: what is across.
+  /// The edge from `from` to `to` of a triangle in the cavity. `code`: the neighbour across it.
   struct Edge {
     std::uint32_t code;
     Corner from, to;
   };
+  /// An edge of the cavity's boundary. `code`: the neighbour outside.
   struct Rim {
     std::uint32_t code, from, to;
   };
@@ -80,6 +84,7 @@ class PlaneInsertion {
     return {x, y, x * x + y * y, v};
   }
 
+  /// Visibility walk to the triangle that contains the point, or to a ghost.
   std::uint32_t locate() {
     std::uint32_t c = last_;
     if (const unsigned g = store_.ghost_slot(c); g < 3) c = store_.cell_of(store_.neighbours(c)[g]);
@@ -95,6 +100,7 @@ class PlaneInsertion {
     }
   }
 
+  /// Finds the cavity (cavity_) and its boundary in cyclic order (edges_) by depth-first search.
   void walk_around() {
     while (!open_.empty()) {
       const Edge e = open_.back();
@@ -107,7 +113,7 @@ class PlaneInsertion {
         continue;
       }
       cavity_.push_back(c);
-      // The triangle is apex, to, from: first the edge from .. apex, across from `to`.
+      // The triangle is apex, to, from. Visit the edge from-apex, opposite to `to`, first.
       const unsigned next = slot == 2 ? 0 : slot + 1, last = slot == 0 ? 2 : slot - 1;
       const std::uint32_t* n = store_.neighbours(c);
       open_.push_back({n[last], apex, e.to});
@@ -115,20 +121,20 @@ class PlaneInsertion {
     }
   }
 
-  /// Of the triangle across an edge with that apex.
+  /// Whether the point is in conflict with triangle c, which has edge e and the opposite corner w.
   bool conflict(std::uint32_t c, const Edge& e, const Corner& w) {
     if (s_.filtered && w.vertex != infinite && e.from.vertex != infinite &&
         e.to.vertex != infinite) {
       const Corner &u = e.from, &v = e.to;
-      // det of the rows u, w, v, counter-clockwise: positive inside (as seen from the point).
+      // Determinant of the rows u, w, v relative to the point: positive inside the circumcircle.
       const double uw = u.x * w.y, wu = u.y * w.x, wv = w.x * v.y, vw = w.y * v.x, vu = v.x * u.y,
                    uv = v.y * u.x;
       const double det = (uw - wu) * v.lift + (wv - vw) * u.lift + (vu - uv) * w.lift;
       const double size = (std::abs(uw) + std::abs(wu)) * v.lift +
                           (std::abs(wv) + std::abs(vw)) * u.lift +
                           (std::abs(vu) + std::abs(uv)) * w.lift;
-      // A path: 2 differences, a product, a difference; 4 of the lift, a product, 2 sums; and 4 of
-      // the size itself.
+      // Roundings on a path of the computation: 2 differences, a product, a difference; 4 for the
+      // lift, a product, 2 sums. Computing `size` adds 4 more.
       const double bound = 16 * unit_roundoff * size + s_.tiny;
       if (std::abs(det) > bound) {
         ++filtered_;
@@ -143,7 +149,8 @@ class PlaneInsertion {
     return signs_.conflict(store_.vertices(c));
   }
 
-  /// Triangles p, from, to: slot 0 faces the rim, slot 1 the next triangle, slot 2 the one before.
+  /// Creates a triangle p, from, to for each boundary edge. Its neighbours: slot 0 outside the
+  /// cavity, slot 1 the next new triangle, slot 2 the previous one.
   void make_cells(std::uint32_t p) {
     store_.count_reused(cavity_.size());
     while (cavity_.size() < edges_.size()) cavity_.push_back(store_.new_cell());
@@ -179,7 +186,7 @@ class PlaneInsertion {
   std::vector<std::uint32_t> cavity_;
 };
 
-/// Whether it takes the points.
+/// Whether PlaneInsertion can triangulate these points.
 inline bool plain_plane(const LiftedPoints& s) {
   return s.base == 2 && s.stride == 2 && !s.may_hide;
 }

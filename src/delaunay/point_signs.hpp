@@ -1,4 +1,5 @@
-// Signs of one point after another against cells: the predicates of the insertion.
+// The predicates of the insertion: on which side of a cell's facets, and of its circumsphere, the
+// point to be inserted is.
 #pragma once
 
 #include <array>
@@ -12,7 +13,7 @@
 
 namespace cullhull::internal {
 
-/// K: the dimension where it is known early, else 0.
+/// Exact signs of one point at a time. K: the dimension if it is a compile-time constant, else 0.
 template <unsigned K>
 class PointSigns {
  public:
@@ -24,27 +25,30 @@ class PointSigns {
   }
   const LiftCounts& counts() const { return counts_; }
 
-  /// The point that signs are of from here on.
+  /// Sets the point that the following calls are about.
   void aim(std::uint32_t point) {
     point_ = point;
     p_ = s_.row(point);
   }
 
+  /// The coordinates of that point.
   const double* point() const { return p_; }
 
-  /// Of k + 1 points.
+  /// The orientation of k + 1 points.
   Sign orientation(const std::uint32_t* v) {
     for (unsigned i = 0; i < corners(); ++i) at_[i] = s_.row(v[i]);
     return base_orientation<K>(s_, at_.data());
   }
 
-  /// Of a cell with its corner j replaced by the point; no other is infinite.
+  /// The orientation of a cell whose corner j is replaced by the point; only corner j may be
+  /// infinite.
   Sign replaced(const std::uint32_t* v, unsigned j) {
     for (unsigned i = 0; i < corners(); ++i) probe_[i] = i == j ? p_ : s_.row(v[i]);
     return base_orientation<K>(s_, probe_.data());
   }
 
-  /// A slot of a finite cell whose facet the point is beyond, other than `from`; corners(): none.
+  /// A slot of a finite cell, other than `from`, such that the point is beyond the facet opposite
+  /// to it; corners() if there is no such slot.
   unsigned beyond(const std::uint32_t* v, unsigned from) {
     if constexpr (K == 2 || K == 3) {
       if (s_.filtered) return beyond_filtered(v, from);
@@ -54,7 +58,8 @@ class PointSigns {
     return corners();
   }
 
-  /// Whether the point is below the lifted cell, ties broken.
+  /// Whether the point is below the lifted cell, with ties broken: without weights, inside its
+  /// circumsphere.
   bool conflict(const std::uint32_t* v) {
     for (unsigned i = 0; i < corners(); ++i) at_[i] = s_.row(v[i]);
     const Sign side = lift_side<K>(s_, at_.data(), p_, counts_);
@@ -67,7 +72,8 @@ class PointSigns {
       std::conditional_t<K != 0, std::array<const double*, K + 1>, std::vector<const double*>>;
   unsigned corners() const { return (K ? K : s_.base) + 1; }
 
-  /// Corner j replaced by p: (-1)^j times the determinant of the others' differences from p.
+  /// beyond() with a floating-point filter: the orientation with corner j replaced by p is (-1)^j
+  /// times the determinant of the other corners' differences from p.
   unsigned beyond_filtered(const std::uint32_t* v, unsigned from) {
     double m[K + 1][K];
     double largest[K] = {};
@@ -99,11 +105,13 @@ class PointSigns {
     return K + 1;
   }
 
-  /// docs/exactness.md, "Ties": the lift of id i is lowered by e_i, e_0 >> e_1 >> ...
+  /// conflict() for a point on the lifted cell's plane. The lift of id i is lowered by an
+  /// infinitesimal e_i, e_0 >> e_1 >> ...; in the order of ids, the first nonzero coefficient
+  /// decides. docs/exactness.md, "Ties".
   bool tied_conflict(const std::uint32_t* v) {
     ++counts_.ties;
     const std::uint32_t own = s_.ids[point_];
-    std::uint64_t next = 0;  // ids below this have been asked
+    std::uint64_t next = 0;  // the coefficients of ids below this are zero
     for (;;) {
       unsigned slot = corners();
       std::uint32_t lowest = own;

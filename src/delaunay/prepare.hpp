@@ -1,4 +1,4 @@
-// From a view and weights to what the engine works on: order, equal points, the flat, scaling.
+// Prepares the points for insertion: finds their order, duplicates and flat, and scales them.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,11 @@ namespace cullhull::internal {
 struct Prepared {
   LiftedPoints points;
   std::vector<std::uint32_t> simplex;  ///< affine dimension + 1 independent points, by place
-  std::vector<std::uint32_t> axes;     ///< those the flat projects onto one to one
+  std::vector<std::uint32_t> axes;     ///< the flat projects onto these one to one
   std::vector<DuplicatePoint> duplicates;
 };
 
-/// `left_out`: ids, ascending, to do without; duplicates are told all the same.
+/// `left_out`: ascending ids that are not triangulated; their duplicates are reported nevertheless.
 Prepared prepare_points(const PointView& view, std::span<const double> weights, bool furthest,
                         const std::vector<std::uint32_t>& left_out, const Run& run);
 

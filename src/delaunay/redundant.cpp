@@ -12,7 +12,7 @@ namespace {
 
 using Row = std::vector<mpq_class>;
 
-/// Rows in echelon form.
+/// The span of rational rows, as a basis in reduced echelon form.
 class Span {
  public:
   explicit Span(unsigned columns) : columns_(columns) {}
@@ -31,7 +31,7 @@ class Span {
     if (pivot == columns_) return;
     const mpq_class scale = row[pivot];
     for (mpq_class& v : row) v /= scale;
-    // Reduced: no other row has anything in a pivot's column.
+    // Reduced: every other row is zero in the column of this pivot.
     for (Row& other : rows_) {
       const mpq_class factor = other[pivot];
       if (factor == 0) continue;
@@ -41,7 +41,7 @@ class Span {
     pivots_.push_back(pivot);
   }
 
-  /// The row at right angles to all, of a span of one rank less than columns.
+  /// A row orthogonal to all rows of the span, whose rank is columns - 1.
   Row normal() const {
     unsigned open = 0;
     while (std::count(pivots_.begin(), pivots_.end(), open) > 0) ++open;
@@ -92,7 +92,7 @@ class Redundancy {
   }
 
  private:
-  /// Of the lifted points.
+  /// Lifted point u minus lifted point v, exact.
   Row difference(std::uint32_t u, std::uint32_t v) const {
     const double *p = s_.row(places_[u]), *o = s_.row(places_[v]);
     Row row(s_.base + 1);

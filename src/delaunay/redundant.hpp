@@ -10,7 +10,7 @@
 
 namespace cullhull::internal {
 
-/// Their ids, ascending. `t` has its cells, hull and groups.
+/// Returns the ids of these vertices, ascending. `t`: cells, hull and groups must be complete.
 std::vector<std::uint32_t> redundant_vertices(const LiftedPoints& s, const Triangulation& t,
                                               const Run& run);
 

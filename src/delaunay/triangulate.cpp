@@ -35,8 +35,8 @@ void check_arguments(const PointView& points) {
         "a triangulation takes fewer than 4294967295 points, not " + std::to_string(points.count));
 }
 
-/// What is known to be needed before the work: rows twice, the order, and in the plane the cells,
-/// which are two a point, with what writes them.
+/// Throws out_of_budget if memory that is certain to be needed exceeds the budget: the coordinates
+/// twice, the order of insertion and, in 2D, two cells for each point with what writing them takes.
 void check_budget(const PointView& points, const Run& run) {
   const std::uint64_t n = points.count, d = points.dimension;
   std::uint64_t bytes = n * (16 * d + 24);
@@ -44,9 +44,9 @@ void check_budget(const PointView& points, const Run& run) {
   require_budget(run.budget, bytes, "the cells of the triangulation");
 }
 
-/// So many points are inserted by one thread before others join in: of fewer they would be in each
-/// other's way. 1,000 to 30,000 points in space and as many as take as long in 4D and 5D gain the
-/// same from a third to three times of these.
+/// The number of points that one thread inserts before others join: in a smaller triangulation the
+/// threads would contend for the same cells. In 3D with 1,000 to 30,000 points, and in 4D and 5D
+/// with as many as take the same time, a third to three times of these numbers gain the same.
 template <unsigned K, class Insertion>
 std::size_t alone_first(const LiftedPoints& s, const Run& run) {
   constexpr std::size_t all = ~std::size_t{0};
@@ -82,8 +82,8 @@ std::unique_ptr<CellStore<K>> insert_in_turn(const Prepared& p, InsertionTotals&
   return std::make_unique<CellStore<K>>(std::move(engine.store()));
 }
 
-/// In parts, 2^that many: a seam takes about the root of the number of points, which is worth it
-/// from some ten thousand a part.
+/// log2 of the number of parts (triangulate_in_parts); 0: one part. A seam between two parts costs
+/// about the square root of the number of points; parts pay off from about 10,000 points each.
 unsigned part_levels(const LiftedPoints& s, const Run& run) {
   if (s.may_hide || !s.filtered || s.tiny > 0x1p-1000 || s.stride != s.base) return 0;
   constexpr std::uint32_t least = 1U << 14;
@@ -118,7 +118,7 @@ void insert_and_write(const Prepared& p, Triangulation& out, const Run& run) {
   statistics.write_seconds = seconds_since(start);
 }
 
-/// All ids that are neither vertices nor duplicates.
+/// Writes `hidden`: all ids that are neither vertices nor duplicates.
 void write_hidden(Triangulation& out) {
   std::vector<bool> told(out.point_count);
   for (const std::uint32_t v : out.cells) told[v] = true;
@@ -133,6 +133,8 @@ void write_single(const Prepared& p, Triangulation& out) {
   out.neighbours.assign(1, no_cell);
 }
 
+/// Triangulates all points but `left_out`. With weights, stores the vertices that are not extreme
+/// points into `redundant`.
 Triangulation triangulate_without(const PointView& points, std::span<const double> weights,
                                   bool furthest, const std::vector<std::uint32_t>& left_out,
                                   const Run& run, std::vector<std::uint32_t>& redundant) {
@@ -176,8 +178,9 @@ Triangulation triangulate(const PointView& points, std::span<const double> weigh
   std::vector<std::uint32_t> redundant, left_out;
   Triangulation out =
       triangulate_without(points, weights, o.furthest_site, left_out, run, redundant);
-  // The perturbation made vertices of points exactly on a face, which may hide others there: none
-  // of them is an extreme point, and once all are left out, what is left is extreme.
+  // The perturbation turns points exactly on a face into vertices. These are not extreme points, so
+  // the points are triangulated again without them and without the hidden points. All remaining
+  // points are extreme.
   if (!redundant.empty()) {
     left_out.resize(redundant.size() + out.hidden.size());
     std::merge(redundant.begin(), redundant.end(), out.hidden.begin(), out.hidden.end(),

@@ -1,4 +1,4 @@
-// The canonical result: ids, corners, cells in order; groups; the hull.
+// Writes the canonical result: sorted cells with the caller's ids, groups, the hull's facets.
 #pragma once
 
 #include <vector>
@@ -15,10 +15,10 @@ namespace cullhull::internal {
 template <unsigned K>
 void write_cells(const LiftedPoints& s, CellStore<K>& store, Triangulation& out, const Run& run);
 
-/// cell_groups, from signs of the facets between cells.
+/// Writes cell_groups: joins adjacent cells whose vertices are on one sphere.
 void write_groups(const LiftedPoints& s, Triangulation& out, const Run& run);
 
-/// The place of each id that has one; of others anything.
+/// The place of each inserted id in the order of insertion; 0 for other ids.
 std::vector<std::uint32_t> places_of_ids(const LiftedPoints& s, std::uint64_t point_count);
 
 }  // namespace cullhull::internal
