@@ -13,9 +13,9 @@
 namespace cullhull {
 
 struct ConstrainedOptions {
-  /// Keep the cells inside alone: those of odd depth. Points that no cell is left at are `hidden`.
+  /// Keep only the cells of odd depth, those inside. Points left without a cell become `hidden`.
   bool inside_only = false;
-  /// As in TriangulationOptions; threads are used by the first step alone.
+  /// As in TriangulationOptions. Only the Delaunay triangulation, the first step, uses threads.
   unsigned threads = 0;
   std::uint64_t memory_budget = 0;
   Progress progress;
@@ -23,50 +23,50 @@ struct ConstrainedOptions {
   Poll poll;
 };
 
-/// The Delaunay triangulation in which given edges are edges.
+/// A triangulation that contains given edges, and is Delaunay elsewhere.
 struct ConstrainedTriangulation {
-  /// As delaunay() gives it, but for cell_groups, which is empty, and statistics, which are those
-  /// of the triangulation without constraints. With inside_only the hull is the boundary of what is
-  /// left. Points on one line (k < 2): as delaunay() gives it. TriangulationQuery, voronoi() and
-  /// others want a Delaunay triangulation, which this is not.
+  /// In the format of delaunay(). `cell_groups` is empty, and `statistics` are those of the
+  /// triangulation without constraints. With inside_only the hull is the boundary of the kept
+  /// cells. Points on one line (k < 2): the result of delaunay(). Do not pass it to
+  /// TriangulationQuery, voronoi() and other functions that need a Delaunay triangulation.
   Triangulation triangulation;
-  /// pieces x 2 ids, the lower one first, sorted lexicographically: what the constraints consist of
-  /// where they are cut at points that lie on them.
+  /// pieces x 2 ids, the lower one first, sorted lexicographically: the constraints, each split at
+  /// the points on it.
   Array<std::uint32_t> pieces;
-  /// The lowest constraint that each piece belongs to.
+  /// For each piece the lowest number of a constraint that contains it.
   Array<std::uint32_t> piece_sources;
-  /// How many constraints one must cross, at least, from a cell of the whole triangulation to the
-  /// outside. Odd: inside, as polygons with holes, islands in these and so on have it. Rings need
-  /// no orientation, and edges that bound nothing count for nothing. None for k < 2.
+  /// For each cell of the whole triangulation the least number of constraints on a way from it to
+  /// the outside. Cells of odd depth are inside (even-odd rule): polygons may have holes, islands
+  /// in holes and so on. Rings need no orientation; edges that bound no region have no effect.
+  /// Empty for k < 2.
   Array<std::uint32_t> depths;
 };
 
-/// The exact constrained Delaunay triangulation: every other edge is locally Delaunay, exactly; of
-/// four points on a circle the lowest id is on the edge between them. So there is one result, which
-/// does not depend on the order or direction of the edges.
+/// The exact constrained Delaunay triangulation: every unconstrained edge is locally Delaunay. Of
+/// four points on a circle, the diagonal contains the lowest id. The result is unique; it does not
+/// depend on the order or direction of the edges.
 ///
-/// `edges`: edges x 2 ids. A point exactly on an edge cuts it. Equal points are one: an edge
-/// between them is no constraint, and neither is one from a point to itself. Edges that cross in
-/// their interiors are refused with a line that names both; overlapping ones are one.
+/// `edges`: edges x 2 ids. A point exactly on an edge splits it. Equal points count as one: an edge
+/// between them, or from a point to itself, is no constraint. Overlapping edges count once. Edges
+/// that cross in their interiors are an error that names both.
 ///
-/// Errors: those of delaunay(); invalid_argument for another dimension than 2, an odd number of
-/// ids, an id that is none, and edges that cross. Time that of delaunay(), and for each edge in the
-/// number of edges it crosses: linear, but for sets made against it. Thread safe.
+/// Errors: those of delaunay(); invalid_argument for a dimension other than 2, an odd number of
+/// ids, an id out of range, and edges that cross. Time: that of delaunay(), plus for each edge the
+/// number of edges it crosses (quadratic for adversarial sets). Thread safe.
 /// Source: docs/exactness.md, "Constrained triangulations".
 ConstrainedTriangulation constrained_delaunay(const PointView& points,
                                               std::span<const std::uint32_t> edges,
                                               const ConstrainedOptions& options = {});
 
-/// Checks one with exact predicates and none of the code that made it: cells, neighbours, the hull,
-/// every point, the constraints as chains of pieces and no other pieces, and that every edge that
-/// is none is locally Delaunay with the documented choice among points on a circle. So a valid
-/// certificate proves it is the triangulation documented above. `ridges_checked` counts edges
-/// between cells.
+/// Verifies a result with exact predicates and none of the code that computes it: cells,
+/// neighbours, hull, every point; that the pieces are exactly the constraints; and that every
+/// unconstrained edge is locally Delaunay, with the documented choice among points on a circle. So
+/// a valid certificate proves that `result` is the triangulation documented above.
+/// `ridges_checked` counts edges between cells.
 ///
-/// `options`: those it was made with. With inside_only a whole one is made as a witness, which is
-/// checked as above, its depths among the rest, and need not be trusted; `result` must be its cells
-/// of odd depth, all of them and no others, and what belongs to them. Errors: cancelled,
-/// out_of_budget.
+/// `options`: those that `result` was computed with. With inside_only the function computes the
+/// whole triangulation as a witness, verifies it including its depths, and requires that `result`
+/// consists of exactly the witness's cells of odd depth. Errors: cancelled, out_of_budget.
 Certificate certify(const PointView& points, std::span<const std::uint32_t> edges,
                     const ConstrainedTriangulation& result, const ConstrainedOptions& options = {});
 

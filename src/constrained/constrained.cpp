@@ -1,4 +1,5 @@
-// constrained_delaunay(): the Delaunay triangulation, into which edges are forced one by one.
+// constrained_delaunay(): computes the Delaunay triangulation, then inserts the constraints one by
+// one by flipping the edges that cross them.
 #include "cullhull/constrained.hpp"
 
 #include <algorithm>
@@ -29,7 +30,7 @@ constexpr std::uint32_t none = HalfEdges::none;
   throw Error(ErrorCode::invalid_argument, message);
 }
 
-/// The constraints as pairs of the ids that stand in for equal points.
+/// The constraints as pairs of ids, each duplicate point replaced by its representative.
 class Constraints {
  public:
   Constraints(const Triangulation& t, std::span<const std::uint32_t> edges) : given_(edges) {
@@ -55,7 +56,7 @@ class Constraints {
   std::vector<std::uint32_t> standing_in_;
 };
 
-/// A piece of a constraint, by ids.
+/// A part of a constraint between two neighbouring points on it, by ids.
 struct Piece {
   std::uint32_t low, high, source;
   bool operator<(const Piece& o) const {
@@ -72,7 +73,8 @@ void write_pieces(std::vector<Piece>& pieces, ConstrainedTriangulation& out) {
   }
 }
 
-/// Forces edges. Vertices are places in the order of insertion, as predicates want them.
+/// Inserts constraints into the triangulation. Vertices are numbered in the order of insertion,
+/// which the predicates need.
 class Forcing {
  public:
   Forcing(const Triangulation& t, const LiftedPoints& s, const Constraints& constraints,
@@ -85,8 +87,8 @@ class Forcing {
   bool fixed(std::uint32_t half) const { return source_[half / 2] != none; }
   std::uint32_t source(std::uint32_t half) const { return source_[half / 2]; }
 
-  /// From one point on it to the next, each time from the end that has fewer edges: so points that
-  /// many constraints share need not be gone round for each of them.
+  /// Inserts a constraint from one point on it to the next, each time from the end of lower degree:
+  /// the triangles around a point that many constraints share are not visited for each of them.
   void force(std::uint32_t from, std::uint32_t to, std::uint32_t constraint) {
     constraint_ = constraint;
     bool forward = false;  // a refusal names the first edge that is crossed from `from` on
@@ -111,7 +113,7 @@ class Forcing {
     bool refused;
   };
 
-  /// To be called for each triangle or edge that is looked at. Once in some thousand: whether the
+  /// To be called for each triangle or edge visited. Every few thousand calls it checks whether the
   /// caller asked to stop.
   void poll() {
     if (++steps_ % 4096 == 0) run_.check();
@@ -140,7 +142,7 @@ class Forcing {
     std::uint32_t start_, at_;
     bool right_ = false;
   };
-  /// Whether v has fewer edges than w: turns around both at once, until one is done.
+  /// Whether v has fewer edges than w: visits the edges of both in turn until one has no more.
   bool fewer_edges(std::uint32_t v, std::uint32_t w) {
     for (Turn at_v(mesh_, v), at_w(mesh_, w);;) {
       poll();
@@ -154,7 +156,7 @@ class Forcing {
     return base_orientation<2>(s_, p);
   }
 
-  /// Of two points on a line through a: whether they are in the same direction from it.
+  /// Whether two points on a line through a are on the same side of a.
   bool same_direction(std::uint32_t a, std::uint32_t b, std::uint32_t v) const {
     const auto before = [&](const double* p, const double* q) {
       return p[0] != q[0] ? p[0] < q[0] : p[1] < q[1];
@@ -166,8 +168,9 @@ class Forcing {
     if (!fixed(half)) source_[half / 2] = constraint_;
   }
 
-  /// Makes the segment an edge as far as the next point on it, which is returned. Where it crosses
-  /// a constraint it changes nothing and tells so if `may_refuse`, or throws.
+  /// Makes the segment from a towards b an edge as far as the next point on it, and returns that
+  /// point. If the segment crosses a constraint, changes nothing and returns none if `may_refuse`,
+  /// otherwise throws.
   Advance advance(std::uint32_t a, std::uint32_t b, bool may_refuse = false) {
     std::uint32_t first = none;
     if (const std::uint32_t along = edge_along(a, b, first); along != none) {
@@ -216,8 +219,8 @@ class Forcing {
     return none;
   }
 
-  /// All edges that the segment crosses before it meets a point, which is returned; none, if it
-  /// crosses a constraint and `may_refuse`.
+  /// Collects the edges that the segment crosses before it meets a point, and returns that point;
+  /// none if it crosses a constraint and `may_refuse`.
   std::uint32_t collect(std::uint32_t a, std::uint32_t b, std::uint32_t half, Crossed& crossed,
                         bool may_refuse) {
     for (;;) {
@@ -271,9 +274,9 @@ class Forcing {
     fix(2 * last);
   }
 
-  /// Flips all crossed edges of w, from `at` on, which becomes what follows them; the last one
-  /// flipped. Of edges from w to points on the right, one of these is a convex corner: it is found
-  /// as in a scan for a convex chain, a step back after each flip.
+  /// Flips all crossed edges of w, from `at` on; `at` moves behind them. Returns the last edge
+  /// flipped. Among the points on the right that edges from w lead to, one is a convex corner: it
+  /// is found as in a scan for a convex chain, one step back after each flip.
   std::uint32_t clear_vertex(std::uint32_t a, std::uint32_t b, std::uint32_t w,
                              Crossed::iterator& at, Crossed& crossed) {
     const auto own = [&](Crossed::iterator i) {
@@ -297,7 +300,7 @@ class Forcing {
       if (now == none)
         next = crossed.erase(i);
       else
-        *i = now;  // it has become one of the vertex before or after
+        *i = now;  // the flipped edge now belongs to the vertex before or after
       if (first) at = next;
       i = first ? at : back;
     }
@@ -313,7 +316,8 @@ class Forcing {
     return of_u == Sign::negative ? 2 * edge : 2 * edge + 1;
   }
 
-  /// Flips edges around those touched until all are locally Delaunay (Lawson 1977).
+  /// Flips unconstrained edges, beginning with those changed, until all are locally Delaunay
+  /// (Lawson 1977).
   void restore() {
     std::vector<std::uint32_t> todo;
     for (const std::uint32_t edge : touched_) add_around(edge, todo);
@@ -333,8 +337,8 @@ class Forcing {
       for (const std::uint32_t other : {mesh_.next(h), mesh_.previous(h)})
         todo.push_back(other / 2);
   }
-  /// Whether the apex beyond is inside the circle of h's triangle; on it, whether the lowest id of
-  /// the four is not on the edge.
+  /// Whether the edge must be flipped: the apex across it is inside the circumcircle of h's
+  /// triangle, or on the circle and the edge does not contain the lowest of the four ids.
   bool wrong(std::uint32_t h) {
     const std::uint32_t u = mesh_.origin(h), v = mesh_.target(h), p = mesh_.apex(h),
                         q = mesh_.apex(HalfEdges::twin(h));
@@ -363,7 +367,7 @@ class CellWriter {
   CellWriter(const Forcing& forcing, const Array<std::uint32_t>& ids)
       : forcing_(forcing), mesh_(forcing.mesh()), ids_(ids) {}
 
-  /// Cells, neighbours and the pieces of constraints.
+  /// Writes cells, neighbours and the pieces of constraints.
   void write(ConstrainedTriangulation& out, std::vector<Piece>& pieces) {
     find_cells();
     Triangulation& t = out.triangulation;
@@ -391,7 +395,7 @@ class CellWriter {
   }
 
  private:
-  /// A half-edge of each triangle, that from its lowest id; by ids.
+  /// One half-edge of each triangle, the one from its lowest id; sorted by ids.
   void find_cells() {
     for (std::uint32_t h = 0; h < mesh_.size(); ++h) {
       if (!mesh_.has_face(h)) continue;
@@ -406,7 +410,8 @@ class CellWriter {
   }
   std::uint32_t id(std::uint32_t half) const { return ids_[mesh_.origin(half)]; }
 
-  /// From the outside inward, cells of equal depth before deeper ones.
+  /// Computes depths from the outside inward (breadth first: cells of equal depth before deeper
+  /// ones).
   void write_depths(const Array<std::uint32_t>& cell_of, Array<std::uint32_t>& depths) const {
     depths.assign(cells_.size(), none);
     std::deque<std::pair<std::uint32_t, std::uint32_t>> todo;
@@ -435,7 +440,7 @@ class CellWriter {
   std::vector<std::uint32_t> cells_;
 };
 
-/// All points on a line: pieces are steps from one to the next.
+/// The result for points on one line: pieces lead from each point to the next.
 void force_on_line(const PointView& points, const Constraints& constraints,
                    ConstrainedTriangulation& out) {
   std::vector<std::uint32_t> order(out.triangulation.cells.begin(), out.triangulation.cells.end());

@@ -8,13 +8,13 @@
 
 namespace cullhull::internal {
 
-/// Edge e is the half-edges 2 e and 2 e + 1. A half-edge has its triangle on its left, or none.
-/// Vertices are numbered as the caller wants.
+/// Edge e consists of the half-edges 2 e and 2 e + 1. A half-edge has a triangle on its left, or no
+/// face at the hull. The caller chooses the numbers of vertices.
 class HalfEdges {
  public:
   static constexpr std::uint32_t none = 0xffffffff;
 
-  /// `place`: the number of each of t's ids. k = 2.
+  /// `place`: the vertex number of each of t's ids. t is two-dimensional.
   HalfEdges(const Triangulation& t, const Array<std::uint32_t>& place, std::uint32_t vertices);
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(origin_.size()); }
@@ -27,11 +27,11 @@ class HalfEdges {
   /// The corner of h's triangle that is not on h.
   std::uint32_t apex(std::uint32_t h) const { return origin_[previous(h)]; }
   bool inner(std::uint32_t edge) const { return has_face(2 * edge) && has_face(2 * edge + 1); }
-  /// A half-edge from the vertex that has a triangle; none without any.
+  /// A half-edge from the vertex with a triangle on its left; `none` if there is no triangle.
   std::uint32_t out(std::uint32_t vertex) const { return out_[vertex]; }
 
-  /// Of an inner edge in a strictly convex quadrilateral: afterwards it joins the two apexes, 2 e
-  /// from that of 2 e + 1 to that of 2 e.
+  /// Flips an inner edge of a strictly convex quadrilateral: afterwards the edge joins the two
+  /// apexes, half-edge 2 e leading from the apex of 2 e + 1 to the apex of 2 e.
   void flip(std::uint32_t edge);
 
  private:
