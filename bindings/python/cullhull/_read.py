@@ -213,9 +213,9 @@ def _hdf5(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray
 def _refuse_gaps(h5py: Any, dataset: Any, path: str) -> None:
     """Refuses a dataset that was never written, or not everywhere, and has no fill value."""
     made = dataset.id.get_create_plist()
-    filled = (
-        made.get_fill_time() != h5py.h5d.FILL_TIME_NEVER
-        and made.fill_value_defined() != h5py.h5d.FILL_VALUE_UNDEFINED
+    known = h5py.h5d  # a damaged file may say what is none of these: then nothing is filled
+    filled = made.get_fill_time() in (known.FILL_TIME_ALLOC, known.FILL_TIME_IFSET) and (
+        made.fill_value_defined() in (known.FILL_VALUE_DEFAULT, known.FILL_VALUE_USER_DEFINED)
     )
     status = dataset.id.get_space_status()
     if filled or not dataset.size or made.get_external_count() or dataset.is_virtual:

@@ -182,12 +182,15 @@ class OpenDataset {
   void find_layout() {
     const Handle made(h5().H5Dget_create_plist(dataset_.get()), h5().H5Pclose);
     if (!made) return;
-    H5D_fill_time_t time = H5D_FILL_TIME_IFSET;
-    H5D_fill_value_t value = H5D_FILL_VALUE_DEFAULT;
-    h5().H5Pget_fill_time(made.get(), &time);
-    h5().H5Pfill_value_defined(made.get(), &value);
-    may_leave_gaps_ = (time == H5D_FILL_TIME_NEVER || value == H5D_FILL_VALUE_UNDEFINED) &&
-                      h5().H5Pget_external_count(made.get()) <= 0;
+    // As numbers: libhdf5 passes on what a damaged file says, which may be no value of the types.
+    int time = H5D_FILL_TIME_IFSET, value = H5D_FILL_VALUE_DEFAULT;
+    static_assert(sizeof(H5D_fill_time_t) == sizeof time &&
+                  sizeof(H5D_fill_value_t) == sizeof value);
+    h5().H5Pget_fill_time(made.get(), reinterpret_cast<H5D_fill_time_t*>(&time));
+    h5().H5Pfill_value_defined(made.get(), reinterpret_cast<H5D_fill_value_t*>(&value));
+    const bool filled = (time == H5D_FILL_TIME_ALLOC || time == H5D_FILL_TIME_IFSET) &&
+                        (value == H5D_FILL_VALUE_DEFAULT || value == H5D_FILL_VALUE_USER_DEFINED);
+    may_leave_gaps_ = !filled && h5().H5Pget_external_count(made.get()) <= 0;
     if (h5().H5Pget_layout(made.get()) != H5D_CHUNKED) return;
     hsize_t extent[2] = {1, 1};
     if (h5().H5Pget_chunk(made.get(), 2, extent) != shape_.axes) return;
