@@ -118,8 +118,10 @@ Outcome certify_streamed(const CertifyArguments& arguments) {
                     [&](const cullhull::PointView& block, std::uint64_t first) {
     check.push(block, first);
     if (!told) return;
+    Extent of_block;
+    of_block.add(block);
     const std::lock_guard lock(mutex);
-    extent.add(block);
+    extent.add(of_block);
       });
   outcome.certificate = check.finish();
   outcome.placing = {read.placement, read.grid, read.any_placed, arguments.input.raw};

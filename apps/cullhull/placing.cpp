@@ -70,14 +70,22 @@ Json placing_json(const Placing& placing, const cullhull::PointView& points) {
 }
 
 void Extent::add(const cullhull::PointView& points) {
-  const std::vector<Range> box = box_of(points);
-  for (std::size_t j = 0; j < box.size(); ++j) {
-    if (j == least_.size()) {
-      least_.push_back(box[j].least);
-      greatest_.push_back(box[j].greatest);
-    }
-    least_[j] = std::min(least_[j], box[j].least);
-    greatest_[j] = std::max(greatest_[j], box[j].greatest);
+  Extent other;
+  for (const Range& axis : box_of(points)) {
+    other.least_.push_back(axis.least);
+    other.greatest_.push_back(axis.greatest);
+  }
+  add(other);
+}
+
+void Extent::add(const Extent& other) {
+  if (least_.empty()) {
+    *this = other;
+    return;
+  }
+  for (std::size_t j = 0; j < other.least_.size(); ++j) {
+    least_[j] = std::min(least_[j], other.least_[j]);
+    greatest_[j] = std::max(greatest_[j], other.greatest_[j]);
   }
 }
 

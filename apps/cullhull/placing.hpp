@@ -22,6 +22,7 @@ struct Placing {
 class Extent {
  public:
   void add(const cullhull::PointView& points);
+  void add(const Extent& other);
   /// Its lowest and its highest corner, of points on `grid`: two rows, or none without points.
   std::vector<double> corners(const cullhull::Grid& grid) const;
 
