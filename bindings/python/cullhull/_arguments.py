@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import sys
 from collections.abc import Callable, Iterable
 from typing import Any, Literal, Union, get_args
 
@@ -48,7 +49,8 @@ def as_points(points: Any, what: str = "points", *, axes: int = 2) -> npt.NDArra
 
 def refuse_mask(array: Any, what: str) -> None:
     """Raises for a masked array, whose mask NumPy's functions would drop."""
-    if isinstance(array, np.ma.MaskedArray):
+    masked = sys.modules.get("numpy.ma")  # not imported: nobody has one, and importing takes 7 ms
+    if masked is not None and isinstance(array, masked.MaskedArray):
         raise InvalidArgument(
             f"`{what}` cannot be a masked array: leave masked rows out and pass array.data"
         )

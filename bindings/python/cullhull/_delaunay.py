@@ -215,7 +215,8 @@ class Delaunay(Lifted):
         return result
 
     def __repr__(self) -> str:
-        return f"<Delaunay of {self.npoints} points in {self.ndim}D: {self.nsimplex} simplices>"
+        kind = type(self).__name__
+        return f"<{kind} of {self.npoints} points in {self.ndim}D: {self.nsimplex} simplices>"
 
     @property
     def nsimplex(self) -> int:

@@ -162,6 +162,9 @@ class _TolerantLifted(Lifted):
             rounding_distance(self.points) if self._asked is None else self._asked
         )
 
+    def __repr__(self) -> str:
+        return f"{super().__repr__()[:-1]}, within {self.merge_distance:.2g}>"
+
     @Lazy
     def _scaled(self) -> Scaled:
         return Scaled.of(self.points)
@@ -315,11 +318,6 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
         cells: npt.NDArray[np.int32] = self._stand_ins[super().find_simplex(xi, bruteforce, tol)]
         return cells
 
-    def __repr__(self) -> str:
-        return f"{super().__repr__()[:-1]}, within {self.merge_distance:.2g}>".replace(
-            "<Delaunay", "<TolerantDelaunay"
-        )
-
 
 class TolerantVoronoi(_TolerantLifted, Voronoi):
     """`Voronoi` within a stated distance, for programs that assume Qhull's tolerances.
@@ -383,11 +381,6 @@ class TolerantVoronoi(_TolerantLifted, Voronoi):
     def distance(self) -> float:
         """By how much the distances of a vertex from the points around it differ at most."""
         return self._shown.distance
-
-    def __repr__(self) -> str:
-        return f"{super().__repr__()[:-1]}, within {self.merge_distance:.2g}>".replace(
-            "<Voronoi", "<TolerantVoronoi"
-        )
 
 
 for _kind in (TolerantDelaunay, TolerantVoronoi):
