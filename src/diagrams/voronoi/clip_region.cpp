@@ -204,8 +204,9 @@ template std::array<mpq_class, 1> normal_of<1, mpq_class>(const RegionPlane<1>&)
 template std::array<mpq_class, 2> normal_of<2, mpq_class>(const RegionPlane<2>&);
 template std::array<mpq_class, 3> normal_of<3, mpq_class>(const RegionPlane<3>&);
 
-/// A coordinate and a normal are within 2^-53 of the doubles that stand for them here, relatively,
-/// and a normal by its error besides; the sum of D products adds D + 2 roundings of its terms.
+/// A coordinate is within 2^-53 max(|x|, 2^-1022) of the double that stands for it here, a normal
+/// within 2^-53 of its own, relatively, and its error besides; the sum of D products adds D + 2
+/// roundings of its terms.
 template <unsigned D>
 bool RegionPiece<D>::surely_inside(const double* rounded) const {
   return std::all_of(planes.begin(), planes.end(), [&](const RegionPlane<D>& plane) {
@@ -217,7 +218,8 @@ bool RegionPiece<D>::surely_inside(const double* rounded) const {
     for (unsigned j = 0; j < D; ++j) {
       const double n = plane.normal[j].value.high, x = rounded[j], a = plane.through[0][j];
       sum += n * x - n * a;
-      size += (std::abs(n) + 0x1p50 * plane.normal[j].error) * (std::abs(x) + std::abs(a));
+      size += (std::abs(n) + 0x1p50 * plane.normal[j].error) *
+              (std::max(std::abs(x), 0x1p-1022) + std::abs(a));
     }
     return sum < -(size * 0x1p-48 + 0x1p-1000);
   });

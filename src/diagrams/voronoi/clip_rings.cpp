@@ -29,9 +29,9 @@ Real twice_area(const std::vector<Edge>& edges, const std::vector<std::uint32_t>
 }
 
 /// The boundary of pieces that are connected through edges.
-class Outline {
+class PieceBoundary {
  public:
-  Outline(CellCorners<2>& corners, std::vector<Edge> edges)
+  PieceBoundary(CellCorners<2>& corners, std::vector<Edge> edges)
       : corners_(corners), edges_(std::move(edges)) {
     std::sort(edges_.begin(), edges_.end(),
               [](const Edge& a, const Edge& b) { return a.start < b.start; });
@@ -175,7 +175,7 @@ std::vector<CellPolygon> join_pieces(CellCorners<2>& corners,
   std::vector<CellPolygon> polygons;
   CellPolygon polygon;
   for (std::vector<Edge>& boundary : boundaries)
-    if (!boundary.empty() && Outline(corners, std::move(boundary)).write(polygon))
+    if (!boundary.empty() && PieceBoundary(corners, std::move(boundary)).write(polygon))
       polygons.push_back(polygon);
   std::sort(polygons.begin(), polygons.end(), [](const CellPolygon& a, const CellPolygon& b) {
     return a[0].points[0] < b[0].points[0];
