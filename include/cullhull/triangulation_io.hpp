@@ -60,9 +60,9 @@ struct Polygons {
   PolygonRings rings() const;
 };
 
-/// All polygons of a GeoJSON file (`-`: standard input): Polygon, MultiPolygon, collections of
-/// them, and features; points and lines beside them are left out, and so are third coordinates.
-/// Throws Error{bad_file} for what is no GeoJSON or has no polygon, Error{io}.
+/// All polygons of a GeoJSON file, also .gz and .zst (`-`: standard input): Polygon, MultiPolygon,
+/// collections of them, and features; points and lines beside them are left out, and so are third
+/// coordinates. Throws Error{bad_file} for what is no GeoJSON or has no polygon, Error{io}.
 Polygons read_polygons(const std::string& path);
 
 /// Text as Qhull's `qdelaunay` prints it, `what` being i (cells), Fn (neighbours, -1 for none), Fx

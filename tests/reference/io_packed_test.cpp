@@ -14,6 +14,7 @@
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/point_blocks.hpp"
+#include "cullhull/triangulation_io.hpp"
 #include "io/formats/npy.hpp"
 #include "tests/io_fixtures.hpp"
 #if __has_include(<zlib.h>) && __has_include(<zstd.h>)
@@ -190,6 +191,18 @@ TEST_F(Files, CompressedRawNumbersAndNumbersThatLookCompressed) {
   EXPECT_EQ(in_blocks(file("p.bin", numbers), raw), want);
   EXPECT_EQ(in_memory(file("p.raw.gz", gz(numbers)), raw), want);
   EXPECT_EQ(in_blocks(file("p.raw.gz", gz(numbers)), raw), want);
+}
+
+TEST_F(Files, CompressedPolygons) {
+  const std::string plain = R"({"type": "Polygon", "coordinates": [[[0,0],[4,0],[0,4],[0,0]]]})";
+  const Polygons want = read_polygons(file("p.geojson", plain));
+  for (const auto& [suffix, whole] : {std::pair{".gz", gz(plain)}, std::pair{".zst", zst(plain)}}) {
+    const Polygons polygons = read_polygons(file(std::string("p.geojson") + suffix, whole));
+    EXPECT_EQ(polygons.corners, want.corners);
+    EXPECT_EQ(polygons.ring_offsets, want.ring_offsets);
+    const std::string cut = file(std::string("c.geojson") + suffix, whole.substr(0, 20));
+    EXPECT_THROW(read_polygons(cut), Error);
+  }
 }
 
 TEST_F(Files, CutShortAtEveryByte) {

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "cullhull/error.hpp"
 #include "cullhull/triangulation_io.hpp"
 #include "io/mapped_file.hpp"
+#include "io/packed/unpack.hpp"
 
 namespace cullhull {
 namespace internal {
@@ -103,8 +105,17 @@ PolygonRings Polygons::rings() const {
 }
 
 Polygons read_polygons(const std::string& path) {
-  const internal::MappedFile file(path);
-  Polygons polygons = internal::read_polygons(file.source());
+  using namespace internal;
+  const MappedFile file(path);
+  Source source = file.source();
+  const std::string_view bytes(source.data, source.size);
+  Buffer unpacked;
+  if (const Packing packing = packing_of(bytes, source.name, {}); packing != Packing::none) {
+    unpacked =
+        read_all(*unpack(packing, stream_of(bytes), source.name), source.name, 0, source.size);
+    source.data = unpacked.as<char>();
+  }
+  Polygons polygons = read_polygons(source);
   file.check_size();
   return polygons;
 }
