@@ -270,7 +270,7 @@ void find_dual(const DualArguments& a, const PointView& points, const cullhull::
     const cullhull::Polygons region = read_region(a, grid);
     const auto clip = [&](const cullhull::Options& options) {
       return cullhull::clip_voronoi(points, out.triangulation, region.rings(), out.weights, true,
-                                    options);
+                                    options, &*out.voronoi);
     };
     try {
       out.cells = repeat(a.run, 1, clip).result;

@@ -147,7 +147,9 @@ void check_corners(const LiftedSet& s, const Triangulation& t, const Box& box,
       const double* x = diagram.vertices.data() + std::size_t{v} * d;
       bool inside = true;
       for (unsigned j = 0; j < d; ++j) inside = inside && box.low[j] < x[j] && x[j] < box.high[j];
-      if (inside) EXPECT_TRUE(corners.count(Corner(x, x + d))) << s.name;
+      if (inside) {
+        EXPECT_TRUE(corners.count(Corner(x, x + d))) << s.name;
+      }
     }
   }
 }
@@ -172,7 +174,9 @@ void check(const LiftedSet& s, const Box& box, bool furthest = false) {
       EXPECT_TRUE(near(cells.measures[i], exact, measure_error, least))
           << s.name << ": " << cells.measures[i] << ", not " << exact.get_d();
   }
-  if (s.count() > 0) EXPECT_TRUE(sum == whole) << s.name;
+  if (s.count() > 0) {
+    EXPECT_TRUE(sum == whole) << s.name;
+  }
   check_shapes(s, cells);
   check_corners(s, t, box, cells);
 }
@@ -501,6 +505,30 @@ TEST(ClipVoronoi, ProvincesAreOneRegion) {
   const ClippedCells c = clip_voronoi(view_of(s), t, within.view());
   EXPECT_EQ(c.polygon_offsets, b.polygon_offsets);
   EXPECT_EQ(c.polygon_rings, b.polygon_rings);
+}
+
+/// A diagram that the caller has changes no bit; one of other points is refused.
+TEST(ClipVoronoi, TakesADiagramThatIsThere) {
+  for (const unsigned d : {1U, 2U, 3U})
+    for (const LiftedSet& s : {random_points(d, 60, 5), drawn_grid(d, 60, 5, 1, -2, 6)}) {
+      const Triangulation t = triangulate(s);
+      const Voronoi diagram = voronoi(view_of(s), t, s.weights);
+      const Box box = box_of(s, true);
+      const auto clip = [&](const Voronoi* known) {
+        return clip_voronoi(view_of(s), t, box.low, box.high, s.weights, true, {}, known);
+      };
+      const ClippedCells with = clip(&diagram), without = clip(nullptr);
+      EXPECT_EQ(with.measures, without.measures) << s.name;
+      EXPECT_EQ(with.vertices, without.vertices) << s.name;
+      EXPECT_EQ(with.neighbours, without.neighbours) << s.name;
+
+      const LiftedSet other = random_points(d, 59, 5);
+      const Voronoi wrong = voronoi(view_of(other), triangulate(other), {});
+      EXPECT_THROW(clip(&wrong), Error) << s.name;
+      Voronoi damaged = diagram;
+      damaged.ridge_points[0] = 60;
+      EXPECT_THROW(clip(&damaged), Error) << s.name;
+    }
 }
 
 TEST(ClipVoronoi, LargePolygonsAddUp) {

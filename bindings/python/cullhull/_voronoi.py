@@ -214,21 +214,24 @@ class VoronoiDiagram:
     def _clip(
         self, region: tuple[Any, ...], shapes: bool, threads: int | None, progress: Progress
     ) -> _core.ClippedCells:
-        cells, chosen = self.triangulation._cells, settings(threads=threads, progress=progress)
+        cells, diagram = self.triangulation._cells, self._diagram
+        chosen = settings(threads=threads, progress=progress)
         if len(region) == 2:
             low, high = (
                 np.asarray(as_points(c, "corner", axes=1), dtype=np.float64).tolist()
                 for c in region
             )
-            return _core.clip_to_box(cells, low, high, shapes, chosen)
+            return _core.clip_to_box(cells, diagram, low, high, shapes, chosen)
         rings = _rings(region[0])
         if rings is None:
-            return _core.clip_to_hull(cells, as_points(region[0], "region"), shapes, chosen)
+            return _core.clip_to_hull(
+                cells, diagram, as_points(region[0], "region"), shapes, chosen
+            )
         if not rings:
             raise InvalidArgument("the region has no polygon")
         corners = np.concatenate(rings)
         offsets = np.cumsum([0, *map(len, rings)]).tolist()
-        return _core.clip_to_polygons(cells, corners, offsets, shapes, chosen)
+        return _core.clip_to_polygons(cells, diagram, corners, offsets, shapes, chosen)
 
 
 def _rings(region: Any) -> list[npt.NDArray[np.float64]] | None:
@@ -471,9 +474,8 @@ class Voronoi(Lifted):
     ndim: int
 
     def __repr__(self) -> str:
-        return (
-            f"<Voronoi of {self.npoints} points in {self.ndim}D: {len(self.vertices)} vertices>"
-        )
+        kind = type(self).__name__
+        return f"<{kind} of {self.npoints} points in {self.ndim}D: {len(self.vertices)} vertices>"
 
     @Lazy
     def diagram(self) -> VoronoiDiagram:

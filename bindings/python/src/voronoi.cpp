@@ -59,39 +59,44 @@ std::unique_ptr<Voronoi> voronoi(const Cells& cells, const Settings* settings) {
   return result;
 }
 
-std::unique_ptr<ClippedCells> clip_to_box(const Cells& cells, const std::vector<double>& low,
+std::unique_ptr<ClippedCells> clip_to_box(const Cells& cells, const Voronoi& diagram,
+                                          const std::vector<double>& low,
                                           const std::vector<double>& high, bool shapes,
                                           const Settings* settings) {
   std::unique_ptr<ClippedCells> result;
   run(settings, length_of_diagram(cells), [&](const Options& options) {
-    result = std::make_unique<ClippedCells>(cullhull::clip_voronoi(
-        cells.points().view(), cells.triangulation(), low, high, cells.weights(), shapes, options));
+    result = std::make_unique<ClippedCells>(
+        cullhull::clip_voronoi(cells.points().view(), cells.triangulation(), low, high,
+                               cells.weights(), shapes, options, &diagram));
   });
   return result;
 }
 
-std::unique_ptr<ClippedCells> clip_to_hull(const Cells& cells, nb::handle array, bool shapes,
+std::unique_ptr<ClippedCells> clip_to_hull(const Cells& cells, const Voronoi& diagram,
+                                           nb::handle array, bool shapes,
                                            const Settings* settings) {
   const Points region(array);
   std::unique_ptr<ClippedCells> result;
   run(settings, length_of_diagram(cells), [&](const Options& options) {
     result = std::make_unique<ClippedCells>(
         cullhull::clip_voronoi(cells.points().view(), cells.triangulation(), region.view(),
-                               cells.weights(), shapes, options));
+                               cells.weights(), shapes, options, &diagram));
   });
   return result;
 }
 
 /// `offsets`: rings + 1 into the corners.
-std::unique_ptr<ClippedCells> clip_to_polygons(const Cells& cells, nb::handle array,
+std::unique_ptr<ClippedCells> clip_to_polygons(const Cells& cells, const Voronoi& diagram,
+                                               nb::handle array,
                                                const std::vector<std::uint64_t>& offsets,
                                                bool shapes, const Settings* settings) {
   const Points corners(array);
   std::unique_ptr<ClippedCells> result;
   run(settings, length_of_diagram(cells), [&](const Options& options) {
-    result = std::make_unique<ClippedCells>(cullhull::clip_voronoi(
-        cells.points().view(), cells.triangulation(),
-        cullhull::PolygonRings{corners.view(), offsets}, cells.weights(), shapes, options));
+    result = std::make_unique<ClippedCells>(
+        cullhull::clip_voronoi(cells.points().view(), cells.triangulation(),
+                               cullhull::PolygonRings{corners.view(), offsets}, cells.weights(),
+                               shapes, options, &diagram));
   });
   return result;
 }
@@ -160,12 +165,12 @@ void bind_voronoi(nb::module_& m) {
   bind_diagram(m);
   bind_clipped_cells(m);
   m.def("voronoi", voronoi, nb::arg("cells"), nb::arg("settings").none());
-  m.def("clip_to_box", clip_to_box, nb::arg("cells"), nb::arg("low"), nb::arg("high"),
+  m.def("clip_to_box", clip_to_box, nb::arg("cells"), nb::arg("diagram"), nb::arg("low"),
+        nb::arg("high"), nb::arg("shapes"), nb::arg("settings").none());
+  m.def("clip_to_polygons", clip_to_polygons, nb::arg("cells"), nb::arg("diagram"),
+        nb::arg("corners"), nb::arg("offsets"), nb::arg("shapes"), nb::arg("settings").none());
+  m.def("clip_to_hull", clip_to_hull, nb::arg("cells"), nb::arg("diagram"), nb::arg("region"),
         nb::arg("shapes"), nb::arg("settings").none());
-  m.def("clip_to_polygons", clip_to_polygons, nb::arg("cells"), nb::arg("corners"),
-        nb::arg("offsets"), nb::arg("shapes"), nb::arg("settings").none());
-  m.def("clip_to_hull", clip_to_hull, nb::arg("cells"), nb::arg("region"), nb::arg("shapes"),
-        nb::arg("settings").none());
 }
 
 }  // namespace binding

@@ -478,7 +478,8 @@ PiecesOfCells pieces_of(const DiagramCells& cells, const Triangulation& t, const
 
 template <unsigned D>
 ClippedCells clip(const PointView& points, const Triangulation& t, const Region<D>& region,
-                  std::span<const double> weights, bool shapes, const Run& run) {
+                  std::span<const double> weights, bool shapes, const Voronoi* diagram,
+                  const Run& run) {
   require_budget(run.budget,
                  t.point_count * 8 * (D + 4) + t.cells.size() * 8 * D +
                      t.cells.size() * (D == 3 ? 50 : 40) +
@@ -489,7 +490,7 @@ ClippedCells clip(const PointView& points, const Triangulation& t, const Region<
   out.point_count = t.point_count;
   out.measures.resize(t.point_count);
   const DualPoints rows(points, t, weights, run);
-  const DiagramCells cells(rows, t, run);
+  const DiagramCells cells(rows, t, diagram, run);
   const PiecesOfCells pieces = pieces_of<D>(cells, t, region, run);
   constexpr std::uint64_t grain = 512;  // cells; some hundred us of clipping, not tuned
   std::vector<Part> parts(chunk_count(t.point_count, grain));
@@ -509,7 +510,8 @@ ClippedCells clip(const PointView& points, const Triangulation& t, const Region<
 
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           std::span<const double> low, std::span<const double> high,
-                          std::span<const double> weights, bool shapes, const Options& options) {
+                          std::span<const double> weights, bool shapes, const Options& options,
+                          const Voronoi* diagram) {
   using namespace internal;
   const Run run(options);
   const CallScope call;
@@ -517,14 +519,16 @@ ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangul
   const Triangulation& t = triangulation;
   check_dimension(t);
   check_box(t, low, high);
-  return t.dimension == 1   ? clip<1>(points, t, box_region<1>(low, high), weights, shapes, run)
-         : t.dimension == 2 ? clip<2>(points, t, box_region<2>(low, high), weights, shapes, run)
-                            : clip<3>(points, t, box_region<3>(low, high), weights, shapes, run);
+  return t.dimension == 1
+             ? clip<1>(points, t, box_region<1>(low, high), weights, shapes, diagram, run)
+         : t.dimension == 2
+             ? clip<2>(points, t, box_region<2>(low, high), weights, shapes, diagram, run)
+             : clip<3>(points, t, box_region<3>(low, high), weights, shapes, diagram, run);
 }
 
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           const PointView& region, std::span<const double> weights, bool shapes,
-                          const Options& options) {
+                          const Options& options, const Voronoi* diagram) {
   using namespace internal;
   const Triangulation& t = triangulation;
   check_dimension(t);
@@ -533,18 +537,19 @@ ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangul
            " for a diagram in dimension " + std::to_string(t.dimension));
   if (t.dimension == 2) {
     const std::uint64_t one[2] = {0, region.count};
-    return clip_voronoi(points, t, PolygonRings{region, one}, weights, shapes, options);
+    return clip_voronoi(points, t, PolygonRings{region, one}, weights, shapes, options, diagram);
   }
   const Run run(options);
   const CallScope call;
   const PageScope pages;
-  return t.dimension == 1 ? clip<1>(points, t, hull_region<1>(region, run), weights, shapes, run)
-                          : clip<3>(points, t, hull_region<3>(region, run), weights, shapes, run);
+  return t.dimension == 1
+             ? clip<1>(points, t, hull_region<1>(region, run), weights, shapes, diagram, run)
+             : clip<3>(points, t, hull_region<3>(region, run), weights, shapes, diagram, run);
 }
 
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           const PolygonRings& region, std::span<const double> weights, bool shapes,
-                          const Options& options) {
+                          const Options& options, const Voronoi* diagram) {
   using namespace internal;
   const Run run(options);
   const CallScope call;
@@ -552,7 +557,7 @@ ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangul
   const Triangulation& t = triangulation;
   if (t.dimension != 2)
     refuse("a polygon for a diagram in dimension " + std::to_string(t.dimension));
-  return clip<2>(points, t, polygon_region(region, run), weights, shapes, run);
+  return clip<2>(points, t, polygon_region(region, run), weights, shapes, diagram, run);
 }
 
 }  // namespace cullhull

@@ -3,20 +3,52 @@
 #include <algorithm>
 #include <utility>
 
+#include "cullhull/error.hpp"
 #include "exact/planes/halfspace.hpp"
 
 namespace cullhull::internal {
 
-DiagramCells::DiagramCells(const DualPoints& points, const Triangulation& t, const Run& run)
-    : points_(points), t_(t), first_(first_cells(t)), begin_(t.point_count + 1) {
-  diagram_.dimension = t.dimension;
-  diagram_.ridge_offsets.assign(1, 0);
+namespace {
+
+/// By its sizes and numbers, so that no wrong one leads beyond the lists.
+void require_diagram_of(const Triangulation& t, std::uint64_t vertices, const Voronoi& diagram) {
+  const auto below = [](const Array<std::uint32_t>& list, std::uint64_t end) {
+    return std::all_of(list.begin(), list.end(),
+                       [&](std::uint32_t v) { return v < end || v == at_infinity; });
+  };
+  const auto& offsets = diagram.ridge_offsets;
+  if (diagram.dimension != t.dimension || diagram.point_count != t.point_count ||
+      diagram.affine_dimension != t.affine_dimension || diagram.furthest_site != t.furthest_site ||
+      diagram.vertex_count() != vertices || offsets.size() != diagram.ridge_count() + 1 ||
+      offsets.front() != 0 || offsets.back() != diagram.ridge_vertices.size() ||
+      !std::is_sorted(offsets.begin(), offsets.end()) || !below(diagram.ridge_vertices, vertices) ||
+      std::any_of(diagram.ridge_points.begin(), diagram.ridge_points.end(),
+                  [&](std::uint32_t p) { return p >= t.point_count; }))
+    throw Error(ErrorCode::invalid_argument, "the diagram is not that of the triangulation");
+}
+
+}  // namespace
+
+DiagramCells::DiagramCells(const DualPoints& points, const Triangulation& t, const Voronoi* known,
+                           const Run& run)
+    : points_(points),
+      t_(t),
+      diagram_(known != nullptr ? *known : own_),
+      first_(first_cells(t)),
+      begin_(t.point_count + 1) {
   is_site_.assign(t.point_count, false);
   for (const std::uint32_t v : t.cells) is_site_[v] = true;
   std::fill(begin_.begin(), begin_.end(), 0U);
+  if (known != nullptr) {
+    const std::uint64_t groups = first_.empty() ? t.size() : first_.size();
+    require_diagram_of(t, t.corners() < 2 ? 0 : groups, *known);
+  }
   if (t.corners() < 2) return;
-  write_vertices(points, t, diagram_, run);
-  write_ridges(points, t, diagram_, run);
+  if (known == nullptr) {
+    own_.dimension = t.dimension;
+    write_vertices(points, t, own_, run);
+    write_ridges(points, t, own_, run);
+  }
   for (const std::uint32_t v : diagram_.ridge_points) ++begin_[v + 1];
   for (std::uint64_t v = 0; v < t.point_count; ++v) begin_[v + 1] += begin_[v];
   items_.resize(begin_.back());

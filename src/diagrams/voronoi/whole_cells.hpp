@@ -14,7 +14,9 @@ namespace cullhull::internal {
 /// The vertices and ridges of a diagram, by site.
 class DiagramCells {
  public:
-  DiagramCells(const DualPoints& points, const Triangulation& t, const Run& run);
+  /// `known`: the diagram, or null. Throws Error{invalid_argument} where it cannot be that one.
+  DiagramCells(const DualPoints& points, const Triangulation& t, const Voronoi* known,
+               const Run& run);
 
   struct Item {
     std::uint32_t other, ridge;
@@ -41,7 +43,8 @@ class DiagramCells {
  private:
   const DualPoints& points_;
   const Triangulation& t_;
-  Voronoi diagram_;
+  Voronoi own_;
+  const Voronoi& diagram_;  ///< as known, or own_
   Array<std::uint32_t> first_;
   Array<std::uint64_t> begin_;
   Array<Item> items_;
