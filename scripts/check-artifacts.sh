@@ -89,7 +89,7 @@ here() {
     # unloads it.
     local name
     for name in $(nm -DC --defined-only "$library" |
-      sed -n 's/.* cullhull::internal::\([a-z_]*\)(.*/\1/p' | sort -u); do
+      sed -n 's/.* cullhull::internal::\([a-z]*::\)*\([a-z_]*\)(.*/\2/p' | sort -u); do
       grep -rqw "$name" include/cullhull || broken "libcullhull.so shows its inside: $name"
     done
     readelf -d "$library" | grep -q NODELETE || broken "libcullhull.so can be unloaded"

@@ -12,13 +12,13 @@
 #pragma GCC visibility push(default)
 namespace cullhull {
 
-namespace internal {
+namespace internal::inline parallel {
 /// Memory for any trivial type; throws std::bad_alloc. Blocks of megabytes lie on huge pages where
 /// the system grants them.
 void* allocate_block(std::size_t bytes);
 /// `bytes` as they were asked for.
 void free_block(void* block, std::size_t bytes) noexcept;
-}  // namespace internal
+}  // namespace internal::inline parallel
 
 /// The library keeps freed blocks, its own and those of Arrays, and reuses them: the system has to
 /// clear new memory, which takes longer than most steps of a hull. It keeps at most 16 MB of blocks

@@ -15,7 +15,7 @@
 #pragma GCC visibility push(default)
 namespace cullhull {
 
-namespace internal {
+namespace internal::inline stream {
 struct StateParts;
 }
 

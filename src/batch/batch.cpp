@@ -7,7 +7,7 @@
 #include "batch/batch_maker.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline batch {
 
 void check_offsets(std::uint64_t points, const std::uint64_t* offsets, std::uint64_t sets) {
   if (offsets == nullptr) throw Error(ErrorCode::invalid_argument, "offsets is null");
@@ -19,7 +19,7 @@ void check_offsets(std::uint64_t points, const std::uint64_t* offsets, std::uint
                                                    std::to_string(points) + " points");
 }
 
-}  // namespace internal
+}  // namespace internal::inline batch
 
 using namespace internal;
 

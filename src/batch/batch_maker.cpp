@@ -6,7 +6,7 @@
 
 #include "batch/small_sets.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline batch {
 namespace {
 
 template <class To, class Items>
@@ -278,4 +278,4 @@ HullBatch BatchMaker::finish() && {
   return std::move(all_);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline batch

@@ -11,7 +11,7 @@
 #include "cullhull/error.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline batch {
 
 /// A hull of which vertices are known, from a device.
 struct FoundHull {
@@ -68,4 +68,4 @@ class BatchMaker {
 /// Throws Error{invalid_argument} unless they ascend and none exceeds the number of points.
 void check_offsets(std::uint64_t points, const std::uint64_t* offsets, std::uint64_t sets);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline batch

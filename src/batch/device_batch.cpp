@@ -14,7 +14,7 @@
 #include "flow/device_filter.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline batch {
 namespace {
 
 using cuda::SetsOnDevice;
@@ -189,7 +189,7 @@ class DeviceBatch {
 };
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline batch
 
 HullBatch convex_hulls(const DevicePointView& points, const std::uint64_t* offsets,
                        std::uint64_t set_count, const Options& options,

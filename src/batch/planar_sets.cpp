@@ -1,6 +1,6 @@
 #include "batch/planar_sets.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline batch {
 namespace {
 
 /// Moves the new items [from, size).
@@ -56,4 +56,4 @@ void PlanarSets::write(const PointView& set, const PlanarMeasures& measures, Hul
   end_list(to.simplex_facets);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline batch

@@ -5,7 +5,7 @@
 #include "few/small_polygon.hpp"
 #include "parallel/threads/control.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline batch {
 
 class PlanarSets {
  public:
@@ -21,4 +21,4 @@ class PlanarSets {
   SmallPolygon polygon_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline batch

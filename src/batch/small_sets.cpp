@@ -9,7 +9,7 @@
 #include "few/small_measures.hpp"
 #include "few/small_surface.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline batch {
 namespace {
 
 /// Makes room for `count` more items; the size is set later.
@@ -131,4 +131,4 @@ bool append_simplices_3d(const FoundHull& found, HullBatch& to) {
   return measure_and_write(found.rows, points, hull, to);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline batch

@@ -6,7 +6,7 @@
 #include "cullhull/batch.hpp"
 #include "cullhull/point_view.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline batch {
 
 /// Appends the hull of a small set of points in space to `to`: the same bits as convex_hull gives.
 /// False, with `to` unchanged, for sets that are not small, not in general position (see
@@ -17,4 +17,4 @@ bool append_small_3d(const PointView& set, HullBatch& to);
 /// stead of ids.
 bool append_simplices_3d(const FoundHull& found, HullBatch& to);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline batch

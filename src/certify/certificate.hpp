@@ -12,7 +12,7 @@
 #include "parallel/prefetch.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::certificate {
+namespace cullhull::internal::certify {
 
 struct Fault {
   std::string reason;
@@ -147,4 +147,4 @@ class PointCheck {
 
 void check_numbers(const Subject& s);  // planes, volume, area, centroid
 
-}  // namespace cullhull::internal::certificate
+}  // namespace cullhull::internal::certify

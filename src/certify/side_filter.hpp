@@ -7,7 +7,7 @@
 #include "exact/determinants/minors.hpp"
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal::certificate {
+namespace cullhull::internal::certify {
 
 /// A determinant of rows [differences from p, lift] with a bound from its permanent; false if
 /// doubles cannot tell.
@@ -49,4 +49,4 @@ inline bool side_filtered(unsigned width, bool weighted, const double* const* c,
   return true;
 }
 
-}  // namespace cullhull::internal::certificate
+}  // namespace cullhull::internal::certify

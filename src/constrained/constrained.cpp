@@ -21,7 +21,7 @@
 #include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline constrained {
 namespace {
 
 constexpr std::uint32_t none = HalfEdges::none;
@@ -520,7 +520,7 @@ void force_all(const PointView& points, const Constraints& constraints, const Ru
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline constrained
 
 ConstrainedTriangulation constrained_delaunay(const PointView& points,
                                               std::span<const std::uint32_t> edges,
@@ -530,7 +530,7 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
     refuse("constrained triangulations are of points in the plane, not in dimension " +
            std::to_string(points.dimension));
   ConstrainedTriangulation out;
-  out.triangulation = delaunay(points, run_as<TriangulationOptions>(o));
+  out.triangulation = cullhull::delaunay(points, run_as<TriangulationOptions>(o));
   const Constraints constraints(out.triangulation, edges);
   if (out.triangulation.affine_dimension < 2) {
     if (out.triangulation.affine_dimension == 1) force_on_line(points, constraints, out);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline constrained {
 
 HalfEdges::HalfEdges(const Triangulation& t, const Array<std::uint32_t>& place,
                      std::uint32_t vertices)
@@ -48,4 +48,4 @@ void HalfEdges::flip(std::uint32_t edge) {
   next_[h1] = g;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline constrained

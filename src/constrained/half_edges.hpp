@@ -6,7 +6,7 @@
 #include "cullhull/array.hpp"
 #include "cullhull/triangulation.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline constrained {
 
 /// Edge e consists of the half-edges 2 e and 2 e + 1. A half-edge has a triangle on its left, or no
 /// face at the hull. The caller chooses the numbers of vertices.
@@ -38,4 +38,4 @@ class HalfEdges {
   Array<std::uint32_t> origin_, next_, out_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline constrained

@@ -8,12 +8,12 @@
 #include "cullhull/device_points.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline cuda {
 
-void require_cuda(int device) { (void)cuda::device_or_current(device); }
-bool cuda_started() noexcept { return cuda::started(); }
-std::size_t kept_pinned_memory() noexcept { return cuda::kept_pinned(); }
-void drop_pinned_memory() noexcept { cuda::drop_kept_pinned(); }
+void require_cuda(int device) { (void)device_or_current(device); }
+bool cuda_started() noexcept { return started(); }
+std::size_t kept_pinned_memory() noexcept { return kept_pinned(); }
+void drop_pinned_memory() noexcept { drop_kept_pinned(); }
 
 // Checks for device files, on Linux, in Windows' subsystem for it and on boards: starting the
 // driver would take longer than many a hull.
@@ -24,8 +24,6 @@ bool cuda_in_sight() noexcept {
   return false;
 }
 
-namespace cuda {
-
 std::uint32_t most_map_nodes(int device) { return most_gauge_nodes(device_or_current(device)); }
 
 std::vector<std::uint64_t> survivors_there(const GaugeMap& map, const PointView& points,
@@ -34,8 +32,7 @@ std::vector<std::uint64_t> survivors_there(const GaugeMap& map, const PointView&
   return survivors_of_host_points(map.table(), points, run);
 }
 
-}  // namespace cuda
-}  // namespace internal
+}  // namespace internal::inline cuda
 
 int current_cuda_device() noexcept {
   int ordinal = -1;

@@ -13,7 +13,7 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline cuda {
 
 /// Throws Error{backend_unavailable} with the reason unless `Backend::cuda` can be used on this
 /// device; -1: the current one.
@@ -27,8 +27,6 @@ std::size_t kept_pinned_memory() noexcept;
 void drop_pinned_memory() noexcept;
 /// Whether this machine seems to have a device: a quick check that only affects messages.
 bool cuda_in_sight() noexcept;
-
-namespace cuda {
 
 /// No driver, an old one, no device, a failed launch: the caller should use the CPU.
 class Failure : public Error {
@@ -50,5 +48,4 @@ std::uint32_t most_map_nodes(int device);
 std::vector<std::uint64_t> survivors_there(const GaugeMap& map, const PointView& points,
                                            const Run& run);
 
-}  // namespace cuda
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline cuda

@@ -14,7 +14,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline cuda {
 namespace {
 
 class DeviceFilter {
@@ -238,6 +238,9 @@ class DeviceFilter {
 };
 
 }  // namespace
+}  // namespace cullhull::internal::inline cuda
+
+namespace cullhull::internal::inline flow {
 
 Filtered run_device_filter(const DevicePointView& points, const Run& run) {
   if (points.count == 0) {
@@ -254,4 +257,4 @@ Filtered run_device_filter(const DevicePointView& points, const Run& run) {
   return DeviceFilter(points, run).run();
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline flow

@@ -8,7 +8,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline cuda {
 
 int device_of_memory(const void* memory) {
   cudaPointerAttributes attributes = {};
@@ -66,7 +66,7 @@ void refuse_first_not_finite(const DevicePointView& points, const Run& run) {
   throw Error(ErrorCode::internal, "points on the device changed during the call");
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline cuda
 
 namespace cullhull {
 

@@ -8,7 +8,7 @@
 #include "filter/planner.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline cuda {
 
 /// The device that holds this memory; throws Error{invalid_argument} for host memory, and
 /// Error{backend_unavailable} with the reason where there is no device.
@@ -27,4 +27,4 @@ Array<double> download_all(const DevicePointView& points, const Run& run);
 /// Throws Error{not_finite} naming the first point that is not finite; there must be one.
 [[noreturn]] void refuse_first_not_finite(const DevicePointView& points, const Run& run);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline cuda

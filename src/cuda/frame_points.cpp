@@ -17,7 +17,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/memory/memory.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline cuda {
 namespace {
 
 class DeviceFrame final : public FramePoints {
@@ -161,9 +161,12 @@ class DeviceFrame final : public FramePoints {
 };
 
 }  // namespace
+}  // namespace cullhull::internal::inline cuda
+
+namespace cullhull::internal::inline tracker {
 
 std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run& run) {
   return std::make_unique<DeviceFrame>(points, run);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline tracker

@@ -9,7 +9,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::cuda {
+namespace cullhull::internal::inline cuda {
 namespace {
 
 cudaStream_t stream_of(const DevicePointView& points) {
@@ -347,4 +347,4 @@ Array<double> download_points(const DevicePointView& points, const std::uint64_t
                                           : download_as<float>(points, ids, count, control);
 }
 
-}  // namespace cullhull::internal::cuda
+}  // namespace cullhull::internal::inline cuda

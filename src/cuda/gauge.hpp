@@ -9,7 +9,7 @@
 #include "filter/gauge/gauge_table.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::cuda {
+namespace cullhull::internal::inline cuda {
 
 /// Ids (ascending) of the points that are not provably inside, as GaugeMap::survivors gives them,
 /// for points in the host's memory. Pieces of them are copied into pinned memory and to the device,
@@ -38,4 +38,4 @@ std::vector<std::uint64_t> survivors_by_pieces(const GaugeTable& table,
 Array<double> download_points(const DevicePointView& points, const std::uint64_t* ids,
                               std::uint64_t count, const Control& control);
 
-}  // namespace cullhull::internal::cuda
+}  // namespace cullhull::internal::inline cuda

@@ -8,7 +8,7 @@
 #include "cuda/kernels/hull_questions_kernel.hpp"
 #include "cuda/runtime.hpp"
 
-namespace cullhull::internal::cuda {
+namespace cullhull::internal::inline cuda {
 namespace {
 
 /// Upload of numbers that are asked for again and again.
@@ -103,4 +103,4 @@ Array<double> QuestionsOnDevice::all_rows(const Run& run) const {
   return download_all(state_->points, run);
 }
 
-}  // namespace cullhull::internal::cuda
+}  // namespace cullhull::internal::inline cuda

@@ -11,7 +11,7 @@
 #include "filter/gauge/gauge_table.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::cuda {
+namespace cullhull::internal::inline cuda {
 
 /// A full-dimensional hull of dimension d <= 6 as kernels test points against it. Its extents lie
 /// between 2^-100 and 2^100 (docs/exactness.md, "Queries").
@@ -59,4 +59,4 @@ class QuestionsOnDevice {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cullhull::internal::cuda
+}  // namespace cullhull::internal::inline cuda

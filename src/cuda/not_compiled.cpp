@@ -7,7 +7,7 @@
 #include "tracker/frame_points.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline cuda {
 
 void require_cuda(int) {
   throw Error(ErrorCode::backend_unavailable,
@@ -18,55 +18,57 @@ std::size_t kept_pinned_memory() noexcept { return 0; }
 void drop_pinned_memory() noexcept {}
 bool cuda_in_sight() noexcept { return false; }
 
-std::uint32_t cuda::most_map_nodes(int) {
+std::uint32_t most_map_nodes(int) {
   require_cuda();
   return 0;
 }
 
-std::vector<std::uint64_t> cuda::survivors_there(const GaugeMap&, const PointView&, const Run&) {
+std::vector<std::uint64_t> survivors_there(const GaugeMap&, const PointView&, const Run&) {
   require_cuda();
   return {};
 }
 
-struct cuda::SetsOnDevice::State {};
-cuda::SetsOnDevice::SetsOnDevice(const DevicePointView&, const Control&) { require_cuda(); }
-cuda::SetsOnDevice::~SetsOnDevice() = default;
-std::vector<std::uint64_t> cuda::SetsOnDevice::fetch_offsets(const std::uint64_t*,
-                                                             std::uint64_t) const {
+struct SetsOnDevice::State {};
+SetsOnDevice::SetsOnDevice(const DevicePointView&, const Control&) { require_cuda(); }
+SetsOnDevice::~SetsOnDevice() = default;
+std::vector<std::uint64_t> SetsOnDevice::fetch_offsets(const std::uint64_t*, std::uint64_t) const {
   return {};
 }
-void cuda::SetsOnDevice::find(const std::uint64_t*, std::uint32_t) {}
-void cuda::SetsOnDevice::find_nothing(const std::uint64_t*, std::uint32_t) {}
-std::vector<std::uint32_t> cuda::SetsOnDevice::open_sets() const { return {}; }
-cuda::FoundLists cuda::SetsOnDevice::fetch() const { return {}; }
-cuda::SetRows cuda::SetsOnDevice::fetch_rows(const std::vector<std::uint32_t>&) const { return {}; }
-DeviceHullBatch cuda::SetsOnDevice::join(const HullBatch&) const { return {}; }
+void SetsOnDevice::find(const std::uint64_t*, std::uint32_t) {}
+void SetsOnDevice::find_nothing(const std::uint64_t*, std::uint32_t) {}
+std::vector<std::uint32_t> SetsOnDevice::open_sets() const { return {}; }
+FoundLists SetsOnDevice::fetch() const { return {}; }
+SetRows SetsOnDevice::fetch_rows(const std::vector<std::uint32_t>&) const { return {}; }
+DeviceHullBatch SetsOnDevice::join(const HullBatch&) const { return {}; }
 
-struct cuda::QuestionsOnDevice::State {};
-cuda::QuestionsOnDevice::QuestionsOnDevice(const DevicePointView&, const HullTables*) {
-  require_cuda();
-}
-cuda::QuestionsOnDevice::~QuestionsOnDevice() = default;
-void cuda::QuestionsOnDevice::sides(const GaugeTable*, std::uint64_t, std::uint64_t, PointAnswer*,
-                                    double*) const {}
-void cuda::QuestionsOnDevice::supports(std::uint64_t, std::uint64_t, std::uint32_t*) const {}
-Array<double> cuda::QuestionsOnDevice::rows(const std::vector<std::uint64_t>&, const Run&) const {
+struct QuestionsOnDevice::State {};
+QuestionsOnDevice::QuestionsOnDevice(const DevicePointView&, const HullTables*) { require_cuda(); }
+QuestionsOnDevice::~QuestionsOnDevice() = default;
+void QuestionsOnDevice::sides(const GaugeTable*, std::uint64_t, std::uint64_t, PointAnswer*,
+                              double*) const {}
+void QuestionsOnDevice::supports(std::uint64_t, std::uint64_t, std::uint32_t*) const {}
+Array<double> QuestionsOnDevice::rows(const std::vector<std::uint64_t>&, const Run&) const {
   return {};
 }
-Array<double> cuda::QuestionsOnDevice::all_rows(const Run&) const { return {}; }
+Array<double> QuestionsOnDevice::all_rows(const Run&) const { return {}; }
 
+}  // namespace internal::inline cuda
+
+namespace internal::inline flow {
 Filtered run_device_filter(const DevicePointView&, const Run&) {
   require_cuda();
   return {};
 }
 
+}  // namespace internal::inline flow
+
+namespace internal::inline tracker {
 std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run&) {
   check_arguments(points);
   require_cuda();
   return nullptr;
 }
-
-}  // namespace internal
+}  // namespace internal::inline tracker
 
 int current_cuda_device() noexcept { return -1; }
 Array<double> fetch_points(const DevicePointView&, std::span<const std::uint64_t>) {

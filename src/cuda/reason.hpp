@@ -6,7 +6,7 @@
 
 #include <string>
 
-namespace cullhull::internal::cuda {
+namespace cullhull::internal::inline cuda {
 
 /// Oldest architecture there is code for.
 inline constexpr int oldest_capability = 75;
@@ -24,4 +24,4 @@ struct Probe {
 /// One line that says what to do; empty where CUDA can be used.
 std::string unavailable_reason(const Probe& probe);
 
-}  // namespace cullhull::internal::cuda
+}  // namespace cullhull::internal::inline cuda

@@ -10,7 +10,7 @@
 #include "cuda/reason.hpp"
 #include "parallel/threads/fork_guard.hpp"
 
-namespace cullhull::internal::cuda {
+namespace cullhull::internal::inline cuda {
 namespace {
 
 /// The error that broke the context; never cleared, as only a new process recovers.
@@ -298,4 +298,4 @@ void release_pinned(void* memory, std::size_t bytes) noexcept {
 std::size_t kept_pinned() noexcept { return pinned_pool().kept(); }
 void drop_kept_pinned() noexcept { pinned_pool().drop(); }
 
-}  // namespace cullhull::internal::cuda
+}  // namespace cullhull::internal::inline cuda

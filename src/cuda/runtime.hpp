@@ -14,7 +14,7 @@
 
 #include "cuda/backend.hpp"
 
-namespace cullhull::internal::cuda {
+namespace cullhull::internal::inline cuda {
 
 /// Throws OutOfMemory or Failure unless `status` is success. `doing` completes "CUDA failed ...".
 void check(cudaError_t status, const char* doing);
@@ -158,4 +158,4 @@ void download(T* to, const T* from, std::size_t count, cudaStream_t stream) {
 /// Whether this build has code that the current device can run; the status of an empty kernel.
 cudaError_t probe_device_code();
 
-}  // namespace cullhull::internal::cuda
+}  // namespace cullhull::internal::inline cuda

@@ -8,7 +8,7 @@
 #include "cuda/kernels/set_hulls_kernel.hpp"
 #include "cuda/runtime.hpp"
 
-namespace cullhull::internal::cuda {
+namespace cullhull::internal::inline cuda {
 namespace {
 
 /// Pinned memory, or pageable where the system has no more of that.
@@ -402,4 +402,4 @@ void SetsOnDevice::State::copy_rest(const HullBatch& rest, const Lengths& length
   copy(corners, corner_runs, simplices_to);
 }
 
-}  // namespace cullhull::internal::cuda
+}  // namespace cullhull::internal::inline cuda

@@ -11,7 +11,7 @@
 #include "cullhull/point_view.hpp"
 #include "parallel/threads/control.hpp"
 
-namespace cullhull::internal::cuda {
+namespace cullhull::internal::inline cuda {
 
 /// What a device found of some sets, in the host's memory, end to end.
 struct FoundLists {
@@ -69,4 +69,4 @@ class SetsOnDevice {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cullhull::internal::cuda
+}  // namespace cullhull::internal::inline cuda

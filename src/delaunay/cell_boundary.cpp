@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline delaunay {
 namespace {
 
 /// Facets before they are ordered.
@@ -61,4 +61,4 @@ void write_boundary(const Triangulation& t, const Array<std::uint8_t>& kept,
   }
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline delaunay

@@ -23,7 +23,7 @@
 #include "parallel/threads/run.hpp"
 #include "parallel/xorshift.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline delaunay {
 
 /// The triangulation under construction, by one thread or several.
 template <unsigned K>
@@ -535,4 +535,4 @@ class CellInsertion {
   XorShift random_{XorShift::golden};
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline delaunay

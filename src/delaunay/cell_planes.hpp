@@ -12,7 +12,7 @@
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline delaunay {
 
 template <unsigned K>
 struct LiftedPlane {
@@ -111,4 +111,4 @@ struct NoPlanes {
   explicit NoPlanes(const LiftedPoints&) {}
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline delaunay

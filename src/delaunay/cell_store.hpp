@@ -12,7 +12,7 @@
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline delaunay {
 
 /// `infinite`: the vertex at infinity. `unset`: a cell or neighbour that is not known yet.
 inline constexpr std::uint32_t infinite = 0xffffffff, unset = 0xffffffff;
@@ -176,4 +176,4 @@ class CellStore {
   std::vector<std::uint32_t> free_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline delaunay

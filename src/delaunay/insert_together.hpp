@@ -13,7 +13,7 @@
 #include "exact/points/lifted_points.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline delaunay {
 
 /// Extends a triangulation that one thread has begun (`alone`). Each thread has a lane, a
 /// CellInsertion of its own on the same cells.
@@ -139,4 +139,4 @@ class InsertTogether {
   std::vector<std::unique_ptr<Lane>> lanes_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline delaunay

@@ -9,7 +9,7 @@
 #include "parallel/radix_sort.hpp"
 #include "parallel/xorshift.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline delaunay {
 namespace {
 
 struct Placed {
@@ -146,4 +146,4 @@ InsertionOrder insertion_order(const double* rows, std::uint32_t n, unsigned d,
   return order;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline delaunay

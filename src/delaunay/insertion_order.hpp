@@ -9,7 +9,7 @@
 #include "cullhull/triangulation.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline delaunay {
 
 struct InsertionOrder {
   Array<std::uint32_t> ids;  ///< all points but the duplicates, in the order of insertion
@@ -22,4 +22,4 @@ struct InsertionOrder {
 InsertionOrder insertion_order(const double* rows, std::uint32_t n, unsigned d,
                                const double* weights, const Run& run);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline delaunay

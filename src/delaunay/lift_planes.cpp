@@ -16,7 +16,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::HWY_NAMESPACE {
+namespace cullhull::internal::inline delaunay::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -92,11 +92,11 @@ void planes_of_cells(unsigned k, double* rows, double* planes) {
   with_dimension<4, 5, 6>(k, [&](auto dimension) { planes_of_block<dimension()>(rows, planes); });
 }
 
-}  // namespace cullhull::internal::HWY_NAMESPACE
+}  // namespace cullhull::internal::inline delaunay::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal {
+namespace cullhull::internal::inline delaunay {
 
 HWY_EXPORT(planes_of_cells);
 
@@ -104,5 +104,5 @@ void lift_planes(unsigned k, double* rows, double* planes) {
   HWY_DYNAMIC_DISPATCH(planes_of_cells)(k, rows, planes);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline delaunay
 #endif

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline delaunay {
 
 /// Cells of one call.
 inline constexpr std::size_t lift_block = 8;
@@ -17,4 +17,4 @@ inline constexpr std::size_t lift_block = 8;
 /// by less than (a + b m) m + 2^-1000.
 void lift_planes(unsigned k, double* rows, double* planes);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline delaunay

@@ -11,7 +11,7 @@
 #include "delaunay/final_cells.hpp"
 #include "delaunay/plane_insertion.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline delaunay {
 namespace {
 
 /// Places of points in the order of insertion, ascending.
@@ -337,4 +337,4 @@ std::unique_ptr<CellStore<2>> triangulate_in_parts(const LiftedPoints& points, u
   return Parts(points, run).triangulate(levels, totals);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline delaunay

@@ -15,7 +15,7 @@
 #include "exact/points/lifted_points.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline delaunay {
 
 class PlaneInsertion {
  public:
@@ -191,4 +191,4 @@ inline bool plain_plane(const LiftedPoints& s) {
   return s.base == 2 && s.stride == 2 && !s.may_hide;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline delaunay

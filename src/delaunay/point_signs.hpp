@@ -11,7 +11,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/lifted_points.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline delaunay {
 
 /// Exact signs of one point at a time. K: the dimension if it is a compile-time constant, else 0.
 template <unsigned K>
@@ -135,4 +135,4 @@ class PointSigns {
   LiftCounts counts_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline delaunay

@@ -14,7 +14,7 @@
 #include "geometry/gather.hpp"
 #include "geometry/local_frame.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline delaunay {
 namespace {
 
 /// Places of k + 1 affinely independent of the points, and the axes of their flat. A few tuples
@@ -189,4 +189,4 @@ Prepared prepare_points(const PointView& view, std::span<const double> weights, 
   return out;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline delaunay

@@ -7,7 +7,7 @@
 
 #include "delaunay/write_triangulation.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline delaunay {
 namespace {
 
 using Row = std::vector<mpq_class>;
@@ -153,4 +153,4 @@ std::vector<std::uint32_t> redundant_vertices(const LiftedPoints& s, const Trian
   return ids;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline delaunay

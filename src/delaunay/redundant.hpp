@@ -8,10 +8,10 @@
 #include "exact/points/lifted_points.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline delaunay {
 
 /// Returns the ids of these vertices, ascending. `t`: cells, hull and groups must be complete.
 std::vector<std::uint32_t> redundant_vertices(const LiftedPoints& s, const Triangulation& t,
                                               const Run& run);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline delaunay

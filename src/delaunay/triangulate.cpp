@@ -21,7 +21,7 @@
 #include "parallel/threads/run.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline delaunay {
 namespace {
 
 void check_arguments(const PointView& points) {
@@ -194,7 +194,7 @@ Triangulation triangulate(const PointView& points, std::span<const double> weigh
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline delaunay
 
 Triangulation delaunay(const PointView& points, const TriangulationOptions& options) {
   return internal::triangulate(points, {}, options);

@@ -12,7 +12,7 @@
 #include "parallel/radix_sort.hpp"
 #include "parallel/sort_few.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline delaunay {
 namespace {
 
 /// Sorts a row of ids ascending and carries its neighbours along; whether the permutation is odd.
@@ -258,4 +258,4 @@ void write_groups(const LiftedPoints& s, Triangulation& out, const Run& run) {
   if (next < cells) out.cell_groups = std::move(groups);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline delaunay

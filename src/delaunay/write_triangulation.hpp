@@ -8,7 +8,7 @@
 #include "exact/points/lifted_points.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline delaunay {
 
 /// Cells, neighbours and hull of `out` from the engine's cells, whose ids and corners are put in
 /// order on the way. K: as the store's.
@@ -21,4 +21,4 @@ void write_groups(const LiftedPoints& s, Triangulation& out, const Run& run);
 /// The place of each inserted id in the order of insertion; 0 for other ids.
 std::vector<std::uint32_t> places_of_ids(const LiftedPoints& s, std::uint64_t point_count);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline delaunay

@@ -11,7 +11,7 @@
 #include "cullhull/voronoi.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 
 /// Throws Error{invalid_argument} if points or weights are not those of the triangulation.
 void require_points_of(const Triangulation& t, const PointView& points,
@@ -98,4 +98,4 @@ void write_vertices(const DualPoints& p, const Triangulation& t, Voronoi& out, c
 /// Ridges into `out`.
 void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

@@ -11,7 +11,7 @@
 
 #include "cullhull/error.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline distributed {
 namespace {
 
 constexpr int tag = 1;  // messages between two ranks arrive in the order in which they were sent
@@ -244,4 +244,4 @@ void Communicator::agree(const std::exception_ptr& failure) {
               "rank " + std::to_string(speaker) + ": " + told.message);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline distributed

@@ -10,7 +10,7 @@
 
 #include "cullhull/mpi.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline distributed {
 
 struct Traffic {
   std::uint64_t messages = 0, bytes = 0;
@@ -85,4 +85,4 @@ class Communicator {
   Traffic traffic_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline distributed

@@ -15,7 +15,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "stream/reduce.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline distributed {
 namespace {
 
 constexpr std::uint64_t any = std::numeric_limits<std::uint64_t>::max();
@@ -270,4 +270,4 @@ void Job::finish() {
   if (options_.report != nullptr) *options_.report = report_;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline distributed

@@ -10,7 +10,7 @@
 #include "distributed/parts.hpp"
 #include "parallel/threads/clock.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline distributed {
 
 class Job {
  public:
@@ -71,4 +71,4 @@ class Job {
   mpi::Report report_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline distributed

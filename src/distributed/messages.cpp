@@ -4,7 +4,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline distributed {
 namespace {
 
 /// Sends on the root and receives elsewhere, so that the two always match.
@@ -121,4 +121,4 @@ void broadcast(Communicator& ranks, int root, std::vector<double>& numbers) {
   Courier(ranks, root).items(numbers);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline distributed

@@ -5,11 +5,11 @@
 #include "cullhull/hull.hpp"
 #include "distributed/communicator.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline distributed {
 
 // Overwrites the argument by that of `root`. Where memory fails on one rank, all throw.
 void broadcast(Communicator& ranks, int root, Hull& hull);
 void broadcast(Communicator& ranks, int root, ExtremePoints& points);
 void broadcast(Communicator& ranks, int root, std::vector<double>& numbers);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline distributed

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline distributed {
 namespace {
 
 /// The header of a part: nothing follows where its rank has failed.
@@ -89,4 +89,4 @@ void broadcast(Communicator& ranks, int root, Part& part, const Room& room) {
   ranks.broadcast(part.points.rows.data(), part.points.rows.size(), root);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline distributed

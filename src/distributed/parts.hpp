@@ -8,7 +8,7 @@
 #include "distributed/communicator.hpp"
 #include "stream/numbered_points.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline distributed {
 
 /// Points that may be extreme, of `seen` points. Dimension and scalar type are those of all ranks.
 struct Part {
@@ -38,4 +38,4 @@ void gather(Communicator& ranks, int root, Part& part, const std::function<void(
 /// Overwrites the part of every rank by that of `root`.
 void broadcast(Communicator& ranks, int root, Part& part, const Room& room);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline distributed

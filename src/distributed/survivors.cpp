@@ -9,7 +9,7 @@
 #include "parallel/threads/helpers.hpp"
 #include "stream/reduce.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline distributed {
 namespace {
 
 /// Filters as convex_hull does; where the common map keeps most points, they lie elsewhere than
@@ -54,4 +54,4 @@ NumberedPoints survivors_of(const NumberedPoints& common, const mpi::Block& bloc
   return kept;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline distributed

@@ -12,7 +12,7 @@
 #include "exact/numbers/rational.hpp"
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline extreme {
 
 HullMembership::HullMembership(const LocalPoints& points, const Control& control)
     : points_(points),
@@ -355,4 +355,4 @@ int HullMembership::side_of(std::uint32_t point, std::uint32_t q) const {
   return mpq_sgn(exact.value);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline extreme

@@ -10,7 +10,7 @@
 #include "extreme/simplex_inverse.hpp"
 #include "parallel/threads/control.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline extreme {
 
 /// Tests points of one set against the others. Not thread safe; each worker has its own object.
 class HullMembership {
@@ -65,4 +65,4 @@ class HullMembership {
 bool inside_exact(const LocalPoints& points, std::uint32_t point,
                   const std::vector<std::uint32_t>& others, const Control& control);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline extreme

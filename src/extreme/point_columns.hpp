@@ -7,7 +7,7 @@
 #include "exact/points/local_points.hpp"
 #include "parallel/threads/control.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline extreme {
 
 /// Coordinates rounded to f32, column by column in blocks, each block with its bounding box: a
 /// block whose box is not low enough is skipped. Points that are added near one another make small
@@ -43,4 +43,4 @@ class PointColumns {
   std::vector<float> columns_, low_, high_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline extreme

@@ -7,7 +7,7 @@
 
 #include "exact/determinants/minors.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline extreme {
 
 bool SimplexInverse::set(const LocalPoints& points, const std::uint32_t* corners) {
   const unsigned d = points.dimension, n = d + 1;
@@ -74,4 +74,4 @@ bool SimplexInverse::surely_inside(const double* x) const {
   return least > rest_ * 1.0625 * (sum + 1);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline extreme

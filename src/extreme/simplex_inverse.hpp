@@ -7,7 +7,7 @@
 
 #include "exact/points/local_points.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline extreme {
 
 /// The rounded inverse of the matrix of a simplex's corners, and its error bound:
 /// docs/exactness.md, "Extreme points without facets".
@@ -26,4 +26,4 @@ class SimplexInverse {
   double rest_ = std::numeric_limits<double>::infinity();
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline extreme

@@ -7,7 +7,7 @@
 #include "cullhull/point_view.hpp"
 #include "few/small_3d.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline few {
 
 /// Loads the coordinates of `count` points of the view, those with the given ids; nullptr: the
 /// first.
@@ -27,4 +27,4 @@ inline constexpr std::uint64_t most_unfiltered_in_space = 1024;
 /// finite or span too many powers of two, and where many signs or a measure need more than doubles.
 bool hull_of_few(const PointView& view, const std::uint64_t* ids, std::uint64_t count, Hull& hull);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline few

@@ -6,7 +6,7 @@
 
 #include "hull/plane/planar_strip.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline few {
 
 /// Points are mapped to u = (x - cx) sx, v = (y - cy) sy: in this affine image a disc about the
 /// origin lies inside the image of a polygon.
@@ -37,4 +37,4 @@ class InnerDisc {
   Test test_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline few

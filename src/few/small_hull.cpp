@@ -9,7 +9,7 @@
 #include "parallel/threads/run.hpp"
 #include "parallel/threads/thread_memory.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline few {
 namespace {
 
 /// Kept from call to call. Cannot be cancelled, as it takes microseconds.
@@ -70,4 +70,4 @@ bool small_hull(const PointView& points, const Options& options, Hull& hull) {
   return true;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline few

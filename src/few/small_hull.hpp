@@ -6,7 +6,7 @@
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline few {
 
 /// Whether the options permit it: a chosen filter, engine or device is respected.
 bool takes_small_sets(const Options& options);
@@ -15,4 +15,4 @@ bool takes_small_sets(const Options& options);
 /// general flow is needed. `points` and `options` have been checked.
 bool small_hull(const PointView& points, const Options& options, Hull& hull);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline few

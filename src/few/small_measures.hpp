@@ -14,7 +14,7 @@
 #include "result/facets/facet_kernel.hpp"
 #include "result/facets/facet_share.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline few {
 
 struct SmallMeasures {
   double volume = 0, area = 0, centroid[3] = {};
@@ -142,4 +142,4 @@ class SmallMeasurer {
   std::optional<Frame> frame_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline few

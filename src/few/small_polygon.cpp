@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline few {
 namespace {
 
 /// With fewer points a sample costs more than it saves (a guess).
@@ -165,4 +165,4 @@ void SmallPolygon::write_lists(std::uint64_t* simplices, std::uint32_t* simplex_
   }
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline few

@@ -11,7 +11,7 @@
 #include "parallel/threads/control.hpp"
 #include "result/write/polygon_result.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline few {
 
 class SmallPolygon {
  public:
@@ -63,4 +63,4 @@ class SmallPolygon {
   std::vector<std::uint32_t> cycle_;  // ranks, counter-clockwise from the lowest
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline few

@@ -16,7 +16,9 @@
 #include "result/measures/measure_frame.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::HWY_NAMESPACE {
+namespace cullhull::internal::inline few::HWY_NAMESPACE {
+using namespace result::HWY_NAMESPACE;
+using result::HWY_NAMESPACE::cofactors;  // not the one for numbers
 namespace {
 
 constexpr unsigned block = 8;  // facets whose corners are gathered at once: a vector of doubles
@@ -109,11 +111,11 @@ void widen_16_64(const std::uint16_t* from, std::size_t count, std::uint64_t* to
   widen_all(from, count, to);
 }
 
-}  // namespace cullhull::internal::HWY_NAMESPACE
+}  // namespace cullhull::internal::inline few::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal {
+namespace cullhull::internal::inline few {
 
 HWY_EXPORT(shares_in);
 HWY_EXPORT(medium_shares_in);
@@ -143,5 +145,5 @@ void widen(const std::uint16_t* from, std::size_t count, std::uint64_t* to) {
   HWY_DYNAMIC_DISPATCH(widen_16_64)(from, count, to);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline few
 #endif

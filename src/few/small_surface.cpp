@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline few {
 namespace {
 
 /// Merges the simplices of a facet, and traces its border.
@@ -292,4 +292,4 @@ template void order_small(TableSurface&, unsigned, const SmallPolygons<TableSurf
 template void order_small(LinkedSurface&, unsigned, const SmallPolygons<LinkedSurface>*,
                           MediumHull3D&);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline few

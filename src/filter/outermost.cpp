@@ -16,7 +16,7 @@
 #include "filter/outermost_frame.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::HWY_NAMESPACE {
+namespace cullhull::internal::inline filter::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -78,11 +78,11 @@ void split_rows(const double* rows, OutermostBlock& block) {
   }
 }
 
-}  // namespace cullhull::internal::HWY_NAMESPACE
+}  // namespace cullhull::internal::inline filter::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 HWY_EXPORT(find_cones);
 HWY_EXPORT(split_rows);
@@ -240,5 +240,5 @@ std::vector<std::uint64_t> outermost_points(const PointView& points,
   return Search(points, settings).run();
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter
 #endif

@@ -7,7 +7,7 @@
 
 #include "cullhull/point_view.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 struct OutermostSettings {
   unsigned cells = 8;  ///< cones along an edge of the cube of directions, of which it has 6 cells^2
@@ -23,4 +23,4 @@ struct OutermostSettings {
 std::vector<std::uint64_t> outermost_points(const PointView& points,
                                             const OutermostSettings& settings);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

@@ -1,7 +1,7 @@
 // The data that the search for the outermost points passes to its kernels.
 #pragma once
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 /// The centre of the directions, and the scale that makes the points' extents alike.
 struct OutermostFrame {
@@ -13,4 +13,4 @@ struct OutermostBlock {
   alignas(64) double axes[3][size];
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

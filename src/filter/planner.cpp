@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 namespace {
 
 /// Costs in nanoseconds on one thread, measured on balls (2.4 GHz Zen 3) and rounded: only their
@@ -155,4 +155,4 @@ std::uint64_t map_sample_size(std::uint64_t count, unsigned d, std::uint64_t sam
   return std::min(count, std::max(size, sample));
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

@@ -7,7 +7,7 @@
 
 #include "cullhull/machine.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 /// Fewer points than this are hulled faster than a map is built.
 std::uint64_t smallest_worth_culling(unsigned d);
@@ -56,4 +56,4 @@ struct Placement {
 /// Whether the device would cull the points faster; does not check that there is one.
 Placement choose_place(const PlaceQuestion& question, const MachineConstants& machine);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

@@ -3,7 +3,7 @@
 #include "cuda/backend.hpp"
 #include "filter/planner.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline flow {
 
 CullPass::CullPass(const PointView& points, const Run& run)
     : points_(points), run_(run), insists_(run.options.backend == Backend::cuda) {
@@ -70,4 +70,4 @@ void CullPass::fall_back(const Error& e) {
   reason_ += std::string(", but ") + e.what();
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline flow

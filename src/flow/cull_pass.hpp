@@ -9,7 +9,7 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "parallel/threads/control.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline flow {
 
 /// Decides where the pass runs, and runs it. A device that the options require was checked before;
 /// one that the planner chose may turn out to be missing, which is no error.
@@ -37,4 +37,4 @@ class CullPass {
   std::string reason_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline flow

@@ -8,7 +8,7 @@
 #include "flow/filter_stage.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline flow {
 
 /// As run_filter, but `rows` always holds the exact coordinates of the survivors (of all points
 /// where `all`). Throws Error{not_finite} naming the lowest id with a NaN or an infinity,
@@ -23,4 +23,4 @@ void check_arguments(const DevicePointView& points);
 /// whole.
 Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const Options& options);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline flow

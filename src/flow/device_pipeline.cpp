@@ -10,11 +10,11 @@
 #include "parallel/threads/run.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline flow {
 
 namespace {
 
-Filtered filter(const DevicePointView& points, const Options& options) {
+Filtered filtered_on_device(const DevicePointView& points, const Options& options) {
   check_arguments(points);
   const Run run(options);
   run.check();
@@ -51,13 +51,13 @@ Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const
   return hull;
 }
 
-}  // namespace internal
+}  // namespace internal::inline flow
 
 using namespace internal;
 
 Survivors cull(const DevicePointView& points, const Options& options) {
   const auto start = Clock::now();
-  Filtered filtered = filter(points, options);
+  Filtered filtered = filtered_on_device(points, options);
   filtered.survivors.seconds = seconds_since(start);
   return std::move(filtered.survivors);
 }
@@ -65,7 +65,7 @@ Survivors cull(const DevicePointView& points, const Options& options) {
 Hull convex_hull(const DevicePointView& points, const Options& options,
                  std::vector<double>* vertex_coordinates) {
   const auto start = Clock::now();
-  const Filtered filtered = filter(points, options);
+  const Filtered filtered = filtered_on_device(points, options);
   const double cull_seconds = seconds_since(start);
   Hull hull = hull_of_rows(filtered, points, options);
   if (vertex_coordinates != nullptr) {

@@ -8,7 +8,7 @@
 #include "filter/lattice/lattice_cull.hpp"
 #include "geometry/gather.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline flow {
 namespace {
 
 void thin_lattice(EngineInput& input, unsigned d, const Run& run) {
@@ -76,4 +76,4 @@ Polygon PlanarRows::hull(const Run& run) const {
   return polygon_of(rows, false, run);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline flow

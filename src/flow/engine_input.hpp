@@ -10,7 +10,7 @@
 #include "hull/plane/polygon.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline flow {
 
 /// The points the engine works on: survivors, thinned once more where they lie on a lattice.
 struct EngineInput {
@@ -42,4 +42,4 @@ struct PlanarRows {
   const std::uint64_t* ids;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline flow

@@ -12,7 +12,7 @@
 #include "result/write/extreme_rows.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline flow {
 namespace {
 
 void extreme_in_plane(const PointView& points, const Filtered& filtered, const Run& run,
@@ -67,7 +67,7 @@ void extreme_in_space(const PointView& points, Filtered&& filtered, const Run& r
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline flow
 
 using namespace internal;
 

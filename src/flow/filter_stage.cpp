@@ -15,7 +15,7 @@
 #include "parallel/memory/memory.hpp"
 #include "parallel/threads/thread_memory.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline flow {
 namespace {
 
 Array<double> pick_rows(const Array<double>& rows, unsigned d,
@@ -250,4 +250,4 @@ void refine_survivors(Filtered& result, unsigned d, const Run& run) {
   result.survivors.method = "gauge x2";
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline flow

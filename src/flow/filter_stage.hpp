@@ -10,7 +10,7 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline flow {
 
 /// The survivors of an input, with their coordinates where those have been gathered.
 struct Filtered {
@@ -46,4 +46,4 @@ void gather_survivors(const PointView& points, Filtered& result, const Run& run)
 void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept,
                        Array<double>&& rows = {});
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline flow

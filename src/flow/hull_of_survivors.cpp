@@ -17,7 +17,7 @@
 #include "result/write/polygon_result.hpp"
 #include "result/write/write_triangles.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline flow {
 namespace {
 
 Boundary run_engine(const LocalFrame& frame, Engine engine, const Run& run) {
@@ -147,4 +147,4 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
   return hull;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline flow

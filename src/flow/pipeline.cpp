@@ -16,7 +16,7 @@
 #include "parallel/threads/run.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline flow {
 
 void check_arguments(const PointView& points, const Options& options) {
   if (points.dimension == 0)
@@ -37,7 +37,7 @@ Filtered filter_and_plan(const PointView& points, Run& run) {
   return filtered;
 }
 
-}  // namespace internal
+}  // namespace internal::inline flow
 
 using namespace internal;
 

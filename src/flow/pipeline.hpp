@@ -8,7 +8,7 @@
 #include "parallel/threads/clock.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline flow {
 
 /// Throws Error for null data, no dimension, a backend or an engine missing from this build.
 void check_arguments(const PointView& points, const Options& options);
@@ -32,4 +32,4 @@ struct KnownHull {
 Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run,
                        Few few = Few::at_once, KnownHull* known = nullptr);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline flow

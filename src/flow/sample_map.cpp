@@ -9,7 +9,7 @@
 #include "hull/engine.hpp"
 #include "parallel/xorshift.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline flow {
 
 InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, const Run& run) {
   InnerPolytope polytope;
@@ -122,4 +122,4 @@ SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32
   return result;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline flow

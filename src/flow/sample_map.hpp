@@ -12,7 +12,7 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline flow {
 
 /// The exact hull of some input points as an InnerPolytope; of dimension 0 if they lie in a flat or
 /// the hull would exceed the budget.
@@ -49,4 +49,4 @@ std::unique_ptr<GaugeMap> map_of_polytope(InnerPolytope polytope, std::uint64_t 
 SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,
                          const Run& run, std::uint64_t most_probes = ~std::uint64_t{0});
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline flow

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline generate {
 
 struct Rotation {
   double cosine, sine;
@@ -34,4 +34,4 @@ inline Rotation rotation_by(double turns) {
   }
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline generate

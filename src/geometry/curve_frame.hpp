@@ -9,7 +9,7 @@
 #include "geometry/curve_keys.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline geometry {
 
 /// The cube over the low corner of some rows' box whose side is the box's longest; up to 32 axes
 /// count. Halves of coordinates are taken, so that no difference overflows. Keys of equal points
@@ -93,4 +93,4 @@ class CurveFrame {
   double widest_ = 0;        ///< likewise
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline geometry

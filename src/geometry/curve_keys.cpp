@@ -11,7 +11,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::HWY_NAMESPACE {
+namespace cullhull::internal::inline geometry::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -66,11 +66,11 @@ void keys_on_curve(unsigned d, unsigned bits, std::uint32_t* cells, std::uint32_
   with_dimension<4, 6, 0>(d, [&](auto k) { keys_of_block<k>(d, bits, cells, keys); });
 }
 
-}  // namespace cullhull::internal::HWY_NAMESPACE
+}  // namespace cullhull::internal::inline geometry::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal {
+namespace cullhull::internal::inline geometry {
 
 HWY_EXPORT(keys_on_curve);
 
@@ -78,5 +78,5 @@ void curve_keys(unsigned d, unsigned bits, std::uint32_t* cells, std::uint32_t* 
   HWY_DYNAMIC_DISPATCH(keys_on_curve)(d, bits, cells, keys);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline geometry
 #endif

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline geometry {
 
 /// Points of one call.
 inline constexpr std::size_t curve_block = 16;
@@ -14,4 +14,4 @@ inline constexpr std::size_t curve_block = 16;
 /// `cells`. Time: about 5 ns a point for 8 bits in 4D.
 void curve_keys(unsigned d, unsigned bits, std::uint32_t* cells, std::uint32_t* keys);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline geometry

@@ -8,7 +8,7 @@
 #include "cullhull/error.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline geometry {
 namespace {
 
 constexpr std::uint64_t chunk_size = 1 << 15;  // rows: about a megabyte
@@ -153,4 +153,4 @@ void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, 
   refuse(point, j, view.at(point, j));
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline geometry

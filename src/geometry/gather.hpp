@@ -8,7 +8,7 @@
 #include "cullhull/point_view.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline geometry {
 
 /// Row-major doubles of the points `ids` (nullptr: all `count` points of the view). -0 becomes +0.
 /// Throws Error{not_finite} naming the lowest id with a NaN or an infinity; ids must ascend. The
@@ -37,4 +37,4 @@ void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, 
 void check_rows_finite(const double* rows, std::uint64_t count, unsigned dimension,
                        const std::uint64_t* names, const Run& run);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline geometry

@@ -15,7 +15,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "parallel/xorshift.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline geometry {
 namespace {
 
 /// The start simplex is first sought in a sample of this many points, then in all. Any simplex is
@@ -433,4 +433,4 @@ void LocalFrame::detect_lattice() {
   points_.centroid_lattice = sum + static_cast<int>(k * std::bit_width(k)) <= allowed;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline geometry

@@ -10,7 +10,7 @@
 #include "parallel/radix_sort.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline geometry {
 namespace {
 
 // Large enough for a hull worth culling with: the first round is inserted before any other point is
@@ -202,4 +202,4 @@ void NormOrder::drop(const std::uint8_t* dropped) {
   count_ = to;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline geometry

@@ -8,7 +8,7 @@
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline geometry {
 
 /// Outermost first: by decreasing norm in the metric of the points' covariance, for which few
 /// facets are made and deleted again (on a ball 3 to 4 for each that stays, in random order 6 to
@@ -49,4 +49,4 @@ class NormOrder {
   std::uint32_t sorted_ = 0;  ///< from the front: they are the outermost, in order
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline geometry

@@ -10,7 +10,7 @@
 #include "exact/points/local_points.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 /// The boundary as simplices, d local ids each, every ridge shared by two. Coplanar neighbours and
 /// vertices that are not extreme (inside a face) may occur: result/ merges and drops them.
@@ -57,4 +57,4 @@ Boundary hull_nd(const LocalPoints& points, const std::uint32_t* simplex, const 
 Boundary hull_qhull(const LocalPoints& points, const Control& control);
 bool qhull_available();
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

@@ -19,7 +19,7 @@
 
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 namespace {
 
 [[noreturn]] void not_exact(const std::string& what) {
@@ -244,11 +244,11 @@ Boundary hull_qhull(const LocalPoints& points, const Control& control) {
   return hull;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull
 
 #else
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 bool qhull_available() { return false; }
 
@@ -258,6 +258,6 @@ Boundary hull_qhull(const LocalPoints&, const Control&) {
               "engine");
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull
 
 #endif

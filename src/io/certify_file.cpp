@@ -8,7 +8,7 @@
 #include "io/mapped_file.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline io {
 
 Certificate certify_source(const PointView& points, const Source& source, const Options& options,
                            const Grid& grid, std::uint64_t first_id) {
@@ -28,7 +28,7 @@ Certificate certify_source(const PointView& points, const Source& source, const 
   return certificate;
 }
 
-}  // namespace internal
+}  // namespace internal::inline io
 
 Certificate certify_file(const PointView& points, const std::string& path, const Options& options,
                          const Grid& grid, std::uint64_t first_id) {

@@ -5,7 +5,7 @@
 #include <charconv>
 #include <cstring>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 namespace {
 
 constexpr const char* what_to_write = "write a range such as 0:3 or a list such as 0,2,5";
@@ -251,4 +251,4 @@ void take_columns(PointData& data, const std::vector<std::uint32_t>& columns) {
   view.dimension = static_cast<std::uint32_t>(columns.size());
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

@@ -7,7 +7,7 @@
 #include "cullhull/point_view.hpp"
 #include "cullhull/stream.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 /// Views the points or the state.
 class Coordinates {
@@ -44,4 +44,4 @@ class Coordinates {
   const std::vector<std::uint64_t>* ids_ = nullptr;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 /// The double of the same value, or false.
 template <class T>
@@ -15,4 +15,4 @@ bool exact_double(T v, double& out) {
   return out < limit && static_cast<T>(out) == v;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

@@ -12,7 +12,7 @@
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline io {
 namespace {
 
 // Read by a signal handler, so: fixed size, no lock, no allocation. When all slots are in use
@@ -223,7 +223,7 @@ void FileWindow::expect(std::uint64_t offset, std::size_t length) const {
   system::expect_soon(descriptor_, offset, length);
 }
 
-}  // namespace internal
+}  // namespace internal::inline io
 
 const char* describe_mapped_fault(const void* address) noexcept {
   const char* const p = static_cast<const char*>(address);

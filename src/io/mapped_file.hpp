@@ -7,7 +7,7 @@
 
 #include "io/source.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 /// MAP_PRIVATE, read only. While it lives it is listed for describe_mapped_fault().
 class MappedFile {
@@ -70,4 +70,4 @@ class FileWindow {
   int slot_ = -1;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

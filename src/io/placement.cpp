@@ -13,7 +13,7 @@
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline io {
 namespace {
 
 constexpr int most_decimals = 15, most_places = 100;
@@ -148,7 +148,7 @@ void place(PointData& data, const ReadOptions& options) {
   data.view = PointView::row_major(data.storage.as<const double>(), from.count, d);
 }
 
-}  // namespace internal
+}  // namespace internal::inline io
 
 using internal::multiples_of;
 

@@ -7,7 +7,7 @@
 #include "cullhull/placement.hpp"
 #include "io/source.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 /// Along each axis of a placement a number lies at number * step + origin on the grid, exactly.
 struct Multiples {
@@ -26,4 +26,4 @@ void place(PointData& data, const ReadOptions& options);
 /// own numbers.
 Grid grid_of(const Placement& placement, const ReadOptions& options);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

@@ -70,7 +70,7 @@ std::uint64_t PointFile::first() const noexcept { return impl_->slice.first; }
 std::uint64_t PointFile::total() const noexcept { return impl_->slice.total; }
 double PointFile::read_seconds() const noexcept { return impl_->seconds; }
 
-namespace internal {
+namespace internal::inline io {
 namespace {
 
 bool begins(const Source& s, std::string_view magic) {
@@ -273,7 +273,7 @@ void prefault(const MappedFile& file, const PointView& view, unsigned threads) {
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline io
 
 PointFile open_points(const std::string& path, const ReadOptions& options) {
   const auto start = std::chrono::steady_clock::now();

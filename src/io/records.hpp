@@ -9,7 +9,7 @@
 
 #include "io/source.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 /// The size of a pipe, which is unknown.
 inline constexpr std::uint64_t unknown_size = std::numeric_limits<std::uint64_t>::max();
@@ -50,4 +50,4 @@ bool is_text(const std::string& format);
 /// The names of the columns that every file of the format has; none for most formats.
 std::vector<std::string> column_names(const std::string& format);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

@@ -59,7 +59,7 @@ struct PointSequence::Impl {
   }
 };
 
-namespace internal {
+namespace internal::inline io {
 namespace {
 
 /// By name, but digits by value: frame2 before frame10.
@@ -144,7 +144,7 @@ bool open_array(const std::string& path, PointSequence::Impl& impl) {
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline io
 
 namespace {
 

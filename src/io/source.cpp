@@ -7,7 +7,7 @@
 #include "parallel/byte_order.hpp"
 #include "parallel/memory/pages.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 Buffer::Buffer(std::size_t size) {
   constexpr std::size_t huge = std::size_t{2} << 20;
@@ -78,4 +78,4 @@ std::string extension_of(const std::string& path) {
   return out;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

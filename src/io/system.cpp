@@ -22,7 +22,7 @@
 #endif
 #endif
 
-namespace cullhull::internal::system {
+namespace cullhull::internal::inline io::system {
 
 #if defined(_WIN32)
 
@@ -211,4 +211,4 @@ void set_permissions(int fd, const FileStatus& like) { (void)::fchmod(fd, like.s
 
 #endif
 
-}  // namespace cullhull::internal::system
+}  // namespace cullhull::internal::io::system

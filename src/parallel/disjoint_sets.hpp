@@ -8,7 +8,7 @@
 
 #include "parallel/memory/big_array.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// Sets of the numbers below n, joined by any number of threads. A set's root is its lowest member,
 /// whatever the order of work.
@@ -45,4 +45,4 @@ class DisjointSets {
   BigArray<std::uint32_t> parent_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

@@ -7,7 +7,7 @@
 
 #include "cullhull/point_view.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// body(T()) for the C++ type T that `type` names.
 template <class Body>
@@ -45,4 +45,4 @@ decltype(auto) with_dimension(unsigned d, const Body& body) {
   }
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

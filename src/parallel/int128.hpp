@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// The product of two words, its high word in `high`.
 constexpr std::uint64_t multiply_words(std::uint64_t a, std::uint64_t b, std::uint64_t& high) {
@@ -98,4 +98,4 @@ constexpr std::uint64_t multiply_add_modulo(std::uint64_t a, std::uint64_t b, st
 }
 #endif
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

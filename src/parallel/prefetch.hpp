@@ -5,7 +5,7 @@
 #include <xmmintrin.h>
 #endif
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 #if defined(__GNUC__)
 inline void prefetch_line(const void* p) { __builtin_prefetch(p); }
@@ -24,4 +24,4 @@ inline void prefetch_passing_line(const void*) {}
 inline void prefetch_line_to_write(const void*) {}
 #endif
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

@@ -8,7 +8,7 @@
 
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// Sorts n < 2^32 items by the `bits` low bits of key(item), above which all bits are zero; items
 /// of equal keys stay in order. `scratch` has room for n as well; the two may be swapped
@@ -58,4 +58,4 @@ void radix_sort(Item*& items, Item*& scratch, std::uint32_t n, unsigned bits, co
   }
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// A bijection on 64 bits whose output bits pass for random: SplitMix64's finaliser (Steele, Lea,
 /// Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014).
@@ -75,4 +75,4 @@ class RandomStream {
   bool have_spare_ = false;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// Batcher's merge exchange (Knuth, TAOCP 3, 5.2.2 M) for n items: the sequence of comparators.
 template <unsigned n>
@@ -61,4 +61,4 @@ inline bool sort_few(T* items) {
   return odd != 0;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// Ascending; linear for sorted input.
 template <class T>
@@ -14,4 +14,4 @@ std::vector<T> sorted(std::vector<T> items) {
   return items;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// Marsaglia's xorshift ("Xorshift RNGs", 2003), period 2^64 - 1: three shifts a number, the same
 /// on every machine.
@@ -28,4 +28,4 @@ class XorShift {
   std::uint64_t state_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

@@ -9,7 +9,7 @@
 #include "flow/device_filter.hpp"
 #include "geometry/gather.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline query {
 namespace {
 
 /// Points of a piece: the answers about them lie in the device's memory (a guess).
@@ -210,4 +210,4 @@ void DeviceQuestions::distances(double* out, const Here<double>& here) {
       here);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline query

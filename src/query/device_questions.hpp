@@ -11,7 +11,7 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline query {
 
 /// What kernels test points against; nothing for hulls that they do not take.
 std::optional<cuda::HullTables> hull_tables(const InnerPolytope& hull,
@@ -49,4 +49,4 @@ class DeviceQuestions {
   std::optional<cuda::QuestionsOnDevice> device_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline query

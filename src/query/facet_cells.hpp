@@ -11,7 +11,7 @@
 #include "query/direction_cube.hpp"
 #include "query/facet_search.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline query {
 
 /// The data of the kernel.
 struct FacetCellTable {
@@ -49,4 +49,4 @@ class FacetCells {
   FacetCellTable table_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline query

@@ -11,7 +11,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline query {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -374,4 +374,4 @@ std::vector<std::uint32_t> FacetSearch::visible(const double* q) const {
   return out;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline query

@@ -12,7 +12,7 @@
 #include "parallel/threads/control.hpp"
 #include "query/direction_cube.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline query {
 
 /// The hull's vertices on k axes on which its flat projects one to one.
 struct QueryPoints {
@@ -132,4 +132,4 @@ inline double FacetSearch::value(std::uint32_t f, const double* x) const {
   return sum;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline query

@@ -11,7 +11,7 @@
 #include "query/inscribed_ball.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline query {
 namespace {
 
 /// Rows scaled to |a| = 1, then the offsets to a largest magnitude of 1; `unit` receives that
@@ -96,7 +96,7 @@ void write_vertices(HalfspaceIntersection& h) {
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline query
 
 using namespace internal;
 

@@ -7,7 +7,7 @@
 #include "cullhull/hull.hpp"
 #include "cullhull/point_view.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline query {
 
 /// Throws Error{invalid_argument} for a distance that is negative or not finite, and for points
 /// that do not include every vertex of the hull.
@@ -24,4 +24,4 @@ Hull by_place(Hull hull, const std::vector<std::uint64_t>& ids);
 /// The power of two that scales the largest of these to [1, 2), as far as doubles can represent it.
 double power_to_unit(const std::vector<double>& values);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline query

@@ -23,7 +23,7 @@
 #include "query/vertex_search.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline query {
 namespace {
 
 /// Points a chunk: some 20 to 100 microseconds of single queries.
@@ -107,7 +107,7 @@ void refuse_non_finite(const double* p, unsigned d) {
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline query
 
 using namespace internal;
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline query {
 
 /// A convex combination of few points, the nearest to the origin that was found.
 struct NearCombination {
@@ -39,4 +39,4 @@ class NearestInHull {
   std::vector<double> x_, affine_, basis_, triangle_, projections_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline query

@@ -6,7 +6,7 @@
 
 #include "parallel/threads/control.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline query {
 
 /// Planes n . x + o in a tree of bounding boxes of their coefficients; a box bounds the value from
 /// above. Finding the nearest facet from inside is no linear program (the cells are those of the
@@ -36,4 +36,4 @@ class PlaneTree {
   std::vector<double> boxes_;  // nodes x 2 x (d + 1): low, high
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline query

@@ -17,7 +17,7 @@
 #include "query/vertex_links.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline query {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -229,7 +229,7 @@ class Simplifier {
 };
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline query
 
 Simplification simplify(const PointView& points, const Hull& hull, double distance,
                         const Options& options) {

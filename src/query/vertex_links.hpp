@@ -9,7 +9,7 @@
 
 #include "cullhull/hull.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline query {
 
 /// Over a hull whose `count` vertices are numbered 0, 1, ...; it must outlive this. Time and memory
 /// O(simplices).
@@ -48,4 +48,4 @@ class VertexLinks {
   std::vector<std::uint32_t> around_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline query

@@ -7,7 +7,7 @@
 
 #include "exact/numbers/wide_float.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline query {
 namespace {
 
 /// The power of two that scales `largest` to about 1; 1 for zero.
@@ -298,4 +298,4 @@ VertexSearch::Nearest VertexSearch::nearest(const double* q) const {
   return out;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline query

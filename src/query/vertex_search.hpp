@@ -7,7 +7,7 @@
 #include "query/direction_cube.hpp"
 #include "query/facet_search.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline query {
 
 /// Vertices and their neighbours on the boundary. The vertices whose scalar product with a
 /// direction is above some level are connected, so climbing finds the largest.
@@ -41,4 +41,4 @@ class VertexSearch {
   std::vector<std::uint32_t> hints_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline query

@@ -10,7 +10,7 @@
 #include "parallel/sort_few.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 namespace {
 
 /// Insertion sort of one simplex's ids with its neighbours; true if the permutation was odd.
@@ -300,4 +300,4 @@ CoplanarPairs coplanar_pairs(const Boundary& surface, const LocalPoints& points,
   return pairs;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -9,7 +9,7 @@
 #include "hull/engine.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 inline constexpr std::uint64_t simplex_chunk = std::uint64_t{1} << 14;
 
@@ -49,4 +49,4 @@ inline unsigned opposite_slot(const Boundary& surface, std::uint32_t f, unsigned
   fail_not_exact("neighbouring facets do not share their ridge");
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -11,7 +11,7 @@
 #include "result/write/write_simplices.hpp"
 #include "result/write/write_triangles.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 namespace {
 
 /// k = 2: orders the vertices, which ascend before, counter-clockwise from the lowest id. Facet i
@@ -71,4 +71,4 @@ void build_hull(const ResultInput& input, TriangleMesh&& boundary, const Run& ru
   build_any(input, boundary_of(std::move(boundary), run), run, hull);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -9,7 +9,7 @@
 #include "hull/space/triangle_mesh.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 struct ResultInput {
   const PointView* view = nullptr;     ///< the caller's points (measures, planes)
@@ -31,4 +31,4 @@ void build_hull(const ResultInput& input, Boundary&& boundary, const Run& run, H
 /// The same from the 3D engine's own facets, which takes fewer passes.
 void build_hull(const ResultInput& input, TriangleMesh&& boundary, const Run& run, Hull& hull);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -8,7 +8,7 @@
 #include "result/merge_polygons.hpp"
 #include "result/pulling.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 namespace {
 
 constexpr std::uint32_t none = 0xFFFFFFFFU;
@@ -294,4 +294,4 @@ Facets merge_coplanar(Boundary&& surface, const CoplanarPairs& pairs, const Loca
   return Merger(std::move(surface), points, run.control).run(pairs);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

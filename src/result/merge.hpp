@@ -4,7 +4,7 @@
 #include "cullhull/hull.hpp"
 #include "result/boundary.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// The facets before they are put in order. Facet i < singles is simplex i; facet singles + m is
 /// merged list m.
@@ -23,4 +23,4 @@ struct Facets {
 Facets merge_coplanar(Boundary&& surface, const CoplanarPairs& pairs, const LocalPoints& points,
                       const Run& run);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

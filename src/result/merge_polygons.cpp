@@ -13,7 +13,7 @@
 #include "parallel/radix_sort.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 namespace {
 
 using Id = std::uint32_t;
@@ -415,4 +415,4 @@ Facets merge_polygons(Boundary&& surface, const CoplanarPairs& pairs, const Run&
   return PolygonMerger(std::move(surface), pairs, run).run();
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -3,9 +3,9 @@
 
 #include "result/merge.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// As merge_coplanar, for k = 3 and at least one pair.
 Facets merge_polygons(Boundary&& surface, const CoplanarPairs& pairs, const Run& run);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

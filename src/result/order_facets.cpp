@@ -11,7 +11,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "result/write/vertex_list.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 namespace {
 
 constexpr std::uint32_t none = 0xFFFFFFFFU;
@@ -328,4 +328,4 @@ OrderedFacets order_facets(const ResultInput& input, Facets&& facets, const Run&
   return FacetOrderer(input, std::move(facets), run, hull).run();
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -8,7 +8,7 @@
 #include "result/build_hull.hpp"
 #include "result/merge.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// Input of the measures besides the hull: its vertices' ids, ascending, and for every simplex the
 /// positions of its vertices among them.
@@ -21,4 +21,4 @@ struct OrderedFacets {
 /// which is not their final order for k = 2.
 OrderedFacets order_facets(const ResultInput& input, Facets&& facets, const Run& run, Hull& hull);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 namespace {
 
 class Puller {
@@ -91,4 +91,4 @@ void pull(const VertexSet& vertices, unsigned m, const std::vector<VertexSet>& f
   Puller(out).run(vertices, m, facets);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

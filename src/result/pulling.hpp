@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 using VertexSet = std::vector<std::uint32_t>;  // ascending
 
@@ -17,4 +17,4 @@ using VertexSet = std::vector<std::uint32_t>;  // ascending
 void pull(const VertexSet& vertices, unsigned m, const std::vector<VertexSet>& facets,
           std::vector<std::uint32_t>& out);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

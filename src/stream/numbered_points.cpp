@@ -8,7 +8,7 @@
 #include "cullhull/error.hpp"
 #include "parallel/prefetch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline stream {
 
 namespace {
 
@@ -161,4 +161,4 @@ void NumberedPoints::keep(const std::vector<std::uint64_t>& places) {
   *this = std::move(kept);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline stream

@@ -8,7 +8,7 @@
 #include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline stream {
 
 struct NumberedPoints {
   std::uint32_t dimension = 0;
@@ -50,4 +50,4 @@ struct NumberedPoints {
 void copy_rows(const PointView& from, std::uint64_t first, const std::uint32_t* positions,
                std::size_t count, std::byte* out);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline stream

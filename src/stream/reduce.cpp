@@ -8,7 +8,7 @@
 #include "cullhull/hull.hpp"
 #include "geometry/gather.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline stream {
 
 // From 4D to 6D a hull finds the extreme points faster than linear programs do, if its facets fit
 // the budget.
@@ -65,4 +65,4 @@ void check_block(const PointView& block, std::uint64_t first_id, std::uint32_t d
     throw Error(ErrorCode::invalid_argument, "ids of the points exceed 2^64");
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline stream

@@ -7,7 +7,7 @@
 #include "cullhull/options.hpp"
 #include "stream/numbered_points.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline stream {
 
 /// extreme_points(), by a hull where that is faster and fits.
 ExtremePoints find_extreme(const PointView& points, const Options& options);
@@ -27,4 +27,4 @@ void refuse_not_finite(const NumberedPoints& points, unsigned threads);
 /// `dimension` (0: any), or ids beyond 2^64.
 void check_block(const PointView& block, std::uint64_t first_id, std::uint32_t dimension);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline stream

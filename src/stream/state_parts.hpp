@@ -7,7 +7,7 @@
 #include "cullhull/stream.hpp"
 #include "stream/numbered_points.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline stream {
 
 struct StateParts {
   /// The state of `seen` points whose extreme points these are, ascending.
@@ -28,4 +28,4 @@ struct StateParts {
   }
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline stream

@@ -7,7 +7,7 @@
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline stream {
 namespace {
 
 /// By dimension from 2D on: with more vertices a finer polytope culls hardly more, as the cache
@@ -80,4 +80,4 @@ void StreamMap::cull(const PointView& block, std::uint64_t first_id, const Run& 
   for (const NumberedPoints& part : of_chunk) kept.append(part);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline stream

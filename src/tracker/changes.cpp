@@ -6,7 +6,7 @@
 
 #include "parallel/sorted.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline tracker {
 namespace {
 
 /// The facets of a hull in the order of their first simplices, which is lexicographic.
@@ -83,4 +83,4 @@ void count_changes(const Hull& before, const Hull& after, FrameReport& report) {
   report.facets_went = before.facet_count() - stayed;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline tracker

@@ -8,7 +8,7 @@
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline tracker {
 
 HostFrame::HostFrame(const PointView& points, const Run& run)
     : FramePoints(points.count, points.dimension), points_(points), run_(run) {
@@ -50,4 +50,4 @@ Hull HostFrame::hull(Filtered&& filtered) {
   return hull;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline tracker

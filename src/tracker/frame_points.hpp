@@ -14,7 +14,7 @@
 #include "flow/pipeline.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline tracker {
 
 class FramePoints {
  public:
@@ -70,4 +70,4 @@ class HostFrame final : public FramePoints {
 /// memory it cannot read.
 std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run& run);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline tracker

@@ -8,7 +8,7 @@
 #include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline tracker {
 namespace {
 
 /// Where the scan keeps more than this share, the leaders no longer span the hull: a sample of the
@@ -88,4 +88,4 @@ bool filter_by_leaders(FramePoints& points, const Hull& last,
   return true;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline tracker

@@ -9,7 +9,7 @@
 #include "parallel/threads/run.hpp"
 #include "tracker/frame_points.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline tracker {
 
 /// Drops points strictly inside the hull of the points `leaders` (ids, ascending) at their new
 /// positions. False, and nothing done, where they give no map: too few, in a flat, or their hull
@@ -18,4 +18,4 @@ bool filter_by_leaders(FramePoints& points, const Hull& last,
                        const std::vector<std::uint64_t>& leaders, const Run& run, Filtered& result,
                        double& scan_seconds);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline tracker

@@ -11,7 +11,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline tracker {
 namespace {
 
 /// With more than this share of points outside of their simplices, all simplices are discarded (a
@@ -227,4 +227,4 @@ void SimplexMemory::compact() {
   after_compaction_ = left;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline tracker

@@ -8,7 +8,7 @@
 #include "flow/filter_stage.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline tracker {
 
 /// For every culled point the simplex of points that it was strictly inside of. In the next frame
 /// the simplices' planes are recomputed at their corners' new positions, and each point is tested
@@ -36,4 +36,4 @@ class SimplexMemory {
   std::uint64_t after_compaction_ = 0;     ///< number of simplices after the last compaction
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline tracker

@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-namespace cullhull::internal::certificate {
+namespace cullhull::internal::certify {
 namespace {
 
 /// Points of `dimension` as T at any address, with `gap` bytes after each coordinate and point.
@@ -108,4 +108,4 @@ TEST(InnerBall, OfNothingIsNotUsable) {
 }
 
 }  // namespace
-}  // namespace cullhull::internal::certificate
+}  // namespace cullhull::internal::certify

@@ -3,7 +3,7 @@
 
 #include "cuda/reason.hpp"
 
-namespace cullhull::internal::cuda {
+namespace cullhull::internal::inline cuda {
 namespace {
 
 Probe working() {
@@ -72,4 +72,4 @@ TEST(CudaReason, AnythingElseIsQuoted) {
 }
 
 }  // namespace
-}  // namespace cullhull::internal::cuda
+}  // namespace cullhull::internal::inline cuda

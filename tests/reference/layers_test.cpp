@@ -152,6 +152,45 @@ TEST(Layers, SystemsAndCompilersAreNamedInTheirPlaces) {
   fs::remove_all(planted);
 }
 
+/// Sources of src/ that put names into the namespace of another folder, one line each.
+std::vector<std::string> strays(const fs::path& root) {
+  static const std::regex opened(
+      R"(^namespace (?:cullhull::)?internal\b(?:::(?:inline )?(\w+))?.*\{)");
+  std::vector<std::string> found;
+  for (const fs::path& file : sources_below(root / "src")) {
+    const fs::path path = file.lexically_relative(root / "src");
+    const std::string folder = folder_of(path);
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);) {
+      std::smatch match;
+      if (!std::regex_search(line, match, opened) || match[1] == folder) continue;
+      // Sources of cuda/ implement what flow and tracker declare.
+      if (folder == "cuda" && file.extension() == ".cpp" &&
+          (match[1] == "flow" || match[1] == "tracker"))
+        continue;
+      found.push_back(path.generic_string() + ": " + line);
+    }
+  }
+  return found;
+}
+
+TEST(Layers, EachFolderIsANamespace) {
+  EXPECT_EQ(strays(CULLHULL_ROOT), std::vector<std::string>());
+  const fs::path planted = fs::path(testing::TempDir()) / "cullhull_strays";
+  fs::create_directories(planted / "src/io/formats");
+  std::ofstream(planted / "src/io/formats/a.cpp") << "namespace cullhull::internal::inline io {\n";
+  std::ofstream(planted / "src/io/formats/b.cpp") << "namespace internal {\n";
+  std::ofstream(planted / "src/io/c.cpp") << "namespace cullhull::internal::inline hull {\n";
+  std::ofstream(planted / "src/io/d.cpp") << "namespace cullhull::internal::inline flow {\n";
+  std::vector<std::string> found = strays(planted);
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(found,
+            (std::vector<std::string>{"io/c.cpp: namespace cullhull::internal::inline hull {",
+                                      "io/d.cpp: namespace cullhull::internal::inline flow {",
+                                      "io/formats/b.cpp: namespace internal {"}));
+  fs::remove_all(planted);
+}
+
 TEST(Layers, NoIncludeRunsUpOrSideways) {
   const fs::path root = CULLHULL_ROOT;
   EXPECT_GT(sources_below(root / "src").size(), 200U);

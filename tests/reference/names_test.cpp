@@ -168,10 +168,11 @@ class Definitions {
 
   /// A brace opens behind `head`.
   void open(const std::string& head) {
-    static const std::regex space(R"((?:.*\b)?namespace ?([\w:]*))");
+    static const std::regex space(R"((?:.*\b)?namespace ?((?:inline |[\w:])*))");
     std::smatch match;
     if (std::regex_match(head, match, space)) {
-      const std::string name = match[1];
+      static const std::regex transparent(R"(\binline )");
+      const std::string name = std::regex_replace(match[1].str(), transparent, "");
       scopes_.push_back(name.empty() ? name : name + "::");
       return;
     }
@@ -277,7 +278,7 @@ TEST(Names, NoTwoFilesDefineOne) {
   EXPECT_GT(all.size(), 700U);
   for (const char* known :
        {"type cullhull::Hull", "type cullhull::Lists", "type cullhull::HullQuery::State",
-        "function cullhull::internal::chunk_count(std::uint64_t, std::uint64_t)"})
+        "function cullhull::internal::parallel::chunk_count(std::uint64_t, std::uint64_t)"})
     EXPECT_EQ(all.count(known), 1U) << known;
 }
 

@@ -12,7 +12,7 @@
 #include "certify/hull/cones.hpp"
 
 namespace cullhull {
-namespace internal::certificate {
+namespace internal::certify {
 
 void check_chunks(const Subject& s, std::uint64_t count, std::uint64_t chunk_size,
                   const std::function<void(std::uint64_t begin, std::uint64_t end)>& body) {
@@ -196,10 +196,10 @@ void check_all(Subject& s, Certificate& out) {
 }
 
 }  // namespace
-}  // namespace internal::certificate
+}  // namespace internal::certify
 
 Certificate certify(const PointView& points, const Hull& hull, const Options& options) {
-  using namespace internal::certificate;
+  using namespace internal::certify;
   const internal::Run run(options);
   Certificate out;
   Subject subject(points, hull, run);
@@ -221,9 +221,9 @@ struct CertifyStream::Impl {
   const Hull& hull;
   std::vector<double> claimed;
   PointView none;
-  internal::certificate::Subject subject{none, hull, run};
-  std::optional<internal::certificate::Cones> cones;
-  std::unique_ptr<internal::certificate::PointCheck> points;
+  internal::certify::Subject subject{none, hull, run};
+  std::optional<internal::certify::Cones> cones;
+  std::unique_ptr<internal::certify::PointCheck> points;
   Certificate out;
   mutable std::mutex mutex;  ///< guards the members below
   std::uint64_t at = 0;      ///< the lowest first id of a block with a fault
@@ -251,7 +251,7 @@ struct CertifyStream::Impl {
   }
 
   /// Keeps the fault of the lowest block, so that the order of pushes does not matter.
-  void note(const internal::certificate::Fault& f, std::uint64_t first_id) {
+  void note(const internal::certify::Fault& f, std::uint64_t first_id) {
     const std::lock_guard lock(mutex);
     if (!out.reason.empty() && at <= first_id) return;
     out.reason = f.reason;
@@ -266,10 +266,10 @@ CertifyStream::CertifyStream(const Hull& hull, std::vector<double> vertex_coordi
   m.none = {nullptr, hull.scalar, hull.dimension, hull.point_count, 0, 0};
   m.subject.claimed = &m.claimed;
   try {
-    internal::certificate::check_hull(m.subject, m.cones, m.out);
+    internal::certify::check_hull(m.subject, m.cones, m.out);
     if (m.subject.k > 0)
-      m.points = std::make_unique<internal::certificate::PointCheck>(m.subject, *m.cones);
-  } catch (const internal::certificate::Fault& f) {
+      m.points = std::make_unique<internal::certify::PointCheck>(m.subject, *m.cones);
+  } catch (const internal::certify::Fault& f) {
     m.note(f, 0);
   }
 }
@@ -288,15 +288,15 @@ void CertifyStream::push(const PointView& block, std::uint64_t first_id) {
   }
   try {
     if (block.dimension != m.hull.dimension)
-      internal::certificate::fault("the hull's dimension is not that of the points");
+      internal::certify::fault("the hull's dimension is not that of the points");
     if (m.hull.affine_dimension < 0) {
-      if (block.count > 0) internal::certificate::fault("the hull is that of no points");
+      if (block.count > 0) internal::certify::fault("the hull is that of no points");
     } else if (m.points != nullptr) {
       m.points->check(block, first_id);
     } else {
-      internal::certificate::check_equal(m.subject, block, first_id);
+      internal::certify::check_equal(m.subject, block, first_id);
     }
-  } catch (const internal::certificate::Fault& f) {
+  } catch (const internal::certify::Fault& f) {
     m.note(f, first_id);
   }
 }
@@ -320,13 +320,13 @@ Certificate CertifyStream::finish() {
   Impl& m = *impl_;
   try {
     if (m.out.reason.empty() && m.checked != m.hull.point_count)
-      internal::certificate::fault("the hull is that of ", m.hull.point_count, " points, not of ",
-                                   m.checked);
+      internal::certify::fault("the hull is that of ", m.hull.point_count, " points, not of ",
+                               m.checked);
     if (m.out.reason.empty() && m.subject.vertices_met != m.hull.vertices.size())
-      internal::certificate::fault("of ", m.hull.vertices.size(), " vertices, ",
-                                   m.subject.vertices_met.load(), " are among the points");
-    if (m.out.reason.empty() && m.subject.k > 0) internal::certificate::check_numbers(m.subject);
-  } catch (const internal::certificate::Fault& f) {
+      internal::certify::fault("of ", m.hull.vertices.size(), " vertices, ",
+                               m.subject.vertices_met.load(), " are among the points");
+    if (m.out.reason.empty() && m.subject.k > 0) internal::certify::check_numbers(m.subject);
+  } catch (const internal::certify::Fault& f) {
     m.note(f, ~std::uint64_t{0});
   }
   m.out.valid = m.out.reason.empty();

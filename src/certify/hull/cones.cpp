@@ -8,7 +8,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::certificate {
+namespace cullhull::internal::certify {
 namespace {
 
 constexpr double u = unit_roundoff;
@@ -140,4 +140,4 @@ double Cones::value(std::uint32_t f, const double* y) const {
   return sum;
 }
 
-}  // namespace cullhull::internal::certificate
+}  // namespace cullhull::internal::certify

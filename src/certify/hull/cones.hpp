@@ -8,7 +8,7 @@
 
 #include "certify/certificate.hpp"
 
-namespace cullhull::internal::certificate {
+namespace cullhull::internal::certify {
 
 /// Planes n . y = 1 of all simplices, y being coordinates relative to the centre in separate units
 /// for each axis, with a bound of the rounding error of n . y.
@@ -77,4 +77,4 @@ class Cones {
   std::vector<double> planes_;  ///< k + 1 numbers a simplex: n, then the bound (infinite: unusable)
 };
 
-}  // namespace cullhull::internal::certificate
+}  // namespace cullhull::internal::certify

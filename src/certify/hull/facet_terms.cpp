@@ -12,7 +12,7 @@
 #include "exact/planes/exact_plane.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal::certificate {
+namespace cullhull::internal::certify {
 namespace {
 
 /// Where the library works in doubles (make_frame), the flat's measure is at most this many times
@@ -549,4 +549,4 @@ void CheckedFacets::terms(std::uint32_t simplex, FacetTerms& out) const {
   out.spread_length = length(out.spread.data(), static_cast<unsigned>(out.spread.size()));
 }
 
-}  // namespace cullhull::internal::certificate
+}  // namespace cullhull::internal::certify

@@ -10,7 +10,7 @@
 
 #include "certify/certificate.hpp"
 
-namespace cullhull::internal::certificate {
+namespace cullhull::internal::certify {
 
 inline mpf_class times_power_of_two(mpf_class v, long e) {
   if (e >= 0)
@@ -99,4 +99,4 @@ class CheckedFacets {
   double alpha_ = 0, beta_ = 0, careful_share_ = 0x1p-13, relative_ = 0.25;
 };
 
-}  // namespace cullhull::internal::certificate
+}  // namespace cullhull::internal::certify

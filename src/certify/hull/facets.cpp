@@ -4,7 +4,7 @@
 
 #include "certify/certificate.hpp"
 
-namespace cullhull::internal::certificate {
+namespace cullhull::internal::certify {
 namespace {
 
 using Set = std::vector<std::uint32_t>;
@@ -303,4 +303,4 @@ void check_facets(Subject& s) {
   FacetCheck(s).run();
 }
 
-}  // namespace cullhull::internal::certificate
+}  // namespace cullhull::internal::certify

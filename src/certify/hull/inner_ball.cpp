@@ -13,7 +13,7 @@
 #include <cstring>
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::certificate::HWY_NAMESPACE {
+namespace cullhull::internal::certify::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -114,11 +114,11 @@ std::uint32_t outside(const InnerBall::Test& test, const PointView& points, std:
 }
 
 }  // namespace
-}  // namespace cullhull::internal::certificate::HWY_NAMESPACE
+}  // namespace cullhull::internal::certify::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::certificate {
+namespace cullhull::internal::certify {
 
 HWY_EXPORT(outside);
 
@@ -161,5 +161,5 @@ void load_points(const PointView& p, std::uint64_t begin, std::uint64_t count, d
               [&](auto type) { load_as<decltype(type)>(p, begin, count, out, step, stride); });
 }
 
-}  // namespace cullhull::internal::certificate
+}  // namespace cullhull::internal::certify
 #endif

@@ -6,7 +6,7 @@
 
 #include "cullhull/point_view.hpp"
 
-namespace cullhull::internal::certificate {
+namespace cullhull::internal::certify {
 
 /// An axis-parallel ellipsoid: the points x with sum ((x_j - centre_j) scale_j)^2 < square.
 class InnerBall {
@@ -40,4 +40,4 @@ class InnerBall {
 void load_points(const PointView& points, std::uint64_t begin, std::uint64_t count, double* out,
                  std::size_t step, std::size_t stride);
 
-}  // namespace cullhull::internal::certificate
+}  // namespace cullhull::internal::certify

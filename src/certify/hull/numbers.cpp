@@ -8,7 +8,7 @@
 #include "certify/hull/facet_terms.hpp"
 #include "exact/numbers/double_double.hpp"
 
-namespace cullhull::internal::certificate {
+namespace cullhull::internal::certify {
 namespace {
 
 constexpr double unit = CheckedFacets::unit;
@@ -366,4 +366,4 @@ void check_numbers(const Subject& s) {
   MeasureCheck(s, facets).run();
 }
 
-}  // namespace cullhull::internal::certificate
+}  // namespace cullhull::internal::certify

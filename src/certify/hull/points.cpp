@@ -11,7 +11,7 @@
 #include "certify/hull/inner_ball.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal::certificate {
+namespace cullhull::internal::certify {
 namespace {
 
 constexpr std::uint64_t chunk = std::uint64_t{1} << 14;  // tens of us of work; not tuned
@@ -424,4 +424,4 @@ void PointCheck::check(const PointView& block, std::uint64_t first_id) const {
   });
 }
 
-}  // namespace cullhull::internal::certificate
+}  // namespace cullhull::internal::certify

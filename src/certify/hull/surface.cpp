@@ -10,7 +10,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::certificate {
+namespace cullhull::internal::certify {
 namespace {
 
 constexpr std::uint64_t chunk = std::uint64_t{1} << 14;  // tens of us of work; not tuned
@@ -438,4 +438,4 @@ void check_covering(Subject& s, Cones& cones) {
   });
 }
 
-}  // namespace cullhull::internal::certificate
+}  // namespace cullhull::internal::certify

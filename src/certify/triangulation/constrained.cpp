@@ -16,7 +16,7 @@
 #include "geometry/gather.hpp"
 
 namespace cullhull {
-namespace internal::certificate {
+namespace internal::certify {
 namespace {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
@@ -52,7 +52,7 @@ class ConstrainedSubject {
   void check(Certificate& out) {
     check_lists();
     if (t_.affine_dimension < 2) {
-      const Certificate flat = certify(points_, t_);
+      const Certificate flat = cullhull::certify(points_, t_);
       if (!flat.valid) throw Fault{flat.reason};
       for (std::size_t i = 0; i + 1 < t_.cells.size(); i += 2)
         if (t_.affine_dimension == 1)
@@ -367,11 +367,11 @@ ConstrainedTriangulation witness_of(const PointView& points, std::span<const std
 }
 
 }  // namespace
-}  // namespace internal::certificate
+}  // namespace internal::certify
 
 Certificate certify(const PointView& points, std::span<const std::uint32_t> edges,
                     const ConstrainedTriangulation& result, const ConstrainedOptions& options) {
-  using namespace internal::certificate;
+  using namespace internal::certify;
   Certificate out;
   try {
     if (options.inside_only) {

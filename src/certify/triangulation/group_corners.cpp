@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace cullhull::internal::certificate {
+namespace cullhull::internal::certify {
 namespace {
 
 using Vector = std::vector<mpq_class>;
@@ -91,4 +91,4 @@ std::optional<std::uint32_t> GroupCorners::first_that_is_none(const Run& run) co
   return std::nullopt;
 }
 
-}  // namespace cullhull::internal::certificate
+}  // namespace cullhull::internal::certify

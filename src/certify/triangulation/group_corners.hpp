@@ -8,7 +8,7 @@
 #include "cullhull/triangulation.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::certificate {
+namespace cullhull::internal::certify {
 
 /// The merged cells of a group are a convex polytope in the flat. A vertex is a corner of it if and
 /// only if the normals of its facets around the vertex have full rank. That is so in one group
@@ -28,4 +28,4 @@ class GroupCorners {
   std::function<const double*(std::uint32_t)> row_;
 };
 
-}  // namespace cullhull::internal::certificate
+}  // namespace cullhull::internal::certify

@@ -19,7 +19,7 @@
 #include "parallel/dispatch.hpp"
 
 namespace cullhull {
-namespace internal::certificate {
+namespace internal::certify {
 namespace {
 
 class TriangulationSubject {
@@ -522,11 +522,11 @@ Certificate certify_triangulation(const PointView& points, std::span<const doubl
 }
 
 }  // namespace
-}  // namespace internal::certificate
+}  // namespace internal::certify
 
 Certificate certify(const PointView& points, const Triangulation& triangulation,
                     const TriangulationOptions& options) {
-  return internal::certificate::certify_triangulation(points, {}, triangulation, options);
+  return internal::certify::certify_triangulation(points, {}, triangulation, options);
 }
 
 Certificate certify(const PointView& points, std::span<const double> weights,
@@ -535,7 +535,7 @@ Certificate certify(const PointView& points, std::span<const double> weights,
     throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(points.count) +
                                                  " points, but " + std::to_string(weights.size()) +
                                                  " weights");
-  return internal::certificate::certify_triangulation(points, weights, triangulation, options);
+  return internal::certify::certify_triangulation(points, weights, triangulation, options);
 }
 
 }  // namespace cullhull

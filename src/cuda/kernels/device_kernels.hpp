@@ -9,7 +9,7 @@
 #include "filter/pseudo_hull/primitives.hpp"
 #include "parallel/host_device.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline cuda {
 
 /// The place of a thread in a grid of blocks.
 struct GridThread {
@@ -123,4 +123,4 @@ struct FoldCopies {
   }
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline cuda

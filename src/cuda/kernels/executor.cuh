@@ -16,7 +16,7 @@
 #include "cuda/runtime.hpp"
 #include "filter/pseudo_hull/primitives.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline cuda {
 
 namespace cuda_kernels {
 
@@ -235,4 +235,4 @@ class CudaExecutor {
   CudaArray<std::uint64_t> copies_, partial_, scratch_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline cuda

@@ -15,7 +15,7 @@
 #include "cuda/runtime.hpp"
 #include "filter/gauge/gauge_lanes.hpp"
 
-namespace cullhull::internal::cuda {
+namespace cullhull::internal::inline cuda {
 namespace {
 
 constexpr unsigned mask_threads = 512;
@@ -299,4 +299,4 @@ cudaError_t first_not_finite(const DevicePointView& points, unsigned long long* 
   return cudaGetLastError();
 }
 
-}  // namespace cullhull::internal::cuda
+}  // namespace cullhull::internal::inline cuda

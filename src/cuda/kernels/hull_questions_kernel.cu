@@ -4,7 +4,7 @@
 #include "cuda/kernels/coordinate.cuh"
 #include "cuda/kernels/hull_questions_kernel.hpp"
 
-namespace cullhull::internal::cuda {
+namespace cullhull::internal::inline cuda {
 namespace {
 
 constexpr unsigned ask_threads = 128;  // a guess
@@ -176,4 +176,4 @@ cudaError_t ask_supports(const DevicePointView& directions, const TablesThere& h
   });
 }
 
-}  // namespace cullhull::internal::cuda
+}  // namespace cullhull::internal::inline cuda

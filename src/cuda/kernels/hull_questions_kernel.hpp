@@ -8,7 +8,7 @@
 
 #include "cuda/hull_questions.hpp"
 
-namespace cullhull::internal::cuda {
+namespace cullhull::internal::inline cuda {
 
 /// HullTables on the device.
 struct TablesThere {
@@ -31,4 +31,4 @@ cudaError_t ask_sides(const DevicePointView& points, const std::uint64_t* ids, s
 cudaError_t ask_supports(const DevicePointView& directions, const TablesThere& hull,
                          std::uint32_t* out, cudaStream_t stream);
 
-}  // namespace cullhull::internal::cuda
+}  // namespace cullhull::internal::inline cuda

@@ -6,7 +6,7 @@
 #include "filter/pseudo_hull/pseudo_hull_growth.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline cuda {
 namespace {
 
 struct NotCulled {
@@ -149,4 +149,4 @@ cuda::DeviceIds pseudo_hull_survivors_there(const DevicePointView& points, unsig
   });
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline cuda

@@ -9,7 +9,7 @@
 #include "filter/pseudo_hull/pseudo_hull.hpp"
 #include "parallel/threads/control.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline cuda {
 
 inline constexpr unsigned pseudo_hull_cuda_max_dimension = 6;
 
@@ -27,4 +27,4 @@ cuda::DeviceIds pseudo_hull_survivors_there(const DevicePointView& points, unsig
                                             const Control& control,
                                             std::vector<PseudoHullRound>* rounds = nullptr);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline cuda

@@ -4,7 +4,7 @@
 #include "cuda/kernels/warp_hull.cuh"
 #include "cuda/runtime.hpp"
 
-namespace cullhull::internal::cuda {
+namespace cullhull::internal::inline cuda {
 namespace {
 
 /// With some 82 registers a thread, blocks of four warps leave fewest of a processor's unused.
@@ -174,4 +174,4 @@ cudaError_t copy_runs(const std::int32_t* items, const ItemRuns& runs, std::int3
   return cudaGetLastError();
 }
 
-}  // namespace cullhull::internal::cuda
+}  // namespace cullhull::internal::inline cuda

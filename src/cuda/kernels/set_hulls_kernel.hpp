@@ -9,7 +9,7 @@
 
 #include "cullhull/device_points.hpp"
 
-namespace cullhull::internal::cuda {
+namespace cullhull::internal::inline cuda {
 
 /// Points of the largest set that a warp takes. Ids within a set and numbers of simplices then fit
 /// a byte.
@@ -65,4 +65,4 @@ cudaError_t copy_point_runs(const DevicePointView& points, const ItemRuns& runs,
 cudaError_t copy_runs(const std::int32_t* items, const ItemRuns& runs, std::int32_t* out,
                       cudaStream_t stream);
 
-}  // namespace cullhull::internal::cuda
+}  // namespace cullhull::internal::inline cuda

@@ -16,7 +16,7 @@
 #include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline diagrams {
 namespace {
 
 void require_delaunay(const Triangulation& t) {
@@ -279,7 +279,7 @@ Array<std::uint32_t> graph_of(const PointView& points, const Triangulation& t,
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline diagrams
 
 using namespace internal;
 

@@ -10,7 +10,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 namespace {
 
 /// Places of ids, in the order in which they are met.
@@ -253,4 +253,4 @@ void NaturalWeights::find(const double* point, std::uint32_t cell, const double*
   write_shares(ids, shares, out);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

@@ -12,7 +12,7 @@
 #include "exact/points/lifted_points.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 
 /// A triangulation made by delaunay(), kept for the question.
 class NaturalTriangulation {
@@ -75,4 +75,4 @@ class NaturalWeights {
   std::vector<std::uint32_t> cells_;  ///< in whose spheres the query is
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

@@ -10,7 +10,7 @@
 
 #include "exact/numbers/tracked.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 
 /// The simplices in whose spheres a point is, of K dimensions in space of d, and the boundary of
 /// their union.
@@ -251,4 +251,4 @@ class StolenVolumes {
   std::vector<Rim> rim_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

@@ -11,7 +11,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 namespace {
 
 /// The determinants of the rows p_i - q but one by double-doubles, whose operations err by 2^-102
@@ -87,4 +87,4 @@ void barycentric(unsigned k, const double* const* p, const double* q, double* ou
   });
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

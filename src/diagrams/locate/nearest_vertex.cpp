@@ -6,7 +6,7 @@
 #include "exact/determinants/minors.hpp"
 #include "exact/numbers/wide_float.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 namespace {
 
 /// Sign of (|q - a|^2 - w_a) - (|q - b|^2 - w_b): the sum of (a - b) ((a - q) + (b - q)), less the
@@ -81,4 +81,4 @@ std::uint32_t NearestVertex::lowest_of_equal(const double* q, std::uint32_t row)
   return best;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

@@ -8,7 +8,7 @@
 #include "diagrams/locate/walk_mesh.hpp"
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 
 /// A thread's walks. The lifted vertices are those of a convex surface, over which a distance to q
 /// is the surface less a linear function: a vertex that no neighbour betters is the best, and those
@@ -32,4 +32,4 @@ class NearestVertex {
   std::vector<std::uint32_t> todo_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

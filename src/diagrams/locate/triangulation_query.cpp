@@ -20,7 +20,7 @@
 #include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline diagrams {
 namespace {
 
 /// Questions a chunk, and those that are sorted at once: memory stays the same for any number.
@@ -68,7 +68,7 @@ void each_along_curve(const WalkMesh& mesh, const PointView& view, const Run& ru
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline diagrams
 
 using namespace internal;
 

@@ -11,7 +11,7 @@
 #include "exact/determinants/minors.hpp"
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 
 /// The sign of the orientation of K + 1 points. No overflow is wrong here: what is not finite
 /// decides nothing. K = 0: k is known at run time alone.
@@ -133,4 +133,4 @@ class Walk {
   std::unordered_set<std::uint32_t> met_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

@@ -11,7 +11,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/radix_sort.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 namespace {
 
 struct Placed {
@@ -181,4 +181,4 @@ VertexGraph::VertexGraph(const WalkMesh& mesh, const Run& run) : begin(mesh.vert
   items.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(kept));
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

@@ -10,7 +10,7 @@
 #include "geometry/curve_frame.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 
 struct WalkMesh {
   WalkMesh(const PointView& points, const Triangulation& t, std::span<const double> weights,
@@ -60,4 +60,4 @@ struct VertexGraph {
   Array<std::uint32_t> items;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

@@ -14,7 +14,7 @@
 #include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline diagrams {
 namespace {
 
 void require_delaunay(const Triangulation& t) {
@@ -74,7 +74,7 @@ double first_single_region(const Triangulation& t, const Array<double>& radii, d
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline diagrams
 
 AlphaShape alpha_shape(const PointView& points, const Triangulation& triangulation, double alpha,
                        const Options& options) {

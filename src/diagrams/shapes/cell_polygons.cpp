@@ -12,7 +12,7 @@
 #include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline diagrams {
 namespace {
 
 using Ring = std::vector<std::uint32_t>;
@@ -143,7 +143,7 @@ class PolygonWriter {
 };
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline diagrams
 
 CellPolygons cell_polygons(const PointView& points, const Triangulation& triangulation,
                            std::span<const std::uint32_t> cells, const Options& options) {

@@ -13,7 +13,7 @@
 #include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline diagrams {
 namespace {
 
 void require_plane(const Triangulation& t) {
@@ -128,7 +128,7 @@ class Digging {
 };
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline diagrams
 
 using namespace internal;
 

@@ -15,7 +15,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "exact/planes/halfspace.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 
 template <unsigned D>
 using ExactPoint = std::array<mpq_class, D>;
@@ -79,4 +79,4 @@ extern template class CellCorners<1>;
 extern template class CellCorners<2>;
 extern template class CellCorners<3>;
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

@@ -11,7 +11,7 @@
 #include "cullhull/hull.hpp"
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 namespace {
 
 [[noreturn]] void refuse(const std::string& message) {
@@ -309,4 +309,4 @@ Region<2> polygon_region(const PolygonRings& rings, const Run& run) {
   return triangles_of(outline, found.triangulation);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

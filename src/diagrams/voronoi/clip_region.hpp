@@ -13,7 +13,7 @@
 #include "exact/numbers/tracked.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 
 /// A plane through D given points, or at right angles to an axis.
 template <unsigned D>
@@ -56,4 +56,4 @@ Region<D> hull_region(const PointView& points, const Run& run);
 /// the triangles of its constrained triangulation.
 Region<2> polygon_region(const PolygonRings& rings, const Run& run);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

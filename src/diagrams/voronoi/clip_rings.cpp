@@ -7,7 +7,7 @@
 #include "cullhull/voronoi.hpp"
 #include "parallel/disjoint_sets.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 namespace {
 
 using Point = std::array<double, 2>;
@@ -183,4 +183,4 @@ std::vector<CellPolygon> join_pieces(CellCorners<2>& corners,
   return polygons;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

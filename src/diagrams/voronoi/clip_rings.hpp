@@ -9,7 +9,7 @@
 #include "diagrams/voronoi/clip_corners.hpp"
 #include "diagrams/voronoi/clip_shapes.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 
 /// Corners, and what lies across the edge that begins at each: a site's number, or no_point.
 struct CellRing {
@@ -33,4 +33,4 @@ bool tidy(CellRing& ring);
 /// their first points; those of which rounding leaves less than three corners are left out.
 std::vector<CellPolygon> join_pieces(CellCorners<2>& corners, const std::vector<CellPiece>& pieces);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

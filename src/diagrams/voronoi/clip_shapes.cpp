@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 namespace {
 
 constexpr std::uint32_t unset = 0xffffffff;
@@ -212,4 +212,4 @@ void ClipShape<3>::drop_unused() {
   for (std::uint32_t& v : items) v = number_[v];
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

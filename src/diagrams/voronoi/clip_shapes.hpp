@@ -9,7 +9,7 @@
 
 #include "diagrams/voronoi/clip_corners.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 
 /// A shape starts as a convex piece of a region and is cut by planes of `corners`; what is on the
 /// outer side of one goes. Empty once it has no interior.
@@ -81,4 +81,4 @@ class ClipShape<3> {
   std::vector<CutEdge> edges_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

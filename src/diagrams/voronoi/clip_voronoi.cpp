@@ -20,7 +20,7 @@
 #include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline diagrams {
 namespace {
 
 [[noreturn]] void refuse(const std::string& message) {
@@ -506,7 +506,7 @@ ClippedCells clip(const PointView& points, const Triangulation& t, const Region<
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline diagrams
 
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           std::span<const double> low, std::span<const double> high,

@@ -6,7 +6,7 @@
 #include "diagrams/dual.hpp"
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 namespace {
 
 /// The vertices of each group of merged cells, ascending: each list is made once.
@@ -291,4 +291,4 @@ void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, con
   points.join(pairs, out.ridge_points);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

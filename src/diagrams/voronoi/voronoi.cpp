@@ -14,7 +14,7 @@
 #include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline diagrams {
 namespace {
 
 void write_rays(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run) {
@@ -168,7 +168,7 @@ void write_vertices(const DualPoints& p, const Triangulation& t, Voronoi& out, c
   });
 }
 
-}  // namespace internal
+}  // namespace internal::inline diagrams
 
 Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
                 std::span<const double> weights, const Options& options) {

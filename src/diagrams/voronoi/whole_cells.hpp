@@ -9,7 +9,7 @@
 #include "diagrams/dual.hpp"
 #include "diagrams/voronoi/clip_corners.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline diagrams {
 
 /// The vertices and ridges of a diagram, by site.
 class DiagramCells {
@@ -71,4 +71,4 @@ class WholeCell {
              std::vector<std::array<Real, D>>& at) const;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline diagrams

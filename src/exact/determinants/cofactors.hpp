@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 #define CULLHULL_MATH inline
 #include "exact/determinants/cofactors-inl.hpp"
@@ -46,4 +46,4 @@ double normal_and_reach(const At& at, double (&normal)[K]) {
   return reach;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

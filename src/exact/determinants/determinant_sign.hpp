@@ -15,7 +15,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/int128.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 // Rows below are square matrices: columns(); narrow(), whether entries fit 64 bits, then small(i,
 // j); big(i, j, out, scratch) always.
@@ -94,4 +94,4 @@ Sign determinant_sign(const Rows& a) {
   return determinant_sign_big(a);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

@@ -10,7 +10,7 @@
 
 #include "parallel/host_device.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 /// Unit roundoff of double.
 inline constexpr double unit_roundoff = 0x1p-53;
@@ -110,4 +110,4 @@ void normal_and_spread(const double (*rows)[K], double* normal, double* spread) 
   }
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

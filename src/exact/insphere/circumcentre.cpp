@@ -11,7 +11,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 namespace {
 
 /// The centre less p_0, coordinate j within error[j].
@@ -272,4 +272,4 @@ void outward_direction(unsigned d, unsigned k, const double* const* p, const dou
   rounded_direction(away, out);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

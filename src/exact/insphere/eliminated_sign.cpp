@@ -11,7 +11,7 @@
 #include "exact/determinants/minors.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 namespace {
 
 // N: the size where it is known early, else 0.
@@ -116,4 +116,4 @@ bool eliminated_sign(unsigned n, double* m, double* doubt, Sign& sign) {
   });
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

@@ -4,7 +4,7 @@
 
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 /// Sign of the determinant of an n x n matrix A, of which `m` holds, row by row, entries as
 /// computed: a double's roundoff off, those of the last column also by up to doubt[i]; what
@@ -12,4 +12,4 @@ namespace cullhull::internal {
 /// doubles cannot tell, or the size or a magnitude is outside the range of the proof. Time: O(n^3).
 bool eliminated_sign(unsigned n, double* m, double* doubt, Sign& sign);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

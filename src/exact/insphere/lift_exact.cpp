@@ -11,7 +11,7 @@
 #include "exact/numbers/double_double.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 namespace {
 
 /// Relative error of one operation of DoubleDouble: 7 u^2 for products, 3 u^2 for sums (Joldes,
@@ -120,4 +120,4 @@ Sign lift_side_wide(const LiftedPoints& s, const double* const* c, const double*
   });
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

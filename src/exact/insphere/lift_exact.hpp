@@ -5,7 +5,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/lifted_points.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 /// Sign of det [c_i - c_0, lift(c_i) - lift(c_0)], i = 1 .. k, and the same of p as the last row:
 /// which side of the plane of lifted c the lifted point p is on; for a positively oriented cell,
@@ -23,4 +23,4 @@ bool base_orientation_eliminated(unsigned k, const double* const* p, Sign& sign)
 /// zero: they cannot tell.
 Sign lift_side_wide(const LiftedPoints& s, const double* const* c, const double* p);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

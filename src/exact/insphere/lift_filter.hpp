@@ -8,7 +8,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/lifted_points.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 constexpr double factorial(unsigned n) { return n < 2 ? 1 : n * factorial(n - 1); }
 
@@ -76,4 +76,4 @@ inline bool lift_side_filtered(const LiftedPoints& s, const double* const* c, co
   return true;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

@@ -8,7 +8,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/lifted_points.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 /// What predicates count: a thread's own.
 struct LiftCounts {
@@ -86,4 +86,4 @@ inline Sign base_orientation(const LiftedPoints& s, const double* const* p) {
   return orientation(s.base, p);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 struct DoubleDouble {
   double high = 0, low = 0;
@@ -54,4 +54,4 @@ struct DoubleDouble {
   }
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

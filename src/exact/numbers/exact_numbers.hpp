@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 /// The nearest double, ties to even; beyond the range infinite.
 inline double nearest_double(const mpq_class& x) {
@@ -59,4 +59,4 @@ inline bool solve(RationalRows& m) {
   return true;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

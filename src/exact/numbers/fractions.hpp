@@ -12,7 +12,7 @@
 #include "exact/numbers/exact_numbers.hpp"
 #include "exact/numbers/tracked.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 /// numerator / denominator * 2^exponent; the denominator is positive. What has been divided by one
 /// number keeps one denominator, and is added without another.
@@ -142,4 +142,4 @@ inline std::optional<std::vector<double>> nearest_shares(const std::vector<Fract
   return shares;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <memory>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 struct Rational {
   Rational() { mpq_init(value); }
@@ -53,4 +53,4 @@ class RationalMatrix {
   std::unique_ptr<Rational[]> items_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

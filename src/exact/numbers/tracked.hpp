@@ -8,7 +8,7 @@
 #include "exact/numbers/double_double.hpp"
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 /// The exact number is within `error` of `value`. Operations of double-doubles err by less than
 /// 2^-101 relatively, and by 2^-1000 where something underflows; factors of 1 + 2^-40 cover the
@@ -105,4 +105,4 @@ inline mpq_class exact_difference<mpq_class>(double a, double b) {
   return mpq_class(mpq_class(a) - mpq_class(b));
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 class Wide {
  public:
@@ -79,4 +79,4 @@ class Wide {
   mpf_t v_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

@@ -18,7 +18,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/int128.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 namespace {
 
 // ---------------------------------------------------------------------------------------------
@@ -211,4 +211,4 @@ bool plane_exact(unsigned d, const double* const* p, double* normal) {
   return true;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

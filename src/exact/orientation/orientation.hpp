@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 enum class Sign : int { negative = -1, zero = 0, positive = 1 };
 
@@ -57,4 +57,4 @@ unsigned affine_rank_exact(unsigned d, const double* const* p, unsigned count,
 /// points are affinely dependent.
 bool plane_exact(unsigned d, const double* const* p, double* normal);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

@@ -5,7 +5,7 @@
 #include "exact/numbers/double_parts.hpp"
 #include "parallel/int128.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 namespace {
 
 // Unevaluated sums of two doubles, |low| <= u |high|. Error bounds relative to the result: Joldes,
@@ -188,4 +188,4 @@ Sign Orientation3D::cone_side(Point a, Point b, Point p, RungCounts& rungs) cons
   return orientation_from_centroid_exact(3, rows, simplex);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

@@ -9,7 +9,7 @@
 #include "exact/determinants/minors.hpp"
 #include "exact/numbers/double_parts.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 namespace {
 
 /// Bounds are sums of non-negative terms, each with fewer than 4 (d + 2)^2 factors 1 + u.
@@ -414,4 +414,4 @@ bool EliminatedPlane::below_unit(const double* x, double magnitude) const {
   return most < unit_log;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

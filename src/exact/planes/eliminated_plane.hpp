@@ -8,7 +8,7 @@
 #include "exact/numbers/double_double.hpp"
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 /// A plane is z with e_c z = 0 for all edges e_c of the facet, one component of z being 1. Rows are
 /// differences from p[0], columns are scaled by powers of two. Not safe to share between threads.
@@ -72,4 +72,4 @@ class EliminatedPlane {
   double shrink_ = 0;           // theta
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

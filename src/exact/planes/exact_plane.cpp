@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 BigNumbers::~BigNumbers() {
   for (Number& n : values_) mpz_clear(n.data);
@@ -154,4 +154,4 @@ bool scale_normal(unsigned d, double* mantissa, const long* exponent) {
   return top != std::numeric_limits<long>::min();
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

@@ -9,7 +9,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/integer_points.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 /// Integers of GMP that keep their memory from one computation to the next.
 class BigNumbers {
@@ -73,4 +73,4 @@ class ExactPlane {
   BigNumbers scratch_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

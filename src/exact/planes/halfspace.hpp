@@ -6,7 +6,7 @@
 
 #include "exact/numbers/tracked.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 /// normal . x <= offset.
 template <unsigned D, class Real>
@@ -69,4 +69,4 @@ std::array<Real, 3> meeting(const std::array<const Halfspace<3, Real>*, 3>& h) {
   return sum;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 void OrientedPlane::set(unsigned d, const double* const* p) {
   d_ = d;
@@ -47,4 +47,4 @@ ExactPlane& OrientedPlane::exact() {
   return exact_;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

@@ -8,7 +8,7 @@
 #include "exact/planes/eliminated_plane.hpp"
 #include "exact/planes/exact_plane.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 /// From this dimension on an elimination, O(d^3), is faster than the 2^d minors of an expansion.
 inline constexpr unsigned elimination_pays = 7;
@@ -35,4 +35,4 @@ class OrientedPlane {
   ExactPlane exact_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

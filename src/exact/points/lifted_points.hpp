@@ -8,7 +8,7 @@
 
 #include "cullhull/array.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 struct LiftedPoints {
   unsigned base = 0;   ///< k: the first so many numbers of a row are what orientation sees
@@ -36,4 +36,4 @@ struct LiftedPoints {
   const double* row(std::uint32_t i) const { return rows.data() + std::size_t{i} * stride; }
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

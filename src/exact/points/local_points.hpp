@@ -6,7 +6,7 @@
 
 #include "cullhull/point_view.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline exact {
 
 /// Row-major doubles. Each axis is translated (only where that is exact) and scaled by a power of
 /// two, so that |x| <= 1; the hull's combinatorics do not change under such a map. `exact` equals
@@ -28,4 +28,4 @@ struct LocalPoints {
   const double* exact_row(std::uint32_t i) const { return exact + std::size_t{i} * dimension; }
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline exact

@@ -19,7 +19,7 @@
 #include <cstring>
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::HWY_NAMESPACE {
+namespace cullhull::internal::inline filter::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -461,7 +461,7 @@ class Blocks {
 };
 
 }  // namespace
-}  // namespace cullhull::internal::HWY_NAMESPACE
+}  // namespace cullhull::internal::inline filter::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

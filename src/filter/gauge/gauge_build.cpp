@@ -13,7 +13,7 @@
 #include "filter/gauge/gauge_walk.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 namespace {
 
 /// With cones: also stores the facet that the walk to each node ended at, as a start for later
@@ -201,4 +201,4 @@ bool build_gauge_table(InnerPolytope&& polytope, const GaugeSettings& settings, 
   });
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

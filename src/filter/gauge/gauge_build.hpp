@@ -6,7 +6,7 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/gauge/gauge_table.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 /// The polytope and the cones over its facets, to test points one by one.
 class GaugeCones {
@@ -21,4 +21,4 @@ class GaugeCones {
 bool build_gauge_table(InnerPolytope&& polytope, const GaugeSettings& settings, GaugeTable& table,
                        std::unique_ptr<GaugeCones>* cones);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

@@ -7,7 +7,7 @@
 
 #include "filter/gauge/gauge_table.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 /// Smallest float >= v.
 inline float round_up(double v) {
@@ -48,4 +48,4 @@ inline void fill_gauge_constants(GaugeTable& t, const double* centre, const doub
   t.threshold = 1 - (static_cast<float>(d) + 6) * 0x1p-23F;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

@@ -9,7 +9,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 namespace {
 
 /// Covers the distance of the place where the map is read from the point's direction, and all
@@ -315,4 +315,4 @@ std::optional<GaugeCore> make_core(const GaugeTable& t, const std::vector<float>
   });
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

@@ -7,7 +7,7 @@
 
 #include "filter/gauge/gauge_table.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 /// A body inside the region that the map drops. In the map's frame an ellipsoid around the centre,
 /// or a box around it with cut edges and corners: both with the frame's axes.
@@ -30,4 +30,4 @@ struct GaugeCore {
 std::optional<GaugeCore> make_core(const GaugeTable& table, const std::vector<float>& probes,
                                    std::uint32_t count, unsigned threads);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

@@ -5,7 +5,7 @@
 
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 namespace {
 
 /// About so many cells along an edge of a face: their 38 KB of levels fill the L1 cache or a little
@@ -103,4 +103,4 @@ std::optional<GaugeLevels> make_levels(const GaugeTable& t, unsigned threads) {
   return levels;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

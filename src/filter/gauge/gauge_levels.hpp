@@ -7,7 +7,7 @@
 
 #include "filter/gauge/gauge_table.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 /// Each cell of the map's faces, or each of s x s parts of it, has one level: the map drops every
 /// point of that cone with |y|_inf below the level. Stored as bytes in units of the highest level /
@@ -30,4 +30,4 @@ std::optional<GaugeLevels> make_levels(const GaugeTable& table, unsigned threads
 /// cell of a face: (cells * parts + 1)^2 of them.
 std::vector<double> values_on_face(const GaugeTable& table, unsigned face, std::uint32_t parts);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

@@ -13,7 +13,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 struct GaugeMap::Table : GaugeTable {
   std::unique_ptr<GaugeCones> cones;
@@ -113,4 +113,4 @@ std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, const Ru
   return result;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

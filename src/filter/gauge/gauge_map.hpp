@@ -10,7 +10,7 @@
 #include "cullhull/point_view.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 struct GaugeTable;
 
@@ -94,4 +94,4 @@ class GaugeMap {
   std::unique_ptr<Table> table_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

@@ -16,7 +16,7 @@
 #include "filter/gauge/gauge_constants.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::HWY_NAMESPACE {
+namespace cullhull::internal::inline filter::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -55,11 +55,11 @@ void largest_gauges_in(const GaugePlanes& planes, unsigned cells, const float* x
   }
 }
 
-}  // namespace cullhull::internal::HWY_NAMESPACE
+}  // namespace cullhull::internal::inline filter::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 HWY_EXPORT(largest_gauges_in);
 
@@ -182,5 +182,5 @@ bool build_gauge_by_planes(const InnerPolytope& polytope, unsigned cells, GaugeT
   return true;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter
 #endif

@@ -7,7 +7,7 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/gauge/gauge_table.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 /// A facet's plane in the frame of a table: the gauge of y is the largest q . y of all facets;
 /// `slack` bounds the rounding, for |y| <= 1.
@@ -24,4 +24,4 @@ void largest_gauges(const GaugePlanes& planes, unsigned cells, const float* x, c
 /// outward oriented; only they and the vertices are read. False when no useful map exists.
 bool build_gauge_by_planes(const InnerPolytope& polytope, unsigned cells, GaugeTable& table);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

@@ -5,7 +5,7 @@
 
 #include "geometry/gather.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 namespace {
 
 /// Estimates the share of points that a shortcut drops to some 2 % (one standard deviation).
@@ -40,4 +40,4 @@ GaugeShortcuts make_shortcuts(const GaugeTable& t, const PointView& points, std:
   return s;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

@@ -7,7 +7,7 @@
 #include "filter/gauge/gauge_levels.hpp"
 #include "filter/gauge/gauge_table.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 struct GaugeShortcuts {
   std::optional<GaugeCore> core;
@@ -20,4 +20,4 @@ struct GaugeShortcuts {
 GaugeShortcuts make_shortcuts(const GaugeTable& table, const PointView& points, std::uint64_t count,
                               unsigned threads);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

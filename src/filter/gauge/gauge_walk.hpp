@@ -13,7 +13,7 @@
 #include "filter/gauge/gauge_table.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 /// What weights mu >= 0 on vertices q (relative to the centre) prove about a direction v.
 struct GaugeBound {
@@ -344,4 +344,4 @@ class ConeWalk {
   double lipschitz_ = 0;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

@@ -9,7 +9,7 @@
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 namespace {
 
 /// Points a chunk: some 50 microseconds of work, as light_grain, whose steps are half as long.
@@ -463,4 +463,4 @@ bool lattice_cull(const Array<double>& rows, std::uint32_t count, unsigned d, co
   return Thinner(rows, count, d, run).run(sample, kept);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

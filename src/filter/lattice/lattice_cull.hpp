@@ -8,7 +8,7 @@
 #include "cullhull/array.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 /// Of all points on one line parallel to an axis only the two ends can be extreme; of equal points
 /// only the first is kept. Applied along each axis in turn. Coordinates are replaced by numbers in
@@ -20,4 +20,4 @@ namespace cullhull::internal {
 bool lattice_cull(const Array<double>& rows, std::uint32_t count, unsigned d, const Run& run,
                   std::vector<std::uint32_t>& kept);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

@@ -16,7 +16,7 @@
 #include "parallel/memory/big_array.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 inline constexpr std::uint32_t no_item = 0xFFFFFFFF;
 
@@ -249,4 +249,4 @@ class ThreadExecutor : public HostMemory {
   unsigned threads_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

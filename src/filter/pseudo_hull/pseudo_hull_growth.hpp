@@ -14,7 +14,7 @@
 #include "filter/pseudo_hull/pseudo_hull_steps.hpp"
 #include "parallel/threads/control.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 /// Reusable: memory is kept from one subset to the next.
 template <unsigned D, class Executor, class Rows>
@@ -195,4 +195,4 @@ class PseudoHullGrowth {
   std::vector<std::uint32_t> simplex_of_, corners_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

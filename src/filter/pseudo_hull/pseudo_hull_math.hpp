@@ -11,7 +11,7 @@
 #include "exact/determinants/minors.hpp"
 #include "parallel/host_device.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline filter {
 
 /// A facet of the pseudo-hull: rows of the subset.
 template <unsigned D>
@@ -139,4 +139,4 @@ struct PlaceSearch {
   }
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline filter

@@ -11,7 +11,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "parallel/memory/raw_array.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 /// A ridge between a facet that is visible from the point and one that is not.
 struct HorizonRidge {
@@ -65,4 +65,4 @@ struct Lane {
   std::uint64_t streams_done = 0;  ///< in phases that were shared
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

@@ -20,7 +20,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "parallel/xorshift.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 namespace {
 
 /// Facets per vertex of random points on a sphere: the limit, and for V = 20, 40, ... 640 points
@@ -218,4 +218,4 @@ void check_facets(const LocalPoints& points, std::uint64_t bytes_per_facet, cons
                   " MiB; raise the budget, or ask for the extreme points only");
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 /// The input of planes. Facets are rows of d ids; their planes are scaled to n . (x - O) = 1 and
 /// stored as d + 1 floats, the last being the error E: for g~ = n . y in f32 with y = x - O rounded
@@ -23,4 +23,4 @@ struct PlaneFrame {
 void facet_planes(const PlaneFrame& frame, std::uint32_t apex, const std::uint32_t* facets,
                   const std::uint8_t* apex_slot, std::size_t count, float* planes);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

@@ -7,7 +7,7 @@
 #include "exact/determinants/minors.hpp"
 #include "exact/planes/eliminated_plane.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 namespace {
 
 class AnyPlanes {
@@ -65,4 +65,4 @@ void facet_planes_any(const PlaneFrame& frame, const std::uint32_t* facets, std:
     any.plane(facets + i * frame.dimension, planes + i * (frame.dimension + 1));
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

@@ -13,7 +13,7 @@
 #include <algorithm>
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::HWY_NAMESPACE {
+namespace cullhull::internal::inline hull::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -70,11 +70,11 @@ void beneath(unsigned d, const float* planes, std::size_t count, const float* y,
   with_dimension<4, 7, 8>(d, [&](auto k) { block<k>(planes, count, y, beneath); });
 }
 
-}  // namespace cullhull::internal::HWY_NAMESPACE
+}  // namespace cullhull::internal::inline hull::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 HWY_EXPORT(beneath);
 
@@ -83,5 +83,5 @@ void beneath_facets(unsigned d, const float* planes, std::size_t count, const fl
   HWY_DYNAMIC_DISPATCH(beneath)(d, planes, count, y, beneath);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull
 #endif

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 /// Points of one call.
 inline constexpr std::size_t sieve_block = 64;
@@ -20,4 +20,4 @@ inline constexpr unsigned sieve_min_dimension = 4, sieve_max_dimension = 8;
 void beneath_facets(unsigned d, const float* planes, std::size_t count, const float* y,
                     std::uint8_t* beneath);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

@@ -7,7 +7,7 @@
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 /// Hot: the plane as d + 1 floats. Cold: d vertices, then d neighbours, neighbour j across the
 /// ridge opposite to vertex j. In 4D and 5D both are one cache line; in 6D and 7D the hot part is
@@ -84,4 +84,4 @@ class FacetStore {
   RawArray<std::byte> hot_, cold_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

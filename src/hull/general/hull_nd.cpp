@@ -4,7 +4,7 @@
 #include "hull/general/insertion_nd.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 Boundary hull_nd(const LocalPoints& points, const std::uint32_t* simplex, const Run& run,
                  bool same_facets) {
@@ -16,4 +16,4 @@ Boundary hull_nd(const LocalPoints& points, const std::uint32_t* simplex, const 
   });
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

@@ -39,7 +39,7 @@
 #include "parallel/threads/run.hpp"
 #include "parallel/xorshift.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 template <unsigned D>
 class InsertionNd {
@@ -499,7 +499,7 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate_exactly(Lane& lane, Id start,
   return none;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull
 
 #include "hull/general/insertion_nd_batches.hpp"
 #include "hull/general/insertion_nd_cavity.hpp"

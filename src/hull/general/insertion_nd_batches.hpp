@@ -6,7 +6,7 @@
 
 #include "hull/general/insertion_nd.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 template <unsigned D>
 template <class Body>
@@ -186,4 +186,4 @@ void InsertionNd<D>::claim(Stream& s) {
   for (const HorizonRidge& r : s.horizon) claims_[r.outside] = border;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

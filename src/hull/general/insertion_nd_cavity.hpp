@@ -7,7 +7,7 @@
 #include "hull/general/insertion_nd.hpp"
 #include "parallel/prefetch.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 // ----------------------------------------------------------------------------------- insertion
 
@@ -232,4 +232,4 @@ Boundary InsertionNd<D>::collect() {
   return std::move(result_);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

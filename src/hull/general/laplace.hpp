@@ -6,7 +6,7 @@
 
 #include "exact/determinants/minors.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 /// Sets of columns of a D-column matrix, numbered among those of their size in the order of their
 /// masks.
@@ -93,4 +93,4 @@ struct PlaneBounds {
   static constexpr double per_reach = (D + 3) * 0x1p-24 * (1 + 0x1p-10);
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

@@ -16,7 +16,7 @@
 #include "parallel/prefetch.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 namespace {
 
 constexpr std::uint32_t block = PlanarSource::block;
@@ -434,4 +434,4 @@ Boundary hull_2d(const LocalPoints& points, const Run& run) {
   return hull;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

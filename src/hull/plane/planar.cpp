@@ -1,6 +1,6 @@
 #include "hull/plane/planar.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 namespace {
 
 /// Whether a - b was computed as `difference` without rounding (Knuth's error term is 0). False
@@ -51,4 +51,4 @@ int Turn::exact(const Entry& a, const Entry& b, const Entry& c) {
   return static_cast<int>(orientation_exact(2, p));
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

@@ -9,7 +9,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "geometry/gather.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 /// A point with its exact coordinates, its row in the source, and a key that is monotone in x.
 struct Entry {
@@ -98,4 +98,4 @@ class PlanarSource {
   const double* packed_ = nullptr;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

@@ -4,7 +4,7 @@
 #include <bit>
 #include <utility>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 namespace {
 
 constexpr std::uint32_t few = 24;  // so many are sorted by insertion; a guess
@@ -161,4 +161,4 @@ void ChainBuilder::extend(Entries& chain, std::uint32_t& size, const Entry* poin
   size = m;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

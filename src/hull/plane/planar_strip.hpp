@@ -6,7 +6,7 @@
 #include "hull/plane/planar.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 /// Smallest and largest coordinates.
 struct Box {
@@ -86,4 +86,4 @@ class Strip {
 std::vector<std::uint32_t> discard_inner(const PlanarSource& source, const Box& box,
                                          const Corners& corners, const Run& run);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

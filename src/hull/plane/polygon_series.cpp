@@ -2,7 +2,7 @@
 #include "hull/plane/polygon.hpp"
 #include "hull/plane/quadrilateral.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 PolygonSeries::PolygonSeries(const Control& control) : chains_({}, Turn(), control) {}
 
 const std::vector<std::uint32_t>& PolygonSeries::corners(const double* rows, std::uint32_t count) {
@@ -43,4 +43,4 @@ const std::vector<std::uint32_t>& PolygonSeries::corners(const double* rows, std
   return corners_;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

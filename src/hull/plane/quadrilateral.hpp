@@ -6,7 +6,7 @@
 #include "hull/plane/planar.hpp"
 #include "hull/plane/planar_strip.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 /// The quadrilateral of four outermost points (Akl and Toussaint 1978) as linear functions of (x,
 /// y) - origin, which exceed their limits inside. Not all four may be equal. Used where the strip
@@ -42,4 +42,4 @@ class Quadrilateral {
   double nx_[4] = {}, ny_[4] = {}, limit_[4] = {-1, -1, -1, -1};
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

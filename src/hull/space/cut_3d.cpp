@@ -6,7 +6,7 @@
 #include "hull/space/engine_3d.hpp"
 #include "parallel/xorshift.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 namespace {
 
 /// Eigenvectors (rows) of a symmetric matrix by Jacobi's rotations; approximations suffice.
@@ -190,4 +190,4 @@ Cut3D Engine3D::choose_cut(const std::vector<Work>& work) const {
   return best;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

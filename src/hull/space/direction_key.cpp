@@ -14,7 +14,7 @@
 #include <cmath>
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::HWY_NAMESPACE {
+namespace cullhull::internal::inline hull::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -112,11 +112,11 @@ void fine_direction_keys(const DirectionKey::Map& map, const double* x, const do
   keys_of(map, x, y, z, 24, keys);
 }
 
-}  // namespace cullhull::internal::HWY_NAMESPACE
+}  // namespace cullhull::internal::inline hull::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 HWY_EXPORT(direction_keys);
 HWY_EXPORT(fine_direction_keys);
@@ -209,5 +209,5 @@ DirectionKey DirectionKey::for_normals() const {
   return key;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull
 #endif

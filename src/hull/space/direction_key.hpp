@@ -5,7 +5,7 @@
 
 #include "exact/points/local_points.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 /// Hilbert curves over the faces of the cube of directions, after a linear map that makes the
 /// points' covariance round: without it the directions of a thin body would crowd.
@@ -36,4 +36,4 @@ class DirectionKey {
   Map map_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

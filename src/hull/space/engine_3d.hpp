@@ -13,7 +13,7 @@
 #include "parallel/memory/big_array.hpp"
 #include "parallel/memory/raw_array.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 /// Borders between the pieces of a surface: parallel planes, or keys along the insertion order.
 struct Cut3D {
@@ -98,4 +98,4 @@ class Engine3D {
   std::vector<Entries3D::Entry> entries_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

@@ -7,7 +7,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "parallel/xorshift.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 namespace {
 
 using Id = std::uint32_t;
@@ -235,4 +235,4 @@ Boundary hull_3d(const LocalPoints& points, const std::uint32_t* simplex, const 
   return boundary_of(triangle_mesh(points, simplex, run), run);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

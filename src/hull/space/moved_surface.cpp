@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cmath>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 namespace {
 
 using Id = std::uint32_t;
@@ -137,4 +137,4 @@ std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers*
   return surface;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

@@ -10,7 +10,7 @@
 #include "hull/space/triangle_mesh.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 /// The triangles and vertices of a hull, numbered so that neighbours are near in memory, as ids
 /// alone need not be: breadth first.
@@ -31,4 +31,4 @@ std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers*
                                           const LocalPoints& points, const std::uint32_t* simplex,
                                           const Run& run);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

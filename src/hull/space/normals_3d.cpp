@@ -6,7 +6,7 @@
 #include "parallel/radix_sort.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 /// Ranks the facets by their normals, along a curve.
 void Engine3D::rank_facets() {
@@ -142,4 +142,4 @@ void Engine3D::permute(Id begin, const Keyed* order) {
   shared_.rows = rows_.get();
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

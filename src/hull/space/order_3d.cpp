@@ -9,7 +9,7 @@
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 namespace {
 
 /// Each round is 2^4 times as large as all before it (8 to 32 measured alike).
@@ -142,4 +142,4 @@ InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKe
   return order;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

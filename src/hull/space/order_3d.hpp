@@ -9,7 +9,7 @@
 #include "parallel/memory/big_array.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 /// Biased randomised insertion order (Amenta, Choi, Rote 2003): rounds of geometrically growing
 /// random samples, each sorted along the curve of directions.
@@ -29,4 +29,4 @@ inline constexpr auto sort_key = [](const Keyed& k) { return k.key; };
 InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKey& key,
                                     const std::uint32_t* simplex, const Run& run);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

@@ -4,7 +4,7 @@
 
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 namespace {
 
 using Id = std::uint32_t;
@@ -66,4 +66,4 @@ Boundary boundary_of(TriangleMesh&& surface, const Run& run) {
   return hull;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

@@ -14,7 +14,7 @@
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline hull {
 
 /// A surface of triangles in the engine's records: slots of facets, some of them unused.
 struct TriangleMesh {
@@ -43,4 +43,4 @@ TriangleMesh triangle_mesh(const LocalPoints& points, const std::uint32_t* simpl
 /// The facets numbered by ascending slot, with local ids.
 Boundary boundary_of(TriangleMesh&& surface, const Run& run);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline hull

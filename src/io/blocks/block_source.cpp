@@ -19,7 +19,7 @@
 #include "parallel/byte_order.hpp"
 #include "parallel/memory/memory.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 char* BlockMemory::room(std::size_t bytes, std::size_t keep) {
   if (bytes > size_) {
@@ -451,7 +451,7 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
   return std::make_unique<WholeInput>(std::move(from), format == "text" ? "txt" : format, read);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io
 
 namespace cullhull {
 

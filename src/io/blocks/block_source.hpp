@@ -10,7 +10,7 @@
 #include "cullhull/point_blocks.hpp"
 #include "io/source.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 /// Memory that a reading thread keeps from block to block.
 class BlockMemory {
@@ -68,4 +68,4 @@ class BlockSource {
 /// Opens an input and finds its format.
 std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOptions& options);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

@@ -12,7 +12,7 @@
 #include "io/source.hpp"
 #include "io/system.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 namespace {
 
 constexpr std::size_t head_bytes = std::size_t{1} << 20;
@@ -209,4 +209,4 @@ void read_at(const OpenedBytes& from, char* out, std::size_t size, std::uint64_t
   }
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

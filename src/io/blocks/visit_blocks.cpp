@@ -13,7 +13,7 @@
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline io {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -386,7 +386,7 @@ class Reading {
 };
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline io
 
 BlockSummary visit_blocks(const std::vector<std::string>& files, const BlockVisitor& visitor,
                           const BlockOptions& options) {

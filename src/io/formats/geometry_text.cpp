@@ -6,7 +6,7 @@
 #include "io/json/json_text.hpp"
 #include "io/write/mesh.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 namespace {
 
 /// The first positions and, for a ring, the first one again, each written by one(x, y).
@@ -154,4 +154,4 @@ std::string geometry_file(const Coordinates& points, const Hull& hull, const std
   return out + "}\n";
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

@@ -9,7 +9,7 @@
 #include "cullhull/io.hpp"
 #include "io/coordinates.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 /// `boundary`: x y of the hull's vertices, counter-clockwise. A polygon is one closed ring; two
 /// points are a line, one is a point, none is null (GeoJSON) or an empty polygon (WKT).
@@ -32,4 +32,4 @@ void append_wkt(std::string& out, const PlanePolygons& polygons);
 /// unless the points are 2D.
 std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

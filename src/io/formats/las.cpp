@@ -15,7 +15,7 @@
 #include "io/write/output_file.hpp"
 #include "parallel/byte_order.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 namespace {
 
 template <class T>
@@ -223,7 +223,7 @@ void write_records(OutputFile& out, const Source& las, const std::vector<std::ui
 }
 
 }  // namespace
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io
 
 namespace cullhull {
 

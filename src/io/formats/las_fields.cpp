@@ -9,7 +9,7 @@
 #include "io/columns.hpp"
 #include "parallel/byte_order.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 namespace {
 
 using Kind = LasField::Kind;
@@ -173,4 +173,4 @@ void choose_las_columns(PointData& data, const char* records, std::size_t record
     gather(data, all, records, record, columns, options);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

@@ -7,7 +7,7 @@
 #include "cullhull/point_view.hpp"
 #include "io/source.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 struct LasField {
   enum class Kind { bits, i8, u8, i16, u16, f64 };
@@ -28,4 +28,4 @@ const std::vector<LasField>& las_fields(unsigned format);
 void choose_las_columns(PointData& data, const char* records, std::size_t record, unsigned format,
                         const std::string& file, const ReadOptions& options);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

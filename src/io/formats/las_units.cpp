@@ -9,7 +9,7 @@
 
 #include "parallel/byte_order.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 namespace {
 
 constexpr std::size_t record_head = 54;  // bytes before the contents of a variable-length record
@@ -100,4 +100,4 @@ std::string las_unit(const Source& head, std::size_t begin, std::size_t count) {
   return of_wkt.empty() ? of_keys : of_wkt;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

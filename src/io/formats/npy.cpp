@@ -15,7 +15,7 @@
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline io {
 namespace {
 
 struct Header {
@@ -403,7 +403,7 @@ void write_values(OutputFile& out, const double* v, std::uint64_t count, ScalarT
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline io
 
 void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& ids) {
   internal::OutputFile out(path);

@@ -6,7 +6,7 @@
 #include "io/text/lines.hpp"
 #include "io/write/mesh.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 namespace {
 
 constexpr std::array<std::string_view, 48> keywords = {
@@ -101,4 +101,4 @@ void write_obj(OutputFile& out, const HullMesh& mesh) {
   }
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

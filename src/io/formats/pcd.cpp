@@ -13,7 +13,7 @@
 #include "parallel/byte_order.hpp"
 #include "parallel/memory/memory.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 namespace {
 
 struct Field {
@@ -394,4 +394,4 @@ std::optional<RecordLayout> pcd_records(const Source& head, std::uint64_t size,
   return layout;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

@@ -8,7 +8,7 @@
 #include "io/formats/geometry_text.hpp"
 #include "io/write/output_text.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 inline bool is_map(const std::string& f) { return f == "geojson" || f == "wkt"; }
 
@@ -36,4 +36,4 @@ void write_map(const std::string& path, const std::string& f, std::uint64_t coun
   out.commit();
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

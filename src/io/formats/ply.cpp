@@ -12,7 +12,7 @@
 #include "io/write/mesh.hpp"
 #include "parallel/byte_order.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 namespace {
 
 enum class Encoding { ascii, little, big };
@@ -505,4 +505,4 @@ void write_ply(OutputFile& out, const HullMesh& mesh) {
   }
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

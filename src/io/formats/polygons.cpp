@@ -13,7 +13,7 @@
 #include "io/packed/unpack.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline io {
 namespace {
 
 using nlohmann::json;
@@ -98,7 +98,7 @@ Polygons read_polygons(const Source& source) {
   return PolygonReader(source.name).read(document);
 }
 
-}  // namespace internal
+}  // namespace internal::inline io
 
 PolygonRings Polygons::rings() const {
   return {PointView::row_major(corners.data(), corners.size() / 2, 2), ring_offsets};

@@ -4,9 +4,9 @@
 #include "cullhull/triangulation_io.hpp"
 #include "io/source.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 /// As the public read_polygons.
 Polygons read_polygons(const Source& source);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

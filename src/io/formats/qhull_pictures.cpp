@@ -5,7 +5,7 @@
 #include "io/formats/qhull_text.hpp"
 #include "io/write/mesh.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 namespace {
 
 void require_picture(const Hull& hull, const char* what) {
@@ -100,4 +100,4 @@ std::string geomview_text(const Coordinates& points, const Hull& hull) {
   return out += "}\n";
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

@@ -11,7 +11,7 @@
 #include "parallel/sorted.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline io {
 
 void append_padded(std::string& out, double v) {
   const std::size_t at = out.size();
@@ -410,7 +410,7 @@ std::vector<double> facet_measures(const Coordinates& points, const Hull& hull) 
   return measures;
 }
 
-}  // namespace internal
+}  // namespace internal::inline io
 
 const std::vector<std::string>& qhull_formats() {
   static const std::vector<std::string> words = {

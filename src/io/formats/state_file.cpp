@@ -10,7 +10,7 @@
 #include "io/write/output_file.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline io {
 namespace {
 
 std::string_view as_text(const void* data, std::size_t size) {
@@ -109,7 +109,7 @@ void write_npz(OutputFile& out, const HullState& state) {
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline io
 
 void write_state(const std::string& path, const HullState& state) {
   const std::string format = internal::output_format(path, "", "hullstate");

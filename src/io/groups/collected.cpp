@@ -8,7 +8,7 @@
 #include "io/text/text_scan.hpp"
 #include "parallel/memory/memory.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 std::uint32_t WordNumbers::number(std::string_view word) {
   if (2 * words_.size() >= slots_.size()) grow();
@@ -114,4 +114,4 @@ SortedGroups CollectedPoints::sort() {
   return sorted;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

@@ -16,7 +16,7 @@
 #include "parallel/memory/memory.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline io {
 namespace {
 
 /// One hull of a batch, and the rows of its points.
@@ -236,7 +236,7 @@ std::string name_of_key(const std::string& key) {
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline io
 
 GroupReport write_group_hulls(const std::vector<std::string>& files, const std::string& path,
                               const BlockOptions& reading, const Options& options) {

@@ -13,7 +13,7 @@
 #include "io/hdf5/library.hpp"
 #include "parallel/memory/memory.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 bool holds_hdf5(const std::string& file, std::string_view head) {
   const std::string ending = extension_of(file);
@@ -414,7 +414,7 @@ PointData read_hdf5(const std::string& file, const std::string& datasets,
   return data;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io
 
 const char* cullhull::describe_library_fault() noexcept {
 #if CULLHULL_HAVE_HDF5

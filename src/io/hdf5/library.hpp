@@ -17,7 +17,7 @@
 #include "io/system.hpp"
 #include "parallel/threads/fork_guard.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 #define CULLHULL_HDF5_FUNCTIONS(X)                                                             \
   X(H5Dclose)                                                                                  \
@@ -31,9 +31,10 @@ namespace cullhull::internal {
   X(H5Eget_auto2)                                                                              \
   X(H5Eset_auto2)                                                                              \
   X(H5Ewalk2)                                                                                  \
-  X(H5Fclose) X(H5Fopen) X(H5Ovisit) X(H5Pclose) X(H5Pcreate) X(H5Pfill_value_defined)         \
-      X(H5Pget_chunk) X(H5Pget_external_count) X(H5Pget_fill_time) X(H5Pget_layout)            \
-          X(H5Pset_chunk_cache) X(H5Sclose) X(H5Screate_simple) X(H5Sget_simple_extent_dims)   \
+  X(H5Fclose)                                                                                  \
+  X(H5Fopen) X(H5Ovisit) X(H5Pclose) X(H5Pcreate) X(H5Pfill_value_defined) X(H5Pget_chunk)     \
+      X(H5Pget_external_count) X(H5Pget_fill_time) X(H5Pget_layout) X(H5Pset_chunk_cache)      \
+          X(H5Sclose) X(H5Screate_simple) X(H5Sget_simple_extent_dims)                         \
               X(H5Sget_simple_extent_ndims) X(H5Sselect_hyperslab) X(H5Tclose) X(H5Tget_class) \
                   X(H5Tget_fields) X(H5Tget_sign) X(H5Tget_size) X(H5dont_atexit) X(H5open)
 // In two steps: some of the names are macros, for the version of a function.
@@ -159,5 +160,5 @@ inline std::string reason() {
   return text[0] == 0 ? "" : " (libhdf5: " + std::string(text) + ")";
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io
 #endif

@@ -5,7 +5,7 @@
 #include <vector>
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline io {
 namespace {
 
 JsonHead head_of(std::string_view kind, const Hull& hull) {
@@ -65,7 +65,7 @@ void write_result_json(const Coordinates& points, const Hull& hull, const TextSi
   w.end_document();
 }
 
-}  // namespace internal
+}  // namespace internal::inline io
 
 namespace {
 

@@ -10,7 +10,7 @@
 #include "parallel/threads/control.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline io {
 namespace {
 
 using nlohmann::json;
@@ -485,7 +485,7 @@ Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinate
   return hull;
 }
 
-}  // namespace internal
+}  // namespace internal::inline io
 
 Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates,
                     const Options& options, std::uint64_t first_id) {

@@ -12,7 +12,7 @@
 #include <zstd.h>
 #endif
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 namespace {
 
 constexpr std::size_t piece_bytes = std::size_t{1} << 18;
@@ -285,4 +285,4 @@ Buffer read_all(ByteStream& from, const std::string& name, std::uint64_t budget,
   }
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

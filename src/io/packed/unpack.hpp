@@ -9,7 +9,7 @@
 #include "io/blocks/byte_stream.hpp"
 #include "io/source.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 enum class Packing { none, gzip, zstd };
 
@@ -39,4 +39,4 @@ std::unique_ptr<ByteStream> stream_of(std::string_view bytes);
 /// The whole stream, within `budget` bytes (0: half of the memory). Throws Error{out_of_budget}.
 Buffer read_all(ByteStream& from, const std::string& name, std::uint64_t budget, std::size_t& size);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

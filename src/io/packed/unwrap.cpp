@@ -5,7 +5,7 @@
 
 #include "io/packed/unpack.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 namespace {
 
 void unwrap_member(const std::string& member, std::uint64_t budget, Source& source,
@@ -46,4 +46,4 @@ void unwrap(const InputName& input, Source& source, ReadOptions& options, Buffer
   source.data = memory.as<const char>();
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

@@ -6,7 +6,7 @@
 #include "io/packed/archive.hpp"
 #include "io/source.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 /// Whether the file is an archive to look into. `file`: the name without a member's.
 bool is_archive(const std::string& file, std::string_view head, const ReadOptions& options);
@@ -16,4 +16,4 @@ bool is_archive(const std::string& file, std::string_view head, const ReadOption
 /// Throws Error{bad_file}, Error{out_of_budget}, Error{invalid_argument}.
 void unwrap(const InputName& input, Source& source, ReadOptions& options, Buffer& memory);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

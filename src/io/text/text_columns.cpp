@@ -3,7 +3,7 @@
 #include "io/text/lines.hpp"
 #include "io/text/text_scan.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 void ColumnScanner::take_quoted(std::string_view& column) {
   const char* const begin = ++at_;
@@ -110,4 +110,4 @@ void ColumnLayout::parse(const char* begin, const char* end, double* out,
                     " where there are " + std::to_string(coordinate.size())};
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

@@ -7,7 +7,7 @@
 #include "io/text/lines.hpp"
 #include "io/text/text.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 namespace {
 
 struct DataLine {
@@ -299,4 +299,4 @@ Preamble find_preamble(const Source& source, const ReadOptions& options, bool cs
   return find_rows(source, first, scanner, options, csv);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

@@ -14,7 +14,7 @@
 #include "io/system.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline io {
 namespace {
 
 // Read by a signal handler, so: fixed size, no lock, no allocation.
@@ -145,7 +145,7 @@ void OutputFile::commit() {
   abandon();
 }
 
-}  // namespace internal
+}  // namespace internal::inline io
 
 void remove_unfinished_files() noexcept {
   for (internal::Unfinished& u : internal::unfinished)

@@ -9,7 +9,7 @@
 
 #include "parallel/byte_order.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 /// Writes beside the target and renames in commit(); the destructor removes what was not committed.
 /// "-" is standard output; it, and targets that are no regular files, are written directly.
@@ -62,4 +62,4 @@ std::string output_format(const std::string& path, const std::string& format,
 [[noreturn]] void refuse_format(const std::string& path, const std::string& format,
                                 const char* known);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

@@ -1,6 +1,6 @@
 #include "io/write/output_text.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline io {
 
 void write_vtk(const std::string& path, const PointView& points, const Triangulation& t,
                std::span<const std::uint32_t> cells) {
@@ -37,4 +37,4 @@ void write_mesh(const std::string& path, const std::string& f, const HullMesh& m
   out.commit();
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline io

@@ -12,7 +12,7 @@
 #include "io/write/output_text.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline io {
 namespace {
 
 constexpr const char* endings = ".ply .obj .off .stl .glb .vtp .vtk .geojson .wkt .json";
@@ -106,7 +106,7 @@ void check(const std::string& path, const std::string& f, std::uint32_t dimensio
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline io
 
 using namespace internal;
 

@@ -11,7 +11,7 @@
 
 namespace cullhull {
 
-namespace internal {
+namespace internal::inline io {
 
 std::string output_format(const std::string& path, const std::string& format,
                           const std::string& unnamed) {
@@ -27,7 +27,7 @@ void refuse_format(const std::string& path, const std::string& format, const cha
                                                quoted_text("." + format) + "; known are " + known);
 }
 
-}  // namespace internal
+}  // namespace internal::inline io
 
 namespace {
 

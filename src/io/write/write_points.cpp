@@ -10,7 +10,7 @@
 #include "io/write/output_file.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline io {
 namespace {
 
 /// Writes the rows packed, little-endian.
@@ -71,7 +71,7 @@ std::string column_names(std::uint32_t dimension) {
 }
 
 }  // namespace
-}  // namespace internal
+}  // namespace internal::inline io
 
 void write_ids(const std::string& path, const std::vector<std::uint64_t>& ids,
                const std::string& format) {

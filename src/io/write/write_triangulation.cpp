@@ -13,7 +13,7 @@
 #include "io/write/output_text.hpp"
 
 namespace cullhull {
-namespace internal {
+namespace internal::inline io {
 namespace {
 
 constexpr const char* triangulation_endings =
@@ -158,7 +158,7 @@ HullMesh mesh_of(const ClippedCells& cells) {
 
 }  // namespace
 
-}  // namespace internal
+}  // namespace internal::inline io
 
 using namespace internal;
 

@@ -9,7 +9,7 @@
 
 #include "parallel/memory/pages.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// `count` items of a trivial type whose values are indeterminate until written.
 template <class T>
@@ -46,4 +46,4 @@ void resize_big(Array<T>& v, std::size_t count) {
   v.resize(count);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

@@ -7,7 +7,7 @@
 
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// Writes one byte of every huge page of a block whose contents do not matter. Otherwise scattered
 /// writes would make the system clear all of the block within their first chunk, during which
@@ -26,4 +26,4 @@ void clear_pages_early(void* block, std::size_t bytes, unsigned threads, const C
   });
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

@@ -15,7 +15,7 @@
 #include <fstream>
 #include <limits>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 namespace {
 
 constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::max();
@@ -85,4 +85,4 @@ std::uint64_t machine_memory() {
   return bytes;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

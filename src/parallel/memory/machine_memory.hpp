@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// Bytes this process may use: the machine's memory or, where that is less, the limit of its
 /// control groups (those of a container, say). 0 where the system does not tell. Determined once.
@@ -15,4 +15,4 @@ std::uint64_t machine_memory();
 /// greatest number where there is none.
 std::uint64_t group_memory_limit(const std::string& groups, const std::string& root);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

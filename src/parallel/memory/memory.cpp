@@ -3,7 +3,7 @@
 #include "cullhull/error.hpp"
 #include "parallel/memory/machine_memory.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 std::uint64_t resolve_budget(std::uint64_t requested) {
   if (requested > 0) return requested;
@@ -26,4 +26,4 @@ void require_budget(std::uint64_t budget, std::uint64_t bytes, const std::string
                                             " MiB, the memory budget is " + size_text(budget));
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

@@ -17,7 +17,7 @@
 #include "parallel/memory/machine_memory.hpp"
 #endif
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 namespace {
 
 constexpr std::align_val_t alignment{64};
@@ -359,4 +359,4 @@ void trim_pages(std::size_t) noexcept {}
 
 #endif
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

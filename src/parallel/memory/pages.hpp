@@ -5,7 +5,7 @@
 
 #include "cullhull/array.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// While any of these lives, every freed block is kept and reused; the last one to be destroyed
 /// returns to the system what is beyond the limit of keep_memory(), and lets it reclaim the rest
@@ -41,4 +41,4 @@ std::size_t kept_pages() noexcept;
 /// Gives back what is kept beyond so many bytes, once; the limit stays.
 void trim_pages(std::size_t most) noexcept;
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

@@ -13,7 +13,7 @@
 
 #include "parallel/memory/pages.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 template <class T>
 class RawArray {
@@ -75,4 +75,4 @@ class RawArray {
   std::size_t bytes_ = 0;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

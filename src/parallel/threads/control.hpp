@@ -6,7 +6,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/options.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 class Control {
  public:
@@ -34,4 +34,4 @@ class Control {
   std::stop_token stop_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

@@ -7,7 +7,7 @@
 #include <functional>
 #include <memory>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 class Crew {
  public:
@@ -36,4 +36,4 @@ class Crew {
   std::shared_ptr<Phases> phases_;  // of the session
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

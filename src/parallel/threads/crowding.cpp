@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 namespace {
 
 using std::chrono::nanoseconds;
@@ -75,4 +75,4 @@ void forget_crowding() noexcept {
   last_wait = 0;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

@@ -5,7 +5,7 @@
 
 #include <chrono>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// Whether a helper is likely to cost more than it saves now. From any thread; about 30 ns.
 bool crowded() noexcept;
@@ -32,4 +32,4 @@ void note_absence() noexcept;
 /// Resets to the state at the start of the process.
 void forget_crowding() noexcept;
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

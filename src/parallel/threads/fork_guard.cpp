@@ -4,7 +4,7 @@
 #include <pthread.h>
 #endif
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// All guards: lists of each order, whose heads are constants until the first guard is made.
 class ForkGuards {
@@ -46,4 +46,4 @@ ForkGuard::ForkGuard(Order order, void (*lock)(), void (*unlock)(), void (*unloc
       unlock_in_child_(unlock_in_child),
       next_(ForkGuards::add(order, this)) {}
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

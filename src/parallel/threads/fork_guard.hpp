@@ -1,7 +1,7 @@
 // Locks of the process, which a forked child must find free whichever thread held them.
 #pragma once
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// Keeps the lock of something that the process has one of while it is forked: the child has none
 /// of the threads that could release it, and finds what it guards whole. fork() waits for whoever
@@ -28,4 +28,4 @@ class ForkGuard {
   ForkGuard* next_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

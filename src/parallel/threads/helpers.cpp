@@ -14,7 +14,7 @@
 #include "parallel/threads/crowding.hpp"
 #include "parallel/threads/fork_guard.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -188,4 +188,4 @@ void Patience::wait_a_little() {
   ++turns_;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

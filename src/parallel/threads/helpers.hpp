@@ -4,7 +4,7 @@
 
 #include <memory>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// Processors this process may run on; asked once.
 unsigned machine_threads();
@@ -54,4 +54,4 @@ class Patience {
   unsigned turns_ = 0;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

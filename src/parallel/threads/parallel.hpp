@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <functional>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// Threads that will be used for a request (0: all the machine offers).
 unsigned resolve_threads(unsigned requested);
@@ -22,4 +22,4 @@ inline std::uint64_t chunk_count(std::uint64_t count, std::uint64_t chunk_size) 
   return (count + chunk_size - 1) / chunk_size;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

@@ -7,7 +7,7 @@
 #include "parallel/threads/control.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// Items a chunk for loops of a few nanoseconds an item: some 50 microseconds, long beside the
 /// microsecond that handing a chunk to another thread takes.
@@ -75,4 +75,4 @@ inline const Run& short_run() {
   return run;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline parallel {
 
 /// One thread's object of one type.
 class ThreadMemory {
@@ -53,4 +53,4 @@ inline std::size_t thread_memories() noexcept {
   return count;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline parallel

@@ -7,7 +7,7 @@
 #include "cullhull/error.hpp"
 #include "exact/numbers/double_parts.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 namespace {
 
 /// The largest power of two that divides all given coordinates.
@@ -150,4 +150,4 @@ ExactNormal::ExactNormal(unsigned d, const double* const* p) {
   volume_ = Wide(height).magnitude().times_power_of_two(all_units);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -7,7 +7,7 @@
 
 #include "exact/numbers/wide_float.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// For affinely independent points p[0], ..., p[rows] of R^d and the edges p[i + 1] - p[0]: the
 /// rest of each edge, its component orthogonal to the edges before it. One fraction-free
@@ -46,4 +46,4 @@ class ExactNormal {
   Wide area_, volume_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

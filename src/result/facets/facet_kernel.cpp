@@ -13,7 +13,7 @@
 #include "result/facets/facet_lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::HWY_NAMESPACE {
+namespace cullhull::internal::inline result::HWY_NAMESPACE {
 namespace {
 
 template <unsigned K>
@@ -51,11 +51,11 @@ void block6(FacetBlock<6>& b) { block<6>(b); }
 void block7(FacetBlock<7>& b) { block<7>(b); }
 void block8(FacetBlock<8>& b) { block<8>(b); }
 
-}  // namespace cullhull::internal::HWY_NAMESPACE
+}  // namespace cullhull::internal::inline result::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 HWY_EXPORT(block3);
 HWY_EXPORT(block4);
@@ -89,5 +89,5 @@ void facet_block(FacetBlock<8>& b) {
   HWY_DYNAMIC_DISPATCH(block8)(b);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result
 #endif

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// Eight simplices of K corners in R^K, lane by lane: input `corner` and `origin`, output the rest.
 template <unsigned K>
@@ -24,4 +24,4 @@ struct FacetBlock {
 template <unsigned K>
 void facet_block(FacetBlock<K>& block);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -5,7 +5,7 @@
 #include <bit>
 #include <cstdint>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// 128 bits: a stack of numbers, the last one pushed in the lowest bits. Overflow is lost at the
 /// top.
@@ -80,4 +80,4 @@ class FacetKeys {
   std::uint32_t first_mask_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

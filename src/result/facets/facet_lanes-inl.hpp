@@ -15,7 +15,7 @@
 #include <cstdint>
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::HWY_NAMESPACE {
+namespace cullhull::internal::inline result::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -84,7 +84,7 @@ HWY_INLINE void write_shares(const Lanes (&normal)[3], Lanes length, const Lanes
 }
 
 }  // namespace
-}  // namespace cullhull::internal::HWY_NAMESPACE
+}  // namespace cullhull::internal::inline result::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

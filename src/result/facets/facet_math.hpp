@@ -6,7 +6,7 @@
 
 #include "exact/determinants/cofactors.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 inline double root(double v) { return std::sqrt(v); }
 inline double absolute(double v) { return std::fabs(v); }
@@ -16,4 +16,4 @@ inline double greater_of(double a, double b) { return std::max(a, b); }
 #include "result/facets/facet_math-inl.hpp"
 #undef CULLHULL_MATH
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -13,7 +13,7 @@
 #include "result/facets/exact_rests.hpp"
 #include "result/measures/measure_frame.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// A normal shorter than this share of the product of its edges' lengths is computed again with
 /// more bits, so that its direction is accurate to about 2^-38 rad at worst, and usually far more.
@@ -187,4 +187,4 @@ class FacetPlane {
   const double conditioned_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

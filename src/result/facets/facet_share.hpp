@@ -12,7 +12,7 @@
 #include "result/facets/facet_plane.hpp"
 #include "result/measures/totals.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// `vertex`: positions in stored order; `thin`: the normal is too short and must be computed with
 /// more bits; `sum`: of the corners' differences from vertex 0. Writes the plane to out[0 .. K].
@@ -62,4 +62,4 @@ Totals<DoubleDouble> total_of_runs(const Share<K>* runs, std::uint64_t count, co
   return Totals<DoubleDouble>(all);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

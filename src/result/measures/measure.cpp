@@ -13,7 +13,7 @@
 #include "result/facets/facet_plane.hpp"
 #include "result/measures/totals.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 namespace {
 
 bool is_zero(double v) { return v == 0; }
@@ -534,4 +534,4 @@ void measure_thin(const PointView& points, const std::vector<std::uint64_t>& ver
   measure_in_frame(frame, vertex_index, run, hull, true);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

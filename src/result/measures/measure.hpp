@@ -4,7 +4,7 @@
 #include "cullhull/hull.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// Fills volume, area, centroid and facet_planes from the other fields. `axes`: k coordinate axes
 /// on which the points' flat projects one to one. Sums run in canonical order over chunks of fixed
@@ -20,4 +20,4 @@ void measure_thin(const PointView& points, const std::vector<std::uint64_t>& ver
                   const std::vector<std::uint32_t>& vertex_index, const unsigned* axes,
                   const Run& run, Hull& hull);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

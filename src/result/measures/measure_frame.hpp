@@ -14,7 +14,7 @@
 #include "exact/numbers/wide_float.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// v * 2^e; a multiplication where 2^e is a normal double.
 inline double scale_by(double v, int e) {
@@ -59,4 +59,4 @@ struct Frame {
 Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vertices,
                  const unsigned* axes, unsigned k, const Run& run);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

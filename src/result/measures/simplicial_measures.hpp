@@ -13,7 +13,7 @@
 #include "result/measures/measure.hpp"
 #include "result/measures/measure_frame.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// Computes them from the sums over runs of facets, or again with more bits where those are not
 /// accurate enough: the hull is thin. `vertices`: their ids, ascending; hull.simplices must be
@@ -34,4 +34,4 @@ void finish_simplicial(const ResultInput& input, const std::vector<std::uint64_t
   measure_thin(*input.view, vertices, index, input.axes, run, hull);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -10,7 +10,7 @@
 #include "exact/numbers/wide_float.hpp"
 #include "result/measures/measure_frame.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// Runs of 32 are summed in doubles, runs of a chunk in double-doubles, then the chunks: the order
 /// is part of the canonical result. 32 additions in doubles lose 5 bits at most.
@@ -103,4 +103,4 @@ bool finish_quickly(unsigned k, int exponent, const double* origin, const Double
 /// The same from sums on the frame's axes and in its units.
 void finish_measures(const Frame& frame, const Totals<DoubleDouble>& sums, Hull& hull);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

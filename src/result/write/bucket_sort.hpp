@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// A vertex's bucket is its position shifted right by this number: buckets of about `size`
 /// simplices, but at most 2048 of them, as each thread writes to all of them. 256 to 2048 buckets
@@ -61,4 +61,4 @@ class BucketSort {
   std::vector<Key> keys_;
 };
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -9,7 +9,7 @@
 #include "result/write/ranking.hpp"
 #include "result/write/vertex_list.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 std::vector<std::uint64_t> extreme_rows(Boundary&& surface, const LocalPoints& points,
                                         const Run& run, std::uint64_t* rung_counts) {
@@ -47,4 +47,4 @@ std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size
   return out;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -7,7 +7,7 @@
 #include "hull/engine.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// Ascending rows of the extreme points (of equal points the lowest); `boundary` as build_hull
 /// takes it. Adds to `rung_counts`.
@@ -20,4 +20,4 @@ std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size
                                          std::uint32_t count, const std::uint64_t* ids,
                                          const Run& run);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

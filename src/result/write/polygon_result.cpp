@@ -10,7 +10,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "result/facets/facet_plane.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 // The exponent that make_frame would choose.
 EdgeKernel::EdgeKernel(const Box& box) {
@@ -282,4 +282,4 @@ bool write_polygon(const PointView& points, const std::uint64_t* ids, const Poly
   return Writer(points, ids, polygon, kernel, run).run(hull);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -13,7 +13,7 @@
 #include "result/measures/measure_frame.hpp"
 #include "result/measures/totals.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 struct PlanarPoint {
   double x, y;
@@ -87,4 +87,4 @@ bool finish_polygon(const EdgeKernel& kernel, const Share<2, DoubleDouble>& sums
 bool write_polygon(const PointView& points, const std::uint64_t* ids, const Polygon& polygon,
                    const Run& run, Hull& hull);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -8,7 +8,7 @@
 
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// `flags`: 0 or 1 for each of `count` items. Calls prepare(total) with the number of ones, then,
 /// if that returns true, visit(item, rank) for every item, `rank` being the number of flagged items
@@ -31,4 +31,4 @@ void rank_flagged(const std::uint8_t* flags, std::uint64_t count, const Run& run
   });
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

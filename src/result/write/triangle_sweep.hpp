@@ -8,7 +8,7 @@
 #include "hull/space/insertion_3d.hpp"
 #include "result/measures/totals.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// The data of a facet for the second sweep. Vertices by position, in stored order: the lowest
 /// first, counter-clockwise seen from outside.
@@ -60,4 +60,4 @@ std::uint32_t triangle_shares(const TriangleRecord* const* records, unsigned cou
                               const double* vertices, const double* origin, double unit,
                               TriangleShares& shares, double* planes);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -6,7 +6,7 @@
 
 #include "result/write/ranking.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 VertexList list_vertices(const Boundary& surface, std::uint32_t points, const std::uint64_t* ids,
                          const Run& run) {
@@ -38,4 +38,4 @@ VertexList list_vertices(const Boundary& surface, std::uint32_t points, const st
   return list;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

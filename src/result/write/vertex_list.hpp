@@ -7,7 +7,7 @@
 #include "parallel/memory/big_array.hpp"
 #include "result/boundary.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// Positions among the vertices ascend as the local ids do.
 struct VertexList {
@@ -25,4 +25,4 @@ struct VertexList {
 VertexList list_vertices(const Boundary& surface, std::uint32_t points, const std::uint64_t* ids,
                          const Run& run);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -28,7 +28,7 @@
 #include "result/measures/simplicial_measures.hpp"
 #include "result/write/bucket_sort.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 namespace {
 
 template <unsigned K>
@@ -464,4 +464,4 @@ bool write_simplices(const ResultInput& input, const Boundary& surface, const Ve
   return builds[surface.dimension - 4](input, surface, vertices, frame, run, key_bits, hull);
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

@@ -6,7 +6,7 @@
 #include "result/measures/measure_frame.hpp"
 #include "result/write/vertex_list.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// For k = 4 ... 8 = surface.dimension and a frame that is not wild: checks every ridge of the
 /// surface, as `coplanar_pairs` does, and fills the hull from it in a few sweeps. Returns false,
@@ -17,4 +17,4 @@ namespace cullhull::internal {
 bool write_simplices(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
                      const Frame& frame, const Run& run, Hull& hull, unsigned key_bits = 128);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

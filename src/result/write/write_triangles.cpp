@@ -25,7 +25,7 @@
 #include "result/write/ranking.hpp"
 #include "result/write/triangle_sweep.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 namespace {
 
 using Id = std::uint32_t;
@@ -481,4 +481,4 @@ bool write_triangles(const ResultInput& input, TriangleMesh& surface, const Run&
   return true;
 }
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result

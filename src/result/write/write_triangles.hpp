@@ -4,7 +4,7 @@
 #include "hull/space/triangle_mesh.hpp"
 #include "result/build_hull.hpp"
 
-namespace cullhull::internal {
+namespace cullhull::internal::inline result {
 
 /// Checks every ridge and fills the hull in a few sweeps over the engine's own facets. Returns
 /// false, with surface and hull unchanged but for their counts of rungs, where the general code is
@@ -12,4 +12,4 @@ namespace cullhull::internal {
 /// that of a hull. Otherwise the surface is consumed. The points must have dimension 3.
 bool write_triangles(const ResultInput& input, TriangleMesh& surface, const Run& run, Hull& hull);
 
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::inline result
